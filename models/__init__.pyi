@@ -1,0 +1,11 @@
+from .block import Block as Block
+from .impulsive import impulsive_response as impulsive_response
+from .main_sequence import resonance as resonance
+from .recorded import recorded_response as recorded_response
+from .response import HalfCycles as HalfCycles
+from .response import Outcome as Outcome
+from .response import Reason as Reason
+from .response import Response as Response
+from .sequence import ImpulseSequence as ImpulseSequence
+from .sequence import impulse_train as impulse_train
+from .sequence import sequence_response as sequence_response

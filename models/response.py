@@ -1,0 +1,121 @@
+"""What every model answers: one :class:`Response` per call, one entry per lane (factor on the input, block)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+from enum import IntEnum
+from typing import Any
+
+import numpy as np
+
+__all__ = ["IMPACT_CUTOFF", "HalfCycles", "Outcome", "Reason", "Response"]
+
+#: Impacts slower than this are not counted, as speed over p alpha_c [-] (about 5e-7 of alpha_c in rotation).
+IMPACT_CUTOFF = 1e-3
+
+
+class Outcome(IntEnum):
+    """How a motion ends."""
+
+    AT_REST = 0  #: never uplifted
+    ROCKS = 1  #: uplifted, and comes back to rest or to a bounded motion
+    OVERTURNS = 2
+    UNRESOLVED = 3  #: the model cannot say; see the reason
+
+
+class Reason(IntEnum):
+    """Why a lane is UNRESOLVED."""
+
+    NONE = 0
+    IMPACT_LIMIT = 1  #: more impacts inside one step than the solver follows (restitution of one or next to it)
+    FREE_FLIGHT = 2  #: the vertical acceleration cancels gravity: the block leaves the ground
+    HALF_CYCLE_LIMIT = 3  #: more half-cycles than the model follows
+
+
+@dataclass(frozen=True, eq=False)
+class HalfCycles:
+    """The half-cycles of a response, first axis; NaN (or -1) after the last one.
+
+    Attributes
+    ----------
+    start_velocity : (h, ...) ndarray
+        u_i = theta'/(p alpha_c) right after the impact and the main impulse [-].
+    peak : (h, ...) ndarray
+        Largest theta/alpha_c in the half-cycle [-]; inf where the block overturns.
+    duration : (h, ...) ndarray
+        Time to the next impact [s]; inf where there is none.
+    impulse_count : (h, ...) ndarray of int
+        Number n_i of intermediate impulses (0 without, -1 where n -> infinity or where there is no half-cycle).
+    interval : (h, ...) ndarray
+        Corrected interval dT_i of the intermediate impulses [s]; NaN without.
+    impact_speed : (h, ...) ndarray
+        Speed u_r right before the next impact [-]; NaN where there is none.
+    """
+
+    start_velocity: np.ndarray
+    peak: np.ndarray
+    duration: np.ndarray
+    impulse_count: np.ndarray
+    interval: np.ndarray
+    impact_speed: np.ndarray
+
+
+@dataclass(frozen=True, eq=False)
+class Response:
+    """Peak, outcome and events of a rocking motion; arrays of the lanes' shape, or scalars for one lane.
+
+    Attributes
+    ----------
+    peak_rotation_ratio : float or ndarray
+        Largest abs(theta)/alpha_c [-], found inside the samples; inf when overturned, 0 at rest, NaN only when UNRESOLVED.
+    outcome : int or ndarray
+        :class:`Outcome`.
+    reason : int or ndarray
+        :class:`Reason`, NONE unless UNRESOLVED.
+    overturning_time : float or ndarray
+        Time at which overturning is certain [s]; NaN without.
+    overturning_half_cycle : int or ndarray
+        1 + impacts before overturning; -1 without.
+    impacts : int or ndarray
+        Impacts faster than :data:`IMPACT_CUTOFF` p alpha_c, those after the input included; -1 where they never end (C = 1).
+    time, rotation, velocity : ndarray or None
+        History [s], [rad], [rad/s], where asked for.
+    half_cycles : HalfCycles or None
+        The table of the sequence models.
+    """
+
+    peak_rotation_ratio: Any
+    outcome: Any
+    reason: Any
+    overturning_time: Any
+    overturning_half_cycle: Any
+    impacts: Any
+    time: np.ndarray | None = None
+    rotation: np.ndarray | None = None
+    velocity: np.ndarray | None = None
+    half_cycles: HalfCycles | None = None
+
+
+def drop_axes(part: Any, lane_axes: int, drop: tuple[bool, ...]) -> Any:
+    """The same dataclass without the lane axes marked in `drop`; lanes are the last axes of every array.
+
+    Parameters
+    ----------
+    part : Response or HalfCycles
+        Arrays whose last `lane_axes` axes are lanes.
+    lane_axes : int
+        Number of lane axes.
+    drop : tuple of bool, length `lane_axes`
+        Which of them have length one because the caller gave a scalar.
+    """
+    axes = tuple(axis - lane_axes for axis, dropped in enumerate(drop) if dropped)
+    values = {}
+    for item in fields(part):
+        value = getattr(part, item.name)
+        if isinstance(value, HalfCycles):
+            value = drop_axes(value, lane_axes, drop)
+        elif isinstance(value, np.ndarray) and item.name != "time":
+            value = value.squeeze(axis=axes)
+            value = value.item() if value.ndim == 0 else value
+        values[item.name] = value
+    return type(part)(**values)

@@ -1,0 +1,33 @@
+"""The errors that rockpulse raises on purpose.
+
+Every class takes one message and nothing else, so that it survives pickling on its way back from a worker process.
+File-system faults stay :class:`OSError`.
+"""
+
+from __future__ import annotations
+
+__all__ = ["ConfigError", "RecordFormatError", "RecordRefused", "ResultsError", "RockpulseError", "UnitError"]
+
+
+class RockpulseError(ValueError):
+    """Base of every error whose message tells the user what was found, what was expected and what to do."""
+
+
+class RecordFormatError(RockpulseError):
+    """A file that claims a format but breaks its rules, or that no reader recognises."""
+
+
+class RecordRefused(RockpulseError):
+    """A well-formed file that holds no usable ground acceleration (velocity, spectra, counts without a gain)."""
+
+
+class UnitError(RockpulseError):
+    """A unit that is missing, unknown, or contradicts the file."""
+
+
+class ConfigError(RockpulseError):
+    """A configuration file or command-line option that cannot be used."""
+
+
+class ResultsError(RockpulseError):
+    """A results file that cannot be written, or is not one that this version reads."""

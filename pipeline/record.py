@@ -1,0 +1,145 @@
+"""One channel of ground acceleration with everything that was known about it."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from datetime import datetime
+from typing import Literal
+
+import numpy as np
+
+from rockpulse.errors import RecordFormatError
+
+__all__ = ["STANDARD_GRAVITY", "Orientation", "Record", "record_id"]
+
+#: What the file unit "g" means, always [m/s2].
+STANDARD_GRAVITY = 9.80665
+
+Orientation = Literal["horizontal", "vertical", "structural", "unknown"]
+
+
+@dataclass(frozen=True, eq=False)
+class Record:
+    """An accelerogram: one channel, equally spaced, in m/s2.
+
+    Attributes
+    ----------
+    acceleration : (n,) ndarray
+        Ground acceleration [m/s2], n >= 2, finite, read-only. Between samples it is taken as linear.
+    dt : float
+        Sampling interval [s].
+    id : str
+        ``NET.STA.LOC.CHA@YYYYMMDDTHHMMSS`` where known, else ``<file stem>.<channel>``.
+    network, station, location, channel : str
+        Codes as the file gives them; empty where unknown.
+    component : str
+        The channel's direction as the file words it ("90 Deg", "UP").
+    orientation : {"horizontal", "vertical", "structural", "unknown"}
+        What the direction means; "structural" is a channel on a building.
+    azimuth : float
+        Clockwise from north [degrees]; NaN where unknown or not horizontal.
+    start_time : datetime or None
+        UTC time of the first sample.
+    source : str
+        File the record came from; ``archive.zip!member`` for a member of an archive.
+    format : str
+        Name of the reader (see ``rockpulse formats``).
+    source_unit : str
+        Unit in the file.
+    unit_factor : float
+        Acceleration in m/s2 = value in the file x unit_factor.
+    processed : bool or None
+        True for a corrected volume, False for a raw one, None where the format does not say.
+    header_peak : float
+        Peak acceleration that the header states [m/s2]; NaN where it does not.
+    event : str
+        Event name as in the file; empty where unknown.
+    warnings : tuple of str
+        What the user should know about this record.
+    processing : tuple of str
+        Conditioning steps applied so far, in order.
+    """
+
+    acceleration: np.ndarray
+    dt: float
+    id: str
+    network: str = ""
+    station: str = ""
+    location: str = ""
+    channel: str = ""
+    component: str = ""
+    orientation: Orientation = "unknown"
+    azimuth: float = float("nan")
+    start_time: datetime | None = None
+    source: str = ""
+    format: str = ""
+    source_unit: str = ""
+    unit_factor: float = 1.0
+    processed: bool | None = None
+    header_peak: float = float("nan")
+    event: str = ""
+    warnings: tuple[str, ...] = ()
+    processing: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        where = self.source or self.id
+        acceleration = np.array(self.acceleration, dtype=float)
+        if acceleration.ndim != 1 or acceleration.size < 2:
+            raise RecordFormatError(
+                f"{where}: expected at least 2 samples in one row, found shape {acceleration.shape}; the file may be truncated"
+            )
+        bad = np.flatnonzero(~np.isfinite(acceleration))
+        if bad.size:
+            raise RecordFormatError(
+                f"{where}: {bad.size} of {acceleration.size} samples are NaN or infinite, the first at index {bad[0]}; "
+                "repair the file or cut the record there"
+            )
+        if not (np.isfinite(self.dt) and self.dt > 0.0):
+            raise RecordFormatError(f"{where}: expected a positive sampling interval dt in s, found {self.dt!r}")
+        acceleration.setflags(write=False)
+        object.__setattr__(self, "acceleration", acceleration)
+        object.__setattr__(self, "dt", float(self.dt))
+
+    @property
+    def npts(self) -> int:
+        """Number of samples."""
+        return int(self.acceleration.size)
+
+    @property
+    def duration(self) -> float:
+        """Time from the first sample to the last [s]."""
+        return (self.npts - 1) * self.dt
+
+    @property
+    def time(self) -> np.ndarray:
+        """(n,) Time of the samples from the first [s]."""
+        return self.dt * np.arange(self.npts)
+
+    @property
+    def pga(self) -> float:
+        """Largest absolute acceleration [m/s2]."""
+        return float(np.max(np.abs(self.acceleration)))
+
+
+def record_id(
+    network: str, station: str, location: str, channel: str, start_time: datetime | None, stem: str, number: int
+) -> str:
+    """``NET.STA.LOC.CHA@YYYYMMDDTHHMMSS``, or ``<stem>.<channel>`` where station or time is unknown.
+
+    Parameters
+    ----------
+    network, station, location, channel : str
+        Codes; all but `station` may be empty.
+    start_time : datetime or None
+        UTC time of the first sample.
+    stem : str
+        File name without its last extension.
+    number : int
+        Number of the channel in the file, from 1; stands in for an empty `channel`.
+    """
+    if station and start_time is not None:
+        text = f"{network}.{station}.{location}.{channel or number}@{start_time:%Y%m%dT%H%M%S}"
+    else:
+        text = f"{stem}.{channel or number}"
+    return re.sub(r"[^A-Za-z0-9_.@~-]", "_", text)
