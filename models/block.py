@@ -1,12 +1,14 @@
 """The rigid block: geometry, restitution and the constants of its rocking motion (Casapulla & Maione 2017, section 3).
 
-.. note:: A rectangle of half-width b and half-height a turns about its lower corners; R is the half-diagonal, alpha_c the angle between
-   R and the vertical, and p = sqrt(3 g/(4 R)) the frequency parameter. A body that is no rectangle has p = sqrt(M g R/I_0).
+.. note:: A rectangle of half-width b and half-height a turns about its lower corners; R is the half-diagonal, alpha_c
+   the angle between R and the vertical, and p = sqrt(3 g/(4 R)) the frequency parameter. A body that is no rectangle
+   has p = sqrt(M g R/I_0).
 """
 
 from __future__ import annotations
 
 import logging
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -19,12 +21,24 @@ STANDARD_GRAVITY = 9.80665
 #: The linear, resonance and sequence models are stated for slenderness of at least this (section 3).
 SLENDERNESS_RANGE = 3.0
 
+LANE_FIELDS = (
+    "half_width",
+    "half_height",
+    "restitution",
+    "alpha_c",
+    "p",
+    "radius",
+    "slenderness",
+    "critical_impulse",
+)
+
 logger = logging.getLogger("rockpulse")
 
 
 @dataclass(frozen=True, eq=False)
 class Block:
-    """A free-standing rigid block, or an array of them: the fields broadcast to one shape (m,), or () for a single block.
+    """A free-standing rigid block, or an array of them: the fields broadcast to one shape (m,), or () for a single
+    block.
 
     Parameters
     ----------
@@ -56,8 +70,8 @@ class Block:
     Raises
     ------
     ValueError
-        For sizes or gravity that are not positive and finite, a restitution outside [0, 1], or "housner" for a block so squat
-        that the formula turns negative (slenderness below 0.707).
+        For sizes or gravity that are not positive and finite, a restitution outside [0, 1], or "housner" for a block
+        so squat that the formula turns negative (slenderness below 0.707).
 
     References
     ----------
@@ -120,7 +134,9 @@ class Block:
         """
         p_, alpha_ = np.broadcast_arrays(_positive("p", p, "1/s"), _positive("alpha", alpha, "rad"))
         if np.any(alpha_ >= np.pi / 2):
-            raise ValueError(f"alpha: expected an angle below pi/2 rad, got {alpha!r}; it is given in radians, not degrees")
+            raise ValueError(
+                f"alpha: expected an angle below pi/2 rad, got {alpha!r}; it is given in radians, not degrees"
+            )
         block = object.__new__(cls)
         object.__setattr__(block, "restitution", restitution)
         unknown = np.full(p_.shape, np.nan)
@@ -133,6 +149,41 @@ class Block:
             rectangle=False,
         )
         return block
+
+    def lane(self, index: int) -> Block:
+        """One lane of an array of blocks as a block of its own."""
+        return self._with(lambda values: values[index].item())
+
+    def lanes(self, count: int) -> Block:
+        """A block of shape (count,): a single block repeated, or itself where it has that shape already."""
+        return self._with(lambda values: np.broadcast_to(values, (count,)))
+
+    @classmethod
+    def stack(cls, blocks: Sequence[Block]) -> Block:
+        """Several blocks in the same gravity as the lanes of one, in their order.
+
+        Raises
+        ------
+        ValueError
+            Without any block, or in different gravity.
+        """
+        gravities = {block.gravity for block in blocks}
+        if len(gravities) != 1:
+            raise ValueError(f"blocks: expected one gravity for all blocks of a stack, found {sorted(gravities)}")
+        stacked = object.__new__(cls)
+        object.__setattr__(stacked, "gravity", gravities.pop())
+        object.__setattr__(stacked, "warnings", tuple(dict.fromkeys(w for block in blocks for w in block.warnings)))
+        for name in LANE_FIELDS:
+            object.__setattr__(stacked, name, np.concatenate([np.atleast_1d(getattr(block, name)) for block in blocks]))
+        return stacked
+
+    def _with(self, choose: Callable[[np.ndarray], Any]) -> Block:
+        other = object.__new__(type(self))
+        object.__setattr__(other, "gravity", self.gravity)
+        object.__setattr__(other, "warnings", self.warnings)
+        for name in LANE_FIELDS:
+            object.__setattr__(other, name, choose(np.asarray(getattr(self, name))))
+        return other
 
     def _finish(self, *, rectangle: bool, **values: Any) -> None:
         alpha = values["alpha_c"]
@@ -181,15 +232,14 @@ class Block:
             raise ValueError(f"restitution: expected the velocity ratio C in [0, 1] or 'housner', got {given!r}")
         return restitution
 
-
     @property
     def shape(self) -> tuple[int, ...]:
         """Shape of the lanes: () for one block, (m,) for several."""
         return np.shape(self.p)
 
     @property
-    def applicable_linear(self) -> Any:
-        """True where the slenderness is within the range of the linear, resonance and sequence models."""
+    def slender(self) -> Any:
+        """True where the slenderness is within the range of the models with linear natural motion."""
         return self.slenderness >= SLENDERNESS_RANGE
 
 

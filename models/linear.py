@@ -1,7 +1,7 @@
 """The linear equation of a slender block under a sampled accelerogram (Housner 1963; Casapulla & Maione 2017, Eq. 1).
 
-.. note:: theta'' = p^2 (theta - s alpha - a_g/g), s = sgn theta. With phi = s theta >= 0 and tau = p t: phi'' = phi - alpha - ground,
-   ground = s a_g/g, linear in tau inside a sample.
+.. note:: theta'' = p^2 (theta - s alpha - a_g/g), s = sgn theta. With phi = s theta >= 0 and tau = p t: phi'' = phi -
+   alpha - ground, ground = s a_g/g, linear in tau inside a sample.
 """
 
 from __future__ import annotations
@@ -33,7 +33,8 @@ def linear_series(c, phi, speed, alpha, ground, ground_slope):
 
     Notes
     -----
-    (k+1)(k+2) c_{k+2} = c_k - [alpha + ground]_k. No difference of hyperbolic functions is taken, so the motion keeps its digits next to phi = 0.
+    (k+1)(k+2) c_{k+2} = c_k - [alpha + ground]_k. No difference of hyperbolic functions is taken, so the motion keeps
+    its digits next to phi = 0.
     """
     c[0] = phi
     c[1] = speed
@@ -67,8 +68,9 @@ def linear_after(phi, speed, alpha, restitution):
 
     Notes
     -----
-    With xi = phi/alpha, eta = xi' the growing mode is xi - 1 + eta: not negative, it takes the block over. Otherwise the block comes back with
-    w^2 = xi (2 - xi) + eta^2 and leaves the ground with u = C w: u >= 1 overturns it on the other side.
+    With xi = phi/alpha, eta = xi' the growing mode is xi - 1 + eta: not negative, it takes the block over. Otherwise
+    the block comes back with w^2 = xi (2 - xi) + eta^2 and leaves the ground with u = C w: u >= 1 overturns it on the
+    other side.
     """
     xi = phi / alpha
     eta = speed / alpha

@@ -1,7 +1,8 @@
 """The nonlinear equation of the rocking block under a sampled accelerogram (Housner 1963; Yim, Chopra & Penzien 1980).
 
-.. note:: theta'' = -p^2 [(1 + a_v/g) sin(s alpha - theta) + (a_g/g) cos(s alpha - theta)], s = sgn theta, a_v positive up. With phi = s theta >= 0
-   and tau = p t: phi'' = -[lift sin(alpha - phi) + ground cos(alpha - phi)], lift = 1 + a_v/g, ground = s a_g/g, both linear in tau inside a sample.
+.. note:: theta'' = -p^2 [(1 + a_v/g) sin(s alpha - theta) + (a_g/g) cos(s alpha - theta)], s = sgn theta, a_v
+   positive up. With phi = s theta >= 0 and tau = p t: phi'' = -[lift sin(alpha - phi) + ground cos(alpha - phi)],
+   lift = 1 + a_v/g, ground = s a_g/g, both linear in tau inside a sample.
 """
 
 from __future__ import annotations
@@ -70,8 +71,8 @@ def flight_time(excess, start, stop):
 
     Notes
     -----
-    phi'^2 = 2 excess + 4 sin^2(psi/2). With k^2 = abs(excess)/2 and sin(psi/2) = k sinh z (over the top) or k cosh z (short of it),
-    dtau = dz/cos(psi/2): smooth, so Gauss-Legendre panels of unit length in z are exact to rounding.
+    phi'^2 = 2 excess + 4 sin^2(psi/2). With k^2 = abs(excess)/2 and sin(psi/2) = k sinh z (over the top) or k cosh z
+    (short of it), dtau = dz/cos(psi/2): smooth, so Gauss-Legendre panels of unit length in z are exact to rounding.
     """
     k = max(math.sqrt(0.5 * abs(excess)), 1e-150)
     low = math.sin(0.5 * min(start, stop)) / k
@@ -103,17 +104,15 @@ def nonlinear_after(phi, speed, alpha, restitution):
 
     Notes
     -----
-    The energy above that of the top is phi'^2/2 - 2 sin^2((alpha - phi)/2). A block short of the top goes over it if it moves outward
-    with an energy that is not negative; a block beyond the top comes back only if it moves inward with positive energy.
+    The energy above that of the top is phi'^2/2 - 2 sin^2((alpha - phi)/2). A block short of the top goes over it if
+    it moves outward with an energy that is not negative; a block beyond the top comes back only if it moves inward
+    with positive energy.
     """
     half_alpha = math.sin(0.5 * alpha)
     half = math.sin(0.5 * (alpha - phi))
     excess = 0.5 * speed * speed - 2.0 * half * half
     fall = 0.5 * math.pi - alpha
-    if phi < alpha:
-        over = speed > 0.0 and excess >= 0.0
-    else:
-        over = speed >= 0.0 or excess <= 0.0
+    over = speed > 0.0 and excess >= 0.0 if phi < alpha else speed >= 0.0 or excess <= 0.0
     if over:
         if speed >= 0.0:
             return np.inf, flight_time(excess, phi - alpha, fall), 0, np.nan
@@ -137,8 +136,8 @@ def nonlinear_after(phi, speed, alpha, restitution):
 def top_rotation(speed, alpha):
     """Largest phi of a free half-cycle that leaves the ground with dphi/dtau = speed [rad].
 
-    Energy gives phi = alpha - 2 asin(r), r^2 = sin^2(alpha/2) - speed^2/4; the sine of the difference is multiplied out, so that small
-    motions keep their digits.
+    Energy gives phi = alpha - 2 asin(r), r^2 = sin^2(alpha/2) - speed^2/4; the sine of the difference is multiplied
+    out, so that small motions keep their digits.
     """
     half_alpha = math.sin(0.5 * alpha)
     r = math.sqrt(max(0.0, half_alpha * half_alpha - 0.25 * speed * speed))

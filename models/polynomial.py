@@ -1,12 +1,12 @@
 """First impact and largest rotation of a motion given as a Taylor polynomial over one short step.
 
-.. note:: phi = s theta >= 0 is the rotation away from the ground, s = sgn theta, and tau = p t. A step is so short (p dt <= 0.1) that phi'' changes
-   its sign at most once in it: cut there, phi' is monotone on each piece and every root below is bracketed.
+.. note:: phi = s theta >= 0 is the rotation away from the ground, s = sgn theta, and tau = p t. A step is so short (p
+   dt <= 0.1) that phi'' changes its sign at most once in it: cut there, phi' is monotone on each piece and every root
+   below is bracketed.
 """
 
 from __future__ import annotations
 
-import numpy as np
 from numba import njit
 
 __all__ = ["ORDER", "falling_root", "first_impact", "value", "velocity"]
@@ -56,10 +56,11 @@ def derivative(c, order, tau):
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def bracketed_root(c, order, shift, left, right, guess):
-    """Root in [left, right] of the order-th derivative of phi less `shift`, of opposite signs at the two ends (order <= 1: monotone).
+    """Root in [left, right] of the order-th derivative of phi less `shift`, of opposite signs at the two ends (order
+    <= 1: monotone).
 
-    Newton steps, replaced by bisection where they leave the bracket; the stop is relative to the distance from the start of
-    the step, so that a hop of 1e-12 keeps its digits.
+    Newton steps, replaced by bisection where they leave the bracket; the stop is relative to the distance from the
+    start of the step, so that a hop of 1e-12 keeps its digits.
     """
     rising = derivative(c, order, right) - shift > 0.0
     tau = guess if left < guess < right else 0.5 * (left + right)
@@ -95,7 +96,8 @@ def first_impact(c, h):
     Parameters
     ----------
     c : (ORDER + 1,) ndarray
-        Taylor coefficients of phi(tau) about the start of the step [rad]; c[0] >= 0, and c[0] = 0 only with a motion that leaves the ground.
+        Taylor coefficients of phi(tau) about the start of the step [rad]; c[0] >= 0, and c[0] = 0 only with a motion
+        that leaves the ground.
     h : float
         Length of the step [-].
 

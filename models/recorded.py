@@ -1,8 +1,9 @@
 """Response to a sampled accelerogram, linear or nonlinear, over blocks and scale factors.
 
-.. note:: theta > 0 rocks about the right-hand corner; the ground acceleration is linear between samples and zero after the last one. Inside a
-   sample the motion is a Taylor polynomial (see :mod:`rockpulse.models.polynomial`), from which impacts, peaks and overturning are located
-   exactly; uplift is the exact crossing of the piecewise-linear record with the threshold.
+.. note:: theta > 0 rocks about the right-hand corner; the ground acceleration is linear between samples and zero
+   after the last one. Inside a sample the motion is a Taylor polynomial (see :mod:`rockpulse.models.polynomial`),
+   from which impacts, peaks and overturning are located exactly; uplift is the exact crossing of the piecewise-linear
+   record with the threshold.
 """
 
 from __future__ import annotations
@@ -52,31 +53,40 @@ def uplift_time(ground, slope, threshold, threshold_slope, remaining):
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def chatter_ends(speed, demand, demand_slope, restitution, window, peak):
-    """Whether the hops after an impact die out inside a window in which the ground cannot lift the block.
+def chatter_ends(speed, demand, demand_end, demand_slope, restitution, remaining, peak):
+    """Whether the hops after an impact die out before the ground can lift the block again.
 
     Parameters
     ----------
     speed : float
         dphi/dtau right after an impact over the restoring acceleration of the resting block [-].
-    demand, demand_slope : float
-        Largest abs(a_g)/threshold in the window [-], and the largest slope of abs(a_g)/threshold per unit of tau.
+    demand, demand_end : float
+        abs(a_g)/threshold at the impact and at the end of the sample [-].
+    demand_slope : float
+        Bound of the slope of abs(a_g)/threshold per unit of tau.
     restitution : float
         C [-].
-    window : float
-        Time tau that is left [-].
+    remaining : float
+        Time tau to the end of the sample [-].
     peak : float
         Largest rotation so far, in the unit of `speed`.
 
     Notes
     -----
-    The restoring acceleration stays above d = (1 - A) - w^2/(1 - A), so the first hop lasts less than T = 2 w/d, and the next ones shrink at least by
-    q = C (1 + m T/(2 (1 - A))): all of them together last less than T/(1 - q). The motion after that instant is the same whether the
-    hops are followed or not.
+    Look no further than to where half the margin 1 - A is used up, or to the end of the sample. There the restoring
+    acceleration stays above d = (1 - A) - w^2/(1 - A), so the first hop lasts less than T = 2 w/d, and the next ones
+    shrink at least by q = C (1 + m T/(2 (1 - A))): all of them together last less than T/(1 - q). The motion after that
+    instant is the same whether the hops are followed or not.
     """
-    margin = 1.0 - demand
-    if margin <= 0.0:
+    if demand >= 1.0:
         return False
+    largest = max(demand, demand_end)
+    window = remaining
+    halfway = 0.5 * (1.0 + demand)
+    if largest > halfway:
+        largest = halfway
+        window = min(remaining, (halfway - demand) / demand_slope)
+    margin = 1.0 - largest
     floor = margin - speed * speed / margin
     if floor <= 0.0:
         return False
@@ -94,11 +104,13 @@ def impacts_above_cutoff(speed, restitution):
         return -1
     if restitution <= 0.0:
         return 1
-    return 1 + int(math.floor(math.log(IMPACT_CUTOFF / speed) / math.log(restitution)))
+    return 1 + math.floor(math.log(IMPACT_CUTOFF / speed) / math.log(restitution))
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def march(equation, acceleration, vertical, largest_left, dt, factor, alpha, p, restitution, gravity, rotation, spin, history):
+def march(
+    equation, acceleration, vertical, largest_left, dt, factor, alpha, p, restitution, gravity, rotation, spin, history
+):
     """Follow one lane through the record and after it.
 
     Parameters
@@ -125,7 +137,7 @@ def march(equation, acceleration, vertical, largest_left, dt, factor, alpha, p, 
     sine = np.zeros(ORDER + 1)
     cosine = np.zeros(ORDER + 1)
     length = p * dt
-    steps = int(math.ceil(length / LONGEST_STEP))
+    steps = math.ceil(length / LONGEST_STEP)
     longest = length / steps
     g_factor = factor / gravity
     # Rest: abs(a_g)/g against (1 + a_v/g) x this; restoring: phi'' of the resting block on a still ground.
@@ -216,13 +228,14 @@ def march(equation, acceleration, vertical, largest_left, dt, factor, alpha, p, 
                 ground = ground_start + ground_slope * passed
                 lift = lift_start + lift_slope * passed
                 weakest = min(lift, lift_end)
-                demand = max(abs(ground) / lift, abs(ground_start + ground_slope * length) / lift_end) / threshold
+                demand = abs(ground) / (lift * threshold)
+                demand_end = abs(ground_start + ground_slope * length) / (lift_end * threshold)
                 demand_slope = (abs(ground_slope) + abs(lift_slope) * threshold) / (weakest * threshold)
                 scale = weakest * restoring
                 resting = speed == 0.0
                 if 0.0 < speed < cutoff:  # faster impacts are counted, so they are followed
                     resting = chatter_ends(
-                        speed / scale, demand, demand_slope, restitution, remaining, peak / scale
+                        speed / scale, demand, demand_end, demand_slope, restitution, remaining, peak / scale
                     )
             if equation == LINEAR and not resting:
                 ground = abs(ground_start + ground_slope * (length - remaining))
@@ -327,22 +340,23 @@ def recorded_response(
     Returns
     -------
     Response
-        Arrays (q, m), without the axes whose argument was a scalar; histories (q, m, n) likewise, zero from overturning on replaced
-        by NaN.
+        Arrays (q, m), without the axes whose argument was a scalar; histories (q, m, n) likewise, NaN
+        after overturning.
 
     Raises
     ------
     ValueError
-        For NaN or infinite samples, fewer than two, dt <= 0, a negative scale, an unknown equation, a vertical record of other length or
-        with the linear equation.
+        For NaN or infinite samples, fewer than two, dt <= 0, a negative scale, an unknown equation, a vertical record
+        of other length or with the linear equation.
 
     Notes
     -----
     theta'' = -p^2 [(1 + a_v/g) sin(s alpha - theta) + (a_g/g) cos(s alpha - theta)], s = sgn theta, or linear
-    theta'' = p^2 (theta - s alpha - a_g/g). The block lifts off strictly above (g + a_v) tan(alpha), or g alpha, towards theta > 0 when a_g is
-    negative. At an impact theta' becomes C theta'. A nonlinear lane overturns at abs(theta) = pi/2; a linear one when its growing mode
-    y = s theta/alpha - 1 + s theta'/(p alpha) exceeds the largest abs(a_g)/(g alpha) that is left, looked at after every step and impact. After the
-    record the motion is followed in closed form.
+    theta'' = p^2 (theta - s alpha - a_g/g). The block lifts off strictly above (g + a_v) tan(alpha), or g alpha,
+    towards theta > 0 when a_g is negative. At an impact theta' becomes C theta'. A nonlinear lane overturns at
+    abs(theta) = pi/2; a linear one when its growing mode y = s theta/alpha - 1 + s theta'/(p alpha) exceeds the
+    largest abs(a_g)/(g alpha) that is left, looked at after every step and impact. After the record the motion is
+    followed in closed form.
 
     References
     ----------
@@ -365,7 +379,9 @@ def recorded_response(
     if not (np.isfinite(dt) and dt > 0.0):
         raise ValueError(f"dt: expected a positive sampling interval in s, got {dt!r}")
     if vertical is not None and equation == "linear":
-        raise ValueError("vertical: the linear equation has no vertical acceleration; use equation='nonlinear' or drop it")
+        raise ValueError(
+            "vertical: the linear equation has no vertical acceleration; use equation='nonlinear' or drop it"
+        )
     up = np.zeros_like(record) if vertical is None else _samples("vertical", vertical)
     if up.size != record.size:
         raise ValueError(f"vertical: expected {record.size} samples as in acceleration, got {up.size}")

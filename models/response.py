@@ -30,6 +30,7 @@ class Reason(IntEnum):
     IMPACT_LIMIT = 1  #: more impacts inside one step than the solver follows (restitution of one or next to it)
     FREE_FLIGHT = 2  #: the vertical acceleration cancels gravity: the block leaves the ground
     HALF_CYCLE_LIMIT = 3  #: more half-cycles than the model follows
+    NO_SEQUENCE = 4  #: the record gave no impulse sequence to answer with
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,7 +68,8 @@ class Response:
     Attributes
     ----------
     peak_rotation_ratio : float or ndarray
-        Largest abs(theta)/alpha_c [-], found inside the samples; inf when overturned, 0 at rest, NaN only when UNRESOLVED.
+        Largest abs(theta)/alpha_c [-], found inside the samples; inf when overturned, 0 at rest, NaN only when
+        UNRESOLVED.
     outcome : int or ndarray
         :class:`Outcome`.
     reason : int or ndarray
@@ -77,7 +79,8 @@ class Response:
     overturning_half_cycle : int or ndarray
         1 + impacts before overturning; -1 without.
     impacts : int or ndarray
-        Impacts faster than :data:`IMPACT_CUTOFF` p alpha_c, those after the input included; -1 where they never end (C = 1).
+        Impacts faster than :data:`IMPACT_CUTOFF` p alpha_c, those after the input included; -1 where they never end
+        (C = 1).
     time, rotation, velocity : ndarray or None
         History [s], [rad], [rad/s], where asked for.
     half_cycles : HalfCycles or None

@@ -1,4 +1,5 @@
-"""Response to a sampled accelerogram. The comparison with an independent integrator is in test_recorded_reference.py."""
+"""Response to a sampled accelerogram. The comparison with an independent integrator is in
+test_recorded_reference.py."""
 
 import os
 import subprocess
@@ -59,9 +60,7 @@ def test_quarter_period_of_the_nonlinear_equation(share, seconds):  # VALIDATION
 def test_free_decay_peaks_and_their_total_time():  # VALIDATION V12 (D)
     block = block_a()
     assert block.restitution == pytest.approx(0.90625, rel=1e-12)
-    free = recorded_response(
-        block, np.zeros(24000), 5e-4, "linear", initial_rotation=0.5 * block.alpha_c, history=True
-    )
+    free = recorded_response(block, np.zeros(24000), 5e-4, "linear", initial_rotation=0.5 * block.alpha_c, history=True)
     sign_changes = np.flatnonzero(np.diff(np.sign(free.rotation))) + 1
     peaks = [np.max(np.abs(part)) / block.alpha_c for part in np.split(free.rotation, sign_changes)[:5]]
     assert peaks == pytest.approx([0.5, 0.3802959, 0.2970681, 0.2354605, 0.1883527], abs=1e-6)
@@ -72,7 +71,9 @@ def test_free_decay_peaks_and_their_total_time():  # VALIDATION V12 (D)
 @pytest.mark.parametrize(
     ("block", "velocity", "timing"), [(block_a(), 0.698343, 0.611518), (block_b(), 0.461962, 0.823083)]
 )
-def test_critical_double_impulse_of_nabeshima(block, velocity, timing):  # VALIDATION V4 (P): doi 10.3389/fbuil.2016.00009
+def test_critical_double_impulse_of_nabeshima(
+    block, velocity, timing
+):  # VALIDATION V4 (P): doi 10.3389/fbuil.2016.00009
     kick = block.p**2 * np.cos(block.alpha_c) / G * velocity
     first = recorded_response(block, np.zeros(20000), 1e-4, initial_velocity=kick, history=True)
     impact = first_crossing(first)
@@ -222,7 +223,7 @@ def test_constant_vertical_acceleration_is_another_gravity(lift):  # VALIDATION 
 )
 def test_energy_is_kept_between_impacts_and_never_grows(share, speed, restitution, slenderness, equation):
     block = Block(half_width=0.4, half_height=0.4 * slenderness, restitution=restitution, gravity=G)
-    start = dict(initial_rotation=share * block.alpha_c, initial_velocity=speed * block.p * block.alpha_c)
+    start = {"initial_rotation": share * block.alpha_c, "initial_velocity": speed * block.p * block.alpha_c}
     free = recorded_response(block, np.zeros(600), 0.01, equation, history=True, **start)
     moving = np.isfinite(free.rotation) & (free.rotation != 0.0)
     phi, spin = np.abs(free.rotation[moving]) / block.alpha_c, free.velocity[moving] / (block.p * block.alpha_c)
@@ -297,6 +298,17 @@ def test_chatter_comes_to_rest_and_the_block_lifts_again():
     assert again == np.max(np.abs(response.rotation[:431]))  # the second hop starts from rest, like the first
 
 
+@pytest.mark.parametrize("equation", EQUATIONS)
+def test_chatter_that_dies_out_in_the_sample_of_the_next_uplift(equation):
+    block = Block.from_parameters(p=2.0, alpha=0.25, restitution=0.8, gravity=G)
+    record = G * np.tan(0.25) * np.array([0.2, 1.2, 1.2, 0.2])
+    chatter = recorded_response(block, record, 0.2, equation, initial_velocity=0.005, history=True)
+    from_rest = recorded_response(block, record, 0.2, equation, history=True)
+    assert from_rest.rotation[1] != 0.0
+    assert chatter.impacts > from_rest.impacts
+    assert np.array_equal(chatter.rotation[1:], from_rest.rotation[1:])
+
+
 def test_no_restitution_stops_at_the_first_impact():
     block = block_a(restitution=0.0)
     free = recorded_response(block, np.zeros(200), 0.01, initial_rotation=0.3 * block.alpha_c, history=True)
@@ -329,7 +341,7 @@ def test_vertical_acceleration_that_cancels_gravity_is_unresolved():
 @pytest.mark.parametrize("equation", EQUATIONS)
 def test_passing_the_critical_angle_alone_is_not_overturning(equation):
     block = block_b()
-    start = dict(initial_rotation=1.05 * block.alpha_c, initial_velocity=-0.2 * block.p * block.alpha_c)
+    start = {"initial_rotation": 1.05 * block.alpha_c, "initial_velocity": -0.2 * block.p * block.alpha_c}
     response = recorded_response(block, np.zeros(10), 0.01, equation, **start)
     assert response.outcome == Outcome.ROCKS
     assert response.peak_rotation_ratio == pytest.approx(1.05)
@@ -338,12 +350,14 @@ def test_passing_the_critical_angle_alone_is_not_overturning(equation):
 @pytest.mark.parametrize("equation", EQUATIONS)
 def test_block_driven_back_too_fast_overturns_on_the_other_side(equation):
     block = block_b(restitution=0.95)
-    start = dict(initial_rotation=0.5 * block.alpha_c, initial_velocity=-1.5 * block.p * block.alpha_c)
+    start = {"initial_rotation": 0.5 * block.alpha_c, "initial_velocity": -1.5 * block.p * block.alpha_c}
     response = recorded_response(block, np.zeros(2), 0.01, equation, **start)
     assert response.outcome == Outcome.OVERTURNS
     assert response.overturning_half_cycle == 2
     marched = recorded_response(block, np.zeros(4000), 0.001, equation, **start)
-    assert response.overturning_time == pytest.approx(marched.overturning_time, abs=1e-9 if equation == "nonlinear" else 2e-3)
+    assert response.overturning_time == pytest.approx(
+        marched.overturning_time, abs=1e-9 if equation == "nonlinear" else 2e-3
+    )
 
 
 def test_lanes_are_those_of_single_calls():
@@ -375,16 +389,16 @@ def test_history_after_overturning_is_nan_and_before_it_is_not():
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        (dict(acceleration=[0.0]), "at least 2 samples"),
-        (dict(acceleration=[0.0, np.nan, 1.0]), "sample 1 is nan"),
-        (dict(acceleration=[[0.0, 1.0]]), "shape"),
-        (dict(dt=0.0), "dt"),
-        (dict(dt=-0.01), "dt"),
-        (dict(equation="cubic"), "equation"),
-        (dict(scale=-1.0), "scale"),
-        (dict(vertical=[0.0, 0.0]), "vertical: expected 3 samples"),
-        (dict(vertical=[0.0, 0.0, 0.0], equation="linear"), "vertical"),
-        (dict(initial_rotation=np.nan), "initial_rotation"),
+        ({"acceleration": [0.0]}, "at least 2 samples"),
+        ({"acceleration": [0.0, np.nan, 1.0]}, "sample 1 is nan"),
+        ({"acceleration": [[0.0, 1.0]]}, "shape"),
+        ({"dt": 0.0}, "dt"),
+        ({"dt": -0.01}, "dt"),
+        ({"equation": "cubic"}, "equation"),
+        ({"scale": -1.0}, "scale"),
+        ({"vertical": [0.0, 0.0]}, "vertical: expected 3 samples"),
+        ({"vertical": [0.0, 0.0, 0.0], "equation": "linear"}, "vertical"),
+        ({"initial_rotation": np.nan}, "initial_rotation"),
     ],
 )
 def test_wrong_arguments_are_named(change, message):

@@ -1,0 +1,47 @@
+# `make help` lists the targets. PYTHON is the interpreter of the environment in use.
+PYTHON ?= .venv/bin/python
+# Numba's cache sees only a kernel's own file: a folder keyed by all of them never serves stale code.
+export NUMBA_CACHE_DIR ?= $(CURDIR)/.numba_cache/$(shell cat models/*.py | sha256sum | cut -c1-16)
+
+.PHONY: help install run test test-slow lint types doctest clean
+
+help:  ## list the targets
+	@grep -hE '^[a-z-]+: .*##' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):[^#]*## (.*)/  \1\t\2/' | expand -t 16
+
+.venv/bin/python:
+	python3 -m venv .venv
+
+install: .venv/bin/python  ## make .venv and install the package with everything needed to work on it
+	.venv/bin/python -m pip install -q -e '.[test,dev]'
+
+run:  ## the main job on the shipped samples
+	$(PYTHON) -m rockpulse.cli assess data/samples --config data/samples/site.toml -o results.h5 --overwrite
+
+test:  ## the default tests (under 3 minutes)
+	$(PYTHON) -m pytest
+
+test-slow:  ## the long sweeps
+	$(PYTHON) -m pytest -m slow
+
+lint:  ## ruff: format and rules
+	$(PYTHON) -m ruff format --check .
+	$(PYTHON) -m ruff check .
+
+# mypy and doctest need the package under its own name: a wheel, built in a copy that is thrown away.
+types: PACKAGE := $(shell mktemp -d)
+types:  ## mypy on the package
+	cp -r pyproject.toml README.md LICENSE pipeline models $(PACKAGE)
+	$(PYTHON) -m pip install -q --no-deps --target $(PACKAGE)/installed $(PACKAGE)
+	MYPYPATH=$(PACKAGE)/installed $(PYTHON) -m mypy -p rockpulse
+	rm -rf $(PACKAGE)
+
+doctest: PACKAGE := $(shell mktemp -d)
+doctest:  ## the examples in the docstrings
+	cp -r pyproject.toml README.md LICENSE pipeline models $(PACKAGE)
+	$(PYTHON) -m pip install -q --no-deps --target $(PACKAGE)/installed $(PACKAGE)
+	cd $(PACKAGE) && PYTHONPATH=$(PACKAGE)/installed $(abspath $(PYTHON)) -m pytest -q --doctest-modules --pyargs rockpulse -p no:cacheprovider
+	rm -rf $(PACKAGE)
+
+clean:  ## remove what builds and tests leave behind
+	rm -rf build dist *.egg-info .pytest_cache .mypy_cache .ruff_cache .hypothesis .numba_cache
+	find . -name __pycache__ -not -path './.venv/*' -type d -prune -exec rm -rf {} +

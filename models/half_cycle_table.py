@@ -1,0 +1,106 @@
+"""From a lane-wise half-cycle kernel to a :class:`~rockpulse.models.response.Response` with its table, for the sequence models."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from rockpulse.models.response import HalfCycles, Response, drop_axes
+from rockpulse.models.sequence_kernel import COLUMNS
+
+__all__ = ["TABLE_ROWS", "lanes", "tabulated_response"]
+
+#: Half-cycles kept in a table unless the caller asks for more.
+TABLE_ROWS = 1000
+
+
+def lanes(
+    by_input: tuple[Any, ...], by_block: tuple[Any, ...]
+) -> tuple[tuple[int, int], tuple[bool, bool], list[np.ndarray]]:
+    """Every combination of inputs and blocks, flattened.
+
+    Parameters
+    ----------
+    by_input : tuple of float or (q,) ndarray
+        Values that vary with the input.
+    by_block : tuple of float or (m,) ndarray
+        Values that vary with the block.
+
+    Returns
+    -------
+    shape : tuple of int
+        (q, m).
+    drop : tuple of bool
+        Which of the two axes stands for a scalar.
+    flat : list of (q m,) ndarray
+        The values in the order given, inputs first.
+    """
+    inputs = np.broadcast_arrays(*(np.asarray(value, dtype=float) for value in by_input))
+    blocks = np.broadcast_arrays(*(np.asarray(value, dtype=float) for value in by_block))
+    shape = (inputs[0].size, blocks[0].size)
+    flat = [np.repeat(value.reshape(-1), shape[1]) for value in inputs]
+    flat += [np.tile(value.reshape(-1), shape[0]) for value in blocks]
+    return shape, (inputs[0].ndim == 0, blocks[0].ndim == 0), flat
+
+
+def tabulated_response(
+    kernel: Callable[..., None],
+    arguments: tuple[Any, ...],
+    shape: tuple[int, int],
+    drop: tuple[bool, bool],
+    table_rows: int,
+) -> tuple[Response, np.ndarray]:
+    """Run a kernel over the lanes, then again with a table as long as the longest motion.
+
+    Parameters
+    ----------
+    kernel : callable
+        ``kernel(table, floats, integers, *arguments)``, see :func:`~rockpulse.models.sequence_kernel.sequence_lanes`.
+    arguments : tuple
+        What the kernel needs.
+    shape : tuple of int
+        (q, m).
+    drop : tuple of bool
+        Axes to drop.
+    table_rows : int
+        Largest number of half-cycles in the table; 0 for no table.
+
+    Returns
+    -------
+    response : Response
+        With `half_cycles` unless `table_rows` is 0.
+    lowest : (q, m) ndarray
+        Smallest rotation over alpha_c at the impulses inside the half-cycles [-]; inf without.
+    """
+    if table_rows < 0:
+        raise ValueError(f"table_rows: expected 0 (no table) or a number of half-cycles, got {table_rows}")
+    size = shape[0] * shape[1]
+    floats, integers = np.empty((3, size)), np.empty((5, size), dtype=np.int64)
+    kernel(np.empty((COLUMNS, 0, size)), floats, integers, *arguments)
+    half_cycles = None
+    if table_rows:
+        rows = int(min(table_rows, integers[4].max(initial=0)))
+        table = np.full((COLUMNS, rows, size), np.nan)
+        table[3] = -1.0
+        kernel(table, floats, integers, *arguments)
+        table = table.reshape(COLUMNS, rows, *shape)
+        half_cycles = HalfCycles(
+            start_velocity=table[0],
+            peak=table[1],
+            duration=table[2],
+            impulse_count=table[3].astype(np.int64),
+            interval=table[4],
+            impact_speed=table[5],
+        )
+    response = Response(
+        peak_rotation_ratio=floats[0].reshape(shape),
+        overturning_time=floats[1].reshape(shape),
+        outcome=integers[0].reshape(shape),
+        reason=integers[1].reshape(shape),
+        overturning_half_cycle=integers[2].reshape(shape),
+        impacts=integers[3].reshape(shape),
+        half_cycles=half_cycles,
+    )
+    return drop_axes(response, 2, drop), floats[2].reshape(shape)
