@@ -149,7 +149,7 @@ def _bracketed(target, count, s):
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def impact_speed_after(velocity, secondary, time, count, spacing):
-    """Speed u_r right before the impact that ends the half-cycle [-], last secondary impulse included (not negative)."""
+    """Speed u_r right before the impact that ends the half-cycle [-], last secondary impulse included."""
     if spacing == MIDDLE and secondary > 0.0:
         return max(velocity - secondary / math.cosh(0.5 * time / count), 0.0)
     if spacing == OPEN and secondary > 0.0:

@@ -1,4 +1,4 @@
-"""From a lane-wise half-cycle kernel to a :class:`~rockpulse.models.response.Response` with its table, for the sequence models."""
+"""From a half-cycle kernel over lanes to a :class:`~rockpulse.models.response.Response` with its table."""
 
 from __future__ import annotations
 

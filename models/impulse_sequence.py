@@ -1,4 +1,4 @@
-"""The limit accelerogram: a main sequence at the impacts and a secondary one between them (Casapulla & Maione 2017, section 3.2).
+"""The limit accelerogram: a main sequence at the impacts, a secondary one between them (Casapulla & Maione 2017).
 
 .. note:: Every main impulse acts right after an impact and speeds the block up. Between two of them an even number of
    secondary impulses acts at equal intervals with alternate signs; the first one opposes the main impulse before it.

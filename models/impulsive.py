@@ -1,4 +1,4 @@
-"""Response to given impulses at given times, such as the half-waves of a record (Casapulla & Maione 2017, section 2 and Eqs. 1-3).
+"""Response to given impulses, such as the half-waves of a record (Casapulla & Maione 2017, section 2, Eqs. 1-3).
 
 .. note:: An impulse of the ground is positive to the right. theta'' contains -a_g, so an impulse I changes theta' by
    -gain I; theta > 0 rocks about the right-hand corner. Between impulses the block moves freely, theta'' = p^2 (theta

@@ -43,7 +43,7 @@ _IMPACT_LIMIT_REASON = int(Reason.IMPACT_LIMIT)
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def _later_pushes(times, pushes, p, later):
-    """Sum over the impulses after each one of abs(dy_j) exp(-p (t_j - t_i)): what they can take from the growing mode."""
+    """Sum over the impulses after each one of abs(dy_j) exp(-p (t_j - t_i)): what they may take from y."""
     last = times.shape[0] - 1
     later[last] = 0.0
     for i in range(last - 1, -1, -1):

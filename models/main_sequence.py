@@ -1,4 +1,4 @@
-"""The main sequence in closed form (Casapulla & Maione 2017, section 3.1, Eqs. 3-10): resonance of the block with its own impacts.
+"""The main sequence in closed form (Casapulla & Maione 2017, Eqs. 3-10): resonance with the block's own impacts.
 
 .. note:: ERRATUM. Eqs. (5) and (9) are printed with the index shifted by one. The recurrence u_i = C u_{i-1} + u_1 is
    right and gives u_i = u_1 (1 - C^i)/(1 - C) and I_ic = I_1c (1 - C)/(1 - C^i), hence I_2c = I_1c/(1 + C). u =
@@ -74,10 +74,9 @@ def overturning_half_cycle(main, restitution):
     if needed <= 1.0:
         return 1
     if restitution == 1.0:
-        count = math.ceil(needed)
+        half_cycle = math.ceil(min(needed, 9e18))
     else:
-        count = math.ceil(math.log1p(-(1.0 - restitution) * needed) / math.log(restitution))
-    half_cycle = int(min(count, 9e18))
+        half_cycle = math.ceil(min(math.log1p(-(1.0 - restitution) * needed) / math.log(restitution), 9e18))
     # The logarithms may round across a whole number: the velocities decide.
     if amplification(restitution, half_cycle - 1) >= needed:
         return half_cycle - 1

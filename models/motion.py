@@ -68,7 +68,7 @@ def state(rotation, velocity, time):
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def impact_speed(rotation, velocity):
-    """Speed w = sqrt(x (2 - x) + x'^2) at which a motion that comes back meets the ground [-] (conservation of energy)."""
+    """Speed w = sqrt(x (2 - x) + x'^2) with which a motion that comes back meets the ground [-], by its energy."""
     return math.sqrt(max(rotation * (2.0 - rotation) + velocity * velocity, 0.0))
 
 
@@ -209,7 +209,7 @@ def impacts_above(speed, restitution, cutoff):
         return -1
     if restitution <= 0.0:
         return 1
-    count = int(math.ceil(math.log(cutoff / speed) / math.log(restitution)))
+    count = math.ceil(math.log(cutoff / speed) / math.log(restitution))
     # The logarithms may round across a whole number: the powers decide.
     if speed * restitution ** (count - 1) <= cutoff:
         return count - 1

@@ -1,4 +1,4 @@
-"""Response to a main and a secondary sequence of impulses, and that sequence itself (Casapulla & Maione 2017, section 3.2).
+"""Response to a main and a secondary sequence of impulses, and its train (Casapulla & Maione 2017, section 3.2).
 
 .. note:: Rotations of the half-cycle table are in units of alpha_c and velocities u = theta'/(p alpha_c), both
    positive away from the ground. In :func:`impulse_train` the first main impulse is positive: the ground is pushed to
@@ -86,7 +86,7 @@ def sequence_response(block: Block, sequence: ImpulseSequence, table_rows: int =
     count = sequence.intermediate_count or 0
     if count > _LARGEST_COUNT:
         raise ValueError(
-            f"intermediate_count: expected at most {_LARGEST_COUNT}, got {count}; use spacing='continuous' for the limit"
+            f"intermediate_count: expected at most {_LARGEST_COUNT}, got {count}; use spacing='continuous'"
         )
     trial = (secondary > 0.0) & (sequence.spacing != "continuous") & (count == 0)
     if np.any(trial & (p * interval < _SHORTEST_INTERVAL)):
@@ -110,8 +110,8 @@ def sequence_response(block: Block, sequence: ImpulseSequence, table_rows: int =
     through = np.count_nonzero(lowest < -1e-12)
     if through:
         logger.warning(
-            "sequence: in %d of %d lanes the corrected march with spacing %r passes through the ground inside a half-cycle; "
-            "only its end is exact",
+            "sequence: in %d of %d lanes the corrected march with spacing %r passes through the ground "
+            "inside a half-cycle; only its end is exact",
             through,
             lowest.size,
             sequence.spacing,
@@ -195,7 +195,7 @@ def _half_cycle_starts(response: Response, sequence: ImpulseSequence) -> tuple[n
 
 
 def _secondary(sequence: ImpulseSequence, table: HalfCycles, row: int) -> tuple[np.ndarray, np.ndarray]:
-    """Times after the main impulse, and signs and sizes relative to I_s against it, of the secondary impulses of one half-cycle."""
+    """Secondary impulses of one half-cycle: times after the main impulse, and sizes over I_s, positive against it."""
     if sequence.spacing == "continuous":
         return np.array([0.0, table.duration[row]]), np.array([0.5, -0.5])
     order = np.arange(1, table.impulse_count[row] + 1)

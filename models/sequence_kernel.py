@@ -1,4 +1,4 @@
-"""The half-cycles of a main and secondary sequence one after the other, lane by lane, on bare arrays (F2-F4; units of motion.py)."""
+"""The half-cycles of a main and a secondary sequence one after the other, lane by lane, on bare arrays."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ _HALF_CYCLE_LIMIT_REASON = int(Reason.HALF_CYCLE_LIMIT)
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def _half_cycle(velocity, secondary, interval, fixed_count, spacing, bounded):
-    """Peak, duration, n, dT, impact speed and lowest rotation inside one half-cycle; duration inf where it overturns."""
+    """Peak, duration, n, dT, impact speed and lowest rotation of one half-cycle; duration inf where it overturns."""
     if secondary == 0.0 or spacing == CONTINUOUS:
         count = 0 if secondary == 0.0 else -1
         effective = velocity - 0.5 * secondary
@@ -54,7 +54,7 @@ def _half_cycle(velocity, secondary, interval, fixed_count, spacing, bounded):
             trial = corrected_duration(velocity, secondary, 0, CONTINUOUS)
             if trial == np.inf:
                 return np.inf, np.inf, -1, np.nan, np.nan, np.inf
-        count = max(2, 2 * int(math.floor(trial / (2.0 * interval) + 0.5)))
+        count = max(2, 2 * math.floor(trial / (2.0 * interval) + 0.5))
     time = corrected_duration(velocity, secondary, count, spacing)
     if time == np.inf:
         return np.inf, np.inf, count, np.nan, np.nan, np.inf
@@ -69,7 +69,7 @@ def _repetitions(start, time, duration, main_count):
     left = (duration - start) / time
     if left == np.inf:
         return -1 if main_count == UNLIMITED else main_count
-    return min(main_count, int(math.ceil(min(left, 1e18))))
+    return min(main_count, math.ceil(min(left, 1e18)))
 
 
 @njit(cache=True, nogil=True, error_model="numpy")

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from datetime import datetime
 from typing import Literal
 
@@ -11,7 +12,7 @@ import numpy as np
 
 from rockpulse.errors import RecordFormatError
 
-__all__ = ["STANDARD_GRAVITY", "Orientation", "Record", "record_id"]
+__all__ = ["STANDARD_GRAVITY", "Orientation", "Record", "distinct_ids", "record_id"]
 
 #: What the file unit "g" means, always [m/s2].
 STANDARD_GRAVITY = 9.80665
@@ -40,9 +41,13 @@ class Record:
     azimuth : float
         Clockwise from north [degrees]; NaN where unknown or not horizontal.
     start_time : datetime or None
-        UTC time of the first sample.
+        UTC time of the first sample, with ``tzinfo=UTC``.
+    station_name : str
+        Name of the station in words; empty where unknown.
     source : str
         File the record came from; ``archive.zip!member`` for a member of an archive.
+    source_sha256 : str
+        SHA-256 of that file (of the member, or of the decompressed file); empty if the record came from no file.
     format : str
         Name of the reader (see ``rockpulse formats``).
     source_unit : str
@@ -72,7 +77,9 @@ class Record:
     orientation: Orientation = "unknown"
     azimuth: float = float("nan")
     start_time: datetime | None = None
+    station_name: str = ""
     source: str = ""
+    source_sha256: str = ""
     format: str = ""
     source_unit: str = ""
     unit_factor: float = 1.0
@@ -87,7 +94,8 @@ class Record:
         acceleration = np.array(self.acceleration, dtype=float)
         if acceleration.ndim != 1 or acceleration.size < 2:
             raise RecordFormatError(
-                f"{where}: expected at least 2 samples in one row, found shape {acceleration.shape}; the file may be truncated"
+                f"{where}: expected at least 2 samples in one row, found shape {acceleration.shape}; "
+                "the file may be truncated"
             )
         bad = np.flatnonzero(~np.isfinite(acceleration))
         if bad.size:
@@ -100,6 +108,10 @@ class Record:
         acceleration.setflags(write=False)
         object.__setattr__(self, "acceleration", acceleration)
         object.__setattr__(self, "dt", float(self.dt))
+
+    def with_warning(self, warning: str) -> Record:
+        """The same record with one more warning."""
+        return replace(self, warnings=(*self.warnings, warning))
 
     @property
     def npts(self) -> int:
@@ -143,3 +155,25 @@ def record_id(
     else:
         text = f"{stem}.{channel or number}"
     return re.sub(r"[^A-Za-z0-9_.@~-]", "_", text)
+
+
+def distinct_ids(records: Sequence[Record]) -> list[Record]:
+    """The records in the same order, those whose id was taken already renamed to ``id~2``, ``id~3``...
+
+    Parameters
+    ----------
+    records : sequence of Record
+        Records of different content, in the order that decides who keeps the plain id.
+    """
+    taken: set[str] = set()
+    result = []
+    for record in records:
+        plain = re.sub(r"~\d+$", "", record.id)
+        name = plain
+        for number in range(2, len(records) + 2):
+            if name not in taken:
+                break
+            name = f"{plain}~{number}"
+        taken.add(name)
+        result.append(record if name == record.id else replace(record, id=name))
+    return result
