@@ -1,0 +1,230 @@
+"""From records and bodies to the tree of results."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from rockpulse.bodies import Bodies, gather_bodies
+from rockpulse.body import BlockSettings
+from rockpulse.components import matching_vertical
+from rockpulse.config import Config
+from rockpulse.errors import ConfigError, RockpulseError
+from rockpulse.failures import Failure
+from rockpulse.intensity import arias_intensity, pgv
+from rockpulse.models.block import Block
+from rockpulse.models.response import Response
+from rockpulse.record import Record
+from rockpulse.results import build_tree
+from rockpulse.safety import resonance_safety_factor, sequence_safety_factor
+from rockpulse.scene import MODELS, SLENDER_MODELS, Scene, prepare
+from rockpulse.sources import select_horizontal
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = ["RecordAssessment", "assess", "assess_record"]
+
+logger = logging.getLogger("rockpulse")
+
+PER_MODEL = ("peak_rotation_ratio", "outcome", "reason", "overturning_time", "overturning_half_cycle", "impacts")
+
+
+@dataclass(frozen=True, eq=False)
+class RecordAssessment:
+    """What one record does to every body: numbers only, small enough to be sent between processes.
+
+    Attributes
+    ----------
+    scene : Scene
+        The conditioned record and what was extracted from it.
+    record : dict
+        Scalars of the record, by the names of docs/schema.md.
+    per_block : dict of (b, c) ndarray
+        Demand of the record on each body and restitution case.
+    per_model : dict of (b, c, k) ndarray
+        Answer of each of the k models.
+    responses : dict of str to Response
+        By model, lanes (b x c,): the half-cycle tables and histories are taken from here.
+    """
+
+    scene: Scene
+    record: dict[str, Any]
+    per_block: dict[str, np.ndarray]
+    per_model: dict[str, np.ndarray]
+    responses: dict[str, Response]
+
+
+def assess(
+    records: Iterable[Record],
+    config: Config | None = None,
+    blocks: Mapping[str, Block] | Sequence[BlockSettings] | None = None,
+    failures: Iterable[Failure] = (),
+    progress: Callable[[Sequence[Record]], Iterable[Record]] | None = None,
+) -> xr.DataTree:
+    """Assess bodies under records with every model of the configuration.
+
+    Parameters
+    ----------
+    records : iterable of Record
+        All channels, as :func:`rockpulse.read` returns them. Vertical and structural channels are listed, not assessed.
+    config : Config, optional
+        Options; the defaults without.
+    blocks : mapping of str to Block, or sequence of BlockSettings, optional
+        The bodies, in place of those of the configuration.
+    failures : iterable of Failure
+        What reading has left out, to be stored with the results.
+    progress : callable, optional
+        Wraps the list of records on its way into the loop, as ``tqdm.tqdm`` does.
+
+    Returns
+    -------
+    xarray.DataTree
+        /summary, /half_cycles, /failures and, unless switched off, /records; see docs/schema.md.
+
+    Raises
+    ------
+    ConfigError
+        Without a body, or for two records of one id. A record that cannot be assessed is a row of /failures instead.
+
+    Examples
+    --------
+    >>> import numpy as np, rockpulse as rp
+    >>> t = np.arange(0.0, 4.0, 0.01)
+    >>> record = rp.Record(3.0 * np.sin(2.0 * np.pi * t), dt=0.01, id="sine", processed=True)
+    >>> tree = rp.assess([record], blocks={"pier": rp.models.Block(half_width=0.5, half_height=1.9365)})
+    >>> tree["summary"].sizes["model"]
+    5
+    """
+    config = config or Config()
+    bodies = gather_bodies(config.blocks if blocks is None else blocks)
+    for name, warning in zip(bodies.names, bodies.warnings, strict=True):
+        if warning:
+            logger.warning("block %s: %s", name, warning)
+    every = list(records)
+    ids = [record.id for record in every]
+    twice = sorted({one for one in ids if ids.count(one) > 1})
+    if twice:
+        raise ConfigError(f"records: expected different ids, found more than one record with id {', '.join(twice)}")
+    horizontal, left_out = select_horizontal(every)
+    verticals = [record for record in every if record.orientation == "vertical"]
+    rows = [*failures, *left_out]
+    done = []
+    for record in horizontal if progress is None else progress(horizontal):
+        try:
+            vertical = None
+            if config.records.include_vertical:
+                vertical = matching_vertical(record, verticals)
+                if vertical is None:
+                    record = record.with_warning("no vertical channel of this station overlaps: taken as zero")
+            done.append(assess_record(record, bodies, config, vertical))
+        except RockpulseError as error:
+            logger.error("%s: %s", record.id, error)
+            rows.append(Failure(file=record.source, stage="assess", reason=f"{record.id}: {error}", kind="failed"))
+    return build_tree(done, bodies, config, rows)
+
+
+def assess_record(
+    record: Record, bodies: Bodies, config: Config, vertical: np.ndarray | None = None
+) -> RecordAssessment:
+    """Assess all bodies under one record.
+
+    Parameters
+    ----------
+    record : Record
+        As read.
+    bodies : Bodies
+        The bodies, b of them with c restitution cases.
+    config : Config
+        Options.
+    vertical : (n,) ndarray, optional
+        Vertical acceleration on the samples of the record [m/s2].
+
+    Raises
+    ------
+    RockpulseError
+        Where the record cannot be conditioned or has no intense phase.
+    """
+    scene = prepare(record, config, vertical)
+    lanes = bodies.lanes
+    responses = {name: MODELS[name](lanes, scene) for name in config.models.use}
+    safety = {name: _safety_factor(name, lanes, scene) for name in config.models.use}
+    return RecordAssessment(
+        scene=scene,
+        record=_record_scalars(scene),
+        per_block={name: bodies.per_case(values) for name, values in _demand(scene, lanes).items()},
+        per_model={
+            **{
+                field: np.stack([bodies.per_case(getattr(responses[name], field)) for name in responses], axis=-1)
+                for field in PER_MODEL
+            },
+            "safety_factor": np.stack([bodies.per_case(safety[name]) for name in responses], axis=-1),
+            "applicable": np.stack([bodies.per_case(_applicable(name, lanes)) for name in responses], axis=-1),
+        },
+        responses=responses,
+    )
+
+
+def _safety_factor(model: str, block: Block, scene: Scene) -> np.ndarray:
+    search = scene.config.search
+    if scene.sequence is not None and model == "resonance":
+        return resonance_safety_factor(block, scene.sequence, search.factor_max)
+    if scene.sequence is not None and model == "sequence":
+        return sequence_safety_factor(block, scene.sequence, search.factor_max, search.step)
+    return np.full(block.shape, np.nan)  # not computed: shown as "-"
+
+
+def _applicable(model: str, block: Block) -> np.ndarray:
+    return (np.asarray(block.slender) | (model not in SLENDER_MODELS)).astype(np.int8)
+
+
+def _demand(scene: Scene, block: Block) -> dict[str, np.ndarray]:
+    capacity = block.gravity * np.tan(block.alpha_c)
+    return {
+        "uplift_ratio": scene.record.pga / capacity,
+        "velocity_ratio": block.p * pgv(scene.record) / capacity,
+        "impulse_ratio": _largest_impulse(scene) / block.critical_impulse,
+    }
+
+
+def _largest_impulse(scene: Scene) -> float:
+    if scene.sequence is not None:
+        return float(scene.sequence.main)
+    return float(np.max(np.abs(scene.waves.impulse), initial=0.0))
+
+
+def _record_scalars(scene: Scene) -> dict[str, Any]:
+    record, sequence = scene.record, scene.sequence
+    count = -1
+    if sequence is not None and sequence.main_count is not None:
+        count = int(sequence.main_count)
+    return {
+        "source": record.source,
+        "source_sha256": record.source_sha256,
+        "format": record.format,
+        "event": record.event,
+        "network": record.network,
+        "station": record.station,
+        "component": record.component,
+        "azimuth": record.azimuth,
+        "start_time": "" if record.start_time is None else record.start_time.isoformat(),
+        "npts": record.npts,
+        "dt": record.dt,
+        "pga": record.pga,
+        "pgv": pgv(record),
+        "arias_intensity": arias_intensity(record),
+        "intense_start": scene.phase.start,
+        "intense_end": scene.phase.end,
+        "main_impulse": np.nan if sequence is None else float(sequence.main),
+        "secondary_impulse": np.nan if sequence is None else float(sequence.secondary),
+        "secondary_interval": np.nan if sequence is None else float(sequence.interval),
+        "sequence_duration": np.nan if sequence is None else float(sequence.duration),
+        "main_count": count,
+        "half_wave_count": int(scene.waves.impulse.size),
+        "warnings": "; ".join(record.warnings),
+        "processing": "; ".join(record.processing),
+    }

@@ -1,0 +1,283 @@
+"""The tree of results: every variable with its dimensions, unit and meaning (docs/schema.md)."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import xarray as xr
+
+from rockpulse.bodies import Bodies
+from rockpulse.config import Config
+from rockpulse.failures import Failure
+from rockpulse.models.response import Outcome, Reason
+from rockpulse.scene import MODELS
+
+if TYPE_CHECKING:
+    from rockpulse.assessment import RecordAssessment
+
+__all__ = ["build_tree"]
+
+Meaning = tuple[type, str, str]  # type, unit, long name
+
+RECORD: dict[str, Meaning] = {
+    "source": (str, "1", "file the record was read from"),
+    "source_sha256": (str, "1", "SHA-256 of the source file"),
+    "format": (str, "1", "file format"),
+    "event": (str, "1", "event as the file names it"),
+    "network": (str, "1", "network code"),
+    "station": (str, "1", "station code"),
+    "component": (str, "1", "component as the file names it"),
+    "azimuth": (float, "degree", "azimuth of the component, clockwise from north"),
+    "start_time": (str, "1", "UTC time of the first sample, ISO 8601"),
+    "npts": (int, "1", "number of samples"),
+    "dt": (float, "s", "sampling interval"),
+    "pga": (float, "m s-2", "peak ground acceleration after conditioning"),
+    "pgv": (float, "m s-1", "peak ground velocity after conditioning, from rest at the first sample"),
+    "arias_intensity": (float, "m s-1", "Arias intensity"),
+    "intense_start": (float, "s", "start of the intense phase from the first sample"),
+    "intense_end": (float, "s", "end of the intense phase from the first sample"),
+    "main_impulse": (float, "m s-1", "main impulse I of the calibrated sequence"),
+    "secondary_impulse": (float, "m s-1", "secondary impulse I_s of the calibrated sequence"),
+    "secondary_interval": (float, "s", "interval dT of the secondary impulses"),
+    "sequence_duration": (float, "s", "duration within which main impulses act"),
+    "main_count": (int, "1", "number of main impulses; -1 where the duration alone limits them"),
+    "half_wave_count": (int, "1", "number of half-waves of the whole record"),
+    "warnings": (str, "1", "remarks on the record"),
+    "processing": (str, "1", "conditioning steps in their order"),
+}
+
+BLOCK: dict[str, Meaning] = {
+    "width": (float, "m", "full width in the plane of rocking; NaN where only p and alpha are known"),
+    "height": (float, "m", "full height; NaN where only p and alpha are known"),
+    "alpha_c": (float, "rad", "critical angle"),
+    "p": (float, "s-1", "frequency parameter"),
+    "slenderness": (float, "1", "height over width"),
+    "critical_impulse": (float, "m s-1", "I_1c, the impulse that overturns the resting block at once"),
+    "block_warnings": (str, "1", "remarks on the block"),
+}
+
+CASE: dict[str, Meaning] = {
+    "restitution": (float, "1", "velocity ratio C of an impact"),
+}
+
+DEMAND: dict[str, Meaning] = {
+    "uplift_ratio": (float, "1", "PGA/(g tan alpha_c)"),
+    "velocity_ratio": (float, "1", "p PGV/(g tan alpha_c)"),
+    "impulse_ratio": (float, "1", "I/I_1c"),
+}
+
+ANSWER: dict[str, Meaning] = {
+    "peak_rotation_ratio": (float, "1", "largest rotation over alpha_c; inf where the block overturns, 0 at rest"),
+    "outcome": (np.int8, "1", "how the motion ends"),
+    "reason": (np.int8, "1", "why a model cannot say"),
+    "overturning_time": (float, "s", "time at which overturning is certain, from the start of the model's input"),
+    "overturning_half_cycle": (int, "1", "1 + impacts before overturning; -1 where it does not overturn"),
+    "impacts": (int, "1", "impacts faster than 1e-3 p alpha_c; -1 where they never end or are not known"),
+    "safety_factor": (float, "1", "smallest factor on the model's input that overturns; NaN where not computed"),
+    "capacity_pga": (float, "m s-2", "safety factor times PGA; NaN where not computed"),
+    "model_used": (np.int8, "1", "model that gave the answer"),
+    "applicable": (np.int8, "1", "whether the block is within the range of the model"),
+}
+
+HALF_CYCLE: dict[str, Meaning] = {
+    "record_index": (int, "1", "index into record of /summary"),
+    "block_index": (int, "1", "index into block of /summary"),
+    "case_index": (int, "1", "index of the restitution of the block"),
+    "model_index": (int, "1", "index into model of /summary"),
+    "half_cycle": (int, "1", "number of the half-cycle, from 1"),
+    "start_velocity": (float, "1", "u = theta'/(p alpha_c) at its start"),
+    "peak": (float, "1", "largest theta/alpha_c in it; inf where the block overturns"),
+    "duration": (float, "s", "time to the next impact; inf where there is none"),
+    "impulse_count": (int, "1", "intermediate impulses in it; -1 where n -> infinity"),
+    "interval": (float, "s", "corrected interval of the intermediate impulses; NaN without"),
+    "impact_speed": (float, "1", "speed right before the next impact over p alpha_c; NaN without"),
+}
+
+FAILURE: dict[str, Meaning] = {
+    "file": (str, "1", "file"),
+    "stage": (str, "1", "step at which it was left"),
+    "reason": (str, "1", "why, and what to do"),
+    "kind": (str, "1", "failed, skipped, duplicate, vertical or structural"),
+}
+
+WAVES: dict[str, Meaning] = {
+    "impulse": (float, "m s-1", "signed impulse of the half-wave"),
+    "centroid": (float, "s", "time of its centroid from the first sample"),
+    "start": (float, "s", "its start"),
+    "end": (float, "s", "its end"),
+    "peak": (float, "m s-2", "its signed peak acceleration"),
+}
+
+
+def build_tree(
+    done: Sequence[RecordAssessment], bodies: Bodies, config: Config, failures: Sequence[Failure]
+) -> xr.DataTree:
+    """The results of all records as one tree.
+
+    Parameters
+    ----------
+    done : sequence of RecordAssessment
+        In the order of the rows.
+    bodies : Bodies
+        The bodies that were assessed.
+    config : Config
+        Its text becomes an attribute.
+    failures : sequence of Failure
+        What was left out.
+    """
+    groups = {
+        "/summary": _summary(done, bodies, config),
+        "/half_cycles": _half_cycles(done, bodies, config),
+        "/failures": _table("failure", FAILURE, {name: [getattr(row, name) for row in failures] for name in FAILURE}),
+    }
+    if config.records.store != "none":
+        groups["/records"] = _records(done, config)
+    tree = xr.DataTree.from_dict(groups)
+    tree.attrs["title"] = config.site.name or "Rocking response of rigid blocks to recorded ground motions"
+    tree.attrs["site_description"] = config.site.description
+    tree.attrs["configuration"] = config.as_text()
+    return tree
+
+
+def _summary(done: Sequence[RecordAssessment], bodies: Bodies, config: Config) -> xr.Dataset:
+    models = list(config.models.use)
+    shape = (len(done), len(bodies.names), bodies.cases)
+    # A restitution range adds a dimension; without one there is a single case and no dimension for it.
+    case = ("case",) if bodies.cases > 1 else ()
+    lanes = ("block", *case)
+    block = {
+        "width": bodies.width,
+        "height": bodies.height,
+        "block_warnings": bodies.warnings,
+        **{name: getattr(bodies.lanes, name)[:: bodies.cases] for name in ("alpha_c", "p", "slenderness")},
+        "critical_impulse": bodies.lanes.critical_impulse[:: bodies.cases],
+    }
+    variables: dict[str, xr.Variable] = {}
+    for name, meaning in RECORD.items():
+        variables[name] = _variable(("record",), [one.record[name] for one in done], meaning)
+    for name, meaning in BLOCK.items():
+        variables[name] = _variable(("block",), block[name], meaning)
+    restitution = bodies.per_case(np.asarray(bodies.lanes.restitution))
+    variables["restitution"] = _variable(lanes, _squeeze(restitution, bodies), CASE["restitution"])
+    for name, meaning in DEMAND.items():
+        values = np.array([one.per_block[name] for one in done]).reshape(shape)
+        variables[name] = _variable(("record", *lanes), _squeeze(values, bodies), meaning)
+    answers = {
+        name: np.array([one.per_model[name] for one in done]).reshape(*shape, len(models))
+        for name in ANSWER
+        if name not in ("capacity_pga", "model_used")
+    }
+    pga = np.array([one.record["pga"] for one in done]).reshape(-1, 1, 1, 1)
+    answers["capacity_pga"] = answers["safety_factor"] * pga
+    answers["model_used"] = np.broadcast_to([list(MODELS).index(name) for name in models], (*shape, len(models)))
+    for name, meaning in ANSWER.items():
+        values = _squeeze(answers[name], bodies, axis=2)
+        variables[name] = _variable(("record", *lanes, "model"), values, meaning)
+    _flag(variables["outcome"], [outcome.name.lower() for outcome in Outcome])
+    _flag(variables["reason"], [reason.name.lower() for reason in Reason])
+    _flag(variables["model_used"], list(MODELS))
+    _flag(variables["applicable"], ["outside_range", "applicable"])
+    search = f"searched up to a factor of {config.search.factor_max:g} in steps of {config.search.step:g}; inf if none"
+    variables["safety_factor"].attrs["comment"] = search
+    coords = {
+        "record": _variable(("record",), [one.scene.record.id for one in done], (str, "1", "record id")),
+        "block": _variable(("block",), bodies.names, (str, "1", "name of the body")),
+        "model": _variable(("model",), models, (str, "1", "model, from the cheapest to the dearest")),
+    }
+    return xr.Dataset(variables, coords)
+
+
+def _half_cycles(done: Sequence[RecordAssessment], bodies: Bodies, config: Config) -> xr.Dataset:
+    columns: dict[str, list[np.ndarray]] = {name: [] for name in HALF_CYCLE}
+    for record_index, one in enumerate(done):
+        for model_index, model in enumerate(config.models.use):
+            table = one.responses[model].half_cycles
+            if table is None:
+                continue
+            lane, cycle = np.nonzero(np.isfinite(table.start_velocity).T)
+            columns["record_index"].append(np.full(lane.size, record_index))
+            columns["block_index"].append(lane // bodies.cases)
+            columns["case_index"].append(lane % bodies.cases)
+            columns["model_index"].append(np.full(lane.size, model_index))
+            columns["half_cycle"].append(cycle + 1)
+            for name in ("start_velocity", "peak", "duration", "impulse_count", "interval", "impact_speed"):
+                columns[name].append(getattr(table, name)[cycle, lane])
+    return _table("row", HALF_CYCLE, {name: _joined(parts) for name, parts in columns.items()})
+
+
+def _records(done: Sequence[RecordAssessment], config: Config) -> xr.Dataset:
+    """Ragged arrays: the values of all records one after the other, with the number of each."""
+    waves = [one.scene.waves for one in done]
+    variables = {
+        "half_wave_row_size": _ragged("wave", "record", [w.impulse.size for w in waves], "half-waves of each record"),
+    }
+    for name, meaning in WAVES.items():
+        values = [getattr(w, name) for w in waves]
+        variables[f"half_wave_{name}"] = _variable(("wave",), _joined(values), meaning)
+    if config.records.store == "all":
+        records = [one.scene.record for one in done]
+        variables["row_size"] = _ragged("sample", "record", [r.npts for r in records], "samples of each record")
+        variables["acceleration"] = _variable(
+            ("sample",), _joined([r.acceleration for r in records]), (float, "m s-2", "conditioned ground acceleration")
+        )
+    if config.models.histories:
+        _add_histories(variables, done, config)
+    ids = [one.scene.record.id for one in done]
+    return xr.Dataset(variables, {"record": _variable(("record",), ids, (str, "1", "record id"))})
+
+
+def _add_histories(variables: dict[str, xr.Variable], done: Sequence[RecordAssessment], config: Config) -> None:
+    rotation, velocity = [], []
+    index: dict[str, list[int]] = {"record_index": [], "lane_index": [], "model_index": []}
+    for record_index, one in enumerate(done):
+        for model_index, model in enumerate(config.models.use):
+            response = one.responses[model]
+            if response.rotation is None or response.velocity is None:
+                continue
+            for lane in range(response.rotation.shape[0]):
+                rotation.append(response.rotation[lane])
+                velocity.append(response.velocity[lane])
+                for name, value in zip(index, (record_index, lane, model_index), strict=True):
+                    index[name].append(value)
+    sizes = [history.size for history in rotation]
+    variables["history_row_size"] = _ragged("instant", "history", sizes, "instants of each history")
+    for name, meaning in (
+        ("record_index", "index into record"),
+        ("lane_index", "index into block x case of /summary, case running faster"),
+        ("model_index", "index into model of /summary"),
+    ):
+        variables[f"history_{name}"] = _variable(("history",), index[name], (int, "1", meaning))
+    variables["rotation"] = _variable(
+        ("instant",), _joined(rotation), (float, "rad", "rotation at the record's samples")
+    )
+    variables["velocity"] = _variable(("instant",), _joined(velocity), (float, "rad s-1", "its rate"))
+
+
+def _table(dimension: str, meanings: dict[str, Meaning], columns: dict[str, Any]) -> xr.Dataset:
+    return xr.Dataset({name: _variable((dimension,), columns[name], meanings[name]) for name in meanings})
+
+
+def _variable(dims: tuple[str, ...], values: Any, meaning: Meaning) -> xr.Variable:
+    kind, units, long_name = meaning
+    return xr.Variable(dims, np.asarray(values, dtype=kind), {"units": units, "long_name": long_name})
+
+
+def _flag(variable: xr.Variable, meanings: list[str]) -> None:
+    variable.attrs["flag_values"] = np.arange(len(meanings), dtype=np.int8)
+    variable.attrs["flag_meanings"] = " ".join(meanings)
+
+
+def _ragged(sample_dimension: str, dimension: str, sizes: list[int], long_name: str) -> xr.Variable:
+    variable = _variable((dimension,), sizes, (int, "1", long_name))
+    variable.attrs["sample_dimension"] = sample_dimension
+    return variable
+
+
+def _joined(parts: list[np.ndarray]) -> np.ndarray:
+    return np.concatenate(parts) if parts else np.zeros(0)
+
+
+def _squeeze(values: np.ndarray, bodies: Bodies, axis: int = -1) -> np.ndarray:
+    return values if bodies.cases > 1 else values.squeeze(axis=axis)

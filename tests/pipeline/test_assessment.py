@@ -1,0 +1,194 @@
+"""From records and bodies to the tree."""
+
+import numpy as np
+import pytest
+
+from rockpulse.assessment import assess
+from rockpulse.body import BlockSettings
+from rockpulse.config import Config
+from rockpulse.errors import ConfigError
+from rockpulse.failures import Failure
+from rockpulse.intensity import pgv
+from rockpulse.models import Block, Outcome, recorded_response
+from rockpulse.record import Record
+from rockpulse.settings import ModelSettings, RecordSettings
+
+DT = 0.01
+WALL = BlockSettings(name="wall", width=0.4, height=3.0)
+TOWER = BlockSettings(name="tower", width=3.0, height=9.0)
+
+
+def motion(seed=0, peak=4.0, n=1200):
+    rng = np.random.default_rng(seed)
+    t = DT * np.arange(n)
+    waves = sum(rng.normal() * np.sin(2 * np.pi * f * t + rng.uniform(0, 6)) for f in (0.7, 1.3, 2.1))
+    shaped = waves * np.exp(-(((t - 5.0) / 2.0) ** 2))
+    return peak * shaped / np.max(np.abs(shaped))
+
+
+def record(name, seed=0, peak=4.0, **options):
+    return Record(motion(seed, peak), DT, id=name, processed=True, source=f"{name}.txt", **options)
+
+
+@pytest.fixture(scope="module")
+def tree():
+    records = [record("one", orientation="horizontal"), record("two", 1, 1.0), record("up", 2, orientation="vertical")]
+    left_out = [Failure("notes.txt", "read", "no record", "skipped")]
+    return assess(records, Config(blocks=(WALL, TOWER)), failures=left_out)
+
+
+def test_every_record_block_and_model_has_an_answer(tree):
+    summary = tree["summary"]
+    assert dict(summary.sizes) == {"record": 2, "block": 2, "model": 5}
+    assert list(summary["record"].values) == ["one", "two"]
+    assert list(summary["model"].values) == ["resonance", "sequence", "impulsive", "linear", "nonlinear"]
+    assert not np.any(np.isnan(summary["peak_rotation_ratio"]))
+    assert np.all(summary["outcome"] != Outcome.UNRESOLVED)
+
+
+def test_answers_are_those_of_the_model_called_directly(tree):
+    direct = recorded_response(Block(0.2, 1.5), motion(0), DT)
+    cell = tree["summary"].sel(record="one", block="wall", model="nonlinear")
+    assert cell["peak_rotation_ratio"].item() == direct.peak_rotation_ratio
+    assert cell["impacts"].item() == direct.impacts
+
+
+def test_demand_ratios_follow_their_definitions(tree):
+    block = Block(0.2, 1.5)
+    cell = tree["summary"].sel(record="one", block="wall")
+    capacity = block.gravity * np.tan(block.alpha_c)
+    assert cell["pga"].item() == pytest.approx(4.0)
+    assert cell["uplift_ratio"].item() == pytest.approx(4.0 / capacity)
+    assert cell["velocity_ratio"].item() == pytest.approx(block.p * pgv(record("one")) / capacity)
+    assert cell["impulse_ratio"].item() == pytest.approx(cell["main_impulse"].item() / block.critical_impulse)
+
+
+def test_safety_factor_is_there_for_the_sequences_and_absent_for_the_rest(tree):
+    summary = tree["summary"]
+    known = summary["safety_factor"].sel(model=["resonance", "sequence"])
+    assert np.all(known > 0.0)
+    assert np.all(np.isnan(summary["safety_factor"].sel(model=["impulsive", "linear", "nonlinear"])))
+    finite = np.isfinite(known)
+    assert np.array_equal(
+        summary["capacity_pga"].sel(model=["resonance", "sequence"]).where(finite, 0.0),
+        (known * summary["pga"]).where(finite, 0.0),
+    )
+
+
+def test_a_sequence_that_overturns_has_a_factor_of_one_or_less(tree):
+    summary = tree["summary"].sel(model="resonance")
+    over = summary["outcome"].values == Outcome.OVERTURNS
+    assert over.any()
+    assert np.all(summary["safety_factor"].values[over] <= 1.0)
+    assert np.all(summary["safety_factor"].values[~over] > 1.0)
+
+
+def test_squat_block_is_marked_outside_the_range_of_the_linear_models(tree):
+    squat = assess([record("one")], blocks=[BlockSettings(name="chest", width=1.0, height=1.5)])["summary"]
+    applicable = squat["applicable"].squeeze().values
+    assert list(applicable) == [0, 0, 0, 0, 1]
+    assert np.all(tree["summary"]["applicable"] == 1)
+    assert "slenderness" in squat["block_warnings"].item()
+
+
+def test_vertical_channel_is_listed_and_not_assessed(tree):
+    failures = tree["failures"]
+    assert list(failures["kind"].values) == ["skipped", "vertical"]
+    assert "up" not in tree["summary"]["record"].values
+
+
+def test_half_cycles_belong_to_the_sequence_models(tree):
+    rows = tree["half_cycles"]
+    assert set(rows["model_index"].values) == {0, 1}
+    first = rows["half_cycle"].values == 1
+    assert first.sum() == 2 * 2 * 2
+    ratio = tree["summary"]["impulse_ratio"].values
+    resonant = first & (rows["model_index"].values == 0)
+    expected = ratio[rows["record_index"].values[resonant], rows["block_index"].values[resonant]]
+    assert rows["start_velocity"].values[resonant] == pytest.approx(expected)
+
+
+def test_records_are_kept_as_ragged_arrays(tree):
+    kept = tree["records"]
+    assert list(kept["row_size"].values) == [1200, 1200]
+    assert np.array_equal(kept["acceleration"].values[:1200], motion(0))
+    assert kept["half_wave_row_size"].sum() == kept.sizes["wave"]
+
+
+def test_store_none_keeps_no_records():
+    config = Config(blocks=(WALL,), records=RecordSettings(store="none"))
+    assert "records" not in assess([record("one")], config).children
+
+
+def test_histories_are_kept_where_asked_for():
+    config = Config(blocks=(WALL, TOWER), models=ModelSettings(use=("impulsive", "nonlinear"), histories=True))
+    kept = assess([record("two", 1, 1.5)], config)["records"]
+    assert list(kept["history_row_size"].values) == [1200, 1200]
+    direct = recorded_response(Block(0.2, 1.5), motion(1, 1.5), DT, history=True)
+    assert np.array_equal(kept["rotation"].values[:1200], direct.rotation, equal_nan=True)
+
+
+def test_restitution_list_adds_a_dimension():
+    several = BlockSettings(name="wall", width=0.4, height=3.0, restitution=[0.6, 0.9])
+    summary = assess([record("one", 0, 2.5)], blocks=[several, TOWER])["summary"]
+    assert summary["peak_rotation_ratio"].dims == ("record", "block", "case", "model")
+    assert list(summary["restitution"].sel(block="wall").values) == [0.6, 0.9]
+    low, high = (assess([record("one", 0, 2.5)], blocks={"wall": Block(0.2, 1.5, c)})["summary"] for c in (0.6, 0.9))
+    for case, single in enumerate((low, high)):
+        assert np.array_equal(
+            summary["peak_rotation_ratio"].sel(block="wall").values[0, case],
+            single["peak_rotation_ratio"].values[0, 0],
+        )
+
+
+def test_vertical_acceleration_serves_the_nonlinear_model_where_asked_for():
+    horizontal = record("one", 0, 2.5, station="S", orientation="horizontal")
+    up = record("one-up", 3, 3.0, station="S", orientation="vertical")
+    up = Record(up.acceleration, DT, id="up", station="S", orientation="vertical", source="one.txt", processed=True)
+    with_up = Config(blocks=(WALL,), records=RecordSettings(include_vertical=True))
+    without = Config(blocks=(WALL,), records=RecordSettings(include_vertical=False))
+    lifted = assess([horizontal, up], with_up)["summary"]["peak_rotation_ratio"].values[0, 0]
+    plain = assess([horizontal, up], without)["summary"]["peak_rotation_ratio"].values[0, 0]
+    direct = recorded_response(Block(0.2, 1.5), horizontal.acceleration, DT, vertical=up.acceleration)
+    assert lifted[4] == direct.peak_rotation_ratio
+    assert lifted[4] != plain[4]
+    assert np.array_equal(lifted[:4], plain[:4])
+
+
+def test_record_without_a_sequence_is_still_assessed_and_says_so():
+    pulse = np.zeros(200)
+    pulse[50:80] = 3.0 * np.sin(np.pi * np.arange(30) / 30)
+    single = Record(pulse, DT, id="pulse", processed=True, orientation="horizontal")
+    tree = assess([single], Config(blocks=(WALL,)))
+    summary = tree["summary"].to_dataset().squeeze()
+    assert list(summary["outcome"].values[:2]) == [Outcome.UNRESOLVED] * 2
+    assert np.all(np.isfinite(summary["peak_rotation_ratio"].values[2:]) | np.isinf(summary["peak_rotation_ratio"][2:]))
+    assert "no impulse sequence" in summary["warnings"].item()
+    assert tree["failures"].sizes["failure"] == 0
+
+
+def test_record_that_cannot_be_assessed_is_a_row_and_the_others_go_on():
+    still = Record(np.zeros(300), DT, id="still", processed=True, source="still.txt")
+    tree = assess([still, record("one")], Config(blocks=(WALL,)))
+    assert list(tree["summary"]["record"].values) == ["one"]
+    failed = tree["failures"].isel(failure=0)
+    assert failed["kind"].item() == "failed"
+    assert failed["file"].item() == "still.txt"
+
+
+def test_no_record_at_all_gives_an_empty_tree():
+    tree = assess([], Config(blocks=(WALL,)))
+    assert tree["summary"].sizes["record"] == 0
+    assert tree["half_cycles"].sizes["row"] == 0
+
+
+def test_two_records_of_one_id_are_refused():
+    with pytest.raises(ConfigError, match="one"):
+        assess([record("one"), record("one")], Config(blocks=(WALL,)))
+
+
+def test_every_variable_has_a_unit_and_a_long_name(tree):
+    for node in tree.subtree:
+        for name, variable in node.variables.items():
+            assert isinstance(variable.attrs.get("units"), str), name
+            assert variable.attrs.get("long_name"), name
