@@ -1,0 +1,75 @@
+"""The command line: one module per verb under :mod:`rockpulse.commands`.
+
+Exit codes: 0 all done, 1 some records failed, 2 wrong usage, configuration or results file.
+"""
+
+from __future__ import annotations
+
+import argparse
+import io
+import logging
+import os
+import sys
+from collections.abc import Sequence
+
+from rockpulse import __version__
+from rockpulse.commands import VERBS
+from rockpulse.errors import RockpulseError
+
+__all__ = ["build_parser", "main"]
+
+USAGE = 2
+INTERRUPTED = 130
+
+
+def build_parser() -> argparse.ArgumentParser:
+    """The parser with all verbs; building it imports neither numba nor xarray."""
+    parser = argparse.ArgumentParser(
+        prog="rockpulse",
+        description="From recorded strong-motion files to the overturning safety of large slender rigid blocks.",
+        epilog="Exit codes: 0 all done, 1 some records failed, 2 wrong usage, configuration or results file.",
+    )
+    parser.add_argument("--version", action="version", version=f"rockpulse {__version__}")
+    subparsers = parser.add_subparsers(title="verbs", required=True, metavar="VERB")
+    for verb in VERBS:
+        verb.add_parser(subparsers)
+    return parser
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Parse the arguments and run one verb.
+
+    Parameters
+    ----------
+    argv : sequence of str, optional
+        Arguments without the name of the program; those of the process by default.
+
+    Returns
+    -------
+    int
+        Exit code.
+    """
+    # Warnings are stored and shown in the overview; Python's last-resort handler would tear the progress bar.
+    logging.getLogger("rockpulse").addHandler(logging.NullHandler())
+    if isinstance(sys.stdout, io.TextIOWrapper):
+        sys.stdout.reconfigure(errors="replace")  # a terminal may lack the letters of a file or block name
+    args = build_parser().parse_args(argv)
+    try:
+        code = args.run(args)
+        sys.stdout.flush()
+        return code
+    except BrokenPipeError:
+        os.dup2(
+            os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno()
+        )  # the reader has left, as in `rockpulse ... | head`
+        return 0
+    except RockpulseError as error:
+        print(f"rockpulse: {error}", file=sys.stderr)
+        return USAGE
+    except OSError as error:
+        where = "" if error.filename is None else f"{error.filename}: "
+        print(f"rockpulse: {where}{error.strerror or error}", file=sys.stderr)
+        return USAGE
+    except KeyboardInterrupt:
+        print("rockpulse: interrupted", file=sys.stderr)
+        return INTERRUPTED

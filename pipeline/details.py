@@ -1,0 +1,143 @@
+"""One record or one block of an assessment as text."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any
+
+from rockpulse.errors import ResultsError
+from rockpulse.option import hint
+from rockpulse.overview import factor_table, value, verdict_table
+from rockpulse.record import STANDARD_GRAVITY
+from rockpulse.terminal import ABSENT, aligned, figure, paragraph
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = ["block_details", "record_details"]
+
+_UNLIMITED = -1
+
+
+def record_details(summary: xr.Dataset, record: str) -> str:
+    """Everything known about one record: measures, calibrated sequence, processing, warnings, verdicts, safety factors.
+
+    Parameters
+    ----------
+    summary : xarray.Dataset
+        The node /summary.
+    record : str
+        Its id.
+
+    Raises
+    ------
+    ResultsError
+        For an id that is not in the results.
+    """
+    _require(summary, "record", record)
+
+    def number(name: str, unit: str) -> str:
+        found = value(summary, name, record=record)
+        return ABSENT if found is None else figure(float(found), unit)
+
+    def words(name: str) -> str:
+        return value(summary, name, record=record) or ABSENT
+
+    pga = value(summary, "pga", record=record)
+    rows = [
+        ["source", words("source")],
+        ["sha256 of the source", words("source_sha256")],
+        ["station, component", f"{words('station')}, {words('component')} (azimuth {number('azimuth', 'degrees')})"],
+        ["start", words("start_time")],
+        ["samples", f"{value(summary, 'npts', record=record)} at {number('dt', 's')}"],
+        ["PGA", f"{figure(pga, 'm/s2')} ({figure(pga / STANDARD_GRAVITY, 'g')})"],
+        ["PGV", number("pgv", "m/s")],
+        ["Arias intensity", number("arias_intensity", "m/s")],
+        ["intense phase", f"{number('intense_start', 's')} to {number('intense_end', 's')}"],
+        ["half-waves in all", str(value(summary, "half_wave_count", record=record))],
+        ["main impulse I", number("main_impulse", "m/s")],
+        ["secondary impulse I_s", number("secondary_impulse", "m/s")],
+        ["interval dT", number("secondary_interval", "s")],
+        ["duration of the sequence", number("sequence_duration", "s")],
+        ["main impulses", _main_count(summary, record)],
+        *(["processing", step] for step in _steps(summary, record, "processing")),
+        *(["warning", warning] for warning in _steps(summary, record, "warnings")),
+    ]
+    return _page(record, rows, summary, records=[record])
+
+
+def block_details(summary: xr.Dataset, block: str) -> str:
+    """Everything known about one block: size, parameters, restitution, warnings, verdicts, safety factors.
+
+    Parameters
+    ----------
+    summary : xarray.Dataset
+        The node /summary.
+    block : str
+        Its name.
+
+    Raises
+    ------
+    ResultsError
+        For a name that is not in the results.
+    """
+    _require(summary, "block", block)
+
+    def number(name: str, unit: str) -> str:
+        if name not in summary:
+            return ABSENT
+        found = summary[name].sel(block=block).values.ravel()
+        same = found[:1] if (found == found[0]).all() or math.isnan(found[0]) else found
+        return ", ".join(figure(float(item), unit) for item in same)
+
+    warnings = [str(text) for text in summary["block_warnings"].sel(block=block).values.ravel()]
+    rows = [
+        ["width, height", f"{number('width', 'm')}, {number('height', 'm')}"],
+        ["critical angle alpha_c", number("alpha_c", "rad")],
+        ["frequency parameter p", number("p", "1/s")],
+        ["slenderness", number("slenderness", "")],
+        ["restitution C", number("restitution", "")],
+        ["critical impulse I_1c", number("critical_impulse", "m/s")],
+        *(["warning", warning] for text in dict.fromkeys(warnings) for warning in _split(text)),
+    ]
+    return _page(block, rows, summary, blocks=[block])
+
+
+def _page(title: str, rows: list[list[str]], summary: xr.Dataset, **which: Any) -> str:
+    width = max(len(name) for name, _ in rows)
+    lines = [paragraph(text, " " * (width + 4), f"  {name.ljust(width)}  ") for name, text in rows]
+    return "\n".join(
+        [
+            title,
+            *lines,
+            "",
+            verdict_table(summary, **which),
+            "",
+            "Safety factors: the smallest factor on the input of the model at which the block overturns",
+            factor_table(summary, **which),
+        ]
+    )
+
+
+def _main_count(summary: xr.Dataset, record: str) -> str:
+    if math.isnan(value(summary, "main_impulse", record=record)):
+        return ABSENT
+    count = value(summary, "main_count", record=record)
+    return "as many as fit into the duration" if count == _UNLIMITED else str(count)
+
+
+def _steps(summary: xr.Dataset, record: str, name: str) -> list[str]:
+    return _split(str(value(summary, name, record=record) or ""))
+
+
+def _split(joined: str) -> list[str]:
+    return [part for part in joined.split("; ") if part]
+
+
+def _require(summary: xr.Dataset, dimension: str, label: str) -> None:
+    known = [str(item) for item in summary[dimension].values]
+    if label not in known:
+        raise ResultsError(
+            f'no {dimension} "{label}" in these results{hint(label, known)}; there are:\n'
+            + "\n".join(f"  {line}" for line in aligned([[item] for item in known]))
+        )

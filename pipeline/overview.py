@@ -1,0 +1,259 @@
+"""The overview of an assessment as text: every model's verdict for every record and block, and what was left out."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING, Any
+
+from rockpulse.models.response import Outcome, Reason
+from rockpulse.record import STANDARD_GRAVITY
+from rockpulse.terminal import ABSENT, aligned, figure, paragraph, ratio, shortened
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = ["factor_table", "failure_list", "left_out", "overturned", "overview", "value", "verdict_table"]
+
+#: Longest block name in a table.
+NAME_WIDTH = 30
+
+#: Rows of a kind that is no failure in the overview.
+LISTED = 12
+
+_WORDS = {Outcome.AT_REST: "at rest", Outcome.OVERTURNS: "OVERTURNS", Outcome.UNRESOLVED: "unresolved"}
+
+
+def value(summary: xr.Dataset, name: str, **where: Any) -> Any:
+    """One number or text of the summary; None where the variable is absent.
+
+    Parameters
+    ----------
+    summary : xarray.Dataset
+        The node /summary.
+    name : str
+        A variable.
+    **where
+        Labels along ``record``, ``block`` and ``model``, position along ``case``; dimensions that the variable lacks
+        are passed over.
+    """
+    if name not in summary:
+        return None
+    variable = summary.variables[name]
+    place: dict[Any, Any] = {
+        dim: label if dim == "case" else summary.get_index(dim).get_loc(label) for dim, label in where.items()
+    }
+    return variable.values[tuple(place[dim] for dim in variable.dims)].item()
+
+
+def verdict_table(
+    summary: xr.Dataset, records: Sequence[str] | None = None, blocks: Sequence[str] | None = None
+) -> str:
+    """The verdict of every model, one line per block under a heading per record, with footnotes.
+
+    Parameters
+    ----------
+    summary : xarray.Dataset
+        The node /summary.
+    records, blocks : sequence of str, optional
+        Which to show; all by default.
+    """
+    lines = _table(summary, records, blocks, _verdict)
+    notes = [
+        "Figures: largest rotation over the critical angle (theta_max/alpha_c). C: velocity ratio of an impact. "
+        "a/a_up: PGA over the acceleration of uplift. I/I_1c: main impulse over the one that overturns the block alone."
+    ]
+    if "resonance" in summary["model"].values:
+        notes.append("resonance: an upper-bound type input (every main impulse at the worst moment), not a prediction.")
+    if "applicable" in summary and (summary["applicable"] == 0).any():
+        notes.append("*: outside the range of this model (slenderness below 3); read with caution.")
+    reasons = {int(code) for code in summary["reason"].values[summary["outcome"].values == Outcome.UNRESOLVED]}
+    if reasons:
+        words = ", ".join(Reason(code).name.lower().replace("_", " ") for code in sorted(reasons))
+        notes.append(f"unresolved: the model cannot say ({words}).")
+    return "\n".join([*lines, "", *(paragraph(note, "  ") for note in notes)])
+
+
+def factor_table(summary: xr.Dataset, records: Sequence[str] | None = None, blocks: Sequence[str] | None = None) -> str:
+    """The smallest factor on a model's input that overturns the block, laid out as the verdicts.
+
+    Parameters
+    ----------
+    summary : xarray.Dataset
+        The node /summary.
+    records, blocks : sequence of str, optional
+        Which to show; all by default.
+    """
+
+    def cell(summary: xr.Dataset, where: dict[str, Any]) -> str:
+        factor = value(summary, "safety_factor", **where)
+        if factor is None or math.isnan(factor):
+            return ABSENT + " "
+        return ("none " if math.isinf(factor) else ratio(factor)) + " "
+
+    note = "  none: not found up to the end of the search ([search] factor_max). -: not computed for this model."
+    return "\n".join([*_table(summary, records, blocks, cell), "", note])
+
+
+def overturned(summary: xr.Dataset) -> str:
+    """What overturns: per block, the records that do it, by the fullest model in use; then the count of every model.
+
+    Parameters
+    ----------
+    summary : xarray.Dataset
+        The node /summary.
+    """
+    models = [str(model) for model in summary["model"].values]
+    records = [str(record) for record in summary["record"].values]
+    fullest = models[-1]
+    lines = [f"What overturns (by the {fullest} model):"]
+    rows = [["records that overturn", *models]]
+    for block in (str(name) for name in summary["block"].values):
+        fallen = {model: [record for record in records if _falls(summary, record, block, model)] for model in models}
+        names = ", ".join(fallen[fullest]) if fallen[fullest] else "nothing does"
+        lines.append(paragraph(names, "      ", f"  {block}: "))
+        rows.append([shortened(block, NAME_WIDTH), *(f"{len(fallen[model])} of {len(records)}" for model in models)])
+    return "\n".join([*lines, "", *("  " + line for line in aligned(rows))])
+
+
+def left_out(tree: xr.DataTree) -> str:
+    """What was read or found but not assessed, by kind, and how many warnings there are.
+
+    Parameters
+    ----------
+    tree : xarray.DataTree
+        The results.
+    """
+    lines = []
+    for kind, entries in _failures(tree).items():
+        lines.append(f"{_KINDS.get(kind, kind)}: {len(entries)}")
+        shown = entries if kind == "failed" else entries[:LISTED]
+        lines += [paragraph(_told(file, reason), "      ", "  ") for file, _, reason in shown]
+        if len(shown) < len(entries):
+            lines.append(f"  and {len(entries) - len(shown)} more (rockpulse inspect RESULTS --failures shows them)")
+    summary = tree["summary"].to_dataset()
+    for block, warning in zip(summary["block"].values, summary["block_warnings"].values, strict=True):
+        if warning:
+            lines.append(paragraph(f"block {block}: {warning}", "      ", ""))
+    warned = sum(bool(text) for text in summary["warnings"].values)
+    if warned:
+        lines.append(f"records with warnings: {warned} (rockpulse inspect RESULTS --record ID shows them)")
+    return "\n".join(lines)
+
+
+def failure_list(tree: xr.DataTree, kinds: Sequence[str] | None = None) -> str:
+    """Everything that was not assessed: kind, stage, file and reason; empty where there is nothing.
+
+    Parameters
+    ----------
+    tree : xarray.DataTree
+        The results.
+    kinds : sequence of str, optional
+        Which kinds to list; all by default.
+    """
+    return "\n".join(
+        paragraph(_told(file, reason), "      ", f"{kind} ({stage}) ")
+        for kind, entries in _failures(tree).items()
+        if kinds is None or kind in kinds
+        for file, stage, reason in entries
+    )
+
+
+def overview(tree: xr.DataTree) -> str:
+    """Verdicts, what overturns, what was left out.
+
+    Parameters
+    ----------
+    tree : xarray.DataTree
+        The results.
+    """
+    summary = tree["summary"].to_dataset()
+    parts = [verdict_table(summary), overturned(summary), left_out(tree)]
+    return "\n\n".join(part for part in parts if part)
+
+
+_KINDS = {
+    "failed": "failed",
+    "vertical": "read, not assessed (vertical)",
+    "structural": "read, not assessed (on a structure)",
+    "duplicate": "skipped, the same content twice",
+    "skipped": "skipped, no records",
+}
+
+
+def _told(file: str, reason: str) -> str:
+    """Most reasons begin with the file and a line in it."""
+    return reason if reason.startswith(file) else f"{file}: {reason}"
+
+
+def _failures(tree: xr.DataTree) -> dict[str, list[tuple[str, str, str]]]:
+    """(file, stage, reason) by kind; the failed ones first."""
+    failures = tree["failures"].to_dataset()
+    grouped: dict[str, list[tuple[str, str, str]]] = {}
+    for file, stage, reason, kind in zip(
+        *(failures[name].values for name in ("file", "stage", "reason", "kind")), strict=True
+    ):
+        grouped.setdefault(str(kind), []).append((str(file), str(stage), str(reason)))
+    order = [*_KINDS, *sorted(set(grouped) - set(_KINDS))]
+    return {kind: grouped[kind] for kind in order if kind in grouped}
+
+
+def _table(
+    summary: xr.Dataset,
+    records: Sequence[str] | None,
+    blocks: Sequence[str] | None,
+    cell: Callable[[xr.Dataset, dict[str, Any]], str],
+) -> list[str]:
+    records = [str(label) for label in summary["record"].values] if records is None else records
+    blocks = [str(label) for label in summary["block"].values] if blocks is None else blocks
+    models = [str(label) for label in summary["model"].values]
+    headings, rows = [], [["", "C", "a/a_up", "I/I_1c", *(model + " " for model in models)]]
+    for record in records:
+        headings.append((len(rows), _heading(summary, record)))
+        for block in blocks:
+            for case in _cases(summary, block):
+                where: dict[str, Any] = {"record": record, "block": block, "case": case}
+                numbers = [value(summary, name, **where) for name in ("restitution", "uplift_ratio", "impulse_ratio")]
+                figures = [ABSENT if number is None else ratio(number) for number in numbers]
+                cells = [cell(summary, {**where, "model": model}) for model in models]
+                rows.append(["  " + shortened(block, NAME_WIDTH), *figures, *cells])
+    lines = aligned(rows)
+    for place, heading in reversed(headings):
+        lines[place:place] = ["", heading, lines[0]]
+    return lines[2:]
+
+
+def _cases(summary: xr.Dataset, block: str) -> range:
+    """Which restitutions to show: one where all cases of the block have the same."""
+    if "case" not in summary["restitution"].dims:
+        return range(1)
+    found = summary["restitution"].sel(block=block).values
+    return range(1 if (found == found[0]).all() else found.size)
+
+
+def _heading(summary: xr.Dataset, record: str) -> str:
+    parts = [record]
+    pga = value(summary, "pga", record=record)
+    parts.append(f"PGA {figure(pga / STANDARD_GRAVITY, 'g')}")
+    for name, symbol in (("pgv", "PGV"), ("main_impulse", "I")):
+        number = value(summary, name, record=record)
+        if number is not None and not math.isnan(number):
+            parts.append(f"{symbol} {figure(number, 'm/s')}")
+    return "  ".join(parts)
+
+
+def _verdict(summary: xr.Dataset, where: dict[str, Any]) -> str:
+    outcome = value(summary, "outcome", **where)
+    if outcome in _WORDS:
+        text = _WORDS[outcome]
+    elif outcome == Outcome.ROCKS:
+        text = ratio(value(summary, "peak_rotation_ratio", **where))
+    else:
+        return ABSENT + " "
+    return text + ("*" if value(summary, "applicable", **where) == 0 else " ")
+
+
+def _falls(summary: xr.Dataset, record: str, block: str, model: str) -> bool:
+    """Whether a block overturns in any of its cases."""
+    outcome = summary["outcome"].sel(record=record, block=block, model=model)
+    return bool((outcome == Outcome.OVERTURNS).any())

@@ -1,0 +1,190 @@
+"""The sections of the configuration: their keys, defaults and allowed values, one dataclass a section."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from rockpulse.errors import ConfigError
+from rockpulse.option import Section, choice, choices, count, flag, number, text, texts
+
+__all__ = [
+    "SECTIONS",
+    "ConditioningSettings",
+    "HalfWaveSettings",
+    "IntensePhaseSettings",
+    "ModelSettings",
+    "RecordSettings",
+    "RunSettings",
+    "SearchSettings",
+    "SequenceSettings",
+    "SiteSettings",
+]
+
+#: The words a key knows. The modules that act on them import numba or scipy, so they are stated here once more; a test
+#: compares these with theirs.
+COMPONENTS = ("horizontal",)
+STORES = ("all", "half_waves", "none")
+BASELINES = ("auto", "none", "mean", "pre-event", "linear", "quadratic")
+PHASES = ("D5-95", "D5-75", "bracketed", "window")
+MAINS = ("largest", "mean-largest", "quantile")
+SECONDARIES = ("rms", "median", "mean")
+INTERVALS = ("median", "mean")
+MAIN_COUNTS = ("half-largest", "none")
+SPACINGS = ("end", "middle", "start", "open", "continuous")
+MODELS = ("resonance", "sequence", "impulsive", "linear", "nonlinear")
+GAINS = ("paper", "linear", "exact")
+
+
+@dataclass(frozen=True)
+class SiteSettings(Section):
+    """What the study is about; free text that goes into the results."""
+
+    heading = "[site]"
+    name: str = text()
+    description: str = text()
+
+
+@dataclass(frozen=True)
+class RecordSettings(Section):
+    """Which records are read, in which unit where the file does not say, and what of them is stored."""
+
+    heading = "[records]"
+    paths: tuple[str, ...] = texts()
+    components: str = choice("horizontal", COMPONENTS)
+    units: str | None = text(None)
+    include_vertical: bool = flag(False)
+    store: str = choice("all", STORES)
+
+
+@dataclass(frozen=True)
+class ConditioningSettings(Section):
+    """Baseline, filter and sampling; keyword arguments of :func:`rockpulse.condition`."""
+
+    heading = "[conditioning]"
+    baseline: str = choice("auto", BASELINES)
+    highpass_hz: float | None = number(None, low=0.0, above=True, unit="Hz")
+    lowpass_hz: float | None = number(None, low=0.0, above=True, unit="Hz")
+    order: int = count(2, low=1, high=10)
+    taper_s: float | None = number(None, low=0.0, unit="s")
+    resample_s: float | None = number(None, low=0.0, above=True, unit="s")
+    pre_event_s: float | None = number(None, low=0.0, above=True, unit="s")
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.highpass_hz is not None and self.lowpass_hz is not None and self.highpass_hz >= self.lowpass_hz:
+            raise ConfigError(
+                f"[conditioning] highpass_hz: expected a corner below lowpass_hz = {self.lowpass_hz:g} Hz, "
+                f"found {self.highpass_hz:g}; nothing would be left of the record"
+            )
+
+
+@dataclass(frozen=True)
+class HalfWaveSettings(Section):
+    """Which lobes count as half-waves; keyword arguments of :func:`rockpulse.half_waves`."""
+
+    heading = "[half_waves]"
+    threshold: float = number(0.0, low=0.0, high=1.0)
+    min_duration_s: float = number(0.0, low=0.0, unit="s")
+    merge: bool = flag(True)
+
+
+@dataclass(frozen=True)
+class IntensePhaseSettings(Section):
+    """The part of the record that is calibrated on; keyword arguments of :func:`rockpulse.intense_phase`."""
+
+    heading = "[intense_phase]"
+    method: str = choice("D5-95", PHASES)
+    start_s: float | None = number(None, low=0.0, unit="s")
+    end_s: float | None = number(None, low=0.0, unit="s")
+    level: float | None = number(None, low=0.0, above=True, unit="m/s2")
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.method != "window" and (self.start_s is not None or self.end_s is not None):
+            raise ConfigError(
+                f'[intense_phase] start_s, end_s: they belong to method = "window", found method = "{self.method}"; '
+                "drop them or change the method"
+            )
+        if self.end_s is not None and (self.start_s is None or self.start_s >= self.end_s):
+            raise ConfigError(
+                f"[intense_phase] end_s: expected a time after start_s = {self.start_s}, found {self.end_s:g}"
+            )
+        if self.level is not None and self.method != "bracketed":
+            raise ConfigError(
+                f'[intense_phase] level: it belongs to method = "bracketed", found method = "{self.method}"; '
+                "drop it or change the method"
+            )
+
+
+@dataclass(frozen=True)
+class SequenceSettings(Section):
+    """How a record becomes an impulse sequence; keyword arguments of :func:`rockpulse.calibrate`."""
+
+    heading = "[sequence]"
+    main: str = choice("largest", MAINS)
+    secondary: str = choice("rms", SECONDARIES)
+    interval: str = choice("median", INTERVALS)
+    main_count: str | int = choice("half-largest", MAIN_COUNTS, or_count=True)
+    spacing: str = choice("end", SPACINGS)
+    duration_s: float | None = number(None, low=0.0, above=True, unit="s")
+    m: int = count(3, low=1)
+    quantile: float = number(0.95, low=0.0, high=1.0)
+
+
+@dataclass(frozen=True)
+class ModelSettings(Section):
+    """Which models answer, and how exactly."""
+
+    heading = "[models]"
+    use: tuple[str, ...] = choices(MODELS, MODELS)
+    auto: bool = flag(False)
+    tolerance: float = number(1e-9, low=0.0, above=True)
+    gain: str = choice("paper", GAINS)
+    histories: bool = flag(False)
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.auto:
+            raise ConfigError(
+                "[models] auto: choosing the model by itself is not available in this version; "
+                "set auto = false and name the models in use"
+            )
+
+
+@dataclass(frozen=True)
+class SearchSettings(Section):
+    """The grid of factors on which the safety factor is searched."""
+
+    heading = "[search]"
+    factor_max: float = number(10.0, low=0.0, above=True)
+    step: float = number(1.02, low=1.0, above=True)
+
+
+@dataclass(frozen=True)
+class RunSettings(Section):
+    """How the work is carried out."""
+
+    heading = "[run]"
+    workers: int = count(1, low=1)
+    seed: int = count(0, low=0)
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.workers > 1:
+            raise ConfigError(
+                f"[run] workers: expected 1, found {self.workers}; several processes are not available in this version"
+            )
+
+
+#: Sections by their name in the file, in the order of the template.
+SECTIONS: dict[str, type[Section]] = {
+    "site": SiteSettings,
+    "records": RecordSettings,
+    "conditioning": ConditioningSettings,
+    "half_waves": HalfWaveSettings,
+    "intense_phase": IntensePhaseSettings,
+    "sequence": SequenceSettings,
+    "models": ModelSettings,
+    "search": SearchSettings,
+    "run": RunSettings,
+}

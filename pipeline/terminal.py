@@ -1,0 +1,127 @@
+"""Plain text for the terminal: aligned columns and numbers with as many digits as they deserve."""
+
+from __future__ import annotations
+
+import math
+import textwrap
+from collections.abc import Sequence
+
+__all__ = ["ABSENT", "WIDTH", "aligned", "figure", "paragraph", "ratio", "shortened"]
+
+#: Stands for what is absent or not computed.
+ABSENT = "-"
+
+#: Columns of running text.
+WIDTH = 110
+
+
+def aligned(rows: Sequence[Sequence[str]], left: int = 1, gap: str = "  ") -> list[str]:
+    """Rows as lines with aligned columns.
+
+    Parameters
+    ----------
+    rows : sequence of sequences of str
+        Cells; every row has as many as the first.
+    left : int
+        How many of the first columns are flush left; the others are flush right.
+    gap : str
+        What stands between columns.
+
+    Examples
+    --------
+    >>> aligned([["pier", "0.41"], ["wall", "OVERTURNS"]])
+    ['pier       0.41', 'wall  OVERTURNS']
+    """
+    widths = [max(len(cell) for cell in column) for column in zip(*rows, strict=True)]
+    return [
+        gap.join(
+            cell.ljust(width) if place < left else cell.rjust(width)
+            for place, (cell, width) in enumerate(zip(row, widths, strict=True))
+        ).rstrip()
+        for row in rows
+    ]
+
+
+def ratio(value: float) -> str:
+    """A ratio around one with two or three digits.
+
+    Parameters
+    ----------
+    value : float
+        The ratio [-]; NaN where it is absent.
+
+    Examples
+    --------
+    >>> [ratio(value) for value in (0.0, 0.0004, 0.0412, 0.412, 1.3, 24.6, math.inf, math.nan)]
+    ['0', '<0.001', '0.041', '0.41', '1.30', '24.6', 'inf', '-']
+    """
+    if math.isnan(value):
+        return ABSENT
+    if value == 0.0 or math.isinf(value):
+        return f"{value:.0f}"
+    if abs(value) < 0.001:
+        return "<0.001" if value > 0.0 else ">-0.001"
+    return f"{value:.{3 if abs(value) < 0.1 else 2 if abs(value) < 10.0 else 1}f}"
+
+
+def figure(value: float, unit: str = "") -> str:
+    """A number with three digits and its unit.
+
+    Parameters
+    ----------
+    value : float
+        The number; NaN where it is absent.
+    unit : str
+        Its unit.
+
+    Examples
+    --------
+    >>> figure(5.5574, "m/s2"), figure(math.nan, "s")
+    ('5.56 m/s2', '-')
+    """
+    if math.isnan(value):
+        return ABSENT
+    return f"{value:.3g} {unit}".rstrip()
+
+
+def shortened(words: str, width: int) -> str:
+    """Text cut in the middle to a width, so that both its ends can be recognised.
+
+    Parameters
+    ----------
+    words : str
+        The text.
+    width : int
+        Longest length, at least 5.
+
+    Examples
+    --------
+    >>> shortened("a long name of a block", 11)
+    'a lon…block'
+    """
+    if len(words) <= width:
+        return words
+    tail = (width - 1) // 2
+    return f"{words[: width - 1 - tail]}…{words[-tail:]}"
+
+
+def paragraph(words: str, indent: str = "", first: str | None = None) -> str:
+    """Running text, wrapped.
+
+    Parameters
+    ----------
+    words : str
+        The text.
+    indent : str
+        What every line begins with.
+    first : str, optional
+        What the first line begins with instead.
+    """
+    return textwrap.fill(
+        words,
+        WIDTH,
+        initial_indent=indent if first is None else first,
+        subsequent_indent=indent,
+        break_long_words=False,
+        break_on_hyphens=False,
+    )

@@ -1,0 +1,272 @@
+"""``rockpulse assess`` from files to files: exit codes, tables, refusals, and what it leaves on the disk."""
+
+import re
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pytest
+
+import rockpulse as rp
+from rockpulse.cli import main
+
+SCHEMA = Path(__file__).parents[3] / "docs" / "schema.md"
+DT = 0.01
+TIME = DT * np.arange(800)
+#: A burst of 1 Hz with 0.45 g in its middle and next to nothing at its ends [g].
+STRONG = 0.45 * np.sin(2.0 * np.pi * TIME) * np.exp(-(((TIME - 4.0) / 1.2) ** 2))
+
+
+def write_at2(path, acceleration, component="90"):
+    lines = [
+        "PEER STRONG MOTION DATABASE RECORD",
+        f"TEST EVENT, STATION A, {component}",
+        "ACCELERATION TIME SERIES IN UNITS OF G",
+    ]
+    lines.append(f"NPTS= {acceleration.size}, DT= {DT:.4f} SEC")
+    lines += ["".join(f"{value:15.7E}" for value in row) for row in np.split(acceleration, acceleration.size // 5)]
+    path.write_text("\n".join(lines) + "\n")
+    return path
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    """Two good records, one that is cut short, one that is no record."""
+    folder = tmp_path_factory.mktemp("records")
+    write_at2(folder / "strong.AT2", STRONG)
+    write_at2(folder / "weak.AT2", 0.02 * STRONG, component="180")
+    cut = write_at2(folder / "cut.AT2", STRONG).read_text().splitlines()
+    (folder / "cut.AT2").write_text("\n".join(cut[:30]) + "\n")
+    (folder / "notes.txt").write_text("no record at all\n")
+    return folder
+
+
+BLOCKS = ["--block", "thin wall=0.2x2.2", "--block", "pier=1.0x3.0"]
+
+
+def assess(*arguments):
+    return main(["assess", *map(str, arguments), *BLOCKS])
+
+
+@pytest.fixture(scope="module")
+def done(folder, tmp_path_factory):
+    """Two good records, assessed."""
+    target = tmp_path_factory.mktemp("results") / "results.h5"
+    assert assess(folder / "strong.AT2", folder / "weak.AT2", "-o", target, "--quiet") == 0
+    return target
+
+
+def test_all_done_is_exit_code_zero_with_a_table(folder, tmp_path, capsys):
+    target = tmp_path / "results.h5"
+    assert assess(folder / "strong.AT2", folder / "weak.AT2", "-o", target) == 0
+    out, err = capsys.readouterr()
+    assert err == ""  # no progress bar where there is no terminal
+    assert out.count("thin wall") >= 2
+    assert "OVERTURNS" in out
+    assert "at rest" in out
+    assert "upper-bound type input" in out
+    assert not re.search(r"\bnan\b", out, re.I)
+    assert out.endswith(f"results: {target}\n")
+    assert target.is_file()
+
+
+def test_quiet_prints_nothing(folder, tmp_path, capsys):
+    assert assess(folder / "weak.AT2", "-o", tmp_path / "results.h5", "--quiet") == 0
+    assert capsys.readouterr() == ("", "")
+
+
+def test_every_model_answers_for_every_record_and_block(done):
+    summary = rp.load(done)["summary"]
+    assert dict(summary.sizes) == {"record": 2, "block": 2, "model": 5}
+    assert summary["block"].values.tolist() == ["thin wall", "pier"]
+    assert summary["width"].values.tolist() == [0.2, 1.0]
+    strong, weak = summary["record"].values
+    assert summary["outcome"].sel(record=strong, block="thin wall", model="nonlinear") == 2
+    assert (summary["outcome"].sel(record=weak, model=["linear", "nonlinear"]) == 0).all()
+
+
+def test_bare_h5py_finds_unit_and_long_name_on_every_variable(done):
+    seen = []
+
+    def visit(name, item):
+        if isinstance(item, h5py.Dataset) and not item.attrs.get("NAME", b"").startswith(b"This is a netCDF dimension"):
+            seen.append(name)
+            assert isinstance(item.attrs["units"], str), name
+            assert isinstance(item.attrs["long_name"], str), name
+
+    with h5py.File(done) as file:
+        file.visititems(visit)
+        assert file.attrs["schema_version"] == "1.0"
+    assert {
+        "summary/pga",
+        "summary/safety_factor",
+        "half_cycles/peak",
+        "failures/reason",
+        "records/acceleration",
+    } <= set(seen)
+
+
+def test_the_schema_names_every_variable(done):
+    schema = SCHEMA.read_text(encoding="utf-8")
+    for node in rp.load(done).subtree:
+        for name in node.to_dataset(inherit=False).variables:
+            assert f"`{name}`" in schema, f"{node.path}/{name}"
+
+
+def test_the_results_hold_the_configuration_that_was_resolved(done, tmp_path):
+    path = tmp_path / "resolved.toml"
+    path.write_text(rp.load(done).attrs["configuration"], encoding="utf-8")
+    config = rp.load_config(path)
+    assert [(block.name, block.width, block.height) for block in config.blocks] == [
+        ("thin wall", 0.2, 2.2),
+        ("pier", 1.0, 3.0),
+    ]
+    assert [name.rpartition("/")[2] for name in config.records.paths] == ["strong.AT2", "weak.AT2"]
+
+
+def test_what_inspect_shows_is_what_assess_showed(folder, tmp_path, capsys):
+    target = tmp_path / "results.h5"
+    assess(folder / "strong.AT2", "-o", target)
+    shown = capsys.readouterr().out
+    assert main(["inspect", str(target)]) == 0
+    assert shown.startswith(capsys.readouterr().out)
+
+
+def test_a_folder_with_a_broken_record_is_exit_code_one_and_the_others_are_assessed(folder, tmp_path, capsys):
+    target = tmp_path / "results.h5"
+    assert assess(folder, "-o", target) == 1
+    out = capsys.readouterr().out
+    assert "failed: 1" in out
+    assert re.search(r"cut\.AT2:\d+: ", out)
+    assert "skipped, no records: 1" in out
+    assert "notes.txt" in out
+    tree = rp.load(target)
+    assert tree["summary"].sizes["record"] == 2
+    assert sorted(tree["failures"]["kind"].values.tolist()) == ["failed", "skipped"]
+
+
+def test_a_missing_file_named_explicitly_is_exit_code_one_and_the_others_are_assessed(folder, tmp_path, capsys):
+    target = tmp_path / "results.h5"
+    assert assess(folder / "strong.AT2", folder / "absent.AT2", "-o", target, "--quiet") == 1
+    captured = capsys.readouterr()
+    assert captured.out == ""
+    assert "absent.AT2: no such file" in captured.err
+    assert rp.load(target)["summary"].sizes["record"] == 1
+
+
+def test_skipped_and_duplicate_files_are_no_failure(folder, tmp_path, capsys):
+    (tmp_path / "in").mkdir()
+    for name in ("one.AT2", "two.AT2"):
+        (tmp_path / "in" / name).write_bytes((folder / "strong.AT2").read_bytes())
+    (tmp_path / "in" / "notes.txt").write_text("no record at all\n")
+    assert assess(tmp_path / "in", "-o", tmp_path / "results.h5") == 0
+    out = capsys.readouterr().out
+    assert "skipped, the same content twice: 1" in out
+    assert "skipped, no records: 1" in out
+
+
+@pytest.mark.parametrize("name", ["notes.txt", "absent.AT2", "cut.AT2"])
+def test_not_one_record_is_exit_code_one_and_writes_nothing(folder, tmp_path, capsys, name):
+    assert assess(folder / name, "-o", tmp_path / "results.h5") == 1
+    captured = capsys.readouterr()
+    assert "not one record could be assessed, nothing was written" in captured.err
+    assert name in captured.err
+    assert list(tmp_path.iterdir()) == []
+
+
+WRONG_FILES = {
+    "empty.AT2": b"",
+    "binary.AT2": bytes(range(256)) * 8,
+    "nan.AT2": b"A\nB\nACCELERATION TIME SERIES IN UNITS OF G\nNPTS= 5, DT= .01 SEC\n 0.1 NaN 0.2 0.1 0.0\n",
+    "one.AT2": b"A\nB\nACCELERATION TIME SERIES IN UNITS OF G\nNPTS= 1, DT= .01 SEC\n 0.1\n",
+    "step.AT2": b"A\nB\nACCELERATION TIME SERIES IN UNITS OF G\nNPTS= 5, DT= .00 SEC\n 0.1 0.1 0.2 0.1 0.0\n",
+    "velocity.AT2": b"A\nB\nVELOCITY TIME SERIES IN UNITS OF CM/S\nNPTS= 5, DT= .01 SEC\n 0.1 0.1 0.2 0.1 0.0\n",
+    "columns.txt": b"0.00 0.1\n0.01 0.2\n0.02 0.1\n0.03 -0.2\n",
+}
+
+
+@pytest.mark.parametrize("name", WRONG_FILES)
+def test_no_wrong_record_stops_the_others_or_shows_a_traceback(folder, tmp_path, capsys, name):
+    (tmp_path / name).write_bytes(WRONG_FILES[name])
+    target = tmp_path / "results.h5"
+    assert assess(folder / "weak.AT2", tmp_path / name, "-o", target) == 1
+    out, err = capsys.readouterr()
+    assert err == ""
+    assert "failed: 1" in out
+    assert name in out
+    assert rp.load(target)["summary"].sizes["record"] == 1
+
+
+def test_columns_are_read_once_the_unit_is_named(tmp_path, capsys):
+    path = tmp_path / "columns.csv"
+    np.savetxt(
+        path, np.column_stack([TIME, 9.80665 * STRONG]), fmt="%.6f", delimiter=",", header="time,acc", comments=""
+    )
+    assert assess(path, "-o", tmp_path / "results.h5", "--units", "m/s2") == 0
+    peak = np.abs(STRONG - STRONG.mean()).max()
+    assert f"PGA {peak:.3g} g" in capsys.readouterr().out
+
+
+def test_a_file_that_exists_is_refused_before_any_work_and_stays_intact(tmp_path, capsys):
+    target = tmp_path / "results.h5"
+    target.write_bytes(b"old")
+    assert assess(tmp_path / "absent.AT2", "-o", target) == 2
+    assert "the file exists" in capsys.readouterr().err
+    assert target.read_bytes() == b"old"
+
+
+def test_overwrite_replaces_it(folder, tmp_path):
+    target = tmp_path / "results.h5"
+    target.write_bytes(b"old")
+    assert assess(folder / "weak.AT2", "-o", target, "--overwrite", "--quiet") == 0
+    assert rp.load(target)["summary"].sizes["record"] == 1
+
+
+def test_a_run_without_a_record_leaves_the_old_results(folder, tmp_path):
+    target = tmp_path / "results.h5"
+    target.write_bytes(b"old")
+    assert assess(folder / "cut.AT2", "-o", target, "--overwrite") == 1
+    assert target.read_bytes() == b"old"
+
+
+def test_the_configuration_names_records_and_blocks(folder, tmp_path, capsys):
+    config = tmp_path / "site.toml"
+    config.write_text(
+        f"[records]\npaths = ['{folder}/strong.AT2']\n[models]\nuse = ['nonlinear', 'sequence']\n"
+        "[[block]]\nname = 'column'\nwidth = 0.5\nheight = 4.0\nrestitution = [0.8, 0.9]\n"
+    )
+    target = tmp_path / "results.h5"
+    assert main(["assess", "--config", str(config), "--block", "pier=1.0x3.0", "-o", str(target)]) == 0
+    summary = rp.load(target)["summary"]
+    assert summary["model"].values.tolist() == ["sequence", "nonlinear"]
+    assert summary["restitution"].sel(block="column").values.tolist() == [0.8, 0.9]
+    assert summary["outcome"].dims == ("record", "block", "case", "model")
+    out = capsys.readouterr().out
+    assert len(re.findall(r"^  column +0\.[89]0 ", out, re.M)) == 2
+    assert "resonance" not in out
+
+
+def test_an_unknown_key_is_exit_code_two_naming_file_and_key(folder, tmp_path, capsys):
+    config = tmp_path / "site.toml"
+    config.write_text("[conditioning]\nhigpass_hz = 0.1\n")
+    assert assess(folder / "weak.AT2", "--config", config, "-o", tmp_path / "results.h5") == 2
+    err = capsys.readouterr().err
+    assert err.startswith(f"rockpulse: {config}: [conditioning] higpass_hz: unknown key; did you mean")
+    assert err.count("\n") == 1
+
+
+def test_an_unknown_unit_in_the_configuration_names_the_file(folder, tmp_path, capsys):
+    config = tmp_path / "site.toml"
+    config.write_text("[records]\nunits = 'furlong'\n")
+    assert assess(folder / "weak.AT2", "--config", config, "-o", tmp_path / "results.h5") == 2
+    assert f"{config}: [records] units: unknown unit" in capsys.readouterr().err
+
+
+def test_a_file_name_in_an_odd_encoding_is_assessed(folder, tmp_path, capsys):
+    odd = tmp_path / "caf\udce9.AT2"
+    try:
+        odd.write_bytes((folder / "weak.AT2").read_bytes())
+    except (OSError, UnicodeEncodeError):
+        pytest.skip("this file system takes no name outside UTF-8")
+    assert assess(odd, "-o", tmp_path / "results.h5") == 0
+    assert rp.load(tmp_path / "results.h5")["summary"]["source"].values[0].endswith("caf\ufffd.AT2")

@@ -1,0 +1,24 @@
+"""``rockpulse init-config``."""
+
+from rockpulse.cli import main
+from rockpulse.config import load_config
+
+
+def test_the_template_is_printed(capsys):
+    assert main(["init-config"]) == 0
+    assert capsys.readouterr().out.count("\n[[block]]") == 1
+
+
+def test_the_template_that_is_written_is_a_configuration(tmp_path, capsys):
+    target = tmp_path / "site.toml"
+    assert main(["init-config", "-o", str(target)]) == 0
+    assert str(target) in capsys.readouterr().out
+    assert [block.name for block in load_config(target).blocks] == ["block"]
+
+
+def test_a_file_that_exists_is_left_alone(tmp_path, capsys):
+    target = tmp_path / "site.toml"
+    target.write_text("mine")
+    assert main(["init-config", "-o", str(target)]) == 2
+    assert "the file exists" in capsys.readouterr().err
+    assert target.read_text() == "mine"

@@ -1,0 +1,111 @@
+"""The command line as a whole: its exit codes, what it prints, and that no wrong input shows a traceback."""
+
+import os
+import re
+import subprocess
+import sys
+
+import pytest
+
+from rockpulse import __version__
+from rockpulse.cli import build_parser, main
+
+
+def test_the_version_is_that_of_the_package(capsys):
+    with pytest.raises(SystemExit) as end:
+        main(["--version"])
+    assert end.value.code == 0
+    assert capsys.readouterr().out == f"rockpulse {__version__}\n"
+
+
+@pytest.mark.parametrize(
+    "arguments", [[], ["asses"], ["assess"], ["inspect"], ["inspect", "a", "b"], ["formats", "--all"]]
+)
+def test_wrong_usage_is_exit_code_two(arguments, capsys):
+    with pytest.raises(SystemExit) as end:
+        main(arguments)
+    assert end.value.code == 2
+    assert "usage: rockpulse" in capsys.readouterr().err
+
+
+def test_the_help_names_every_verb_and_the_exit_codes():
+    text = build_parser().format_help()
+    for verb in ("assess", "inspect", "formats", "init-config"):
+        assert re.search(rf"^ +{verb}\b", text, re.M), verb
+    assert "Exit codes: 0" in text
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["inspect", "{none}"], "none.h5: No such file or directory"),
+        (["inspect", "{folder}"], "Is a directory"),
+        (["assess", "x.AT2", "--config", "{none}", "--block", "a=1x3", "-o", "{new}"], "none.h5: No such file"),
+        (["assess", "--block", "a=1x3", "-o", "{new}"], "no records: name files"),
+        (["assess", "x.AT2", "-o", "{new}"], "no block"),
+        (["assess", "x.AT2", "--block", "a", "-o", "{new}"], "expected NAME=WIDTHxHEIGHT"),
+        (["assess", "x.AT2", "--block", "a=0x3", "-o", "{new}"], "expected a number in m > 0"),
+        (["assess", "x.AT2", "--block", "a=1x-3", "-o", "{new}"], "expected a number in m > 0"),
+        (["assess", "x.AT2", "--block", "a=3x1", "-o", "{new}"], "slenderness of 0.707"),
+        (["assess", "x.AT2", "--block", "a=1x3", "--block", "a=1x3", "-o", "{new}"], '"a" is given 2 times'),
+        (["assess", "x.AT2", "--block", "a=1x3", "--units", "furlong", "-o", "{new}"], "--units: unknown unit"),
+        (["assess", "x.AT2", "--block", "a=1x3", "-o", "{folder}"], "no regular file"),
+        (["assess", "x.AT2", "--block", "a=1x3", "-o", "{below}"], "no folder"),
+        (["init-config", "-o", "{below}"], "Not a directory"),
+    ],
+)
+def test_a_wrong_input_is_a_message_and_exit_code_two(tmp_path, capsys, arguments, message):
+    (tmp_path / "file").write_text("x")
+    places = {"none": "none.h5", "folder": "", "new": "new.h5", "below": "file/results.h5"}
+    places = {name: str(tmp_path / place) for name, place in places.items()}
+    assert main([argument.format(**places) for argument in arguments]) == 2
+    captured = capsys.readouterr()
+    assert captured.out == ""
+    assert captured.err.startswith("rockpulse: ")
+    assert message in captured.err
+    assert not (tmp_path / "new.h5").exists()
+
+
+def test_the_module_runs_like_the_command():
+    done = subprocess.run([sys.executable, "-m", "rockpulse", "formats"], capture_output=True, text=True, check=False)
+    assert done.returncode == 0
+    assert "at2" in done.stdout
+
+
+def test_a_reader_that_leaves_early_is_no_error():
+    read, write = os.pipe()
+    os.close(read)
+    with os.fdopen(write, "w") as pipe:
+        done = subprocess.run(
+            [sys.executable, "-m", "rockpulse", "init-config"],
+            stdout=pipe,
+            stderr=subprocess.PIPE,
+            text=True,
+            check=False,
+        )
+    assert done.stderr == ""
+    assert done.returncode == 0
+
+
+def test_letters_that_the_terminal_lacks_do_not_stop_the_command(tmp_path):
+    environment = {**os.environ, "PYTHONIOENCODING": "ascii", "PYTHONUTF8": "0"}
+    target = tmp_path / "città.toml"
+    done = subprocess.run(
+        [sys.executable, "-m", "rockpulse", "init-config", "-o", str(target)],
+        env=environment,
+        capture_output=True,
+        check=False,
+    )
+    assert done.returncode == 0
+    assert done.stdout.startswith(b"wrote ")
+
+
+def test_an_interruption_is_told_and_has_the_usual_code(monkeypatch, capsys):
+    from rockpulse.commands import formats
+
+    def interrupt(args):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(formats, "run", interrupt)
+    assert main(["formats"]) == 130
+    assert "interrupted" in capsys.readouterr().err

@@ -1,0 +1,87 @@
+"""One record, one block as text."""
+
+import pytest
+from results_tree import RECORDS, results_tree
+
+from rockpulse.details import block_details, record_details
+from rockpulse.errors import ResultsError
+
+
+@pytest.fixture
+def summary():
+    return results_tree()["summary"].to_dataset()
+
+
+def entries(text):
+    """First part of a page as (name, value) pairs."""
+    lines = text.split("\n\n")[0].splitlines()[1:]
+    return [tuple(line.strip().split("  ", 1)) for line in lines]
+
+
+def test_a_record_shows_its_measures_and_its_sequence(summary):
+    shown = {name: words.strip() for name, words in entries(record_details(summary, RECORDS[0]))}
+    assert shown["PGA"] == "5.56 m/s2 (0.567 g)"
+    assert shown["PGV"] == "0.71 m/s"
+    assert shown["Arias intensity"] == "5.2 m/s"
+    assert shown["intense phase"] == "10 s to 22 s"
+    assert shown["main impulse I"] == "0.62 m/s"
+    assert shown["secondary impulse I_s"] == "0.11 m/s"
+    assert shown["interval dT"] == "0.12 s"
+    assert shown["main impulses"] == "5"
+    assert shown["samples"] == "35430 at 0.01 s"
+    assert shown["processing"] == "baseline: mean"
+
+
+def test_every_warning_has_a_line(summary):
+    warnings = [words.strip() for name, words in entries(record_details(summary, RECORDS[0])) if name == "warning"]
+    assert warnings == ["mean removed", "direction unknown"]
+
+
+def test_an_unlimited_number_of_main_impulses_is_no_minus_one(summary):
+    assert "as many as fit" in record_details(summary, RECORDS[1])
+    assert "-1" not in record_details(summary, RECORDS[1])
+
+
+def test_what_a_record_lacks_is_a_dash(summary):
+    text = record_details(summary, RECORDS[2])
+    assert "nan" not in text.replace("resonance", "")
+    assert ("secondary impulse I_s", "   -") in entries(text)
+
+
+def test_a_record_without_a_sequence_has_no_number_of_main_impulses(summary):
+    shown = {name: words.strip() for name, words in entries(record_details(summary, RECORDS[2]))}
+    assert shown["main impulses"] == "-"
+
+
+def test_a_record_shows_its_verdicts_and_safety_factors_only(summary):
+    text = record_details(summary, RECORDS[0])
+    assert text.count("boundary wall") == 2
+    assert RECORDS[1] not in text
+    assert "smallest factor" in text
+
+
+def test_a_block_shows_its_parameters_and_verdicts_only(summary):
+    text = block_details(summary, "boundary wall")
+    shown = {name: words.strip() for name, words in entries(text)}
+    assert shown["width, height"] == "0.25 m, 2.2 m"
+    assert shown["frequency parameter p"] == "2.58 1/s"
+    assert shown["critical impulse I_1c"] == "0.43 m/s"
+    assert "column" not in text
+    assert all(record in text for record in RECORDS)
+
+
+def test_a_block_lists_its_restitutions_and_warnings():
+    text = block_details(results_tree(2)["summary"].to_dataset(), "cabinet")
+    shown = {name: words.strip() for name, words in entries(text)}
+    assert shown["restitution C"] == "0.79, 0.69"
+    assert shown["width, height"] == "-, -"
+    assert shown["warning"] == "slenderness 2.5 is below 3"
+
+
+@pytest.mark.parametrize(
+    ("show", "wrong", "close"), [(record_details, "weak.2", "weak.1"), (block_details, "colum", "column")]
+)
+def test_an_unknown_name_is_answered_with_the_known_ones(summary, show, wrong, close):
+    with pytest.raises(ResultsError, match=rf'no \w+ "{wrong}" in these results; did you mean "{close}"') as caught:
+        show(summary, wrong)
+    assert f"\n  {close}" in str(caught.value)

@@ -1,0 +1,137 @@
+"""The tables for the terminal, on a tree whose answers are known."""
+
+import numpy as np
+import pytest
+from results_tree import BLOCKS, RECORDS, results_tree
+
+from rockpulse.overview import factor_table, failure_list, left_out, overturned, overview, value, verdict_table
+
+
+def row(text, label, after=""):
+    """Cells of the first line for a block below a heading."""
+    lines = text[text.index(after) :].splitlines()
+    line = next(line for line in lines if line.startswith(f"  {label}"))
+    return line[len(label) + 2 :].split()
+
+
+@pytest.fixture
+def summary():
+    return results_tree()["summary"].to_dataset()
+
+
+def test_every_verdict_is_a_word_or_a_figure(summary):
+    text = verdict_table(summary)
+    assert row(text, "boundary wall", RECORDS[0]) == ["0.98", "2.50", "1.44", "OVERTURNS", "OVERTURNS", "OVERTURNS"]
+    assert row(text, "column", RECORDS[0]) == ["0.93", "2.50", "0.63", "OVERTURNS", "0.41", "0.41"]
+    assert row(text, "column", RECORDS[2])[2:] == ["-", "at", "rest", "at", "rest", "at", "rest"]
+
+
+def test_what_is_outside_the_range_of_a_model_is_marked_and_explained(summary):
+    text = verdict_table(summary)
+    assert row(text, "cabinet", RECORDS[0])[3:] == ["OVERTURNS*", "0.41*", "unresolved"]
+    assert "slenderness below 3" in text
+    summary["applicable"][:] = 1
+    assert "*" not in verdict_table(summary)
+
+
+def test_resonance_is_called_an_upper_bound_wherever_it_is_shown(summary):
+    assert "upper-bound type input" in verdict_table(summary)
+    assert "not a prediction" in verdict_table(summary)
+    assert "upper-bound" not in verdict_table(summary.sel(model=["nonlinear"]))
+
+
+def test_an_unresolved_verdict_gives_its_reason(summary):
+    assert "unresolved: the model cannot say (free flight)" in verdict_table(summary)
+
+
+def test_nowhere_does_it_say_nan():
+    for cases in (None, 3):
+        tree = results_tree(cases)
+        text = overview(tree) + factor_table(tree["summary"].to_dataset()) + failure_list(tree)
+        assert "nan" not in text.lower().replace("resonance", "")
+
+
+def test_a_peak_that_a_model_did_not_give_is_a_dash(summary):
+    summary["outcome"][0, 0, 2] = -1
+    assert row(verdict_table(summary), "boundary wall", RECORDS[0])[-1] == "-"
+
+
+def test_restitution_cases_have_a_row_each_unless_they_are_all_the_same():
+    text = verdict_table(results_tree(2)["summary"].to_dataset(), records=RECORDS[:1])
+    assert [line.split()[1] for line in text.splitlines() if line.startswith("  column")] == ["0.93", "0.83"]
+    assert sum(line.startswith("  boundary wall") for line in text.splitlines()) == 1
+
+
+def test_seven_records_five_blocks_five_models_fit_into_120_columns():
+    models = ["resonance", "sequence", "impulsive", "linear", "nonlinear"]
+    summary = results_tree()["summary"].to_dataset()
+    summary = summary.isel(record=[0] * 7, block=[0, 1, 2, 0, 1], model=[0] * 5)
+    summary = summary.assign_coords(
+        record=("record", [f"CI.CCC..HN{k}@20190706T031953" for k in range(7)]),
+        block=("block", [f"a body with a rather long name, no. {k}" for k in range(5)]),
+        model=("model", models),
+    )
+    lines = verdict_table(summary).splitlines()
+    assert max(map(len, lines)) <= 120
+    assert sum("OVERTURNS" in line for line in lines) == 35
+
+
+def test_long_names_keep_both_their_ends(summary):
+    summary = summary.assign_coords(block=("block", ["north wall of the cemetery, strip 1", *BLOCKS[1:]]))
+    assert "north wall of t… strip 1" not in verdict_table(summary)
+    assert any(
+        line.startswith("  north wall of t") and "strip 1" in line for line in verdict_table(summary).splitlines()
+    )
+
+
+def test_factors_are_numbers_none_or_a_dash(summary):
+    text = factor_table(summary)
+    assert row(text, "column", RECORDS[0])[3:] == ["0.50", "1.70", "-"]
+    assert row(text, "column", RECORDS[2])[3:] == ["none", "none", "-"]
+    assert row(factor_table(summary.drop_vars("safety_factor")), "column")[3:] == ["-", "-", "-"]
+
+
+def test_what_overturns_is_named_by_the_fullest_model_and_counted_for_all(summary):
+    text = overturned(summary)
+    assert f"boundary wall: {RECORDS[0]}\n" in text
+    assert "column: nothing does" in text
+    counts = next(line for line in text.splitlines() if line.startswith("  boundary wall  "))
+    assert counts.split()[2:] == ["2", "of", "3", "2", "of", "3", "1", "of", "3"]
+
+
+def test_left_out_lists_by_kind_with_the_failed_first():
+    lines = left_out(results_tree()).splitlines()
+    assert lines[0] == "failed: 1"
+    assert lines[1] == "  cut.AT2:4: expected 100 samples, found 3"
+    assert "read, not assessed (vertical): 1" in lines
+    assert "  CCC.RAW: vertical channel 2" in lines
+    assert lines[-1].startswith("records with warnings: 1")
+
+
+def test_a_long_list_of_what_is_no_failure_is_cut_and_says_so():
+    tree = results_tree()
+    tree["failures"] = tree["failures"].isel(failure=[1] * 40 + [2] * 40)
+    lines = left_out(tree).splitlines()
+    assert lines.count("  cut.AT2:4: expected 100 samples, found 3") == 40
+    assert lines.count("  notes.txt: no record") == 12
+    assert "  and 28 more (rockpulse inspect RESULTS --failures shows them)" in lines
+
+
+def test_block_warnings_are_shown_with_their_block():
+    assert "cabinet: slenderness 2.5 is below 3" in left_out(results_tree())
+
+
+def test_failures_can_be_narrowed_to_a_kind():
+    tree = results_tree()
+    assert failure_list(tree, kinds=("failed",)) == "failed (read) cut.AT2:4: expected 100 samples, found 3"
+    assert failure_list(tree, kinds=("duplicate",)) == ""
+    assert len(failure_list(tree).splitlines()) == 3
+
+
+def test_a_value_is_found_by_labels_whatever_the_order_of_dimensions(summary):
+    where = {"record": RECORDS[1], "block": "column", "model": "resonance", "case": 0}
+    assert value(summary, "pga", **where) == 4.619
+    assert value(summary, "outcome", **where) == value(summary.transpose(), "outcome", **where) == 1
+    assert value(summary, "width", **where) == 1.0
+    assert value(summary, "nothing", **where) is None
+    assert np.isnan(value(summary, "safety_factor", **{**where, "model": "nonlinear"}))

@@ -1,0 +1,277 @@
+"""The results file: the same tree back, whole or not at all, and refused where it is not ours."""
+
+import os
+import signal
+import subprocess
+import sys
+import textwrap
+import threading
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pytest
+import xarray as xr
+from results_tree import CONFIGURATION, results_tree
+
+from rockpulse import store
+from rockpulse.errors import ResultsError
+from rockpulse.store import check_target, load, save
+
+TESTS = Path(__file__).parents[1]
+
+
+def assert_same_nodes(one, other):
+    assert [node.path for node in one.subtree] == [node.path for node in other.subtree]
+    for node in one.subtree:
+        back = other[node.path].to_dataset(inherit=False)
+        given = node.to_dataset(inherit=False)
+        if node.path != "/":
+            xr.testing.assert_identical(given, back)
+        for name, variable in given.variables.items():
+            assert back[name].dtype.kind == variable.dtype.kind, name
+            assert list(back[name].dims) == list(variable.dims), name
+
+
+@pytest.mark.parametrize("cases", [None, 2])
+def test_the_tree_comes_back_the_same(tmp_path, cases):
+    tree = results_tree(cases)
+    save(tree, tmp_path / "results.h5")
+    back = load(tmp_path / "results.h5")
+    assert_same_nodes(tree, back)
+    assert back.attrs["title"] == "Borgo"
+    assert back.attrs["configuration"] == CONFIGURATION
+
+
+def test_a_tree_that_was_loaded_is_saved_and_loaded_again_the_same(tmp_path):
+    save(results_tree(), tmp_path / "first.h5")
+    first = load(tmp_path / "first.h5")
+    save(first, tmp_path / "second.h5")
+    second = load(tmp_path / "second.h5")
+    assert_same_nodes(first, second)
+    assert {**second.attrs, "history": ""} == {**first.attrs, "history": ""}
+    assert second.attrs["history"].startswith(first.attrs["history"] + "\n")
+
+
+def test_seconds_stay_numbers_and_flags_stay_bytes(tmp_path):
+    save(results_tree(), tmp_path / "results.h5")
+    summary = load(tmp_path / "results.h5")["summary"]
+    assert summary["dt"].dtype == np.float64
+    assert summary["outcome"].dtype == np.int8
+    assert summary["outcome"].attrs["flag_values"].dtype == np.int8
+    assert summary["outcome"].attrs["flag_meanings"] == "at_rest rocks overturns unresolved"
+
+
+def test_provenance_is_complete_and_the_given_tree_untouched(tmp_path):
+    tree = results_tree()
+    before = dict(tree.attrs)
+    save(tree, tmp_path / "results.h5")
+    assert tree.attrs == before
+    attrs = load(tmp_path / "results.h5").attrs
+    assert attrs["Conventions"] == "CF-1.11"
+    assert attrs["schema_version"] == store.SCHEMA_VERSION
+    assert attrs["numpy_version"] == np.__version__
+    assert {"python_version", *(f"{name}_version" for name in store.PACKAGES)} <= set(attrs)
+    assert "written by rockpulse" in attrs["history"]
+
+
+def test_a_file_name_in_an_odd_encoding_does_not_spoil_the_results(tmp_path):
+    tree = results_tree()
+    tree["failures"]["file"].values[:] = os.fsdecode(b"caf\xe9.txt")
+    save(tree, tmp_path / "results.h5")
+    assert load(tmp_path / "results.h5")["failures"]["file"].values[0] == "caf\ufffd.txt"
+
+
+def test_bare_h5py_finds_unit_and_long_name_on_every_variable(tmp_path):
+    save(results_tree(), tmp_path / "results.h5")
+    seen = []
+
+    def visit(name, item):
+        if isinstance(item, h5py.Dataset) and not item.attrs.get("NAME", b"").startswith(b"This is a netCDF dimension"):
+            seen.append(name)
+            assert isinstance(item.attrs["units"], str), name
+            assert isinstance(item.attrs["long_name"], str), name
+
+    with h5py.File(tmp_path / "results.h5") as file:
+        file.visititems(visit)
+        assert file["summary/pga"][0] == 5.5574
+        assert file["summary/record"].asstr()[2] == "weak.1"
+    assert len(seen) > 40
+
+
+@pytest.mark.parametrize("attribute", ["units", "long_name"])
+def test_a_variable_without_unit_or_name_is_refused_by_name(tmp_path, attribute):
+    tree = results_tree()
+    del tree["summary"]["pgv"].attrs[attribute]
+    with pytest.raises(ResultsError, match=rf"/summary/pgv has no '{attribute}'"):
+        save(tree, tmp_path / "results.h5")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_file_that_exists_is_refused_and_stays_intact(tmp_path):
+    target = tmp_path / "results.h5"
+    target.write_bytes(b"old")
+    for attempt in (lambda: check_target(target), lambda: save(results_tree(), target)):
+        with pytest.raises(ResultsError, match=r"results\.h5: the file exists; .*--overwrite"):
+            attempt()
+    assert target.read_bytes() == b"old"
+    assert list(tmp_path.iterdir()) == [target]
+
+
+def test_overwrite_replaces_the_file(tmp_path):
+    target = tmp_path / "results.h5"
+    target.write_bytes(b"old")
+    save(results_tree(), target, overwrite=True)
+    assert load(target).attrs["title"] == "Borgo"
+
+
+def test_a_link_is_followed_not_replaced(tmp_path):
+    (tmp_path / "far").mkdir()
+    link = tmp_path / "results.h5"
+    link.symlink_to(tmp_path / "far" / "real.h5")
+    save(results_tree(), link)
+    assert link.is_symlink()
+    assert (tmp_path / "far" / "real.h5").is_file()
+
+
+def test_places_that_cannot_be_written_are_refused(tmp_path):
+    (tmp_path / "file").write_text("x")
+    with pytest.raises(ResultsError, match="no folder"):
+        check_target(tmp_path / "file" / "results.h5")
+    with pytest.raises(ResultsError, match=r"no folder .*create it first"):
+        check_target(tmp_path / "missing" / "results.h5")
+    with pytest.raises(ResultsError, match="no regular file"):
+        check_target(tmp_path, overwrite=True)
+
+
+def test_a_folder_that_takes_no_file_is_refused(tmp_path, monkeypatch):
+    def refuse(*args, **kwargs):
+        raise OSError(30, "Read-only file system")
+
+    monkeypatch.setattr(store.tempfile, "TemporaryFile", refuse)
+    with pytest.raises(ResultsError, match=r"cannot write into the folder .*: Read-only file system"):
+        check_target(tmp_path / "results.h5")
+
+
+@pytest.mark.parametrize("step", ["fsync", "replace"])
+def test_a_fault_while_writing_leaves_the_old_file_and_no_rubbish(tmp_path, monkeypatch, step):
+    target = tmp_path / "results.h5"
+    target.write_bytes(b"old")
+
+    def fail(*args):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(store.os, step, fail)
+    with pytest.raises(ResultsError, match=r"cannot write the results: No space left on device"):
+        save(results_tree(), target, overwrite=True)
+    assert target.read_bytes() == b"old"
+    assert list(tmp_path.iterdir()) == [target]
+
+
+def test_a_file_that_appears_during_the_run_is_not_replaced(tmp_path, monkeypatch):
+    target = tmp_path / "results.h5"
+    flush = store._flush
+
+    def meanwhile(path, mode):
+        target.write_bytes(b"of somebody else")
+        flush(path, mode)
+
+    monkeypatch.setattr(store, "_flush", meanwhile)
+    with pytest.raises(ResultsError, match="the file exists"):
+        save(results_tree(), target)
+    assert target.read_bytes() == b"of somebody else"
+    assert list(tmp_path.iterdir()) == [target]
+
+
+@pytest.mark.parametrize("old", [None, b"old"])
+@pytest.mark.parametrize("step", ["fsync", "replace"])
+@pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="no SIGKILL on this system")
+def test_killing_the_writer_leaves_the_old_file_or_none(tmp_path, step, old):
+    target = tmp_path / "results.h5"
+    if old is not None:
+        target.write_bytes(old)
+    script = f"""
+        import os, signal, sys
+        sys.path.insert(0, {str(TESTS)!r})
+        from results_tree import results_tree
+        from rockpulse.store import save
+        os.{step} = lambda *args: os.kill(os.getpid(), signal.SIGKILL)
+        save(results_tree(), {str(target)!r}, overwrite=True)
+    """
+    done = subprocess.run([sys.executable, "-c", textwrap.dedent(script)], capture_output=True, timeout=60, check=False)
+    assert done.returncode == -signal.SIGKILL
+    assert (target.read_bytes() if target.exists() else None) == old
+    assert [path.suffix for path in tmp_path.iterdir() if path != target] == [".part"]  # it was killed while writing
+
+
+def test_two_writers_at_once_leave_one_whole_file(tmp_path):
+    target = tmp_path / "results.h5"
+    writers = [threading.Thread(target=save, args=(results_tree(), target, True)) for _ in range(2)]
+    for writer in writers:
+        writer.start()
+    for writer in writers:
+        writer.join()
+    assert_same_nodes(results_tree(), load(target))
+    assert list(tmp_path.iterdir()) == [target]
+
+
+def _with_attribute(path, **attrs):
+    save(results_tree(), path)
+    with h5py.File(path, "a") as file:
+        file.attrs.update(attrs)
+
+
+def test_another_major_schema_is_refused_with_what_to_do(tmp_path):
+    _with_attribute(tmp_path / "results.h5", schema_version="2.3")
+    with pytest.raises(ResultsError, match=r"expected schema version 1\.x, found 2\.3; run the assessment again"):
+        load(tmp_path / "results.h5")
+
+
+def test_another_minor_schema_is_read(tmp_path):
+    _with_attribute(tmp_path / "results.h5", schema_version="1.7")
+    assert "summary" in load(tmp_path / "results.h5").children
+
+
+def test_files_that_are_not_ours_are_refused(tmp_path):
+    text, foreign, numbered = tmp_path / "notes.txt", tmp_path / "foreign.h5", tmp_path / "numbered.h5"
+    text.write_text("no results")
+    with h5py.File(foreign, "w") as file:
+        file["summary"] = 1.0
+    with h5py.File(numbered, "w") as file:
+        file.attrs["schema_version"] = "1.0"
+    with pytest.raises(ResultsError, match=r"notes\.txt: expected a results file of rockpulse"):
+        load(text)
+    for path in (foreign, numbered):
+        with pytest.raises(ResultsError, match="not written by rockpulse"):
+            load(path)
+    with pytest.raises(FileNotFoundError):
+        load(tmp_path / "none.h5")
+
+
+def test_a_truncated_file_is_refused(tmp_path):
+    target = tmp_path / "results.h5"
+    save(results_tree(), target)
+    whole = target.read_bytes()
+    for size in (0, 100, len(whole) // 2, len(whole) - 1):
+        target.write_bytes(whole[:size])
+        with pytest.raises(ResultsError, match=r"results\.h5: "):
+            load(target)
+
+
+@pytest.mark.skipif(not Path("/proc/self/fd").is_dir(), reason="needs /proc to list open files")
+def test_load_closes_the_file(tmp_path):
+    target = tmp_path / "results.h5"
+    save(results_tree(), target)
+    tree = load(target)
+    opened = [str(link.readlink()) for link in Path("/proc/self/fd").iterdir() if link.is_symlink()]
+    assert str(target) not in opened
+    assert tree["summary"]["pga"].values[0] == 5.5574
+
+
+def test_an_ordinary_umask_decides_who_may_read_the_results(tmp_path):
+    before = os.umask(0o022)
+    try:
+        save(results_tree(), tmp_path / "results.h5")
+    finally:
+        os.umask(before)
+    assert (tmp_path / "results.h5").stat().st_mode & 0o777 == 0o644

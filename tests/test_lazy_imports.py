@@ -1,0 +1,53 @@
+"""What is imported often costs little: the help and the reader plugins load neither numba nor xarray."""
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+READERS = Path(__file__).parents[1] / "pipeline" / "readers"
+HEAVY = ("numba", "xarray", "h5py", "pandas", "scipy.signal", "obspy")
+
+
+def loaded(script):
+    """Which heavy packages a fresh interpreter has loaded after a script."""
+    report = (
+        f"\nimport json, sys\nprint(json.dumps([name for name in {HEAVY!r} if name in sys.modules]), file=sys.stderr)"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", script + report], capture_output=True, text=True, timeout=60, check=True
+    )
+    return json.loads(done.stderr.splitlines()[-1])
+
+
+def command(*arguments):
+    return (
+        "from rockpulse.cli import main\n"
+        f"try:\n    main({list(arguments)!r})\nexcept SystemExit as end:\n    assert end.code == 0, end.code"
+    )
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [["--help"], ["--version"], ["assess", "--help"], ["inspect", "--help"], ["formats"], ["init-config"]],
+    ids=" ".join,
+)
+def test_help_and_small_verbs_load_nothing_heavy(arguments):
+    assert loaded(command(*arguments)) == []
+
+
+@pytest.mark.parametrize("module", sorted(path.stem for path in READERS.glob("*.py")))
+def test_a_reader_loads_nothing_heavy(module):
+    name = "rockpulse.readers" if module == "__init__" else f"rockpulse.readers.{module}"
+    assert loaded(f"import {name}") == []
+
+
+@pytest.mark.parametrize("name", ["rockpulse", "rockpulse.models", "rockpulse.config"])
+def test_the_faces_and_the_configuration_load_nothing_heavy(name):
+    assert loaded(f"import {name}") == []
+
+
+def test_the_measurement_sees_what_is_loaded():
+    assert "xarray" in loaded("import xarray")
