@@ -11,7 +11,7 @@ import numpy as np
 
 from rockpulse.bodies import Bodies, gather_bodies
 from rockpulse.body import BlockSettings
-from rockpulse.components import matching_vertical
+from rockpulse.components import matching_vertical, select_horizontal
 from rockpulse.config import Config
 from rockpulse.errors import ConfigError, RockpulseError
 from rockpulse.failures import Failure
@@ -22,7 +22,6 @@ from rockpulse.record import Record
 from rockpulse.results import build_tree
 from rockpulse.safety import resonance_safety_factor, sequence_safety_factor
 from rockpulse.scene import MODELS, SLENDER_MODELS, Scene, prepare
-from rockpulse.sources import select_horizontal
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -1,14 +1,49 @@
-"""Which channels of a station belong together."""
+"""Which channels are assessed as horizontal motion, and which vertical one belongs to them."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 
+from rockpulse.failures import Failure
 from rockpulse.record import Record
 
-__all__ = ["matching_vertical"]
+__all__ = ["matching_vertical", "select_horizontal"]
+
+
+_REASONS = {
+    "vertical": "vertical channel: read, not assessed as horizontal",
+    "structural": "channel on a structure: read, not assessed as ground motion",
+}
+
+
+def select_horizontal(records: Iterable[Record]) -> tuple[list[Record], list[Failure]]:
+    """Keep the channels that are assessed as horizontal ground motion.
+
+    Parameters
+    ----------
+    records : iterable of Record
+        Records of any orientation.
+
+    Returns
+    -------
+    horizontal : list of Record
+        Horizontal channels, and those of unknown orientation with a warning, in the order given.
+    failures : list of Failure
+        A row for each of the others, kind "vertical" or "structural".
+    """
+    horizontal, failures = [], []
+    for record in records:
+        kind = record.orientation
+        if kind == "vertical" or kind == "structural":
+            failures.append(Failure(record.source, "select", f"{record.id}: {_REASONS[kind]}", kind))
+        elif kind == "unknown":
+            note = "the orientation is unknown; assessed as horizontal"
+            horizontal.append(record.with_warning(note))
+        else:
+            horizontal.append(record)
+    return horizontal, failures
 
 
 def matching_vertical(record: Record, verticals: Sequence[Record]) -> np.ndarray | None:

@@ -1,0 +1,33 @@
+"""What did not become an assessed record, and why."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+__all__ = ["Failure", "Kind"]
+
+Kind = Literal["failed", "skipped", "duplicate", "vertical", "structural"]
+
+
+@dataclass(frozen=True)
+class Failure:
+    """One row of the failures table.
+
+    Attributes
+    ----------
+    file : str
+        Path of the file; ``archive.zip!member`` for a member of an archive.
+    stage : str
+        Where it happened: "find", "read", "select", "condition" and so on.
+    reason : str
+        The message for the user.
+    kind : {"failed", "skipped", "duplicate", "vertical", "structural"}
+        "failed" needs attention. "skipped": no acceleration record, met in a folder, glob or zip. "duplicate": the
+        same content was read already. "vertical", "structural": read, but not assessed as horizontal ground motion.
+    """
+
+    file: str
+    stage: str
+    reason: str
+    kind: Kind

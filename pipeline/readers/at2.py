@@ -1,0 +1,156 @@
+"""PEER AT2 files: a few header lines, then the acceleration in g, equally spaced.
+
+Velocity (VT2) and displacement (DT2) files look the same; the word on the units line tells them apart.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+
+import numpy as np
+
+from rockpulse.errors import RecordFormatError, UnitError
+from rockpulse.readers.channel import build_record
+from rockpulse.readers.fields import check_count, fixed_width, free_numbers, text_lines
+from rockpulse.readers.source import NotAcceleration, SourceFile
+from rockpulse.readers.units import canonical_unit
+from rockpulse.record import Record
+
+__all__ = ["is_at2", "read_at2"]
+
+_HEADER_LIMIT = 10
+_FLOAT = r"(-?\d*\.?\d+(?:E[+-]?\d+)?)"
+#: The spellings of the line with number of points and interval.
+_COUNT_AND_STEP = [
+    re.compile(rf"NPTS\s*[=:]\s*(?P<count>\d+).*?\bDT\s*[=:]\s*(?P<step>{_FLOAT})", re.IGNORECASE),
+    re.compile(rf"\bDT\s*[=:]\s*(?P<step>{_FLOAT}).*?NPTS\s*[=:]\s*(?P<count>\d+)", re.IGNORECASE),
+    re.compile(rf"^\s*(?P<count>\d+)[\s,]+(?P<step>{_FLOAT})[\s,]+NPTS\s*,\s*DT\b", re.IGNORECASE),
+    re.compile(rf"NPTS\s*,\s*DT\s*[=:]?\s*(?P<count>\d+)[\s,]+(?P<step>{_FLOAT})", re.IGNORECASE),
+]
+_UNIT = re.compile(r"UNITS\s+(?:OF|ARE|:)\s*(\S+)", re.IGNORECASE)
+_SERIES = re.compile(r"\b(ACCELERATION|VELOCITY|DISPLACEMENT)\b", re.IGNORECASE)
+_DATE = re.compile(r"\d+[/-]\d+[/-]\d+.*")
+_WIDTHS = (15, 10, 16, 12, 8)
+
+
+def _header_end(lines: Sequence[str]) -> int | None:
+    """Index of the line with number of points and interval."""
+    return next((index for index, line in enumerate(lines[:_HEADER_LIMIT]) if "NPTS" in line.upper()), None)
+
+
+def is_at2(head: bytes, name: str) -> bool:
+    """Whether one of the first lines names NPTS and DT."""
+    lines = text_lines(head[:2000])
+    end = _header_end(lines)
+    return end is not None and bool(re.search(r"\bDT\b", lines[end], re.IGNORECASE))
+
+
+def read_at2(file: SourceFile, units: str | None = None, dt: float | None = None) -> list[Record]:
+    """Read the one channel of the file.
+
+    Parameters
+    ----------
+    file : SourceFile
+        The file.
+    units : str, optional
+        Unit, used only if the header does not state one.
+    dt : optional
+        Not used: the format states it.
+
+    Raises
+    ------
+    NotAcceleration
+        For velocity and displacement.
+    UnitError
+        No unit in the header and none given, or an unknown one.
+    RecordFormatError
+        With file and line, what was found and what was expected.
+    """
+    lines = text_lines(file.content)
+    end = _header_end(lines)
+    assert end is not None
+    unit = _unit(file.name, lines[: end + 1], units)
+    matches = (pattern.search(lines[end]) for pattern in _COUNT_AND_STEP)
+    match = next((match for match in matches if match), None)
+    if match is None:
+        raise RecordFormatError(
+            f"{file.name}:{end + 1}: expected 'NPTS= n, DT= s SEC' or 'n s NPTS, DT', found {lines[end].strip()!r}; "
+            "write the line in one of these ways"
+        )
+    count, step = int(match["count"]), float(match["step"])
+    if not (np.isfinite(step) and step > 0.0):
+        raise RecordFormatError(f"{file.name}:{end + 1}: expected a positive DT in s, found {match['step']}")
+    samples, warnings = _samples(file.name, lines, end + 1, count)
+    title = [part.strip() for part in lines[1].split(",")] if end > 1 else [""]
+    dated = len(title) > 2 and bool(_DATE.fullmatch(title[1]))
+    component = re.sub(r"\s*\(.*?\)\s*$", "", title[-1]) if len(title) > 1 else ""
+    return [
+        build_record(
+            file,
+            1,
+            samples,
+            step,
+            unit,
+            format="at2",
+            processed=True,
+            component=component,
+            station_name=", ".join(title[2 if dated else 1 : -1]),
+            event=", ".join(title[: 2 if dated else 1]),
+            warnings=warnings,
+        )
+    ]
+
+
+def _unit(name: str, header: Sequence[str], given: str | None) -> str:
+    for index, line in enumerate(header):
+        series = _SERIES.search(line)
+        unit = _UNIT.search(line)
+        if not (series or unit):
+            continue
+        if series and series[1].upper() != "ACCELERATION":
+            raise NotAcceleration(
+                f"{name}:{index + 1}: expected an acceleration series, found {line.strip()!r}; "
+                "read the AT2 file of the same record"
+            )
+        if unit:
+            return canonical_unit(unit[1], f"{name}:{index + 1}")
+    if given is None:
+        raise UnitError(
+            f"{name}: expected a header line 'ACCELERATION TIME SERIES IN UNITS OF G', found none; "
+            "give the unit with the option units, such as units='g'"
+        )
+    return canonical_unit(given, "option units")
+
+
+def _samples(name: str, lines: Sequence[str], first: int, count: int) -> tuple[np.ndarray, list[str]]:
+    """Values between blanks; where fields touch (fewer numbers than declared, or none that can be read) by width."""
+    block = lines[first:]
+    try:
+        values = free_numbers(block, first + 1, name)
+        fault = None
+    except RecordFormatError as error:
+        values, fault = np.empty(0), error
+    if values.size < count and block:
+        touching = _by_width(name, block, first, count)
+        if touching is not None:
+            return touching, []
+    if fault is not None:
+        raise fault
+    check_count(f"{name}:{len(lines)}", count, values.size)
+    surplus = values.size - count
+    notes = [f"{surplus} values beyond the NPTS= {count} of the header were left out"] if surplus else []
+    return values[:count], notes
+
+
+def _by_width(name: str, block: Sequence[str], first: int, count: int) -> np.ndarray | None:
+    """Values in the one width that divides the first row and makes every field a number."""
+    length = len(block[0].rstrip())
+    for width in _WIDTHS:
+        if length < width or length % width or -(-count // (length // width)) != len(block):
+            continue
+        try:
+            return fixed_width(block, first + 1, width, length // width, count, name)
+        except RecordFormatError:
+            continue  # another width may fit; if none does, the caller reports the first fault
+    return None

@@ -1,0 +1,70 @@
+"""What the readers that lean on obspy share; obspy is imported only when a file needs it."""
+
+from __future__ import annotations
+
+import io
+import warnings as python_warnings
+from datetime import UTC, datetime
+from typing import Any
+
+import numpy as np
+
+from rockpulse.errors import RecordFormatError
+from rockpulse.readers.channel import Direction, direction
+from rockpulse.readers.source import SourceFile
+
+__all__ = ["clipping_warning", "obspy_stream", "seed_direction", "utc_time"]
+
+_CLIPPED_RUN = 5
+
+
+def obspy_stream(file: SourceFile, format: str) -> tuple[Any, list[str]]:
+    """The obspy Stream of a file and obspy's warnings; whatever it raises becomes a `RecordFormatError`."""
+    import obspy
+
+    try:
+        with python_warnings.catch_warnings(record=True) as caught:
+            python_warnings.simplefilter("always")
+            stream = obspy.read(io.BytesIO(file.content), format=format)
+            # Joins what fits together exactly; a gap keeps its traces apart.
+            stream.merge(-1)
+    except Exception as fault:  # the plugins raise anything from TypeError to bare Exception on damaged bytes
+        raise RecordFormatError(
+            f"{file.name}: obspy cannot read it as {format}: {fault}; the file may be damaged: download it again"
+        ) from fault
+    if len(stream) == 0:
+        raise RecordFormatError(f"{file.name}: no waveform in the file; download it again")
+    # Deprecations inside obspy are no news about the record.
+    notes = [f"obspy: {item.message}" for item in caught if not issubclass(item.category, DeprecationWarning)]
+    return stream, notes
+
+
+def clipping_warning(counts: np.ndarray) -> list[str]:
+    """A warning where the recorder stays at its largest or smallest count."""
+    for edge in (counts.max(), counts.min()):
+        at = np.flatnonzero(counts == edge)
+        runs = np.split(at, np.flatnonzero(np.diff(at) != 1) + 1)
+        longest = max(len(run) for run in runs)
+        if longest >= _CLIPPED_RUN and longest < counts.size and edge != 0:
+            return [f"{longest} samples in a row at the extreme count {edge}: the record may be clipped"]
+    return []
+
+
+def utc_time(file: SourceFile, moment: Any) -> datetime:
+    """An obspy time as a datetime with ``tzinfo=UTC``."""
+    try:
+        return moment.datetime.replace(tzinfo=UTC)
+    except (ValueError, OverflowError) as fault:
+        raise RecordFormatError(
+            f"{file.name}: expected a start time in the years 1 to 9999, found {moment.timestamp} s from 1970; "
+            "the header is damaged: download the file again"
+        ) from fault
+
+
+def seed_direction(code: str, azimuth: float | None, dip: float | None) -> Direction:
+    """Direction from SEED's azimuth and dip (-90 is up) where known, else from the channel code."""
+    if dip is not None and abs(dip) >= 60.0:
+        return Direction("vertical", sign=1.0 if dip < 0.0 else -1.0)
+    if dip is not None and azimuth is not None and abs(dip) <= 30.0:
+        return Direction("horizontal", float(azimuth) % 360.0)
+    return direction(code)

@@ -1,0 +1,110 @@
+"""SAC binary files; the unit is not in the header."""
+
+from __future__ import annotations
+
+import struct
+
+import numpy as np
+
+from rockpulse.errors import RecordFormatError, UnitError
+from rockpulse.readers.channel import build_record
+from rockpulse.readers.obspy_bridge import obspy_stream, seed_direction, utc_time
+from rockpulse.readers.source import NotAcceleration, SourceFile
+from rockpulse.readers.units import UNITS, canonical_unit
+from rockpulse.record import Record
+
+__all__ = ["is_sac", "read_sac"]
+
+#: Length of the header and offsets of the words NPTS and NVHDR [bytes].
+_HEADER, _NPTS, _NVHDR = 632, 4 * 79, 4 * 76
+#: Values of IDEP that exclude acceleration.
+_SERIES = {6: "displacement", 7: "velocity"}
+
+
+def _byte_order(head: bytes) -> str | None:
+    """Byte order in which the header version is one that exists."""
+    if len(head) < _HEADER:
+        return None
+    orders = (order for order in "<>" if struct.unpack_from(order + "i", head, _NVHDR)[0] in (6, 7))
+    return next(orders, None)
+
+
+def is_sac(head: bytes, name: str) -> bool:
+    """Whether the header version of a binary SAC file stands where it belongs."""
+    return _byte_order(head) is not None
+
+
+def read_sac(file: SourceFile, units: str | None = None, dt: float | None = None) -> list[Record]:
+    """Read the one channel of a SAC file.
+
+    Parameters
+    ----------
+    file : SourceFile
+        The file.
+    units : str
+        Unit of the values, a key of `UNITS`: the header does not tell it.
+    dt : optional
+        Not used: the header states it.
+
+    Raises
+    ------
+    NotAcceleration
+        If the header declares velocity or displacement.
+    UnitError
+        No unit given.
+    RecordFormatError
+        Unequal spacing, fewer samples than declared, damaged bytes.
+    """
+    order = _byte_order(file.head)
+    declared = struct.unpack_from(f"{order}i", file.content, _NPTS)[0]
+    available = (len(file.content) - _HEADER) // 4
+    if not 1 <= declared <= available:
+        raise RecordFormatError(
+            f"{file.name}: expected {declared} samples (header NPTS), found room for {available}; "
+            "the file may be truncated: download it again"
+        )
+    (trace,), notes = obspy_stream(file, "SAC")
+    stats = trace.stats
+    header = stats.sac
+    if header.get("iftype", 1) != 1 or not header.get("leven", 1):
+        raise RecordFormatError(
+            f"{file.name}: expected an equally spaced time series (IFTYPE 1, LEVEN true), found IFTYPE "
+            f"{header.get('iftype')}, LEVEN {header.get('leven')}; export the record again"
+        )
+    series = _SERIES.get(int(header.get("idep", 5)))
+    if series:
+        raise NotAcceleration(f"{file.name}: expected an acceleration, the header (IDEP) says {series}")
+    if units is None:
+        raise UnitError(
+            f"{file.name}: a SAC header does not state the unit of acceleration; give it with the option units, one of "
+            f"{', '.join(UNITS)}: read(path, units='cm/s2'), or units under [records] of the configuration"
+        )
+    unit = canonical_unit(units, "option units")
+    inclination, azimuth = header.get("cmpinc"), header.get("cmpaz")
+    dip = None if inclination is None else float(inclination) - 90.0
+    with np.errstate(invalid="ignore"):  # a signalling NaN; Record names it
+        values = np.asarray(trace.data, dtype=float)
+    scale = float(header.get("scale", 1.0))
+    if scale != 1.0:
+        notes.append(f"the header word SCALE = {scale:g} is not applied")
+    return [
+        build_record(
+            file,
+            1,
+            values,
+            # The header holds dt as float32: 0.01 would come as 0.00999999977648.
+            float(f"{stats.delta:.7g}"),
+            unit,
+            format="sac",
+            processed=None,
+            component=stats.channel,
+            facing=seed_direction(stats.channel, None if azimuth is None else float(azimuth), dip),
+            channel=stats.channel,
+            network=stats.network,
+            station=stats.station,
+            location=stats.location,
+            event=str(header.get("kevnm", "")).strip(),
+            start_time=utc_time(file, stats.starttime) if "nzyear" in header else None,
+            warnings=notes,
+        )
+    ]

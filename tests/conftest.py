@@ -1,0 +1,32 @@
+"""Folders of real records that several tests read, and a kernel cache that never serves stale code."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+from pathlib import Path
+
+import pytest
+
+TOP = Path(__file__).parents[1]
+
+# Numba's cache sees only a kernel's own file: one folder for each state of all of them. Set before numba is imported.
+STATE = hashlib.sha256(b"".join(path.read_bytes() for path in sorted((TOP / "models").glob("*.py"))))
+os.environ.setdefault("NUMBA_CACHE_DIR", str(TOP / ".numba_cache" / STATE.hexdigest()[:16]))
+
+
+@pytest.fixture(scope="session")
+def samples() -> Path:
+    """The sample records that come with the project."""
+    return TOP / "data" / "samples"
+
+
+@pytest.fixture(scope="session")
+def records_folder() -> Path:
+    """Real records that may not be passed on; the environment variable ROCKPULSE_RECORDS names the folder."""
+    folder = os.environ.get("ROCKPULSE_RECORDS")
+    if not folder:
+        pytest.skip("ROCKPULSE_RECORDS is not set: no folder of real records to read")
+    if not Path(folder).is_dir():
+        pytest.fail(f"ROCKPULSE_RECORDS={folder} is no folder")
+    return Path(folder)

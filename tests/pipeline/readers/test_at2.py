@@ -1,0 +1,132 @@
+"""PEER AT2: spellings of the header, number layouts, refused series."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from record_writers import at2, pulse
+
+from rockpulse.errors import RecordFormatError, UnitError
+from rockpulse.readers import read
+from rockpulse.readers.source import NotAcceleration
+from rockpulse.record import STANDARD_GRAVITY
+
+
+@pytest.fixture
+def write(tmp_path):
+    def written(content: bytes):
+        path = tmp_path / "RSN1.AT2"
+        path.write_bytes(content)
+        return path
+
+    return written
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        "NPTS= {n:6d}, DT= {dt:.4f} SEC,",
+        "NPTS=  {n}, DT= .01000 SEC",
+        "{n}    {dt:.4f}    NPTS, DT",
+        "DT= {dt:.3f}, NPTS= {n}",
+        "NPTS, DT = {n}, {dt}",
+        "npts: {n}  dt: 1.0E-2",
+    ],
+)
+@pytest.mark.parametrize("end", ["\n", "\r\n"])
+def test_spellings_of_count_and_step(write, line, end):
+    values = pulse(203)
+    (record,) = read(write(at2(values, count_line=line, end=end)))
+    assert (record.npts, record.dt) == (203, 0.01)
+    assert record.acceleration == pytest.approx(values * STANDARD_GRAVITY, rel=1e-6, abs=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("field", "per_row", "digits"),
+    [("{:15.7E}", 5, 1e-8), ("{:10.5f}", 8, 1e-5), (" {:.8f}", 1, 1e-8), ("{:8.5f}", 10, 1e-5), ("{:16.8E}", 5, 1e-8)],
+)
+def test_number_layouts_touching_or_not(write, field, per_row, digits):
+    values = -np.abs(pulse(167)) - 0.00001  # "-0.12345" fills 8 characters: the fields touch
+    (record,) = read(write(at2(values, field=field, per_row=per_row)))
+    assert record.acceleration == pytest.approx(values * STANDARD_GRAVITY, abs=digits * STANDARD_GRAVITY)
+
+
+def test_the_fields_of_the_title(write):
+    (record,) = read(write(at2(pulse(), title="Loma Prieta, 10/18/1989, Gilroy - Gavilan Coll., 67")))
+    assert (record.event, record.station_name) == ("Loma Prieta, 10/18/1989", "Gilroy - Gavilan Coll.")
+    assert (record.component, record.azimuth, record.orientation) == ("67", 67.0, "horizontal")
+    assert (record.id, record.processed, record.start_time) == ("RSN1.67", True, None)
+
+
+@pytest.mark.parametrize(
+    ("component", "orientation"),
+    [("UP", "vertical"), ("DWN", "vertical"), ("090 (CUE)", "horizontal"), ("X", "unknown")],
+)
+def test_orientation(write, component, orientation):
+    (record,) = read(write(at2(pulse(), title=f"Event, 1/1/2000, Station, {component}")))
+    assert record.orientation == orientation
+
+
+@pytest.mark.parametrize(
+    "series", ["VELOCITY TIME SERIES IN UNITS OF CM/S", "DISPLACEMENT TIME HISTORY IN UNITS OF CM"]
+)
+def test_velocity_and_displacement_are_refused_by_the_word_on_the_units_line(write, series):
+    with pytest.raises(NotAcceleration, match=r"RSN1.AT2:3: expected an acceleration series"):
+        read(write(at2(pulse(), series=series)))
+
+
+def test_the_unit_of_the_header_counts(write):
+    path = write(at2(pulse(peak=300.0), series="ACCELERATION TIME SERIES IN UNITS OF CM/S**2"))
+    (record,) = read(path, units="g")
+    assert record.pga == pytest.approx(3.0, rel=1e-6)
+
+
+def test_a_header_without_unit_asks_for_one(write):
+    path = write(at2(pulse(), series="ACCELERATION TIME SERIES"))
+    with pytest.raises(UnitError, match="option units"):
+        read(path)
+    assert read(path, units="g")[0].pga == pytest.approx(0.3 * STANDARD_GRAVITY, rel=1e-6)
+
+
+def test_values_beyond_the_declared_count_are_reported(write):
+    (record,) = read(write(at2(pulse(205), count_line="NPTS= 200, DT= .0100 SEC")))
+    assert record.npts == 200
+    assert "5 values beyond" in record.warnings[0]
+
+
+@pytest.mark.parametrize(
+    ("content", "error", "message"),
+    [
+        (at2(pulse(), count_line="NPTS= 500, DT= .0100 SEC"), RecordFormatError, "expected 500 samples .* found 400"),
+        (
+            at2(pulse(), count_line="NPTS= 99999999999, DT= .01 SEC"),
+            RecordFormatError,
+            "expected 99999999999 samples .* found 400",
+        ),
+        (at2(pulse(), count_line="NPTS= {n}, DT= 0.0 SEC"), RecordFormatError, r"RSN1.AT2:4: expected a positive DT"),
+        (at2(pulse(), count_line="NPTS= {n}, DT= -.01 SEC"), RecordFormatError, r"RSN1.AT2:4: expected a positive DT"),
+        (at2(pulse(), count_line="NPTS= {n}, DT= VARIABLE"), RecordFormatError, r"RSN1.AT2:4: expected 'NPTS= n"),
+        (at2(pulse(), series="ACCELERATION IN UNITS OF ELLS"), UnitError, r"RSN1.AT2:3: unknown unit"),
+        (at2([*pulse(20), np.nan, 0.1]), RecordFormatError, r"RSN1.AT2:9: expected a finite number, found 'NAN'"),
+        (at2([0.1]), RecordFormatError, "at least 2 samples, found 1"),
+        (at2(pulse())[:150], RecordFormatError, "expected 400 samples|expected 'NPTS"),
+    ],
+    ids=["truncated", "huge", "dt0", "dt-", "variable", "unit", "nan", "one", "no-data"],
+)
+def test_damage_is_named(write, content, error, message):
+    with pytest.raises(error, match=message):
+        read(write(content))
+
+
+REAL = {
+    "NIS090.AT2": (4096, 0.01, 0.5027, 90.0),
+    "RSN763_LOMAP_GIL067.AT2": (7999, 0.005, 0.3585, 67.0),
+    "RSN763_LOMAP_GIL337.AT2": (7999, 0.005, 0.3266, 337.0),
+}
+
+
+@pytest.mark.parametrize("name", REAL)
+def test_real_files(records_folder, name):
+    (record,) = read(records_folder / "at2" / name)
+    assert (record.npts, record.dt, record.azimuth) == (*REAL[name][:2], REAL[name][3])
+    assert record.pga / STANDARD_GRAVITY == pytest.approx(REAL[name][2], rel=0.02)

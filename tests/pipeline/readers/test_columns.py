@@ -1,0 +1,204 @@
+"""Columns of numbers: layouts, delimiters, time columns; nothing is guessed."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from record_writers import pulse
+
+from rockpulse.errors import RecordFormatError, UnitError
+from rockpulse.readers import read
+from rockpulse.readers.source import NotAcceleration
+from rockpulse.record import STANDARD_GRAVITY
+
+VALUES = np.round(pulse(200, peak=3.0), 6)
+TIMES = np.arange(200) * 0.01
+
+
+@pytest.fixture
+def write(tmp_path):
+    def written(text: str, name: str = "record.txt"):
+        path = tmp_path / name
+        path.write_bytes(text.encode("latin-1"))
+        return path
+
+    return written
+
+
+def table(*columns, delimiter=" ", header="", end="\n", number="{:.6f}") -> str:
+    rows = [delimiter.join(number.format(value) for value in row) for row in zip(*columns, strict=True)]
+    return header + end.join(rows) + end
+
+
+def test_the_unit_is_never_guessed(write):
+    with pytest.raises(UnitError, match=r"record.txt: plain columns do not state their unit; .* units='g'"):
+        read(write(table(TIMES, VALUES)))
+
+
+def test_an_unknown_unit_is_refused(write):
+    with pytest.raises(UnitError, match="option units: unknown unit of acceleration 'furlong'"):
+        read(write(table(TIMES, VALUES)), units="furlong")
+
+
+@pytest.mark.parametrize(
+    ("units", "factor"),
+    [("m/s2", 1.0), ("cm/s2", 0.01), ("gal", 0.01), ("mm/s^2", 0.001), ("g", STANDARD_GRAVITY), ("G/10", 0.980665)],
+)
+def test_units(write, units, factor):
+    (record,) = read(write(table(TIMES, VALUES)), units=units)
+    assert record.acceleration == pytest.approx(VALUES * factor, rel=1e-12)
+    assert record.unit_factor == pytest.approx(factor, rel=1e-12)
+
+
+@pytest.mark.parametrize("delimiter", [" ", "   ", "\t", ",", ", ", ";"])
+@pytest.mark.parametrize("header", ["", "time acc\n", "# a comment\n# another, with 2 numbers\n\n"])
+@pytest.mark.parametrize("end", ["\n", "\r\n"])
+def test_delimiters_headers_and_line_ends(write, delimiter, header, end):
+    (record,) = read(write(table(TIMES, VALUES, delimiter=delimiter, header=header, end=end)), units="m/s2")
+    assert record.dt == pytest.approx(0.01, rel=1e-12)
+    assert record.acceleration == pytest.approx(VALUES, rel=1e-12)
+
+
+@pytest.mark.parametrize("delimiter", [";", " ", "\t"])
+def test_decimal_commas(write, delimiter):
+    text = table(TIMES, VALUES, delimiter=delimiter).replace(".", ",")
+    (record,) = read(write(text), units="m/s2")
+    assert record.acceleration == pytest.approx(VALUES, rel=1e-12)
+
+
+def test_a_comma_that_may_be_either_is_refused(write):
+    with pytest.raises(RecordFormatError, match="whether a comma separates columns or marks decimals"):
+        read(write("0,12\n1,34\n2,56\n"), units="g")
+
+
+def test_a_single_column_needs_an_interval(write):
+    path = write(table(VALUES))
+    with pytest.raises(RecordFormatError, match="sampling interval, found none"):
+        read(path, units="m/s2")
+    (record,) = read(path, units="m/s2", dt=0.02)
+    assert (record.dt, record.npts) == (0.02, 200)
+
+
+@pytest.mark.parametrize("columns", [(VALUES,), (TIMES + 0.01, VALUES)])
+def test_a_first_line_with_count_and_step(write, columns):
+    (record,) = read(write(table(*columns, header=" 200  0.01\n")), units="m/s2")
+    assert record.acceleration == pytest.approx(VALUES, rel=1e-12)
+    assert record.dt == pytest.approx(0.01, rel=1e-12)
+
+
+@pytest.mark.parametrize("columns", [(VALUES,), (TIMES + 0.01, VALUES)])
+def test_fewer_rows_than_the_first_line_declares_are_a_truncation(write, columns):
+    with pytest.raises(RecordFormatError, match=r"expected 300 rows \(header\), found 200"):
+        read(write(table(*columns, header=" 300  0.01\n")), units="m/s2")
+
+
+def test_more_rows_than_declared_are_left_out_with_a_warning(write):
+    (record,) = read(write(table(VALUES, header="150 0.01\n")), units="m/s2")
+    assert record.npts == 150
+    assert "50 rows beyond" in record.warnings[0]
+
+
+def test_several_channels_with_headings(write):
+    text = table(TIMES, VALUES, 2 * VALUES, 3 * VALUES, delimiter=",", header='"Time (s)",acc_NS,acc_EW,acc_UD\n')
+    records = read(write(text), units="m/s2")
+    assert [record.orientation for record in records] == ["horizontal", "horizontal", "vertical"]
+    assert [record.azimuth for record in records[:2]] == [0.0, 90.0]
+    assert [record.id for record in records] == ["record.acc_NS", "record.acc_EW", "record.acc_UD"]
+    assert records[2].acceleration == pytest.approx(3 * VALUES, rel=1e-12)
+
+
+def test_several_channels_without_time_take_the_interval_given(write):
+    records = read(write(table(VALUES, -VALUES)), units="m/s2", dt=0.01)
+    assert [record.id for record in records] == ["record.1", "record.2"]
+    assert records[1].acceleration == pytest.approx(-VALUES)
+
+
+def test_a_heading_with_another_unit_contradicts_the_option(write):
+    path = write(table(TIMES, VALUES, delimiter=",", header="time (s),acc [g]\n"))
+    with pytest.raises(UnitError, match=r"headed g, the option units says cm/s2"):
+        read(path, units="cm/s2")
+    assert read(path, units="g")[0].npts == 200
+
+
+def test_a_velocity_file_is_refused(write):
+    with pytest.raises(NotAcceleration, match="velocity or displacement only"):
+        read(write(table(TIMES, VALUES, delimiter=",", header="time,velocity\n")), units="m/s2")
+
+
+def test_velocity_beside_acceleration_is_left_out(write):
+    text = table(TIMES, VALUES, VALUES, delimiter=",", header="time,acceleration,velocity\n")
+    (record,) = read(write(text), units="m/s2")
+    assert record.channel == "acceleration"
+    assert record.warnings == ("columns left out, no acceleration: velocity",)
+
+
+def test_a_title_that_speaks_of_acceleration_does_not_make_velocities_one(write):
+    text = table(TIMES, VALUES, delimiter=",", header="from accelerograms\ntime,velocity\n")
+    with pytest.raises(NotAcceleration, match="expected an acceleration column, found velocity only"):
+        read(write(text), units="m/s2")
+
+
+@pytest.mark.parametrize(
+    ("row", "message"),
+    [
+        ("0.5 abc", r"record.txt:101: expected 2 finite numbers, found '0.5 abc'"),
+        ("0.5 NaN", r"record.txt:101: expected 2 finite numbers"),
+        ("0.5 inf", r"record.txt:101: expected 2 finite numbers"),
+        ("0.5", r"record.txt:101: expected 2 finite numbers"),
+        ("0.5 1 2", r"record.txt:101: expected 2 finite numbers"),
+    ],
+)
+def test_a_bad_row_is_named(write, row, message):
+    lines = table(TIMES, VALUES).split("\n")
+    lines[100] = row
+    with pytest.raises(RecordFormatError, match=message):
+        read(write("\n".join(lines)), units="g")
+
+
+def test_unequal_steps_are_refused(write):
+    times = TIMES.copy()
+    times[120:] += 0.5
+    with pytest.raises(RecordFormatError, match=r"record.txt:121: expected equally spaced times, found a step of 0.51"):
+        read(write(table(times, VALUES)), units="g")
+
+
+def test_a_time_heading_over_times_that_run_back_is_refused(write):
+    times = TIMES.copy()
+    times[50] = 0.1
+    with pytest.raises(RecordFormatError, match=r"expected increasing times in the column 'time'"):
+        read(write(table(times, VALUES, delimiter=",", header="time,acc\n")), units="g")
+
+
+def test_intervals_that_disagree_are_refused(write):
+    with pytest.raises(RecordFormatError, match="the sampling intervals disagree"):
+        read(write(table(TIMES, VALUES)), units="g", dt=0.02)
+
+
+@pytest.mark.parametrize("dt", [0.0, -0.01, float("nan"), float("inf")])
+def test_an_interval_that_is_not_positive_is_refused(write, dt):
+    with pytest.raises(RecordFormatError, match="positive sampling interval"):
+        read(write(table(VALUES)), units="g", dt=dt)
+
+
+def test_one_sample_is_no_record(write):
+    with pytest.raises(RecordFormatError, match="at least 2 samples, found 1"):
+        read(write("0.125\n"), units="g", dt=0.01)
+
+
+@pytest.mark.parametrize(("dt", "number"), [(1 / 128, "{:.4f}"), (0.005, "{:.3f}"), (1 / 3, "{:.2f}"), (0.02, "{:g}")])
+def test_the_interval_is_recovered_from_rounded_times(write, dt, number):
+    (record,) = read(write(table(np.arange(200) * dt, VALUES, number=number)), units="g")
+    assert record.dt == pytest.approx(dt, rel=1e-12)
+
+
+@pytest.mark.parametrize(("peak", "reading"), [(300.0, "0.306 g if it were cm/s2"), (1e-9, "not an ordinary")])
+def test_an_incredible_peak_is_reported_with_other_readings(write, peak, reading):
+    text = table(TIMES, pulse(200, peak=peak), number="{:.12f}")
+    (record,) = read(write(text), units="g")
+    assert reading in " ".join(record.warnings)
+
+
+def test_deepsoil_file(records_folder):
+    (record,) = read(records_folder / "columns" / "ChiChi.txt", units="g")
+    assert (record.npts, record.dt) == (11800, 0.005)
+    assert record.pga / STANDARD_GRAVITY == pytest.approx(0.1829, rel=0.02)

@@ -1,0 +1,233 @@
+"""CSMIP volume 1: the samples, the old pair layout, damaged files."""
+
+from __future__ import annotations
+
+from datetime import UTC, datetime
+
+import numpy as np
+import pytest
+from record_writers import csmip_equal, csmip_pairs, pulse
+
+from rockpulse.errors import RecordFormatError, UnitError
+from rockpulse.readers import read
+from rockpulse.record import STANDARD_GRAVITY
+
+# npts and PGA [g] as measured independently on the same files.
+SAMPLES = {
+    "CICCC.RAW": ((35430, 35402, 35406), (0.5667, 0.471, 0.3612)),
+    "CICLC.v1": ((31932, 32080, 32190), (0.3443, 0.5108, 0.3471)),
+    "CITOW2.RAW": ((35562, 35540, 35710), (0.4373, 0.3863, 0.3599)),
+}
+
+
+@pytest.fixture
+def write(tmp_path):
+    def written(content: bytes, name: str = "TEST.RAW"):
+        path = tmp_path / name
+        path.write_bytes(content)
+        return path
+
+    return written
+
+
+@pytest.mark.parametrize("name", SAMPLES)
+def test_the_samples_have_the_known_counts_and_peaks(samples, name):
+    records = read(samples / name)
+    counts, peaks = SAMPLES[name]
+    assert tuple(record.npts for record in records) == counts
+    assert [record.dt for record in records] == [0.01] * 3
+    assert [record.pga / STANDARD_GRAVITY for record in records] == pytest.approx(peaks, rel=1e-3)
+    assert [record.warnings for record in records] == [()] * 3
+    assert [record.orientation for record in records] == ["horizontal", "horizontal", "vertical"]
+    assert [record.azimuth for record in records[:2]] == [90.0, 0.0]
+    assert np.isnan(records[2].azimuth)
+
+
+def test_the_fields_of_a_sample(samples):
+    record = read(samples / "CICLC.v1")[0]
+    assert record.id == "CI.CLC..90@20190706T031608"
+    assert (record.network, record.station, record.location, record.channel) == ("CI", "CLC", "", "90")
+    assert record.station_name == "China Lake, G2 Tower Rd."
+    assert record.start_time == datetime(2019, 7, 6, 3, 16, 8, tzinfo=UTC)
+    assert record.component == "90 Deg"
+    assert (record.format, record.source_unit, record.unit_factor) == ("csmip_v1", "g", STANDARD_GRAVITY)
+    assert record.processed is False
+    assert record.header_peak == pytest.approx(0.344 * STANDARD_GRAVITY)
+    assert record.source == str(samples / "CICLC.v1")
+    # The first two values of the file are -.000011 and -.000011, the third .000001 g.
+    assert record.acceleration[:3] == pytest.approx(np.array([-1.1e-5, -1.1e-5, 1e-6]) * STANDARD_GRAVITY, rel=1e-12)
+
+
+def test_touching_fields_are_split_by_the_width_of_the_header(write):
+    values = -np.abs(pulse(23, peak=0.7)) - 10.0  # "-10.700000" would not fit: 9 characters are full
+    values = np.round(values / 20.0, 6)
+    path = write(csmip_equal(-np.abs(values) * 100, field="{:9.5f}", heading=HEADING_95))
+    assert b"-50" in path.read_bytes()
+    (record,) = read(path)
+    assert record.acceleration == pytest.approx(-np.abs(values) * 100 * STANDARD_GRAVITY, abs=1e-4)
+    assert any("peak" in warning for warning in record.warnings)  # above 5 g
+
+
+HEADING_95 = "{n:6d} Accelerogram points at 100 pts/sec in units of g.       Format: (8f9.5)"
+
+
+@pytest.mark.parametrize(
+    ("heading", "dt", "factor"),
+    [
+        ("{n:6d} Accelerogram points at 200 pts/sec in units of g.       Format: (8f9.6)", 0.005, STANDARD_GRAVITY),
+        ("{n:5d} POINTS OF ACCEL DATA EQUALLY SPACED AT .005 SEC.  (UNITS: G)", 0.005, STANDARD_GRAVITY),
+        ("{n:5d} POINTS OF ACCEL DATA EQUALLY SPACED AT .020 SEC.  (UNITS: CM/SEC/SEC)", 0.02, 0.01),
+    ],
+)
+@pytest.mark.parametrize("end", ["\n", "\r\n", "\r\r\n"])
+def test_spellings_of_the_heading_line(write, heading, dt, factor, end):
+    values = np.round(pulse(101), 6)
+    (record,) = read(write(csmip_equal(values, heading=heading, end=end)))
+    assert record.dt == pytest.approx(dt, rel=1e-12)
+    assert record.acceleration == pytest.approx(values * factor, rel=1e-12)
+
+
+def test_a_leading_carriage_control_blank_on_every_line_is_dropped(write):
+    content = csmip_equal(np.round(pulse(), 6), end="\n")
+    (plain,) = read(write(content))
+    shifted = b"".join(b" " + line for line in content.splitlines(keepends=True))
+    (record,) = read(write(shifted, "shifted.RAW"))
+    assert np.array_equal(record.acceleration, plain.acceleration)
+    assert record.component == plain.component
+
+
+def test_equally_spaced_pairs_in_tenths_of_g_keep_their_samples(write):
+    values = np.round(pulse(300, peak=2.5), 3)
+    (record,) = read(write(csmip_pairs(np.arange(300) * 0.005, values)))
+    assert record.dt == pytest.approx(0.005, rel=1e-12)
+    assert record.source_unit == "g/10"
+    assert record.acceleration == pytest.approx(values * STANDARD_GRAVITY / 10.0, rel=1e-12)
+    assert record.start_time == datetime(1994, 1, 17, 12, 31, 4, 100000, tzinfo=UTC)
+    assert record.warnings == ()
+
+
+def test_unequal_pairs_are_interpolated_at_the_median_step_with_a_warning(write):
+    times = np.array([0.0, 0.005, 0.010, 0.016, 0.020, 0.025, 0.030, 0.036, 0.040])
+    (record,) = read(write(csmip_pairs(times, 20.0 * times)))  # a straight line survives linear interpolation
+    assert record.dt == 0.005
+    assert record.acceleration == pytest.approx(20.0 * record.time * STANDARD_GRAVITY / 10.0, abs=1e-3)
+    assert len(record.warnings) == 1
+    assert "resampled by linear interpolation" in record.warnings[0]
+
+
+def test_pacific_time_becomes_utc(write):
+    (record,) = read(write(csmip_equal(pulse(), start="05/02/83, 16:42:48.2 PDT")))
+    assert record.start_time == datetime(1983, 5, 2, 23, 42, 48, 200000, tzinfo=UTC)
+
+
+def test_an_unknown_time_zone_leaves_the_start_open_with_a_warning(write):
+    (record,) = read(write(csmip_equal(pulse(), start="05/02/83, 16:42:48.2 XYZ")))
+    assert record.start_time is None
+    assert "start time" in record.warnings[0]
+    assert record.id == "TEST.90"
+
+
+@pytest.mark.parametrize(("stated", "warned"), [(0.300, False), (0.305, False), (0.310, True)])
+def test_a_header_peak_more_than_two_percent_off_is_reported(write, stated, warned):
+    (record,) = read(write(csmip_equal(pulse(peak=0.3), peak_g=stated)))
+    assert any("the header states a peak of" in warning for warning in record.warnings) is warned
+
+
+def test_a_header_peak_within_its_own_rounding_is_no_news(write):
+    (record,) = read(write(csmip_equal(pulse(peak=0.00449), peak_g=0.004)))  # 11 % off, but 0.004 may mean 0.0045
+    assert record.warnings == ()
+
+
+@pytest.mark.parametrize(
+    ("place", "orientation"), [("ROOF: NORTH WALL", "structural"), ("FREEFIELD", "horizontal"), ("", "horizontal")]
+)
+def test_a_channel_with_a_location_is_structural_unless_it_is_the_free_field(write, place, orientation):
+    (record,) = read(write(csmip_equal(pulse(), place=place)))
+    assert record.orientation == orientation
+    assert place in record.component
+
+
+def test_a_channel_that_points_down_changes_its_sign(write):
+    values = np.round(pulse(), 6)
+    (record,) = read(write(csmip_equal(values, component="DOWN")))
+    assert record.acceleration == pytest.approx(-values * STANDARD_GRAVITY, rel=1e-12)
+    assert record.unit_factor == -STANDARD_GRAVITY
+    assert "sign is changed" in record.warnings[0]
+
+
+def test_channels_of_one_direction_in_one_file_get_distinct_ids(write):
+    content = csmip_equal(pulse(), number=1) + csmip_equal(pulse(peak=0.2), number=2)
+    assert [record.id for record in read(write(content))] == [
+        ".14403..90@20190706T031608",
+        ".14403..90@20190706T031608_2".replace("_", "~"),
+    ]
+
+
+def test_rows_beyond_the_declared_count_are_reported(write):
+    values = np.round(pulse(160), 6)
+    content = csmip_equal(values).replace(b"   160 Accelerogram", b"   152 Accelerogram")
+    (record,) = read(write(content))
+    assert record.npts == 152
+    assert "1 rows beyond the declared count" in record.warnings[0]
+
+
+def damaged(change) -> bytes:
+    return change(csmip_equal(np.round(pulse(160), 6), end="\n"))
+
+
+@pytest.mark.parametrize(
+    ("change", "error", "message"),
+    [
+        (
+            lambda c: b"\n".join(c.split(b"\n")[:35]),
+            RecordFormatError,
+            r"TEST.RAW:\d+: expected 160 numbers .* found 56",
+        ),
+        (lambda c: b"\n".join(c.split(b"\n")[:20]), RecordFormatError, "expected 27 header lines"),
+        (lambda c: c.replace(b"   160 Acc", b"999999999999 Acc"), RecordFormatError, "expected 999999999999 numbers"),
+        (lambda c: c.replace(b"   160 Acc", b"     0 Acc"), RecordFormatError, "expected a positive number"),
+        (lambda c: c.replace(b"at 100 pts", b"at 0 pts"), RecordFormatError, "TEST.RAW:28: expected 'at N pts/sec'"),
+        (lambda c: c.replace(b"units of g.", b"units of furlong."), UnitError, "TEST.RAW:28: unknown unit"),
+        (lambda c: c.replace(b"(8f9.6)", b"(0f9.6)"), RecordFormatError, "expected a format such as"),
+        (lambda c: c.replace(b" 0.300000", b"      NaN"), RecordFormatError, r"TEST.RAW:\d+: .* found 'NaN'"),
+        (lambda c: c.replace(b" 0.300000", b" 0.3000"), RecordFormatError, r"TEST.RAW:\d+: expected 8 fields of 9"),
+        (lambda c: c + b"something else\n", RecordFormatError, "expected 'Uncorrected Accelerogram Data'"),
+    ],
+    ids=["truncated", "no-header", "huge", "zero", "rate", "unit", "format", "nan", "short-row", "trailing-text"],
+)
+def test_damage_is_named_with_file_and_line(write, change, error, message):
+    content = damaged(change)
+    assert content != damaged(lambda c: c)
+    with pytest.raises(error, match=message):
+        read(write(content))
+
+
+def test_one_sample_is_no_record(write):
+    with pytest.raises(RecordFormatError, match="at least 2 samples, found 1"):
+        read(write(csmip_equal([0.1])))
+
+
+@pytest.mark.parametrize(
+    ("times", "message"),
+    [([0.0, 0.01, 0.005, 0.02], "expected increasing times"), ([0.0, 0.01, 0.02, 90.0], "a step of 89.98 s")],
+)
+def test_times_that_cannot_be_right_are_refused(write, times, message):
+    with pytest.raises(RecordFormatError, match=message):
+        read(write(csmip_pairs(times, [0.1, 0.2, 0.3, 0.1])))
+
+
+# npts after resampling, dt, PGA [g] of the file.
+OLD = {
+    "LA116TH.RAW": ((12000, 12000, 12000), 0.005, (0.2003, 0.0604, 0.1428)),
+    "ce23583r_HESPERIA.RAW": ((12001, 12001, 12001), 0.005, (0.05792, 0.04203, 0.09058)),
+}
+
+
+@pytest.mark.parametrize("name", OLD)
+def test_old_files(records_folder, name):
+    records = read(records_folder / "csmip_v1" / name)
+    counts, dt, peaks = OLD[name]
+    assert tuple(record.npts for record in records) == counts
+    assert [record.dt for record in records] == pytest.approx([dt] * 3, rel=1e-12)
+    assert [record.pga / STANDARD_GRAVITY for record in records] == pytest.approx(peaks, rel=0.02)
+    assert all(("resampled" in " ".join(record.warnings)) is (name == "LA116TH.RAW") for record in records)

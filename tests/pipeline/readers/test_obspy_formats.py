@@ -1,0 +1,240 @@
+"""miniSEED with StationXML beside it, and SAC: files synthesised with obspy, and real ones."""
+
+from __future__ import annotations
+
+from datetime import UTC, datetime
+
+import numpy as np
+import pytest
+from record_writers import pulse
+
+from rockpulse.errors import RecordFormatError, RecordRefused, UnitError
+from rockpulse.readers import read
+from rockpulse.readers.source import NotAcceleration
+from rockpulse.record import STANDARD_GRAVITY
+
+COUNTS = np.round(pulse(1000, peak=500_000.0)).astype(np.int32)
+START = "2020-01-02T03:04:05.5"
+
+
+def trace(channel="HNE", counts=COUNTS, start=START):
+    import obspy
+
+    header = {"network": "XX", "station": "ABC", "location": "00", "channel": channel, "sampling_rate": 100.0}
+    return obspy.Trace(counts, {**header, "starttime": obspy.UTCDateTime(start)})
+
+
+def write_miniseed(folder, *traces, name="record.mseed"):
+    import obspy
+
+    path = folder / name
+    obspy.Stream(list(traces)).write(str(path), format="MSEED")
+    return path
+
+
+def write_station_xml(folder, *epochs, name="XX.ABC.xml"):
+    """Each epoch is (channel, sensitivity, unit, azimuth, dip, first and last day)."""
+    import obspy
+    from obspy.core.inventory import Channel, Inventory, Network, Station
+    from obspy.core.inventory.response import InstrumentSensitivity, Response
+
+    channels = [
+        Channel(
+            code=code,
+            location_code="00",
+            latitude=0.0,
+            longitude=0.0,
+            elevation=0.0,
+            depth=0.0,
+            azimuth=azimuth,
+            dip=dip,
+            start_date=obspy.UTCDateTime(first),
+            end_date=obspy.UTCDateTime(last),
+            response=None
+            if value is None
+            else Response(
+                instrument_sensitivity=InstrumentSensitivity(
+                    value=value, frequency=1.0, input_units=unit, output_units="COUNTS"
+                )
+            ),
+        )
+        for code, value, unit, azimuth, dip, first, last in epochs
+    ]
+    station = Station(code="ABC", latitude=0.0, longitude=0.0, elevation=0.0, channels=channels)
+    inventory = Inventory(networks=[Network(code="XX", stations=[station])], source="test")
+    inventory.write(str(folder / name), format="STATIONXML")
+
+
+def epoch(code="HNE", value=2.0e5, unit="M/S**2", azimuth=90.0, dip=0.0, first="2019-01-01", last="2030-01-01"):
+    return (code, value, unit, azimuth, dip, first, last)
+
+
+def test_counts_are_divided_by_the_sensitivity(tmp_path):
+    write_station_xml(tmp_path, epoch())
+    (record,) = read(write_miniseed(tmp_path, trace()))
+    assert record.acceleration == pytest.approx(COUNTS / 2.0e5, rel=1e-12)
+    assert (record.dt, record.source_unit, record.unit_factor) == (0.01, "counts", 1.0 / 2.0e5)
+    assert record.id == "XX.ABC.00.HNE@20200102T030405"
+    assert record.start_time == datetime(2020, 1, 2, 3, 4, 5, 500000, tzinfo=UTC)
+    assert (record.orientation, record.azimuth, record.processed) == ("horizontal", 90.0, False)
+
+
+def test_a_sensitivity_per_cm_s2_is_understood(tmp_path):
+    write_station_xml(tmp_path, epoch(value=2000.0, unit="cm/s**2"))
+    (record,) = read(write_miniseed(tmp_path, trace()))
+    assert record.acceleration == pytest.approx(COUNTS / 2.0e5, rel=1e-12)
+
+
+def test_the_epoch_of_the_record_counts(tmp_path):
+    write_station_xml(tmp_path, epoch(value=1.0, last="2019-12-31"), epoch(value=4.0e5, first="2019-12-31"))
+    (record,) = read(write_miniseed(tmp_path, trace()))
+    assert record.unit_factor == 1.0 / 4.0e5
+
+
+@pytest.mark.parametrize(("dip", "sign"), [(-90.0, 1.0), (90.0, -1.0)])
+def test_vertical_motion_is_positive_up(tmp_path, dip, sign):
+    write_station_xml(tmp_path, epoch("HNZ", azimuth=0.0, dip=dip))
+    (record,) = read(write_miniseed(tmp_path, trace("HNZ")))
+    assert record.orientation == "vertical"
+    assert record.acceleration == pytest.approx(sign * COUNTS / 2.0e5, rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("epochs", "error", "message"),
+    [
+        ([], RecordRefused, "no StationXML file of the station"),
+        ([epoch("HNN")], RecordRefused, "is in counts and no sensitivity"),
+        ([epoch(value=None)], RecordRefused, "is in counts and no sensitivity"),
+        ([epoch(last="2019-06-01")], RecordRefused, "is in counts and no sensitivity"),
+        ([epoch(last=START[:-1] + "9")], RecordRefused, "is in counts and no sensitivity"),
+        ([epoch(), epoch(value=3.0)], RecordRefused, "2 different sensitivities"),
+        ([epoch(unit="M/S")], NotAcceleration, "records M/S, expected an acceleration"),
+    ],
+    ids=["no-xml", "other-channel", "no-gain", "ended", "ends-within", "ambiguous", "velocity"],
+)
+def test_counts_without_a_clear_gain_of_acceleration_are_refused(tmp_path, epochs, error, message):
+    if epochs:
+        write_station_xml(tmp_path, *epochs)
+    with pytest.raises(error, match=message):
+        read(write_miniseed(tmp_path, trace()))
+
+
+def test_a_gap_is_refused(tmp_path):
+    write_station_xml(tmp_path, epoch())
+    path = write_miniseed(tmp_path, trace(), trace(start="2020-01-02T03:05:05"))
+    with pytest.raises(RecordRefused, match=r"1 gaps or overlaps, the first at 2020-01-02T03:04:15\.49"):
+        read(path)
+
+
+def test_parts_that_follow_each_other_exactly_are_one_record(tmp_path):
+    write_station_xml(tmp_path, epoch())
+    path = write_miniseed(tmp_path, trace(), trace(start="2020-01-02T03:04:15.5"))
+    (record,) = read(path)
+    assert record.acceleration == pytest.approx(np.tile(COUNTS, 2) / 2.0e5)
+
+
+def test_a_velocity_channel_beside_an_acceleration_is_left_out_and_said_so(tmp_path):
+    write_station_xml(tmp_path, epoch(), epoch("HHE", unit="M/S"))
+    (record,) = read(write_miniseed(tmp_path, trace(), trace("HHE")))
+    assert record.channel == "HNE"
+    assert "HHE records M/S" in record.warnings[0]
+
+
+def test_a_clipped_record_is_said_to_be_one(tmp_path):
+    write_station_xml(tmp_path, epoch())
+    (record,) = read(write_miniseed(tmp_path, trace(counts=np.minimum(COUNTS, 100_000).astype(np.int32))))
+    assert "may be clipped" in record.warnings[0]
+
+
+def test_damaged_miniseed_and_station_files_are_named(tmp_path):
+    write_station_xml(tmp_path, epoch())
+    noise = np.random.default_rng(5).integers(-30_000, 30_000, 5000).astype(np.int32)
+    path = write_miniseed(tmp_path, trace(counts=noise))
+    xml = tmp_path / "XX.ABC.xml"
+    xml.write_bytes(xml.read_bytes()[:-200])
+    with pytest.raises(RecordFormatError, match=r"XX.ABC.xml: cannot be read as StationXML"):
+        read(path)
+    write_station_xml(tmp_path, epoch())
+    content = path.read_bytes()
+    path.write_bytes(content[:-100])
+    with pytest.raises(RecordFormatError, match="expected whole data records of 4096 bytes, found 3996"):
+        read(path)
+    path.write_bytes(content[:100])
+    with pytest.raises(RecordFormatError, match=r"obspy cannot read it as MSEED"):
+        read(path)
+
+
+def write_sac(folder, values=COUNTS / 1e4, **header):
+    path = folder / "record.sac"
+    sac = trace(counts=np.asarray(values, dtype=np.float32))
+    sac.stats.sac = {"cmpaz": 135.0, "cmpinc": 90.0, **header}
+    sac.write(str(path), format="SAC")
+    return path
+
+
+def test_sac_with_a_unit(tmp_path):
+    (record,) = read(write_sac(tmp_path), units="cm/s2")
+    assert record.acceleration == pytest.approx(COUNTS / 1e6, rel=1e-6, abs=1e-9)
+    assert (record.dt, record.azimuth, record.orientation) == (0.01, 135.0, "horizontal")
+    assert record.id == "XX.ABC.00.HNE@20200102T030405"
+
+
+def test_sac_without_a_unit_asks_for_it(tmp_path):
+    with pytest.raises(UnitError, match="does not state the unit of acceleration"):
+        read(write_sac(tmp_path))
+
+
+@pytest.mark.parametrize(("idep", "series"), [(6, "displacement"), (7, "velocity")])
+def test_sac_of_another_motion_is_refused(tmp_path, idep, series):
+    with pytest.raises(NotAcceleration, match=series):
+        read(write_sac(tmp_path, idep=idep), units="g")
+
+
+@pytest.mark.parametrize(("inclination", "sign"), [(0.0, 1.0), (180.0, -1.0)])
+def test_sac_vertical(tmp_path, inclination, sign):
+    (record,) = read(write_sac(tmp_path, cmpinc=inclination), units="m/s2")
+    assert record.orientation == "vertical"
+    assert np.sign(record.acceleration[10]) == sign * np.sign(COUNTS[10])
+
+
+def test_truncated_sac(tmp_path):
+    path = write_sac(tmp_path)
+    path.write_bytes(path.read_bytes()[:-100])
+    with pytest.raises(RecordFormatError, match=r"expected 1000 samples \(header NPTS\), found room for 975"):
+        read(path, units="g")
+
+
+def test_sac_with_nan(tmp_path):
+    values = COUNTS / 1e4
+    values[7] = np.nan
+    with pytest.raises(RecordFormatError, match="1 of 1000 samples are NaN or infinite, the first at index 7"):
+        read(write_sac(tmp_path, values), units="g")
+
+
+@pytest.mark.parametrize(("channel", "peak"), [("HNE", 0.255), ("HNN", 0.1864)])
+def test_real_miniseed(records_folder, channel, peak):
+    (record,) = read(records_folder / "mseed_xml" / f"CI.WCS2..{channel}.mseed")
+    assert (record.npts, record.dt) == (39000, 0.01)
+    # The listed peaks are those of the record less its mean.
+    centred = record.acceleration - record.acceleration.mean()
+    assert np.max(np.abs(centred)) / STANDARD_GRAVITY == pytest.approx(peak, rel=0.02)
+
+
+@pytest.mark.parametrize(
+    ("name", "error"),
+    [
+        ("mseed_xml/AV.CKT..EHZ__20181130T172859Z__20181130T173629Z.mseed", NotAcceleration),
+        ("mseed_clipped/HV.HSSD..HHE__20190414T030832Z__20190414T031602Z.mseed", RecordRefused),
+        ("tricky_obspy/gaps.mseed", RecordRefused),
+        ("sac/20190706031952.CJ.T001230.HNE.sac", UnitError),
+    ],
+)
+def test_real_files_that_are_refused(records_folder, name, error):
+    with pytest.raises(error):
+        read(records_folder / name)
+
+
+def test_real_sac(records_folder):
+    (record,) = read(records_folder / "sac" / "20190706031952.CJ.T001230.HNE.sac", units="m/s2")
+    assert (record.npts, record.dt) == (15001, 0.02)
+    assert record.pga == pytest.approx(0.043384, rel=1e-4)

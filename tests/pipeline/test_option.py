@@ -1,0 +1,80 @@
+"""What a key takes, and how a refusal is worded."""
+
+import dataclasses
+import math
+
+import pytest
+
+from rockpulse.errors import ConfigError
+from rockpulse.option import Section, choice, choices, count, flag, hint, is_number, number, text, texts
+
+
+@dataclasses.dataclass(frozen=True)
+class Everything(Section):
+    """One key of every kind."""
+
+    heading = "[everything]"
+    words: str = text("")
+    list: tuple = texts()
+    flag: bool = flag(False)
+    one: str | int = choice("red", ("red", "green"), or_count=True)
+    some: tuple = choices(("red",), ("red", "green", "blue"))
+    number: float | None = number(None, low=0.0, above=True, high=1.0, unit="m")
+    count: int = count(1, low=1, high=10)
+
+
+@pytest.mark.parametrize(
+    ("key", "value", "stored"),
+    [
+        ("words", "a", "a"),
+        ("list", ["a", "b"], ("a", "b")),
+        ("flag", True, True),
+        ("one", "green", "green"),
+        ("one", 3, 3),
+        ("some", ["blue", "red"], ("red", "blue")),
+        ("number", 1, 1.0),
+        ("number", None, None),
+        ("count", 10, 10),
+    ],
+)
+def test_an_allowed_value_is_stored_in_its_type(key, value, stored):
+    found = Everything(**{key: value})[key]
+    assert found == stored
+    assert type(found) is type(stored)
+
+
+@pytest.mark.parametrize(
+    ("key", "value", "message"),
+    [
+        ("words", 1, "expected a text, found 1"),
+        ("list", "a", "expected a list of texts, found 'a'"),
+        ("list", [1], r"expected a list of texts, found \[1\]"),
+        ("flag", 0, "expected true or false, found 0"),
+        ("one", "gren", r"\"red\", \"green\" or an integer >= 1, found 'gren'; did you mean \"green\""),
+        ("one", 0, "or an integer >= 1, found 0"),
+        ("one", 1.0, "or an integer >= 1, found 1.0"),
+        ("some", [], "one or more of"),
+        ("some", ["red", "red"], "each once"),
+        ("some", ["blu"], 'did you mean "blue"'),
+        ("number", 0, "expected a number in m > 0 and <= 1, found 0"),
+        ("number", 1.1, "found 1.1"),
+        ("number", math.nan, "found nan"),
+        ("number", True, "found True"),
+        ("count", 11, "expected an integer >= 1 and <= 10, found 11"),
+        ("count", True, "found True"),
+        ("count", None, "found None"),
+    ],
+)
+def test_a_refusal_names_section_key_and_value(key, value, message):
+    with pytest.raises(ConfigError, match=rf"^\[everything\] {key}: .*{message}"):
+        Everything(**{key: value})
+
+
+def test_a_hint_is_given_only_where_a_word_is_close():
+    assert hint("basline", ["baseline", "order"]) == '; did you mean "baseline"?'
+    assert hint("xyz", ["baseline", "order"]) == ""
+
+
+@pytest.mark.parametrize(("value", "answer"), [(1, True), (1.5, True), (True, False), ("1", False), (math.inf, False)])
+def test_only_finite_numbers_are_numbers(value, answer):
+    assert is_number(value) is answer

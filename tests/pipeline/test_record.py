@@ -1,0 +1,90 @@
+"""Record: what it accepts, its derived numbers, its id."""
+
+from __future__ import annotations
+
+import pickle
+from dataclasses import FrozenInstanceError
+from datetime import UTC, datetime
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from rockpulse.errors import RecordFormatError
+from rockpulse.record import Record, distinct_ids, record_id
+
+START = datetime(2019, 7, 6, 3, 19, 53, tzinfo=UTC)
+
+
+def record(name="a", values=(0.0, 1.0, -2.0), **fields) -> Record:
+    return Record(acceleration=np.array(values), dt=0.01, id=name, **fields)
+
+
+def test_derived_numbers():
+    one = record()
+    assert (one.npts, one.duration, one.pga) == (3, 0.02, 2.0)
+    assert one.time == pytest.approx([0.0, 0.01, 0.02])
+
+
+def test_samples_are_a_read_only_copy():
+    values = np.array([0.0, 1.0, 2.0])
+    one = Record(acceleration=values, dt=0.01, id="a")
+    values[0] = 5.0
+    assert one.acceleration[0] == 0.0
+    with pytest.raises(ValueError, match="read-only"):
+        one.acceleration[0] = 1.0
+    with pytest.raises(FrozenInstanceError):
+        one.dt = 1.0  # type: ignore[misc]
+
+
+@pytest.mark.parametrize("values", [[], [1.0], [[1.0, 2.0], [3.0, 4.0]]])
+def test_fewer_than_two_samples_or_a_table_are_refused(values):
+    with pytest.raises(RecordFormatError, match="expected at least 2 samples in one row"):
+        record(values=values, source="file.txt")
+
+
+@pytest.mark.parametrize("bad", [np.nan, np.inf, -np.inf])
+def test_a_sample_that_is_not_finite_is_named_by_its_index(bad):
+    with pytest.raises(RecordFormatError, match=r"file.txt: 1 of 4 samples are NaN or infinite, the first at index 2"):
+        record(values=[0.0, 1.0, bad, 2.0], source="file.txt")
+
+
+@pytest.mark.parametrize("dt", [0.0, -0.01, np.nan, np.inf])
+def test_an_interval_that_is_not_positive_is_refused(dt):
+    with pytest.raises(RecordFormatError, match="expected a positive sampling interval"):
+        Record(acceleration=np.zeros(3), dt=dt, id="a")
+
+
+def test_a_record_survives_pickling():
+    one = pickle.loads(pickle.dumps(record(start_time=START, warnings=("x",))))
+    assert one.acceleration == pytest.approx([0.0, 1.0, -2.0])
+    assert (one.start_time, one.warnings) == (START, ("x",))
+
+
+@pytest.mark.parametrize(
+    ("codes", "start", "expected"),
+    [
+        (("CI", "CCC", "", "HNE"), START, "CI.CCC..HNE@20190706T031953"),
+        (("", "2555", "", "360"), START, ".2555..360@20190706T031953"),
+        (("CI", "CCC", "", ""), START, "CI.CCC..2@20190706T031953"),
+        (("CI", "CCC", "", "HNE"), None, "stem.HNE"),
+        (("", "", "", ""), START, "stem.2"),
+        (("", "", "", "a/b c°"), None, "stem.a_b_c_"),
+    ],
+)
+def test_id(codes, start, expected):
+    assert record_id(*codes, start, "stem", 2) == expected
+
+
+def test_an_id_taken_already_gets_a_number():
+    names = [one.id for one in distinct_ids([record("a"), record("b"), record("a"), record("a~2"), record("a")])]
+    assert names == ["a", "b", "a~2", "a~3", "a~4"]
+
+
+@given(st.lists(st.sampled_from(["a", "b", "a~2", "a~3"]), max_size=8))
+@settings(derandomize=True, deadline=None, max_examples=60)
+def test_ids_become_distinct_and_stay_so(names):
+    once = distinct_ids([record(name) for name in names])
+    assert len({one.id for one in once}) == len(names)
+    assert [one.id for one in distinct_ids(once)] == [one.id for one in once]

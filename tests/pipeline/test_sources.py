@@ -1,0 +1,365 @@
+"""From paths to records: files, folders, globs, archives, and a row for everything that is no record."""
+
+from __future__ import annotations
+
+import gzip
+import hashlib
+import os
+import zipfile
+
+import numpy as np
+import pytest
+from record_writers import at2, csmip_equal, pulse
+
+from rockpulse.components import select_horizontal
+from rockpulse.errors import UnitError
+from rockpulse.failures import Failure
+from rockpulse.readers import archive, source
+from rockpulse.sources import read_all
+
+ONE = at2(pulse())
+TWO = at2(pulse(peak=0.2))
+VELOCITY = at2(pulse(), series="VELOCITY TIME SERIES IN UNITS OF CM/S")
+
+
+def ids(records) -> list[str]:
+    return [record.id for record in records]
+
+
+def kinds(failures) -> list[tuple[str, str]]:
+    return [(failure.file.rpartition("/")[2], failure.kind) for failure in failures]
+
+
+@pytest.fixture
+def folder(tmp_path):
+    """Two records in nested folders, and what lies beside records."""
+    (tmp_path / "sub" / ".cache").mkdir(parents=True)
+    (tmp_path / "b.AT2").write_bytes(ONE)
+    (tmp_path / "sub" / "a.AT2").write_bytes(TWO)
+    (tmp_path / "sub" / "a.VT2").write_bytes(VELOCITY)
+    (tmp_path / "notes.txt").write_text("nothing to read here\n")
+    for quiet in ["README.md", "site.toml", "XX.ABC.xml", "results.h5", ".hidden", "sub/.cache/c.AT2"]:
+        (tmp_path / quiet).write_bytes(ONE)
+    return tmp_path
+
+
+def test_the_samples_give_ten_channels_in_order(samples):
+    records, failures = read_all([samples])
+    assert ids(records) == [
+        ".2555..360@20110823T175056",
+        *[f"CI.CCC..{channel}@20190706T031937" for channel in ("360", "90", "Up")],
+        *[f"CI.CLC..{channel}@20190706T031608" for channel in ("360", "90", "Up")],
+        *[f"CI.TOW2..{channel}@20190706T031931" for channel in ("360", "90", "Up")],
+    ]
+    assert failures == []
+    assert all(
+        record.source_sha256 == hashlib.sha256((samples / record.source).read_bytes()).hexdigest() for record in records
+    )
+
+
+def test_a_folder_is_searched_to_any_depth_and_the_rest_is_listed(folder):
+    records, failures = read_all(folder)
+    assert ids(records) == ["b.090", "a.090"]
+    assert kinds(failures) == [("notes.txt", "skipped"), ("a.VT2", "skipped")]
+    assert "no reader recognises" in failures[0].reason
+    assert "expected an acceleration series" in failures[1].reason
+
+
+def test_the_order_of_paths_does_not_matter(folder):
+    paths = [folder / "sub", folder / "b.AT2", folder / "notes.txt"]
+    first, second = (read_all(order) for order in (paths, paths[::-1]))
+    assert ids(first[0]) == ids(second[0]) == ["b.090", "a.090"]
+    assert first[1] == second[1]
+
+
+@pytest.mark.parametrize(
+    ("name", "reason"),
+    [("notes.txt", "no reader recognises"), ("sub/a.VT2", "an acceleration series"), ("README.toml", "no such file")],
+)
+def test_what_is_named_explicitly_fails(folder, name, reason):
+    records, (failure,) = read_all([str(folder / name)])
+    assert records == []
+    assert failure.kind == "failed"
+    assert reason in failure.reason
+    assert failure.file == str(folder / name)
+
+
+def test_a_named_file_counts_as_named_even_if_its_folder_is_given_too(folder):
+    _, failures = read_all([folder, folder / "notes.txt"])
+    assert ("notes.txt", "failed") in kinds(failures)
+
+
+def test_a_file_given_twice_is_read_once(folder):
+    records, failures = read_all([folder / "b.AT2", folder / "b.AT2", folder / "sub" / ".." / "b.AT2"])
+    assert (len(records), failures) == (1, [])
+
+
+@pytest.mark.parametrize(("pattern", "expected"), [("*.AT2", ["b.090"]), ("**/*.AT2", ["b.090", "a.090"])])
+def test_globs(folder, pattern, expected):
+    records, _ = read_all([str(folder / pattern)])
+    assert ids(records) == expected
+
+
+def test_a_glob_skips_what_is_no_record(folder):
+    records, failures = read_all([str(folder / "[bn]*")])
+    assert ids(records) == ["b.090"]
+    assert kinds(failures) == [("notes.txt", "skipped")]
+
+
+def test_a_folder_that_a_glob_matches_is_searched_like_a_folder(folder):
+    by_glob, by_name = read_all([str(folder / "*")]), read_all([folder])
+    assert ids(by_glob[0]) == ids(by_name[0])
+    assert by_glob[1] == by_name[1]
+
+
+def test_a_folder_that_cannot_be_listed_is_a_row(folder, monkeypatch):
+    scan = os.scandir
+
+    def fail(path):
+        if str(path).endswith("sub"):
+            raise PermissionError(13, "Permission denied", str(path))
+        return scan(path)
+
+    monkeypatch.setattr(os, "scandir", fail)
+    records, failures = read_all(folder)
+    assert ids(records) == ["b.090"]
+    assert kinds(failures) == [("notes.txt", "skipped"), ("sub", "failed")]
+
+
+def test_nothing_found_is_a_failure_not_silence(folder):
+    (folder / "empty").mkdir()
+    with zipfile.ZipFile(folder / "empty.zip", "w"):
+        pass
+    paths = [str(folder / "*.V9"), str(folder / "empty"), str(folder / "empty.zip")]
+    records, failures = read_all(paths)
+    assert records == []
+    assert [failure.kind for failure in failures] == ["failed"] * 3
+    assert "the pattern matches no file" in failures[0].reason
+
+
+def test_a_file_with_glob_characters_in_its_name_is_a_file(tmp_path):
+    (tmp_path / "a[1].AT2").write_bytes(ONE)
+    records, failures = read_all([str(tmp_path / "a[1].AT2")])
+    assert (ids(records), failures) == (["a_1_.090"], [])
+
+
+def test_the_same_content_twice_is_a_duplicate(folder):
+    (folder / "sub" / "z.AT2").write_bytes(ONE)
+    records, failures = read_all(folder)
+    assert ids(records) == ["b.090", "a.090"]
+    (duplicate,) = (failure for failure in failures if failure.kind == "duplicate")
+    assert duplicate.file.endswith("z.AT2")
+    assert "same samples, interval and component as b.090" in duplicate.reason
+
+
+def test_the_same_samples_in_another_component_or_interval_are_no_duplicate(folder):
+    (folder / "c.AT2").write_bytes(ONE.replace(b", 090", b", 180"))
+    (folder / "d.AT2").write_bytes(ONE.replace(b"DT= 0.0100", b"DT= 0.0200"))
+    records, _ = read_all(folder)
+    assert ids(records) == ["b.090", "c.180", "d.090", "a.090"]
+
+
+def test_one_id_with_other_content_gets_a_number_by_sorted_path(tmp_path):
+    for name, peak in [("z", 0.1), ("a", 0.2), ("m", 0.3)]:
+        (tmp_path / f"{name}.RAW").write_bytes(csmip_equal(np.round(pulse(peak=peak), 6)))
+    records, _ = read_all([tmp_path / "z.RAW", tmp_path / "a.RAW", tmp_path / "m.RAW"])
+    plain = ".14403..90@20190706T031608"
+    assert [(record.source[-5:], record.id) for record in records] == [
+        ("a.RAW", plain),
+        ("m.RAW", f"{plain}~2"),
+        ("z.RAW", f"{plain}~3"),
+    ]
+
+
+def test_unreadable_and_empty_files_are_rows(folder):
+    (folder / "dangling.AT2").symlink_to(folder / "nowhere")
+    (folder / "corrupt.AT2.gz").write_bytes(gzip.compress(ONE)[:-40])
+    (folder / "empty.AT2").touch()
+    records, failures = read_all(folder)
+    assert len(records) == 2
+    assert [row for row in kinds(failures) if row[1] == "failed"] == [
+        ("corrupt.AT2.gz", "failed"),
+        ("dangling.AT2", "failed"),
+        ("empty.AT2", "failed"),
+    ]
+    _, (failure,) = read_all(folder / "dangling.AT2")
+    assert "No such file" in failure.reason
+
+
+def test_a_pipe_is_not_waited_for(folder):
+    os.mkfifo(folder / "pipe.AT2")
+    _, failures = read_all(folder)
+    assert ("pipe.AT2", "failed") in kinds(failures)
+
+
+def test_one_damaged_file_does_not_stop_the_others(folder):
+    (folder / "a.AT2").write_bytes(ONE[: len(ONE) // 2])
+    records, failures = read_all(folder)
+    assert ids(records) == ["b.090", "a.090"]
+    assert ("a.AT2", "failed") in kinds(failures)
+
+
+def test_every_file_is_reported_to_the_callback_once(folder):
+    seen: list[str] = []
+    read_all([folder], on_file=seen.append)
+    assert [name.removeprefix(str(folder)) for name in seen] == ["/b.AT2", "/notes.txt", "/sub/a.AT2", "/sub/a.VT2"]
+
+
+def test_unit_and_interval_reach_the_columns(folder):
+    (folder / "c.txt").write_text("\n".join(f"{value:.6f}" for value in pulse()))
+    _, failures = read_all(folder)
+    assert ("c.txt", "failed") in kinds(failures)
+    records, failures = read_all(folder, units="g", dt=0.01)
+    assert ids(records) == ["b.090", "c.1", "a.090"]
+
+
+def test_an_unknown_unit_is_the_caller_s_mistake(folder):
+    with pytest.raises(UnitError, match="option units"):
+        read_all(folder, units="stone")
+
+
+def make_zip(path, **members):
+    with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as target:
+        for name, content in members.items():
+            target.writestr(name.replace("__", "/").replace("_dot_", "."), content)
+    return path
+
+
+def test_an_archive_is_read_without_unpacking(tmp_path, monkeypatch):
+    path = make_zip(
+        tmp_path / "all.zip",
+        **{
+            "b.AT2": ONE,
+            "sub__a.AT2": TWO,
+            "sub__a.VT2": VELOCITY,
+            "README.md": b"x",
+            ".hidden": ONE,
+            "n.txt": b"text",
+        },
+    )
+    before = sorted(tmp_path.rglob("*"))
+    records, failures = read_all(path)
+    assert [record.source for record in records] == [f"{path}!b.AT2", f"{path}!sub/a.AT2"]
+    assert ids(records) == ["b.090", "a.090"]
+    assert records[0].source_sha256 == hashlib.sha256(ONE).hexdigest()
+    assert [(row.file, row.kind) for row in failures] == [
+        (f"{path}!n.txt", "skipped"),
+        (f"{path}!sub/a.VT2", "skipped"),
+    ]
+    assert sorted(tmp_path.rglob("*")) == before
+
+
+@pytest.mark.parametrize("name", ["../up.AT2", "/etc/abs.AT2", "a/../../up.AT2", "C:/win.AT2", "..\\up.AT2"])
+def test_a_member_whose_name_leaves_the_archive_is_refused(tmp_path, name):
+    with zipfile.ZipFile(tmp_path / "all.zip", "w") as target:
+        target.writestr(name, ONE)
+        target.writestr("good.AT2", TWO)
+    records, (failure,) = read_all(tmp_path / "all.zip")
+    assert ids(records) == ["good.090"]
+    assert failure.kind == "failed"
+    assert "leads out of the archive" in failure.reason
+
+
+@pytest.mark.parametrize("name", ["inner.zip", "inner.AT2.gz", "inner.tar"])
+def test_an_archive_in_an_archive_is_refused(tmp_path, name):
+    path = make_zip(tmp_path / "all.zip", **{name: ONE, "good.AT2": TWO})
+    records, (failure,) = read_all(path)
+    assert ids(records) == ["good.090"]
+    assert "inside the archive" in failure.reason
+
+
+def test_a_member_compressed_beyond_the_limit_is_refused(tmp_path):
+    path = make_zip(tmp_path / "all.zip", **{"bomb.AT2": bytes(5_000_000), "good.AT2": TWO})
+    records, (failure,) = read_all(path)
+    assert ids(records) == ["good.090"]
+    assert f"the limit is {archive.RATIO_LIMIT}" in failure.reason
+
+
+def test_a_member_or_file_beyond_the_size_limit_is_refused(tmp_path, monkeypatch):
+    limit = len(ONE) - 1
+    monkeypatch.setattr(archive, "FILE_LIMIT", limit)
+    monkeypatch.setattr(source, "FILE_LIMIT", limit)
+    make_zip(tmp_path / "all.zip", **{"big.AT2": ONE})
+    (tmp_path / "big.AT2").write_bytes(ONE)
+    (tmp_path / "big.AT2.gz").write_bytes(gzip.compress(ONE))
+    records, failures = read_all(tmp_path)
+    assert records == []
+    assert [failure.kind for failure in failures] == ["failed"] * 3
+    assert all(f"{limit}" in failure.reason for failure in failures)
+
+
+def test_a_damaged_archive_and_a_damaged_member_are_rows(tmp_path):
+    (tmp_path / "bad.zip").write_bytes(b"PK\x03\x04 and no more")
+    path = make_zip(tmp_path / "half.zip", **{"a.AT2": ONE, "b.AT2": TWO})
+    content = bytearray(path.read_bytes())
+    content[200:210] = bytes(10)
+    path.write_bytes(content)
+    records, failures = read_all(tmp_path)
+    assert ids(records) == ["b.090"]
+    assert [failure.kind for failure in failures] == ["failed"] * 2
+    assert "damaged zip archive" in failures[0].reason
+    assert "half.zip!a.AT2" in failures[1].reason
+
+
+def test_an_encrypted_member_is_refused(tmp_path):
+    path = make_zip(tmp_path / "all.zip", **{"a.AT2": ONE})
+    content = path.read_bytes()
+    local, central = content.index(b"PK\x03\x04"), content.index(b"PK\x01\x02")
+    flagged = bytearray(content)
+    flagged[local + 6] |= 1
+    flagged[central + 8] |= 1
+    path.write_bytes(flagged)
+    _, (failure,) = read_all(path)
+    assert "encrypted" in failure.reason
+
+
+def test_any_damage_to_an_archive_is_a_row(tmp_path):
+    content = make_zip(tmp_path / "all.zip", **{"a.AT2": ONE[:600], "b.AT2": TWO[:600]}).read_bytes()
+    random = np.random.default_rng(3)
+    for _ in range(100):
+        damaged = bytearray(content)
+        for at in random.integers(0, len(damaged), 4):
+            damaged[at] = random.integers(0, 256)
+        (tmp_path / "all.zip").write_bytes(damaged)
+        records, failures = read_all(tmp_path)
+        assert records or failures
+
+
+def test_miniseed_in_an_archive_finds_its_station_file(tmp_path, records_folder):
+    beside = records_folder / "mseed_xml"
+    with zipfile.ZipFile(tmp_path / "all.zip", "w", zipfile.ZIP_DEFLATED) as target:
+        target.write(beside / "CI.WCS2..HNE.mseed", "data/CI.WCS2..HNE.mseed")
+        target.write(beside / "CI.WCS2.xml", "data/CI.WCS2.xml")
+    (record,), failures = read_all(tmp_path / "all.zip")
+    assert record.unit_factor == 1.0 / 213757.0
+    assert failures == []
+
+
+def test_select_horizontal_moves_vertical_and_structural_channels_to_rows(tmp_path):
+    content = csmip_equal(pulse(peak=0.1), number=1, component="UP")
+    content += csmip_equal(pulse(peak=0.2), number=2, component=" 90 DEG", place="ROOF")
+    content += csmip_equal(pulse(peak=0.3), number=3, component="STRANGE")
+    content += csmip_equal(pulse(peak=0.4), number=4, component="360 DEG")
+    (tmp_path / "a.RAW").write_bytes(content)
+    records, _ = read_all(tmp_path)
+    horizontal, failures = select_horizontal(records)
+    assert [(record.channel, record.warnings) for record in horizontal] == [
+        ("360", ()),
+        ("STRANGE", ("the orientation is unknown; assessed as horizontal",)),
+    ]
+    assert [(failure.kind, failure.stage) for failure in failures] == [("structural", "select"), ("vertical", "select")]
+    assert "vertical channel: read, not assessed as horizontal" in failures[1].reason
+
+
+def test_the_samples_have_seven_horizontal_channels(samples):
+    horizontal, failures = select_horizontal(read_all(samples)[0])
+    assert len(horizontal) == 7
+    assert [failure.kind for failure in failures] == ["vertical"] * 3
+    assert all(isinstance(failure, Failure) for failure in failures)
+
+
+def test_the_building_archive_of_meloland_is_listed_member_by_member(records_folder):
+    records, failures = read_all(records_folder / "csmip_v2" / "imperialvalley79_ce01336p.zip")
+    assert records == []
+    assert [failure.kind for failure in failures].count("failed") == 26  # volume 2 is not read by this version
+    assert [failure.kind for failure in failures].count("skipped") == 26  # spectra
