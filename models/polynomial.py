@@ -11,8 +11,8 @@ from numba import njit
 
 __all__ = ["ORDER", "falling_root", "first_impact", "value", "velocity"]
 
-#: Degree of the polynomials; at p dt = 0.1 the first neglected term is below 1e-16.
-ORDER = 9
+#: Degree of the polynomials: one sample of p dt = 0.04 in which the ground jumps by three thresholds is exact to 1e-14.
+ORDER = 10
 
 MAX_ITERATIONS = 100
 

@@ -25,7 +25,7 @@ AT_REST, ROCKS, OVERTURNS, UNRESOLVED = (int(outcome) for outcome in Outcome)
 NO_REASON, IMPACT_LIMIT, FREE_FLIGHT = int(Reason.NONE), int(Reason.IMPACT_LIMIT), int(Reason.FREE_FLIGHT)
 
 #: Longest step of the Taylor polynomials as p dt [-]; a sample is divided where its own p dt is larger.
-LONGEST_STEP = 0.1
+LONGEST_STEP = 0.04
 
 #: Impacts followed inside one sample before the lane is given up (only a restitution next to one gets there).
 IMPACTS_PER_SAMPLE = 100_000
