@@ -39,7 +39,7 @@ doctest: PACKAGE := $(shell mktemp -d)
 doctest:  ## the examples in the docstrings
 	cp -r pyproject.toml README.md LICENSE pipeline models $(PACKAGE)
 	$(PYTHON) -m pip install -q --no-deps --target $(PACKAGE)/installed $(PACKAGE)
-	cd $(PACKAGE) && PYTHONPATH=$(PACKAGE)/installed $(abspath $(PYTHON)) -m pytest -q --doctest-modules --pyargs rockpulse -p no:cacheprovider
+	cd $(PACKAGE) && PYTHONPATH=$(PACKAGE)/installed $(abspath $(shell command -v $(PYTHON))) -m pytest -q --doctest-modules --pyargs rockpulse -p no:cacheprovider
 	rm -rf $(PACKAGE)
 
 clean:  ## remove what builds and tests leave behind

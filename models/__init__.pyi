@@ -1,6 +1,10 @@
 from .block import Block as Block
 from .impulsive import impulsive_response as impulsive_response
+from .main_sequence import critical_impulse_at as critical_impulse_at
 from .main_sequence import resonance as resonance
+from .main_sequence import resonance_safety as resonance_safety
+from .periodic import SteadyState as SteadyState
+from .periodic import steady_state as steady_state
 from .recorded import recorded_response as recorded_response
 from .response import HalfCycles as HalfCycles
 from .response import Outcome as Outcome

@@ -80,7 +80,7 @@ class Block:
 
     Examples
     --------
-    >>> block = Block(half_width=0.5, half_height=1.936492, gravity=9.81)
+    >>> block = Block(half_width=0.5, half_height=1.93649167, gravity=9.81)
     >>> round(float(block.p), 7), round(float(block.restitution), 5)
     (1.9180068, 0.90625)
     """
@@ -201,10 +201,13 @@ class Block:
                 value = value.item() if value.ndim == 0 else value
             object.__setattr__(self, name, value)
         warnings = []
-        if rectangle and np.any(restitution > housner + 1e-12):
+        above = restitution - housner
+        if rectangle and np.any(above > 1e-12):
+            worst = np.unravel_index(np.argmax(above), above.shape)
             warnings.append(
-                f"restitution {np.max(restitution):.4g} is above Housner's {np.min(housner):.4g}: "
-                "more energy is kept in an impact than conservation of angular momentum allows"
+                f"restitution {np.broadcast_to(restitution, above.shape)[worst]:.4g} is above Housner's "
+                f"{np.broadcast_to(housner, above.shape)[worst]:.4g}: more energy is kept in an impact than "
+                "conservation of angular momentum allows"
             )
         if np.any(values["slenderness"] < SLENDERNESS_RANGE):
             warnings.append(

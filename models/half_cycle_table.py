@@ -85,14 +85,16 @@ def tabulated_response(
         table = np.full((COLUMNS, rows, size), np.nan)
         table[3] = -1.0
         kernel(table, floats, integers, *arguments)
-        table = table.reshape(COLUMNS, rows, *shape)
+        start_velocity, peak, duration, count, interval, impact_speed = (
+            column.reshape(rows, *shape) for column in table
+        )
         half_cycles = HalfCycles(
-            start_velocity=table[0],
-            peak=table[1],
-            duration=table[2],
-            impulse_count=table[3].astype(np.int64),
-            interval=table[4],
-            impact_speed=table[5],
+            start_velocity=start_velocity,
+            peak=peak,
+            duration=duration,
+            impulse_count=count.astype(np.int64),
+            interval=interval,
+            impact_speed=impact_speed,
         )
     response = Response(
         peak_rotation_ratio=floats[0].reshape(shape),

@@ -83,31 +83,37 @@ def impulsive_response(
     Examples
     --------
     >>> block = Block(half_width=0.5, half_height=1.936492, restitution=0.9, gravity=9.81)
-    >>> response = impulsive_response(block, [0.0, 0.61], [0.6, -0.6])
-    >>> response.impacts > 20, round(response.peak_rotation_ratio, 4)
-    (True, 0.3842)
+    >>> response = impulsive_response(block, [0.0], [0.5 * block.critical_impulse])
+    >>> round(response.peak_rotation_ratio, 6)
+    0.133975
     """
     times, impulses, scale = _checked(times, impulses, scale)
     if gain not in GAINS:
         raise ValueError(f"gain: expected one of {', '.join(GAINS)}, got {gain!r}")
     grid = _grid(times, duration, history_dt)
     shape, drop, flat = lanes((scale,), (block.alpha_c, block.p, block.restitution))
-    size = shape[0] * shape[1]
-    floats, integers = np.zeros((2, size)), np.zeros((4, size), dtype=np.int64)
-    theta, theta_dot = np.zeros((size, grid.size)), np.zeros((size, grid.size))
+    factor, alpha, p, restitution = flat
+    floats, integers = np.zeros((2, factor.size)), np.zeros((4, factor.size), dtype=np.int64)
+    theta, theta_dot = np.zeros((factor.size, grid.size)), np.zeros((factor.size, grid.size))
+    floats[1], integers[2] = np.nan, -1
     if times.size:
         impulsive_lanes(
-            floats, integers, theta, theta_dot, times, impulses, *flat, block.gravity, GAINS[gain], IMPACT_CUTOFF, grid
+            floats,
+            integers,
+            theta,
+            theta_dot,
+            times,
+            impulses,
+            factor,
+            alpha,
+            p,
+            restitution,
+            block.gravity,
+            GAINS[gain],
+            IMPACT_CUTOFF,
+            grid,
         )
-    else:
-        floats[1], integers[2] = np.nan, -1
-    history = {}
-    if history_dt is not None:
-        history = {
-            "time": grid,
-            "rotation": np.moveaxis(theta.reshape(*shape, -1), -1, 0),
-            "velocity": np.moveaxis(theta_dot.reshape(*shape, -1), -1, 0),
-        }
+    rotation, velocity = (np.moveaxis(history.reshape(*shape, grid.size), -1, 0) for history in (theta, theta_dot))
     response = Response(
         peak_rotation_ratio=floats[0].reshape(shape),
         overturning_time=floats[1].reshape(shape),
@@ -115,7 +121,9 @@ def impulsive_response(
         reason=integers[1].reshape(shape),
         overturning_half_cycle=integers[2].reshape(shape),
         impacts=integers[3].reshape(shape),
-        **history,
+        time=None if history_dt is None else grid,
+        rotation=None if history_dt is None else rotation,
+        velocity=None if history_dt is None else velocity,
     )
     return drop_axes(response, 2, drop)
 

@@ -112,7 +112,7 @@ def impulsive_lanes(
         linear_gain = rate / (gravity * angle)
         lane_gain = linear_gain * math.cos(angle) if gain == PAPER else linear_gain
         for i in range(total):
-            pushes[i] = lane_gain * scale[lane] * abs(impulses[i])
+            pushes[i] = lane_gain * abs(scale[lane] * impulses[i])
         _later_pushes(times, pushes, rate, later)
         outcome, reason, overturned, impacts = _AT_REST, 0, -1, 0
         peak, overturning_time = 0.0, np.nan
@@ -188,9 +188,9 @@ def impulsive_lanes(
                     peak = max(peak, rotation)
                     break
                 if back >= remaining - COINCIDENCE:
-                    # The impact is moved to the impulse by less than the tolerance. Keeping the decaying mode there, 1
-                    # + z = x - x', drops the rounding errors that the growing mode has multiplied: a resonant train
-                    # would not survive them.
+                    # The impact is moved to the impulse by less than the tolerance, keeping the decaying mode
+                    # (z = x - 1 - x'): that drops the rounding errors which the growing mode has multiplied and which
+                    # would drive a resonant train off its impacts.
                     rotation, velocity = state(rotation, velocity, remaining)
                     rotation, velocity, contact = 0.0, -max(rotation - velocity, 0.0), True
                     break

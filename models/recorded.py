@@ -84,7 +84,7 @@ def recorded_response(
     >>> import numpy as np
     >>> from rockpulse import models
     >>> block = models.Block(half_width=0.5, half_height=1.9365)
-    >>> sine = 4.0 * np.sin(2.0 * np.pi * np.arange(0.0, 1.005, 0.01))
+    >>> sine = 3.0 * np.sin(2.0 * np.pi * np.arange(0.0, 1.005, 0.01))
     >>> response = models.recorded_response(block, sine, 0.01)
     >>> models.Outcome(response.outcome).name
     'ROCKS'
@@ -110,11 +110,11 @@ def recorded_response(
         if values.ndim > 1 or not np.all(np.isfinite(values)):
             raise ValueError(f"{name}: expected a finite number or a (m,) array, got {values!r}")
     lanes = np.broadcast_shapes(block.shape, *(values.shape for values in start))
-    columns = [
+    alpha, p, restitution, rotation, spin = (
         np.ascontiguousarray(np.broadcast_to(np.asarray(values, dtype=float), lanes).reshape(-1))
         for values in (block.alpha_c, block.p, block.restitution, *start)
-    ]
-    shape = (factors.size, columns[0].size)
+    )
+    shape = (factors.size, alpha.size)
     peak, time = np.empty(shape), np.empty(shape)
     outcome, reason = np.empty(shape, dtype=np.int8), np.empty(shape, dtype=np.int8)
     half_cycle, impacts = np.empty(shape, dtype=np.int64), np.empty(shape, dtype=np.int64)
@@ -128,7 +128,11 @@ def recorded_response(
         float(dt),
         float(block.gravity),
         factors.reshape(-1),
-        *columns,
+        alpha,
+        p,
+        restitution,
+        rotation,
+        spin,
         peak,
         outcome,
         reason,

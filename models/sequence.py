@@ -17,7 +17,7 @@ from rockpulse.models.impulse_sequence import SPACINGS, ImpulseSequence
 from rockpulse.models.response import IMPACT_CUTOFF, HalfCycles, Outcome, Response
 from rockpulse.models.sequence_kernel import HALF_CYCLE_LIMIT, UNLIMITED, sequence_lanes
 
-__all__ = ["ImpulseSequence", "impulse_train", "sequence_response"]
+__all__ = ["SPACINGS", "ImpulseSequence", "impulse_train", "sequence_response"]
 
 #: Shorter trial intervals, times p [-], cannot be told from the continuous limit.
 _SHORTEST_INTERVAL = 1e-4
@@ -64,9 +64,9 @@ def sequence_response(block: Block, sequence: ImpulseSequence, table_rows: int =
     section 3.2: march with the trial dT to the first return T*, n = max(2, 2 round(T*/(2 dT))); where the trial does
     not return, T* is the duration of the limit n -> infinity, and where that has none the block overturns. Then x(T) =
     0 is solved for the smallest T with the corrected interval dT = T/n (T/(n + 1) for "open"); no root: overturned.
-    The impact speed u_r gives u_{i+1} = C u_r + u_1. For "start" with I_s/I above about 2/3 and "middle" above about
-    0.86 the corrected march may pass through the ground inside a half-cycle; the closed form knows its end only and is
-    kept, with a logged warning.
+    The impact speed u_r gives u_{i+1} = C u_r + u_1. For "start" with I_s/I above 2/3 and "middle" above 6/7 the
+    corrected march may pass through the ground inside a half-cycle; the closed form knows its end only and is kept,
+    with a logged warning.
 
     References
     ----------

@@ -11,15 +11,14 @@ from rockpulse.models.half_cycle import (
     CONTINUOUS,
     OPEN,
     corrected_duration,
-    first_return,
     impact_speed_after,
-    peak_and_lowest,
     stays_bounded,
 )
+from rockpulse.models.march import first_return, peak_and_lowest
 from rockpulse.models.motion import CRITICAL_TOLERANCE, hop, impacts_above
 from rockpulse.models.response import Outcome, Reason
 
-__all__ = ["COLUMNS", "HALF_CYCLE_LIMIT", "UNLIMITED", "sequence_lanes"]
+__all__ = ["COLUMNS", "HALF_CYCLE_LIMIT", "UNLIMITED", "repetitions", "sequence_lanes"]
 
 #: Half-cycles followed in one lane before it is UNRESOLVED.
 HALF_CYCLE_LIMIT = 50_000
@@ -64,11 +63,11 @@ def _half_cycle(velocity, secondary, interval, fixed_count, spacing, bounded):
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _repetitions(start, time, duration, main_count):
+def repetitions(start, time, duration, main_count):
     """Number of half-cycles of one length that still start before the end of the main sequence; -1 without end."""
     left = (duration - start) / time
     if left == np.inf:
-        return -1 if main_count == UNLIMITED else main_count
+        return -1 if main_count > UNLIMITED // 2 else main_count
     return min(main_count, math.ceil(min(left, 1e18)))
 
 
@@ -145,19 +144,16 @@ def sequence_lanes(
                     velocity = following
                     continue
                 # The motion repeats itself: the half-cycles that are left are counted, not followed.
-                repeated = _repetitions(start, time / rate, duration[lane], main_count - index)
+                repeated = repetitions(start, time / rate, duration[lane], main_count - index)
                 if repeated < 0:
                     impacts = -1 if counted else 0
                     break
                 impacts += repeated * counted
                 index += repeated
                 start += repeated * time / rate
-            velocity = c * speed
-            if velocity >= 1.0 - CRITICAL_TOLERANCE and not bounded:
-                outcome, overturned, overturning_time, peak = _OVERTURNS, index + 1, start, np.inf
-                break
-            peak = max(peak, hop(velocity)[0])
-            later = impacts_above(velocity, c, cutoff)
+            # An impact speed is below one (x(T) = 0 has a root only where it is), so a free decay does not overturn.
+            peak = max(peak, hop(c * speed)[0])
+            later = impacts_above(c * speed, c, cutoff)
             impacts = -1 if later < 0 else impacts + later
             break
         floats[0, lane], floats[1, lane], floats[2, lane] = peak, overturning_time, lowest

@@ -117,7 +117,7 @@ def sequence_safety_factor(block: Block, sequence: ImpulseSequence, factor_max: 
         one = block.lane(lane)
 
         def overturns(factors: np.ndarray) -> np.ndarray:
-            return sequence_response(one, sequence.scaled(factors)).outcome == Outcome.OVERTURNS
+            return sequence_response(one, sequence.scaled(factors), table_rows=0).outcome == Outcome.OVERTURNS
 
         return first_overturning_factor(overturns, float(bound[lane]), factor_max, step)
 

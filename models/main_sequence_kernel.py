@@ -1,0 +1,185 @@
+"""Kernels of the main sequence in closed form: velocities, half-cycle of overturning, response and safety."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numba import njit
+
+from rockpulse.models.half_cycle import stays_bounded
+from rockpulse.models.motion import CRITICAL_TOLERANCE, hop, impacts_above
+from rockpulse.models.response import Outcome, Reason
+from rockpulse.models.sequence_kernel import UNLIMITED, repetitions
+
+__all__ = ["amplification", "overturning_half_cycle", "resonance_lanes", "safety_lanes"]
+
+#: Half-cycles whose durations are added up before a lane is UNRESOLVED.
+_HALF_CYCLE_LIMIT = 10_000_000
+
+_AT_REST, _ROCKS, _OVERTURNS, _UNRESOLVED = (int(outcome) for outcome in Outcome)
+_HALF_CYCLE_LIMIT_REASON = int(Reason.HALF_CYCLE_LIMIT)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def amplification(restitution, half_cycle):
+    """u_i/u_1 = (1 - C^i)/(1 - C) = 1 + C + ... + C^(i-1), the bracket of Eq. (5) with the erratum [-]."""
+    if restitution == 1.0:
+        return float(half_cycle)
+    if restitution == 0.0:
+        return 1.0
+    return -math.expm1(half_cycle * math.log(restitution)) / (1.0 - restitution)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def overturning_half_cycle(main, restitution):
+    """Half-cycle in which an endless main sequence overturns the block.
+
+    Parameters
+    ----------
+    main : float
+        u_1 = I/I_1c [-], not negative.
+    restitution : float
+        C [-].
+
+    Returns
+    -------
+    half_cycle : int
+        Smallest i with u_i >= 1, ceil(ln(1 - (1 - C)/u_1)/ln C); -1 where there is none (u_1 <= 1 - C).
+
+    Notes
+    -----
+    u = 1 overturns. Both comparisons allow for rounding (`CRITICAL_TOLERANCE`): I_2c/I_1c must overturn in half-cycle
+    2, and 0.1 is 1 - 0.9 although their floating-point numbers differ.
+
+    Examples
+    --------
+    >>> overturning_half_cycle(0.2, 0.9), overturning_half_cycle(0.1, 0.9)
+    (7, -1)
+    """
+    if main <= 0.0 or stays_bounded(main, 0.0, restitution):
+        return -1
+    needed = (1.0 - CRITICAL_TOLERANCE) / main
+    if needed <= 1.0:
+        return 1
+    if restitution == 1.0:
+        half_cycle = math.ceil(min(needed, 9e18))
+    else:
+        half_cycle = math.ceil(min(math.log1p(-(1.0 - restitution) * needed) / math.log(restitution), 9e18))
+    # The logarithms may round across a whole number: the velocities decide.
+    if amplification(restitution, half_cycle - 1) >= needed:
+        return half_cycle - 1
+    return half_cycle if amplification(restitution, half_cycle) >= needed else half_cycle + 1
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def resonance_lanes(table, floats, integers, main, duration, p, restitution, main_count, cutoff):
+    """Response of every lane to the main sequence; writes into the first three arrays.
+
+    Parameters
+    ----------
+    table, floats, integers : ndarray
+        As for :func:`~rockpulse.models.sequence_kernel.sequence_lanes`.
+    main, duration : (n,) ndarray
+        u_1 [-] and end of the main sequence [s] of each lane.
+    p, restitution : (n,) ndarray
+        Frequency parameter [1/s] and C [-].
+    main_count : int
+        Largest number of main impulses.
+    cutoff : float
+        Speed above which an impact is counted [-].
+    """
+    rows = table.shape[1]
+    for lane in range(main.shape[0]):
+        u1, c, rate = main[lane], restitution[lane], p[lane]
+        critical = overturning_half_cycle(u1, c)
+        outcome, reason, overturned, impacts, used = _AT_REST, 0, -1, 0, 0
+        peak, overturning_time, start, velocity = 0.0, np.nan, 0.0, 0.0
+        while u1 > 0.0 and start < duration[lane] and used < main_count:
+            if used == _HALF_CYCLE_LIMIT:
+                outcome, reason, peak, impacts = _UNRESOLVED, _HALF_CYCLE_LIMIT_REASON, np.nan, -1
+                break
+            outcome = _ROCKS
+            previous = velocity
+            velocity = u1 * amplification(c, used + 1)
+            overturns = used + 1 == critical
+            if overturns:
+                peak, time = np.inf, np.inf
+            else:
+                # The critical velocity is the limit of the sequence at most, and rounding must not let it arrive.
+                peak, time = hop(min(velocity, 1.0 - 2.0**-53))
+            if used < rows:
+                table[0, used, lane], table[1, used, lane], table[2, used, lane] = velocity, peak, time / rate
+                table[3, used, lane] = 0.0
+                table[5, used, lane] = np.nan if overturns else velocity
+            used += 1
+            if overturns:
+                outcome, overturned, overturning_time = _OVERTURNS, used, start
+                break
+            start += time / rate
+            counted = 1 if velocity > cutoff else 0
+            impacts += counted
+            if velocity == previous and critical < 0:
+                # The velocity has reached its limit: the half-cycles that are left are counted, not followed.
+                impacts += repetitions(start, time / rate, duration[lane], main_count - used) * counted
+                break
+        if outcome == _ROCKS:
+            later = impacts_above(c * velocity, c, cutoff)
+            impacts = -1 if later < 0 else impacts + later
+        floats[0, lane], floats[1, lane], floats[2, lane] = peak, overturning_time, np.inf
+        integers[0, lane], integers[1, lane], integers[2, lane] = outcome, reason, overturned
+        integers[3, lane], integers[4, lane] = impacts, used
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _start_at_edge(restitution, half_cycle):
+    """Start of half-cycle N times p, at the factor that makes u_N = 1: sum over j < N of 2 atanh(S_j/S_N)."""
+    last = amplification(restitution, half_cycle)
+    start = 0.0
+    for earlier in range(1, half_cycle):
+        start += hop(amplification(restitution, earlier) / last)[1]
+    return start
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _last_half_cycle(restitution, end, main_count):
+    """Largest N <= main_count whose start, at the lower edge of its band of factors, is before `end` (times p)."""
+    low, high = 1, 2
+    while high <= main_count and _start_at_edge(restitution, high) < end:
+        low, high = high, 2 * high
+    high = min(high, main_count + 1)
+    while high - low > 1:
+        middle = (low + high) // 2
+        if _start_at_edge(restitution, middle) < end:
+            low = middle
+        else:
+            high = middle
+    return low
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def safety_lanes(impulse, end, p, restitution, critical, main_count):
+    """Smallest factor on the impulse that overturns: I_Nc/I of the last half-cycle that the input reaches.
+
+    Parameters
+    ----------
+    impulse, end : (n,) ndarray
+        I [m/s] and end of the main sequence [s].
+    p, restitution, critical : (n,) ndarray
+        Frequency parameter [1/s], C [-] and I_1c [m/s].
+    main_count : int
+        Largest number of main impulses.
+
+    Returns
+    -------
+    factors : (n,) ndarray
+        [-]; inf for no impulse.
+    """
+    factors = np.empty(impulse.shape[0])
+    for lane in range(impulse.shape[0]):
+        c = restitution[lane]
+        last = main_count if end[lane] == np.inf else _last_half_cycle(c, p[lane] * end[lane], main_count)
+        factors[lane] = critical[lane] / (impulse[lane] * amplification(c, last))
+        if last == UNLIMITED and c == 1.0:
+            factors[lane] = np.inf if impulse[lane] == 0.0 else 0.0
+    return factors

@@ -1,0 +1,135 @@
+"""Geometry and constants of the block (F1, V1, V2) and its ranges."""
+
+import numpy as np
+import pytest
+
+from rockpulse.models.block import STANDARD_GRAVITY, Block
+
+
+def block(radius, **options):
+    return Block(0.5, np.sqrt(radius**2 - 0.25), gravity=9.81, **options)
+
+
+@pytest.mark.parametrize(
+    ("radius", "half_height", "alpha", "p", "restitution"),
+    [(2.0, 1.936492, 0.25268026, 1.9180068, 0.90625), (4.0, 3.968627, 0.12532783, 1.3562356, 0.9765625)],  # V1 (D)
+)
+def test_constants_of_blocks_a_and_b(radius, half_height, alpha, p, restitution):
+    body = block(radius)
+    assert body.half_height == pytest.approx(half_height, abs=5e-7)
+    assert body.alpha_c == pytest.approx(alpha, abs=5e-9)
+    assert body.p == pytest.approx(p, abs=5e-8)
+    assert body.restitution == pytest.approx(restitution, abs=1e-14)
+    assert body.radius == pytest.approx(radius, rel=1e-14)
+    assert body.slenderness == pytest.approx(half_height / 0.5, rel=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("radius", "critical", "energy"), [(2.0, 1.334764, 1.331216), (4.0, 0.913695, 0.913097)]
+)  # V2 (D)
+def test_critical_impulse_is_that_of_eq_9_and_near_that_of_the_energy(radius, critical, energy):
+    body = block(radius)
+    assert body.critical_impulse == pytest.approx(critical, abs=5e-7)
+    nonlinear = 2.0 * 9.81 * np.sin(0.5 * body.alpha_c) / (body.p * np.cos(body.alpha_c))  # F1
+    assert nonlinear == pytest.approx(energy, abs=5e-7)
+
+
+def test_gain_of_the_paper_is_that_of_its_geometry():  # F1: Eq. (3) with (4) is p^2 cos(alpha)/g
+    body = block(2.0)
+    ground = 0.75 * 0.5 / body.radius**2 * 9.81
+    gain = body.slenderness * ground / 9.81
+    assert gain == pytest.approx(body.p**2 * np.cos(body.alpha_c) / 9.81, rel=1e-13)
+    assert gain * body.critical_impulse == pytest.approx(body.p * body.alpha_c, rel=1e-13)
+
+
+def test_gravity_of_a_block_is_standard_unless_given():
+    assert Block(0.5, 2.0).gravity == STANDARD_GRAVITY == 9.80665
+
+
+def test_fields_broadcast_to_the_lanes():
+    body = Block(0.5, [2.0, 3.0, 4.0], restitution=0.9)
+    assert body.shape == (3,)
+    assert body.restitution.tolist() == [0.9] * 3
+    assert body.half_width.tolist() == [0.5] * 3
+    assert Block(0.5, 2.0, restitution=[0.8, 0.9]).shape == (2,)
+    assert Block(0.5, 2.0).shape == ()
+    assert isinstance(Block(0.5, 2.0).p, float)
+
+
+def test_arrays_of_a_block_cannot_be_changed():
+    body = Block(0.5, [2.0, 3.0])
+    with pytest.raises(ValueError, match="read-only"):
+        body.p[0] = 1.0
+
+
+def test_lanes_of_a_block_are_blocks_and_stack_again():
+    bodies = Block([0.5, 0.6], [2.0, 3.0], restitution=[0.8, 0.9], gravity=9.81)
+    again = Block.stack([bodies.lane(0), bodies.lane(1)])
+    for name in (
+        "half_width",
+        "half_height",
+        "alpha_c",
+        "p",
+        "radius",
+        "restitution",
+        "slenderness",
+        "critical_impulse",
+    ):
+        assert np.array_equal(getattr(again, name), getattr(bodies, name))
+    assert again.gravity == 9.81
+    assert bodies.lane(1).shape == ()
+    assert bodies.lane(0).lanes(3).p.tolist() == [bodies.p[0]] * 3
+
+
+def test_blocks_in_different_gravity_do_not_stack():
+    with pytest.raises(ValueError, match="one gravity"):
+        Block.stack([Block(0.5, 2.0), Block(0.5, 2.0, gravity=9.81)])
+
+
+def test_body_that_is_no_rectangle_has_the_constants_given():
+    body = Block.from_parameters(p=1.9180068, alpha=0.25268026, restitution=0.9, gravity=9.81)
+    assert body.critical_impulse == pytest.approx(1.334764, abs=1e-6)
+    assert body.radius == pytest.approx(2.0, abs=1e-6)
+    assert np.isnan([body.half_width, body.half_height]).all()
+    assert body.warnings == ()
+
+
+def test_restitution_above_housner_is_kept_with_a_warning():
+    assert block(2.0, restitution=0.9).warnings == ()
+    (warning,) = block(2.0, restitution=0.95).warnings
+    assert "above Housner's" in warning
+
+
+def test_squat_block_is_outside_the_range_of_the_linear_models():
+    body = Block(1.0, [2.0, 4.0])
+    assert body.slender.tolist() == [False, True]
+    assert any("slenderness" in warning for warning in body.warnings)
+
+
+@pytest.mark.parametrize(
+    ("fields", "message"),
+    [
+        ({"half_width": 0.0}, "half_width"),
+        ({"half_width": np.nan}, "half_width"),
+        ({"half_height": -1.0}, "half_height"),
+        ({"half_height": np.inf}, "half_height"),
+        ({"half_height": "tall"}, "half_height"),
+        ({"half_height": [[2.0]]}, "half_height"),
+        ({"gravity": 0.0}, "gravity"),
+        ({"restitution": 1.1}, "restitution"),
+        ({"restitution": -0.1}, "restitution"),
+        ({"restitution": np.nan}, "restitution"),
+        ({"restitution": "elastic"}, "restitution"),
+        ({"restitution": [[0.9]]}, "restitution"),
+        ({"half_height": 0.3}, "slenderness of 0.707"),
+    ],
+)
+def test_bad_fields_are_named(fields, message):
+    with pytest.raises(ValueError, match=message):
+        Block(**{"half_width": 0.5, "half_height": 2.0, **fields})
+
+
+@pytest.mark.parametrize(("p", "alpha", "message"), [(0.0, 0.2, "p: "), (1.0, 0.0, "alpha: "), (1.0, 14.0, "radians")])
+def test_bad_parameters_are_named(p, alpha, message):
+    with pytest.raises(ValueError, match=message):
+        Block.from_parameters(p=p, alpha=alpha, restitution=0.9)
