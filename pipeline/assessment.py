@@ -224,6 +224,6 @@ def _record_scalars(scene: Scene) -> dict[str, Any]:
         "sequence_duration": np.nan if sequence is None else float(sequence.duration),
         "main_count": count,
         "half_wave_count": int(scene.waves.impulse.size),
-        "warnings": "; ".join(record.warnings),
-        "processing": "; ".join(record.processing),
+        "warnings": "\n".join(record.warnings),
+        "processing": "\n".join(record.processing),
     }

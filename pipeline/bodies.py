@@ -29,7 +29,7 @@ class Bodies:
     width, height : (b,) ndarray
         Full sizes [m]; NaN for a body given by p and alpha.
     warnings : tuple of str, length b
-        Remarks on each body, joined by "; ".
+        Remarks on each body, one a line.
     """
 
     names: tuple[str, ...]
@@ -82,5 +82,5 @@ def gather_bodies(blocks: Sequence[BlockSettings] | Mapping[str, Block]) -> Bodi
         cases=cases,
         width=np.array([2.0 * np.max(block.half_width) for block in named.values()]),
         height=np.array([2.0 * np.max(block.half_height) for block in named.values()]),
-        warnings=tuple("; ".join(block.warnings) for block in named.values()),
+        warnings=tuple("\n".join(block.warnings) for block in named.values()),
     )

@@ -131,7 +131,7 @@ def _steps(summary: xr.Dataset, record: str, name: str) -> list[str]:
 
 
 def _split(joined: str) -> list[str]:
-    return [part for part in joined.split("; ") if part]
+    return [part for part in joined.split("\n") if part]
 
 
 def _require(summary: xr.Dataset, dimension: str, label: str) -> None:

@@ -67,7 +67,7 @@ def results_tree(cases=None):
             "sequence_duration": made("record", [12.0, 13.0, np.nan], "s", "duration"),
             "main_count": made("record", [5, -1, 0], "1", "number of main impulses, -1 unlimited"),
             "half_wave_count": made("record", [88, 91, 2], "1", "half-waves of the whole record"),
-            "warnings": made("record", ["mean removed; direction unknown", "", ""], "1", "warnings"),
+            "warnings": made("record", ["mean removed\ndirection unknown; check it", "", ""], "1", "warnings"),
             "processing": made("record", ["baseline: mean", "", ""], "1", "processing"),
             "width": made("block", [0.25, 1.0, np.nan], "m", "full width"),
             "height": made("block", [2.2, 7.0, np.nan], "m", "full height"),

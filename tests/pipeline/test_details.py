@@ -34,7 +34,7 @@ def test_a_record_shows_its_measures_and_its_sequence(summary):
 
 def test_every_warning_has_a_line(summary):
     warnings = [words.strip() for name, words in entries(record_details(summary, RECORDS[0])) if name == "warning"]
-    assert warnings == ["mean removed", "direction unknown"]
+    assert warnings == ["mean removed", "direction unknown; check it"]
 
 
 def test_an_unlimited_number_of_main_impulses_is_no_minus_one(summary):
