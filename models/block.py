@@ -212,7 +212,7 @@ class Block:
         if np.any(values["slenderness"] < SLENDERNESS_RANGE):
             warnings.append(
                 f"slenderness {np.min(values['slenderness']):.3g} is below {SLENDERNESS_RANGE:g}: "
-                "the linear, resonance and sequence models are outside their range"
+                "the models with linear motion (resonance, sequence, impulsive, linear) are outside their range"
             )
         object.__setattr__(self, "warnings", tuple(warnings))
         for warning in warnings:

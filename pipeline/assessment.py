@@ -12,8 +12,9 @@ import numpy as np
 from rockpulse.bodies import Bodies, gather_bodies
 from rockpulse.body import BlockSettings
 from rockpulse.components import matching_vertical, select_horizontal
+from rockpulse.conditioning import DRIFT
 from rockpulse.config import Config
-from rockpulse.errors import ConfigError, RockpulseError
+from rockpulse.errors import ConfigError
 from rockpulse.failures import Failure
 from rockpulse.intensity import arias_intensity, pgv
 from rockpulse.models.block import Block
@@ -121,15 +122,13 @@ def assess(
                 if vertical is None:
                     record = record.with_warning("no vertical channel of this station overlaps: taken as zero")
             done.append(assess_record(record, bodies, config, vertical))
-        except RockpulseError as error:
+        except ValueError as error:  # RockpulseError, and what a model says of numbers it cannot take
             logger.error("%s: %s", record.id, error)
             rows.append(Failure(file=record.source, stage="assess", reason=f"{record.id}: {error}", kind="failed"))
     return build_tree(done, bodies, config, rows)
 
 
-def assess_record(
-    record: Record, bodies: Bodies, config: Config, vertical: np.ndarray | None = None
-) -> RecordAssessment:
+def assess_record(record: Record, bodies: Bodies, config: Config, vertical: Record | None = None) -> RecordAssessment:
     """Assess all bodies under one record.
 
     Parameters
@@ -140,13 +139,13 @@ def assess_record(
         The bodies, b of them with c restitution cases.
     config : Config
         Options.
-    vertical : (n,) ndarray, optional
-        Vertical acceleration on the samples of the record [m/s2].
+    vertical : Record, optional
+        The vertical channel that belongs to it, as read.
 
     Raises
     ------
-    RockpulseError
-        Where the record cannot be conditioned or has no intense phase.
+    ValueError
+        Where the record cannot be conditioned or has no intense phase, or a model refuses its numbers.
     """
     scene = prepare(record, config, vertical)
     lanes = bodies.lanes
@@ -186,14 +185,12 @@ def _demand(scene: Scene, block: Block) -> dict[str, np.ndarray]:
     return {
         "uplift_ratio": scene.record.pga / capacity,
         "velocity_ratio": block.p * pgv(scene.record) / capacity,
-        "impulse_ratio": _largest_impulse(scene) / block.critical_impulse,
+        "impulse_ratio": _main_impulse(scene) / block.critical_impulse,
     }
 
 
-def _largest_impulse(scene: Scene) -> float:
-    if scene.sequence is not None:
-        return float(scene.sequence.main)
-    return float(np.max(np.abs(scene.waves.impulse), initial=0.0))
+def _main_impulse(scene: Scene) -> float:
+    return np.nan if scene.sequence is None else float(scene.sequence.main)
 
 
 def _record_scalars(scene: Scene) -> dict[str, Any]:
@@ -215,10 +212,11 @@ def _record_scalars(scene: Scene) -> dict[str, Any]:
         "dt": record.dt,
         "pga": record.pga,
         "pgv": pgv(record),
+        "pgv_drift": int(any(warning.startswith(DRIFT) for warning in record.warnings)),
         "arias_intensity": arias_intensity(record),
         "intense_start": scene.phase.start,
         "intense_end": scene.phase.end,
-        "main_impulse": np.nan if sequence is None else float(sequence.main),
+        "main_impulse": _main_impulse(scene),
         "secondary_impulse": np.nan if sequence is None else float(sequence.secondary),
         "secondary_interval": np.nan if sequence is None else float(sequence.interval),
         "sequence_duration": np.nan if sequence is None else float(sequence.duration),

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 
 import numpy as np
 
 from rockpulse.failures import Failure
 from rockpulse.record import Record
 
-__all__ = ["matching_vertical", "select_horizontal"]
+__all__ = ["align", "matching_vertical", "select_horizontal", "uncovered"]
 
 
 _REASONS = {
@@ -46,34 +46,63 @@ def select_horizontal(records: Iterable[Record]) -> tuple[list[Record], list[Fai
     return horizontal, failures
 
 
-def matching_vertical(record: Record, verticals: Sequence[Record]) -> np.ndarray | None:
-    """Vertical acceleration of a horizontal record's station, on the record's own samples.
+def matching_vertical(record: Record, verticals: Iterable[Record]) -> Record | None:
+    """The vertical channel that was recorded together with a horizontal one.
 
     Parameters
     ----------
     record : Record
-        Horizontal channel, (n,).
-    verticals : sequence of Record
+        Horizontal channel.
+    verticals : iterable of Record
         Vertical channels to choose from.
 
     Returns
     -------
-    (n,) ndarray or None
-        a_v [m/s2], positive up, aligned on absolute time where both channels know it, else on the first sample; zero
-        where the vertical channel does not reach. None if no channel of that network, station and location overlaps
-        the record (channels without a time match inside one file only).
+    Record or None
+        Of the same file, or of the same network, station and location (station known) and overlapping in time; the
+        same file comes first, then the longest overlap. None if there is none.
     """
-    times = record.time
-    for vertical in verticals:
-        codes = (vertical.network, vertical.station, vertical.location)
-        if codes != (record.network, record.station, record.location):
-            continue
-        if record.start_time is not None and vertical.start_time is not None:
-            offset = (vertical.start_time - record.start_time).total_seconds()
-        elif vertical.source == record.source:
-            offset = 0.0
-        else:
-            continue
-        if offset < record.duration and offset + vertical.duration > 0.0:
-            return np.interp(times, vertical.time + offset, vertical.acceleration, left=0.0, right=0.0)
-    return None
+    together = [vertical for vertical in verticals if _together(record, vertical)]
+    return max(together, key=lambda one: (one.source == record.source, _overlap(record, one)), default=None)
+
+
+def align(vertical: Record, record: Record) -> np.ndarray:
+    """Acceleration of a vertical channel at the samples of a horizontal one.
+
+    Parameters
+    ----------
+    vertical, record : Record
+        The two channels, conditioned.
+
+    Returns
+    -------
+    (n,) ndarray
+        a_v [m/s2], positive up, on absolute time where both channels know it, else from the first sample on; linear
+        between its samples, zero where the vertical channel does not reach.
+    """
+    offset = _offset(record, vertical)
+    return np.interp(record.time, vertical.time + offset, vertical.acceleration, left=0.0, right=0.0)
+
+
+def uncovered(vertical: Record, record: Record) -> float:
+    """How much of a record its vertical channel does not reach [s]."""
+    return max(0.0, record.duration - _overlap(record, vertical))
+
+
+def _together(record: Record, vertical: Record) -> bool:
+    codes = (record.network, record.station, record.location)
+    same_station = bool(record.station) and codes == (vertical.network, vertical.station, vertical.location)
+    timed = record.start_time is not None and vertical.start_time is not None
+    same_file = record.source == vertical.source and record.station == vertical.station
+    return (same_file or (same_station and timed)) and _overlap(record, vertical) > 0.0
+
+
+def _offset(record: Record, vertical: Record) -> float:
+    if record.start_time is None or vertical.start_time is None:
+        return 0.0
+    return (vertical.start_time - record.start_time).total_seconds()
+
+
+def _overlap(record: Record, vertical: Record) -> float:
+    offset = _offset(record, vertical)
+    return min(record.duration, offset + vertical.duration) - max(0.0, offset)

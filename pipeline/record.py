@@ -113,6 +113,10 @@ class Record:
         """The same record with one more warning."""
         return replace(self, warnings=(*self.warnings, warning))
 
+    def with_note(self, step: str) -> Record:
+        """The same record with one more processing step written down."""
+        return replace(self, processing=(*self.processing, step))
+
     @property
     def npts(self) -> int:
         """Number of samples."""

@@ -1,4 +1,4 @@
-"""The tree of results: every variable with its dimensions, unit and meaning (docs/schema.md)."""
+"""The tree of results, put together from the assessed records (docs/schema.md)."""
 
 from __future__ import annotations
 
@@ -13,102 +13,12 @@ from rockpulse.config import Config
 from rockpulse.failures import Failure
 from rockpulse.models.response import Outcome, Reason
 from rockpulse.scene import MODELS
+from rockpulse.variables import ANSWER, BLOCK, CASE, DEMAND, FAILURE, HALF_CYCLE, RECORD, WAVES, Meaning
 
 if TYPE_CHECKING:
     from rockpulse.assessment import RecordAssessment
 
 __all__ = ["build_tree"]
-
-Meaning = tuple[type, str, str]  # type, unit, long name
-
-RECORD: dict[str, Meaning] = {
-    "source": (str, "1", "file the record was read from"),
-    "source_sha256": (str, "1", "SHA-256 of the source file"),
-    "format": (str, "1", "file format"),
-    "event": (str, "1", "event as the file names it"),
-    "network": (str, "1", "network code"),
-    "station": (str, "1", "station code"),
-    "component": (str, "1", "component as the file names it"),
-    "azimuth": (float, "degree", "azimuth of the component, clockwise from north"),
-    "start_time": (str, "1", "UTC time of the first sample, ISO 8601"),
-    "npts": (int, "1", "number of samples"),
-    "dt": (float, "s", "sampling interval"),
-    "pga": (float, "m s-2", "peak ground acceleration after conditioning"),
-    "pgv": (float, "m s-1", "peak ground velocity after conditioning, from rest at the first sample"),
-    "arias_intensity": (float, "m s-1", "Arias intensity"),
-    "intense_start": (float, "s", "start of the intense phase from the first sample"),
-    "intense_end": (float, "s", "end of the intense phase from the first sample"),
-    "main_impulse": (float, "m s-1", "main impulse I of the calibrated sequence"),
-    "secondary_impulse": (float, "m s-1", "secondary impulse I_s of the calibrated sequence"),
-    "secondary_interval": (float, "s", "interval dT of the secondary impulses"),
-    "sequence_duration": (float, "s", "duration within which main impulses act"),
-    "main_count": (int, "1", "number of main impulses; -1 where the duration alone limits them"),
-    "half_wave_count": (int, "1", "number of half-waves of the whole record"),
-    "warnings": (str, "1", "remarks on the record"),
-    "processing": (str, "1", "conditioning steps in their order"),
-}
-
-BLOCK: dict[str, Meaning] = {
-    "width": (float, "m", "full width in the plane of rocking; NaN where only p and alpha are known"),
-    "height": (float, "m", "full height; NaN where only p and alpha are known"),
-    "alpha_c": (float, "rad", "critical angle"),
-    "p": (float, "s-1", "frequency parameter"),
-    "slenderness": (float, "1", "height over width"),
-    "critical_impulse": (float, "m s-1", "I_1c, the impulse that overturns the resting block at once"),
-    "block_warnings": (str, "1", "remarks on the block"),
-}
-
-CASE: dict[str, Meaning] = {
-    "restitution": (float, "1", "velocity ratio C of an impact"),
-}
-
-DEMAND: dict[str, Meaning] = {
-    "uplift_ratio": (float, "1", "PGA/(g tan alpha_c)"),
-    "velocity_ratio": (float, "1", "p PGV/(g tan alpha_c)"),
-    "impulse_ratio": (float, "1", "I/I_1c"),
-}
-
-ANSWER: dict[str, Meaning] = {
-    "peak_rotation_ratio": (float, "1", "largest rotation over alpha_c; inf where the block overturns, 0 at rest"),
-    "outcome": (np.int8, "1", "how the motion ends"),
-    "reason": (np.int8, "1", "why a model cannot say"),
-    "overturning_time": (float, "s", "time at which overturning is certain, from the start of the model's input"),
-    "overturning_half_cycle": (int, "1", "1 + impacts before overturning; -1 where it does not overturn"),
-    "impacts": (int, "1", "impacts faster than 1e-3 p alpha_c; -1 where they never end or are not known"),
-    "safety_factor": (float, "1", "smallest factor on the model's input that overturns; NaN where not computed"),
-    "capacity_pga": (float, "m s-2", "safety factor times PGA; NaN where not computed"),
-    "model_used": (np.int8, "1", "model that gave the answer"),
-    "applicable": (np.int8, "1", "whether the block is within the range of the model"),
-}
-
-HALF_CYCLE: dict[str, Meaning] = {
-    "record_index": (int, "1", "index into record of /summary"),
-    "block_index": (int, "1", "index into block of /summary"),
-    "case_index": (int, "1", "index of the restitution of the block"),
-    "model_index": (int, "1", "index into model of /summary"),
-    "half_cycle": (int, "1", "number of the half-cycle, from 1"),
-    "start_velocity": (float, "1", "u = theta'/(p alpha_c) at its start"),
-    "peak": (float, "1", "largest theta/alpha_c in it; inf where the block overturns"),
-    "duration": (float, "s", "time to the next impact; inf where there is none"),
-    "impulse_count": (int, "1", "intermediate impulses in it; -1 where n -> infinity"),
-    "interval": (float, "s", "corrected interval of the intermediate impulses; NaN without"),
-    "impact_speed": (float, "1", "speed right before the next impact over p alpha_c; NaN without"),
-}
-
-FAILURE: dict[str, Meaning] = {
-    "file": (str, "1", "file"),
-    "stage": (str, "1", "step at which it was left"),
-    "reason": (str, "1", "why, and what to do"),
-    "kind": (str, "1", "failed, skipped, duplicate, vertical or structural"),
-}
-
-WAVES: dict[str, Meaning] = {
-    "impulse": (float, "m s-1", "signed impulse of the half-wave"),
-    "centroid": (float, "s", "time of its centroid from the first sample"),
-    "start": (float, "s", "its start"),
-    "end": (float, "s", "its end"),
-    "peak": (float, "m s-2", "its signed peak acceleration"),
-}
 
 
 def build_tree(
@@ -151,7 +61,7 @@ def _summary(done: Sequence[RecordAssessment], bodies: Bodies, config: Config) -
         "width": bodies.width,
         "height": bodies.height,
         "block_warnings": bodies.warnings,
-        **{name: getattr(bodies.lanes, name)[:: bodies.cases] for name in ("alpha_c", "p", "slenderness")},
+        **{name: getattr(bodies.lanes, name)[:: bodies.cases] for name in ("radius", "alpha_c", "p", "slenderness")},
         "critical_impulse": bodies.lanes.critical_impulse[:: bodies.cases],
     }
     variables: dict[str, xr.Variable] = {}
@@ -175,6 +85,7 @@ def _summary(done: Sequence[RecordAssessment], bodies: Bodies, config: Config) -
     for name, meaning in ANSWER.items():
         values = _squeeze(answers[name], bodies, axis=2)
         variables[name] = _variable(("record", *lanes, "model"), values, meaning)
+    _flag(variables["pgv_drift"], ["reliable", "drift"])
     _flag(variables["outcome"], [outcome.name.lower() for outcome in Outcome])
     _flag(variables["reason"], [reason.name.lower() for reason in Reason])
     _flag(variables["model_used"], list(MODELS))

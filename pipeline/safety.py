@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
 
 import numpy as np
 
 from rockpulse.models.block import Block
-from rockpulse.models.main_sequence import critical_impulse_at, resonance_safety
+from rockpulse.models.main_sequence import resonance_safety
 from rockpulse.models.response import Outcome
 from rockpulse.models.sequence import ImpulseSequence, sequence_response
 
@@ -20,8 +19,9 @@ EDGE_TOLERANCE = 1e-6
 #: Where no bound is known the search starts here, as main impulse over I_1c.
 SMALLEST_START = 1e-3
 
-#: Factors tried at once when an edge is refined.
+#: Factors tried at once when an edge is refined, and the most rounds of it.
 REFINEMENT = 33
+ROUNDS = 20
 
 
 def first_overturning_factor(
@@ -51,7 +51,8 @@ def first_overturning_factor(
     count = 1 + int(np.ceil(np.log(factor_max / start) / np.log(step)))
     factors = np.geomspace(start, factor_max, max(count, 2))
     low = start / step
-    while True:
+    # A round narrows the bracket REFINEMENT - 1 times; the last one is below any tolerance long before the limit.
+    for _ in range(ROUNDS):
         over = np.flatnonzero(overturns(factors))
         if over.size == 0:
             return np.inf
@@ -59,8 +60,9 @@ def first_overturning_factor(
         high = float(factors[first])
         low = float(factors[first - 1]) if first else low
         if high - low <= EDGE_TOLERANCE * high:
-            return high
+            break
         factors = np.linspace(low, high, REFINEMENT)[1:]
+    return high
 
 
 def resonance_safety_factor(block: Block, sequence: ImpulseSequence, factor_max: float) -> np.ndarray:
@@ -110,8 +112,9 @@ def sequence_safety_factor(block: Block, sequence: ImpulseSequence, factor_max: 
     lanes = np.atleast_1d(block.p).size
     if main == 0.0:
         return np.full(lanes, np.inf)
-    count: Any = np.inf if sequence.main_count is None else sequence.main_count
-    bound = np.maximum(critical_impulse_at(block, count), SMALLEST_START * np.asarray(block.critical_impulse)) / main
+    bound = np.maximum(
+        resonance_safety(block, main, sequence.main_count), SMALLEST_START * np.asarray(block.critical_impulse) / main
+    )
 
     def search(lane: int) -> float:
         one = block.lane(lane)

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from rockpulse.calibration import calibrate
+from rockpulse.components import align, uncovered
 from rockpulse.conditioning import condition
 from rockpulse.config import Config
 from rockpulse.errors import RecordRefused
@@ -55,7 +56,7 @@ class Scene:
     config: Config
 
 
-def prepare(record: Record, config: Config, vertical: np.ndarray | None = None) -> Scene:
+def prepare(record: Record, config: Config, vertical: Record | None = None) -> Scene:
     """Condition a record, extract its half-waves and calibrate its sequence.
 
     Parameters
@@ -64,8 +65,8 @@ def prepare(record: Record, config: Config, vertical: np.ndarray | None = None) 
         As read.
     config : Config
         Sections conditioning, half_waves, intense_phase and sequence are used.
-    vertical : (n,) ndarray, optional
-        Vertical acceleration on the samples of `record` [m/s2].
+    vertical : Record, optional
+        The vertical channel that belongs to it, as read; it is conditioned in the same way.
 
     Raises
     ------
@@ -74,9 +75,15 @@ def prepare(record: Record, config: Config, vertical: np.ndarray | None = None) 
         error: `sequence` is None and the record carries a warning.
     """
     conditioned = condition(record, **config.conditioning)
+    lift = None
     if vertical is not None:
-        up = Record(vertical, record.dt, id=f"{record.id} (vertical)", processed=record.processed, source=record.source)
-        vertical = condition(up, **config.conditioning).acceleration
+        up = condition(vertical, **config.conditioning)
+        lift = align(up, conditioned)
+        conditioned = conditioned.with_note(f"vertical acceleration: {up.id}")
+        for warning in up.warnings:
+            conditioned = conditioned.with_warning(f"vertical channel: {warning}")
+        if (missing := uncovered(up, conditioned)) > up.dt:
+            conditioned = conditioned.with_warning(f"vertical channel: taken as zero for {missing:.4g} s without it")
     waves = half_waves(conditioned, **config.half_waves)
     phase = intense_phase(conditioned, **config.intense_phase)
     try:
@@ -84,7 +91,7 @@ def prepare(record: Record, config: Config, vertical: np.ndarray | None = None) 
     except RecordRefused as error:
         sequence = None
         conditioned = conditioned.with_warning(f"no impulse sequence: {error}")
-    return Scene(conditioned, vertical, waves, phase, sequence, config)
+    return Scene(conditioned, lift, waves, phase, sequence, config)
 
 
 def _resonance(block: Block, scene: Scene) -> Response:

@@ -1,17 +1,22 @@
 """From records and bodies to the tree."""
 
+from datetime import UTC, datetime, timedelta
+
 import numpy as np
 import pytest
 
 from rockpulse.assessment import assess
 from rockpulse.body import BlockSettings
+from rockpulse.calibration import INTERVAL, MAIN, MAIN_COUNT, SECONDARY
 from rockpulse.config import Config
 from rockpulse.errors import ConfigError
 from rockpulse.failures import Failure
 from rockpulse.intensity import pgv
 from rockpulse.models import Block, Outcome, recorded_response
+from rockpulse.models.sequence import SPACINGS
 from rockpulse.record import Record
-from rockpulse.settings import ModelSettings, RecordSettings
+from rockpulse.scene import prepare
+from rockpulse.settings import ConditioningSettings, ModelSettings, RecordSettings, SequenceSettings
 
 DT = 0.01
 WALL = BlockSettings(name="wall", width=0.4, height=3.0)
@@ -153,6 +158,59 @@ def test_vertical_acceleration_serves_the_nonlinear_model_where_asked_for():
     assert lifted[4] == direct.peak_rotation_ratio
     assert lifted[4] != plain[4]
     assert np.array_equal(lifted[:4], plain[:4])
+
+
+def test_vertical_offset_is_removed_before_the_channel_is_cut_to_the_record():
+    start = datetime(2020, 1, 1, tzinfo=UTC)
+    common = {"station": "S", "processed": False, "source": "one.txt"}
+    horizontal = Record(motion(0, 2.5), DT, id="one", orientation="horizontal", start_time=start, **common)
+    late = Record(
+        motion(3, 3.0)[200:] + 0.5,
+        DT,
+        id="up",
+        orientation="vertical",
+        start_time=start + timedelta(seconds=2),
+        **common,
+    )
+    config = Config(records=RecordSettings(include_vertical=True), conditioning=ConditioningSettings(baseline="mean"))
+    scene = prepare(horizontal, config, late)
+    assert np.all(scene.vertical[:200] == 0.0)
+    assert scene.vertical[200:] == pytest.approx(late.acceleration - late.acceleration.mean())
+    assert any("up" in step for step in scene.record.processing)
+    assert any("taken as zero for 2 s" in warning for warning in scene.record.warnings)
+
+
+@pytest.mark.parametrize(
+    "options",
+    [
+        *({"main": word} for word in MAIN),
+        *({"secondary": word} for word in SECONDARY),
+        *({"interval": word} for word in INTERVAL),
+        *({"main_count": word} for word in (*MAIN_COUNT, "none", 3)),
+        *({"spacing": word} for word in SPACINGS),
+    ],
+    ids=str,
+)
+def test_every_estimator_gives_an_assessment_with_safety_factors(options):
+    config = Config(blocks=(WALL,), sequence=SequenceSettings(**options))
+    tree = assess([record("one")], config)
+    assert tree["failures"].sizes["failure"] == 0
+    factors = tree["summary"]["safety_factor"].squeeze().values[:2]
+    assert np.all(factors > 0.0)
+
+
+def test_numbers_that_a_model_refuses_are_a_failed_row_and_the_others_go_on():
+    dense = Record(motion(0), 1e-6, id="dense", processed=True, source="dense.txt")
+    tree = assess([dense, record("one")], Config(blocks=(WALL,)))
+    assert list(tree["summary"]["record"].values) == ["one"]
+    assert tree["failures"]["kind"].values.tolist() == ["failed"]
+    assert "interval" in tree["failures"]["reason"].values[0]
+
+
+def test_velocity_that_drifts_is_flagged():
+    drifting = Record(motion(0) + 0.05, DT, id="drift", processed=True)
+    summary = assess([record("one"), drifting], Config(blocks=(WALL,)))["summary"]
+    assert summary["pgv_drift"].values.tolist() == [0, 1]
 
 
 def test_record_without_a_sequence_is_still_assessed_and_says_so():
