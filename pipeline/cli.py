@@ -32,7 +32,7 @@ def build_parser() -> argparse.ArgumentParser:
     parser.add_argument("--version", action="version", version=f"rockpulse {__version__}")
     subparsers = parser.add_subparsers(title="verbs", required=True, metavar="VERB")
     for verb in VERBS:
-        verb.add_parser(subparsers)
+        verb.add_to(subparsers)
     return parser
 
 

@@ -7,9 +7,11 @@ allowed. TOML has no null: an omitted key whose default is "none" is None.
 from __future__ import annotations
 
 import dataclasses
+import os
 import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from glob import escape, has_magic
 from pathlib import Path
 from typing import Any
 
@@ -29,7 +31,7 @@ from rockpulse.settings import (
     SiteSettings,
 )
 
-__all__ = ["Config", "load_config"]
+__all__ = ["Config", "load_config", "located"]
 
 
 @dataclass(frozen=True)
@@ -49,7 +51,7 @@ class Config:
     Raises
     ------
     ConfigError
-        For two blocks of one name, or restitution lists of different lengths.
+        For two blocks of one name, restitution lists of different lengths, or histories that would not be stored.
 
     Examples
     --------
@@ -78,16 +80,40 @@ class Config:
         if len(set(lists.values())) > 1:
             found = ", ".join(f'{length} in "{name}"' for name, length in lists.items())
             raise ConfigError(f"[[block]] restitution: expected lists of one length in all blocks, found {found}")
+        if self.models.histories and self.records.store == "none":
+            raise ConfigError(
+                '[models] histories: true, but [records] store = "none" leaves them out of the results; '
+                'set store = "half_waves" or "all", or histories = false'
+            )
 
     def record_paths(self) -> list[Path]:
         """``records.paths`` as they are found from the current folder."""
-        return [self.folder / path for path in self.records.paths]
+        return [located(path, self.folder) for path in self.records.paths]
 
     def as_text(self) -> str:
         """The resolved configuration as TOML; it loads back to an equal Config."""
         parts = [_as_toml(f"[{name}]", getattr(self, name)) for name in SECTIONS]
         parts += [_as_toml("[[block]]", block) for block in self.blocks]
         return "\n".join(parts)
+
+
+def located(path: str, folder: Path) -> Path:
+    """A path or pattern that counts from a folder, as it is found from elsewhere.
+
+    Parameters
+    ----------
+    path : str
+        File, folder or glob; an absolute one stays as it is.
+    folder : Path
+        Where it counts from. Its own name is no pattern, whatever characters it holds.
+
+    Examples
+    --------
+    >>> located("*.AT2", Path("site [old]")).as_posix()
+    'site [[]old]/*.AT2'
+    """
+    found = folder / path
+    return Path(escape(str(folder))) / path if has_magic(path) and not os.path.lexists(found) else found
 
 
 def load_config(path: str | Path) -> Config:

@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING, Any
 
 from rockpulse.errors import ResultsError
 from rockpulse.option import hint
-from rockpulse.overview import factor_table, value, verdict_table
+from rockpulse.overview import factor_table, peak_velocity, value, verdict_table
 from rockpulse.record import STANDARD_GRAVITY
-from rockpulse.terminal import ABSENT, aligned, figure, paragraph
+from rockpulse.terminal import ABSENT, aligned, figure, paragraph, restitution
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -51,7 +51,7 @@ def record_details(summary: xr.Dataset, record: str) -> str:
         ["start", words("start_time")],
         ["samples", f"{value(summary, 'npts', record=record)} at {number('dt', 's')}"],
         ["PGA", f"{figure(pga, 'm/s2')} ({figure(pga / STANDARD_GRAVITY, 'g')})"],
-        ["PGV", number("pgv", "m/s")],
+        ["PGV", peak_velocity(summary, record)],
         ["Arias intensity", number("arias_intensity", "m/s")],
         ["intense phase", f"{number('intense_start', 's')} to {number('intense_end', 's')}"],
         ["half-waves in all", str(value(summary, "half_wave_count", record=record))],
@@ -86,17 +86,18 @@ def block_details(summary: xr.Dataset, block: str) -> str:
     def number(name: str, unit: str) -> str:
         if name not in summary:
             return ABSENT
-        found = summary[name].sel(block=block).values.ravel()
-        same = found[:1] if (found == found[0]).all() or math.isnan(found[0]) else found
-        return ", ".join(figure(float(item), unit) for item in same)
+        return figure(float(summary[name].sel(block=block)), unit)
 
+    cases = dict.fromkeys(summary["restitution"].sel(block=block).values.ravel().tolist())
+    by_p = math.isnan(value(summary, "width", block=block))
     warnings = [str(text) for text in summary["block_warnings"].sel(block=block).values.ravel()]
     rows = [
         ["width, height", f"{number('width', 'm')}, {number('height', 'm')}"],
+        ["half the diagonal R", number("radius", "m") + (" (of the rectangle with this p)" if by_p else "")],
         ["critical angle alpha_c", number("alpha_c", "rad")],
         ["frequency parameter p", number("p", "1/s")],
         ["slenderness", number("slenderness", "")],
-        ["restitution C", number("restitution", "")],
+        ["restitution C", ", ".join(restitution(c) for c in cases)],
         ["critical impulse I_1c", number("critical_impulse", "m/s")],
         *(["warning", warning] for text in dict.fromkeys(warnings) for warning in _split(text)),
     ]

@@ -8,12 +8,21 @@ from typing import TYPE_CHECKING, Any
 
 from rockpulse.models.response import Outcome, Reason
 from rockpulse.record import STANDARD_GRAVITY
-from rockpulse.terminal import ABSENT, aligned, figure, paragraph, ratio, shortened
+from rockpulse.terminal import ABSENT, aligned, figure, paragraph, ratio, restitution, shortened
 
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["factor_table", "failure_list", "left_out", "overturned", "overview", "value", "verdict_table"]
+__all__ = [
+    "factor_table",
+    "failure_list",
+    "left_out",
+    "overturned",
+    "overview",
+    "peak_velocity",
+    "value",
+    "verdict_table",
+]
 
 #: Longest block name in a table.
 NAME_WIDTH = 30
@@ -46,6 +55,20 @@ def value(summary: xr.Dataset, name: str, **where: Any) -> Any:
     return variable.values[tuple(place[dim] for dim in variable.dims)].item()
 
 
+def peak_velocity(summary: xr.Dataset, record: str) -> str:
+    """The PGV of a record in m/s, marked where the baseline of the record drifts.
+
+    Parameters
+    ----------
+    summary : xarray.Dataset
+        The node /summary.
+    record : str
+        Its id.
+    """
+    shown = figure(value(summary, "pgv", record=record), "m/s")
+    return f"~{shown} (drift)" if value(summary, "pgv_drift", record=record) else shown
+
+
 def verdict_table(
     summary: xr.Dataset, records: Sequence[str] | None = None, blocks: Sequence[str] | None = None
 ) -> str:
@@ -63,6 +86,11 @@ def verdict_table(
         "Figures: largest rotation over the critical angle (theta_max/alpha_c). C: velocity ratio of an impact. "
         "a/a_up: PGA over the acceleration of uplift. I/I_1c: main impulse over the one that overturns the block alone."
     ]
+    shown = summary["record"].values if records is None else records
+    if any(value(summary, "pgv_drift", record=record) for record in shown):
+        notes.append(
+            "~ (drift): the record's baseline drifts: its velocity does not end at zero, and PGV may be off by as much."
+        )
     if "resonance" in summary["model"].values:
         notes.append("resonance: an upper-bound type input (every main impulse at the worst moment), not a prediction.")
     if "applicable" in summary and (summary["applicable"] == 0).any():
@@ -213,10 +241,10 @@ def _table(
         for block in blocks:
             for case in _cases(summary, block):
                 where: dict[str, Any] = {"record": record, "block": block, "case": case}
-                numbers = [value(summary, name, **where) for name in ("restitution", "uplift_ratio", "impulse_ratio")]
-                figures = [ABSENT if number is None else ratio(number) for number in numbers]
+                c = restitution(value(summary, "restitution", **where))
+                demand = [ratio(value(summary, name, **where)) for name in ("uplift_ratio", "impulse_ratio")]
                 cells = [cell(summary, {**where, "model": model}) for model in models]
-                rows.append(["  " + shortened(block, NAME_WIDTH), *figures, *cells])
+                rows.append(["  " + shortened(block, NAME_WIDTH), c, *demand, *cells])
     lines = aligned(rows)
     for place, heading in reversed(headings):
         lines[place:place] = ["", heading, lines[0]]
@@ -232,13 +260,11 @@ def _cases(summary: xr.Dataset, block: str) -> range:
 
 
 def _heading(summary: xr.Dataset, record: str) -> str:
-    parts = [record]
-    pga = value(summary, "pga", record=record)
-    parts.append(f"PGA {figure(pga / STANDARD_GRAVITY, 'g')}")
-    for name, symbol in (("pgv", "PGV"), ("main_impulse", "I")):
-        number = value(summary, name, record=record)
-        if number is not None and not math.isnan(number):
-            parts.append(f"{symbol} {figure(number, 'm/s')}")
+    pga = value(summary, "pga", record=record) / STANDARD_GRAVITY
+    parts = [record, f"PGA {figure(pga, 'g')}", f"PGV {peak_velocity(summary, record)}"]
+    impulse = value(summary, "main_impulse", record=record)
+    if not math.isnan(impulse):
+        parts.append(f"I {figure(impulse, 'm/s')}")
     return "  ".join(parts)
 
 

@@ -52,6 +52,7 @@ class RecordSettings(Section):
     paths: tuple[str, ...] = texts()
     components: str = choice("horizontal", COMPONENTS)
     units: str | None = text(None)
+    dt: float | None = number(None, low=0.0, above=True, unit="s")
     include_vertical: bool = flag(False)
     store: str = choice("all", STORES)
 

@@ -9,7 +9,6 @@ from __future__ import annotations
 import os
 import platform
 import secrets
-import tempfile
 from collections.abc import Iterator
 from datetime import UTC, datetime
 from importlib.metadata import version
@@ -29,6 +28,7 @@ __all__ = ["SCHEMA_VERSION", "check_target", "load", "save"]
 SCHEMA_VERSION = "1.0"
 
 CONVENTIONS = "CF-1.11"
+SIGNATURE = b"\x89HDF\r\n\x1a\n"
 PACKAGES = ("rockpulse", "numpy", "numba", "scipy", "xarray", "h5netcdf", "h5py", "obspy")
 
 
@@ -40,7 +40,8 @@ def check_target(path: str | Path, overwrite: bool = False) -> Path:
     path : str or Path
         Where the results are to go.
     overwrite : bool
-        Whether a file that exists may be replaced.
+        Whether results that exist may be replaced: an HDF5 file of rockpulse, of any schema version, or a damaged one.
+        No other file is ever replaced.
 
     Returns
     -------
@@ -50,21 +51,17 @@ def check_target(path: str | Path, overwrite: bool = False) -> Path:
     Raises
     ------
     ResultsError
-        For a file that exists, a folder that does not, or a place where nothing can be written.
+        For a file that exists, a folder that does not, or a place or name that cannot be written.
     """
     target = Path(os.path.realpath(path))
-    if target.exists():
-        if not target.is_file():
-            raise ResultsError(f"{path}: expected the name of a results file, found something that is no regular file")
-        if not overwrite:
-            raise ResultsError(
-                f"{path}: the file exists; choose another name, or allow it to be replaced (--overwrite)"
-            )
-    if not target.parent.is_dir():
-        raise ResultsError(f"{path}: there is no folder {target.parent}; create it first")
     try:
-        with tempfile.TemporaryFile(dir=target.parent):
-            pass
+        if target.exists():
+            _check_replaceable(target, path, overwrite)
+        if not target.parent.is_dir():
+            raise ResultsError(f"{path}: there is no folder {target.parent}; create it first")
+        part = _part(target)
+        part.touch(exist_ok=False)  # its name is longer than that of the target
+        part.unlink()
     except OSError as error:
         raise ResultsError(f"{path}: cannot write into the folder {target.parent}: {error.strerror}") from error
     return target
@@ -80,7 +77,8 @@ def save(tree: xr.DataTree, path: str | Path, overwrite: bool = False) -> None:
     path : str or Path
         File to write.
     overwrite : bool
-        Whether a file that exists may be replaced. Until the new one is complete the old one stays as it is.
+        Whether results that exist may be replaced (:func:`check_target`). Until the new file is complete the old one
+        stays as it is.
 
     Raises
     ------
@@ -97,7 +95,7 @@ def save(tree: xr.DataTree, path: str | Path, overwrite: bool = False) -> None:
             if not isinstance(variable.attrs.get(attribute), str):
                 raise ResultsError(f"{path}: the variable {name} has no {attribute!r}; set it before saving")
     complete = _with_provenance(tree)
-    part = target.with_name(f".{target.name}.{secrets.token_hex(4)}.part")
+    part = _part(target)
     try:
         complete.to_netcdf(part, mode="w", engine="h5netcdf")
         _flush(part, os.O_RDWR)
@@ -141,6 +139,41 @@ def load(path: str | Path) -> xr.DataTree:
     except (OSError, RuntimeError, ValueError, KeyError) as error:
         raise ResultsError(f"{path}: the results file is damaged ({error}); run the assessment again") from error
     return tree.map_over_datasets(_as_saved)
+
+
+def _part(target: Path) -> Path:
+    return target.with_name(f".{target.name}.{secrets.token_hex(4)}.part")
+
+
+def _check_replaceable(target: Path, path: str | Path, overwrite: bool) -> None:
+    """Only results may be replaced: under a mistyped name a record or a configuration would be lost for good."""
+    if not target.is_file():
+        raise ResultsError(f"{path}: expected the name of a results file, found something that is no regular file")
+    if not overwrite:
+        raise ResultsError(f"{path}: the file exists; choose another name, or allow it to be replaced (--overwrite)")
+    try:
+        ours = _holds_results(target)
+    except OSError as error:
+        raise ResultsError(f"{path}: cannot read the file that is to be replaced: {error.strerror}") from error
+    if not ours:
+        raise ResultsError(
+            f"{path}: expected results of rockpulse, found another file, which is not replaced even with --overwrite; "
+            "choose another name, or remove it by hand"
+        )
+
+
+def _holds_results(target: Path) -> bool:
+    """Whether a file is of rockpulse, of any schema version, or an HDF5 file that is too damaged to tell."""
+    import h5py
+
+    with target.open("rb") as file:
+        if file.read(len(SIGNATURE)) != SIGNATURE:
+            return False
+    try:
+        with h5py.File(target, "r", locking=False) as hdf5:  # locked by its owner is not damaged
+            return {"schema_version", "rockpulse_version"} <= set(hdf5.attrs)
+    except (OSError, RuntimeError, KeyError):
+        return True
 
 
 def _check_schema(path: str | Path) -> None:

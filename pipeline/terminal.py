@@ -6,7 +6,7 @@ import math
 import textwrap
 from collections.abc import Sequence
 
-__all__ = ["ABSENT", "WIDTH", "aligned", "figure", "paragraph", "ratio", "shortened"]
+__all__ = ["ABSENT", "WIDTH", "aligned", "figure", "paragraph", "ratio", "restitution", "shortened"]
 
 #: Stands for what is absent or not computed.
 ABSENT = "-"
@@ -62,6 +62,22 @@ def ratio(value: float) -> str:
     if abs(value) < 0.001:
         return "<0.001" if value > 0.0 else ">-0.001"
     return f"{value:.{3 if abs(value) < 0.1 else 2 if abs(value) < 10.0 else 1}f}"
+
+
+def restitution(value: float) -> str:
+    """A velocity ratio of impacts with three decimals: its distance from one decides how long a block rocks.
+
+    Parameters
+    ----------
+    value : float
+        The ratio [-], from 0 to 1.
+
+    Examples
+    --------
+    >>> restitution(0.98514)
+    '0.985'
+    """
+    return f"{value:.3f}"
 
 
 def figure(value: float, unit: str = "") -> str:

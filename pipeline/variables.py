@@ -23,7 +23,11 @@ RECORD: dict[str, Meaning] = {
     "dt": (float, "s", "sampling interval"),
     "pga": (float, "m s-2", "peak ground acceleration after conditioning"),
     "pgv": (float, "m s-1", "peak ground velocity after conditioning, from rest at the first sample"),
-    "pgv_drift": (np.int8, "1", "whether the PGV is mostly baseline drift, see warnings"),
+    "pgv_drift": (
+        np.int8,
+        "1",
+        "whether the ground velocity does not come back to zero, so that the PGV may be off by as much",
+    ),
     "arias_intensity": (float, "m s-1", "Arias intensity"),
     "intense_start": (float, "s", "start of the intense phase from the first sample"),
     "intense_end": (float, "s", "end of the intense phase from the first sample"),

@@ -29,7 +29,7 @@ def results_tree(cases=None):
     applicable[:, 2, :2] = 0
     shape = ("record", "block", "model")
     pair, cube, restitution = ("record", "block"), shape, ("block",)
-    c = np.array([0.98, 0.93, 0.79])
+    c = np.array([0.985, 0.93, 0.79])
     if cases is not None:
         restitution, cube = ("block", "case"), (*shape, "case")
         c = np.stack([c, *(c - 0.1 * k for k in range(1, cases))], axis=1)
@@ -46,6 +46,7 @@ def results_tree(cases=None):
 
     flags = {"flag_values": np.arange(4, dtype=np.int8), "flag_meanings": "at_rest rocks overturns unresolved"}
     binary = {"flag_values": np.arange(2, dtype=np.int8), "flag_meanings": "no yes"}
+    drift = {"flag_values": np.arange(2, dtype=np.int8), "flag_meanings": "reliable drift"}
     summary = xr.Dataset(
         {
             "source": made("record", ["CCC.RAW", "CCC.RAW", "weak.txt"], "1", "file"),
@@ -58,6 +59,7 @@ def results_tree(cases=None):
             "dt": made("record", [0.01, 0.01, 0.02], "s", "sampling interval"),
             "pga": made("record", [5.5574, 4.619, 0.01], "m/s2", "peak ground acceleration"),
             "pgv": made("record", [0.71, 0.43, 0.002], "m/s", "peak ground velocity"),
+            "pgv_drift": made("record", np.array([0, 1, 0], dtype=np.int8), "1", "PGV is drift", **drift),
             "arias_intensity": made("record", [5.2, 3.1, 0.0], "m/s", "Arias intensity"),
             "intense_start": made("record", [10.0, 11.0, 0.1], "s", "start of the intense phase"),
             "intense_end": made("record", [22.0, 24.0, 1.9], "s", "end of the intense phase"),
@@ -71,6 +73,7 @@ def results_tree(cases=None):
             "processing": made("record", ["baseline: mean", "", ""], "1", "processing"),
             "width": made("block", [0.25, 1.0, np.nan], "m", "full width"),
             "height": made("block", [2.2, 7.0, np.nan], "m", "full height"),
+            "radius": made("block", [1.107, 3.536, 1.2], "m", "half the diagonal R"),
             "alpha_c": made("block", [0.113, 0.142, 0.38], "rad", "critical angle"),
             "p": made("block", [2.58, 1.44, 2.6], "1/s", "frequency parameter"),
             "slenderness": made("block", [8.8, 7.0, 2.5], "1", "slenderness"),

@@ -1,6 +1,6 @@
-"""The verbs of the command line: each module has ``add_parser(subparsers)`` and ``run(args) -> int``.
+"""The verbs of the command line: each module holds one as ``VERB``.
 
-What a verb needs beyond the standard library is imported inside ``run``.
+What a verb needs beyond the standard library is imported when it runs.
 """
 
 from rockpulse.commands import assess, formats, init_config, inspect
@@ -8,4 +8,4 @@ from rockpulse.commands import assess, formats, init_config, inspect
 __all__ = ["VERBS"]
 
 #: In the order of the help.
-VERBS = (assess, inspect, formats, init_config)
+VERBS = (assess.VERB, inspect.VERB, formats.VERB, init_config.VERB)

@@ -4,27 +4,18 @@ from __future__ import annotations
 
 import argparse
 import sys
+from pathlib import Path
 from typing import TYPE_CHECKING
+
+from rockpulse.commands.verb import Verb
 
 if TYPE_CHECKING:
     from rockpulse.config import Config
 
-__all__ = ["add_parser", "run"]
+__all__ = ["VERB"]
 
 
-def add_parser(subparsers: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
-    """Add the verb.
-
-    Parameters
-    ----------
-    subparsers : argparse subparsers
-        What ``add_subparsers`` returned.
-    """
-    parser = subparsers.add_parser(
-        "assess",
-        help="assess blocks under records",
-        description="Read records, let every model answer for every block, write the results and show the verdicts.",
-    )
+def _add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "paths",
         nargs="*",
@@ -40,32 +31,15 @@ def add_parser(subparsers: argparse._SubParsersAction[argparse.ArgumentParser]) 
         help="a block by its full width and height in m, beside those of the configuration; may be repeated",
     )
     parser.add_argument("--units", metavar="UNIT", help='unit of files that do not state theirs: "g", "cm/s2", ...')
+    parser.add_argument(
+        "--dt", type=float, metavar="SECONDS", help="sampling interval of columns without times, in s; such as 0.01"
+    )
     parser.add_argument("-o", "--output", required=True, metavar="RESULTS", help="results file to write (HDF5)")
-    parser.add_argument("--overwrite", action="store_true", help="replace a results file that exists")
+    parser.add_argument("--overwrite", action="store_true", help="replace results that exist; never any other file")
     parser.add_argument("--quiet", action="store_true", help="print nothing but what failed")
-    parser.set_defaults(run=run)
 
 
-def run(args: argparse.Namespace) -> int:
-    """Read, assess, save, print.
-
-    Parameters
-    ----------
-    args : argparse.Namespace
-        Arguments of the verb.
-
-    Returns
-    -------
-    int
-        0, or 1 where a file or record failed.
-
-    Raises
-    ------
-    ConfigError
-        For a wrong configuration, no records or no blocks named.
-    ResultsError
-        Where the results cannot be written.
-    """
+def _run(args: argparse.Namespace) -> int:
     from tqdm import tqdm
 
     from rockpulse.store import check_target, save
@@ -81,7 +55,7 @@ def run(args: argparse.Namespace) -> int:
     gather_bodies(config.blocks)  # a block that no model takes is better known before the records are read
     silent = True if args.quiet else None  # None: silent unless standard error is a terminal
     with tqdm(desc="reading", unit=" files", disable=silent) as bar:
-        records, failures = read_all(paths, config.records.units, on_file=lambda *_: bar.update())
+        records, failures = read_all(paths, config.records.units, on_file=lambda *_: bar.update(), dt=config.records.dt)
     tree = assess(
         records,
         config,
@@ -103,11 +77,14 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _resolve(args: argparse.Namespace) -> tuple[Config, list[str]]:
-    """The configuration with what the command line adds, and the paths to read."""
+    """The configuration with what the command line adds, and the paths to read, as the user wrote them.
+
+    The configuration itself, which is stored, names them absolutely, so that it repeats the run from any folder.
+    """
     from dataclasses import replace
 
     from rockpulse.body import parse_block_option
-    from rockpulse.config import Config, load_config
+    from rockpulse.config import Config, load_config, located
     from rockpulse.errors import ConfigError
     from rockpulse.readers.units import canonical_unit
 
@@ -115,12 +92,24 @@ def _resolve(args: argparse.Namespace) -> tuple[Config, list[str]]:
     paths = args.paths or [str(path) for path in config.record_paths()]
     if not paths:
         raise ConfigError("no records: name files, folders or globs, or give paths in the [records] section")
-    records = replace(
-        config.records,
-        paths=tuple(args.paths) or config.records.paths,
-        units=config.records.units if args.units is None else args.units,
-    )
+    records = replace(config.records, paths=tuple(str(located(path, Path.cwd())) for path in paths))
+    if args.units is not None:
+        records = replace(records, units=args.units)
+    if args.dt is not None:
+        try:
+            records = replace(records, dt=args.dt)
+        except ConfigError as error:
+            raise ConfigError(f"--dt: {error}") from None
     if records.units is not None:
         canonical_unit(records.units, f"{args.config}: [records] units" if args.units is None else "--units")
     blocks = (*config.blocks, *(parse_block_option(option) for option in args.block))
     return replace(config, records=records, blocks=blocks), paths
+
+
+VERB = Verb(
+    name="assess",
+    summary="assess blocks under records",
+    description="Read records, let every model answer for every block, write the results and show the verdicts.",
+    add_arguments=_add_arguments,
+    run=_run,
+)

@@ -4,38 +4,12 @@ from __future__ import annotations
 
 import argparse
 
-__all__ = ["add_parser", "run"]
+from rockpulse.commands.verb import Verb
+
+__all__ = ["VERB"]
 
 
-def add_parser(subparsers: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
-    """Add the verb.
-
-    Parameters
-    ----------
-    subparsers : argparse subparsers
-        What ``add_subparsers`` returned.
-    """
-    parser = subparsers.add_parser(
-        "formats",
-        help="list the file formats",
-        description="List the formats that are read, and the units that can be named for those that state none.",
-    )
-    parser.set_defaults(run=run)
-
-
-def run(args: argparse.Namespace) -> int:
-    """Print the table of formats.
-
-    Parameters
-    ----------
-    args : argparse.Namespace
-        Arguments of the verb.
-
-    Returns
-    -------
-    int
-        Exit code.
-    """
+def _run(args: argparse.Namespace) -> int:
     from rockpulse.readers import FORMATS, UNITS
     from rockpulse.terminal import ABSENT, aligned, paragraph
 
@@ -47,3 +21,12 @@ def run(args: argparse.Namespace) -> int:
     print("\n" + paragraph(f"Recognised, but not read by this version: {refused}.", "  ", ""))
     print(f"\nEvery file may be compressed with gzip or lie in a zip archive. Units: {', '.join(UNITS)}.")
     return 0
+
+
+VERB = Verb(
+    name="formats",
+    summary="list the file formats",
+    description="List the formats that are read, and the units that can be named for those that state none.",
+    add_arguments=lambda parser: None,
+    run=_run,
+)

@@ -6,46 +6,17 @@ import argparse
 from importlib.resources import files
 from pathlib import Path
 
-__all__ = ["add_parser", "run"]
+from rockpulse.commands.verb import Verb
+from rockpulse.errors import ConfigError
+
+__all__ = ["VERB"]
 
 
-def add_parser(subparsers: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
-    """Add the verb.
-
-    Parameters
-    ----------
-    subparsers : argparse subparsers
-        What ``add_subparsers`` returned.
-    """
-    parser = subparsers.add_parser(
-        "init-config",
-        help="write a configuration with every key explained",
-        description="Print a configuration with every key, its default and its meaning, or write it to a new file.",
-    )
+def _add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("-o", "--output", metavar="FILE", help="write here instead; a file that exists is left alone")
-    parser.set_defaults(run=run)
 
 
-def run(args: argparse.Namespace) -> int:
-    """Print or write the template.
-
-    Parameters
-    ----------
-    args : argparse.Namespace
-        Arguments of the verb.
-
-    Returns
-    -------
-    int
-        Exit code.
-
-    Raises
-    ------
-    ConfigError
-        Where the file exists.
-    """
-    from rockpulse.errors import ConfigError
-
+def _run(args: argparse.Namespace) -> int:
     template = files("rockpulse").joinpath("template.toml").read_text(encoding="utf-8")
     if args.output is None:
         print(template, end="")
@@ -59,3 +30,12 @@ def run(args: argparse.Namespace) -> int:
         f"wrote {args.output}: fill in the blocks, then: rockpulse assess RECORDS --config {args.output} -o results.h5"
     )
     return 0
+
+
+VERB = Verb(
+    name="init-config",
+    summary="write a configuration with every key explained",
+    description="Print a configuration with every key, its default and its meaning, or write it to a new file.",
+    add_arguments=_add_arguments,
+    run=_run,
+)

@@ -4,10 +4,11 @@ import os
 import re
 import subprocess
 import sys
+from dataclasses import replace
 
 import pytest
 
-from rockpulse import __version__
+from rockpulse import __version__, cli
 from rockpulse.cli import build_parser, main
 
 
@@ -19,7 +20,16 @@ def test_the_version_is_that_of_the_package(capsys):
 
 
 @pytest.mark.parametrize(
-    "arguments", [[], ["asses"], ["assess"], ["inspect"], ["inspect", "a", "b"], ["formats", "--all"]]
+    "arguments",
+    [
+        [],
+        ["asses"],
+        ["assess"],
+        ["assess", "x", "-o", "y", "--dt", "fast"],
+        ["inspect"],
+        ["inspect", "a", "b"],
+        ["formats", "--all"],
+    ],
 )
 def test_wrong_usage_is_exit_code_two(arguments, capsys):
     with pytest.raises(SystemExit) as end:
@@ -49,7 +59,16 @@ def test_the_help_names_every_verb_and_the_exit_codes():
         (["assess", "x.AT2", "--block", "a=3x1", "-o", "{new}"], "slenderness of 0.707"),
         (["assess", "x.AT2", "--block", "a=1x3", "--block", "a=1x3", "-o", "{new}"], '"a" is given 2 times'),
         (["assess", "x.AT2", "--block", "a=1x3", "--units", "furlong", "-o", "{new}"], "--units: unknown unit"),
+        (
+            ["assess", "x.AT2", "--block", "a=1x3", "--dt", "0", "-o", "{new}"],
+            "--dt: [records] dt: expected a number in s > 0",
+        ),
+        (
+            ["assess", "x.AT2", "--block", "a=1x3", "--dt", "nan", "-o", "{new}"],
+            "expected a number in s > 0, found nan",
+        ),
         (["assess", "x.AT2", "--block", "a=1x3", "-o", "{folder}"], "no regular file"),
+        (["assess", "x.AT2", "--block", "a=1x3", "-o", "/", "--overwrite"], "no regular file"),
         (["assess", "x.AT2", "--block", "a=1x3", "-o", "{below}"], "no folder"),
         (["init-config", "-o", "{below}"], "Not a directory"),
     ],
@@ -106,6 +125,6 @@ def test_an_interruption_is_told_and_has_the_usual_code(monkeypatch, capsys):
     def interrupt(args):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(formats, "run", interrupt)
+    monkeypatch.setattr(cli, "VERBS", (replace(formats.VERB, run=interrupt),))
     assert main(["formats"]) == 130
     assert "interrupted" in capsys.readouterr().err

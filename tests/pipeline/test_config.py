@@ -1,6 +1,7 @@
 """The configuration: defaults, strictness, the words of its messages, and the way there and back."""
 
 import dataclasses
+import glob
 import math
 import pickle
 import re
@@ -72,6 +73,22 @@ def test_paths_count_from_the_folder_of_the_file(load, tmp_path):
     assert str(tmp_path) not in config.as_text()
 
 
+def test_the_folder_of_the_file_is_no_pattern_whatever_its_name(tmp_path):
+    folder = tmp_path / "site [old]"
+    folder.mkdir()
+    for name in ("a.AT2", "b[1].AT2"):
+        (folder / name).touch()
+    (folder / "site.toml").write_text('[records]\npaths = ["*.AT2", "b[1].AT2"]')
+    pattern, file = load_config(folder / "site.toml").record_paths()
+    assert sorted(Path(hit).name for hit in glob.glob(str(pattern))) == ["a.AT2", "b[1].AT2"]  # noqa: PTH207
+    assert file == folder / "b[1].AT2"
+
+
+@pytest.mark.parametrize("store", ["half_waves", "all"])
+def test_histories_go_with_every_store_that_keeps_records(load, store):
+    assert load(f"[models]\nhistories = true\n[records]\nstore = '{store}'").models.histories
+
+
 def test_a_byte_order_mark_is_no_key(tmp_path):
     path = tmp_path / "site.toml"
     path.write_bytes(b"\xef\xbb\xbf[run]\nseed = 2\n")
@@ -105,6 +122,11 @@ WRONG = [
     ("[models]\nuse = ['nonlinaer']", r"use: .*did you mean \"nonlinear\""),
     ("[models]\nuse = 'linear'", r"use: expected a list"),
     ("[models]\nauto = true", r"auto: .*not available in this version"),
+    (
+        "[models]\nhistories = true\n[records]\nstore = 'none'",
+        r"\[models\] histories: .*\[records\] store = \"none\" leaves them out.*set store = .* or histories = false",
+    ),
+    ("[records]\ndt = 0", r"dt: expected a number in s > 0, found 0"),
     ("[search]\nstep = 1.0", r"step: expected a number > 1, found 1.0"),
     ("[run]\nworkers = 2", r"workers: expected 1, found 2; .*not available in this version"),
     ("[run]\nworkers = 0", r"workers: expected an integer >= 1, found 0"),

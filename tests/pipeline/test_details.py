@@ -32,6 +32,12 @@ def test_a_record_shows_its_measures_and_its_sequence(summary):
     assert shown["processing"] == "baseline: mean"
 
 
+def test_a_velocity_that_is_drift_is_marked(summary):
+    assert ("PGV", "~0.43 m/s (drift)") in [
+        (name, words.strip()) for name, words in entries(record_details(summary, RECORDS[1]))
+    ]
+
+
 def test_every_warning_has_a_line(summary):
     warnings = [words.strip() for name, words in entries(record_details(summary, RECORDS[0])) if name == "warning"]
     assert warnings == ["mean removed", "direction unknown; check it"]
@@ -64,7 +70,11 @@ def test_a_block_shows_its_parameters_and_verdicts_only(summary):
     text = block_details(summary, "boundary wall")
     shown = {name: words.strip() for name, words in entries(text)}
     assert shown["width, height"] == "0.25 m, 2.2 m"
+    assert shown["half the diagonal R"] == "1.11 m"
+    assert shown["critical angle alpha_c"] == "0.113 rad"
     assert shown["frequency parameter p"] == "2.58 1/s"
+    assert shown["slenderness"] == "8.8"
+    assert shown["restitution C"] == "0.985"
     assert shown["critical impulse I_1c"] == "0.43 m/s"
     assert "column" not in text
     assert all(record in text for record in RECORDS)
@@ -73,8 +83,9 @@ def test_a_block_shows_its_parameters_and_verdicts_only(summary):
 def test_a_block_lists_its_restitutions_and_warnings():
     text = block_details(results_tree(2)["summary"].to_dataset(), "cabinet")
     shown = {name: words.strip() for name, words in entries(text)}
-    assert shown["restitution C"] == "0.79, 0.69"
+    assert shown["restitution C"] == "0.790, 0.690"
     assert shown["width, height"] == "-, -"
+    assert shown["half the diagonal R"] == "1.2 m (of the rectangle with this p)"
     assert shown["warning"] == "slenderness 2.5 is below 3"
 
 

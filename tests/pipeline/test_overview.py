@@ -21,9 +21,18 @@ def summary():
 
 def test_every_verdict_is_a_word_or_a_figure(summary):
     text = verdict_table(summary)
-    assert row(text, "boundary wall", RECORDS[0]) == ["0.98", "2.50", "1.44", "OVERTURNS", "OVERTURNS", "OVERTURNS"]
-    assert row(text, "column", RECORDS[0]) == ["0.93", "2.50", "0.63", "OVERTURNS", "0.41", "0.41"]
+    assert row(text, "boundary wall", RECORDS[0]) == ["0.985", "2.50", "1.44", "OVERTURNS", "OVERTURNS", "OVERTURNS"]
+    assert row(text, "column", RECORDS[0]) == ["0.930", "2.50", "0.63", "OVERTURNS", "0.41", "0.41"]
     assert row(text, "column", RECORDS[2])[2:] == ["-", "at", "rest", "at", "rest", "at", "rest"]
+
+
+def test_a_velocity_that_is_drift_is_marked_and_explained(summary):
+    text = verdict_table(summary)
+    assert f"{RECORDS[0]}  PGA 0.567 g  PGV 0.71 m/s  I 0.62 m/s\n" in text
+    assert f"{RECORDS[1]}  PGA 0.471 g  PGV ~0.43 m/s (drift)  I 0.35 m/s\n" in text
+    assert "  ~ (drift): the record's baseline drifts" in text
+    assert "drift" not in verdict_table(summary, records=RECORDS[:1])
+    assert "drift" not in verdict_table(summary.drop_vars("pgv_drift"))
 
 
 def test_what_is_outside_the_range_of_a_model_is_marked_and_explained(summary):
@@ -58,7 +67,7 @@ def test_a_peak_that_a_model_did_not_give_is_a_dash(summary):
 
 def test_restitution_cases_have_a_row_each_unless_they_are_all_the_same():
     text = verdict_table(results_tree(2)["summary"].to_dataset(), records=RECORDS[:1])
-    assert [line.split()[1] for line in text.splitlines() if line.startswith("  column")] == ["0.93", "0.83"]
+    assert [line.split()[1] for line in text.splitlines() if line.startswith("  column")] == ["0.930", "0.830"]
     assert sum(line.startswith("  boundary wall") for line in text.splitlines()) == 1
 
 

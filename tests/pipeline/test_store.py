@@ -82,21 +82,11 @@ def test_a_file_name_in_an_odd_encoding_does_not_spoil_the_results(tmp_path):
     assert load(tmp_path / "results.h5")["failures"]["file"].values[0] == "caf\ufffd.txt"
 
 
-def test_bare_h5py_finds_unit_and_long_name_on_every_variable(tmp_path):
+def test_bare_h5py_reads_numbers_and_texts(tmp_path):
     save(results_tree(), tmp_path / "results.h5")
-    seen = []
-
-    def visit(name, item):
-        if isinstance(item, h5py.Dataset) and not item.attrs.get("NAME", b"").startswith(b"This is a netCDF dimension"):
-            seen.append(name)
-            assert isinstance(item.attrs["units"], str), name
-            assert isinstance(item.attrs["long_name"], str), name
-
     with h5py.File(tmp_path / "results.h5") as file:
-        file.visititems(visit)
         assert file["summary/pga"][0] == 5.5574
         assert file["summary/record"].asstr()[2] == "weak.1"
-    assert len(seen) > 40
 
 
 @pytest.mark.parametrize("attribute", ["units", "long_name"])
@@ -118,11 +108,102 @@ def test_a_file_that_exists_is_refused_and_stays_intact(tmp_path):
     assert list(tmp_path.iterdir()) == [target]
 
 
+def old_results(target):
+    """Results of an earlier run; their bytes."""
+    tree = results_tree()
+    tree.attrs["title"] = "of an earlier run"
+    save(tree, target)
+    return target.read_bytes()
+
+
 def test_overwrite_replaces_the_file(tmp_path):
     target = tmp_path / "results.h5"
-    target.write_bytes(b"old")
+    old_results(target)
     save(results_tree(), target, overwrite=True)
     assert load(target).attrs["title"] == "Borgo"
+
+
+def test_overwrite_replaces_results_of_another_major_version(tmp_path):
+    _with_attribute(tmp_path / "results.h5", schema_version="7.0")
+    save(results_tree(), tmp_path / "results.h5", overwrite=True)
+    assert load(tmp_path / "results.h5").attrs["schema_version"] == store.SCHEMA_VERSION
+
+
+@pytest.mark.parametrize("part", [0.001, 0.5, 0.99])
+def test_overwrite_replaces_damaged_results(tmp_path, part):
+    target = tmp_path / "results.h5"
+    whole = old_results(target)
+    target.write_bytes(whole[: int(part * len(whole))])
+    save(results_tree(), target, overwrite=True)
+    assert load(target).attrs["title"] == "Borgo"
+
+
+def _foreign_hdf5(path):
+    with h5py.File(path, "w") as file:
+        file.attrs["schema_version"] = "1.0"  # a common name; only rockpulse adds its own version
+        file["data"] = np.arange(4.0)
+
+
+FOREIGN = {
+    "record.csv": lambda path: path.write_text("time,acc\n0.00,0.1\n"),
+    "site.toml": lambda path: path.write_text("[site]\nname = 'mine'\n"),
+    "empty.h5": lambda path: path.touch(),
+    "foreign.h5": _foreign_hdf5,
+}
+
+
+@pytest.mark.parametrize("name", FOREIGN)
+@pytest.mark.parametrize("through_a_link", [False, True])
+def test_overwrite_replaces_nothing_but_results(tmp_path, name, through_a_link):
+    path = tmp_path / name
+    FOREIGN[name](path)
+    before = path.read_bytes()
+    named = path
+    if through_a_link:
+        named = tmp_path / "results.h5"
+        named.symlink_to(path)
+    for attempt in (lambda: check_target(named, overwrite=True), lambda: save(results_tree(), named, overwrite=True)):
+        with pytest.raises(
+            ResultsError, match=r"found another file.*choose another name, or remove it by hand"
+        ) as caught:
+            attempt()
+        assert str(caught.value).startswith(f"{named}: ")
+    assert path.read_bytes() == before
+    assert {item.name for item in tmp_path.iterdir()} == {path.name, named.name}
+
+
+def test_a_foreign_file_that_is_in_use_is_not_taken_for_a_damaged_one(tmp_path):
+    path = tmp_path / "foreign.h5"
+    script = f"""
+        import h5py
+        with h5py.File({str(path)!r}, "w") as file:
+            file["data"] = 1.0
+            file.flush()
+            print("open", flush=True)
+            input()
+    """
+    command = [sys.executable, "-c", textwrap.dedent(script)]
+    with subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as owner:
+        try:
+            assert owner.stdout.readline() == "open\n"
+            with pytest.raises(ResultsError, match="found another file"):
+                check_target(path, overwrite=True)
+        finally:
+            owner.communicate("\n", timeout=30)
+
+
+@pytest.mark.parametrize("length", [245, 300])
+def test_a_name_too_long_for_the_file_system_is_refused_at_once(tmp_path, length):
+    if os.name != "posix" or os.pathconf(tmp_path, "PC_NAME_MAX") != 255:
+        pytest.skip("needs a file system whose names have 255 bytes")
+    with pytest.raises(ResultsError, match=r"cannot write into the folder .*: File name too long"):
+        check_target(tmp_path / ("r" * length))
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_the_check_leaves_nothing_behind(tmp_path):
+    assert check_target(tmp_path / "results.h5") == (tmp_path / "results.h5").resolve()
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_a_link_is_followed_not_replaced(tmp_path):
@@ -148,7 +229,7 @@ def test_a_folder_that_takes_no_file_is_refused(tmp_path, monkeypatch):
     def refuse(*args, **kwargs):
         raise OSError(30, "Read-only file system")
 
-    monkeypatch.setattr(store.tempfile, "TemporaryFile", refuse)
+    monkeypatch.setattr(store.Path, "touch", refuse)
     with pytest.raises(ResultsError, match=r"cannot write into the folder .*: Read-only file system"):
         check_target(tmp_path / "results.h5")
 
@@ -156,7 +237,7 @@ def test_a_folder_that_takes_no_file_is_refused(tmp_path, monkeypatch):
 @pytest.mark.parametrize("step", ["fsync", "replace"])
 def test_a_fault_while_writing_leaves_the_old_file_and_no_rubbish(tmp_path, monkeypatch, step):
     target = tmp_path / "results.h5"
-    target.write_bytes(b"old")
+    old = old_results(target)
 
     def fail(*args):
         raise OSError(28, "No space left on device")
@@ -164,7 +245,7 @@ def test_a_fault_while_writing_leaves_the_old_file_and_no_rubbish(tmp_path, monk
     monkeypatch.setattr(store.os, step, fail)
     with pytest.raises(ResultsError, match=r"cannot write the results: No space left on device"):
         save(results_tree(), target, overwrite=True)
-    assert target.read_bytes() == b"old"
+    assert target.read_bytes() == old
     assert list(tmp_path.iterdir()) == [target]
 
 
@@ -183,13 +264,12 @@ def test_a_file_that_appears_during_the_run_is_not_replaced(tmp_path, monkeypatc
     assert list(tmp_path.iterdir()) == [target]
 
 
-@pytest.mark.parametrize("old", [None, b"old"])
+@pytest.mark.parametrize("exists", [False, True])
 @pytest.mark.parametrize("step", ["fsync", "replace"])
 @pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="no SIGKILL on this system")
-def test_killing_the_writer_leaves_the_old_file_or_none(tmp_path, step, old):
+def test_killing_the_writer_leaves_the_old_file_or_none(tmp_path, step, exists):
     target = tmp_path / "results.h5"
-    if old is not None:
-        target.write_bytes(old)
+    old = old_results(target) if exists else None
     script = f"""
         import os, signal, sys
         sys.path.insert(0, {str(TESTS)!r})

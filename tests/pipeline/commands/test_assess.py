@@ -6,6 +6,7 @@ from pathlib import Path
 import h5py
 import numpy as np
 import pytest
+import xarray as xr
 
 import rockpulse as rp
 from rockpulse.cli import main
@@ -104,6 +105,7 @@ def test_bare_h5py_finds_unit_and_long_name_on_every_variable(done):
         "failures/reason",
         "records/acceleration",
     } <= set(seen)
+    assert len(seen) > 60
 
 
 def test_the_schema_names_every_variable(done):
@@ -122,6 +124,33 @@ def test_the_results_hold_the_configuration_that_was_resolved(done, tmp_path):
         ("pier", 1.0, 3.0),
     ]
     assert [name.rpartition("/")[2] for name in config.records.paths] == ["strong.AT2", "weak.AT2"]
+
+
+@pytest.mark.parametrize("by_command_line", [False, True], ids=["configured", "named"])
+@pytest.mark.parametrize("given", [".", "*[gk].AT2", "../site [1]/strong.AT2"])
+def test_the_stored_configuration_repeats_the_run_from_any_folder(
+    folder, tmp_path, monkeypatch, given, by_command_line
+):
+    """The folder's own name has the signs of a pattern in it."""
+    site, elsewhere = tmp_path / "site [1]", tmp_path / "elsewhere"
+    site.mkdir()
+    elsewhere.mkdir()
+    for name in ("strong.AT2", "weak.AT2"):
+        (site / name).write_bytes((folder / name).read_bytes())
+    text = "[models]\nuse = ['resonance']\n[[block]]\nname = 'pier'\nwidth = 1.0\nheight = 3.0\n"
+    (site / "site.toml").write_text(text if by_command_line else f"{text}[records]\npaths = ['{given}']\n")
+    monkeypatch.chdir(site)
+    named = [given] if by_command_line else []
+    assert main(["assess", *named, "--config", "site.toml", "-o", "first.h5", "--quiet"]) == 0
+    first = rp.load("first.h5")
+    monkeypatch.chdir(elsewhere)
+    Path("stored.toml").write_text(first.attrs["configuration"], encoding="utf-8")
+    assert main(["assess", "--config", "stored.toml", "-o", "second.h5", "--quiet"]) == 0
+    second = rp.load("second.h5")
+    assert second.attrs["configuration"] == first.attrs["configuration"]
+    assert second["summary"].sizes["record"] == (1 if "strong" in given else 2)
+    for name in ("record", "source_sha256", "safety_factor"):
+        xr.testing.assert_equal(second["summary"][name], first["summary"][name])
 
 
 def test_what_inspect_shows_is_what_assess_showed(folder, tmp_path, capsys):
@@ -207,6 +236,37 @@ def test_columns_are_read_once_the_unit_is_named(tmp_path, capsys):
     assert f"PGA {peak:.3g} g" in capsys.readouterr().out
 
 
+def test_one_column_is_read_once_unit_and_interval_are_named(tmp_path, capsys):
+    path = tmp_path / "column.txt"
+    np.savetxt(path, STRONG, fmt="%.6f")
+    target = tmp_path / "results.h5"
+    assert assess(path, "-o", target, "--units", "g") == 1
+    assert "option dt" in capsys.readouterr().err
+    assert assess(path, "-o", target, "--units", "g", "--dt", f"{DT}", "--quiet") == 0
+    tree = rp.load(target)
+    assert tree["summary"]["dt"].values.tolist() == [DT]
+    config = tmp_path / "site.toml"
+    config.write_text(f"[records]\nunits = 'g'\ndt = {2 * DT}\n")
+    assert assess(path, "--config", config, "-o", target, "--overwrite", "--quiet") == 0
+    assert rp.load(target)["summary"]["dt"].values.tolist() == [2 * DT]
+    assert assess(path, "--config", config, "--dt", DT, "-o", target, "--overwrite", "--quiet") == 0
+    again = rp.load(target)
+    assert again["summary"]["dt"].values.tolist() == [DT]
+    assert f"\ndt = {DT}\n" in again.attrs["configuration"]
+
+
+def test_overwrite_spares_the_record_and_the_configuration(tmp_path, capsys):
+    record = write_at2(tmp_path / "strong.AT2", STRONG)
+    config = tmp_path / "site.toml"
+    config.write_text("[models]\nuse = ['resonance']\n")
+    for target in (record, config):
+        before = target.read_bytes()
+        assert assess(record, "--config", config, "-o", target, "--overwrite") == 2
+        assert "remove it by hand" in capsys.readouterr().err
+        assert target.read_bytes() == before
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["site.toml", "strong.AT2"]
+
+
 def test_a_file_that_exists_is_refused_before_any_work_and_stays_intact(tmp_path, capsys):
     target = tmp_path / "results.h5"
     target.write_bytes(b"old")
@@ -215,18 +275,18 @@ def test_a_file_that_exists_is_refused_before_any_work_and_stays_intact(tmp_path
     assert target.read_bytes() == b"old"
 
 
-def test_overwrite_replaces_it(folder, tmp_path):
+def test_overwrite_replaces_it(folder, done, tmp_path):
     target = tmp_path / "results.h5"
-    target.write_bytes(b"old")
+    target.write_bytes(done.read_bytes())
     assert assess(folder / "weak.AT2", "-o", target, "--overwrite", "--quiet") == 0
     assert rp.load(target)["summary"].sizes["record"] == 1
 
 
-def test_a_run_without_a_record_leaves_the_old_results(folder, tmp_path):
+def test_a_run_without_a_record_leaves_the_old_results(folder, done, tmp_path):
     target = tmp_path / "results.h5"
-    target.write_bytes(b"old")
+    target.write_bytes(done.read_bytes())
     assert assess(folder / "cut.AT2", "-o", target, "--overwrite") == 1
-    assert target.read_bytes() == b"old"
+    assert target.read_bytes() == done.read_bytes()
 
 
 def test_the_configuration_names_records_and_blocks(folder, tmp_path, capsys):
@@ -242,7 +302,7 @@ def test_the_configuration_names_records_and_blocks(folder, tmp_path, capsys):
     assert summary["restitution"].sel(block="column").values.tolist() == [0.8, 0.9]
     assert summary["outcome"].dims == ("record", "block", "case", "model")
     out = capsys.readouterr().out
-    assert len(re.findall(r"^  column +0\.[89]0 ", out, re.M)) == 2
+    assert len(re.findall(r"^  column +0\.[89]00 ", out, re.M)) == 2
     assert "resonance" not in out
 
 
