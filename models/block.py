@@ -98,10 +98,11 @@ class Block:
     warnings: tuple[str, ...] = field(init=False)
 
     def __post_init__(self) -> None:
-        width, height = np.broadcast_arrays(
-            _positive("half_width", self.half_width, "m"), _positive("half_height", self.half_height, "m")
+        width, height = _together(
+            half_width=_positive("half_width", self.half_width, "m"),
+            half_height=_positive("half_height", self.half_height, "m"),
         )
-        gravity = float(_positive("gravity", self.gravity, "m/s2"))
+        gravity = float(_positive("gravity", self.gravity, "m/s2", lanes=False))
         radius = np.hypot(width, height)
         self._finish(
             half_width=width,
@@ -132,7 +133,7 @@ class Block:
         Block
             With `half_width` and `half_height` NaN: they are not known.
         """
-        p_, alpha_ = np.broadcast_arrays(_positive("p", p, "1/s"), _positive("alpha", alpha, "rad"))
+        p_, alpha_ = _together(p=_positive("p", p, "1/s"), alpha=_positive("alpha", alpha, "rad"))
         if np.any(alpha_ >= np.pi / 2):
             raise ValueError(
                 f"alpha: expected an angle below pi/2 rad, got {alpha!r}; it is given in radians, not degrees"
@@ -143,7 +144,7 @@ class Block:
         block._finish(
             half_width=unknown,
             half_height=unknown,
-            gravity=float(_positive("gravity", gravity, "m/s2")),
+            gravity=float(_positive("gravity", gravity, "m/s2", lanes=False)),
             alpha_c=alpha_,
             p=p_,
             rectangle=False,
@@ -193,7 +194,7 @@ class Block:
         values["radius"] = 3.0 * values["gravity"] / (4.0 * values["p"] ** 2)
         values["slenderness"] = 1.0 / np.tan(alpha)
         values["critical_impulse"] = values["gravity"] * alpha / (values["p"] * np.cos(alpha))
-        lanes = np.broadcast_shapes(alpha.shape, restitution.shape)
+        lanes = _together(size=alpha, restitution=restitution)[0].shape
         for name, value in values.items():
             if name != "gravity":
                 value = np.array(np.broadcast_to(value, lanes), dtype=float)
@@ -202,12 +203,13 @@ class Block:
             object.__setattr__(self, name, value)
         warnings = []
         above = restitution - housner
-        if rectangle and np.any(above > 1e-12):
+        if np.any(above > 1e-12):
             worst = np.unravel_index(np.argmax(above), above.shape)
+            given, bound = (float(np.broadcast_to(values_, above.shape)[worst]) for values_ in (restitution, housner))
+            shape = "" if rectangle else " of a rectangle with this alpha"
             warnings.append(
-                f"restitution {np.broadcast_to(restitution, above.shape)[worst]:.4g} is above Housner's "
-                f"{np.broadcast_to(housner, above.shape)[worst]:.4g}: more energy is kept in an impact than "
-                "conservation of angular momentum allows"
+                f"restitution {given:.4g} is above Housner's {bound:.4g}{shape}: more energy is kept in an impact "
+                "than conservation of angular momentum allows"
             )
         if np.any(values["slenderness"] < SLENDERNESS_RANGE):
             warnings.append(
@@ -228,9 +230,7 @@ class Block:
                     "restitution: Housner's formula is negative below a slenderness of 0.707; give a number in [0, 1]"
                 )
             return housner
-        restitution = np.asarray(given, dtype=float)
-        if restitution.ndim > 1:
-            raise ValueError(f"restitution: expected a number or a (m,) array, got shape {restitution.shape}")
+        restitution = numbers("restitution", given, "the velocity ratio C in [0, 1] or 'housner'")
         if not np.all((restitution >= 0.0) & (restitution <= 1.0)):
             raise ValueError(f"restitution: expected the velocity ratio C in [0, 1] or 'housner', got {given!r}")
         return restitution
@@ -246,13 +246,47 @@ class Block:
         return self.slenderness >= SLENDERNESS_RANGE
 
 
-def _positive(name: str, value: Any, unit: str) -> np.ndarray:
+def numbers(name: str, value: Any, expected: str, lanes: bool = True) -> np.ndarray:
+    """A finite number, or a one-dimensional array of them, with the name of the argument in what it raises.
+
+    Parameters
+    ----------
+    name : str
+        Argument, for the message.
+    value : float or array_like
+        What was given.
+    expected : str
+        What it should be, for the message.
+    lanes : bool
+        Whether an array is allowed.
+
+    Raises
+    ------
+    ValueError
+        For anything else.
+    """
+    shape = "or an array of them" if lanes else "not an array"
     try:
         array = np.asarray(value, dtype=float)
     except (TypeError, ValueError):
-        raise ValueError(f"{name}: expected a number in {unit}, got {value!r}") from None
-    if array.ndim > 1:
-        raise ValueError(f"{name}: expected a number or a (m,) array, got shape {array.shape}")
-    if not np.all(np.isfinite(array) & (array > 0.0)):
+        raise ValueError(f"{name}: expected {expected}, got {value!r}") from None
+    if array.ndim > int(lanes):
+        raise ValueError(f"{name}: expected {expected}, {shape}, got shape {array.shape}")
+    if not np.all(np.isfinite(array)):
+        raise ValueError(f"{name}: expected {expected}, finite, got {value!r}")
+    return array
+
+
+def _positive(name: str, value: Any, unit: str, lanes: bool = True) -> np.ndarray:
+    array = numbers(name, value, f"a positive number in {unit}", lanes)
+    if not np.all(array > 0.0):
         raise ValueError(f"{name}: expected a positive, finite number in {unit}, got {value!r}")
     return array
+
+
+def _together(**values: np.ndarray) -> tuple[np.ndarray, ...]:
+    try:
+        return tuple(np.broadcast_arrays(*values.values()))
+    except ValueError:
+        shapes = ", ".join(f"{name} {array.shape}" for name, array in values.items())
+        raise ValueError(f"{', '.join(values)}: expected single values or arrays of one length, got {shapes}") from None

@@ -12,6 +12,9 @@ from rockpulse.models.sequence_kernel import COLUMNS
 
 __all__ = ["TABLE_ROWS", "lanes", "tabulated_response"]
 
+#: A march lower than this is one through the ground [-]; above it is rounding.
+GROUND_TOLERANCE = 1e-12
+
 #: Half-cycles kept in a table unless the caller asks for more.
 TABLE_ROWS = 1000
 
@@ -51,7 +54,7 @@ def tabulated_response(
     shape: tuple[int, int],
     drop: tuple[bool, bool],
     table_rows: int,
-) -> tuple[Response, np.ndarray]:
+) -> Response:
     """Run a kernel over the lanes, then again with a table as long as the longest motion.
 
     Parameters
@@ -69,10 +72,8 @@ def tabulated_response(
 
     Returns
     -------
-    response : Response
+    Response
         With `half_cycles` unless `table_rows` is 0.
-    lowest : (q, m) ndarray
-        Smallest rotation over alpha_c at the impulses inside the half-cycles [-]; inf without.
     """
     if table_rows < 0:
         raise ValueError(f"table_rows: expected 0 (no table) or a number of half-cycles, got {table_rows}")
@@ -104,5 +105,6 @@ def tabulated_response(
         overturning_half_cycle=integers[2].reshape(shape),
         impacts=integers[3].reshape(shape),
         half_cycles=half_cycles,
+        ground_contact=floats[2].reshape(shape) < -GROUND_TOLERANCE,
     )
-    return drop_axes(response, 2, drop), floats[2].reshape(shape)
+    return drop_axes(response, 2, drop)

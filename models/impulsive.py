@@ -14,7 +14,7 @@ import numpy as np
 from rockpulse.models.block import Block
 from rockpulse.models.half_cycle_table import lanes
 from rockpulse.models.impulsive_kernel import EXACT, LINEAR, PAPER, impulsive_lanes
-from rockpulse.models.response import IMPACT_CUTOFF, Response, drop_axes
+from rockpulse.models.response import IMPACT_CUTOFF, Response, drop_axes, with_history
 
 __all__ = ["GAINS", "impulsive_response"]
 
@@ -56,7 +56,7 @@ def impulsive_response(
     Returns
     -------
     Response
-        Lanes (q, m), a scalar axis dropped; `time` (h,), `rotation` and `velocity` (h, q, m) where a history is asked
+        Lanes (q, m), a scalar axis dropped; `time` (h,), `rotation` and `velocity` (q, m, h) where a history is asked
         for (NaN once the block lies on the ground). UNRESOLVED (IMPACT_LIMIT) after 100 000 impacts between two
         impulses. With `gain="exact"` the block may also be lifted again in flight; passing alpha_c alone is not
         overturning.
@@ -113,7 +113,6 @@ def impulsive_response(
             IMPACT_CUTOFF,
             grid,
         )
-    rotation, velocity = (np.moveaxis(history.reshape(*shape, grid.size), -1, 0) for history in (theta, theta_dot))
     response = Response(
         peak_rotation_ratio=floats[0].reshape(shape),
         overturning_time=floats[1].reshape(shape),
@@ -121,11 +120,11 @@ def impulsive_response(
         reason=integers[1].reshape(shape),
         overturning_half_cycle=integers[2].reshape(shape),
         impacts=integers[3].reshape(shape),
-        time=None if history_dt is None else grid,
-        rotation=None if history_dt is None else rotation,
-        velocity=None if history_dt is None else velocity,
     )
-    return drop_axes(response, 2, drop)
+    response = drop_axes(response, 2, drop)
+    if history_dt is None:
+        return response
+    return with_history(response, grid, theta.reshape(*shape, -1), theta_dot.reshape(*shape, -1), drop)
 
 
 def _checked(times: Any, impulses: Any, scale: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

@@ -80,7 +80,7 @@ def resonance(
     shape, drop, flat = lanes((impulse, _duration(duration)), (block.p, block.restitution, block.critical_impulse))
     scaled, end, p, restitution, critical = flat
     arguments = (scaled / critical, end, p, restitution, count, IMPACT_CUTOFF)
-    return tabulated_response(resonance_lanes, arguments, shape, drop, table_rows)[0]
+    return tabulated_response(resonance_lanes, arguments, shape, drop, table_rows)
 
 
 def critical_impulse_at(block: Block, half_cycle: int) -> Any:

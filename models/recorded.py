@@ -10,11 +10,14 @@ from typing import Any, Literal
 
 import numpy as np
 
-from rockpulse.models.block import Block
+from rockpulse.models.block import Block, numbers
 from rockpulse.models.recorded_kernel import LINEAR, NONLINEAR, march_lanes
-from rockpulse.models.response import Response, drop_axes
+from rockpulse.models.response import Response, drop_axes, with_history
 
 __all__ = ["recorded_response"]
+
+#: Largest acceleration over gravity that is taken for a record [-].
+STRONGEST = 1e7
 
 EQUATIONS = {"linear": LINEAR, "nonlinear": NONLINEAR}
 
@@ -92,7 +95,10 @@ def recorded_response(
     record = _samples("acceleration", acceleration)
     if equation not in EQUATIONS:
         raise ValueError(f"equation: expected one of {sorted(EQUATIONS)}, got {equation!r}")
-    if not (np.isfinite(dt) and dt > 0.0):
+    if not isinstance(block, Block):
+        raise ValueError(f"block: expected a rockpulse.models.Block, got {block!r}")
+    dt = float(numbers("dt", dt, "a positive sampling interval in s", lanes=False))
+    if dt <= 0.0:
         raise ValueError(f"dt: expected a positive sampling interval in s, got {dt!r}")
     if vertical is not None and equation == "linear":
         raise ValueError(
@@ -101,15 +107,26 @@ def recorded_response(
     up = np.zeros_like(record) if vertical is None else _samples("vertical", vertical)
     if up.size != record.size:
         raise ValueError(f"vertical: expected {record.size} samples as in acceleration, got {up.size}")
-    factors = np.asarray(scale, dtype=float)
-    if factors.ndim > 1 or not np.all(np.isfinite(factors) & (factors >= 0.0)):
-        raise ValueError(f"scale: expected a finite factor >= 0 or a (q,) array of them, got {scale!r}")
-
-    start = [np.asarray(value, dtype=float) for value in (initial_rotation, initial_velocity)]
-    for name, values in zip(("initial_rotation", "initial_velocity"), start, strict=True):
-        if values.ndim > 1 or not np.all(np.isfinite(values)):
-            raise ValueError(f"{name}: expected a finite number or a (m,) array, got {values!r}")
-    lanes = np.broadcast_shapes(block.shape, *(values.shape for values in start))
+    factors = numbers("scale", scale, "a factor >= 0")
+    if np.any(factors < 0.0):
+        raise ValueError(f"scale: expected a factor >= 0 or a (q,) array of them, got {scale!r}")
+    strongest = max(np.max(np.abs(record)), np.max(np.abs(up))) * np.max(factors, initial=0.0) / block.gravity
+    if not strongest <= STRONGEST:
+        raise ValueError(
+            f"acceleration, scale: expected at most {STRONGEST:g} times gravity, got {strongest:g}; "
+            "is the record in m/s2, and the scale a factor?"
+        )
+    start = [
+        numbers("initial_rotation", initial_rotation, "an angle in rad"),
+        numbers("initial_velocity", initial_velocity, "an angular velocity in rad/s"),
+    ]
+    try:
+        lanes = np.broadcast_shapes(block.shape, *(values.shape for values in start))
+    except ValueError:
+        raise ValueError(
+            f"initial_rotation, initial_velocity: expected one value, or one for each of the blocks {block.shape}, "
+            f"got shapes {start[0].shape} and {start[1].shape}"
+        ) from None
     alpha, p, restitution, rotation, spin = (
         np.ascontiguousarray(np.broadcast_to(np.asarray(values, dtype=float), lanes).reshape(-1))
         for values in (block.alpha_c, block.p, block.restitution, *start)
@@ -141,24 +158,18 @@ def recorded_response(
         impacts,
         motion,
     )
-    response = Response(peak, outcome, reason, time, half_cycle, impacts)
     drop = (factors.ndim == 0, lanes == ())
-    response = drop_axes(response, 2, drop)
+    response = drop_axes(Response(peak, outcome, reason, time, half_cycle, impacts), 2, drop)
     if not history:
         return response
-    dropped = tuple(axis for axis, single in enumerate(drop) if single)
-    return Response(
-        **{
-            **vars(response),
-            "time": dt * np.arange(samples),
-            "rotation": motion[..., 0].squeeze(axis=dropped),
-            "velocity": motion[..., 1].squeeze(axis=dropped),
-        }
-    )
+    return with_history(response, dt * np.arange(samples), motion[..., 0], motion[..., 1], drop)
 
 
 def _samples(name: str, values: Any) -> np.ndarray:
-    array = np.ascontiguousarray(values, dtype=float)
+    try:
+        array = np.ascontiguousarray(values, dtype=float)
+    except (TypeError, ValueError):
+        raise ValueError(f"{name}: expected a (n,) array of numbers in m/s2, got {values!r:.80}") from None
     if array.ndim != 1 or array.size < 2:
         raise ValueError(f"{name}: expected a (n,) array of at least 2 samples in m/s2, got shape {array.shape}")
     if not np.all(np.isfinite(array)):

@@ -24,6 +24,9 @@ LINEAR, NONLINEAR = 0, 1
 AT_REST, ROCKS, OVERTURNS, UNRESOLVED = (int(outcome) for outcome in Outcome)
 NO_REASON, IMPACT_LIMIT, FREE_FLIGHT = int(Reason.NONE), int(Reason.IMPACT_LIMIT), int(Reason.FREE_FLIGHT)
 
+#: How far above the threshold a block lifts, as a share of it: "strictly above" must not be decided by the last bit.
+STRICTLY = 1e-14
+
 #: Longest step of the Taylor polynomials as p dt [-]; a sample is divided where its own p dt is larger.
 LONGEST_STEP = 0.04
 
@@ -137,7 +140,7 @@ def march(
     longest = length / steps
     g_factor = factor / gravity
     # Rest: abs(a_g)/g against (1 + a_v/g) x this; restoring: phi'' of the resting block on a still ground.
-    threshold = alpha if equation == LINEAR else math.tan(alpha)
+    threshold = (alpha if equation == LINEAR else math.tan(alpha)) * (1.0 + STRICTLY)
     restoring = alpha if equation == LINEAR else math.sin(alpha)
     cutoff = IMPACT_CUTOFF * alpha
 
@@ -153,7 +156,11 @@ def march(
     if keep:
         history[0, 0] = rotation
         history[0, 1] = spin
-    if equation == NONLINEAR and phi >= 0.5 * math.pi:
+    if equation == LINEAR:
+        over = not resting and phi - alpha + speed > largest_left[0] * g_factor
+    else:
+        over = phi >= 0.5 * math.pi
+    if over:
         return np.inf, OVERTURNS, NO_REASON, 0.0, impacts, impacts
 
     for k in range(n - 1):
@@ -163,7 +170,7 @@ def march(
         lift_end = 1.0 + vertical[k + 1] * g_factor
         lift_slope = (lift_end - lift_start) / length
         if lift_start <= 0.0 or lift_end <= 0.0:
-            return np.nan, UNRESOLVED, FREE_FLIGHT, np.nan, impacts, impacts
+            return np.nan, UNRESOLVED, FREE_FLIGHT, np.nan, impacts, -1
         remaining = length
         hits = 0
         while remaining > 0.0:
@@ -219,7 +226,7 @@ def march(
                 speed = restitution * max(arrival, 0.0)
                 hits += 1
                 if hits > IMPACTS_PER_SAMPLE:
-                    return np.nan, UNRESOLVED, IMPACT_LIMIT, np.nan, impacts, impacts
+                    return np.nan, UNRESOLVED, IMPACT_LIMIT, np.nan, impacts, -1
                 passed = length - remaining
                 ground = ground_start + ground_slope * passed
                 lift = lift_start + lift_slope * passed

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from enum import IntEnum
 from typing import Any
 
 import numpy as np
 
-__all__ = ["IMPACT_CUTOFF", "HalfCycles", "Outcome", "Reason", "Response"]
+__all__ = ["IMPACT_CUTOFF", "HalfCycles", "Outcome", "Reason", "Response", "drop_axes", "with_history"]
 
 #: Impacts slower than this are not counted, as speed over p alpha_c [-] (about 5e-7 of alpha_c in rotation).
 IMPACT_CUTOFF = 1e-3
@@ -77,14 +77,19 @@ class Response:
     overturning_time : float or ndarray
         Time at which overturning is certain [s]; NaN without.
     overturning_half_cycle : int or ndarray
-        1 + impacts before overturning; -1 without.
+        1 + impacts before overturning; -1 without. The sequence and impulsive models count every half-cycle, the
+        response to a record those that end with a counted impact.
     impacts : int or ndarray
         Impacts faster than :data:`IMPACT_CUTOFF` p alpha_c, those after the input included; -1 where they never end
-        (C = 1).
+        (C = 1) or the lane is UNRESOLVED.
     time, rotation, velocity : ndarray or None
         History [s], [rad], [rad/s], where asked for.
     half_cycles : HalfCycles or None
         The table of the sequence models.
+    ground_contact : bool or ndarray or None
+        Sequence model only: True where a half-cycle of the corrected march passes through the ground before its end
+        (spacing "start" above I_s/I = 2/3, "middle" above 6/7). There the closed form, which knows the end only, stands
+        for no motion of the block, and the impulse train gives another answer.
     """
 
     peak_rotation_ratio: Any
@@ -97,6 +102,7 @@ class Response:
     rotation: np.ndarray | None = None
     velocity: np.ndarray | None = None
     half_cycles: HalfCycles | None = None
+    ground_contact: Any = None
 
 
 def drop_axes(part: Any, lane_axes: int, drop: tuple[bool, ...]) -> Any:
@@ -122,3 +128,23 @@ def drop_axes(part: Any, lane_axes: int, drop: tuple[bool, ...]) -> Any:
             value = value.item() if value.ndim == 0 else value
         values[item.name] = value
     return type(part)(**values)
+
+
+def with_history(
+    response: Response, time: np.ndarray, rotation: np.ndarray, velocity: np.ndarray, drop: tuple[bool, bool]
+) -> Response:
+    """A response with its history; the axes of scalar arguments are dropped as in the rest of it.
+
+    Parameters
+    ----------
+    response : Response
+        Without history.
+    time : (n,) ndarray
+        [s].
+    rotation, velocity : (q, m, n) ndarray
+        theta [rad] and theta' [rad/s].
+    drop : tuple of bool
+        Which of the two lane axes stand for a scalar.
+    """
+    axes = tuple(axis for axis, dropped in enumerate(drop) if dropped)
+    return replace(response, time=time, rotation=rotation.squeeze(axes), velocity=velocity.squeeze(axes))

@@ -106,14 +106,14 @@ def sequence_response(block: Block, sequence: ImpulseSequence, table_rows: int =
         SPACINGS[sequence.spacing],
         IMPACT_CUTOFF,
     )
-    response, lowest = tabulated_response(sequence_lanes, arguments, shape, drop, table_rows)
-    through = np.count_nonzero(lowest < -1e-12)
+    response = tabulated_response(sequence_lanes, arguments, shape, drop, table_rows)
+    through = np.count_nonzero(response.ground_contact)
     if through:
         logger.warning(
             "sequence: in %d of %d lanes the corrected march with spacing %r passes through the ground "
             "inside a half-cycle; only its end is exact",
             through,
-            lowest.size,
+            np.size(response.ground_contact),
             sequence.spacing,
         )
     return response

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -150,6 +150,13 @@ def assess_record(record: Record, bodies: Bodies, config: Config, vertical: Reco
     scene = prepare(record, config, vertical)
     lanes = bodies.lanes
     responses = {name: MODELS[name](lanes, scene) for name in config.models.use}
+    contact = responses["sequence"].ground_contact if "sequence" in responses else None
+    if contact is not None and np.any(contact):
+        warning = (
+            f"sequence: with spacing {config.sequence.spacing!r} and this I_s/I, {np.count_nonzero(contact)} of "
+            f"{np.size(contact)} bodies touch the ground inside a half-cycle; take another spacing"
+        )
+        scene = replace(scene, record=scene.record.with_warning(warning))
     safety = {name: _safety_factor(name, lanes, scene) for name in config.models.use}
     return RecordAssessment(
         scene=scene,

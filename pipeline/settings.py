@@ -158,7 +158,7 @@ class SearchSettings(Section):
 
     heading = "[search]"
     factor_max: float = number(10.0, low=0.0, above=True)
-    step: float = number(1.02, low=1.0, above=True)
+    step: float = number(1.005, low=1.0, above=True)
 
 
 @dataclass(frozen=True)

@@ -18,7 +18,14 @@ from rockpulse.errors import RecordFormatError, RockpulseError
 from rockpulse.failures import Failure
 from rockpulse.readers import read_source
 from rockpulse.readers.archive import is_archive, members
-from rockpulse.readers.source import NotAcceleration, SourceFile, Unrecognised, folder_station_files, open_source
+from rockpulse.readers.source import (
+    NotAcceleration,
+    SourceFile,
+    Unrecognised,
+    check_link,
+    folder_station_files,
+    open_source,
+)
 from rockpulse.readers.units import canonical_unit
 from rockpulse.record import Record, distinct_ids
 
@@ -143,6 +150,7 @@ def _files(
     """The file, or the members of the archive, or the fault that kept them from being opened."""
     path = item.path
     try:
+        check_link(path)
         if path.exists() and not path.is_file():
             raise OSError(f"{path}: expected a regular file, found a device, socket or pipe")
         if not is_archive(path):

@@ -71,7 +71,7 @@ FORMATS: tuple[Format, ...] = (
     Format("sac", "SAC, binary", "header version",
            "asked for (units)", "unknown", is_sac, read_sac),
     *(
-        Format(row.name, f"{row.what}: refused", f"first line like {row.first_line}", "-", "-", row.detect, row.parse)
+        Format(row.name, row.what, f"first lines like {row.opening}", "-", "-", row.detect, row.parse)
         for row in REFUSED
     ),
     Format("columns", "columns of numbers (CSV, TXT), with or without time", "rows of numbers after a short header",

@@ -1,108 +1,41 @@
-"""From the numbers of one channel to a `Record`: direction, unit, and the checks that every format shares."""
+"""From the numbers of one channel to a `Record`: unit, sign, time, and the checks that every format shares."""
 
 from __future__ import annotations
 
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass
-from datetime import datetime
+from datetime import UTC, datetime, timedelta
 
 import numpy as np
 
 from rockpulse.errors import RecordFormatError
+from rockpulse.readers.facing import Direction, direction
 from rockpulse.readers.source import SourceFile
 from rockpulse.readers.units import UNITS, other_readings
-from rockpulse.record import STANDARD_GRAVITY, Orientation, Record, record_id
+from rockpulse.record import STANDARD_GRAVITY, Record, record_id
 
-__all__ = ["Direction", "build_record", "direction", "on_structure"]
+__all__ = ["build_record", "clock_fault"]
 
 #: A stated peak further from the data than this, and than its own rounding, is reported.
 PEAK_TOLERANCE = 0.02
 #: Peaks outside these bounds [g] are reported with the readings in other units.
 CREDIBLE_PEAK_G = (1e-6, 5.0)
 
-_UP = {"UP", "U", "V", "Z", "VERT", "VERTICAL", "VER", "UD", "U-D", "UP-DOWN"}
-_DOWN = {"DOWN", "DN", "DWN"}
-_COMPASS = {"N": 0.0, "NS": 0.0, "N-S": 0.0, "NORTH": 0.0, "E": 90.0, "EW": 90.0, "E-W": 90.0, "EAST": 90.0}
-_COMPASS |= {"S": 180.0, "SOUTH": 180.0, "W": 270.0, "WEST": 270.0}
-_SIDEWAYS = {"H1", "H2", "L", "T", "LONG", "TRAN", "TRANS", "LONGITUDINAL", "TRANSVERSE"}
-_DEGREES = re.compile(r"(\d{1,3}(?:\.\d*)?)\s*(?:DEG(?:REES)?|°)?", re.ASCII)
-_QUADRANT = re.compile(r"([NS])\s*(\d{1,2}(?:\.\d*)?)\s*([EW])", re.ASCII)
-# SEED instrument codes of accelerometers; the last letter is the direction.
-_SEED = re.compile(r"[A-Z][NLG]([ENZ123])")
-
-_ON_STRUCTURE = re.compile(
-    r"\b(\d+(?:st|nd|rd|th)\s+fl(?:oor|r)?|roof|penthouse|basement|bsmt|mezzanine|attic|abut(?:ment)?|deck|pier|"
-    r"bent|span|column|footing|pile|girder|crest|gallery|ground\s+floor)\b",
-    re.IGNORECASE,
-)
-_FREE_FIELD = re.compile(r"free[\s-]*field|^ground(?:\s+(?:level|surface))?$|^surface$", re.IGNORECASE)
+# Earlier than the first accelerogram of a strong earthquake (Long Beach, 11 March 1933 UTC) only a clock is wrong.
+_FIRST_YEAR = 1933
+# Where clocks begin that were never set (Unix, PC, GPS). The first hour only: on 1 January 1980, at 16:42 UTC, the
+# Azores had a strong earthquake.
+_CLOCK_ORIGINS = tuple(datetime(*day, tzinfo=UTC) for day in ((1970, 1, 1), (1980, 1, 1), (1980, 1, 6)))
+_CLOCK_RUN = timedelta(hours=1)
 
 
-@dataclass(frozen=True)
-class Direction:
-    """What the wording of a component means.
-
-    Attributes
-    ----------
-    orientation : {"horizontal", "vertical", "unknown"}
-        As in `Record`.
-    azimuth : float
-        Clockwise from north [degrees]; NaN where unknown or not horizontal.
-    sign : float
-        -1 for a channel that is positive downwards, else 1.
-    """
-
-    orientation: Orientation = "unknown"
-    azimuth: float = float("nan")
-    sign: float = 1.0
-
-
-def direction(wording: str) -> Direction:
-    """Read a component such as ``90 Deg``, ``S05W``, ``UP``, ``N-S``, ``HNE``.
-
-    Examples
-    --------
-    >>> direction("S05W").azimuth
-    185.0
-    >>> direction("Up").orientation
-    'vertical'
-    """
-    word = " ".join(wording.upper().split()).strip(" .")
-    seed = _SEED.fullmatch(word)
-    if seed:
-        word = {"1": "H1", "2": "H2", "3": ""}.get(seed[1], seed[1])
-    if word in _UP:
-        return Direction("vertical")
-    if word in _DOWN:
-        return Direction("vertical", sign=-1.0)
-    if word in _COMPASS:
-        return Direction("horizontal", _COMPASS[word])
-    if word in _SIDEWAYS:
-        return Direction("horizontal")
-    degrees = _DEGREES.fullmatch(word)
-    if degrees and float(degrees[1]) <= 360.0:
-        return Direction("horizontal", float(degrees[1]) % 360.0)
-    quadrant = _QUADRANT.fullmatch(word)
-    if quadrant and float(quadrant[2]) <= 90.0:
-        angle = float(quadrant[2]) if quadrant[3] == "E" else -float(quadrant[2])
-        return Direction("horizontal", (angle if quadrant[1] == "N" else 180.0 - angle) % 360.0)
-    return Direction()
-
-
-def on_structure(place: str, stated: bool = False) -> bool:
-    """Whether the wording of a place means a structure rather than the ground beside it.
-
-    Parameters
-    ----------
-    place : str
-        Location of a channel, or name of a station.
-    stated : bool
-        True for a field that only instrumented structures have, where anything but the free field counts.
-    """
-    if not place.strip() or _FREE_FIELD.search(place.strip()):
-        return False
-    return stated or bool(_ON_STRUCTURE.search(place))
+def clock_fault(moment: datetime) -> str:
+    """Why a stated start time [UTC, or the zone of the file] can be none; empty where nothing speaks against it."""
+    if moment.year < _FIRST_YEAR:
+        return f"the start time {moment:%Y-%m-%d %H:%M:%S} lies before the first accelerograms; it was left out"
+    if any(origin <= moment < origin + _CLOCK_RUN for origin in _CLOCK_ORIGINS):
+        return f"the start time {moment:%Y-%m-%d %H:%M:%S} is that of a clock that was never set; it was left out"
+    return ""
 
 
 def _peak_warnings(
@@ -175,6 +108,8 @@ def build_record(
         Peak that the header states and half a unit of its last digit [m/s2].
     original_peak : float, optional
         Largest absolute value before resampling [unit]; it is what the header describes.
+    start_time : datetime, optional
+        UTC; left out with a warning where `clock_fault` speaks against it.
 
     Returns
     -------
@@ -200,6 +135,10 @@ def build_record(
     samples_peak = float(np.max(np.abs(samples))) if original_peak is None else original_peak
     notes = list(warnings)
     notes += _peak_warnings(samples_peak * abs(factor), unit, factor, header_peak, peak_rounding, samples_peak)
+    fault = clock_fault(start_time) if start_time is not None else ""
+    if fault:
+        start_time = None
+    notes += [note for note in (fault, facing.note) if note]
     if facing.sign < 0.0:
         notes.append("positive downwards in the file; the sign is changed so that upwards is positive")
     factor *= facing.sign

@@ -13,20 +13,20 @@ from collections.abc import Sequence
 import numpy as np
 
 from rockpulse.errors import RecordFormatError, UnitError
-from rockpulse.readers.channel import Direction, build_record, direction
+from rockpulse.readers.channel import build_record
+from rockpulse.readers.facing import BRACKET, heading_direction
 from rockpulse.readers.fields import check_count, text_lines
 from rockpulse.readers.source import NotAcceleration, SourceFile
-from rockpulse.readers.spacing import even_step
 from rockpulse.readers.table_layout import NUMBER, Layout, find_layout, row_width, split_row
+from rockpulse.readers.time_column import agreed_step, names_time, time_column_step
 from rockpulse.readers.units import UNITS, canonical_unit
 from rockpulse.record import Record
 
 __all__ = ["is_columns", "read_columns"]
 
-_TIME_NAME = re.compile(r"(?:t|time|zeit|temps|tempo|sec|seconds)\b", re.IGNORECASE)
 _MOTION = re.compile(r"\b(vel|velocity|disp|displacement)\b", re.IGNORECASE)
 _ACCELERATION = re.compile(r"\bacc", re.IGNORECASE)
-_BRACKET = re.compile(r"[\[(]([^\])]*)[\])]")
+_COUNT_AND_STEP = re.compile(r"\s*(\d+)[\s,;]+(\d*\.\d+(?:[eE][+-]?\d+)?)\s*", re.ASCII)
 
 
 def is_columns(head: bytes, name: str) -> bool:
@@ -66,7 +66,8 @@ def read_columns(file: SourceFile, units: str | None = None, dt: float | None = 
     if units is None:
         raise UnitError(
             f"{file.name}: plain columns do not state their unit; give it with the option units, "
-            f"one of {', '.join(UNITS)}: read(path, units='g'), or units = 'g' under [records] of the configuration"
+            f"one of {', '.join(UNITS)}: --units g on the command line, units = 'g' under [records] of the "
+            "configuration, or read(path, units='g')"
         )
     unit = canonical_unit(units, "option units")
     lines = text_lines(file.content)
@@ -89,29 +90,32 @@ def read_columns(file: SourceFile, units: str | None = None, dt: float | None = 
         if len(table) > declared:
             warnings.append(f"{len(table) - declared} rows beyond the {declared} of the first line were left out")
         table = table[:declared]
-    time_step = _time_step(file.name, table, layout, start)
+    time_step = time_column_step(file.name, table, layout, start, step if dt is None else dt)
     if time_step is not None:
         table, names = table[:, 1:], layout.names[1:]
     else:
         names = layout.names
-    step = _agreed_step(file.name, {"time column": time_step, "first line": step, "option dt": dt})
+    step = agreed_step(file.name, {"time column": time_step, "first line": step, "option dt": dt})
     return _channels(file, table, names, step, unit, warnings)
 
 
 def _count_and_step(name: str, lines: Sequence[str], layout: Layout) -> tuple[int, int, float | None]:
     """First row of data, and the N and dt of a DEEPSOIL first line (0 and None where there is none).
 
-    With two columns the line looks like data; it is a heading if the time would run backwards after it.
+    With two columns the line looks like data; it is a heading if the time would run backwards after it. Under a
+    heading that names the time, rows are data.
     """
     row = layout.start
+    if names_time(layout):
+        return row, 0, None
     if layout.width == 2 and row + 1 < len(lines):
         fields, following = (split_row(lines[index], layout.delimiter) for index in (row, row + 1))
         two_numbers = len(following) == 2 and all(NUMBER.fullmatch(field) for field in following)
-        if two_numbers and _as_float(following[0]) <= _as_float(fields[0]):
+        if two_numbers and _as_float(following[0]) <= _as_float(fields[0]) and _as_float(fields[0]) > 0.0:
             row += 1
     above = row - 1
     if above >= 0:
-        match = re.fullmatch(r"\s*(\d+)[\s,;]+(\d*\.\d+(?:[eE][+-]?\d+)?)\s*", lines[above])
+        match = _COUNT_AND_STEP.fullmatch(lines[above])
         if match:
             count, step = int(match[1]), float(match[2])
             check_count(f"{name}:{above + 1}", count, len(lines) - row, "rows")
@@ -163,54 +167,6 @@ def _table(name: str, lines: Sequence[str], layout: Layout, start: int) -> np.nd
     raise fault
 
 
-def _time_step(name: str, table: np.ndarray, layout: Layout, start: int) -> float | None:
-    """Interval of the time column [s], or None where the first column is no time."""
-    named = bool(layout.names and _TIME_NAME.match(layout.names[0]))
-    if layout.width < 2:
-        return None
-    steps = np.diff(table[:, 0])
-    if steps.size == 0 or not np.all(steps > 0.0):
-        if named and steps.size:
-            at = int(np.argmin(steps))
-            raise RecordFormatError(
-                f"{name}:{start + at + 2}: expected increasing times in the column {layout.names[0]!r}, found "
-                f"{table[at + 1, 0]:g} after {table[at, 0]:g}; repair the time column"
-            )
-        return None
-    step = even_step(table[:, 0])
-    if step is None:
-        at = int(np.argmax(np.abs(steps - np.median(steps))))
-        raise RecordFormatError(
-            f"{name}:{start + at + 2}: expected equally spaced times, found a step of {steps[at]:g} s among steps of "
-            f"{np.median(steps):g} s; resample the record or fill the gap"
-        )
-    return step
-
-
-def _agreed_step(name: str, steps: dict[str, float | None]) -> float:
-    known = {source: step for source, step in steps.items() if step is not None}
-    if not known:
-        raise RecordFormatError(
-            f"{name}: expected a time column, a first line 'N dt', or the option dt for the sampling interval, found "
-            "none; give it: read(path, units='g', dt=0.01)"
-        )
-    for source, step in known.items():
-        if not (np.isfinite(step) and step > 0.0):
-            raise RecordFormatError(f"{name}: expected a positive sampling interval in s, found {step!r} ({source})")
-    if max(known.values()) > 1.001 * min(known.values()):
-        listed = ", ".join(f"{step:g} s ({source})" for source, step in known.items())
-        raise RecordFormatError(f"{name}: the sampling intervals disagree: {listed}; correct the wrong one")
-    return next(iter(known.values()))
-
-
-def _heading_direction(name: str) -> Direction:
-    """The one word of a column heading that is a direction; a lone letter counts only if it is N, E or Z."""
-    words = re.split(r"[\s_\-.:]+", _BRACKET.sub(" ", name))
-    found = [direction(word) for word in words if len(word) > 1 or word.upper() in {"N", "E", "Z"}]
-    known = [facing for facing in found if facing.orientation != "unknown"]
-    return known[0] if len(known) == 1 else Direction()
-
-
 def _channels(
     file: SourceFile, table: np.ndarray, names: Sequence[str], step: float, unit: str, warnings: Sequence[str]
 ) -> list[Record]:
@@ -221,7 +177,7 @@ def _channels(
         name = names[index] if names else ""
         if name in motions:
             continue
-        stated = _BRACKET.search(name)
+        stated = BRACKET.search(name)
         if stated and stated[1].strip():
             heading_unit = canonical_unit(stated[1], f"{file.name}: column {name!r}")
             if UNITS[heading_unit] != UNITS[unit]:
@@ -239,8 +195,8 @@ def _channels(
                 format="columns",
                 processed=None,
                 component=name,
-                facing=_heading_direction(name),
-                channel=_BRACKET.sub("", name).strip() or str(index + 1),
+                facing=heading_direction(name),
+                channel=BRACKET.sub("", name).strip() or str(index + 1),
                 warnings=notes,
             )
         )

@@ -14,7 +14,8 @@ from datetime import UTC, datetime, timedelta
 import numpy as np
 
 from rockpulse.errors import RecordFormatError
-from rockpulse.readers.channel import build_record, direction, on_structure
+from rockpulse.readers.channel import build_record, clock_fault
+from rockpulse.readers.facing import direction, on_structure
 from rockpulse.readers.fields import check_count, fixed_width, printed_number, text_lines
 from rockpulse.readers.source import SourceFile
 from rockpulse.readers.spacing import make_even
@@ -180,7 +181,8 @@ def _pairs(name: str, lines: Sequence[str], start: int, end: int) -> tuple[np.nd
     pairs = fixed_width(lines[first:end], first + 1, width, 2 * _PAIRS_PER_ROW, 2 * count, name).reshape(-1, 2)
     warnings = _surplus(lines, first, -(-count // _PAIRS_PER_ROW), end)
     peak = float(np.max(np.abs(pairs[:, 1])))
-    samples, dt, notes = make_even(pairs[:, 0], pairs[:, 1], f"{name}:{first + 1}", UNITS[found] / STANDARD_GRAVITY)
+    gravity = UNITS[found] / STANDARD_GRAVITY
+    samples, dt, notes = make_even(pairs[:, 0], pairs[:, 1], name, first + 1, _PAIRS_PER_ROW, gravity)
     return samples, dt, found, peak, warnings + notes
 
 
@@ -203,9 +205,10 @@ def _start_time(header: Sequence[str]) -> tuple[datetime | None, list[str]]:
     if year < 100:
         year += 1900 if year >= 69 else 2000
     try:
-        moment = datetime(year, month, day, hour, minute, tzinfo=UTC) + timedelta(
-            seconds=float(match[6]), hours=-_ZONES[zone]
-        )
+        local = datetime(year, month, day, hour, minute, tzinfo=UTC) + timedelta(seconds=float(match[6]))
+        moment = local - timedelta(hours=_ZONES[zone])
     except (ValueError, KeyError, OverflowError):
         return None, [f"the start time {match[0]!r} cannot be read"]
-    return moment, []
+    # A clock that was never set begins at midnight of its own zone.
+    fault = clock_fault(local)
+    return (None, [fault]) if fault else (moment, [])

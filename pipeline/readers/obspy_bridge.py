@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from rockpulse.errors import RecordFormatError
-from rockpulse.readers.channel import Direction, direction
+from rockpulse.readers.facing import Direction, direction
 from rockpulse.readers.source import SourceFile
 
 __all__ = ["clipping_warning", "obspy_stream", "seed_direction", "utc_time"]

@@ -14,7 +14,8 @@ from datetime import UTC, datetime, timedelta
 import numpy as np
 
 from rockpulse.errors import RecordFormatError
-from rockpulse.readers.channel import Direction, build_record, direction, on_structure
+from rockpulse.readers.channel import build_record
+from rockpulse.readers.facing import Direction, direction, on_structure
 from rockpulse.readers.fields import check_count, fixed_width, printed_number, text_lines
 from rockpulse.readers.source import NotAcceleration, SourceFile
 from rockpulse.readers.spacing import make_even
@@ -151,7 +152,7 @@ def _values(
         )
     times, samples = values[::2], values[1::2]
     peak = float(np.max(np.abs(samples)))
-    even, step, notes = make_even(times, samples, f"{name}:{first + 1}", UNITS[_UNIT] / STANDARD_GRAVITY)
+    even, step, notes = make_even(times, samples, name, first + 1, 4, UNITS[_UNIT] / STANDARD_GRAVITY)
     return even, step, peak, warnings + notes
 
 

@@ -12,7 +12,16 @@ from pathlib import Path, PurePosixPath
 
 from rockpulse.errors import RecordFormatError, RecordRefused
 
-__all__ = ["FILE_LIMIT", "HEAD", "NotAcceleration", "SourceFile", "Unrecognised", "folder_station_files", "open_source"]
+__all__ = [
+    "FILE_LIMIT",
+    "HEAD",
+    "NotAcceleration",
+    "SourceFile",
+    "Unrecognised",
+    "check_link",
+    "folder_station_files",
+    "open_source",
+]
 
 #: Bytes from the start of a file that decide its format.
 HEAD = 65536
@@ -74,6 +83,20 @@ def folder_station_files(folder: Path) -> list[tuple[str, bytes]]:
     return [(str(path), path.read_bytes()) for path in paths if path.stat().st_size <= FILE_LIMIT]
 
 
+def check_link(path: Path) -> None:
+    """Refuse a symbolic link whose target does not exist; the operating system would only say that `path` does not.
+
+    Raises
+    ------
+    FileNotFoundError
+        With the target.
+    """
+    if path.is_symlink() and not path.exists():
+        raise FileNotFoundError(
+            f"{path}: the symbolic link points nowhere, {path.readlink()} does not exist; mend the link or remove it"
+        )
+
+
 def open_source(path: Path, station_files: StationFiles | None = None) -> SourceFile:
     """Open a file on disk, plain or compressed with gzip.
 
@@ -93,6 +116,7 @@ def open_source(path: Path, station_files: StationFiles | None = None) -> Source
     OSError
         As the operating system says.
     """
+    check_link(path)
     compressed = path.suffix.lower() == ".gz"
 
     def take(count: int) -> bytes:

@@ -6,10 +6,14 @@ import numpy as np
 
 from rockpulse.errors import RecordFormatError
 
-__all__ = ["even_step", "make_even"]
+__all__ = ["even_step", "long_step", "make_even", "printed_at"]
 
 #: A resampled record may have at most this many times the samples of the file.
 GROWTH_LIMIT = 10
+#: Rounding explains at most this share of a step; a missing row shows as half a step or more.
+ROUNDING_SHARE = 0.2
+#: A step above this many medians is a gap if all others are equal.
+LONG_STEP = 1.5
 
 
 def _half_digit(times: np.ndarray) -> float:
@@ -32,11 +36,22 @@ def even_step(times: np.ndarray) -> float | None:
     -------
     float or None
         The interval [s]; a round interval or rate is preferred where the printed digits allow it. None if a time is
-        off the grid by more than its rounding and 1 % of the interval.
+        off the grid by more than its rounding (at most `ROUNDING_SHARE` of the interval) and 1 % of the interval.
+
+    Examples
+    --------
+    >>> even_step(np.array([0.0, 0.33, 0.67, 1.0]))
+    0.3333333333333333
+    >>> even_step(np.array([0.0, 0.01, 0.02, 0.04, 0.05])) is None
+    True
     """
+    return _fitted_step(times, _half_digit(times))
+
+
+def _fitted_step(times: np.ndarray, rounding: float) -> float | None:
     steps = np.arange(times.size)
     mean = float(times[-1] - times[0]) / (times.size - 1)
-    tolerance = _half_digit(times) + 0.01 * mean
+    tolerance = min(rounding, ROUNDING_SHARE * mean) + 0.01 * mean
     rate = 1.0 / mean
     for step in (float(f"{mean:.2g}"), 1.0 / round(rate) if rate >= 1.0 else mean, float(f"{mean:.4g}"), mean):
         if np.max(np.abs(times - times[0] - step * steps)) <= tolerance:
@@ -44,8 +59,62 @@ def even_step(times: np.ndarray) -> float | None:
     return None
 
 
+def printed_at(times: np.ndarray, dt: float) -> bool:
+    """Whether times are those of samples at a known interval, as they look after rounding, however coarse.
+
+    Parameters
+    ----------
+    times : (n,) ndarray
+        Times that never decrease [s].
+    dt : float
+        The interval that the caller or the file states [s].
+
+    Returns
+    -------
+    bool
+        True if samples at this interval, whatever the first time, round to these times.
+
+    Notes
+    -----
+    Where times are printed more coarsely than `dt`, a missing row may hide in the rounding; a stated count shows it.
+
+    Examples
+    --------
+    >>> printed_at(np.array([0.0, 0.0, 0.01, 0.02, 0.02]), 0.005)
+    True
+    >>> printed_at(np.array([0.0, 0.01, 0.03]), 0.01)
+    False
+    """
+    if not (np.isfinite(dt) and dt > 0.0):
+        return False
+    spread = float(np.ptp(times - dt * np.arange(times.size)))
+    unit = 2.0 * _half_digit(times)
+    slack = 1e-6 * dt + 1e-9 * max(1.0, float(np.max(np.abs(times))))
+    # A missing row moves all that follows by dt, which rounding to a unit of dt or finer never does.
+    return spread <= unit + slack and (dt < unit - slack or spread < 0.999 * dt)
+
+
+def long_step(times: np.ndarray) -> int | None:
+    """Index of the first step that is a gap: the series is equally spaced once the long steps are closed.
+
+    Parameters
+    ----------
+    times : (n,) ndarray
+        Strictly increasing times [s], n >= 2. Those of a digitised trace, which wander, have long steps but no gaps.
+    """
+    steps = np.diff(times)
+    gaps = steps > LONG_STEP * np.median(steps)
+    if not gaps.any():
+        return None
+    step, rounding = float(np.mean(steps[~gaps])), _half_digit(times)
+    # What the rounding of its ends adds to a gap of whole steps belongs to the rows behind it.
+    left = np.clip(steps - step * np.round(steps / step), -2.0 * rounding, 2.0 * rounding)
+    series = np.concatenate([[0.0], np.cumsum(np.where(gaps, step + left, steps))])
+    return int(np.argmax(gaps)) if _fitted_step(series, rounding) is not None else None
+
+
 def make_even(
-    times: np.ndarray, samples: np.ndarray, where: str, gravity_per_unit: float
+    times: np.ndarray, samples: np.ndarray, name: str, first: int, per_row: int, gravity_per_unit: float
 ) -> tuple[np.ndarray, float, list[str]]:
     """Equally spaced samples from (time, acceleration) pairs of a digitised trace.
 
@@ -55,8 +124,10 @@ def make_even(
         Times [s].
     samples : (n,) ndarray
         Accelerations [file unit]; linear in between.
-    where : str
-        ``file:line`` of the first pair, for messages.
+    name : str
+        Name of the file, for messages.
+    first, per_row : int
+        Line of the first pair, from 1, and pairs in a row, for messages.
     gravity_per_unit : float
         g per file unit, for the warning.
 
@@ -72,16 +143,19 @@ def make_even(
     Raises
     ------
     RecordFormatError
-        Times that do not increase, or a jump that would need far more samples than there are.
+        Times that do not increase, a gap among equal steps, or a jump that would need far more samples than there are.
     """
     if times.size < 2:
-        raise RecordFormatError(f"{where}: expected at least 2 samples, found {times.size}; the file may be truncated")
+        raise RecordFormatError(
+            f"{name}:{first}: expected at least 2 samples, found {times.size}; the file may be truncated"
+        )
     steps = np.diff(times)
     back = np.flatnonzero(steps <= 0.0)
     if back.size:
         at = int(back[0])
         raise RecordFormatError(
-            f"{where}: expected increasing times, found {times[at + 1]:g} s after {times[at]:g} s (pair {at + 2}); "
+            f"{name}:{first + (at + 1) // per_row}: expected increasing times, found {times[at + 1]:g} s after "
+            f"{times[at]:g} s (pair {at + 2}); "
             "the file is damaged or holds more than one channel: download it again"
         )
     even = even_step(times)
@@ -89,11 +163,13 @@ def make_even(
         return samples, even, []
     dt = float(f"{np.median(steps):.6g}")
     count = (times[-1] - times[0]) / dt
-    if count > GROWTH_LIMIT * times.size:
-        at = int(np.argmax(steps))
+    gap = long_step(times)
+    if gap is None and count > GROWTH_LIMIT * times.size:
+        gap = int(np.argmax(steps))
+    if gap is not None:
         raise RecordFormatError(
-            f"{where}: a step of {steps[at]:g} s after {times[at]:g} s among steps of {dt:g} s; "
-            "the times are damaged: repair them or download the file again"
+            f"{name}:{first + (gap + 1) // per_row}: a step of {steps[gap]:g} s after {times[gap]:g} s among steps of "
+            f"{dt:g} s; samples are missing or the times are damaged: repair them or download the file again"
         )
     grid = times[0] + dt * np.arange(int(count + 1e-6) + 1)
     even_samples = np.interp(grid, times, samples)

@@ -71,11 +71,23 @@ def test_uplift_is_strictly_above_the_threshold_and_away_from_the_push(equation)
     block = Block.from_parameters(p=2.0, alpha=0.25, restitution=0.9, gravity=8.0)  # powers of two: exact thresholds
     threshold = 8.0 * (0.25 if equation == "linear" else np.tan(0.25))
     at = recorded_response(block, np.full(50, threshold), 0.01, equation)
-    above = recorded_response(block, np.full(50, np.nextafter(threshold, 9.0)), 0.01, equation)
+    above = recorded_response(block, np.full(50, threshold * (1.0 + 1e-12)), 0.01, equation)
     assert (at.outcome, at.peak_rotation_ratio, at.impacts) == (Outcome.AT_REST, 0.0, 0)
     assert above.outcome == Outcome.ROCKS
     pushed = recorded_response(block, np.full(20, -1.2 * threshold), 0.01, equation, history=True)
     assert np.all(pushed.rotation[1:] > 0.0)
+
+
+@pytest.mark.parametrize("equation", EQUATIONS)
+def test_threshold_of_any_block_is_not_passed_by_rounding(equation):
+    half_widths = np.linspace(0.1, 1.5, 200)
+    blocks = Block(half_width=half_widths, half_height=2.5)
+    thresholds = blocks.gravity * (blocks.alpha_c if equation == "linear" else np.tan(blocks.alpha_c))
+    for lane, threshold in enumerate(thresholds):
+        for factor in (1.0, 0.7, 1.3):
+            record = np.full(5, threshold / factor)
+            at = recorded_response(blocks.lane(lane), record, 0.01, equation, scale=[factor, factor * (1 + 1e-12)])
+            assert at.outcome.tolist() == [Outcome.AT_REST, Outcome.ROCKS]
 
 
 @pytest.mark.parametrize("equation", EQUATIONS)
@@ -161,10 +173,32 @@ def test_endless_chatter_is_unresolved_and_says_why():
     assert np.isnan(response.peak_rotation_ratio)
 
 
+def test_scale_acts_on_the_vertical_as_well():
+    record, up = synthetic(6, peak=2.0), synthetic(2, peak=3.0)
+    block = block_b()
+    scaled = recorded_response(block, record, 0.01, scale=1.3, vertical=up, history=True)
+    direct = recorded_response(block, 1.3 * record, 0.01, vertical=1.3 * up, history=True)
+    assert np.max(np.abs(direct.rotation)) > 0.1 * block.alpha_c
+    assert scaled.rotation == pytest.approx(direct.rotation, abs=1e-9)
+
+
+def test_free_flight_on_the_very_last_sample_is_seen():
+    lift = np.zeros(20)
+    lift[-1] = -1.01 * G
+    assert recorded_response(block_a(), np.zeros(20), 0.01, vertical=lift).reason == Reason.FREE_FLIGHT
+
+
+def test_linear_block_beyond_return_overturns_at_once():
+    block = block_b()
+    response = recorded_response(block, np.zeros(20), 0.01, "linear", initial_rotation=3.0 * block.alpha_c)
+    assert (response.outcome, response.overturning_time, response.overturning_half_cycle) == (Outcome.OVERTURNS, 0.0, 1)
+
+
 def test_vertical_acceleration_that_cancels_gravity_is_unresolved():
     record = np.full(20, 0.5)
     response = recorded_response(block_a(), record, 0.01, vertical=np.linspace(0.0, -12.0, 20))
     assert (response.outcome, response.reason) == (Outcome.UNRESOLVED, Reason.FREE_FLIGHT)
+    assert response.impacts == -1
 
 
 @pytest.mark.parametrize("equation", EQUATIONS)
@@ -228,6 +262,12 @@ def test_history_after_overturning_is_nan_and_before_it_is_not():
         ({"vertical": [0.0, 0.0]}, "vertical: expected 3 samples"),
         ({"vertical": [0.0, 0.0, 0.0], "equation": "linear"}, "vertical"),
         ({"initial_rotation": np.nan}, "initial_rotation"),
+        ({"initial_rotation": [0.0, 0.1], "block": Block([0.5, 0.6, 0.7], 2.0)}, "one for each of the blocks"),
+        ({"acceleration": ["a", "b"]}, "acceleration: expected"),
+        ({"scale": "a"}, "scale: expected"),
+        ({"scale": [1.0, 1e300]}, "m/s2"),
+        ({"dt": "a"}, "dt: expected"),
+        ({"block": 3.0}, "block: expected"),
     ],
 )
 def test_wrong_arguments_are_named(change, message):

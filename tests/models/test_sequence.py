@@ -302,9 +302,10 @@ def test_train_without_end_is_refused():
 def test_march_through_the_ground_is_reported(caplog):
     body = block()
     with caplog.at_level("WARNING", logger="rockpulse"):
-        sequence_response(body, sequence(body, 0.3, 0.6, spacing="start"))
+        without = sequence_response(body, sequence(body, 0.3, 0.6, spacing="start"))
         assert not caplog.records
-        sequence_response(body, sequence(body, 0.3, 0.9, spacing="start"))
+        through = sequence_response(body, sequence(body, 0.3, 0.9, spacing="start"))
+    assert (without.ground_contact, through.ground_contact) == (False, True)
     assert "passes through the ground" in caplog.text
 
 

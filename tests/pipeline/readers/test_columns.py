@@ -31,7 +31,7 @@ def table(*columns, delimiter=" ", header="", end="\n", number="{:.6f}") -> str:
 
 
 def test_the_unit_is_never_guessed(write):
-    with pytest.raises(UnitError, match=r"record.txt: plain columns do not state their unit; .* units='g'"):
+    with pytest.raises(UnitError, match=r"record.txt: plain columns do not state their unit; .*--units g.* units='g'"):
         read(write(table(TIMES, VALUES)))
 
 
@@ -73,7 +73,7 @@ def test_a_comma_that_may_be_either_is_refused(write):
 
 def test_a_single_column_needs_an_interval(write):
     path = write(table(VALUES))
-    with pytest.raises(RecordFormatError, match="sampling interval, found none"):
+    with pytest.raises(RecordFormatError, match=r"found none; .*--dt 0.01.*\[records\].*read\(path, .*dt=0.01\)"):
         read(path, units="m/s2")
     (record,) = read(path, units="m/s2", dt=0.02)
     assert (record.dt, record.npts) == (0.02, 200)
@@ -158,7 +158,9 @@ def test_a_bad_row_is_named(write, row, message):
 def test_unequal_steps_are_refused(write):
     times = TIMES.copy()
     times[120:] += 0.5
-    with pytest.raises(RecordFormatError, match=r"record.txt:121: expected equally spaced times, found a step of 0.51"):
+    with pytest.raises(
+        RecordFormatError, match=r"record.txt:121: expected equally spaced times .* found a step of 0.51"
+    ):
         read(write(table(times, VALUES)), units="g")
 
 
@@ -167,6 +169,67 @@ def test_a_time_heading_over_times_that_run_back_is_refused(write):
     times[50] = 0.1
     with pytest.raises(RecordFormatError, match=r"expected increasing times in the column 'time'"):
         read(write(table(times, VALUES, delimiter=",", header="time,acc\n")), units="g")
+
+
+@pytest.mark.parametrize("row", [1, 57, 100, 198])
+@pytest.mark.parametrize(("step", "number"), [(0.01, "{:.2f}"), (0.005, "{:.3f}"), (1 / 128, "{:.6f}"), (1.0, "{:g}")])
+def test_a_missing_row_is_named_whatever_the_digits(write, row, step, number):
+    times = np.delete(np.arange(200) * step, row)
+    rows = [f"{number.format(time)} {value:.6f}" for time, value in zip(times, VALUES[1:], strict=True)]
+    with pytest.raises(RecordFormatError, match=rf"record.txt:{row + 1}: expected equally spaced .* rows are missing"):
+        read(write("\n".join(rows)), units="g")
+
+
+def test_a_missing_row_does_not_pass_under_a_stated_interval_either(write):
+    rows = [f"{0.01 * i:.2f} {value:.6f}" for i, value in enumerate(VALUES) if i != 100]
+    with pytest.raises(RecordFormatError, match=r"record.txt:101: .* at the declared interval of 0.01 s"):
+        read(write("\n".join(rows)), units="g", dt=0.01)
+
+
+def test_five_times_with_a_hole_are_not_even(write):
+    with pytest.raises(RecordFormatError, match=r"record.txt:4: .* found a step of 0.02 s among steps of 0.01 s"):
+        read(write("0 .1\n.01 .2\n.02 .1\n.04 .3\n.05 .1\n"), units="g")
+
+
+@pytest.mark.parametrize("begin", [0.0, 0.005, 12.345])
+@pytest.mark.parametrize("dt", [0.005, 0.004, 0.015, 1 / 128])
+def test_times_rounded_more_coarsely_than_the_interval_are_time(write, begin, dt):
+    rows = "".join(f"{begin + dt * i:.2f} {value:.6f}\n" for i, value in enumerate(VALUES))
+    for content, option in [(f"200 {dt!r}\n{rows}", None), (rows, dt)]:
+        (record,) = read(write(content), units="m/s2", dt=option)
+        assert record.dt == pytest.approx(dt, rel=1e-12)
+        assert record.acceleration == pytest.approx(VALUES, rel=1e-12)
+
+
+@pytest.mark.parametrize("digits", [2, 3])
+def test_a_first_column_that_runs_like_time_but_fits_nothing_is_no_acceleration(write, digits):
+    rows = "".join(f"{0.004 * i:.{digits}f} {value:.6f}\n" for i, value in enumerate(VALUES))
+    with pytest.raises(RecordFormatError, match=r"first column, which runs like time|intervals disagree"):
+        read(write(rows), units="g", dt=0.01)
+    damaged = rows.replace(f"\n{0.004 * 100:.{digits}f} ", f"\n{0.1:.{digits}f} ", 1)
+    assert damaged != rows
+    with pytest.raises(RecordFormatError, match=r"record.txt:1\d\d: expected increasing times in the first column"):
+        read(write(damaged), units="g", dt=0.004)
+
+
+def test_one_repeated_time_without_a_declared_interval_is_named(write):
+    times = TIMES.copy()
+    times[50] = times[49]
+    with pytest.raises(RecordFormatError, match=r"record.txt:51: expected increasing times .* found 0.49 after 0.49"):
+        read(write(table(times, VALUES)), units="g")
+
+
+def test_a_heading_of_time_leaves_no_room_for_count_and_step(write):
+    with pytest.raises(RecordFormatError, match=r"record.txt:3: expected increasing times in the column 't', found 0"):
+        read(write("t,a\n0,0.1\n0,0.2\n"), units="g")
+    (record,) = read(write("t,a\n1,0.1\n2,0.25\n3,0.1\n"), units="m/s2")
+    assert (record.dt, list(record.acceleration)) == (1.0, [0.1, 0.25, 0.1])
+
+
+def test_a_dead_first_channel_is_no_time(write):
+    records = read(write(table(0.0 * VALUES, VALUES)), units="m/s2", dt=0.01)
+    assert "dead channel" in records[0].warnings[0]
+    assert records[1].acceleration == pytest.approx(VALUES)
 
 
 def test_intervals_that_disagree_are_refused(write):

@@ -115,6 +115,57 @@ def test_unequal_pairs_are_interpolated_at_the_median_step_with_a_warning(write)
     assert "resampled by linear interpolation" in record.warnings[0]
 
 
+@pytest.mark.parametrize(("dt", "row"), [(0.005, 100), (0.01, 7), (1 / 300, 150)])
+def test_a_gap_in_equal_pairs_is_refused_with_its_line(write, dt, row):
+    times = np.delete(np.arange(301) * dt, row)
+    with pytest.raises(RecordFormatError, match=rf"TEST.RAW:{28 + row // 5}: a step of .* samples are missing"):
+        read(write(csmip_pairs(times, np.round(pulse(300), 3))))
+
+
+def test_a_long_step_of_a_digitised_trace_is_no_gap(write):
+    steps = np.tile([0.005, 0.007, 0.003, 0.006, 0.004], 40)
+    steps[101] = 0.010
+    (record,) = read(write(csmip_pairs(np.cumsum(steps), np.round(pulse(200), 3))))
+    assert record.dt == 0.005
+    assert "unequal steps of 0.003 to 0.01 s" in record.warnings[0]
+
+
+@pytest.mark.parametrize(
+    ("start", "reason"),
+    [
+        ("1/1/1980 0:00:00.000 GMT", "never set"),
+        ("01/01/80, 00:12:31.0 PST", "never set"),
+        ("01/06/1980, 00:00:02.0 UTC", "never set"),
+        ("03/10/1932, 17:54:00.0 PST", "before the first accelerograms"),
+    ],
+)
+def test_a_start_that_only_a_wrong_clock_states_is_left_out(write, start, reason):
+    (record,) = read(write(csmip_equal(np.round(pulse(), 6), start=start.replace("1980 0", "1980, 0"))))
+    assert record.start_time is None
+    assert reason in record.warnings[0]
+    assert record.id == "TEST.90"
+
+
+@pytest.mark.parametrize(
+    ("start", "moment"),
+    [
+        ("01/01/1980, 16:42:40.0 UTC", datetime(1980, 1, 1, 16, 42, 40, tzinfo=UTC)),  # the Azores earthquake
+        ("03/10/1933, 17:54:00.0 PST", datetime(1933, 3, 11, 1, 54, tzinfo=UTC)),
+    ],
+)
+def test_early_starts_that_may_be_true_are_kept(write, start, moment):
+    (record,) = read(write(csmip_equal(np.round(pulse(), 6), start=start)))
+    assert (record.start_time, record.warnings) == (moment, ())
+
+
+def test_renadic_files_are_read_and_a_dead_clock_is_no_time(records_folder):
+    records = read(records_folder / "renadic" / "cuya0911131.v1")
+    assert [record.orientation for record in records] == ["horizontal", "vertical", "horizontal"]
+    assert [record.start_time for record in records] == [None] * 3
+    assert all("never set" in record.warnings[0] for record in records)
+    assert all(record.start_time for record in read(records_folder / "renadic" / "curico1002271parte1.v1"))
+
+
 def test_pacific_time_becomes_utc(write):
     (record,) = read(write(csmip_equal(pulse(), start="05/02/83, 16:42:48.2 PDT")))
     assert record.start_time == datetime(1983, 5, 2, 23, 42, 48, 200000, tzinfo=UTC)
@@ -209,7 +260,10 @@ def test_one_sample_is_no_record(write):
 
 @pytest.mark.parametrize(
     ("times", "message"),
-    [([0.0, 0.01, 0.005, 0.02], "expected increasing times"), ([0.0, 0.01, 0.02, 90.0], "a step of 89.98 s")],
+    [
+        ([0.0, 0.01, 0.005, 0.02], "TEST.RAW:28: expected increasing times"),
+        ([0.0, 0.01, 0.02, 90.0], "TEST.RAW:28: a step of 89.98 s"),
+    ],
 )
 def test_times_that_cannot_be_right_are_refused(write, times, message):
     with pytest.raises(RecordFormatError, match=message):

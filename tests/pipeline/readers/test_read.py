@@ -16,6 +16,7 @@ from rockpulse.errors import RecordFormatError, RecordRefused, RockpulseError, U
 from rockpulse.readers import FORMATS, read
 from rockpulse.readers.source import NotAcceleration, Unrecognised
 from rockpulse.record import STANDARD_GRAVITY
+from rockpulse.sources import read_all
 
 
 def write(folder, content: bytes, name: str):
@@ -85,6 +86,12 @@ def test_a_missing_file_stays_an_operating_system_error(tmp_path):
         read(tmp_path / "missing.AT2")
 
 
+def test_a_link_that_points_nowhere_is_called_one(tmp_path):
+    (tmp_path / "link.AT2").symlink_to("gone.AT2")
+    with pytest.raises(FileNotFoundError, match=r"link.AT2: the symbolic link points nowhere, gone.AT2 does not exist"):
+        read(tmp_path / "link.AT2")
+
+
 def test_an_unknown_unit_is_an_error_for_any_format(samples):
     with pytest.raises(UnitError, match="option units: unknown unit"):
         read(samples / "CICLC.v1", units="stone")
@@ -118,11 +125,38 @@ def test_bytes_of_any_encoding_in_a_header_do_not_stop_the_reading(tmp_path):
         (b"Raw acceleration counts   (Format v01.20 with 13 text lines)", RecordRefused, "COSMOS"),
         (b"EVENT_NAME: GREECE", RecordRefused, "DYNA"),
         (b"Uncorrected accelerogram 20161113_110256_HSES_20 GNS Science", RecordRefused, "GeoNet"),
+        (b"* VOL1DS FILE:  5520/01\r\nInst Type = SSA-2\r", RecordRefused, "BHRC"),
+        (b"STRONG GROUND MOTION RECORDS OF TURKIYE\r", RecordRefused, "NSMN"),
+        (b"*****\r\n  INSTITUTO\r\n****\r\nARCHIVO ESTANDAR DE ACELERACION:\r", RecordRefused, "UNAM"),
+        ("*****\n  CIRES\n****\nARCHIVO ESTÁNDAR DE ACELERACIÓN:".encode(), RecordRefused, "UNAM or CIRES"),
+        (b"#Earthquake Information\r\n\r\n#StationCode: EGF\r\n#AmplitudeUnit:  gal. DC\r", RecordRefused, "CWB"),
+        (b"#StationCode: EGF\n#SampleRate(Hz): 50\n#AmplitudeUnit: gal\n#Data: 4F10.3", RecordRefused, "CWA"),
+        (b"200805121428 $\r\n$\r\nEQUALLY SPACED INTERVALS OF:  0.005  SEC$\r", RecordRefused, "CSMNC"),
     ],
 )
 def test_formats_known_but_not_read_are_named(tmp_path, first_line, error, name):
-    with pytest.raises(error, match=name):
-        read(write(tmp_path, first_line + b"\n1 2 3\n", "file.dat"))
+    path = write(tmp_path, first_line + b"\n" + b"1 2 3\n" * 20, "file.dat")
+    with pytest.raises(error, match=rf"file.dat:1: .*{name}"):
+        read(path, units="gal", dt=0.01)
+    _, (failure,) = read_all(tmp_path)
+    assert failure.kind == ("skipped" if error is NotAcceleration else "failed")
+    assert ("not read by this version" in failure.reason) is (error is RecordRefused)
+
+
+@pytest.mark.parametrize(
+    ("folder", "name"),
+    [("bhrc", "BHRC"), ("afad_nsmn", "NSMN"), ("unam_asa", "UNAM"), ("cwb", "CWB"), ("dyna_asc", "DYNA")],
+)
+def test_a_folder_of_a_format_not_read_fails_and_is_not_skipped(records_folder, folder, name):
+    records, failures = read_all(records_folder / folder)
+    assert records == []
+    assert failures
+    assert all(row.kind == "failed" and name in row.reason for row in failures)
+    assert all("not read by this version" in row.reason for row in failures)
+
+
+def test_the_table_says_what_a_format_is_and_not_what_becomes_of_it():
+    assert not [row.name for row in FORMATS if "refused" in row.what]
 
 
 def test_every_real_file_is_read_or_refused_with_its_name(records_folder):

@@ -1,0 +1,71 @@
+"""Wordings of components: vertical, azimuth, or unknown rather than guessed."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from record_writers import csmip_equal, pulse
+
+from rockpulse.readers import read
+from rockpulse.readers.facing import direction, heading_direction
+
+
+@pytest.mark.parametrize(
+    "wording",
+    ["Up", "UP.", "-UP", "- Up", "VRT", "Vert", "VERT.", "V", "Z", "U-D", "BHZ", "HNZ", "HHZ", "EHZ", "HLZ", "ENZ"],
+)
+def test_vertical(wording):
+    assert direction(wording).orientation == "vertical"
+
+
+@pytest.mark.parametrize(
+    ("wording", "azimuth"),
+    [
+        ("1 Deg", 1.0),
+        ("2 degrees", 2.0),
+        ("5°", 5.0),
+        ("005", 5.0),
+        ("67", 67.0),
+        ("360", 0.0),
+        ("BHE", 90.0),
+        ("HNN", 0.0),
+        ("S05W", 185.0),
+    ],
+)
+def test_azimuths(wording, azimuth):
+    assert (direction(wording).orientation, direction(wording).azimuth) == ("horizontal", azimuth)
+
+
+@pytest.mark.parametrize("wording", ["1", "2", "9", "0", "", "INTC", "NNE", "WNW", "361", "S95W"])
+def test_what_is_no_direction_stays_unknown(wording):
+    assert direction(wording).orientation == "unknown"
+    assert np.isnan(direction(wording).azimuth)
+
+
+@pytest.mark.parametrize(
+    ("heading", "orientation", "azimuth"),
+    [
+        ("acc_1", "unknown", np.nan),
+        ("CH 12 (g)", "unknown", np.nan),
+        ("channel_10", "unknown", np.nan),
+        ("acc 5 deg [g]", "horizontal", 5.0),
+        ("acc_090", "horizontal", 90.0),
+        ("HNZ", "vertical", np.nan),
+        ("acc VRT", "vertical", np.nan),
+        ("V", "vertical", np.nan),
+        ("v", "unknown", np.nan),
+    ],
+)
+def test_column_headings(heading, orientation, azimuth):
+    facing = heading_direction(heading)
+    assert facing.orientation == orientation
+    assert facing.azimuth == pytest.approx(azimuth, nan_ok=True)
+
+
+def test_a_sign_before_up_keeps_the_samples_and_is_reported(tmp_path):
+    values = np.round(pulse(), 6)
+    path = tmp_path / "a.RAW"
+    path.write_bytes(csmip_equal(values, component="-UP"))
+    (record,) = read(path)
+    assert (record.orientation, record.unit_factor > 0.0) == ("vertical", True)
+    assert "'-UP' does not tell whether upwards is positive" in record.warnings[0]
