@@ -23,6 +23,9 @@ __all__ = ["COLUMNS", "HALF_CYCLE_LIMIT", "UNLIMITED", "repetitions", "sequence_
 #: Half-cycles followed in one lane before it is UNRESOLVED.
 HALF_CYCLE_LIMIT = 50_000
 
+#: A half-cycle that starts with the velocity of an earlier one, to this share of it, closes a cycle.
+CYCLE_TOLERANCE = 1e-13
+
 #: A number of main impulses that is no limit.
 UNLIMITED = 2**62
 
@@ -117,7 +120,9 @@ def sequence_lanes(
         outcome, reason, overturned, impacts = _AT_REST, 0, -1, 0
         peak, overturning_time, lowest = 0.0, np.nan, np.inf
         bounded = u1 > 0.0 and (a == 0.0 or spacing == CONTINUOUS) and stays_bounded(u1, a / u1, c)
+        endless = duration[lane] == np.inf and main_count > UNLIMITED // 2
         velocity, start, index, used = u1, 0.0, 0, 0
+        mark, next_mark = np.nan, 1
         while u1 > 0.0:
             if index == HALF_CYCLE_LIMIT:
                 outcome, reason, peak, impacts = _UNRESOLVED, _HALF_CYCLE_LIMIT_REASON, np.nan, -1
@@ -140,8 +145,13 @@ def sequence_lanes(
             start += time / rate
             following = c * speed + u1
             if start < duration[lane] and index < main_count:
+                if endless and abs(following - mark) <= CYCLE_TOLERANCE * mark:
+                    impacts = -1  # a cycle of several half-cycles, all of which have been followed
+                    break
                 if abs(following - velocity) > 4e-16 * velocity:
                     velocity = following
+                    if index == next_mark:
+                        mark, next_mark = velocity, 2 * index
                     continue
                 # The motion repeats itself: the half-cycles that are left are counted, not followed.
                 repeated = repetitions(start, time / rate, duration[lane], main_count - index)

@@ -291,6 +291,17 @@ def test_motion_that_grows_too_slowly_is_unresolved():
         impulse_train(body, given_sequence)
 
 
+def test_cycle_of_several_half_cycles_without_end_is_recognised():
+    body = Block.from_parameters(p=2.0, alpha=0.2, restitution=0.6)
+    impulses = (0.4911006424284396, 0.33667010899013655, 0.3427066743205173)
+    response = sequence_response(body, ImpulseSequence(*impulses, np.inf, spacing="open"))
+    assert (response.outcome, response.impacts) == (Outcome.ROCKS, -1)
+    long = sequence_response(body, ImpulseSequence(*impulses, 500.0, spacing="open"))
+    assert response.peak_rotation_ratio == pytest.approx(long.peak_rotation_ratio, rel=1e-12)
+    counts = response.half_cycles.impulse_count[-3:]
+    assert len(set(counts.tolist())) > 1  # no cycle of one half-cycle
+
+
 def test_train_without_end_is_refused():
     body = block(2.0, 0.6)
     with pytest.raises(ValueError, match="shorter duration or a main_count"):
