@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
@@ -106,8 +107,7 @@ def assess(
         if warning:
             logger.warning("block %s: %s", name, warning)
     every = list(records)
-    ids = [record.id for record in every]
-    twice = sorted({one for one in ids if ids.count(one) > 1})
+    twice = sorted(name for name, times in Counter(record.id for record in every).items() if times > 1)
     if twice:
         raise ConfigError(f"records: expected different ids, found more than one record with id {', '.join(twice)}")
     horizontal, left_out = select_horizontal(every)
