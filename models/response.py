@@ -31,6 +31,7 @@ class Reason(IntEnum):
     FREE_FLIGHT = 2  #: the vertical acceleration cancels gravity: the block leaves the ground
     HALF_CYCLE_LIMIT = 3  #: more half-cycles than the model follows
     NO_SEQUENCE = 4  #: the record gave no impulse sequence to answer with
+    SHORT_INTERVAL = 5  #: secondary impulses too close for the march; the limit is spacing="continuous"
 
 
 @dataclass(frozen=True, eq=False)

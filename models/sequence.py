@@ -8,13 +8,15 @@
 from __future__ import annotations
 
 import logging
+from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
 from rockpulse.models.block import Block
 from rockpulse.models.half_cycle_table import TABLE_ROWS, lanes, tabulated_response
 from rockpulse.models.impulse_sequence import SPACINGS, ImpulseSequence
-from rockpulse.models.response import IMPACT_CUTOFF, HalfCycles, Outcome, Response
+from rockpulse.models.response import IMPACT_CUTOFF, HalfCycles, Outcome, Reason, Response
 from rockpulse.models.sequence_kernel import HALF_CYCLE_LIMIT, UNLIMITED, sequence_lanes
 
 __all__ = ["SPACINGS", "ImpulseSequence", "impulse_train", "sequence_response"]
@@ -56,7 +58,8 @@ def sequence_response(block: Block, sequence: ImpulseSequence, table_rows: int =
     Raises
     ------
     ValueError
-        For an interval below 1e-4/p or more than a million intermediate impulses: use spacing "continuous".
+        For more than a million intermediate impulses in a half-cycle: use spacing "continuous". An interval below
+        1e-4/p makes its lanes UNRESOLVED, for the same reason.
 
     Notes
     -----
@@ -88,14 +91,9 @@ def sequence_response(block: Block, sequence: ImpulseSequence, table_rows: int =
         raise ValueError(
             f"intermediate_count: expected at most {_LARGEST_COUNT}, got {count}; use spacing='continuous'"
         )
-    trial = (secondary > 0.0) & (sequence.spacing != "continuous") & (count == 0)
-    if np.any(trial & (p * interval < _SHORTEST_INTERVAL)):
-        raise ValueError(
-            f"interval: expected at least {_SHORTEST_INTERVAL:g}/p = {_SHORTEST_INTERVAL / np.min(p[trial]):.3g} s, "
-            f"got {np.min(interval[trial]):.3g} s; use spacing='continuous' for the limit"
-        )
+    short = (secondary > 0.0) & (sequence.spacing != "continuous") & (count == 0) & (p * interval < _SHORTEST_INTERVAL)
     arguments = (
-        main / critical,
+        np.where(short, 0.0, main / critical),
         secondary / critical,
         p,
         restitution,
@@ -106,7 +104,7 @@ def sequence_response(block: Block, sequence: ImpulseSequence, table_rows: int =
         SPACINGS[sequence.spacing],
         IMPACT_CUTOFF,
     )
-    response = tabulated_response(sequence_lanes, arguments, shape, drop, table_rows)
+    response = _unresolved(tabulated_response(sequence_lanes, arguments, shape, drop, table_rows), short)
     through = np.count_nonzero(response.ground_contact)
     if through:
         logger.warning(
@@ -117,6 +115,25 @@ def sequence_response(block: Block, sequence: ImpulseSequence, table_rows: int =
             sequence.spacing,
         )
     return response
+
+
+def _unresolved(response: Response, short: np.ndarray) -> Response:
+    """The response with the lanes marked whose secondary impulses are too close together."""
+    if not np.any(short):
+        return response
+    short = short.reshape(np.shape(response.outcome))
+
+    def marked(values: Any, value: Any) -> Any:
+        filled = np.where(short, value, values)
+        return filled.item() if filled.ndim == 0 else filled
+
+    return replace(
+        response,
+        peak_rotation_ratio=marked(response.peak_rotation_ratio, np.nan),
+        outcome=marked(response.outcome, int(Outcome.UNRESOLVED)),
+        reason=marked(response.reason, int(Reason.SHORT_INTERVAL)),
+        impacts=marked(response.impacts, -1),
+    )
 
 
 def impulse_train(block: Block, sequence: ImpulseSequence) -> tuple[np.ndarray, np.ndarray]:
@@ -153,6 +170,11 @@ def impulse_train(block: Block, sequence: ImpulseSequence) -> tuple[np.ndarray, 
     if block.shape or sequence.shape:
         raise ValueError(f"expected one block and one sequence, got shapes {block.shape} and {sequence.shape}")
     response = sequence_response(block, sequence, table_rows=HALF_CYCLE_LIMIT)
+    if response.reason == Reason.SHORT_INTERVAL:
+        raise ValueError(
+            f"interval: expected at least {_SHORTEST_INTERVAL:g}/p = {_SHORTEST_INTERVAL / block.p:.3g} s, "
+            f"got {sequence.interval:.3g} s; use spacing='continuous' for the limit"
+        )
     if response.outcome == Outcome.UNRESOLVED:
         raise ValueError(
             f"the sequence has no end within {HALF_CYCLE_LIMIT} half-cycles; give a duration or a main_count"

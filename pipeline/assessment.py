@@ -19,7 +19,7 @@ from rockpulse.errors import ConfigError
 from rockpulse.failures import Failure
 from rockpulse.intensity import arias_intensity, pgv
 from rockpulse.models.block import Block
-from rockpulse.models.response import Response
+from rockpulse.models.response import Outcome, Response
 from rockpulse.record import Record
 from rockpulse.results import build_tree
 from rockpulse.safety import resonance_safety_factor, sequence_safety_factor
@@ -124,7 +124,8 @@ def assess(
             done.append(assess_record(record, bodies, config, vertical))
         except ValueError as error:  # RockpulseError, and what a model says of numbers it cannot take
             logger.error("%s: %s", record.id, error)
-            rows.append(Failure(file=record.source, stage="assess", reason=f"{record.id}: {error}", kind="failed"))
+            reason = str(error) if record.id in str(error) else f"{record.id}: {error}"
+            rows.append(Failure(file=record.source, stage="assess", reason=reason, kind="failed"))
     return build_tree(done, bodies, config, rows)
 
 
@@ -157,7 +158,7 @@ def assess_record(record: Record, bodies: Bodies, config: Config, vertical: Reco
             f"{np.size(contact)} bodies touch the ground inside a half-cycle; take another spacing"
         )
         scene = replace(scene, record=scene.record.with_warning(warning))
-    safety = {name: _safety_factor(name, lanes, scene) for name in config.models.use}
+    safety = {name: _safety_factor(name, lanes, scene, responses[name]) for name in config.models.use}
     return RecordAssessment(
         scene=scene,
         record=_record_scalars(scene),
@@ -174,13 +175,14 @@ def assess_record(record: Record, bodies: Bodies, config: Config, vertical: Reco
     )
 
 
-def _safety_factor(model: str, block: Block, scene: Scene) -> np.ndarray:
+def _safety_factor(model: str, block: Block, scene: Scene, response: Response) -> np.ndarray:
     search = scene.config.search
+    factor = np.full(block.shape, np.nan)  # not computed: shown as "-"
     if scene.sequence is not None and model == "resonance":
-        return resonance_safety_factor(block, scene.sequence, search.factor_max)
+        factor = resonance_safety_factor(block, scene.sequence, search.factor_max)
     if scene.sequence is not None and model == "sequence":
-        return sequence_safety_factor(block, scene.sequence, search.factor_max, search.step)
-    return np.full(block.shape, np.nan)  # not computed: shown as "-"
+        factor = sequence_safety_factor(block, scene.sequence, search.factor_max, search.step)
+    return np.where(np.equal(response.outcome, Outcome.UNRESOLVED), np.nan, factor)
 
 
 def _applicable(model: str, block: Block) -> np.ndarray:

@@ -40,6 +40,9 @@ TAPER_SHARE = 0.05
 #: Length of each pad: this times the order of a pass, in periods of the lowest corner (Boore 2005).
 PAD_PERIODS = 1.5
 
+#: Longest pad [samples]: a corner that asks for more is no filter of a record.
+LONGEST_PAD = 10_000_000
+
 #: Anti-alias filter of the resampling: ripple and stop band [dB], transition up to the lower Nyquist frequency as a
 #: share of it.
 RESAMPLING_ATTENUATION = 100.0
@@ -296,6 +299,11 @@ def _filter(record: Record, highpass: float | None, lowpass: float | None, order
         sections.append(signal.butter(order, lowpass, "lowpass", fs=rate, output="sos"))
         words.append(f"low-pass {lowpass:g} Hz")
     pad = math.ceil(PAD_PERIODS * order / (highpass or lowpass or rate) * rate)
+    if pad > LONGEST_PAD:
+        raise ConfigError(
+            f"condition: corner {highpass or lowpass:g} Hz: pads of {pad:.3g} samples, expected at most "
+            f"{LONGEST_PAD:g}; take a higher corner, {record.id} is {record.duration:g} s long"
+        )
     filtered = signal.sosfiltfilt(np.concatenate(sections), np.pad(record.acceleration, pad), padtype=None)
     cut = replace(record, acceleration=filtered[pad : pad + record.npts])
     # Trapezoids up to the first sample that is kept, where the integration of the cut record begins.

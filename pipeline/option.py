@@ -112,7 +112,10 @@ def is_number(value: Any) -> bool:
     value : object
         Anything.
     """
-    return isinstance(value, (int, float)) and not isinstance(value, bool) and math.isfinite(value)
+    if isinstance(value, bool) or not isinstance(value, (int, float)):
+        return False
+    # TOML has integers of any length; a float holds them up to 2**1024.
+    return abs(value) < 2**1024 if isinstance(value, int) else math.isfinite(value)
 
 
 def text(default: str | None = "") -> Any:

@@ -17,6 +17,9 @@ __all__ = ["STANDARD_GRAVITY", "Orientation", "Record", "distinct_ids", "record_
 #: What the file unit "g" means, always [m/s2].
 STANDARD_GRAVITY = 9.80665
 
+#: Largest sample that is taken for an acceleration [m/s2]; the squares of larger ones may overflow.
+STRONGEST = 1e9
+
 Orientation = Literal["horizontal", "vertical", "structural", "unknown"]
 
 
@@ -102,6 +105,12 @@ class Record:
             raise RecordFormatError(
                 f"{where}: {bad.size} of {acceleration.size} samples are NaN or infinite, the first at index {bad[0]}; "
                 "repair the file or cut the record there"
+            )
+        strongest = int(np.argmax(np.abs(acceleration)))
+        if abs(acceleration[strongest]) > STRONGEST:
+            raise RecordFormatError(
+                f"{where}: sample {strongest} is {acceleration[strongest]:.3g} m/s2, no ground motion; "
+                "is the file damaged, or the unit wrong?"
             )
         if not (np.isfinite(self.dt) and self.dt > 0.0):
             raise RecordFormatError(f"{where}: expected a positive sampling interval dt in s, found {self.dt!r}")

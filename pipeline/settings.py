@@ -157,8 +157,8 @@ class SearchSettings(Section):
     """The grid of factors on which the safety factor is searched."""
 
     heading = "[search]"
-    factor_max: float = number(10.0, low=0.0, above=True)
-    step: float = number(1.005, low=1.0, above=True)
+    factor_max: float = number(10.0, low=0.0, high=1e6, above=True)
+    step: float = number(1.005, low=1.0001)
 
 
 @dataclass(frozen=True)

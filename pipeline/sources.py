@@ -108,6 +108,11 @@ def _find(paths: Sequence[PathLike]) -> tuple[list[_Found], list[Failure]]:
     for given in paths:
         text = os.fspath(given)
         path = Path(text)
+        if not text:
+            failures.append(
+                Failure(text, "find", "an empty path was given; is a variable of the shell unset?", "failed")
+            )
+            continue
         if path.is_dir():
             items, faults = _walk(path)
             failures += faults

@@ -133,7 +133,7 @@ def load(path: str | Path) -> xr.DataTree:
 
     _check_schema(path)
     try:
-        # Times are plain seconds: decoding would turn units of "s" into time deltas.
+        # Times are plain seconds and stay so, whatever units xarray may take for time deltas.
         with xr.open_datatree(path, engine="h5netcdf", decode_times=False, decode_timedelta=False) as opened:
             tree = opened.load()
     except (OSError, RuntimeError, ValueError, KeyError) as error:
@@ -185,7 +185,7 @@ def _check_schema(path: str | Path) -> None:
         with h5py.File(path, "r") as file:
             found = file.attrs.get("schema_version")
             known = "summary" in file and isinstance(found, str)
-    except OSError as error:
+    except (OSError, RuntimeError, KeyError) as error:
         raise ResultsError(
             f"{path}: expected a results file of rockpulse (HDF5), found something else or a truncated file ({error}); "
             "records are assessed with 'rockpulse assess'"

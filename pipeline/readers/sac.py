@@ -18,6 +18,8 @@ __all__ = ["is_sac", "read_sac"]
 #: Length of the header and offsets of the words NPTS and NVHDR [bytes].
 _HEADER, _NPTS, _NVHDR = 632, 4 * 79, 4 * 76
 #: Values of IDEP that exclude acceleration.
+_UNDEFINED = -12345.0
+_COORDINATES = {"STLA": 31, "STLO": 32, "EVLA": 35, "EVLO": 36}
 _SERIES = {6: "displacement", 7: "velocity"}
 
 
@@ -63,6 +65,7 @@ def read_sac(file: SourceFile, units: str | None = None, dt: float | None = None
             f"{file.name}: expected {declared} samples (header NPTS), found room for {available}; "
             "the file may be truncated: download it again"
         )
+    _check_coordinates(file, order)
     (trace,), notes = obspy_stream(file, "SAC")
     stats = trace.stats
     header = stats.sac
@@ -108,3 +111,14 @@ def read_sac(file: SourceFile, units: str | None = None, dt: float | None = None
             warnings=notes,
         )
     ]
+
+
+def _check_coordinates(file: SourceFile, order: str) -> None:
+    """Obspy brings a longitude into its range by turns of 360 degrees, one by one: an absurd one never ends."""
+    for name, word in _COORDINATES.items():
+        value = struct.unpack_from(f"{order}f", file.content, 4 * word)[0]
+        if value != _UNDEFINED and not abs(value) <= 360.0:
+            raise RecordFormatError(
+                f"{file.name}: expected degrees in the header word {name}, found {value:g}; the file may be damaged: "
+                "download it again"
+            )

@@ -322,8 +322,15 @@ def test_march_through_the_ground_is_reported(caplog):
 
 def test_interval_that_cannot_be_told_from_the_limit_is_refused():
     body = block()
+    close = sequence(body, 0.3, 0.5, interval=1e-6)
+    both = sequence_response(Block.stack([body, Block(5e6, 4e7, restitution=0.9, gravity=9.81)]), close)
+    for response in (sequence_response(body, close), sequence_response(Block.stack([body, body]), close), both):
+        assert np.all(np.equal(response.outcome, Outcome.UNRESOLVED))
+        assert np.all(np.equal(response.reason, Reason.SHORT_INTERVAL))
+        assert np.all(np.isnan(response.peak_rotation_ratio))
+        assert np.all(np.equal(response.impacts, -1))
     with pytest.raises(ValueError, match=r"interval.*continuous"):
-        sequence_response(body, sequence(body, 0.3, 0.5, interval=1e-6))
+        impulse_train(body, close)
     with pytest.raises(ValueError, match=r"intermediate_count.*continuous"):
         sequence_response(body, sequence(body, 0.3, 0.5, intermediate_count=2_000_000))
 

@@ -12,7 +12,7 @@ from rockpulse.config import Config
 from rockpulse.errors import ConfigError
 from rockpulse.failures import Failure
 from rockpulse.intensity import pgv
-from rockpulse.models import Block, Outcome, recorded_response
+from rockpulse.models import Block, Outcome, Reason, recorded_response
 from rockpulse.models.sequence import SPACINGS
 from rockpulse.record import Record
 from rockpulse.scene import prepare
@@ -199,12 +199,22 @@ def test_every_estimator_gives_an_assessment_with_safety_factors(options):
     assert np.all(factors > 0.0)
 
 
+def test_body_beyond_the_reach_of_the_sequence_leaves_the_others_their_answers():
+    island = BlockSettings(name="island", width=1e9, height=1e10)
+    summary = assess([record("one")], Config(blocks=(WALL, island)))["summary"].sel(record="one")
+    assert summary["reason"].sel(block="island", model="sequence") == Reason.SHORT_INTERVAL
+    assert np.isnan(summary["safety_factor"].sel(block="island", model="sequence"))
+    assert summary["outcome"].sel(block="island", model="nonlinear") == Outcome.ROCKS
+    assert np.all(summary["outcome"].sel(block="wall") != Outcome.UNRESOLVED)
+
+
 def test_numbers_that_a_model_refuses_are_a_failed_row_and_the_others_go_on():
-    dense = Record(motion(0), 1e-6, id="dense", processed=True, source="dense.txt")
-    tree = assess([dense, record("one")], Config(blocks=(WALL,)))
+    config = Config(blocks=(WALL,), sequence=SequenceSettings(spacing="end"))
+    strong = Record(2.5e7 * motion(0), DT, id="strong", processed=True, source="strong.txt")
+    tree = assess([strong, record("one")], config)
     assert list(tree["summary"]["record"].values) == ["one"]
     assert tree["failures"]["kind"].values.tolist() == ["failed"]
-    assert "interval" in tree["failures"]["reason"].values[0]
+    assert "is the record in m/s2" in tree["failures"]["reason"].values[0]
 
 
 def test_velocity_that_drifts_is_flagged():

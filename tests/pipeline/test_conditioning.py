@@ -336,3 +336,8 @@ def test_wrong_arguments_are_named(wrong, message):
 def test_two_samples_can_be_conditioned():
     conditioned = condition(record([1.0, 3.0]), "quadratic", highpass_hz=1.0, taper_s=0.0)
     assert conditioned.acceleration == pytest.approx([0.0, 0.0], abs=1e-12)
+
+
+def test_corner_far_below_the_record_is_refused_before_its_pads_are_made():
+    with pytest.raises(ConfigError, match=r"pads of 3e\+14 samples, expected at most 1e\+07"):
+        condition(sine(1.0), "none", highpass_hz=1e-12)

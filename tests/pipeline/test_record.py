@@ -27,6 +27,11 @@ def test_derived_numbers():
     assert one.time == pytest.approx([0.0, 0.01, 0.02])
 
 
+def test_samples_beyond_any_ground_motion_are_refused():
+    with pytest.raises(RecordFormatError, match=r"sample 1 is -1e\+200 m/s2, no ground motion"):
+        record(values=(0.0, -1e200))
+
+
 def test_samples_are_a_read_only_copy():
     values = np.array([0.0, 1.0, 2.0])
     one = Record(acceleration=values, dt=0.01, id="a")

@@ -364,3 +364,12 @@ def test_the_building_archive_of_meloland_is_listed_member_by_member(records_fol
     assert records == []
     assert [failure.kind for failure in failures].count("failed") == 26  # volume 2 is not read by this version
     assert [failure.kind for failure in failures].count("skipped") == 26  # spectra
+
+
+def test_an_empty_path_is_not_the_current_folder(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "a.AT2").write_bytes(b"")
+    records, failures = read_all([""])
+    assert records == []
+    assert [(failure.kind, failure.stage) for failure in failures] == [("failed", "find")]
+    assert "empty path" in failures[0].reason

@@ -138,6 +138,19 @@ def test_overwrite_replaces_damaged_results(tmp_path, part):
     assert load(target).attrs["title"] == "Borgo"
 
 
+def test_results_with_a_damaged_byte_load_or_say_so(tmp_path):
+    target = tmp_path / "results.h5"
+    whole = old_results(target)
+    refused = 0
+    for offset in range(8, len(whole), len(whole) // 120):
+        target.write_bytes(whole[:offset] + bytes([whole[offset] ^ 0xFF]) + whole[offset + 1 :])
+        try:
+            load(target)
+        except ResultsError:
+            refused += 1
+    assert refused > 5
+
+
 def _foreign_hdf5(path):
     with h5py.File(path, "w") as file:
         file.attrs["schema_version"] = "1.0"  # a common name; only rockpulse adds its own version

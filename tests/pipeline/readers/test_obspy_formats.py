@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import struct
 from datetime import UTC, datetime
 
 import numpy as np
@@ -201,6 +202,16 @@ def test_truncated_sac(tmp_path):
     path = write_sac(tmp_path)
     path.write_bytes(path.read_bytes()[:-100])
     with pytest.raises(RecordFormatError, match=r"expected 1000 samples \(header NPTS\), found room for 975"):
+        read(path, units="g")
+
+
+@pytest.mark.parametrize(("name", "word"), [("STLO", 32), ("EVLO", 36)])
+def test_sac_with_a_longitude_that_is_none_is_refused_at_once(tmp_path, name, word):
+    path = write_sac(tmp_path)
+    content = bytearray(path.read_bytes())
+    struct.pack_into("<f", content, 4 * word, 1e20)
+    path.write_bytes(content)
+    with pytest.raises(RecordFormatError, match=f"header word {name}, found 1e\\+20"):
         read(path, units="g")
 
 
