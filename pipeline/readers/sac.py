@@ -58,6 +58,8 @@ def read_sac(file: SourceFile, units: str | None = None, dt: float | None = None
         Unequal spacing, fewer samples than declared, damaged bytes.
     """
     order = _byte_order(file.head)
+    if order is None:
+        raise RecordFormatError(f"{file.name}: expected a SAC header of version 6 or 7, found none; is it a SAC file?")
     declared = struct.unpack_from(f"{order}i", file.content, _NPTS)[0]
     available = (len(file.content) - _HEADER) // 4
     if not 1 <= declared <= available:
