@@ -133,3 +133,11 @@ def test_bad_fields_are_named(fields, message):
 def test_bad_parameters_are_named(p, alpha, message):
     with pytest.raises(ValueError, match=message):
         Block.from_parameters(p=p, alpha=alpha, restitution=0.9)
+
+
+@pytest.mark.parametrize("width", [0.1, 0.3, 0.35, 0.5, 0.7, 1.1])
+def test_block_of_exactly_the_least_slenderness_is_within_the_range(width):
+    exact, below = Block(width, 3.0 * width), Block(width, 2.999 * width)
+    assert (exact.slender, below.slender) == (True, False)
+    assert not any("slenderness" in warning for warning in exact.warnings)
+    assert any("slenderness" in warning for warning in below.warnings)

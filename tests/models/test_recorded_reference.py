@@ -175,9 +175,7 @@ def assert_agreement(case):
         both = known & np.isfinite(fast.rotation)
         block = block_of(case.radius, case.slenderness, case.restitution)
         largest = np.max(np.abs(fast.velocity - slow.velocity)[both]) / (block.p * block.alpha_c)
-        assert (
-            largest <= 2.0 * rocking_reference.CHATTER  # the last tiny hops may be left out
-        )  # which of the last tiny hops are left out is a matter of choice
+        assert largest <= 2.0 * rocking_reference.CHATTER  # the last tiny hops may be left out
 
 
 def assert_same_overturning(fast, slow, equation, dt):
