@@ -22,6 +22,20 @@ def samples() -> Path:
 
 
 @pytest.fixture(scope="session")
+def ridgecrest(samples):
+    """The nine channels of the Ridgecrest samples, as read."""
+    from rockpulse.readers import read
+
+    return [channel for name in ("CICCC.RAW", "CICLC.v1", "CITOW2.RAW") for channel in read(samples / name)]
+
+
+@pytest.fixture(scope="session")
+def ccc(ridgecrest):
+    """The three channels of Christmas Canyon."""
+    return [channel for channel in ridgecrest if channel.station == "CCC"]
+
+
+@pytest.fixture(scope="session")
 def records_folder() -> Path:
     """Real records that may not be passed on; the environment variable ROCKPULSE_RECORDS names the folder."""
     folder = os.environ.get("ROCKPULSE_RECORDS")

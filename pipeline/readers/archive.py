@@ -54,6 +54,7 @@ def members(path: Path) -> Iterator[tuple[str, SourceFile | RockpulseError]]:
         As the operating system says.
     """
     try:
+        # NotImplementedError is how zipfile names a feature or a compression that it does not know.
         archive = zipfile.ZipFile(path)
     except (zipfile.BadZipFile, NotImplementedError, ValueError) as fault:
         raise RecordFormatError(f"{path}: damaged zip archive ({fault}); download it again") from fault
@@ -106,7 +107,9 @@ def _content(archive: zipfile.ZipFile, entry: zipfile.ZipInfo, name: str) -> byt
         ValueError,
         lzma.LZMAError,
     ) as fault:
-        raise RecordFormatError(f"{name}: damaged member ({fault}); download the archive again") from fault
+        raise RecordFormatError(
+            f"{name}: damaged member, or one packed in an unknown way ({fault}); download the archive again"
+        ) from fault
     if not content:
         raise RecordFormatError(f"{name}: the file is empty; download the archive again")
     return content

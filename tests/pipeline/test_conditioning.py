@@ -2,9 +2,7 @@
 
 import logging
 import math
-import os
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -16,21 +14,10 @@ from rockpulse.conditioning import BASELINES, condition
 from rockpulse.errors import ConfigError
 from rockpulse.half_wave import half_waves
 from rockpulse.intensity import pgv
-from rockpulse.readers import read
 from rockpulse.record import Record
 
 properties = settings(derandomize=True, deadline=None, max_examples=50)
 coefficients = st.tuples(*[st.floats(-5.0, 5.0)] * 3)
-
-
-@pytest.fixture(scope="module")
-def ridgecrest():
-    folder = Path(os.environ.get("ROCKPULSE_RECORDS", "")) / "csmip_v1"
-    folder = folder if "ROCKPULSE_RECORDS" in os.environ else Path(__file__).parents[2] / "data" / "samples"
-    paths = [folder / name for name in ("CICCC.RAW", "CICLC.v1", "CITOW2.RAW")]
-    if missing := [str(path) for path in paths if not path.exists()]:
-        pytest.skip(f"no {', '.join(missing)}: set ROCKPULSE_RECORDS to a folder with the records")
-    return [motion for path in paths for motion in read(path)]
 
 
 def record(values, dt=0.01, processed=False):

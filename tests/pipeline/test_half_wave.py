@@ -1,9 +1,7 @@
 """Half-waves: exact lobes against rational arithmetic, the sums of F10, and mergers worked by hand."""
 
 import math
-import os
 from fractions import Fraction
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -12,7 +10,6 @@ from hypothesis import strategies as st
 
 from rockpulse.errors import ConfigError
 from rockpulse.half_wave import half_waves
-from rockpulse.readers import read
 from rockpulse.record import Record
 
 properties = settings(derandomize=True, deadline=None, max_examples=150)
@@ -29,15 +26,6 @@ options = st.fixed_dictionaries(
         "merge": st.booleans(),
     }
 )
-
-
-@pytest.fixture(scope="module")
-def ccc():
-    folder = Path(os.environ.get("ROCKPULSE_RECORDS", "")) / "csmip_v1"
-    folder = folder if "ROCKPULSE_RECORDS" in os.environ else Path(__file__).parents[2] / "data" / "samples"
-    if not (folder / "CICCC.RAW").exists():
-        pytest.skip(f"no {folder / 'CICCC.RAW'}: set ROCKPULSE_RECORDS to a folder with the records")
-    return read(folder / "CICCC.RAW")
 
 
 def record(values, dt=1.0):

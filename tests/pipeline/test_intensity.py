@@ -1,8 +1,6 @@
 """Arias intensity, PGV and intense phase: closed forms, and exactness for a record that is linear between samples."""
 
 import math
-import os
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -11,20 +9,10 @@ from hypothesis import strategies as st
 
 from rockpulse.errors import ConfigError, RecordRefused
 from rockpulse.intensity import INTENSE_PHASES, IntensePhase, arias_intensity, intense_phase, pgv
-from rockpulse.readers import read
 from rockpulse.record import STANDARD_GRAVITY, Record
 
 properties = settings(derandomize=True, deadline=None, max_examples=100)
 samples = st.lists(st.integers(-9, 9), min_size=2, max_size=40)
-
-
-@pytest.fixture(scope="module")
-def ccc():
-    folder = Path(os.environ.get("ROCKPULSE_RECORDS", "")) / "csmip_v1"
-    folder = folder if "ROCKPULSE_RECORDS" in os.environ else Path(__file__).parents[2] / "data" / "samples"
-    if not (folder / "CICCC.RAW").exists():
-        pytest.skip(f"no {folder / 'CICCC.RAW'}: set ROCKPULSE_RECORDS to a folder with the records")
-    return read(folder / "CICCC.RAW")
 
 
 def record(values, dt=1.0):
