@@ -29,7 +29,7 @@ figure, (ground, impulses, rocking) = plt.subplots(3, 1, sharex=True, figsize=(9
 ground.plot(record.time, record.acceleration, color=GREY, lw=0.6)
 ground.axvspan(phase.start, phase.end, color=BLUE, alpha=0.12, lw=0, label="intense phase D5-95")
 ground.set_ylabel("ground acceleration\n[m/s²]")
-ground.legend(loc="upper left", frameon=False)
+ground.legend(loc="lower left", frameon=False)
 
 strong = waves.between(phase.start, phase.end)
 impulses.vlines(strong.centroid, 0.0, strong.impulse, color=BLUE, lw=1.2, label="half-wave impulses")
@@ -40,7 +40,8 @@ for level, style, name in (
     impulses.axhline(level, color=ORANGE, ls=style, lw=1.2, label=name)
     impulses.axhline(-level, color=ORANGE, ls=style, lw=1.2)
 impulses.set_ylabel("impulse\n[m/s]")
-impulses.legend(loc="upper left", frameon=False)
+impulses.set_ylim(-1.15 * sequence.main, 1.6 * sequence.main)
+impulses.legend(loc="upper left", ncols=3, frameon=False)
 
 for (equation, response), color, width in zip(responses.items(), (BLUE, ORANGE), (1.4, 1.0), strict=True):
     peak = f"peak {response.peak_rotation_ratio:.2f} $\\alpha_c$"
