@@ -11,40 +11,81 @@ import math
 import numpy as np
 from numba import njit
 
-from rockpulse.models.polynomial import ORDER
+from rockpulse.models import slots as row
 
-__all__ = ["linear_after", "linear_series"]
+__all__ = ["linear_after", "linear_steps", "set_hyperbolic"]
+
+# Coefficients of cosh and sinh.
+H2, H4, H6, H8, H10, H12 = (1.0 / math.factorial(k) for k in range(2, 14, 2))
+H3, H5, H7, H9, H11, H13 = (1.0 / math.factorial(k) for k in range(3, 15, 2))
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
-def linear_series(c, phi, speed, alpha, ground, ground_slope):
-    """Taylor coefficients of phi about the start of a step.
+@njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"}, _nrt=False)
+def linear_steps(f):
+    """One step of every slot by the exact map, into the rows that :func:`rockpulse.models.finish.finish_steps` reads.
 
     Parameters
     ----------
-    c : (ORDER + 1,) ndarray
-        Filled with c_k of phi(tau) = sum c_k tau^k [rad].
-    phi, speed : float
-        phi [rad] and dphi/dtau [rad] at the start.
-    alpha : float
-        alpha_c [rad].
-    ground, ground_slope : float
-        s a_g/g [-] at the start and its slope per unit of tau.
+    f : (FLOAT_ROWS * WIDTH,) ndarray
+        The slots, see :mod:`rockpulse.models.slots`.
 
     Notes
     -----
-    (k+1)(k+2) c_{k+2} = c_k - [alpha + ground]_k. No difference of hyperbolic functions is taken, so the motion keeps
-    its digits next to phi = 0.
+    With r = phi - alpha - ground and the slope m of the ground, phi(h) = phi + r (cosh h - 1) + phi' sinh h - m (sinh h
+    - h) and phi'(h) = phi' cosh h + r sinh h - m (cosh h - 1): no difference of large numbers next to phi = 0. phi''
+    has its largest size at an end but for a factor 1/(1 - h^2/8). The series serves to find what happens inside. A
+    step is marked where the growing mode exceeds a bound of what is left of the record.
     """
-    c[0] = phi
-    c[1] = speed
-    c[2] = 0.5 * (phi - alpha - ground)
-    c[3] = (speed - ground_slope) / 6.0
-    for k in range(2, ORDER - 1):
-        c[k + 2] = c[k] / ((k + 1.0) * (k + 2.0))
+    for j in range(row.WIDTH):
+        phi = f[row.PHI + j]
+        speed = f[row.SPEED + j]
+        h = f[row.STEP + j]
+        alpha = f[row.ALPHA + j]
+        ground = f[row.GROUND + j]
+        slope = f[row.SLOPE + j]
+        r = phi - alpha - ground
+        end = phi + (r * f[row.COSH_1 + j] + (speed * f[row.SINH + j] - slope * f[row.SINH_H + j]))
+        end_speed = speed + (speed * f[row.COSH_1 + j] + r * f[row.SINH + j] - slope * f[row.COSH_1 + j])
+        end_pull = end - alpha - ground - slope * h
+        strongest = 1.1 * max(abs(r), abs(end_pull))
+        gone = end - alpha + end_speed > f[row.LIMIT + j]
+        # The series: d_(k+2) = d_k/(k (k + 1)) from the third on.
+        d3 = (1 / 2) * (speed - slope)
+        d4 = (1 / 6) * r
+        d5 = (1 / 12) * d3
+        d6 = (1 / 20) * d4
+        d7 = (1 / 30) * d5
+        d8 = (1 / 42) * d6
+        d9 = (1 / 56) * d7
+        d10 = (1 / 72) * d8
+        f[row.RATE_2 + j] = r
+        f[row.RATE_3 + j] = d3
+        f[row.RATE_4 + j] = d4
+        f[row.RATE_5 + j] = d5
+        f[row.RATE_6 + j] = d6
+        f[row.RATE_7 + j] = d7
+        f[row.RATE_8 + j] = d8
+        f[row.RATE_9 + j] = d9
+        f[row.RATE_10 + j] = d10
+        f[row.END + j] = end
+        f[row.END_SPEED + j] = end_speed
+        f[row.END_PULL + j] = end_pull
+        f[row.STRONGEST + j] = strongest
+        f[row.MARKED + j] = 1.0 if gone else 0.0
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
+def set_hyperbolic(f, j):
+    """cosh h - 1, sinh h and sinh h - h of the step of slot j, by their series: h is below 0.3."""
+    h = f[row.STEP + j]
+    z = h * h
+    excess = h * z * (H3 + z * (H5 + z * (H7 + z * (H9 + z * (H11 + z * H13)))))
+    f[row.SINH_H + j] = excess
+    f[row.SINH + j] = h + excess
+    f[row.COSH_1 + j] = z * (H2 + z * (H4 + z * (H6 + z * (H8 + z * (H10 + z * H12)))))
+
+
+@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
 def linear_after(phi, speed, alpha, restitution):
     """Motion on the ground at rest, from a state to its end (Eqs. 2, 6, 8).
 

@@ -11,13 +11,16 @@ from numba import njit
 
 __all__ = ["ORDER", "falling_root", "first_impact", "value", "velocity"]
 
-#: Degree of the polynomials: one sample of p dt = 0.04 in which the ground jumps by three thresholds is exact to 1e-14.
+#: Degree of the polynomials.
 ORDER = 10
 
 MAX_ITERATIONS = 100
 
+#: A Newton step below this share of the way is the last one: the error after it is the square of it.
+CONVERGED = 1e-9
 
-@njit(cache=True, nogil=True, error_model="numpy")
+
+@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
 def value(c, tau):
     """phi(tau) = sum c_k tau^k."""
     total = c[ORDER]
@@ -26,7 +29,7 @@ def value(c, tau):
     return total
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
 def velocity(c, tau):
     """phi'(tau)."""
     total = ORDER * c[ORDER]
@@ -35,7 +38,7 @@ def velocity(c, tau):
     return total
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
 def acceleration(c, tau):
     """phi''(tau)."""
     total = ORDER * (ORDER - 1) * c[ORDER]
@@ -44,17 +47,23 @@ def acceleration(c, tau):
     return total
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
-def derivative(c, order, tau):
-    """phi, phi' or phi'' at tau, by its order."""
-    if order == 0:
-        return value(c, tau)
-    if order == 1:
-        return velocity(c, tau)
-    return acceleration(c, tau)
+@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
+def with_slope(c, order, tau):
+    """The order-th derivative of phi at tau, order at most 2, and its slope."""
+    total = 0.0
+    slope = 0.0
+    for k in range(ORDER, order - 1, -1):
+        factor = 1.0
+        if order > 0:
+            factor *= k
+        if order > 1:
+            factor *= k - 1
+        slope = slope * tau + total
+        total = total * tau + factor * c[k]
+    return total, slope
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
 def bracketed_root(c, order, shift, left, right, guess):
     """Root in [left, right] of the order-th derivative of phi less `shift`, of opposite signs at the two ends (order
     <= 1: monotone).
@@ -62,35 +71,69 @@ def bracketed_root(c, order, shift, left, right, guess):
     Newton steps, replaced by bisection where they leave the bracket; the stop is relative to the distance from the
     start of the step, so that a hop of 1e-12 keeps its digits.
     """
-    rising = derivative(c, order, right) - shift > 0.0
+    rising = with_slope(c, order, right)[0] - shift > 0.0
     tau = guess if left < guess < right else 0.5 * (left + right)
     for _ in range(MAX_ITERATIONS):
-        residual = derivative(c, order, tau) - shift
+        residual, slope = with_slope(c, order, tau)
+        residual -= shift
         if residual == 0.0:
             return tau
         if (residual > 0.0) == rising:
             right = tau
         else:
             left = tau
-        slope = derivative(c, order + 1, tau) if order < 2 else 0.0
         step = tau - residual / slope if slope != 0.0 else left
-        if not left < step < right:
+        if left < step < right:
+            if abs(step - tau) <= CONVERGED * tau:
+                return step
+        else:
             step = 0.5 * (left + right)
-        if abs(step - tau) <= 4e-16 * abs(tau) or step in (left, right):
-            return step
+            if step in (left, right):
+                return step
         tau = step
     return tau
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
 def falling_root(c, left, right):
     """Where phi falls through zero in [left, right]: phi > 0 before, phi(right) <= 0, phi' < 0 inside."""
     # From the top of a hop the fall takes as long as the rise did, to first order.
     return bracketed_root(c, 0, 0.0, left, right, 2.0 * left if left > 0.0 else -c[0] / c[1])
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
-def first_impact(c, h):
+@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
+def hop_root(c, h):
+    """Where a hop from the ground, c[0] = 0, comes back to it: phi'' < 0 in [0, h], phi(h) <= 0.
+
+    phi/tau falls all the way and is nearly straight. Newton's steps for it stay in (0, h] by bisection.
+    """
+    left = 0.0
+    right = h
+    tau = min(-c[1] / c[2], h)
+    for _ in range(MAX_ITERATIONS):
+        mean = c[ORDER]
+        slope = 0.0
+        for k in range(ORDER - 1, 0, -1):
+            slope = slope * tau + mean
+            mean = mean * tau + c[k]
+        if mean > 0.0:
+            left = tau
+        else:
+            right = tau
+        step = tau - mean / slope
+        if left < step < right:
+            if abs(step - tau) <= CONVERGED * tau:
+                return step
+        else:
+            step = 0.5 * (left + right)
+            if mean == 0.0 or step in (left, right):
+                return tau
+        tau = step
+    return tau
+
+
+@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
+def first_impact(c, h, peak):
     """First return of phi to zero in (0, h], and the largest phi before it (or before h).
 
     Parameters
@@ -100,18 +143,34 @@ def first_impact(c, h):
         that leaves the ground.
     h : float
         Length of the step [-].
+    peak : float
+        Tops below this one are not of interest [rad].
 
     Returns
     -------
     impact : float
         tau of the impact; -1 if there is none.
     largest : float
-        Largest phi up to the impact or up to h [rad].
+        Largest phi up to the impact or up to h [rad], where it is above `peak`.
     """
+    start_pull, end_pull = 2.0 * c[2], acceleration(c, h)
+    if start_pull < 0.0 and end_pull < 0.0:
+        end, end_speed = value(c, h), velocity(c, h)
+        top = 0.0
+        largest = c[0]
+        if c[1] > 0.0 > end_speed:
+            # The curve is under its tangents at both ends, whose crossing is above it.
+            roof = c[0] + c[1] * (end - c[0] - end_speed * h) / (c[1] - end_speed)
+            if roof > peak or c[0] > 0.0 >= end:
+                top = bracketed_root(c, 1, 0.0, 0.0, h, h * c[1] / (c[1] - end_speed))
+                largest = value(c, top)
+        if end > 0.0:
+            return -1.0, max(largest, end)
+        return (hop_root(c, h) if c[0] == 0.0 else falling_root(c, top, h)), largest
     largest = c[0]
     cut = h
-    if c[2] * acceleration(c, h) < 0.0:
-        cut = bracketed_root(c, 2, 0.0, 0.0, h, 0.5 * h)
+    if start_pull * end_pull < 0.0:
+        cut = bracketed_root(c, 2, 0.0, 0.0, h, h * start_pull / (start_pull - end_pull))
     left = 0.0
     speed_left = c[1]
     for piece in range(2):

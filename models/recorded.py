@@ -10,9 +10,14 @@ from typing import Any, Literal
 
 import numpy as np
 
+from rockpulse.models import slots as row
 from rockpulse.models.block import Block, numbers
-from rockpulse.models.recorded_kernel import LINEAR, NONLINEAR, march_lanes
+from rockpulse.models.ground import extremes
+from rockpulse.models.polynomial import ORDER
+from rockpulse.models.recorded_event import LINEAR, NONLINEAR
+from rockpulse.models.recorded_kernel import march_lanes
 from rockpulse.models.response import Response, drop_axes, with_history
+from rockpulse.models.threads import split_lanes
 
 __all__ = ["recorded_response"]
 
@@ -20,6 +25,12 @@ __all__ = ["recorded_response"]
 STRONGEST = 1e7
 
 EQUATIONS = {"linear": LINEAR, "nonlinear": NONLINEAR}
+
+#: Largest last term of the Taylor series of a step, over alpha_c [-]; a longer step is halved.
+LAST_TERM = 1e-14
+
+#: Longest step that may be asked for, as p dt [-].
+LONGEST_STEP = 0.3
 
 
 def recorded_response(
@@ -32,6 +43,9 @@ def recorded_response(
     initial_rotation: Any = 0.0,
     initial_velocity: Any = 0.0,
     history: bool = False,
+    step: float = 0.08,
+    last_term: float = LAST_TERM,
+    threads: int | None = None,
 ) -> Response:
     """Rocking response of a block to a recorded ground acceleration.
 
@@ -55,6 +69,13 @@ def recorded_response(
         theta' at the first sample [rad/s].
     history : bool
         Also return time, rotation and velocity at the samples.
+    step : float
+        Longest step as p dt [-], at most 0.3; a sample is divided where its own p dt is larger.
+    last_term : float
+        Largest last term of the Taylor series of a step of the nonlinear equation, over alpha_c [-]: a step with a
+        larger one is halved. inf for no such control.
+    threads : int, optional
+        Threads among which the lanes are split; all available cores without. The answer does not depend on it.
 
     Returns
     -------
@@ -66,7 +87,7 @@ def recorded_response(
     ------
     ValueError
         For NaN or infinite samples, fewer than two, dt <= 0, a negative scale, an unknown equation, a vertical record
-        of other length or with the linear equation.
+        of other length or with the linear equation, a step out of range.
 
     Notes
     -----
@@ -104,13 +125,22 @@ def recorded_response(
         raise ValueError(
             "vertical: the linear equation has no vertical acceleration; use equation='nonlinear' or drop it"
         )
-    up = np.zeros_like(record) if vertical is None else _samples("vertical", vertical)
-    if up.size != record.size:
+    up = np.empty(0) if vertical is None else _samples("vertical", vertical)
+    if vertical is not None and up.size != record.size:
         raise ValueError(f"vertical: expected {record.size} samples as in acceleration, got {up.size}")
+    step = float(numbers("step", step, "a positive p dt", lanes=False))
+    if not 0.0 < step <= LONGEST_STEP:
+        raise ValueError(f"step: expected a positive p dt of at most {LONGEST_STEP}, got {step!r}")
+    if not last_term > 0.0:
+        raise ValueError(f"last_term: expected a positive share of alpha_c, got {last_term!r}")
     factors = numbers("scale", scale, "a factor >= 0")
     if np.any(factors < 0.0):
         raise ValueError(f"scale: expected a factor >= 0 or a (q,) array of them, got {scale!r}")
-    strongest = max(np.max(np.abs(record)), np.max(np.abs(up))) * np.max(factors, initial=0.0) / block.gravity
+    strongest = (
+        max(np.max(record), -np.min(record), np.max(up, initial=0.0), -np.min(up, initial=0.0))
+        * np.max(factors, initial=0.0)
+        / block.gravity
+    )
     if not strongest <= STRONGEST:
         raise ValueError(
             f"acceleration, scale: expected at most {STRONGEST:g} times gravity, got {strongest:g}; "
@@ -132,36 +162,54 @@ def recorded_response(
         for values in (block.alpha_c, block.p, block.restitution, *start)
     )
     shape = (factors.size, alpha.size)
-    peak, time = np.empty(shape), np.empty(shape)
-    outcome, reason = np.empty(shape, dtype=np.int8), np.empty(shape, dtype=np.int8)
-    half_cycle, impacts = np.empty(shape, dtype=np.int64), np.empty(shape, dtype=np.int64)
-    samples = record.size if history else 0
-    motion = np.full((*shape, samples, 2), np.nan)
-    march_lanes(
-        EQUATIONS[equation],
-        record,
-        up,
-        np.maximum.accumulate(np.abs(record[::-1]))[::-1].copy(),
-        float(dt),
-        float(block.gravity),
-        factors.reshape(-1),
-        alpha,
-        p,
-        restitution,
-        rotation,
-        spin,
-        peak,
-        outcome,
-        reason,
-        time,
-        half_cycle,
-        impacts,
-        motion,
+    total = factors.size * alpha.size
+    answers = (
+        np.empty(total),
+        np.empty(total, dtype=np.int8),
+        np.empty(total, dtype=np.int8),
+        np.empty(total),
+        *(np.empty(total, dtype=np.int64) for _ in range(3)),
     )
+    samples = record.size if history else 0
+    motion = np.zeros((total, samples, 2))
+    found = extremes(record, up)
+
+    def march(first: int, last: int) -> None:
+        f = np.zeros(row.FLOAT_ROWS * row.WIDTH)
+        i = np.zeros(row.INT_ROWS * row.WIDTH, dtype=np.int64)
+        i[row.LANE : row.LANE + row.WIDTH] = -1
+        f[row.ALPHA : row.ALPHA + row.WIDTH] = 0.1
+        c = np.zeros(ORDER + 1)
+        march_lanes(
+            EQUATIONS[equation],
+            first,
+            last,
+            record,
+            up,
+            found,
+            dt,
+            factors.reshape(-1) / float(block.gravity),
+            alpha,
+            p,
+            restitution,
+            rotation,
+            spin,
+            step,
+            float(last_term),
+            *answers,
+            motion,
+            f,
+            i,
+            c,
+        )
+
+    split_lanes(march, total, threads)
     drop = (factors.ndim == 0, lanes == ())
-    response = drop_axes(Response(peak, outcome, reason, time, half_cycle, impacts), 2, drop)
+    peak, outcome, reason, time, half_cycle, impacts, active = (values.reshape(shape) for values in answers)
+    response = drop_axes(Response(peak, outcome, reason, time, half_cycle, impacts, active_samples=active), 2, drop)
     if not history:
         return response
+    motion = motion.reshape(*shape, samples, 2)
     return with_history(response, dt * np.arange(samples), motion[..., 0], motion[..., 1], drop)
 
 

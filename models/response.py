@@ -91,6 +91,8 @@ class Response:
         Sequence model only: True where a half-cycle of the corrected march passes through the ground before its end
         (spacing "start" above I_s/I = 2/3, "middle" above 6/7). There the closed form, which knows the end only, stands
         for no motion of the block, and the impulse train gives another answer.
+    active_samples : int or ndarray or None
+        Response to a record only: samples in which the block moved, neither at rest nor overturned.
     """
 
     peak_rotation_ratio: Any
@@ -104,6 +106,7 @@ class Response:
     velocity: np.ndarray | None = None
     half_cycles: HalfCycles | None = None
     ground_contact: Any = None
+    active_samples: Any = None
 
 
 def drop_axes(part: Any, lane_axes: int, drop: tuple[bool, ...]) -> Any:

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from scipy.integrate import quad, solve_ivp
 
-from rockpulse.models.nonlinear import flight_time, nonlinear_after, nonlinear_series, top_rotation
-from rockpulse.models.polynomial import ORDER, value
+from rockpulse.models.finish import speed_of, value_of
+from rockpulse.models.nonlinear import flight_time, nonlinear_after, nonlinear_rates, top_rotation
 
 ALPHA = 0.25
 
@@ -88,12 +88,13 @@ def test_wait_of_a_block_that_turns_beyond_the_top_is_that_of_an_integrator():
 @pytest.mark.parametrize("lift_slope", [0.0, 0.7])
 def test_series_is_the_motion_of_the_equation(lift_slope):
     ground, slope, lift, h = -0.4, 1.3, 1.1, 0.1
-    c, work = np.zeros(ORDER + 1), (np.zeros(ORDER + 1), np.zeros(ORDER + 1))
-    nonlinear_series(c, *work, 0.05, 0.1, ALPHA, ground, slope, lift, lift_slope)
+    start = (0.05, 0.1)
+    series = nonlinear_rates(*start, ALPHA, ground, slope, lift, lift_slope)
 
     def equation(t, s):
         angle = ALPHA - s[0]
         return [s[1], -(lift + lift_slope * t) * math.sin(angle) - (ground + slope * t) * math.cos(angle)]
 
     motion = solve_ivp(equation, (0, h), [0.05, 0.1], "DOP853", rtol=1e-13, atol=1e-16)
-    assert value(c, h) == pytest.approx(motion.y[0, -1], rel=1e-12)
+    assert value_of(h, *start, *series) == pytest.approx(motion.y[0, -1], rel=1e-13)
+    assert speed_of(h, start[1], *series) == pytest.approx(motion.y[1, -1], rel=1e-12)

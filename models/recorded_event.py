@@ -1,0 +1,318 @@
+"""What happens inside a step of the march over a record: impact, new peak, overturning, the end of a chatter, uplift.
+
+.. note:: Units and signs of :mod:`rockpulse.models.slots`. The motion inside a step is its Taylor polynomial (see
+   :mod:`rockpulse.models.polynomial`), from which impacts, peaks and overturning are located exactly; uplift is the
+   exact crossing of the piecewise-linear record with the threshold.
+"""
+
+from __future__ import annotations
+
+import math
+
+from numba import njit
+
+from rockpulse.models import slots as row
+from rockpulse.models.ground import BLOCK, LARGEST, LEFT, STEEPEST, largest_left, next_exceedance
+from rockpulse.models.linear import set_hyperbolic
+from rockpulse.models.polynomial import ORDER, bracketed_root, first_impact, value, velocity
+from rockpulse.models.response import IMPACT_CUTOFF
+
+__all__ = [
+    "FLYING",
+    "HALVED",
+    "IMPACT_LIMITED",
+    "LINEAR",
+    "MOVING",
+    "NONLINEAR",
+    "OVERTURNED",
+    "RESTING",
+    "after_impact",
+    "begin_step",
+    "enter_sample",
+]
+__all__ += ["impacts_above_cutoff", "resolve_step", "wake"]
+
+LINEAR, NONLINEAR = 0, 1
+
+# How a slot stands after a step.
+MOVING, RESTING, OVERTURNED, IMPACT_LIMITED, FLYING, HALVED = range(6)
+
+#: Impacts followed inside one sample before the lane is given up (only a restitution next to one gets there).
+IMPACTS_PER_SAMPLE = 10_000
+
+#: A chatter is cut short only where its hops are below this share of the peak so far.
+CHATTER_SHARE = 1e-3
+
+#: A step is not halved below this share of the longest one for the sake of its series.
+SHORTEST = 1.0 / 4096.0
+
+#: What is left of a sample below this share of the longest step belongs to the step before it.
+REMNANT = 1e-9
+
+
+@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
+def uplift_time(ground, slope, threshold, threshold_slope, remaining):
+    """Time until abs(ground) exceeds the threshold, both linear in tau; -1 if it does not in the time that remains."""
+    if abs(ground) > threshold:
+        return 0.0
+    end = ground + slope * remaining
+    side = 1.0 if end > 0.0 else -1.0
+    start_gap = threshold - side * ground
+    end_gap = threshold + threshold_slope * remaining - side * end
+    if end_gap >= 0.0:
+        return -1.0
+    return remaining * start_gap / (start_gap - end_gap)
+
+
+@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
+def chatter_ends(speed, demand, largest, slope, restitution, window, peak):
+    """Whether the hops after an impact die out before the ground can lift the block again.
+
+    Parameters
+    ----------
+    speed : float
+        dphi/dtau right after an impact over the restoring acceleration of the resting block [-].
+    demand : float
+        abs(a_g)/threshold at the impact [-].
+    largest : float
+        Bound of abs(a_g)/threshold in the window [-].
+    slope : float
+        Bound of the slope of abs(a_g)/threshold in the window, per unit of tau.
+    restitution : float
+        C [-].
+    window : float
+        Time tau that is looked ahead.
+    peak : float
+        Largest rotation so far, in the unit of `speed`.
+
+    Notes
+    -----
+    Look no further than to where half the margin 1 - A is used up, or to the end of the window. There the restoring
+    acceleration stays above d = (1 - A) - w^2/(1 - A), so the first hop lasts less than T = 2 w/d, and the next ones
+    shrink at least by q = C (1 + m T/(2 (1 - A))): all of them together last less than T/(1 - q). The motion after that
+    instant is the same whether the hops are followed or not.
+    """
+    if demand >= 1.0:
+        return False
+    halfway = 0.5 * (1.0 + demand)
+    if largest > halfway:
+        largest = halfway
+        window = min(window, (halfway - demand) / slope)
+    margin = 1.0 - largest
+    floor = margin - speed * speed / margin
+    if floor <= 0.0:
+        return False
+    hop = 2.0 * speed / floor
+    ratio = restitution * (1.0 + 0.5 * slope * hop / margin)
+    return ratio < 1.0 and hop < window * (1.0 - ratio) and 0.5 * speed * speed / floor < CHATTER_SHARE * peak
+
+
+@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
+def chatter_is_over(equation, f, i, j, found, samples, far):
+    """Whether slot j may be put to rest after a slow impact: :func:`chatter_ends`, beyond its sample if `far`."""
+    threshold, length = f[row.THRESHOLD + j], f[row.LENGTH + j]
+    passed = f[row.PASSED + j]
+    lift = f[row.SAMPLE_LIFT + j] + f[row.SAMPLE_LIFT_SLOPE + j] * passed
+    lift_end = f[row.SAMPLE_LIFT + j] + f[row.SAMPLE_LIFT_SLOPE + j] * length
+    weakest = min(lift, lift_end)
+    demand = abs(f[row.SAMPLE_GROUND + j] + f[row.SAMPLE_SLOPE + j] * passed) / (lift * threshold)
+    if demand >= 1.0:
+        return False
+    per_scale = 1.0 / (weakest * (f[row.ALPHA + j] if equation == LINEAR else math.sin(f[row.ALPHA + j])))
+    speed, peak = f[row.SPEED + j] * per_scale, f[row.PEAK + j] * per_scale
+    restitution = f[row.RESTITUTION + j]
+    if far and f[row.SAMPLE_LIFT + j] == 1.0 and lift_end == 1.0:
+        # To the end of the next block of samples.
+        sample = i[row.SAMPLE + j]
+        block = sample // BLOCK
+        end = min((block + 2) * BLOCK, samples - 1)
+        factor = f[row.FACTOR + j] / threshold
+        largest = factor * max(found[LARGEST, block], found[LARGEST, block + 1])
+        slope = factor * f[row.PER_SAMPLE + j] * max(found[STEEPEST, block], found[STEEPEST, block + 1])
+        if chatter_ends(speed, demand, largest, slope, restitution, (end - sample) * length - passed, peak):
+            return True
+    demand_end = abs(f[row.SAMPLE_GROUND + j] + f[row.SAMPLE_SLOPE + j] * length) / (lift_end * threshold)
+    slope = (abs(f[row.SAMPLE_SLOPE + j]) + abs(f[row.SAMPLE_LIFT_SLOPE + j]) * threshold) / (weakest * threshold)
+    return chatter_ends(speed, demand, max(demand, demand_end), slope, restitution, length - passed, peak)
+
+
+@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
+def impacts_above_cutoff(speed, restitution):
+    """Impacts of the free decay that are faster than the cut-off, the first one at `speed`; -1 if they never end."""
+    if not speed >= IMPACT_CUTOFF:
+        return 0
+    if restitution >= 1.0:
+        return -1
+    if restitution <= 0.0:
+        return 1
+    return 1 + math.floor(math.log(IMPACT_CUTOFF / speed) / math.log(restitution))
+
+
+@njit(inline="always")
+def enter_sample(equation, f, i, j, acceleration, vertical, found):
+    """Take the ground of the slot's sample; False where the vertical acceleration cancels gravity in it."""
+    k = i[row.SAMPLE + j]
+    factor, per_sample = f[row.FACTOR + j], f[row.PER_SAMPLE + j]
+    start = acceleration[k] * factor
+    f[row.SAMPLE_GROUND + j] = start
+    f[row.SAMPLE_SLOPE + j] = (acceleration[k + 1] * factor - start) * per_sample
+    f[row.PASSED + j] = 0.0
+    i[row.HITS + j] = 0
+    if equation == LINEAR:
+        f[row.LIMIT + j] = found[LEFT, min((k + 1) // BLOCK + 1, found.shape[1] - 1)] * factor
+    if vertical.size == 0:
+        return True
+    start = 1.0 + vertical[k] * factor
+    end = 1.0 + vertical[k + 1] * factor
+    f[row.SAMPLE_LIFT + j] = start
+    f[row.SAMPLE_LIFT_SLOPE + j] = (end - start) * per_sample
+    return start > 0.0 and end > 0.0
+
+
+@njit(inline="always")
+def begin_step(equation, f, i, j, vertical):
+    """Set the next step of a moving slot: the ground from here on, and its length."""
+    passed, side, longest = f[row.PASSED + j], f[row.SIDE + j], f[row.LONGEST + j]
+    f[row.GROUND + j] = side * (f[row.SAMPLE_GROUND + j] + f[row.SAMPLE_SLOPE + j] * passed)
+    f[row.SLOPE + j] = side * f[row.SAMPLE_SLOPE + j]
+    if vertical.size > 0:
+        f[row.LIFT + j] = f[row.SAMPLE_LIFT + j] + f[row.SAMPLE_LIFT_SLOPE + j] * passed
+        f[row.LIFT_SLOPE + j] = f[row.SAMPLE_LIFT_SLOPE + j]
+    remaining = f[row.LENGTH + j] - passed
+    step = remaining if remaining <= longest * (1.0 + REMNANT) else longest
+    if step != f[row.STEP + j]:
+        f[row.STEP + j] = step
+        if equation == LINEAR:
+            set_hyperbolic(f, j)
+
+
+@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
+def wake(equation, f, i, j, acceleration, vertical, found):
+    """Next uplift of a resting slot: its state becomes that of the instant of uplift.
+
+    Returns
+    -------
+    int
+        MOVING, FLYING where the ground is lost first, or RESTING: not before the record ends.
+    """
+    threshold, length = f[row.THRESHOLD + j], f[row.LENGTH + j]
+    last = acceleration.size - 1
+    for _ in range(acceleration.size):
+        passed = f[row.PASSED + j]
+        slope, lift_slope = f[row.SAMPLE_SLOPE + j], f[row.SAMPLE_LIFT_SLOPE + j]
+        ground = f[row.SAMPLE_GROUND + j] + slope * passed
+        lift = f[row.SAMPLE_LIFT + j] + lift_slope * passed
+        wait = uplift_time(ground, slope, lift * threshold, lift_slope * threshold, length - passed)
+        if 0.0 <= wait < length - passed:
+            f[row.PASSED + j] = passed + wait
+            f[row.SIDE + j] = -1.0 if ground + slope * wait > 0.0 else 1.0
+            f[row.PHI + j] = 0.0
+            f[row.SPEED + j] = 0.0
+            i[row.MOVED + j] = 1
+            i[row.ACTIVE + j] += i[row.ENDED + j] != i[row.SAMPLE + j]
+            return MOVING
+        sample = i[row.SAMPLE + j]
+        ahead = next_exceedance(sample + 1, acceleration, vertical, found, f[row.FACTOR + j], threshold)
+        if ahead > last:
+            return RESTING
+        # It lifts on the way to that sample, which is this one where rounding has put the crossing at its end.
+        i[row.SAMPLE + j] = max(ahead - 1, sample + 1)
+        if i[row.SAMPLE + j] >= last:
+            return RESTING
+        if not enter_sample(equation, f, i, j, acceleration, vertical, found):
+            return FLYING
+    return RESTING
+
+
+@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
+def is_gone(f, i, j, acceleration, found):
+    """Whether the growing mode of slot j exceeds all that is left of the record (linear equation)."""
+    growing = f[row.PHI + j] - f[row.ALPHA + j] + f[row.SPEED + j]
+    if growing <= f[row.LIMIT + j]:
+        return False
+    left = largest_left(i[row.SAMPLE + j] + 1, acceleration, found) * f[row.FACTOR + j]
+    ground = abs(f[row.SAMPLE_GROUND + j] + f[row.SAMPLE_SLOPE + j] * f[row.PASSED + j])
+    return growing > max(left, ground)
+
+
+@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
+def after_impact(equation, f, i, j, acceleration, found, far):
+    """Count the impact that slot j has just had, and see how it goes on, as :func:`resolve_step` does."""
+    cutoff = IMPACT_CUTOFF * f[row.ALPHA + j]
+    if f[row.ARRIVAL + j] >= cutoff:
+        i[row.IMPACTS + j] += 1
+    i[row.HITS + j] += 1
+    if i[row.HITS + j] > IMPACTS_PER_SAMPLE:
+        return IMPACT_LIMITED
+    speed = f[row.SPEED + j]
+    if speed == 0.0:
+        return RESTING
+    # Faster impacts are counted, so they are followed.
+    if speed < cutoff and chatter_is_over(equation, f, i, j, found, acceleration.size, far):
+        return RESTING
+    if equation == LINEAR and speed > f[row.ALPHA + j] and is_gone(f, i, j, acceleration, found):
+        return OVERTURNED
+    return MOVING
+
+
+@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
+def resolve_step(equation, f, i, j, c, acceleration, found, far):
+    """Do the marked step of slot j, or the part of it up to its impact.
+
+    Parameters
+    ----------
+    equation : int
+        LINEAR or NONLINEAR.
+    f, i : ndarray
+        The slots.
+    j : int
+        The slot.
+    c : (ORDER + 1,) ndarray
+        Work space.
+    acceleration : (n,) ndarray
+        a_g [m/s2].
+    found : (4, b + 1) ndarray
+        Its extremes.
+    far : bool
+        Whether a chatter may be cut short samples before it ends: it changes nothing but the history.
+
+    Returns
+    -------
+    int
+        MOVING, RESTING, OVERTURNED (PASSED is then the instant), IMPACT_LIMITED, or HALVED: the step is to be tried
+        again.
+    """
+    phi, speed, h, alpha = f[row.PHI + j], f[row.SPEED + j], f[row.STEP + j], f[row.ALPHA + j]
+    last_term = abs(f[row.RATE_10 + j]) * h**10
+    too_long = equation == NONLINEAR and last_term > f[row.TRUNCATION + j] * (alpha + phi)
+    if too_long and h > SHORTEST * f[row.LONGEST + j]:
+        f[row.STEP + j] = 0.5 * h
+        return HALVED
+    c[0] = phi
+    c[1] = speed
+    for k in range(2, ORDER + 1):
+        c[k] = f[row.RATE_2 + (k - 2) * row.WIDTH + j] / k
+    if phi == 0.0 and speed == 0.0:
+        c[2] = max(c[2], 0.0)  # zero at the threshold itself: rounding must not press the block down
+    impact, largest = first_impact(c, h, f[row.PEAK + j])
+    if equation == NONLINEAR and largest >= 0.5 * math.pi:
+        wait = h
+        if value(c, h) > 0.5 * math.pi:
+            wait = bracketed_root(c, 0, 0.5 * math.pi, 0.0, h, -1.0)
+        f[row.PASSED + j] += wait
+        return OVERTURNED
+    f[row.PEAK + j] = max(f[row.PEAK + j], largest)
+    if impact < 0.0:
+        f[row.PHI + j] = value(c, h)
+        f[row.SPEED + j] = velocity(c, h)
+        f[row.PASSED + j] += h
+    else:
+        f[row.ARRIVAL + j] = max(-velocity(c, impact), 0.0)
+        f[row.PHI + j] = 0.0
+        f[row.SPEED + j] = f[row.RESTITUTION + j] * f[row.ARRIVAL + j]
+        f[row.SIDE + j] = -f[row.SIDE + j]
+        f[row.PASSED + j] += impact
+        return after_impact(equation, f, i, j, acceleration, found, far)
+    if equation == LINEAR and is_gone(f, i, j, acceleration, found):
+        return OVERTURNED
+    return MOVING

@@ -1,0 +1,79 @@
+"""Where the march over a record keeps the lanes that it follows at one time: WIDTH slots in one flat array.
+
+A step of every slot is one loop over contiguous rows without a branch, which the compiler turns into vector
+instructions; each slot is at its own sample of its own lane, so none waits for another. Row R of slot j is
+``f[R + j]``: a flat array with offsets known to the compiler lets it prove that rows do not overlap.
+
+.. note:: phi = s theta >= 0 is the rotation away from the ground, s = sgn theta, tau = p t; angles in rad, speeds in
+   rad per unit of tau, accelerations over gravity.
+"""
+
+from __future__ import annotations
+
+__all__ = ["FLOAT_ROWS", "INT_ROWS", "WIDTH"]  # and the rows
+
+#: Slots: four registers of the widest vector unit, so that the latency of one is hidden behind the others.
+WIDTH = 32
+
+(
+    # The state at the start of the step.
+    PHI,
+    SPEED,
+    PEAK,  # largest phi so far
+    PASSED,  # tau since the sample began
+    STEP,  # length of the step
+    SIDE,  # s
+    # The ground during the step, as the side in contact feels it.
+    GROUND,  # s a_g/g at its start
+    SLOPE,  # its slope
+    LIFT,  # 1 + a_v/g at its start
+    LIFT_SLOPE,
+    LIMIT,  # a bound from below of the largest abs(a_g)/g that is left after the sample
+    # The ground during the sample, unsigned side.
+    SAMPLE_GROUND,
+    SAMPLE_SLOPE,
+    SAMPLE_LIFT,
+    SAMPLE_LIFT_SLOPE,
+    # What the step found.
+    END,  # phi, phi' and phi'' at its end
+    END_SPEED,
+    END_PULL,
+    STRONGEST,  # a bound of abs(phi'') in it
+    MARKED,  # 1.0 where it must be looked at closely whatever happens
+    EVENT,  # NOTHING, IMPACT or LOOK_CLOSER, see finish.py
+    ARRIVAL,  # abs(phi') at the impact
+    RATE_2,  # (k - 1)-th Taylor coefficients of the speed, k = 2 ... 10
+    RATE_3,
+    RATE_4,
+    RATE_5,
+    RATE_6,
+    RATE_7,
+    RATE_8,
+    RATE_9,
+    RATE_10,
+    COSH_1,  # cosh h - 1, sinh h, sinh h - h of the step (linear equation)
+    SINH,
+    SINH_H,
+    # The lane.
+    ALPHA,
+    RESTITUTION,
+    P,
+    FACTOR,  # factor on the record over gravity
+    LENGTH,  # p dt
+    PER_SAMPLE,  # 1/(p dt)
+    LONGEST,  # longest step
+    THRESHOLD,  # abs(a_g)/g above which a resting block lifts, at 1 + a_v/g = 1
+    TRUNCATION,  # largest last term of a series
+) = range(0, 43 * WIDTH, WIDTH)
+FLOAT_ROWS = 43
+
+(
+    LANE,  # -1: empty
+    SAMPLE,
+    HITS,  # impacts in this sample
+    IMPACTS,  # impacts faster than the cut-off
+    MOVED,  # 1 once it has lifted
+    ACTIVE,  # samples in which it moved
+    ENDED,  # the sample in which it last came to rest
+) = range(0, 7 * WIDTH, WIDTH)
+INT_ROWS = 7
