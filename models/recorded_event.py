@@ -65,7 +65,7 @@ def uplift_time(ground, slope, threshold, threshold_slope, remaining):
 
 
 @njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
-def chatter_ends(speed, demand, largest, slope, restitution, window, peak):
+def chatter_ends(speed, demand, largest, slope, restitution, window, cutoff, peak):
     """Whether the hops after an impact die out before the ground can lift the block again.
 
     Parameters
@@ -82,6 +82,8 @@ def chatter_ends(speed, demand, largest, slope, restitution, window, peak):
         C [-].
     window : float
         Time tau that is looked ahead.
+    cutoff : float
+        Speed above which an impact is counted, in the unit of `speed`: none of the hops may end faster.
     peak : float
         Largest rotation so far, in the unit of `speed`.
 
@@ -89,8 +91,8 @@ def chatter_ends(speed, demand, largest, slope, restitution, window, peak):
     -----
     Look no further than to where half the margin 1 - A is used up, or to the end of the window. There the restoring
     acceleration stays above d = (1 - A) - w^2/(1 - A), so the first hop lasts less than T = 2 w/d, and the next ones
-    shrink at least by q = C (1 + m T/(2 (1 - A))): all of them together last less than T/(1 - q). The motion after that
-    instant is the same whether the hops are followed or not.
+    shrink at least by q = C (1 + m T/(2 (1 - A))): all of them together last less than T/(1 - q), and none ends faster
+    than w q/C. The motion after that instant is the same whether the hops are followed or not.
     """
     if demand >= 1.0:
         return False
@@ -103,8 +105,9 @@ def chatter_ends(speed, demand, largest, slope, restitution, window, peak):
     if floor <= 0.0:
         return False
     hop = 2.0 * speed / floor
-    ratio = restitution * (1.0 + 0.5 * slope * hop / margin)
-    return ratio < 1.0 and hop < window * (1.0 - ratio) and 0.5 * speed * speed / floor < CHATTER_SHARE * peak
+    growth = 1.0 + 0.5 * slope * hop / margin
+    left = 1.0 - restitution * growth
+    return hop < window * left and speed * growth < cutoff and 0.5 * speed * speed / floor < CHATTER_SHARE * peak
 
 
 @njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
@@ -120,6 +123,7 @@ def chatter_is_over(equation, f, i, j, found, samples, far):
         return False
     per_scale = 1.0 / (weakest * (f[row.ALPHA + j] if equation == LINEAR else math.sin(f[row.ALPHA + j])))
     speed, peak = f[row.SPEED + j] * per_scale, f[row.PEAK + j] * per_scale
+    cutoff = IMPACT_CUTOFF * f[row.ALPHA + j] * per_scale
     restitution = f[row.RESTITUTION + j]
     if far and f[row.SAMPLE_LIFT + j] == 1.0 and lift_end == 1.0:
         # To the end of the next block of samples.
@@ -129,11 +133,11 @@ def chatter_is_over(equation, f, i, j, found, samples, far):
         factor = f[row.FACTOR + j] / threshold
         largest = factor * max(found[LARGEST, block], found[LARGEST, block + 1])
         slope = factor * f[row.PER_SAMPLE + j] * max(found[STEEPEST, block], found[STEEPEST, block + 1])
-        if chatter_ends(speed, demand, largest, slope, restitution, (end - sample) * length - passed, peak):
+        if chatter_ends(speed, demand, largest, slope, restitution, (end - sample) * length - passed, cutoff, peak):
             return True
     demand_end = abs(f[row.SAMPLE_GROUND + j] + f[row.SAMPLE_SLOPE + j] * length) / (lift_end * threshold)
     slope = (abs(f[row.SAMPLE_SLOPE + j]) + abs(f[row.SAMPLE_LIFT_SLOPE + j]) * threshold) / (weakest * threshold)
-    return chatter_ends(speed, demand, max(demand, demand_end), slope, restitution, length - passed, peak)
+    return chatter_ends(speed, demand, max(demand, demand_end), slope, restitution, length - passed, cutoff, peak)
 
 
 @njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
