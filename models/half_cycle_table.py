@@ -9,6 +9,7 @@ import numpy as np
 
 from rockpulse.models.response import HalfCycles, Response, drop_axes
 from rockpulse.models.sequence_kernel import COLUMNS
+from rockpulse.models.threads import split_lanes
 
 __all__ = ["TABLE_ROWS", "lanes", "tabulated_response"]
 
@@ -54,13 +55,15 @@ def tabulated_response(
     shape: tuple[int, int],
     drop: tuple[bool, bool],
     table_rows: int,
+    threads: int | None = None,
 ) -> Response:
     """Run a kernel over the lanes, then again with a table as long as the longest motion.
 
     Parameters
     ----------
     kernel : callable
-        ``kernel(table, floats, integers, *arguments)``, see :func:`~rockpulse.models.sequence_kernel.sequence_lanes`.
+        ``kernel(first_lane, last_lane, table, floats, integers, *arguments)``, see
+        :func:`~rockpulse.models.sequence_kernel.sequence_lanes`.
     arguments : tuple
         What the kernel needs.
     shape : tuple of int
@@ -69,6 +72,8 @@ def tabulated_response(
         Axes to drop.
     table_rows : int
         Largest number of half-cycles in the table; 0 for no table.
+    threads : int, optional
+        Threads that share the lanes; None for all available cores.
 
     Returns
     -------
@@ -79,13 +84,20 @@ def tabulated_response(
         raise ValueError(f"table_rows: expected 0 (no table) or a number of half-cycles, got {table_rows}")
     size = shape[0] * shape[1]
     floats, integers = np.empty((3, size)), np.empty((5, size), dtype=np.int64)
-    kernel(np.empty((COLUMNS, 0, size)), floats, integers, *arguments)
+
+    def run(table: np.ndarray) -> None:
+        def kernel_call(first: int, last: int) -> None:
+            kernel(first, last, table, floats, integers, *arguments)
+
+        split_lanes(kernel_call, size, threads)
+
+    run(np.empty((COLUMNS, 0, size)))
     half_cycles = None
     if table_rows:
         rows = int(min(table_rows, integers[4].max(initial=0)))
         table = np.full((COLUMNS, rows, size), np.nan)
         table[3] = -1.0
-        kernel(table, floats, integers, *arguments)
+        run(table)
         start_velocity, peak, duration, count, interval, impact_speed = (
             column.reshape(rows, *shape) for column in table
         )

@@ -37,7 +37,7 @@ class ImpulseSequence:
         "continuous", or `intermediate_count` given).
     duration : float or (q,) array_like
         Main impulses act in half-cycles that start before this time [s], positive; inf for ever.
-    main_count : int, optional
+    main_count : int or (q,) array_like of int, optional
         Largest number of main impulses [-], at least 1; None for no limit.
     intermediate_count : int, optional
         Number n of secondary impulses in every half-cycle, even and at least 2; None takes n from the trial interval.
@@ -69,7 +69,7 @@ class ImpulseSequence:
     secondary: Any
     interval: Any
     duration: Any
-    main_count: int | None = None
+    main_count: Any = None
     intermediate_count: int | None = None
     spacing: str = "end"
 
@@ -95,18 +95,22 @@ class ImpulseSequence:
             self.interval,
         )
         _require(duration > 0.0, "duration: expected a positive time [s], or inf", self.duration)
+        limit = _counts("main_count", self.main_count, least=1)
         try:
-            lanes = np.broadcast_shapes(main.shape, secondary.shape, interval.shape, duration.shape)
+            lanes = np.broadcast_shapes(main.shape, secondary.shape, interval.shape, duration.shape, np.shape(limit))
         except ValueError:
             raise ValueError(
-                "main, secondary, interval and duration: expected numbers or arrays of one length, "
-                f"got shapes {main.shape}, {secondary.shape}, {interval.shape}, {duration.shape}"
+                "main, secondary, interval, duration and main_count: expected numbers or arrays of one length, "
+                f"got shapes {main.shape}, {secondary.shape}, {interval.shape}, {duration.shape}, {np.shape(limit)}"
             ) from None
         for name, value in (("main", main), ("secondary", secondary), ("interval", interval), ("duration", duration)):
             array = np.array(np.broadcast_to(value, lanes))
             array.setflags(write=False)
             object.__setattr__(self, name, array.item() if array.ndim == 0 else array)
-        object.__setattr__(self, "main_count", _count("main_count", self.main_count, least=1))
+        if isinstance(limit, np.ndarray):
+            limit = np.array(np.broadcast_to(limit, lanes))
+            limit.setflags(write=False)
+        object.__setattr__(self, "main_count", limit)
         count = _count("intermediate_count", self.intermediate_count, least=2)
         if count is not None and count % 2:
             raise ValueError(
@@ -150,6 +154,16 @@ def _numbers(name: str, value: Any) -> np.ndarray:
 def _require(valid: np.ndarray, expected: str, value: Any) -> None:
     if not np.all(valid):
         raise ValueError(f"{expected}; got {value!r}")
+
+
+def _counts(name: str, value: Any, least: int) -> Any:
+    array = np.asarray(value)
+    if array.ndim == 0:
+        return _count(name, value, least)
+    if array.ndim > 1 or not np.issubdtype(array.dtype, np.integer):
+        raise ValueError(f"{name}: expected a whole number, a (q,) array of them or None, got {value!r}")
+    _require(array >= least, f"{name}: expected at least {least}", value)
+    return array.astype(np.int64)
 
 
 def _count(name: str, value: Any, least: int) -> int | None:

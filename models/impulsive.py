@@ -12,15 +12,16 @@ from typing import Any
 import numpy as np
 
 from rockpulse.models.block import Block
-from rockpulse.models.half_cycle_table import lanes
-from rockpulse.models.impulsive_kernel import EXACT, LINEAR, PAPER, impulsive_lanes
+from rockpulse.models.impulsive_kernel import EXACT, LINEAR, PAPER, TANGENT, impulsive_lanes
 from rockpulse.models.response import IMPACT_CUTOFF, Response, drop_axes, with_history
+from rockpulse.models.threads import split_lanes
 
 __all__ = ["GAINS", "impulsive_response"]
 
 #: Change of theta' per impulse: "paper" p^2 cos(alpha_c)/g (Eq. 3), "linear" p^2/g, the limit of a narrow pulse in the
-#: linear equation, "exact" p^2 cos(s alpha_c - theta)/g, the same in the nonlinear one.
-GAINS = {"paper": PAPER, "linear": LINEAR, "exact": EXACT}
+#: linear equation, "exact" p^2 cos(s alpha_c - theta)/g, the same in the nonlinear one, "tangent" p^2 alpha_c/(g
+#: tan(alpha_c)), with which the linear equation lifts the block at the nonlinear threshold g tan(alpha_c).
+GAINS = {"paper": PAPER, "linear": LINEAR, "exact": EXACT, "tangent": TANGENT}
 
 
 def impulsive_response(
@@ -31,6 +32,7 @@ def impulsive_response(
     gain: str = "paper",
     scale: Any = 1.0,
     history_dt: float | None = None,
+    threads: int | None = None,
 ) -> Response:
     """Response to impulses of the ground with natural motion between them.
 
@@ -45,13 +47,15 @@ def impulsive_response(
     duration : float, optional
         Length of the input [s]. It only sets where the history ends: every impulse acts, and the motion is followed
         until rest or overturning is certain. Default: the time of the last impulse.
-    gain : {"paper", "linear", "exact"}
+    gain : {"paper", "linear", "exact", "tangent"}
         See :data:`GAINS`.
     scale : float or (q,) array_like
         Factor on the impulses [-], finite.
     history_dt : float, optional
         Step of the history [s]; None for no history. It starts at time 0, or at the first impulse where that is
         earlier.
+    threads : int, optional
+        Threads that share the lanes; None for all available cores. The results do not depend on it.
 
     Returns
     -------
@@ -91,40 +95,52 @@ def impulsive_response(
     if gain not in GAINS:
         raise ValueError(f"gain: expected one of {', '.join(GAINS)}, got {gain!r}")
     grid = _grid(times, duration, history_dt)
-    shape, drop, flat = lanes((scale,), (block.alpha_c, block.p, block.restitution))
-    factor, alpha, p, restitution = flat
-    floats, integers = np.zeros((2, factor.size)), np.zeros((4, factor.size), dtype=np.int64)
-    theta, theta_dot = np.zeros((factor.size, grid.size)), np.zeros((factor.size, grid.size))
+    alpha, p, restitution = (
+        np.ascontiguousarray(value.reshape(-1))
+        for value in np.broadcast_arrays(
+            *(np.asarray(value, dtype=float) for value in (block.alpha_c, block.p, block.restitution))
+        )
+    )
+    factors = scale.reshape(-1)
+    shape, drop = (factors.size, alpha.size), (scale.ndim == 0, block.shape == ())
+    floats, integers = np.zeros((2, *shape)), np.zeros((4, *shape), dtype=np.int64)
+    theta, theta_dot = np.zeros((*shape, grid.size)), np.zeros((*shape, grid.size))
     floats[1], integers[2] = np.nan, -1
     if times.size:
-        impulsive_lanes(
-            floats,
-            integers,
-            theta,
-            theta_dot,
-            times,
-            impulses,
-            factor,
-            alpha,
-            p,
-            restitution,
-            block.gravity,
-            GAINS[gain],
-            IMPACT_CUTOFF,
-            grid,
-        )
+
+        def kernel_call(first: int, last: int) -> None:
+            impulsive_lanes(
+                first,
+                last,
+                floats,
+                integers,
+                theta,
+                theta_dot,
+                times,
+                impulses,
+                factors,
+                alpha,
+                p,
+                restitution,
+                block.gravity,
+                GAINS[gain],
+                IMPACT_CUTOFF,
+                grid,
+            )
+
+        split_lanes(kernel_call, factors.size * alpha.size, threads)
     response = Response(
-        peak_rotation_ratio=floats[0].reshape(shape),
-        overturning_time=floats[1].reshape(shape),
-        outcome=integers[0].reshape(shape),
-        reason=integers[1].reshape(shape),
-        overturning_half_cycle=integers[2].reshape(shape),
-        impacts=integers[3].reshape(shape),
+        peak_rotation_ratio=floats[0],
+        overturning_time=floats[1],
+        outcome=integers[0],
+        reason=integers[1],
+        overturning_half_cycle=integers[2],
+        impacts=integers[3],
     )
     response = drop_axes(response, 2, drop)
     if history_dt is None:
         return response
-    return with_history(response, grid, theta.reshape(*shape, -1), theta_dot.reshape(*shape, -1), drop)
+    return with_history(response, grid, theta, theta_dot, drop)
 
 
 def _checked(times: Any, impulses: Any, scale: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

@@ -19,6 +19,7 @@ from rockpulse.models.half_cycle_table import TABLE_ROWS, lanes, tabulated_respo
 from rockpulse.models.main_sequence_kernel import overturning_half_cycle, resonance_lanes, safety_lanes
 from rockpulse.models.response import IMPACT_CUTOFF, Response
 from rockpulse.models.sequence_kernel import UNLIMITED
+from rockpulse.models.threads import split_lanes
 
 __all__ = [
     "critical_impulse_at",
@@ -30,7 +31,12 @@ __all__ = [
 
 
 def resonance(
-    block: Block, impulse: Any, half_cycles: int | None, duration: Any = None, table_rows: int = TABLE_ROWS
+    block: Block,
+    impulse: Any,
+    half_cycles: Any,
+    duration: Any = None,
+    table_rows: int = TABLE_ROWS,
+    threads: int | None = None,
 ) -> Response:
     """Response to equal impulses, each right after an impact.
 
@@ -40,12 +46,14 @@ def resonance(
         One block, or (m,).
     impulse : float or (q,) array_like
         I [m/s], finite, not negative.
-    half_cycles : int or None
+    half_cycles : int, (q,) array_like of int, or None
         Number of main impulses; None only with a finite `duration`.
     duration : float or (q,) array_like, optional
         Main impulses act only in half-cycles that start before this time [s].
     table_rows : int
         Largest number of half-cycles in the table; 0 for none.
+    threads : int, optional
+        Threads that share the lanes; None for all available cores. The results do not depend on it.
 
     Returns
     -------
@@ -77,10 +85,11 @@ def resonance(
     """
     impulse = _impulse(impulse)
     count = _half_cycles(half_cycles, duration)
-    shape, drop, flat = lanes((impulse, _duration(duration)), (block.p, block.restitution, block.critical_impulse))
-    scaled, end, p, restitution, critical = flat
-    arguments = (scaled / critical, end, p, restitution, count, IMPACT_CUTOFF)
-    return tabulated_response(resonance_lanes, arguments, shape, drop, table_rows)
+    inputs = (impulse, _duration(duration), count)
+    shape, drop, flat = lanes(inputs, (block.p, block.restitution, block.critical_impulse))
+    scaled, end, most, p, restitution, critical = flat
+    arguments = (scaled / critical, end, p, restitution, most.astype(np.int64), IMPACT_CUTOFF)
+    return tabulated_response(resonance_lanes, arguments, shape, drop, table_rows, threads)
 
 
 def critical_impulse_at(block: Block, half_cycle: int) -> Any:
@@ -98,6 +107,8 @@ def critical_impulse_at(block: Block, half_cycle: int) -> Any:
     impulse : float or (m,) ndarray
         I_ic = I_1c (1 - C)/(1 - C^i) [m/s].
     """
+    if np.ndim(half_cycle):
+        raise ValueError(f"half_cycle: expected one whole number, got {half_cycle!r}")
     half_cycle = _half_cycles(half_cycle, None)
     return critical_impulse_ratio(block.restitution, half_cycle) * block.critical_impulse
 
@@ -106,11 +117,14 @@ def critical_impulse_ratio(restitution: Any, half_cycle: int) -> Any:
     """I_ic/I_1c = (1 - C)/(1 - C^i) of Eq. 9 for C a float or an (m,) array [-]."""
     lanes_ = np.atleast_1d(np.asarray(restitution, dtype=float))
     ones = np.ones(lanes_.size)
-    factors = safety_lanes(ones, np.full(lanes_.size, np.inf), ones, lanes_, ones, half_cycle)
+    factors, most = np.empty(lanes_.size), np.full(lanes_.size, half_cycle)
+    safety_lanes(0, lanes_.size, factors, ones, np.full(lanes_.size, np.inf), ones, lanes_, ones, most)
     return factors.item() if np.ndim(restitution) == 0 else factors
 
 
-def resonance_safety(block: Block, impulse: Any, half_cycles: int | None = None, duration: Any = None) -> Any:
+def resonance_safety(
+    block: Block, impulse: Any, half_cycles: Any = None, duration: Any = None, threads: int | None = None
+) -> Any:
     """Smallest factor on the impulse at which :func:`resonance` overturns the block, in closed form.
 
     Parameters
@@ -119,10 +133,12 @@ def resonance_safety(block: Block, impulse: Any, half_cycles: int | None = None,
         One block, or (m,).
     impulse : float or (q,) array_like
         I [m/s], finite, not negative.
-    half_cycles : int, optional
+    half_cycles : int or (q,) array_like of int, optional
         Number of main impulses; None for no limit.
     duration : float or (q,) array_like, optional
         Main impulses act only in half-cycles that start before this time [s].
+    threads : int, optional
+        Threads that share the lanes; None for all available cores.
 
     Returns
     -------
@@ -140,9 +156,15 @@ def resonance_safety(block: Block, impulse: Any, half_cycles: int | None = None,
     impulse = _impulse(impulse)
     ends = _duration(duration)
     count = UNLIMITED if half_cycles is None else _half_cycles(half_cycles, None)
-    shape, drop, flat = lanes((impulse, ends), (block.p, block.restitution, block.critical_impulse))
-    scaled, end, p, restitution, critical = flat
-    factors = safety_lanes(scaled, end, p, restitution, critical, count).reshape(shape)
+    shape, drop, flat = lanes((impulse, ends, count), (block.p, block.restitution, block.critical_impulse))
+    scaled, end, most, p, restitution, critical = flat
+    counts, flat_factors = most.astype(np.int64), np.empty(scaled.size)
+
+    def kernel_call(first: int, last: int) -> None:
+        safety_lanes(first, last, flat_factors, scaled, end, p, restitution, critical, counts)
+
+    split_lanes(kernel_call, scaled.size, threads)
+    factors = flat_factors.reshape(shape)
     axes = tuple(axis for axis, dropped in enumerate(drop) if dropped)
     factors = factors.squeeze(axis=axes)
     return factors.item() if factors.ndim == 0 else factors
@@ -162,13 +184,18 @@ def _duration(value: Any) -> np.ndarray:
     return duration
 
 
-def _half_cycles(value: int | None, duration: Any) -> int:
+def _half_cycles(value: Any, duration: Any) -> Any:
     if value is None:
         if duration is None or not np.all(np.isfinite(np.asarray(duration, dtype=float))):
             raise ValueError(
                 "half_cycles: expected a whole number; None needs a finite duration to end the main sequence"
             )
         return UNLIMITED
+    if np.ndim(value) == 1:
+        counts = np.asarray(value)
+        if not np.issubdtype(counts.dtype, np.integer) or not np.all((counts >= 1) & (counts < UNLIMITED)):
+            raise ValueError(f"half_cycles: expected whole numbers of at least 1, got {value!r}")
+        return counts
     try:
         count = operator.index(value)
     except TypeError:

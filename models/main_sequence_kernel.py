@@ -73,29 +73,31 @@ def overturning_half_cycle(main, restitution):
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def resonance_lanes(table, floats, integers, main, duration, p, restitution, main_count, cutoff):
-    """Response of every lane to the main sequence; writes into the first three arrays.
+def resonance_lanes(first_lane, last_lane, table, floats, integers, main, duration, p, restitution, main_count, cutoff):
+    """Response of the lanes first_lane:last_lane to the main sequence; writes into the three arrays after them.
 
     Parameters
     ----------
+    first_lane, last_lane : int
+        Lanes to work on.
     table, floats, integers : ndarray
         As for :func:`~rockpulse.models.sequence_kernel.sequence_lanes`.
     main, duration : (n,) ndarray
         u_1 [-] and end of the main sequence [s] of each lane.
     p, restitution : (n,) ndarray
         Frequency parameter [1/s] and C [-].
-    main_count : int
+    main_count : (n,) ndarray of int
         Largest number of main impulses.
     cutoff : float
         Speed above which an impact is counted [-].
     """
     rows = table.shape[1]
-    for lane in range(main.shape[0]):
-        u1, c, rate = main[lane], restitution[lane], p[lane]
+    for lane in range(first_lane, last_lane):
+        u1, c, rate, most = main[lane], restitution[lane], p[lane], main_count[lane]
         critical = overturning_half_cycle(u1, c)
         outcome, reason, overturned, impacts, used = _AT_REST, 0, -1, 0, 0
         peak, overturning_time, start, velocity = 0.0, np.nan, 0.0, 0.0
-        while u1 > 0.0 and start < duration[lane] and used < main_count:
+        while u1 > 0.0 and start < duration[lane] and used < most:
             if used == _HALF_CYCLE_LIMIT:
                 outcome, reason, peak, impacts = _UNRESOLVED, _HALF_CYCLE_LIMIT_REASON, np.nan, -1
                 break
@@ -121,7 +123,7 @@ def resonance_lanes(table, floats, integers, main, duration, p, restitution, mai
             impacts += counted
             if velocity == previous and critical < 0:
                 # The velocity has reached its limit: the half-cycles that are left are counted, not followed.
-                impacts += repetitions(start, time / rate, duration[lane], main_count - used) * counted
+                impacts += repetitions(start, time / rate, duration[lane], most - used) * counted
                 break
         if outcome == _ROCKS:
             later = impacts_above(c * velocity, c, cutoff)
@@ -158,28 +160,26 @@ def _last_half_cycle(restitution, end, main_count):
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def safety_lanes(impulse, end, p, restitution, critical, main_count):
+def safety_lanes(first_lane, last_lane, factors, impulse, end, p, restitution, critical, main_count):
     """Smallest factor on the impulse that overturns: I_Nc/I of the last half-cycle that the input reaches.
 
     Parameters
     ----------
+    first_lane, last_lane : int
+        Lanes to work on.
+    factors : (n,) ndarray
+        Receives the factors [-]; inf for no impulse.
     impulse, end : (n,) ndarray
         I [m/s] and end of the main sequence [s].
     p, restitution, critical : (n,) ndarray
         Frequency parameter [1/s], C [-] and I_1c [m/s].
-    main_count : int
+    main_count : (n,) ndarray of int
         Largest number of main impulses.
-
-    Returns
-    -------
-    factors : (n,) ndarray
-        [-]; inf for no impulse.
     """
-    factors = np.empty(impulse.shape[0])
-    for lane in range(impulse.shape[0]):
-        c = restitution[lane]
-        last = main_count if end[lane] == np.inf else _last_half_cycle(c, p[lane] * end[lane], main_count)
+    for lane in range(first_lane, last_lane):
+        c, last = restitution[lane], main_count[lane]
+        if end[lane] != np.inf:
+            last = _last_half_cycle(c, p[lane] * end[lane], last)
         factors[lane] = critical[lane] / (impulse[lane] * amplification(c, last))
         if last == UNLIMITED and c == 1.0:
             factors[lane] = np.inf if impulse[lane] == 0.0 else 0.0
-    return factors

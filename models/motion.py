@@ -22,6 +22,7 @@ __all__ = [
     "hop",
     "impact_speed",
     "impacts_above",
+    "return_growth",
     "return_time",
     "rise_time",
     "state",
@@ -73,6 +74,20 @@ def impact_speed(rotation, velocity):
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
+def return_growth(rotation, velocity, speed):
+    """e^tau - 1 of the return time, without exp and log, given the speed of the impact; inf where there is no return.
+
+    The waits of a motion that is followed from impact to impact can so be kept as growth factors, e^(t - tau) - 1 =
+    (e^t - e^tau)/e^tau.
+    """
+    growing = rotation - 1.0 + velocity
+    if growing >= 0.0:
+        return np.inf
+    gain = velocity + speed if velocity >= 0.0 else rotation * (2.0 - rotation) / (speed - velocity)
+    return (rotation + gain) / -growing
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
 def return_time(rotation, velocity):
     """Time until the block meets the ground.
 
@@ -92,12 +107,7 @@ def return_time(rotation, velocity):
     x(tau) = 0 gives e^tau = (1 + w)/(1 - x - x'), hence tau = log1p((x + x' + w)/(1 - x - x')); on the way down x' + w
     cancels and is written as x (2 - x)/(w - x').
     """
-    growing = rotation - 1.0 + velocity
-    if growing >= 0.0:
-        return np.inf
-    speed = impact_speed(rotation, velocity)
-    gain = velocity + speed if velocity >= 0.0 else rotation * (2.0 - rotation) / (speed - velocity)
-    return math.log1p((rotation + gain) / -growing)
+    return math.log1p(return_growth(rotation, velocity, impact_speed(rotation, velocity)))
 
 
 @njit(cache=True, nogil=True, error_model="numpy")

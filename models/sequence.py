@@ -17,9 +17,10 @@ from rockpulse.models.block import Block
 from rockpulse.models.half_cycle_table import TABLE_ROWS, lanes, tabulated_response
 from rockpulse.models.impulse_sequence import SPACINGS, ImpulseSequence
 from rockpulse.models.response import IMPACT_CUTOFF, HalfCycles, Outcome, Reason, Response
-from rockpulse.models.sequence_kernel import HALF_CYCLE_LIMIT, UNLIMITED, sequence_lanes
+from rockpulse.models.sequence_kernel import COLUMNS, HALF_CYCLE_LIMIT, UNLIMITED, sequence_lanes
+from rockpulse.models.threads import split_lanes
 
-__all__ = ["SPACINGS", "ImpulseSequence", "impulse_train", "sequence_response"]
+__all__ = ["SPACINGS", "ImpulseSequence", "impulse_train", "scaled_outcomes", "sequence_response"]
 
 #: Shorter trial intervals, times p [-], cannot be told from the continuous limit.
 _SHORTEST_INTERVAL = 1e-4
@@ -33,7 +34,9 @@ _TRAIN_LIMIT = 2_000_000
 logger = logging.getLogger("rockpulse")
 
 
-def sequence_response(block: Block, sequence: ImpulseSequence, table_rows: int = TABLE_ROWS) -> Response:
+def sequence_response(
+    block: Block, sequence: ImpulseSequence, table_rows: int = TABLE_ROWS, threads: int | None = None
+) -> Response:
     """Response to a main and a secondary sequence of impulses, half-cycle by half-cycle in closed form.
 
     Parameters
@@ -44,6 +47,8 @@ def sequence_response(block: Block, sequence: ImpulseSequence, table_rows: int =
         One sequence, or (q,); see :meth:`ImpulseSequence.scaled`.
     table_rows : int
         Largest number of half-cycles in the table; 0 for none, which takes half the time.
+    threads : int, optional
+        Threads that share the lanes; None for all available cores. The results do not depend on it.
 
     Returns
     -------
@@ -83,9 +88,74 @@ def sequence_response(block: Block, sequence: ImpulseSequence, table_rows: int =
     >>> sequence_response(block, sequence).overturning_half_cycle
     4
     """
-    inputs = (sequence.main, sequence.secondary, sequence.interval, sequence.duration)
-    shape, drop, flat = lanes(inputs, (block.p, block.restitution, block.critical_impulse))
-    main, secondary, interval, duration, p, restitution, critical = flat
+    shape, drop, flat = _lanes(block, sequence)
+    arguments, short = _arguments(sequence, flat)
+    response = _unresolved(tabulated_response(sequence_lanes, arguments, shape, drop, table_rows, threads), short)
+    through = np.count_nonzero(response.ground_contact)
+    if through:
+        logger.warning(
+            "sequence: in %d of %d lanes the corrected march with spacing %r passes through the ground "
+            "inside a half-cycle; only its end is exact",
+            through,
+            np.size(response.ground_contact),
+            sequence.spacing,
+        )
+    return response
+
+
+def scaled_outcomes(
+    block: Block, sequence: ImpulseSequence, chosen: np.ndarray, factors: np.ndarray, threads: int | None = None
+) -> np.ndarray:
+    """Outcome of one sequence with factors that differ from block to block, as a search for an edge needs.
+
+    Parameters
+    ----------
+    block : Block
+        (m,) blocks.
+    sequence : ImpulseSequence
+        One sequence.
+    chosen : (n,) ndarray of int
+        Numbers of the blocks that are asked for.
+    factors : (q, n) ndarray
+        Factors on the main and secondary impulses, a column for each of them [-].
+    threads : int, optional
+        Threads that share the lanes; None for all available cores.
+
+    Returns
+    -------
+    (q, n) ndarray of int
+        :class:`~rockpulse.models.response.Outcome`, that of :func:`sequence_response` of the scaled sequence.
+    """
+    if sequence.shape or factors.ndim != 2 or chosen.shape != factors.shape[1:]:
+        raise ValueError(
+            "expected one sequence and factors with a column for each chosen block, "
+            f"got shapes {sequence.shape}, {factors.shape} and {chosen.shape}"
+        )
+    if not np.all(np.isfinite(factors) & (factors >= 0.0)):
+        raise ValueError("factors: expected finite numbers that are not negative")
+    _, _, flat = _lanes(block, sequence)
+    flat = [np.tile(value[chosen], factors.shape[0]) for value in flat]
+    flat[0], flat[1] = factors.reshape(-1) * flat[0], factors.reshape(-1) * flat[1]
+    arguments, short = _arguments(sequence, flat)
+    floats, integers = np.empty((3, short.size)), np.empty((5, short.size), dtype=np.int64)
+    table = np.empty((COLUMNS, 0, short.size))
+
+    def kernel_call(first: int, last: int) -> None:
+        sequence_lanes(first, last, table, floats, integers, *arguments)
+
+    split_lanes(kernel_call, short.size, threads)
+    return np.where(short, int(Outcome.UNRESOLVED), integers[0]).reshape(factors.shape)
+
+
+def _lanes(block: Block, sequence: ImpulseSequence) -> tuple[tuple[int, int], tuple[bool, bool], list[np.ndarray]]:
+    most = UNLIMITED if sequence.main_count is None else sequence.main_count
+    inputs = (sequence.main, sequence.secondary, sequence.interval, sequence.duration, most)
+    return lanes(inputs, (block.p, block.restitution, block.critical_impulse))
+
+
+def _arguments(sequence: ImpulseSequence, flat: list[np.ndarray]) -> tuple[tuple[Any, ...], np.ndarray]:
+    """What the kernel needs, and the lanes whose secondary impulses are too close together for it."""
+    main, secondary, interval, duration, main_count, p, restitution, critical = flat
     count = sequence.intermediate_count or 0
     if count > _LARGEST_COUNT:
         raise ValueError(
@@ -99,22 +169,12 @@ def sequence_response(block: Block, sequence: ImpulseSequence, table_rows: int =
         restitution,
         interval,
         duration,
-        UNLIMITED if sequence.main_count is None else sequence.main_count,
+        main_count.astype(np.int64),
         count,
         SPACINGS[sequence.spacing],
         IMPACT_CUTOFF,
     )
-    response = _unresolved(tabulated_response(sequence_lanes, arguments, shape, drop, table_rows), short)
-    through = np.count_nonzero(response.ground_contact)
-    if through:
-        logger.warning(
-            "sequence: in %d of %d lanes the corrected march with spacing %r passes through the ground "
-            "inside a half-cycle; only its end is exact",
-            through,
-            np.size(response.ground_contact),
-            sequence.spacing,
-        )
-    return response
+    return arguments, short
 
 
 def _unresolved(response: Response, short: np.ndarray) -> Response:

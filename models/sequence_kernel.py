@@ -76,6 +76,8 @@ def repetitions(start, time, duration, main_count):
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def sequence_lanes(
+    first_lane,
+    last_lane,
     table,
     floats,
     integers,
@@ -90,10 +92,12 @@ def sequence_lanes(
     spacing,
     cutoff,
 ):
-    """Response of every lane; writes into the first three arrays.
+    """Response of the lanes first_lane:last_lane; writes into the three arrays after them.
 
     Parameters
     ----------
+    first_lane, last_lane : int
+        Lanes to work on.
     table : (COLUMNS, h, n) ndarray
         Receives the first h half-cycles.
     floats : (3, n) ndarray
@@ -105,7 +109,7 @@ def sequence_lanes(
         u_1 and a = u_1 I_s/I of each lane [-].
     p, restitution, interval, duration : (n,) ndarray
         Frequency parameter [1/s], C [-], trial dT [s], end of the main sequence [s].
-    main_count : int
+    main_count : (n,) ndarray of int
         Largest number of main impulses.
     fixed_count : int
         Given number of intermediate impulses, or 0 for the trial march.
@@ -115,12 +119,12 @@ def sequence_lanes(
         Speed above which an impact is counted [-].
     """
     rows = table.shape[1]
-    for lane in range(main.shape[0]):
-        u1, a, c, rate = main[lane], secondary[lane], restitution[lane], p[lane]
+    for lane in range(first_lane, last_lane):
+        u1, a, c, rate, most = main[lane], secondary[lane], restitution[lane], p[lane], main_count[lane]
         outcome, reason, overturned, impacts = _AT_REST, 0, -1, 0
         peak, overturning_time, lowest = 0.0, np.nan, np.inf
         bounded = u1 > 0.0 and (a == 0.0 or spacing == CONTINUOUS) and stays_bounded(u1, a / u1, c)
-        endless = duration[lane] == np.inf and main_count > UNLIMITED // 2
+        endless = duration[lane] == np.inf and most > UNLIMITED // 2
         velocity, start, index, used = u1, 0.0, 0, 0
         mark, next_mark = np.nan, 1
         while u1 > 0.0:
@@ -144,7 +148,7 @@ def sequence_lanes(
             impacts += counted
             start += time / rate
             following = c * speed + u1
-            if start < duration[lane] and index < main_count:
+            if start < duration[lane] and index < most:
                 if endless and abs(following - mark) <= CYCLE_TOLERANCE * mark:
                     impacts = -1  # a cycle of several half-cycles, all of which have been followed
                     break
@@ -154,7 +158,7 @@ def sequence_lanes(
                         mark, next_mark = velocity, 2 * index
                     continue
                 # The motion repeats itself: the half-cycles that are left are counted, not followed.
-                repeated = repetitions(start, time / rate, duration[lane], main_count - index)
+                repeated = repetitions(start, time / rate, duration[lane], most - index)
                 if repeated < 0:
                     impacts = -1 if counted else 0
                     break

@@ -23,7 +23,12 @@ def block(radius=2.0, restitution=0.6):
 
 def gain_of(gain, body, theta, side):
     alpha = body.alpha_c
-    cosine = {"paper": math.cos(alpha), "linear": 1.0, "exact": math.cos(side * alpha - theta)}[gain]
+    cosine = {
+        "paper": math.cos(alpha),
+        "linear": 1.0,
+        "tangent": alpha / math.tan(alpha),
+        "exact": math.cos(side * alpha - theta),
+    }[gain]
     return body.p**2 * cosine / G
 
 
@@ -104,7 +109,8 @@ def test_random_trains_of_the_comparison_rock_and_overturn():
 @pytest.mark.parametrize("gain", sorted(GAINS))
 def test_one_impulse_overturns_from_the_critical_one_of_its_gain(gain):  # F1
     body = block()
-    critical = body.critical_impulse * (math.cos(body.alpha_c) if gain == "linear" else 1.0)
+    ratio = {"linear": math.cos(body.alpha_c), "tangent": math.sin(body.alpha_c) / body.alpha_c}.get(gain, 1.0)
+    critical = ratio * body.critical_impulse
     at = impulsive_response(body, [2.0], [critical], gain=gain)
     assert (at.outcome, at.overturning_half_cycle, at.overturning_time) == (Outcome.OVERTURNS, 1, 2.0)
     below = impulsive_response(body, [2.0], [critical * (1.0 - 1e-9)], gain=gain)

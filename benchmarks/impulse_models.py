@@ -1,0 +1,142 @@
+"""Speed of the impulse models: kernels over lanes against a plain march of the same equations in the same run.
+
+    python benchmarks/impulse_models.py [--runs 5] [--seed 1]
+
+Medians of whole calls. The plain march is the Python one of tests/models/impulsive_march.py, on a few of the lanes; the
+search for safety factors is compared with one call per block. Input: the half-waves of seeded synthetic motions, and
+random impulses; blocks and factors that differ from lane to lane.
+"""
+
+from __future__ import annotations
+
+import argparse
+import logging
+import statistics
+import sys
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from rockpulse.half_wave import half_waves
+from rockpulse.models import Block, ImpulseSequence, impulsive_response, recorded_response, sequence_response
+from rockpulse.models.effective_impulse import effective_impulse_response
+from rockpulse.record import Record
+from rockpulse.safety import sequence_safety_factor
+from rockpulse.synthetic import synthetic_motion
+
+sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "models"))
+from impulsive_march import march
+
+
+def median(runs: int, call: Callable[[], Any]) -> float:
+    """Median time of a call [s], after one that compiles."""
+    call()
+    times = []
+    for _ in range(runs):
+        began = time.perf_counter()
+        call()
+        times.append(time.perf_counter() - began)
+    return statistics.median(times)
+
+
+def bodies(count: int, seed: int) -> Block:
+    rng = np.random.default_rng(seed)
+    alpha, radius = np.arctan(1.0 / rng.uniform(4.0, 12.0, count)), rng.uniform(1.0, 6.0, count)
+    return Block(radius * np.sin(alpha), radius * np.cos(alpha), "housner")
+
+
+def impulses_of_records(runs: int, seed: int) -> None:
+    record = Record(synthetic_motion(seed, pga=4.0), dt=0.01, id="synthetic")
+    waves = half_waves(record)
+    print(f"one synthetic record of 60 s, {len(waves)} half-waves; one thread; us per lane (ns per impulse and lane)")
+    few = bodies(4, seed)
+    scale = np.array([0.5, 1.0])
+    plain = median(
+        1,
+        lambda: [march(few.lane(m), waves.centroid, s * waves.impulse) for m in range(4) for s in scale],
+    )
+    base = plain / 8
+    print(f"  {'plain Python march':34} {1e6 * base:10.1f}  ({1e9 * base / len(waves):9.1f})")
+    for lanes in (8, 64, 512, 4096):
+        blocks, factors = bodies(lanes // 8, seed), np.linspace(0.3, 1.4, 8)
+        spent = median(
+            runs, lambda b=blocks, f=factors: impulsive_response(b, waves.centroid, waves.impulse, scale=f, threads=1)
+        )
+        each = spent / lanes
+        print(
+            f"  {f'impulsive, {lanes} lanes':34} {1e6 * each:10.2f}  ({1e9 * each / len(waves):9.1f})"
+            f"  {base / each:8.0f} x the plain march"
+        )
+    blocks, factors = bodies(64, seed), np.linspace(0.3, 1.4, 8)
+    models: dict[str, Callable[[], Any]] = {
+        "effective impulses": lambda: effective_impulse_response(
+            blocks, record.acceleration, record.dt, scale=factors, threads=1
+        ),
+        "linear equation": lambda: recorded_response(
+            blocks, record.acceleration, record.dt, "linear", scale=factors, threads=1
+        ),
+        "nonlinear equation": lambda: recorded_response(
+            blocks, record.acceleration, record.dt, scale=factors, threads=1
+        ),
+    }
+    for name, call in models.items():
+        print(f"  {f'{name}, 512 lanes':34} {1e6 * median(runs, call) / 512:10.2f}")
+    for threads in (1, 2):
+        spent = median(
+            runs,
+            lambda n=threads: impulsive_response(
+                bodies(512, seed), waves.centroid, waves.impulse, scale=factors, threads=n
+            ),
+        )
+        print(f"  {f'impulsive, 4096 lanes, {threads} thread(s)':34} {1e3 * spent:10.1f} ms the call")
+
+
+def sequences(runs: int, seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    blocks, count = bodies(100, seed), 200
+    main = rng.uniform(0.1, 0.9, count)
+    many = ImpulseSequence(
+        main=main,
+        secondary=rng.uniform(0.3, 0.7, count) * main,
+        interval=rng.uniform(0.1, 0.6, count),
+        duration=20.0,
+        main_count=rng.integers(1, 12, count),
+    )
+
+    def one_by_one() -> None:
+        for q in range(0, count, 20):
+            for m in range(0, 100, 10):
+                single = ImpulseSequence(
+                    many.main[q], many.secondary[q], many.interval[q], 20.0, main_count=int(many.main_count[q])
+                )
+                sequence_response(blocks.lane(m), single, table_rows=0)
+
+    base = median(1, one_by_one) / 100
+    print("\nsequence model, 200 combinations of (I, I_s/I, dT, main count) x 100 blocks; us per lane")
+    print(f"  {'one call a lane':34} {1e6 * base:10.2f}")
+    for threads in (1, 2):
+        each = median(runs, lambda n=threads: sequence_response(blocks, many, table_rows=0, threads=n)) / (100 * count)
+        print(f"  {f'one call, {threads} thread(s)':34} {1e6 * each:10.2f}  {base / each:8.0f} x")
+    scene = ImpulseSequence(0.3, 0.12, 0.25, 15.0, main_count=6)
+    base = median(runs, lambda: [sequence_safety_factor(blocks.lane(m), scene, 10.0, 1.02) for m in range(100)])
+    spent = median(runs, lambda: sequence_safety_factor(blocks, scene, 10.0, 1.02, threads=1))
+    print("\nsafety factors of 100 blocks, steps of 2 %; ms")
+    print(f"  {'a search for each block':34} {1e3 * base:10.1f}")
+    print(f"  {'all blocks in one search':34} {1e3 * spent:10.1f}  {base / spent:8.1f} x")
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--runs", type=int, default=5)
+    parser.add_argument("--seed", type=int, default=1)
+    options = parser.parse_args()
+    logging.getLogger("rockpulse").setLevel(logging.ERROR)
+    impulses_of_records(options.runs, options.seed)
+    sequences(options.runs, options.seed)
+
+
+if __name__ == "__main__":
+    main()
