@@ -45,13 +45,15 @@ def correction(t, c0, d1, d2, d3, d4, d5, d6, d7, d8, d9, d10):
 
 
 @njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"}, _nrt=False)
-def finish_steps(f):
+def finish_steps(f, width):
     """Write the outcome of the step of every slot: its state, EVENT, and ARRIVAL after an impact.
 
     Parameters
     ----------
     f : (FLOAT_ROWS * WIDTH,) ndarray
         The slots, with END, END_SPEED, END_PULL, STRONGEST, MARKED and the rates of the step.
+    width : int
+        Slots in use, from the first on: a multiple of GROUP.
 
     Notes
     -----
@@ -61,7 +63,7 @@ def finish_steps(f):
     terms of a hop, or from the parabola through both ends of a fall; what this does not settle is left to
     :mod:`rockpulse.models.recorded_event`.
     """
-    for j in range(row.WIDTH):
+    for j in range(width):
         phi = f[row.PHI + j]
         speed = f[row.SPEED + j]
         h = f[row.STEP + j]

@@ -21,13 +21,15 @@ H3, H5, H7, H9, H11, H13 = (1.0 / math.factorial(k) for k in range(3, 15, 2))
 
 
 @njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"}, _nrt=False)
-def linear_steps(f):
+def linear_steps(f, width):
     """One step of every slot by the exact map, into the rows that :func:`rockpulse.models.finish.finish_steps` reads.
 
     Parameters
     ----------
     f : (FLOAT_ROWS * WIDTH,) ndarray
         The slots, see :mod:`rockpulse.models.slots`.
+    width : int
+        Slots in use, from the first on: a multiple of GROUP.
 
     Notes
     -----
@@ -36,7 +38,7 @@ def linear_steps(f):
     has its largest size at an end but for a factor 1/(1 - h^2/8). The series serves to find what happens inside. A
     step is marked where the growing mode exceeds a bound of what is left of the record.
     """
-    for j in range(row.WIDTH):
+    for j in range(width):
         phi = f[row.PHI + j]
         speed = f[row.SPEED + j]
         h = f[row.STEP + j]

@@ -73,13 +73,15 @@ def nonlinear_rates(phi, speed, alpha, ground, ground_slope, lift, lift_slope):
 
 
 @njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"}, _nrt=False)
-def nonlinear_steps(f):
+def nonlinear_steps(f, width):
     """One Taylor step of every slot, into the rows that :func:`rockpulse.models.finish.finish_steps` reads.
 
     Parameters
     ----------
     f : (FLOAT_ROWS * WIDTH,) ndarray
         The slots, see :mod:`rockpulse.models.slots`.
+    width : int
+        Slots in use, from the first on: a multiple of GROUP.
 
     Notes
     -----
@@ -87,7 +89,7 @@ def nonlinear_steps(f):
     + the slopes), where the bracket bounds the third derivative. A step is marked where phi may pass pi/2, or where
     the last term of its series is larger than the bound of the lane.
     """
-    for j in range(row.WIDTH):
+    for j in range(width):
         phi = f[row.PHI + j]
         speed = f[row.SPEED + j]
         h = f[row.STEP + j]

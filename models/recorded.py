@@ -43,6 +43,7 @@ def recorded_response(
     initial_rotation: Any = 0.0,
     initial_velocity: Any = 0.0,
     history: bool = False,
+    gain: Literal["linear", "tangent"] = "linear",
     step: float = 0.08,
     last_term: float = LAST_TERM,
     threads: int | None = None,
@@ -69,6 +70,10 @@ def recorded_response(
         theta' at the first sample [rad/s].
     history : bool
         Also return time, rotation and velocity at the samples.
+    gain : {"linear", "tangent"}
+        Linear equation only. "linear": lifted at g alpha_c, as Eq. 1 stands. "tangent": the record times alpha_c/tan
+        alpha_c, so that the block is lifted at g tan(alpha_c) as by the nonlinear equation; most of the difference
+        between the two is the instant of uplift (docs/decisions/008).
     step : float
         Longest step as p dt [-], at most 0.3; a sample is divided where its own p dt is larger.
     last_term : float
@@ -121,6 +126,8 @@ def recorded_response(
     dt = float(numbers("dt", dt, "a positive sampling interval in s", lanes=False))
     if dt <= 0.0:
         raise ValueError(f"dt: expected a positive sampling interval in s, got {dt!r}")
+    if gain not in ("linear", "tangent") or (gain == "tangent" and equation != "linear"):
+        raise ValueError(f"gain: expected 'linear', or 'tangent' with equation='linear', got {gain!r}")
     if vertical is not None and equation == "linear":
         raise ValueError(
             "vertical: the linear equation has no vertical acceleration; use equation='nonlinear' or drop it"
@@ -161,6 +168,7 @@ def recorded_response(
         np.ascontiguousarray(np.broadcast_to(np.asarray(values, dtype=float), lanes).reshape(-1))
         for values in (block.alpha_c, block.p, block.restitution, *start)
     )
+    gains = alpha / np.tan(alpha) if gain == "tangent" else np.ones_like(alpha)
     shape = (factors.size, alpha.size)
     total = factors.size * alpha.size
     answers = (
@@ -189,6 +197,7 @@ def recorded_response(
             found,
             dt,
             factors.reshape(-1) / float(block.gravity),
+            gains,
             alpha,
             p,
             restitution,

@@ -173,6 +173,7 @@ def march_lanes(
     found,
     dt,
     factors,
+    gains,
     alpha,
     p,
     restitution,
@@ -208,6 +209,8 @@ def march_lanes(
         Sampling interval [s].
     factors : (q,) ndarray
         Factor on the record over gravity [s2/m].
+    gains : (m,) ndarray
+        Factor of each block on top of it [-].
     alpha, p, restitution, rotation, spin : (m,) ndarray
         alpha_c [rad], p [1/s], C [-], theta [rad] and theta' [rad/s] at the first sample.
     longest : float
@@ -222,16 +225,17 @@ def march_lanes(
     """
     blocks = alpha.size
     coming = first
-    running = row.WIDTH
+    width = row.GROUP * min(row.WIDTH // row.GROUP, (last - first + row.GROUP - 1) // row.GROUP)
+    running = width
     far = history.shape[1] == 0
     while running > 0:
         if equation == LINEAR:
-            linear_steps(f)
+            linear_steps(f, width)
         else:
-            nonlinear_steps(f)
-        finish_steps(f)
+            nonlinear_steps(f, width)
+        finish_steps(f, width)
         running = 0
-        for j in range(row.WIDTH):
+        for j in range(width):
             lane = i[row.LANE + j]
             done = lane < 0
             if not done:
@@ -272,7 +276,7 @@ def march_lanes(
                     vertical,
                     found,
                     dt,
-                    factors[lane // blocks],
+                    factors[lane // blocks] * gains[block],
                     alpha[block],
                     p[block],
                     restitution[block],
@@ -289,3 +293,5 @@ def march_lanes(
                     begin_step(equation, f, i, j, vertical)
             if i[row.LANE + j] >= 0:
                 running += 1
+        if running <= width - row.GROUP and running > 0:
+            width = row.close_ranks(f, i, width)

@@ -10,10 +10,15 @@ instructions; each slot is at its own sample of its own lane, so none waits for 
 
 from __future__ import annotations
 
-__all__ = ["FLOAT_ROWS", "INT_ROWS", "WIDTH"]  # and the rows
+from numba import njit
+
+__all__ = ["FLOAT_ROWS", "GROUP", "INT_ROWS", "WIDTH", "close_ranks"]  # and the rows
 
 #: Slots: four registers of the widest vector unit, so that the latency of one is hidden behind the others.
 WIDTH = 32
+
+#: Slots of one register: fewer lanes than WIDTH take whole groups.
+GROUP = 8
 
 (
     # The state at the start of the step.
@@ -77,3 +82,30 @@ FLOAT_ROWS = 43
     ENDED,  # the sample in which it last came to rest
 ) = range(0, 7 * WIDTH, WIDTH)
 INT_ROWS = 7
+
+
+@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
+def close_ranks(f, i, width):
+    """Move the lanes of the last group into empty slots before it; returns the slots still in use.
+
+    Parameters
+    ----------
+    f : (FLOAT_ROWS * WIDTH,) ndarray
+        The slots.
+    i : (INT_ROWS * WIDTH,) ndarray of int
+        The slots; LANE is -1 where one is empty.
+    width : int
+        Slots in use before, with at least GROUP empty ones.
+    """
+    empty = 0
+    for j in range(width - GROUP, width):
+        if i[LANE + j] < 0:
+            continue
+        while i[LANE + empty] >= 0:
+            empty += 1
+        for k in range(FLOAT_ROWS):
+            f[k * WIDTH + empty] = f[k * WIDTH + j]
+        for k in range(INT_ROWS):
+            i[k * WIDTH + empty] = i[k * WIDTH + j]
+        i[LANE + j] = -1
+    return width - GROUP

@@ -50,9 +50,9 @@ def test_quick_answers_are_those_of_the_careful_search():
     found = {NOTHING: 0, IMPACT: 0, LOOK_CLOSER: 0}
     for seed in range(60):
         f = steps(seed)
-        nonlinear_steps(f)
+        nonlinear_steps(f, row.WIDTH)
         before = f.copy()
-        finish_steps(f)
+        finish_steps(f, row.WIDTH)
         for j in range(row.WIDTH):
             c, h, peak = polynomial(before, j), before[row.STEP + j], before[row.PEAK + j]
             impact, largest = first_impact(c, h, peak)
@@ -78,7 +78,7 @@ def test_quick_answers_are_those_of_the_careful_search():
 
 def test_marked_step_is_left_to_the_careful_search():
     f = steps(1)
-    nonlinear_steps(f)
+    nonlinear_steps(f, row.WIDTH)
     f[row.MARKED : row.MARKED + row.WIDTH] = 1.0
-    finish_steps(f)
+    finish_steps(f, row.WIDTH)
     assert np.all(f[row.EVENT : row.EVENT + row.WIDTH] == LOOK_CLOSER)

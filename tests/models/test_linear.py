@@ -33,7 +33,7 @@ def test_step_is_the_solution_of_the_equation_in_every_slot():
         f[name : name + row.WIDTH] = rng.uniform(low, high, row.WIDTH)
     for j in range(row.WIDTH):
         set_hyperbolic(f, j)
-    linear_steps(f)
+    linear_steps(f, row.WIDTH)
     with mpmath.workdps(50):
         for j in range(row.WIDTH):
             phi, speed, h, alpha, ground, slope = (

@@ -268,6 +268,12 @@ def test_history_after_overturning_is_nan_and_before_it_is_not():
         ({"scale": [1.0, 1e300]}, "m/s2"),
         ({"dt": "a"}, "dt: expected"),
         ({"block": 3.0}, "block: expected"),
+        ({"gain": "paper"}, "gain"),
+        ({"gain": "tangent"}, "gain: expected 'linear', or 'tangent' with equation='linear'"),
+        ({"step": 0.0}, "step"),
+        ({"step": 0.31}, "step: expected a positive p dt of at most 0.3"),
+        ({"last_term": 0.0}, "last_term"),
+        ({"threads": 0}, "threads"),
     ],
 )
 def test_wrong_arguments_are_named(change, message):
@@ -293,3 +299,17 @@ def test_python_and_compiled_kernels_agree():
     compiled, plain = outputs
     assert compiled[1::3] == plain[1::3]
     assert [float(x) for x in compiled[::3]] == pytest.approx([float(x) for x in plain[::3]], rel=1e-11)
+
+
+def test_tangent_gain_is_a_factor_on_the_record_and_brings_the_linear_equation_near_the_nonlinear_one():
+    block = Block.from_parameters(p=np.linspace(1.0, 4.0, 40), alpha=0.2, restitution=0.85)
+    motion = synthetic(peak=4.0)
+    tangent = recorded_response(block, motion, 0.01, "linear", gain="tangent").peak_rotation_ratio
+    scaled = recorded_response(block, motion, 0.01, "linear", scale=0.2 / np.tan(0.2)).peak_rotation_ratio
+    assert tangent == pytest.approx(scaled, rel=1e-9)
+    plain = recorded_response(block, motion, 0.01, "linear").peak_rotation_ratio
+    truth = recorded_response(block, motion, 0.01, "nonlinear").peak_rotation_ratio
+    rocks = np.isfinite(tangent) & np.isfinite(plain) & np.isfinite(truth) & (truth > 0.05)
+    assert np.count_nonzero(rocks) > 10
+    far, near = (np.median(np.abs(np.log(model[rocks] / truth[rocks]))) for model in (plain, tangent))
+    assert near < 0.3 * far
