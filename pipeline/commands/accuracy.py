@@ -1,0 +1,92 @@
+"""``rockpulse accuracy``: how fast the solvers are, how large their error is, and what the cheap models miss."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from pathlib import Path
+
+from rockpulse.commands.verb import Verb
+
+__all__ = ["VERB"]
+
+#: Tables that --csv writes.
+CSV_TABLES = ("work_precision", "convergence", "model_form", "classifiers")
+
+
+def _add_arguments(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "paths",
+        nargs="*",
+        metavar="PATHS",
+        help="files, folders, zips or globs of records: an ensemble of their own beside the synthetic one; the shipped "
+        "samples are cases of the reference too",
+    )
+    parser.add_argument("--units", metavar="UNIT", help='unit of files that do not state theirs: "g", "cm/s2", ...')
+    parser.add_argument("--dt", type=float, metavar="SECONDS", help="sampling interval of columns without times, in s")
+    parser.add_argument("-o", "--output", required=True, metavar="REPORT", help="report to write (HDF5)")
+    parser.add_argument("--csv", metavar="FOLDER", help=f"also write {', '.join(CSV_TABLES)} as CSV into this folder")
+    parser.add_argument("--plot", metavar="FILE", help="also draw the work-precision diagram: .svg, .png or .pdf")
+    parser.add_argument(
+        "--cases", type=int, metavar="N", help="cases of each equation that solve_ivp computes, seconds each; default 6"
+    )
+    parser.add_argument("--seed", type=int, default=0, help="seed of the synthetic ensemble; default 0")
+    parser.add_argument("--quick", action="store_true", help="few cases and motions: seconds, and little to rely on")
+    parser.add_argument("--overwrite", action="store_true", help="replace a report, tables or a diagram that exist")
+    parser.add_argument("--quiet", action="store_true", help="print nothing but what failed")
+
+
+def _run(args: argparse.Namespace) -> int:
+    from dataclasses import replace
+
+    from rockpulse.accuracy_files import PICTURES, check_file, csv_files, write_csv, write_picture
+    from rockpulse.settings import RecordSettings
+    from rockpulse.store import check_target, save
+
+    check_target(args.output, args.overwrite)
+    picture = None if args.plot is None else check_file(args.plot, args.overwrite, PICTURES)
+    tables = {} if args.csv is None else csv_files(args.csv, CSV_TABLES, args.overwrite)
+    options = RecordSettings(dt=args.dt, units=args.units)
+
+    from tqdm import tqdm
+
+    from rockpulse.accuracy import FULL, QUICK, accuracy, table_of
+    from rockpulse.accuracy_overview import accuracy_overview
+    from rockpulse.sources import read_all
+
+    effort = QUICK if args.quick else FULL
+    if args.cases is not None:
+        effort = replace(effort, cases=args.cases)
+    silent = True if args.quiet else None  # None: silent unless standard error is a terminal
+    records, failures = read_all(args.paths, options.units, dt=options.dt)
+    tree = accuracy(
+        records,
+        failures,
+        seed=args.seed,
+        effort=effort,
+        progress=lambda jobs: tqdm(jobs, desc="measuring", disable=silent),
+    )
+    # The small files first: the report is there only if everything is.
+    write_csv({path: table_of(tree, name) for name, path in tables.items()})
+    if picture is not None:
+        from rockpulse.accuracy_diagram import diagram
+
+        write_picture(diagram(table_of(tree, "work_precision")), picture)
+    save(tree, args.output, overwrite=args.overwrite)
+    failed = [row for row in table_of(tree, "failures").itertuples() if row.kind == "failed"]
+    for row in failed:
+        print(f"failed ({row.stage}) {row.reason}", file=sys.stderr)
+    if not args.quiet:
+        written = [args.output, *(map(str, tables.values())), *([] if picture is None else [str(picture)])]
+        print(f"{accuracy_overview(tree)}\n\nwritten: {', '.join(map(str, map(Path, written)))}")
+    return 1 if failed else 0
+
+
+VERB = Verb(
+    name="accuracy",
+    summary="measure speed and error of the models",
+    description="Measure what the recorded models and scipy's solve_ivp cost and how far they are from a stored "
+    "high-precision reference, and how far the cheap models are from the nonlinear one.",
+    add_arguments=_add_arguments,
+    run=_run,
+)
