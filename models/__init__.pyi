@@ -1,10 +1,16 @@
 from .block import Block as Block
+from .demand import Demand as Demand
+from .demand import ground_demand as ground_demand
+from .effective_impulse import effective_impulse_response as effective_impulse_response
+from .fidelity import Rung as Rung
+from .fidelity import choose_response as choose_response
 from .impulsive import impulsive_response as impulsive_response
 from .main_sequence import critical_impulse_at as critical_impulse_at
 from .main_sequence import resonance as resonance
 from .main_sequence import resonance_safety as resonance_safety
 from .periodic import SteadyState as SteadyState
 from .periodic import steady_state as steady_state
+from .predictability import predictable as predictable
 from .recorded import recorded_response as recorded_response
 from .response import HalfCycles as HalfCycles
 from .response import Outcome as Outcome

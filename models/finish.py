@@ -8,9 +8,11 @@ from numba import njit
 
 from rockpulse.models import slots as row
 
-__all__ = ["IMPACT", "LOOK_CLOSER", "NOTHING", "finish_steps", "speed_of", "value_of"]
+__all__ = ["HALVED", "IMPACT", "LOOK_CLOSER", "NOTHING", "OVER", "finish_steps", "speed_of", "value_of"]
 
-NOTHING, IMPACT, LOOK_CLOSER = 0.0, 1.0, 2.0
+# What happened in a step. From LOOK_CLOSER on the slot stays where it is: HALVED is to be tried again with half the
+# step, OVER has overturned.
+NOTHING, IMPACT, LOOK_CLOSER, HALVED, OVER = 0.0, 1.0, 2.0, 3.0, 4.0
 
 #: The iteration for an impact is of third order: after a step below this share of the way, the rest is rounding.
 CONVERGED = 3e-6

@@ -8,10 +8,11 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-__all__ = ["BLOCK", "FALL", "LARGEST", "LEFT", "STEEPEST", "extremes", "largest_left", "next_exceedance"]
+__all__ = ["BLOCK", "BLOCK_BITS", "FALL", "LARGEST", "LEFT", "STEEPEST", "extremes", "largest_left", "next_exceedance"]
 
-#: Samples in a block.
-BLOCK = 32
+#: Samples in a block, a power of two.
+BLOCK_BITS = 5
+BLOCK = 1 << BLOCK_BITS
 
 # Rows of the extremes.
 LARGEST = 0  #: largest abs(a_g) among the samples of the block and the first of the next one [m/s2]

@@ -13,11 +13,19 @@ from numba import njit
 
 from rockpulse.models import slots as row
 
-__all__ = ["linear_after", "linear_steps", "set_hyperbolic"]
+__all__ = ["hyperbolic", "linear_after", "linear_steps"]
 
 # Coefficients of cosh and sinh.
 H2, H4, H6, H8, H10, H12 = (1.0 / math.factorial(k) for k in range(2, 14, 2))
 H3, H5, H7, H9, H11, H13 = (1.0 / math.factorial(k) for k in range(3, 15, 2))
+
+
+@njit(inline="always")
+def hyperbolic(h):
+    """cosh h - 1, sinh h and sinh h - h for h <= 0.3, by their series."""
+    z = h * h
+    excess = h * z * (H3 + z * (H5 + z * (H7 + z * (H9 + z * (H11 + z * H13)))))
+    return z * (H2 + z * (H4 + z * (H6 + z * (H8 + z * (H10 + z * H12))))), h + excess, excess
 
 
 @njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"}, _nrt=False)
@@ -45,9 +53,10 @@ def linear_steps(f, width):
         alpha = f[row.ALPHA + j]
         ground = f[row.GROUND + j]
         slope = f[row.SLOPE + j]
+        cosh_1, sinh, sinh_h = hyperbolic(h)
         r = phi - alpha - ground
-        end = phi + (r * f[row.COSH_1 + j] + (speed * f[row.SINH + j] - slope * f[row.SINH_H + j]))
-        end_speed = speed + (speed * f[row.COSH_1 + j] + r * f[row.SINH + j] - slope * f[row.COSH_1 + j])
+        end = phi + (r * cosh_1 + (speed * sinh - slope * sinh_h))
+        end_speed = speed + (speed * cosh_1 + r * sinh - slope * cosh_1)
         end_pull = end - alpha - ground - slope * h
         strongest = 1.1 * max(abs(r), abs(end_pull))
         gone = end - alpha + end_speed > f[row.LIMIT + j]
@@ -74,17 +83,6 @@ def linear_steps(f, width):
         f[row.END_PULL + j] = end_pull
         f[row.STRONGEST + j] = strongest
         f[row.MARKED + j] = 1.0 if gone else 0.0
-
-
-@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
-def set_hyperbolic(f, j):
-    """cosh h - 1, sinh h and sinh h - h of the step of slot j, by their series: h is below 0.3."""
-    h = f[row.STEP + j]
-    z = h * h
-    excess = h * z * (H3 + z * (H5 + z * (H7 + z * (H9 + z * (H11 + z * H13)))))
-    f[row.SINH_H + j] = excess
-    f[row.SINH + j] = h + excess
-    f[row.COSH_1 + j] = z * (H2 + z * (H4 + z * (H6 + z * (H8 + z * (H10 + z * H12)))))
 
 
 @njit(cache=True, nogil=True, error_model="numpy", _nrt=False)

@@ -44,6 +44,7 @@ def recorded_response(
     initial_velocity: Any = 0.0,
     history: bool = False,
     gain: Literal["linear", "tangent"] = "linear",
+    block_scale: Any = 1.0,
     step: float = 0.08,
     last_term: float = LAST_TERM,
     threads: int | None = None,
@@ -74,6 +75,8 @@ def recorded_response(
         Linear equation only. "linear": lifted at g alpha_c, as Eq. 1 stands. "tangent": the record times alpha_c/tan
         alpha_c, so that the block is lifted at g tan(alpha_c) as by the nonlinear equation; most of the difference
         between the two is the instant of uplift (docs/decisions/008).
+    block_scale : float or (m,) array_like
+        Factor on the record for each block, on top of `scale`, not negative [-].
     step : float
         Longest step as p dt [-], at most 0.3; a sample is divided where its own p dt is larger.
     last_term : float
@@ -153,6 +156,11 @@ def recorded_response(
             f"acceleration, scale: expected at most {STRONGEST:g} times gravity, got {strongest:g}; "
             "is the record in m/s2, and the scale a factor?"
         )
+    own = numbers("block_scale", block_scale, "a factor >= 0")
+    if np.any(own < 0.0) or own.shape not in ((), block.shape):
+        raise ValueError(
+            f"block_scale: expected a factor >= 0, or one for each of the blocks {block.shape}, got {block_scale!r:.80}"
+        )
     start = [
         numbers("initial_rotation", initial_rotation, "an angle in rad"),
         numbers("initial_velocity", initial_velocity, "an angular velocity in rad/s"),
@@ -168,7 +176,7 @@ def recorded_response(
         np.ascontiguousarray(np.broadcast_to(np.asarray(values, dtype=float), lanes).reshape(-1))
         for values in (block.alpha_c, block.p, block.restitution, *start)
     )
-    gains = alpha / np.tan(alpha) if gain == "tangent" else np.ones_like(alpha)
+    gains = np.broadcast_to(own, lanes).reshape(-1) * (alpha / np.tan(alpha) if gain == "tangent" else 1.0)
     shape = (factors.size, alpha.size)
     total = factors.size * alpha.size
     answers = (

@@ -12,8 +12,9 @@ import math
 from numba import njit
 
 from rockpulse.models import slots as row
+from rockpulse.models.advance import IMPACTS_PER_SAMPLE, REMNANT, enter_vertical
+from rockpulse.models.finish import HALVED, IMPACT, NOTHING, OVER
 from rockpulse.models.ground import BLOCK, LARGEST, LEFT, STEEPEST, largest_left, next_exceedance
-from rockpulse.models.linear import set_hyperbolic
 from rockpulse.models.polynomial import ORDER, bracketed_root, first_impact, value, velocity
 from rockpulse.models.response import IMPACT_CUTOFF
 
@@ -35,19 +36,13 @@ __all__ += ["impacts_above_cutoff", "resolve_step", "wake"]
 LINEAR, NONLINEAR = 0, 1
 
 # How a slot stands after a step.
-MOVING, RESTING, OVERTURNED, IMPACT_LIMITED, FLYING, HALVED = range(6)
-
-#: Impacts followed inside one sample before the lane is given up (only a restitution next to one gets there).
-IMPACTS_PER_SAMPLE = 10_000
+MOVING, RESTING, OVERTURNED, IMPACT_LIMITED, FLYING = range(5)
 
 #: A chatter is cut short only where its hops are below this share of the peak so far.
 CHATTER_SHARE = 1e-3
 
 #: A step is not halved below this share of the longest one for the sake of its series.
 SHORTEST = 1.0 / 4096.0
-
-#: What is left of a sample below this share of the longest step belongs to the step before it.
-REMNANT = 1e-9
 
 
 @njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
@@ -127,7 +122,7 @@ def chatter_is_over(equation, f, i, j, found, samples, far):
     restitution = f[row.RESTITUTION + j]
     if far and f[row.SAMPLE_LIFT + j] == 1.0 and lift_end == 1.0:
         # To the end of the next block of samples.
-        sample = i[row.SAMPLE + j]
+        sample = int(f[row.SAMPLE + j])
         block = sample // BLOCK
         end = min((block + 2) * BLOCK, samples - 1)
         factor = f[row.FACTOR + j] / threshold
@@ -152,46 +147,33 @@ def impacts_above_cutoff(speed, restitution):
     return 1 + math.floor(math.log(IMPACT_CUTOFF / speed) / math.log(restitution))
 
 
-@njit(inline="always")
-def enter_sample(equation, f, i, j, acceleration, vertical, found):
+@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
+def enter_sample(f, i, j, acceleration, vertical, found):
     """Take the ground of the slot's sample; False where the vertical acceleration cancels gravity in it."""
-    k = i[row.SAMPLE + j]
-    factor, per_sample = f[row.FACTOR + j], f[row.PER_SAMPLE + j]
-    start = acceleration[k] * factor
+    k = int(f[row.SAMPLE + j])
+    start = acceleration[k] * f[row.FACTOR + j]
     f[row.SAMPLE_GROUND + j] = start
-    f[row.SAMPLE_SLOPE + j] = (acceleration[k + 1] * factor - start) * per_sample
+    f[row.SAMPLE_SLOPE + j] = (acceleration[k + 1] * f[row.FACTOR + j] - start) * f[row.PER_SAMPLE + j]
+    f[row.LIMIT + j] = found[LEFT, min((k + 1) // BLOCK + 1, found.shape[1] - 1)] * f[row.FACTOR + j]
     f[row.PASSED + j] = 0.0
-    i[row.HITS + j] = 0
-    if equation == LINEAR:
-        f[row.LIMIT + j] = found[LEFT, min((k + 1) // BLOCK + 1, found.shape[1] - 1)] * factor
-    if vertical.size == 0:
-        return True
-    start = 1.0 + vertical[k] * factor
-    end = 1.0 + vertical[k + 1] * factor
-    f[row.SAMPLE_LIFT + j] = start
-    f[row.SAMPLE_LIFT_SLOPE + j] = (end - start) * per_sample
-    return start > 0.0 and end > 0.0
+    f[row.HITS + j] = 0.0
+    return vertical.size == 0 or enter_vertical(f, j, vertical)
 
 
-@njit(inline="always")
-def begin_step(equation, f, i, j, vertical):
+@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
+def begin_step(f, j):
     """Set the next step of a moving slot: the ground from here on, and its length."""
     passed, side, longest = f[row.PASSED + j], f[row.SIDE + j], f[row.LONGEST + j]
     f[row.GROUND + j] = side * (f[row.SAMPLE_GROUND + j] + f[row.SAMPLE_SLOPE + j] * passed)
     f[row.SLOPE + j] = side * f[row.SAMPLE_SLOPE + j]
-    if vertical.size > 0:
-        f[row.LIFT + j] = f[row.SAMPLE_LIFT + j] + f[row.SAMPLE_LIFT_SLOPE + j] * passed
-        f[row.LIFT_SLOPE + j] = f[row.SAMPLE_LIFT_SLOPE + j]
+    f[row.LIFT + j] = f[row.SAMPLE_LIFT + j] + f[row.SAMPLE_LIFT_SLOPE + j] * passed
+    f[row.LIFT_SLOPE + j] = f[row.SAMPLE_LIFT_SLOPE + j]
     remaining = f[row.LENGTH + j] - passed
-    step = remaining if remaining <= longest * (1.0 + REMNANT) else longest
-    if step != f[row.STEP + j]:
-        f[row.STEP + j] = step
-        if equation == LINEAR:
-            set_hyperbolic(f, j)
+    f[row.STEP + j] = remaining if remaining <= longest * (1.0 + REMNANT) else longest
 
 
 @njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
-def wake(equation, f, i, j, acceleration, vertical, found):
+def wake(f, i, j, acceleration, vertical, found):
     """Next uplift of a resting slot: its state becomes that of the instant of uplift.
 
     Returns
@@ -213,17 +195,17 @@ def wake(equation, f, i, j, acceleration, vertical, found):
             f[row.PHI + j] = 0.0
             f[row.SPEED + j] = 0.0
             i[row.MOVED + j] = 1
-            i[row.ACTIVE + j] += i[row.ENDED + j] != i[row.SAMPLE + j]
+            f[row.ACTIVE + j] += 1.0 if i[row.ENDED + j] != int(f[row.SAMPLE + j]) else 0.0
             return MOVING
-        sample = i[row.SAMPLE + j]
+        sample = int(f[row.SAMPLE + j])
         ahead = next_exceedance(sample + 1, acceleration, vertical, found, f[row.FACTOR + j], threshold)
         if ahead > last:
             return RESTING
         # It lifts on the way to that sample, which is this one where rounding has put the crossing at its end.
-        i[row.SAMPLE + j] = max(ahead - 1, sample + 1)
-        if i[row.SAMPLE + j] >= last:
+        f[row.SAMPLE + j] = max(ahead - 1, sample + 1)
+        if f[row.SAMPLE + j] >= last:
             return RESTING
-        if not enter_sample(equation, f, i, j, acceleration, vertical, found):
+        if not enter_sample(f, i, j, acceleration, vertical, found):
             return FLYING
     return RESTING
 
@@ -234,34 +216,33 @@ def is_gone(f, i, j, acceleration, found):
     growing = f[row.PHI + j] - f[row.ALPHA + j] + f[row.SPEED + j]
     if growing <= f[row.LIMIT + j]:
         return False
-    left = largest_left(i[row.SAMPLE + j] + 1, acceleration, found) * f[row.FACTOR + j]
+    left = largest_left(int(f[row.SAMPLE + j]) + 1, acceleration, found) * f[row.FACTOR + j]
     ground = abs(f[row.SAMPLE_GROUND + j] + f[row.SAMPLE_SLOPE + j] * f[row.PASSED + j])
     return growing > max(left, ground)
 
 
 @njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
 def after_impact(equation, f, i, j, acceleration, found, far):
-    """Count the impact that slot j has just had, and see how it goes on, as :func:`resolve_step` does."""
-    cutoff = IMPACT_CUTOFF * f[row.ALPHA + j]
-    if f[row.ARRIVAL + j] >= cutoff:
-        i[row.IMPACTS + j] += 1
-    i[row.HITS + j] += 1
-    if i[row.HITS + j] > IMPACTS_PER_SAMPLE:
+    """How slot j goes on after an impact: MOVING, RESTING, OVERTURNED or IMPACT_LIMITED."""
+    if f[row.HITS + j] > IMPACTS_PER_SAMPLE:
         return IMPACT_LIMITED
     speed = f[row.SPEED + j]
     if speed == 0.0:
         return RESTING
     # Faster impacts are counted, so they are followed.
+    cutoff = IMPACT_CUTOFF * f[row.ALPHA + j]
     if speed < cutoff and chatter_is_over(equation, f, i, j, found, acceleration.size, far):
         return RESTING
-    if equation == LINEAR and speed > f[row.ALPHA + j] and is_gone(f, i, j, acceleration, found):
+    if equation == LINEAR and is_gone(f, i, j, acceleration, found):
         return OVERTURNED
     return MOVING
 
 
 @njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
-def resolve_step(equation, f, i, j, c, acceleration, found, far):
-    """Do the marked step of slot j, or the part of it up to its impact.
+def resolve_step(equation, f, i, j, c, acceleration, found):
+    """Do the marked step of slot j, or the part of it up to its impact, and set its EVENT.
+
+    HALVED: the step is to be tried again. OVER: PASSED is the instant of overturning.
 
     Parameters
     ----------
@@ -277,21 +258,14 @@ def resolve_step(equation, f, i, j, c, acceleration, found, far):
         a_g [m/s2].
     found : (4, b + 1) ndarray
         Its extremes.
-    far : bool
-        Whether a chatter may be cut short samples before it ends: it changes nothing but the history.
-
-    Returns
-    -------
-    int
-        MOVING, RESTING, OVERTURNED (PASSED is then the instant), IMPACT_LIMITED, or HALVED: the step is to be tried
-        again.
     """
     phi, speed, h, alpha = f[row.PHI + j], f[row.SPEED + j], f[row.STEP + j], f[row.ALPHA + j]
     last_term = abs(f[row.RATE_10 + j]) * h**10
     too_long = equation == NONLINEAR and last_term > f[row.TRUNCATION + j] * (alpha + phi)
     if too_long and h > SHORTEST * f[row.LONGEST + j]:
         f[row.STEP + j] = 0.5 * h
-        return HALVED
+        f[row.EVENT + j] = HALVED
+        return
     c[0] = phi
     c[1] = speed
     for k in range(2, ORDER + 1):
@@ -304,7 +278,8 @@ def resolve_step(equation, f, i, j, c, acceleration, found, far):
         if value(c, h) > 0.5 * math.pi:
             wait = bracketed_root(c, 0, 0.5 * math.pi, 0.0, h, -1.0)
         f[row.PASSED + j] += wait
-        return OVERTURNED
+        f[row.EVENT + j] = OVER
+        return
     f[row.PEAK + j] = max(f[row.PEAK + j], largest)
     if impact < 0.0:
         f[row.PHI + j] = value(c, h)
@@ -316,7 +291,6 @@ def resolve_step(equation, f, i, j, c, acceleration, found, far):
         f[row.SPEED + j] = f[row.RESTITUTION + j] * f[row.ARRIVAL + j]
         f[row.SIDE + j] = -f[row.SIDE + j]
         f[row.PASSED + j] += impact
-        return after_impact(equation, f, i, j, acceleration, found, far)
-    if equation == LINEAR and is_gone(f, i, j, acceleration, found):
-        return OVERTURNED
-    return MOVING
+        f[row.EVENT + j] = IMPACT
+        return
+    f[row.EVENT + j] = OVER if equation == LINEAR and is_gone(f, i, j, acceleration, found) else NOTHING

@@ -14,18 +14,17 @@ import numpy as np
 from numba import njit
 
 from rockpulse.models import slots as row
-from rockpulse.models.finish import IMPACT, LOOK_CLOSER, finish_steps
+from rockpulse.models.advance import REMNANT, advance_steps, advance_vertical, keep_history
+from rockpulse.models.finish import IMPACT, LOOK_CLOSER, OVER, finish_steps
 from rockpulse.models.ground import LEFT, largest_left
 from rockpulse.models.linear import linear_after, linear_steps
 from rockpulse.models.nonlinear import nonlinear_after, nonlinear_steps
 from rockpulse.models.recorded_event import (
     FLYING,
-    HALVED,
     IMPACT_LIMITED,
     LINEAR,
     MOVING,
     OVERTURNED,
-    REMNANT,
     RESTING,
     after_impact,
     begin_step,
@@ -84,18 +83,19 @@ def begin_lane(
     f[row.SAMPLE_LIFT + j] = 1.0
     f[row.SAMPLE_LIFT_SLOPE + j] = 0.0
     resting = rotation == 0.0 and spin == 0.0
-    i[row.SAMPLE + j] = 0
-    i[row.IMPACTS + j] = 0
+    f[row.SAMPLE + j] = 0.0
+    f[row.IMPACTS + j] = 0.0
     i[row.MOVED + j] = 0 if resting else 1
-    i[row.ACTIVE + j] = 0 if resting else 1
+    f[row.ACTIVE + j] = 0.0 if resting else 1.0
     i[row.ENDED + j] = -1
+    i[row.FLIES + j] = 0
     still = found[LEFT, 0] * factor <= f[row.THRESHOLD + j]
     if resting and still and vertical.size == 0:
         return RESTING
-    if not enter_sample(equation, f, i, j, acceleration, vertical, found):
+    if not enter_sample(f, i, j, acceleration, vertical, found):
         return FLYING
     if resting:
-        return wake(equation, f, i, j, acceleration, vertical, found)
+        return wake(f, i, j, acceleration, vertical, found)
     if equation == LINEAR:
         growing = f[row.PHI + j] - alpha + f[row.SPEED + j]
         return OVERTURNED if growing > largest_left(0, acceleration, found) * factor else MOVING
@@ -103,12 +103,20 @@ def begin_lane(
 
 
 @njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
+def empty_slot(f, i, j):
+    """Leave slot j without a lane: its steps have no length."""
+    i[row.LANE + j] = -1
+    for name in (row.PHI, row.SPEED, row.STEP, row.PASSED, row.LENGTH, row.LONGEST, row.PER_SAMPLE, row.FACTOR):
+        f[name + j] = 0.0
+
+
+@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
 def end_lane(equation, status, f, i, j, dt, samples):
     """What a lane that has ended answers, in the order of the arrays of :func:`march_lanes`."""
-    impacts, active = i[row.IMPACTS + j], i[row.ACTIVE + j]
+    impacts, active = int(f[row.IMPACTS + j]), int(f[row.ACTIVE + j])
     alpha, restitution, p = f[row.ALPHA + j], f[row.RESTITUTION + j], f[row.P + j]
     if status == OVERTURNED:
-        time = i[row.SAMPLE + j] * dt + f[row.PASSED + j] / p
+        time = f[row.SAMPLE + j] * dt + f[row.PASSED + j] / p
         return np.inf, OVERTURNS, NO_REASON, time, impacts + 1, impacts, active
     if status == IMPACT_LIMITED:
         return np.nan, UNRESOLVED, IMPACT_LIMIT, np.nan, -1, -1, active
@@ -131,36 +139,30 @@ def end_lane(equation, status, f, i, j, dt, samples):
     return max(peak, peak_after) / alpha, ROCKS, NO_REASON, np.nan, -1, -1 if decay < 0 else impacts + decay, active
 
 
-@njit(inline="always")
-def next_status(equation, status, f, i, j, acceleration, vertical, found, history, lane):
-    """From the end of a step to the start of the next one; MOVING while the lane goes on in the record.
+@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
+def decide(equation, f, i, j, acceleration, vertical, found, far):
+    """How a slot goes on that needs attention.
 
     Returns
     -------
     status : int
-        As given, or RESTING and FLYING from the way on.
+        MOVING, RESTING, OVERTURNED, IMPACT_LIMITED or FLYING.
     done : bool
         Whether the lane has come to its end.
     """
-    last = acceleration.size - 1
-    if status == MOVING and f[row.LENGTH + j] - f[row.PASSED + j] <= REMNANT * f[row.LONGEST + j]:
-        i[row.SAMPLE + j] += 1
-        sample = i[row.SAMPLE + j]
-        if history.shape[1] > 0:
-            history[lane, sample, 0] = f[row.SIDE + j] * f[row.PHI + j]
-            history[lane, sample, 1] = f[row.SIDE + j] * f[row.SPEED + j] * f[row.P + j]
-        if sample == last:
-            return MOVING, True
-        if not enter_sample(equation, f, i, j, acceleration, vertical, found):
-            return FLYING, True
-        i[row.ACTIVE + j] += 1
-    elif status == RESTING:
-        i[row.ENDED + j] = i[row.SAMPLE + j]
-        status = wake(equation, f, i, j, acceleration, vertical, found)
-    if status == MOVING:
-        begin_step(equation, f, i, j, vertical)
-        return MOVING, False
-    return status, True
+    if f[row.EVENT + j] == OVER:
+        return OVERTURNED, True
+    status = after_impact(equation, f, i, j, acceleration, found, far) if f[row.EVENT + j] == IMPACT else MOVING
+    if f[row.SAMPLE + j] >= acceleration.size - 1:
+        return status, True
+    if i[row.FLIES + j] == 1:
+        return FLYING, True
+    if status == RESTING:
+        i[row.ENDED + j] = int(f[row.SAMPLE + j])
+        status = wake(f, i, j, acceleration, vertical, found)
+        if status == MOVING:
+            begin_step(f, j)
+    return status, status != MOVING
 
 
 @njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
@@ -226,26 +228,32 @@ def march_lanes(
     blocks = alpha.size
     coming = first
     width = row.GROUP * min(row.WIDTH // row.GROUP, (last - first + row.GROUP - 1) // row.GROUP)
-    running = width
+    running = 0
     far = history.shape[1] == 0
-    while running > 0:
+    left = found[LEFT]
+    fastest = 1.0 if equation == LINEAR else np.inf
+    while running > 0 or coming < last:
         if equation == LINEAR:
             linear_steps(f, width)
         else:
             nonlinear_steps(f, width)
         finish_steps(f, width)
-        running = 0
+        for j in range(width):
+            if f[row.EVENT + j] == LOOK_CLOSER and i[row.LANE + j] >= 0:
+                resolve_step(equation, f, i, j, c, acceleration, found)
+        advance_steps(f, width, acceleration, left, fastest)
+        if vertical.size > 0:
+            advance_vertical(f, i, width, vertical)
+        if not far:
+            keep_history(f, i, width, history)
         for j in range(width):
             lane = i[row.LANE + j]
+            if f[row.ATTENTION + j] == 0.0 and (lane >= 0 or coming >= last):
+                continue
             done = lane < 0
+            status = MOVING
             if not done:
-                status = MOVING
-                if f[row.EVENT + j] == IMPACT:
-                    status = after_impact(equation, f, i, j, acceleration, found, far)
-                elif f[row.EVENT + j] == LOOK_CLOSER:
-                    status = resolve_step(equation, f, i, j, c, acceleration, found, far)
-                if status != HALVED:
-                    status, done = next_status(equation, status, f, i, j, acceleration, vertical, found, history, lane)
+                status, done = decide(equation, f, i, j, acceleration, vertical, found, far)
             while done:
                 if lane >= 0:
                     (
@@ -258,13 +266,14 @@ def march_lanes(
                         active[lane],
                     ) = end_lane(equation, status, f, i, j, dt, acceleration.size)
                     if status > RESTING:
-                        history[lane, i[row.SAMPLE + j] + 1 :] = np.nan
+                        history[lane, int(f[row.SAMPLE + j]) + 1 :] = np.nan
+                    running -= 1
                 if coming >= last:
-                    i[row.LANE + j] = -1
-                    f[row.STEP + j] = 0.0
+                    empty_slot(f, i, j)
                     break
                 lane = coming
                 coming += 1
+                running += 1
                 i[row.LANE + j] = lane
                 block = lane % blocks
                 status = begin_lane(
@@ -290,8 +299,6 @@ def march_lanes(
                     history[lane, 0, 1] = spin[block]
                 done = status != MOVING
                 if not done:
-                    begin_step(equation, f, i, j, vertical)
-            if i[row.LANE + j] >= 0:
-                running += 1
-        if running <= width - row.GROUP and running > 0:
+                    begin_step(f, j)
+        if coming >= last and 0 < running <= width - row.GROUP:
             width = row.close_ranks(f, i, width)

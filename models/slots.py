@@ -45,7 +45,7 @@ GROUP = 8
     END_PULL,
     STRONGEST,  # a bound of abs(phi'') in it
     MARKED,  # 1.0 where it must be looked at closely whatever happens
-    EVENT,  # NOTHING, IMPACT or LOOK_CLOSER, see finish.py
+    EVENT,  # see finish.py
     ARRIVAL,  # abs(phi') at the impact
     RATE_2,  # (k - 1)-th Taylor coefficients of the speed, k = 2 ... 10
     RATE_3,
@@ -56,9 +56,6 @@ GROUP = 8
     RATE_8,
     RATE_9,
     RATE_10,
-    COSH_1,  # cosh h - 1, sinh h, sinh h - h of the step (linear equation)
-    SINH,
-    SINH_H,
     # The lane.
     ALPHA,
     RESTITUTION,
@@ -69,19 +66,23 @@ GROUP = 8
     LONGEST,  # longest step
     THRESHOLD,  # abs(a_g)/g above which a resting block lifts, at 1 + a_v/g = 1
     TRUNCATION,  # largest last term of a series
-) = range(0, 43 * WIDTH, WIDTH)
-FLOAT_ROWS = 43
-
-(
-    LANE,  # -1: empty
+    # Where it is, and what it has counted: whole numbers, kept here since a loop over one array makes vectors.
     SAMPLE,
     HITS,  # impacts in this sample
     IMPACTS,  # impacts faster than the cut-off
-    MOVED,  # 1 once it has lifted
     ACTIVE,  # samples in which it moved
+    ENTERED,  # 1 where the step ended a sample
+    ATTENTION,  # 1 where a decision is due: an impact that may be the last, the end of the record, overturning
+) = range(0, 46 * WIDTH, WIDTH)
+FLOAT_ROWS = 46
+
+(
+    LANE,  # -1: empty
+    MOVED,  # 1 once it has lifted
     ENDED,  # the sample in which it last came to rest
-) = range(0, 7 * WIDTH, WIDTH)
-INT_ROWS = 7
+    FLIES,  # 1 where the vertical acceleration cancels gravity
+) = range(0, 4 * WIDTH, WIDTH)
+INT_ROWS = 4
 
 
 @njit(cache=True, nogil=True, error_model="numpy", _nrt=False)

@@ -19,11 +19,12 @@ from rockpulse.errors import ConfigError
 from rockpulse.failures import Failure
 from rockpulse.intensity import arias_intensity, pgv
 from rockpulse.models.block import Block
+from rockpulse.models.predictability import NOT_CHECKED, predictable
 from rockpulse.models.response import Outcome, Response
 from rockpulse.record import Record
 from rockpulse.results import build_tree
 from rockpulse.safety import resonance_safety_factor, sequence_safety_factor
-from rockpulse.scene import MODELS, SLENDER_MODELS, Scene, prepare
+from rockpulse.scene import CHECKABLE, MODELS, SLENDER_MODELS, USED, Scene, auto_response, prepare
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -48,7 +49,7 @@ class RecordAssessment:
     per_block : dict of (b, c) ndarray
         Demand of the record on each body and restitution case.
     per_model : dict of (b, c, k) ndarray
-        Answer of each of the k models.
+        Answer of each of the k models, and which one gave it.
     responses : dict of str to Response
         By model, lanes (b x c,): the half-cycle tables and histories are taken from here.
     """
@@ -151,6 +152,9 @@ def assess_record(record: Record, bodies: Bodies, config: Config, vertical: Reco
     scene = prepare(record, config, vertical)
     lanes = bodies.lanes
     responses = {name: MODELS[name](lanes, scene) for name in config.models.use}
+    used = {name: np.full(lanes.shape, USED.index(name), dtype=np.int8) for name in responses}
+    if config.models.auto:
+        responses["auto"], used["auto"] = auto_response(lanes, scene)
     contact = responses["sequence"].ground_contact if "sequence" in responses else None
     if contact is not None and np.any(contact):
         warning = (
@@ -158,18 +162,20 @@ def assess_record(record: Record, bodies: Bodies, config: Config, vertical: Reco
             f"{np.size(contact)} bodies touch the ground inside a half-cycle; take another spacing"
         )
         scene = replace(scene, record=scene.record.with_warning(warning))
-    safety = {name: _safety_factor(name, lanes, scene, responses[name]) for name in config.models.use}
+    per_lane = {
+        **{field: {name: getattr(one, field) for name, one in responses.items()} for field in PER_MODEL},
+        "safety_factor": {name: _safety_factor(name, lanes, scene, one) for name, one in responses.items()},
+        "applicable": {name: _applicable(name, lanes) for name in responses},
+        "predictable": {name: _predictable(name, lanes, scene, one) for name, one in responses.items()},
+        "model_used": used,
+    }
     return RecordAssessment(
         scene=scene,
         record=_record_scalars(scene),
         per_block={name: bodies.per_case(values) for name, values in _demand(scene, lanes).items()},
         per_model={
-            **{
-                field: np.stack([bodies.per_case(getattr(responses[name], field)) for name in responses], axis=-1)
-                for field in PER_MODEL
-            },
-            "safety_factor": np.stack([bodies.per_case(safety[name]) for name in responses], axis=-1),
-            "applicable": np.stack([bodies.per_case(_applicable(name, lanes)) for name in responses], axis=-1),
+            field: np.stack([bodies.per_case(values[name]) for name in responses], axis=-1)
+            for field, values in per_lane.items()
         },
         responses=responses,
     )
@@ -187,6 +193,17 @@ def _safety_factor(model: str, block: Block, scene: Scene, response: Response) -
 
 def _applicable(model: str, block: Block) -> np.ndarray:
     return (np.asarray(block.slender) | (model not in SLENDER_MODELS)).astype(np.int8)
+
+
+def _predictable(model: str, block: Block, scene: Scene, response: Response) -> np.ndarray:
+    settings = scene.config.models
+    if not settings.predictability or model not in CHECKABLE:
+        return np.full(block.shape, NOT_CHECKED, dtype=np.int8)
+
+    def respond(blocks: Block, scale: np.ndarray) -> Response:
+        return CHECKABLE[model](blocks, scene, scale)
+
+    return np.asarray(predictable(response, respond, block, tolerance=settings.tolerance))
 
 
 def _demand(scene: Scene, block: Block) -> dict[str, np.ndarray]:

@@ -6,6 +6,8 @@ import math
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from rockpulse.models.response import Outcome, Reason
 from rockpulse.record import STANDARD_GRAVITY
 from rockpulse.terminal import ABSENT, aligned, figure, paragraph, ratio, restitution, shortened
@@ -95,6 +97,11 @@ def verdict_table(
         notes.append("resonance: an upper-bound type input (every main impulse at the worst moment), not a prediction.")
     if "applicable" in summary and (summary["applicable"] == 0).any():
         notes.append("*: outside the range of this model (slenderness below 3); read with caution.")
+    if "predictable" in summary and (summary["predictable"] == 0).any():
+        notes.append("?: not predictable: another answer when C or the record changes in the ninth digit.")
+    if "auto" in summary["model"].values:
+        used = _models_used(summary, records, blocks)
+        notes.append(f"auto: the cheapest model that answers, here {used}; the figures are those of that model.")
     reasons = {int(code) for code in summary["reason"].values[summary["outcome"].values == Outcome.UNRESOLVED]}
     if reasons:
         words = ", ".join(Reason(code).name.lower().replace("_", " ") for code in sorted(reasons))
@@ -133,7 +140,7 @@ def overturned(summary: xr.Dataset) -> str:
     """
     models = [str(model) for model in summary["model"].values]
     records = [str(record) for record in summary["record"].values]
-    fullest = models[-1]
+    fullest = "nonlinear" if "nonlinear" in models else models[-1]
     lines = [f"What overturns (by the {fullest} model):"]
     rows = [["records that overturn", *models]]
     for block in (str(name) for name in summary["block"].values):
@@ -276,7 +283,19 @@ def _verdict(summary: xr.Dataset, where: dict[str, Any]) -> str:
         text = ratio(value(summary, "peak_rotation_ratio", **where))
     else:
         return ABSENT + " "
-    return text + ("*" if value(summary, "applicable", **where) == 0 else " ")
+    mark = "?" if value(summary, "predictable", **where) == 0 else ""
+    return text + mark + ("*" if value(summary, "applicable", **where) == 0 else " ")
+
+
+def _models_used(summary: xr.Dataset, records: Sequence[str] | None, blocks: Sequence[str] | None) -> str:
+    """How many answers of `auto` are whose: "static 12, nonlinear 4"."""
+    where: dict[str, Any] = {"model": "auto"}
+    where |= {} if records is None else {"record": list(records)}
+    where |= {} if blocks is None else {"block": list(blocks)}
+    variable = summary["model_used"]
+    codes, counts = np.unique(variable.sel(where).values, return_counts=True)
+    names = dict(zip(variable.attrs["flag_values"].tolist(), variable.attrs["flag_meanings"].split(), strict=True))
+    return ", ".join(f"{names[code].replace('_', ' ')} {count}" for code, count in zip(codes, counts, strict=True))
 
 
 def _falls(summary: xr.Dataset, record: str, block: str, model: str) -> bool:

@@ -11,8 +11,9 @@ import xarray as xr
 from rockpulse.bodies import Bodies
 from rockpulse.config import Config
 from rockpulse.failures import Failure
+from rockpulse.models.predictability import NOT_CHECKED
 from rockpulse.models.response import Outcome, Reason
-from rockpulse.scene import MODELS
+from rockpulse.scene import USED
 from rockpulse.variables import ANSWER, BLOCK, CASE, DEMAND, FAILURE, HALF_CYCLE, RECORD, WAVES, Meaning
 
 if TYPE_CHECKING:
@@ -52,7 +53,7 @@ def build_tree(
 
 
 def _summary(done: Sequence[RecordAssessment], bodies: Bodies, config: Config) -> xr.Dataset:
-    models = list(config.models.use)
+    models = list(config.models.answering)
     shape = (len(done), len(bodies.names), bodies.cases)
     # A restitution range adds a dimension; without one there is a single case and no dimension for it.
     case = ("case",) if bodies.cases > 1 else ()
@@ -77,25 +78,31 @@ def _summary(done: Sequence[RecordAssessment], bodies: Bodies, config: Config) -
     answers = {
         name: np.array([one.per_model[name] for one in done]).reshape(*shape, len(models))
         for name in ANSWER
-        if name not in ("capacity_pga", "model_used")
+        if name != "capacity_pga"
     }
     pga = np.array([one.record["pga"] for one in done]).reshape(-1, 1, 1, 1)
     answers["capacity_pga"] = answers["safety_factor"] * pga
-    answers["model_used"] = np.broadcast_to([list(MODELS).index(name) for name in models], (*shape, len(models)))
     for name, meaning in ANSWER.items():
         values = _squeeze(answers[name], bodies, axis=2)
         variables[name] = _variable(("record", *lanes, "model"), values, meaning)
     _flag(variables["pgv_drift"], ["reliable", "drift"])
     _flag(variables["outcome"], [outcome.name.lower() for outcome in Outcome])
     _flag(variables["reason"], [reason.name.lower() for reason in Reason])
-    _flag(variables["model_used"], list(MODELS))
+    _flag(variables["model_used"], USED)
     _flag(variables["applicable"], ["outside_range", "applicable"])
+    _flag(variables["predictable"], ["not_checked", "no", "yes"], first=NOT_CHECKED)
     search = f"searched up to a factor of {config.search.factor_max:g} in steps of {config.search.step:g}; inf if none"
     variables["safety_factor"].attrs["comment"] = search
+    checked = f"relative changes of C and the record by 1e-9; peaks to {config.models.tolerance:g}"
+    variables["predictable"].attrs["comment"] = checked
     coords = {
         "record": _variable(("record",), [one.scene.record.id for one in done], (str, "1", "record id")),
         "block": _variable(("block",), bodies.names, (str, "1", "name of the body")),
-        "model": _variable(("model",), models, (str, "1", "model, from the cheapest to the dearest")),
+        "model": _variable(
+            ("model",),
+            models,
+            (str, "1", "model, from the cheapest to the dearest; auto: the cheapest that answers, see model_used"),
+        ),
     }
     return xr.Dataset(variables, coords)
 
@@ -103,7 +110,7 @@ def _summary(done: Sequence[RecordAssessment], bodies: Bodies, config: Config) -
 def _half_cycles(done: Sequence[RecordAssessment], bodies: Bodies, config: Config) -> xr.Dataset:
     columns: dict[str, list[np.ndarray]] = {name: [] for name in HALF_CYCLE}
     for record_index, one in enumerate(done):
-        for model_index, model in enumerate(config.models.use):
+        for model_index, model in enumerate(config.models.answering):
             table = one.responses[model].half_cycles
             if table is None:
                 continue
@@ -143,7 +150,7 @@ def _add_histories(variables: dict[str, xr.Variable], done: Sequence[RecordAsses
     rotation, velocity = [], []
     index: dict[str, list[int]] = {"record_index": [], "lane_index": [], "model_index": []}
     for record_index, one in enumerate(done):
-        for model_index, model in enumerate(config.models.use):
+        for model_index, model in enumerate(config.models.answering):
             response = one.responses[model]
             if response.rotation is None or response.velocity is None:
                 continue
@@ -175,8 +182,8 @@ def _variable(dims: tuple[str, ...], values: Any, meaning: Meaning) -> xr.Variab
     return xr.Variable(dims, np.asarray(values, dtype=kind), {"units": units, "long_name": long_name})
 
 
-def _flag(variable: xr.Variable, meanings: list[str]) -> None:
-    variable.attrs["flag_values"] = np.arange(len(meanings), dtype=np.int8)
+def _flag(variable: xr.Variable, meanings: Sequence[str], first: int = 0) -> None:
+    variable.attrs["flag_values"] = np.arange(first, first + len(meanings), dtype=np.int8)
     variable.attrs["flag_meanings"] = " ".join(meanings)
 
 

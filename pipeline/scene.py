@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
+from typing import Any, Literal
 
 import numpy as np
 
@@ -15,6 +17,7 @@ from rockpulse.errors import RecordRefused
 from rockpulse.half_wave import HalfWaves, half_waves
 from rockpulse.intensity import IntensePhase, intense_phase
 from rockpulse.models.block import Block
+from rockpulse.models.fidelity import Rung, choose_response
 from rockpulse.models.impulsive import impulsive_response
 from rockpulse.models.main_sequence import resonance
 from rockpulse.models.recorded import recorded_response
@@ -22,7 +25,7 @@ from rockpulse.models.response import Outcome, Reason, Response
 from rockpulse.models.sequence import ImpulseSequence, sequence_response
 from rockpulse.record import Record
 
-__all__ = ["MODELS", "SLENDER_MODELS", "Scene", "prepare"]
+__all__ = ["CHECKABLE", "MODELS", "SLENDER_MODELS", "USED", "Scene", "auto_response", "prepare"]
 
 #: Models whose motion between events is the linear one (Eqs. 1-2), stated for slenderness of at least 3.
 SLENDER_MODELS = frozenset({"resonance", "sequence", "impulsive", "linear"})
@@ -105,30 +108,64 @@ def _sequence(block: Block, scene: Scene) -> Response:
     return no_sequence(block) if scene.sequence is None else sequence_response(block, scene.sequence)
 
 
-def _impulsive(block: Block, scene: Scene) -> Response:
+def _impulsive(block: Block, scene: Scene, scale: Any = 1.0) -> Response:
     waves = scene.waves
     return impulsive_response(
-        block, waves.centroid, waves.impulse, duration=scene.record.duration, gain=scene.config.models.gain
+        block, waves.centroid, waves.impulse, duration=scene.record.duration, gain=scene.config.models.gain, scale=scale
     )
 
 
-def _linear(block: Block, scene: Scene) -> Response:
-    record = scene.record
-    return recorded_response(
-        block, record.acceleration, record.dt, equation="linear", history=scene.config.models.histories
-    )
-
-
-def _nonlinear(block: Block, scene: Scene) -> Response:
+def _recorded(block: Block, scene: Scene, scale: Any = None, *, equation: Literal["linear", "nonlinear"]) -> Response:
+    """With a factor, which a check asks for, the histories are left out."""
     record = scene.record
     return recorded_response(
         block,
         record.acceleration,
         record.dt,
-        equation="nonlinear",
-        vertical=scene.vertical,
-        history=scene.config.models.histories,
+        equation=equation,
+        vertical=scene.vertical if equation == "nonlinear" else None,
+        scale=1.0 if scale is None else scale,
+        history=scene.config.models.histories and scale is None,
     )
+
+
+_linear, _nonlinear = partial(_recorded, equation="linear"), partial(_recorded, equation="nonlinear")
+
+
+def auto_response(block: Block, scene: Scene, scale: Any = 1.0) -> tuple[Response, np.ndarray]:
+    """The cheapest model that answers, lane by lane, and which it was.
+
+    Parameters
+    ----------
+    block : Block
+        (m,) lanes.
+    scene : Scene
+        The record made ready; its configuration says which output has to be right, and to which tolerance.
+    scale : float or (q,) array_like
+        Factor on the record [-].
+
+    Returns
+    -------
+    Response, (q, m) or (m,) ndarray of int
+        The answer and the place of its model in :data:`USED`.
+    """
+    record, settings = scene.record, scene.config.models
+    response, rungs = choose_response(
+        block,
+        record.acceleration,
+        record.dt,
+        scene.waves.centroid,
+        scene.waves.impulse,
+        scale=scale,
+        vertical=scene.vertical,
+        output=settings.output,
+        tolerance=settings.tolerance,
+    )
+    return response, np.array([USED.index(rung.name.lower()) for rung in Rung], dtype=np.int8)[rungs]
+
+
+def _auto(block: Block, scene: Scene, scale: Any = 1.0) -> Response:
+    return auto_response(block, scene, scale)[0]
 
 
 #: The models an assessment can use, from the cheapest to the dearest.
@@ -138,6 +175,17 @@ MODELS: dict[str, Callable[[Block, Scene], Response]] = {
     "impulsive": _impulsive,
     "linear": _linear,
     "nonlinear": _nonlinear,
+}
+
+#: What may have given an answer: the models, and what only `auto` knows.
+USED = (*MODELS, "static", "strong_part")
+
+#: Models whose answers can be checked for predictability; they take a factor on the record.
+CHECKABLE: dict[str, Callable[[Block, Scene, Any], Response]] = {
+    "impulsive": _impulsive,
+    "linear": _linear,
+    "nonlinear": _nonlinear,
+    "auto": _auto,
 }
 
 

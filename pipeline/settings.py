@@ -33,6 +33,7 @@ MAIN_COUNTS = ("half-largest", "none")
 SPACINGS = ("end", "middle", "start", "open", "continuous")
 MODELS = ("resonance", "sequence", "impulsive", "linear", "nonlinear")
 GAINS = ("paper", "linear", "exact")
+OUTPUTS = ("outcome", "peak")
 
 
 @dataclass(frozen=True)
@@ -139,17 +140,16 @@ class ModelSettings(Section):
     heading = "[models]"
     use: tuple[str, ...] = choices(MODELS, MODELS)
     auto: bool = flag(False)
-    tolerance: float = number(1e-9, low=0.0, above=True)
+    output: str = choice("outcome", OUTPUTS)
+    tolerance: float = number(1e-4, low=0.0, above=True)
+    predictability: bool = flag(False)
     gain: str = choice("paper", GAINS)
     histories: bool = flag(False)
 
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        if self.auto:
-            raise ConfigError(
-                "[models] auto: choosing the model by itself is not available in this version; "
-                "set auto = false and name the models in use"
-            )
+    @property
+    def answering(self) -> tuple[str, ...]:
+        """The models of the results: those in use, and `auto` where it is asked for."""
+        return (*self.use, "auto") if self.auto else self.use
 
 
 @dataclass(frozen=True)

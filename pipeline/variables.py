@@ -71,6 +71,7 @@ ANSWER: dict[str, Meaning] = {
     "impacts": (int, "1", "impacts faster than 1e-3 p alpha_c; -1 where they never end or are not known"),
     "safety_factor": (float, "1", "smallest factor on the model's input that overturns; NaN where not computed"),
     "capacity_pga": (float, "m s-2", "safety factor times PGA; NaN where not computed"),
+    "predictable": (np.int8, "1", "whether the answer stays when C or the record changes in the ninth digit"),
     "model_used": (np.int8, "1", "model that gave the answer"),
     "applicable": (np.int8, "1", "whether the block is within the range of the model"),
 }

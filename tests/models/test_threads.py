@@ -4,8 +4,8 @@ import threading
 
 import numpy as np
 import pytest
-
 from recorded_cases import synthetic
+
 from rockpulse.models import Block, recorded_response
 from rockpulse.models.threads import available_cores, split_lanes
 

@@ -49,6 +49,31 @@ def test_resonance_is_called_an_upper_bound_wherever_it_is_shown(summary):
     assert "upper-bound" not in verdict_table(summary.sel(model=["nonlinear"]))
 
 
+def test_auto_says_which_models_answered(summary):
+    assert "auto" not in verdict_table(summary)
+    summary = summary.assign_coords(model=("model", ["resonance", "nonlinear", "auto"]))
+    codes = np.zeros(summary["outcome"].shape, dtype=np.int8)
+    codes[:2, :, 2], codes[2, :, 2] = 1, 2
+    flags = {"flag_values": np.arange(3, dtype=np.int8), "flag_meanings": "resonance strong_part static"}
+    summary["model_used"] = (("record", "block", "model"), codes, flags)
+    words = " ".join(verdict_table(summary).split())
+    assert "auto: the cheapest model that answers, here strong part 6, static 3; the figures are" in words
+    assert "here static 1;" in verdict_table(summary, records=RECORDS[2:], blocks=BLOCKS[:1])
+    assert "What overturns (by the nonlinear model)" in overturned(summary)
+
+
+def test_what_is_not_predictable_is_marked_and_explained(summary):
+    marks = np.full(summary["outcome"].shape, -1, dtype=np.int8)
+    marks[0, 0, 2], marks[0, 1, 2] = 0, 1
+    summary["predictable"] = (("record", "block", "model"), marks)
+    text = verdict_table(summary)
+    assert row(text, "boundary wall", RECORDS[0])[-1] == "OVERTURNS?"
+    assert row(text, "column", RECORDS[0])[-1] == "0.41"
+    assert "?: not predictable" in text
+    summary["predictable"][:] = -1
+    assert "?" not in verdict_table(summary)
+
+
 def test_an_unresolved_verdict_gives_its_reason(summary):
     assert "unresolved: the model cannot say (free flight)" in verdict_table(summary)
 

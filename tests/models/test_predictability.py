@@ -1,0 +1,112 @@
+"""Answers that a change in the ninth digit turns over."""
+
+import os
+from pathlib import Path
+
+import numpy as np
+import pytest
+from recorded_cases import block_a, synthetic
+
+import rockpulse as rp
+from rockpulse.models import Block, Outcome, impulsive_response, predictable, recorded_response
+
+DT = 0.01
+SAMPLES = Path(__file__).parents[2] / "data" / "samples"
+
+
+def checked(ground, block, scale=1.0, **options):
+    def respond(lanes, factors):
+        return recorded_response(lanes, ground, DT, scale=factors)
+
+    return predictable(respond(block, np.atleast_1d(scale)), respond, block, np.atleast_1d(scale), **options)
+
+
+def test_sensitive_wall_under_a_sample_record_is_marked():
+    # The boundary wall of data/samples/site.toml: a factor of 1 +- 1e-9 on CLC 90 moves the peak by some 4e-4.
+    record = next(rp.condition(r) for r in rp.read(SAMPLES / "CICLC.v1") if "..90@" in r.id)
+    wall = Block(half_width=0.125, half_height=1.1)
+    peaks = recorded_response(wall, record.acceleration, record.dt, scale=[1 - 1e-9, 1.0, 1 + 1e-9]).peak_rotation_ratio
+    assert 1e-4 < np.ptp(peaks) < 1e-2
+    assert checked(record.acceleration, wall)[0] == 0
+    assert checked(record.acceleration, wall, tolerance=0.01)[0] == 1
+
+
+def test_calm_lanes_are_predictable_and_the_edge_of_overturning_is_not():
+    block = block_a(restitution=0.9)
+
+    def respond(lanes, factors):
+        return impulsive_response(lanes, [0.0], [block.critical_impulse], scale=factors)
+
+    factors = np.array([0.2, 0.5, 1.0 - 1e-10, 1.5])
+    assert predictable(respond(block, factors), respond, block, factors).tolist() == [1, 1, 0, 1]
+
+
+def test_wider_perturbation_turns_more_lanes_over():
+    ground = synthetic(3, n=2500)
+    lanes = Block.from_parameters(np.linspace(1.0, 6.0, 60), 0.08, 0.98)
+    fine, coarse = (np.count_nonzero(checked(ground, lanes, perturbation=size) == 1) for size in (1e-12, 1e-2))
+    assert coarse < fine <= 60
+
+
+def test_restitution_stays_within_its_range():
+    seen = []
+
+    def respond(lanes, factors):
+        seen.append(np.array(lanes.restitution))
+        return recorded_response(lanes, synthetic(1), DT, scale=factors)
+
+    block = Block.from_parameters([2.0, 2.0, 2.0], 0.2, [0.0, 0.5, 1.0])
+    predictable(respond(block, np.array([0.4])), respond, block, np.array([0.4]))
+    base, both, again = seen
+    assert both.tolist() == [0.0, 0.5 * (1 - 1e-9), 1 - 1e-9, 0.0, 0.5 * (1 + 1e-9), 1.0]
+    assert np.array_equal(base, again)
+
+
+def test_unresolved_lanes_are_not_checked():
+    ground, up = synthetic(1), np.full(1500, -20.0)
+    block = block_a()
+
+    def respond(lanes, factors):
+        return recorded_response(lanes, ground, DT, scale=factors, vertical=up)
+
+    answer = respond(block, np.array([1.0]))
+    assert answer.outcome[0] == Outcome.UNRESOLVED
+    assert predictable(answer, respond, block, np.array([1.0])).tolist() == [-1]
+
+
+def test_axes_of_scalars_are_dropped():
+    ground = synthetic(1)
+
+    def respond(lanes, factors):
+        return recorded_response(lanes, ground, DT, scale=factors)
+
+    block = block_a()
+    mark = predictable(respond(block, 0.3), respond, block, 0.3)
+    assert isinstance(mark, int)
+    assert mark == 1
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"perturbation": 0.0}, "perturbation: expected a relative change"),
+        ({"perturbation": 0.5}, "perturbation: expected a relative change"),
+        ({"tolerance": 0.0}, "tolerance: expected a positive spread"),
+    ],
+)
+def test_bad_arguments_are_named(options, message):
+    with pytest.raises(ValueError, match=message):
+        checked(synthetic(1), block_a(), **options)
+
+
+@pytest.mark.skipif("ROCKPULSE_RECORDS" not in os.environ, reason="ROCKPULSE_RECORDS is not set")
+def test_records_have_lanes_of_both_kinds():
+    folder = Path(os.environ["ROCKPULSE_RECORDS"])
+    record = rp.condition(rp.read(folder / "at2" / "NIS090.AT2")[0])
+    lanes = Block.from_parameters(np.linspace(1.0, 8.0, 80), 0.1, 0.98)
+
+    def respond(blocks, factors):
+        return recorded_response(blocks, record.acceleration, record.dt, scale=factors)
+
+    marks = predictable(respond(lanes, np.array([1.0])), respond, lanes, np.array([1.0]), tolerance=1e-6)
+    assert {0, 1} <= set(marks.ravel())
