@@ -3,7 +3,13 @@ PYTHON ?= .venv/bin/python
 # Numba's cache sees only a kernel's own file: a folder keyed by all of them never serves stale code.
 export NUMBA_CACHE_DIR ?= $(CURDIR)/.numba_cache/$(shell cat models/*.py | sha256sum | cut -c1-16)
 
-.PHONY: help install run test test-slow lint types doctest clean
+# The kernels' own tests, less those of many samples or calls, which take plain Python minutes.
+KERNEL_TESTS := $(patsubst %,tests/models/test_%.py,recorded linear nonlinear finish polynomial ground hard_cases \
+	hard_crossings motion half_cycle main_sequence march periodic impulsive impulsive_lanes effective_impulse sequence \
+	sequence_lanes)
+LONG_IN_PYTHON := test_quarter_period or from_housners_threshold or more_half_cycles_than or same_without_compilation
+
+.PHONY: help install run test test-slow test-python lint types doctest clean
 
 help:  ## list the targets
 	@grep -hE '^[a-z-]+: .*##' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):[^#]*## (.*)/  \1\t\2/' | expand -t 16
@@ -22,6 +28,10 @@ test:  ## the default tests (under 3 minutes)
 
 test-slow:  ## the long sweeps
 	$(PYTHON) -m pytest -m slow
+
+test-python:  ## the kernels' tests with the kernels as plain Python (under 2 minutes)
+	@# Plain Python warns of the arithmetic of empty slots, which nobody reads.
+	NUMBA_DISABLE_JIT=1 $(PYTHON) -m pytest -q -W ignore::RuntimeWarning $(KERNEL_TESTS) -k "not ($(LONG_IN_PYTHON))"
 
 lint:  ## ruff: format and rules
 	$(PYTHON) -m ruff format --check .

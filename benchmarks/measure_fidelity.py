@@ -15,6 +15,7 @@ import argparse
 import logging
 import os
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import NamedTuple
 
@@ -24,7 +25,7 @@ from rockpulse.conditioning import condition
 from rockpulse.half_wave import half_waves
 from rockpulse.models import fidelity
 from rockpulse.models.block import Block
-from rockpulse.models.demand import ground_demand
+from rockpulse.models.demand import SETTLED, ground_demand
 from rockpulse.models.impulsive import impulsive_response
 from rockpulse.models.recorded import recorded_response
 from rockpulse.models.response import Outcome
@@ -35,6 +36,9 @@ from rockpulse.synthetic import synthetic_motion
 SAMPLES = Path(__file__).parents[1] / "data" / "samples"
 PEAKS = STANDARD_GRAVITY * np.array([0.1, 0.2, 0.35, 0.5, 0.8, 1.2])
 SEED = 20170615
+
+#: Sums of speed and build-up left at which the verdict of a lane is tried as settled.
+SETTLED_TRIED = (0.6, SETTLED, 0.8, 0.9, 1.0, 1.2)
 
 
 class Motion(NamedTuple):
@@ -88,24 +92,6 @@ def draw(rng: np.random.Generator, count: int) -> Block:
     return Block.from_parameters(p, alpha, ratio * (1.0 - 1.5 * np.sin(alpha) ** 2))
 
 
-def strong_peak(blocks: Block, record: Record, factor: float, samples: np.ndarray) -> np.ndarray:
-    """Peak under the record up to the given sample of each lane, inf where it overturns within it."""
-    peak = np.full(samples.size, np.nan)
-    for group in np.array_split(np.argsort(samples, kind="stable"), 8):
-        if group.size:
-            stop = max(int(samples[group[-1]]), 2)
-            part = recorded_response(
-                blocks._with(lambda values, group=group: values[group]),
-                record.acceleration[:stop],
-                record.dt,
-                scale=factor,
-            )
-            late = (part.outcome == Outcome.OVERTURNS) & (part.overturning_time >= (stop - 1) * record.dt)
-            # Overturned by the free motion after the cut: no answer, and not one that a limit on the peak would take.
-            peak[group] = np.where(late, 1e9, part.peak_rotation_ratio)
-    return peak
-
-
 def measured(share: float) -> dict[str, np.ndarray]:
     """Every lane of the ensemble that can be lifted: its measures and what the nonlinear equation says."""
     rng = np.random.default_rng(SEED + 1)
@@ -128,7 +114,6 @@ def measured(share: float) -> dict[str, np.ndarray]:
                 gain="exact",
             )
             over = impulsive.outcome == Outcome.OVERTURNS
-            samples = demand.samples_above(fidelity.STRONG_DEMAND, factor)
             lane = {
                 "kind": np.full(count, motion.kind),
                 "fitting": np.full(count, motion.fitting),
@@ -140,8 +125,13 @@ def measured(share: float) -> dict[str, np.ndarray]:
                 "over": over[0],
                 "over_raised": over[1],
                 "impulsive_peak": impulsive.peak_rotation_ratio[0],
-                "strong_peak": strong_peak(blocks, record, factor, samples),
             }
+            for limit in SETTLED_TRIED:
+                part = recorded_response(
+                    blocks, record.acceleration, record.dt, scale=factor, verdict=replace(demand, settled=limit)
+                )
+                lane[f"outcome_{limit}"], lane[f"active_{limit}"] = part.outcome, part.active_samples
+                lane[f"peak_{limit}"] = part.peak_rotation_ratio
             for name, values in lane.items():
                 rows.setdefault(name, []).append(values)
     lanes = {name: np.concatenate(parts) for name, parts in rows.items()}
@@ -160,12 +150,10 @@ def report(lanes: dict[str, np.ndarray]) -> None:
         )
     calm = lanes["largest"] <= fidelity.SAFE_LARGEST
     quiet = ~lanes["over"] & ~lanes["over_raised"] & calm
-    inside = lanes["build_up"] <= fidelity.STRONG_BUILD_UP
     rules = {
         # name: (lanes it looks at, measure, limit, side, which outcome it must not have)
         "build_up": (~lanes["over"], "build_up", fidelity.SAFE_BUILD_UP, -1, fallen, rocks),
         "build_up, raised input": (quiet, "build_up", fidelity.SAFE_BUILD_UP_RAISED, -1, fallen, rocks),
-        "peak of the strong part": (inside, "strong_peak", fidelity.STRONG_PEAK, -1, fallen, rocks),
     }
     print(
         "\nrule                      extreme wrong lane by kind (fitting)        limit  wrong: fitting aside  decides"
@@ -186,16 +174,28 @@ def report(lanes: dict[str, np.ndarray]) -> None:
     print(f"\nlargest peak/build_up^2 at low build_up: {np.max(lanes['peak'][low] / lanes['build_up'][low] ** 2):.3f}")
     seen = rocks & (lanes["peak"] > 0.05)
     low = ~lanes["over"] & ((lanes["build_up"] <= fidelity.SAFE_BUILD_UP_RAISED) & quiet)
-    for rung, answer, chosen in (
-        ("impulsive", lanes["impulsive_peak"], seen & low),
-        ("strong part", lanes["strong_peak"], rocks & inside & (lanes["strong_peak"] <= fidelity.STRONG_PEAK)),
-    ):
-        ratio = np.log(np.maximum(answer[chosen], 1e-9) / np.maximum(lanes["peak"][chosen], 1e-9))
-        worst = np.max(np.abs(answer[chosen] - lanes["peak"][chosen]))
+    compare("the impulsive rung", lanes["impulsive_peak"][seen & low], lanes["peak"][seen & low])
+    print("\nsettled at  wrong: survivors (fitting, aside), overturned (all)   samples followed: rocking, overturning")
+    for limit in SETTLED_TRIED:
+        outcome, active = lanes[f"outcome_{limit}"], lanes[f"active_{limit}"]
+        missed, false = fallen & (outcome != Outcome.OVERTURNS), rocks & (outcome != Outcome.ROCKS)
+        left = [active[kind].sum() / lanes["active"][kind].sum() for kind in (rocks, fallen)]
         print(
-            f"peak by the {rung} over the nonlinear one: median {np.exp(np.median(ratio)):.3f}, log-dispersion "
-            f"{np.std(ratio):.2f}, same to 1e-9 {np.mean(np.abs(ratio) < 1e-9):.2f}, largest difference {worst:.3f}"
+            f"{limit:10.2f} {np.count_nonzero(missed & fitting):14d} {np.count_nonzero(missed & ~fitting):6d} "
+            f"{np.count_nonzero(false):22d} {left[0]:34.3f} {left[1]:8.3f}"
         )
+    both = seen & (lanes[f"outcome_{SETTLED}"] == Outcome.ROCKS)
+    compare("the settled rung", lanes[f"peak_{SETTLED}"][both], lanes["peak"][both])
+
+
+def compare(rung: str, answer: np.ndarray, truth: np.ndarray) -> None:
+    """Peaks of a rung beside those of the nonlinear equation."""
+    ratio = np.log(np.maximum(answer, 1e-9) / truth)
+    print(
+        f"peak by {rung} over the nonlinear one: median {np.exp(np.median(ratio)):.3f}, log-dispersion "
+        f"{np.std(ratio):.2f}, same to 1e-9 {np.mean(np.abs(ratio) < 1e-9):.2f}, "
+        f"largest difference {np.max(np.abs(answer - truth)):.3f}"
+    )
 
 
 def main() -> None:

@@ -72,8 +72,8 @@ def against_solve_ivp(runs: int, count: int) -> None:
                     overturns = answer.outcome[row, lane] == 2
                     verdicts += overturns != (other.outcome == "OVERTURNS")
         print(
-            f"{equation} against solve_ivp: {ours / active * 1e9:.1f} ns against {theirs / active * 1e9:,.0f} ns per active"
-            f" block-sample ({12 * count} lanes, {active} active samples, {verdicts} verdicts differ):"
+            f"{equation} against solve_ivp: {ours / active * 1e9:.1f} ns against {theirs / active * 1e9:,.0f} ns per"
+            f" active block-sample ({12 * count} lanes, {active} active samples, {verdicts} verdicts differ):"
             f" {theirs / ours:,.0f}x"
         )
 
@@ -212,9 +212,7 @@ print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before)
 def memory() -> None:
     """Row 7: growth of the process over a record of a million samples."""
     done = subprocess.run([sys.executable, "-c", MEMORY], capture_output=True, text=True, check=True)
-    print(
-        f"memory: a million samples (8 MB) x 1000 blocks, two threads: {int(done.stdout) / 1024:.1f} MB on top of the input"
-    )
+    print(f"memory: a million samples (8 MB) x 1000 blocks, two threads: {int(done.stdout) / 1024:.1f} MB on top of it")
 
 
 SECTIONS: dict[str, Callable[[argparse.Namespace], None]] = {

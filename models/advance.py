@@ -73,7 +73,8 @@ def advance_steps(f, width, acceleration, left, fastest):
         f[row.STEP + j] = f[row.STEP + j] if held else step
 
         hits = f[row.HITS + j] + (1.0 if impact else 0.0)
-        settle = impact & ((speed < cutoff) | (speed > fastest * alpha) | (hits > IMPACTS_PER_SAMPLE))
+        quick = (speed < cutoff) | (speed > fastest * alpha) | (hits > IMPACTS_PER_SAMPLE)
+        settle = impact & (quick | (f[row.SAMPLE + j] >= f[row.CALM_FROM + j]))
         attention = (f[row.EVENT + j] == OVER) | settle | (f[row.SAMPLE + j] >= last)
         counted = impact & (f[row.ARRIVAL + j] >= cutoff)
         f[row.HITS + j] = 0.0 if over else hits

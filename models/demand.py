@@ -16,7 +16,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -29,26 +29,32 @@ __all__ = ["LOBES", "Demand", "ground_demand"]
 #: Lobes of E(t0) that are kept, the largest ones.
 LOBES = 16
 
-#: Samples before the first and after the last one of this share of the peak acceleration are left out.
-QUIET = 0.05
-
 #: E is computed at powers of two of 1/s divided by this number, and interpolated in log p between them.
 NODES_PER_OCTAVE = 4
 
 #: Share of the speed that an excursion hands to the next one, beside C: excursions are seldom in step with the ground.
 HANDED_ON = 0.9
 
-#: Levels of E at which the last time above them is kept: max abs(a_g)/p times 2^(-k/2).
-LEVELS = 24
+#: Sum of speed and build-up left below which no lane of the measured ensembles overturned any more, with a margin: the
+#: lowest one was above 0.8 (docs/decisions/007).
+SETTLED = 0.7
+
+#: Levels of the build-up at which the last time above them is kept: max abs(a_g)/p times 8 times 2^(-k/4).
+LEVELS = 56
+
+#: Values of C for which the build-up that is left is computed; a block takes the next larger one.
+RESTITUTIONS = np.array([0.85, 0.875, 0.9, 0.925, 0.95, 0.975, 1.0])
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _lobes(ground, dt, rates, levels, largest, last):
-    """Largest abs(E) of the lobes of E(t0), descending, and the last sample above each level, for every rate.
+def _lobes(ground, dt, rates, ratios, levels, largest, last):
+    """Largest abs(E) of the lobes of E(t0), descending, and the last sample with more than each level left.
 
-    E is exact for a piecewise linear ground and found by one backward pass.
+    E is exact for a piecewise linear ground and found by one backward pass. What is left at a sample is the build-up of
+    the lobes after it, the one around it counted whole.
     """
     count = largest.shape[1]
+    unseen = np.empty(ratios.shape[0], dtype=np.int64)
     for j in range(rates.shape[0]):
         decay = math.exp(-rates[j] * dt)
         whole = -math.expm1(-rates[j] * dt) / rates[j]
@@ -57,8 +63,9 @@ def _lobes(ground, dt, rates, levels, largest, last):
         top = largest[j]
         top[:] = 0.0
         last[j] = -1
-        unseen = levels.shape[1] - 1
+        unseen[:] = levels.shape[1] - 1
         weighted, lobe, sign = 0.0, 0.0, 0.0
+        begun = ground.shape[0] - 1
         for i in range(ground.shape[0] - 2, -2, -1):
             if i >= 0:
                 weighted = decay * weighted + early * ground[i] + late * ground[i + 1]
@@ -69,12 +76,18 @@ def _lobes(ground, dt, rates, levels, largest, last):
                         top[place] = top[place - 1]
                         place -= 1
                     top[place] = lobe
+                    for c in range(ratios.shape[0]):
+                        build_up, weight = 0.0, 1.0
+                        for k in range(count):
+                            build_up += weight * top[k]
+                            weight *= ratios[c]
+                        while unseen[c] >= 0 and build_up > levels[j, unseen[c]]:
+                            last[j, c, unseen[c]] = begun
+                            unseen[c] -= 1
                 lobe = 0.0
+                begun = i + 1
             lobe = max(lobe, abs(weighted))
             sign = weighted
-            while unseen >= 0 and lobe > levels[j, unseen]:
-                last[j, unseen] = i
-                unseen -= 1
 
 
 @dataclass(frozen=True, eq=False)
@@ -89,11 +102,14 @@ class Demand:
         Sum over k of (0.9 C)^k p E_k/(g tan alpha), E_k the largest lobes in descending order [-]: the speed that
         resonance (Eq. 5) would build up with the impulses that the block sees, the largest one last.
     levels : (m, LEVELS) ndarray
-        Values of p abs(E)/(g tan alpha), descending [-].
+        Values of the build-up that may be left, descending [-].
     last : (m, LEVELS) ndarray of int
-        Last sample at which p abs(E)/(g tan alpha) was above the level; -1 where it never was.
+        Last sample at which more than the level was left, by the lobes from there on; -1 where it never was.
     samples : int
         Number of samples of the record.
+    settled : float
+        The verdict of a lane that rocks is taken as settled right after an impact when its speed, over that which
+        overturns it on a still ground, and the build-up that is left sum up to no more than this [-].
     """
 
     largest: np.ndarray
@@ -101,13 +117,17 @@ class Demand:
     levels: np.ndarray
     last: np.ndarray
     samples: int
+    settled: float = SETTLED
 
-    def samples_above(self, level: float, scale: float) -> np.ndarray:
-        """Number of samples up to the last one whose demand exceeds a level, for a factor on the record; (m,)."""
-        place = np.sum(self.levels * scale > level, axis=1)
-        known = place < LEVELS
-        kept = np.take_along_axis(self.last, np.where(known, place, 0)[:, None], axis=1)[:, 0]
-        return np.where(known, np.minimum(kept + 2, self.samples), self.samples)
+    def of(self, chosen: np.ndarray) -> Demand:
+        """The demand on some of the blocks, by their indices (k,), which may come more than once."""
+        return replace(
+            self,
+            largest=self.largest[chosen],
+            build_up=self.build_up[chosen],
+            levels=self.levels[chosen],
+            last=self.last[chosen],
+        )
 
 
 def ground_demand(block: Block, acceleration: Any, dt: float) -> Demand:
@@ -134,8 +154,7 @@ def ground_demand(block: Block, acceleration: Any, dt: float) -> Demand:
     Notes
     -----
     E is computed at p = 2^(k/4) 1/s for the nodes that enclose the given p, and interpolated linearly in log p: a pass
-    costs as much for a thousand blocks as for a few. What lies before the first and after the last sample of 5 % of the
-    peak acceleration is left out.
+    costs as much for a thousand blocks as for a few.
 
     Examples
     --------
@@ -158,19 +177,16 @@ def ground_demand(block: Block, acceleration: Any, dt: float) -> Demand:
     rates, capacity = np.asarray(block.p), block.gravity * np.tan(block.alpha_c) / block.p
     restitution = np.asarray(block.restitution)
     peak = np.max(np.abs(ground))
-    loud = np.flatnonzero(np.abs(ground) > QUIET * peak)
-    if loud.size == 0:
+    if peak == 0.0:
         zero = np.zeros(rates.size)
         return Demand(zero, zero, np.zeros((rates.size, LEVELS)), np.full((rates.size, LEVELS), -1), ground.size)
-    first, stop = max(int(loud[0]) - 1, 0), int(loud[-1]) + 2
     place = NODES_PER_OCTAVE * np.log2(rates)
     below = np.floor(place)
     nodes = np.unique(np.concatenate([below, below + 1.0]))
     node_rates = 2.0 ** (nodes / NODES_PER_OCTAVE)
-    at_levels = (peak / node_rates)[:, None] * 2.0 ** (-0.5 * np.arange(LEVELS))
-    at_nodes, last = np.empty((nodes.size, LOBES)), np.empty((nodes.size, LEVELS), dtype=np.int64)
-    _lobes(ground[first:stop], float(dt), node_rates, at_levels, at_nodes, last)
-    last = np.where(last < 0, -1, last + first)
+    at_levels = 8.0 * (peak / node_rates)[:, None] * 2.0 ** (-0.25 * np.arange(LEVELS))
+    at_nodes, last = np.empty((nodes.size, LOBES)), np.empty((nodes.size, RESTITUTIONS.size, LEVELS), dtype=np.int64)
+    _lobes(ground, float(dt), node_rates, HANDED_ON * RESTITUTIONS, at_levels, at_nodes, last)
     low = np.searchsorted(nodes, below)
     share = (place - below)[:, None]
     lobes = ((1.0 - share) * at_nodes[low] + share * at_nodes[low + 1]) / capacity[:, None]
@@ -180,6 +196,6 @@ def ground_demand(block: Block, acceleration: Any, dt: float) -> Demand:
         build_up=np.sum(kept * lobes, axis=1),
         # The slower of the two nodes weighs what comes later more: it is above a level for longer.
         levels=at_levels[low] / capacity[:, None],
-        last=last[low],
+        last=last[low, np.searchsorted(RESTITUTIONS[:-1], restitution)],
         samples=ground.size,
     )

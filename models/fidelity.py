@@ -1,6 +1,6 @@
 """Which model a scene needs: lane by lane the cheapest rung of the fidelity ladder that still gives the answer.
 
-.. note:: What a rung may decide is either derived (:data:`Rung.STATIC`, and overturning within the strong part) or
+.. note:: What a rung may decide is either derived (:data:`Rung.STATIC`, and overturning of :data:`Rung.SETTLED`) or
    measured against the nonlinear equation on an ensemble (``benchmarks/measure_fidelity.py``; docs/decisions/007). The
    sequence models answer questions about sequences and are no rung here.
 """
@@ -27,7 +27,7 @@ class Rung(IntEnum):
 
     STATIC = 0  #: no uplift is possible: exact
     IMPULSIVE = 1  #: the strongest half-waves as impulses, where the demand leaves no doubt about the verdict
-    STRONG_PART = 2  #: the nonlinear equation up to the last strong demand of the record
+    SETTLED = 2  #: the nonlinear equation until the verdict is settled
     NONLINEAR = 3  #: the nonlinear equation over the whole record
 
 
@@ -43,10 +43,6 @@ RAISED = 1.4
 #: No overturning below this `build_up`, whatever else; or below the second one, with a `largest` below the third and
 #: no overturning of the impulsive rung under the raised input.
 SAFE_BUILD_UP, SAFE_BUILD_UP_RAISED, SAFE_LARGEST = 0.8, 1.0, 0.4
-
-#: The strong part ends with the last demand above STRONG_DEMAND; a lane that rocks in it with a peak of at most
-#: STRONG_PEAK does not overturn after it. Above STRONG_BUILD_UP few lanes stay below that peak: a run for nothing.
-STRONG_DEMAND, STRONG_PEAK, STRONG_BUILD_UP = 0.05, 0.5, 3.0
 
 #: The peak of a lane of low `build_up` is at most this times build_up^2.
 PEAK_CEILING = 1.3
@@ -97,8 +93,9 @@ def choose_response(
     response : Response
         Arrays (q, m), a scalar axis dropped. Outcomes are those of the nonlinear equation. With `output="outcome"` the
         other numbers are those of the rung that answered: a peak of the impulsive rung is the motion under the
-        strongest half-waves (spread against the nonlinear one: docs/decisions/007), one of the strong part leaves out
-        what comes after it. `active_samples` is -1 for the impulsive rung.
+        strongest half-waves (spread against the nonlinear one: docs/decisions/007), one of the settled rung leaves out
+        what comes after it was settled, and its overturning time is that of the angle of no return. `active_samples`
+        is -1 for the impulsive rung, `impacts` for the settled one where the block rocks.
     model_used : int or (q, m) ndarray
         :class:`Rung` of every lane.
 
@@ -111,11 +108,12 @@ def choose_response(
     Notes
     -----
     Static: a_g and a_v at most such that (g + a_v) tan alpha is not exceeded, taken with their largest values at any
-    time; nothing is assumed. Strong part: overturning within it is overturning, as the motion is the same up to there.
-    Everything else is measured. Lanes outside :data:`MEASURED_RANGE` are answered by the nonlinear equation.
+    time; nothing is assumed. Settled: a block beyond the angle alpha + atan(max abs(a_g)/g) that moves outward does not
+    come back; that one which rocks will not overturn is measured, as everything else is. Lanes outside
+    :data:`MEASURED_RANGE` are answered by the nonlinear equation.
 
     With `output="peak"` the impulsive rung answers lanes whose peaks cannot exceed `tolerance` by either model, and the
-    strong part is not used.
+    settled rung is not used.
 
     Examples
     --------
@@ -149,7 +147,7 @@ def choose_response(
             waves = _strongest(np.asarray(times, dtype=float), np.asarray(impulses, dtype=float))
             lanes.impulsive(demand, *waves, tolerance=None if output == "outcome" else tolerance)
         if output == "outcome":
-            lanes.strong_part(demand)
+            lanes.settled(demand)
     lanes.nonlinear()
     drop = (factors.ndim == 0, block.shape == ())
     axes = tuple(axis for axis, dropped in enumerate(drop) if dropped)
@@ -246,37 +244,33 @@ class _Lanes:
             first = {name: values[0] for name, values in _answers(answer).items()}
             self._take(np.full(chosen.size, row), chosen, taken, first, Rung.IMPULSIVE)
 
-    def strong_part(self, demand: Demand) -> None:
-        """The nonlinear equation up to the last strong demand, where the motion is small enough by then."""
-        few = self.factors[:, None] * demand.build_up <= STRONG_BUILD_UP
-        rows, columns = np.nonzero(self.open & self.inside & few)
+    def settled(self, demand: Demand) -> None:
+        """The nonlinear equation until the verdict is settled, by what is left of the record."""
+        rows, columns = np.nonzero(self.open & self.inside)
         if rows.size == 0:
             return
-        samples = np.stack([demand.samples_above(STRONG_DEMAND, factor) for factor in self.factors])
-        stop = max(int(np.max(samples[rows, columns])), 2)
-        part = self._equation(rows, columns, stop)
-        rocks, overturns = part["outcome"] == Outcome.ROCKS, part["outcome"] == Outcome.OVERTURNS
-        small = rocks & (part["peak_rotation_ratio"] <= STRONG_PEAK)
-        self._take(rows, columns, small, part, Rung.STRONG_PART)
-        # Up to the last sample the motion is that of the whole record.
-        fallen = overturns & (part["overturning_time"] < (stop - 1) * self.dt)
-        self._take(rows, columns, fallen, part, Rung.NONLINEAR)
+        part = self._equation(rows, columns, demand.of(columns))
+        stopped = (part["outcome"] == Outcome.ROCKS) & (part["impacts"] == -1)
+        stopped |= part["outcome"] == Outcome.OVERTURNS
+        self._take(rows, columns, stopped, part, Rung.SETTLED)
+        self._take(rows, columns, ~stopped, part, Rung.NONLINEAR)
 
     def nonlinear(self) -> None:
         """The nonlinear equation for what is left."""
         rows, columns = np.nonzero(self.open)
         if rows.size:
-            whole = self._equation(rows, columns, self.ground.size)
+            whole = self._equation(rows, columns)
             self._take(rows, columns, np.ones(rows.size, dtype=bool), whole, Rung.NONLINEAR)
 
-    def _equation(self, rows: np.ndarray, columns: np.ndarray, stop: int) -> dict[str, np.ndarray]:
-        """Nonlinear response of some lanes to the first samples of the record."""
+    def _equation(self, rows: np.ndarray, columns: np.ndarray, verdict: Demand | None = None) -> dict[str, np.ndarray]:
+        """Nonlinear response of some lanes."""
         whole = recorded_response(
             _part(self.blocks, columns),
-            self.ground[:stop],
+            self.ground,
             self.dt,
             block_scale=self.factors[rows],
-            vertical=None if self.up is None else self.up[:stop],
+            vertical=self.up,
+            verdict=verdict,
             threads=self.threads,
         )
         return _answers(whole)

@@ -86,7 +86,7 @@ def nonlinear_steps(f, width):
     Notes
     -----
     abs(phi'') is at most F = lift + abs(ground), and leaves its value at the start by at most h (F (abs(phi') + h F)
-    + the slopes), where the bracket bounds the third derivative. A step is marked where phi may pass pi/2, or where
+    + the slopes), where the bracket bounds the third derivative. A step is marked where phi may pass TOP, or where
     the last term of its series is larger than the bound of the lane.
     """
     for j in range(width):
@@ -117,7 +117,7 @@ def nonlinear_steps(f, width):
         square = h * h
         last_term = abs(d10) * (square * square) * (square * square) * square
         short = last_term > f[row.TRUNCATION + j] * (f[row.ALPHA + j] + phi)
-        fallen = max(phi, end) + 0.125 * square * strongest >= 0.5 * math.pi
+        fallen = max(phi, end) + 0.125 * square * strongest >= f[row.TOP + j]
         end_pull = d2 + h * (
             2 * d3
             + h * (3 * d4 + h * (4 * d5 + h * (5 * d6 + h * (6 * d7 + h * (7 * d8 + h * (8 * d9 + h * (9 * d10)))))))

@@ -12,6 +12,7 @@ import numpy as np
 
 from rockpulse.models import slots as row
 from rockpulse.models.block import Block, numbers
+from rockpulse.models.demand import Demand
 from rockpulse.models.ground import extremes
 from rockpulse.models.polynomial import ORDER
 from rockpulse.models.recorded_event import LINEAR, NONLINEAR
@@ -45,6 +46,7 @@ def recorded_response(
     history: bool = False,
     gain: Literal["linear", "tangent"] = "linear",
     block_scale: Any = 1.0,
+    verdict: Demand | None = None,
     step: float = 0.08,
     last_term: float = LAST_TERM,
     threads: int | None = None,
@@ -77,6 +79,12 @@ def recorded_response(
         between the two is the instant of uplift (docs/decisions/008).
     block_scale : float or (m,) array_like
         Factor on the record for each block, on top of `scale`, not negative [-].
+    verdict : Demand, optional
+        Demand of the same ground on the same blocks (:func:`rockpulse.models.ground_demand`), where nothing but the
+        outcome is wanted: a lane ends as soon as that is settled, by a bound where it overturns and by a measured
+        margin where it rocks (docs/decisions/007), with -1 impacts then and the peak of the motion so far and of
+        the free motion after it. The overturning time is that of the angle of no return. Nonlinear equation
+        without vertical acceleration and histories only.
     step : float
         Longest step as p dt [-], at most 0.3; a sample is divided where its own p dt is larger.
     last_term : float
@@ -138,6 +146,10 @@ def recorded_response(
     up = np.empty(0) if vertical is None else _samples("vertical", vertical)
     if vertical is not None and up.size != record.size:
         raise ValueError(f"vertical: expected {record.size} samples as in acceleration, got {up.size}")
+    if verdict is not None and (equation != "nonlinear" or vertical is not None or history):
+        raise ValueError("verdict: expected the nonlinear equation without vertical acceleration and history")
+    if verdict is not None and (verdict.samples, verdict.levels.shape[0]) != (record.size, np.size(block.p)):
+        raise ValueError("verdict: expected the demand of this record on these blocks")
     step = float(numbers("step", step, "a positive p dt", lanes=False))
     if not 0.0 < step <= LONGEST_STEP:
         raise ValueError(f"step: expected a positive p dt of at most {LONGEST_STEP}, got {step!r}")
@@ -179,7 +191,7 @@ def recorded_response(
     gains = np.broadcast_to(own, lanes).reshape(-1) * (alpha / np.tan(alpha) if gain == "tangent" else 1.0)
     shape = (factors.size, alpha.size)
     total = factors.size * alpha.size
-    answers = (
+    answers: tuple[np.ndarray, ...] = (
         np.empty(total),
         np.empty(total, dtype=np.int8),
         np.empty(total, dtype=np.int8),
@@ -187,8 +199,11 @@ def recorded_response(
         *(np.empty(total, dtype=np.int64) for _ in range(3)),
     )
     samples = record.size if history else 0
-    motion = np.zeros((total, samples, 2))
+    motion: np.ndarray = np.zeros((total, samples, 2))
     found = extremes(record, up)
+    levels, above = np.empty((alpha.size, 0)), np.empty((alpha.size, 0), dtype=np.int64)
+    if verdict is not None:
+        levels, above = verdict.levels * float(block.gravity), verdict.last
 
     def march(first: int, last: int) -> None:
         f = np.zeros(row.FLOAT_ROWS * row.WIDTH)
@@ -213,6 +228,9 @@ def recorded_response(
             spin,
             step,
             float(last_term),
+            levels,
+            above,
+            0.0 if verdict is None else float(verdict.settled),
             *answers,
             motion,
             f,

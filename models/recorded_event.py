@@ -19,6 +19,7 @@ from rockpulse.models.polynomial import ORDER, bracketed_root, first_impact, val
 from rockpulse.models.response import IMPACT_CUTOFF
 
 __all__ = [
+    "CALM",
     "FLYING",
     "HALVED",
     "IMPACT_LIMITED",
@@ -36,7 +37,7 @@ __all__ += ["impacts_above_cutoff", "resolve_step", "wake"]
 LINEAR, NONLINEAR = 0, 1
 
 # How a slot stands after a step.
-MOVING, RESTING, OVERTURNED, IMPACT_LIMITED, FLYING = range(5)
+MOVING, RESTING, OVERTURNED, IMPACT_LIMITED, FLYING, CALM = range(6)
 
 #: A chatter is cut short only where its hops are below this share of the peak so far.
 CHATTER_SHARE = 1e-3
@@ -273,10 +274,10 @@ def resolve_step(equation, f, i, j, c, acceleration, found):
     if phi == 0.0 and speed == 0.0:
         c[2] = max(c[2], 0.0)  # zero at the threshold itself: rounding must not press the block down
     impact, largest = first_impact(c, h, f[row.PEAK + j])
-    if equation == NONLINEAR and largest >= 0.5 * math.pi:
+    if equation == NONLINEAR and largest >= f[row.TOP + j]:
         wait = h
-        if value(c, h) > 0.5 * math.pi:
-            wait = bracketed_root(c, 0, 0.5 * math.pi, 0.0, h, -1.0)
+        if value(c, h) > f[row.TOP + j]:
+            wait = bracketed_root(c, 0, f[row.TOP + j], 0.0, h, -1.0)
         f[row.PASSED + j] += wait
         f[row.EVENT + j] = OVER
         return

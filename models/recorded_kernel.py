@@ -20,6 +20,7 @@ from rockpulse.models.ground import LEFT, largest_left
 from rockpulse.models.linear import linear_after, linear_steps
 from rockpulse.models.nonlinear import nonlinear_after, nonlinear_steps
 from rockpulse.models.recorded_event import (
+    CALM,
     FLYING,
     IMPACT_LIMITED,
     LINEAR,
@@ -45,6 +46,24 @@ STRICTLY = 1e-14
 
 
 @njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
+def build_up_left(sample, factor, levels, last):
+    """Build-up of the ground from a sample on, see :mod:`rockpulse.models.demand`; inf where it is not known."""
+    for k in range(levels.size - 1, -1, -1):
+        if last[k] < sample:
+            return levels[k] * factor
+    return np.inf
+
+
+@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
+def calm_from(factor, levels, last, settled):
+    """First sample from which on the verdict may be settled; inf if there is none."""
+    for k in range(levels.size):
+        if levels[k] * factor < settled:
+            return last[k] + 1.0
+    return np.inf
+
+
+@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
 def begin_lane(
     equation,
     f,
@@ -62,6 +81,9 @@ def begin_lane(
     spin,
     longest,
     last_term,
+    levels,
+    above,
+    settled,
 ):
     """Put a lane into slot j; returns how it stands at the first sample, as :func:`resolve_step` does."""
     length = p * dt
@@ -76,6 +98,12 @@ def begin_lane(
     f[row.LONGEST + j] = length / math.ceil(length / longest * (1.0 - REMNANT))
     f[row.THRESHOLD + j] = (alpha if equation == LINEAR else math.tan(alpha)) * (1.0 + STRICTLY)
     f[row.TRUNCATION + j] = last_term
+    f[row.TOP + j] = 0.5 * math.pi
+    f[row.CALM_FROM + j] = np.inf
+    if levels.size > 0:
+        # Beyond this angle the ground cannot turn back a block that moves outward.
+        f[row.TOP + j] = min(0.5 * math.pi, alpha + math.atan(found[LEFT, 0] * factor))
+        f[row.CALM_FROM + j] = calm_from(factor, levels, above, settled)
     f[row.SIDE + j] = 1.0 if (rotation > 0.0 or (rotation == 0.0 and spin > 0.0)) else -1.0
     f[row.PHI + j] = abs(rotation)
     f[row.SPEED + j] = f[row.SIDE + j] * spin / p
@@ -131,6 +159,8 @@ def end_lane(equation, status, f, i, j, dt, samples):
         peak_after, wait, impacts_after, impact_speed = linear_after(phi, speed, alpha, restitution)
     else:
         peak_after, wait, impacts_after, impact_speed = nonlinear_after(phi, speed, alpha, restitution)
+    if status == CALM:
+        return max(peak, peak_after) / alpha, ROCKS, NO_REASON, np.nan, -1, -1, active
     if peak_after == np.inf:
         impacts += impacts_after
         time = (samples - 1) * dt + wait / p
@@ -140,13 +170,13 @@ def end_lane(equation, status, f, i, j, dt, samples):
 
 
 @njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
-def decide(equation, f, i, j, acceleration, vertical, found, far):
+def decide(equation, f, i, j, acceleration, vertical, found, far, levels, above, settled):
     """How a slot goes on that needs attention.
 
     Returns
     -------
     status : int
-        MOVING, RESTING, OVERTURNED, IMPACT_LIMITED or FLYING.
+        MOVING, RESTING, OVERTURNED, IMPACT_LIMITED, FLYING, or CALM: it will not overturn.
     done : bool
         Whether the lane has come to its end.
     """
@@ -162,6 +192,11 @@ def decide(equation, f, i, j, acceleration, vertical, found, far):
         status = wake(f, i, j, acceleration, vertical, found)
         if status == MOVING:
             begin_step(f, j)
+    elif f[row.EVENT + j] == IMPACT and f[row.SAMPLE + j] >= f[row.CALM_FROM + j]:
+        left = build_up_left(f[row.SAMPLE + j], f[row.FACTOR + j], levels, above)
+        speed = f[row.SPEED + j] / (2.0 * math.sin(0.5 * f[row.ALPHA + j]))
+        if speed + left <= settled:
+            return CALM, True
     return status, status != MOVING
 
 
@@ -183,6 +218,9 @@ def march_lanes(
     spin,
     longest,
     last_term,
+    levels,
+    above,
+    settled,
     peak,
     outcome,
     reason,
@@ -219,6 +257,11 @@ def march_lanes(
         Longest step as p dt [-].
     last_term : float
         Largest last term of the series of a step over alpha_c [-].
+    levels, above : (m, l) ndarray
+        Where only the verdict is asked for (nonlinear equation, no vertical): levels of the build-up over the factor,
+        descending, and the last sample above each. Else (m, 0).
+    settled : float
+        See :class:`rockpulse.models.demand.Demand`.
     peak, outcome, reason, time, half_cycle, impacts, active : (q m,) ndarray
         Receive the answers.
     history : (q m, n, 2) or (q m, 0, 2) ndarray
@@ -253,7 +296,19 @@ def march_lanes(
             done = lane < 0
             status = MOVING
             if not done:
-                status, done = decide(equation, f, i, j, acceleration, vertical, found, far)
+                status, done = decide(
+                    equation,
+                    f,
+                    i,
+                    j,
+                    acceleration,
+                    vertical,
+                    found,
+                    far,
+                    levels[lane % blocks],
+                    above[lane % blocks],
+                    settled,
+                )
             while done:
                 if lane >= 0:
                     (
@@ -293,6 +348,9 @@ def march_lanes(
                     spin[block],
                     longest,
                     last_term,
+                    levels[block],
+                    above[block],
+                    settled,
                 )
                 if history.shape[1] > 0:
                     history[lane, 0, 0] = rotation[block]

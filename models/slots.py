@@ -66,6 +66,8 @@ GROUP = 8
     LONGEST,  # longest step
     THRESHOLD,  # abs(a_g)/g above which a resting block lifts, at 1 + a_v/g = 1
     TRUNCATION,  # largest last term of a series
+    TOP,  # phi at which the nonlinear block has overturned
+    CALM_FROM,  # sample from which on it is asked after impacts whether the verdict is settled; inf: never
     # Where it is, and what it has counted: whole numbers, kept here since a loop over one array makes vectors.
     SAMPLE,
     HITS,  # impacts in this sample
@@ -73,8 +75,8 @@ GROUP = 8
     ACTIVE,  # samples in which it moved
     ENTERED,  # 1 where the step ended a sample
     ATTENTION,  # 1 where a decision is due: an impact that may be the last, the end of the record, overturning
-) = range(0, 46 * WIDTH, WIDTH)
-FLOAT_ROWS = 46
+) = range(0, 48 * WIDTH, WIDTH)
+FLOAT_ROWS = 48
 
 (
     LANE,  # -1: empty

@@ -178,7 +178,7 @@ MODELS: dict[str, Callable[[Block, Scene], Response]] = {
 }
 
 #: What may have given an answer: the models, and what only `auto` knows.
-USED = (*MODELS, "static", "strong_part")
+USED = (*MODELS, "static", "settled")
 
 #: Models whose answers can be checked for predictability; they take a factor on the record.
 CHECKABLE: dict[str, Callable[[Block, Scene, Any], Response]] = {

@@ -1,4 +1,4 @@
-"""What is imported often costs little: the help and the reader plugins load neither numba nor xarray."""
+"""What is imported often costs little: the help and the reader plugins load neither numba, xarray nor matplotlib."""
 
 import json
 import subprocess
@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 READERS = Path(__file__).parents[1] / "pipeline" / "readers"
-HEAVY = ("numba", "xarray", "h5py", "pandas", "scipy.signal", "obspy")
+HEAVY = ("numba", "xarray", "h5py", "pandas", "scipy.signal", "obspy", "matplotlib")
 
 
 def loaded(script):
@@ -31,7 +31,15 @@ def command(*arguments):
 
 @pytest.mark.parametrize(
     "arguments",
-    [["--help"], ["--version"], ["assess", "--help"], ["inspect", "--help"], ["formats"], ["init-config"]],
+    [
+        ["--help"],
+        ["--version"],
+        ["assess", "--help"],
+        ["inspect", "--help"],
+        ["accuracy", "--help"],
+        ["formats"],
+        ["init-config"],
+    ],
     ids=" ".join,
 )
 def test_help_and_small_verbs_load_nothing_heavy(arguments):

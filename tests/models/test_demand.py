@@ -62,14 +62,28 @@ def test_build_up_is_between_the_largest_lobe_and_all_of_them():
     assert np.all(demand(synthetic(7), p=[1.0, 2.0, 7.0], c=0.5).build_up < found.build_up)
 
 
-def test_no_demand_above_the_level_after_the_samples_that_are_kept():
-    ground, p = synthetic(9, n=2000), 2.0
-    kept = demand(ground, p=[p]).samples_above(0.05, 1.0)[0]
-    assert 100 < kept < ground.size
-    rest = np.concatenate([[0.0], ground[kept:]])
-    assert demand(rest, p=[p]).largest[0] <= 0.05 * 1.05
-    assert demand(ground, p=[p]).samples_above(0.05, 2.0)[0] >= kept
-    assert demand(ground, p=[p]).samples_above(1e-9, 1.0)[0] == ground.size
+@pytest.mark.parametrize("c", [0.85, 0.93, 1.0])
+def test_build_up_left_after_the_last_sample_of_a_level_is_not_above_it(c):
+    ground, p = synthetic(9, n=2000), 2.0  # a node: no interpolation in p
+    found = demand(ground, p=[p], c=c)
+    levels, last = found.levels[0], found.last[0]
+    assert np.all(np.diff(levels) < 0.0)
+    assert np.all(np.diff(last) >= 0)
+    seen = 0
+    for level, sample in zip(levels, last, strict=True):
+        if 0 < sample < ground.size - 50:
+            assert demand(ground[sample + 1 :], p=[p], c=c).build_up[0] <= level * (1.0 + 1e-9)
+            seen += 1
+    assert seen > 5
+    assert np.all(last[levels > 1.2 * found.build_up[0]] == -1)
+
+
+def test_demand_of_some_blocks_is_theirs():
+    found = demand(synthetic(7), p=[1.0, 2.0, 7.0])
+    some = found.of(np.array([2, 0, 2]))
+    assert np.array_equal(some.build_up, found.build_up[[2, 0, 2]])
+    assert np.array_equal(some.last, found.last[[2, 0, 2]])
+    assert (some.samples, some.settled) == (found.samples, found.settled)
 
 
 def test_a_quiet_record_asks_nothing():

@@ -5,7 +5,7 @@ import pytest
 from recorded_cases import block_a, synthetic
 
 from rockpulse.models import Block, Outcome, Rung, choose_response, recorded_response
-from rockpulse.models.fidelity import MEASURED_RANGE, SAFE_BUILD_UP, STRONG_PEAK
+from rockpulse.models.fidelity import MEASURED_RANGE, SAFE_BUILD_UP
 
 DT = 0.01
 FACTORS = np.array([0.1, 0.3, 0.6, 1.0])
@@ -66,13 +66,18 @@ def test_lanes_of_the_nonlinear_rung_are_the_nonlinear_response_to_the_last_bit(
 
 
 def test_every_lane_carries_an_answer(held_out):
-    _, (response, used), _ = held_out
+    _, (response, used), truth = held_out
     rocks = response.outcome == Outcome.ROCKS
     assert np.all(np.isfinite(response.peak_rotation_ratio[rocks]) & (response.peak_rotation_ratio[rocks] > 0.0))
     assert np.all(np.isinf(response.peak_rotation_ratio[response.outcome == Outcome.OVERTURNS]))
     assert np.all(np.isnan(response.overturning_time) == (response.outcome != Outcome.OVERTURNS))
     assert np.all(response.active_samples[used == Rung.IMPULSIVE] == -1)
-    assert np.all(response.peak_rotation_ratio[used == Rung.STRONG_PART] <= STRONG_PEAK)
+    settled = used == Rung.SETTLED
+    rocking = settled & (response.outcome == Outcome.ROCKS)
+    assert np.all(response.impacts[rocking] == -1)
+    assert np.all(response.active_samples[settled] <= truth.active_samples[settled])
+    fallen = response.outcome == Outcome.OVERTURNS
+    assert np.all(response.overturning_time[fallen] <= truth.overturning_time[fallen])
 
 
 def test_a_tight_tolerance_on_the_peak_leaves_the_static_and_the_nonlinear_rung(held_out):
@@ -87,7 +92,7 @@ def test_peaks_are_right_to_the_tolerance(held_out, tolerance):
     ground, _, truth = held_out
     response, used = chosen(ground, output="peak", tolerance=tolerance)
     assert np.array_equal(response.outcome, truth.outcome)
-    assert Rung.STRONG_PART not in used
+    assert Rung.SETTLED not in used
     if tolerance == 1.0:
         assert Rung.IMPULSIVE in used
     rocks = truth.outcome == Outcome.ROCKS
@@ -136,7 +141,7 @@ def test_lanes_outside_the_measured_range_are_left_to_the_equation(name):
     inside = Block.from_parameters([0.8], [0.15], 0.95 * (1.0 - 1.5 * np.sin(0.15) ** 2))
     ground, scale = synthetic(2), np.linspace(0.02, 3.0, 60)
     assert {Rung.STATIC, Rung.NONLINEAR} == set(chosen(ground, outside, scale=scale)[1].ravel())
-    assert {Rung.IMPULSIVE, Rung.STRONG_PART} <= set(chosen(ground, inside, scale=scale)[1].ravel())
+    assert {Rung.IMPULSIVE, Rung.SETTLED} <= set(chosen(ground, inside, scale=scale)[1].ravel())
 
 
 def test_vertical_acceleration_is_static_only_where_its_largest_value_lifts_nothing():

@@ -31,6 +31,7 @@ def steps(seed):
     f[row.RESTITUTION : row.RESTITUTION + row.WIDTH] = 0.9
     f[row.SIDE : row.SIDE + row.WIDTH] = 1.0
     f[row.TRUNCATION : row.TRUNCATION + row.WIDTH] = np.inf
+    f[row.TOP : row.TOP + row.WIDTH] = 0.5 * np.pi
     f[row.PEAK : row.PEAK + row.WIDTH] = np.maximum(
         f[row.PEAK : row.PEAK + row.WIDTH], f[row.PHI : row.PHI + row.WIDTH]
     )

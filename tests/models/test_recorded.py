@@ -1,9 +1,5 @@
 """Response to a sampled accelerogram. The comparison with an independent integrator is in
-test_recorded_reference.py."""
-
-import os
-import subprocess
-import sys
+test_recorded_reference.py, that with the kernels as plain Python in test_without_compiler.py."""
 
 import numpy as np
 import pytest
@@ -280,25 +276,6 @@ def test_wrong_arguments_are_named(change, message):
     arguments = {"block": block_a(), "acceleration": [0.0, 1.0, 0.0], "dt": 0.01, **change}
     with pytest.raises(ValueError, match=message):
         recorded_response(**arguments)
-
-
-def test_python_and_compiled_kernels_agree():
-    code = (
-        "import numpy as np; from rockpulse.models import Block, recorded_response\n"
-        "t = np.arange(150) * 0.01; a = 3.0 * np.sin(7 * t)\n"
-        "b = Block(0.3, 1.5, gravity=9.81)\n"
-        "for e in ('linear', 'nonlinear'):\n"
-        "    r = recorded_response(b, a, 0.01, e); print(repr(r.peak_rotation_ratio), r.outcome, r.impacts)\n"
-    )
-    outputs = [
-        subprocess.run(
-            [sys.executable, "-c", code], env={**os.environ, **extra}, capture_output=True, text=True, check=True
-        ).stdout.split()
-        for extra in ({}, {"NUMBA_DISABLE_JIT": "1"})
-    ]
-    compiled, plain = outputs
-    assert compiled[1::3] == plain[1::3]
-    assert [float(x) for x in compiled[::3]] == pytest.approx([float(x) for x in plain[::3]], rel=1e-11)
 
 
 def test_tangent_gain_is_a_factor_on_the_record_and_brings_the_linear_equation_near_the_nonlinear_one():

@@ -54,10 +54,10 @@ def test_auto_says_which_models_answered(summary):
     summary = summary.assign_coords(model=("model", ["resonance", "nonlinear", "auto"]))
     codes = np.zeros(summary["outcome"].shape, dtype=np.int8)
     codes[:2, :, 2], codes[2, :, 2] = 1, 2
-    flags = {"flag_values": np.arange(3, dtype=np.int8), "flag_meanings": "resonance strong_part static"}
+    flags = {"flag_values": np.arange(3, dtype=np.int8), "flag_meanings": "resonance settled static"}
     summary["model_used"] = (("record", "block", "model"), codes, flags)
     words = " ".join(verdict_table(summary).split())
-    assert "auto: the cheapest model that answers, here strong part 6, static 3; the figures are" in words
+    assert "auto: the cheapest model that answers, here settled 6, static 3; the figures are" in words
     assert "here static 1;" in verdict_table(summary, records=RECORDS[2:], blocks=BLOCKS[:1])
     assert "What overturns (by the nonlinear model)" in overturned(summary)
 

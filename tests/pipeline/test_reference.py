@@ -71,6 +71,14 @@ def test_synthetic_motions_are_those_of_the_reference(table):
             assert (acceleration.size, dt) == (6001, 0.01)
 
 
+def test_row_may_be_a_series_or_a_named_tuple(table):
+    """`row.dt` of a Series is pandas' accessor of dates, not the sampling interval."""
+    rows = table[table["motion"].str.startswith("synthetic-")].head(1)
+    by_name, by_label = motion_of(next(rows.itertuples())), motion_of(rows.iloc[0])
+    assert by_name[1] == by_label[1] == 0.01
+    assert np.array_equal(by_name[0], by_label[0])
+
+
 def test_sample_motions_are_those_of_the_reference(table, conditioned):
     rows = [row for row in table.drop_duplicates("motion").itertuples() if not row.motion.startswith("synthetic-")]
     assert {row.motion for row in rows} == set(conditioned)

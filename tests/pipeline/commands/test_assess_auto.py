@@ -58,7 +58,7 @@ def test_the_file_says_which_model_answered_each_lane(results):
         used, outcome = summary["model_used"], summary["outcome"]
         assert used.dtype == outcome.dtype == np.int8
         names = np.vectorize(flags(used).get)(used[:])
-        assert set(flags(used).values()) >= {"resonance", "impulsive", "static", "strong_part", "nonlinear"}
+        assert set(flags(used).values()) >= {"resonance", "impulsive", "static", "settled", "nonlinear"}
         assert set(names[..., 0].ravel()) == {"nonlinear"}
         at_rest = np.vectorize(flags(outcome).get)(outcome[..., 1]) == "at_rest"
         assert np.array_equal(names[..., 1] == "static", at_rest)
@@ -79,7 +79,7 @@ def test_the_check_of_predictability_is_stored(results):
 
 def test_the_schema_names_what_is_new():
     text = SCHEMA.read_text(encoding="utf-8")
-    for word in ("`predictable`", "`model_used`", "`static`", "`strong_part`", "`auto`"):
+    for word in ("`predictable`", "`model_used`", "`static`", "`settled`", "`auto`"):
         assert word in text
 
 
