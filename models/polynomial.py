@@ -7,12 +7,16 @@
 
 from __future__ import annotations
 
+import numpy as np
 from numba import njit
 
-__all__ = ["ORDER", "falling_root", "first_impact", "value", "velocity"]
+__all__ = ["ORDER", "ROTATION", "bracketed_root", "first_impact", "value", "velocity"]
 
 #: Degree of the polynomials.
 ORDER = 10
+
+#: Orders of derivative. Numpy's integers: a plain one would have the functions below compiled for each value.
+ROTATION, SPEED, PULL = np.int64(0), np.int64(1), np.int64(2)
 
 MAX_ITERATIONS = 100
 
@@ -98,7 +102,7 @@ def bracketed_root(c, order, shift, left, right, guess):
 def falling_root(c, left, right):
     """Where phi falls through zero in [left, right]: phi > 0 before, phi(right) <= 0, phi' < 0 inside."""
     # From the top of a hop the fall takes as long as the rise did, to first order.
-    return bracketed_root(c, 0, 0.0, left, right, 2.0 * left if left > 0.0 else -c[0] / c[1])
+    return bracketed_root(c, ROTATION, 0.0, left, right, 2.0 * left if left > 0.0 else -c[0] / c[1])
 
 
 @njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
@@ -162,7 +166,7 @@ def first_impact(c, h, peak):
             # The curve is under its tangents at both ends, whose crossing is above it.
             roof = c[0] + c[1] * (end - c[0] - end_speed * h) / (c[1] - end_speed)
             if roof > peak or c[0] > 0.0 >= end:
-                top = bracketed_root(c, 1, 0.0, 0.0, h, h * c[1] / (c[1] - end_speed))
+                top = bracketed_root(c, SPEED, 0.0, 0.0, h, h * c[1] / (c[1] - end_speed))
                 largest = value(c, top)
         if end > 0.0:
             return -1.0, max(largest, end)
@@ -170,7 +174,7 @@ def first_impact(c, h, peak):
     largest = c[0]
     cut = h
     if start_pull * end_pull < 0.0:
-        cut = bracketed_root(c, 2, 0.0, 0.0, h, h * start_pull / (start_pull - end_pull))
+        cut = bracketed_root(c, PULL, 0.0, 0.0, h, h * start_pull / (start_pull - end_pull))
     left = 0.0
     speed_left = c[1]
     for piece in range(2):
@@ -180,10 +184,10 @@ def first_impact(c, h, peak):
         speed_right = velocity(c, right)
         end = right
         if speed_left < 0.0 < speed_right:  # a low point inside: it is there that the ground may be touched
-            end = bracketed_root(c, 1, 0.0, left, right, -1.0)
+            end = bracketed_root(c, SPEED, 0.0, left, right, -1.0)
         start = left
         if speed_left > 0.0 > speed_right:
-            start = bracketed_root(c, 1, 0.0, left, right, -0.5 * c[1] / c[2] if c[2] != 0.0 else -1.0)
+            start = bracketed_root(c, SPEED, 0.0, left, right, -0.5 * c[1] / c[2] if c[2] != 0.0 else -1.0)
             largest = max(largest, value(c, start))
         falls = speed_left < 0.0 or speed_right < 0.0
         if falls and value(c, end) <= 0.0:

@@ -15,7 +15,7 @@ from rockpulse.models import slots as row
 from rockpulse.models.advance import IMPACTS_PER_SAMPLE, REMNANT, enter_vertical
 from rockpulse.models.finish import HALVED, IMPACT, NOTHING, OVER
 from rockpulse.models.ground import BLOCK, LARGEST, LEFT, STEEPEST, largest_left, next_exceedance
-from rockpulse.models.polynomial import ORDER, bracketed_root, first_impact, value, velocity
+from rockpulse.models.polynomial import ORDER, ROTATION, bracketed_root, first_impact, value, velocity
 from rockpulse.models.response import IMPACT_CUTOFF
 
 __all__ = [
@@ -277,7 +277,7 @@ def resolve_step(equation, f, i, j, c, acceleration, found):
     if equation == NONLINEAR and largest >= f[row.TOP + j]:
         wait = h
         if value(c, h) > f[row.TOP + j]:
-            wait = bracketed_root(c, 0, f[row.TOP + j], 0.0, h, -1.0)
+            wait = bracketed_root(c, ROTATION, f[row.TOP + j], 0.0, h, -1.0)
         f[row.PASSED + j] += wait
         f[row.EVENT + j] = OVER
         return

@@ -16,7 +16,7 @@ from numba import njit
 from rockpulse.models import slots as row
 from rockpulse.models.advance import REMNANT, advance_steps, advance_vertical, keep_history
 from rockpulse.models.finish import IMPACT, LOOK_CLOSER, OVER, finish_steps
-from rockpulse.models.ground import LEFT, largest_left
+from rockpulse.models.ground import LEFT
 from rockpulse.models.linear import linear_after, linear_steps
 from rockpulse.models.nonlinear import nonlinear_after, nonlinear_steps
 from rockpulse.models.recorded_event import (
@@ -126,7 +126,7 @@ def begin_lane(
         return wake(f, i, j, acceleration, vertical, found)
     if equation == LINEAR:
         growing = f[row.PHI + j] - alpha + f[row.SPEED + j]
-        return OVERTURNED if growing > largest_left(0, acceleration, found) * factor else MOVING
+        return OVERTURNED if growing > found[LEFT, 0] * factor else MOVING
     return OVERTURNED if f[row.PHI + j] >= 0.5 * math.pi else MOVING
 
 
