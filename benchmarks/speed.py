@@ -23,7 +23,6 @@ from numba import njit
 
 from rockpulse.baseline import response as solve_ivp_response
 from rockpulse.models import Block, recorded_response
-from rockpulse.models.ground import extremes
 from rockpulse.models.threads import available_cores
 from rockpulse.synthetic import synthetic_lanes, synthetic_motion
 
@@ -207,10 +206,9 @@ def memory() -> None:
     peak = tracemalloc.get_traced_memory()[1]
     tracemalloc.stop()
     output = sum(value.nbytes for value in vars(answer).values() if isinstance(value, np.ndarray))
-    ahead = extremes(motion, np.empty(0)).nbytes  # allocated by the compiled code, where it is not traced
     print(
         f"memory: a million samples ({motion.nbytes / 1e6:.0f} MB) x {count} blocks, two threads: "
-        f"{(peak - output) / 1e6:.2f} + {ahead / 1e6:.2f} MB beside input and output"
+        f"{(peak - output) / 1e6:.2f} MB beside input and output"
     )
 
 
