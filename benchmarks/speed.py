@@ -22,7 +22,7 @@ import numpy as np
 from numba import njit
 
 from rockpulse.baseline import response as solve_ivp_response
-from rockpulse.models import Block, recorded_response
+from rockpulse.models import Block, Outcome, recorded_response
 from rockpulse.models.threads import available_cores
 from rockpulse.synthetic import synthetic_lanes, synthetic_motion
 
@@ -52,7 +52,7 @@ def median(runs: int, call: Callable[[], object], clock: Callable[[], float] = t
 def against_solve_ivp(runs: int, count: int) -> None:
     """Rows 1 and 2: per active block-sample against solve_ivp RK45 at rtol 1e-6 with events."""
     for equation in EQUATIONS:
-        ours, theirs, active, verdicts = 0.0, 0.0, 0, 0
+        ours, theirs, active, their_active, differ = 0.0, 0.0, 0, 0, 0
         for seed in range(2):
             block, motion = lanes(seed, count)
             scales = np.linspace(0.7, 1.3, 3)
@@ -69,12 +69,13 @@ def against_solve_ivp(runs: int, count: int) -> None:
                     start = time.thread_time()
                     other = solve_ivp_response(one.p, one.alpha_c, 0.9, motion, DT, equation, scale, GRAVITY)
                     theirs += time.thread_time() - start
-                    overturns = answer.outcome[row, lane] == 2
-                    verdicts += overturns != (other.outcome == "OVERTURNS")
+                    their_active += other.active_samples
+                    differ += Outcome(answer.outcome[row, lane]).name != other.outcome
         print(
-            f"{equation} against solve_ivp: {ours / active * 1e9:.1f} ns against {theirs / active * 1e9:,.0f} ns per"
-            f" active block-sample ({6 * count} lanes, {active} active samples, {verdicts} verdicts differ):"
-            f" {theirs / ours:,.0f}x"
+            f"{equation} against solve_ivp: {ours / active * 1e9:.1f} ns against "
+            f"{theirs / their_active * 1e9:,.0f} ns per"
+            f" active block-sample ({6 * count} lanes, {active} active samples, {differ} outcomes differ):"
+            f" {theirs / their_active / ours * active:,.0f}x"
         )
 
 
@@ -168,7 +169,8 @@ calls = {
     "impulsive": lambda: models.impulsive_response(block, [0.0, 0.5], [0.3, -0.3]),
     "effective": lambda: models.effective_impulse_response(block, motion, 0.01),
     "sequence": lambda: models.sequence_response(block, models.ImpulseSequence(0.3, 0.1, 0.2, 10.0)),
-    "resonance": lambda: models.resonance(block, 0.3, 10),
+    "resonance": lambda: [models.resonance(block, 0.3, 10), models.resonance_safety(block, 0.3, 10)],
+    "choice": lambda: models.choose_response(block, motion, 0.01),
 }
 for name, call in calls.items():
     start = clock(); call(); print(name, clock() - start)
@@ -221,12 +223,19 @@ SECTIONS: dict[str, Callable[[argparse.Namespace], None]] = {
 }
 
 
+def positive(text: str) -> int:
+    """A whole number of at least one."""
+    if int(text) < 1:
+        raise argparse.ArgumentTypeError(f"expected at least 1, got {text}")
+    return int(text)
+
+
 def main() -> None:
     """Print the figures."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--runs", type=int, default=21, help="calls of which the median is taken")
+    parser.add_argument("--runs", type=positive, default=21, help="calls of which the median is taken")
     parser.add_argument(
-        "--lanes", type=int, default=24, help="blocks on each of two motions for solve_ivp, at three factors"
+        "--lanes", type=positive, default=24, help="blocks on each of two motions for solve_ivp, at three factors"
     )
     parser.add_argument("--only", nargs="+", choices=SECTIONS, default=list(SECTIONS))
     args = parser.parse_args()

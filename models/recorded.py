@@ -81,10 +81,10 @@ def recorded_response(
         Factor on the record for each block, on top of `scale`, not negative [-].
     verdict : Demand, optional
         Demand of the same ground on the same blocks (:func:`rockpulse.models.ground_demand`), where nothing but the
-        outcome is wanted: a lane ends as soon as that is settled, by a bound where it overturns and by a measured
-        margin where it rocks (docs/decisions/007), with -1 impacts then and the peak of the motion so far and of
-        the free motion after it. The overturning time is that of the angle of no return. Nonlinear equation
-        without vertical acceleration and histories only.
+        outcome of a block that starts at rest is wanted: a lane ends as soon as that is settled, by a bound where it
+        overturns and by a measured margin where it rocks (docs/decisions/007), with the peak so far and -1 impacts
+        then. The overturning time is that of the angle of no return. Nonlinear equation without vertical
+        acceleration and histories only.
     step : float
         Longest step as p dt [-], at most 0.3; a sample is divided where its own p dt is larger.
     last_term : float
@@ -146,15 +146,19 @@ def recorded_response(
     up = np.empty(0) if vertical is None else _samples("vertical", vertical)
     if vertical is not None and up.size != record.size:
         raise ValueError(f"vertical: expected {record.size} samples as in acceleration, got {up.size}")
+    if verdict is not None and not isinstance(verdict, Demand):
+        raise ValueError(f"verdict: expected a rockpulse.models.Demand, got {verdict!r:.80}")
     if verdict is not None and (equation != "nonlinear" or vertical is not None or history):
         raise ValueError("verdict: expected the nonlinear equation without vertical acceleration and history")
+    if verdict is not None and (np.any(initial_rotation) or np.any(initial_velocity)):
+        raise ValueError("verdict: expected a block at rest, got an initial rotation or velocity")
     if verdict is not None and (verdict.samples, verdict.levels.shape[0]) != (record.size, np.size(block.p)):
         raise ValueError("verdict: expected the demand of this record on these blocks")
     step = float(numbers("step", step, "a positive p dt", lanes=False))
     if not 0.0 < step <= LONGEST_STEP:
         raise ValueError(f"step: expected a positive p dt of at most {LONGEST_STEP}, got {step!r}")
-    if not last_term > 0.0:
-        raise ValueError(f"last_term: expected a positive share of alpha_c, got {last_term!r}")
+    if not (isinstance(last_term, int | float | np.floating) and last_term > 0.0):
+        raise ValueError(f"last_term: expected a positive share of alpha_c, or inf, got {last_term!r}")
     factors = numbers("scale", scale, "a factor >= 0")
     if np.any(factors < 0.0):
         raise ValueError(f"scale: expected a factor >= 0 or a (q,) array of them, got {scale!r}")

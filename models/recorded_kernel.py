@@ -154,13 +154,13 @@ def end_lane(equation, status, f, i, j, dt, samples):
     if status == RESTING:
         outcome = ROCKS if i[row.MOVED + j] == 1 else AT_REST
         return peak / alpha, outcome, NO_REASON, np.nan, -1, impacts, active
+    if status == CALM:
+        return peak / alpha, ROCKS, NO_REASON, np.nan, -1, -1, active
     phi, speed = f[row.PHI + j], f[row.SPEED + j]
     if equation == LINEAR:
         peak_after, wait, impacts_after, impact_speed = linear_after(phi, speed, alpha, restitution)
     else:
         peak_after, wait, impacts_after, impact_speed = nonlinear_after(phi, speed, alpha, restitution)
-    if status == CALM:
-        return max(peak, peak_after) / alpha, ROCKS, NO_REASON, np.nan, -1, -1, active
     if peak_after == np.inf:
         impacts += impacts_after
         time = (samples - 1) * dt + wait / p

@@ -106,10 +106,11 @@ def response(
         event.terminal, event.direction = terminal, direction
     integrate: Any = solve_ivp
 
-    t, theta, speed, side, peak = 0.0, 0.0, 0.0, 0, 0.0
+    t, theta, speed, side, peak, after = 0.0, 0.0, 0.0, 0, 0.0, -1
     for _ in range(MOST_HOPS):
         if side == 0:
-            k = int(np.searchsorted(strong, math.ceil(t / dt - 1e-9)))
+            # Beyond the last one: a push of a rounding error would be tried at the same instant for ever.
+            k = int(np.searchsorted(strong, max(math.ceil(t / dt - 1e-9), after + 1)))
             if k == strong.size:
                 return Baseline(peak, "ROCKS" if moving.any() else "AT_REST", int(moving.sum()))
             after = int(strong[k])

@@ -8,6 +8,7 @@ from recorded_cases import EQUATIONS, G, synthetic
 from rocking_reference import block_of
 
 from rockpulse.models import Outcome, recorded_response
+from rockpulse.synthetic import synthetic_lanes, synthetic_motion
 
 
 def answer(baseline, block, ground, dt, equation, **options):
@@ -62,3 +63,11 @@ def test_motion_after_the_record_is_decided_by_energy(baseline, equation):
         assert slow.outcome == Outcome(fast.outcome).name
         if slow.outcome == "ROCKS":
             assert slow.peak_rotation_ratio == pytest.approx(fast.peak_rotation_ratio, rel=1e-4)
+
+
+def test_uplift_by_a_hair_does_not_repeat_itself_for_ever(baseline):
+    lanes = synthetic_lanes(0, 24)
+    motion = synthetic_motion(0, pga=0.3 * 9.80665)
+    answer = baseline.response(lanes.p[8], lanes.alpha[8], 0.9, motion, 0.01, "linear", 0.7)
+    assert answer.outcome == "ROCKS"
+    assert 0.0 <= answer.peak_rotation_ratio < 1e-9
