@@ -30,6 +30,12 @@ EQUATIONS = {"linear": LINEAR, "nonlinear": NONLINEAR}
 #: Largest last term of the Taylor series of a step, over alpha_c [-]; a longer step is halved.
 LAST_TERM = 1e-14
 
+#: Smallest one that may be asked for: below it rounding decides.
+SMALLEST_LAST_TERM = 1e-17
+
+#: Longest sample [-], as p dt, and fastest start, as theta'/p [rad], that are taken for a block under a record.
+LONGEST_SAMPLE, FASTEST_START = 1e4, 1e3
+
 #: Longest step that may be asked for, as p dt [-].
 LONGEST_STEP = 0.3
 
@@ -130,7 +136,7 @@ def recorded_response(
     'ROCKS'
     """
     record = _samples("acceleration", acceleration)
-    if equation not in EQUATIONS:
+    if not isinstance(equation, str) or equation not in EQUATIONS:
         raise ValueError(f"equation: expected one of {sorted(EQUATIONS)}, got {equation!r}")
     if not isinstance(block, Block):
         raise ValueError(f"block: expected a rockpulse.models.Block, got {block!r}")
@@ -152,30 +158,31 @@ def recorded_response(
         raise ValueError("verdict: expected the nonlinear equation without vertical acceleration and history")
     if verdict is not None and (np.any(initial_rotation) or np.any(initial_velocity)):
         raise ValueError("verdict: expected a block at rest, got an initial rotation or velocity")
-    if verdict is not None and (verdict.samples, verdict.levels.shape[0]) != (record.size, np.size(block.p)):
-        raise ValueError("verdict: expected the demand of this record on these blocks")
     step = float(numbers("step", step, "a positive p dt", lanes=False))
     if not 0.0 < step <= LONGEST_STEP:
         raise ValueError(f"step: expected a positive p dt of at most {LONGEST_STEP}, got {step!r}")
-    if not (isinstance(last_term, int | float | np.floating) and last_term > 0.0):
-        raise ValueError(f"last_term: expected a positive share of alpha_c, or inf, got {last_term!r}")
+    if not (isinstance(last_term, int | float | np.floating) and last_term >= SMALLEST_LAST_TERM):
+        raise ValueError(
+            f"last_term: expected a share of alpha_c of at least {SMALLEST_LAST_TERM:g}, or inf, got {last_term!r}"
+        )
     factors = numbers("scale", scale, "a factor >= 0")
     if np.any(factors < 0.0):
         raise ValueError(f"scale: expected a factor >= 0 or a (q,) array of them, got {scale!r}")
+    own = numbers("block_scale", block_scale, "a factor >= 0")
+    if np.any(own < 0.0) or own.shape not in ((), block.shape):
+        raise ValueError(
+            f"block_scale: expected a factor >= 0, or one for each of the blocks {block.shape}, got {block_scale!r:.80}"
+        )
     strongest = (
         max(np.max(record), -np.min(record), np.max(up, initial=0.0), -np.min(up, initial=0.0))
         * np.max(factors, initial=0.0)
+        * max(np.max(own, initial=0.0), 1.0)
         / block.gravity
     )
     if not strongest <= STRONGEST:
         raise ValueError(
             f"acceleration, scale: expected at most {STRONGEST:g} times gravity, got {strongest:g}; "
             "is the record in m/s2, and the scale a factor?"
-        )
-    own = numbers("block_scale", block_scale, "a factor >= 0")
-    if np.any(own < 0.0) or own.shape not in ((), block.shape):
-        raise ValueError(
-            f"block_scale: expected a factor >= 0, or one for each of the blocks {block.shape}, got {block_scale!r:.80}"
         )
     start = [
         numbers("initial_rotation", initial_rotation, "an angle in rad"),
@@ -192,6 +199,15 @@ def recorded_response(
         np.ascontiguousarray(np.broadcast_to(np.asarray(values, dtype=float), lanes).reshape(-1))
         for values in (block.alpha_c, block.p, block.restitution, *start)
     )
+    if np.max(p, initial=0.0) * dt > LONGEST_SAMPLE:
+        raise ValueError(f"dt: expected p dt of at most {LONGEST_SAMPLE:g}, got {np.max(p) * dt:g}; is dt in s?")
+    if np.any(np.abs(spin) > FASTEST_START * p):
+        raise ValueError(
+            f"initial_velocity: expected at most {FASTEST_START:g} p, got {np.max(np.abs(spin) / p):g} p; "
+            "is it in rad/s?"
+        )
+    if verdict is not None and (verdict.samples, verdict.levels.shape[0]) != (record.size, alpha.size):
+        raise ValueError("verdict: expected the demand of this record on these blocks")
     gains = np.broadcast_to(own, lanes).reshape(-1) * (alpha / np.tan(alpha) if gain == "tangent" else 1.0)
     shape = (factors.size, alpha.size)
     total = factors.size * alpha.size

@@ -42,6 +42,10 @@ MOVING, RESTING, OVERTURNED, IMPACT_LIMITED, FLYING, CALM = range(6)
 #: A chatter is cut short only where its hops are below this share of the peak so far.
 CHATTER_SHARE = 1e-3
 
+#: After so many impacts in one sample (a restitution next to one) hops below the peak itself will do, and the chatter
+#: may be cut short beyond its sample with a history as well: it then shows rest in place of hops below the cut-off.
+MANY_IMPACTS = 1000
+
 #: A step is not halved below this share of the longest one for the sake of its series.
 SHORTEST = 1.0 / 4096.0
 
@@ -61,7 +65,7 @@ def uplift_time(ground, slope, threshold, threshold_slope, remaining):
 
 
 @njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
-def chatter_ends(speed, demand, largest, slope, restitution, window, cutoff, peak):
+def chatter_ends(speed, demand, largest, slope, restitution, window, cutoff, highest):
     """Whether the hops after an impact die out before the ground can lift the block again.
 
     Parameters
@@ -80,8 +84,8 @@ def chatter_ends(speed, demand, largest, slope, restitution, window, cutoff, pea
         Time tau that is looked ahead.
     cutoff : float
         Speed above which an impact is counted, in the unit of `speed`: none of the hops may end faster.
-    peak : float
-        Largest rotation so far, in the unit of `speed`.
+    highest : float
+        Rotation that the hops must stay below, in the unit of `speed`.
 
     Notes
     -----
@@ -103,7 +107,7 @@ def chatter_ends(speed, demand, largest, slope, restitution, window, cutoff, pea
     hop = 2.0 * speed / floor
     growth = 1.0 + 0.5 * slope * hop / margin
     left = 1.0 - restitution * growth
-    return hop < window * left and speed * growth < cutoff and 0.5 * speed * speed / floor < CHATTER_SHARE * peak
+    return hop < window * left and speed * growth < cutoff and 0.5 * speed * speed / floor < highest
 
 
 @njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
@@ -118,7 +122,8 @@ def chatter_is_over(equation, f, i, j, found, samples, far):
     if demand >= 1.0:
         return False
     per_scale = 1.0 / (weakest * (f[row.ALPHA + j] if equation == LINEAR else math.sin(f[row.ALPHA + j])))
-    speed, peak = f[row.SPEED + j] * per_scale, f[row.PEAK + j] * per_scale
+    share = CHATTER_SHARE if f[row.HITS + j] < MANY_IMPACTS else 1.0
+    speed, highest = f[row.SPEED + j] * per_scale, share * f[row.PEAK + j] * per_scale
     cutoff = IMPACT_CUTOFF * f[row.ALPHA + j] * per_scale
     restitution = f[row.RESTITUTION + j]
     if far and f[row.SAMPLE_LIFT + j] == 1.0 and lift_end == 1.0:
@@ -129,11 +134,11 @@ def chatter_is_over(equation, f, i, j, found, samples, far):
         factor = f[row.FACTOR + j] / threshold
         largest = factor * max(found[LARGEST, block], found[LARGEST, block + 1])
         slope = factor * f[row.PER_SAMPLE + j] * max(found[STEEPEST, block], found[STEEPEST, block + 1])
-        if chatter_ends(speed, demand, largest, slope, restitution, (end - sample) * length - passed, cutoff, peak):
+        if chatter_ends(speed, demand, largest, slope, restitution, (end - sample) * length - passed, cutoff, highest):
             return True
     demand_end = abs(f[row.SAMPLE_GROUND + j] + f[row.SAMPLE_SLOPE + j] * length) / (lift_end * threshold)
     slope = (abs(f[row.SAMPLE_SLOPE + j]) + abs(f[row.SAMPLE_LIFT_SLOPE + j]) * threshold) / (weakest * threshold)
-    return chatter_ends(speed, demand, max(demand, demand_end), slope, restitution, length - passed, cutoff, peak)
+    return chatter_ends(speed, demand, max(demand, demand_end), slope, restitution, length - passed, cutoff, highest)
 
 
 @njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
@@ -232,6 +237,7 @@ def after_impact(equation, f, i, j, acceleration, found, far):
         return RESTING
     # Faster impacts are counted, so they are followed.
     cutoff = IMPACT_CUTOFF * f[row.ALPHA + j]
+    far = far or f[row.HITS + j] >= MANY_IMPACTS
     if speed < cutoff and chatter_is_over(equation, f, i, j, found, acceleration.size, far):
         return RESTING
     if equation == LINEAR and is_gone(f, i, j, acceleration, found):

@@ -6,6 +6,8 @@ import os
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 
+import numpy as np
+
 __all__ = ["available_cores", "split_lanes"]
 
 #: Slices per thread: lanes differ in cost, so a thread that is done early takes another one.
@@ -41,7 +43,7 @@ def split_lanes(kernel_call: Callable[[int, int], None], lanes: int, threads: in
     """
     if threads is None:
         threads = available_cores()
-    if isinstance(threads, bool) or not isinstance(threads, int) or threads < 1:
+    if isinstance(threads, bool) or not isinstance(threads, int | np.integer) or threads < 1:
         raise ValueError(f"threads: expected a whole number of at least 1, or None for all cores, got {threads!r}")
     slices = min(threads * SLICES_PER_THREAD, lanes // smallest)
     if threads == 1 or slices < 2:

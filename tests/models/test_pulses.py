@@ -70,7 +70,9 @@ def test_verdict_alone_is_that_of_the_whole_motion_and_costs_less():
         ({"history": True}, "verdict: expected the nonlinear equation"),
         ({"initial_rotation": 0.1}, "verdict: expected a block at rest"),
         ({"acceleration": np.ones(51)}, "verdict: expected the demand of this record"),
+        ({"initial_rotation": np.zeros(3)}, "verdict: expected the demand of this record on these blocks"),
         ({"last_term": "x"}, "last_term"),
+        ({"last_term": 1e-300}, "last_term"),
     ],
 )
 def test_verdict_is_refused_where_it_was_not_measured(change, message):

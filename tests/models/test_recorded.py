@@ -270,6 +270,11 @@ def test_history_after_overturning_is_nan_and_before_it_is_not():
         ({"step": 0.31}, "step: expected a positive p dt of at most 0.3"),
         ({"last_term": 0.0}, "last_term"),
         ({"threads": 0}, "threads"),
+        ({"dt": 1e18}, "dt: expected p dt"),
+        ({"initial_velocity": 1e16}, "initial_velocity: expected at most"),
+        ({"block_scale": 1e308}, "block_scale|scale"),
+        ({"block_scale": -1.0}, "block_scale"),
+        ({"equation": ["linear"]}, "equation"),
     ],
 )
 def test_wrong_arguments_are_named(change, message):
@@ -290,3 +295,17 @@ def test_tangent_gain_is_a_factor_on_the_record_and_brings_the_linear_equation_n
     assert np.count_nonzero(rocks) > 10
     far, near = (np.median(np.abs(np.log(model[rocks] / truth[rocks]))) for model in (plain, tangent))
     assert near < 0.3 * far
+
+
+@pytest.mark.parametrize("equation", EQUATIONS)
+@pytest.mark.parametrize("excess", [1.0001, 1.001, 1.01, 1.05])
+def test_small_motion_with_hardly_any_loss_is_resolved_with_and_without_history(equation, excess):
+    block = Block.from_parameters(p=2.0, alpha=0.1, restitution=0.9999, gravity=G)
+    threshold = 0.1 if equation == "linear" else np.tan(0.1)
+    pulse = np.zeros(3000)
+    pulse[1] = excess * threshold * G
+    plain = recorded_response(block, pulse, 0.01, equation)
+    traced = recorded_response(block, pulse, 0.01, equation, history=True)
+    assert plain.outcome == traced.outcome == Outcome.ROCKS
+    assert plain.peak_rotation_ratio == traced.peak_rotation_ratio
+    assert plain.impacts == traced.impacts
