@@ -91,18 +91,19 @@ def choose_response(
     Returns
     -------
     response : Response
-        Arrays (q, m), a scalar axis dropped. Outcomes are those of the nonlinear equation. With `output="outcome"` the
-        other numbers are those of the rung that answered: a peak of the impulsive rung is the motion under the
-        strongest half-waves (spread against the nonlinear one: docs/decisions/007), one of the settled rung leaves out
-        what comes after it was settled, and its overturning time is that of the angle of no return. `active_samples`
-        is -1 for the impulsive rung, `impacts` for the settled one where the block rocks.
+        Arrays (q, m), a scalar axis dropped. Outcomes are those of the nonlinear equation, by measurement and not by
+        proof: weak pulses locked to the block's own impacts are known to break it (docs/decisions/007). With
+        `output="outcome"` the other numbers are those of the rung that answered: a peak of the impulsive rung is the
+        motion under the strongest half-waves (spread against the nonlinear one: docs/decisions/007), one of the
+        settled rung leaves out what comes after it was settled, and its overturning time is that of the angle of no
+        return. `active_samples` is -1 for the impulsive rung, `impacts` for the settled one where the block rocks.
     model_used : int or (q, m) ndarray
         :class:`Rung` of every lane.
 
     Raises
     ------
     ValueError
-        For an unknown output, a tolerance that is not positive, times without impulses, and what
+        For an unknown output, a tolerance that is not positive and finite, times without impulses, and what
         :func:`recorded_response` and :func:`impulsive_response` refuse.
 
     Notes
@@ -127,7 +128,8 @@ def choose_response(
     """
     if output not in ("outcome", "peak"):
         raise ValueError(f"output: expected 'outcome' or 'peak', got {output!r}")
-    if not tolerance > 0.0:
+    error = float(numbers("tolerance", tolerance, "a positive error of theta_max/alpha_c", lanes=False))
+    if not error > 0.0:
         raise ValueError(f"tolerance: expected a positive error of theta_max/alpha_c, got {tolerance!r}")
     if (times is None) != (impulses is None):
         raise ValueError("times, impulses: expected both or none; they are the half-waves of the record")
@@ -145,7 +147,7 @@ def choose_response(
         demand = ground_demand(blocks, ground, dt)
         if times is not None:
             waves = _strongest(np.asarray(times, dtype=float), np.asarray(impulses, dtype=float))
-            lanes.impulsive(demand, *waves, tolerance=None if output == "outcome" else tolerance)
+            lanes.impulsive(demand, *waves, tolerance=None if output == "outcome" else error)
         if output == "outcome":
             lanes.settled(demand)
     lanes.nonlinear()

@@ -21,7 +21,7 @@ def predictable(
     block: Block,
     scale: Any = 1.0,
     perturbation: float = 1e-9,
-    tolerance: float = 1e-4,
+    tolerance: float | None = 1e-4,
 ) -> Any:
     """Lanes whose outcome and peak stay when restitution and strength of the record change by a little.
 
@@ -38,8 +38,9 @@ def predictable(
         Factor on the record [-].
     perturbation : float
         Relative change of C, which stays within [0, 1], and of the factor, each up and down [-].
-    tolerance : float
-        Spread of theta_max/alpha_c over the five runs up to which a peak counts as the same [-].
+    tolerance : float or None
+        Spread of theta_max/alpha_c over the five runs up to which a peak counts as the same [-]; None: the outcome
+        alone is compared, for answers whose peak is no answer.
 
     Returns
     -------
@@ -50,7 +51,7 @@ def predictable(
     Raises
     ------
     ValueError
-        For a perturbation outside (0, 0.1] or a tolerance that is not positive.
+        For a perturbation outside (0, 0.1] or a tolerance that is neither None nor positive and finite.
 
     Examples
     --------
@@ -64,17 +65,21 @@ def predictable(
     >>> models.predictable(respond(blocks, factors), respond, blocks, factors)[:, 0].tolist()
     [1, 0]
     """
-    if not 0.0 < perturbation <= 0.1:
+    change = float(numbers("perturbation", perturbation, "a relative change in (0, 0.1]", lanes=False))
+    if not 0.0 < change <= 0.1:
         raise ValueError(f"perturbation: expected a relative change in (0, 0.1], got {perturbation!r}")
-    if not tolerance > 0.0:
+    spread = np.inf
+    if tolerance is not None:
+        spread = float(numbers("tolerance", tolerance, "a positive spread of theta_max/alpha_c", lanes=False))
+    if not spread > 0.0:
         raise ValueError(f"tolerance: expected a positive spread of theta_max/alpha_c, got {tolerance!r}")
     factors = numbers("scale", scale, "a factor >= 0")
     rows = np.atleast_1d(factors)
     lanes = block if block.shape else block.lanes(1)
     count = lanes.shape[0]
     shape = (rows.size, count)
-    bounced = respond(_restituted(lanes, perturbation), rows)
-    scaled = respond(lanes, np.concatenate([rows * (1.0 - perturbation), rows * (1.0 + perturbation)]))
+    bounced = respond(_restituted(lanes, change), rows)
+    scaled = respond(lanes, np.concatenate([rows * (1.0 - change), rows * (1.0 + change)]))
     peaks, outcomes = (
         np.stack(
             [
@@ -88,7 +93,7 @@ def predictable(
     same = np.all(outcomes == outcomes[0], axis=0)
     # Overturned lanes have no finite peak: with all five overturned there is nothing to compare.
     finite = np.where(np.isfinite(peaks), peaks, 0.0)
-    narrow = np.ptp(finite, axis=0) <= tolerance
+    narrow = np.ptp(finite, axis=0) <= spread
     marks = np.where(same & narrow, PREDICTABLE, NOT_PREDICTABLE).astype(np.int8)
     marks[outcomes[0] == Outcome.UNRESOLVED] = NOT_CHECKED
     marks = marks.squeeze(tuple(axis for axis, drop in enumerate((factors.ndim == 0, block.shape == ())) if drop))

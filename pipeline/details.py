@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from rockpulse.errors import ResultsError
 from rockpulse.option import hint
-from rockpulse.overview import factor_table, peak_velocity, value, verdict_table
+from rockpulse.overview import answered_by, cases, factor_table, peak_velocity, value, verdict_table
 from rockpulse.record import STANDARD_GRAVITY
 from rockpulse.terminal import ABSENT, aligned, figure, paragraph, restitution
 
@@ -20,7 +20,7 @@ _UNLIMITED = -1
 
 
 def record_details(summary: xr.Dataset, record: str) -> str:
-    """Everything known about one record: measures, calibrated sequence, processing, warnings, verdicts, safety factors.
+    """Everything known about one record: measures, sequence, processing, warnings, verdicts and safety factors.
 
     Parameters
     ----------
@@ -114,10 +114,29 @@ def _page(title: str, rows: list[list[str]], summary: xr.Dataset, **which: Any) 
             "",
             verdict_table(summary, **which),
             "",
+            *_answers_of_auto(summary, **which),
             "Safety factors: the smallest factor on the input of the model at which the block overturns",
             factor_table(summary, **which),
         ]
     )
+
+
+def _answers_of_auto(
+    summary: xr.Dataset, records: list[str] | None = None, blocks: list[str] | None = None
+) -> list[str]:
+    """Lines that name, for every body under a record or every record on a body, the model that answered."""
+    if "auto" not in summary["model"].values:
+        return []
+    rows = []
+    for record in summary["record"].values.tolist() if records is None else records:
+        for block in summary["block"].values.tolist() if blocks is None else blocks:
+            for case in cases(summary, block):
+                where = {"record": record, "block": block, "case": case}
+                c = restitution(value(summary, "restitution", **where))
+                rows.append(
+                    [record if records is None else block, f"C {c}", answered_by(summary, model="auto", **where)]
+                )
+    return ["The model that answered for auto:", *("  " + line for line in aligned(rows, left=3)), ""]
 
 
 def _main_count(summary: xr.Dataset, record: str) -> str:

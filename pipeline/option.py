@@ -45,12 +45,15 @@ class Kind:
         From an accepted value to the stored one (lists become tuples, so that a section is immutable).
     words : tuple of str
         The words it knows, for "did you mean".
+    finite : bool
+        Whether it is a number, so that the message on inf or nan has to say what is wrong with it.
     """
 
     expected: str
     accepts: Callable[[Any], bool]
     convert: Callable[[Any], Any]
     words: tuple[str, ...] = ()
+    finite: bool = False
 
 
 class Section:
@@ -77,9 +80,9 @@ class Section:
                 continue
             if not kind.accepts(value):
                 wrong = next((word for word in _strings(value) if word not in kind.words), "")
-                raise ConfigError(
-                    f"{self.where} {item.name}: expected {kind.expected}, found {value!r}{hint(wrong, kind.words)}"
-                )
+                unbounded = kind.finite and isinstance(value, float) and not math.isfinite(value)
+                remark = "; it must be finite" if unbounded else hint(wrong, kind.words)
+                raise ConfigError(f"{self.where} {item.name}: expected {kind.expected}, found {value!r}{remark}")
             object.__setattr__(self, item.name, kind.convert(value))
 
     def keys(self) -> list[str]:
@@ -216,7 +219,7 @@ def number(
     def accepts(value: Any) -> bool:
         return is_number(value) and (value > low if above else value >= low) and value <= high
 
-    return key(default, Kind(expected, accepts, float))
+    return key(default, Kind(expected, accepts, float, finite=True))
 
 
 def count(default: int, low: int, high: int | None = None) -> Any:

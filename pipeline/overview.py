@@ -10,12 +10,14 @@ import numpy as np
 
 from rockpulse.models.response import Outcome, Reason
 from rockpulse.record import STANDARD_GRAVITY
-from rockpulse.terminal import ABSENT, aligned, figure, paragraph, ratio, restitution, shortened
+from rockpulse.terminal import ABSENT, aligned, figure, lower_bound, paragraph, ratio, restitution, rough, shortened
 
 if TYPE_CHECKING:
     import xarray as xr
 
 __all__ = [
+    "answered_by",
+    "cases",
     "factor_table",
     "failure_list",
     "left_out",
@@ -33,6 +35,9 @@ NAME_WIDTH = 30
 LISTED = 12
 
 _WORDS = {Outcome.AT_REST: "at rest", Outcome.OVERTURNS: "OVERTURNS", Outcome.UNRESOLVED: "unresolved"}
+
+#: How a peak is shown that `auto` took from one of these.
+_MARKED = {"impulsive": rough, "settled": lower_bound}
 
 
 def value(summary: xr.Dataset, name: str, **where: Any) -> Any:
@@ -55,6 +60,36 @@ def value(summary: xr.Dataset, name: str, **where: Any) -> Any:
         dim: label if dim == "case" else summary.get_index(dim).get_loc(label) for dim, label in where.items()
     }
     return variable.values[tuple(place[dim] for dim in variable.dims)].item()
+
+
+def answered_by(summary: xr.Dataset, **where: Any) -> str:
+    """Name of the model that gave an answer; empty where the results do not say.
+
+    Parameters
+    ----------
+    summary : xarray.Dataset
+        The node /summary.
+    **where
+        As in :func:`value`.
+    """
+    code = value(summary, "model_used", **where)
+    return "" if code is None else _flags(summary["model_used"])[code]
+
+
+def cases(summary: xr.Dataset, block: str) -> range:
+    """Which restitutions of a block to show: one where all its cases have the same.
+
+    Parameters
+    ----------
+    summary : xarray.Dataset
+        The node /summary.
+    block : str
+        Its name.
+    """
+    if "case" not in summary["restitution"].dims:
+        return range(1)
+    found = summary["restitution"].sel(block=block).values
+    return range(1 if (found == found[0]).all() else found.size)
 
 
 def peak_velocity(summary: xr.Dataset, record: str) -> str:
@@ -102,6 +137,10 @@ def verdict_table(
     if "auto" in summary["model"].values:
         used = _models_used(summary, records, blocks)
         notes.append(f"auto: the cheapest model that answers, here {used}; the figures are those of that model.")
+        if _any_marked(summary, records, blocks):
+            notes.append(
+                "Peaks of auto: ~0.06 an estimate from impulses; >0.12 the peak so far, when the verdict was sure."
+            )
     reasons = {int(code) for code in summary["reason"].values[summary["outcome"].values == Outcome.UNRESOLVED]}
     if reasons:
         words = ", ".join(Reason(code).name.lower().replace("_", " ") for code in sorted(reasons))
@@ -246,7 +285,7 @@ def _table(
     for record in records:
         headings.append((len(rows), _heading(summary, record)))
         for block in blocks:
-            for case in _cases(summary, block):
+            for case in cases(summary, block):
                 where: dict[str, Any] = {"record": record, "block": block, "case": case}
                 c = restitution(value(summary, "restitution", **where))
                 demand = [ratio(value(summary, name, **where)) for name in ("uplift_ratio", "impulse_ratio")]
@@ -256,14 +295,6 @@ def _table(
     for place, heading in reversed(headings):
         lines[place:place] = ["", heading, lines[0]]
     return lines[2:]
-
-
-def _cases(summary: xr.Dataset, block: str) -> range:
-    """Which restitutions to show: one where all cases of the block have the same."""
-    if "case" not in summary["restitution"].dims:
-        return range(1)
-    found = summary["restitution"].sel(block=block).values
-    return range(1 if (found == found[0]).all() else found.size)
 
 
 def _heading(summary: xr.Dataset, record: str) -> str:
@@ -280,22 +311,48 @@ def _verdict(summary: xr.Dataset, where: dict[str, Any]) -> str:
     if outcome in _WORDS:
         text = _WORDS[outcome]
     elif outcome == Outcome.ROCKS:
-        text = ratio(value(summary, "peak_rotation_ratio", **where))
+        text = _peak(summary, where)
     else:
         return ABSENT + " "
     mark = "?" if value(summary, "predictable", **where) == 0 else ""
     return text + mark + ("*" if value(summary, "applicable", **where) == 0 else " ")
 
 
+def _peak(summary: xr.Dataset, where: dict[str, Any]) -> str:
+    """The largest rotation, marked where `auto` took it from a model that gives the verdict alone."""
+    shown = _MARKED.get(answered_by(summary, **where), ratio) if where["model"] == "auto" else ratio
+    return shown(value(summary, "peak_rotation_ratio", **where))
+
+
+def _flags(variable: xr.DataArray) -> dict[int, str]:
+    """Names of the values of a flag."""
+    return dict(zip(variable.attrs["flag_values"].tolist(), variable.attrs["flag_meanings"].split(), strict=True))
+
+
 def _models_used(summary: xr.Dataset, records: Sequence[str] | None, blocks: Sequence[str] | None) -> str:
     """How many answers of `auto` are whose: "static 12, nonlinear 4"."""
+    used = _of_auto(summary, "model_used", records, blocks)
+    codes, counts = np.unique(used.values, return_counts=True)
+    names = _flags(used)
+    return ", ".join(f"{names[code].replace('_', ' ')} {count}" for code, count in zip(codes, counts, strict=True))
+
+
+def _any_marked(summary: xr.Dataset, records: Sequence[str] | None, blocks: Sequence[str] | None) -> bool:
+    """Whether a peak of `auto` is shown with a mark."""
+    used = _of_auto(summary, "model_used", records, blocks)
+    rocks = _of_auto(summary, "outcome", records, blocks) == Outcome.ROCKS
+    marked = [code for code, name in _flags(used).items() if name in _MARKED]
+    return bool((rocks & used.isin(marked)).any())
+
+
+def _of_auto(
+    summary: xr.Dataset, name: str, records: Sequence[str] | None, blocks: Sequence[str] | None
+) -> xr.DataArray:
+    """What a variable says of `auto` for some records and blocks; all where they are not named."""
     where: dict[str, Any] = {"model": "auto"}
     where |= {} if records is None else {"record": list(records)}
     where |= {} if blocks is None else {"block": list(blocks)}
-    variable = summary["model_used"]
-    codes, counts = np.unique(variable.sel(where).values, return_counts=True)
-    names = dict(zip(variable.attrs["flag_values"].tolist(), variable.attrs["flag_meanings"].split(), strict=True))
-    return ", ".join(f"{names[code].replace('_', ' ')} {count}" for code, count in zip(codes, counts, strict=True))
+    return summary[name].sel(where)
 
 
 def _falls(summary: xr.Dataset, record: str, block: str, model: str) -> bool:

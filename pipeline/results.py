@@ -94,6 +94,8 @@ def _summary(done: Sequence[RecordAssessment], bodies: Bodies, config: Config) -
     search = f"searched up to a factor of {config.search.factor_max:g} in steps of {config.search.step:g}; inf if none"
     variables["safety_factor"].attrs["comment"] = search
     checked = f"relative changes of C and the record by 1e-9; peaks to {config.models.tolerance:g}"
+    if config.models.output == "outcome":
+        checked += "; of auto the outcome alone"
     variables["predictable"].attrs["comment"] = checked
     coords = {
         "record": _variable(("record",), [one.scene.record.id for one in done], (str, "1", "record id")),

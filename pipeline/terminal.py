@@ -6,7 +6,18 @@ import math
 import textwrap
 from collections.abc import Sequence
 
-__all__ = ["ABSENT", "WIDTH", "aligned", "figure", "paragraph", "ratio", "restitution", "shortened"]
+__all__ = [
+    "ABSENT",
+    "WIDTH",
+    "aligned",
+    "figure",
+    "lower_bound",
+    "paragraph",
+    "ratio",
+    "restitution",
+    "rough",
+    "shortened",
+]
 
 #: Stands for what is absent or not computed.
 ABSENT = "-"
@@ -62,6 +73,40 @@ def ratio(value: float) -> str:
     if abs(value) < 0.001:
         return "<0.001" if value > 0.0 else ">-0.001"
     return f"{value:.{3 if abs(value) < 0.1 else 2 if abs(value) < 10.0 else 1}f}"
+
+
+def rough(value: float) -> str:
+    """A ratio that is an estimate: one digit behind a mark.
+
+    Parameters
+    ----------
+    value : float
+        The ratio [-], finite, not negative.
+
+    Examples
+    --------
+    >>> [rough(value) for value in (0.0, 0.0004, 0.0007, 0.056, 0.41, 1.3, 24.6)]
+    ['~0', '~0', '~0.001', '~0.06', '~0.4', '~1', '~25']
+    """
+    return "~" + (f"{value:.0f}" if value >= 1.0 else f"{round(value, 3):.1g}")
+
+
+def lower_bound(value: float) -> str:
+    """A ratio that may be larger: the digits of :func:`ratio` behind a mark, rounded down.
+
+    Parameters
+    ----------
+    value : float
+        The ratio [-], finite, not negative.
+
+    Examples
+    --------
+    >>> [lower_bound(value) for value in (0.0, 0.0004, 0.0417, 0.129, 1.309, 24.69)]
+    ['>0', '>0', '>0.041', '>0.12', '>1.30', '>24.6']
+    """
+    places = 3 if value < 0.1 else 2 if value < 10.0 else 1
+    down = math.floor(value * 10**places) / 10**places
+    return f">{down:.{places}f}" if down > 0.0 else ">0"
 
 
 def restitution(value: float) -> str:

@@ -41,6 +41,19 @@ def test_calm_lanes_are_predictable_and_the_edge_of_overturning_is_not():
     assert predictable(respond(block, factors), respond, block, factors).tolist() == [1, 1, 0, 1]
 
 
+def test_without_a_tolerance_only_the_outcome_counts():
+    block = block_a(restitution=0.9)
+
+    def respond(lanes, factors):
+        return impulsive_response(lanes, [0.0], [block.critical_impulse], scale=factors)
+
+    factors = np.array([0.5, 1.0 - 1e-10])
+    marks = predictable(respond(block, factors), respond, block, factors, tolerance=1e-12)
+    assert marks.tolist() == [0, 0]  # the peak at half the critical impulse moves by some 1e-9
+    marks = predictable(respond(block, factors), respond, block, factors, tolerance=None)
+    assert marks.tolist() == [1, 0]
+
+
 def test_wider_perturbation_turns_more_lanes_over():
     ground = synthetic(3, n=2500)
     lanes = Block.from_parameters(np.linspace(1.0, 6.0, 60), 0.08, 0.98)
@@ -91,7 +104,10 @@ def test_axes_of_scalars_are_dropped():
     [
         ({"perturbation": 0.0}, "perturbation: expected a relative change"),
         ({"perturbation": 0.5}, "perturbation: expected a relative change"),
+        ({"perturbation": "x"}, "perturbation: expected a relative change"),
         ({"tolerance": 0.0}, "tolerance: expected a positive spread"),
+        ({"tolerance": np.inf}, "tolerance: expected a positive spread .* finite, got inf"),
+        ({"tolerance": "x"}, "tolerance: expected a positive spread .* got 'x'"),
     ],
 )
 def test_bad_arguments_are_named(options, message):

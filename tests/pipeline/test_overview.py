@@ -62,6 +62,44 @@ def test_auto_says_which_models_answered(summary):
     assert "What overturns (by the nonlinear model)" in overturned(summary)
 
 
+def with_auto(summary, names):
+    """The last model is `auto`, and these are the models that answered for it, (record, block)."""
+    meanings = ["nonlinear", "impulsive", "settled", "static"]
+    codes = np.zeros(summary["outcome"].shape, dtype=np.int8)
+    codes[..., 2] = [[meanings.index(name) for name in row] for row in names]
+    flags = {"flag_values": np.arange(4, dtype=np.int8), "flag_meanings": " ".join(meanings)}
+    summary = summary.assign_coords(model=("model", ["impulsive", "nonlinear", "auto"]))
+    summary["model_used"] = (("record", "block", "model"), codes, flags)
+    return summary
+
+
+def test_a_peak_of_auto_that_is_no_answer_is_marked_and_explained(summary):
+    rungs = [["settled", "impulsive", "settled"], ["settled", "nonlinear", "impulsive"], ["static"] * 3]
+    summary = with_auto(summary, rungs)
+    summary["peak_rotation_ratio"][0, 1] = 0.056  # of every model: only that of auto is marked
+    summary["peak_rotation_ratio"][1, 0] = 0.1279
+    text = verdict_table(summary)
+    assert row(text, "boundary wall", RECORDS[0])[-1] == "OVERTURNS"
+    assert row(text, "column", RECORDS[0])[-2:] == ["0.056", "~0.06"]
+    assert row(text, "boundary wall", RECORDS[1])[-1] == ">0.12"
+    assert row(text, "column", RECORDS[1])[-1] == "0.41"
+    assert row(text, "cabinet", RECORDS[1])[-1] == "~0.4"
+    assert row(text, "cabinet", RECORDS[2])[-2:] == ["at", "rest"]
+    note = [line for line in text.splitlines() if line.startswith("  Peaks of auto")]
+    assert len(note) == 1
+    assert "~0.06 an estimate from impulses" in note[0]
+    assert ">0.12 the peak so far" in note[0]
+    assert note[0].endswith(".")
+
+
+def test_marks_are_explained_only_where_one_is_shown(summary):
+    summary = with_auto(summary, [["settled"] * 3, ["nonlinear"] * 3, ["static"] * 3])
+    assert "Peaks of auto" in verdict_table(summary)
+    assert "Peaks of auto" not in verdict_table(summary, records=RECORDS[1:])
+    assert "Peaks of auto" not in verdict_table(summary, records=RECORDS[:1], blocks=BLOCKS[:1])  # it overturns
+    assert "Peaks of auto" not in verdict_table(results_tree()["summary"].to_dataset())
+
+
 def test_what_is_not_predictable_is_marked_and_explained(summary):
     marks = np.full(summary["outcome"].shape, -1, dtype=np.int8)
     marks[0, 0, 2], marks[0, 1, 2] = 0, 1

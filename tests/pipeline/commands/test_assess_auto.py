@@ -88,3 +88,14 @@ def test_the_table_says_how_often_which_model_answered(results, capsys):
     text = " ".join(capsys.readouterr().out.split())
     assert "auto: the cheapest model that answers, here" in text
     assert "What overturns (by the nonlinear model)" in text
+
+
+def test_inspect_names_the_model_behind_every_body(results, capsys):
+    assert main(["inspect", str(results), "--block", "parapet"]) == 0
+    part = capsys.readouterr().out.split("The model that answered for auto:\n")[1].split("\n\n")[0]
+    with h5py.File(results) as file:
+        used = file["summary/model_used"]
+        names = np.vectorize(flags(used).get)(used[:])
+        block = file["summary/block"].asstr()[:].tolist().index("parapet")
+        assert [line.split()[-1] for line in part.splitlines()] == names[:, block, 1].tolist()
+        assert [line.split()[0] for line in part.splitlines()] == file["summary/record"].asstr()[:].tolist()
