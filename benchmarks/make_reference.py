@@ -14,11 +14,12 @@ import csv
 import datetime
 import math
 from collections.abc import Iterator
+from decimal import Decimal, localcontext
 from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
-from precise_rocking import BITS, LONGEST_STEP, NUMBERS, ONE, TERM, Answer, respond
+from precise_rocking import BITS, LONGEST_STEP, ONE, TERM, Real, respond
 
 from rockpulse.conditioning import condition
 from rockpulse.config import load_config
@@ -134,26 +135,27 @@ def row(case: Case) -> list[object]:
         case.alpha,
         case.restitution,
         STANDARD_GRAVITY,
-        text(exact),
+        text(exact.peak),
         exact.outcome,
         exact.overturning_time,
         exact.impacts,
-        text(lowered),
+        text(lowered.peak),
         lowered.outcome,
         lowered.impacts,
-        text(scaled),
+        text(scaled.peak),
         scaled.outcome,
         scaled.impacts,
     ]
 
 
-def text(answer: Answer) -> str:
-    """The peak in `DIGITS` digits."""
-    if not math.isfinite(float(answer.peak)):
-        return str(float(answer.peak))
-    if NUMBERS == "gmpy2":
-        return f"{answer.peak:.{DIGITS - 1}e}"
-    return answer.peak.context.nstr(answer.peak, DIGITS)
+def text(peak: Real) -> str:
+    """A peak in `DIGITS` digits, the same text for a number of gmpy2 and of mpmath."""
+    if not math.isfinite(peak):
+        return str(float(peak))
+    numerator, denominator = (int(part) for part in peak.as_integer_ratio())
+    with localcontext(prec=4 * BITS):  # more than the digits of any quotient here: it is exact, and rounded once
+        mantissa, exponent = f"{Decimal(numerator) / Decimal(denominator):.{DIGITS - 1}e}".split("e")
+    return f"{mantissa}e{int(exponent) if numerator else 0:+03d}"
 
 
 def head() -> str:
@@ -161,8 +163,8 @@ def head() -> str:
     today = datetime.date.today().isoformat()
     return (
         "# Reference response of rocking blocks to ground motions, made by benchmarks/make_reference.py.\n"
-        f"# {today}: {BITS}-bit numbers ({NUMBERS}), steps p dt <= {LONGEST_STEP}, Taylor terms down to {TERM:g} of\n"
-        "# the largest (order 9 to 27), linear samples by the exact exponential map.\n"
+        f"# {today}: {BITS}-bit numbers (gmpy2 or mpmath), steps p dt <= {LONGEST_STEP}, Taylor terms\n"
+        f"# down to {TERM:g} of the largest (order 9 to 27), linear samples by the exact exponential map.\n"
         "# peak_text: theta_max/alpha_c, inf when overturned; under lowered_ C times 1 - 1e-13 and\n"
         "# under scaled_ the record times 1 + 1e-13.\n"
         "# overturning_time [s]: nonlinear, theta = pi/2; impacts: faster than 1e-3 p alpha_c, before overturning.\n"

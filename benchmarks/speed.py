@@ -172,6 +172,9 @@ calls = {
     "resonance": lambda: [models.resonance(block, 0.3, 10), models.resonance_safety(block, 0.3, 10)],
     "choice": lambda: models.choose_response(block, motion, 0.01),
 }
+for name in ("recorded_response", "impulsive_response", "effective_impulse_response", "sequence_response", "resonance",
+             "resonance_safety", "choose_response"):
+    getattr(models, name)  # imports numba and the kernels' modules: no part of compiling them
 for name, call in calls.items():
     start = clock(); call(); print(name, clock() - start)
 """

@@ -12,7 +12,8 @@ import pandas as pd
 import xarray as xr
 
 from rockpulse.accuracy_convergence import convergence
-from rockpulse.accuracy_variables import TABLES
+from rockpulse.accuracy_statistics import grid_statistics
+from rockpulse.accuracy_variables import REPORT, TABLES
 from rockpulse.components import select_horizontal
 from rockpulse.conditioning import condition
 from rockpulse.errors import ConfigError
@@ -20,7 +21,15 @@ from rockpulse.failures import Failure
 from rockpulse.model_form import classifier_table, model_form_lanes, model_form_table, synthetic_records
 from rockpulse.record import Record
 from rockpulse.reference import SYNTHETIC, load_reference, motion_of, motion_sha256, sample_motion
-from rockpulse.work_precision import STEPS, TOLERANCES, Ground, evenly_spread, shared_cases, work_precision
+from rockpulse.work_precision import (
+    DEFAULT_STEP,
+    STEPS,
+    TOLERANCES,
+    Ground,
+    evenly_spread,
+    shared_cases,
+    work_precision,
+)
 
 __all__ = ["FULL", "QUICK", "Effort", "accuracy", "table_of"]
 
@@ -103,8 +112,8 @@ def accuracy(
     Returns
     -------
     xarray.DataTree
-        One node per table of :data:`rockpulse.accuracy_variables.TABLES`: /work_precision, /answers, /convergence,
-        /model_form, /classifiers, /failures.
+        One node per table of :data:`rockpulse.accuracy_variables.TABLES`: /work_precision, /synthetic_grid, /answers,
+        /convergence, /model_form, /classifiers, /failures.
 
     Raises
     ------
@@ -138,6 +147,7 @@ def accuracy(
     every = pd.concat(lanes, ignore_index=True)
     tables = {
         "work_precision": measured.rows,
+        "synthetic_grid": grid_statistics(measured.answers, reference, DEFAULT_STEP),
         "answers": measured.answers,
         "convergence": convergence(seed, min(20, effort.motions), repeats=effort.repeats),
         "model_form": model_form_table(every),
@@ -145,6 +155,7 @@ def accuracy(
         "failures": pd.DataFrame([asdict(row) for row in rows], columns=list(TABLES["failures"])),
     }
     tree = xr.DataTree.from_dict({f"/{name}": _dataset(name, table) for name, table in tables.items()})
+    tree.attrs["kind"] = REPORT
     tree.attrs["title"] = "Speed and error of rocking solvers and models"
     tree.attrs["reference"] = reference.attrs["provenance"]
     tree.attrs["seed"] = seed

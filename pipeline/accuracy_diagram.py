@@ -67,7 +67,7 @@ def diagram(rows: pd.DataFrame) -> Figure:
 def draw_equation(rows: pd.DataFrame, ax: Axes | None = None) -> Axes:
     """One equation: a line per method, the median filled, the 90th percentile hollow, the setting beside the median.
 
-    Errors below 1e-16 are drawn there.
+    Errors below 1e-16 are drawn there; the label of that tick says so.
 
     Parameters
     ----------
@@ -80,6 +80,8 @@ def draw_equation(rows: pd.DataFrame, ax: Axes | None = None) -> Axes:
     -------
     matplotlib Axes
     """
+    from matplotlib.ticker import LogLocator, NullLocator
+
     if ax is None:
         from matplotlib.figure import Figure
 
@@ -102,6 +104,9 @@ def draw_equation(rows: pd.DataFrame, ax: Axes | None = None) -> Axes:
     ax.set(xscale="log", yscale="log", xlabel="cost [ns per active sample]")
     ax.margins(x=0.2, y=0.06)
     ax.set_ylabel(r"error of $\theta_{max}/\alpha_c$ [-]")
+    ax.yaxis.set_major_locator(LogLocator(base=100.0, numticks=30))  # the floor is an even power of ten
+    ax.yaxis.set_major_formatter(_power_of_ten)
+    ax.yaxis.set_minor_locator(NullLocator())
     ax.grid(which="major", color="#DDDDDD", lw=0.6)
     ax.spines[["top", "right"]].set_visible(False)
     return ax
@@ -124,13 +129,20 @@ def _annotate(ax: Axes, option: str, settings: np.ndarray, costs: np.ndarray, er
         ax.annotate(
             words(first) if first == last else f"{words(first)}–{words(last)}",
             (costs[same].min(), np.exp(np.mean(np.log(errors[same])))),
-            xytext=(-5, -9) if option == "rtol" else (-8, 0),
+            # Of two points of about the same error the dearer one has its text lower: side by side they would touch.
+            xytext=(-8, 0) if option != "rtol" or (settings.size > 1 and first == settings[0]) else (-4, -12),
             textcoords="offset points",
             ha="right",
             va="center",
             fontsize=8,
             color="#333333",
         )
+
+
+def _power_of_ten(value: float, place: float) -> str:
+    """Label of a tick of the errors; what is smaller than the floor stands there too."""
+    exponent = round(np.log10(value))
+    return rf"$\leq 10^{{{exponent}}}$" if exponent == round(np.log10(FLOOR)) else rf"$10^{{{exponent}}}$"
 
 
 def _power(value: float) -> str:

@@ -12,7 +12,10 @@ if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
 
-__all__ = ["accuracy_overview", "convergence_text", "model_form_text", "work_precision_text"]
+__all__ = ["accuracy_overview", "convergence_text", "grid_text", "model_form_text", "work_precision_text"]
+
+#: Bias and dispersion of fewer survivors say nothing about an ensemble.
+FEWEST_SURVIVORS = 5
 
 DEMAND_NAMES = {
     "velocity_ratio": "p PGV/(g tan alpha)",
@@ -31,6 +34,7 @@ def accuracy_overview(tree: xr.DataTree) -> str:
     """
     parts = [
         work_precision_text(table_of(tree, "work_precision")),
+        grid_text(table_of(tree, "synthetic_grid")),
         convergence_text(table_of(tree, "convergence")),
         model_form_text(table_of(tree, "model_form"), table_of(tree, "classifiers")),
     ]
@@ -45,7 +49,7 @@ def work_precision_text(rows: pd.DataFrame) -> str:
     rows : DataFrame
         The table /work_precision.
     """
-    head = ("cases", "flips", "median", "p90", "p99", "max", "p99 well", "ns/active", "ns/nominal", "x RK45")
+    head = ("cases", "flips", "median", "p90", "p99", "max", "p99 well", "ns/active", "ns/nominal", "x RK45 *")
     lines = ["Solvers: error of theta_max/alpha_c against the reference, and cost"]
     for equation, members in rows.groupby("equation", sort=False):
         cells: list[tuple[str, ...]] = [(str(equation), *head)]
@@ -68,12 +72,41 @@ def work_precision_text(rows: pd.DataFrame) -> str:
     notes = (
         "flips: verdicts other than the reference's. Errors: cases that both call surviving; well: those that move by "
         "less than 1e-10 when C or the record changes by 1e-13 (first line: what that change does to the reference). "
-        "ns/active: per sample in which a block moves; ns/nominal: per block and sample. x RK45: how many times less "
-        "an active sample costs than with solve_ivp RK45 at rtol 1e-6. Steps longer than a sample change nothing. One "
-        "thread. single: solve_ivp's own cases, one call each, the cost of the call included; the other lines of "
-        "rockpulse: all blocks and factors of a motion in a call."
+        "ns/active: per sample in which a block moves; ns/nominal: per block and sample. Steps longer than a sample "
+        "change nothing. One thread. single: solve_ivp's own cases, one call each, the cost of the call included; the "
+        "other lines of rockpulse: all blocks and factors of a motion in a call."
     )
-    return "\n".join([*lines, "", paragraph(notes, "  ")])
+    footnote = (
+        "* x RK45: how many times less an active sample costs than with solve_ivp RK45 at rtol 1e-6. Like for like are "
+        "only the lines of solve_ivp and those marked single: the others of rockpulse are timed on more cases."
+    )
+    return "\n".join([*lines, "", paragraph(notes, "  "), paragraph(footnote, "  ")])
+
+
+def grid_text(rows: pd.DataFrame) -> str:
+    """The kernels at the default step on the synthetic grid of one restitution, the reference's own moves beside them.
+
+    Parameters
+    ----------
+    rows : DataFrame
+        The table /synthetic_grid.
+    """
+    cells = [("equation", "cases", "median", "p99", "flips", "reference p99", "reference flips")]
+    row: Any
+    for row in rows.itertuples():
+        cells.append(
+            (
+                f"{row.equation}, C = {row.restitution:g}, step {row.step:g}",
+                f"{row.cases}",
+                error(row.median),
+                error(row.p99),
+                f"{row.flips}",
+                error(row.reference_p99),
+                f"{row.reference_flips}",
+            )
+        )
+    title = "rockpulse on the synthetic grid; reference: what a change of 1e-13 does to it"
+    return "\n".join([title, "", *(f"  {line}" for line in aligned(cells))])
 
 
 def convergence_text(rows: pd.DataFrame) -> str:
@@ -126,8 +159,12 @@ def model_form_text(rows: pd.DataFrame, classifiers: pd.DataFrame) -> str:
             cells.append((str(model), *("" for _ in range(len(levels)))))
             cells.append(("  missed", *(f"{value}" for value in its["missed"])))
             cells.append(("  false", *(f"{value}" for value in its["false"])))
-            cells.append(("  bias", *(ratio(value) for value in its["bias"])))
-            cells.append(("  dispersion", *(ratio(value) for value in its["dispersion"])))
+            cells.append(("  survivors", *(f"{value}" for value in its["survivors"])))
+            if its["at_rest"].any():
+                cells.append(("  at rest", *(f"{value}" for value in its["at_rest"])))
+            enough = its["survivors"] - its["at_rest"] >= FEWEST_SURVIVORS
+            for name in ("bias", "dispersion"):
+                cells.append((f"  {name}", *(ratio(value) for value in its[name].where(enough))))
             if its["unresolved"].any():
                 cells.append(("  unresolved", *(f"{value}" for value in its["unresolved"])))
         lines += ["", f"  {ensemble}: {whole['lanes']} lanes, {whole['overturn']} overturn, {stood} do not", ""]
@@ -139,9 +176,11 @@ def model_form_text(rows: pd.DataFrame, classifiers: pd.DataFrame) -> str:
             cells.append((DEMAND_NAMES[row.demand], ratio3(row.auc), *(percent(share) for share in shares)))
         lines += ["", *(f"  {line}" for line in aligned(cells))]
     notes = (
-        "missed: overturns by the nonlinear model only; false: by the other one only. bias and dispersion: median and "
-        "logarithmic standard deviation of the ratio of peaks, over lanes that survive in both with a nonlinear peak "
-        "above 0.05. Resonance is an upper-bound type input, not a prediction."
+        "missed: overturns by the nonlinear model only; false: by the other one only. survivors: lanes that survive in "
+        "both with a nonlinear peak above 0.05; at rest: those of them that do not move in the other model. bias and "
+        "dispersion: median and logarithmic standard deviation of the ratio of peaks over the survivors that move; "
+        f"{ABSENT} where there are fewer than {FEWEST_SURVIVORS}. Resonance is an upper-bound type "
+        "input, not a prediction."
     )
     return "\n".join([*lines, "", paragraph(notes, "  ")])
 

@@ -10,15 +10,27 @@ from __future__ import annotations
 import numpy as np
 import pandas as pd
 
+from rockpulse.accuracy_variables import TABLES
 from rockpulse.models.response import Outcome
+from rockpulse.reference import SYNTHETIC
 
-__all__ = ["WELL_CONDITIONED", "answer_errors", "error_statistics", "observed_order", "reference_under_perturbation"]
+__all__ = [
+    "WELL_CONDITIONED",
+    "answer_errors",
+    "error_statistics",
+    "grid_statistics",
+    "observed_order",
+    "reference_under_perturbation",
+]
 
 #: A case is well conditioned where the reference moves by less than this under the stored perturbations [-].
 WELL_CONDITIONED = 1e-10
 
 #: Smaller errors are rounding, of which no order of convergence can be read [-].
 ROUNDING = 1e-13
+
+#: Restitution of the synthetic grid that is summed up by itself [-].
+GRID_RESTITUTION = 0.9
 
 PERCENTILES = {"median": 50.0, "p90": 90.0, "p99": 99.0, "max": 100.0}
 
@@ -85,6 +97,48 @@ def error_statistics(answers: pd.DataFrame, reference: pd.DataFrame) -> dict[str
         flips=int((answers["outcome"] != reference["outcome"]).sum()),
         unresolved=int((answers["outcome"] == Outcome.UNRESOLVED.name).sum()),
     )
+
+
+def grid_statistics(answers: pd.DataFrame, reference: pd.DataFrame, step: float) -> pd.DataFrame:
+    """The kernels at one step on the synthetic grid, C = 0.9, beside what a change of 1e-13 does to the reference.
+
+    Parameters
+    ----------
+    answers : DataFrame
+        `equation`, `method`, `setting`, `call`, `case`, `peak` and `outcome`, as
+        :class:`rockpulse.work_precision.WorkPrecision` has them.
+    reference : DataFrame
+        All cases, as :func:`rockpulse.reference.load_reference` gives them.
+    step : float
+        Longest step of the kernels, as p dt [-].
+
+    Returns
+    -------
+    DataFrame
+        One row per equation: `restitution`, `step`, `cases`, `compared`, `median`, `p99`, `flips` as in
+        :func:`error_statistics`, and `reference_p99`, `reference_flips`, those of :func:`reference_under_perturbation`.
+        No row for an equation without such a case or without answers at this step.
+    """
+    kernel = answers[(answers["method"] == "rockpulse") & (answers["call"] == "lanes") & (answers["setting"] == step)]
+    on_grid = reference["motion"].str.startswith(SYNTHETIC) & (reference["restitution"] == GRID_RESTITUTION)
+    rows = []
+    for equation, cases in reference[on_grid].groupby("equation", sort=False):
+        given = kernel[kernel["equation"] == equation].set_index("case")
+        if given.empty:
+            continue
+        found = error_statistics(given.loc[cases["case"]].set_axis(cases.index), cases)
+        itself = reference_under_perturbation(cases)
+        rows.append(
+            {
+                "equation": equation,
+                "restitution": GRID_RESTITUTION,
+                "step": step,
+                **{name: found[name] for name in ("cases", "compared", "median", "p99", "flips")},
+                "reference_p99": itself["p99"],
+                "reference_flips": itself["flips"],
+            }
+        )
+    return pd.DataFrame(rows, columns=list(TABLES["synthetic_grid"]))
 
 
 def observed_order(coarse: pd.DataFrame, fine: pd.DataFrame) -> tuple[float, int]:

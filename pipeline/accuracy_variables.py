@@ -4,7 +4,10 @@ from __future__ import annotations
 
 from rockpulse.variables import FAILURE, Meaning
 
-__all__ = ["TABLES"]
+__all__ = ["REPORT", "TABLES"]
+
+#: Root attribute `kind` of a report.
+REPORT = "accuracy report"
 
 _METHOD: dict[str, Meaning] = {
     "equation": (str, "1", "equation of motion"),
@@ -38,6 +41,19 @@ _WORK_PRECISION: dict[str, Meaning] = {
     "ns_per_active_sample": (float, "ns", "time per active sample"),
     "ns_per_sample": (float, "ns", "time per nominal block-sample"),
     "times_faster": (float, "1", "time per active sample of RK45 at rtol 1e-6 over that of this row"),
+}
+
+_SYNTHETIC_GRID: dict[str, Meaning] = {
+    "equation": (str, "1", "equation of motion"),
+    "restitution": (float, "1", "restitution of the cases, the velocity ratio C"),
+    "step": (float, "1", "longest step of rockpulse, as p dt"),
+    "cases": (int, "1", "cases with synthetic motions and this restitution"),
+    "compared": (int, "1", "cases that both answers call surviving"),
+    "median": (float, "1", "median error of theta_max/alpha_c"),
+    "p99": (float, "1", "99th percentile of the error of theta_max/alpha_c"),
+    "flips": (int, "1", "verdicts other than the reference's"),
+    "reference_p99": (float, "1", "99th percentile of what a change of 1e-13 does to the reference"),
+    "reference_flips": (int, "1", "cases whose verdict flips in the reference itself under a change of 1e-13"),
 }
 
 _ANSWERS: dict[str, Meaning] = {
@@ -93,6 +109,7 @@ _CLASSIFIERS: dict[str, Meaning] = {
 #: Columns of each table of the report.
 TABLES: dict[str, dict[str, Meaning]] = {
     "work_precision": _WORK_PRECISION,
+    "synthetic_grid": _SYNTHETIC_GRID,
     "answers": _ANSWERS,
     "convergence": _CONVERGENCE,
     "model_form": _MODEL_FORM,

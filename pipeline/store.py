@@ -17,22 +17,27 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from rockpulse.accuracy_variables import REPORT
 from rockpulse.errors import ResultsError
 
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["SCHEMA_VERSION", "check_target", "load", "save"]
+__all__ = ["ASSESSMENT", "SCHEMA_VERSION", "check_target", "load", "save"]
 
 #: MAJOR.MINOR of the layout described in docs/schema.md; another MAJOR is refused.
 SCHEMA_VERSION = "1.0"
 
+#: Root attribute `kind` of the results of an assessment; files without it are assessments.
+ASSESSMENT = "assessment"
+
 CONVENTIONS = "CF-1.11"
+DAMAGED = "damaged file"
 SIGNATURE = b"\x89HDF\r\n\x1a\n"
 PACKAGES = ("rockpulse", "numpy", "numba", "scipy", "xarray", "h5netcdf", "h5py", "obspy")
 
 
-def check_target(path: str | Path, overwrite: bool = False) -> Path:
+def check_target(path: str | Path, overwrite: bool = False, kind: str = ASSESSMENT) -> Path:
     """Whether a results file can be written here, asked before any work is done.
 
     Parameters
@@ -40,8 +45,10 @@ def check_target(path: str | Path, overwrite: bool = False) -> Path:
     path : str or Path
         Where the results are to go.
     overwrite : bool
-        Whether results that exist may be replaced: an HDF5 file of rockpulse, of any schema version, or a damaged one.
-        No other file is ever replaced.
+        Whether results that exist may be replaced: an HDF5 file of rockpulse of the same kind, of any schema version,
+        or a damaged one. No other file is ever replaced.
+    kind : {"assessment", "accuracy report"}
+        What the file is to hold.
 
     Returns
     -------
@@ -56,7 +63,7 @@ def check_target(path: str | Path, overwrite: bool = False) -> Path:
     target = Path(os.path.realpath(path))
     try:
         if target.exists():
-            _check_replaceable(target, path, overwrite)
+            _check_replaceable(target, path, overwrite, kind)
         if not target.parent.is_dir():
             raise ResultsError(f"{path}: there is no folder {target.parent}; create it first")
         part = _part(target)
@@ -74,6 +81,7 @@ def save(tree: xr.DataTree, path: str | Path, overwrite: bool = False) -> None:
     ----------
     tree : xarray.DataTree
         Results as :func:`rockpulse.assess` returns them (docs/schema.md); every variable has `units` and `long_name`.
+        The attribute `kind` says what they are, an assessment without.
     path : str or Path
         File to write.
     overwrite : bool
@@ -89,7 +97,8 @@ def save(tree: xr.DataTree, path: str | Path, overwrite: bool = False) -> None:
     --------
     load : the way back.
     """
-    target = check_target(path, overwrite)
+    kind = tree.attrs.get("kind", ASSESSMENT)
+    target = check_target(path, overwrite, kind)
     for name, variable in _variables(tree):
         for attribute in ("units", "long_name"):
             if not isinstance(variable.attrs.get(attribute), str):
@@ -99,7 +108,7 @@ def save(tree: xr.DataTree, path: str | Path, overwrite: bool = False) -> None:
     try:
         complete.to_netcdf(part, mode="w", engine="h5netcdf")
         _flush(part, os.O_RDWR)
-        check_target(path, overwrite)  # somebody else may have written it during the run
+        check_target(path, overwrite, kind)  # somebody else may have written it during the run
         part.replace(target)
     except OSError as error:
         raise ResultsError(f"{path}: cannot write the results: {error.strerror or error}") from error
@@ -125,7 +134,8 @@ def load(path: str | Path) -> xr.DataTree:
     Raises
     ------
     ResultsError
-        For a file that is no HDF5, is damaged, was not written by rockpulse, or has another major schema version.
+        For a file that is no HDF5, is damaged, was not written by rockpulse, holds no assessment, or has another major
+        schema version.
     OSError
         Where the file cannot be opened.
     """
@@ -145,35 +155,41 @@ def _part(target: Path) -> Path:
     return target.with_name(f".{target.name}.{secrets.token_hex(4)}.part")
 
 
-def _check_replaceable(target: Path, path: str | Path, overwrite: bool) -> None:
+def _check_replaceable(target: Path, path: str | Path, overwrite: bool, kind: str) -> None:
     """Only results may be replaced: under a mistyped name a record or a configuration would be lost for good."""
     if not target.is_file():
         raise ResultsError(f"{path}: expected the name of a results file, found something that is no regular file")
     if not overwrite:
         raise ResultsError(f"{path}: the file exists; choose another name, or allow it to be replaced (--overwrite)")
     try:
-        ours = _holds_results(target)
+        found = _kind(target)
     except OSError as error:
         raise ResultsError(f"{path}: cannot read the file that is to be replaced: {error.strerror}") from error
-    if not ours:
+    if found is None:
         raise ResultsError(
             f"{path}: expected results of rockpulse, found another file, which is not replaced even with --overwrite; "
             "choose another name, or remove it by hand"
         )
+    if found not in (kind, DAMAGED):
+        raise ResultsError(
+            f"{path}: expected an {kind} of rockpulse, found an {found}, which is not replaced even with --overwrite; "
+            "choose another name, or remove it by hand"
+        )
 
 
-def _holds_results(target: Path) -> bool:
-    """Whether a file is of rockpulse, of any schema version, or an HDF5 file that is too damaged to tell."""
+def _kind(target: Path) -> str | None:
+    """What a file of rockpulse holds, whatever its schema version; None for another file."""
     import h5py
 
     with target.open("rb") as file:
         if file.read(len(SIGNATURE)) != SIGNATURE:
-            return False
+            return None
     try:
         with h5py.File(target, "r", locking=False) as hdf5:  # locked by its owner is not damaged
-            return {"schema_version", "rockpulse_version"} <= set(hdf5.attrs)
+            ours = {"schema_version", "rockpulse_version"} <= set(hdf5.attrs)
+            return str(hdf5.attrs.get("kind", ASSESSMENT)) if ours else None
     except (OSError, RuntimeError, KeyError):
-        return True
+        return DAMAGED
 
 
 def _check_schema(path: str | Path) -> None:
@@ -184,15 +200,22 @@ def _check_schema(path: str | Path) -> None:
     try:
         with h5py.File(path, "r") as file:
             found = file.attrs.get("schema_version")
+            kind = file.attrs.get("kind", ASSESSMENT)
             known = "summary" in file and isinstance(found, str)
     except (OSError, RuntimeError, KeyError) as error:
         raise ResultsError(
             f"{path}: expected a results file of rockpulse (HDF5), found something else or a truncated file ({error}); "
             "records are assessed with 'rockpulse assess'"
         ) from error
+    if kind == REPORT:
+        raise ResultsError(
+            f"{path}: expected results of 'rockpulse assess'; this is an accuracy report: open it with xarray or h5py, "
+            "see docs/schema.md"
+        )
     if not known:
         raise ResultsError(
-            f"{path}: an HDF5 file, not written by rockpulse: attribute 'schema_version' or group 'summary' is missing"
+            f"{path}: an HDF5 file, not written by rockpulse assess: attribute 'schema_version' or group "
+            "'summary' is missing"
         )
     if found.split(".")[0] != SCHEMA_VERSION.split(".")[0]:
         raise ResultsError(
@@ -214,6 +237,7 @@ def _with_provenance(tree: xr.DataTree) -> xr.DataTree:
     before = tree.attrs.get("history")
     complete.attrs = {
         "Conventions": CONVENTIONS,
+        "kind": ASSESSMENT,
         "title": "Overturning safety of rigid blocks under recorded ground motion",
         "python_version": platform.python_version(),
         **{f"{package}_version": version(package) for package in PACKAGES},

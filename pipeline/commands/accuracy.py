@@ -11,7 +11,7 @@ from rockpulse.commands.verb import Verb
 __all__ = ["VERB"]
 
 #: Tables that --csv writes.
-CSV_TABLES = ("work_precision", "convergence", "model_form", "classifiers")
+CSV_TABLES = ("work_precision", "synthetic_grid", "convergence", "model_form", "classifiers")
 
 
 def _add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -40,10 +40,11 @@ def _run(args: argparse.Namespace) -> int:
     from dataclasses import replace
 
     from rockpulse.accuracy_files import PICTURES, check_file, csv_files, write_csv, write_picture
+    from rockpulse.accuracy_variables import REPORT
     from rockpulse.settings import RecordSettings
     from rockpulse.store import check_target, save
 
-    check_target(args.output, args.overwrite)
+    check_target(args.output, args.overwrite, REPORT)
     picture = None if args.plot is None else check_file(args.plot, args.overwrite, PICTURES)
     tables = {} if args.csv is None else csv_files(args.csv, CSV_TABLES, args.overwrite)
     options = RecordSettings(dt=args.dt, units=args.units)

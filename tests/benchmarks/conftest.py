@@ -35,5 +35,11 @@ def precise_with_mpmath():
 
 
 @pytest.fixture(scope="session")
+def make_reference(precise):
+    """It takes the numbers from the module `precise_rocking`, which is loaded by then."""
+    return load("make_reference", "make_reference")
+
+
+@pytest.fixture(scope="session")
 def baseline():
     return load("baseline_solve_ivp", "baseline_solve_ivp")

@@ -1,17 +1,21 @@
 """``rockpulse accuracy --quick`` from nothing to files: what it writes, prints and refuses."""
 
 import csv
+from pathlib import Path
 
 import h5py
 import numpy as np
 import pytest
 import xarray as xr
+from results_tree import results_tree
 
 import rockpulse.accuracy
 from rockpulse.accuracy_variables import TABLES
 from rockpulse.cli import main
+from rockpulse.store import save
 
-CSV_TABLES = {"work_precision", "convergence", "model_form", "classifiers"}
+CSV_TABLES = {"work_precision", "synthetic_grid", "convergence", "model_form", "classifiers"}
+SCHEMA = Path(__file__).parents[3] / "docs" / "schema.md"
 
 
 def run(*arguments):
@@ -54,6 +58,50 @@ def test_bare_h5py_finds_unit_and_long_name_on_every_variable(done):
         assert {"rockpulse_version", "numpy_version", "numba_version", "python_version"} <= set(file.attrs)
         assert file.attrs["title"] == "Speed and error of rocking solvers and models"
     assert seen == {f"{table}/{name}" for table, columns in TABLES.items() for name in columns}
+
+
+def test_the_schema_names_every_group_and_variable_of_the_report(done):
+    section = SCHEMA.read_text(encoding="utf-8").split("## The accuracy report\n")[1].split("\n## ")[0]
+    rows = {line.split("`")[1]: line for line in section.splitlines() if line.startswith("| `/")}
+    with h5py.File(done / "report.h5") as file:
+        assert set(rows) == {f"/{name}" for name in file}
+        for group, line in rows.items():
+            for name in set(file[group]) - {"row"}:
+                assert f"`{name}`" in line, f"{group}/{name}"
+        for attribute in ("kind", "reference", "seed", "effort", "ensembles"):
+            assert attribute in file.attrs
+            assert f"`{attribute}`" in section
+
+
+def test_a_report_is_called_what_it_is_by_those_who_read_results(done, capsys):
+    assert main(["inspect", str(done / "report.h5")]) == 2
+    error = capsys.readouterr().err
+    assert all(words in error for words in ("report.h5", "this is an accuracy report", "docs/schema.md")), error
+    assert "not written by rockpulse" not in error
+
+
+def test_a_report_is_not_written_over_results_nor_results_over_a_report(done, samples, tmp_path, monkeypatch, capsys):
+    results, report = tmp_path / "results.h5", tmp_path / "report.h5"
+    save(results_tree(), results)
+    report.write_bytes((done / "report.h5").read_bytes())
+    before = results.read_bytes(), report.read_bytes()
+    monkeypatch.setattr(rockpulse.accuracy, "accuracy", lambda *given, **options: pytest.fail("measured"))
+    assert run("-o", results, "--overwrite") == 2
+    assert "expected an accuracy report of rockpulse, found an assessment" in capsys.readouterr().err
+    given = [samples / "CICCC.RAW", "--config", samples / "site.toml", "-o", report, "--overwrite"]
+    assert main(["assess", *map(str, given)]) == 2
+    assert "expected an assessment of rockpulse, found an accuracy report" in capsys.readouterr().err
+    assert (results.read_bytes(), report.read_bytes()) == before
+
+
+def test_the_synthetic_grid_is_a_part_of_the_cases_and_as_exact(done):
+    report = done / "report.h5"
+    assert set(column(report, "synthetic_grid/restitution")) == {0.9}
+    assert set(column(report, "synthetic_grid/step")) == {0.08}
+    whole = column(report, "work_precision/cases")[column(report, "work_precision/method") == "reference"]
+    assert np.all(column(report, "synthetic_grid/cases") <= whole)
+    assert np.all(column(report, "synthetic_grid/flips") == 0)
+    assert np.all(column(report, "synthetic_grid/p99") < 1e-6)
 
 
 def test_the_report_holds_error_and_cost_of_every_solver(done):
@@ -99,6 +147,7 @@ def test_the_diagram_names_its_axes_and_methods(done):
     assert drawing.lstrip().startswith("<?xml")
     for word in (
         "cost [ns per active sample]",
+        "leq 10^{-16}",
         "linear equation",
         "rockpulse by longest step",
         "solve_ivp RK45 by rtol: median",
@@ -122,6 +171,8 @@ def test_the_tables_are_printed_with_error_beside_cost(measured, tmp_path, capsy
     assert "solve_ivp RK45, rtol 1e-6" in out
     assert "p PGV/(g tan alpha)" in out
     assert "upper-bound type input" in out
+    assert "* x RK45" in out
+    assert "rockpulse on the synthetic grid" in out
     assert " nan" not in out
     assert out.endswith(f"written: {tmp_path / 'report.h5'}\n")
 
@@ -149,7 +200,7 @@ def test_overwrite_replaces_a_report_its_tables_and_its_diagram(measured, tmp_pa
     arguments = ["-o", "report.h5", "--csv", "tables", "--plot", "diagram.pdf", "--quiet"]
     assert run(*arguments) == 0
     before = {path: path.stat().st_ino for path in tmp_path.rglob("*.*")}
-    assert len(before) == 6
+    assert len(before) == 7
     assert run(*arguments) == 2
     assert run(*arguments, "--overwrite") == 0
     assert set(tmp_path.rglob("*.*")) == set(before)
