@@ -8,7 +8,7 @@ from numba import njit
 
 from rockpulse.models import slots as row
 
-__all__ = ["HALVED", "IMPACT", "LOOK_CLOSER", "NOTHING", "OVER", "finish_steps", "speed_of", "value_of"]
+__all__ = ["HALVED", "IMPACT", "LOOK_CLOSER", "NOTHING", "OVER", "finish_steps", "keep_step", "speed_of", "value_of"]
 
 # What happened in a step. From LOOK_CLOSER on the slot stays where it is: HALVED is to be tried again with half the
 # step, OVER has overturned.
@@ -35,6 +35,25 @@ def speed_of(t, d1, d2, d3, d4, d5, d6, d7, d8, d9, d10):
     low = d1 + t * d2 + s * (d3 + t * d4)
     high = (d5 + t * d6) + s * (d7 + t * d8) + (s * s) * (d9 + t * d10)
     return low + (s * s) * high
+
+
+@njit(inline="always")
+def keep_step(f, j, end, end_speed, end_pull, strongest, marked, d2, d3, d4, d5, d6, d7, d8, d9, d10):
+    """Write what the step of slot j has found into the rows that :func:`finish_steps` reads."""
+    f[row.RATE_2 + j] = d2
+    f[row.RATE_3 + j] = d3
+    f[row.RATE_4 + j] = d4
+    f[row.RATE_5 + j] = d5
+    f[row.RATE_6 + j] = d6
+    f[row.RATE_7 + j] = d7
+    f[row.RATE_8 + j] = d8
+    f[row.RATE_9 + j] = d9
+    f[row.RATE_10 + j] = d10
+    f[row.END + j] = end
+    f[row.END_SPEED + j] = end_speed
+    f[row.END_PULL + j] = end_pull
+    f[row.STRONGEST + j] = strongest
+    f[row.MARKED + j] = 1.0 if marked else 0.0
 
 
 @njit(inline="always")

@@ -12,6 +12,7 @@ import numpy as np
 from numba import njit
 
 from rockpulse.models import slots as row
+from rockpulse.models.finish import keep_step
 
 __all__ = ["hyperbolic", "linear_after", "linear_steps"]
 
@@ -69,20 +70,7 @@ def linear_steps(f, width):
         d8 = (1 / 42) * d6
         d9 = (1 / 56) * d7
         d10 = (1 / 72) * d8
-        f[row.RATE_2 + j] = r
-        f[row.RATE_3 + j] = d3
-        f[row.RATE_4 + j] = d4
-        f[row.RATE_5 + j] = d5
-        f[row.RATE_6 + j] = d6
-        f[row.RATE_7 + j] = d7
-        f[row.RATE_8 + j] = d8
-        f[row.RATE_9 + j] = d9
-        f[row.RATE_10 + j] = d10
-        f[row.END + j] = end
-        f[row.END_SPEED + j] = end_speed
-        f[row.END_PULL + j] = end_pull
-        f[row.STRONGEST + j] = strongest
-        f[row.MARKED + j] = 1.0 if gone else 0.0
+        keep_step(f, j, end, end_speed, end_pull, strongest, gone, r, d3, d4, d5, d6, d7, d8, d9, d10)
 
 
 @njit(cache=True, nogil=True, error_model="numpy", _nrt=False)

@@ -13,7 +13,7 @@ import numpy as np
 from numba import njit
 
 from rockpulse.models import slots as row
-from rockpulse.models.finish import speed_of, value_of
+from rockpulse.models.finish import keep_step, speed_of, value_of
 
 __all__ = ["flight_time", "nonlinear_after", "nonlinear_rates", "nonlinear_steps"]
 
@@ -102,15 +102,6 @@ def nonlinear_steps(f, width):
         )
         end = value_of(h, phi, speed, d2, d3, d4, d5, d6, d7, d8, d9, d10)
         end_speed = speed_of(h, speed, d2, d3, d4, d5, d6, d7, d8, d9, d10)
-        f[row.RATE_2 + j] = d2
-        f[row.RATE_3 + j] = d3
-        f[row.RATE_4 + j] = d4
-        f[row.RATE_5 + j] = d5
-        f[row.RATE_6 + j] = d6
-        f[row.RATE_7 + j] = d7
-        f[row.RATE_8 + j] = d8
-        f[row.RATE_9 + j] = d9
-        f[row.RATE_10 + j] = d10
         push = max(lift, lift + h * lift_slope) + max(abs(ground), abs(ground + h * ground_slope))
         change = push * (abs(speed) + h * push) + abs(ground_slope) + abs(lift_slope)
         strongest = min(push, abs(d2) + h * change)
@@ -122,11 +113,7 @@ def nonlinear_steps(f, width):
             2 * d3
             + h * (3 * d4 + h * (4 * d5 + h * (5 * d6 + h * (6 * d7 + h * (7 * d8 + h * (8 * d9 + h * (9 * d10)))))))
         )
-        f[row.END + j] = end
-        f[row.END_SPEED + j] = end_speed
-        f[row.END_PULL + j] = end_pull
-        f[row.STRONGEST + j] = strongest
-        f[row.MARKED + j] = 1.0 if short | fallen else 0.0
+        keep_step(f, j, end, end_speed, end_pull, strongest, short | fallen, d2, d3, d4, d5, d6, d7, d8, d9, d10)
 
 
 @njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
