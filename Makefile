@@ -21,7 +21,7 @@ install: .venv/bin/python  ## make .venv and install the package with everything
 	.venv/bin/python -m pip install -q -e '.[test,dev]'
 
 run:  ## the main job on the shipped samples
-	$(PYTHON) -m rockpulse assess data/samples --config data/samples/site.toml -o results.h5 --overwrite
+	$(PYTHON) -m rockpulse assess data/samples/records --config data/samples/site.toml -o results.h5 --overwrite
 
 test:  ## the default tests (under 3 minutes)
 	$(PYTHON) -m pytest

@@ -27,7 +27,7 @@ from rockpulse.models.response import Outcome, Response
 from rockpulse.record import Record
 from rockpulse.sources import read_all
 
-SAMPLES = Path(__file__).parents[1] / "data" / "samples"
+SAMPLES = Path(__file__).parents[1] / "data" / "samples" / "records"
 FACTORS = np.array([0.5, 1.0, 2.0])
 OUTPUTS = ({"output": "outcome"}, {"output": "peak", "tolerance": 0.05}, {"output": "peak", "tolerance": 1e-4})
 

@@ -95,8 +95,8 @@ def synthetic_cases() -> Iterator[Case]:
 
 def sample_cases() -> Iterator[Case]:
     """Every horizontal channel of the strong sample records, every body, both equations."""
-    folder = TOP / "data" / "samples"
-    bodies = {block.name: block.block() for block in load_config(folder / "site.toml").blocks}
+    folder = TOP / "data" / "samples" / "records"
+    bodies = {block.name: block.block() for block in load_config(folder.parent / "site.toml").blocks}
     bodies |= {name: Block(0.5 * width, 0.5 * height) for name, (width, height) in MORE_BODIES.items()}
     for file in SAMPLE_FILES:
         for record in read(folder / file):

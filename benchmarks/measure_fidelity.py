@@ -33,7 +33,7 @@ from rockpulse.record import STANDARD_GRAVITY, Record
 from rockpulse.sources import read_all
 from rockpulse.synthetic import synthetic_motion
 
-SAMPLES = Path(__file__).parents[1] / "data" / "samples"
+SAMPLES = Path(__file__).parents[1] / "data" / "samples" / "records"
 PEAKS = STANDARD_GRAVITY * np.array([0.1, 0.2, 0.35, 0.5, 0.8, 1.2])
 SEED = 20170615
 

@@ -134,7 +134,7 @@ def motion_of(row: Any, records: Mapping[str, Record] | None = None) -> tuple[np
     else:
         raise RockpulseError(
             f"reference case {case}: expected the record {name}, which is not among those given; "
-            "read data/samples of the repository, condition it with the default options and pass it in `records`"
+            "read the repository's data/samples/records, condition with the default options and pass it in `records`"
         )
     found = motion_sha256(motion)
     if found != row["motion_sha256"]:

@@ -16,7 +16,7 @@ from pathlib import Path
 
 from rockpulse.errors import RecordFormatError, RockpulseError
 from rockpulse.failures import Failure
-from rockpulse.readers import read_source
+from rockpulse.readers import ReadOptions, read_source
 from rockpulse.readers.archive import is_archive, members
 from rockpulse.readers.source import (
     NotAcceleration,
@@ -26,7 +26,6 @@ from rockpulse.readers.source import (
     folder_station_files,
     open_source,
 )
-from rockpulse.readers.units import canonical_unit
 from rockpulse.record import Record, distinct_ids
 
 __all__ = ["QUIET", "read_all"]
@@ -50,6 +49,7 @@ def read_all(
     units: str | None = None,
     on_file: Callable[[str], None] | None = None,
     dt: float | None = None,
+    response: str = "sensitivity",
 ) -> tuple[list[Record], list[Failure]]:
     """Read every record under some paths.
 
@@ -64,6 +64,8 @@ def read_all(
         Called with the path of each file after it was read.
     dt : float, optional
         Sampling interval [s] for columns without a time column.
+    response : {"sensitivity", "remove"}
+        How counts with a StationXML become m/s2; see `rockpulse.readers.ReadOptions`.
 
     Returns
     -------
@@ -79,9 +81,10 @@ def read_all(
     ------
     UnitError
         If `units` is none of the accepted ones. No file raises anything.
+    ConfigError
+        If `response` is.
     """
-    if units is not None:
-        canonical_unit(units, "option units")
+    options = ReadOptions(units, dt, response)
     found, failures = _find([paths] if isinstance(paths, str | os.PathLike) else list(paths))
     # One look at a folder's station metadata serves all its records.
     station_files = lru_cache(maxsize=16)(folder_station_files)
@@ -91,7 +94,7 @@ def read_all(
             try:
                 if isinstance(outcome, Exception):
                     raise outcome
-                records += read_source(outcome, units, dt)
+                records += read_source(outcome, options)
             except (RockpulseError, OSError) as fault:
                 failures.append(_failure(name, fault, item.named and name == str(item.path)))
         if on_file is not None:

@@ -18,7 +18,7 @@ os.environ.setdefault("NUMBA_CACHE_DIR", str(TOP / ".numba_cache" / STATE.hexdig
 @pytest.fixture(scope="session")
 def samples() -> Path:
     """The sample records that come with the project."""
-    return TOP / "data" / "samples"
+    return TOP / "data" / "samples" / "records"
 
 
 @pytest.fixture(scope="session")

@@ -6,86 +6,35 @@ Importing this package loads neither obspy, pandas, numba nor xarray, so that it
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
-from dataclasses import dataclass
 from pathlib import Path
+from typing import BinaryIO
 
-from rockpulse.readers.at2 import is_at2, read_at2
-from rockpulse.readers.columns import is_columns, read_columns
-from rockpulse.readers.csmip_v1 import is_csmip_v1, read_csmip_v1
-from rockpulse.readers.knet import is_knet, read_knet
-from rockpulse.readers.miniseed import is_miniseed, read_miniseed
-from rockpulse.readers.refused import REFUSED
-from rockpulse.readers.sac import is_sac, read_sac
-from rockpulse.readers.smc import is_smc, read_smc
-from rockpulse.readers.source import SourceFile, Unrecognised, open_source
-from rockpulse.readers.units import UNITS, canonical_unit
+from rockpulse.readers import at2, columns, csmip_v1, knet, miniseed, refused, sac, smc
+from rockpulse.readers.format import Format, ReadOptions
+from rockpulse.readers.source import SourceFile, Unrecognised, open_source, open_stream
+from rockpulse.readers.units import UNITS
 from rockpulse.record import Record, distinct_ids
 
-__all__ = ["FORMATS", "UNITS", "Format", "read", "read_source"]
+__all__ = ["FORMATS", "UNITS", "Format", "ReadOptions", "read", "read_source"]
 
-
-@dataclass(frozen=True)
-class Format:
-    """One row of the table of formats.
-
-    Attributes
-    ----------
-    name : str
-        Short name, `Record.format`.
-    what : str
-        What the files are.
-    recognised : str
-        By what the format is known.
-    unit : str
-        Unit of the values and where it comes from.
-    processed : str
-        "yes" for corrected volumes, "no" for raw ones, "by type", "unknown"; "-" where nothing is read.
-    detect : callable
-        ``(head, name) -> bool``: cheap, never raises; `head` is the beginning of the file.
-    parse : callable
-        ``(file, units, dt) -> list of Record``.
-    """
-
-    name: str
-    what: str
-    recognised: str
-    unit: str
-    processed: str
-    detect: Callable[[bytes, str], bool]
-    parse: Callable[[SourceFile, str | None, float | None], list[Record]]
-
-
-#: Tried from top to bottom; the first that recognises the file reads it.
+#: Tried from top to bottom; the first that recognises the file reads it. The least specific comes last.
 FORMATS: tuple[Format, ...] = (
-    Format("csmip_v1", "CSMIP volume 1, both layouts", "first line 'Uncorrected Accelerogram Data'",
-           "g or g/10, from the header", "no", is_csmip_v1, read_csmip_v1),
-    Format("smc", "USGS SMC accelerogram", "first line '1 UNCORRECTED' or '2 CORRECTED ACCELEROGRAM'",
-           "cm/s2", "by type", is_smc, read_smc),
-    Format("at2", "PEER AT2", "a line with NPTS and DT near the top",
-           "g, from the header", "yes", is_at2, read_at2),
-    Format("knet", "K-NET, KiK-net ASCII", "first words 'Origin Time'",
-           "counts, scale in the header", "no", is_knet, read_knet),
-    Format("miniseed", "miniSEED with StationXML in the same folder", "record header",
-           "counts, gain from StationXML", "no", is_miniseed, read_miniseed),
-    Format("sac", "SAC, binary", "header version",
-           "asked for (units)", "unknown", is_sac, read_sac),
-    *(
-        Format(row.name, row.what, f"first lines like {row.opening}", "-", "-", row.detect, row.parse)
-        for row in REFUSED
-    ),
-    Format("columns", "columns of numbers (CSV, TXT), with or without time", "rows of numbers after a short header",
-           "asked for (units)", "unknown", is_columns, read_columns),
-)  # fmt: skip
+    csmip_v1.FORMAT,
+    smc.FORMAT,
+    at2.FORMAT,
+    knet.FORMAT,
+    miniseed.FORMAT,
+    sac.FORMAT,
+    *refused.FORMATS,
+    columns.FORMAT,
+)
 
 
-def read_source(file: SourceFile, units: str | None = None, dt: float | None = None) -> list[Record]:
+def read_source(file: SourceFile, options: ReadOptions = ReadOptions()) -> list[Record]:  # noqa: B008
     """Every channel of an opened file; see `read`."""
-    if units is not None:
-        canonical_unit(units, "option units")
     for row in FORMATS:
         if row.detect(file.head, file.name):
-            return distinct_ids(row.parse(file, units, dt))
+            return distinct_ids(row.parse(file, options))
     tried = ", ".join(row.name for row in FORMATS)
     raise Unrecognised(
         f"{file.name}: no reader recognises the file (formats tried: {tried}); "
@@ -93,18 +42,26 @@ def read_source(file: SourceFile, units: str | None = None, dt: float | None = N
     )
 
 
-def read(path: str | os.PathLike[str], units: str | None = None, dt: float | None = None) -> list[Record]:
+def read(
+    path: str | os.PathLike[str] | BinaryIO,
+    units: str | None = None,
+    dt: float | None = None,
+    response: str = "sensitivity",
+) -> list[Record]:
     """Read every channel of a strong-motion file.
 
     Parameters
     ----------
-    path : str or path
-        A file, plain or compressed with gzip. For folders and zip archives see `rockpulse.sources.read_all`.
+    path : str, path or binary file
+        A file, plain or compressed with gzip, or an open one (``open(path, "rb")``, ``io.BytesIO``), which is read
+        from where it stands. For folders and zip archives see `rockpulse.sources.read_all`.
     units : str, optional
         Unit of the accelerations, a key of `UNITS`, for the formats that do not state one (columns, SAC). Files that
         state their unit keep it.
     dt : float, optional
         Sampling interval [s] for columns without a time column.
+    response : {"sensitivity", "remove"}
+        How counts with a StationXML become m/s2; see `ReadOptions`.
 
     Returns
     -------
@@ -122,4 +79,7 @@ def read(path: str | os.PathLike[str], units: str | None = None, dt: float | Non
     OSError
         The file cannot be opened.
     """
-    return read_source(open_source(Path(path)), units, dt)
+    options = ReadOptions(units, dt, response)
+    if isinstance(path, str | os.PathLike):
+        return read_source(open_source(Path(path)), options)
+    return read_source(open_stream(path), options)

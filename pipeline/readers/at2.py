@@ -13,11 +13,12 @@ import numpy as np
 from rockpulse.errors import RecordFormatError, UnitError
 from rockpulse.readers.channel import build_record
 from rockpulse.readers.fields import check_count, fixed_width, free_numbers, text_lines
+from rockpulse.readers.format import Format, ReadOptions
 from rockpulse.readers.source import NotAcceleration, SourceFile
 from rockpulse.readers.units import canonical_unit
 from rockpulse.record import Record
 
-__all__ = ["is_at2", "read_at2"]
+__all__ = ["FORMAT", "is_at2", "read_at2"]
 
 _HEADER_LIMIT = 10
 _FLOAT = r"(-?\d*\.?\d+(?:E[+-]?\d+)?)"
@@ -46,17 +47,15 @@ def is_at2(head: bytes, name: str) -> bool:
     return end is not None and bool(re.search(r"\bDT\b", lines[end], re.IGNORECASE))
 
 
-def read_at2(file: SourceFile, units: str | None = None, dt: float | None = None) -> list[Record]:
+def read_at2(file: SourceFile, options: ReadOptions) -> list[Record]:
     """Read the one channel of the file.
 
     Parameters
     ----------
     file : SourceFile
         The file.
-    units : str, optional
-        Unit, used only if the header does not state one.
-    dt : optional
-        Not used: the format states it.
+    options : ReadOptions
+        `units` is used only if the header does not state one.
 
     Raises
     ------
@@ -70,7 +69,7 @@ def read_at2(file: SourceFile, units: str | None = None, dt: float | None = None
     lines = text_lines(file.content)
     end = _header_end(lines)
     assert end is not None
-    unit = _unit(file.name, lines[: end + 1], units)
+    unit = _unit(file.name, lines[: end + 1], options.units)
     matches = (pattern.search(lines[end]) for pattern in _COUNT_AND_STEP)
     match = next((match for match in matches if match), None)
     if match is None:
@@ -154,3 +153,15 @@ def _by_width(name: str, block: Sequence[str], first: int, count: int) -> np.nda
         except RecordFormatError:
             continue  # another width may fit; if none does, the caller reports the first fault
     return None
+
+
+FORMAT = Format(
+    name="at2",
+    what="PEER AT2",
+    recognised="a line with NPTS and DT near the top",
+    unit="g, from the header",
+    processed="yes",
+    example="RSN763_LOMAP_GIL067.AT2",
+    detect=is_at2,
+    parse=read_at2,
+)

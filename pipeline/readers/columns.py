@@ -16,13 +16,14 @@ from rockpulse.errors import RecordFormatError, UnitError
 from rockpulse.readers.channel import build_record
 from rockpulse.readers.facing import BRACKET, heading_direction
 from rockpulse.readers.fields import check_count, text_lines
+from rockpulse.readers.format import Format, ReadOptions
 from rockpulse.readers.source import NotAcceleration, SourceFile
 from rockpulse.readers.table_layout import NUMBER, Layout, find_layout, row_width, split_row
 from rockpulse.readers.time_column import agreed_step, names_time, time_column_step
 from rockpulse.readers.units import UNITS, canonical_unit
 from rockpulse.record import Record
 
-__all__ = ["is_columns", "read_columns"]
+__all__ = ["FORMAT", "is_columns", "read_columns"]
 
 _MOTION = re.compile(r"\b(vel|velocity|disp|displacement)\b", re.IGNORECASE)
 _ACCELERATION = re.compile(r"\bacc", re.IGNORECASE)
@@ -42,17 +43,15 @@ def is_columns(head: bytes, name: str) -> bool:
     return 2 * sum(row_width(row) == layout.width for row in rows) >= len(rows)
 
 
-def read_columns(file: SourceFile, units: str | None = None, dt: float | None = None) -> list[Record]:
+def read_columns(file: SourceFile, options: ReadOptions) -> list[Record]:
     """Read every column but that of time.
 
     Parameters
     ----------
     file : SourceFile
         The file.
-    units : str
-        Unit of all accelerations, a key of `UNITS`.
-    dt : float, optional
-        Sampling interval [s], needed where neither a time column nor a line ``N dt`` gives it.
+    options : ReadOptions
+        `units` is needed, a key of `UNITS`; `dt` where neither a time column nor a line ``N dt`` gives the interval.
 
     Raises
     ------
@@ -63,13 +62,13 @@ def read_columns(file: SourceFile, units: str | None = None, dt: float | None = 
     RecordFormatError
         With file and line, what was found and what was expected.
     """
-    if units is None:
+    if options.units is None:
         raise UnitError(
             f"{file.name}: plain columns do not state their unit; give it with the option units, "
             f"one of {', '.join(UNITS)}: --units g on the command line, units = 'g' under [records] of the "
             "configuration, or read(path, units='g')"
         )
-    unit = canonical_unit(units, "option units")
+    unit = canonical_unit(options.units, "option units")
     lines = text_lines(file.content)
     layout = find_layout(lines)
     if layout is None:
@@ -90,12 +89,12 @@ def read_columns(file: SourceFile, units: str | None = None, dt: float | None = 
         if len(table) > declared:
             warnings.append(f"{len(table) - declared} rows beyond the {declared} of the first line were left out")
         table = table[:declared]
-    time_step = time_column_step(file.name, table, layout, start, step if dt is None else dt)
+    time_step = time_column_step(file.name, table, layout, start, step if options.dt is None else options.dt)
     if time_step is not None:
         table, names = table[:, 1:], layout.names[1:]
     else:
         names = layout.names
-    step = agreed_step(file.name, {"time column": time_step, "first line": step, "option dt": dt})
+    step = agreed_step(file.name, {"time column": time_step, "first line": step, "option dt": options.dt})
     return _channels(file, table, names, step, unit, warnings)
 
 
@@ -203,3 +202,15 @@ def _channels(
     if not records:
         raise NotAcceleration(f"{file.name}: expected an acceleration column, found {', '.join(motions)} only")
     return records
+
+
+FORMAT = Format(
+    name="columns",
+    what="columns of numbers (CSV, TXT), with or without time",
+    recognised="rows of numbers after a short header",
+    unit="asked for (units)",
+    processed="unknown",
+    example="record.csv",
+    detect=is_columns,
+    parse=read_columns,
+)

@@ -17,12 +17,13 @@ from rockpulse.errors import RecordFormatError
 from rockpulse.readers.channel import build_record, clock_fault
 from rockpulse.readers.facing import direction, on_structure
 from rockpulse.readers.fields import check_count, fixed_width, printed_number, text_lines
+from rockpulse.readers.format import Format, ReadOptions
 from rockpulse.readers.source import SourceFile
 from rockpulse.readers.spacing import make_even
 from rockpulse.readers.units import UNITS, canonical_unit
 from rockpulse.record import STANDARD_GRAVITY, Record
 
-__all__ = ["is_csmip_v1", "read_csmip_v1"]
+__all__ = ["FORMAT", "is_csmip_v1", "read_csmip_v1"]
 
 _TITLE = re.compile(r"\s?uncorrected accelerogram data\b", re.IGNORECASE)
 _HEADER_LINES = 13 + 7 + 7
@@ -52,15 +53,15 @@ def is_csmip_v1(head: bytes, name: str) -> bool:
     return bool(_TITLE.match(head[:200].decode("latin-1")))
 
 
-def read_csmip_v1(file: SourceFile, units: str | None = None, dt: float | None = None) -> list[Record]:
+def read_csmip_v1(file: SourceFile, options: ReadOptions) -> list[Record]:
     """Read every channel.
 
     Parameters
     ----------
     file : SourceFile
         The file.
-    units, dt : optional
-        Not used: the format states both.
+    options : ReadOptions
+        Not used: the format states everything.
 
     Raises
     ------
@@ -212,3 +213,15 @@ def _start_time(header: Sequence[str]) -> tuple[datetime | None, list[str]]:
     # A clock that was never set begins at midnight of its own zone.
     fault = clock_fault(local)
     return (None, [fault]) if fault else (moment, [])
+
+
+FORMAT = Format(
+    name="csmip_v1",
+    what="CSMIP volume 1, both layouts",
+    recognised="first line 'Uncorrected Accelerogram Data'",
+    unit="g or g/10, from the header",
+    processed="no",
+    example="CICLC.v1",
+    detect=is_csmip_v1,
+    parse=read_csmip_v1,
+)

@@ -13,12 +13,13 @@ import numpy as np
 from rockpulse.errors import RecordFormatError
 from rockpulse.readers.channel import build_record
 from rockpulse.readers.fields import check_count, free_numbers, printed_number, text_lines
+from rockpulse.readers.format import Format, ReadOptions
 from rockpulse.readers.obspy_bridge import clipping_warning, obspy_stream, utc_time
 from rockpulse.readers.source import SourceFile
 from rockpulse.readers.units import UNITS
 from rockpulse.record import Record
 
-__all__ = ["is_knet", "read_knet"]
+__all__ = ["FORMAT", "is_knet", "read_knet"]
 
 _SCALE = re.compile(r"Scale Factor\s+(\d+\.?\d*)\s*\(gal\)\s*/\s*(\d+\.?\d*)", re.IGNORECASE)
 _PEAK = re.compile(r"Max\. Acc\. \(gal\)\s+(-?\d+\.?\d*)", re.IGNORECASE)
@@ -31,15 +32,15 @@ def is_knet(head: bytes, name: str) -> bool:
     return head.startswith(b"Origin Time")
 
 
-def read_knet(file: SourceFile, units: str | None = None, dt: float | None = None) -> list[Record]:
+def read_knet(file: SourceFile, options: ReadOptions) -> list[Record]:
     """Read the one channel of the file; its mean over the whole record is the offset.
 
     Parameters
     ----------
     file : SourceFile
         The file.
-    units, dt : optional
-        Not used: the format states both.
+    options : ReadOptions
+        Not used: the format states everything.
 
     Raises
     ------
@@ -111,3 +112,15 @@ def _component(file: SourceFile, channel: str) -> tuple[str, list[str]]:
     if component.endswith("1"):
         warnings.append("KiK-net borehole sensor: motion at depth, not at the ground surface")
     return component, warnings
+
+
+FORMAT = Format(
+    name="knet",
+    what="K-NET, KiK-net ASCII",
+    recognised="first words 'Origin Time'",
+    unit="counts, scale in the header",
+    processed="no",
+    example="AKT0139608110312.EW",
+    detect=is_knet,
+    parse=read_knet,
+)

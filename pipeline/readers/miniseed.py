@@ -10,11 +10,12 @@ import numpy as np
 
 from rockpulse.errors import RecordFormatError, RecordRefused
 from rockpulse.readers.channel import Direction, build_record
+from rockpulse.readers.format import Format, ReadOptions
 from rockpulse.readers.obspy_bridge import clipping_warning, obspy_stream, seed_direction, utc_time
 from rockpulse.readers.source import NotAcceleration, SourceFile
 from rockpulse.record import Record
 
-__all__ = ["is_miniseed", "read_miniseed"]
+__all__ = ["FORMAT", "is_miniseed", "read_miniseed"]
 
 #: Input units of an accelerometer's response, and m/s2 per unit.
 _ACCELERATION_UNITS = {"M/S**2": 1.0, "M/S^2": 1.0, "M/S/S": 1.0, "M/S2": 1.0, "CM/S**2": 0.01, "CM/S^2": 0.01}
@@ -27,15 +28,15 @@ def is_miniseed(head: bytes, name: str) -> bool:
     )
 
 
-def read_miniseed(file: SourceFile, units: str | None = None, dt: float | None = None) -> list[Record]:
+def read_miniseed(file: SourceFile, options: ReadOptions) -> list[Record]:
     """Read every acceleration channel; the gain comes from a StationXML file in the same folder.
 
     Parameters
     ----------
     file : SourceFile
         The file.
-    units, dt : optional
-        Not used.
+    options : ReadOptions
+        `response` tells how counts become m/s2.
 
     Raises
     ------
@@ -145,3 +146,15 @@ def _gain(file: SourceFile, trace: Any) -> tuple[float, Direction]:
             "use the accelerometer channel of the station (code ending in NE, NN, NZ)"
         )
     return _ACCELERATION_UNITS[input_unit] / value, seed_direction(stats.channel, channel.azimuth, channel.dip)
+
+
+FORMAT = Format(
+    name="miniseed",
+    what="miniSEED with StationXML in the same folder",
+    recognised="record header",
+    unit="counts, gain from StationXML",
+    processed="no",
+    example="CI.WCS2..HNE.mseed",
+    detect=is_miniseed,
+    parse=read_miniseed,
+)

@@ -8,12 +8,13 @@ import numpy as np
 
 from rockpulse.errors import RecordFormatError, UnitError
 from rockpulse.readers.channel import build_record
+from rockpulse.readers.format import Format, ReadOptions
 from rockpulse.readers.obspy_bridge import obspy_stream, seed_direction, utc_time
 from rockpulse.readers.source import NotAcceleration, SourceFile
 from rockpulse.readers.units import UNITS, canonical_unit
 from rockpulse.record import Record
 
-__all__ = ["is_sac", "read_sac"]
+__all__ = ["FORMAT", "is_sac", "read_sac"]
 
 #: Length of the header and offsets of the words NPTS and NVHDR [bytes].
 _HEADER, _NPTS, _NVHDR = 632, 4 * 79, 4 * 76
@@ -36,17 +37,15 @@ def is_sac(head: bytes, name: str) -> bool:
     return _byte_order(head) is not None
 
 
-def read_sac(file: SourceFile, units: str | None = None, dt: float | None = None) -> list[Record]:
+def read_sac(file: SourceFile, options: ReadOptions) -> list[Record]:
     """Read the one channel of a SAC file.
 
     Parameters
     ----------
     file : SourceFile
         The file.
-    units : str
-        Unit of the values, a key of `UNITS`: the header does not tell it.
-    dt : optional
-        Not used: the header states it.
+    options : ReadOptions
+        `units` is needed, a key of `UNITS`: the header does not tell the unit.
 
     Raises
     ------
@@ -79,12 +78,12 @@ def read_sac(file: SourceFile, units: str | None = None, dt: float | None = None
     series = _SERIES.get(int(header.get("idep", 5)))
     if series:
         raise NotAcceleration(f"{file.name}: expected an acceleration, the header (IDEP) says {series}")
-    if units is None:
+    if options.units is None:
         raise UnitError(
             f"{file.name}: a SAC header does not state the unit of acceleration; give it with the option units, one of "
             f"{', '.join(UNITS)}: read(path, units='cm/s2'), or units under [records] of the configuration"
         )
-    unit = canonical_unit(units, "option units")
+    unit = canonical_unit(options.units, "option units")
     inclination, azimuth = header.get("cmpinc"), header.get("cmpaz")
     dip = None if inclination is None else float(inclination) - 90.0
     with np.errstate(invalid="ignore"):  # a signalling NaN; Record names it
@@ -124,3 +123,15 @@ def _check_coordinates(file: SourceFile, order: str) -> None:
                 f"{file.name}: expected degrees in the header word {name}, found {value:g}; the file may be damaged: "
                 "download it again"
             )
+
+
+FORMAT = Format(
+    name="sac",
+    what="SAC, binary",
+    recognised="header version",
+    unit="asked for (units)",
+    processed="unknown",
+    example="T001230.HNE.sac",
+    detect=is_sac,
+    parse=read_sac,
+)

@@ -17,12 +17,13 @@ from rockpulse.errors import RecordFormatError
 from rockpulse.readers.channel import build_record
 from rockpulse.readers.facing import Direction, direction, on_structure
 from rockpulse.readers.fields import check_count, fixed_width, printed_number, text_lines
+from rockpulse.readers.format import Format, ReadOptions
 from rockpulse.readers.source import NotAcceleration, SourceFile
 from rockpulse.readers.spacing import make_even
 from rockpulse.readers.units import UNITS
 from rockpulse.record import STANDARD_GRAVITY, Record
 
-__all__ = ["is_smc", "read_smc"]
+__all__ = ["FORMAT", "is_smc", "read_smc"]
 
 #: Series of types 1 to 6, in this order.
 _KINDS = (
@@ -51,15 +52,15 @@ def is_smc(head: bytes, name: str) -> bool:
     )
 
 
-def read_smc(file: SourceFile, units: str | None = None, dt: float | None = None) -> list[Record]:
+def read_smc(file: SourceFile, options: ReadOptions) -> list[Record]:
     """Read the one channel of the file.
 
     Parameters
     ----------
     file : SourceFile
         The file.
-    units, dt : optional
-        Not used: the format states both.
+    options : ReadOptions
+        Not used: the format states everything.
 
     Raises
     ------
@@ -182,3 +183,15 @@ def _start_time(integers: np.ndarray) -> datetime | None:
     return datetime(year, 1, 1, hour, minute, tzinfo=UTC) + timedelta(
         days=day - 1, seconds=second, milliseconds=millisecond
     )
+
+
+FORMAT = Format(
+    name="smc",
+    what="USGS SMC accelerogram",
+    recognised="first line '1 UNCORRECTED' or '2 CORRECTED ACCELEROGRAM'",
+    unit="cm/s2",
+    processed="by type",
+    example="2516b_a.smc",
+    detect=is_smc,
+    parse=read_smc,
+)

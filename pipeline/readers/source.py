@@ -9,6 +9,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path, PurePosixPath
+from typing import BinaryIO
 
 from rockpulse.errors import RecordFormatError, RecordRefused
 
@@ -21,6 +22,7 @@ __all__ = [
     "check_link",
     "folder_station_files",
     "open_source",
+    "open_stream",
 ]
 
 #: Bytes from the start of a file that decide its format.
@@ -139,3 +141,29 @@ def open_source(path: Path, station_files: StationFiles | None = None) -> Source
     if not head:
         raise RecordFormatError(f"{path}: the file is empty; download it again")
     return SourceFile(str(path), head, load, station_files or (lambda: folder_station_files(path.parent)))
+
+
+def open_stream(stream: BinaryIO) -> SourceFile:
+    """An open binary file, or bytes in memory, read from where it stands.
+
+    Parameters
+    ----------
+    stream : binary file
+        ``open(path, "rb")``, ``io.BytesIO`` and the like; its ``name``, where it has one, tells where StationXML files
+        may lie.
+
+    Raises
+    ------
+    RecordFormatError
+        If nothing is left to read.
+    RecordRefused
+        If more than `FILE_LIMIT` bytes are.
+    """
+    name = getattr(stream, "name", None)
+    name = name if isinstance(name, str) else "stream"
+    content = stream.read(FILE_LIMIT + 1)
+    if len(content) > FILE_LIMIT:
+        raise RecordRefused(f"{name}: larger than {FILE_LIMIT} bytes, the most that is read; cut the record")
+    if not content:
+        raise RecordFormatError(f"{name}: nothing left to read; is the stream at its end, or the file empty?")
+    return SourceFile(name, content[:HEAD], lambda: content)

@@ -11,7 +11,7 @@ import rockpulse as rp
 from rockpulse.models import Block, Outcome, impulsive_response, predictable, recorded_response
 
 DT = 0.01
-SAMPLES = Path(__file__).parents[2] / "data" / "samples"
+SAMPLES = Path(__file__).parents[2] / "data" / "samples" / "records"
 
 
 def checked(ground, block, scale=1.0, **options):

@@ -88,7 +88,7 @@ def test_a_report_is_not_written_over_results_nor_results_over_a_report(done, sa
     monkeypatch.setattr(rockpulse.accuracy, "accuracy", lambda *given, **options: pytest.fail("measured"))
     assert run("-o", results, "--overwrite") == 2
     assert "expected an accuracy report of rockpulse, found an assessment" in capsys.readouterr().err
-    given = [samples / "CICCC.RAW", "--config", samples / "site.toml", "-o", report, "--overwrite"]
+    given = [samples / "CICCC.RAW", "--config", samples.parent / "site.toml", "-o", report, "--overwrite"]
     assert main(["assess", *map(str, given)]) == 2
     assert "expected an assessment of rockpulse, found an accuracy report" in capsys.readouterr().err
     assert (results.read_bytes(), report.read_bytes()) == before
