@@ -9,7 +9,7 @@ KERNEL_TESTS := $(patsubst %,tests/models/test_%.py,recorded linear nonlinear fi
 	sequence_lanes)
 LONG_IN_PYTHON := test_quarter_period or from_housners_threshold or more_half_cycles_than or same_without_compilation
 
-.PHONY: help install run test test-slow test-python lint types doctest clean
+.PHONY: help install run test test-slow test-python samples fuzz lint types doctest wheel clean
 
 help:  ## list the targets
 	@grep -hE '^[a-z-]+: .*##' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):[^#]*## (.*)/  \1\t\2/' | expand -t 16
@@ -33,6 +33,14 @@ test-python:  ## the kernels' tests with the kernels as plain Python (under 2 mi
 	@# Plain Python warns of the arithmetic of empty slots, which nobody reads.
 	NUMBA_DISABLE_JIT=1 $(PYTHON) -m pytest -q -W ignore::RuntimeWarning $(KERNEL_TESTS) -k "not ($(LONG_IN_PYTHON))"
 
+samples:  ## write data/samples/formats: a small file of every format that is read
+	$(PYTHON) tests/make_format_samples.py
+
+MINUTES ?= 60
+FIRST ?= 100000
+fuzz:  ## damage to every sample on every reader, MINUTES=60 long, from the seed FIRST=100000 on
+	$(PYTHON) tests/fuzz.py --minutes $(MINUTES) --first $(FIRST)
+
 lint:  ## ruff: format and rules
 	$(PYTHON) -m ruff format --check .
 	$(PYTHON) -m ruff check .
@@ -50,6 +58,19 @@ doctest:  ## the examples in the docstrings
 	cp -r pyproject.toml README.md LICENSE pipeline models $(PACKAGE)
 	$(PYTHON) -m pip install -q --no-deps --target $(PACKAGE)/installed $(PACKAGE)
 	cd $(PACKAGE) && PYTHONPATH=$(PACKAGE)/installed $(abspath $(shell command -v $(PYTHON))) -m pytest -q --doctest-modules --pyargs rockpulse -p no:cacheprovider
+	rm -rf $(PACKAGE)
+
+# obspy finds its plugins in the metadata of what is installed: only a wheel, away from this folder, shows what users get.
+wheel: PACKAGE := $(shell mktemp -d)
+wheel:  ## the wheel alone in a fresh environment: obspy.read on every sample (a minute)
+	cp -r pyproject.toml README.md LICENSE pipeline models $(PACKAGE)
+	mkdir $(PACKAGE)/tests $(PACKAGE)/elsewhere
+	cp -r tests/read_by_obspy.py tests/make_format_samples.py tests/record_writers $(PACKAGE)/tests
+	cp -r data/samples $(PACKAGE)
+	$(PYTHON) -m pip wheel -q --no-deps --wheel-dir $(PACKAGE)/wheel $(PACKAGE)
+	$(PYTHON) -m venv $(PACKAGE)/fresh
+	$(PACKAGE)/fresh/bin/python -m pip install -q $(PACKAGE)/wheel/*.whl
+	cd $(PACKAGE)/elsewhere && ../fresh/bin/python ../tests/read_by_obspy.py ../samples/*/
 	rm -rf $(PACKAGE)
 
 clean:  ## remove what builds and tests leave behind

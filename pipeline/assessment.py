@@ -15,6 +15,7 @@ from rockpulse.body import BlockSettings
 from rockpulse.components import matching_vertical, select_horizontal
 from rockpulse.conditioning import DRIFT
 from rockpulse.config import Config
+from rockpulse.directions import Motion, ground_motions
 from rockpulse.errors import ConfigError
 from rockpulse.failures import Failure
 from rockpulse.intensity import arias_intensity, pgv
@@ -24,12 +25,12 @@ from rockpulse.models.response import Outcome, Response
 from rockpulse.record import Record
 from rockpulse.results import build_tree
 from rockpulse.safety import resonance_safety_factor, sequence_safety_factor
-from rockpulse.scene import CHECKABLE, MODELS, SLENDER_MODELS, USED, Scene, auto_response, prepare
+from rockpulse.scene import CHECKABLE, MODELS, SLENDER_MODELS, USED, Scene, auto_response, extract, prepare
 
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["RecordAssessment", "assess", "assess_record"]
+__all__ = ["RecordAssessment", "assess", "assess_record", "assess_scene"]
 
 logger = logging.getLogger("rockpulse")
 
@@ -73,7 +74,9 @@ def assess(
     Parameters
     ----------
     records : iterable of Record
-        All channels, as :func:`rockpulse.read` returns them. Vertical and structural channels are listed, not assessed.
+        All channels, as :func:`rockpulse.read` returns them. Vertical channels are listed, not assessed, and so are
+        structural ones unless asked for. Pairs of horizontal channels are rotated where ``[records] components`` asks
+        for it.
     config : Config, optional
         Options; the defaults without.
     blocks : mapping of str to Block, or sequence of BlockSettings, optional
@@ -86,7 +89,8 @@ def assess(
     Returns
     -------
     xarray.DataTree
-        /summary, /half_cycles, /failures and, unless switched off, /records; see docs/schema.md.
+        /summary, /half_cycles, /failures, for a sweep over direction /directions and, unless switched off, /records;
+        see docs/schema.md.
 
     Raises
     ------
@@ -111,23 +115,20 @@ def assess(
     twice = sorted(name for name, times in Counter(record.id for record in every).items() if times > 1)
     if twice:
         raise ConfigError(f"records: expected different ids, found more than one record with id {', '.join(twice)}")
-    horizontal, left_out = select_horizontal(every)
+    horizontal, left_out = select_horizontal(every, config.records.structural)
+    motions, not_rotated = ground_motions(horizontal, config)
     verticals = [record for record in every if record.orientation == "vertical"]
-    rows = [*failures, *left_out]
+    rows = [*failures, *left_out, *not_rotated]
     done = []
-    for record in horizontal if progress is None else progress(horizontal):
+    records = [motion.record for motion in motions]
+    for record, motion in zip(records if progress is None else progress(records), motions, strict=True):
         try:
-            vertical = None
-            if config.records.include_vertical:
-                vertical = matching_vertical(record, verticals)
-                if vertical is None:
-                    record = record.with_warning("no vertical channel of this station overlaps: taken as zero")
-            done.append(assess_record(record, bodies, config, vertical))
+            done.append(assess_scene(_scene(record, motion, verticals, config), bodies))
         except ValueError as error:  # RockpulseError, and what a model says of numbers it cannot take
             logger.error("%s: %s", record.id, error)
             reason = str(error) if record.id in str(error) else f"{record.id}: {error}"
             rows.append(Failure(file=record.source, stage="assess", reason=reason, kind="failed"))
-    return build_tree(done, bodies, config, rows)
+    return build_tree(done, bodies, config, rows, _swept(motions) if config.records.components == "sweep" else None)
 
 
 def assess_record(record: Record, bodies: Bodies, config: Config, vertical: Record | None = None) -> RecordAssessment:
@@ -149,8 +150,25 @@ def assess_record(record: Record, bodies: Bodies, config: Config, vertical: Reco
     ValueError
         Where the record cannot be conditioned or has no intense phase, or a model refuses its numbers.
     """
-    scene = prepare(record, config, vertical)
-    lanes = bodies.lanes
+    return assess_scene(prepare(record, config, vertical), bodies)
+
+
+def assess_scene(scene: Scene, bodies: Bodies) -> RecordAssessment:
+    """Assess all bodies under one record that was made ready.
+
+    Parameters
+    ----------
+    scene : Scene
+        The record and the options.
+    bodies : Bodies
+        As in :func:`assess_record`.
+
+    Raises
+    ------
+    ValueError
+        Where a model refuses its numbers.
+    """
+    config, lanes = scene.config, bodies.lanes
     responses = {name: MODELS[name](lanes, scene) for name in config.models.use}
     used = {name: np.full(lanes.shape, USED.index(name), dtype=np.int8) for name in responses}
     if config.models.auto:
@@ -179,6 +197,26 @@ def assess_record(record: Record, bodies: Bodies, config: Config, vertical: Reco
         },
         responses=responses,
     )
+
+
+def _scene(record: Record, motion: Motion, verticals: Sequence[Record], config: Config) -> Scene:
+    """The motion made ready, with the vertical channel of its station where that is asked for."""
+    vertical = None
+    if config.records.include_vertical:
+        found = (matching_vertical(channel, verticals) for channel in motion.channels)
+        vertical = next((one for one in found if one is not None), None)
+        if vertical is None:
+            record = record.with_warning("no vertical channel of this station overlaps: taken as zero")
+        elif vertical.start_time is None and vertical.source not in [channel.source for channel in motion.channels]:
+            record = record.with_warning("vertical channel: taken to start with this one, no times are known")
+    return (extract if motion.pair else prepare)(record, config, vertical)
+
+
+def _swept(motions: Sequence[Motion]) -> dict[str, list[str]]:
+    pairs: dict[str, list[str]] = {}
+    for motion in motions:
+        pairs.setdefault(motion.pair, []).append(motion.record.id)
+    return pairs
 
 
 def _safety_factor(model: str, block: Block, scene: Scene, response: Response) -> np.ndarray:

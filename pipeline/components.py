@@ -1,49 +1,130 @@
-"""Which channels are assessed as horizontal motion, and which vertical one belongs to them."""
+"""Which channels are assessed, which two are a pair of horizontal ones, and which vertical one belongs to them."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+import re
+from collections import defaultdict
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from pathlib import PurePath
 
 import numpy as np
 
 from rockpulse.failures import Failure
 from rockpulse.record import Record
 
-__all__ = ["align", "matching_vertical", "select_horizontal", "uncovered"]
-
+__all__ = ["Pair", "align", "find_pairs", "matching_vertical", "offset", "select_horizontal", "uncovered"]
 
 _REASONS = {
     "vertical": "vertical channel: read, not assessed as horizontal",
-    "structural": "channel on a structure: read, not assessed as ground motion",
+    "structural": "channel on a structure: read, not assessed as ground motion ([records] structural = true does that)",
 }
+_UPWARDS = "channel on a structure, vertical or in an unknown direction: read, not assessed as horizontal"
+_INSTEAD = 'components = "horizontal" assesses it as it was recorded'
+
+#: SEED codes of one sensor differ in the last letter only.
+_SEED = re.compile(r"([FGDCESHBMLV][HLMGN])[ENZ123]")
 
 
-def select_horizontal(records: Iterable[Record]) -> tuple[list[Record], list[Failure]]:
+@dataclass(frozen=True, eq=False)
+class Pair:
+    """Two horizontal channels of one instrument.
+
+    Attributes
+    ----------
+    first, second : Record
+        The channels, their azimuths known.
+    """
+
+    first: Record
+    second: Record
+
+    @property
+    def channels(self) -> tuple[Record, Record]:
+        """Both."""
+        return self.first, self.second
+
+
+def select_horizontal(records: Iterable[Record], structural: bool = False) -> tuple[list[Record], list[Failure]]:
     """Keep the channels that are assessed as horizontal ground motion.
 
     Parameters
     ----------
     records : iterable of Record
         Records of any orientation.
+    structural : bool
+        Whether the channels on structures are among them whose azimuth is known; the others are vertical or may be.
 
     Returns
     -------
     horizontal : list of Record
-        Horizontal channels, and those of unknown orientation with a warning, in the order given.
+        Horizontal channels, and with a warning those of unknown orientation and those on structures, in the order
+        given.
     failures : list of Failure
         A row for each of the others, kind "vertical" or "structural".
     """
     horizontal, failures = [], []
     for record in records:
         kind = record.orientation
-        if kind == "vertical" or kind == "structural":
-            failures.append(Failure(record.source, "select", f"{record.id}: {_REASONS[kind]}", kind))
+        if kind == "structural" and structural and np.isfinite(record.azimuth):
+            horizontal.append(record.with_warning("on a structure, assessed as if this were ground motion"))
+        elif kind == "vertical" or kind == "structural":
+            reason = _UPWARDS if kind == "structural" and structural else _REASONS[kind]
+            failures.append(Failure(record.source, "select", f"{record.id}: {reason}", kind))
         elif kind == "unknown":
-            note = "the orientation is unknown; assessed as horizontal"
-            horizontal.append(record.with_warning(note))
+            horizontal.append(record.with_warning("the orientation is unknown; assessed as horizontal"))
         else:
             horizontal.append(record)
     return horizontal, failures
+
+
+def find_pairs(horizontal: Sequence[Record]) -> tuple[list[Pair], list[Failure]]:
+    """The pairs of channels that were recorded together, in two known directions.
+
+    Two channels are partners if they have the same format, state of processing and SEED sensor (the first two letters
+    of a SEED channel), are both on the ground or both on a structure, overlap in time, and come
+
+    - from one file, with one station, or
+    - from one network, station and location, with start times, or
+    - from files in one folder that know neither start time nor station code, but the same event, name of the station
+      and sampling interval (PEER AT2).
+
+    Partners in the same file come before others. Only two channels that have no other partner than each other are a
+    pair: of three channels nobody knows which two belong together.
+
+    Parameters
+    ----------
+    horizontal : sequence of Record
+        Horizontal channels.
+
+    Returns
+    -------
+    pairs : list of Pair
+        In the order of their first channels.
+    failures : list of Failure
+        A row for each channel without a known azimuth, without a partner, or with several.
+    """
+    groups: dict[tuple[object, ...], list[Record]] = defaultdict(list)
+    for record in horizontal:
+        groups[_instrument(record)].append(record)
+    known = {id(record): np.isfinite(record.azimuth) for record in horizontal}
+    partners = {
+        id(record): _partners(record, [one for one in group if one is not record and known[id(one)]])
+        for group in groups.values()
+        for record in group
+    }
+    pairs, failures = [], []
+    taken: set[int] = set()
+    for record in horizontal:
+        found = partners[id(record)] if known[id(record)] else []
+        mutual = len(found) == 1 and [record] == partners[id(found[0])]
+        if not mutual:
+            reason = f"{record.id}: {_no_pair(record, found, partners)}; {_INSTEAD}"
+            failures.append(Failure(record.source, "pair", reason, "failed"))
+        elif id(record) not in taken:
+            pairs.append(Pair(record, found[0]))
+            taken |= {id(record), id(found[0])}
+    return pairs, failures
 
 
 def matching_vertical(record: Record, verticals: Iterable[Record]) -> Record | None:
@@ -59,9 +140,11 @@ def matching_vertical(record: Record, verticals: Iterable[Record]) -> Record | N
     Returns
     -------
     Record or None
-        Of the same file, or of the same network, station and location (station known) and overlapping in time; the
-        same file comes first, then the longest overlap. None if there is none.
+        Recorded together as :func:`find_pairs` has it, whatever its format; the same file comes first, then the longest
+        overlap. None if there is none, and for a channel on a structure: the vertical one may be on another floor.
     """
+    if record.orientation == "structural":
+        return None
     together = [vertical for vertical in verticals if _together(record, vertical)]
     return max(together, key=lambda one: (one.source == record.source, _overlap(record, one)), default=None)
 
@@ -80,8 +163,8 @@ def align(vertical: Record, record: Record) -> np.ndarray:
         a_v [m/s2], positive up, on absolute time where both channels know it, else from the first sample on; linear
         between its samples, zero where the vertical channel does not reach.
     """
-    offset = _offset(record, vertical)
-    return np.interp(record.time, vertical.time + offset, vertical.acceleration, left=0.0, right=0.0)
+    start = offset(record, vertical)
+    return np.interp(record.time, vertical.time + start, vertical.acceleration, left=0.0, right=0.0)
 
 
 def uncovered(vertical: Record, record: Record) -> float:
@@ -89,20 +172,63 @@ def uncovered(vertical: Record, record: Record) -> float:
     return max(0.0, record.duration - _overlap(record, vertical))
 
 
-def _together(record: Record, vertical: Record) -> bool:
-    codes = (record.network, record.station, record.location)
-    same_station = bool(record.station) and codes == (vertical.network, vertical.station, vertical.location)
-    timed = record.start_time is not None and vertical.start_time is not None
-    same_file = record.source == vertical.source and record.station == vertical.station
-    return (same_file or (same_station and timed)) and _overlap(record, vertical) > 0.0
-
-
-def _offset(record: Record, vertical: Record) -> float:
-    if record.start_time is None or vertical.start_time is None:
+def offset(record: Record, other: Record) -> float:
+    """Start of another record after that of a record [s]; 0 where one of them is not known."""
+    if record.start_time is None or other.start_time is None:
         return 0.0
-    return (vertical.start_time - record.start_time).total_seconds()
+    return (other.start_time - record.start_time).total_seconds()
 
 
-def _overlap(record: Record, vertical: Record) -> float:
-    offset = _offset(record, vertical)
-    return min(record.duration, offset + vertical.duration) - max(0.0, offset)
+def _instrument(record: Record) -> tuple[object, ...]:
+    """What the channels of one instrument have in common."""
+    seed = _SEED.fullmatch(record.channel)
+    place = (record.station, "") if record.station else ("", record.station_name or record.source)
+    return (
+        *place,
+        record.format,
+        record.processed,
+        record.orientation == "structural",
+        seed[1] if seed else "",
+    )
+
+
+def _partners(record: Record, others: Sequence[Record]) -> list[Record]:
+    together = [other for other in others if _together(record, other)]
+    return [other for other in together if other.source == record.source] or together
+
+
+def _no_pair(record: Record, found: Sequence[Record], partners: dict[int, list[Record]]) -> str:
+    if not np.isfinite(record.azimuth):
+        return "its azimuth is unknown, so that it cannot be rotated"
+    if not found:
+        return "no second horizontal channel with a known azimuth was recorded together with it"
+    if len(found) == 1:
+        rivals = [other for other in partners[id(found[0])] if other is not record]
+        return f"{found[0].id} was recorded together with it, but also with {_listed(rivals)}: which two are a pair?"
+    return f"expected one other horizontal channel recorded together with it, found {len(found)}: {_listed(found)}"
+
+
+def _listed(records: Sequence[Record], most: int = 4) -> str:
+    names = ", ".join(record.id for record in records[:most])
+    return names if len(records) <= most else f"{names} and {len(records) - most} more"
+
+
+def _together(record: Record, other: Record) -> bool:
+    if _overlap(record, other) <= 0.0 or record.station != other.station:
+        return False
+    codes = (record.network, record.location) == (other.network, other.location)
+    timed = record.start_time is not None and other.start_time is not None
+    return record.source == other.source or (codes and timed if record.station else _by_name(record, other))
+
+
+def _by_name(record: Record, other: Record) -> bool:
+    """Whether two files that know neither time nor station code are parts of one recording."""
+    untimed = record.start_time is None and other.start_time is None
+    named = bool(record.event and record.station_name)
+    same = (record.event, record.station_name, record.dt) == (other.event, other.station_name, other.dt)
+    return untimed and named and same and PurePath(record.source).parent == PurePath(other.source).parent
+
+
+def _overlap(record: Record, other: Record) -> float:
+    start = offset(record, other)
+    return min(record.duration, start + other.duration) - max(0.0, start)

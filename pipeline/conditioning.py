@@ -22,7 +22,7 @@ from rockpulse.half_wave import half_waves
 from rockpulse.intensity import pgv
 from rockpulse.record import Record
 
-__all__ = ["BASELINES", "condition"]
+__all__ = ["BASELINES", "QUIET_LENGTH", "condition", "quiet_length"]
 
 #: The pre-event window ends where the energy about its own mean reaches this share of the whole record's.
 QUIET_SHARE = 1e-6
@@ -237,6 +237,17 @@ def _pre_event(record: Record, pre_event: float | None) -> Record:
     found = "found" if pre_event is None else "given"
     note = f"baseline: mean of the pre-event window 0 to {length:.4g} s ({found}), {mean:.4g} m/s2, subtracted"
     return _noted(record, record.acceleration - mean, note)
+
+
+def quiet_length(record: Record) -> float:
+    """Length of the pre-event window that is found in a record [s]; below `QUIET_LENGTH` it is not used.
+
+    Parameters
+    ----------
+    record : Record
+        Ground acceleration, (n,) [m/s2].
+    """
+    return max(_quiet_samples(record) - 1, 0) * record.dt
 
 
 def _quiet_samples(record: Record) -> int:

@@ -19,7 +19,7 @@ class Failure:
     file : str
         Path of the file; ``archive.zip!member`` for a member of an archive.
     stage : str
-        Where it happened: "find", "read", "select", "condition" and so on.
+        Where it happened: "find", "read", "select", "pair", "rotate", "assess".
     reason : str
         The message for the user.
     kind : {"failed", "skipped", "duplicate", "vertical", "structural"}

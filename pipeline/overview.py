@@ -20,6 +20,7 @@ __all__ = [
     "cases",
     "factor_table",
     "failure_list",
+    "fullest_model",
     "left_out",
     "overturned",
     "overview",
@@ -50,8 +51,8 @@ def value(summary: xr.Dataset, name: str, **where: Any) -> Any:
     name : str
         A variable.
     **where
-        Labels along ``record``, ``block`` and ``model``, position along ``case``; dimensions that the variable lacks
-        are passed over.
+        Labels along ``record`` (``pair``), ``block`` and ``model``, position along ``case``; dimensions that the
+        variable lacks are passed over.
     """
     if name not in summary:
         return None
@@ -169,6 +170,18 @@ def factor_table(summary: xr.Dataset, records: Sequence[str] | None = None, bloc
     return "\n".join([*_table(summary, records, blocks, cell), "", note])
 
 
+def fullest_model(summary: xr.Dataset) -> str:
+    """The model nearest to the full equation of motion.
+
+    Parameters
+    ----------
+    summary : xarray.Dataset
+        The node /summary.
+    """
+    models = [str(model) for model in summary["model"].values]
+    return "nonlinear" if "nonlinear" in models else models[-1]
+
+
 def overturned(summary: xr.Dataset) -> str:
     """What overturns: per block, the records that do it, by the fullest model in use; then the count of every model.
 
@@ -179,7 +192,7 @@ def overturned(summary: xr.Dataset) -> str:
     """
     models = [str(model) for model in summary["model"].values]
     records = [str(record) for record in summary["record"].values]
-    fullest = "nonlinear" if "nonlinear" in models else models[-1]
+    fullest = fullest_model(summary)
     lines = [f"What overturns (by the {fullest} model):"]
     rows = [["records that overturn", *models]]
     for block in (str(name) for name in summary["block"].values):
@@ -234,15 +247,20 @@ def failure_list(tree: xr.DataTree, kinds: Sequence[str] | None = None) -> str:
 
 
 def overview(tree: xr.DataTree) -> str:
-    """Verdicts, what overturns, what was left out.
+    """Verdicts, what overturns, what was left out; of a sweep over direction the median and largest instead.
 
     Parameters
     ----------
     tree : xarray.DataTree
         The results.
     """
+    from rockpulse.direction_overview import direction_table
+
     summary = tree["summary"].to_dataset()
-    parts = [verdict_table(summary), overturned(summary), left_out(tree)]
+    if "directions" in tree.children:
+        parts = [direction_table(summary, tree["directions"].to_dataset()), left_out(tree)]
+    else:
+        parts = [verdict_table(summary), overturned(summary), left_out(tree)]
     return "\n\n".join(part for part in parts if part)
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -10,11 +10,13 @@ import xarray as xr
 
 from rockpulse.bodies import Bodies
 from rockpulse.config import Config
+from rockpulse.direction_statistics import direction_statistics
+from rockpulse.directions import sweep_azimuths
 from rockpulse.failures import Failure
 from rockpulse.models.predictability import NOT_CHECKED
 from rockpulse.models.response import Outcome, Reason
 from rockpulse.scene import USED
-from rockpulse.variables import ANSWER, BLOCK, CASE, DEMAND, FAILURE, HALF_CYCLE, RECORD, WAVES, Meaning
+from rockpulse.variables import ANSWER, BLOCK, CASE, DEMAND, FAILURE, HALF_CYCLE, RECORD, WAVES, Meaning, described
 
 if TYPE_CHECKING:
     from rockpulse.assessment import RecordAssessment
@@ -23,7 +25,11 @@ __all__ = ["build_tree"]
 
 
 def build_tree(
-    done: Sequence[RecordAssessment], bodies: Bodies, config: Config, failures: Sequence[Failure]
+    done: Sequence[RecordAssessment],
+    bodies: Bodies,
+    config: Config,
+    failures: Sequence[Failure],
+    swept: Mapping[str, Sequence[str]] | None = None,
 ) -> xr.DataTree:
     """The results of all records as one tree.
 
@@ -37,12 +43,17 @@ def build_tree(
         Its text becomes an attribute.
     failures : sequence of Failure
         What was left out.
+    swept : mapping of str to sequence of str, optional
+        Name of each pair of channels that was swept over direction, and the ids of its directions.
     """
+    summary = _summary(done, bodies, config)
     groups = {
-        "/summary": _summary(done, bodies, config),
+        "/summary": summary,
         "/half_cycles": _half_cycles(done, bodies, config),
         "/failures": _table("failure", FAILURE, {name: [getattr(row, name) for row in failures] for name in FAILURE}),
     }
+    if swept is not None:
+        groups["/directions"] = direction_statistics(summary, sweep_azimuths(config.records.azimuth_step), swept)
     if config.records.store != "none":
         groups["/records"] = _records(done, config)
     tree = xr.DataTree.from_dict(groups)
@@ -67,14 +78,14 @@ def _summary(done: Sequence[RecordAssessment], bodies: Bodies, config: Config) -
     }
     variables: dict[str, xr.Variable] = {}
     for name, meaning in RECORD.items():
-        variables[name] = _variable(("record",), [one.record[name] for one in done], meaning)
+        variables[name] = described(("record",), [one.record[name] for one in done], meaning)
     for name, meaning in BLOCK.items():
-        variables[name] = _variable(("block",), block[name], meaning)
+        variables[name] = described(("block",), block[name], meaning)
     restitution = bodies.per_case(np.asarray(bodies.lanes.restitution))
-    variables["restitution"] = _variable(lanes, _squeeze(restitution, bodies), CASE["restitution"])
+    variables["restitution"] = described(lanes, _squeeze(restitution, bodies), CASE["restitution"])
     for name, meaning in DEMAND.items():
         values = np.array([one.per_block[name] for one in done]).reshape(shape)
-        variables[name] = _variable(("record", *lanes), _squeeze(values, bodies), meaning)
+        variables[name] = described(("record", *lanes), _squeeze(values, bodies), meaning)
     answers = {
         name: np.array([one.per_model[name] for one in done]).reshape(*shape, len(models))
         for name in ANSWER
@@ -84,7 +95,7 @@ def _summary(done: Sequence[RecordAssessment], bodies: Bodies, config: Config) -
     answers["capacity_pga"] = answers["safety_factor"] * pga
     for name, meaning in ANSWER.items():
         values = _squeeze(answers[name], bodies, axis=2)
-        variables[name] = _variable(("record", *lanes, "model"), values, meaning)
+        variables[name] = described(("record", *lanes, "model"), values, meaning)
     _flag(variables["pgv_drift"], ["reliable", "drift"])
     _flag(variables["outcome"], [outcome.name.lower() for outcome in Outcome])
     _flag(variables["reason"], [reason.name.lower() for reason in Reason])
@@ -98,9 +109,9 @@ def _summary(done: Sequence[RecordAssessment], bodies: Bodies, config: Config) -
         checked += "; of auto the outcome alone"
     variables["predictable"].attrs["comment"] = checked
     coords = {
-        "record": _variable(("record",), [one.scene.record.id for one in done], (str, "1", "record id")),
-        "block": _variable(("block",), bodies.names, (str, "1", "name of the body")),
-        "model": _variable(
+        "record": described(("record",), [one.scene.record.id for one in done], (str, "1", "record id")),
+        "block": described(("block",), bodies.names, (str, "1", "name of the body")),
+        "model": described(
             ("model",),
             models,
             (str, "1", "model, from the cheapest to the dearest; auto: the cheapest that answers, see model_used"),
@@ -135,17 +146,17 @@ def _records(done: Sequence[RecordAssessment], config: Config) -> xr.Dataset:
     }
     for name, meaning in WAVES.items():
         values = [getattr(w, name) for w in waves]
-        variables[f"half_wave_{name}"] = _variable(("wave",), _joined(values), meaning)
+        variables[f"half_wave_{name}"] = described(("wave",), _joined(values), meaning)
     if config.records.store == "all":
         records = [one.scene.record for one in done]
         variables["row_size"] = _ragged("sample", "record", [r.npts for r in records], "samples of each record")
-        variables["acceleration"] = _variable(
+        variables["acceleration"] = described(
             ("sample",), _joined([r.acceleration for r in records]), (float, "m s-2", "conditioned ground acceleration")
         )
     if config.models.histories:
         _add_histories(variables, done, config)
     ids = [one.scene.record.id for one in done]
-    return xr.Dataset(variables, {"record": _variable(("record",), ids, (str, "1", "record id"))})
+    return xr.Dataset(variables, {"record": described(("record",), ids, (str, "1", "record id"))})
 
 
 def _add_histories(variables: dict[str, xr.Variable], done: Sequence[RecordAssessment], config: Config) -> None:
@@ -168,20 +179,15 @@ def _add_histories(variables: dict[str, xr.Variable], done: Sequence[RecordAsses
         ("lane_index", "index into block x case of /summary, case running faster"),
         ("model_index", "index into model of /summary"),
     ):
-        variables[f"history_{name}"] = _variable(("history",), index[name], (int, "1", meaning))
-    variables["rotation"] = _variable(
+        variables[f"history_{name}"] = described(("history",), index[name], (int, "1", meaning))
+    variables["rotation"] = described(
         ("instant",), _joined(rotation), (float, "rad", "rotation at the record's samples")
     )
-    variables["velocity"] = _variable(("instant",), _joined(velocity), (float, "rad s-1", "its rate"))
+    variables["velocity"] = described(("instant",), _joined(velocity), (float, "rad s-1", "its rate"))
 
 
 def _table(dimension: str, meanings: dict[str, Meaning], columns: dict[str, Any]) -> xr.Dataset:
-    return xr.Dataset({name: _variable((dimension,), columns[name], meanings[name]) for name in meanings})
-
-
-def _variable(dims: tuple[str, ...], values: Any, meaning: Meaning) -> xr.Variable:
-    kind, units, long_name = meaning
-    return xr.Variable(dims, np.asarray(values, dtype=kind), {"units": units, "long_name": long_name})
+    return xr.Dataset({name: described((dimension,), columns[name], meanings[name]) for name in meanings})
 
 
 def _flag(variable: xr.Variable, meanings: Sequence[str], first: int = 0) -> None:
@@ -190,7 +196,7 @@ def _flag(variable: xr.Variable, meanings: Sequence[str], first: int = 0) -> Non
 
 
 def _ragged(sample_dimension: str, dimension: str, sizes: list[int], long_name: str) -> xr.Variable:
-    variable = _variable((dimension,), sizes, (int, "1", long_name))
+    variable = described((dimension,), sizes, (int, "1", long_name))
     variable.attrs["sample_dimension"] = sample_dimension
     return variable
 

@@ -25,7 +25,7 @@ from rockpulse.models.response import Outcome, Reason, Response
 from rockpulse.models.sequence import ImpulseSequence, sequence_response
 from rockpulse.record import Record
 
-__all__ = ["CHECKABLE", "MODELS", "SLENDER_MODELS", "USED", "Scene", "auto_response", "prepare"]
+__all__ = ["CHECKABLE", "MODELS", "SLENDER_MODELS", "USED", "Scene", "auto_response", "extract", "prepare"]
 
 #: Models whose motion between events is the linear one (Eqs. 1-2), stated for slenderness of at least 3.
 SLENDER_MODELS = frozenset({"resonance", "sequence", "impulsive", "linear"})
@@ -77,7 +77,24 @@ def prepare(record: Record, config: Config, vertical: Record | None = None) -> S
         Where the record cannot be conditioned or has no intense phase. Too few half-waves for a sequence are not an
         error: `sequence` is None and the record carries a warning.
     """
-    conditioned = condition(record, **config.conditioning)
+    return extract(condition(record, **config.conditioning), config, vertical)
+
+
+def extract(conditioned: Record, config: Config, vertical: Record | None = None) -> Scene:
+    """The half-waves and the sequence of a conditioned record.
+
+    Parameters
+    ----------
+    conditioned : Record
+        Conditioned already; it stays as it is.
+    config, vertical
+        As in :func:`prepare`.
+
+    Raises
+    ------
+    RockpulseError
+        As in :func:`prepare`.
+    """
     lift = None
     if vertical is not None:
         up = condition(vertical, **config.conditioning)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 from rockpulse.errors import ConfigError
@@ -22,7 +23,8 @@ __all__ = [
 
 #: The words a key knows. The modules that act on them import numba or scipy, so they are stated here once more; a test
 #: compares these with theirs.
-COMPONENTS = ("horizontal",)
+COMPONENTS = ("horizontal", "azimuth", "strongest", "sweep")
+RESPONSES = ("sensitivity", "remove")
 STORES = ("all", "half_waves", "none")
 BASELINES = ("auto", "none", "mean", "pre-event", "linear", "quadratic")
 PHASES = ("D5-95", "D5-75", "bracketed", "window")
@@ -52,10 +54,31 @@ class RecordSettings(Section):
     heading = "[records]"
     paths: tuple[str, ...] = texts()
     components: str = choice("horizontal", COMPONENTS)
+    azimuth: float | None = number(None, low=0.0, high=360.0, unit="degrees")
+    azimuth_step: float = number(10.0, low=1.0, high=90.0, unit="degrees")
+    structural: bool = flag(False)
     units: str | None = text(None)
     dt: float | None = number(None, low=0.0, above=True, unit="s")
+    response: str = choice("sensitivity", RESPONSES)
     include_vertical: bool = flag(False)
     store: str = choice("all", STORES)
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.components == "azimuth" and self.azimuth is None:
+            raise ConfigError(
+                '[records] components: "azimuth" needs the direction; give azimuth, in degrees from north'
+            )
+        if self.components != "azimuth" and self.azimuth is not None:
+            raise ConfigError(
+                f'[records] azimuth: it belongs to components = "azimuth", found components = "{self.components}"; '
+                "drop it or change components"
+            )
+        if not math.isclose(180.0 / self.azimuth_step, round(180.0 / self.azimuth_step), rel_tol=1e-9):
+            raise ConfigError(
+                f"[records] azimuth_step: expected a whole part of 180 degrees, found {self.azimuth_step:g}; "
+                "take 5, 10, 15, 22.5, 30 or 45"
+            )
 
 
 @dataclass(frozen=True)

@@ -18,6 +18,7 @@ from rockpulse.errors import RecordFormatError, RockpulseError
 from rockpulse.failures import Failure
 from rockpulse.readers import ReadOptions, read_source
 from rockpulse.readers.archive import is_archive, members
+from rockpulse.readers.renadic import join_parts
 from rockpulse.readers.source import (
     NotAcceleration,
     SourceFile,
@@ -71,7 +72,8 @@ def read_all(
     -------
     records : list of Record
         Sorted by path and channel, with distinct ids: the second of two records with one id and different content
-        has ``~2`` appended.
+        has ``~2`` appended. A record that its agency cut into files is one; see
+        `rockpulse.readers.renadic.join_parts`.
     failures : list of Failure
         Sorted by file. A file that is no acceleration record "failed" if it was named and is "skipped" if it was met
         in a folder, a glob or an archive; one that is a record and cannot be read failed in any case, and so did an
@@ -101,6 +103,7 @@ def read_all(
             on_file(str(item.path))
     records.sort(key=lambda record: (record.source, record.channel))
     records, duplicates = _without_duplicates(records)
+    records = sorted(join_parts(records), key=lambda record: (record.source, record.channel))
     return distinct_ids(records), sorted(failures + duplicates, key=lambda row: (row.file, row.reason))
 
 

@@ -2,9 +2,28 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING, Any
+
 import numpy as np
 
-__all__ = ["ANSWER", "BLOCK", "CASE", "DEMAND", "FAILURE", "HALF_CYCLE", "RECORD", "WAVES", "Meaning"]
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = [
+    "ANSWER",
+    "BLOCK",
+    "CASE",
+    "DEMAND",
+    "DIRECTION",
+    "DIRECTION_ANSWER",
+    "FAILURE",
+    "HALF_CYCLE",
+    "PAIR",
+    "RECORD",
+    "WAVES",
+    "Meaning",
+    "described",
+]
 
 #: Type, unit, long name.
 Meaning = tuple[type, str, str]
@@ -76,6 +95,48 @@ ANSWER: dict[str, Meaning] = {
     "applicable": (np.int8, "1", "whether the block is within the range of the model"),
 }
 
+DIRECTION: dict[str, Meaning] = {
+    "direction_azimuth": (float, "degree", "azimuth of the direction, clockwise from north"),
+    "record_index": (int, "1", "index into record of /summary; -1 where the direction was not assessed"),
+}
+
+PAIR: dict[str, Meaning] = {
+    "pga_median": (float, "m s-2", "median over direction of the peak ground acceleration"),
+    "pga_largest": (float, "m s-2", "largest over direction of the peak ground acceleration"),
+    "pga_azimuth": (float, "degree", "azimuth of the largest peak ground acceleration"),
+    "main_impulse_median": (float, "m s-1", "median over direction of the main impulse I"),
+    "main_impulse_largest": (float, "m s-1", "largest over direction of the main impulse I"),
+    "main_impulse_azimuth": (float, "degree", "azimuth of the largest main impulse I"),
+}
+
+DIRECTION_ANSWER: dict[str, Meaning] = {
+    "median_rotation_ratio": (
+        float,
+        "1",
+        "median over direction of the largest rotation over alpha_c; inf where half of the directions overturn, NaN "
+        "where directions without an answer could change it",
+    ),
+    "largest_rotation_ratio": (
+        float,
+        "1",
+        "largest over direction of the largest rotation over alpha_c; inf where a direction overturns, else NaN where "
+        "one has no answer",
+    ),
+    "largest_azimuth": (
+        float,
+        "degree",
+        "azimuth of the largest rotation; where several directions overturn, of the one that does so first",
+    ),
+    "overturning_share": (float, "1", "share of all directions that overturn"),
+    "unanswered_count": (int, "1", "directions without an answer"),
+    "smallest_safety_factor": (
+        float,
+        "1",
+        "smallest over direction of the safety factor; NaN where a direction has none",
+    ),
+    "safety_factor_azimuth": (float, "degree", "azimuth of the smallest safety factor; NaN without a finite one"),
+}
+
 HALF_CYCLE: dict[str, Meaning] = {
     "record_index": (int, "1", "index into record of /summary"),
     "block_index": (int, "1", "index into block of /summary"),
@@ -104,3 +165,21 @@ WAVES: dict[str, Meaning] = {
     "end": (float, "s", "its end"),
     "peak": (float, "m s-2", "its signed peak acceleration"),
 }
+
+
+def described(dims: tuple[str, ...], values: Any, meaning: Meaning) -> xr.Variable:
+    """A variable of the results with its unit and long name.
+
+    Parameters
+    ----------
+    dims : tuple of str
+        Its dimensions.
+    values : array_like
+        Its values.
+    meaning : Meaning
+        Type, unit, long name.
+    """
+    import xarray as xr
+
+    kind, units, long_name = meaning
+    return xr.Variable(dims, np.asarray(values, dtype=kind), {"units": units, "long_name": long_name})

@@ -55,7 +55,13 @@ def _run(args: argparse.Namespace) -> int:
     gather_bodies(config.blocks)  # a block that no model takes is better known before the records are read
     silent = True if args.quiet else None  # None: silent unless standard error is a terminal
     with tqdm(desc="reading", unit=" files", disable=silent) as bar:
-        records, failures = read_all(paths, config.records.units, on_file=lambda *_: bar.update(), dt=config.records.dt)
+        records, failures = read_all(
+            paths,
+            config.records.units,
+            on_file=lambda *_: bar.update(),
+            dt=config.records.dt,
+            response=config.records.response,
+        )
     tree = assess(
         records,
         config,

@@ -8,25 +8,42 @@ from rockpulse.commands.verb import Verb
 
 __all__ = ["VERB"]
 
+#: Columns of the terminal that the list stays within.
+WIDTH = 100
+#: Further lines of a format begin here.
+_INDENT = "    "
+
 
 def _run(args: argparse.Namespace) -> int:
+    from textwrap import fill
+
     from rockpulse.readers import FORMATS, UNITS
-    from rockpulse.terminal import ABSENT, aligned, paragraph
+    from rockpulse.terminal import ABSENT
+
+    def wrapped(words: str, first: str = "", indent: str = "") -> str:
+        return fill(words, WIDTH, initial_indent=first, subsequent_indent=indent, break_on_hyphens=False)
 
     read = [row for row in FORMATS if row.unit != ABSENT]
-    rows = [["name", "files", "recognised by", "unit", "processed"]]
-    rows += [[row.name, row.what, row.recognised, row.unit, row.processed] for row in read]
-    print("\n".join(aligned(rows, left=5)))
-    refused = "; ".join(row.what for row in FORMATS if row not in read)
-    print("\n" + paragraph(f"Recognised, but not read by this version: {refused}.", "  ", ""))
-    print(f"\nEvery file may be compressed with gzip or lie in a zip archive. Units: {', '.join(UNITS)}.")
+    refused = [row for row in FORMATS if row.unit == ABSENT]
+    for row in read:
+        print(wrapped(f"{row.name} - {row.what}", "", _INDENT))
+        print(wrapped(f"recognised by: {row.recognised}", _INDENT, 2 * _INDENT))
+        print(wrapped(f"unit: {row.unit}; corrected: {row.processed}; such as {row.example}", _INDENT, 2 * _INDENT))
+    if refused:
+        print("\nKnown at sight and refused with the reason:")
+        for row in refused:
+            print(wrapped(f"{row.name} - {row.what}, such as {row.example}", "  ", 2 * _INDENT))
+    print()
+    print(wrapped("Every file may be compressed with gzip or lie in a zip archive. obspy.read takes them too."))
+    print(f"Units: {', '.join(UNITS)}.")
     return 0
 
 
 VERB = Verb(
     name="formats",
     summary="list the file formats",
-    description="List the formats that are read, and the units that can be named for those that state none.",
+    description="List the formats that are read, how they are recognised, their unit, whether they are corrected "
+    "volumes, and the units that can be named for those that state none.",
     add_arguments=lambda parser: None,
     run=_run,
 )

@@ -9,7 +9,27 @@ import os
 from pathlib import Path
 from typing import BinaryIO
 
-from rockpulse.readers import at2, columns, csmip_v1, knet, miniseed, refused, sac, smc
+from rockpulse.readers import (
+    asa,
+    at2,
+    bhrc,
+    columns,
+    cosmos,
+    csmip_v1,
+    csmip_v2,
+    csmnc,
+    cwb,
+    dyna,
+    geonet,
+    knet,
+    miniseed,
+    nsmn,
+    refused,
+    renadic,
+    sac,
+    smc,
+    usc,
+)
 from rockpulse.readers.format import Format, ReadOptions
 from rockpulse.readers.source import SourceFile, Unrecognised, open_source, open_stream
 from rockpulse.readers.units import UNITS
@@ -20,6 +40,17 @@ __all__ = ["FORMATS", "UNITS", "Format", "ReadOptions", "read", "read_source"]
 #: Tried from top to bottom; the first that recognises the file reads it. The least specific comes last.
 FORMATS: tuple[Format, ...] = (
     csmip_v1.FORMAT,
+    csmip_v2.FORMAT,
+    *usc.FORMATS,
+    renadic.FORMAT,
+    bhrc.FORMAT,
+    geonet.FORMAT,
+    dyna.FORMAT,
+    cwb.FORMAT,
+    cosmos.FORMAT,
+    nsmn.FORMAT,
+    asa.FORMAT,
+    csmnc.FORMAT,
     smc.FORMAT,
     at2.FORMAT,
     knet.FORMAT,

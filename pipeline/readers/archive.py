@@ -7,27 +7,31 @@ import re
 import zipfile
 import zlib
 from collections.abc import Iterator
+from functools import lru_cache, partial
+from itertools import pairwise
 from pathlib import Path, PurePosixPath
 
 from rockpulse.errors import RecordFormatError, RecordRefused, RockpulseError
-from rockpulse.readers.source import FILE_LIMIT, HEAD, SourceFile
+from rockpulse.readers.source import FILE_LIMIT, HEAD, RATIO_LIMIT, SourceFile, archive_kind
 
-__all__ = ["MEMBER_LIMIT", "RATIO_LIMIT", "is_archive", "members"]
+__all__ = ["MEMBER_LIMIT", "TOTAL_LIMIT", "is_archive", "members"]
 
 #: An archive with more members is refused.
 MEMBER_LIMIT = 100_000
-#: Members that were compressed more than this are refused; text of numbers reaches 10, a silent channel 100.
-RATIO_LIMIT = 500
+#: An archive whose members are larger together is refused [bytes].
+TOTAL_LIMIT = 2 * 1024**3
+#: Bytes of a member's local header before its name.
+_LOCAL_HEADER = 30
 
 _NESTED = (".zip", ".gz", ".tgz", ".tar", ".bz2", ".xz", ".7z", ".rar", ".zst")
 
 
 def is_archive(path: Path) -> bool:
-    """Whether a file is a zip archive, by its first bytes or its name."""
+    """Whether a file is a zip archive, by its first bytes or its name; office documents are none."""
     if path.suffix.lower() == ".zip":
         return True
     with path.open("rb") as stream:
-        return stream.read(4) == b"PK\x03\x04"
+        return archive_kind(stream.read(HEAD)) == "a zip archive"
 
 
 def members(path: Path) -> Iterator[tuple[str, SourceFile | RockpulseError]]:
@@ -50,6 +54,8 @@ def members(path: Path) -> Iterator[tuple[str, SourceFile | RockpulseError]]:
     ------
     RecordFormatError
         If the archive itself cannot be opened.
+    RecordRefused
+        More than `MEMBER_LIMIT` members or `TOTAL_LIMIT` bytes, or members that share their bytes.
     OSError
         As the operating system says.
     """
@@ -60,8 +66,8 @@ def members(path: Path) -> Iterator[tuple[str, SourceFile | RockpulseError]]:
         raise RecordFormatError(f"{path}: damaged zip archive ({fault}); download it again") from fault
     with archive:
         entries = sorted((entry for entry in archive.infolist() if not entry.is_dir()), key=lambda e: e.filename)
-        if len(entries) > MEMBER_LIMIT:
-            raise RecordRefused(f"{path}: {len(entries)} members, the most that is read is {MEMBER_LIMIT}; split it")
+        _check_entries(str(path), entries)
+        station_files = lru_cache(maxsize=16)(partial(_station_files, archive, entries))
         for entry in entries:
             name = f"{path}!{entry.filename}"
             if _hidden(entry.filename):
@@ -71,7 +77,23 @@ def members(path: Path) -> Iterator[tuple[str, SourceFile | RockpulseError]]:
             except RockpulseError as fault:
                 yield name, fault
                 continue
-            yield name, _member(archive, entries, entry, name, content)
+            beside = partial(station_files, PurePosixPath(entry.filename).parent)
+            yield name, SourceFile(name, content[:HEAD], partial(bytes, content), beside)
+
+
+def _check_entries(path: str, entries: list[zipfile.ZipInfo]) -> None:
+    """Refuse what no archive of records is: too much of it, or members that share their bytes, which costs nothing."""
+    if len(entries) > MEMBER_LIMIT:
+        raise RecordRefused(f"{path}: {len(entries)} members, the most that is read is {MEMBER_LIMIT}; split it")
+    total = sum(entry.file_size for entry in entries)
+    if total > TOTAL_LIMIT:
+        raise RecordRefused(f"{path}: members of {total} bytes, the most that is read is {TOTAL_LIMIT}; split it")
+    by_place = sorted(entries, key=lambda entry: entry.header_offset)
+    for entry, following in pairwise(by_place):
+        if entry.header_offset + _LOCAL_HEADER + entry.compress_size > following.header_offset:
+            raise RecordRefused(
+                f"{path}: the members {entry.filename} and {following.filename} overlap in the archive; make it anew"
+            )
 
 
 def _hidden(name: str) -> bool:
@@ -112,20 +134,20 @@ def _content(archive: zipfile.ZipFile, entry: zipfile.ZipInfo, name: str) -> byt
         ) from fault
     if not content:
         raise RecordFormatError(f"{name}: the file is empty; download the archive again")
+    kind = archive_kind(content)
+    if kind:
+        raise RecordRefused(f"{name}: {kind} inside the archive; unpack the outer one first")
     return content
 
 
-def _member(
-    archive: zipfile.ZipFile, entries: list[zipfile.ZipInfo], entry: zipfile.ZipInfo, name: str, content: bytes
-) -> SourceFile:
-    folder = PurePosixPath(entry.filename).parent
-
-    def station_files() -> list[tuple[str, bytes]]:
-        beside = [
-            other
-            for other in entries
-            if other.filename.lower().endswith(".xml") and PurePosixPath(other.filename).parent == folder
-        ]
-        return [(f"{archive.filename}!{other.filename}", _content(archive, other, other.filename)) for other in beside]
-
-    return SourceFile(name, content[:HEAD], lambda: content, station_files)
+def _station_files(
+    archive: zipfile.ZipFile, entries: list[zipfile.ZipInfo], folder: PurePosixPath
+) -> list[tuple[str, bytes]]:
+    """(name, bytes) of the XML members of one folder."""
+    beside = (
+        entry
+        for entry in entries
+        if entry.filename.lower().endswith(".xml") and PurePosixPath(entry.filename).parent == folder
+    )
+    named = ((f"{archive.filename}!{entry.filename}", entry) for entry in beside)
+    return [(name, _content(archive, entry, name)) for name, entry in named]

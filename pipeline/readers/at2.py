@@ -21,17 +21,23 @@ from rockpulse.record import Record
 __all__ = ["FORMAT", "is_at2", "read_at2"]
 
 _HEADER_LIMIT = 10
-_FLOAT = r"(-?\d*\.?\d+(?:E[+-]?\d+)?)"
+_COUNT = r"(?P<count>\d+)"
+_STEP = r"(?P<step>[+-]?(?:\d+\.?\d*|\.\d+)(?:[ED][+-]?\d+)?)(?![\d.ED])"
+_BOTH = r"NPTS\s*[,;&]?\s*DT\b(?:\s*\(\w+\))?"
 #: The spellings of the line with number of points and interval.
 _COUNT_AND_STEP = [
-    re.compile(rf"NPTS\s*[=:]\s*(?P<count>\d+).*?\bDT\s*[=:]\s*(?P<step>{_FLOAT})", re.IGNORECASE),
-    re.compile(rf"\bDT\s*[=:]\s*(?P<step>{_FLOAT}).*?NPTS\s*[=:]\s*(?P<count>\d+)", re.IGNORECASE),
-    re.compile(rf"^\s*(?P<count>\d+)[\s,]+(?P<step>{_FLOAT})[\s,]+NPTS\s*,\s*DT\b", re.IGNORECASE),
-    re.compile(rf"NPTS\s*,\s*DT\s*[=:]?\s*(?P<count>\d+)[\s,]+(?P<step>{_FLOAT})", re.IGNORECASE),
+    re.compile(rf"NPTS\s*[=:]\s*{_COUNT}.*?\bDT\s*(?:\(\w+\))?\s*[=:]\s*{_STEP}", re.IGNORECASE | re.ASCII),
+    re.compile(rf"\bDT\s*(?:\(\w+\))?\s*[=:]\s*{_STEP}.*?NPTS\s*[=:]\s*{_COUNT}", re.IGNORECASE | re.ASCII),
+    re.compile(rf"^\s*{_COUNT}[\s,]+{_STEP}[\s,]+{_BOTH}", re.IGNORECASE | re.ASCII),
+    re.compile(rf"{_BOTH}\s*[=:]?\s*{_COUNT}[\s,]+{_STEP}", re.IGNORECASE | re.ASCII),
 ]
-_UNIT = re.compile(r"UNITS\s+(?:OF|ARE|:)\s*(\S+)", re.IGNORECASE)
+_MILLISECONDS = re.compile(r"(?<![a-z])m(?:illi)?s(?:ec\w*)?\b", re.IGNORECASE)
+_UNIT = re.compile(r"UNITS?\s*(?:OF|ARE|IN|IS|[:=])\s*[(\[]?([^\s)\],;]+)", re.IGNORECASE)
 _SERIES = re.compile(r"\b(ACCELERATION|VELOCITY|DISPLACEMENT)\b", re.IGNORECASE)
 _DATE = re.compile(r"\d+[/-]\d+[/-]\d+.*")
+#: First line of the files that rockpulse writes.
+_WRITTEN = re.compile(r"(\w+) RECORD, WRITTEN BY ROCKPULSE")
+_VALUE = re.compile(r"\s*[+-]?\.?\d")
 _WIDTHS = (15, 10, 16, 12, 8)
 
 
@@ -41,10 +47,15 @@ def _header_end(lines: Sequence[str]) -> int | None:
 
 
 def is_at2(head: bytes, name: str) -> bool:
-    """Whether one of the first lines names NPTS and DT."""
+    """Whether one of the first lines of a text names NPTS and DT."""
     lines = text_lines(head[:2000])
     end = _header_end(lines)
-    return end is not None and bool(re.search(r"\bDT\b", lines[end], re.IGNORECASE))
+    return end is not None and _names_both(lines[: end + 1])
+
+
+def _names_both(header: Sequence[str]) -> bool:
+    """Whether the last line of a header of text, which names NPTS, names DT."""
+    return "\x00" not in "".join(header) and bool(re.search(r"\bDT\b", header[-1], re.IGNORECASE))
 
 
 def read_at2(file: SourceFile, options: ReadOptions) -> list[Record]:
@@ -68,7 +79,10 @@ def read_at2(file: SourceFile, options: ReadOptions) -> list[Record]:
     """
     lines = text_lines(file.content)
     end = _header_end(lines)
-    assert end is not None
+    if end is None or not _names_both(lines[: end + 1]):
+        raise RecordFormatError(
+            f"{file.name}: expected NPTS and DT in one of the first {_HEADER_LIMIT} lines, found none; is it AT2?"
+        )
     unit = _unit(file.name, lines[: end + 1], options.units)
     matches = (pattern.search(lines[end]) for pattern in _COUNT_AND_STEP)
     match = next((match for match in matches if match), None)
@@ -77,10 +91,10 @@ def read_at2(file: SourceFile, options: ReadOptions) -> list[Record]:
             f"{file.name}:{end + 1}: expected 'NPTS= n, DT= s SEC' or 'n s NPTS, DT', found {lines[end].strip()!r}; "
             "write the line in one of these ways"
         )
-    count, step = int(match["count"]), float(match["step"])
-    if not (np.isfinite(step) and step > 0.0):
-        raise RecordFormatError(f"{file.name}:{end + 1}: expected a positive DT in s, found {match['step']}")
-    samples, warnings = _samples(file.name, lines, end + 1, count)
+    count, step = int(match["count"]), float(re.sub("[dD]", "e", match["step"]))
+    if not (np.isfinite(step) and step > 0.0) or _MILLISECONDS.search(lines[end]):
+        raise RecordFormatError(f"{file.name}:{end + 1}: expected a positive DT in s, found {lines[end].strip()!r}")
+    samples, warnings = _samples(file.name, lines, _first_value(lines, end + 1), count)
     title = [part.strip() for part in lines[1].split(",")] if end > 1 else [""]
     dated = len(title) > 2 and bool(_DATE.fullmatch(title[1]))
     component = re.sub(r"\s*\(.*?\)\s*$", "", title[-1]) if len(title) > 1 else ""
@@ -92,13 +106,25 @@ def read_at2(file: SourceFile, options: ReadOptions) -> list[Record]:
             step,
             unit,
             format="at2",
-            processed=True,
+            processed=_processed(lines[0]),
             component=component,
             station_name=", ".join(title[2 if dated else 1 : -1]),
             event=", ".join(title[: 2 if dated else 1]),
             warnings=warnings,
         )
     ]
+
+
+def _first_value(lines: Sequence[str], after: int) -> int:
+    """Index of the first row of numbers; a few words, such as the Fortran format, may stand before it."""
+    rows = range(after, min(len(lines), after + _HEADER_LIMIT))
+    return next((index for index in rows if _VALUE.match(lines[index])), after)
+
+
+def _processed(first_line: str) -> bool | None:
+    """Whether the record is corrected: those of PEER are, and rockpulse writes beside its own what it knows."""
+    written = _WRITTEN.match(first_line)
+    return {"CORRECTED": True, "UNCORRECTED": False}.get(written[1]) if written else True
 
 
 def _unit(name: str, header: Sequence[str], given: str | None) -> str:

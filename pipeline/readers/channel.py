@@ -3,23 +3,27 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import replace
 from datetime import UTC, datetime, timedelta
 
 import numpy as np
 
-from rockpulse.errors import RecordFormatError
+from rockpulse.errors import RecordFormatError, RecordRefused
+from rockpulse.readers.clipping import clipping_warning
 from rockpulse.readers.facing import Direction, direction
-from rockpulse.readers.source import SourceFile
+from rockpulse.readers.source import NotAcceleration, SourceFile
 from rockpulse.readers.units import UNITS, other_readings
 from rockpulse.record import STANDARD_GRAVITY, Record, record_id
 
-__all__ = ["build_record", "clock_fault"]
+__all__ = ["build_record", "clock_fault", "usable_channels"]
 
 #: A stated peak further from the data than this, and than its own rounding, is reported.
 PEAK_TOLERANCE = 0.02
 #: Peaks outside these bounds [g] are reported with the readings in other units.
 CREDIBLE_PEAK_G = (1e-6, 5.0)
+#: A longer interval [s] is reported; accelerographs take 40 to 1000 samples a second.
+CREDIBLE_INTERVAL = 0.1
 
 # Earlier than the first accelerogram of a strong earthquake (Long Beach, 11 March 1933 UTC) only a clock is wrong.
 _FIRST_YEAR = 1933
@@ -133,8 +137,12 @@ def build_record(
             "the file may be truncated: download it again"
         )
     samples_peak = float(np.max(np.abs(samples))) if original_peak is None else original_peak
-    notes = list(warnings)
+    # A reader that filters the samples has looked at them before; the words are the same.
+    clipped = [] if processed else [note for note in clipping_warning(samples, unit) if note not in warnings]
+    notes = [*warnings, *clipped]
     notes += _peak_warnings(samples_peak * abs(factor), unit, factor, header_peak, peak_rounding, samples_peak)
+    if dt > CREDIBLE_INTERVAL:
+        notes.append(f"a sampling interval of {dt:g} s is long for an accelerogram; is it in s?")
     fault = clock_fault(start_time) if start_time is not None else ""
     if fault:
         start_time = None
@@ -169,3 +177,34 @@ def build_record(
         warnings=tuple(notes),
         processing=tuple(processing),
     )
+
+
+def usable_channels(channels: Iterable[Callable[[], Record]], notes: Sequence[str] = ()) -> list[Record]:
+    """The channels of a file that can be used; each of them says which others were left out, and why.
+
+    Parameters
+    ----------
+    channels : iterable of callable
+        Reads one channel of the file each.
+    notes : sequence of str
+        Warnings that belong to all of them.
+
+    Raises
+    ------
+    RecordRefused
+        If there is none; `NotAcceleration` only if there is no acceleration at all, because that is skipped in a
+        folder, and an acceleration that cannot be used is worth an error.
+    RecordFormatError
+        For the first damaged channel.
+    """
+    records: list[Record] = []
+    refusals: list[RecordRefused] = []
+    for read_channel in channels:
+        try:
+            records.append(read_channel())
+        except RecordRefused as refusal:
+            refusals.append(refusal)
+    if not records:
+        raise next((refusal for refusal in refusals if not isinstance(refusal, NotAcceleration)), refusals[0])
+    notes = (*notes, *(f"another channel of the file is left out: {refusal}" for refusal in refusals))
+    return [replace(record, warnings=(*record.warnings, *notes)) if notes else record for record in records]

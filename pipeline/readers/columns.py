@@ -6,20 +6,20 @@ a first line ``N dt`` (the DEEPSOIL layout), or from the caller.
 
 from __future__ import annotations
 
-import io
 import re
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
 from rockpulse.errors import RecordFormatError, UnitError
 from rockpulse.readers.channel import build_record
 from rockpulse.readers.facing import BRACKET, heading_direction
-from rockpulse.readers.fields import check_count, text_lines
+from rockpulse.readers.fields import check_count, free_numbers, text_lines
 from rockpulse.readers.format import Format, ReadOptions
 from rockpulse.readers.source import NotAcceleration, SourceFile
 from rockpulse.readers.table_layout import NUMBER, Layout, find_layout, row_width, split_row
-from rockpulse.readers.time_column import agreed_step, names_time, time_column_step
+from rockpulse.readers.time_column import agreed_step, counts_rows, names_time, time_column_step
 from rockpulse.readers.units import UNITS, canonical_unit
 from rockpulse.record import Record
 
@@ -30,15 +30,24 @@ _ACCELERATION = re.compile(r"\bacc", re.IGNORECASE)
 _COUNT_AND_STEP = re.compile(r"\s*(\d+)[\s,;]+(\d*\.\d+(?:[eE][+-]?\d+)?)\s*", re.ASCII)
 
 
+_AS_PYTHON = str.maketrans({",": ".", "d": "e", "D": "e"})
+#: Rows of the table that decide whether it is one.
+_LOOK_AT = 500
+#: A series wrapped into rows looks like channels side by side; from this number of columns on, something has to tell.
+_WRAPPED = 4
+
+
 def is_columns(head: bytes, name: str) -> bool:
-    """Whether rows of numbers, all with the same number of columns, follow a short header."""
-    if b"\x00" in head:
+    """Whether rows of numbers, all with the same number of columns, follow a short header that is no other format's."""
+    from rockpulse.readers import FORMATS
+
+    if b"\x00" in head or any(row.detect(head, name) for row in FORMATS if row.detect is not is_columns):
         return False
     lines = text_lines(head)
     layout = find_layout(lines)
     if layout is None:
         return False
-    rows = [line for line in lines[layout.start :] if line.strip()]
+    rows = [line for line in lines[layout.start :] if line.strip()][:_LOOK_AT]
     # Prose may end in a number; a table with a few damaged rows is still a table.
     return 2 * sum(row_width(row) == layout.width for row in rows) >= len(rows)
 
@@ -89,9 +98,18 @@ def read_columns(file: SourceFile, options: ReadOptions) -> list[Record]:
         if len(table) > declared:
             warnings.append(f"{len(table) - declared} rows beyond the {declared} of the first line were left out")
         table = table[:declared]
+    if layout.width > 1 and counts_rows(table, layout):
+        table, layout = table[:, 1:], replace(layout, width=layout.width - 1, names=layout.names[1:])
+        warnings.append("the first column counts the rows; it was left out")
     time_step = time_column_step(file.name, table, layout, start, step if options.dt is None else options.dt)
     if time_step is not None:
         table, names = table[:, 1:], layout.names[1:]
+    elif layout.width >= _WRAPPED and not layout.names:
+        raise RecordFormatError(
+            f"{file.name}:{start + 1}: expected a time column, headings, or at most {_WRAPPED - 1} columns, found "
+            f"{layout.width} columns of numbers: channels side by side, or one series in rows of {layout.width}? "
+            "Write one value to a line, or name the columns in a line above them"
+        )
     else:
         names = layout.names
     step = agreed_step(file.name, {"time column": time_step, "first line": step, "option dt": options.dt})
@@ -123,38 +141,21 @@ def _count_and_step(name: str, lines: Sequence[str], layout: Layout) -> tuple[in
 
 
 def _as_float(text: str) -> float:
-    return float(text.replace(",", "."))
+    return float(text.translate(_AS_PYTHON))
 
 
 def _table(name: str, lines: Sequence[str], layout: Layout, start: int) -> np.ndarray:
     """(n, columns) numbers of the file."""
-    import pandas as pd
-
-    rows = [line.strip().rstrip(layout.delimiter) if layout.delimiter else line.strip() for line in lines[start:]]
-    if layout.delimiter == "," and not any("." in row for row in rows) and layout.width == 2:
+    rows = lines[start:]
+    if layout.delimiter == "," and layout.width == 2 and not any("." in row for row in rows):
         raise RecordFormatError(
             f"{name}:{start + 1}: expected to know whether a comma separates columns or marks decimals, found "
-            f"{rows[0]!r} and no point in any row; write decimal points, or separate the columns with ';'"
+            f"{rows[0].strip()!r} and no point in any row; write decimal points, or separate the columns with ';'"
         )
-    fault = RecordFormatError(f"{name}:{start + 1}: the rows cannot be read as {layout.width} columns of numbers")
-    try:
-        frame = pd.read_csv(
-            io.StringIO("\n".join(rows)),
-            header=None,
-            names=range(layout.width),
-            index_col=False,
-            sep=layout.delimiter or r"\s+",
-            decimal=layout.decimal,
-            dtype=float,
-            on_bad_lines="error",
-        )
-        values = frame.to_numpy()
-    except (ValueError, pd.errors.ParserError) as error:
-        fault = RecordFormatError(f"{fault} ({error})")
-        values = np.full((1, layout.width), np.nan)
-    widths_differ = any(len(row.split(layout.delimiter)) != layout.width for row in rows if row)
-    if not widths_differ and np.all(np.isfinite(values)):
-        return values
+    table = _numbers(rows, layout)
+    if table is not None:
+        return table
+    rows = [row.strip().rstrip(layout.delimiter) if layout.delimiter else row.strip() for row in rows]
     for index, row in enumerate(rows):
         fields = split_row(row, layout.delimiter)
         finite = all(NUMBER.fullmatch(field) and np.isfinite(_as_float(field)) for field in fields)
@@ -163,7 +164,38 @@ def _table(name: str, lines: Sequence[str], layout: Layout, start: int) -> np.nd
                 f"{name}:{start + index + 1}: expected {layout.width} finite numbers, found {row[:80]!r}; "
                 "repair the line or cut the record there"
             )
-    raise fault
+    # Blank rows and separators at the end of a row do no harm.
+    table = _numbers([row for row in rows if row], layout)
+    if table is None:
+        raise RecordFormatError(
+            f"{name}:{start + 1}: the rows cannot be read as {layout.width} columns of numbers; write them with one "
+            "separator and one decimal mark"
+        )
+    return table
+
+
+def _numbers(rows: Sequence[str], layout: Layout) -> np.ndarray | None:
+    """(n, columns) All rows at once; None unless every row has its separators and its numbers."""
+    text = "\n".join(rows).replace('"', " ")
+    if not text or not text.isascii():
+        return None
+    codes = np.frombuffer(text.encode(), dtype=np.uint8)
+    starts = np.append(0, np.flatnonzero(codes == ord("\n")) + 1)
+    if layout.delimiter:
+        separators = np.add.reduceat(codes == ord(layout.delimiter), starts, dtype=np.intp)
+        if np.any(separators != layout.width - 1):
+            return None
+        text = text.replace(layout.delimiter, " ")
+    filled = np.frombuffer(text.encode(), dtype=np.uint8) > ord(" ")
+    begins = filled & ~np.append(False, filled[:-1])
+    if np.any(np.add.reduceat(begins, starts, dtype=np.intp) != layout.width):
+        return None
+    try:
+        return free_numbers([text.replace(",", ".") if layout.decimal == "," else text], 1, "").reshape(
+            -1, layout.width
+        )
+    except RecordFormatError:
+        return None
 
 
 def _channels(

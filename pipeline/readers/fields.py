@@ -9,24 +9,28 @@ import numpy as np
 
 from rockpulse.errors import RecordFormatError
 
-__all__ = ["check_count", "fixed_width", "free_numbers", "printed_number", "text_lines"]
+__all__ = ["check_count", "fixed_width", "free_numbers", "free_rows", "printed_number", "text_lines"]
 
 _NUMBER_BYTES = b" \t0123456789+-.eEdD"
 _FORTRAN_EXPONENT = bytes.maketrans(b"dD", b"ee")
 _FORTRAN_EXPONENT_TEXT = str.maketrans("dD", "ee")
-_NUMBER = re.compile(r"\s*[+-]?(\d+\.?\d*|\.\d+)([eEdD][+-]?\d+)?\s*", re.ASCII)
+_NUMBER = re.compile(r"\s*[+-]?(\d+(\.\d*)?|\.\d+)([eEdD][+-]?\d+)?\s*", re.ASCII)
 
 
 def text_lines(content: bytes) -> list[str]:
-    """Lines of an engineering text file, which may come from any agency and decade.
+    """Lines of an engineering text file, at least one; it may come from any agency and decade.
 
-    Latin-1 maps every byte to a character, so no degree sign or Turkish name in a header stops the reading.
+    Text that is no UTF-8 is taken as Latin-1, which maps every byte to a character: no degree sign or Turkish name in a
+    header stops the reading. Lines end in LF, CRLF or a lone CR; blank lines and Ctrl-Z at the end are left out.
     """
-    text = content.decode("latin-1").rstrip("\x1a\x00")
-    lines = re.split(r"\r*\n|\r", text)
-    while lines and not lines[-1].strip():
-        lines.pop()
-    return lines
+    content = content.rstrip(b"\x1a\x00 \t\r\n").replace(b"\r\n", b"\n")
+    if b"\r" in content:
+        content = re.sub(rb"\r+\n|\r", b"\n", content)
+    try:
+        text = content.decode("utf-8")
+    except UnicodeDecodeError:
+        text = content.decode("latin-1")
+    return text.split("\n")
 
 
 def printed_number(text: str) -> tuple[float, float]:
@@ -62,7 +66,7 @@ def check_count(where: str, declared: int, available: int, unit: str = "samples"
 def _to_float(fields: Sequence[bytes] | np.ndarray, where: str, located: Iterator[tuple[int, str]]) -> np.ndarray:
     """Convert all fields at once; only when that fails look for the one to blame."""
     try:
-        values = np.array(fields).astype(float)
+        values = np.asarray(fields).astype(float) if isinstance(fields, np.ndarray) else np.array(fields, dtype=float)
     except ValueError:
         values = np.array([np.nan])
     if np.all(np.isfinite(values)):
@@ -70,10 +74,15 @@ def _to_float(fields: Sequence[bytes] | np.ndarray, where: str, located: Iterato
     for line, field in located:
         if not _NUMBER.fullmatch(field) or not np.isfinite(float(field.translate(_FORTRAN_EXPONENT_TEXT))):
             raise RecordFormatError(
-                f"{where}:{line}: expected a finite number, found {field.strip() or 'a blank field'!r}; "
+                f"{where}:{line}: expected a finite number, found {field.strip()[:40] or 'a blank field'!r}; "
                 "repair the line or download the file again"
             )
     raise RecordFormatError(f"{where}: the numbers cannot be converted; download the file again")
+
+
+def _plain_ascii(text: str) -> bytes:
+    """The text as bytes, one for each character, where nothing that is no ASCII can pass for part of a number."""
+    return text.encode("ascii", errors="replace")
 
 
 def fixed_width(lines: Sequence[str], first: int, width: int, per_row: int, count: int, where: str) -> np.ndarray:
@@ -102,29 +111,45 @@ def fixed_width(lines: Sequence[str], first: int, width: int, per_row: int, coun
     RecordFormatError
         Too few numbers, a row of another length, a field that is no finite number.
     """
-    rows = -(-count // per_row)
-    block = [line.rstrip() for line in lines[: max(rows, 0)]]
-    available = sum(-(-len(row) // width) for row in block)
-    check_count(f"{where}:{first + len(block)}", count, available, "numbers")
-    last = count - (rows - 1) * per_row
-    full = width * per_row
-    for index, row in enumerate(block):
-        expected = full if index < rows - 1 else max(last * width, len(row))
-        if len(row) != expected or len(row) > full:
-            raise RecordFormatError(
-                f"{where}:{first + index}: expected {per_row if index < rows - 1 else last} fields of {width} "
-                f"characters, found a row of {len(row)} characters; the line is damaged: download the file again"
-            )
-    joined = "".join(block)[: count * width].encode("latin-1")
-    located = (
-        (first + index // per_row, joined[index * width : (index + 1) * width].decode("latin-1"))
-        for index in range(count)
-    )
+    if width < 1 or per_row < 1:
+        raise RecordFormatError(
+            f"{where}: expected fields of at least 1 character, at least 1 in a row, found {per_row} of {width} from "
+            f"line {first} on; the header is damaged: download the file again"
+        )
+    rows = max(-(-count // per_row), 0)
+    full, last = width * per_row, count - (rows - 1) * per_row
+    block = list(lines[:rows])
+    if not block or len(block) < rows or set(map(len, block[:-1])) - {full} or len(block[-1].rstrip()) != last * width:
+        block = [row.rstrip() for row in block]
+        _check_rows(block, first, width, per_row, count, where)
+    text = "".join(block)[: count * width]
+    joined = _plain_ascii(text)
+    located = ((first + index // per_row, text[index * width : (index + 1) * width]) for index in range(count))
     if joined.translate(None, _NUMBER_BYTES):
         fields: np.ndarray = np.array([b"nan"])
     else:
         fields = np.frombuffer(joined.translate(_FORTRAN_EXPONENT), dtype=f"S{width}")
     return _to_float(fields, where, located)
+
+
+def _check_rows(block: Sequence[str], first: int, width: int, per_row: int, count: int, where: str) -> None:
+    """Blame a row of another length than its fields, or their number; rows come without blanks at the end."""
+    rows = -(-count // per_row)
+    full = width * per_row
+    for index, row in enumerate(block):
+        if index == len(block) - 1:
+            # The end of a truncated file.
+            available = index * per_row + -(-len(row) // width)
+            check_count(f"{where}:{first + len(block)}", count, available, "numbers")
+        last = index == rows - 1
+        fields = count - index * per_row if last else per_row
+        if len(row) > full or (len(row) < fields * width if last else len(row) != full):
+            raise RecordFormatError(
+                f"{where}:{first + index}: expected {fields} fields of {width} characters, found a row of {len(row)} "
+                "characters; the line is damaged: download the file again"
+            )
+    if not block:
+        check_count(f"{where}:{first}", count, 0, "numbers")
 
 
 def free_numbers(lines: Sequence[str], first: int, where: str) -> np.ndarray:
@@ -149,8 +174,38 @@ def free_numbers(lines: Sequence[str], first: int, where: str) -> np.ndarray:
     RecordFormatError
         A field that is no finite number.
     """
-    joined = "\n".join(lines).encode("latin-1")
+    joined = _plain_ascii("\n".join(lines))
     located = ((first + index, field) for index, line in enumerate(lines) for field in line.split())
     if joined.translate(None, _NUMBER_BYTES + b"\n\r\f\v"):
         return _to_float([b"nan"], where, located)
     return _to_float(joined.translate(_FORTRAN_EXPONENT).split() or np.empty(0), where, located)
+
+
+def free_rows(lines: Sequence[str], first: int, columns: int, where: str) -> np.ndarray:
+    """Rows of numbers separated by blanks, the same count in each.
+
+    Parameters
+    ----------
+    lines, first, where
+        As in `free_numbers`.
+    columns : int
+        Numbers in a row.
+
+    Returns
+    -------
+    (rows, columns) ndarray
+        The numbers.
+
+    Raises
+    ------
+    RecordFormatError
+        A row of another length, a field that is no finite number.
+    """
+    counts = [len(line.split()) for line in lines]
+    if counts.count(columns) != len(counts):
+        row = next(index for index, count in enumerate(counts) if count != columns)
+        raise RecordFormatError(
+            f"{where}:{first + row}: expected a row of {columns}, found {lines[row][:60].strip()!r}; "
+            "the line is damaged: download the file again"
+        )
+    return free_numbers(lines, first, where).reshape(-1, columns)

@@ -12,9 +12,10 @@ import numpy as np
 
 from rockpulse.errors import RecordFormatError
 from rockpulse.readers.channel import build_record
+from rockpulse.readers.clipping import clipping_warning
 from rockpulse.readers.fields import check_count, free_numbers, printed_number, text_lines
 from rockpulse.readers.format import Format, ReadOptions
-from rockpulse.readers.obspy_bridge import clipping_warning, obspy_stream, utc_time
+from rockpulse.readers.obspy_bridge import obspy_stream, utc_time
 from rockpulse.readers.source import SourceFile
 from rockpulse.readers.units import UNITS
 from rockpulse.record import Record
@@ -58,7 +59,8 @@ def read_knet(file: SourceFile, options: ReadOptions) -> list[Record]:
         )
     # Names the line of a damaged number, which obspy does not.
     free_numbers(lines[_HEADER_LINES:], _HEADER_LINES + 1, file.name)
-    (trace,), notes = obspy_stream(file, "KNET")
+    # obspy takes ASCII and LF only.
+    (trace,), notes = obspy_stream(file, "KNET", "\n".join([*lines, ""]).encode("ascii", errors="replace"))
     stats = trace.stats
     expected = float(stats.knet.duration) * float(stats.sampling_rate)
     if not 0.0 < expected < len(file.content):

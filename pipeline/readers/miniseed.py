@@ -3,22 +3,28 @@
 from __future__ import annotations
 
 import io
-from dataclasses import replace
+from functools import lru_cache, partial
 from typing import Any
 
 import numpy as np
 
 from rockpulse.errors import RecordFormatError, RecordRefused
-from rockpulse.readers.channel import Direction, build_record
+from rockpulse.readers.channel import build_record, usable_channels
+from rockpulse.readers.clipping import clipping_warning
 from rockpulse.readers.format import Format, ReadOptions
-from rockpulse.readers.obspy_bridge import clipping_warning, obspy_stream, seed_direction, utc_time
-from rockpulse.readers.source import NotAcceleration, SourceFile
+from rockpulse.readers.instrument import sensitivity_factor, without_response
+from rockpulse.readers.obspy_bridge import obspy_stream, seed_direction, utc_time
+from rockpulse.readers.source import SourceFile
 from rockpulse.record import Record
 
-__all__ = ["FORMAT", "is_miniseed", "read_miniseed"]
+__all__ = ["FORMAT", "PROCESSED", "is_miniseed", "read_miniseed"]
 
-#: Input units of an accelerometer's response, and m/s2 per unit.
-_ACCELERATION_UNITS = {"M/S**2": 1.0, "M/S^2": 1.0, "M/S/S": 1.0, "M/S2": 1.0, "CM/S**2": 0.01, "CM/S^2": 0.01}
+#: Descriptions of a StationXML channel that rockpulse writes beside its own miniSEED, and `Record.processed`.
+PROCESSED = {
+    "corrected accelerogram, written by rockpulse": True,
+    "raw accelerogram, written by rockpulse": False,
+    "accelerogram, raw or corrected unknown, written by rockpulse": None,
+}
 
 
 def is_miniseed(head: bytes, name: str) -> bool:
@@ -41,7 +47,7 @@ def read_miniseed(file: SourceFile, options: ReadOptions) -> list[Record]:
     Raises
     ------
     NotAcceleration
-        If all channels record velocity or displacement.
+        If all channels record velocity or displacement, and `response` is not "remove".
     RecordRefused
         Gaps, overlaps, counts without a gain.
     RecordFormatError
@@ -58,68 +64,80 @@ def read_miniseed(file: SourceFile, options: ReadOptions) -> list[Record]:
     groups: dict[str, list[Any]] = {}
     for trace in stream:
         groups.setdefault(trace.id, []).append(trace)
-    records: list[Record] = []
-    refusals: list[RecordRefused] = []
-    for number, traces in enumerate(groups.values(), start=1):
-        try:
-            records.append(_miniseed_channel(file, traces, number))
-        except RecordRefused as refusal:
-            refusals.append(refusal)
-    if not records:
-        # Velocity channels beside each other are skipped together; one unusable acceleration is worth an error.
-        raise next((refusal for refusal in refusals if not isinstance(refusal, NotAcceleration)), refusals[0])
-    notes += [f"another channel of the file is left out: {refusal}" for refusal in refusals]
-    return [replace(record, warnings=(*record.warnings, *notes)) if notes else record for record in records]
+    channels = (
+        partial(_miniseed_channel, file, traces, number, options)
+        for number, traces in enumerate(groups.values(), start=1)
+    )
+    return usable_channels(channels, notes)
 
 
-def _miniseed_channel(file: SourceFile, traces: list[Any], number: int) -> Record:
+def _miniseed_channel(file: SourceFile, traces: list[Any], number: int, options: ReadOptions) -> Record:
     trace = traces[0]
     stats = trace.stats
+    where = f"{file.name}: {trace.id}"
     if len(traces) > 1:
         raise RecordRefused(
-            f"{file.name}: {trace.id} has {len(traces) - 1} gaps or overlaps, the first at {stats.endtime}; "
+            f"{where} has {len(traces) - 1} gaps or overlaps, the first at {stats.endtime}; "
             "cut a part without gaps, or download the record again"
         )
-    factor, facing = _gain(file, trace)
+    channel = _station_channel(file, trace, full=options.response == "remove")
     counts = np.asarray(trace.data)
+    samples = counts.astype(float)
+    warnings, processing = [], []
+    if options.response == "remove":
+        removed = without_response(where, samples, float(stats.delta), channel.response)
+        samples, factor, processing = removed.samples, removed.factor, [removed.note]
+        warnings = [*clipping_warning(counts), *removed.warnings]
+    else:
+        factor = sensitivity_factor(where, channel.response)
     return build_record(
         file,
         number,
-        counts.astype(float),
+        samples,
         float(stats.delta),
         "counts",
         factor=factor,
         format="miniseed",
-        processed=False,
+        processed=PROCESSED.get(channel.description, False),
         component=stats.channel,
-        facing=facing,
+        facing=seed_direction(stats.channel, channel.azimuth, channel.dip),
         channel=stats.channel,
         network=stats.network,
         station=stats.station,
         location=stats.location,
         start_time=utc_time(file, stats.starttime),
-        warnings=clipping_warning(counts),
+        warnings=warnings,
+        processing=processing,
     )
 
 
-def _gain(file: SourceFile, trace: Any) -> tuple[float, Direction]:
-    """m/s2 per count and the direction, from the epoch of the StationXML channel that holds the whole record."""
+@lru_cache(maxsize=4)
+def _inventory(name: str, content: bytes) -> Any:
+    """A StationXML file; it serves all channels of a station, and a parse costs tens of milliseconds."""
     import obspy
 
+    try:
+        return obspy.read_inventory(io.BytesIO(content), format="STATIONXML")
+    except Exception as fault:  # lxml, ValueError, TypeError: whatever the damaged element leads to
+        raise RecordFormatError(f"{name}: cannot be read as StationXML: {fault}") from fault
+
+
+def _station_channel(file: SourceFile, trace: Any, full: bool) -> Any:
+    """The one StationXML channel whose epoch holds the whole record, with its response.
+
+    Several are one if they tell the same: the same sensitivity, or where `full`, the same response.
+    """
     stats = trace.stats
     looked: list[str] = []
-    found: dict[tuple[float, str], Any] = {}
+    found: list[Any] = []
     for name, content in file.station_files():
-        # A parse costs 10 ms; a folder may hold hundreds of stations.
         if stats.station.encode() not in content:
             continue
         looked.append(name)
         try:
-            inventory = obspy.read_inventory(io.BytesIO(content), format="STATIONXML")
-        except Exception as fault:  # lxml, ValueError, TypeError: whatever the damaged element leads to
-            raise RecordFormatError(
-                f"{name}: cannot be read as StationXML: {fault}; it is needed for {file.name}"
-            ) from fault
+            inventory = _inventory(name, content)
+        except RecordFormatError as fault:
+            raise RecordFormatError(f"{fault}; it is needed for {file.name}") from fault
         matching = inventory.select(stats.network, stats.station, stats.location, stats.channel)
         for channel in (channel for network in matching for station in network for channel in station):
             begins, ends = channel.start_date, channel.end_date
@@ -127,25 +145,27 @@ def _gain(file: SourceFile, trace: Any) -> tuple[float, Direction]:
                 continue
             sensitivity = channel.response.instrument_sensitivity if channel.response else None
             if sensitivity is not None and sensitivity.value:
-                found[float(sensitivity.value), str(sensitivity.input_units).upper()] = channel
+                found.append(channel)
     if not found:
         raise RecordRefused(
             f"{file.name}: {trace.id} is in counts and no sensitivity for {stats.starttime} to {stats.endtime} was "
             f"found ({'looked in ' + ', '.join(looked) if looked else 'no StationXML file of the station'}); "
             "put the station's StationXML with responses into the same folder"
         )
-    if len(found) > 1:
+    different = [channel for channel in found[1:] if not _tell_the_same(found[0].response, channel.response, full)]
+    if different:
         raise RecordRefused(
-            f"{file.name}: {trace.id} has {len(found)} different sensitivities for one time in "
-            f"{', '.join(looked)}; keep the right StationXML only"
+            f"{file.name}: {trace.id} has {1 + len(different)} different {'responses' if full else 'sensitivities'} "
+            f"for one time in {', '.join(looked)}; keep the right StationXML only"
         )
-    (((value, input_unit), channel),) = found.items()
-    if input_unit not in _ACCELERATION_UNITS:
-        raise NotAcceleration(
-            f"{file.name}: {trace.id} records {input_unit}, expected an acceleration (M/S**2); "
-            "use the accelerometer channel of the station (code ending in NE, NN, NZ)"
-        )
-    return _ACCELERATION_UNITS[input_unit] / value, seed_direction(stats.channel, channel.azimuth, channel.dip)
+    return found[-1]
+
+
+def _tell_the_same(one: Any, other: Any, full: bool) -> bool:
+    if full:
+        return bool(one == other)
+    first, second = one.instrument_sensitivity, other.instrument_sensitivity
+    return bool(first.value == second.value and str(first.input_units).upper() == str(second.input_units).upper())
 
 
 FORMAT = Format(

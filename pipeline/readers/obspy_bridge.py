@@ -7,25 +7,24 @@ import warnings as python_warnings
 from datetime import UTC, datetime
 from typing import Any
 
-import numpy as np
-
 from rockpulse.errors import RecordFormatError
 from rockpulse.readers.facing import Direction, direction
 from rockpulse.readers.source import SourceFile
 
-__all__ = ["clipping_warning", "obspy_stream", "seed_direction", "utc_time"]
-
-_CLIPPED_RUN = 5
+__all__ = ["obspy_stream", "seed_direction", "utc_time"]
 
 
-def obspy_stream(file: SourceFile, format: str) -> tuple[Any, list[str]]:
-    """The obspy Stream of a file and obspy's warnings; whatever it raises becomes a `RecordFormatError`."""
+def obspy_stream(file: SourceFile, format: str, content: bytes | None = None) -> tuple[Any, list[str]]:
+    """The obspy Stream of a file and obspy's warnings; whatever it raises becomes a `RecordFormatError`.
+
+    `content`, where given, is what obspy gets to see in place of the bytes of the file.
+    """
     import obspy
 
     try:
         with python_warnings.catch_warnings(record=True) as caught:
             python_warnings.simplefilter("always")
-            stream = obspy.read(io.BytesIO(file.content), format=format)
+            stream = obspy.read(io.BytesIO(file.content if content is None else content), format=format)
             # Joins what fits together exactly; a gap keeps its traces apart.
             stream.merge(-1)
     except Exception as fault:  # the plugins raise anything from TypeError to bare Exception on damaged bytes
@@ -34,20 +33,12 @@ def obspy_stream(file: SourceFile, format: str) -> tuple[Any, list[str]]:
         ) from fault
     if len(stream) == 0:
         raise RecordFormatError(f"{file.name}: no waveform in the file; download it again")
+    for trace in stream:  # refuses times that obspy itself cannot print
+        utc_time(file, trace.stats.starttime)
+        utc_time(file, trace.stats.endtime)
     # Deprecations inside obspy are no news about the record.
     notes = [f"obspy: {item.message}" for item in caught if not issubclass(item.category, DeprecationWarning)]
     return stream, notes
-
-
-def clipping_warning(counts: np.ndarray) -> list[str]:
-    """A warning where the recorder stays at its largest or smallest count."""
-    for edge in (counts.max(), counts.min()):
-        at = np.flatnonzero(counts == edge)
-        runs = np.split(at, np.flatnonzero(np.diff(at) != 1) + 1)
-        longest = max(len(run) for run in runs)
-        if longest >= _CLIPPED_RUN and longest < counts.size and edge != 0:
-            return [f"{longest} samples in a row at the extreme count {edge}: the record may be clipped"]
-    return []
 
 
 def utc_time(file: SourceFile, moment: Any) -> datetime:

@@ -71,7 +71,11 @@ def read_smc(file: SourceFile, options: ReadOptions) -> list[Record]:
     """
     lines = text_lines(file.content)
     title = _TITLE.match(lines[0])
-    assert title is not None
+    if title is None:
+        raise RecordFormatError(
+            f"{file.name}:1: expected the kind of series, '2 CORRECTED ACCELEROGRAM' and the like, found "
+            f"{lines[0][:40]!r}; is it an SMC file?"
+        )
     kind = title[1]
     if kind not in "12":
         raise NotAcceleration(

@@ -11,7 +11,7 @@ __all__ = ["NUMBER", "Layout", "find_layout", "row_width", "split_row"]
 _HEADER_LIMIT = 60
 _LOOK_AHEAD = 5
 #: A field that is meant as a number, whether finite or not.
-NUMBER = re.compile(r"[+-]?(?:\d+[.,]?\d*|[.,]\d+)(?:[eE][+-]?\d+)?|nan|[+-]?inf", re.IGNORECASE | re.ASCII)
+NUMBER = re.compile(r"[+-]?(?:\d+[.,]?\d*|[.,]\d+)(?:[eEdD][+-]?\d+)?|nan|[+-]?inf", re.IGNORECASE | re.ASCII)
 
 
 @dataclass(frozen=True)
@@ -51,7 +51,9 @@ def _find_delimiter(line: str) -> str | None:
     if ";" in line:
         return ";"
     fields = line.split()
-    comma_decimals = len(fields) > 1 and all(re.fullmatch(r"[+-]?\d*,\d+(?:[eE][+-]?\d+)?", field) for field in fields)
+    comma_decimals = len(fields) > 1 and all(
+        re.fullmatch(r"[+-]?\d*,\d+(?:[eEdD][+-]?\d+)?", field) for field in fields
+    )
     return "," if "," in line and not comma_decimals else None
 
 

@@ -19,6 +19,7 @@ UNITS: dict[str, float] = {
     "g/10": STANDARD_GRAVITY / 10.0,
 }
 
+_RAISED = str.maketrans("⁻²", "-2")
 _CREDIBLE_PGA_G = (1e-3, 3.0)
 
 
@@ -28,7 +29,8 @@ def canonical_unit(text: str, where: str) -> str:
     Parameters
     ----------
     text : str
-        Unit as written: case, blanks, a final dot, ``^``, ``**``, ``sec`` and ``/s/s`` make no difference.
+        Unit as written: case, blanks, a final dot, ``^``, ``**``, ``sec``, ``/s/s``, ``s-2`` and a raised 2 make no
+        difference.
     where : str
         ``file:line`` or the name of the option, for the message.
 
@@ -42,9 +44,9 @@ def canonical_unit(text: str, where: str) -> str:
     >>> canonical_unit("CM/SEC/SEC", "example.V2:46")
     'cm/s2'
     """
-    unit = re.sub(r"[\s^*]|\.$", "", text.strip().lower())
+    unit = re.sub(r"[\s^*]|\.$", "", text.strip().lower().translate(_RAISED))
     unit = re.sub(r"sec(ond)?s?", "s", unit)
-    unit = re.sub(r"/s/s$", "/s2", unit)
+    unit = re.sub(r"/s/s$|[.·]?s-2$", "/s2", unit)
     unit = {"gals": "gal", "(g)": "g"}.get(unit, unit)
     if unit not in UNITS:
         raise UnitError(f"{where}: unknown unit of acceleration {text!r}; expected one of {', '.join(UNITS)}")

@@ -1,11 +1,11 @@
-"""Which vertical channel belongs to a horizontal one, and its samples."""
+"""Which channels belong together: the vertical one to a horizontal one, and two horizontal ones as a pair."""
 
 from datetime import UTC, datetime, timedelta
 
 import numpy as np
 import pytest
 
-from rockpulse.components import align, matching_vertical, uncovered
+from rockpulse.components import align, find_pairs, matching_vertical, select_horizontal, uncovered
 from rockpulse.record import Record
 
 START = datetime(2019, 7, 6, 3, 19, 53, tzinfo=UTC)
@@ -68,3 +68,131 @@ def test_without_times_only_the_same_file_matches():
 def test_unknown_station_never_matches_another_file():
     blank = record("horizontal", station="")
     assert matching_vertical(blank, [record("vertical", station="", source="b.v1")]) is None
+
+
+def horizontal(azimuth, **options):
+    options = {
+        "source": "a.v1",
+        "station": "CCC",
+        "start_time": START,
+        "format": "csmip-v1",
+        "processed": True,
+    } | options
+    options = {"channel": f"{azimuth:g}", "id": f"{options['station']}.{azimuth:g}.{options['source']}"} | options
+    return Record(np.arange(100.0), 0.01, orientation="horizontal", network="CI", azimuth=azimuth, **options)
+
+
+def pairs_of(*records):
+    pairs, failures = find_pairs(records)
+    return [tuple(channel.id for channel in pair.channels) for pair in pairs], failures
+
+
+def test_two_channels_of_a_file_are_a_pair_and_files_do_not_mix():
+    found, failures = pairs_of(*(horizontal(z, source=s) for s in ("a.v1", "b.v1") for z in (90.0, 0.0)))
+    assert found == [("CCC.90.a.v1", "CCC.0.a.v1"), ("CCC.90.b.v1", "CCC.0.b.v1")]
+    assert not failures
+
+
+def test_two_files_of_a_station_that_overlap_in_time_are_a_pair():
+    later = START + timedelta(seconds=0.3)
+    found, _ = pairs_of(horizontal(90.0, source="e.smc"), horizontal(0.0, source="n.smc", start_time=later))
+    assert found == [("CCC.90.e.smc", "CCC.0.n.smc")]
+
+
+@pytest.mark.parametrize(
+    "other",
+    [
+        {"start_time": START + timedelta(seconds=1.5)},
+        {"start_time": None},
+        {"station": "CLC"},
+        {"location": "10"},
+        {"format": "smc"},
+        {"processed": False},
+    ],
+    ids=lambda other: next(iter(other)),
+)
+def test_what_was_not_recorded_together_is_no_pair(other):
+    found, failures = pairs_of(horizontal(90.0, source="e"), horizontal(0.0, source="n", **other))
+    assert not found
+    assert [failure.stage for failure in failures] == ["pair", "pair"]
+    assert all("no second horizontal channel" in failure.reason for failure in failures)
+    assert all('components = "horizontal" assesses it as it was recorded' in failure.reason for failure in failures)
+
+
+def test_sensors_of_one_station_keep_to_themselves():
+    codes = {"HNE": 90.0, "HNN": 0.0, "BNE": 90.0, "BNN": 0.0}
+    found, _ = pairs_of(*(horizontal(z, source=f"{c}.mseed", channel=c, id=c) for c, z in codes.items()))
+    assert found == [("HNE", "HNN"), ("BNE", "BNN")]
+
+
+def test_three_channels_of_a_building_are_no_pair_whatever_their_order():
+    roof = [horizontal(z, id=f"ch{n}", channel=str(n)) for n, z in enumerate((0.0, 90.0, 0.0), 1)]
+    for order in (roof, roof[::-1]):
+        found, failures = pairs_of(*order)
+        assert not found
+        assert sorted(failure.reason.split(":")[0] for failure in failures) == ["ch1", "ch2", "ch3"]
+        assert all("expected one other horizontal channel" in failure.reason for failure in failures)
+        assert all("found 2: " in failure.reason for failure in failures)
+
+
+def test_a_stray_file_beside_a_pair_does_not_part_it():
+    found, failures = pairs_of(horizontal(90.0), horizontal(0.0), horizontal(45.0, source="stray.v1"))
+    assert found == [("CCC.90.a.v1", "CCC.0.a.v1")]
+    assert "stray.v1: expected one other horizontal channel" in failures[0].reason
+
+
+def test_one_channel_cannot_serve_two():
+    """A long file of one direction, two short ones of the other, one after the other."""
+    short = [
+        horizontal(0.0, source=name, start_time=START + timedelta(seconds=wait))
+        for name, wait in (("n1", -0.6), ("n2", 0.6))
+    ]
+    found, failures = pairs_of(horizontal(90.0, source="e"), *short)
+    assert not found
+    assert len(failures) == 3
+    assert "recorded together with it, but also with CCC.0.n2: which two are a pair?" in failures[1].reason
+
+
+def test_an_unknown_azimuth_is_told_and_parts_no_pair():
+    unknown = horizontal(float("nan"))
+    found, failures = pairs_of(horizontal(90.0), unknown, horizontal(0.0))
+    assert found == [("CCC.90.a.v1", "CCC.0.a.v1")]
+    assert "its azimuth is unknown" in failures[0].reason
+
+
+def peer(azimuth, source, **options):
+    known = {"station": "", "start_time": None, "event": "Loma Prieta, 10/18/1989", "station_name": "Gilroy"}
+    return horizontal(azimuth, source=source, format="at2", **{**known, **options})
+
+
+def test_files_without_times_belong_together_by_folder_event_and_station():
+    found, _ = pairs_of(peer(67.0, "x/GIL067.AT2"), peer(337.0, "x/GIL337.AT2"))
+    assert found == [(".67.x/GIL067.AT2", ".337.x/GIL337.AT2")]
+    up = Record(np.arange(100.0), 0.01, id="up", source="x/GIL-UP.AT2", event="Loma Prieta, 10/18/1989",
+                station_name="Gilroy", orientation="vertical")  # fmt: skip
+    assert matching_vertical(peer(67.0, "x/GIL067.AT2"), [up]) is up
+
+
+@pytest.mark.parametrize("other", [{"event": "Kobe"}, {"station_name": "Hollister"}, {"event": "", "station_name": ""}])
+def test_files_without_times_and_with_other_names_do_not(other):
+    assert not pairs_of(peer(67.0, "x/a.AT2", **other), peer(337.0, "x/b.AT2"))[0]
+    assert not pairs_of(peer(67.0, "x/a.AT2"), peer(337.0, "y/b.AT2"))[0]
+
+
+@pytest.mark.parametrize(("azimuth", "kept"), [(90.0, True), (np.nan, False)])
+def test_structures_are_assessed_where_asked_for_but_not_what_may_be_vertical(azimuth, kept):
+    channel = Record(np.arange(100.0), 0.01, id="roof", orientation="structural", azimuth=azimuth, source="a")
+    (listed,) = select_horizontal([channel])[1]
+    assert listed.kind == "structural"
+    assert "[records] structural = true" in listed.reason
+    chosen, failures = select_horizontal([channel], structural=True)
+    assert len(chosen) == kept
+    assert all("as if this were ground motion" in one.warnings[0] for one in chosen)
+    assert all("vertical or in an unknown direction" in failure.reason for failure in failures)
+
+
+def test_a_channel_on_a_structure_takes_no_vertical_one_and_no_partner_on_the_ground():
+    roof = Record(np.arange(100.0), 0.01, id="roof", orientation="structural", azimuth=0.0, source="a.v1",
+                  network="CI", station="CCC", start_time=START, format="csmip-v1", processed=True)  # fmt: skip
+    assert matching_vertical(roof, [record("vertical")]) is None
+    assert not pairs_of(roof, horizontal(90.0))[0]

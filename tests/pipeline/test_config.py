@@ -126,6 +126,16 @@ WRONG = [
         "[models]\nhistories = true\n[records]\nstore = 'none'",
         r"\[models\] histories: .*\[records\] store = \"none\" leaves them out.*set store = .* or histories = false",
     ),
+    ("[records]\ncomponents = 'strong'", r"components: expected one of .*did you mean \"strongest\""),
+    ("[records]\ncomponents = 'azimuth'", r"components: \"azimuth\" needs the direction; give azimuth"),
+    ("[records]\nazimuth = 30", r"azimuth: it belongs to components = \"azimuth\", found components = \"horizontal\""),
+    (
+        "[records]\ncomponents = 'azimuth'\nazimuth = -5",
+        r"azimuth: expected a number in degrees >= 0 and <= 360, found -5",
+    ),
+    ("[records]\nazimuth_step = 7", r"azimuth_step: expected a whole part of 180 degrees, found 7; take 5, 10"),
+    ("[records]\nazimuth_step = 0.5", r"azimuth_step: expected a number in degrees >= 1 and <= 90, found 0.5"),
+    ("[records]\nresponse = 'removed'", r"response: expected one of .*did you mean \"remove\""),
     ("[records]\ndt = 0", r"dt: expected a number in s > 0, found 0"),
     ("[search]\nstep = 1.0", r"step: expected a number >= 1.0001, found 1.0"),
     ("[search]\nfactor_max = 1e300", r"factor_max: expected a number > 0 and <= 1e\+06, found 1e\+300"),
@@ -206,6 +216,10 @@ def _configs(draw):
             values[field.name] = draw(st.one_of(pools))
         if values.get("method") == "window":
             values.update(start_s=1.0, end_s=draw(st.floats(1.5, 1e3)))
+        if name == "records":
+            rotated = values["components"] == "azimuth"
+            values.update(azimuth=draw(st.floats(0.0, 360.0)) if rotated else None)
+            values.update(azimuth_step=180.0 / draw(st.integers(2, 180)))
         sections[name] = section(**values)
     names = draw(st.lists(_names, unique=True, max_size=3))
     blocks = [

@@ -25,9 +25,13 @@ def test_the_words_are_those_of_the_modules_that_act_on_them():
     from rockpulse import calibration, scene
     from rockpulse import settings as words
     from rockpulse.conditioning import BASELINES
+    from rockpulse.directions import DIRECTIONS
     from rockpulse.intensity import INTENSE_PHASES
     from rockpulse.models.sequence import SPACINGS
+    from rockpulse.readers.format import RESPONSES
 
+    assert ("horizontal", *DIRECTIONS) == words.COMPONENTS
+    assert tuple(RESPONSES) == words.RESPONSES
     assert tuple(BASELINES) == words.BASELINES
     assert tuple(INTENSE_PHASES) == words.PHASES
     assert tuple(SPACINGS) == words.SPACINGS

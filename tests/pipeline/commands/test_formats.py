@@ -4,14 +4,28 @@ from rockpulse.cli import main
 from rockpulse.readers import FORMATS, UNITS
 
 
-def test_every_format_and_every_unit_is_listed(capsys):
+def listed(capsys):
     assert main(["formats"]) == 0
-    out = capsys.readouterr().out
-    lines = out.splitlines()
-    read = [row for row in FORMATS if row.unit != "-"]
-    assert read
-    for row in read:
-        assert any(line.startswith(f"{row.name} ") and row.unit in line for line in lines), row.name
+    return capsys.readouterr().out
+
+
+def test_every_format_and_every_unit_is_listed(capsys):
+    out = listed(capsys)
+    read, _, refused = out.partition("Known at sight and refused")
+    words = " ".join(read.split())
+    rows = [row for row in FORMATS if row.unit != "-"]
+    assert rows
+    for row in rows:
+        entry = (
+            f"{row.name} - {row.what} recognised by: {row.recognised} "
+            f"unit: {row.unit}; corrected: {row.processed}; such as {row.example}"
+        )
+        assert " ".join(entry.split()) in words
     for row in FORMATS:
-        assert " ".join(row.what.split()) in " ".join(out.split())
-    assert all(unit in lines[-1] for unit in UNITS)
+        if row not in rows:
+            assert f"{row.name} - {' '.join(row.what.split())}" in " ".join(refused.split())
+    assert all(unit in out.splitlines()[-1] for unit in UNITS)
+
+
+def test_the_list_fits_a_terminal_of_a_hundred_columns(capsys):
+    assert max(map(len, listed(capsys).splitlines())) <= 100

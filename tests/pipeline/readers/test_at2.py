@@ -31,6 +31,13 @@ def write(tmp_path):
         "DT= {dt:.3f}, NPTS= {n}",
         "NPTS, DT = {n}, {dt}",
         "npts: {n}  dt: 1.0E-2",
+        "NPTS= {n}, DT= 1.E-2 SEC,   0 POLE @    30.00000 HZ,  -5 POLE @      .12000",
+        "NPTS= {n}, DT= 0.1D-01 SEC",
+        "NPTS={n},DT=.01SEC",
+        "NPTS, DT (SEC): {n}, 0.01",
+        "{n}, .010, NPTS,DT",
+        "NPTS= {n}, DT(s)= 0.01",
+        "{n}    0.01000 NPTS, DT\n(5E15.7)",
     ],
 )
 @pytest.mark.parametrize("end", ["\n", "\r\n"])
@@ -39,6 +46,12 @@ def test_spellings_of_count_and_step(write, line, end):
     (record,) = read(write(at2(values, count_line=line, end=end)))
     assert (record.npts, record.dt) == (203, 0.01)
     assert record.acceleration == pytest.approx(values * STANDARD_GRAVITY, rel=1e-6, abs=1e-9)
+
+
+@pytest.mark.parametrize("series", ["ACCELERATION TIME HISTORY IN UNITS OF G. FILTER POINTS: HP=0.1 Hz", "UNITS: (g)"])
+def test_spellings_of_the_unit(write, series):
+    (record,) = read(write(at2(pulse(), series=series)))
+    assert record.source_unit == "g"
 
 
 @pytest.mark.parametrize(
@@ -105,13 +118,19 @@ def test_values_beyond_the_declared_count_are_reported(write):
         ),
         (at2(pulse(), count_line="NPTS= {n}, DT= 0.0 SEC"), RecordFormatError, r"RSN1.AT2:4: expected a positive DT"),
         (at2(pulse(), count_line="NPTS= {n}, DT= -.01 SEC"), RecordFormatError, r"RSN1.AT2:4: expected a positive DT"),
+        (
+            at2(pulse(), count_line="NPTS= {n}, DT= 5 MSEC"),
+            RecordFormatError,
+            r"RSN1.AT2:4: expected a positive DT in s",
+        ),
+        (at2(pulse(), count_line="NPTS= {n}, DT= .01E SEC"), RecordFormatError, r"RSN1.AT2:4: expected 'NPTS= n"),
         (at2(pulse(), count_line="NPTS= {n}, DT= VARIABLE"), RecordFormatError, r"RSN1.AT2:4: expected 'NPTS= n"),
         (at2(pulse(), series="ACCELERATION IN UNITS OF ELLS"), UnitError, r"RSN1.AT2:3: unknown unit"),
         (at2([*pulse(20), np.nan, 0.1]), RecordFormatError, r"RSN1.AT2:9: expected a finite number, found 'NAN'"),
         (at2([0.1]), RecordFormatError, "at least 2 samples, found 1"),
         (at2(pulse())[:150], RecordFormatError, "expected 400 samples|expected 'NPTS"),
     ],
-    ids=["truncated", "huge", "dt0", "dt-", "variable", "unit", "nan", "one", "no-data"],
+    ids=["truncated", "huge", "dt0", "dt-", "ms", "exponent", "variable", "unit", "nan", "one", "no-data"],
 )
 def test_damage_is_named(write, content, error, message):
     with pytest.raises(error, match=message):

@@ -66,6 +66,20 @@ def test_decimal_commas(write, delimiter):
     assert record.acceleration == pytest.approx(VALUES, rel=1e-12)
 
 
+def test_blank_rows_quotes_and_separators_at_the_end_do_no_harm(write):
+    rows = [f'{time:.2f}, "{value:.6f}",' for time, value in zip(TIMES, VALUES, strict=True)]
+    (record,) = read(write("\n".join([*rows[:50], "", "  ", *rows[50:], ""])), units="m/s2")
+    assert record.acceleration == pytest.approx(VALUES, rel=1e-12)
+
+
+@pytest.mark.parametrize("row", ["0.5,,1", ",1", "1 2", "0.5 1,"])
+def test_a_row_that_lacks_a_number_is_named_though_another_has_one_too_many(write, row):
+    rows = [f"{time:.2f},{value:.6f}" for time, value in zip(TIMES, VALUES, strict=True)]
+    rows[20], rows[21] = row, "1,2 3"
+    with pytest.raises(RecordFormatError, match=r"record.txt:21: expected 2 finite numbers"):
+        read(write("\n".join(rows)), units="m/s2")
+
+
 def test_a_comma_that_may_be_either_is_refused(write):
     with pytest.raises(RecordFormatError, match="whether a comma separates columns or marks decimals"):
         read(write("0,12\n1,34\n2,56\n"), units="g")
@@ -111,6 +125,48 @@ def test_several_channels_without_time_take_the_interval_given(write):
     records = read(write(table(VALUES, -VALUES)), units="m/s2", dt=0.01)
     assert [record.id for record in records] == ["record.1", "record.2"]
     assert records[1].acceleration == pytest.approx(-VALUES)
+
+
+@pytest.mark.parametrize("header", ["", "No,Time,Acc\n", "sample,t [s],a [m/s2]\n"])
+@pytest.mark.parametrize("begin", [0, 1])
+def test_a_column_that_counts_the_rows_is_no_time(write, header, begin):
+    counter = np.arange(200) + begin
+    rows = "".join(f"{n},{t:.2f},{a:.6f}\n" for n, t, a in zip(counter, TIMES, VALUES, strict=True))
+    (record,) = read(write(header + rows), units="m/s2")
+    assert record.dt == pytest.approx(0.01, rel=1e-12)
+    assert record.acceleration == pytest.approx(VALUES, rel=1e-12)
+    assert record.warnings == ("the first column counts the rows; it was left out",)
+    path = write("".join(f"{n} {a:.6f}\n" for n, a in zip(counter, VALUES, strict=True)))
+    with pytest.raises(RecordFormatError, match="option dt for the sampling interval"):
+        read(path, units="m/s2")
+    assert read(path, units="m/s2", dt=0.02)[0].dt == 0.02
+
+
+def test_two_columns_that_run_like_time_are_refused(write):
+    with pytest.raises(RecordFormatError, match=r"record.txt:1: .* columns 1 and 2 both run like time"):
+        read(write(table(TIMES, 1000 * TIMES, VALUES)), units="m/s2")
+
+
+@pytest.mark.parametrize("heading", ["time (ms)", "t_ms", "Time [msec]", "t [milliseconds]"])
+def test_times_headed_in_milliseconds(write, heading):
+    (record,) = read(write(table(1000 * TIMES, VALUES, delimiter=",", header=f"{heading},acc\n")), units="m/s2")
+    assert record.dt == pytest.approx(0.01, rel=1e-12)
+
+
+def test_a_long_interval_is_reported(write):
+    (record,) = read(write(table(1000 * TIMES, VALUES)), units="m/s2")
+    assert record.warnings == ("a sampling interval of 10 s is long for an accelerogram; is it in s?",)
+
+
+def test_exponents_of_fortran(write):
+    (record,) = read(write(table(TIMES, VALUES, number="{:.8E}").replace("E", "D")), units="m/s2")
+    assert record.acceleration == pytest.approx(VALUES, rel=1e-8)
+
+
+def test_a_series_in_rows_is_not_taken_for_channels(write):
+    path = write("\n".join(" ".join(f"{value:.5f}" for value in row) for row in VALUES.reshape(-1, 5)))
+    with pytest.raises(RecordFormatError, match=r"record.txt:1: .* found 5 columns .* one series in rows of 5\?"):
+        read(path, units="g", dt=0.01)
 
 
 def test_a_heading_with_another_unit_contradicts_the_option(write):
@@ -265,3 +321,9 @@ def test_deepsoil_file(records_folder):
     (record,) = read(records_folder / "columns" / "ChiChi.txt", units="g")
     assert (record.npts, record.dt) == (11800, 0.005)
     assert record.pga / STANDARD_GRAVITY == pytest.approx(0.1829, rel=0.02)
+
+
+def test_a_heading_with_a_raised_two(write):
+    path = write("")
+    path.write_text(table(TIMES, VALUES, delimiter=",", header="t [s],a [m/s²]\n"), encoding="utf-8")
+    assert read(path, units="m/s2")[0].npts == 200

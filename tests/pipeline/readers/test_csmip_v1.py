@@ -10,6 +10,8 @@ from record_writers import csmip_equal, csmip_pairs, pulse
 
 from rockpulse.errors import RecordFormatError, UnitError
 from rockpulse.readers import read
+from rockpulse.readers.csmip_v1 import is_csmip_v1
+from rockpulse.readers.source import NotAcceleration
 from rockpulse.record import STANDARD_GRAVITY
 
 # npts and PGA [g] as measured independently on the same files.
@@ -106,6 +108,14 @@ def test_equally_spaced_pairs_in_tenths_of_g_keep_their_samples(write):
     assert record.warnings == ()
 
 
+def test_a_printer_blank_in_front_of_the_rows_of_pairs_only_is_dropped(write):
+    values = np.round(pulse(301, peak=2.5), 3)  # a last row of one pair
+    lines = csmip_pairs(np.arange(301) * 0.005, values, end="\n").split(b"\n")
+    shifted = b"\n".join([*lines[:27], *(b" " + line for line in lines[27:-2]), *lines[-2:]])
+    (record,) = read(write(shifted))
+    assert record.acceleration == pytest.approx(values * STANDARD_GRAVITY / 10.0, rel=1e-12)
+
+
 def test_unequal_pairs_are_interpolated_at_the_median_step_with_a_warning(write):
     times = np.array([0.0, 0.005, 0.010, 0.016, 0.020, 0.025, 0.030, 0.036, 0.040])
     (record,) = read(write(csmip_pairs(times, 20.0 * times)))  # a straight line survives linear interpolation
@@ -158,12 +168,11 @@ def test_early_starts_that_may_be_true_are_kept(write, start, moment):
     assert (record.start_time, record.warnings) == (moment, ())
 
 
-def test_renadic_files_are_read_and_a_dead_clock_is_no_time(records_folder):
-    records = read(records_folder / "renadic" / "cuya0911131.v1")
-    assert [record.orientation for record in records] == ["horizontal", "vertical", "horizontal"]
-    assert [record.start_time for record in records] == [None] * 3
-    assert all("never set" in record.warnings[0] for record in records)
-    assert all(record.start_time for record in read(records_folder / "renadic" / "curico1002271parte1.v1"))
+def test_renadic_files_in_the_same_layout_are_left_to_their_own_reader():
+    content = csmip_pairs([0.0, 0.01, 0.02], [0.1, 0.2, 0.3])
+    chilean = content.replace(b"TEST EARTHQUAKE     JANUARY", b"UNIVERSIDAD DE CHILE - RENADIC")
+    assert is_csmip_v1(content, "x.v1")
+    assert not is_csmip_v1(chilean, "x.v1")
 
 
 def test_pacific_time_becomes_utc(write):
@@ -212,6 +221,18 @@ def test_channels_of_one_direction_in_one_file_get_distinct_ids(write):
         ".14403..90@20190706T031608",
         ".14403..90@20190706T031608_2".replace("_", "~"),
     ]
+
+
+def test_the_number_of_the_channel_is_that_of_the_station_not_of_the_recorder(write):
+    content = csmip_equal(pulse(), number=3, place="ROOF")
+    (record,) = read(write(content.replace(b"STA CHN:  3", b"STA CHN: 16")))
+    assert record.channel == "16"
+
+
+def test_points_of_velocity_are_no_acceleration(write):
+    content = csmip_equal(pulse(), heading="{n:5d} POINTS OF VELOC DATA EQUALLY SPACED AT .010 SEC.  (UNITS: CM/SEC)")
+    with pytest.raises(NotAcceleration, match=r"TEST.RAW:28: expected points of acceleration, found velocity"):
+        read(write(content))
 
 
 def test_rows_beyond_the_declared_count_are_reported(write):

@@ -82,6 +82,16 @@ def test_a_borehole_channel_is_said_to_be_one(write):
     assert any("borehole" in warning for warning in record.warnings)
 
 
+@pytest.mark.parametrize(
+    ("number", "channel", "orientation"),
+    [("3", "UD1", "vertical"), ("4", "NS2", "horizontal"), ("6", "UD2", "vertical")],
+)
+def test_the_numbers_of_kik_net_s_directions(write, number, channel, orientation):
+    (record,) = read(write(knet(COUNTS, direction=number, peak_gal=11.0), "A.dat"))
+    assert (record.channel, record.component, record.orientation) == (channel, channel[:2], orientation)
+    assert any("borehole" in warning for warning in record.warnings) is channel.endswith("1")
+
+
 def test_clipping_is_reported(write):
     (record,) = read(write(knet(np.clip(COUNTS, -30000, 5000))))
     assert any("may be clipped" in warning for warning in record.warnings)

@@ -120,6 +120,68 @@ def test_counts_without_a_clear_gain_of_acceleration_are_refused(tmp_path, epoch
         read(write_miniseed(tmp_path, trace()))
 
 
+def write_stages(folder, poles, name="XX.ABC.xml"):
+    """A StationXML whose only stage is an accelerometer of 2e5 counts per m/s2 at 1 Hz."""
+    import obspy
+    from obspy.core.inventory.response import Response
+
+    write_station_xml(folder, epoch(), name=name)
+    inventory = obspy.read_inventory(str(folder / name))
+    response = Response.from_paz(
+        [], poles, 2.0e5, 1.0, input_units="M/S**2", output_units="COUNTS", normalization_frequency=1.0
+    )
+    response.response_stages[0].normalization_factor = float(np.abs(np.prod([2j * np.pi - pole for pole in poles])))
+    response.instrument_sensitivity.value = 2.0e5
+    inventory[0][0][0].response = response
+    inventory.write(str(folder / name), format="STATIONXML")
+
+
+def test_the_response_is_removed_where_asked_for(tmp_path):
+    write_stages(tmp_path, [-300.0 + 300.0j, -300.0 - 300.0j])
+    path = write_miniseed(tmp_path, trace())
+    (plain,), (removed,) = read(path), read(path, response="remove")
+    assert "instrument response removed, M/S**2 to m/s2" in removed.processing[0]
+    assert plain.processing == ()
+    # At the 2 Hz of the pulse the sensor is late by 3.3 ms.
+    velocity = np.gradient(plain.acceleration, plain.dt)
+    late = (plain.acceleration - plain.acceleration.mean()) + velocity / 300.0
+    inner = slice(20, -20)
+    assert removed.acceleration[inner] == pytest.approx(late[inner], abs=0.02 * plain.pga)
+    assert (removed.id, removed.azimuth, removed.processed) == (plain.id, 90.0, False)
+
+
+def test_a_response_without_stages_cannot_be_removed(tmp_path):
+    write_station_xml(tmp_path, epoch())
+    with pytest.raises(RecordRefused, match="no stages of the response"):
+        read(write_miniseed(tmp_path, trace()), response="remove")
+
+
+def test_two_responses_for_one_time_are_refused_where_they_matter(tmp_path):
+    write_stages(tmp_path, [-300.0 + 300.0j, -300.0 - 300.0j])
+    write_stages(tmp_path, [-900.0 + 900.0j, -900.0 - 900.0j], name="XX.ABC.other.xml")
+    path = write_miniseed(tmp_path, trace())
+    with pytest.raises(RecordRefused, match="2 different responses for one time"):
+        read(path, response="remove")
+    assert read(path)[0].unit_factor == 1.0 / 2.0e5
+
+
+def test_a_velocity_channel_becomes_acceleration_only_where_asked_for(tmp_path):
+    import obspy
+    from obspy.core.inventory.response import Response
+
+    write_station_xml(tmp_path, epoch(unit="M/S"))
+    inventory = obspy.read_inventory(str(tmp_path / "XX.ABC.xml"))
+    inventory[0][0][0].response = Response.from_paz([], [], 2.0e5, 1.0, input_units="M/S", output_units="COUNTS")
+    inventory.write(str(tmp_path / "XX.ABC.xml"), format="STATIONXML")
+    path = write_miniseed(tmp_path, trace())
+    with pytest.raises(NotAcceleration, match=r"records M/S, expected an acceleration .*response='remove'"):
+        read(path)
+    (record,) = read(path, response="remove")
+    expected = np.gradient(COUNTS / 2.0e5, 0.01)
+    assert record.acceleration[20:-20] == pytest.approx(expected[20:-20], abs=0.02 * np.max(np.abs(expected)))
+    assert any("a sensor of velocity" in warning for warning in record.warnings)
+
+
 def test_a_gap_is_refused(tmp_path):
     write_station_xml(tmp_path, epoch())
     path = write_miniseed(tmp_path, trace(), trace(start="2020-01-02T03:05:05"))
@@ -232,16 +294,16 @@ def test_real_miniseed(records_folder, channel, peak):
 
 
 @pytest.mark.parametrize(
-    ("name", "error"),
+    ("name", "error", "reason"),
     [
-        ("mseed_xml/AV.CKT..EHZ__20181130T172859Z__20181130T173629Z.mseed", NotAcceleration),
-        ("mseed_clipped/HV.HSSD..HHE__20190414T030832Z__20190414T031602Z.mseed", RecordRefused),
-        ("tricky_obspy/gaps.mseed", RecordRefused),
-        ("sac/20190706031952.CJ.T001230.HNE.sac", UnitError),
+        ("mseed_xml/AV.CKT..EHZ__20181130T172859Z__20181130T173629Z.mseed", NotAcceleration, "EHZ records M/S"),
+        ("mseed_clipped/HV.HSSD..HHE__20190414T030832Z__20190414T031602Z.mseed", RecordRefused, "no StationXML file"),
+        ("tricky_obspy/gaps.mseed", RecordRefused, "3 gaps or overlaps, the first at"),
+        ("sac/20190706031952.CJ.T001230.HNE.sac", UnitError, "does not state the unit"),
     ],
 )
-def test_real_files_that_are_refused(records_folder, name, error):
-    with pytest.raises(error):
+def test_real_files_that_are_refused(records_folder, name, error, reason):
+    with pytest.raises(error, match=reason):
         read(records_folder / name)
 
 

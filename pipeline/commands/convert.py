@@ -1,0 +1,80 @@
+"""``rockpulse convert``: records of any format in, AT2, CSV or miniSEED out."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+
+from rockpulse.commands.verb import Verb
+
+__all__ = ["VERB"]
+
+
+def _add_arguments(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("paths", nargs="+", metavar="IN", help="files, folders, zips or globs of records")
+    parser.add_argument(
+        "-o",
+        "--output",
+        required=True,
+        metavar="OUT",
+        help="a file (.AT2, .csv, .mseed), or a folder for one AT2 or CSV file per channel; several channels in one "
+        "AT2 or CSV name become OUT.CHANNEL.AT2",
+    )
+    parser.add_argument("--format", choices=("at2", "csv", "mseed"), help="format of OUT; its suffix tells otherwise")
+    parser.add_argument("--units", metavar="UNIT", help='unit of files that do not state theirs: "g", "cm/s2", ...')
+    parser.add_argument("--dt", type=float, metavar="SECONDS", help="sampling interval of columns without times, in s")
+    parser.add_argument(
+        "--response",
+        choices=("sensitivity", "remove"),
+        default="sensitivity",
+        help="how counts with a StationXML become m/s2: divided by the sensitivity, or the full response removed",
+    )
+    parser.add_argument(
+        "--overwrite", action="store_true", help="replace files that exist; never one that a record came from"
+    )
+    parser.add_argument("--quiet", action="store_true", help="print nothing but what failed")
+
+
+def _run(args: argparse.Namespace) -> int:
+    from tqdm import tqdm
+
+    from rockpulse.conversion import check_output, write
+    from rockpulse.record import STANDARD_GRAVITY
+    from rockpulse.sources import read_all
+    from rockpulse.terminal import paragraph
+
+    writer = check_output(args.output, args.format)  # a name that tells no format is better known before the reading
+    silent = True if args.quiet else None  # None: silent unless standard error is a terminal
+    with tqdm(desc="reading", unit=" files", disable=silent) as bar:
+        records, failures = read_all(
+            args.paths, args.units, on_file=lambda *_: bar.update(), dt=args.dt, response=args.response
+        )
+    for row in failures:
+        if row.kind == "failed" or not args.quiet:
+            print(f"{row.kind} ({row.stage}) {row.reason}", file=sys.stderr)
+    if not records:
+        print("rockpulse: not one record could be read, nothing was written", file=sys.stderr)
+        return 1
+    files = write(records, args.output, args.format, args.overwrite)
+    if not args.quiet:
+        known = {record.id: record for record in records}
+        for file in files:
+            for name, code in file.records:
+                record = known[name]
+                size = f"{record.npts} samples at {record.dt:g} s, PGA {record.pga / STANDARD_GRAVITY:.4g} g"
+                place = (
+                    f", on a structure, which {file.path.name} cannot say" if record.orientation == "structural" else ""
+                )
+                print(f"{file.path}: {name}{f' as {code}' if code else ''}: {size}{place}")
+        print("\n" + paragraph(writer.lost + ".", "  ", ""))
+    return 1 if any(row.kind == "failed" for row in failures) else 0
+
+
+VERB = Verb(
+    name="convert",
+    summary="write records as AT2, CSV or miniSEED",
+    description="Read records of any format and write them, sample by sample as they are, in one that other programs "
+    "read. Nothing is corrected or filtered; what the new format cannot hold is said.",
+    add_arguments=_add_arguments,
+    run=_run,
+)

@@ -1,0 +1,86 @@
+"""A sweep over direction as text: a table for every pair of channels."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any
+
+from rockpulse.models.response import Outcome
+from rockpulse.overview import NAME_WIDTH, cases, fullest_model, value
+from rockpulse.record import STANDARD_GRAVITY
+from rockpulse.terminal import ABSENT, aligned, figure, paragraph, ratio, restitution, shortened
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = ["direction_table"]
+
+
+def direction_table(summary: xr.Dataset, directions: xr.Dataset) -> str:
+    """Median and largest over direction by the fullest model, and how many directions overturn by every model.
+
+    Parameters
+    ----------
+    summary, directions : xarray.Dataset
+        The nodes /summary and /directions.
+    """
+    fullest = fullest_model(summary)
+    models = [str(model) for model in directions["model"].values]
+    count = directions.sizes["direction"]
+    headings, rows = [], [["", "C", "median", "largest", "at", *models]]
+    for pair in (str(name) for name in directions["pair"].values):
+        headings.append((len(rows), _heading(directions, pair)))
+        for block in (str(name) for name in directions["block"].values):
+            for case in cases(summary, block):
+                where: dict[str, Any] = {"pair": pair, "block": block, "case": case}
+                fallen = [_fallen(directions, count, {**where, "model": model}) for model in models]
+                rows.append(
+                    [
+                        "  " + shortened(block, NAME_WIDTH),
+                        restitution(value(summary, "restitution", block=block, case=case)),
+                        *(
+                            _peak(value(directions, f"{which}_rotation_ratio", **where, model=fullest))
+                            for which in ("median", "largest")
+                        ),
+                        _degrees(value(directions, "largest_azimuth", **where, model=fullest)),
+                        *fallen,
+                    ]
+                )
+    lines = aligned(rows)
+    for place, heading in reversed(headings):
+        lines[place:place] = ["", heading, lines[0]]
+    notes = [
+        f"Median and largest over {count} directions of theta_max/alpha_c by the {fullest} model, and the azimuth of "
+        "the largest (where several overturn: of the one that does so first). Then, by model, how many directions "
+        "overturn; +1?: one more has no answer. -: not known without it.",
+        "The directions are records: rockpulse inspect RESULTS --record ID shows one, --block NAME all of them.",
+    ]
+    if "resonance" in models:
+        notes.append("resonance: an upper-bound type input (every main impulse at the worst moment), not a prediction.")
+    return "\n".join([*lines[2:], "", *(paragraph(note, "  ") for note in notes)])
+
+
+def _heading(directions: xr.Dataset, pair: str) -> str:
+    parts = [pair]
+    for title, name, unit, scale in (("PGA", "pga", "g", STANDARD_GRAVITY), ("I", "main_impulse", "m/s", 1.0)):
+        median, largest, azimuth = (
+            value(directions, f"{name}_{what}", pair=pair) for what in ("median", "largest", "azimuth")
+        )
+        if not math.isnan(largest):
+            shown = f"{figure(median / scale)} (median), {figure(largest / scale, unit)} (at {_degrees(azimuth)})"
+            parts.append(f"{title} {shown}")
+    return "  ".join(parts)
+
+
+def _peak(peak: float) -> str:
+    return Outcome.OVERTURNS.name if math.isinf(peak) else ratio(peak)
+
+
+def _degrees(azimuth: float) -> str:
+    return ABSENT if math.isnan(azimuth) else f"{azimuth:g}°"
+
+
+def _fallen(directions: xr.Dataset, count: int, where: dict[str, Any]) -> str:
+    unanswered = value(directions, "unanswered_count", **where)
+    known = str(round(value(directions, "overturning_share", **where) * count))
+    return f"{known} +{unanswered}?" if unanswered else known

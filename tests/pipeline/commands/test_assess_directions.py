@@ -1,0 +1,81 @@
+"""``rockpulse assess`` on the sample records with rotated pairs, from files to files."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import rockpulse as rp
+from rockpulse.cli import main
+
+SCHEMA = Path(__file__).parents[3] / "docs" / "schema.md"
+BODIES = '[models]\nuse = ["resonance", "nonlinear"]\n[[block]]\nname = "pinnacle"\nwidth = 0.45\nheight = 1.8\n'
+
+
+def run(tmp_path, path, records):
+    config, target = tmp_path / "site.toml", tmp_path / "results.h5"
+    config.write_text(f"[records]\n{records}\n{BODIES}")
+    return main(["assess", str(path), "--config", str(config), "-o", str(target)]), target
+
+
+@pytest.fixture(scope="module")
+def swept(samples, tmp_path_factory):
+    code, target = run(tmp_path_factory.mktemp("swept"), samples / "CICLC.v1", 'components = "sweep"\nstore = "none"')
+    assert code == 0
+    return target
+
+
+def test_a_sweep_is_written_and_read_back(swept):
+    tree = rp.load(swept)
+    found = tree["directions"]
+    assert found["pair"].values.tolist() == ["CI.CLC..360-90@20190706T031608"]
+    assert found.sizes["direction"] == 18
+    assert found["main_impulse_azimuth"].item() == 160.0
+    assert found["main_impulse_largest"].item() == pytest.approx(0.392, abs=0.001)
+    assert found["pga_largest"].item() >= max(5.009, found["pga_median"].item())
+    assert tree["summary"]["record"].values[2] == "CI.CLC..H020@20190706T031608"
+
+
+def test_the_schema_names_every_variable_of_a_sweep(swept):
+    schema = SCHEMA.read_text(encoding="utf-8")
+    for name, variable in rp.load(swept)["directions"].to_dataset(inherit=False).variables.items():
+        assert f"`{name}`" in schema, name
+        assert variable.attrs["units"]
+        assert variable.attrs["long_name"]
+
+
+def test_inspect_shows_the_directions(swept, capsys):
+    assert main(["inspect", str(swept)]) == 0
+    out = capsys.readouterr().out
+    assert "Median and largest over 18 directions" in out
+    assert main(["inspect", str(swept), "--record", "CI.CLC..H020@20190706T031608"]) == 0
+    assert "rotated to 20 degrees" in " ".join(capsys.readouterr().out.split())
+
+
+def test_the_strongest_direction_is_one_record_with_its_exact_azimuth(samples, tmp_path, capsys):
+    code, target = run(tmp_path, samples / "CICLC.v1", 'components = "strongest"')
+    assert code == 0
+    summary = rp.load(target)["summary"]
+    assert summary["record"].values.tolist() == ["CI.CLC..H160@20190706T031608"]
+    assert summary["azimuth"].item() == pytest.approx(159.66, abs=0.011)
+    assert "left out" in summary["warnings"].item()
+    assert "directions" not in rp.load(target).children
+    capsys.readouterr()
+
+
+def test_a_single_channel_is_a_failure_that_says_what_to_do(samples, tmp_path, capsys):
+    code, _ = run(tmp_path, samples, 'components = "azimuth"\nazimuth = 30')
+    assert code == 1
+    out = " ".join(capsys.readouterr().out.split())
+    assert 'no second horizontal channel with a known azimuth was recorded together with it; components = "hor' in out
+
+
+def test_the_same_samples_as_recorded_and_in_the_direction_of_a_channel(samples, tmp_path):
+    """The pre-event windows of the two channels differ by no more than a shift of the mean."""
+    code, target = run(tmp_path, samples / "CICLC.v1", 'components = "azimuth"\nazimuth = 90')
+    assert code == 0
+    (recorded,) = (one for one in rp.read(samples / "CICLC.v1") if one.azimuth == 90.0)
+    kept = rp.load(target)["records"]["acceleration"].values
+    apart = kept - rp.condition(recorded).acceleration[: kept.size]
+    assert np.ptp(apart) < 1e-12
+    assert np.abs(apart).max() < 1e-3

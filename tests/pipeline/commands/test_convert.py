@@ -1,0 +1,80 @@
+"""``rockpulse convert``."""
+
+from __future__ import annotations
+
+import shutil
+
+import numpy as np
+import pytest
+from record_writers import at2, csmip_equal, pulse
+
+from rockpulse.cli import main
+from rockpulse.readers import read
+
+
+@pytest.fixture
+def folder(tmp_path):
+    (tmp_path / "a.AT2").write_bytes(at2(pulse(200)))
+    (tmp_path / "b.v1").write_bytes(csmip_equal(np.round(pulse(160), 6), place="Roof"))
+    return tmp_path
+
+
+def test_a_file_becomes_another_and_its_loss_is_told(folder, capsys):
+    out = folder / "out.mseed"
+    assert main(["convert", str(folder / "a.AT2"), "-o", str(out)]) == 0
+    text = capsys.readouterr().out
+    assert "a.090 as .A090..HNE: 200 samples at 0.01 s, PGA 0.3 g" in text
+    assert "not the event" in " ".join(text.split())
+    assert np.array_equal(read(out)[0].acceleration, read(folder / "a.AT2")[0].acceleration)
+
+
+def test_a_folder_of_records_and_what_failed(folder, capsys):
+    (folder / "cut.AT2").write_bytes(at2(pulse(200))[:-300])
+    (folder / "notes.txt").write_text("nothing here\n")
+    assert main(["convert", str(folder), "-o", str(folder / "out"), "--format", "csv"]) == 1
+    captured = capsys.readouterr()
+    assert "failed (read)" in captured.err
+    assert "cut.AT2" in captured.err
+    assert "skipped (read)" in captured.err
+    assert len(list((folder / "out").iterdir())) == 2
+    assert "on a structure, which" in captured.out
+
+
+def test_quiet_prints_what_failed_only(folder, capsys):
+    (folder / "notes.txt").write_text("nothing here\n")
+    assert main(["convert", str(folder), "-o", str(folder / "out"), "--format", "at2", "--quiet"]) == 0
+    assert capsys.readouterr() == ("", "")
+
+
+def test_a_unit_is_asked_for_and_taken(tmp_path, capsys):
+    (tmp_path / "a.txt").write_text("".join(f"{value:.6f}\n" for value in pulse(50)))
+    arguments = ["convert", str(tmp_path / "a.txt"), "-o", str(tmp_path / "out.AT2")]
+    assert main(arguments) == 1
+    captured = capsys.readouterr()
+    assert "do not state their unit" in captured.err
+    assert "not one record could be read" in captured.err
+    assert not (tmp_path / "out.AT2").exists()
+    assert main([*arguments, "--units", "g", "--dt", "0.02"]) == 0
+    assert read(tmp_path / "out.AT2")[0].dt == 0.02
+    assert main([*arguments, "--units", "stone", "--dt", "0.02"]) == 2
+
+
+def test_usage_is_exit_code_two_before_anything_is_read(folder, capsys):
+    assert main(["convert", str(folder), "-o", str(folder / "out.doc")]) == 2
+    assert "expected a format, one of at2, csv, mseed" in capsys.readouterr().err
+    arguments = ["convert", str(folder / "a.AT2"), "-o", str(folder / "x.csv"), "--quiet"]
+    assert main(arguments) == 0
+    assert main(arguments) == 2
+    assert "the file exists" in capsys.readouterr().err
+    assert main([*arguments, "--overwrite"]) == 0
+
+
+def test_the_response_is_removed_where_asked_for(records_folder, tmp_path, capsys):
+    for path in (records_folder / "mseed_xml").glob("CI.WCS2*"):
+        shutil.copy(path, tmp_path / path.name)
+    source, out = str(tmp_path / "CI.WCS2..HNE.mseed"), tmp_path / "new" / "a.csv"
+    out.parent.mkdir()
+    assert main(["convert", source, "-o", str(out), "--response", "remove"]) == 0
+    (record,) = read(out, units="m/s2")
+    assert abs(record.acceleration.mean()) < 1e-6
+    assert record.npts == 39000

@@ -1,0 +1,202 @@
+"""ASA (Mexico: UNAM, CIRES): channels from the header, accents, times across midnight, damaged files."""
+
+from __future__ import annotations
+
+from datetime import UTC, datetime
+
+import numpy as np
+import pytest
+from make_format_samples import source_channels
+from record_writers import pulse
+from record_writers.asa import asa, samples
+
+from rockpulse.errors import RecordFormatError, UnitError
+from rockpulse.readers import read
+from rockpulse.record import STANDARD_GRAVITY
+
+TABLE = np.round(np.column_stack([pulse(400, 5.0), pulse(400, -12.0), pulse(400, 9.0)]), 3)
+TITLE = b"ARCHIVO ESTANDAR DE ACELERACION"
+
+
+@pytest.fixture
+def write(tmp_path):
+    def written(content: bytes):
+        path = tmp_path / "test.012"
+        path.write_bytes(content)
+        return path
+
+    return written
+
+
+@pytest.mark.parametrize("end", ["\r\n", "\n"])
+def test_the_three_channels(write, end):
+    records = read(write(asa(TABLE, end=end)))
+    for record, column in zip(records, TABLE.T, strict=True):
+        assert record.acceleration == pytest.approx(0.01 * column, abs=1e-12)
+        assert (record.dt, record.processed, record.source_unit, record.warnings) == (0.004, False, "gal", ())
+        assert record.header_peak == pytest.approx(record.pga, abs=5.1e-5)
+    assert [record.component for record in records] == ["V", "N90E", "N00E"]
+    assert [record.orientation for record in records] == ["vertical", "horizontal", "horizontal"]
+    assert (records[1].azimuth, records[2].azimuth) == (90.0, 0.0)
+    assert records[1].id == ".CUP5..N90E@20040102T000001"
+    assert (records[0].station, records[0].station_name) == ("CUP5", "IDEI PATIO 5")
+    assert records[0].event == "2004/01/01 23:58:02.7 Mb=5.2/Ms=5.8"
+
+
+@pytest.mark.parametrize("encoding", ["latin-1", "utf-8", "cp850", "mac-roman"])
+def test_accents_in_any_encoding(write, encoding):
+    content = asa(TABLE, encoding=encoding)
+    assert TITLE not in content
+    assert [record.azimuth for record in read(write(content))][1:] == [90.0, 0.0]
+
+
+def test_accented_letters_that_were_lost(write):
+    content = asa(TABLE).replace(b"ACION", b"ACIN").replace(b"ESTANDAR", b"ESTNDAR")
+    assert read(write(content))[0].station_name == "IDEI PATIO 5"
+
+
+@pytest.mark.parametrize(
+    ("date", "origin", "start", "expected"),
+    [
+        ("2004/01/01", "23:58:02.7", "00:00:01", datetime(2004, 1, 2, 0, 0, 1, tzinfo=UTC)),
+        ("2004/01/02", "00:00:12.0", "23:59:58.5", datetime(2004, 1, 1, 23, 59, 58, 500000, tzinfo=UTC)),
+        ("1985/09/19", "13:17:47,4", "13:18:30,25", datetime(1985, 9, 19, 13, 18, 30, 250000, tzinfo=UTC)),
+        ("1985/09/19", "", "13:18:30", datetime(1985, 9, 19, 13, 18, 30, tzinfo=UTC)),
+        ("1985/09/19", "13:17:47", "", None),
+        ("", "13:17:47", "13:18:30", None),
+        ("1985/09/19", "13:17:47", "17:18:30", None),
+        ("1985/09/19", "13:17:47", "13:78:30", None),
+    ],
+)
+def test_the_first_sample_is_on_the_day_nearest_to_the_earthquake(write, date, origin, start, expected):
+    record = read(write(asa(TABLE, date=date, origin=origin, start=start)))[0]
+    assert record.start_time == expected
+    assert bool(record.warnings) is (expected is None and bool(start))
+
+
+def test_local_time_and_a_wrong_clock_are_no_start_time(write):
+    record = read(write(asa(TABLE, start_key="HORA DE LA PRIMERA MUESTRA (LOCAL)")))[0]
+    assert (record.start_time, "does not say that" in record.warnings[0]) == (None, True)
+    record = read(write(asa(TABLE, quality="Registro digital completo sin tiempo absoluto")))[0]
+    assert record.start_time is None
+    assert [warning[:20] for warning in record.warnings] == ["the clock of the rec", "quality of the recor"]
+
+
+@pytest.mark.parametrize(
+    ("word", "orientation", "azimuth", "sign", "noted"),
+    [
+        ("N90W", "horizontal", 270.0, 1.0, False),
+        ("S00E;+", "horizontal", 180.0, 1.0, False),
+        ("N00E;-", "horizontal", 180.0, 1.0, True),
+        ("V;+", "vertical", np.nan, 1.0, False),
+        ("V;-", "vertical", np.nan, -1.0, True),
+        ("L", "horizontal", np.nan, 1.0, False),
+        ("N00E;?", "horizontal", 0.0, 1.0, True),
+        ("C-5", "unknown", np.nan, 1.0, False),
+    ],
+)
+def test_directions_and_senses(write, word, orientation, azimuth, sign, noted):
+    record = read(write(asa(TABLE, words=(word, "T", "N45E"))))[0]
+    assert record.orientation == orientation
+    assert record.azimuth == pytest.approx(azimuth, nan_ok=True)
+    assert record.acceleration == pytest.approx(sign * 0.01 * TABLE[:, 0], abs=1e-12)
+    assert bool(record.warnings) is noted
+
+
+def test_more_than_six_channels(write):
+    words = ("V", "N90E", "N00E", "V", "N90E", "N00E", "S45E", "L")
+    table = np.round(np.column_stack([pulse(100, 1.0 + number) for number in range(8)]), 3)
+    records = read(write(asa(table, words=words, rate=[100] * 6 + [200] * 2, layout="8F10.3")))
+    assert [record.dt for record in records] == [0.01] * 6 + [0.005] * 2
+    assert [record.channel for record in records] == ["1", "2", "3", "4", "5", "6", "S45E", "L"]
+    assert records[7].pga == pytest.approx(0.08)
+    assert all(not record.warnings for record in records)
+
+
+def test_channels_of_different_lengths(write):
+    records = read(write(asa(TABLE, counts=(250, 400, 320))))
+    assert [record.npts for record in records] == [250, 400, 320]
+    assert records[2].acceleration == pytest.approx(0.01 * TABLE[:320, 2], abs=1e-12)
+    assert "different lengths, 250, 400, 320" in records[0].warnings[0]
+
+
+def test_rows_beyond_the_count_are_kept_with_a_warning(write):
+    content = asa(TABLE).replace(b"/400/400/400", b"/398/398/398")
+    record = read(write(content))[0]
+    assert record.npts == 400
+    assert "states 398 samples, the file has 400 rows" in record.warnings[0]
+
+
+def test_touching_fields(write):
+    table = TABLE * 1000.0
+    table[7] = [-12345.678, -12345.679, -12345.680]
+    content = asa(table)
+    assert b"-12345.678-12345.679-12345.680" in content
+    assert read(write(content))[2].acceleration[7] == pytest.approx(-123.4568)
+
+
+@pytest.mark.parametrize(
+    ("station", "place"), [("EDIFICIO A AZOTEA", ""), ("X", "Sótano del edificio"), ("X", "piso 12")]
+)
+def test_stations_on_structures(write, station, place):
+    record = read(write(asa(TABLE, station=station, place=place, encoding="latin-1")))[0]
+    assert record.orientation == "structural"
+
+
+@pytest.mark.parametrize(
+    ("content", "message"),
+    [
+        (asa(TABLE, counts=(4000, 4000, 4000)), r"test.012:509: expected 4000 rows \(header\), found 400"),
+        (asa(TABLE).replace(b"/400/400/400", b"/400/x/400"), r"test.012:72: expected 'NUM. TOTAL DE MUESTRAS"),
+        (asa(TABLE, intervals=(0.005, 0.004, 0.004)), r"test.012:47: expected intervals \[s\] that fit the rates"),
+        (asa(TABLE, intervals=(0, 0, 0), rate=(1e-9, 250, 250)), r"test.012:47: expected intervals"),
+        (asa(TABLE, layout="4F10.3"), r"test.012:80: expected the format 3F10.3"),
+        (asa(TABLE, headings=("V", "N00E", "N90E")), r"test.012:108: expected the directions of 3 channels"),
+        (asa(TABLE, headings=("V", "N00E")), r"test.012:108: expected the directions of 3 channels"),
+        (asa(TABLE)[:3000], "expected 'DATOS DE ACELERACION:'"),
+        (asa(TABLE)[:-5000], "expected 400 rows"),
+        (
+            asa(TABLE).replace(b"    0.000    -0.000", b"    0.000    -0.0x0", 1),
+            r"test.012:110: expected a finite number",
+        ),
+        (
+            asa(TABLE).replace(b"    0.000    -0.000", b"    0.000   -0.000", 1),
+            r"test.012:110: expected 3 fields of 10",
+        ),
+    ],
+    ids=["more", "count", "rates", "interval", "layout", "swapped", "two", "header", "cut", "letter", "column"],
+)
+def test_damage_is_named(write, content, message):
+    with pytest.raises(RecordFormatError, match=message):
+        read(write(content))
+
+
+def test_a_unit_that_is_not_known(write):
+    with pytest.raises(UnitError, match=r"test.012:78: unknown unit of acceleration 'Cuentas'"):
+        read(write(asa(TABLE, unit="Cuentas")))
+
+
+def test_the_sample_holds_the_channels(tmp_path):
+    east, north, up = source_channels()
+    ((name, content),) = samples([east, north, up]).items()
+    assert len(content) < 60_000
+    (tmp_path / name).write_bytes(content)
+    for record, channel in zip(read(tmp_path / name), (up, east, north), strict=True):
+        assert record.acceleration == pytest.approx(channel.acceleration, abs=0.51e-5)
+        assert (record.dt, record.start_time, record.warnings) == (0.01, channel.start_time, ())
+        assert record.azimuth == pytest.approx(channel.azimuth % 360.0, nan_ok=True)
+
+
+def test_the_real_file(records_folder):
+    records = read(records_folder / "unam_asa" / "CUP50401.012")
+    assert [(record.npts, record.dt) for record in records] == [(17502, 0.004)] * 3
+    # The peaks of MANIFEST are those without the mean, 1 % of the motion.
+    peaks = [float(np.max(np.abs(record.acceleration - record.acceleration.mean()))) for record in records]
+    assert np.array(peaks) / STANDARD_GRAVITY == pytest.approx([0.0004785, 0.0012, 0.001231], rel=0.005)
+    for record in records:
+        assert record.pga == pytest.approx(record.header_peak, abs=5.1e-5)
+        assert record.start_time == datetime(2004, 1, 2, 0, 0, 1, tzinfo=UTC)
+        assert (record.station, record.processed) == ("CUP5", False)
+        assert record.warnings == ("the header states 17500 samples, the file has 17502 rows; all are kept",)
+    assert [record.orientation for record in records] == ["vertical", "horizontal", "horizontal"]
+    assert (records[1].azimuth, records[2].azimuth) == (90.0, 0.0)

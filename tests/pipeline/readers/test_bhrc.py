@@ -1,0 +1,108 @@
+"""BHRC volume 1 (Iran): three channels, azimuths in the station line, damaged files."""
+
+from __future__ import annotations
+
+import io
+
+import numpy as np
+import pytest
+from make_format_samples import source_channels
+from record_writers._shared import pulse
+from record_writers.bhrc import bhrc, exponent, samples
+
+from rockpulse.errors import RecordFormatError, UnitError
+from rockpulse.readers import read
+from rockpulse.record import STANDARD_GRAVITY, Record
+
+TENTH = STANDARD_GRAVITY / 10.0
+THREE = tuple(pulse(403, peak, dt=0.005) for peak in (1.9, 1.0, 2.6))
+
+
+def got(content: bytes) -> list[Record]:
+    return read(io.BytesIO(content))
+
+
+def test_the_real_file(records_folder):
+    records = read(records_folder / "bhrc" / "5520-1.V1")
+    assert [(record.npts, record.dt) for record in records] == [(15616, 0.005)] * 3
+    assert [record.pga / STANDARD_GRAVITY for record in records] == pytest.approx([0.1943, 0.09987, 0.2619], rel=5e-4)
+    assert [record.id for record in records] == ["5520-1.L", "5520-1.V", "5520-1.T"]
+    assert [record.azimuth for record in records] == pytest.approx([352.0, np.nan, 82.0], nan_ok=True)
+    assert [record.orientation for record in records] == ["horizontal", "vertical", "horizontal"]
+    assert {record.processed for record in records} == {False}
+    assert {(record.station_name, record.event) for record in records} == {("Ahar", "2012/08/11 12:23:16")}
+    # The file states the time of the earthquake, not that of the record.
+    assert {(record.start_time, record.warnings) for record in records} == {(None, ())}
+
+
+def test_the_format_sample_gives_back_the_channels():
+    east, north, up = source_channels()
+    for record, channel in zip(got(samples([east, north, up])["clc_bhrc.V1"]), (east, up, north), strict=True):
+        assert record.acceleration == pytest.approx(channel.acceleration, rel=6e-6, abs=1e-9)
+        assert record.azimuth == pytest.approx(channel.azimuth, nan_ok=True)
+        assert record.orientation == channel.orientation
+
+
+@pytest.mark.parametrize(
+    ("value", "text"), [(0.0854257, "  .854257E-01"), (-12.5, " -.125000E+02"), (0.0, "  .000000E+00")]
+)
+def test_the_writer_prints_as_fortran_does(value, text):
+    assert exponent(value) == text
+
+
+@pytest.mark.parametrize("end", ["\n", "\r\n"])
+def test_accelerations_are_tenths_of_g(end):
+    for record, values in zip(got(bhrc(THREE, end=end)), THREE, strict=True):
+        assert record.acceleration == pytest.approx(values * TENTH, rel=1e-5, abs=1e-9)
+        assert (record.dt, record.source_unit, record.format) == (0.005, "g/10", "bhrc")
+
+
+def test_numbers_of_thirteen_characters_touch():
+    values = -np.abs(THREE[0])
+    content = bhrc([values]).replace(b" -.", b"-0.")
+    assert b"E-01-0." in content
+    (record,) = got(content)
+    assert record.acceleration == pytest.approx(values * TENTH, rel=1e-5, abs=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("azimuths", "expected"),
+    [
+        ("Azimuth L 352   T 82 ", (352.0, 82.0)),
+        ("Azimuth L 0     T 90", (0.0, 90.0)),
+        ("Azimuth L       T   ", (np.nan, np.nan)),
+        ("Azimuth L 999   T 82", (np.nan, 82.0)),
+        ("", (np.nan, np.nan)),
+    ],
+)
+def test_azimuths(azimuths, expected):
+    first, vertical, third = got(bhrc(THREE, azimuths=azimuths))
+    assert (first.azimuth, third.azimuth) == pytest.approx(expected, nan_ok=True)
+    assert np.isnan(vertical.azimuth)
+    assert [record.orientation for record in (first, vertical, third)] == ["horizontal", "vertical", "horizontal"]
+
+
+def test_rows_beyond_the_declared_count_are_reported():
+    records = got(bhrc(THREE, count=400))
+    assert [record.npts for record in records] == [400] * 3
+    assert "1 rows beyond the declared count" in records[0].warnings[0]
+
+
+@pytest.mark.parametrize(
+    ("content", "error", "message"),
+    [
+        (bhrc(THREE)[:5000], RecordFormatError, r"stream:\d+: expected 403 numbers .* found"),
+        (bhrc(THREE)[:1000], RecordFormatError, r"stream:\d+: expected 27 header lines of channel 1"),
+        (bhrc(THREE, count=99_999_999), RecordFormatError, r"expected 99999999 numbers .* found 403"),
+        (bhrc(THREE, rate=100.0), RecordFormatError, r"stream:22: expected the samples per s of 403 points in 2.015 s"),
+        (bhrc(THREE, rate=-200.0), RecordFormatError, r"stream:22: .* found -200"),
+        (bhrc(THREE, unit="UNITS ARE SECONDS AND FURLONG"), UnitError, "stream:12: unknown unit"),
+        (bhrc(THREE).replace(b"COMP V2", b"COMP X2"), RecordFormatError, r"stream:76: expected 'COMP L1'"),
+        (bhrc(THREE).replace(b"E-01", b"X-01", 2), RecordFormatError, r"stream:\d+: expected a finite number"),
+        (bhrc(THREE) + b"more\n", RecordFormatError, r"expected '\* VOL1DS FILE:' \(channel 4\), found 'more'"),
+    ],
+    ids=["truncated", "cut-header", "huge", "rate", "negative", "unit", "component", "letter", "trailing"],
+)
+def test_damage_is_named(content, error, message):
+    with pytest.raises(error, match=message):
+        got(content)

@@ -1,0 +1,59 @@
+"""What every format is checked for when its numbers become a record."""
+
+from __future__ import annotations
+
+import re
+
+import numpy as np
+import pytest
+from record_writers import pulse
+
+from rockpulse.errors import RecordFormatError
+from rockpulse.readers.channel import build_record
+from rockpulse.readers.source import SourceFile
+from rockpulse.record import STANDARD_GRAVITY as G
+
+FILE = SourceFile("a.V1", b"x", lambda: b"x")
+
+
+def record(peak=0.3, unit="g", samples=None, **known):
+    samples = pulse(peak=peak) if samples is None else samples
+    return build_record(FILE, 1, samples, 0.01, unit, format="test", processed=None, **known)
+
+
+@pytest.mark.parametrize(
+    ("peak", "unit", "words"),
+    [
+        (50.0, "g", r"peak 50 g in the unit g; the values would be 0.051 g if it were cm/s2"),
+        (6000.0, "cm/s2", r"peak 6.12 g in the unit cm/s2; the values would be 0.612 g if it were mm/s2"),
+        (5e-7, "g", r"peak 5e-07 g in the unit g; the values would be not an ordinary acceleration in any unit"),
+        (5e-3, "mm/s2", r"peak 5.1e-07 g in the unit mm/s2; .*0.005 g if it were g"),
+    ],
+)
+def test_a_peak_beyond_belief_is_printed_in_both_units(peak, unit, words):
+    (warning,) = record(peak, unit).warnings
+    assert re.search(words, warning)
+
+
+@pytest.mark.parametrize("peak", [1.01e-6, 1e-3, 4.99])
+def test_an_ordinary_peak_is_no_news(peak):
+    assert record(peak).warnings == ()
+
+
+def test_a_peak_that_differs_from_the_header_is_printed_beside_it():
+    (warning,) = record(header_peak=0.4 * G).warnings
+    assert warning.startswith("the header states a peak of 0.4 g, the data have 0.3 g; check the unit")
+    assert record(header_peak=-0.302 * G).warnings == ()
+    assert record(header_peak=0.4 * G, peak_rounding=0.1001 * G).warnings == ()
+
+
+def test_a_dead_channel_is_called_one():
+    assert record(samples=np.zeros(10)).warnings == ("all samples are zero: a dead channel",)
+
+
+@pytest.mark.parametrize(
+    ("samples", "dt"), [(np.zeros(1), 0.01), (np.zeros(0), 0.01), (pulse(), 0.0), (pulse(), np.nan), (pulse(), np.inf)]
+)
+def test_what_is_no_series_is_refused(samples, dt):
+    with pytest.raises(RecordFormatError, match=r"a.V1: channel 1: expected (at least 2 samples|a positive sampling)"):
+        build_record(FILE, 1, samples, dt, "g", format="test", processed=None)

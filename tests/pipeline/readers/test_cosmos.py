@@ -1,0 +1,371 @@
+"""COSMOS 1.20: series, units, gains, intervals, directions, damaged files."""
+
+from __future__ import annotations
+
+from datetime import UTC, datetime
+
+import numpy as np
+import pytest
+from make_format_samples import source_channels
+from record_writers import pulse
+from record_writers.cosmos import cosmos, counts, samples, series
+
+from rockpulse.errors import RecordFormatError, RecordRefused, UnitError
+from rockpulse.readers import read
+from rockpulse.readers.source import NotAcceleration
+from rockpulse.record import STANDARD_GRAVITY
+from rockpulse.sources import read_all
+
+G = STANDARD_GRAVITY
+CM = {"what": "acceleration", "unit": "cm/sec2", "code": "(04),", "layout": "(8F10.5)", "field": "{:10.5f}"}
+
+
+@pytest.fixture
+def write(tmp_path):
+    def written(content: bytes, name: str = "test.V1C"):
+        path = tmp_path / name
+        path.write_bytes(content)
+        return path
+
+    return written
+
+
+@pytest.mark.parametrize("end", ["\r\n", "\n", "\r"])
+def test_an_uncorrected_channel(write, end):
+    values = np.round(pulse(403), 6)
+    (record,) = read(write(cosmos(values, end=end)))
+    assert record.acceleration == pytest.approx(G * values, abs=1e-12)
+    assert (record.dt, record.processed, record.source_unit, record.format) == (0.005, False, "g", "cosmos")
+    assert (record.orientation, record.azimuth, record.component) == ("horizontal", 0.0, "360 deg")
+    assert record.start_time == datetime(2018, 8, 29, 2, 33, 7, 250000, tzinfo=UTC)
+    assert record.id == "CE.23837..HNN@20180829T023307"
+    assert record.station_name == "Pomona - Orange Grove & Fairplex"
+    assert record.event == "Tue Aug 28, 2018 19:33:00.0 PDT"
+    assert record.header_peak == pytest.approx(0.3 * G, abs=1e-6)
+    assert record.warnings == ()
+
+
+def test_fields_that_touch(write):
+    values = np.array([-0.123456, -0.234567] * 8)
+    content = cosmos(values)
+    assert b"-0.123456-0.234567" in content
+    (record,) = read(write(content))
+    assert record.acceleration == pytest.approx(G * values, rel=1e-12)
+
+
+def test_the_closing_line_of_older_files(write):
+    content = cosmos(pulse(), close="/&  ----------  End of data for channel {:2d}  ----------", end="\n")
+    assert (
+        read(write(content + content.replace(b"360 deg", b" 90 deg").replace(b"     360", b"      90")))[1].npts == 400
+    )
+
+
+def test_corrected_acceleration_beside_velocity_and_displacement(write):
+    values = np.round(pulse(100, 150.0), 5)
+    sections = [
+        series(values, 0.01, **CM),
+        series(values, 0.01, **CM | {"what": "velocity", "unit": "cm/sec", "code": "(05),"}),
+        series(values, 0.01, **CM | {"what": "displacement", "unit": "cm", "code": "(06),"}),
+    ]
+    (record,) = read(write(cosmos(values, kind="Corrected acceleration", dt=0.01, sections=sections)))
+    assert record.acceleration == pytest.approx(0.01 * values, rel=1e-12)
+    assert (record.processed, record.dt, record.source_unit, record.warnings) == (True, 0.01, "cm/s2", ())
+
+
+@pytest.mark.parametrize("kind", ["Corrected velocity", "Corrected displacement", "Response spectra"])
+def test_other_series_are_refused_and_skipped_in_a_folder(write, tmp_path, kind):
+    path = write(cosmos(pulse(), kind=kind))
+    with pytest.raises(NotAcceleration, match=rf"test.V1C:1: expected acceleration, found '{kind}'; read the"):
+        read(path)
+    _, (failure,) = read_all(tmp_path)
+    assert failure.kind == "skipped"
+
+
+def test_a_channel_of_another_kind_is_left_out_with_a_warning(write):
+    other = cosmos(pulse(), kind="Corrected velocity", number=2)
+    (record,) = read(write(cosmos(pulse()) + other))
+    assert "another channel of the file is left out" in record.warnings[-1]
+
+
+def test_a_heading_of_velocity_under_a_title_of_acceleration(write):
+    content = cosmos(pulse(), what="velocity", unit="cm/sec", code="(05)")
+    with pytest.raises(NotAcceleration, match=r"test.V1C:45: expected acceleration, found 'velocity'"):
+        read(write(content))
+
+
+@pytest.mark.parametrize(
+    ("unit", "code", "factor"),
+    [
+        ("g.", "(02)", G),
+        ("cm/sec2", "(04)", 0.01),
+        ("cm/sec/sec", "(04)", 0.01),
+        ("in/sec2", "(07)", 0.0254),
+        ("gal", "(10)", 0.01),
+        ("mg", "(11)", 1e-3 * G),
+        ("ug", "(12)", 1e-6 * G),
+        ("", "(04)", 0.01),
+        ("mm/sec2", "", 0.001),
+    ],
+)
+def test_units_by_name_and_by_code(write, unit, code, factor):
+    (record,) = read(write(cosmos(pulse(), unit=unit, code=code)))
+    assert record.unit_factor == pytest.approx(factor, rel=1e-12)
+    assert record.pga == pytest.approx(0.3 * factor, rel=1e-5)
+
+
+@pytest.mark.parametrize(
+    ("unit", "code"), [("g.", "(04)"), ("counts", "(02)"), ("volts", "(51)"), ("g.", "(99)"), ("furlong", "")]
+)
+def test_a_unit_that_name_and_code_do_not_agree_on(write, unit, code):
+    with pytest.raises(UnitError, match=r"test.V1C:45: .*unit"):
+        read(write(cosmos(pulse(), unit=unit, code=code)))
+
+
+def test_counts_with_every_factor_of_the_gain(write):
+    number = np.round(pulse(400, 100_000.0)).astype(int) - 160_916
+    (record,) = read(write(counts(number)))
+    assert record.acceleration == pytest.approx(number * 0.298024e-6 / 1.25 * G, rel=1e-12)
+    assert (record.source_unit, record.processed, record.warnings) == ("counts", False, ())
+
+
+@pytest.mark.parametrize(
+    ("reals", "message"),
+    [
+        ({22: -999}, r"counts without a gain: the header lacks real 22 \(microvolts per count\); read the V1"),
+        ({42: -999, 47: -999}, r"lacks real 42 \(sensor sensitivity, V/g\), 47 \(sensor gain\)"),
+        ({47: 0.0}, r"lacks real 47"),
+        ({42: 0.625}, r"counts without a sure gain: .* is 0.625 V/g, .* give 1.25 V/g"),
+        ({47: 4.0, 43: -999}, r"counts without a sure gain: .* is 5 V/g, .* give nan V/g"),
+    ],
+)
+def test_counts_without_a_gain_are_refused(write, reals, message):
+    with pytest.raises(RecordRefused, match=rf"test.V1C:48: .*{message}") as refusal:
+        read(write(counts(np.arange(100), reals=reals)))
+    assert not isinstance(refusal.value, NotAcceleration)
+
+
+@pytest.mark.parametrize("reals", [{43: -999}, {42: 0.3125, 47: 4.0}, {42: 1.2553, 43: 2.5106}])
+def test_gains_that_the_header_confirms_or_does_not_question(write, reals):
+    (record,) = read(write(counts(np.arange(100), reals=reals)))
+    assert record.unit_factor == pytest.approx(0.298024e-6 / 1.25 * G, rel=0.01)
+
+
+def test_counts_of_a_velocity_sensor(write):
+    with pytest.raises(NotAcceleration, match="counts of a velocity sensor"):
+        read(write(counts(np.arange(100), integers={52: 1201})))
+
+
+@pytest.mark.parametrize(
+    ("reals", "dt", "warned"),
+    [
+        ({34: 0.005, 62: 10.0, 63: 4.0}, 0.01, True),
+        ({34: 0.01, 62: 5.0, 63: 3.99}, 0.01, True),
+        ({34: -999, 62: 10.0, 63: -999}, 0.01, False),
+        ({34: 0.005, 62: -999, 63: -999}, 0.005, False),
+        ({34: 0.007813, 62: 7.8125, 63: 3.125}, 0.0078125, False),
+        ({63: 4.0}, 0.005, True),
+    ],
+)
+def test_the_interval_is_that_of_the_series_not_of_the_raw_record(write, reals, dt, warned):
+    (record,) = read(write(cosmos(pulse(), reals=reals)))
+    assert record.dt == pytest.approx(dt, rel=1e-12)
+    assert bool(record.warnings) is warned
+
+
+@pytest.mark.parametrize(
+    ("reals", "message"),
+    [
+        ({34: -999, 62: -999}, "expected a sampling interval above 0"),
+        ({34: 0.005, 62: 10.0, 63: 60.0}, "sampling intervals of 0.005 and 0.01 s, .* fits not just one"),
+        ({34: 0.005, 62: 10.0, 63: -999}, "fits not just one"),
+    ],
+)
+def test_an_interval_that_is_not_known(write, reals, message):
+    with pytest.raises(RecordFormatError, match=rf"test.V1C:1: .*{message}"):
+        read(write(cosmos(pulse(), reals=reals)))
+
+
+@pytest.mark.parametrize(
+    ("component", "azimuth", "orientation", "expected"),
+    [
+        (" 90 deg", 90, "horizontal", 90.0),
+        ("", 75, "horizontal", 75.0),
+        (" 75 deg", -999, "horizontal", 75.0),
+        (" Up    ", 400, "vertical", np.nan),
+        ("", 402, "vertical", np.nan),
+        ("Long", 600, "horizontal", np.nan),
+        ("H1", 700, "horizontal", np.nan),
+        ("", 2000, "unknown", np.nan),
+        ("340 deg", 400, "unknown", np.nan),
+        ("340 deg", 160, "unknown", np.nan),
+    ],
+)
+def test_direction_from_the_words_and_the_integer(write, component, azimuth, orientation, expected):
+    (record,) = read(write(cosmos(pulse(), component=component, azimuth=azimuth)))
+    assert record.orientation == orientation
+    assert record.azimuth == pytest.approx(expected, nan_ok=True)
+    assert any("integer header 54" in warning for warning in record.warnings) is (
+        azimuth in (402,) or "340" in component
+    )
+
+
+def test_down_becomes_up(write):
+    (record,) = read(write(cosmos(pulse(), component="Down", azimuth=401)))
+    assert record.acceleration == pytest.approx(-G * np.round(pulse(), 6), abs=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("site", "place", "structural"),
+    [
+        (4, "", False),
+        (6, "", False),
+        (10, "", True),
+        (10, "Free field", False),
+        (5, "", True),
+        (11, "Deck, east span", True),
+        (4, "Basement NW corner", True),
+        (4, "Courtyard", False),
+        (-999, "Roof", True),
+        (-999, "", False),
+    ],
+)
+def test_channels_on_structures(write, site, place, structural):
+    (record,) = read(write(cosmos(pulse(), site=site, place=place)))
+    assert (record.orientation == "structural") is structural
+    assert place in record.component
+
+
+def test_a_sensor_that_may_lie_at_depth_is_named(write):
+    (record,) = read(write(cosmos(pulse(), site=50)))
+    assert "geotechnical array" in record.warnings[0]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "second", "note"),
+    [
+        ({}, 7.25, ""),
+        ({"reals": {30: -999}}, 7.0, ""),
+        ({"zone": "PDT"}, None, "in PDT, the format asks for UTC"),
+        ({"integers": {46: 0}}, None, "the clock of the recorder was not set"),
+        ({"integers": {42: 13}}, None, "is no start time"),
+        ({"integers": {40: 1980, 42: 1, 43: 1, 44: 0, 45: 2}}, None, "never set"),
+        ({"integers": {40: -999}}, None, ""),
+    ],
+)
+def test_start_times(write, arguments, second, note):
+    (record,) = read(write(cosmos(pulse(), start=datetime(2018, 8, 29, 2, 33, 7, 250000, tzinfo=UTC), **arguments)))
+    found = record.start_time and record.start_time.second + 1e-6 * record.start_time.microsecond
+    assert found == (pytest.approx(second, abs=0.01) if second else None) or (second == 7.0 and found == 7.25)
+    assert note in "".join(record.warnings)
+    assert bool(note) is bool(record.warnings)
+
+
+def test_codes_without_the_comment(write):
+    content = cosmos(pulse(), comments=["none"], component=" 90 deg", azimuth=90)
+    assert read(write(content))[0].id == "CE.23837..90@20180829T023307"
+    content = cosmos(pulse(), comments=["none"], station_code="--", place="Roof", number=7)
+    assert read(write(content))[0].id == ".23837..7@20180829T023307"
+
+
+def test_another_null_and_a_null_sample(write):
+    content = cosmos(pulse(), unknown="   -888, -888.0", integers={19: -888}, reals={64: -888.0})
+    (record,) = read(write(content))
+    assert np.isnan(record.header_peak)
+    values = np.round(pulse(400, 50.0), 2)
+    values[[100, 250]] = -999.0
+    with pytest.raises(RecordRefused, match=r"test.V1C:45: 2 of 400 samples, the first number 101, are -999"):
+        read(write(cosmos(values, **CM)))
+
+
+def test_headers_completed_by_hand_lose_their_columns(write):
+    content = cosmos(pulse(), azimuth=90, component=" 90 deg").replace(b"      90    -999", b"     90    -999")
+    assert read(write(content))[0].azimuth == 90.0
+
+
+def test_rows_beyond_the_count_are_left_out_with_a_warning(write):
+    (record,) = read(write(cosmos(pulse(400), reals={63: 1.2}, count=240)))
+    assert record.npts == 240
+    assert "line 76: 20 rows beyond the declared count were left out" in record.warnings[0]
+
+
+@pytest.mark.parametrize(
+    ("content", "message"),
+    [
+        (cosmos(pulse(), count=4000), r"test.V1C:\d+: expected|number"),
+        (cosmos(pulse(), count=0), "expected a positive number of samples"),
+        (cosmos(pulse(), count=999999999), "expected"),
+        (cosmos(pulse())[:1500], r"test.V1C:\d+: expected 100 numbers"),
+        (cosmos(pulse())[:400], "expected 13 text lines"),
+        (cosmos(pulse(), sections=[]), r"test.V1C:45: expected a line such as '13400 acceleration pts"),
+        (cosmos(pulse())[:-800], "expected 400 numbers"),
+        (cosmos(pulse()).replace(b"(8f9.6)", b"(8x9.6)"), r"test.V1C:45: expected a format such as"),
+        (cosmos(pulse()).replace(b"(8f9.6)", b"(0f9.6)"), r"test.V1C:45: expected a format such as"),
+        (cosmos(pulse()).replace(b"|<SCNL>", b" <SCNL>"), r"test.V1C:44: expected comment 1 of 1"),
+        (cosmos(pulse()).replace(b"100 Real-", b"100 Bean-"), r"test.V1C:25: expected the number of real values"),
+        (cosmos(pulse()).replace(b" 0.000000", b" 0.0o0000"), r"test.V1C:46: expected a finite number"),
+        (cosmos([0.1]), "at least 2 samples"),
+    ],
+    ids=["more", "none", "huge", "cut", "text", "data", "short", "letter", "zero", "comment", "reals", "typo", "one"],
+)
+def test_damage_is_named(write, content, message):
+    with pytest.raises(RecordFormatError, match=message):
+        read(write(content))
+
+
+def test_the_samples_hold_the_channels(tmp_path):
+    channels = source_channels()
+    files = samples(channels)
+    for name, content in files.items():
+        assert len(content) < 60_000
+        assert b"FORMAT SAMPLE WRITTEN BY ROCKPULSE FROM CI.CLC" in content
+        (tmp_path / name).write_bytes(content)
+    volume1, volume2, volume0 = (read(tmp_path / f"clc_cosmos.{end}") for end in ("V1C", "V2", "V0C"))
+    for record, channel in zip(volume1, channels, strict=True):
+        assert record.acceleration == pytest.approx(channel.acceleration, abs=0.51e-6 * G)
+        assert (record.dt, record.start_time, record.station) == (0.01, channel.start_time, "CLC")
+    assert [record.azimuth for record in volume1[:2]] == [90.0, 0.0]
+    assert volume1[2].orientation == "vertical"
+    assert volume2[0].acceleration == pytest.approx(channels[0].acceleration, abs=0.51e-6)
+    assert volume2[0].processed is True
+    assert volume0[0].acceleration == pytest.approx(channels[0].acceleration, abs=0.51 * volume0[0].unit_factor)
+
+
+def test_the_real_uncorrected_volume(records_folder):
+    records = read(records_folder / "cosmos" / "CE23837.V1C")
+    assert [(record.npts, record.dt) for record in records] == [(13400, 0.005)] * 3
+    assert [record.pga / G for record in records] == pytest.approx([0.1054, 0.04876, 0.05902], rel=0.005)
+    assert [record.orientation for record in records] == ["horizontal", "vertical", "horizontal"]
+    assert (records[0].azimuth, records[2].azimuth) == (0.0, 90.0)
+    assert [record.channel for record in records] == ["HNN", "HNZ", "HNE"]
+    for record in records:
+        assert (record.network, record.station, record.processed, record.warnings) == ("CE", "23837", False, ())
+        assert record.start_time == datetime(2018, 8, 29, 2, 33, tzinfo=UTC)
+        assert record.pga == pytest.approx(record.header_peak, rel=1e-6)
+
+
+def test_the_real_file_with_two_series(records_folder):
+    records = read(records_folder / "cosmos" / "Cosmos12TimeSeriesTest2.v1")
+    # MANIFEST has the 0.005 s of the raw record (real 34). The series is at 10 ms (real 62): 7000 samples last the
+    # stated 70 s, and the peak, sample 2785, lies at the stated 27.85 s.
+    assert [(record.npts, record.dt) for record in records] == [(7000, 0.01)] * 2
+    for record in records:
+        assert record.pga / G == pytest.approx(0.1652, rel=0.005)
+        assert record.pga == pytest.approx(record.header_peak, rel=1e-5)
+        assert record.dt * int(np.argmax(np.abs(record.acceleration))) == pytest.approx(27.85)
+        assert (record.processed, record.source_unit, record.orientation) == (True, "cm/s2", "structural")
+        assert record.start_time == datetime(2005, 6, 16, 20, 53, 4, 400000, tzinfo=UTC)
+        assert "0.01 s is that of the stated length of 70 s" in record.warnings[0]
+    assert "the text says '340 deg', integer header 54 says 400" in records[0].warnings[1]
+    assert records[1].azimuth == 90.0
+
+
+def test_the_real_counts_have_every_factor(records_folder):
+    (record,) = read(records_folder / "cosmos" / "NP8040-n.1000hyfh.HNE.01.V0c")
+    assert (record.npts, record.dt, record.source_unit) == (42000, 0.005, "counts")
+    assert record.unit_factor == pytest.approx(0.298024e-6 / 1.2553 * G, rel=1e-9)
+    # The largest count of the header and the mean of real 66.
+    assert record.pga == pytest.approx(1033406 * record.unit_factor, rel=1e-9)
+    assert float(np.mean(record.acceleration)) == pytest.approx(-160916.794 * record.unit_factor, rel=1e-6)
+    assert record.start_time == datetime(2018, 11, 30, 17, 29, 6, 331590, tzinfo=UTC)
+    assert (record.id, record.orientation, record.azimuth) == ("NP.8040.01.HNE@20181130T172906", "structural", 90.0)
+    assert record.warnings == ()

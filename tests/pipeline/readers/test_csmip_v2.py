@@ -1,0 +1,279 @@
+"""CSMIP volume 2: both layouts, which block is read, structures, damage; spectra are refused."""
+
+from __future__ import annotations
+
+from datetime import UTC, datetime
+
+import numpy as np
+import pytest
+from record_writers import pulse
+from record_writers.csmip_v2 import NEW, OLD, csmip_v2
+
+from rockpulse.errors import RecordFormatError, UnitError
+from rockpulse.readers import read
+from rockpulse.readers.source import NotAcceleration
+from rockpulse.record import STANDARD_GRAVITY
+from rockpulse.sources import read_all
+
+MOTION = np.round(pulse(403, peak=250.0), 3)
+
+
+@pytest.fixture
+def write(tmp_path):
+    def written(content: bytes, name: str = "TEST.V2"):
+        path = tmp_path / name
+        path.write_bytes(content)
+        return path
+
+    return written
+
+
+# npts, dt [s], PGA [g], peak that the header states [cm/s2], azimuth as measured independently on the same files.
+REAL = {
+    "CE58667.V2": (
+        (7500, 7500, 7500),
+        0.01,
+        (0.02765, 0.01147, 0.02693),
+        (27.114, 11.244, 26.411),
+        (np.nan, np.nan, np.nan),
+        datetime(2014, 8, 24, 10, 20, 33, tzinfo=UTC),
+    ),
+    "ce36456p_CE36456.V2": (
+        (3251, 3250, 3250),
+        0.02,
+        (0.2732, 0.09667, 0.2613),
+        (267.957, 94.805, 256.231),
+        (90.0, np.nan, 0.0),
+        datetime(1983, 5, 2, 23, 42, 48, 200000, tzinfo=UTC),  # the file says PDT
+    ),
+}
+
+
+@pytest.mark.parametrize("name", REAL)
+def test_real_files(records_folder, name):
+    records = read(records_folder / "csmip_v2" / name)
+    counts, dt, peaks, stated, azimuths, start = REAL[name]
+    assert tuple(record.npts for record in records) == counts
+    assert [record.dt for record in records] == [dt] * 3
+    assert [record.pga / STANDARD_GRAVITY for record in records] == pytest.approx(peaks, rel=5e-4)
+    assert [100.0 * record.header_peak for record in records] == pytest.approx(stated, rel=1e-9)
+    assert [record.azimuth for record in records] == pytest.approx(azimuths, nan_ok=True)
+    assert [record.orientation for record in records] == ["horizontal", "vertical", "horizontal"]
+    assert [record.start_time for record in records] == [start] * 3
+    assert [(record.processed, record.source_unit, record.warnings) for record in records] == [(True, "cm/s2", ())] * 3
+
+
+def test_the_text_of_a_real_file(records_folder):
+    record = read(records_folder / "csmip_v2" / "ce36456p_CE36456.V2")[0]
+    assert record.id == ".36456..90@19830502T234248"
+    assert (record.station_name, record.event) == ("PARKFIELD FAULT ZONE 14", "COALINGA EARTHQUAKE")
+    assert record.acceleration[:2] == pytest.approx([-0.03038, -0.00787], rel=1e-12)
+    assert record.processing == (
+        "by the agency: instrument- and baseline-corrected",
+        "by the agency: bandpass filtered with ramps at .050- .100 and 23.00-25.00 cyc/sec",
+    )
+
+
+def test_the_channels_on_the_meloland_overpass_are_structural_and_the_free_field_is_not(records_folder):
+    records, failures = read_all(records_folder / "csmip_v2" / "imperialvalley79_ce01336p.zip")
+    assert len({record.id for record in records}) == len(records) == 26
+    ground = {record.channel: record for record in records if record.orientation != "structural"}
+    # Of the station; the second recorder counts them 1, 2 and 11.
+    assert list(ground) == ["14", "15", "24"]
+    assert [record.orientation for record in ground.values()] == ["vertical", "horizontal", "horizontal"]
+    assert [record.azimuth for record in ground.values()] == pytest.approx([np.nan, 0.0, 270.0], nan_ok=True)
+    assert [record.npts for record in ground.values()] == [5696, 5690, 5694]
+    assert [record.npts for record in records[:13]] == [1138] * 13
+    assert {record.dt for record in records[:13]} == {0.02}
+    assert {record.dt for record in records[13:]} == {0.01}
+    assert [record.pga for record in records] == pytest.approx([record.header_peak for record in records], rel=1e-6)
+    assert {record.start_time for record in records} == {None}  # the header knows the minute of the earthquake
+    assert all(not record.warnings for record in records)
+    assert len(failures) == 26
+    assert all("found response and Fourier spectra (volume 3" in failure.reason for failure in failures)
+
+
+@pytest.mark.parametrize("heading", [NEW, OLD])
+@pytest.mark.parametrize("end", ["\n", "\r\n", "\r"])
+@pytest.mark.parametrize("tail", [b"", b"\x1a" * 300])
+def test_both_layouts_give_back_the_acceleration(write, heading, end, tail):
+    decimals = 5 if heading is NEW else 3
+    (record,) = read(write(csmip_v2(MOTION, 0.005, heading, decimals, end=end) + tail))
+    assert record.acceleration == pytest.approx(MOTION / 100.0, abs=1e-12)
+    assert record.dt == 0.005
+    assert (record.format, record.unit_factor, record.processed) == ("csmip_v2", 0.01, True)
+    assert record.start_time == datetime(2014, 8, 24, 10, 20, 33, tzinfo=UTC)
+    assert record.azimuth == 90.0
+    assert record.header_peak == pytest.approx(2.5)
+    assert record.warnings == ()
+
+
+@pytest.mark.parametrize(
+    ("words", "dt"),
+    [
+        ("equally spaced at  .005 sec, in cm/sec2. (8f10.5)", 0.005),
+        ("at 200 pts/sec, in cm/sec2. Format: (8f10.5)", 0.005),
+        ("at 200 points/sec in units of cm/sec2.  Format: (8f10.5)", 0.005),
+        ("EQUALLY SPACED AT  .005 SEC.  (UNITS: CM/SEC/SEC)", 0.005),
+        ("equally spaced at  .005 sec, in gal. (8f10.5)", 0.005),
+    ],
+)
+def test_spellings_of_the_heading(write, words, dt):
+    (record,) = read(write(csmip_v2(MOTION, dt, " points of {kind} data " + words)))
+    assert record.acceleration == pytest.approx(MOTION / 100.0, abs=1e-12)
+    assert record.dt == pytest.approx(dt, rel=1e-12)
+
+
+def test_a_rate_that_the_text_rounds_is_taken_from_the_heading(write):
+    content = csmip_v2(MOTION, 1 / 300, " points of {kind} data at 300 pts/sec, in cm/sec2. (8f10.5)")
+    assert b"INTERVALS OF    .003  SEC" in content
+    (record,) = read(write(content))
+    assert record.dt == pytest.approx(1 / 300, rel=1e-12)
+
+
+def test_touching_fields_are_split_by_their_width(write):
+    values = -np.round(np.abs(pulse(20, peak=250.0)) + 100.0, 5)
+    content = csmip_v2(values)
+    assert b"-100.00000-" in content
+    (record,) = read(write(content))
+    assert record.acceleration == pytest.approx(values / 100.0, abs=1e-12)
+
+
+def test_channels_of_different_length_follow_each_other(write):
+    parts = [
+        csmip_v2(MOTION[:count], number=number, component=component)
+        for number, (count, component) in enumerate([(400, " 90 DEG"), (333, "UP"), (8, "360 DEG")], 1)
+    ]
+    records = read(write(b"".join(parts)))
+    assert [record.npts for record in records] == [400, 333, 8]
+    assert [record.orientation for record in records] == ["horizontal", "vertical", "horizontal"]
+
+
+@pytest.mark.parametrize(
+    ("place", "orientation"), [("DECK: MIDDLE OF BRIDGE", "structural"), ("FREEFIELD", "horizontal")]
+)
+def test_the_location_tells_the_structure_from_the_ground(write, place, orientation):
+    (record,) = read(write(csmip_v2(MOTION, number=7, place=place)))
+    assert (record.orientation, record.channel) == (orientation, "7")
+
+
+def test_a_downward_channel_is_turned_up(write):
+    (record,) = read(write(csmip_v2(MOTION, component="DOWN")))
+    assert record.acceleration == pytest.approx(-MOTION / 100.0, abs=1e-12)
+    assert record.orientation == "vertical"
+
+
+def test_a_file_of_acceleration_alone_is_read(write):
+    (record,) = read(write(csmip_v2(MOTION, blocks="a")))
+    assert record.npts == MOTION.size
+    assert record.warnings == ()
+
+
+@pytest.mark.parametrize(("blocks", "found"), [("vd", "velocity"), ("d", "displacement")])
+def test_a_file_without_acceleration_is_refused(write, blocks, found):
+    with pytest.raises(NotAcceleration, match=rf"TEST.V2:46: expected points of acceleration, found {found}"):
+        read(write(csmip_v2(MOTION, blocks=blocks)))
+
+
+def test_a_channel_without_acceleration_is_left_out_with_a_warning_on_the_others(write):
+    (record,) = read(write(csmip_v2(MOTION, number=1) + csmip_v2(MOTION, number=2, blocks="vd")))
+    assert len(record.warnings) == 1
+    assert "channel 2 holds velocity but no acceleration; it was left out" in record.warnings[0]
+
+
+def test_without_a_unit_in_the_heading_that_of_the_peak_counts(write):
+    (record,) = read(write(csmip_v2(MOTION, heading=" POINTS OF {kind} DATA EQUALLY SPACED AT {dt} SEC.")))
+    assert record.source_unit == "cm/s2"
+
+
+def test_a_header_peak_that_differs_is_reported(write):
+    (record,) = read(write(csmip_v2(MOTION).replace(b"   250.000    CM/SEC/SEC", b"   260.000    CM/SEC/SEC")))
+    assert "the header states a peak of 0.2651 g" in record.warnings[0]
+
+
+def test_rows_beyond_the_declared_count_are_reported(write):
+    content = csmip_v2(MOTION[:400], end="\n").replace(b"   400 ", b"   392 ")
+    (record,) = read(write(content))
+    assert record.npts == 392
+    assert "1 rows beyond the declared count" in record.warnings[0]
+
+
+def cut(content: bytes, lines: int) -> bytes:
+    return b"\n".join(content.split(b"\n")[:lines])
+
+
+DAMAGE = {
+    "header": (lambda c: cut(c, 20), RecordFormatError, "TEST.V2:20: expected 25 header lines of channel 1"),
+    "numbers": (lambda c: cut(c, 40), RecordFormatError, r"TEST.V2:40: expected a line 'N points of accel data"),
+    "truncated": (
+        lambda c: cut(c, 60),
+        RecordFormatError,
+        r"TEST.V2:60: expected 51 rows of acceleration .*, found 14; .* truncated",
+    ),
+    "velocity": (lambda c: cut(c, 120), RecordFormatError, "TEST.V2:120: expected 51 rows of velocity .* found 22"),
+    "huge": (
+        lambda c: c.replace(b"   403 points of accel", b"999999999999 points of accel"),
+        RecordFormatError,
+        "expected 125000000000 rows of acceleration",
+    ),
+    "zero": (lambda c: c.replace(b"   403 points of acc", b"     0 points of acc"), RecordFormatError, "positive"),
+    "text": (
+        lambda c: c.replace(b"   403 POINTS", b"   503 POINTS"),
+        RecordFormatError,
+        "TEST.V2:46: expected 503 points .* found a heading with 403",
+    ),
+    "interval": (
+        lambda c: c.replace(b"accel data equally spaced at  .010", b"accel data equally spaced at  .050"),
+        RecordFormatError,
+        "TEST.V2:46: expected an interval of 0.01 s .* found a heading with 0.05",
+    ),
+    "no-interval": (
+        lambda c: c.replace(b"accel data equally spaced at  .010", b"accel data equally spaced at  .0.0"),
+        RecordFormatError,
+        "TEST.V2:46: expected 'at N pts/sec' or 'equally spaced at N sec'",
+    ),
+    "unit": (
+        lambda c: c.replace(b"cm/sec2.", b"furlong."),
+        UnitError,
+        "TEST.V2:46: unknown unit of acceleration 'furlong.'",
+    ),
+    "peak-unit": (
+        lambda c: c.replace(b"CM/SEC/SEC", b"CM/SEC/SEX"),
+        UnitError,
+        "TEST.V2:18: unknown unit of acceleration 'CM/SEC/SEX'",
+    ),
+    "no-unit": (
+        lambda c: c.replace(b", in cm/sec2.", b"").replace(b"CM/SEC/SEC", b""),
+        UnitError,
+        "TEST.V2:46: expected the unit of acceleration",
+    ),
+    "format": (lambda c: c.replace(b"(8f10.5)", b"(0f10.5)"), RecordFormatError, "expected a format such as"),
+    "short-row": (lambda c: c.replace(b" 250.00000", b"250.00000"), RecordFormatError, r"expected 8 fields of 10"),
+    "letters": (lambda c: c.replace(b" 250.00000", b"  25o.0000"), RecordFormatError, r"TEST.V2:\d+: .*'25o.0000'"),
+    "not-finite": (lambda c: c.replace(b" 250.00000", b"       NaN"), RecordFormatError, r"TEST.V2:\d+: .*'NaN'"),
+    "twice": (
+        lambda c: c.replace(b"points of veloc", b"points of accel"),
+        RecordFormatError,
+        "found a second block of acceleration",
+    ),
+    "behind": (lambda c: c + b"something else\n", RecordFormatError, "expected 'Corrected accelerogram' .channel 2."),
+}
+
+
+@pytest.mark.parametrize(("change", "error", "message"), DAMAGE.values(), ids=DAMAGE)
+def test_damage_is_named_with_file_and_line(write, change, error, message):
+    content = csmip_v2(MOTION, end="\n")
+    assert change(content) != content
+    with pytest.raises(error, match=message):
+        read(write(change(content)))
+
+
+def test_spectra_are_refused(records_folder):
+    with pytest.raises(NotAcceleration, match=r"CE89146.V3:1: .*spectra.*; read the volume 1 or 2"):
+        read(records_folder / "csmip_v3" / "CE89146.V3")
+
+
+def test_spectra_with_other_titles_are_refused_too(write):
+    title = b"RESPONSE SPECTRA FOR\nCORRECTED ACCELEROGRAM IIBA338 COMP S58W\n"
+    with pytest.raises(NotAcceleration, match=r"TEST.V3:1: .*spectra"):
+        read(write(title, "TEST.V3"))

@@ -1,0 +1,141 @@
+"""CSMNC (China): both layouts of the lines, components, the time of the earthquake, damaged files."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from make_format_samples import source_channels
+from record_writers import pulse
+from record_writers.csmnc import csmnc, samples
+
+from rockpulse.errors import RecordFormatError, UnitError
+from rockpulse.readers import read
+from rockpulse.readers.source import NotAcceleration
+
+VALUES = np.round(pulse(403, -950.0), 3)
+
+
+@pytest.fixture
+def write(tmp_path):
+    def written(content: bytes, name: str = "test.dat"):
+        path = tmp_path / name
+        path.write_bytes(content)
+        return path
+
+    return written
+
+
+@pytest.mark.parametrize("mark", ["", "$", " $"])
+@pytest.mark.parametrize("end", ["\r\n", "\n"])
+@pytest.mark.parametrize("field", ["{:12.6E} ", "{:14.6E}"])
+def test_a_channel(write, mark, end, field):
+    (record,) = read(write(csmnc(VALUES, mark=mark, end=end, field=field)))
+    assert record.acceleration == pytest.approx(0.01 * VALUES, rel=1e-6, abs=1e-9)
+    assert (record.npts, record.dt, record.processed, record.source_unit) == (403, 0.005, False, "cm/s2")
+    assert (record.orientation, record.azimuth, record.component) == ("horizontal", 90.0, "EW")
+    assert (record.station, record.id, record.warnings) == ("051XXX", "test.EW", ())
+    assert record.header_peak == pytest.approx(9.5, rel=1e-5)
+
+
+def test_the_time_of_the_earthquake_is_in_beijing_and_no_start_time(write):
+    (record,) = read(write(csmnc(VALUES)))
+    assert record.start_time is None
+    assert record.event == "TEST EARTHQUAKE 2013-04-20 00:02:46 UTC M 7.0(Ms)"
+    (record,) = read(write(csmnc(VALUES, origin="0130420000246 2013-04-20 0:2:46 UTC")))
+    assert record.event == "TEST EARTHQUAKE 2013-04-20 00:02:46 UTC M 7.0(Ms)"
+    (record,) = read(write(csmnc(VALUES, origin="0130420000246 2013-04-31 0:2:46 BJT")))
+    assert record.event == "TEST EARTHQUAKE M 7.0(Ms)"
+
+
+def test_corrected_accelerations(write):
+    (record,) = read(write(csmnc(VALUES, kind="CORRECTED ACCELERATION")))
+    assert record.processed is True
+
+
+@pytest.mark.parametrize("kind", ["CORRECTED VELOCITY", "CORRECTED DISPLACEMENT"])
+def test_other_series_are_refused(write, kind):
+    with pytest.raises(NotAcceleration, match=rf"test.dat:11: expected acceleration, found {kind[10:].lower()}"):
+        read(write(csmnc(VALUES, kind=kind, unit="CM/SEC")))
+
+
+@pytest.mark.parametrize(
+    ("component", "name", "orientation", "azimuth", "noted"),
+    [
+        ("NS", "a.dat", "horizontal", 0.0, False),
+        ("UD", "a.dat", "vertical", np.nan, False),
+        ("N45E", "a.dat", "horizontal", 45.0, False),
+        ("", "051WCW080512142801.UD.dat", "vertical", np.nan, True),
+        ("", "20080512142804_051WCW_ORIG_NS.dat", "horizontal", 0.0, True),
+        ("", "051NSW080512142801.dat", "unknown", np.nan, False),
+        ("EW", "051WCW080512142801.UD.dat", "unknown", np.nan, True),
+    ],
+)
+def test_the_component_is_that_of_the_header_else_of_the_name(write, component, name, orientation, azimuth, noted):
+    (record,) = read(write(csmnc(VALUES, component=component), name))
+    assert record.orientation == orientation
+    assert record.azimuth == pytest.approx(azimuth, nan_ok=True)
+    assert bool(record.warnings) is noted
+
+
+@pytest.mark.parametrize(
+    ("point", "structural"), [("GROUND", False), ("FREE FIELD", False), ("ROOF", True), ("", False)]
+)
+def test_the_observing_point(write, point, structural):
+    (record,) = read(write(csmnc(VALUES, point=point)))
+    assert (record.orientation == "structural") is structural
+
+
+def test_rows_beyond_the_count_are_left_out_with_a_warning(write):
+    (record,) = read(write(csmnc(VALUES, count=160)))
+    assert record.npts == 160
+    assert "line 37: 31 rows beyond the declared count" in record.warnings[0]
+
+
+@pytest.mark.parametrize(
+    ("content", "message"),
+    [
+        (csmnc(VALUES, count=4000), r"test.dat:67: expected 4000 samples \(header\), found 408"),
+        (csmnc(VALUES, count=0), "expected a positive number of samples"),
+        (csmnc(VALUES, count=405), r"test.dat:67: expected a row of 5"),
+        (csmnc(VALUES, dt="0"), "expected a positive sampling interval"),
+        (csmnc(VALUES)[:2000], r"expected 403 samples"),
+        (csmnc(VALUES)[:440], r"expected 403 samples \(header\), found 0"),
+        (csmnc(VALUES).replace(b"UNCORRECTED", b"UNCORECTED"), "expected a line such as 'UNCORRECTED ACCELERATION"),
+        (csmnc(VALUES).replace(b"NO. OF POINTS:", b"POINTS"), "expected a line such as 'NO. OF POINTS:  12000'"),
+        (
+            csmnc(VALUES).replace(b"E0 ", b"E0  1.0 ", 1),
+            r"test.dat:18: expected a row of 9|test.dat:\d+: expected a row of 8",
+        ),
+        (csmnc(VALUES).replace(b"E2 \r\n", b"F2 \r\n", 1), r"test.dat:\d+: expected a finite number, found '.*F2'"),
+        (csmnc([1.0]), "at least 2 samples"),
+    ],
+    ids=["more", "none", "last", "dt", "cut", "header", "kind", "count", "row", "letter", "one"],
+)
+def test_damage_is_named(write, content, message):
+    with pytest.raises(RecordFormatError, match=message):
+        read(write(content))
+
+
+def test_a_unit_that_is_not_known(write):
+    with pytest.raises(UnitError, match=r"test.dat:11: unknown unit of acceleration 'COUNTS'"):
+        read(write(csmnc(VALUES, unit="COUNTS")))
+
+
+def test_the_samples_hold_the_channels(tmp_path):
+    channels = source_channels()
+    files = samples(channels)
+    assert list(files) == ["clc_csmnc.EW.dat", "clc_csmnc.NS.dat", "clc_csmnc.UD.dat"]
+    for (name, content), channel in zip(files.items(), channels, strict=True):
+        assert len(content) < 60_000
+        (tmp_path / name).write_bytes(content)
+        (record,) = read(tmp_path / name)
+        assert record.acceleration == pytest.approx(channel.acceleration, rel=1e-6, abs=1e-12)
+        assert (record.dt, record.orientation, record.warnings) == (0.01, channel.orientation, ())
+        assert record.azimuth == pytest.approx(channel.azimuth % 360.0, nan_ok=True)
+
+
+def test_only_these_files_are_claimed(records_folder):
+    from rockpulse.readers import csmnc as reader
+
+    for path in records_folder.rglob("*"):
+        assert not (path.is_file() and reader.is_csmnc(path.read_bytes()[:65536], path.name)), path

@@ -1,0 +1,166 @@
+"""CWB and CWA free field (Taiwan): the columns, the clock, damaged files."""
+
+from __future__ import annotations
+
+import io
+from datetime import UTC, datetime
+
+import numpy as np
+import pytest
+from make_format_samples import source_channels
+from record_writers._shared import pulse
+from record_writers.cwb import cwb, samples
+
+from rockpulse.errors import RecordFormatError, UnitError
+from rockpulse.readers import read
+from rockpulse.record import STANDARD_GRAVITY, Record
+
+THREE = tuple(np.round(pulse(400, peak, dt=0.02), 3) for peak in (7.1, 45.5, 50.2))
+
+
+def got(content: bytes) -> list[Record]:
+    return read(io.BytesIO(content))
+
+
+def test_the_real_file(records_folder):
+    records = read(records_folder / "cwb" / "2-EGF.dat")
+    assert [(record.npts, record.dt, record.processed) for record in records] == [(6000, 0.02, False)] * 3
+    assert [record.pga / STANDARD_GRAVITY for record in records] == pytest.approx(
+        [0.007258, 0.004636, 0.005124], rel=5e-4
+    )
+    assert [record.header_peak for record in records] == pytest.approx([record.pga for record in records], rel=1e-9)
+    assert [record.orientation for record in records] == ["vertical", "horizontal", "horizontal"]
+    assert [record.azimuth for record in records[1:]] == [0.0, 90.0]
+    # 23:50:29 in Taiwan.
+    assert {record.start_time for record in records} == {datetime(2018, 2, 6, 15, 50, 29, tzinfo=UTC)}
+    assert [record.id for record in records] == [f".EGF..{letter}@20180206T155029" for letter in "UNE"]
+    assert {(record.station_name, record.event) for record in records} == {("Guangfu", "2018/02/06-23:50:42")}
+    assert {record.warnings for record in records} == {()}
+
+
+def test_the_format_sample_gives_back_the_channels():
+    east, north, up = source_channels()
+    for record, channel in zip(got(samples([east, north, up])["clc_cwb.dat"]), (up, north, east), strict=True):
+        assert record.acceleration == pytest.approx(channel.acceleration, abs=0.51e-5)
+        assert (record.dt, record.start_time) == (channel.dt, channel.start_time)
+        assert record.azimuth == pytest.approx(channel.azimuth, nan_ok=True)
+        assert record.orientation == channel.orientation
+
+
+@pytest.mark.parametrize("end", ["\n", "\r\n", "\r"])
+def test_accelerations_in_gal(end):
+    records = got(cwb(THREE, end=end))
+    for record, values in zip(records, THREE, strict=True):
+        assert record.acceleration == pytest.approx(0.01 * values, rel=1e-12, abs=1e-12)
+        assert (record.dt, record.source_unit, record.format, record.warnings) == (0.02, "gal", "cwb", ())
+
+
+def test_fields_of_ten_characters_touch():
+    columns = [-np.abs(values) - 10_000.0 for values in THREE]
+    content = cwb(columns)
+    assert b"-10000.000-10000.000" in content
+    for record, values in zip(got(content), columns, strict=True):
+        assert record.acceleration == pytest.approx(0.01 * values, rel=1e-9)
+        assert any("peak" in note for note in record.warnings)  # above 5 g
+
+
+@pytest.mark.parametrize(
+    ("sequence", "expected"),
+    [
+        ("Time U(+); N(+); E(+)", [("vertical", np.nan), ("horizontal", 0.0), ("horizontal", 90.0)]),
+        ("Time E(+); N(-); U(+)", [("horizontal", 90.0), ("horizontal", 180.0), ("vertical", np.nan)]),
+    ],
+)
+def test_the_header_tells_the_order_and_the_sign_of_the_columns(sequence, expected):
+    records = got(cwb(THREE, sequence=sequence))
+    assert [record.orientation for record in records] == [orientation for orientation, _ in expected]
+    assert [record.azimuth for record in records] == pytest.approx([azimuth for _, azimuth in expected], nan_ok=True)
+
+
+def test_a_vertical_that_is_positive_downwards_changes_its_sign():
+    record = got(cwb(THREE, sequence="Time U(-); N(+); E(+)"))[0]
+    assert record.acceleration == pytest.approx(-0.01 * THREE[0], rel=1e-12, abs=1e-12)
+    assert any("sign is changed" in note for note in record.warnings)
+
+
+@pytest.mark.parametrize(
+    ("start", "reason"),
+    [
+        ("StartTime: 1999/ 9/20-17:47: 2.000", "names no time zone"),
+        ("StartTime(GMT+08): 2018/02/30-23:50:29.000", "cannot be read"),
+        ("StartTime(GMT+08): yesterday", "cannot be read"),
+        ("StartTime(GMT+08): 2018/02/06-15:50:29.000", "lies 8.0 h from the earthquake of 2018-02-06 15:50:42"),
+    ],
+)
+def test_a_doubtful_start_is_left_out_with_the_reason(start, reason):
+    records = got(cwb(THREE, start=start))
+    assert {record.start_time for record in records} == {None}
+    assert all(reason in record.warnings[0] for record in records)
+
+
+def test_blanks_in_dates_and_a_first_row_later_than_the_start():
+    start, origin = "StartTime(GMT+08): 1999/ 9/21- 1:47: 2.500", "Origin Time(GMT+08): 1999/ 9/21- 1:47:16"
+    record = got(cwb(THREE, start=start, origin=origin, first=10.0))[0]
+    assert record.start_time == datetime(1999, 9, 20, 17, 47, 12, 500000, tzinfo=UTC)
+
+
+def test_a_header_without_times_is_no_fault():
+    record = got(cwb(THREE, start="", origin=""))[0]
+    assert (record.start_time, record.warnings) == (None, ())
+
+
+def test_more_rows_than_the_header_states_are_reported():
+    record = got(cwb(THREE, length="4"))[0]
+    assert record.npts == 400
+    assert "the header states 4 s at 50 samples per s, the file has 400 rows" in record.warnings[0]
+
+
+def without_row(content: bytes, row: int) -> bytes:
+    lines = content.split(b"\r\n")
+    return b"\r\n".join(lines[: 22 + row] + lines[23 + row :])
+
+
+@pytest.mark.parametrize(
+    ("content", "error", "message"),
+    [
+        (cwb(THREE)[:9000], RecordFormatError, r"stream:\d+: expected 375 rows .* found \d+"),
+        (cwb(THREE, length="120"), RecordFormatError, r"stream:422: expected 5975 rows .* found 400"),
+        (cwb(THREE, length="999999999"), RecordFormatError, r"expected 49999999925 rows"),
+        (cwb(THREE)[:-7], RecordFormatError, r"stream:422: expected 4 fields of 10 characters"),
+        (
+            without_row(cwb(THREE), 100),
+            RecordFormatError,
+            r"stream:123: expected 2 s .* found 2.02 s",
+        ),
+        (
+            cwb(THREE).replace(b"Rate(Hz): 50", b"Rate(Hz): 40"),
+            RecordFormatError,
+            "stream:24: expected 0.025 s .* found 0.02 s",
+        ),
+        (cwb(THREE).replace(b"Rate(Hz): 50", b"Rate(Hz): 0"), RecordFormatError, r"stream:16: expected .*above 0"),
+        (cwb(THREE).replace(b"#SampleRate", b"#Sample"), RecordFormatError, "expected a line '#SampleRate"),
+        (cwb(THREE, unit="stone. DC"), UnitError, "stream:17: unknown unit of acceleration 'stone'"),
+        (cwb(THREE, sequence="U N E"), RecordFormatError, "stream:21: expected '#DataSequence: Time U"),
+        (cwb(THREE, layout="3F10.3"), RecordFormatError, "stream:22: expected '#Data: 4F10.3'"),
+        (cwb(THREE, layout="4F0.3"), RecordFormatError, "expected fields of at least 1 character"),
+        (cwb(THREE).replace(b"     7.100", b"     7.1x0"), RecordFormatError, r"stream:\d+: expected a finite number"),
+    ],
+    ids=[
+        "cut",
+        "short",
+        "huge",
+        "row",
+        "gap",
+        "rate",
+        "zero",
+        "no-rate",
+        "unit",
+        "order",
+        "columns",
+        "width",
+        "letter",
+    ],
+)
+def test_damage_is_named(content, error, message):
+    with pytest.raises(error, match=message):
+        got(content)

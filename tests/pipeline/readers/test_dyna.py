@@ -1,0 +1,211 @@
+"""DYNA 1.x (ESM, ITACA, AFAD): the keys, the styles of dates, what is no acceleration, damaged files."""
+
+from __future__ import annotations
+
+import io
+from datetime import UTC, datetime
+
+import numpy as np
+import pytest
+from make_format_samples import source_channels
+from record_writers._shared import pulse
+from record_writers.dyna import CORRECTED, dyna, samples
+
+from rockpulse.errors import RecordFormatError, UnitError
+from rockpulse.readers import read
+from rockpulse.readers.source import NotAcceleration
+from rockpulse.record import STANDARD_GRAVITY, Record
+
+VALUES = np.round(pulse(300, peak=98.0), 6)
+START = "DATE_TIME_FIRST_SAMPLE_YYYYMMDD_HHMMSS"
+
+
+def got(content: bytes) -> Record:
+    (record,) = read(io.BytesIO(content))
+    return record
+
+
+# npts, dt, PGA [g], azimuth, start, processed.
+REAL = {
+    "HI.ARS1..HNE.D.20190728.160908.C.ACC.ASC": (
+        (19128, 0.005, 0.0003059, 90.0),
+        datetime(2019, 7, 28, 16, 9, 19, 870000, tzinfo=UTC),
+        True,
+    ),
+    "HI.ARS1..HNN.D.20190728.160908.C.ACC.ASC": (
+        (19128, 0.005, 0.0003661, 0.0),
+        datetime(2019, 7, 28, 16, 9, 19, 870000, tzinfo=UTC),
+        True,
+    ),
+    "20101114230825_3104_ap_RawAcc_E.asc": (
+        (5600, 0.01, 0.001664, 90.0),
+        datetime(2010, 11, 14, 23, 9, 19, 300000, tzinfo=UTC),
+        None,
+    ),
+}
+
+
+@pytest.mark.parametrize("name", REAL)
+def test_real_files(records_folder, name):
+    (record,) = read(records_folder / "dyna_asc" / name)
+    (count, dt, peak, azimuth), start, processed = REAL[name]
+    assert (record.npts, record.dt, record.azimuth) == (count, dt, azimuth)
+    assert record.pga / STANDARD_GRAVITY == pytest.approx(peak, rel=5e-4)
+    assert record.header_peak == pytest.approx(record.pga, rel=1e-3)
+    assert (record.start_time, record.processed) == (start, processed)
+    assert record.format == "dyna"
+
+
+def test_codes_of_real_files(records_folder):
+    (esm,) = read(records_folder / "dyna_asc" / "HI.ARS1..HNE.D.20190728.160908.C.ACC.ASC")
+    assert esm.id == "HI.ARS1..HNE@20190728T160919"
+    assert (esm.station_name, esm.event, esm.warnings) == ("Town Hall,Argos,Argolis,Peloponnese", "GREECE", ())
+    (afad,) = read(records_folder / "dyna_asc" / "20101114230825_3104_ap_RawAcc_E.asc")
+    assert afad.id == "TK.3104..HNE@20101114T230919"
+    assert (afad.location, afad.station_name) == ("", "HATAY_HASSA_AKTEPE_SALYK_OCAY_BAHCESI")
+    # The name says raw, the header 'Automatic': its spectrum is flat to 45 Hz, no filter was applied.
+    assert "states no corner frequency" in afad.warnings[0]
+
+
+def test_the_format_samples_give_back_the_channels():
+    channels = source_channels()
+    records = [got(content) for content in samples(channels).values()]
+    assert {(record.network, record.station, record.station_name) for record in records} == {
+        ("CI", "CLC", "China Lake"),
+        ("CI", "CLC", "CHINA_LAKE"),
+    }
+    by_stream = {record.channel: record for record in records}
+    for stream, channel in zip(("HNE", "HNN", "HNZ"), channels, strict=True):
+        record = by_stream[stream]
+        assert record.acceleration == pytest.approx(channel.acceleration, abs=0.51e-8)
+        assert (record.dt, record.start_time) == (channel.dt, channel.start_time)
+        assert record.orientation == channel.orientation
+    assert [record.processed for record in records] == [False] * 4
+
+
+@pytest.mark.parametrize("end", ["\n", "\r\n"])
+def test_values_are_read_from_the_first_line_that_is_no_key(end):
+    record = got(dyna(VALUES, end=end))
+    assert record.acceleration == pytest.approx(0.01 * VALUES, rel=1e-12)
+    assert (record.dt, record.source_unit, record.warnings) == (0.01, "cm/s^2".replace("^", ""), ())
+    more = got(dyna(VALUES, end=end, USER6="", USER7="", USER8="a b", USER9="1.5", USER10="c:d"))
+    assert np.array_equal(more.acceleration, record.acceleration)
+
+
+@pytest.mark.parametrize(
+    "stated",
+    [
+        "20190728_160919.870",
+        "2019/07/28 16:09:19.870",
+        "2019-07-28T16:09:19.870",
+        "28/07/2019 16:09:19.870",
+        "28/7/2019 16:09:19.87",
+    ],
+)
+def test_styles_of_dates(stated):
+    assert got(dyna(VALUES, **{START: stated})).start_time == datetime(2019, 7, 28, 16, 9, 19, 870000, tzinfo=UTC)
+
+
+@pytest.mark.parametrize(
+    ("changes", "reason"),
+    [
+        ({START: "20190728_190919.870"}, "lies 3.0 h from the earthquake of 2019-07-28 16:09:08"),
+        ({START: "07/28/2019 16:09:19"}, "cannot be read"),
+        ({START: "20190728_2509"}, "cannot be read"),
+        ({START: "20190728_160961.000"}, "cannot be read"),
+        ({START: "20190728_166019.000"}, "cannot be read"),
+        ({START: "19800101_000012.000", "EVENT_DATE_YYYYMMDD": ""}, "never set"),
+    ],
+)
+def test_a_doubtful_start_is_left_out_with_the_reason(changes, reason):
+    record = got(dyna(VALUES, **changes))
+    assert record.start_time is None
+    assert reason in record.warnings[0]
+
+
+def test_no_start_is_no_news_and_a_rough_one_is():
+    assert got(dyna(VALUES, **{START: ""})).warnings == ()
+    rough = got(dyna(VALUES, DATE_TIME_FIRST_SAMPLE_PRECISION="minute"))
+    assert rough.start_time is not None
+    assert "known to the minute only" in rough.warnings[0]
+
+
+@pytest.mark.parametrize(
+    ("changes", "processed"),
+    [
+        ({}, False),
+        ({"PROCESSING": "None"}, False),
+        ({"PROCESSING": ""}, None),
+        (CORRECTED, True),
+        (CORRECTED | {"LOW_CUT_FREQUENCY_HZ": ""}, True),
+        (CORRECTED | {"LOW_CUT_FREQUENCY_HZ": "", "HIGH_CUT_FREQUENCY_HZ": ""}, None),
+    ],
+)
+def test_a_volume_is_corrected_where_the_header_says_by_which_filter(changes, processed):
+    assert got(dyna(VALUES, **changes)).processed is processed
+
+
+@pytest.mark.parametrize(
+    ("changes", "warning"),
+    [
+        ({"LATE/NORMAL_TRIGGERED": "LT"}, "late triggered"),
+        (CORRECTED | {"BASELINE_CORRECTION": "BASELINE NOT REMOVED"}, "the baseline was not removed"),
+        ({"SENSOR_DEPTH_M": "30.0"}, "30 m below the ground"),
+        ({"DURATION_S": "30.0"}, "the header states 30 s, 300 samples at 0.01 s last 3 s"),
+        ({"PGA_CM/S^2": "-120.5"}, "the header states a peak of 0.1229 g"),
+    ],
+)
+def test_what_the_header_says_against_the_record(changes, warning):
+    (note,) = got(dyna(VALUES, **changes)).warnings
+    assert warning in note
+
+
+def test_codes_and_direction():
+    record = got(dyna(VALUES, NETWORK="IT", STATION_CODE="AQV", LOCATION="00", STREAM="HNZ"))
+    assert (record.network, record.station, record.location, record.channel) == ("IT", "AQV", "00", "HNZ")
+    assert record.orientation == "vertical"
+    assert got(dyna(VALUES, STREAM="HN2")).orientation == "horizontal"
+
+
+@pytest.mark.parametrize("encoding", ["utf-8", "iso8859-9"])
+def test_names_in_any_encoding(encoding):
+    content = dyna(VALUES, STATION_NAME="Duzce").replace(b"Duzce", "Düzce, İzmit".encode(encoding))
+    assert got(content).station_name.startswith("Düzce")
+
+
+@pytest.mark.parametrize(
+    "kind", ["VELOCITY", "DISPLACEMENT", "ACCELERATION RESPONSE SPECTRUM", "PSEUDO VELOCITY RESPONSE SPECTRUM"]
+)
+def test_other_series_are_refused(kind):
+    with pytest.raises(NotAcceleration, match=f"stream:50: expected 'DATA_TYPE: ACCELERATION', found '{kind}'"):
+        got(dyna(VALUES, DATA_TYPE=kind))
+
+
+def test_lines_beyond_the_declared_count_are_reported():
+    record = got(dyna(VALUES, NDATA=298, DURATION_S=""))
+    assert record.npts == 298
+    assert "line 363: 2 rows beyond the declared count" in record.warnings[0]
+
+
+@pytest.mark.parametrize(
+    ("content", "error", "message"),
+    [
+        (dyna(VALUES)[:-500], RecordFormatError, r"stream:\d+: expected 300 samples .* found 2\d\d"),
+        (dyna(VALUES, NDATA=999999999), RecordFormatError, "stream:364: expected 999999999 samples .* found 300"),
+        (dyna(VALUES, NDATA=-3), RecordFormatError, "stream:30: expected the number of samples, found '-3'"),
+        (dyna(VALUES, NDATA=0), RecordFormatError, "expected a positive number of samples"),
+        (dyna(VALUES, NDATA="9" * 5000), RecordFormatError, "stream:30: expected the number of samples"),
+        (dyna(VALUES, SAMPLING_INTERVAL_S="0.0"), RecordFormatError, "stream:29: expected a sampling interval"),
+        (dyna(VALUES, without=["SAMPLING_INTERVAL_S"]), RecordFormatError, "stream:63: expected a sampling interval"),
+        (dyna(VALUES, without=["DATA_TYPE"]), RecordFormatError, "stream:63: expected 'DATA_TYPE: ACCELERATION' in"),
+        (dyna(VALUES, UNITS="furlong"), UnitError, "stream:33: unknown unit of acceleration 'furlong'"),
+        (dyna(VALUES, UNITS=""), UnitError, "stream:33: unknown unit of acceleration ''"),
+        (dyna(VALUES).replace(b"\n98.0000", b"\n98.0x00"), RecordFormatError, r"stream:\d+: expected a finite number"),
+        (dyna(VALUES).replace(b"\n98.0000", b"\n98.0 00"), RecordFormatError, r"stream:\d+: expected one number on"),
+        (dyna(VALUES).replace(b"STREAM:", b"STREAM "), RecordFormatError, "stream:31: expected 'DATA_TYPE"),
+    ],
+    ids=["cut", "huge", "negative", "zero", "digits", "dt", "no-dt", "no-type", "unit", "no-unit", "x", "two", "key"],
+)
+def test_damage_is_named(content, error, message):
+    with pytest.raises(error, match=message):
+        got(content)

@@ -1,0 +1,118 @@
+"""Numbers in text: lines of any kind, fixed widths, blanks, and the messages when they are wrong."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from rockpulse.errors import RecordFormatError
+from rockpulse.readers.fields import check_count, fixed_width, free_numbers, printed_number, text_lines
+
+
+@pytest.mark.parametrize("end", [b"\n", b"\r\n", b"\r", b"\r\r\n"])
+def test_lines_end_in_any_way(end):
+    assert text_lines(end.join([b"one", b"", b" two ", b"three"])) == ["one", "", " two ", "three"]
+
+
+def test_mixed_line_ends():
+    assert text_lines(b"a\rb\nc\r\nd\r\r\ne") == ["a", "b", "c", "d", "e"]
+
+
+@pytest.mark.parametrize("tail", [b"", b"\n", b"\r\n\r\n", b"\x1a", b"\r\n\x1a", b"\x1a\x00\x00", b"\n  \n\t\n"])
+def test_what_follows_the_last_line_is_left_out(tail):
+    assert text_lines(b"one\n two" + tail) == ["one", " two"]
+
+
+def test_nothing_is_one_line():
+    assert text_lines(b"") == text_lines(b"\r\n \x1a") == [""]
+
+
+def test_any_byte_is_a_character():
+    assert text_lines("Düzce 12°\n".encode()) == text_lines("Düzce 12°\n".encode("latin-1")) == ["Düzce 12°"]
+    assert len(text_lines(bytes(byte for byte in range(256) if byte not in b"\r\n"))[0]) == 254
+
+
+@pytest.mark.parametrize(
+    ("text", "value", "half"),
+    [("3.91E+1", 39.1, 0.05), (" -.344 ", -0.344, 5e-4), ("12", 12.0, 0.5), ("1D-2", 0.01, 5e-3)],
+)
+def test_printed_numbers_know_their_rounding(text, value, half):
+    assert printed_number(text) == (pytest.approx(value, rel=1e-12), pytest.approx(half, rel=1e-12))
+
+
+def test_a_count_is_held_against_what_is_there():
+    check_count("a.V1:3", 5, 5)
+    with pytest.raises(RecordFormatError, match=r"a.V1:3: expected 6 samples \(header\), found 5"):
+        check_count("a.V1:3", 6, 5)
+    with pytest.raises(RecordFormatError, match="expected a positive number of rows in the header, found -6"):
+        check_count("a.V1:3", -6, 5, "rows")
+
+
+def test_fields_that_touch_are_split_by_width():
+    rows = ["-1.00000-2.00000 3.00000", "-1.00E-2  .5D+01"]
+    assert list(fixed_width(rows, 1, 8, 3, 5, "a")) == [-1.0, -2.0, 3.0, -0.01, 5.0]
+
+
+@pytest.mark.parametrize(
+    "rows", [["   1   2   3", "   4"], ["   1   2   3  ", "   4   "], ["   1   2   3", "   4   5   6"]]
+)
+def test_blanks_at_the_end_and_fields_beyond_the_count_do_not_matter(rows):
+    assert list(fixed_width([*rows, "no number"], 1, 4, 3, 4, "a")) == [1.0, 2.0, 3.0, 4.0]
+
+
+@pytest.mark.parametrize(
+    ("rows", "message"),
+    [
+        (["   1   2   3", "   4   5   6"], "a:9: expected 7 numbers .*found 6"),
+        (["   1   2   3", "   4   5", "   7"], "a:8: expected 3 fields of 4 characters, found a row of 8"),
+        (["   1   2   3", "   4   5   6   7", "   7"], "a:8: expected 3 fields of 4 characters, found a row of 16"),
+        (["   1   2   3", "   4 x.5   6", "   7"], "a:8: expected a finite number, found 'x.5'"),
+        (["   1   2   3", "   4       6", "   7"], "a:8: expected a finite number, found 'a blank field'"),
+        (["   1   2   3", "   4 nan   6", "   7"], "a:8: expected a finite number, found 'nan'"),
+        (["   1   2   3", "   41e99 1e9", "1999"], ""),
+        (["   1   2   3", "   4 1 2   6", "   7"], "a:8: expected a finite number, found '1 2'"),
+        (["   1   2   3", "   4 1_2   6", "   7"], "a:8: expected a finite number, found '1_2'"),
+        (["   1   2   3", "   4   ²   6", "   7"], "a:8: expected a finite number, found '²'"),
+        (["   1   2   3", "   4   ٣   6", "   7"], "a:8: expected a finite number, found '٣'"),
+        (["   1   2   3", "   4   \0   6", "   7"], "a:8: expected a finite number"),
+    ],
+)
+def test_the_line_of_a_fault_is_named(rows, message):
+    if not message:
+        assert fixed_width(rows, 7, 4, 3, 7, "a")[4] == 1e99
+        return
+    with pytest.raises(RecordFormatError, match=message):
+        fixed_width(rows, 7, 4, 3, 7, "a")
+
+
+@pytest.mark.parametrize(("width", "per_row", "count"), [(0, 3, 1), (4, 0, 1), (-1, 3, 1), (4, 3, 0), (4, 3, -5)])
+def test_a_layout_that_is_none_is_refused(width, per_row, count):
+    with pytest.raises(RecordFormatError, match=r"at least 1 character|a positive number of numbers"):
+        fixed_width(["   1   2   3"], 1, width, per_row, count, "a")
+
+
+@pytest.mark.parametrize("count", [10**9, 10**18])
+def test_a_huge_count_allocates_nothing(count):
+    with pytest.raises(RecordFormatError, match="found 3"):
+        fixed_width(["   1   2   3"], 1, 4, 3, count, "a")
+    with pytest.raises(RecordFormatError, match="found"):
+        fixed_width(["   1   2   3"], 1, count, count, count, "a")
+
+
+def test_numbers_between_blanks():
+    assert list(free_numbers(["1 -2.5E+1\t3.D0", "", " .5"], 1, "a")) == [1.0, -25.0, 3.0, 0.5]
+    assert free_numbers([], 1, "a").size == 0
+
+
+@pytest.mark.parametrize("word", ["x", "1.2.3", "1e999", "--1", "1_0", "٣", "nan", "1,5", "\0"])
+def test_what_is_no_number_is_named_with_its_line(word):
+    with pytest.raises(RecordFormatError, match=r"a:4: expected a finite number, found '"):
+        free_numbers(["1 2", f"3 {word} 4"], 3, "a")
+
+
+def test_random_numbers_come_back_to_the_last_bit():
+    values = np.random.default_rng(2).standard_normal(1000) * 10.0 ** np.arange(-50, 50).repeat(10)
+    fields = [f"{value:25.17E}" for value in values]
+    rows = ["".join(fields[start : start + 3]) for start in range(0, 1000, 3)]
+    assert np.array_equal(fixed_width(rows, 1, 25, 3, 1000, "a"), values)
+    assert np.array_equal(free_numbers(rows, 1, "a"), values)

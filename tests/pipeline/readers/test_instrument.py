@@ -1,0 +1,126 @@
+"""Removal of an instrument's response against answers that are known without it."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from obspy.core.inventory.response import InstrumentSensitivity, PolynomialResponseStage, Response
+from scipy.signal import lsim
+
+from rockpulse.errors import RecordFormatError, RecordRefused
+from rockpulse.readers import read
+from rockpulse.readers.instrument import pass_band, without_response
+from rockpulse.readers.source import NotAcceleration
+
+DT, COUNT = 0.01, 4000
+TIME = DT * np.arange(COUNT)
+#: Corner [rad/s], damping and counts per unit of the sensors.
+CORNER, DAMPING, GAIN = 2.0 * np.pi, 0.7, 5.0e4
+POLES = [CORNER * (-DAMPING + sign * 1j * np.sqrt(1.0 - DAMPING**2)) for sign in (1.0, -1.0)]
+
+
+def wavelet(time, frequency, centre):
+    """An acceleration that begins and ends at rest, without a net velocity, and has a band of its own."""
+    phase = (np.pi * frequency * (time - centre)) ** 2
+    return (1.0 - 2.0 * phase) * np.exp(-phase)
+
+
+def paz(zeros, poles, unit, frequency=5.0):
+    response = Response.from_paz(
+        zeros, poles, GAIN, frequency, input_units=unit, output_units="COUNTS", normalization_frequency=frequency
+    )
+    at = 2j * np.pi * frequency
+    answer = np.prod([at - zero for zero in zeros]) / np.prod([at - pole for pole in poles])
+    response.response_stages[0].normalization_factor = 1.0 / abs(answer)
+    response.instrument_sensitivity.value = GAIN
+    return response
+
+
+def test_a_velocity_sensor_gives_back_the_acceleration():
+    fine = DT / 20.0 * np.arange(20 * COUNT)
+    truth = wavelet(TIME, 2.0, 15.0)
+    # Seismometer: velocity in, gain s^2 / (s^2 + 2 h w s + w^2); from acceleration one s less. In the time domain.
+    system = ([1.0, 0.0], [1.0, 2.0 * DAMPING * CORNER, CORNER**2])
+    _, output, _ = lsim(system, wavelet(fine, 2.0, 15.0), fine)
+    scale = GAIN / abs((10j * np.pi) ** 2 / np.polyval(system[1], 10j * np.pi))  # GAIN holds at 5 Hz
+    removed = without_response("test", scale * output[::20], DT, paz([0.0, 0.0], POLES, "M/S"))
+    # The pass band begins at 0.1 Hz, where the answer has fallen to a hundredth.
+    assert removed.samples * removed.factor == pytest.approx(truth, abs=1e-3)
+    assert "M/S to m/s2" in removed.note
+    assert removed.warnings == ("a sensor of velocity, differentiated: check that it was not driven to its limit",)
+
+
+@pytest.mark.parametrize("frequency", [0.05, 0.3, 5.0], ids="{} Hz".format)
+def test_an_accelerometer_keeps_pulses_of_any_length(frequency):
+    motion = wavelet(TIME, frequency, 20.0)
+    # Second-order accelerometer at 200 Hz: its answer to these pulses is a delay of 2 h / w = 1.1 ms.
+    corner = 2.0 * np.pi * 200.0
+    poles = [corner * (-DAMPING + sign * 1j * np.sqrt(1.0 - DAMPING**2)) for sign in (1.0, -1.0)]
+    counts = GAIN * wavelet(TIME - 2.0 * DAMPING / corner, frequency, 20.0)
+    removed = without_response("test", counts, DT, paz([], poles, "M/S**2", 1.0))
+    back = removed.samples * removed.factor
+    assert back == pytest.approx(motion - motion.mean(), abs=2e-3)
+    assert "pass band from 0 Hz to 40 Hz" in removed.note
+    assert removed.warnings == ()
+    assert removed.factor == pytest.approx(1.0 / GAIN, rel=1e-3)
+
+
+def test_the_pass_band_follows_sensor_and_record():
+    sensor, accelerometer = paz([0.0, 0.0], POLES, "M/S"), paz([], POLES, "M/S**2", 0.2)
+    assert pass_band(sensor, DT, COUNT) == pytest.approx((0.05, 0.1, 40.0, 47.5), rel=0.03)
+    assert pass_band(sensor, DT, 500)[:2] == pytest.approx((0.1, 0.2))  # one cycle in 5 s
+    assert pass_band(accelerometer, DT, COUNT)[0] < 0.0
+    # This one falls to a hundredth at 10 Hz.
+    assert pass_band(accelerometer, DT, COUNT)[2:] == pytest.approx((8.0, 9.5), rel=0.03)
+
+
+@pytest.mark.filterwarnings("ignore:ObsPy can not map unit")
+def test_a_response_that_does_not_serve_is_refused():
+    counts = 1e4 * wavelet(TIME, 1.0, 20.0)
+    sensitivity = InstrumentSensitivity(GAIN, 1.0, input_units="M/S**2", output_units="COUNTS")
+    with pytest.raises(RecordRefused, match="no stages of the response"):
+        without_response("test", counts, DT, Response(instrument_sensitivity=sensitivity))
+    with pytest.raises(NotAcceleration, match="test records PA, expected ground motion"):
+        without_response("test", counts, DT, paz([], POLES, "PA"))
+    stage = PolynomialResponseStage(1, 1.0, 1.0, "M/S**2", "V", 0.0, 1.0, 0.0, 1.0, 0.0, [0.0, 2.0])
+    with pytest.raises(RecordRefused, match="polynomial"):
+        without_response("test", counts, DT, Response(instrument_sensitivity=sensitivity, response_stages=[stage]))
+    with pytest.raises(RecordRefused, match="2 samples are too few to remove the response"):
+        without_response("test", counts[:2], DT, paz([0.0, 0.0], POLES, "M/S"))
+    broken = paz([], POLES, "M/S**2")
+    broken.response_stages[0].normalization_factor = None
+    with pytest.raises(RecordFormatError, match="obspy cannot evaluate the response"):
+        without_response("test", counts, DT, broken)
+
+
+def test_stages_that_differ_from_the_sensitivity_are_reported():
+    response = paz([], POLES, "M/S**2", 0.2)
+    response.instrument_sensitivity.value *= 1.2
+    removed = without_response("test", 1e4 * wavelet(TIME, 1.0, 20.0), DT, response)
+    assert removed.warnings == ("the stages of the response differ from its sensitivity by -16.7 %",)
+
+
+@pytest.mark.parametrize(("channel", "share"), [("HNE", 0.04), ("HNN", 0.01)])
+def test_a_real_accelerometer_with_and_without_its_response(records_folder, channel, share):
+    path = records_folder / "mseed_xml" / f"CI.WCS2..{channel}.mseed"
+    (plain,), (removed,) = read(path), read(path, response="remove")
+    motion = plain.acceleration - plain.acceleration.mean()
+    # The response is that of an EpiSensor: 1 % above its sensitivity at 10 Hz, and late by 2 ms.
+    assert removed.pga == pytest.approx(np.max(np.abs(motion)), rel=share)
+    spectra = [np.fft.rfft(values) for values in (motion, removed.acceleration)]
+    frequency = np.fft.rfftfreq(plain.npts, plain.dt)
+    for low, high, tolerance in ((0.01, 0.1, 1e-3), (0.1, 1.0, 0.008), (1.0, 5.0, 0.04)):
+        band = (frequency >= low) & (frequency < high)
+        gap = np.linalg.norm(spectra[1][band] - spectra[0][band]) / np.linalg.norm(spectra[0][band])
+        assert gap < tolerance, (low, high)
+    velocities = [np.max(np.abs(np.cumsum(values))) * plain.dt for values in (motion, removed.acceleration)]
+    assert velocities[1] == pytest.approx(velocities[0], rel=3e-3)
+    assert removed.processing[0].startswith("instrument response removed, M/S**2 to m/s2: mean removed, pass band")
+    assert removed.unit_factor == pytest.approx(plain.unit_factor, rel=1e-4)
+
+
+def test_a_real_velocity_channel_becomes_acceleration_where_asked_for(records_folder):
+    (record,) = read(next((records_folder / "mseed_xml").glob("AV.CKT*.mseed")), response="remove")
+    assert (record.npts, record.dt) == (45001, 0.01)
+    assert "pass band from 0.104 Hz" in record.processing[0]
+    assert any("a sensor of velocity" in warning for warning in record.warnings)

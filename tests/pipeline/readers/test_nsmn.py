@@ -1,0 +1,129 @@
+"""NSMN (Turkey, before AFAD): the columns, Turkish letters, times, damaged files."""
+
+from __future__ import annotations
+
+from datetime import UTC, datetime
+
+import numpy as np
+import pytest
+from make_format_samples import source_channels
+from record_writers import pulse
+from record_writers.nsmn import nsmn, samples
+
+from rockpulse.errors import RecordFormatError, UnitError
+from rockpulse.readers import read
+from rockpulse.record import STANDARD_GRAVITY
+
+TABLE = np.round(np.column_stack([pulse(400, 13.0), pulse(400, -12.0), pulse(400, 9.0)]), 6)
+
+
+@pytest.fixture
+def write(tmp_path):
+    def written(content: bytes):
+        path = tmp_path / "test.txt"
+        path.write_bytes(content)
+        return path
+
+    return written
+
+
+@pytest.mark.parametrize("end", ["\r\n", "\n", "\r"])
+def test_the_three_columns(write, end):
+    records = read(write(nsmn(TABLE, end=end)))
+    for record, column in zip(records, TABLE.T, strict=True):
+        assert record.acceleration == pytest.approx(0.01 * column, abs=1e-12)
+        assert (record.dt, record.processed, record.source_unit) == (0.01, False, "gal")
+        assert record.start_time == datetime(2017, 7, 20, 22, 30, 58, 250000, tzinfo=UTC)
+        assert record.header_peak == pytest.approx(record.pga, abs=1e-8)
+        assert record.warnings == ()
+    assert [record.component for record in records] == ["N-S", "E-W", "U-D"]
+    assert [record.orientation for record in records] == ["horizontal", "horizontal", "vertical"]
+    assert (records[0].azimuth, records[1].azimuth) == (0.0, 90.0)
+    assert records[1].id == ".0921..EW@20170720T223058"
+    assert records[0].event == "2017/07/20 22:31:09 (GMT) M 6.5 Mw"
+
+
+def test_turkish_letters(write):
+    content = nsmn(TABLE, place="DÜZCE İŞĞı")
+    assert b"D\xdcZCE \xdd\xde\xd0\xfd" in content
+    assert read(write(content))[0].station_name == "DÜZCE İŞĞı"
+    assert read(write(content.decode("iso8859-9").encode("utf-8")))[0].station_name == "DÜZCE İŞĞı"
+
+
+@pytest.mark.parametrize(
+    ("start", "note"),
+    [
+        ("20/07/2017 22:30:58 (LOCAL)", "is in the unknown zone 'LOCAL'"),
+        ("20/07/2017", "cannot be read"),
+        ("20/07/2017 25:30:58 (GMT)", "cannot be read"),
+        ("31/02/2017 22:30:58 (GMT)", "cannot be read"),
+        ("20/07/2016 22:30:58 (GMT)", "h from the earthquake"),
+        ("", ""),
+    ],
+)
+def test_a_start_time_that_is_none(write, start, note):
+    record = read(write(nsmn(TABLE, start=start)))[0]
+    assert record.start_time is None
+    assert note in "".join(record.warnings)
+
+
+def test_a_peak_that_differs_is_reported(write):
+    records = read(write(nsmn(TABLE, peaks=(13.0, 24.0, 9.0))))
+    assert [bool(record.warnings) for record in records] == [False, True, False]
+
+
+def test_rows_beyond_the_count_are_left_out_with_a_warning(write):
+    record = read(write(nsmn(TABLE, count=390)))[0]
+    assert record.npts == 390
+    assert "line 409: 10 rows beyond the declared count" in record.warnings[0]
+
+
+@pytest.mark.parametrize(
+    ("content", "message"),
+    [
+        (nsmn(TABLE, count=4000), r"test.txt:418: expected 4000 rows \(header\), found 400"),
+        (nsmn(TABLE, count="9" * 30), r"test.txt:13: expected 'NUMBER OF DATA : ' and a number above 0"),
+        (nsmn(TABLE, count=0), r"test.txt:13: expected 'NUMBER OF DATA"),
+        (nsmn(TABLE, dt="-0.01"), r"test.txt:14: expected 'SAMPLING INTERVAL"),
+        (nsmn(TABLE, dt="0"), r"test.txt:14: expected 'SAMPLING INTERVAL"),
+        (nsmn(TABLE)[:5000], r"expected 400 rows"),
+        (nsmn(TABLE)[:400], "expected a line 'N-S  E-W  U-D' above the values"),
+        (nsmn(TABLE).replace(b"0.000000\r\n", b"0.000000 1.0\r\n", 1), r"test.txt:19: expected a row of 3"),
+        (
+            nsmn(TABLE).replace(b" 0.000000\r\n", b" 0.00O000\r\n", 1),
+            r"test.txt:19: expected a finite number, found '0.00O",
+        ),
+        (nsmn(TABLE).replace(b" 0.000000\r\n", b" nan\r\n", 1), r"test.txt:19: expected a finite number, found 'nan'"),
+    ],
+    ids=["more", "huge", "none", "negative", "zero", "cut", "header", "row", "letter", "nan"],
+)
+def test_damage_is_named(write, content, message):
+    with pytest.raises(RecordFormatError, match=message):
+        read(write(content))
+
+
+def test_a_unit_that_is_not_known(write):
+    with pytest.raises(UnitError, match=r"test.txt:15: unknown unit of acceleration 'counts'"):
+        read(write(nsmn(TABLE, unit="counts")))
+
+
+def test_the_sample_holds_the_channels(tmp_path):
+    east, north, up = source_channels()
+    ((name, content),) = samples([east, north, up]).items()
+    assert len(content) < 60_000
+    (tmp_path / name).write_bytes(content)
+    for record, channel in zip(read(tmp_path / name), (north, east, up), strict=True):
+        assert record.acceleration == pytest.approx(channel.acceleration, abs=0.51e-8)
+        assert (record.dt, record.start_time, record.warnings) == (0.01, channel.start_time, ())
+        assert record.azimuth == pytest.approx(channel.azimuth % 360.0, nan_ok=True)
+
+
+def test_the_real_file(records_folder):
+    records = read(records_folder / "afad_nsmn" / "20170720223109_0921.txt")
+    assert [(record.npts, record.dt) for record in records] == [(28683, 0.01)] * 3
+    assert [record.pga / STANDARD_GRAVITY for record in records] == pytest.approx([0.01346, 0.0124, 0.01003], rel=0.005)
+    for record in records:
+        assert record.pga == pytest.approx(record.header_peak, rel=1e-6)
+        assert record.start_time == datetime(2017, 7, 20, 22, 30, 58, tzinfo=UTC)
+        assert (record.station, record.station_name) == ("0921", "AYDıN GERMENCIK DEVLET HASTANESI")
+        assert (record.processed, record.warnings) == (False, ())

@@ -1,0 +1,185 @@
+"""Every file of the folder of real records, as its MANIFEST describes it."""
+
+from __future__ import annotations
+
+import csv
+import io
+import os
+from pathlib import Path
+
+import numpy as np
+import pytest
+from make_format_samples import SAMPLES
+
+from rockpulse.errors import RecordRefused, UnitError
+from rockpulse.readers import FORMATS, read
+from rockpulse.readers.archive import members
+from rockpulse.readers.source import HEAD, NotAcceleration
+from rockpulse.record import STANDARD_GRAVITY
+from rockpulse.sources import read_all
+
+FOLDER = os.environ.get("ROCKPULSE_RECORDS")
+MANIFEST = Path(FOLDER, "MANIFEST.tsv") if FOLDER else None
+ROWS: list[dict[str, str]] = []
+if MANIFEST and MANIFEST.is_file():
+    with MANIFEST.open(encoding="utf-8", newline="") as stream:
+        ROWS = list(csv.DictReader(stream, delimiter="\t"))
+
+#: The reader of each folder.
+READERS = {
+    "afad_nsmn": "nsmn",
+    "at2": "at2",
+    "bhrc": "bhrc",
+    "columns": "columns",
+    "cosmos": "cosmos",
+    "csmip_v1": "csmip_v1",
+    "csmip_v2": "csmip_v2",
+    "csmip_v3": "csmip_v3",
+    "cwb": "cwb",
+    "dyna_asc": "dyna",
+    "geonet": "geonet",
+    "mseed_clipped": "miniseed",
+    "mseed_xml": "miniseed",
+    "renadic": "renadic",
+    "sac": "sac",
+    "smc": "smc",
+    "tricky_obspy": "miniseed",
+    "unam_asa": "asa",
+    "usc_v1": "usc_v1",
+    "usc_v2": "usc_v2",
+}
+
+#: What the files do not say.
+OPTIONS = {"sac": {"units": "m/s2"}, "columns": {"units": "g"}}
+
+REFUSED = {
+    "csmip_v3/CE89146.V3": (NotAcceleration, "response and Fourier spectra"),
+    "mseed_xml/AV.CKT..EHZ__20181130T172859Z__20181130T173629Z.mseed": (NotAcceleration, r"AV.CKT..EHZ records M/S"),
+    "mseed_clipped/HV.HSSD..HHE__20190414T030832Z__20190414T031602Z.mseed": (RecordRefused, "in counts and no sens"),
+    "tricky_obspy/gaps.mseed": (RecordRefused, "3 gaps or overlaps"),
+}
+
+#: Unequal steps, resampled at their median: other numbers of samples than the (time, acceleration) pairs in the file.
+RESAMPLED = {
+    "csmip_v1/LA116TH.RAW": [12000, 12000, 12000],
+    "smc/891018_1.cra-1.0210j.smc": [34656],
+    "usc_v1/017m30lw.e0a": [7504],
+}
+#: Raw records with an offset: the MANIFEST lists the peak of the record less its mean.
+OFFSET = {"mseed_xml/CI.WCS2..HNE.mseed", "mseed_xml/CI.WCS2..HNN.mseed", "unam_asa/CUP50401.012"}
+#: Peaks [g] that the MANIFEST leaves open: counts with a gain in the header; the header's own words for the SAC file.
+PEAKS = {
+    "cosmos/NP8040-n.1000hyfh.HNE.01.V0c": 0.2453,
+    "sac/20190706031952.CJ.T001230.HNE.sac": 0.043384 / STANDARD_GRAVITY,
+}
+#: The MANIFEST has 0.005 s, the interval of the raw record (real header 34); real header 62 says 0.01 s for the series,
+#: which with 7000 samples makes the 70 s that the text states.
+INTERVALS = {"cosmos/Cosmos12TimeSeriesTest2.v1": 0.01}
+#: The fourth channel is dead and is left out with a warning on the others.
+LEFT_OUT = {"renadic/curico1002271parte1.v1": [0, 1, 2]}
+
+RECORDS = [row["file"] for row in ROWS if row["npts"]]
+READABLE = [name for name in RECORDS if name not in REFUSED]
+LISTED = {row["file"]: row for row in ROWS}
+
+pytestmark = pytest.mark.skipif(not ROWS, reason="ROCKPULSE_RECORDS is not set, or names no folder with a MANIFEST.tsv")
+
+
+def options(name):
+    return OPTIONS.get(name.partition("/")[0], {})
+
+
+def listed(name, column):
+    return [float(text) for text in LISTED[name][column].split(";") if text.strip() != "-"]
+
+
+@pytest.mark.parametrize("name", READABLE)
+def test_counts_intervals_and_peaks_are_those_of_the_manifest(records_folder, name):
+    records = read(records_folder / name, **options(name))
+    kept = LEFT_OUT.get(name, slice(None))
+    counts, steps, peaks = (np.array(listed(name, column)) for column in ("npts", "dt_s", "pga_g"))
+    if name in RESAMPLED:
+        assert all("unequal steps" in note for record in records for note in record.warnings[-1:])
+        counts = np.array(RESAMPLED[name], dtype=float)
+    assert [record.npts for record in records] == list(counts[kept])
+    expected = np.full(len(records), INTERVALS[name]) if name in INTERVALS else steps[kept]
+    assert [record.dt for record in records] == pytest.approx(expected, rel=1e-6)
+    means = [record.acceleration.mean() if name in OFFSET else 0.0 for record in records]
+    found = [np.max(np.abs(record.acceleration - mean)) for record, mean in zip(records, means, strict=True)]
+    expected = np.array([PEAKS[name]]) if name in PEAKS else peaks[kept]
+    assert np.array(found) / STANDARD_GRAVITY == pytest.approx(expected, rel=2e-3)
+    assert {record.format for record in records} == {READERS[name.partition("/")[0]]}
+    assert not [note for record in records for note in record.warnings if "clipped" in note]
+
+
+@pytest.mark.parametrize("name", REFUSED)
+def test_what_holds_no_usable_acceleration_is_refused(records_folder, name):
+    error, words = REFUSED[name]
+    with pytest.raises(error, match=words) as refusal:
+        read(records_folder / name)
+    assert type(refusal.value) is error
+    assert name.rpartition("/")[2] in str(refusal.value)
+
+
+@pytest.mark.parametrize("folder", OPTIONS)
+def test_units_are_asked_for(records_folder, folder):
+    for path in (records_folder / folder).iterdir():
+        with pytest.raises(UnitError, match="option units"):
+            read(path)
+
+
+def test_every_row_of_the_manifest_is_tested(records_folder):
+    others = {row["file"] for row in ROWS} - set(READABLE) - set(REFUSED)
+    assert {Path(name).suffix for name in others} <= {".xml", ".zip"}
+    assert set(REFUSED) <= set(LISTED)
+    on_disk = {str(path.relative_to(records_folder)) for path in records_folder.rglob("*") if path.is_file()}
+    assert on_disk - {"MANIFEST.tsv"} == set(LISTED)
+
+
+def test_the_archive_of_single_channels(records_folder):
+    records, failures = read_all(records_folder / "csmip_v2" / "imperialvalley79_ce01336p.zip")
+    corrected = [record for record in records if record.format == "csmip_v2"]
+    assert len(corrected) == 26
+    assert all("!" in record.source and record.dt > 0.0 for record in records)
+    assert {failure.kind for failure in failures} <= {"skipped"}
+
+
+@pytest.mark.parametrize("name", RECORDS)
+def test_path_open_file_and_memory_give_the_same(records_folder, name):
+    path = records_folder / name
+    if name in REFUSED:
+        for given in (path.open("rb"), io.BytesIO(path.read_bytes())):
+            with pytest.raises(RecordRefused):
+                read(given, **options(name))
+        return
+    expected = read(path, **options(name))
+    in_memory = io.BytesIO(path.read_bytes())
+    in_memory.name = str(path)  # where StationXML files lie, and the direction of K-NET
+    for given in (path.open("rb"), in_memory):
+        found = read(given, **options(name))
+        assert [record.id for record in found] == [record.id for record in expected]
+        for one, other in zip(found, expected, strict=True):
+            assert np.array_equal(one.acceleration, other.acceleration)
+            assert (one.dt, one.start_time, one.warnings) == (other.dt, other.start_time, other.warnings)
+
+
+def heads(records_folder):
+    """(name, first bytes, reader or None) of all files, members of archives, samples and texts of the project."""
+    for path in sorted(path for path in records_folder.rglob("*") if path.is_file()):
+        folder = path.relative_to(records_folder).parts[0]
+        if path.suffix == ".zip":
+            for name, member in members(path):
+                kind = {".V1": "csmip_v1", ".V2": "csmip_v2", ".V3": "csmip_v3"}[Path(name).suffix.upper()]
+                yield name, member.head, kind
+        elif path.suffix in (".tsv", ".xml"):
+            yield str(path), path.read_bytes()[:HEAD], None
+        else:
+            yield str(path), path.read_bytes()[:HEAD], READERS[folder]
+    for name, kind in [("CICCC.RAW", "csmip_v1"), ("2516b_a.smc", "smc")]:
+        yield name, (SAMPLES / "records" / name).read_bytes()[:HEAD], kind
+
+
+def test_each_detector_claims_only_its_own_format(records_folder):
+    for name, head, kind in heads(records_folder):
+        claims = [row.name for row in FORMATS if row.detect(head, name)]
+        assert claims == ([kind] if kind else []), name

@@ -1,0 +1,220 @@
+"""RENADIC volume 1 (Chile): pairs, dead channels, parts of one record."""
+
+from __future__ import annotations
+
+import hashlib
+import io
+import zipfile
+from datetime import UTC, datetime
+
+import numpy as np
+import pytest
+from make_format_samples import source_channels
+from record_writers._shared import pulse
+from record_writers.renadic import renadic, samples
+
+from rockpulse.errors import RecordFormatError, RecordRefused
+from rockpulse.readers import read
+from rockpulse.readers.renadic import Part
+from rockpulse.record import STANDARD_GRAVITY, Record
+from rockpulse.sources import read_all
+
+TENTH = STANDARD_GRAVITY / 10.0
+THREE = tuple(np.round(pulse(400, peak), 3) for peak in (1.5, 0.8, 1.2))
+NEVER_SET = "1/1/1980 0:00:00.000 GMT"
+
+
+def got(content: bytes) -> list[Record]:
+    return read(io.BytesIO(content))
+
+
+def part(begin: int, last: int, **changes) -> bytes:
+    """Samples `begin` to `last` of the three channels and a dead one, on the recorder's column of times."""
+    columns = [*(values[begin:last] for values in THREE), np.zeros(last - begin)]
+    given = {"components": ("NS", "V", "EW", "INTC"), "first": 0.01 * begin} | changes
+    return renadic(columns, **given)
+
+
+def put(folder, **files: bytes):
+    for name, content in files.items():
+        (folder / f"{name}.v1").write_bytes(content)
+    return folder
+
+
+# npts, dt, PGA [g] of the three live channels.
+REAL = {
+    "cuya0911131.v1": (5652, 0.005, (0.1319, 0.0638, 0.1293)),
+    "curico1002271parte1.v1": (10000, 0.01, (0.471, 0.1984, 0.4099)),
+}
+
+
+@pytest.mark.parametrize("name", REAL)
+def test_real_files(records_folder, name):
+    records = read(records_folder / "renadic" / name)
+    count, dt, peaks = REAL[name]
+    assert [(record.npts, record.format, record.processed) for record in records] == [(count, "renadic", False)] * 3
+    assert [record.dt for record in records] == pytest.approx([dt] * 3, rel=1e-12)
+    assert [record.pga / STANDARD_GRAVITY for record in records] == pytest.approx(peaks, rel=5e-4)
+    assert [record.orientation for record in records] == ["horizontal", "vertical", "horizontal"]
+    # The headers round to 0.001 g.
+    assert [record.header_peak for record in records] == pytest.approx([record.pga for record in records], abs=0.005)
+
+
+def test_the_clocks_of_the_real_files(records_folder):
+    never_set, own_clock = (read(records_folder / "renadic" / name) for name in REAL)
+    assert [record.start_time for record in never_set] == [None] * 3
+    assert all("never set" in record.warnings[0] for record in never_set)
+    # As the file states it; the earthquake was at 06:34.
+    assert {record.start_time for record in own_clock} == {datetime(2010, 2, 27, 3, 55, 14, tzinfo=UTC)}
+
+
+def test_a_real_part_alone_says_so_and_names_its_dead_channel(records_folder):
+    records, failures = read_all(records_folder / "renadic" / "curico1002271parte1.v1")
+    assert failures == []
+    assert sorted(record.channel for record in records) == ["EW", "NS", "V"]
+    for record in records:
+        assert record.warnings == (
+            "channel 4 (INTC) is dead, all samples are zero; it was left out",
+            "part 1 of a record that is cut into files: give all of them together",
+        )
+
+
+def test_the_format_sample_gives_back_the_channels():
+    east, north, up = source_channels()
+    for record, channel in zip(got(samples([east, north, up])["clc_renadic.v1"]), (north, up, east), strict=True):
+        assert record.acceleration == pytest.approx(channel.acceleration, abs=0.51e-3 * TENTH)
+        assert (record.dt, record.start_time) == (channel.dt, channel.start_time)
+        assert record.azimuth == pytest.approx(channel.azimuth, nan_ok=True)
+        assert record.orientation == channel.orientation
+
+
+@pytest.mark.parametrize("end", ["\n", "\r\n", "\r"])
+def test_channels_l_v_t(end):
+    records = got(renadic(THREE, end=end))
+    for record, values in zip(records, THREE, strict=True):
+        assert record.acceleration == pytest.approx(values * TENTH, rel=1e-12)
+        assert type(record) is Record
+    assert [record.channel for record in records] == ["L", "V", "T"]
+    assert [record.orientation for record in records] == ["horizontal", "vertical", "horizontal"]
+    assert np.isnan(records[0].azimuth)
+    assert (records[0].station_name, records[0].event) == ("CURICO S/N 499", "MAULE 2010")
+
+
+def test_times_and_accelerations_that_touch():
+    values = -np.abs(THREE[0]) - 10.0
+    (record,) = got(renadic([values], ["L"], first=100.0))
+    assert record.acceleration == pytest.approx(values * TENTH, rel=1e-12)
+
+
+def test_a_file_without_any_sensor_is_refused():
+    with pytest.raises(RecordRefused, match="stream: all samples of all channels are zero"):
+        got(renadic([np.zeros(50)] * 3))
+
+
+@pytest.mark.parametrize(
+    ("content", "message"),
+    [
+        (renadic(THREE)[:5000], "stream:73: expected 400 pairs .* found 230"),
+        (renadic(THREE, count=999999999), r"stream:107: expected 999999999 pairs .* found 400"),
+        (renadic(THREE).replace(b"NO. OF POINTS =", b"NO POINTS"), "stream:11: expected 'No. of Points = N'"),
+        (renadic(THREE).replace(b"  0.030", b"  0.00x"), "stream:28: expected a finite number"),
+        (renadic(THREE).replace(b"  0.030", b"  0.010"), "stream:28: expected increasing times"),
+    ],
+    ids=["truncated", "huge", "no-count", "letter", "times"],
+)
+def test_damage_is_named(content, message):
+    with pytest.raises(RecordFormatError, match=message):
+        got(content)
+
+
+@pytest.mark.parametrize("trigger", ["2/27/2010 3:55:14.000 GMT", NEVER_SET])
+def test_two_parts_are_joined(tmp_path, trigger):
+    one, two = part(0, 250, trigger=trigger), part(250, 400, trigger=trigger)
+    put(tmp_path, curicoparte1=one, curicoparte2=two)
+    records, failures = read_all(tmp_path)
+    assert failures == []
+    assert [record.id for record in records] == ["curico.EW", "curico.NS", "curico.V"]
+    for record, values in zip(records, (THREE[2], THREE[0], THREE[1]), strict=True):
+        assert type(record) is Record
+        assert record.acceleration == pytest.approx(values * TENTH, rel=1e-12)
+        assert record.dt == 0.01
+        assert record.processing == ("parts 1, 2 joined",)
+        assert "is dead" in record.warnings[-1]
+        assert not any("cut into files" in note for note in record.warnings)
+        assert record.header_peak == pytest.approx(record.pga, abs=0.005)
+        assert record.source == f"{tmp_path}/curicoparte1.v1; {tmp_path}/curicoparte2.v1"
+        assert record.source_sha256 == "; ".join(hashlib.sha256(content).hexdigest() for content in (one, two))
+    expected = None if trigger == NEVER_SET else datetime(2010, 2, 27, 3, 55, 14, tzinfo=UTC)
+    assert {record.start_time for record in records} == {expected}
+
+
+def test_parts_whose_times_begin_anew_are_joined_by_their_clocks(tmp_path):
+    put(
+        tmp_path,
+        a_parte1=part(0, 200, trigger="2/27/2010 3:55:14.000 GMT"),
+        a_parte2=part(200, 400, first=0.0, trigger="2/27/2010 3:55:16.000 GMT"),
+    )
+    records, _ = read_all(tmp_path)
+    assert [(record.id, record.npts) for record in records] == [("a.EW", 400), ("a.NS", 400), ("a.V", 400)]
+
+
+def test_parts_are_joined_from_files_a_glob_an_archive_and_different_folders(tmp_path):
+    for folder in ("one", "two"):
+        (tmp_path / folder).mkdir()
+    first = put(tmp_path / "one", xparte1=part(0, 100)) / "xparte1.v1"
+    second = put(tmp_path / "two", xparte2=part(100, 400)) / "xparte2.v1"
+    with zipfile.ZipFile(tmp_path / "x.zip", "w") as archive:
+        archive.write(first, "xparte1.v1")
+        archive.write(second, "xparte2.v1")
+    for paths in ([second, first], [str(tmp_path / "*" / "*.v1")], [tmp_path / "x.zip"], [tmp_path]):
+        records, _ = read_all(paths)
+        assert [record.npts for record in records] == [400] * 3
+
+
+@pytest.mark.parametrize(
+    ("parts", "reason"),
+    [
+        ({"xparte1": part(0, 200), "xparte2": part(201, 400)}, "part 2 begins 2.01 s after part 1 .* expected 2 s"),
+        ({"xparte1": part(0, 200), "xparte2": part(200, 400, first=0.0)}, "part 2 begins 0 s after part 1"),
+        ({"xparte1": part(0, 200), "xparte3": part(200, 400)}, "parts 1, 3 were given"),
+        ({"xparte2": part(0, 200), "xparte3": part(200, 400)}, "parts 2, 3 were given"),
+        (
+            {"xparte1": part(0, 200), "xparte2": part(200, 400, components=("L", "V", "T", "INTC"))},
+            "parts 1 and 2 differ in their channels",
+        ),
+        ({"xparte1": part(0, 200), "Xparte1": part(0, 190), "xparte2": part(200, 400)}, "parts 1, 1, 2 were given"),
+    ],
+    ids=["gap", "anew", "third", "first-missing", "channels", "two-first"],
+)
+def test_parts_that_do_not_fit_stay_apart_with_the_reason(tmp_path, parts, reason):
+    records, failures = read_all(put(tmp_path, **parts))
+    assert failures == []
+    assert len(records) == 3 * len(parts)
+    for record in records:
+        assert isinstance(record, Part)
+        assert any("cut into files" in note for note in record.warnings)
+        with pytest.raises(AssertionError, match=f"not joined: .*{reason}"):
+            raise AssertionError(record.warnings[-1])
+
+
+def test_parts_of_different_stations_are_no_matter_of_each_other(tmp_path):
+    put(tmp_path, xparte1=part(0, 200, name="CURICO"), xparte2=part(200, 400, name="TALCA"))
+    records, _ = read_all(tmp_path)
+    assert [record.npts for record in records] == [200] * 6
+    assert not any("not joined" in note for record in records for note in record.warnings)
+
+
+def test_a_part_alone_starts_at_its_first_time(tmp_path):
+    put(tmp_path, xparte2=part(200, 400))
+    records = read(tmp_path / "xparte2.v1")
+    assert {record.start_time for record in records} == {datetime(2010, 2, 27, 3, 55, 16, tzinfo=UTC)}
+    assert [record.id for record in records] == ["xparte2.NS", "xparte2.V", "xparte2.EW"]
+
+
+def test_copies_of_the_parts_are_duplicates(tmp_path):
+    for folder in ("a", "b"):
+        (tmp_path / folder).mkdir()
+        put(tmp_path / folder, xparte1=part(0, 200), xparte2=part(200, 400))
+    records, failures = read_all(tmp_path)
+    assert [record.npts for record in records] == [400] * 3
+    assert [failure.kind for failure in failures] == ["duplicate"] * 6

@@ -1,0 +1,153 @@
+"""How a file reaches the readers: paths and streams, gzip, archives, encodings, line ends."""
+
+from __future__ import annotations
+
+import gzip
+import hashlib
+import io
+import tarfile
+import zipfile
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from make_format_samples import FORMATS as SAMPLES
+from make_format_samples import read_options
+from record_writers import at2, pulse
+
+from rockpulse.errors import RecordFormatError, RecordRefused
+from rockpulse.readers import read, source
+from rockpulse.sources import read_all
+
+ONE = at2(pulse())
+OPTIONS = read_options()
+TEXTS = [path for path in sorted(SAMPLES.iterdir()) if b"\0" not in path.read_bytes() and path.suffix != ".xml"]
+
+
+def same(first, second) -> bool:
+    """Whether two lists of records tell the same, but for the name of the file."""
+    return len(first) == len(second) > 0 and all(
+        np.array_equal(one.acceleration, other.acceleration)
+        and (one.dt, one.component, one.station_name, one.warnings, one.start_time, one.event)
+        == (other.dt, other.component, other.station_name, other.warnings, other.start_time, other.event)
+        for one, other in zip(first, second, strict=True)
+    )
+
+
+def plain(record):
+    """The record without words that may hold an accent."""
+    return replace(record, station_name="", event="", component="")
+
+
+@pytest.mark.parametrize("path", TEXTS, ids=lambda path: path.name)
+@pytest.mark.parametrize(
+    "change",
+    [
+        lambda content: content.replace(b"\r\n", b"\n"),
+        lambda content: content.replace(b"\r\n", b"\n").replace(b"\n", b"\r\n"),
+        lambda content: content.replace(b"\r\n", b"\n").replace(b"\n", b"\r"),
+        lambda content: content + b"\x1a",
+        lambda content: b"\xef\xbb\xbf" + content,
+        lambda content: content.decode("latin-1").encode("utf-16"),
+        lambda content: content.replace(b"FORMAT SAMPLE", b"FORMAT SAMPL\xcb"),
+        lambda content: content.replace(b"FORMAT SAMPLE", "FORMAT SAMPLË".encode()),
+        gzip.compress,
+    ],
+    ids=["LF", "CRLF", "CR", "ctrl-Z", "BOM", "UTF-16", "Latin-1", "UTF-8", "gzip"],
+)
+def test_line_ends_marks_encodings_and_compression_change_nothing(path, change):
+    content, options = path.read_bytes(), OPTIONS.get(path.name, {})
+    changed = change(content)
+
+    def named(data: bytes) -> io.BytesIO:
+        stream = io.BytesIO(data)
+        stream.name = path.name  # K-NET takes the direction from it
+        return stream
+
+    found = read(named(changed), **options)
+    expected = read(named(content), **options)
+    if b"FORMAT SAMPLE" not in changed:
+        found, expected = ([plain(record) for record in records] for records in (found, expected))
+    assert same(found, expected)
+
+
+def test_a_name_is_read_in_utf_8_and_in_latin_1():
+    for coding in ("utf-8", "latin-1"):
+        content = at2(pulse()).replace(b"Station One", "Düzce".encode(coding))
+        assert read(io.BytesIO(content))[0].station_name == "Düzce"
+
+
+def test_the_digest_is_of_the_bytes_in_the_file(tmp_path):
+    (tmp_path / "a.AT2").write_bytes(b"\xef\xbb\xbf" + ONE)
+    assert read(tmp_path / "a.AT2")[0].source_sha256 == hashlib.sha256(b"\xef\xbb\xbf" + ONE).hexdigest()
+
+
+def test_a_truncated_utf_16_file_is_a_refusal_not_a_crash():
+    with pytest.raises(RecordFormatError):
+        read(io.BytesIO(ONE.decode().encode("utf-16")[:2001]))
+
+
+def test_gzip_is_known_by_its_bytes(tmp_path):
+    (tmp_path / "packed.AT2").write_bytes(gzip.compress(ONE))
+    (tmp_path / "plain.AT2.gz").write_bytes(ONE)
+    (tmp_path / "plain.AT2").write_bytes(ONE)
+    expected = read(tmp_path / "plain.AT2")
+    for name in ("packed.AT2", "plain.AT2.gz"):
+        assert same(read(tmp_path / name), expected)
+        with (tmp_path / name).open("rb") as stream:
+            assert same(read(stream), expected)
+
+
+def test_damaged_gzip_in_a_stream():
+    with pytest.raises(RecordFormatError, match="stream: damaged gzip file"):
+        read(io.BytesIO(gzip.compress(ONE)[:-30]))
+
+
+@pytest.mark.parametrize("kind", ["path", "stream"])
+def test_a_gzip_bomb_is_refused_before_it_is_unpacked(tmp_path, kind):
+    bomb = gzip.compress(ONE + b"\n" * 20_000_000)
+    (tmp_path / "bomb.AT2.gz").write_bytes(bomb)
+    with pytest.raises(RecordRefused, match=f"compressed more than {source.RATIO_LIMIT} times"):
+        read(tmp_path / "bomb.AT2.gz" if kind == "path" else io.BytesIO(bomb))
+
+
+def test_a_zip_archive_given_to_read_points_to_what_reads_it(tmp_path):
+    with zipfile.ZipFile(tmp_path / "a.zip", "w") as target:
+        target.writestr("a.AT2", ONE)
+    for given in (tmp_path / "a.zip", (tmp_path / "a.zip").open("rb")):
+        with pytest.raises(RecordRefused, match=r"a.zip: a zip archive .*rockpulse.sources.read_all, .*assess"):
+            read(given)
+    assert len(read_all(tmp_path / "a.zip")[0]) == 1
+
+
+def test_other_archives_and_nested_ones_are_named(tmp_path):
+    with tarfile.open(tmp_path / "a.tar.gz", "w:gz") as target:
+        target.add(Path(__file__), "a.AT2")
+    (tmp_path / "b.7z").write_bytes(b"7z\xbc\xaf\x27\x1c" + bytes(100))
+    (tmp_path / "c.gz").write_bytes(gzip.compress(gzip.compress(ONE)))
+    for name, words in [
+        ("a.tar.gz", "a tar archive in a gzip file"),
+        ("b.7z", "a 7z archive"),
+        ("c.gz", "a gzip file in a gzip file"),
+    ]:
+        with pytest.raises(RecordRefused, match=f"{name}: {words}; unpack it first"):
+            read(tmp_path / name)
+    assert [row.kind for row in read_all(tmp_path)[1]] == ["failed"] * 3
+
+
+def test_what_is_no_binary_file_is_the_caller_s_mistake(tmp_path):
+    (tmp_path / "a.AT2").write_bytes(ONE)
+    with (tmp_path / "a.AT2").open() as stream, pytest.raises(TypeError, match=r"a.AT2: .* open\(path, 'rb'\)"):
+        read(stream)
+    with pytest.raises(TypeError, match="expected a path or an open binary file, found bytes"):
+        read(ONE)
+    with pytest.raises(IsADirectoryError, match=r"a folder; read it with rockpulse.sources.read_all"):
+        read(tmp_path)
+
+
+def test_an_open_file_finds_the_station_file_beside_it():
+    with (SAMPLES / "CI.CLC.mseed").open("rb") as stream:
+        assert same(read(stream), read(SAMPLES / "CI.CLC.mseed"))
+    with pytest.raises(RecordRefused, match=r"stream: CI.CLC..HNE is in counts"):
+        read(io.BytesIO((SAMPLES / "CI.CLC.mseed").read_bytes()))

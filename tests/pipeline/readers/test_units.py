@@ -1,0 +1,39 @@
+"""Spellings of the unit of acceleration."""
+
+from __future__ import annotations
+
+import pytest
+
+from rockpulse.errors import UnitError
+from rockpulse.readers.units import UNITS, canonical_unit, other_readings
+
+
+@pytest.mark.parametrize(
+    ("unit", "spellings"),
+    [
+        ("m/s2", "m/s2 M/S^2 m/s**2 m/sec2 m/s/s m/s² ms-2 m·s⁻² m.s^-2"),
+        ("cm/s2", "cm/s2 CM/SEC/SEC cm/sec^2 cm/second2 cm/s² cms-2"),
+        ("mm/s2", "mm/s2 mm/s/s"),
+        ("gal", "gal Gals GAL."),
+        ("g", "g G g. (g)"),
+        ("g/10", "g/10 G/10."),
+    ],
+)
+def test_spellings(unit, spellings):
+    for text in spellings.split():
+        assert canonical_unit(f" {text} ", "a:1") == unit
+
+
+@pytest.mark.parametrize("text", ["", "counts", "m/s", "cm", "m/s3", "s-2", "kg", "gg", "1"])
+def test_what_is_no_unit_of_acceleration(text):
+    with pytest.raises(UnitError, match=r"a:1: unknown unit of acceleration .* expected one of m/s2, "):
+        canonical_unit(text, "a:1")
+
+
+def test_every_unit_reads_as_itself():
+    assert [canonical_unit(unit, "") for unit in UNITS] == list(UNITS)
+
+
+def test_other_readings_are_ordinary_accelerations():
+    assert other_readings(300.0) == "0.306 g if it were cm/s2 or 0.0306 g if it were mm/s2"
+    assert "not an ordinary acceleration" in other_readings(1e9)

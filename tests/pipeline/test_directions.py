@@ -1,0 +1,252 @@
+"""Which motions are assessed, and what the answers of all directions come to."""
+
+from datetime import UTC, datetime
+
+import numpy as np
+import pytest
+
+from rockpulse.assessment import assess
+from rockpulse.body import BlockSettings
+from rockpulse.config import Config
+from rockpulse.direction_overview import direction_table
+from rockpulse.direction_statistics import largest_over, median_over, smallest_over
+from rockpulse.directions import ground_motions, sweep_azimuths
+from rockpulse.half_wave import half_waves
+from rockpulse.models import Outcome
+from rockpulse.overview import overview
+from rockpulse.record import Record
+from rockpulse.settings import IntensePhaseSettings, ModelSettings, RecordSettings
+
+START = datetime(2019, 7, 6, 3, 19, 53, tzinfo=UTC)
+DT = 0.01
+TIME = DT * np.arange(1200)
+#: A burst along the azimuth of 40 degrees, and a tenth of it across.
+ALONG = 4.5 * np.sin(2.0 * np.pi * TIME) * np.exp(-(((TIME - 5.0) / 1.5) ** 2))
+ACROSS = 0.1 * 4.5 * np.cos(3.0 * np.pi * TIME) * np.exp(-(((TIME - 5.0) / 1.5) ** 2))
+POLARISED = 40.0
+WALL = BlockSettings(name="wall", width=0.4, height=3.0)
+TOWER = BlockSettings(name="tower", width=3.0, height=9.0)
+
+
+def channel(azimuth, station="CCC", across=ACROSS, **options):
+    turn = np.radians(azimuth - POLARISED)
+    code = f"{azimuth:g}"
+    known = {"id": f"CI.{station}..{code}@20190706T031953", "network": "CI", "station": station, "channel": code}
+    known |= {"start_time": START, "processed": True, "source": f"{station}.v1", "orientation": "horizontal"}
+    return Record(ALONG * np.cos(turn) + across * np.sin(turn), DT, azimuth=azimuth, **known | options)
+
+
+def upwards(station="CCC"):
+    return channel(0.0, station, id=f"{station}.up", channel="Up", orientation="vertical")
+
+
+def config(components, blocks=(WALL, TOWER), models=None, **records):
+    return Config(
+        blocks=blocks, records=RecordSettings(components=components, **records), models=models or ModelSettings()
+    )
+
+
+def sweep(*records, **options):
+    return assess(records, config("sweep", azimuth_step=20.0, **options))
+
+
+@pytest.fixture(scope="module")
+def tree():
+    return sweep(channel(90.0), channel(0.0))
+
+
+def test_as_recorded_nothing_is_rotated():
+    records = [channel(90.0), channel(0.0)]
+    motions, failures = ground_motions(records, Config())
+    assert [motion.record for motion in motions] == records
+    assert not failures
+
+
+def test_one_azimuth_is_one_motion_of_the_pair():
+    motions, _ = ground_motions([channel(90.0), channel(0.0)], config("azimuth", azimuth=POLARISED))
+    assert [motion.record.id for motion in motions] == ["CI.CCC..H040@20190706T031953"]
+    assert motions[0].record.acceleration == pytest.approx(ALONG, abs=1e-12)
+
+
+def test_the_strongest_direction_is_that_of_a_polarised_motion():
+    motions, _ = ground_motions([channel(70.0), channel(10.0)], config("strongest"))
+    assert motions[0].record.azimuth == pytest.approx(POLARISED, abs=2.0)
+    impulse = np.max(np.abs(half_waves(motions[0].record).impulse))
+    assert impulse >= np.max(np.abs(half_waves(channel(POLARISED)).impulse))
+
+
+def test_a_sweep_has_all_directions_of_a_half_circle_once():
+    motions, _ = ground_motions([channel(90.0), channel(0.0)], config("sweep", azimuth_step=22.5))
+    assert [motion.record.azimuth for motion in motions] == [0.0, 22.5, 45.0, 67.5, 90.0, 112.5, 135.0, 157.5]
+    assert len({motion.record.id for motion in motions}) == 8
+    assert len(sweep_azimuths(1.0)) == 180
+    assert len({motion.pair for motion in motions}) == 1
+
+
+def test_directions_of_any_sweep_have_different_numbers():
+    for count in range(2, 181):
+        assert len({int(azimuth + 0.5) for azimuth in sweep_azimuths(180.0 / count)}) == count
+
+
+def test_two_pairs_with_one_name_keep_apart():
+    records = [channel(z, source=source, format=source) for source in ("a", "b") for z in (90.0, 0.0)]
+    motions, _ = ground_motions(records, config("azimuth", azimuth=5.0))
+    assert [motion.record.id for motion in motions] == [
+        "CI.CCC..H005@20190706T031953",
+        "CI.CCC..H005@20190706T031953~2",
+    ]
+    assert [motion.pair for motion in motions] == ["CI.CCC..90-0@20190706T031953", "CI.CCC..90-0@20190706T031953~2"]
+
+
+def test_channels_without_a_partner_and_parallel_ones_are_failed_rows_and_the_others_go_on():
+    alone, parallel = channel(90.0, "TOW2"), [channel(z, "CLC") for z in (90.0, 270.0)]
+    tree = assess([channel(90.0), channel(0.0), alone, *parallel], config("strongest"))
+    assert tree["summary"].sizes["record"] == 1
+    failures = tree["failures"]
+    assert failures["kind"].values.tolist() == ["failed"] * 3
+    assert failures["stage"].values.tolist() == ["pair", "rotate", "rotate"]
+    assert all('components = "horizontal"' in reason for reason in failures["reason"].values)
+
+
+def test_the_answer_in_the_direction_of_a_channel_is_that_of_the_channel_as_recorded(tree):
+    recorded = assess([channel(90.0), channel(0.0)], Config(blocks=(WALL, TOWER)))["summary"]
+    here = tree["summary"]["peak_rotation_ratio"].sel(record="CI.CCC..H000@20190706T031953")
+    there = recorded["peak_rotation_ratio"].sel(record="CI.CCC..0@20190706T031953")
+    assert np.array_equal(here, there)
+
+
+def test_without_a_sweep_there_are_no_directions():
+    assert "directions" not in assess([channel(90.0), channel(0.0)], config("strongest")).children
+    assert "directions" not in assess([channel(90.0)], Config(blocks=(WALL,))).children
+
+
+def test_every_direction_is_a_record_and_the_group_says_which(tree):
+    found = tree["directions"]
+    assert dict(found.sizes) == {"pair": 1, "direction": 9, "block": 2, "model": 5}
+    assert found["direction_azimuth"].values.tolist() == [20.0 * k for k in range(9)]
+    index = found["record_index"].values[0]
+    assert tree["summary"]["azimuth"].values[index].tolist() == found["direction_azimuth"].values.tolist()
+
+
+def test_the_group_holds_the_median_and_the_largest_of_the_records(tree):
+    summary, found = tree["summary"], tree["directions"].isel(pair=0)
+    peaks = summary["peak_rotation_ratio"].values
+    assert np.array_equal(found["median_rotation_ratio"].values, np.median(peaks, axis=0))
+    assert np.array_equal(found["largest_rotation_ratio"].values, peaks.max(axis=0))
+    assert np.array_equal(
+        found["overturning_share"].values, (summary["outcome"].values == Outcome.OVERTURNS).mean(axis=0)
+    )
+    assert np.all(found["unanswered_count"] == 0)
+    for name in ("pga", "main_impulse"):
+        assert found[f"{name}_median"].item() == np.median(summary[name])
+        assert found[f"{name}_largest"].item() == summary[name].max()
+        assert found[f"{name}_azimuth"].item() == POLARISED
+    factors = summary["safety_factor"].sel(model=["resonance", "sequence"]).values
+    smallest = found["smallest_safety_factor"].values
+    assert np.array_equal(smallest[:, :2], factors.min(axis=0))
+    assert np.all(np.isnan(smallest[:, 2:]))
+
+
+def test_a_polarised_motion_is_worst_along_itself_and_nothing_across():
+    """A body that rocks little: near overturning a smaller motion may do more."""
+    pier = BlockSettings(name="pier", width=3.0, height=10.0)
+    found = sweep(channel(90.0, across=0.0), channel(0.0, across=0.0), blocks=(pier,))["directions"]
+    found = found.isel(pair=0, block=0)
+    for model in ("impulsive", "linear", "nonlinear"):
+        assert found["largest_azimuth"].sel(model=model).item() == POLARISED
+        assert found["median_rotation_ratio"].sel(model=model) < found["largest_rotation_ratio"].sel(model=model) < 1.0
+    assert found["main_impulse_azimuth"].item() == found["pga_azimuth"].item() == POLARISED
+
+
+def test_some_directions_overturn_and_others_do_not(tree):
+    found = tree["directions"].isel(pair=0).sel(block="wall", model="nonlinear")
+    assert 0.0 < found["overturning_share"].item() < 1.0
+    assert np.isinf(found["largest_rotation_ratio"])
+
+
+def test_the_first_to_overturn_gives_the_azimuth(tree):
+    summary = tree["summary"].sel(block="wall", model="nonlinear")
+    first = int(np.nanargmin(np.where(summary["outcome"] == Outcome.OVERTURNS, summary["overturning_time"], np.nan)))
+    azimuth = tree["directions"]["largest_azimuth"].sel(block="wall", model="nonlinear").item()
+    assert summary["azimuth"].values[first] == azimuth
+
+
+def test_directions_that_cannot_be_assessed_are_unanswered_not_forgotten():
+    """Across the polarisation the motion does not exceed the bracket."""
+    phase = IntensePhaseSettings(method="bracketed", level=2.0)
+    options = config("sweep", azimuth_step=20.0)
+    tree = assess([channel(90.0), channel(0.0)], Config(blocks=(TOWER,), records=options.records, intense_phase=phase))
+    found = tree["directions"].isel(pair=0)
+    missing = found["record_index"].values < 0
+    assert 0 < missing.sum() < 5
+    assert tree["failures"].sizes["failure"] == missing.sum()
+    assert found["unanswered_count"].sel(model="nonlinear").item() == missing.sum()
+    assert np.isnan(found["largest_rotation_ratio"].sel(model="nonlinear"))
+    assert np.isnan(found["largest_azimuth"].sel(model="nonlinear"))
+    assert np.isnan(found["pga_largest"])
+    assert f"0 +{missing.sum()}?" in direction_table(tree["summary"].to_dataset(), tree["directions"].to_dataset())
+
+
+def test_the_vertical_of_the_station_acts_in_every_direction():
+    models = ModelSettings(use=("nonlinear",))
+    records = (channel(90.0), channel(0.0), upwards())
+    lifted = sweep(*records, blocks=(TOWER,), models=models, include_vertical=True)["summary"]
+    plain = sweep(*records, blocks=(TOWER,), models=models)["summary"]
+    assert all("vertical acceleration: CCC.up" in text for text in lifted["processing"].values)
+    strong = plain["peak_rotation_ratio"].values > 0.0
+    assert strong.any()
+    assert np.all((lifted["peak_rotation_ratio"].values != plain["peak_rotation_ratio"].values)[strong])
+
+
+def test_a_range_of_restitution_keeps_its_dimension():
+    several = BlockSettings(name="wall", width=0.4, height=3.0, restitution=[0.6, 0.9])
+    found = sweep(channel(90.0), channel(0.0), blocks=(several,), models=ModelSettings(use=("nonlinear",)))
+    assert found["directions"]["largest_rotation_ratio"].dims == ("pair", "block", "case", "model")
+    assert direction_table(found["summary"].to_dataset(), found["directions"].to_dataset()).count("  wall") == 2
+
+
+def test_the_overview_of_a_sweep_is_one_table_for_each_pair(tree):
+    text = overview(tree)
+    assert text.startswith("CI.CCC..90-0@20190706T031953  PGA ")
+    assert "(at 40°)" in text.splitlines()[0]
+    assert text.count("  wall") == 1
+    assert "H040" not in text
+    assert "Median and largest over 9 directions" in text
+    assert "OVERTURNS" in text
+    assert "upper-bound type input" in text
+
+
+INF, NAN = np.inf, np.nan
+
+
+@pytest.mark.parametrize(
+    ("values", "median", "largest", "place"),
+    [
+        ([0.1, 0.4, 0.2], 0.2, 0.4, 1),
+        ([0.1, 0.4, 0.2, 0.3], 0.25, 0.4, 1),
+        ([0.1, INF, 0.2], 0.2, INF, 1),
+        ([INF, 0.1, INF], INF, INF, 0),
+        ([INF, 0.1], INF, INF, 0),
+        ([0.0, 0.0, 0.0], 0.0, 0.0, 0),
+        ([0.1, NAN, 0.2], NAN, NAN, -1),
+        ([0.2, NAN, 0.2], 0.2, NAN, -1),
+        ([INF, NAN, INF, INF], INF, INF, 0),
+        ([NAN, NAN], NAN, NAN, -1),
+    ],
+)
+def test_median_and_largest_with_overturning_and_without_an_answer(values, median, largest, place):
+    row = np.array([values])
+    assert median_over(row) == pytest.approx([median], nan_ok=True)
+    found, at = largest_over(row)
+    assert found == pytest.approx([largest], nan_ok=True)
+    assert at == [place]
+
+
+@pytest.mark.parametrize(
+    ("values", "smallest", "place"),
+    [([2.0, 0.5, 1.0], 0.5, 1), ([INF, 3.0], 3.0, 1), ([INF, INF], INF, -1), ([NAN, 0.5], NAN, -1)],
+)
+def test_smallest_safety_factor(values, smallest, place):
+    found, at = smallest_over(np.array([values]))
+    assert found == pytest.approx([smallest], nan_ok=True)
+    assert at == [place]

@@ -1,0 +1,49 @@
+"""Columns of numbers: what spreadsheets, DEEPSOIL and analysis programs write."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from record_writers._shared import NOTE
+from rockpulse.record import STANDARD_GRAVITY, Record
+
+#: What the files do not say.
+OPTIONS = {
+    "clc_one_column.txt": {"units": "g", "dt": 0.01},
+    "clc_deepsoil.txt": {"units": "g"},
+    "clc_three_channels.csv": {"units": "cm/s2"},
+    "clc_decimal_commas.csv": {"units": "m/s2"},
+    "clc_tabs.txt": {"units": "g"},
+}
+
+
+def columns(
+    values: np.ndarray, header: str = "", separator: str = " ", field: str = "{:.6f}", end: str = "\n"
+) -> bytes:
+    """Rows of a (n, columns) table."""
+    rows = (separator.join(field.format(value) for value in row) for row in values)
+    return (header + end.join(rows) + end).encode()
+
+
+def samples(channels: Sequence[Record]) -> dict[str, bytes]:
+    """One column, DEEPSOIL, commas with headings, semicolons with decimal commas, tabs."""
+    east, north, up = (channel.acceleration for channel in channels)
+    time = channels[0].time
+    gal = 100.0 * np.column_stack([east, north, up])
+    commas = columns(np.column_stack([time, north]), separator=";", field="{:.5f}", end="\r\n").replace(b".", b",")
+    return {
+        "clc_one_column.txt": columns(east[:, None] / STANDARD_GRAVITY, f"# {NOTE}\n", field="{:.8f}"),
+        "clc_deepsoil.txt": columns(
+            np.column_stack([time, east / STANDARD_GRAVITY]), f"{NOTE}\n{time.size} 0.01\n", field="{:.6E}"
+        ),
+        "clc_three_channels.csv": columns(
+            np.column_stack([time, gal]),
+            f"{NOTE}\ntime [s],acc E [cm/s2],acc N [cm/s2],acc Z [cm/s2]\n",
+            separator=",",
+            field="{:.4f}",
+        ),
+        "clc_decimal_commas.csv": f"{NOTE}\r\nZeit (s);Beschleunigung N\r\n".encode() + commas,
+        "clc_tabs.txt": columns(np.column_stack([time, up / STANDARD_GRAVITY]), f"# {NOTE}\n# t\tup\n", separator="\t"),
+    }

@@ -1,0 +1,90 @@
+"""CSMIP volume 1, old layout of pairs and new layout of equal steps."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from record_writers._shared import NOTE, rows
+from rockpulse.record import STANDARD_GRAVITY, Record
+
+
+def _csmip_header(
+    number: int, component: str, place: str, count: int, unit_line: str, start: str, note: str
+) -> list[str]:
+    location = f"  (STA CHN: {number:2d})     LOCATION: {place}" if place else ""
+    return [
+        "UNCORRECTED ACCELEROGRAM DATA              PROCESSED: 02/08/94, TEST",
+        note,
+        "JANUARY 17, 1994 04:31 PST",
+        f"14403-S3492-94021.02               TRIGGER TIME: {start}",
+        "STATION NO. 14403   33.929N, 118.260W     SMA-1  S/N 3492",
+        "TEST STATION",
+        f"CHAN {number:2d}: {component}{location}",
+        "TEST EARTHQUAKE     JANUARY 17, 1994 04:31 PST",
+        "HYPOCENTER: 34.215N, 118.538W, H=18KM.",
+        "INSTR PERIOD =  .0397 SEC,  DAMPING =  .592,  SENSITIVITY = 1.77 CM/G.",
+        f"NO. OF POINTS = {count:6d}  RECORD LENGTH = 59.998 SEC",
+        unit_line,
+        "RMS ACCEL OF COMPLETE RECORD =  .021 G.",
+        *["    0" * 16] * 6,
+        "    0" * 4,
+        *["      .000" * 8] * 6,
+        "      .000" * 2,
+    ]
+
+
+def csmip_pairs(
+    times: Sequence[float],
+    values: Sequence[float],
+    number: int = 1,
+    component: str = " 90 DEG",
+    place: str = "",
+    unit: str = "SEC AND G/10",
+    peak_g: float | None = None,
+    start: str = "01/17/94, 12:31:04.1 UTC",
+    end: str = "\r\n",
+    note: str = "TEST EARTHQUAKE",
+) -> bytes:
+    """One channel in the old layout: (time, acceleration in g/10) pairs of width 7."""
+    peak = np.max(np.abs(values)) / 10.0 if peak_g is None else peak_g
+    unit_line = f"UNITS OF UNCOR ACCEL ARE {unit}.     MAX  =  {peak:5.3f} G, AT   1.000 SEC."
+    fields = [f"{number:7.3f}" for pair in zip(times, values, strict=True) for number in pair]
+    lines = _csmip_header(number, component, place, len(values), unit_line, start, note) + rows(fields, 10)
+    lines.append(f"/&  ----------  END OF DATA FOR CHANNEL {number:2d}  ----------")
+    return (end.join(lines) + end).encode("latin-1")
+
+
+def csmip_equal(
+    values: Sequence[float],
+    heading: str = "{n:6d} Accelerogram points at 100 pts/sec in units of g.       Format: (8f9.6)",
+    field: str = "{:9.6f}",
+    number: int = 1,
+    component: str = " 90 DEG",
+    place: str = "",
+    peak_g: float | None = None,
+    start: str = "7/06/19, 03:16: 8.5 UTC (GPS)",
+    end: str = "\r\n",
+    note: str = "TEST EARTHQUAKE",
+) -> bytes:
+    """One channel in the new layout: equal steps, in g unless the heading says otherwise."""
+    peak = np.max(np.abs(values)) if peak_g is None else peak_g
+    unit_line = f"UNITS OF UNCOR DATA ARE SEC AND G.         MAX  = {peak:6.3f} G, AT   1.000 SEC."
+    lines = _csmip_header(number, component, place, len(values), unit_line, start, note)
+    lines += [heading.format(n=len(values)), *rows([field.format(value) for value in values], 8)]
+    lines.append(f"/&  ----------  END OF DATA FOR CHANNEL {number:2d}  ----------")
+    return (end.join(lines) + end).encode("latin-1")
+
+
+def samples(channels: Sequence[Record]) -> dict[str, bytes]:
+    """Three channels in each layout."""
+    moment = channels[0].start_time
+    assert moment is not None
+    start = f"{moment:%m/%d/%y, %H:%M:%S}.0 UTC"
+    old, new = b"", b""
+    for number, (channel, component) in enumerate(zip(channels, ("090 DEG", "360 DEG", "UP"), strict=True), start=1):
+        values = channel.acceleration / STANDARD_GRAVITY
+        old += csmip_pairs(channel.time, 10.0 * values, number, component, start=start, note=NOTE)
+        new += csmip_equal(values, number=number, component=component, start=start, note=NOTE)
+    return {"CLC_OLD.V1": old, "CLC_NEW.V1": new}

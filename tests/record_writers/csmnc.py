@@ -1,0 +1,74 @@
+"""CSMNC (China)."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from record_writers._shared import NOTE, rows
+from rockpulse.record import Record
+
+
+def csmnc(
+    values: Sequence[float],
+    component: str = "EW",
+    kind: str = "UNCORRECTED ACCELERATION",
+    unit: str = "CM/SEC/SEC",
+    count: int | None = None,
+    dt: str = "0.005",
+    peak: float | None = None,
+    point: str = "GROUND",
+    station: str = "051XXX",
+    event: str = "TEST EARTHQUAKE",
+    origin: str = "0130420080246 2013-04-20 8:2:46 BTM",
+    mark: str = "",
+    field: str = "{:12.6E} ",
+    end: str = "\r\n",
+) -> bytes:
+    """One component [cm/s2]; `mark` is the ``$`` that some copies have at the end of every line."""
+    largest = values[int(np.argmax(np.abs(values)))] if peak is None else peak
+    number = len(values) if count is None else count
+    lines = [
+        f"{station}130420080201",
+        origin,
+        event,
+        "EPICENTER  30.300N 103.000E DEPTH 13 KM",
+        "MAGNITUDE  7.0(Ms)",
+        f"STATION: {station} 30.400N 102.800E",
+        "SITE CONDITION: ROCK",
+        "INSTRUMENT TYPE: MR2002/SLJ-100",
+        f"OBSERVING POINT: {point}",
+        f"COMP. {component}",
+        f"{kind}          UNIT: {unit}",
+        f"NO. OF POINTS:  {number}  EQUALLY SPACED INTERVALS OF:  {dt}  SEC",
+        f"PEAK VALUE: {largest:13.3f}   AT   26.35 SEC    DURATION:  60 SEC",
+        "PRE-EVENT TIME:  20  SEC",
+        "CSMNC",
+        "",
+        *rows([_short(value, field) for value in values], 8),
+    ]
+    return (end.join(line + mark for line in lines) + end).encode()
+
+
+def _short(value: float, field: str) -> str:
+    """`` 3.888539E-2 ``: one digit of the exponent, as the files have it, where the default field is used."""
+    if field != "{:12.6E} ":
+        return field.format(value)
+    mantissa, exponent = f"{value:.6E}".split("E")
+    return f"{f'{mantissa}E{int(exponent)}':>12} "
+
+
+def samples(channels: Sequence[Record]) -> dict[str, bytes]:
+    """One file for each component."""
+    files = {}
+    for channel, component in zip(channels, ("EW", "NS", "UD"), strict=True):
+        files[f"clc_csmnc.{component}.dat"] = csmnc(
+            100.0 * channel.acceleration,
+            component=component,
+            dt="0.01",
+            station="CLC",
+            event=NOTE,
+            origin="0190706111953 2019-07-06 11:19:53 BTM",
+        )
+    return files

@@ -1,0 +1,88 @@
+"""CWB and CWA free field (Taiwan): ``#`` lines, then rows of time [s] and U, N, E [gal] in 4F10.3."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from datetime import timedelta
+
+import numpy as np
+
+from record_writers._shared import NOTE
+from rockpulse.record import Record
+
+EAST_OF_GREENWICH = timedelta(hours=8)
+
+
+def cwb(
+    columns: Sequence[Sequence[float]],
+    rate: float = 50.0,
+    first: float = 0.0,
+    length: str | None = None,
+    start: str = "StartTime(GMT+08): 2018/02/06-23:50:29.000",
+    origin: str = "Origin Time(GMT+08): 2018/02/06-23:50:42",
+    station: str = "EGF",
+    name: str = "Guangfu",
+    kind: str = "FBA",
+    unit: str = "gal. DCoffset(corr)",
+    sequence: str = "Time U(+); N(+); E(+)",
+    layout: str = "4F10.3",
+    end: str = "\r\n",
+) -> bytes:
+    """The channels U, N and E, accelerations in gal.
+
+    Parameters
+    ----------
+    columns : three (n,) arrays
+        Accelerations in the order of `sequence` [gal].
+    first : float
+        Time of the first row [s].
+    length : str, optional
+        Duration that the header states, where that is not the number of samples over the rate.
+    """
+    count = len(columns[0])
+    lines = [
+        "#Earthquake Information",
+        f"#{origin}",
+        "#EpicenterLongitude(E): 121.69",
+        "#EpicenterLatitude(N): 24.14",
+        "#Depth(km): 10.0",
+        "#Magnitude(Ml): 6.0",
+        "",
+        "#Station Information",
+        f"#StationCode: {station}",
+        f"#StationName: {name}",
+        "#StationLongitude(E): 121.483",
+        "#StationLatitude(N): 23.685",
+        f"#InstrumentKind: {kind}",
+        f"#{start}",
+        f"#RecordLength(sec): {length or f'{count / rate:g}'}",
+        f"#SampleRate(Hz): {rate:g}",
+        f"#AmplitudeUnit:  {unit}",
+        *[
+            f"#AmplitudeMAX. {letter}: {np.max(values):8.3f}~ {np.min(values):8.3f}"
+            for letter, values in zip("UNE", columns, strict=True)
+        ],
+        f"#DataSequence: {sequence}",
+        f"#Data: {layout} ",
+    ]
+    times = first + np.arange(count) / rate
+    lines += ["".join(f"{number:10.3f}" for number in row) for row in zip(times, *columns, strict=True)]
+    return (end.join(lines) + end).encode("latin-1")
+
+
+def samples(channels: Sequence[Record]) -> dict[str, bytes]:
+    """Three channels."""
+    east, north, up = (100.0 * channel.acceleration for channel in channels)
+    moment = channels[0].start_time
+    assert moment is not None
+    local = moment + EAST_OF_GREENWICH
+    content = cwb(
+        [up, north, east],
+        rate=1.0 / channels[0].dt,
+        start=f"StartTime(GMT+08): {local:%Y/%m/%d-%H:%M:%S}.{local.microsecond // 1000:03d}",
+        origin=f"Origin Time(GMT+08): {local:%Y/%m/%d-%H:%M:%S}",
+        station="CLC",
+        name="China Lake",
+        kind=NOTE,
+    )
+    return {"clc_cwb.dat": content}

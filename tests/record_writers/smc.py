@@ -1,0 +1,72 @@
+"""USGS SMC."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from record_writers._shared import NOTE, rows
+from rockpulse.record import Record
+
+
+def _smc_field(value: float) -> str:
+    mantissa, exponent = f"{value if abs(value) > 1e-9 else 0.0:.4E}".split("E")
+    return f"{mantissa}E{int(exponent):+d}".rjust(10)
+
+
+def smc(
+    values: Sequence[float],
+    kind: str = "2 CORRECTED ACCELEROGRAM",
+    rate: float | None = 100.0,
+    station: str = "CA: Somewhere; Fire Station",
+    component: str = "360",
+    azimuth: int = 360,
+    vertical: int = -32768,
+    count: int | None = None,
+    moment: Sequence[int] = (2011, 235, 17, 50, 56, 250),
+    end: str = "\n",
+    note: str = "written by a test",
+) -> bytes:
+    null, null_real = -32768, 1.7e38
+    integers = [null] * 48
+    integers[1:7] = moment
+    integers[12], integers[13], integers[15] = vertical, azimuth, 2
+    integers[16] = len(values) if count is None else count
+    integers[29] = 2555
+    reals = [null_real] * 50
+    reals[1] = null_real if rate is None else rate
+    accelerations = values if rate is not None else values[1::2]
+    lines = [
+        kind,
+        "*",
+        "2555b",
+        "     2011  08  23    1751 TEST EARTHQUAKE",
+        "Moment Mag= 5.80     Ms=          Ml=",
+        f"station = {station}   component= {component}",
+        f"epicentral dist =    121.4       pk acc =  {np.max(np.abs(accelerations)):.2E}",
+        "inst type=K2         data source = USGS",
+        *"***",
+        *rows([f"{number:10d}" for number in integers], 8),
+        *rows([f"{number:15.7E}" for number in reals], 5),
+        "|",
+        f"| {note}",
+        *rows([_smc_field(value) for value in values], 8),
+    ]
+    return (end.join(lines) + end).encode()
+
+
+def samples(channels: Sequence[Record]) -> dict[str, bytes]:
+    """Corrected at equal steps, uncorrected at equal steps, uncorrected in pairs of time and acceleration."""
+    start = channels[0].start_time
+    assert start is not None
+    day = (start.year, start.timetuple().tm_yday, start.hour, start.minute, start.second)
+    east, north, up = (100.0 * channel.acceleration for channel in channels)
+    raw = "1 UNCORRECTED ACCELEROGRAM"
+    common = {"station": "CA: China Lake", "moment": (*day, 0), "note": NOTE}
+    pairs = np.column_stack([channels[0].time, east]).ravel()
+    return {
+        "clc_1.smc": smc(pairs, raw, rate=None, component="90", azimuth=90, **common),
+        "clc_2.smc": smc(north, component="360", azimuth=360, **common),
+        "clc_3.smc": smc(up, raw, component="UP", azimuth=-32768, vertical=0, **common),
+    }
