@@ -32,7 +32,7 @@ _SEED_OFF = 5.0
 
 def _text(words: str) -> str:
     """Free text on one line; nothing where a reader would take it for something else."""
-    return "" if _TELLING.search(words) else " ".join(words.split())
+    return "" if _TELLING.search(words) else " ".join(_printable(words).split())
 
 
 def _facing(record: Record) -> str:
@@ -197,5 +197,5 @@ def _inventory(records: Sequence[Record], codes: Sequence[tuple[str, str, str, s
 
 
 def _printable(text: str) -> str:
-    """Text without the control characters that XML has no way to write."""
-    return "".join(letter for letter in text if letter.isprintable())
+    """Text with blanks for control characters, which XML has no way to write and readers take for binary files."""
+    return "".join(letter if letter.isprintable() else " " for letter in text)

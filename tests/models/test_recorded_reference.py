@@ -16,7 +16,7 @@ from rockpulse.models.recorded import recorded_response
 from rockpulse.models.response import Outcome
 from rockpulse.readers import read
 
-SAMPLES = Path(__file__).parents[2] / "data" / "samples"
+SAMPLES = Path(__file__).parents[2] / "data" / "samples" / "records"
 EQUATIONS = ("linear", "nonlinear")
 
 RELATIVE = 1e-13  # perturbation that defines the conditioning, VALIDATION "Conditioning"
