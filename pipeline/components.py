@@ -86,8 +86,8 @@ def find_pairs(horizontal: Sequence[Record]) -> tuple[list[Pair], list[Failure]]
 
     - from one file, with one station, or
     - from one network, station and location, with start times, or
-    - from files in one folder that know neither start time nor station code, but the same event, name of the station
-      and sampling interval (PEER AT2).
+    - from files in one folder that know no start time, but the same event, name of the station and sampling interval
+      (PEER AT2, CSMNC).
 
     Partners in the same file come before others. Only two channels that have no other partner than each other are a
     pair: of three channels nobody knows which two belong together.
@@ -218,13 +218,14 @@ def _together(record: Record, other: Record) -> bool:
         return False
     codes = (record.network, record.location) == (other.network, other.location)
     timed = record.start_time is not None and other.start_time is not None
-    return record.source == other.source or (codes and timed if record.station else _by_name(record, other))
+    by_code = bool(record.station) and codes and timed
+    return record.source == other.source or by_code or _by_name(record, other)
 
 
 def _by_name(record: Record, other: Record) -> bool:
-    """Whether two files that know neither time nor station code are parts of one recording."""
+    """Whether two files that know no time are parts of one recording."""
     untimed = record.start_time is None and other.start_time is None
-    named = bool(record.event and record.station_name)
+    named = bool(record.event and (record.station or record.station_name))
     same = (record.event, record.station_name, record.dt) == (other.event, other.station_name, other.dt)
     return untimed and named and same and PurePath(record.source).parent == PurePath(other.source).parent
 

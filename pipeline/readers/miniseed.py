@@ -13,7 +13,7 @@ from rockpulse.readers.channel import build_record, usable_channels
 from rockpulse.readers.clipping import clipping_warning
 from rockpulse.readers.format import Format, ReadOptions
 from rockpulse.readers.instrument import sensitivity_factor, without_response
-from rockpulse.readers.obspy_bridge import obspy_stream, seed_direction, utc_time
+from rockpulse.readers.obspy_bridge import obspy_notes, obspy_stream, seed_direction, utc_time
 from rockpulse.readers.source import SourceFile
 from rockpulse.record import Record
 
@@ -80,7 +80,7 @@ def _miniseed_channel(file: SourceFile, traces: list[Any], number: int, options:
             f"{where} has {len(traces) - 1} gaps or overlaps, the first at {stats.endtime}; "
             "cut a part without gaps, or download the record again"
         )
-    channel = _station_channel(file, trace, full=options.response == "remove")
+    channel, notes = _station_channel(file, trace, full=options.response == "remove")
     counts = np.asarray(trace.data)
     samples = counts.astype(float)
     warnings, processing = [], []
@@ -106,38 +106,42 @@ def _miniseed_channel(file: SourceFile, traces: list[Any], number: int, options:
         station=stats.station,
         location=stats.location,
         start_time=utc_time(file, stats.starttime),
-        warnings=warnings,
+        warnings=[*notes, *warnings],
         processing=processing,
     )
 
 
 @lru_cache(maxsize=4)
-def _inventory(name: str, content: bytes) -> Any:
-    """A StationXML file; it serves all channels of a station, and a parse costs tens of milliseconds."""
+def _inventory(name: str, content: bytes) -> tuple[Any, list[str]]:
+    """A StationXML file and obspy's warnings; it serves all channels of a station, and a parse costs 10 ms and more."""
     import obspy
 
     try:
-        return obspy.read_inventory(io.BytesIO(content), format="STATIONXML")
+        with obspy_notes() as notes:
+            inventory = obspy.read_inventory(io.BytesIO(content), format="STATIONXML")
+        return inventory, notes
     except Exception as fault:  # lxml, ValueError, TypeError: whatever the damaged element leads to
         raise RecordFormatError(f"{name}: cannot be read as StationXML: {fault}") from fault
 
 
-def _station_channel(file: SourceFile, trace: Any, full: bool) -> Any:
-    """The one StationXML channel whose epoch holds the whole record, with its response.
+def _station_channel(file: SourceFile, trace: Any, full: bool) -> tuple[Any, list[str]]:
+    """The one StationXML channel whose epoch holds the whole record, with its response; what obspy warned of.
 
     Several are one if they tell the same: the same sensitivity, or where `full`, the same response.
     """
     stats = trace.stats
     looked: list[str] = []
     found: list[Any] = []
+    notes: list[str] = []
     for name, content in file.station_files():
         if stats.station.encode() not in content:
             continue
         looked.append(name)
         try:
-            inventory = _inventory(name, content)
+            inventory, warned = _inventory(name, content)
         except RecordFormatError as fault:
             raise RecordFormatError(f"{fault}; it is needed for {file.name}") from fault
+        notes += [f"{name}: {note}" for note in warned]
         matching = inventory.select(stats.network, stats.station, stats.location, stats.channel)
         for channel in (channel for network in matching for station in network for channel in station):
             begins, ends = channel.start_date, channel.end_date
@@ -158,7 +162,7 @@ def _station_channel(file: SourceFile, trace: Any, full: bool) -> Any:
             f"{file.name}: {trace.id} has {1 + len(different)} different {'responses' if full else 'sensitivities'} "
             f"for one time in {', '.join(looked)}; keep the right StationXML only"
         )
-    return found[-1]
+    return found[-1], notes
 
 
 def _tell_the_same(one: Any, other: Any, full: bool) -> bool:

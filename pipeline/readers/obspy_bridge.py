@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import io
 import warnings as python_warnings
+from collections.abc import Iterator
+from contextlib import contextmanager
 from datetime import UTC, datetime
 from typing import Any
 
@@ -11,7 +13,21 @@ from rockpulse.errors import RecordFormatError
 from rockpulse.readers.facing import Direction, direction
 from rockpulse.readers.source import SourceFile
 
-__all__ = ["obspy_stream", "seed_direction", "utc_time"]
+__all__ = ["obspy_notes", "obspy_stream", "seed_direction", "utc_time"]
+
+
+#: No news about the record: obspy's own future, and files that somebody else left open.
+_NO_NEWS = (DeprecationWarning, FutureWarning, ResourceWarning)
+
+
+@contextmanager
+def obspy_notes() -> Iterator[list[str]]:
+    """A list that holds, once the block has ended, what obspy warned of in it."""
+    notes: list[str] = []
+    with python_warnings.catch_warnings(record=True) as caught:
+        python_warnings.simplefilter("always")
+        yield notes
+    notes += [f"obspy: {item.message}" for item in caught if not issubclass(item.category, _NO_NEWS)]
 
 
 def obspy_stream(file: SourceFile, format: str, content: bytes | None = None) -> tuple[Any, list[str]]:
@@ -22,8 +38,7 @@ def obspy_stream(file: SourceFile, format: str, content: bytes | None = None) ->
     import obspy
 
     try:
-        with python_warnings.catch_warnings(record=True) as caught:
-            python_warnings.simplefilter("always")
+        with obspy_notes() as notes:
             stream = obspy.read(io.BytesIO(file.content if content is None else content), format=format)
             # Joins what fits together exactly; a gap keeps its traces apart.
             stream.merge(-1)
@@ -36,8 +51,6 @@ def obspy_stream(file: SourceFile, format: str, content: bytes | None = None) ->
     for trace in stream:  # refuses times that obspy itself cannot print
         utc_time(file, trace.stats.starttime)
         utc_time(file, trace.stats.endtime)
-    # Deprecations inside obspy are no news about the record.
-    notes = [f"obspy: {item.message}" for item in caught if not issubclass(item.category, DeprecationWarning)]
     return stream, notes
 
 

@@ -7,6 +7,7 @@ import pytest
 
 from rockpulse.components import align, find_pairs, matching_vertical, select_horizontal, uncovered
 from rockpulse.record import Record
+from rockpulse.sources import read_all
 
 START = datetime(2019, 7, 6, 3, 19, 53, tzinfo=UTC)
 
@@ -177,6 +178,14 @@ def test_files_without_times_belong_together_by_folder_event_and_station():
 def test_files_without_times_and_with_other_names_do_not(other):
     assert not pairs_of(peer(67.0, "x/a.AT2", **other), peer(337.0, "x/b.AT2"))[0]
     assert not pairs_of(peer(67.0, "x/a.AT2"), peer(337.0, "y/b.AT2"))[0]
+
+
+def test_files_without_times_pair_by_station_code_too(samples):
+    records, _ = read_all([samples.parent / "formats" / f"clc_csmnc.{name}.dat" for name in ("EW", "NS", "UD")])
+    pairs, failures = find_pairs([record for record in records if record.orientation == "horizontal"])
+    assert [[channel.azimuth for channel in pair.channels] for pair in pairs] == [[90.0, 0.0]]
+    assert not failures
+    assert matching_vertical(pairs[0].first, [record for record in records if record.orientation == "vertical"])
 
 
 @pytest.mark.parametrize(("azimuth", "kept"), [(90.0, True), (np.nan, False)])

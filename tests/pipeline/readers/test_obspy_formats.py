@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import re
 import struct
+import warnings
 from datetime import UTC, datetime
 
 import numpy as np
@@ -311,3 +313,16 @@ def test_real_sac(records_folder):
     (record,) = read(records_folder / "sac" / "20190706031952.CJ.T001230.HNE.sac", units="m/s2")
     assert (record.npts, record.dt) == (15001, 0.02)
     assert record.pga == pytest.approx(0.043384, rel=1e-4)
+
+
+def test_what_obspy_warns_of_in_the_station_metadata_is_a_warning_of_the_record(samples, tmp_path):
+    formats = samples.parent / "formats"
+    (tmp_path / "CI.CLC.mseed").write_bytes((formats / "CI.CLC.mseed").read_bytes())
+    metadata = (formats / "CI.CLC.xml").read_bytes()
+    newer = re.sub(rb'schemaVersion="[^"]*"', b'schemaVersion="9.9"', metadata)
+    assert newer != metadata
+    (tmp_path / "CI.CLC.xml").write_bytes(newer)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        records = read(tmp_path / "CI.CLC.mseed")
+    assert all(any("CI.CLC.xml: obspy: " in warning and "9.9" in warning for warning in r.warnings) for r in records)
