@@ -111,6 +111,9 @@ def _miniseed_channel(file: SourceFile, traces: list[Any], number: int, options:
     )
 
 
+_NO_FILE = "no StationXML file of the station"
+
+
 @lru_cache(maxsize=4)
 def _inventory(name: str, content: bytes) -> tuple[Any, list[str]]:
     """A StationXML file and obspy's warnings; it serves all channels of a station, and a parse costs 10 ms and more."""
@@ -153,7 +156,7 @@ def _station_channel(file: SourceFile, trace: Any, full: bool) -> tuple[Any, lis
     if not found:
         raise RecordRefused(
             f"{file.name}: {trace.id} is in counts and no sensitivity for {stats.starttime} to {stats.endtime} was "
-            f"found ({'looked in ' + ', '.join(looked) if looked else 'no StationXML file of the station'}); "
+            f"found ({'; '.join(['looked in ' + ', '.join(looked), *dict.fromkeys(notes)]) if looked else _NO_FILE}); "
             "put the station's StationXML with responses into the same folder"
         )
     different = [channel for channel in found[1:] if not _tell_the_same(found[0].response, channel.response, full)]

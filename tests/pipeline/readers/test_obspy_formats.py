@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 import struct
 import warnings
 from datetime import UTC, datetime
@@ -319,10 +318,19 @@ def test_what_obspy_warns_of_in_the_station_metadata_is_a_warning_of_the_record(
     formats = samples.parent / "formats"
     (tmp_path / "CI.CLC.mseed").write_bytes((formats / "CI.CLC.mseed").read_bytes())
     metadata = (formats / "CI.CLC.xml").read_bytes()
-    newer = re.sub(rb'schemaVersion="[^"]*"', b'schemaVersion="9.9"', metadata)
-    assert newer != metadata
-    (tmp_path / "CI.CLC.xml").write_bytes(newer)
+    damaged = metadata.replace(b"<SampleRate>100.0<", b"<SampleRate>NaN<")
+    assert damaged != metadata
+    (tmp_path / "CI.CLC.xml").write_bytes(damaged)
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         records = read(tmp_path / "CI.CLC.mseed")
-    assert all(any("CI.CLC.xml: obspy: " in warning and "9.9" in warning for warning in r.warnings) for r in records)
+    assert len(records) == 3
+    assert all(any("CI.CLC.xml: obspy: " in warning and "NaN" in warning for warning in r.warnings) for r in records)
+
+
+def test_a_channel_of_the_station_metadata_that_obspy_leaves_out_is_named(samples, tmp_path):
+    formats = samples.parent / "formats"
+    (tmp_path / "CI.CLC.mseed").write_bytes((formats / "CI.CLC.mseed").read_bytes())
+    (tmp_path / "CI.CLC.xml").write_bytes((formats / "CI.CLC.xml").read_bytes().replace(b"<Depth>0.0<", b"<Depth>NaN<"))
+    with pytest.raises(RecordRefused, match=r"no sensitivity .*CI\.CLC\.xml: obspy: .*depth"):
+        read(tmp_path / "CI.CLC.mseed")
