@@ -1,6 +1,8 @@
 from . import models as models
 from .assessment import assess as assess
 from .calibration import calibrate as calibrate
+from .components import Pair as Pair
+from .components import find_pairs as find_pairs
 from .conditioning import condition as condition
 from .config import Config as Config
 from .config import load_config as load_config
@@ -16,8 +18,12 @@ from .half_wave import half_waves as half_waves
 from .intensity import intense_phase as intense_phase
 from .obspy_trace import from_trace as from_trace
 from .obspy_trace import to_trace as to_trace
+from .pair_conditioning import condition_pair as condition_pair
 from .readers import read as read
 from .record import Record as Record
+from .rotation import rotate as rotate
+from .rotation import strongest_azimuth as strongest_azimuth
+from .sources import read_all as read_all
 from .store import load as load
 from .store import save as save
 
