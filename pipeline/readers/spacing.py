@@ -107,10 +107,11 @@ def long_step(times: np.ndarray) -> int | None:
     if not gaps.any():
         return None
     step, rounding = float(np.mean(steps[~gaps])), _half_digit(times)
-    # What the rounding of its ends adds to a gap of whole steps belongs to the rows behind it.
+    # What the rounding of its ends adds to a gap of whole steps belongs to the rows behind it; a gap need not be one.
     left = np.clip(steps - step * np.round(steps / step), -2.0 * rounding, 2.0 * rounding)
-    series = np.concatenate([[0.0], np.cumsum(np.where(gaps, step + left, steps))])
-    return int(np.argmax(gaps)) if _fitted_step(series, rounding) is not None else None
+    closed = (np.cumsum(np.where(gaps, step + rest, steps)) for rest in (left, 0.0))
+    found = any(_fitted_step(np.concatenate([[0.0], series]), rounding) is not None for series in closed)
+    return int(np.argmax(gaps)) if found else None
 
 
 def make_even(

@@ -43,6 +43,13 @@ def test_a_hole_of_any_length_in_equal_steps_is_a_gap(step, count, data, length)
     assert long_step(np.round(times, 7)) == at - 1
 
 
+@pytest.mark.parametrize("length", [1.0, 1.5, 2.5, 3.25])
+def test_a_hole_of_half_a_step_more_is_a_gap_too(length):
+    times = 0.0014 * np.arange(20)
+    times[1:] += length * 0.0014
+    assert long_step(np.round(times, 7)) == 0
+
+
 def test_a_trace_that_wanders_has_long_steps_but_no_gap():
     steps = np.random.default_rng(5).uniform(0.003, 0.007, 500)
     steps[[100, 300]] = 0.010
