@@ -22,8 +22,14 @@ _REASONS = {
 _UPWARDS = "channel on a structure, vertical or in an unknown direction: read, not assessed as horizontal"
 _INSTEAD = 'components = "horizontal" assesses it as it was recorded'
 
-#: SEED codes of one sensor differ in the last letter only.
-_SEED = re.compile(r"([FGDCESHBMLV][HLMGN])[ENZ123]")
+#: SEED codes of one sensor differ in the last letter only; the second letter is the kind of instrument.
+_SEED = re.compile(r"([FGDCESHBMLV])([HLMGN])[ENZ123]")
+#: KiK-net records at the bottom of a borehole (1) and at the surface (2).
+_DEPTH = re.compile(r"(?:EW|NS|UD)([12])")
+#: Where a channel on a structure is, as the readers put it behind its direction.
+_PLACE = re.compile(r"\((.*)\)")
+#: A pair shares at least this part of the shorter of its channels; triggers that follow each other may touch.
+OVERLAP_SHARE = 0.5
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,11 +87,12 @@ def select_horizontal(records: Iterable[Record], structural: bool = False) -> tu
 def find_pairs(horizontal: Sequence[Record]) -> tuple[list[Pair], list[Failure]]:
     """The pairs of channels that were recorded together, in two known directions.
 
-    Two channels are partners if they have the same format, state of processing and SEED sensor (the first two letters
-    of a SEED channel), are both on the ground or both on a structure, overlap in time, and come
+    Two channels are partners if they have the same format, state of processing, network, station, location and SEED
+    sensor (the first two letters of a SEED channel; the depth of KiK-net), are both on the ground or at one place of a
+    structure, have at least half of the shorter one in common in time, and come
 
-    - from one file, with one station, or
-    - from one network, station and location, with start times, or
+    - from one file, or
+    - from files with station codes and start times, or
     - from files in one folder that know no start time, but the same event, name of the station and sampling interval
       (PEER AT2, CSMNC).
 
@@ -140,13 +147,20 @@ def matching_vertical(record: Record, verticals: Iterable[Record]) -> Record | N
     Returns
     -------
     Record or None
-        Recorded together as :func:`find_pairs` has it, whatever its format; the same file comes first, then the longest
-        overlap. None if there is none, and for a channel on a structure: the vertical one may be on another floor.
+        Recorded together as :func:`find_pairs` has it, whatever its format and however short the common time, by the
+        same kind of instrument. The same state of processing comes first, then the same SEED band, the same file, the
+        longest overlap. None if there is none, and for a channel on a structure: the vertical one may be on another
+        floor.
     """
     if record.orientation == "structural":
         return None
-    together = [vertical for vertical in verticals if _together(record, vertical)]
-    return max(together, key=lambda one: (one.source == record.source, _overlap(record, one)), default=None)
+    together = [one for one in verticals if _together(record, one) and _seed(record)[1] == _seed(one)[1]]
+
+    def nearness(one: Record) -> tuple[bool, bool, bool, float]:
+        band = _seed(record)[0] == _seed(one)[0]
+        return one.processed == record.processed, band, one.source == record.source, _overlap(record, one)
+
+    return max(together, key=nearness, default=None)
 
 
 def align(vertical: Record, record: Record) -> np.ndarray:
@@ -181,19 +195,32 @@ def offset(record: Record, other: Record) -> float:
 
 def _instrument(record: Record) -> tuple[object, ...]:
     """What the channels of one instrument have in common."""
+    codes = (record.network, record.station, record.location)
+    place = "" if record.station else record.station_name or record.source
+    on_structure = record.orientation == "structural"
+    if on_structure:
+        told = _PLACE.search(record.component)
+        place = told[1].upper() if told else record.source
+    return *codes, place, record.format, record.processed, on_structure, _seed(record)
+
+
+def _seed(record: Record) -> tuple[str, str]:
+    """Band and instrument of a SEED channel; empty for others."""
     seed = _SEED.fullmatch(record.channel)
-    place = (record.station, "") if record.station else ("", record.station_name or record.source)
-    return (
-        *place,
-        record.format,
-        record.processed,
-        record.orientation == "structural",
-        seed[1] if seed else "",
-    )
+    return (seed[1], seed[2]) if seed else ("", "")
+
+
+def _depth(record: Record) -> str:
+    depth = _DEPTH.fullmatch(record.channel)
+    return depth[1] if depth else ""
 
 
 def _partners(record: Record, others: Sequence[Record]) -> list[Record]:
-    together = [other for other in others if _together(record, other)]
+    together = [
+        other
+        for other in others
+        if _together(record, other) and _overlap(record, other) >= OVERLAP_SHARE * min(record.duration, other.duration)
+    ]
     return [other for other in together if other.source == record.source] or together
 
 
@@ -214,12 +241,12 @@ def _listed(records: Sequence[Record], most: int = 4) -> str:
 
 
 def _together(record: Record, other: Record) -> bool:
-    if _overlap(record, other) <= 0.0 or record.station != other.station:
+    if _overlap(record, other) <= 0.0 or record.station != other.station or _depth(record) != _depth(other):
         return False
     codes = (record.network, record.location) == (other.network, other.location)
     timed = record.start_time is not None and other.start_time is not None
-    by_code = bool(record.station) and codes and timed
-    return record.source == other.source or by_code or _by_name(record, other)
+    by_code = codes and (record.source == other.source or (bool(record.station) and timed))
+    return by_code or _by_name(record, other)
 
 
 def _by_name(record: Record, other: Record) -> bool:

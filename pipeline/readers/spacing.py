@@ -14,6 +14,8 @@ GROWTH_LIMIT = 10
 ROUNDING_SHARE = 0.2
 #: A step above this many medians is a gap if all others are equal.
 LONG_STEP = 1.5
+#: No recording has times beyond this, 30 years [s]; larger ones may overflow.
+LATEST = 1e9
 
 
 def _half_digit(times: np.ndarray) -> float:
@@ -45,7 +47,11 @@ def even_step(times: np.ndarray) -> float | None:
     >>> even_step(np.array([0.0, 0.01, 0.02, 0.04, 0.05])) is None
     True
     """
-    return _fitted_step(times, _half_digit(times))
+    return None if _beyond(times).any() else _fitted_step(times, _half_digit(times))
+
+
+def _beyond(times: np.ndarray) -> np.ndarray:
+    return ~(np.abs(times) <= LATEST)
 
 
 def _fitted_step(times: np.ndarray, rounding: float) -> float | None:
@@ -85,7 +91,7 @@ def printed_at(times: np.ndarray, dt: float) -> bool:
     >>> printed_at(np.array([0.0, 0.01, 0.03]), 0.01)
     False
     """
-    if not (np.isfinite(dt) and dt > 0.0):
+    if not (np.isfinite(dt) and dt > 0.0) or _beyond(times).any():
         return False
     spread = float(np.ptp(times - dt * np.arange(times.size)))
     unit = 2.0 * _half_digit(times)
@@ -102,6 +108,8 @@ def long_step(times: np.ndarray) -> int | None:
     times : (n,) ndarray
         Strictly increasing times [s], n >= 2. Those of a digitised trace, which wander, have long steps but no gaps.
     """
+    if _beyond(times).any():
+        return None
     steps = np.diff(times)
     gaps = steps > LONG_STEP * np.median(steps)
     if not gaps.any():
@@ -149,6 +157,12 @@ def make_even(
     if times.size < 2:
         raise RecordFormatError(
             f"{name}:{first}: expected at least 2 samples, found {times.size}; the file may be truncated"
+        )
+    if _beyond(times).any():
+        at = int(np.argmax(_beyond(times)))
+        raise RecordFormatError(
+            f"{name}:{first + at // per_row}: expected times in s of at most {LATEST:g} s, found {times[at]:g} s "
+            f"(pair {at + 1}); the file is damaged: download it again"
         )
     steps = np.diff(times)
     back = np.flatnonzero(steps <= 0.0)

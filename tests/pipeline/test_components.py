@@ -1,5 +1,6 @@
 """Which channels belong together: the vertical one to a horizontal one, and two horizontal ones as a pair."""
 
+from dataclasses import replace
 from datetime import UTC, datetime, timedelta
 
 import numpy as np
@@ -146,7 +147,7 @@ def test_one_channel_cannot_serve_two():
     """A long file of one direction, two short ones of the other, one after the other."""
     short = [
         horizontal(0.0, source=name, start_time=START + timedelta(seconds=wait))
-        for name, wait in (("n1", -0.6), ("n2", 0.6))
+        for name, wait in (("n1", -0.3), ("n2", 0.3))
     ]
     found, failures = pairs_of(horizontal(90.0, source="e"), *short)
     assert not found
@@ -205,3 +206,75 @@ def test_a_channel_on_a_structure_takes_no_vertical_one_and_no_partner_on_the_gr
                   network="CI", station="CCC", start_time=START, format="csmip-v1", processed=True)  # fmt: skip
     assert matching_vertical(roof, [record("vertical")]) is None
     assert not pairs_of(roof, horizontal(90.0))[0]
+
+
+def test_borehole_and_surface_of_kik_net_are_two_pairs_with_their_own_verticals():
+    known = {"format": "knet", "processed": False}
+    channels = [
+        horizontal(azimuth, channel=f"{word}{depth}", source=f"x.{word}{depth}", **known)
+        for word, azimuth in (("EW", 90.0), ("NS", 0.0))
+        for depth in "12"
+    ]
+    pairs, failures = find_pairs(channels)
+    assert [[one.channel for one in pair.channels] for pair in pairs] == [["EW1", "NS1"], ["EW2", "NS2"]]
+    assert not failures
+    ups = [
+        replace(one, channel=f"UD{depth}", orientation="vertical")
+        for one, depth in zip(channels[:2], "12", strict=True)
+    ]
+    assert [matching_vertical(one, ups).channel for one in channels] == ["UD1", "UD2", "UD1", "UD2"]
+
+
+def test_two_locations_in_one_file_are_two_instruments():
+    known = {"format": "miniseed", "processed": False, "source": "x.mseed"}
+    channels = [
+        horizontal(azimuth, channel=f"HN{letter}", location=location, **known)
+        for location in ("00", "10")
+        for letter, azimuth in (("E", 90.0), ("N", 0.0))
+    ]
+    pairs, failures = find_pairs(channels)
+    assert [[one.location for one in pair.channels] for pair in pairs] == [["00", "00"], ["10", "10"]]
+    assert not failures
+    ups = [replace(one, channel="HNZ", orientation="vertical") for one in channels[::2]]
+    assert matching_vertical(channels[3], ups).location == "10"
+    assert matching_vertical(channels[3], ups[:1]) is None
+
+
+@pytest.mark.parametrize(
+    ("others", "taken"),
+    [
+        ([("BNZ", True, "b"), ("HNZ", True, "c")], "c"),
+        ([("HNZ", False, "a.v1"), ("HNZ", True, "b")], "b"),
+        ([("BNZ", True, "b")], "b"),
+        ([("HHZ", True, "b")], ""),
+    ],
+)
+def test_the_vertical_of_the_same_volume_and_sensor_comes_first(others, taken):
+    one = horizontal(90.0, channel="HNE")
+    ups = [
+        replace(one, channel=channel, processed=processed, source=source, orientation="vertical")
+        for channel, processed, source in others
+    ]
+    found = matching_vertical(one, ups)
+    assert ("" if found is None else found.source) == taken
+
+
+def test_channels_at_two_places_of_a_structure_are_no_pair():
+    places = [("90 DEG (ROOF)", 90.0), ("0 DEG (FOOTING)", 0.0), ("0 DEG (roof)", 0.0)]
+    channels = [
+        replace(horizontal(azimuth), component=component, id=component, orientation="structural")
+        for component, azimuth in places
+    ]
+    assert not pairs_of(*channels[:2])[0]
+    assert pairs_of(*channels)[0] == [("90 DEG (ROOF)", "0 DEG (roof)")]
+
+
+def test_windows_that_hardly_overlap_are_no_pair():
+    first, second = (
+        [horizontal(azimuth, source=source, start_time=START + timedelta(seconds=wait)) for azimuth in (90.0, 0.0)]
+        for source, wait in (("a.v1", 0.0), ("b.v1", 0.9))
+    )
+    assert len(pairs_of(*first, *second)[0]) == 2
+    found, failures = pairs_of(first[0], second[1])
+    assert not found
+    assert len(failures) == 2

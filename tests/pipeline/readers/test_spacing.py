@@ -7,7 +7,8 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from rockpulse.readers.spacing import even_step, long_step, printed_at
+from rockpulse.errors import RecordFormatError
+from rockpulse.readers.spacing import even_step, long_step, make_even, printed_at
 
 QUICK = settings(derandomize=True, deadline=None, max_examples=100)
 STEPS = st.sampled_from([0.0014, 0.0025, 1 / 300, 0.005, 1 / 128, 0.01, 0.02, 1 / 3])
@@ -65,3 +66,14 @@ def test_samples_of_a_known_interval_fit_however_coarse_their_times(step, count,
 @pytest.mark.parametrize("dt", [0.0, -0.01, np.nan, np.inf])
 def test_no_times_fit_an_interval_that_is_none(dt):
     assert not printed_at(np.array([0.0, 0.0, 0.01]), dt)
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("times", [[0.0, 0.1, 1e308], [-1e308, 0.0, 1e308], [0.0, 1e10, 2e10]])
+def test_times_beyond_all_recordings_are_named_before_anything_overflows(times):
+    times = np.array(times)
+    assert even_step(times) is None
+    assert long_step(times) is None
+    assert not printed_at(times, 0.01)
+    with pytest.raises(RecordFormatError, match=r"x\.v1:7: expected times in s of at most 1e\+09 s"):
+        make_even(times, np.zeros(3), "x.v1", 7, 5, 0.1)
