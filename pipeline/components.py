@@ -13,7 +13,19 @@ import numpy as np
 from rockpulse.failures import Failure
 from rockpulse.record import Record
 
-__all__ = ["Pair", "align", "find_pairs", "matching_vertical", "offset", "select_horizontal", "uncovered"]
+__all__ = [
+    "VERTICAL_NOTE",
+    "Pair",
+    "align",
+    "find_pairs",
+    "matching_vertical",
+    "offset",
+    "select_horizontal",
+    "uncovered",
+]
+
+#: How the processing of a record names the vertical channel that acts with it.
+VERTICAL_NOTE = "vertical acceleration: "
 
 _REASONS = {
     "vertical": "vertical channel: read, not assessed as horizontal",

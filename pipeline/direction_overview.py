@@ -47,8 +47,10 @@ def direction_table(summary: xr.Dataset, directions: xr.Dataset) -> str:
                     ]
                 )
     lines = aligned(rows)
+    # Over the columns of the models, what their figures are.
+    over = f"directions of {count} that overturn".rjust(len(lines[0]))
     for place, heading in reversed(headings):
-        lines[place:place] = ["", heading, lines[0]]
+        lines[place:place] = ["", heading, over, lines[0]]
     notes = [
         f"Median and largest over {count} directions of theta_max/alpha_c by the {fullest} model, and the azimuth of "
         "the largest (where several overturn: of the one that does so first). Then, by model, how many directions "

@@ -19,9 +19,7 @@ __all__ = [
     "answered_by",
     "cases",
     "factor_table",
-    "failure_list",
     "fullest_model",
-    "left_out",
     "overturned",
     "overview",
     "peak_velocity",
@@ -31,9 +29,6 @@ __all__ = [
 
 #: Longest block name in a table.
 NAME_WIDTH = 30
-
-#: Rows of a kind that is no failure in the overview.
-LISTED = 12
 
 _WORDS = {Outcome.AT_REST: "at rest", Outcome.OVERTURNS: "OVERTURNS", Outcome.UNRESOLVED: "unresolved"}
 
@@ -203,49 +198,6 @@ def overturned(summary: xr.Dataset) -> str:
     return "\n".join([*lines, "", *("  " + line for line in aligned(rows))])
 
 
-def left_out(tree: xr.DataTree) -> str:
-    """What was read or found but not assessed, by kind, and how many warnings there are.
-
-    Parameters
-    ----------
-    tree : xarray.DataTree
-        The results.
-    """
-    lines = []
-    for kind, entries in _failures(tree).items():
-        lines.append(f"{_KINDS.get(kind, kind)}: {len(entries)}")
-        shown = entries if kind == "failed" else entries[:LISTED]
-        lines += [paragraph(_told(file, reason), "      ", "  ") for file, _, reason in shown]
-        if len(shown) < len(entries):
-            lines.append(f"  and {len(entries) - len(shown)} more (rockpulse inspect RESULTS --failures shows them)")
-    summary = tree["summary"].to_dataset()
-    for block, warning in zip(summary["block"].values, summary["block_warnings"].values, strict=True):
-        if warning:
-            lines.append(paragraph(f"block {block}: {warning}", "      ", ""))
-    warned = sum(bool(text) for text in summary["warnings"].values)
-    if warned:
-        lines.append(f"records with warnings: {warned} (rockpulse inspect RESULTS --record ID shows them)")
-    return "\n".join(lines)
-
-
-def failure_list(tree: xr.DataTree, kinds: Sequence[str] | None = None) -> str:
-    """Everything that was not assessed: kind, stage, file and reason; empty where there is nothing.
-
-    Parameters
-    ----------
-    tree : xarray.DataTree
-        The results.
-    kinds : sequence of str, optional
-        Which kinds to list; all by default.
-    """
-    return "\n".join(
-        paragraph(_told(file, reason), "      ", f"{kind} ({stage}) ")
-        for kind, entries in _failures(tree).items()
-        if kinds is None or kind in kinds
-        for file, stage, reason in entries
-    )
-
-
 def overview(tree: xr.DataTree) -> str:
     """Verdicts, what overturns, what was left out; of a sweep over direction the median and largest instead.
 
@@ -255,6 +207,7 @@ def overview(tree: xr.DataTree) -> str:
         The results.
     """
     from rockpulse.direction_overview import direction_table
+    from rockpulse.failure_overview import left_out
 
     summary = tree["summary"].to_dataset()
     if "directions" in tree.children:
@@ -262,32 +215,6 @@ def overview(tree: xr.DataTree) -> str:
     else:
         parts = [verdict_table(summary), overturned(summary), left_out(tree)]
     return "\n\n".join(part for part in parts if part)
-
-
-_KINDS = {
-    "failed": "failed",
-    "vertical": "read, not assessed (vertical)",
-    "structural": "read, not assessed (on a structure)",
-    "duplicate": "skipped, the same content twice",
-    "skipped": "skipped, no records",
-}
-
-
-def _told(file: str, reason: str) -> str:
-    """Most reasons begin with the file and a line in it."""
-    return reason if reason.startswith(file) else f"{file}: {reason}"
-
-
-def _failures(tree: xr.DataTree) -> dict[str, list[tuple[str, str, str]]]:
-    """(file, stage, reason) by kind; the failed ones first."""
-    failures = tree["failures"].to_dataset()
-    grouped: dict[str, list[tuple[str, str, str]]] = {}
-    for file, stage, reason, kind in zip(
-        *(failures[name].values for name in ("file", "stage", "reason", "kind")), strict=True
-    ):
-        grouped.setdefault(str(kind), []).append((str(file), str(stage), str(reason)))
-    order = [*_KINDS, *sorted(set(grouped) - set(_KINDS))]
-    return {kind: grouped[kind] for kind in order if kind in grouped}
 
 
 def _table(

@@ -18,7 +18,7 @@ from itertools import pairwise
 import numpy as np
 
 from rockpulse.components import Pair
-from rockpulse.conditioning import condition
+from rockpulse.conditioning import DRIFT, condition
 from rockpulse.errors import RecordRefused
 from rockpulse.half_wave import half_waves
 from rockpulse.record import Record, record_id
@@ -90,7 +90,8 @@ def rotate(pair: Pair, azimuth: float) -> Record:
         source_unit=first.source_unit if same_unit else "",
         unit_factor=first.unit_factor if same_unit else float("nan"),
         header_peak=float("nan"),
-        warnings=_of_both(first, second, "warnings"),
+        # Whether the velocity drifts is a matter of the direction.
+        warnings=tuple(text for text in _of_both(first, second, "warnings") if DRIFT not in text),
         processing=(*_of_both(first, second, "processing"), note),
     )
     return condition(rotated, baseline="none")  # looks whether the velocity of this direction drifts

@@ -10,7 +10,7 @@ from typing import Any, Literal
 import numpy as np
 
 from rockpulse.calibration import calibrate
-from rockpulse.components import align, uncovered
+from rockpulse.components import VERTICAL_NOTE, align, uncovered
 from rockpulse.conditioning import condition
 from rockpulse.config import Config
 from rockpulse.errors import RecordRefused
@@ -99,7 +99,7 @@ def extract(conditioned: Record, config: Config, vertical: Record | None = None)
     if vertical is not None:
         up = condition(vertical, **config.conditioning)
         lift = align(up, conditioned)
-        conditioned = conditioned.with_note(f"vertical acceleration: {up.id}")
+        conditioned = conditioned.with_note(f"{VERTICAL_NOTE}{up.id}")
         for warning in up.warnings:
             conditioned = conditioned.with_warning(f"vertical channel: {warning}")
         if (missing := uncovered(up, conditioned)) > up.dt:

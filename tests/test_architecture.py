@@ -13,7 +13,7 @@ SOURCES = sorted([*PIPELINE.rglob("*.py"), *MODELS.rglob("*.py")])
 
 #: The outer ring of the package: files in, files and text out. What is not named here is the middle ring.
 EDGE = {"readers", "sources", "store", "cli", "commands", "overview", "details", "terminal", "__main__"}
-EDGE |= {"direction_overview"}
+EDGE |= {"direction_overview", "failure_overview"}
 EDGE |= {"conversion", "obspy_plugin", "obspy_trace", "writers"}
 EDGE |= {"accuracy_overview", "accuracy_files", "accuracy_diagram"}
 #: The face of the package, which names everything.

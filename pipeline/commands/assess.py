@@ -49,7 +49,8 @@ def _run(args: argparse.Namespace) -> int:
 
     from rockpulse.assessment import assess
     from rockpulse.bodies import gather_bodies
-    from rockpulse.overview import failure_list, overview
+    from rockpulse.failure_overview import failure_list
+    from rockpulse.overview import overview
     from rockpulse.sources import read_all
 
     gather_bodies(config.blocks)  # a block that no model takes is better known before the records are read

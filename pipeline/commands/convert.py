@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import math
 import sys
 
 from rockpulse.commands.verb import Verb
@@ -39,10 +40,13 @@ def _run(args: argparse.Namespace) -> int:
     from tqdm import tqdm
 
     from rockpulse.conversion import check_output, write
+    from rockpulse.errors import ConfigError
     from rockpulse.record import STANDARD_GRAVITY
     from rockpulse.sources import read_all
     from rockpulse.terminal import paragraph
 
+    if args.dt is not None and not (math.isfinite(args.dt) and args.dt > 0.0):
+        raise ConfigError(f"--dt: expected a sampling interval in s above 0, found {args.dt:g}")
     writer = check_output(args.output, args.format)  # a name that tells no format is better known before the reading
     silent = True if args.quiet else None  # None: silent unless standard error is a terminal
     with tqdm(desc="reading", unit=" files", disable=silent) as bar:

@@ -18,6 +18,8 @@ def _run(args: argparse.Namespace) -> int:
     from textwrap import fill
 
     from rockpulse.readers import FORMATS, UNITS
+    from rockpulse.readers.archive import MEMBER_LIMIT, TOTAL_LIMIT
+    from rockpulse.readers.source import FILE_LIMIT, RATIO_LIMIT
     from rockpulse.terminal import ABSENT
 
     def wrapped(words: str, first: str = "", indent: str = "") -> str:
@@ -34,9 +36,25 @@ def _run(args: argparse.Namespace) -> int:
         for row in refused:
             print(wrapped(f"{row.name} - {row.what}, such as {row.example}", "  ", 2 * _INDENT))
     print()
-    print(wrapped("Every file may be compressed with gzip or lie in a zip archive. obspy.read takes them too."))
+    print(
+        wrapped(
+            "Every file may be compressed with gzip or lie in a zip archive: files and members up to "
+            f"{_mebibytes(FILE_LIMIT)}, compressed up to {RATIO_LIMIT} times; archives up to {MEMBER_LIMIT} members "
+            f"and {_mebibytes(TOTAL_LIMIT)}, without archives in them."
+        )
+    )
+    print(
+        wrapped(
+            "obspy.read takes them too, in m/s2 with calib 1; K-NET, miniSEED and SAC it reads in its own way, in "
+            "counts, and columns with format='COLUMNS', units='g' and, without times, dt=0.01."
+        )
+    )
     print(f"Units: {', '.join(UNITS)}.")
     return 0
+
+
+def _mebibytes(count: int) -> str:
+    return f"{count // 1024**2} MiB"
 
 
 VERB = Verb(

@@ -18,7 +18,8 @@ def _add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def _run(args: argparse.Namespace) -> int:
     from rockpulse.details import block_details, record_details
-    from rockpulse.overview import failure_list, overview
+    from rockpulse.failure_overview import failure_list
+    from rockpulse.overview import overview
     from rockpulse.store import load
 
     tree = load(args.results)

@@ -6,6 +6,7 @@ Importing this package loads neither obspy, pandas, numba nor xarray, so that it
 from __future__ import annotations
 
 import os
+from dataclasses import replace
 from pathlib import Path
 from typing import BinaryIO
 
@@ -78,6 +79,7 @@ def read(
     units: str | None = None,
     dt: float | None = None,
     response: str = "sensitivity",
+    stationxml: str | os.PathLike[str] | BinaryIO | None = None,
 ) -> list[Record]:
     """Read every channel of a strong-motion file.
 
@@ -93,6 +95,9 @@ def read(
         Sampling interval [s] for columns without a time column.
     response : {"sensitivity", "remove"}
         How counts with a StationXML become m/s2; see `ReadOptions`.
+    stationxml : str, path or binary file, optional
+        Station metadata of miniSEED. Without it the StationXML files beside the file are searched; an open file without
+        a name has none beside it.
 
     Returns
     -------
@@ -107,10 +112,18 @@ def read(
         A sound file without usable acceleration: velocity, spectra, counts without a gain, gaps.
     UnitError
         The unit is missing or unknown.
+    ConfigError
+        `dt` or `response` is none that can be.
     OSError
         The file cannot be opened.
     """
     options = ReadOptions(units, dt, response)
-    if isinstance(path, str | os.PathLike):
-        return read_source(open_source(Path(path)), options)
-    return read_source(open_stream(path), options)
+    file = _open(path)
+    if stationxml is not None:
+        metadata = _open(stationxml)
+        file = replace(file, station_files=lambda: [(metadata.name, metadata.content)])
+    return read_source(file, options)
+
+
+def _open(path: str | os.PathLike[str] | BinaryIO) -> SourceFile:
+    return open_source(Path(path)) if isinstance(path, str | os.PathLike) else open_stream(path)

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from numbers import Real
 
 from rockpulse.errors import ConfigError
 from rockpulse.readers.source import SourceFile
@@ -39,6 +41,8 @@ class ReadOptions:
     def __post_init__(self) -> None:
         if self.units is not None:
             canonical_unit(self.units, "option units")
+        if self.dt is not None and not (isinstance(self.dt, Real) and math.isfinite(self.dt) and self.dt > 0.0):
+            raise ConfigError(f"option dt: expected a sampling interval in s above 0, found {self.dt!r}")
         if self.response not in RESPONSES:
             raise ConfigError(f"option response: expected one of {', '.join(RESPONSES)}, found {self.response!r}")
 

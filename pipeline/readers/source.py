@@ -145,8 +145,8 @@ def _refuse_archive(name: str, head: bytes, inside: str = "") -> None:
     kind = archive_kind(head)
     if kind == "a zip archive" and not inside:
         raise RecordRefused(
-            f"{name}: a zip archive may hold many records; read it with rockpulse.sources.read_all, or give it to "
-            "'rockpulse assess' or 'rockpulse inspect'"
+            f"{name}: a zip archive may hold many records; read it with rockpulse.read_all, or give it to "
+            "'rockpulse assess' or 'rockpulse convert'"
         )
     if kind:
         raise RecordRefused(f"{name}: {kind}{inside}; unpack it first")

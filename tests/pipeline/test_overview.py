@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 from results_tree import BLOCKS, RECORDS, results_tree
 
-from rockpulse.overview import factor_table, failure_list, left_out, overturned, overview, value, verdict_table
+from rockpulse.failure_overview import failure_list
+from rockpulse.overview import factor_table, overturned, overview, value, verdict_table
 
 
 def row(text, label, after=""):
@@ -171,33 +172,8 @@ def test_what_overturns_is_named_by_the_fullest_model_and_counted_for_all(summar
     assert counts.split()[2:] == ["2", "of", "3", "2", "of", "3", "1", "of", "3"]
 
 
-def test_left_out_lists_by_kind_with_the_failed_first():
-    lines = left_out(results_tree()).splitlines()
-    assert lines[0] == "failed: 1"
-    assert lines[1] == "  cut.AT2:4: expected 100 samples, found 3"
-    assert "read, not assessed (vertical): 1" in lines
-    assert "  CCC.RAW: vertical channel 2" in lines
-    assert lines[-1].startswith("records with warnings: 1")
 
 
-def test_a_long_list_of_what_is_no_failure_is_cut_and_says_so():
-    tree = results_tree()
-    tree["failures"] = tree["failures"].isel(failure=[1] * 40 + [2] * 40)
-    lines = left_out(tree).splitlines()
-    assert lines.count("  cut.AT2:4: expected 100 samples, found 3") == 40
-    assert lines.count("  notes.txt: no record") == 12
-    assert "  and 28 more (rockpulse inspect RESULTS --failures shows them)" in lines
-
-
-def test_block_warnings_are_shown_with_their_block():
-    assert "cabinet: slenderness 2.5 is below 3" in left_out(results_tree())
-
-
-def test_failures_can_be_narrowed_to_a_kind():
-    tree = results_tree()
-    assert failure_list(tree, kinds=("failed",)) == "failed (read) cut.AT2:4: expected 100 samples, found 3"
-    assert failure_list(tree, kinds=("duplicate",)) == ""
-    assert len(failure_list(tree).splitlines()) == 3
 
 
 def test_a_value_is_found_by_labels_whatever_the_order_of_dimensions(summary):

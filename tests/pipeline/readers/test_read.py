@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import gzip
 import hashlib
+import io
 import pickle
 import subprocess
 import sys
@@ -12,7 +13,7 @@ import numpy as np
 import pytest
 from record_writers import at2, pulse
 
-from rockpulse.errors import RecordFormatError, RockpulseError, UnitError
+from rockpulse.errors import ConfigError, RecordFormatError, RecordRefused, RockpulseError, UnitError
 from rockpulse.readers import FORMATS, read
 from rockpulse.readers.source import NotAcceleration, Unrecognised
 from rockpulse.record import STANDARD_GRAVITY
@@ -154,3 +155,23 @@ def test_the_readers_own_errors_survive_pickling(error):
     copy = pickle.loads(pickle.dumps(error("file.AT2:3: reason")))
     assert type(copy) is error
     assert str(copy) == "file.AT2:3: reason"
+
+
+def test_station_metadata_may_be_given_with_a_file_in_memory(samples):
+    formats = samples.parent / "formats"
+    content, metadata = ((formats / f"CI.CLC.{suffix}").read_bytes() for suffix in ("mseed", "xml"))
+    by_path = read(formats / "CI.CLC.mseed")
+    for given in (io.BytesIO(metadata), formats / "CI.CLC.xml", str(formats / "CI.CLC.xml")):
+        records = read(io.BytesIO(content), stationxml=given)
+        assert [record.id for record in records] == [record.id for record in by_path]
+        assert all(
+            np.array_equal(one.acceleration, two.acceleration) for one, two in zip(records, by_path, strict=True)
+        )
+    with pytest.raises(RecordRefused, match="counts"):
+        read(io.BytesIO(content))
+
+
+@pytest.mark.parametrize("dt", [0.0, -0.01, float("nan"), float("inf"), "0.01"])
+def test_an_interval_that_is_none_is_refused_before_the_file_is_opened(dt):
+    with pytest.raises(ConfigError, match=r"option dt: expected a sampling interval in s above 0"):
+        read("there is no such file", dt=dt)

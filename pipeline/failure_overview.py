@@ -1,0 +1,109 @@
+"""What was not assessed and what the records were warned of, as text."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+from rockpulse.components import VERTICAL_NOTE
+from rockpulse.terminal import paragraph
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = ["failure_list", "left_out"]
+
+#: Rows of a kind that is no failure in the overview.
+LISTED = 12
+#: Words of a warning, numbers aside, by which it is known for one of a kind.
+_TELLING_WORDS = 4
+
+_KINDS = {
+    "failed": "failed",
+    "vertical": "read, not assessed (vertical)",
+    "structural": "read, not assessed (on a structure)",
+    "duplicate": "skipped, the same content twice",
+    "skipped": "skipped, no records",
+}
+
+
+def left_out(tree: xr.DataTree) -> str:
+    """What was read or found but not assessed, by kind, and what the records were warned of.
+
+    Parameters
+    ----------
+    tree : xarray.DataTree
+        The results.
+    """
+    lines = []
+    summary = tree["summary"].to_dataset()
+    acted = sum(VERTICAL_NOTE in str(text) for text in summary["processing"].values)
+    for kind, entries in _failures(tree).items():
+        title = f"vertical, acting on {acted} records" if kind == "vertical" and acted else _KINDS.get(kind, kind)
+        lines.append(f"{title}: {len(entries)}")
+        shown = entries if kind == "failed" else entries[:LISTED]
+        lines += [paragraph(_told(file, reason), "      ", "  ") for file, _, reason in shown]
+        if len(shown) < len(entries):
+            lines.append(f"  and {len(entries) - len(shown)} more (rockpulse inspect RESULTS --failures shows them)")
+    for block, warning in zip(summary["block"].values, summary["block_warnings"].values, strict=True):
+        if warning:
+            lines.append(paragraph(f"block {block}: {warning}", "      ", ""))
+    return "\n".join([*lines, *_warnings(summary)])
+
+
+def failure_list(tree: xr.DataTree, kinds: Sequence[str] | None = None) -> str:
+    """Everything that was not assessed: kind, stage, file and reason; empty where there is nothing.
+
+    Parameters
+    ----------
+    tree : xarray.DataTree
+        The results.
+    kinds : sequence of str, optional
+        Which kinds to list; all by default.
+    """
+    return "\n".join(
+        paragraph(_told(file, reason), "      ", f"{kind} ({stage}) ")
+        for kind, entries in _failures(tree).items()
+        if kinds is None or kind in kinds
+        for file, stage, reason in entries
+    )
+
+
+def _told(file: str, reason: str) -> str:
+    """Most reasons begin with the file and a line in it."""
+    return reason if reason.startswith(file) else f"{file}: {reason}"
+
+
+def _failures(tree: xr.DataTree) -> dict[str, list[tuple[str, str, str]]]:
+    """(file, stage, reason) by kind; the failed ones first."""
+    failures = tree["failures"].to_dataset()
+    grouped: dict[str, list[tuple[str, str, str]]] = {}
+    for file, stage, reason, kind in zip(
+        *(failures[name].values for name in ("file", "stage", "reason", "kind")), strict=True
+    ):
+        grouped.setdefault(str(kind), []).append((str(file), str(stage), str(reason)))
+    order = [*_KINDS, *sorted(set(grouped) - set(_KINDS))]
+    return {kind: grouped[kind] for kind in order if kind in grouped}
+
+
+def _warnings(summary: xr.Dataset) -> list[str]:
+    """The warnings of the records: one of each kind, and on how many records there is one like it."""
+    alike: dict[str, list[tuple[str, str]]] = {}
+    for record, text in zip(summary["record"].values, summary["warnings"].values, strict=True):
+        kinds = {_kind(warning): warning for warning in str(text).splitlines()}
+        for kind, warning in kinds.items():
+            alike.setdefault(kind, []).append((str(record), warning))
+    if not alike:
+        return []
+    warned = sum(bool(text) for text in summary["warnings"].values)
+    lines = [f"records with warnings: {warned} (rockpulse inspect RESULTS --record ID shows all of them)"]
+    for entries in sorted(alike.values(), key=len, reverse=True):
+        record, warning = entries[0]
+        like = "" if len(entries) == 1 else f", and {len(entries) - 1} more like it"
+        lines.append(paragraph(f"{warning}{like}", "      ", f"  {record}: "))
+    return lines
+
+
+def _kind(warning: str) -> str:
+    return " ".join(re.sub(r"[-+]?\d[\d.e+-]*", "#", warning).split()[:_TELLING_WORDS])
