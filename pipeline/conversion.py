@@ -2,29 +2,35 @@
 
 from __future__ import annotations
 
+import logging
 import os
 import re
-import secrets
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass
+from itertools import combinations
 from pathlib import Path
 
 import numpy as np
 
-from rockpulse.errors import ConfigError, RecordRefused, RockpulseError
+from rockpulse.errors import ConfigError, RecordFormatError, RecordRefused, RockpulseError
+from rockpulse.file_set import FileSet
 from rockpulse.readers import ReadOptions, read_source
-from rockpulse.readers.source import HEAD, SourceFile, folder_station_files
+from rockpulse.readers.miniseed import is_miniseed
+from rockpulse.readers.source import HEAD, SourceFile, check_link, folder_station_files, open_source
 from rockpulse.record import Record
-from rockpulse.writers import at2_bytes, csv_bytes, miniseed_bytes
+from rockpulse.writers import at2_bytes, azimuth_of, csv_bytes, miniseed_bytes, orientation_of
 
 __all__ = ["WRITERS", "Writer", "Written", "check_output", "write"]
 
+logger = logging.getLogger("rockpulse")
 
 #: What a number of few digits may lose near zero [m/s2].
 _UNDERFLOW = 1e-97
 #: Largest share by which an interval may come back otherwise: miniSEED keeps the rate in single precision.
 _STEP_TOLERANCE = 1e-7
+#: Degrees by which an azimuth may come back otherwise.
+_AZIMUTH_TOLERANCE = 1e-4
 
 
 @dataclass(frozen=True)
@@ -41,6 +47,10 @@ class Writer:
         What the files cannot hold.
     digits : float
         Half a unit of the last digit over the value, at most; 0 where samples come back bit by bit.
+    whole : bool
+        Whether every azimuth and state of processing comes back; elsewhere they may be missing, never wrong.
+    structure : bool
+        Whether a file says that its channel is on a structure.
     one : callable or None
         From a record to the content of a file of its own; None where all go into one file.
     """
@@ -49,6 +59,8 @@ class Writer:
     suffixes: tuple[str, ...]
     lost: str
     digits: float
+    whole: bool
+    structure: bool
     one: Callable[[Record], bytes] | None
 
 
@@ -60,6 +72,8 @@ WRITERS = {
         "AT2 keeps 8 digits in g, event, date, station and direction; not the start time, the codes, "
         "the processing and the warnings",
         0.51e-7,
+        True,
+        True,
         at2_bytes,
     ),
     "csv": Writer(
@@ -68,6 +82,8 @@ WRITERS = {
         "CSV keeps every digit in m/s2, the interval and a direction in whole degrees; nothing else "
         "(read it with units m/s2)",
         0.0,
+        False,
+        False,
         csv_bytes,
     ),
     "mseed": Writer(
@@ -76,6 +92,8 @@ WRITERS = {
         "miniSEED keeps every digit in m/s2, start times and codes as far as SEED has room; its StationXML, of the "
         "same name, the directions and whether a record is raw; not the event, the processing and the warnings",
         0.0,
+        True,
+        False,
         None,
     ),
 }
@@ -98,28 +116,34 @@ class Written:
 
 
 def write(
-    records: Sequence[Record], out: str | os.PathLike[str], format: str | None = None, overwrite: bool = False
+    records: Record | Sequence[Record],
+    out: str | os.PathLike[str],
+    format: str | None = None,
+    overwrite: bool = False,
 ) -> list[Written]:
     """Write records as AT2, CSV or miniSEED.
 
     Parameters
     ----------
-    records : sequence of Record
+    records : Record or sequence of Record
         What to write, at least one, ids distinct. Samples are written as they are: a raw record stays raw.
     out : path
         A file, whose suffix tells the format, or for AT2 and CSV a folder. AT2 and CSV hold one record: several are
         written to ``out`` with the channel before the suffix (the id, where channels are not distinct); in a folder
-        the name is the id. miniSEED holds all, with a StationXML of the same name beside it.
+        the name is the id. miniSEED holds all, with a StationXML of the same name beside it, which serves that file
+        alone; where another StationXML in the folder tells something else of the same codes (gain, direction, state of
+        processing) at an overlapping time, a record gets the next free location code, as `Written` tells.
     format : {"at2", "csv", "mseed"}, optional
         Needed for a folder; otherwise the suffix tells.
     overwrite : bool
         Whether files that exist may be replaced; a StationXML only if rockpulse wrote it, and never a file that one of
-        the records came from.
+        the records came from. A symbolic link stays: its target is replaced.
 
     Returns
     -------
     list of Written
-        The files in the order of the records.
+        The files in the order of the records. Only AT2 tells that a channel is on a structure; with the others it is
+        logged as a warning.
 
     Raises
     ------
@@ -128,32 +152,46 @@ def write(
     RecordRefused
         A record that would not come back from the file as it is. Nothing has been written then.
     OSError
-        As the operating system says.
+        As the operating system says. The files are then as they were.
     """
+    records = [records] if isinstance(records, Record) else list(records)
     if not records:
         raise ConfigError(f"{out}: no record to write")
     writer, folder = _format(Path(out), format)
     targets = _targets(records, Path(out), writer, folder)
-    sources = {os.path.realpath(record.source.partition("!")[0]) for record in records if record.source}
-    _check_targets([*targets, *_companions(targets, writer)], sources, overwrite)
-    with ExitStack() as parts:
+    parent = Path(out).absolute().parent
+    if not parent.is_dir():
+        raise ConfigError(f"{out}: there is no folder {parent}; create it first")
+    _check_targets([*targets, *_companions(targets, writer)], _sources(records), overwrite)
+    with ExitStack() as made, FileSet() as files:
         if folder and not Path(out).is_dir():
             Path(out).mkdir()
-            parts.callback(_remove_empty, Path(out))
-        moves: list[tuple[Path, Path]] = []
+            made.callback(_remove_empty, Path(out))
         written = []
         for path, items in targets.items():
             contents, names = _contents(path, items, writer)
             for target, content in contents.items():
-                part = target.with_name(f".{target.name}.{os.getpid()}.{secrets.token_hex(4)}.part")
-                parts.callback(part.unlink, missing_ok=True)
-                part.write_bytes(content)
-                moves.append((part, target))
+                files.add(target, content)
             _check_comes_back(path, contents, dict(zip(names, items, strict=True)), writer)
             written.append(Written(path, tuple((record.id, code) for record, code in zip(items, names, strict=True))))
-        for part, target in moves:
-            part.replace(target)
+        files.commit()
+    for record in records:
+        if record.orientation == "structural" and not writer.structure:
+            logger.warning("%s: on a structure, which %s files cannot say", record.id, writer.suffix)
     return written
+
+
+def _sources(records: Sequence[Record]) -> set[str]:
+    """Every file that the records may have come from, as `Record.source` words them."""
+    sources = set()
+    for text in {record.source for record in records if record.source}:
+        # Joined records name several files, archives stand before a "!"; both marks may also be part of a name.
+        parts = text.split("; ")
+        for first, last in combinations(range(len(parts) + 1), 2):
+            name = "; ".join(parts[first:last])
+            ends = [*(match.start() for match in re.finditer("!", name)), len(name)]
+            sources |= {os.path.realpath(name[:end]) for end in ends if end}
+    return sources
 
 
 def check_output(out: str | os.PathLike[str], format: str | None = None) -> Writer:
@@ -179,6 +217,10 @@ def _format(out: Path, name: str | None) -> tuple[Writer, bool]:
         )
     if not folder and told != key:
         raise ConfigError(f"{out}: the name says {told}, the format {key}; correct the wrong one")
+    if folder and out.exists() and not out.is_dir():
+        raise ConfigError(
+            f"{out}: expected a folder, or a name that ends in {WRITERS[key].suffix}, found a file; choose another name"
+        )
     if folder and WRITERS[key].one is None:
         raise ConfigError(f"{out}: miniSEED holds all records in one file; name it, such as {out / 'records.mseed'}")
     return WRITERS[key], folder
@@ -203,13 +245,35 @@ def _targets(records: Sequence[Record], out: Path, writer: Writer, folder: bool)
 
 
 def _companions(targets: dict[Path, list[Record]], writer: Writer) -> Iterator[Path]:
-    if writer.one is None:
-        yield from (path.with_suffix(".xml") for path in targets)
+    """The StationXML of each file; refused where it would serve another miniSEED file as well."""
+    if writer.one is not None:
+        return
+    for path in targets:
+        twin = next((other for other in path.parent.iterdir() if _shares_station_file(other, path)), None)
+        if twin is not None:
+            raise ConfigError(
+                f"{path}: its StationXML, {path.with_suffix('.xml').name}, would serve {twin.name} as well; "
+                "choose another name"
+            )
+        yield path.with_suffix(".xml")
+
+
+def _shares_station_file(other: Path, path: Path) -> bool:
+    """Whether another file is miniSEED, compressed or not, with the stem of a file."""
+    if SourceFile(other.name, b"", bytes).path.stem != path.stem or not other.is_file():
+        return False
+    if path.exists() and other.samefile(path):
+        return False
+    try:
+        return is_miniseed(open_source(other).head, other.name)
+    except RockpulseError:  # empty, an archive, damaged: no miniSEED
+        return False
 
 
 def _check_targets(paths: Sequence[Path], sources: set[str], overwrite: bool) -> None:
     """Refuse what may not be replaced before anything is written."""
     for path in paths:
+        check_link(path)
         if os.path.realpath(path) in sources:
             raise ConfigError(f"{path}: a record comes from this file; choose another name")
         if path.exists() and not path.is_file():
@@ -220,9 +284,6 @@ def _check_targets(paths: Sequence[Path], sources: set[str], overwrite: bool) ->
             raise ConfigError(
                 f"{path}: a StationXML that rockpulse did not write is never replaced; choose another name"
             )
-        parent = path.absolute().parent
-        if not (parent.is_dir() or parent.parent.is_dir()):
-            raise ConfigError(f"{path}: there is no folder {parent.parent}; create it first")
 
 
 def _remove_empty(folder: Path) -> None:
@@ -234,8 +295,13 @@ def _contents(path: Path, records: Sequence[Record], writer: Writer) -> tuple[di
     """Content of a file and of what belongs to it, and the names of the records inside."""
     if writer.one is not None:
         return {path: writer.one(records[0])}, [""]
-    content, metadata, names = miniseed_bytes(records)
-    return {path: content, path.with_suffix(".xml"): metadata}, names
+    own = path.with_suffix(".xml")
+    beside = [(name, content) for name, content in folder_station_files(path.parent) if name != str(own)]
+    try:
+        content, metadata, names = miniseed_bytes(records, beside)
+    except RecordFormatError as fault:
+        raise RecordRefused(f"{path}: a StationXML in its folder is damaged ({fault}); mend or remove it") from fault
+    return {path: content, own: metadata}, names
 
 
 def _check_comes_back(path: Path, contents: dict[Path, bytes], records: dict[str, Record], writer: Writer) -> None:
@@ -267,3 +333,21 @@ def _check_comes_back(path: Path, contents: dict[Path, bytes], records: dict[str
                 f"{path}: the interval of {record.id}, {record.dt!r} s, comes back as {again.dt!r} s; use another "
                 "format, or resample the record"
             )
+        lost = _wrong(record, again, writer.whole)
+        if lost:
+            raise RecordRefused(f"{path}: {record.id}: {lost}; nothing was kept, use another format")
+
+
+def _wrong(record: Record, again: Record, whole: bool) -> str:
+    """What comes back wrongly: direction, raw or corrected; where `whole`, also what is missing."""
+    if again.orientation not in (orientation_of(record), record.orientation, "unknown"):
+        return f"the orientation comes back as {again.orientation!r} instead of {orientation_of(record)!r}"
+    azimuth, back = azimuth_of(record), again.azimuth
+    known = record.orientation != "vertical" and np.isfinite(azimuth)
+    off = abs((back - azimuth + 180.0) % 360.0 - 180.0) if known else np.nan
+    missing = not np.isfinite(back)
+    if (missing and known and whole) or not (missing or off <= _AZIMUTH_TOLERANCE):
+        return f"the azimuth comes back as {back:g} instead of {azimuth:g}"
+    if again.processed != record.processed and (whole or again.processed is not None):
+        return f"processed comes back as {again.processed} instead of {record.processed}"
+    return ""

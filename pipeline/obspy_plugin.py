@@ -6,6 +6,7 @@ for a format. Importing it loads neither obspy, numba nor xarray.
 
 from __future__ import annotations
 
+import logging
 import os
 from dataclasses import dataclass
 from functools import lru_cache
@@ -22,6 +23,8 @@ if TYPE_CHECKING:
     import obspy
 
 __all__ = ["PLUGINS", "Plugin"]
+
+logger = logging.getLogger("rockpulse")
 
 #: Formats that obspy reads itself; its own plugins keep them.
 _OBSPY_S_OWN = frozenset({"knet", "miniseed", "sac"})
@@ -79,6 +82,7 @@ class Plugin:
         units: str | None = None,
         dt: float | None = None,
         response: str = "sensitivity",
+        **others: Any,
     ) -> obspy.Stream:
         """Read every channel of a file.
 
@@ -92,6 +96,8 @@ class Plugin:
             Used by obspy afterwards.
         units, dt, response
             As in `rockpulse.read`.
+        **others
+            Options of other formats (``details``, ``byteorder``): ignored, as obspy's own readers do, and logged.
 
         Returns
         -------
@@ -105,6 +111,10 @@ class Plugin:
         """
         import obspy
 
+        if others:
+            logger.warning(
+                "%s: obspy.read has options that are not of this format: %s", self.row.name, ", ".join(others)
+            )
         options = ReadOptions(units, dt, response)
         source: SourceFile = open_source(Path(file)) if isinstance(file, str | os.PathLike) else open_stream(file)
         if not self.row.detect(source.head, source.name):

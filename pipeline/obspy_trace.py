@@ -12,15 +12,16 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from rockpulse.errors import RecordFormatError, RecordRefused, UnitError
+from rockpulse.errors import ConfigError, RecordFormatError, RecordRefused, UnitError
 from rockpulse.readers.channel import build_record
 from rockpulse.readers.clipping import clipping_warning
+from rockpulse.readers.facing import Direction
 from rockpulse.readers.format import ReadOptions
 from rockpulse.readers.instrument import sensitivity_factor, without_response
 from rockpulse.readers.obspy_bridge import utc_time
 from rockpulse.readers.source import SourceFile
 from rockpulse.readers.units import UNITS, canonical_unit
-from rockpulse.record import Record
+from rockpulse.record import Orientation, Record, record_id
 
 if TYPE_CHECKING:
     import obspy
@@ -31,7 +32,8 @@ _CODES = ("network", "station", "location", "channel")
 #: What travels in ``stats.rockpulse``: every field of a Record that a Trace has no place of its own for.
 _KEPT = tuple(field for field in fields(Record) if field.name not in {*_CODES, "acceleration", "start_time"})
 #: Methods of a Trace after which its data are no acceleration in the unit they had before.
-_CHANGES_UNIT = ("integrate", "differentiate", "normalize", "remove_response", "remove_sensitivity", "simulate")
+_CHANGES_UNIT = {"integrate", "differentiate", "normalize", "remove_response", "remove_sensitivity", "simulate"}
+_CHANGES_UNIT |= {"trigger"}
 #: Largest relative gap between the interval of a Trace, which keeps the rate, and the one it was made with.
 _SAME_STEP = 1e-12
 
@@ -63,13 +65,18 @@ def to_trace(record: Record) -> obspy.Trace:
 
     kept = AttribDict({field.name: getattr(record, field.name) for field in _KEPT})
     kept.start_time_known = record.start_time is not None
-    header = {code: getattr(record, code) for code in _CODES}
+    header: dict[str, Any] = {code: getattr(record, code) for code in _CODES}
+    kept.codes = dict(header)
     header |= {"delta": record.dt, "starttime": obspy.UTCDateTime(record.start_time or 0), "rockpulse": kept}
     return obspy.Trace(np.array(record.acceleration), header)
 
 
 def from_trace(
-    trace: obspy.Trace, units: str | None = None, factor: float | None = None, response: str = "sensitivity"
+    trace: obspy.Trace,
+    units: str | None = None,
+    factor: float | None = None,
+    response: str = "sensitivity",
+    azimuth: float | None = None,
 ) -> Record:
     """A record from an `obspy.Trace`.
 
@@ -84,12 +91,17 @@ def from_trace(
         m/s2 per count. Without it, counts need ``trace.stats.response`` (``trace.attach_response(inventory)``).
     response : {"sensitivity", "remove"}
         What is done with an attached response; see `rockpulse.readers.ReadOptions`.
+    azimuth : float, optional
+        Direction of a horizontal trace, clockwise from north [degrees]; needed after ``Stream.rotate``, which keeps no
+        account of it. A rotation that leaves the channel codes as they were cannot be seen: give the azimuth.
 
     Returns
     -------
     Record
         In m/s2. The steps in ``stats.processing`` are appended to its own. Where ``stats.rockpulse`` has the id, that
-        one stays, even if the trace was cut.
+        one stays, even if the trace was cut, unless the codes have changed since: then it is made of the new ones,
+        with a warning, and with a new channel code the direction becomes unknown unless `azimuth` is given
+        (``dataclasses.replace(record, orientation="vertical")`` where you know better).
 
     Raises
     ------
@@ -100,8 +112,12 @@ def from_trace(
         anything else per count, so it is never applied. Where `factor` is given it is left alone.
     RecordFormatError
         Fewer than two samples, or samples that are not finite.
+    ConfigError
+        An azimuth that is not finite.
     """
     where = f"trace {trace.id}"
+    if azimuth is not None and not np.isfinite(azimuth):
+        raise ConfigError(f"{where}: expected an azimuth in degrees, found {azimuth!r}; leave it out if it is unknown")
     stats = trace.stats
     if np.ma.is_masked(trace.data):
         raise RecordRefused(
@@ -121,11 +137,11 @@ def from_trace(
         )
     kept = stats.get("rockpulse")
     if kept is None:
-        return _new(where, trace, units, factor, ReadOptions(response=response))
+        return _new(where, trace, units, factor, ReadOptions(response=response), azimuth)
     known = units is None or (units != "counts" and UNITS[canonical_unit(units, "option units")] == 1.0)
     if not known or factor is not None:
         raise UnitError(f"{where}: stats.rockpulse says m/s2; give no units and no factor, or delete stats.rockpulse")
-    return _restored(where, trace, kept)
+    return _restored(where, trace, kept, azimuth)
 
 
 def _changes_unit(step: str) -> bool:
@@ -138,7 +154,7 @@ def _steps(stats: Any) -> tuple[str, ...]:
     return tuple(map(str, stats.get("processing", ())))
 
 
-def _restored(where: str, trace: Any, kept: Any) -> Record:
+def _restored(where: str, trace: Any, kept: Any, azimuth: float | None) -> Record:
     """The record that a trace with ``stats.rockpulse`` was made from, with what was done to it since."""
     missing = [field.name for field in _KEPT if field.default is MISSING and field.name not in kept]
     if missing:
@@ -154,10 +170,33 @@ def _restored(where: str, trace: Any, kept: Any) -> Record:
     values["processing"] = (*values.get("processing", ()), *_steps(stats))
     start = utc_time(SourceFile(where, b"", bytes), stats.starttime) if kept.get("start_time_known", True) else None
     codes = {code: stats[code] for code in _CODES}
-    return Record(acceleration=np.ma.getdata(trace.data), start_time=start, **codes, **values)
+    record = Record(acceleration=np.ma.getdata(trace.data), start_time=start, **codes, **values)
+    codes_before = kept.get("codes")
+    if codes_before is None or dict(codes_before) != codes:
+        record = _renamed(record, codes_before, azimuth is None)
+    if azimuth is None or azimuth % 360.0 == record.azimuth:
+        return record
+    orientation: Orientation = "structural" if record.orientation == "structural" else "horizontal"
+    return replace(record, azimuth=azimuth % 360.0, orientation=orientation, component="")
 
 
-def _new(where: str, trace: Any, units: str | None, factor: float | None, options: ReadOptions) -> Record:
+def _renamed(record: Record, before: dict[str, str] | None, undirected: bool) -> Record:
+    """The record without what its codes told before they were changed; `undirected`: nobody says where it points."""
+    stem = SourceFile(record.source, b"", bytes).path.stem or record.station_name or "trace"
+    codes = (record.network, record.station, record.location, record.channel)
+    record = replace(record, id=record_id(*codes, record.start_time, stem, 1))
+    old = "unknown" if before is None else ".".join(before[code] for code in _CODES)
+    told = f"the codes were {old} when the trace was made; the id was made anew"
+    if before is not None and before["channel"] == record.channel:
+        return record.with_warning(told)
+    orientation: Orientation = "structural" if record.orientation == "structural" else "unknown"
+    record = replace(record, component="", orientation=orientation, azimuth=float("nan"))
+    return record.with_warning(told + (" and the direction is no longer known" if undirected else ""))
+
+
+def _new(
+    where: str, trace: Any, units: str | None, factor: float | None, options: ReadOptions, azimuth: float | None
+) -> Record:
     """A record from a trace of which obspy's own fields are all that is known."""
     stats = trace.stats
     if units is None:
@@ -198,6 +237,7 @@ def _new(where: str, trace: Any, units: str | None, factor: float | None, option
         format="obspy",
         processed=None,
         component=stats.channel,
+        facing=None if azimuth is None else Direction("horizontal", azimuth % 360.0),
         channel=stats.channel,
         network=stats.network,
         station=stats.station,

@@ -5,10 +5,15 @@ from __future__ import annotations
 import argparse
 import math
 import sys
+from collections.abc import Sequence
 
 from rockpulse.commands.verb import Verb
+from rockpulse.failures import Failure
 
 __all__ = ["VERB"]
+
+#: Rows of a kind that is no failure.
+LISTED = 3
 
 
 def _add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -53,9 +58,7 @@ def _run(args: argparse.Namespace) -> int:
         records, failures = read_all(
             args.paths, args.units, on_file=lambda *_: bar.update(), dt=args.dt, response=args.response
         )
-    for row in failures:
-        if row.kind == "failed" or not args.quiet:
-            print(f"{row.kind} ({row.stage}) {row.reason}", file=sys.stderr)
+    _print_failures(failures, args.quiet)
     if not records:
         print("rockpulse: not one record could be read, nothing was written", file=sys.stderr)
         return 1
@@ -66,19 +69,36 @@ def _run(args: argparse.Namespace) -> int:
             for name, code in file.records:
                 record = known[name]
                 size = f"{record.npts} samples at {record.dt:g} s, PGA {record.pga / STANDARD_GRAVITY:.4g} g"
-                place = (
-                    f", on a structure, which {file.path.name} cannot say" if record.orientation == "structural" else ""
-                )
+                unsaid = record.orientation == "structural" and not writer.structure
+                place = f", on a structure, which {file.path.name} cannot say" if unsaid else ""
                 print(f"{file.path}: {name}{f' as {code}' if code else ''}: {size}{place}")
+                for warning in record.warnings:
+                    print(paragraph(warning, "      ", "    warning: "))
         print("\n" + paragraph(writer.lost + ".", "  ", ""))
     return 1 if any(row.kind == "failed" for row in failures) else 0
+
+
+def _print_failures(failures: Sequence[Failure], quiet: bool) -> None:
+    """What failed, and of what was skipped, the first few of each kind."""
+    by_kind: dict[str, list[Failure]] = {}
+    for row in failures:
+        by_kind.setdefault(row.kind, []).append(row)
+    for kind, rows in by_kind.items():
+        if quiet and kind != "failed":
+            continue
+        shown = rows if kind == "failed" else rows[:LISTED]
+        for row in shown:
+            print(f"{row.kind} ({row.stage}) {row.reason}", file=sys.stderr)
+        if len(shown) < len(rows):
+            print(f"{kind}: {len(rows) - len(shown)} more", file=sys.stderr)
 
 
 VERB = Verb(
     name="convert",
     summary="write records as AT2, CSV or miniSEED",
-    description="Read records of any format and write them, sample by sample as they are, in one that other programs "
-    "read. Nothing is corrected or filtered; what the new format cannot hold is said.",
+    description="Read records of any format and write them in one that other programs read. Samples are written as "
+    "they were read, in m/s2 or g: nothing is corrected or filtered; traces of unequal steps were resampled when they "
+    "were read. The warnings of each record, and what the new format cannot hold, are printed.",
     add_arguments=_add_arguments,
     run=_run,
 )

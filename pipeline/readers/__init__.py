@@ -121,7 +121,7 @@ def read(
     file = _open(path)
     if stationxml is not None:
         metadata = _open(stationxml)
-        file = replace(file, station_files=lambda: [(metadata.name, metadata.content)])
+        file = replace(file, station_files=lambda: [(metadata.name, metadata.content)], chosen=True)
     return read_source(file, options)
 
 

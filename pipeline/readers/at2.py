@@ -21,8 +21,11 @@ from rockpulse.record import Record
 __all__ = ["FORMAT", "is_at2", "read_at2"]
 
 _HEADER_LIMIT = 10
-_COUNT = r"(?P<count>\d+)"
-_STEP = r"(?P<step>[+-]?(?:\d+\.?\d*|\.\d+)(?:[ED][+-]?\d+)?)(?![\d.ED])"
+#: No line of the header is longer; a damaged one may be.
+_LONGEST_LINE = 200
+# 5,000 is five thousand; 1/200 is no number.
+_COUNT = r"(?P<count>\d{1,3}(?:,\d{3})+(?![\d.])|\d+)"
+_STEP = r"(?P<step>[+-]?(?:\d+\.?\d*|\.\d+)(?:[ED][+-]?\d+)?)(?![\d.ED]|\s*/\s*\d)"
 _BOTH = r"NPTS\s*[,;&]?\s*DT\b(?:\s*\(\w+\))?"
 #: The spellings of the line with number of points and interval.
 _COUNT_AND_STEP = [
@@ -33,10 +36,20 @@ _COUNT_AND_STEP = [
 ]
 _MILLISECONDS = re.compile(r"(?<![a-z])m(?:illi)?s(?:ec\w*)?\b", re.IGNORECASE)
 _UNIT = re.compile(r"UNITS?\s*(?:OF|ARE|IN|IS|[:=])\s*[(\[]?([^\s)\],;]+)", re.IGNORECASE)
-_SERIES = re.compile(r"\b(ACCELERATION|VELOCITY|DISPLACEMENT)\b", re.IGNORECASE)
+_SERIES = re.compile(
+    r"\b(ACCELERATION|VELOCITY|DISPLACEMENT|(?:ACC(?:EL)?|VEL|DISPL?)(?=\.?\s+(?:TIME|HIST)))\b", re.IGNORECASE
+)
+#: What follows the name of the series where the word UNITS is missing: (G), IN G, CM/SEC/SEC; other words are none.
+_WITHOUT_WORD = re.compile(
+    r"\.?S?(?:\s+(?:TIME|SERIES|HISTORY|DATA|RECORD|VALUES))*[\s,:-]*"
+    r"(?:[(\[]\s*(?P<bracket>%?\s*G|MG|GALS?|(?:MM|CM|M|IN|FT)\s*(?:/|PER\b|S)[^)\]]*)[)\]]"
+    r"|IN\s+(?P<named>%?G|MG|GALS?)\b|(?:IN\s+)?(?P<bare>(?:MM|CM|M|IN|FT)/[^\s,;]+))",
+    re.IGNORECASE,
+)
 _DATE = re.compile(r"\d+[/-]\d+[/-]\d+.*")
-#: First line of the files that rockpulse writes.
-_WRITTEN = re.compile(r"(\w+) RECORD, WRITTEN BY ROCKPULSE")
+#: First line of the files that rockpulse writes, and of those of PEER, all of them corrected.
+_WRITTEN = re.compile(r"(\w+) RECORD( ON A STRUCTURE)?, WRITTEN BY ROCKPULSE")
+_PEER = re.compile(r"\bPEER\b|\bNGA\b|\bSTRONG[\s-]MOTION DATA(?:BASE)?\b", re.IGNORECASE)
 _VALUE = re.compile(r"\s*[+-]?\.?\d")
 _WIDTHS = (15, 10, 16, 12, 8)
 
@@ -83,21 +96,23 @@ def read_at2(file: SourceFile, options: ReadOptions) -> list[Record]:
         raise RecordFormatError(
             f"{file.name}: expected NPTS and DT in one of the first {_HEADER_LIMIT} lines, found none; is it AT2?"
         )
-    unit = _unit(file.name, lines[: end + 1], options.units)
-    matches = (pattern.search(lines[end]) for pattern in _COUNT_AND_STEP)
+    header = [line[:_LONGEST_LINE] for line in lines[: end + 1]]
+    unit = _unit(file.name, header, options.units)
+    matches = (pattern.search(header[end]) for pattern in _COUNT_AND_STEP)
     match = next((match for match in matches if match), None)
     if match is None:
         raise RecordFormatError(
-            f"{file.name}:{end + 1}: expected 'NPTS= n, DT= s SEC' or 'n s NPTS, DT', found {lines[end].strip()!r}; "
+            f"{file.name}:{end + 1}: expected 'NPTS= n, DT= s SEC' or 'n s NPTS, DT', found {header[end].strip()!r}; "
             "write the line in one of these ways"
         )
-    count, step = int(match["count"]), float(re.sub("[dD]", "e", match["step"]))
-    if not (np.isfinite(step) and step > 0.0) or _MILLISECONDS.search(lines[end]):
-        raise RecordFormatError(f"{file.name}:{end + 1}: expected a positive DT in s, found {lines[end].strip()!r}")
+    count, step = int(match["count"].replace(",", "")), float(re.sub("[dD]", "e", match["step"]))
+    if not (np.isfinite(step) and step > 0.0) or _MILLISECONDS.search(header[end]):
+        raise RecordFormatError(f"{file.name}:{end + 1}: expected a positive DT in s, found {header[end].strip()!r}")
     samples, warnings = _samples(file.name, lines, _first_value(lines, end + 1), count)
-    title = [part.strip() for part in lines[1].split(",")] if end > 1 else [""]
+    title = [part.strip() for part in header[1].split(",")] if end > 1 else [""]
     dated = len(title) > 2 and bool(_DATE.fullmatch(title[1]))
     component = re.sub(r"\s*\(.*?\)\s*$", "", title[-1]) if len(title) > 1 else ""
+    written = _WRITTEN.match(header[0])
     return [
         build_record(
             file,
@@ -106,7 +121,8 @@ def read_at2(file: SourceFile, options: ReadOptions) -> list[Record]:
             step,
             unit,
             format="at2",
-            processed=_processed(lines[0]),
+            processed=_processed(header[0]),
+            structural=bool(written and written[2]),
             component=component,
             station_name=", ".join(title[2 if dated else 1 : -1]),
             event=", ".join(title[: 2 if dated else 1]),
@@ -122,9 +138,11 @@ def _first_value(lines: Sequence[str], after: int) -> int:
 
 
 def _processed(first_line: str) -> bool | None:
-    """Whether the record is corrected: those of PEER are, and rockpulse writes beside its own what it knows."""
+    """Whether the record is corrected: those of PEER are, rockpulse writes what it knows, others may be anything."""
     written = _WRITTEN.match(first_line)
-    return {"CORRECTED": True, "UNCORRECTED": False}.get(written[1]) if written else True
+    if written:
+        return {"CORRECTED": True, "UNCORRECTED": False}.get(written[1])
+    return True if _PEER.search(first_line) else None
 
 
 def _unit(name: str, header: Sequence[str], given: str | None) -> str:
@@ -133,13 +151,16 @@ def _unit(name: str, header: Sequence[str], given: str | None) -> str:
         unit = _UNIT.search(line)
         if not (series or unit):
             continue
-        if series and series[1].upper() != "ACCELERATION":
+        if series and not series[1].upper().startswith("ACC"):
             raise NotAcceleration(
                 f"{name}:{index + 1}: expected an acceleration series, found {line.strip()!r}; "
                 "read the AT2 file of the same record"
             )
         if unit:
             return canonical_unit(unit[1], f"{name}:{index + 1}")
+        behind = _WITHOUT_WORD.match(line, series.end()) if series else None
+        if behind:
+            return canonical_unit(behind[behind.lastgroup or 0], f"{name}:{index + 1}")
     if given is None:
         raise UnitError(
             f"{name}: expected a header line 'ACCELERATION TIME SERIES IN UNITS OF G', found none; "
@@ -163,7 +184,19 @@ def _samples(name: str, lines: Sequence[str], first: int, count: int) -> tuple[n
     if fault is not None:
         raise fault
     check_count(f"{name}:{len(lines)}", count, values.size)
-    surplus = values.size - count
+    surplus, row = values.size - count, len(block[0].split())
+    rows = sum(1 for line in block if line.strip())
+    if row > 1 and rows == count:
+        raise RecordFormatError(
+            f"{name}:{first + 1}: expected {count} numbers (NPTS), found {rows} rows of {row}: columns, such as time "
+            "and acceleration, and not one series; remove the lines above the numbers and read the file as columns, or "
+            "keep the column of acceleration"
+        )
+    if surplus > row:
+        raise RecordFormatError(
+            f"{name}:{first + 1}: expected {count} numbers (NPTS), found {values.size}, more than a row too many; "
+            "find out which is right and repair the header"
+        )
     notes = [f"{surplus} values beyond the NPTS= {count} of the header were left out"] if surplus else []
     return values[:count], notes
 
@@ -186,7 +219,7 @@ FORMAT = Format(
     what="PEER AT2",
     recognised="a line with NPTS and DT near the top",
     unit="g, from the header",
-    processed="yes",
+    processed="by title",
     example="RSN763_LOMAP_GIL067.AT2",
     detect=is_at2,
     parse=read_at2,

@@ -9,11 +9,13 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
 from rockpulse.errors import RecordFormatError
 from rockpulse.readers.channel import build_record
+from rockpulse.readers.channel_count import Counted, completeness
 from rockpulse.readers.csmip_layout import HEADER_LINES, LONGEST_LINE, TEXT_LINES, channels
 from rockpulse.readers.facing import Direction, direction
 from rockpulse.readers.fields import check_count, fixed_width
@@ -26,6 +28,7 @@ __all__ = ["FORMAT", "is_bhrc", "read_bhrc"]
 
 _TITLE = re.compile(r"\s*\*\s*vol1\w*\s+file\s*:", re.IGNORECASE)
 _WIDTH, _PER_ROW = 13, 10
+_COMPONENTS = 3
 _COMPONENT = re.compile(r"\s*comp\s+([LVT])\s*\d*\s*$", re.IGNORECASE)
 _STATION = re.compile(r"(.*?)\s+station\b", re.IGNORECASE)
 _AZIMUTH = r"azimuth\b.*\b{}\s+(\d{{1,3}}(?:\.\d*)?)(?!\S)"
@@ -56,7 +59,12 @@ def read_bhrc(file: SourceFile, options: ReadOptions) -> list[Record]:
         With file and line, what was found and what was expected.
     """
     lines, spans = channels(file, _TITLE, "* VOL1DS FILE:")
-    return [_channel(file, lines, start, end, number) for number, (start, end) in enumerate(spans, start=1)]
+    records = [_channel(file, lines, start, end, number) for number, (start, end) in enumerate(spans, start=1)]
+    counts = (
+        Counted(start + 1, "", record.component, _COMPONENTS) for (start, _), record in zip(spans, records, strict=True)
+    )
+    notes = completeness(file.name, counts, "files of this format hold")
+    return [replace(record, warnings=(*record.warnings, *notes)) for record in records]
 
 
 def _channel(file: SourceFile, lines: Sequence[str], start: int, end: int, number: int) -> Record:

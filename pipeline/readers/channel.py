@@ -25,6 +25,9 @@ CREDIBLE_PEAK_G = (1e-6, 5.0)
 #: A longer interval [s] is reported; accelerographs take 40 to 1000 samples a second.
 CREDIBLE_INTERVAL = 0.1
 
+# From the first of the blanks on only, or a line of blanks would cost the square of its length.
+_DEGREES = re.compile(r"(?<!\s)\s*DEG(?:REES)?$", re.IGNORECASE)
+
 # Earlier than the first accelerogram of a strong earthquake (Long Beach, 11 March 1933 UTC) only a clock is wrong.
 _FIRST_YEAR = 1933
 # Where clocks begin that were never set (Unix, PC, GPS). The first hour only: on 1 January 1980, at 16:42 UTC, the
@@ -150,7 +153,7 @@ def build_record(
     if facing.sign < 0.0:
         notes.append("positive downwards in the file; the sign is changed so that upwards is positive")
     factor *= facing.sign
-    code = channel or re.sub(r"\s*DEG(REES)?$", "", component.strip(), flags=re.IGNORECASE).strip()
+    code = channel or _DEGREES.sub("", component.strip())
     with np.errstate(over="ignore"):  # Record refuses what is not finite
         acceleration = samples * factor
     return Record(

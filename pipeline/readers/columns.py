@@ -1,40 +1,56 @@
 """Plain columns of numbers (CSV, TXT): one or more accelerations, with or without a time column.
 
-Nothing in such a file tells the unit, so it is asked for, never guessed. The interval comes from the time column, from
-a first line ``N dt`` (the DEEPSOIL layout), or from the caller.
+Nothing is guessed. What the header says of motion, unit, interval and number of samples is believed, and held against
+what the caller says; where they differ, or where the columns cannot be told apart, the file is refused.
 """
 
 from __future__ import annotations
 
-import re
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from rockpulse.errors import RecordFormatError, UnitError
 from rockpulse.readers.channel import build_record
+from rockpulse.readers.column_headings import Heading, column_headings
 from rockpulse.readers.facing import BRACKET, heading_direction
-from rockpulse.readers.fields import check_count, free_numbers, text_lines
+from rockpulse.readers.fields import check_count, text_lines
 from rockpulse.readers.format import Format, ReadOptions
+from rockpulse.readers.header_words import stated_counts, stated_kinds, stated_steps, stated_units
+from rockpulse.readers.number_lines import Numbered, number_lines
 from rockpulse.readers.source import NotAcceleration, SourceFile
-from rockpulse.readers.table_layout import NUMBER, Layout, find_layout, row_width, split_row
-from rockpulse.readers.time_column import agreed_step, counts_rows, names_time, time_column_step
+from rockpulse.readers.table_layout import Layout, find_layout, row_width, split_row
+from rockpulse.readers.table_numbers import check_decimals, read_table
+from rockpulse.readers.time_column import agreed_step, climbs, counts_rows, names_time, time_column_step
 from rockpulse.readers.units import UNITS, canonical_unit
 from rockpulse.record import Record
 
 __all__ = ["FORMAT", "is_columns", "read_columns"]
 
-_MOTION = re.compile(r"\b(vel|velocity|disp|displacement)\b", re.IGNORECASE)
-_ACCELERATION = re.compile(r"\bacc", re.IGNORECASE)
-_COUNT_AND_STEP = re.compile(r"\s*(\d+)[\s,;]+(\d*\.\d+(?:[eE][+-]?\d+)?)\s*", re.ASCII)
-
-
-_AS_PYTHON = str.maketrans({",": ".", "d": "e", "D": "e"})
 #: Rows of the table that decide whether it is one.
 _LOOK_AT = 500
-#: A series wrapped into rows looks like channels side by side; from this number of columns on, something has to tell.
-_WRAPPED = 4
+#: Columns beside the time that pass for the components of a station without headings.
+_COMPONENTS = 3
+#: Correlation at which a column is the integral of the one before it, and no other component.
+_INTEGRAL = 0.95
+#: Characters of a list in a message.
+_LISTED = 200
+_NAME_THEM = "name the columns in the line above the numbers, such as 'time acc_NS acc_EW'"
+
+
+@dataclass(frozen=True)
+class _Columns:
+    """The numbers, one column for each heading if there are headings."""
+
+    table: np.ndarray
+    headings: tuple[Heading, ...]
+    warnings: tuple[str, ...] = ()
+
+    def picked(self, order: Sequence[int], *warnings: str) -> _Columns:
+        """Some of the columns, in this order."""
+        headings = tuple(self.headings[index] for index in order) if self.headings else ()
+        return _Columns(self.table[:, order], headings, (*self.warnings, *warnings))
 
 
 def is_columns(head: bytes, name: str) -> bool:
@@ -49,198 +65,235 @@ def is_columns(head: bytes, name: str) -> bool:
         return False
     rows = [line for line in lines[layout.start :] if line.strip()][:_LOOK_AT]
     # Prose may end in a number; a table with a few damaged rows is still a table.
-    return 2 * sum(row_width(row) == layout.width for row in rows) >= len(rows)
+    return 2 * sum(row_width(row, layout.delimiter) == layout.width for row in rows) >= len(rows)
 
 
 def read_columns(file: SourceFile, options: ReadOptions) -> list[Record]:
-    """Read every column but that of time.
+    """Read every column of accelerations.
+
+    Headings, and a row of units below them, tell what the columns are. Without headings, one column is read, or up to
+    three beside a time column. A series that is wrapped into rows is read if the header states its number of values.
 
     Parameters
     ----------
     file : SourceFile
         The file.
     options : ReadOptions
-        `units` is needed, a key of `UNITS`; `dt` where neither a time column nor a line ``N dt`` gives the interval.
+        `units`, a key of `UNITS`, is needed unless every column states its unit in its heading, in brackets or below
+        it; the prose of a header, which may speak of something else, only has to agree. `dt` where neither a time
+        column, a line ``N dt`` nor words such as ``dt = 0.005`` or ``sampling rate 200 Hz`` give the interval.
 
     Raises
     ------
     UnitError
-        No unit given, an unknown one, or one that contradicts a column heading.
+        No unit given, an unknown one, or one that contradicts the header.
     NotAcceleration
-        A heading that names velocity or displacement only.
+        A header that names velocity, displacement or a spectrum only.
     RecordFormatError
-        With file and line, what was found and what was expected.
+        With file and line, what was found and what was expected; columns that cannot be told apart.
     """
-    if options.units is None:
-        raise UnitError(
-            f"{file.name}: plain columns do not state their unit; give it with the option units, "
-            f"one of {', '.join(UNITS)}: --units g on the command line, units = 'g' under [records] of the "
-            "configuration, or read(path, units='g')"
-        )
-    unit = canonical_unit(options.units, "option units")
     lines = text_lines(file.content)
     layout = find_layout(lines)
     if layout is None:
         raise RecordFormatError(
             f"{file.name}: expected rows of numbers, all with the same number of columns, found none"
         )
-    header = "\n".join(lines[: layout.start])
-    if _MOTION.search(header.replace("_", " ")) and not _ACCELERATION.search(header.replace("_", " ")):
+    headings, end = column_headings(lines[: layout.start], layout)
+    prose = lines[:end]
+    numbered = number_lines(file.name, lines, layout, names_time(headings))
+    where = f"{file.name}:{numbered.start + 1}"
+    columns = _columns(file.name, lines, layout, headings, numbered, prose)
+    if columns.table.shape[1] > 1 and counts_rows(columns.table, columns.headings):
+        rest = range(1, columns.table.shape[1])
+        columns = columns.picked(rest, "the first column counts the rows; it was left out")
+    columns = _time_first(columns)
+    steps = {f"line {said.line}: {said.wording!r}": said.value for said in stated_steps(lines[: layout.start])}
+    declared = next((step for step in (options.dt, numbered.step, *steps.values()) if step is not None), None)
+    step = time_column_step(file.name, columns.table, columns.headings, numbered.start, declared)
+    if step is not None:
+        first = columns.headings[0] if columns.headings else Heading("")
+        if first.kind in ("acceleration", "velocity", "displacement"):
+            raise RecordFormatError(
+                f"{where}: expected {first.kind} in the column {first.name!r}, found that it runs like time; "
+                f"{_NAME_THEM}"
+            )
+        columns = columns.picked(range(1, columns.table.shape[1]))
+    _check_apart(where, columns, step is not None)
+    columns = _accelerations(file.name, columns, prose)
+    units = _units(file.name, columns.headings or [Heading("")] * columns.table.shape[1], prose, options.units)
+    sources = {"time column": step, "first line": numbered.step, **steps, "option dt": options.dt}
+    return _channels(file, columns, agreed_step(file.name, sources), units)
+
+
+def _columns(
+    name: str,
+    lines: Sequence[str],
+    layout: Layout,
+    headings: tuple[Heading, ...],
+    numbered: Numbered,
+    prose: Sequence[str],
+) -> _Columns:
+    """The table of the file, or the one series that is wrapped into its rows."""
+    first = numbered.start + 1
+    rows = lines[numbered.start :]
+    check_decimals(name, rows, layout, first, bool(headings))
+    filled = [index for index, row in enumerate(rows) if row.strip()]
+    last = split_row(rows[filled[-1]], layout.delimiter)
+    values = (len(filled) - 1) * layout.width + len(last)
+    said = {round(count.value) for count in stated_counts(prose)}
+    if layout.width > 1 and values in {numbered.count, *said} and len(filled) not in {numbered.count, *said}:
+        body = read_table(name, rows[: filled[-1]], layout, first)
+        end = read_table(name, rows[filled[-1] : filled[-1] + 1], replace(layout, width=len(last)), first + filled[-1])
+        return _Columns(np.concatenate([body.ravel(), end.ravel()])[:, None], ())
+    if numbered.count > values:
+        available, unit = (values, "values") if layout.width > 2 else (len(filled), "rows")
+        check_count(f"{name}:{len(lines)}", numbered.count, available, unit)
+    if layout.width > len(last) and not headings and layout.width > 2:
+        raise _wrapped(
+            f"{name}:{first + filled[-1]}", layout.width, f"a last row of {len(last)} below rows of {layout.width}"
+        )
+    table = read_table(name, rows, layout, first)
+    warnings = []
+    if numbered.step is not None:
+        check_count(f"{name}:{len(lines)}", numbered.count, len(table), "rows")
+        if len(table) > numbered.count:
+            surplus = len(table) - numbered.count
+            warnings.append(f"{surplus} rows beyond the {numbered.count} of the first line were left out")
+        table = table[: numbered.count]
+    elif said and min(said) > len(table):
+        warnings.append(f"the header speaks of {min(said)} samples, the file has {len(table)} rows; is it whole?")
+    return _Columns(table, headings, tuple(warnings))
+
+
+def _wrapped(where: str, width: int, found: str) -> RecordFormatError:
+    return RecordFormatError(
+        f"{where}: expected a time column, headings, or one column, found {found}: channels side by side, or one "
+        f"series in rows of {width}? Write one value to a line, state the number of values in the header "
+        f"(NPTS = ...), or {_NAME_THEM}"
+    )
+
+
+def _time_first(columns: _Columns) -> _Columns:
+    """The column that is headed as time, wherever it stands, before the others."""
+    kinds = [heading.kind for heading in columns.headings]
+    if "time" not in kinds:
+        return columns
+    at = kinds.index("time")
+    return columns.picked([at, *(index for index in range(len(kinds)) if index != at)])
+
+
+def _check_apart(where: str, columns: _Columns, timed: bool) -> None:
+    """Refuse columns of which nothing tells what they are."""
+    width = columns.table.shape[1]
+    late = [index for index in range(width) if climbs(columns.table[:, index])]
+    if late:
+        raise RecordFormatError(
+            f"{where}: expected accelerations, found that column {late[0] + 1 + timed} runs like time; write the "
+            "times as the first column"
+        )
+    if columns.headings or width == 1:
+        return
+    if not timed or width > _COMPONENTS:
+        raise _wrapped(where, width, f"{width} columns of numbers")
+    for before in range(width - 1):
+        if _integrates(columns.table[:, before], columns.table[:, before + 1]):
+            raise RecordFormatError(
+                f"{where}: expected accelerations in all columns, found that column {before + 3} is the integral of "
+                f"column {before + 2}, like velocity after acceleration; {_NAME_THEM}"
+            )
+
+
+def _integrates(rate: np.ndarray, series: np.ndarray) -> bool:
+    """Whether a series grows by what another one says, sample by sample."""
+    with np.errstate(all="ignore"):
+        growth, mean = np.diff(series), rate[1:] / 2.0 + rate[:-1] / 2.0
+        return bool(growth.size > 2 and abs(np.corrcoef(growth, mean)[0, 1]) > _INTEGRAL)
+
+
+def _accelerations(name: str, columns: _Columns, prose: Sequence[str]) -> _Columns:
+    """The columns that are accelerations, by their headings or else by the words above them."""
+    headings = columns.headings or (Heading(""),) * columns.table.shape[1]
+    named = any(heading.kind == "acceleration" for heading in headings)
+    kept = [
+        index
+        for index, heading in enumerate(headings)
+        if heading.kind == "acceleration" or (not heading.kind and (heading.known or not named))
+    ]
+    left = ", ".join(heading.name for index, heading in enumerate(headings) if index not in kept)[:_LISTED]
+    if not kept:
         raise NotAcceleration(
-            f"{file.name}:{layout.start}: expected accelerations, the header speaks of velocity or displacement only; "
+            f"{name}:{len(prose) + 1}: expected an acceleration column, found {left} only; "
             "read the acceleration file of the same record"
         )
-    start, declared, step = _count_and_step(file.name, lines, layout)
-    table = _table(file.name, lines, layout, start)
-    warnings: list[str] = []
-    if declared:
-        check_count(f"{file.name}:{len(lines)}", declared, len(table), "rows")
-        if len(table) > declared:
-            warnings.append(f"{len(table) - declared} rows beyond the {declared} of the first line were left out")
-        table = table[:declared]
-    if layout.width > 1 and counts_rows(table, layout):
-        table, layout = table[:, 1:], replace(layout, width=layout.width - 1, names=layout.names[1:])
-        warnings.append("the first column counts the rows; it was left out")
-    time_step = time_column_step(file.name, table, layout, start, step if options.dt is None else options.dt)
-    if time_step is not None:
-        table, names = table[:, 1:], layout.names[1:]
-    elif layout.width >= _WRAPPED and not layout.names:
-        raise RecordFormatError(
-            f"{file.name}:{start + 1}: expected a time column, headings, or at most {_WRAPPED - 1} columns, found "
-            f"{layout.width} columns of numbers: channels side by side, or one series in rows of {layout.width}? "
-            "Write one value to a line, or name the columns in a line above them"
-        )
-    else:
-        names = layout.names
-    step = agreed_step(file.name, {"time column": time_step, "first line": step, "option dt": options.dt})
-    return _channels(file, table, names, step, unit, warnings)
-
-
-def _count_and_step(name: str, lines: Sequence[str], layout: Layout) -> tuple[int, int, float | None]:
-    """First row of data, and the N and dt of a DEEPSOIL first line (0 and None where there is none).
-
-    With two columns the line looks like data; it is a heading if the time would run backwards after it. Under a
-    heading that names the time, rows are data.
-    """
-    row = layout.start
-    if names_time(layout):
-        return row, 0, None
-    if layout.width == 2 and row + 1 < len(lines):
-        fields, following = (split_row(lines[index], layout.delimiter) for index in (row, row + 1))
-        two_numbers = len(following) == 2 and all(NUMBER.fullmatch(field) for field in following)
-        if two_numbers and _as_float(following[0]) <= _as_float(fields[0]) and _as_float(fields[0]) > 0.0:
-            row += 1
-    above = row - 1
-    if above >= 0:
-        match = _COUNT_AND_STEP.fullmatch(lines[above])
-        if match:
-            count, step = int(match[1]), float(match[2])
-            check_count(f"{name}:{above + 1}", count, len(lines) - row, "rows")
-            return row, count, step
-    return layout.start, 0, None
-
-
-def _as_float(text: str) -> float:
-    return float(text.translate(_AS_PYTHON))
-
-
-def _table(name: str, lines: Sequence[str], layout: Layout, start: int) -> np.ndarray:
-    """(n, columns) numbers of the file."""
-    rows = lines[start:]
-    if layout.delimiter == "," and layout.width == 2 and not any("." in row for row in rows):
-        raise RecordFormatError(
-            f"{name}:{start + 1}: expected to know whether a comma separates columns or marks decimals, found "
-            f"{rows[0].strip()!r} and no point in any row; write decimal points, or separate the columns with ';'"
-        )
-    table = _numbers(rows, layout)
-    if table is not None:
-        return table
-    rows = [row.strip().rstrip(layout.delimiter) if layout.delimiter else row.strip() for row in rows]
-    for index, row in enumerate(rows):
-        fields = split_row(row, layout.delimiter)
-        finite = all(NUMBER.fullmatch(field) and np.isfinite(_as_float(field)) for field in fields)
-        if row and (len(fields) != layout.width or not finite):
-            raise RecordFormatError(
-                f"{name}:{start + index + 1}: expected {layout.width} finite numbers, found {row[:80]!r}; "
-                "repair the line or cut the record there"
+    said = stated_kinds(prose)
+    others = [kind for kind in said if kind != "acceleration"]
+    if others and not all(headings[index].kind for index in kept):
+        line, listed = said[others[0]], " and ".join(others)
+        if "acceleration" not in said and "spectrum" not in said:
+            raise NotAcceleration(
+                f"{name}:{line}: expected accelerations, the header speaks of {listed} only; "
+                "read the acceleration file of the same record"
             )
-    # Blank rows and separators at the end of a row do no harm.
-    table = _numbers([row for row in rows if row], layout)
-    if table is None:
         raise RecordFormatError(
-            f"{name}:{start + 1}: the rows cannot be read as {layout.width} columns of numbers; write them with one "
-            "separator and one decimal mark"
+            f"{name}:{line}: expected to know which columns are accelerations, found a header that speaks of "
+            f"{listed}; {_NAME_THEM}"
         )
-    return table
+    return columns.picked(kept, f"columns left out, no acceleration: {left}") if left else columns
 
 
-def _numbers(rows: Sequence[str], layout: Layout) -> np.ndarray | None:
-    """(n, columns) All rows at once; None unless every row has its separators and its numbers."""
-    text = "\n".join(rows).replace('"', " ")
-    if not text or not text.isascii():
-        return None
-    codes = np.frombuffer(text.encode(), dtype=np.uint8)
-    starts = np.append(0, np.flatnonzero(codes == ord("\n")) + 1)
-    if layout.delimiter:
-        separators = np.add.reduceat(codes == ord(layout.delimiter), starts, dtype=np.intp)
-        if np.any(separators != layout.width - 1):
-            return None
-        text = text.replace(layout.delimiter, " ")
-    filled = np.frombuffer(text.encode(), dtype=np.uint8) > ord(" ")
-    begins = filled & ~np.append(False, filled[:-1])
-    if np.any(np.add.reduceat(begins, starts, dtype=np.intp) != layout.width):
-        return None
-    try:
-        return free_numbers([text.replace(",", ".") if layout.decimal == "," else text], 1, "").reshape(
-            -1, layout.width
-        )
-    except RecordFormatError:
-        return None
-
-
-def _channels(
-    file: SourceFile, table: np.ndarray, names: Sequence[str], step: float, unit: str, warnings: Sequence[str]
-) -> list[Record]:
-    records: list[Record] = []
-    motions = [name for name in names if _MOTION.search(name.replace("_", " "))]
-    notes = [*warnings, *([f"columns left out, no acceleration: {', '.join(motions)}"] if motions else [])]
-    for index in range(table.shape[1]):
-        name = names[index] if names else ""
-        if name in motions:
-            continue
-        stated = BRACKET.search(name)
-        if stated and stated[1].strip():
-            heading_unit = canonical_unit(stated[1], f"{file.name}: column {name!r}")
-            if UNITS[heading_unit] != UNITS[unit]:
-                raise UnitError(
-                    f"{file.name}: the column {name!r} is headed {heading_unit}, the option units says {unit}; "
-                    "correct the wrong one"
-                )
-        records.append(
-            build_record(
-                file,
-                index + 1,
-                table[:, index],
-                step,
-                unit,
-                format="columns",
-                processed=None,
-                component=name,
-                facing=heading_direction(name),
-                channel=BRACKET.sub("", name).strip() or str(index + 1),
-                warnings=notes,
+def _units(name: str, headings: Sequence[Heading], prose: Sequence[str], given: str | None) -> list[str]:
+    """A unit for each column: what the caller says, held against the header, or what the heading states."""
+    units = []
+    said = [(canonical_unit(unit.wording, f"{name}:{unit.line}"), unit) for unit in stated_units(prose)]
+    asked = None if given is None else canonical_unit(given, "option units")
+    for heading in headings:
+        stated = canonical_unit(heading.unit, f"{name}: column {heading.name!r}") if heading.unit else None
+        if stated is None and asked is None:
+            found = f"; line {said[0][1].line} of its header speaks of {said[0][1].wording!r}" if said else ""
+            raise UnitError(
+                f"{name}: plain columns do not state their unit{found}; give it "
+                f"with the option units, one of {', '.join(UNITS)}: --units g on the command line, units = 'g' under "
+                "[records] of the configuration, or read(path, units='g')"
             )
+        if stated and asked and UNITS[stated] != UNITS[asked]:
+            raise UnitError(
+                f"{name}: the column {heading.name!r} is headed {stated}, the option units says {asked}; "
+                "correct the wrong one"
+            )
+        if asked and not stated and said and all(UNITS[unit] != UNITS[asked] for unit, _ in said):
+            raise UnitError(
+                f"{name}:{said[0][1].line}: the header says {said[0][1].wording!r}, the option units says {asked}; "
+                "correct the wrong one"
+            )
+        units.append(asked or stated or "")
+    return units
+
+
+def _channels(file: SourceFile, columns: _Columns, step: float, units: Sequence[str]) -> list[Record]:
+    headings = columns.headings or [Heading("")] * columns.table.shape[1]
+    return [
+        build_record(
+            file,
+            number,
+            samples,
+            step,
+            unit,
+            format="columns",
+            processed=None,
+            component=heading.name,
+            facing=heading_direction(heading.name),
+            channel=BRACKET.sub("", heading.name).strip() or str(number),
+            warnings=columns.warnings,
         )
-    if not records:
-        raise NotAcceleration(f"{file.name}: expected an acceleration column, found {', '.join(motions)} only")
-    return records
+        for number, (samples, heading, unit) in enumerate(zip(columns.table.T, headings, units, strict=True), 1)
+    ]
 
 
 FORMAT = Format(
     name="columns",
     what="columns of numbers (CSV, TXT), with or without time",
     recognised="rows of numbers after a short header",
-    unit="asked for (units)",
+    unit="asked for (units), or in the headings",
     processed="unknown",
     example="record.csv",
     detect=is_columns,

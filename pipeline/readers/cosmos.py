@@ -3,9 +3,9 @@
 Each channel has 13 lines of text, integers, reals and comments, then one or more series, each behind a line such as
 ``13400 acceleration pts, approx  67 secs, units=g.     (02)Format=(8f9.6)``. A line ``End-of-data`` or ``/&`` ends it.
 
-Of the integers are used 8 (station), 19 (station type), 40 to 46 (start of the record, quality of the clock), 52
-(sensor) and 54 (azimuth); of the reals 22, 42, 43, 44 and 47 (gain), 30 (seconds of the start), 34 and 62 (interval of
-the raw record [s] and of the series [ms]), 63 (length of the series [s]) and 64 (peak).
+Of the integers are used 2 (quantity), 8 (station), 19 (station type), 40 to 46 (start of the record, quality of the
+clock), 52 (sensor) and 54 (azimuth); of the reals 22, 42, 43, 44 and 47 (gain), 30 (seconds of the start), 34 and 62
+(interval of the raw record [s] and of the series [ms]), 63 (length of the series [s]) and 64 (peak).
 
 .. note:: Counts become m/s2 only where the header states every factor: one count is real 22 [microvolts], the sensor
    gives real 42 [V/g] times its gain, real 47, hence 1e-6 r22 / (r42 r47) g per count. Full-scale output and range of
@@ -25,9 +25,10 @@ from functools import partial
 import numpy as np
 
 from rockpulse.errors import RecordFormatError, RecordRefused, UnitError
-from rockpulse.readers.channel import build_record, usable_channels
+from rockpulse.readers.channel import PEAK_TOLERANCE, build_record, usable_channels
+from rockpulse.readers.channel_count import Counted, completeness
 from rockpulse.readers.cosmos_header import TITLE, Header, fortran_layout, read_header
-from rockpulse.readers.fields import check_count, fixed_width, text_lines
+from rockpulse.readers.fields import check_count, fixed_width, printed_number, text_lines
 from rockpulse.readers.format import Format, ReadOptions
 from rockpulse.readers.source import NotAcceleration, SourceFile
 from rockpulse.readers.units import UNITS, canonical_unit
@@ -48,6 +49,10 @@ _FACTORS = {
     42: "sensor sensitivity, V/g",
     47: "sensor gain",
 }
+#: Integer 2 of what is no acceleration along a line.
+_OTHER_QUANTITIES = {2: "velocity", 3: "displacement", 10: "angular acceleration", 11: "angular velocity"}
+#: The closing line may have lines of blanks behind it.
+_CLOSING = 3
 #: Nominal and calibrated sensitivities differ by some percent, a wrong factor by 2 or more.
 _SENSITIVITY_TOLERANCE = 0.1
 #: No factor of a gain is smaller, in any of its units.
@@ -96,15 +101,35 @@ def read_cosmos(file: SourceFile, options: ReadOptions) -> list[Record]:
         raise RecordFormatError(
             f"{file.name}:1: expected '(Format v01.20 with 13 text lines)', found {lines[0][:60]!r}"
         )
-    bounds = zip(starts, [*starts[1:], len(lines)], strict=True)
+    ends = [*starts[1:], len(lines)]
+    headers = [read_header(file.name, lines, start, end) for start, end in zip(starts, ends, strict=True)]
     return usable_channels(
-        partial(_channel, file, lines, start, end, number) for number, (start, end) in enumerate(bounds, start=1)
+        (
+            partial(_channel, file, lines, header, end, number)
+            for number, (header, end) in enumerate(zip(headers, ends, strict=True), start=1)
+        ),
+        _missing(file.name, lines, headers),
     )
 
 
-def _channel(file: SourceFile, lines: Sequence[str], start: int, end: int, number: int) -> Record:
-    header = read_header(file.name, lines, start, end)
+def _missing(name: str, lines: Sequence[str], headers: Sequence[Header]) -> tuple[str, ...]:
+    """Warnings for channels that the headers count and the file lacks."""
+    closed = any(_END.match(line) for line in lines[-_CLOSING:])
+    counts = (
+        Counted(header.start + 1, header.text[6], *header.number_and_count(), kind=header.kind.lower())
+        for header in headers
+    )
+    return completeness(name, counts, closed=closed)
+
+
+def _channel(file: SourceFile, lines: Sequence[str], header: Header, end: int, number: int) -> Record:
     kind = header.kind.lower()
+    code = header.integer(2)
+    if code in _OTHER_QUANTITIES and "accel" in kind:
+        raise RecordFormatError(
+            f"{file.name}:{header.start + 1}: the title says {header.kind!r}, integer header 2 says {code}, "
+            f"{_OTHER_QUANTITIES[code]}; find out which is right and repair the header"
+        )
     if "accel" not in kind:
         raise NotAcceleration(
             f"{file.name}:{header.start + 1}: expected acceleration, found {header.kind!r}; "
@@ -123,10 +148,11 @@ def _channel(file: SourceFile, lines: Sequence[str], start: int, end: int, numbe
     else:
         factor = _UNITS[unit]
         _check_whole(samples, header.unknown, where)
-    network, station, location, code = header.codes()
+    network, station, location, seed = header.codes()
     channel, component, place = header.channel()
     start_time, time_notes = header.start_time()
     structural = header.structural()
+    peak, rounding = _peak(header, factor)
     return build_record(
         file,
         number,
@@ -140,14 +166,15 @@ def _channel(file: SourceFile, lines: Sequence[str], start: int, end: int, numbe
         component=f"{component} ({place})" if place else component,
         facing=header.facing(),
         structural=structural,
-        channel=code or (channel if structural or place else ""),
+        channel=seed or (channel if structural or place else ""),
         network=network,
         station=station,
         location=location,
         station_name=header.text[4][40:].strip(),
         event=re.sub(r"^(?:rcrd|record) of\s+", "", " ".join(header.text[1].split()), flags=re.IGNORECASE),
         start_time=start_time,
-        header_peak=header.real(64) * factor,
+        header_peak=peak,
+        peak_rounding=rounding,
         warnings=[*notes, *header.site_notes(), *time_notes],
     )
 
@@ -188,6 +215,22 @@ def _unit(series: _Series, where: str) -> str:
             "find out which is right and repair the line"
         )
     return named or coded
+
+
+def _peak(header: Header, factor: float) -> tuple[float, float]:
+    """Peak that the header states and half a unit of its last digit [m/s2].
+
+    Real 64 has the unit of the samples; the text has its own, and counts where the two contradict each other.
+    """
+    coded, (number, unit) = header.real(64) * factor, header.peak()
+    own = _UNITS.get(re.sub(r"sec\b|sec(?=\d)", "s", unit.lower()).replace("/s/s", "/s2"))
+    if own is None or own == _UNITS["counts"] or not number:
+        return coded, 0.0
+    value, rounding = printed_number(number)
+    gap = abs(abs(value * own) - abs(coded))
+    if gap <= max(1.01 * rounding * own, PEAK_TOLERANCE * abs(coded)):
+        return coded, 0.0
+    return value * own, rounding * own
 
 
 def _per_count(header: Header, where: str) -> float:

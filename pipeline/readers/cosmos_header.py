@@ -28,8 +28,13 @@ _SCNL = re.compile(r"\s*\|\s*<SCNL>([^.\s]*)\.([^.\s]*)\.([^.\s]*)\.([^.\s]*)")
 _CODE = re.compile(r"\bCode:\s*(\w\w|--|__)-(\w*)", re.ASCII)
 _CHANNEL = re.compile(r"\s*Sta Cha\S{0,4}\s*(\d{1,4})\s*:\s*(.*?)\s*\(Rcrdr[^)]*\)\s*(?:Location:\s*(.*?)\s*)?$")
 _CLOCK = re.compile(
-    r"Rcrd start time:.{0,12}?\d{4}.{0,9}?\s\d{1,2}:\s*\d{1,2}:\s*(\d{0,2}\.?\d{0,9})\s*([A-Z]{3,4})?", re.ASCII
+    r"Rcrd start time:.{0,12}?\d{4}.{0,9}?\s\d{1,2}:\s*\d{1,2}:\s*(\d{0,2}\.?\d{0,9})\s*((?!Rcrd)[A-Z]{3,9})?",
+    re.ASCII | re.IGNORECASE,
 )
+_PEAK = re.compile(
+    r"\bmax\s*=\s*(-?\d{0,9}\.?\d{1,9}|-?\d{1,9}\.)\s*([A-Z][A-Z0-9/*^]{0,12})", re.ASCII | re.IGNORECASE
+)
+_COUNTED = re.compile(r"\(\s*(\d{1,3})\s*chns?\s+of\s+\d{1,3}", re.ASCII | re.IGNORECASE)
 #: No line of the header is longer; a damaged one may be.
 _LONGEST_LINE = 200
 _ORIENTATIONS = {
@@ -99,6 +104,17 @@ class Header:
         match = _CHANNEL.match(self.text[8])
         return (match[1], match[2], match[3] or "") if match else ("", "", "")
 
+    def number_and_count(self) -> tuple[str, int]:
+        """Number of the channel at the station (empty) and channels of the recorder (0) where the text says none."""
+        counted = _COUNTED.search(self.text[6])
+        return self.channel()[0], int(counted[1]) if counted else 0
+
+    def peak(self) -> tuple[str, str]:
+        """Peak of the series and its unit, in the words of text line 11, else of line 10 for a raw record."""
+        raw = not self.kind.lower().startswith("corrected")
+        found = _PEAK.search(self.text[10]) or (_PEAK.search(self.text[9]) if raw else None)
+        return (found[1], found[2]) if found else ("", "")
+
     def facing(self) -> Direction:
         """Direction from the words and from integer 54; unknown, with a note, where they contradict each other."""
         words, code = self.channel()[1], self.integer(54)
@@ -130,7 +146,7 @@ class Header:
             return None, []
         clock = _CLOCK.search(self.text[7])
         zone = clock[2] if clock and clock[2] else "UTC"
-        if zone not in ("UTC", "GMT"):
+        if zone.upper() not in ("UTC", "GMT"):
             return None, [f"the start time is in {zone}, the format asks for UTC; it was left out"]
         if self.integer(46) == 0:
             return None, ["the start time has quality 0, the clock of the recorder was not set; it was left out"]

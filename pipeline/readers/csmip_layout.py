@@ -8,13 +8,14 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from datetime import UTC, datetime, timedelta
 
 import numpy as np
 
 from rockpulse.errors import RecordFormatError
 from rockpulse.readers.channel import build_record, clock_fault
+from rockpulse.readers.channel_count import Counted, completeness
 from rockpulse.readers.facing import direction, on_structure
 from rockpulse.readers.fields import check_count, fixed_width, text_lines
 from rockpulse.readers.pairs import Block, surplus
@@ -31,6 +32,7 @@ __all__ = [
     "channels",
     "equal_block",
     "heading_at",
+    "missing_channels",
     "read_header",
 ]
 
@@ -54,10 +56,15 @@ _CHANNEL = re.compile(
 )
 _PLACE_AFTER = re.compile(r"(\d{1,3}\s*deg|up|down)\b[\s,:-]+(.*)", re.IGNORECASE)
 _STATION = re.compile(r"\s*station (?:id|no)\.\s+(\w+)\s+\d+\.\d*\s*[NS]", re.IGNORECASE)
+_COUNTED = re.compile(r"\((\d{1,3})\s*chns?\s+of\s+\d{1,3}", re.IGNORECASE)
+#: The first row of integers; the fourth of them counts the channels of the recorder.
+_INTEGERS = re.compile(r"[ \d-]{15} *(\d{1,3})(?=[ \d-]{60}$)", re.ASCII)
 _SEED_CODES = re.compile(r"\s*\w+\.(\w\w)\.(\w+)\.([\w-]{2})\.\w")
 _START = re.compile(
     r"(?:start|trigger) time:\s*(\d+)/\s*(\d+)/\s*(\d+),?\s+(\d+):\s*(\d+):\s*([\d.]+)\s+([A-Z]+)", re.IGNORECASE
 )
+# A trigger time is taken as that of the first sample: those of digital CSMIP recorders are (on the SSA-1 record of
+# Hesperia, 1992, the P wave arrives when it must), and film recorders have no memory of what was before.
 _ZONES = {"UTC": 0, "GMT": 0, "PST": -8, "PDT": -7}
 
 
@@ -77,6 +84,12 @@ class Header:
         As in `Record`.
     warnings : tuple of str
         What is doubtful.
+    recorder : str
+        Line that names the recorder.
+    number : str
+        Numbers of the channel on the recorder and at the station; empty where the file numbers none.
+    counted : int
+        Channels of the recorder; 0 where the file does not say.
     """
 
     component: str
@@ -90,6 +103,13 @@ class Header:
     event: str = ""
     start_time: datetime | None = None
     warnings: tuple[str, ...] = ()
+    recorder: str = ""
+    number: str = ""
+    counted: int = 0
+
+    def noting(self, *warnings: str) -> Header:
+        """The same with further warnings."""
+        return replace(self, warnings=(*self.warnings, *warnings))
 
     def record(
         self,
@@ -290,7 +310,7 @@ def read_header(lines: Sequence[str]) -> Header:
     Parameters
     ----------
     lines : sequence of str
-        From 'Uncorrected Accelerogram Data' on, at least `TEXT_LINES` of them.
+        From 'Uncorrected Accelerogram Data' to the first row of integers or further, at least `TEXT_LINES` of them.
     """
     text = [line[:LONGEST_LINE] for line in lines[:TEXT_LINES]]
     match = _CHANNEL.match(text[6])
@@ -314,7 +334,28 @@ def read_header(lines: Sequence[str]) -> Header:
         event=" ".join(re.split(r"\s{2,}\(", text[1].strip())[0].split()),
         start_time=start_time,
         warnings=notes,
+        recorder=text[4].strip(),
+        number=f"{match[1]} {match[3] or ''}" if match else "",
+        counted=_counted(text[4], lines[TEXT_LINES:]),
     )
+
+
+def _counted(recorder: str, behind: Sequence[str]) -> int:
+    """Channels of the recorder, from its line of text, else from the integers; 0 where neither says."""
+    rows = (_INTEGERS.match(line[:LONGEST_LINE].rstrip()) for line in behind)
+    found = _COUNTED.search(recorder) or next((row for row in rows if row), None)
+    return int(found[1]) if found else 0
+
+
+def missing_channels(
+    name: str, lines: Sequence[str], spans: Sequence[tuple[int, int]], headers: Sequence[Header]
+) -> tuple[str, ...]:
+    """See `completeness`; `spans` is what `channels` gives for the `lines` of the file, `headers` their headers."""
+    counts = (
+        Counted(start + 1, header.recorder, header.number, header.counted)
+        for (start, _), header in zip(spans, headers, strict=True)
+    )
+    return completeness(name, counts, closed=spans[-1][1] < len(lines))
 
 
 def _codes(text: Sequence[str]) -> tuple[str, str, str]:

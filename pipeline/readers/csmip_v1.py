@@ -10,7 +10,17 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 
-from rockpulse.readers.csmip_layout import HEADER_LINES, channels, equal_block, heading_at, read_header
+from rockpulse.errors import RecordFormatError
+from rockpulse.readers.csmip_layout import (
+    HEADER_LINES,
+    LONGEST_LINE,
+    Header,
+    channels,
+    equal_block,
+    heading_at,
+    missing_channels,
+    read_header,
+)
 from rockpulse.readers.fields import check_count, printed_number
 from rockpulse.readers.format import Format, ReadOptions
 from rockpulse.readers.pairs import Block, declared_points, pair_block, pair_unit
@@ -21,6 +31,10 @@ __all__ = ["FORMAT", "is_csmip_v1", "read_csmip_v1", "read_uncorrected"]
 
 _TITLE = re.compile(r"\s?uncorrected accelerogram data\b", re.IGNORECASE)
 _PEAK = re.compile(r"max\s*=\s*(-?\d*\.\d+)\s*g\b", re.IGNORECASE)
+_POINTS = re.compile(r"no\. of points\s*=\s*(\d{1,15})\b", re.IGNORECASE)
+_RATE = re.compile(r"\bat\s+(\d{1,6}(?:\.\d{0,6})?)\s*samples/sec", re.IGNORECASE)
+_LENGTH = re.compile(r"record length\s*=\s*(\d{0,6}\.\d{1,6})\s*sec", re.IGNORECASE)
+_RATE_TOLERANCE, _LENGTH_TOLERANCE = 1e-3, 5e-3
 #: Bytes that hold the 13 lines of text.
 _OPENING = 1500
 
@@ -65,15 +79,24 @@ def read_uncorrected(file: SourceFile, format: str) -> list[Record]:
         With file and line, what was found and what was expected.
     """
     lines, spans = channels(file, _TITLE, "Uncorrected Accelerogram Data")
-    return [_channel(file, lines, start, end, number, format) for number, (start, end) in enumerate(spans, 1)]
+    headers = []
+    for number, (start, end) in enumerate(spans, 1):
+        check_count(f"{file.name}:{end}", HEADER_LINES, end - start, f"header lines of channel {number}")
+        headers.append(read_header(lines[start : start + HEADER_LINES]))
+    notes = missing_channels(file.name, lines, spans, headers)
+    return [
+        _channel(file, lines, span, number, header.noting(*notes), format)
+        for number, (span, header) in enumerate(zip(spans, headers, strict=True), 1)
+    ]
 
 
-def _channel(file: SourceFile, lines: Sequence[str], start: int, end: int, number: int, format: str) -> Record:
-    check_count(f"{file.name}:{end}", HEADER_LINES, end - start, f"header lines of channel {number}")
-    header = lines[start : start + HEADER_LINES]
-    match = _PEAK.search(header[11][:200])
+def _channel(
+    file: SourceFile, lines: Sequence[str], span: tuple[int, int], number: int, header: Header, format: str
+) -> Record:
+    start, end = span
+    match = _PEAK.search(lines[start + 11][:LONGEST_LINE])
     peak, rounding = printed_number(match[1]) if match else (float("nan"), 0.0)
-    return read_header(header).record(
+    return header.record(
         file,
         number,
         _block(file.name, lines, start, end),
@@ -95,7 +118,32 @@ def _block(name: str, lines: Sequence[str], start: int, end: int) -> Block:
             f"{name}:{first + 1}: expected points of acceleration, found {heading.kind}; "
             "read the acceleration file of the same record"
         )
-    return equal_block(name, lines, heading, end, heading.unit)
+    block = equal_block(name, lines, heading, end, heading.unit)
+    return block.noting(*_check_text(lines[start + 10][:LONGEST_LINE], block, f"{name}:{first + 1}"))
+
+
+def _check_text(line: str, block: Block, where: str) -> list[str]:
+    """Hold number, rate and length in the text of the channel against the heading; a length alone is but a warning."""
+    points, rate, length = _POINTS.search(line), _RATE.search(line), _LENGTH.search(line)
+    count, step = block.samples.size, block.dt
+    if points and int(points[1]) != count:
+        raise RecordFormatError(
+            f"{where}: expected {int(points[1])} points (text of the channel), found a heading with {count}; "
+            "the file is damaged: download it again"
+        )
+    if rate:
+        number, rounding = printed_number(rate[1])
+        if not abs(1.0 / step - number) <= max(1.01 * rounding, _RATE_TOLERANCE * number):
+            raise RecordFormatError(
+                f"{where}: expected {number:g} samples/sec (text of the channel), found a heading with {1.0 / step:g}; "
+                "the file is damaged: download it again"
+            )
+    if length:
+        number, rounding = printed_number(length[1])
+        # Some count the steps between the samples, some the samples.
+        if not abs(count * step - number) <= 2.0 * step + rounding + _LENGTH_TOLERANCE * number:
+            return [f"the header states {number:g} s, {count} samples at {step:g} s last {count * step:g} s"]
+    return []
 
 
 FORMAT = Format(

@@ -20,6 +20,7 @@ from rockpulse.readers.csmip_layout import (
     channels,
     equal_block,
     heading_at,
+    missing_channels,
     read_header,
 )
 from rockpulse.readers.fields import check_count, printed_number
@@ -93,9 +94,10 @@ def read_corrected(file: SourceFile, format: str, header: Callable[[Sequence[str
         With file and line, what was found and what was expected.
     """
     lines, spans = channels(file, _TITLE, "Corrected accelerogram")
-    records, left_out = [], []
+    records, left_out, headers = [], [], []
     for number, (start, end) in enumerate(spans, 1):
         check_count(f"{file.name}:{end}", _ALL_TEXT, end - start, f"header lines of channel {number}")
+        headers.append(header(lines[start + 1 : min(start + _ALL_TEXT + 1, end)]))
         heading, behind = _acceleration(file.name, lines, start, end)
         if heading.kind != "acceleration":
             left_out.append((number, heading))
@@ -105,7 +107,7 @@ def read_corrected(file: SourceFile, format: str, header: Callable[[Sequence[str
         block = equal_block(file.name, lines, heading, behind, unit)
         _check_correction(text, block, f"{file.name}:{heading.at + 1}")
         records.append(
-            header(text[1:]).record(
+            headers[-1].record(
                 file,
                 number,
                 block,
@@ -121,7 +123,7 @@ def read_corrected(file: SourceFile, format: str, header: Callable[[Sequence[str
             f"{file.name}:{heading.at + 1}: expected points of acceleration, found {heading.kind}; "
             "read the file with the acceleration of the same record"
         )
-    notes = tuple(
+    notes = missing_channels(file.name, lines, spans, headers) + tuple(
         f"line {heading.at + 1}: channel {number} holds {heading.kind} but no acceleration; it was left out"
         for number, heading in left_out
     )
@@ -188,7 +190,7 @@ def _check_correction(text: Sequence[str], block: Block, where: str) -> None:
         )
     if interval:
         step, rounding = printed_number(interval[1])
-        if abs(block.dt - step) > 1.01 * rounding:
+        if not abs(block.dt - step) <= 1.01 * rounding:
             raise RecordFormatError(
                 f"{where}: expected an interval of {step:g} s (text of the channel), found a heading with "
                 f"{block.dt:g} s; the file is damaged: download it again"

@@ -16,6 +16,12 @@ _NUMBERED = re.compile(r"(?:^|[\W_])(?:ch|chan|channel|no|nr|sensor|col|column)[
 # Small u and v stand for displacement and velocity.
 _LETTERS = frozenset("NEZUVnez")
 _ANGLE = re.compile(r"(?<=\d)\s+(?=deg)", re.IGNORECASE)
+# Decimals and quantities are no azimuths, unless degrees.
+_QUANTITY = re.compile(
+    r"(?<![\d.,])(?:\d*+[.,]\d++(?!\s*(?:deg|°))|\d++(?:[.,]\d++)?\s*(?:g|gals?|k?hz|sps|[mu]?s|sec|min|[ckm]?m|%)"
+    r"(?![a-z\d]))",
+    re.IGNORECASE,
+)
 _UP = {"UP", "U", "V", "Z", "VERT", "VERTICAL", "VER", "VRT", "UD", "U-D", "UP-DOWN", "UPDOWN"}
 _UP |= {"UPWARD", "UPWARDS"}
 _DOWN = {"DOWN", "DN", "DWN", "DOWNWARD", "DOWNWARDS"}
@@ -27,12 +33,18 @@ _QUADRANT = re.compile(r"([NS])\s*(\d{1,2}(?:\.\d*)?)\s*([EW])", re.ASCII)
 # SEED: band (not any letter, or the compass words NNE and WNW would count), instrument, direction.
 _SEED = re.compile(r"[FGDCESHBMLV][HLMGN]([ENZ123])")
 
+# Names of streets; a pier without a number may be a place on the ground too.
+_NO_STREET = r"(?!\s+(?:st|street|dr|drive|rd|road|ave|avenue|ln|lane|blvd|way|ct|court|pl|place|school|park)\b)"
 _ON_STRUCTURE = re.compile(
-    r"\b(\d+(?:st|nd|rd|th)\s+fl(?:oor|r)?|roof|penthouse|basement|bsmt|mezzanine|attic|abut(?:ment)?|deck|pier|"
-    r"bent|span|column|footing|pile|girder|crest|gallery|ground\s+floor)\b",
+    r"\b(?:\d+(?:st|nd|rd|th)[\s-]+(?:fl(?:oor|r)?|level|stor(?:e?y|ies))|(?:level|floor)\s+[a-z]?\d+|"
+    r"roof|penthouse|(?:sub-?)?basement|bsmt|mezzanine|attic|abut(?:ment)?|deck|pier\s*(?:no\.?\s*|\#\s*)?\d+|"
+    r"(?:top|base|foot|cap)\s+of\s+pier|bent|span|column|footing|pile|girder|gallery|ground\s+floor|(?:wall|crest)"
+    rf"{_NO_STREET})\b",
     re.IGNORECASE,
 )
-_FREE_FIELD = re.compile(r"free[\s-]*field|^ground(?:\s+(?:level|surface))?$|^surface$", re.IGNORECASE)
+_FREE_FIELD = re.compile(
+    r"free[\s-]*field|^ground(?:\s+(?:level|surface))?(?:$|\s*[,:-]|\s+(?:at|near|outside)\b)|^surface$", re.IGNORECASE
+)
 
 
 @dataclass(frozen=True)
@@ -100,8 +112,8 @@ def direction(wording: str) -> Direction:
 
 def heading_direction(name: str) -> Direction:
     """The one word of a column heading that is a direction; a lone letter counts only if it is one of `_LETTERS`."""
-    wording = _ANGLE.sub("", _NUMBERED.sub(" ", BRACKET.sub(" ", name)))
-    words = re.split(r"[\s_\-.:]+", wording)
+    wording = _ANGLE.sub("", _NUMBERED.sub(" ", _QUANTITY.sub(" ", BRACKET.sub(" ", name))))
+    words = re.split(r"[\s_\-:=]+|(?<!\d)\.|\.(?!\d)", wording)
     found = [direction(word) for word in words if len(word) > 1 or word in _LETTERS]
     known = [facing for facing in found if facing.orientation != "unknown"]
     return known[0] if len(known) == 1 else Direction()

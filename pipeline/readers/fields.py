@@ -14,6 +14,8 @@ __all__ = ["check_count", "fixed_width", "free_numbers", "free_rows", "printed_n
 _NUMBER_BYTES = b" \t0123456789+-.eEdD"
 _FORTRAN_EXPONENT = bytes.maketrans(b"dD", b"ee")
 _FORTRAN_EXPONENT_TEXT = str.maketrans("dD", "ee")
+#: Characters of the longest exponent of a number, its sign included.
+_EXPONENT_DIGITS = 4
 _NUMBER = re.compile(r"\s*[+-]?(\d+(\.\d*)?|\.\d+)([eEdD][+-]?\d+)?\s*", re.ASCII)
 
 
@@ -25,7 +27,7 @@ def text_lines(content: bytes) -> list[str]:
     """
     content = content.rstrip(b"\x1a\x00 \t\r\n").replace(b"\r\n", b"\n")
     if b"\r" in content:
-        content = re.sub(rb"\r+\n|\r", b"\n", content)
+        content = b"\n".join(line.rstrip(b"\r") for line in content.split(b"\n")).replace(b"\r", b"\n")
     try:
         text = content.decode("utf-8")
     except UnicodeDecodeError:
@@ -34,7 +36,7 @@ def text_lines(content: bytes) -> list[str]:
 
 
 def printed_number(text: str) -> tuple[float, float]:
-    """Value of a printed number and half a unit of its last digit.
+    """Value of a printed number and half a unit of its last digit; NaN and 0 for one that is beyond all numbers.
 
     Examples
     --------
@@ -43,7 +45,11 @@ def printed_number(text: str) -> tuple[float, float]:
     """
     mantissa, _, exponent = text.strip().lower().replace("d", "e").partition("e")
     decimals = len(mantissa.partition(".")[2])
-    return float(text.lower().replace("d", "e")), float(f"5e{int(exponent or 0) - decimals - 1}")
+    value = float(text.lower().replace("d", "e"))
+    # int() takes no thousands of digits.
+    if not np.isfinite(value) or len(exponent) > _EXPONENT_DIGITS:
+        return float("nan"), 0.0
+    return value, float(f"5e{int(exponent or 0) - decimals - 1}")
 
 
 def check_count(where: str, declared: int, available: int, unit: str = "samples") -> None:

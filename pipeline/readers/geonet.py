@@ -9,14 +9,16 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
+from dataclasses import replace
 from datetime import datetime
 
 import numpy as np
 
 from rockpulse.errors import RecordFormatError
 from rockpulse.readers.channel import build_record
+from rockpulse.readers.channel_count import Counted, completeness
 from rockpulse.readers.clock import instant, near_event
-from rockpulse.readers.facing import on_structure
+from rockpulse.readers.facing import Direction, direction, on_structure
 from rockpulse.readers.fields import check_count, fixed_width, printed_number, text_lines
 from rockpulse.readers.format import Format, ReadOptions
 from rockpulse.readers.source import SourceFile
@@ -29,10 +31,11 @@ _TITLE = re.compile(r"(un)?corrected accelerogram\s+\d{8}_\d{6}_([^\W_]+)(?:_(\w
 _TEXT_LINES, _INTEGER_LINES, _REAL_LINES = 16, 4, 6
 _HEADER_LINES = _TEXT_LINES + _INTEGER_LINES + _REAL_LINES
 _WIDTH, _PER_ROW = 8, 10
+_COMPONENTS = 3
 _POINTS = re.compile(r"number of points\s+(\d{1,9})\b", re.IGNORECASE)
 _READINGS = re.compile(r"raw readings in units of\s+(\d{1,9}(?:\.\d{0,9})?)\s+(\S+)", re.IGNORECASE)
 _STEP = re.compile(r"\bat (?:intervals of\s+)?(\d{0,3}\.\d{1,6})\s*s", re.IGNORECASE)
-_COMPONENT = re.compile(r"component\s+(\S+)", re.IGNORECASE)
+_COMPONENT = re.compile(r"component\s+([NS]\s*\d{1,2}(?:\.\d{0,3})?\s*[EW]\b|\S+)", re.IGNORECASE)
 _PEAK = re.compile(r"acceleration:\s+peak\s*(-?\d{1,9}(?:\.\d{0,9})?)\s*(\S+)", re.IGNORECASE)
 
 
@@ -58,6 +61,7 @@ def read_geonet(file: SourceFile, options: ReadOptions) -> list[Record]:
     """
     lines = text_lines(file.content)
     records: list[Record] = []
+    counts: list[Counted] = []
     start = 0
     while start < len(lines):
         if not _TITLE.match(lines[start]):
@@ -67,11 +71,13 @@ def read_geonet(file: SourceFile, options: ReadOptions) -> list[Record]:
                 "the file is damaged: download it again"
             )
         record, rows = _component(file, lines[start:], start + 1, len(records) + 1)
+        counts.append(Counted(start + 1, lines[start], record.component, _COMPONENTS))
         records.append(record)
         start += _HEADER_LINES + rows
         while start < len(lines) and not lines[start].strip():
             start += 1
-    return records
+    notes = completeness(file.name, counts, "files of this format hold")
+    return [replace(record, warnings=(*record.warnings, *notes)) for record in records]
 
 
 def _component(file: SourceFile, lines: Sequence[str], first: int, number: int) -> tuple[Record, int]:
@@ -97,7 +103,8 @@ def _component(file: SourceFile, lines: Sequence[str], first: int, number: int) 
     header_peak, rounding = printed_number(peak[1]) if peak else (float("nan"), 0.0)
     peak_factor = UNITS[canonical_unit(peak[2], f"{file.name}:{first + 13}")] if peak else 1.0
     start_time, notes = _start_time(integers)
-    component = _COMPONENT.match(lines[12])
+    stated_component = _COMPONENT.match(lines[12])
+    component = stated_component[1] if stated_component else ""
     record = build_record(
         file,
         number,
@@ -107,7 +114,8 @@ def _component(file: SourceFile, lines: Sequence[str], first: int, number: int) 
         factor=UNITS[unit] * (float(readings[1]) if readings else 1.0),
         format="geonet",
         processed=not raw,
-        component=component[1] if component else "",
+        component=component,
+        facing=_facing(component, int(integers[27])),
         structural=on_structure(lines[2]),
         station=title[2],
         location=title[3] or "",
@@ -149,6 +157,19 @@ def _step(where: str, line: str, step: float) -> float:
             "the header is damaged: download the file again"
         )
     return step
+
+
+def _facing(component: str, azimuth: int) -> Direction:
+    """The direction of the wording; unknown, with a note, where integer 28, its azimuth if above 0, contradicts it."""
+    said = direction(component)
+    if said.orientation == "vertical" or not 0 < azimuth <= 360:
+        return said
+    if np.isnan(said.azimuth):
+        return Direction("horizontal", float(azimuth % 360))
+    if abs((said.azimuth - azimuth + 180.0) % 360.0 - 180.0) > 1.0:
+        note = f"the text says {component!r}, integer 28 of the header says {azimuth}: the direction is unknown"
+        return Direction("horizontal", note=note)
+    return said
 
 
 def _start_time(integers: np.ndarray) -> tuple[datetime | None, list[str]]:

@@ -2,23 +2,32 @@
 
 from __future__ import annotations
 
-import warnings as python_warnings
+import copy
+import re
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from rockpulse.errors import RecordFormatError, RecordRefused
+from rockpulse.readers.obspy_bridge import obspy_notes
 from rockpulse.readers.source import NotAcceleration
+from rockpulse.record import STANDARD_GRAVITY
 
 __all__ = ["Removed", "pass_band", "sensitivity_factor", "without_response"]
 
-#: Input units of an accelerometer's response, and m/s2 per unit.
-_ACCELERATION_UNITS = {"M/S**2": 1.0, "M/S^2": 1.0, "M/S/S": 1.0, "M/S2": 1.0, "CM/S**2": 0.01, "CM/S^2": 0.01}
-#: Input units whose response can be removed, all of them scaled by obspy, and what they measure.
-_MOTION_UNITS = {"M/S**2": "acceleration", "M/S/S": "acceleration", "CM/S**2": "acceleration"}
-_MOTION_UNITS |= {"M/S": "velocity", "CM/S": "velocity", "MM/S": "velocity", "NM/S": "velocity"}
-_MOTION_UNITS |= {"M": "displacement", "CM": "displacement", "MM": "displacement", "NM": "displacement"}
+#: What a unit without its prefix measures, and SI units per prefix.
+_QUANTITIES = {"M": "displacement", "M/S": "velocity", "M/S2": "acceleration"}
+_PREFIXES = {"": 1.0, "C": 1e-2, "M": 1e-3, "U": 1e-6, "N": 1e-9}
+#: Input units that a response may have: spelling without signs of powers, what it measures, SI units per unit.
+_MOTION = {
+    prefix + word: (quantity, scale) for word, quantity in _QUANTITIES.items() for prefix, scale in _PREFIXES.items()
+}
+_MOTION |= {"G": ("acceleration", STANDARD_GRAVITY), "GAL": ("acceleration", 0.01), "GALS": ("acceleration", 0.01)}
+#: Units of sensors that share a station with accelerometers and record no motion of the ground.
+_NO_MOTION = frozenset({"PA", "HPA", "KPA", "MBAR", "C", "DEGC", "K", "T", "NT", "%", "M/M", "RAD", "RAD/S", "RAD/S2"})
+#: SI units as obspy spells them; it scales the others under some of their spellings only.
+_OBSPY_UNITS = {"displacement": "M", "velocity": "M/S", "acceleration": "M/S**2"}
 
 #: The response is removed where it is above this share of its largest value: noise grows at most by its inverse.
 RESPONSE_FLOOR = 0.01
@@ -26,6 +35,10 @@ RESPONSE_FLOOR = 0.01
 UPPER_TAPER = (0.8, 0.95)
 #: The stages of a response and its stated sensitivity may differ by this share before it is reported.
 _GAIN_TOLERANCE = 0.05
+#: A pass band that begins above this [Hz] is reported: pulses near a fault last several seconds.
+LONG_PULSES = 0.05
+#: Half-waves longer than this share of the period at which the pass band begins lose 4 % of their impulse and more.
+_WHOLE_IMPULSE = 0.2
 #: Frequencies at which the response is looked at.
 _LOOKS = 400
 
@@ -65,20 +78,34 @@ def sensitivity_factor(where: str, response: Any) -> float:
     Raises
     ------
     NotAcceleration
-        If the instrument records velocity or displacement.
+        If the instrument records velocity, displacement, or no motion.
     RecordRefused
-        If no sensitivity is stated.
+        If no sensitivity is stated, or one per an unknown unit.
     """
     sensitivity = response.instrument_sensitivity
     if sensitivity is None or not sensitivity.value:
         raise RecordRefused(f"{where} is in counts and its response states no sensitivity; get the full StationXML")
-    unit = str(sensitivity.input_units).upper()
-    if unit not in _ACCELERATION_UNITS:
+    quantity, scale = _measured(where, sensitivity.input_units)
+    if quantity != "acceleration":
         raise NotAcceleration(
-            f"{where} records {unit}, expected an acceleration (M/S**2); use the accelerometer channel of the station "
-            "(code ending in NE, NN, NZ), or have the response removed (response='remove')"
+            f"{where} records {sensitivity.input_units}, expected an acceleration (M/S**2); use the accelerometer "
+            "channel of the station (code ending in NE, NN, NZ), or have the response removed (response='remove')"
         )
-    return _ACCELERATION_UNITS[unit] / float(sensitivity.value)
+    return scale / float(sensitivity.value)
+
+
+def _measured(where: str, unit: Any) -> tuple[str, float]:
+    """What the input unit of a response measures, and SI units per unit."""
+    word = re.sub(r"SEC(OND)?S?", "S", re.sub(r"[\s^*().]", "", str(unit).upper()))
+    word = re.sub(r"(/S/S|S-2)$", "/S2", re.sub(r"(?<!/)S-1$", "/S", word))
+    if word in _NO_MOTION:
+        raise NotAcceleration(f"{where} records {unit}, expected ground motion, such as M/S**2")
+    if word not in _MOTION:
+        raise RecordRefused(
+            f"{where}: unknown input unit {unit!r} of the response; expected M, M/S, M/S**2 (C, M, U or N before it), "
+            "G or GAL; correct the StationXML"
+        )
+    return _MOTION[word]
 
 
 def without_response(where: str, counts: np.ndarray, dt: float, response: Any) -> Removed:
@@ -102,8 +129,10 @@ def without_response(where: str, counts: np.ndarray, dt: float, response: Any) -
 
     Raises
     ------
+    NotAcceleration
+        If the response does not begin with ground motion.
     RecordRefused
-        If the response has no stages, is a polynomial, or does not begin with ground motion.
+        If the response has no stages, is a polynomial, or begins with an unknown unit.
     RecordFormatError
         If obspy cannot evaluate it.
 
@@ -114,16 +143,16 @@ def without_response(where: str, counts: np.ndarray, dt: float, response: Any) -
     """
     import obspy
 
-    unit = _input_unit(where, response)
+    unit, quantity, scale = _input_unit(where, response)
+    response = _in_si(response, _OBSPY_UNITS[quantity])
     counts = np.asarray(counts, dtype=float)
     try:
-        with python_warnings.catch_warnings(record=True) as caught:
-            python_warnings.simplefilter("always")
+        with obspy_notes(terminal=True) as notes:
             band = pass_band(response, dt, counts.size)
             trace = obspy.Trace(counts, {"delta": dt})
             trace.stats.response = response
             trace.remove_response(output="ACC", pre_filt=band, water_level=None, zero_mean=True, taper=False)
-            gain, gap = _gain(response, band)
+            gain, size = _gain(response, band)
     except Exception as fault:  # obspy and its C library raise what they like on an odd response
         raise RecordFormatError(
             f"{where}: obspy cannot evaluate the response: {fault}; get the StationXML again, or use its sensitivity"
@@ -140,16 +169,21 @@ def without_response(where: str, counts: np.ndarray, dt: float, response: Any) -
         f"instrument response removed, {unit} to m/s2: mean removed, pass band {low} to {band[2]:.3g} Hz "
         f"(nothing above {band[3]:.3g} Hz)"
     )
-    warnings = [f"obspy: {item.message}" for item in caught if not issubclass(item.category, DeprecationWarning)]
-    if _MOTION_UNITS[unit] != "acceleration":
-        warnings.append(f"a sensor of {_MOTION_UNITS[unit]}, differentiated: check that it was not driven to its limit")
-    if abs(gap) > _GAIN_TOLERANCE:
-        warnings.append(f"the stages of the response differ from its sensitivity by {100.0 * gap:.3g} %")
-    return Removed(trace.data * gain, 1.0 / gain, note, tuple(warnings))
+    # Stages that differ from the sensitivity are reported by `_disagreement`, with the figure.
+    warnings = [note for note in notes if not any(words in note for words in ("norm_resp", "Execution continuing"))]
+    if quantity != "acceleration":
+        warnings.append(f"a sensor of {quantity}, differentiated: check that it was not driven to its limit")
+    if band[1] > LONG_PULSES:
+        warnings.append(
+            f"the pass band begins at {band[1]:.3g} Hz: impulses longer than about {_WHOLE_IMPULSE / band[1]:.2g} s "
+            "are damped; use an accelerometer for near-fault pulses"
+        )
+    warnings += _disagreement(where, response, size, quantity, scale)
+    return Removed(trace.data * gain, scale / gain, note, tuple(warnings))
 
 
-def _input_unit(where: str, response: Any) -> str:
-    """Unit of the ground motion [upper case]; refused where the full response cannot be removed."""
+def _input_unit(where: str, response: Any) -> tuple[str, str, float]:
+    """Unit that a response begins with, what it measures, SI units per unit; refused where it cannot be removed."""
     from obspy.core.inventory.response import PolynomialResponseStage
 
     stages = response.response_stages
@@ -161,10 +195,36 @@ def _input_unit(where: str, response: Any) -> str:
     if any(isinstance(stage, PolynomialResponseStage) for stage in stages):
         raise RecordRefused(f"{where}: the response is a polynomial, which is not read; use the sensitivity")
     sensitivity = response.instrument_sensitivity
-    unit = str(stages[0].input_units or (sensitivity and sensitivity.input_units)).upper()
-    if unit not in _MOTION_UNITS:
-        raise NotAcceleration(f"{where} records {unit}, expected ground motion: one of {', '.join(_MOTION_UNITS)}")
-    return unit
+    unit = str(_first_stage(response).input_units or (sensitivity and sensitivity.input_units))
+    return (unit.upper(), *_measured(where, unit))
+
+
+def _first_stage(response: Any) -> Any:
+    return min(response.response_stages, key=lambda stage: stage.stage_sequence_number)
+
+
+def _in_si(response: Any, unit: str) -> Any:
+    """The response as if its first stage began with an SI unit: counts per unit of the file, whatever that is."""
+    first = _first_stage(response)
+    renamed = copy.copy(first)
+    renamed.input_units = unit
+    result = copy.copy(response)
+    result.response_stages = [renamed if stage is first else stage for stage in response.response_stages]
+    return result
+
+
+def _disagreement(where: str, response: Any, size: float, quantity: str, scale: float) -> list[str]:
+    """What speaks against the stages: their `size`, counts per unit, is not that of the stated sensitivity."""
+    sensitivity = response.instrument_sensitivity
+    if np.isnan(size):
+        return []
+    measured, per_unit = _measured(where, sensitivity.input_units) if sensitivity.input_units else (quantity, scale)
+    if measured != quantity:
+        return [f"the sensitivity is stated for {measured}, the stages of the response begin with {quantity}"]
+    share = (size / scale) / (abs(float(sensitivity.value)) / per_unit) - 1.0
+    if abs(share) <= _GAIN_TOLERANCE:
+        return []
+    return [f"the stages of the response differ from its sensitivity by {100.0 * share:.3g} %"]
 
 
 def pass_band(response: Any, dt: float, count: int) -> tuple[float, float, float, float]:
@@ -198,13 +258,15 @@ def pass_band(response: Any, dt: float, count: int) -> tuple[float, float, float
 
 
 def _gain(response: Any, band: tuple[float, float, float, float]) -> tuple[float, float]:
-    """Counts per m/s2 at one frequency, and by what share the stages differ from the stated sensitivity there."""
+    """Counts per m/s2 at one frequency, and counts per unit of the ground motion at that of the stated sensitivity.
+
+    The second is NaN where no sensitivity is stated, or one at a frequency outside the pass band.
+    """
     sensitivity = response.instrument_sensitivity
     frequency = float(sensitivity.frequency or 0.0) if sensitivity is not None and sensitivity.value else np.inf
     if max(band[1], 0.0) <= frequency <= band[2]:
-        share = abs(_at(response, frequency, "DEF")) / abs(float(sensitivity.value)) - 1.0
-        return abs(_at(response, frequency, "ACC")), share
-    return abs(_at(response, float(np.sqrt(max(band[1], 0.01 * band[2]) * band[2])), "ACC")), 0.0
+        return abs(_at(response, frequency, "ACC")), abs(_at(response, frequency, "DEF"))
+    return abs(_at(response, float(np.sqrt(max(band[1], 0.01 * band[2]) * band[2])), "ACC")), np.nan
 
 
 def _at(response: Any, frequency: float, output: str) -> complex:

@@ -25,6 +25,8 @@ __all__ = ["FORMAT", "is_knet", "read_knet"]
 _SCALE = re.compile(r"Scale Factor\s+(\d+\.?\d*)\s*\(gal\)\s*/\s*(\d+\.?\d*)", re.IGNORECASE)
 _PEAK = re.compile(r"Max\. Acc\. \(gal\)\s+(-?\d+\.?\d*)", re.IGNORECASE)
 _HEADER_LINES = 17
+#: No line of the header is longer; a damaged one may be.
+_LONGEST_LINE = 200
 _DIRECTIONS = re.compile(r"\.(EW|NS|UD)([12]?)$", re.IGNORECASE)
 
 
@@ -50,7 +52,7 @@ def read_knet(file: SourceFile, options: ReadOptions) -> list[Record]:
     """
     lines = text_lines(file.content)
     check_count(f"{file.name}:{len(lines)}", _HEADER_LINES, len(lines), "header lines")
-    header = lines[:_HEADER_LINES]
+    header = [line[:_LONGEST_LINE] for line in lines[:_HEADER_LINES]]
     scale = _SCALE.match(header[13])
     if not scale or float(scale[1]) == 0.0 or float(scale[2]) == 0.0:
         raise RecordFormatError(
@@ -60,7 +62,9 @@ def read_knet(file: SourceFile, options: ReadOptions) -> list[Record]:
     # Names the line of a damaged number, which obspy does not.
     free_numbers(lines[_HEADER_LINES:], _HEADER_LINES + 1, file.name)
     # obspy takes ASCII and LF only.
-    (trace,), notes = obspy_stream(file, "KNET", "\n".join([*lines, ""]).encode("ascii", errors="replace"))
+    (trace,), notes = obspy_stream(
+        file, "KNET", "\n".join([*header, *lines[_HEADER_LINES:], ""]).encode("ascii", errors="replace")
+    )
     stats = trace.stats
     expected = float(stats.knet.duration) * float(stats.sampling_rate)
     if not 0.0 < expected < len(file.content):
@@ -70,6 +74,11 @@ def read_knet(file: SourceFile, options: ReadOptions) -> list[Record]:
         )
     declared = round(expected)
     check_count(f"{file.name}:{len(lines)}", declared, int(stats.npts))
+    if stats.npts > expected + stats.sampling_rate:
+        raise RecordFormatError(
+            f"{file.name}:{len(lines)}: expected {declared} samples (duration and sampling frequency), found "
+            f"{stats.npts}; the file holds more than one record: download it again"
+        )
     counts = np.asarray(trace.data, dtype=float)
     offset = float(np.mean(counts))
     factor = UNITS["gal"] * float(scale[1]) / float(scale[2])

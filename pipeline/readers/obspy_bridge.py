@@ -3,9 +3,14 @@
 from __future__ import annotations
 
 import io
+import math
+import os
+import sys
+import tempfile
+import threading
 import warnings as python_warnings
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from datetime import UTC, datetime
 from typing import Any
 
@@ -18,16 +23,56 @@ __all__ = ["obspy_notes", "obspy_stream", "seed_direction", "utc_time"]
 
 #: No news about the record: obspy's own future, and files that somebody else left open.
 _NO_NEWS = (DeprecationWarning, FutureWarning, ResourceWarning)
+#: Python's filters of warnings are those of the whole process: blocks that overlap in two threads would leave theirs.
+_ALONE = threading.RLock()
+#: SEED: from here on a dip means a vertical sensor, up to there a horizontal one [degrees].
+_STEEP, _FLAT = 60.0, 30.0
+#: A sensor called N or E may be this far from the axis, either way, before its name is doubted [degrees].
+_OFF_AXIS = 45.0
 
 
 @contextmanager
-def obspy_notes() -> Iterator[list[str]]:
-    """A list that holds, once the block has ended, what obspy warned of in it."""
+def obspy_notes(terminal: bool = False) -> Iterator[list[str]]:
+    """A list that holds, once the block has ended, what obspy warned of in it; one thread at a time.
+
+    With `terminal` also what its C libraries print on the standard error of the process.
+    """
     notes: list[str] = []
-    with python_warnings.catch_warnings(record=True) as caught:
+    with _ALONE, python_warnings.catch_warnings(record=True) as caught:
         python_warnings.simplefilter("always")
-        yield notes
-    notes += [f"obspy: {item.message}" for item in caught if not issubclass(item.category, _NO_NEWS)]
+        with _standard_error() if terminal else nullcontext([]) as printed, _unraisable() as lost:
+            yield notes
+    told = [str(item.message) for item in caught if not issubclass(item.category, _NO_NEWS)]
+    notes += dict.fromkeys(f"obspy: {' '.join(text.split())}" for text in (*told, *printed, *lost))
+
+
+@contextmanager
+def _standard_error() -> Iterator[list[str]]:
+    """Lines that are written to file descriptor 2 meanwhile."""
+    lines: list[str] = []
+    sys.stderr.flush()
+    before = os.dup(2)
+    with tempfile.TemporaryFile() as file:
+        os.dup2(file.fileno(), 2)
+        try:
+            yield lines
+        finally:
+            os.dup2(before, 2)
+            os.close(before)
+            file.seek(0)
+            lines += [line for line in file.read().decode("utf-8", "replace").splitlines() if line.strip()]
+
+
+@contextmanager
+def _unraisable() -> Iterator[list[str]]:
+    """Errors that a callback of a C library could not raise, such as a message in no encoding."""
+    lines: list[str] = []
+    before = sys.unraisablehook
+    sys.unraisablehook = lambda lost: lines.append(f"a message of its C library is lost ({lost.exc_value})")
+    try:
+        yield lines
+    finally:
+        sys.unraisablehook = before
 
 
 def obspy_stream(file: SourceFile, format: str, content: bytes | None = None) -> tuple[Any, list[str]]:
@@ -66,9 +111,33 @@ def utc_time(file: SourceFile, moment: Any) -> datetime:
 
 
 def seed_direction(code: str, azimuth: float | None, dip: float | None) -> Direction:
-    """Direction from SEED's azimuth and dip (-90 is up) where known, else from the channel code."""
-    if dip is not None and abs(dip) >= 60.0:
+    """Direction from SEED's azimuth and dip where known, else from the channel code; unknown where they contradict.
+
+    Parameters
+    ----------
+    code : str
+        Channel code, ``HNZ``.
+    azimuth : float or None
+        Clockwise from north [degrees].
+    dip : float or None
+        Down from the horizontal [degrees]: -90 is up, 90 is down.
+    """
+    azimuth = None if azimuth is None or not math.isfinite(azimuth) else float(azimuth) % 360.0
+    dip = None if dip is None or not math.isfinite(dip) else float(dip)
+    named = direction(code)
+    if dip is None:
+        lies = named.orientation
+    else:
+        lies = "vertical" if _STEEP <= abs(dip) <= 90.0 else "horizontal" if abs(dip) <= _FLAT else "unknown"
+        if lies == "unknown" or named.orientation not in (lies, "unknown"):
+            return Direction(
+                note=f"the direction is unknown: the channel code says {code!r}, the dip is {dip:g} degrees "
+                "(-90 is up, 0 horizontal)"
+            )
+    if lies == "vertical" and dip is not None:
         return Direction("vertical", sign=1.0 if dip < 0.0 else -1.0)
-    if dip is not None and azimuth is not None and abs(dip) <= 30.0:
-        return Direction("horizontal", float(azimuth) % 360.0)
-    return direction(code)
+    if lies != "horizontal" or azimuth is None:
+        return named if named.orientation == lies else Direction(lies)
+    off = abs((azimuth - named.azimuth + 90.0) % 180.0 - 90.0)  # NaN where the code names no axis
+    note = f"the channel code says {code!r}, the azimuth is {azimuth:g} degrees, which is used"
+    return Direction("horizontal", azimuth, note=note if off > _OFF_AXIS else "")

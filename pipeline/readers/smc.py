@@ -9,12 +9,13 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
-from datetime import UTC, datetime, timedelta
+from datetime import datetime
 
 import numpy as np
 
 from rockpulse.errors import RecordFormatError
 from rockpulse.readers.channel import build_record
+from rockpulse.readers.clock import instant, later, near_event
 from rockpulse.readers.facing import Direction, direction, on_structure
 from rockpulse.readers.fields import check_count, fixed_width, printed_number, text_lines
 from rockpulse.readers.format import Format, ReadOptions
@@ -36,12 +37,17 @@ _KINDS = (
 )
 _TITLE = re.compile(rf"\s?([1-6])\s+({'|'.join(_KINDS)})", re.IGNORECASE)
 _TEXT_LINES, _INTEGER_LINES, _REAL_LINES = 11, 6, 10
+#: No line of text is longer; a damaged one may be.
+_LONGEST_LINE = 200
 _STATION = re.compile(r"station\s*=\s*(.*?)\s*component\s*=\s*(.*)", re.IGNORECASE)
 _PEAK = re.compile(r"pk acc\s*=\s*(-?\d+\.?\d*(?:E[+-]?\d+)?)", re.IGNORECASE)
-_EVENT = re.compile(r"\s*\d{4}\s+\d+\s+\d+\s+\d+\s+(.*)")
+_EVENT = re.compile(r"\s*(\d{4})\s+(\d+)\s+(\d+)\s+(\d+)\s+(.*)", re.ASCII)
 #: Some files carry a nonsense rate; no accelerograph reaches this one [1/s].
 _RATE_LIMIT = 10_000.0
 _UNIT = "cm/s2"
+#: Integer 19: building, bridge, dam, other structures; integers 27 and 28 are 0 on the free field of a bridge or dam.
+_STRUCTURES = (1, 2, 3, 4)
+_FREE_FIELD_AT = {2: 27, 3: 28}
 
 
 def is_smc(head: bytes, name: str) -> bool:
@@ -103,11 +109,15 @@ def read_smc(file: SourceFile, options: ReadOptions) -> list[Record]:
                 f"begins with '|', found {lines[index][:40]!r}; the header is damaged: download the file again"
             )
     samples, step, peak, warnings = _values(file.name, lines, first, integers, reals, raw=kind == "1")
-    station = _STATION.search(lines[5])
+    text = [line[:_LONGEST_LINE] for line in lines[:_TEXT_LINES]]
+    station = _STATION.search(text[5])
     name, component = (station[1], station[2].strip()) if station else ("", "")
-    stated = _PEAK.search(lines[6])
+    stated = _PEAK.search(text[6])
     header_peak, rounding = printed_number(stated[1]) if stated else (float("nan"), 0.0)
-    event = _EVENT.match(lines[3])
+    event = _EVENT.match(text[3])
+    start_time, notes = _start_time(integers, event)
+    if integers[17] > 0.0:
+        notes.append("the agency flags a problem of this record (integer 18 of the header)")
     return [
         build_record(
             file,
@@ -119,15 +129,15 @@ def read_smc(file: SourceFile, options: ReadOptions) -> list[Record]:
             processed=kind == "2",
             component=component,
             facing=_facing(component, integers),
-            structural=on_structure(name),
+            structural=_structural(name, integers),
             station="" if np.isnan(integers[29]) else str(int(integers[29])),
             station_name=name,
-            event=" ".join(event[1].split()) if event else "",
-            start_time=_start_time(integers),
+            event=" ".join(event[5].split()) if event else "",
+            start_time=start_time,
             header_peak=header_peak * UNITS[_UNIT],
             peak_rounding=rounding * UNITS[_UNIT],
             original_peak=peak,
-            warnings=warnings,
+            warnings=[*warnings, *notes],
         )
     ]
 
@@ -173,20 +183,31 @@ def _facing(component: str, integers: np.ndarray) -> Direction:
     return facing
 
 
-def _start_time(integers: np.ndarray) -> datetime | None:
-    """UTC time of the first sample.
+def _structural(name: str, integers: np.ndarray) -> bool:
+    """Whether the sensor is on a structure: integers 19, 27 and 28, or 25 (floor); else the name of the station."""
+    kind = integers[18]
+    if kind in _STRUCTURES:
+        return int(kind) not in _FREE_FIELD_AT or integers[_FREE_FIELD_AT[int(kind)] - 1] != 0.0
+    return not np.isnan(integers[24]) or on_structure(name)
+
+
+def _start_time(integers: np.ndarray, event: re.Match[str] | None) -> tuple[datetime | None, list[str]]:
+    """UTC time of the first sample (integers 2 to 7), held against that of the earthquake, line 4.
 
     Without milliseconds the header repeats the minute of the earthquake, which is no time of the record.
     """
     moment = integers[1:7]
     if np.any(np.isnan(moment)):
-        return None
+        return None, []
     year, day, hour, minute, second, millisecond = (int(value) for value in moment)
-    if not (1900 <= year <= 2200 and 1 <= day <= 366 and 0 <= hour < 24 and 0 <= minute < 60 and 0 <= second <= 60):
-        return None
-    return datetime(year, 1, 1, hour, minute, tzinfo=UTC) + timedelta(
-        days=day - 1, seconds=second, milliseconds=millisecond
-    )
+    start = later(instant((year, 1, 1), (hour, minute, second)), 86_400.0 * (day - 1) + 1e-3 * millisecond)
+    if start is None or start.year != year or not 0 <= millisecond < 1000:
+        words = " ".join(f"{value:.0f}" for value in moment)
+        return None, [f"{words} (integers 2 to 7: year, day, hour, minute, second, millisecond) is no start time"]
+    if event is None:
+        return start, []
+    year, month, day, time = (int(event[group]) for group in range(1, 5))
+    return near_event(start, instant((year, month, day), (time // 100, time % 100, 0)))
 
 
 FORMAT = Format(

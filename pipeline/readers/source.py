@@ -79,12 +79,15 @@ class SourceFile:
         Returns all bytes, decompressed; called once, after a reader has recognised `head`.
     station_files : callable
         Returns (name, bytes) of the StationXML files in the same folder.
+    chosen : bool
+        Whether the caller named the StationXML files, so that their names do not matter.
     """
 
     name: str
     head: bytes
     load: Callable[[], bytes]
     station_files: StationFiles = list
+    chosen: bool = False
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "head", _plain_text(self.head, self._coding))

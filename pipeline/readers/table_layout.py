@@ -6,12 +6,15 @@ import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-__all__ = ["NUMBER", "Layout", "find_layout", "row_width", "split_row"]
+__all__ = ["LINE_LIMIT", "NUMBER", "Layout", "find_layout", "row_width", "split_row"]
 
+#: Characters of the longest row of a table; a line beyond is none, whatever it holds.
+LINE_LIMIT = 10_000
 _HEADER_LIMIT = 60
 _LOOK_AHEAD = 5
-#: A field that is meant as a number, whether finite or not.
-NUMBER = re.compile(r"[+-]?(?:\d+[.,]?\d*|[.,]\d+)(?:[eEdD][+-]?\d+)?|nan|[+-]?inf", re.IGNORECASE | re.ASCII)
+#: A field that is meant as a number, whether finite or not. Possessive: no field takes longer than its length.
+NUMBER = re.compile(r"[+-]?(?:\d++(?:[.,]\d*+)?|[.,]\d++)(?:[eEdD][+-]?\d++)?|nan|[+-]?inf", re.IGNORECASE | re.ASCII)
+_COMMA_DECIMAL = re.compile(r"[+-]?\d++(?:,\d++)?(?:[eEdD][+-]?\d++)?", re.ASCII)
 
 
 @dataclass(frozen=True)
@@ -28,15 +31,12 @@ class Layout:
         Decimal mark.
     width : int
         Number of columns.
-    names : tuple of str
-        Column headings; empty where the line above the numbers is none.
     """
 
     start: int
     delimiter: str | None
     decimal: str
     width: int
-    names: tuple[str, ...]
 
 
 def split_row(line: str, delimiter: str | None) -> list[str]:
@@ -47,32 +47,36 @@ def split_row(line: str, delimiter: str | None) -> list[str]:
     return fields
 
 
-def _find_delimiter(line: str) -> str | None:
-    if ";" in line:
+def _find_delimiter(rows: Sequence[str]) -> str | None:
+    """What separates the columns of rows of numbers; commas mark decimals if blanks separate whole fields with them."""
+    if any(";" in row for row in rows):
         return ";"
-    fields = line.split()
-    comma_decimals = len(fields) > 1 and all(
-        re.fullmatch(r"[+-]?\d*,\d+(?:[eEdD][+-]?\d+)?", field) for field in fields
-    )
-    return "," if "," in line and not comma_decimals else None
+    return "," if any("," in row and not _comma_decimals(row) for row in rows) else None
 
 
-def row_width(line: str) -> int:
+def _comma_decimals(row: str) -> bool:
+    fields = split_row(row, None)
+    return len(fields) > 1 and all(_COMMA_DECIMAL.fullmatch(field) for field in fields)
+
+
+def row_width(line: str, delimiter: str | None) -> int:
     """Number of columns if the line holds numbers only, else 0."""
-    fields = split_row(line, _find_delimiter(line))
+    if len(line) > LINE_LIMIT:
+        return 0
+    fields = split_row(line, delimiter)
     return len(fields) if all(NUMBER.fullmatch(field) for field in fields) else 0
 
 
 def find_layout(lines: Sequence[str]) -> Layout | None:
     """Find the first of the rows of numbers; the lines before it are the header."""
     for start in range(min(len(lines), _HEADER_LIMIT)):
-        width = row_width(lines[start])
         ahead = [line for line in lines[start + 1 : start + 1 + _LOOK_AHEAD] if line.strip()]
-        if not width or any(row_width(line) != width for line in ahead):
-            continue
-        delimiter = _find_delimiter(lines[start])
         rows = [lines[start], *ahead]
-        decimal = "," if delimiter != "," and any("," in row for row in rows) else "."
-        named = split_row(lines[start - 1].lstrip("#% "), delimiter) if start else []
-        return Layout(start, delimiter, decimal, width, tuple(named) if len(named) == width else ())
+        if any(len(row) > LINE_LIMIT for row in rows):
+            continue
+        delimiter = _find_delimiter(rows)
+        width = row_width(lines[start], delimiter)
+        if width and all(row_width(row, delimiter) == width for row in ahead):
+            decimal = "," if delimiter != "," and any("," in row for row in rows) else "."
+            return Layout(start, delimiter, decimal, width)
     return None

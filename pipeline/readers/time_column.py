@@ -2,54 +2,68 @@
 
 from __future__ import annotations
 
-import re
+from collections.abc import Sequence
 
 import numpy as np
 
 from rockpulse.errors import RecordFormatError
+from rockpulse.readers.column_headings import Heading
 from rockpulse.readers.spacing import even_step, printed_at
-from rockpulse.readers.table_layout import Layout
 
-__all__ = ["agreed_step", "counts_rows", "names_time", "time_column_step"]
+__all__ = ["agreed_step", "climbs", "counts_rows", "names_time", "time_column_step"]
 
-_TIME_NAME = re.compile(r"(?:t|time|zeit|temps|tempo|sec|seconds)\b", re.IGNORECASE)
-_MILLISECONDS = re.compile(r"(?<![a-z])m(?:illi)?s(?:ec\w*)?(?![a-z])", re.IGNORECASE)
+#: Seconds in the units that may head a column of times.
+_SECONDS = {"ms": 1e-3, "mi": 1e-3, "us": 1e-6, "µs": 1e-6}
+_MINUTES = 60.0
 #: Rows that no acceleration climbs without a fall, at equal steps.
 _CLIMB = 20
 #: A first column whose values fall at a smaller share of its changes than this can be no acceleration.
 TIME_FALLS = 0.05
 
 
-def names_time(layout: Layout) -> bool:
+def names_time(headings: Sequence[Heading]) -> bool:
     """Whether the first column is headed as time."""
-    return bool(layout.names and _TIME_NAME.match(layout.names[0]))
+    return bool(headings and headings[0].kind == "time")
 
 
-def counts_rows(table: np.ndarray, layout: Layout) -> bool:
+def counts_rows(table: np.ndarray, headings: Sequence[Heading]) -> bool:
     """Whether the first column numbers the rows, 0 1 2 or 1 2 3, and is not headed as time."""
     first = table[:, 0]
     return bool(
-        not names_time(layout) and first[0] in (0.0, 1.0) and np.array_equal(first - first[0], range(len(first)))
+        not names_time(headings) and first[0] in (0.0, 1.0) and np.array_equal(first - first[0], range(len(first)))
     )
 
 
-def time_column_step(name: str, table: np.ndarray, layout: Layout, start: int, declared: float | None) -> float | None:
+def _seconds(name: str, headings: Sequence[Heading]) -> float:
+    """Factor from the unit that the heading states to s."""
+    unit = headings[0].unit.lower() if headings else ""
+    if any(letter.isdigit() for letter in unit) and names_time(headings):
+        raise RecordFormatError(
+            f"{name}: expected a column of times in s, ms or min, found {headings[0].name!r} in {unit!r}; "
+            "write the times in s"
+        )
+    return _MINUTES if unit.startswith("min") else _SECONDS.get(unit[:2], 1.0)
+
+
+def time_column_step(
+    name: str, table: np.ndarray, headings: Sequence[Heading], start: int, declared: float | None
+) -> float | None:
     """Interval of the time column [s], or None where the first column is no time.
 
     It is time if its heading says so or if it hardly ever falls, which no acceleration does; then it has to be equally
     spaced, or to be what rounding makes of the interval `declared` elsewhere.
     """
-    first = table[:, 0] * (1e-3 if layout.names and _MILLISECONDS.search(layout.names[0]) else 1.0)
+    named = names_time(headings)
+    first = table[:, 0] * _seconds(name, headings)
     steps = np.diff(first)
     falls, changes = int(np.sum(steps < 0.0)), int(np.sum(steps != 0.0))
-    named = names_time(layout)
-    if layout.width < 2 or steps.size == 0 or not (named or (changes and falls < TIME_FALLS * changes)):
+    if table.shape[1] < 2 or steps.size == 0 or not (named or (changes and falls < TIME_FALLS * changes)):
         return None
-    climbs = [index for index in range(1, layout.width) if _climbs(table[:, index])]
-    if climbs:
+    others = [index for index in range(1, table.shape[1]) if climbs(table[:, index])]
+    if others:
         raise RecordFormatError(
             f"{name}:{start + 1}: expected one column of times and accelerations beside it, found that columns 1 and "
-            f"{climbs[0] + 1} both run like time; take out the one that is none"
+            f"{others[0] + 1} both run like time; take out the one that is none"
         )
     rising = bool(np.all(steps > 0.0))
     step = even_step(first) if rising else None
@@ -57,7 +71,7 @@ def time_column_step(name: str, table: np.ndarray, layout: Layout, start: int, d
         return step
     if not falls and declared is not None and printed_at(first, declared):
         return declared
-    column = f"column {layout.names[0]!r}" if named else "first column, which runs like time"
+    column = f"column {headings[0].name!r}" if named else "first column, which runs like time"
     if falls or (declared is None and not rising):
         at = int(np.argmin(steps))
         raise RecordFormatError(
@@ -75,7 +89,8 @@ def time_column_step(name: str, table: np.ndarray, layout: Layout, start: int, d
     )
 
 
-def _climbs(column: np.ndarray) -> bool:
+def climbs(column: np.ndarray) -> bool:
+    """Whether a column runs like time, at equal steps."""
     return bool(column.size >= _CLIMB and np.all(np.diff(column) > 0.0)) and even_step(column) is not None
 
 

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterator
 
 from rockpulse.errors import UnitError
 from rockpulse.record import STANDARD_GRAVITY
 
-__all__ = ["UNITS", "canonical_unit", "other_readings"]
+__all__ = ["UNITS", "canonical_unit", "mentioned_units", "other_readings", "quantity_of"]
 
 #: Acceleration in m/s2 = value in the file x factor.
 UNITS: dict[str, float] = {
@@ -19,7 +20,24 @@ UNITS: dict[str, float] = {
     "g/10": STANDARD_GRAVITY / 10.0,
 }
 
-_RAISED = str.maketrans("⁻²", "-2")
+_RAISED = str.maketrans("⁻²¹", "-21")
+_SECOND = r"s(?:ec(?:ond)?s?)?"
+#: Units of acceleration and velocity that are known wherever they stand; ``g`` and ``cm`` need a bracket.
+_MENTIONED = re.compile(
+    rf"(?<![a-z0-9])(?:(?:mm|cm|m)[ .·*]?{_SECOND}(?:\^|\*\*)?\(?-(?:(?P<squared>2)|1)\)?|"
+    rf"(?:mm|cm|m)(?:/|p| per |/per/){_SECOND}(?P<again>[ /]?(?:\^|\*\*)?2| ?squared|[ /]{_SECOND})?|"
+    rf"(?P<other>gals?|milli-?g|%g|(?:in|ft)/{_SECOND}(?:(?:\^|\*\*)?2|/{_SECOND}))|kines?)(?![a-z0-9])"
+)
+#: Spellings, as `_squeezed` leaves them, of what may head a column that is no acceleration.
+_QUANTITIES = {
+    "time": "s ms us µs min seg segundos sek sekunden secondi secondes sn saniye millis minutes minuten minuti",
+    "velocity": "m/s cm/s mm/s in/s ft/s ms-1 cms-1 mms-1 m.s-1 cm.s-1 kine kines",
+    "displacement": "m cm mm in ft",
+    "frequency": "hz khz",
+    # Not read, so that canonical_unit refuses them.
+    "acceleration": "mg millig milli-g %g ft/s2 in/s2 ft/s/s in/s/s mgal count counts volt volts",
+}
+_QUANTITY = {spelling: quantity for quantity, spellings in _QUANTITIES.items() for spelling in spellings.split()}
 _CREDIBLE_PGA_G = (1e-3, 3.0)
 
 
@@ -44,13 +62,50 @@ def canonical_unit(text: str, where: str) -> str:
     >>> canonical_unit("CM/SEC/SEC", "example.V2:46")
     'cm/s2'
     """
-    unit = re.sub(r"[\s^*]|\.$", "", text.strip().lower().translate(_RAISED))
-    unit = re.sub(r"sec(ond)?s?", "s", unit)
-    unit = re.sub(r"/s/s$|[.·]?s-2$", "/s2", unit)
-    unit = {"gals": "gal", "(g)": "g"}.get(unit, unit)
+    unit = _accepted(text)
     if unit not in UNITS:
-        raise UnitError(f"{where}: unknown unit of acceleration {text!r}; expected one of {', '.join(UNITS)}")
+        raise UnitError(f"{where}: unknown unit of acceleration {text[:40]!r}; expected one of {', '.join(UNITS)}")
     return unit
+
+
+def _squeezed(text: str) -> str:
+    unit = re.sub(r"[\s^*]|\.$", "", text.strip().lower().translate(_RAISED))
+    return re.sub(r"sec(ond)?s?", "s", unit)
+
+
+def _accepted(text: str) -> str:
+    unit = re.sub(r"(?:/s/s|[.·]?s-2|/?per/?s2|ps2|(?<=m)/s/2|/s?squared)$", "/s2", _squeezed(text).replace("_", "/"))
+    return {"gals": "gal", "(g)": "g"}.get(unit, unit)
+
+
+def quantity_of(text: str) -> str:
+    """What a unit, with nothing beside it, measures.
+
+    Returns
+    -------
+    str
+        "acceleration", "velocity", "displacement", "time", "frequency"; empty where the text is no unit.
+
+    Examples
+    --------
+    >>> quantity_of("cm/sec"), quantity_of("Gal"), quantity_of("east")
+    ('velocity', 'acceleration', '')
+    """
+    return "acceleration" if _accepted(text) in UNITS else _QUANTITY.get(_squeezed(text), "")
+
+
+def mentioned_units(text: str) -> Iterator[tuple[str, str, int]]:
+    """Units of acceleration and velocity in running text, such as ``acc_cm_s2`` or ``acceleration in gal``.
+
+    Yields
+    ------
+    tuple of (str, str, int)
+        "acceleration" or "velocity", the unit as written, and where it begins.
+    """
+    for match in _MENTIONED.finditer(text.lower().translate(_RAISED).replace("_", "/")):
+        squared = match["again"] or match["squared"] or match["other"]
+        wording = text[match.start() : match.end()] if text.isascii() else match[0]
+        yield "acceleration" if squared else "velocity", wording, match.start()
 
 
 def other_readings(peak: float) -> str:

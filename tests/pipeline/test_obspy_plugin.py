@@ -136,11 +136,15 @@ def test_columns_are_read_where_they_are_asked_for_only(tmp_path):
         obspy.read(path, format="columns")
 
 
-def test_the_wrong_format_and_a_wrong_option_are_errors(path, tmp_path):
+def test_options_of_other_formats_are_ignored_and_logged(path, caplog):
+    (trace,) = obspy.read(path, details=True, byteorder="<")
+    assert trace.stats.npts == 300
+    assert "obspy.read has options that are not of this format: details, byteorder" in caplog.text
+
+
+def test_the_wrong_format_and_what_cannot_be_read_are_errors(path, tmp_path):
     with pytest.raises(RecordFormatError, match=r"a.AT2: expected USGS SMC .*recognised by"):
         obspy.read(path, format="SMC")
-    with pytest.raises(TypeError, match="unit"):
-        obspy.read(path, unit="g")
     velocity = tmp_path / "a.VT2"
     velocity.write_bytes(path.read_bytes().replace(b"ACCELERATION", b"VELOCITY"))
     with pytest.raises(rp.RecordRefused, match="expected an acceleration series"):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pickle
-from dataclasses import fields
+from dataclasses import fields, replace
 from datetime import UTC, datetime
 
 import numpy as np
@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 from obspy.core.inventory.response import InstrumentSensitivity, Response
 
 import rockpulse as rp
-from rockpulse.errors import RecordFormatError, RecordRefused, UnitError
+from rockpulse.errors import ConfigError, RecordFormatError, RecordRefused, UnitError
 from rockpulse.readers.source import NotAcceleration
 from rockpulse.record import STANDARD_GRAVITY, Record
 
@@ -111,6 +111,67 @@ def test_an_integrated_trace_is_no_acceleration_unless_the_unit_is_given(record)
     back = rp.from_trace(trace, units="m/s2")
     assert [step.partition("(")[0].split()[-1] for step in back.processing[1:]] == ["integrate", "differentiate"]
     assert back.azimuth == 90.0
+
+
+def test_a_trigger_function_is_no_acceleration(record):
+    trace = rp.to_trace(record)
+    trace.trigger("classicstalta", sta=0.01, lta=0.02)
+    with pytest.raises(UnitError, match=r"no longer what they were: ObsPy .*trigger"):
+        rp.from_trace(trace)
+
+
+NORTH = Record([0.1, -0.2, 0.3], 0.01, "CI.CLC..HNN", "CI", "CLC", "", "HNN", "360 Deg", "horizontal", 0.0)
+EAST = replace(NORTH, id="CI.CLC..HNE", channel="HNE", component="90 Deg", azimuth=90.0)
+
+
+def test_a_rotated_trace_has_no_direction_until_one_is_given():
+    stream = obspy.Stream([rp.to_trace(NORTH), rp.to_trace(EAST)]).rotate("NE->RT", back_azimuth=30.0)
+    radial, transverse = map(rp.from_trace, stream)
+    assert [trace.stats.channel for trace in stream] == ["HNR", "HNT"]
+    for back, before in ((radial, NORTH), (transverse, EAST)):
+        assert (back.orientation, np.isnan(back.azimuth), back.component) == ("unknown", True, "")
+        assert back.id != before.id
+        assert f"the codes were {before.id} when the trace was made" in back.warnings[-1]
+        assert "the direction is no longer known" in back.warnings[-1]
+    given = rp.from_trace(stream[0], azimuth=-150.0)
+    assert (given.orientation, given.azimuth, given.component) == ("horizontal", 210.0, "")
+    assert not any("direction" in warning for warning in given.warnings)
+    # The radial axis points away from the source: by hand, in the direction of 210 degrees.
+    turned = np.deg2rad(210.0)
+    by_hand = NORTH.acceleration * np.cos(turned) + EAST.acceleration * np.sin(turned)
+    assert given.acceleration == pytest.approx(by_hand, abs=1e-12)
+
+
+def test_a_trace_that_was_renamed_vertical_is_not_the_horizontal_it_was():
+    trace = rp.to_trace(EAST)
+    trace.stats.channel = "HNZ"
+    back = rp.from_trace(trace)
+    assert (back.orientation, np.isnan(back.azimuth)) == ("unknown", True)
+
+
+def test_a_new_station_code_makes_a_new_id_and_keeps_the_direction():
+    trace = rp.to_trace(replace(EAST, start_time=datetime(2020, 1, 2, 3, 4, 5, tzinfo=UTC)))
+    trace.stats.station = "ABC"
+    back = rp.from_trace(trace)
+    assert (back.id, back.azimuth, back.component) == ("CI.ABC..HNE@20200102T030405", 90.0, "90 Deg")
+    assert "the codes were CI.CLC..HNE" in back.warnings[-1]
+
+
+def test_a_channel_on_a_structure_stays_on_it():
+    trace = rp.to_trace(replace(EAST, orientation="structural"))
+    trace.stats.channel = "HNT"
+    assert rp.from_trace(trace).orientation == "structural"
+    given = rp.from_trace(trace, azimuth=300.0)
+    assert (given.orientation, given.azimuth) == ("structural", 300.0)
+
+
+def test_an_azimuth_of_the_caller_is_that_of_the_record():
+    assert rp.from_trace(rp.to_trace(EAST), azimuth=90.0).component == "90 Deg"
+    assert rp.from_trace(rp.to_trace(EAST), azimuth=93.0).azimuth == 93.0
+    record = rp.from_trace(plain(), units="g", azimuth=450.0)
+    assert (record.orientation, record.azimuth) == ("horizontal", 90.0)
+    with pytest.raises(ConfigError, match="expected an azimuth in degrees, found nan"):
+        rp.from_trace(plain(), units="g", azimuth=float("nan"))
 
 
 def test_a_unit_that_contradicts_the_trace_is_refused(record):

@@ -172,10 +172,6 @@ def test_what_overturns_is_named_by_the_fullest_model_and_counted_for_all(summar
     assert counts.split()[2:] == ["2", "of", "3", "2", "of", "3", "1", "of", "3"]
 
 
-
-
-
-
 def test_a_value_is_found_by_labels_whatever_the_order_of_dimensions(summary):
     where = {"record": RECORDS[1], "block": "column", "model": "resonance", "case": 0}
     assert value(summary, "pga", **where) == 4.619

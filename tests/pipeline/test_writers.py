@@ -29,7 +29,7 @@ RECORDS = st.builds(
     station=TEXT,
     channel=TEXT,
     component=TEXT,
-    azimuth=st.integers(0, 359).map(float),
+    azimuth=st.integers(-720, 720).map(float),
     orientation=st.just("horizontal"),
     station_name=TEXT,
     event=TEXT,
@@ -82,7 +82,7 @@ def test_at2_is_exact_to_its_digits(tmp_path_factory, record):
     back = come_back(tmp_path_factory.getbasetemp(), record, "a.AT2")
     written = [float(f"{value:.7E}") for value in record.acceleration / STANDARD_GRAVITY]
     assert np.array_equal(back.acceleration, np.where(np.abs(written) < 1e-99, 0.0, written) * STANDARD_GRAVITY)
-    assert (back.dt, back.azimuth, back.processed) == (record.dt, record.azimuth, record.processed)
+    assert (back.dt, back.azimuth, back.processed) == (record.dt, record.azimuth % 360.0, record.processed)
 
 
 @settings(derandomize=True, max_examples=40, deadline=None)
@@ -91,7 +91,7 @@ def test_csv_is_exact_in_every_bit(tmp_path_factory, record):
     back = come_back(tmp_path_factory.getbasetemp(), record, "a.csv", units="m/s2")
     assert np.array_equal(back.acceleration, record.acceleration)
     assert back.dt == pytest.approx(record.dt, rel=1e-12)
-    assert (back.azimuth, back.orientation) == (record.azimuth, "horizontal")
+    assert (back.azimuth, back.orientation) == (record.azimuth % 360.0, "horizontal")
 
 
 @settings(derandomize=True, max_examples=40, deadline=None)
@@ -100,7 +100,8 @@ def test_miniseed_is_exact_in_every_bit(tmp_path_factory, record):
     back = come_back(tmp_path_factory.getbasetemp(), record, "a.mseed")
     assert np.array_equal(back.acceleration, record.acceleration)
     assert back.dt == pytest.approx(record.dt, rel=1e-7)
-    assert (back.azimuth, back.processed, back.orientation) == (record.azimuth, record.processed, "horizontal")
+    assert (back.azimuth, back.processed) == (record.azimuth % 360.0, record.processed)
+    assert back.orientation == "horizontal"
     assert back.start_time == record.start_time
 
 
@@ -131,13 +132,58 @@ def test_directions_come_back(tmp_path, record, name):
     assert back.azimuth == 92.5 or (name == "a.csv" and np.isnan(back.azimuth))
 
 
-@pytest.mark.parametrize("words", ["NPTS= 3, DT= 1", "Velocity Creek", "UNITS OF M", "a, b\nc", "Ωmega ü"])
+NAN = float("nan")
+
+
+@pytest.mark.parametrize("name", ["a.AT2", "a.csv", "a.mseed"])
+@pytest.mark.parametrize("azimuth", [-45.0, 315.0, 675.0, 360.0, -1e-20])
+def test_azimuths_are_turned_into_one_round(tmp_path, record, name, azimuth):
+    turned = replace(record, azimuth=azimuth, orientation="unknown")
+    back = come_back(tmp_path, turned, name, units="m/s2")
+    assert (back.azimuth, back.orientation) == (azimuth % 360.0 % 360.0, "horizontal")
+
+
+@pytest.mark.parametrize("name", ["a.AT2", "a.csv", "a.mseed"])
+@pytest.mark.parametrize(
+    ("changes", "expected"),
+    [
+        # A code of SEED that says what the record does not.
+        ({"channel": "HNE", "component": "HNE", "orientation": "unknown", "azimuth": NAN}, ("unknown", NAN)),
+        ({"channel": "HNZ", "component": "HNZ", "orientation": "unknown", "azimuth": NAN}, ("unknown", NAN)),
+        ({"channel": "HNE", "component": "", "orientation": "horizontal", "azimuth": NAN}, ("horizontal", NAN)),
+        ({"channel": "HNR", "component": "", "orientation": "horizontal", "azimuth": NAN}, ("horizontal", NAN)),
+        ({"channel": "HNZ", "component": "", "orientation": "horizontal", "azimuth": 30.0}, ("horizontal", 30.0)),
+        # Channels on a structure, of which some are vertical.
+        ({"channel": "1", "component": "Up", "orientation": "structural", "azimuth": NAN}, ("vertical", NAN)),
+        ({"channel": "1", "component": "Down", "orientation": "structural", "azimuth": NAN}, ("vertical", NAN)),
+        ({"channel": "1", "component": "", "orientation": "structural", "azimuth": NAN}, ("unknown", NAN)),
+        ({"channel": "1", "component": "", "orientation": "structural", "azimuth": 30.0}, ("horizontal", 30.0)),
+    ],
+)
+def test_no_direction_comes_back_that_the_record_does_not_have(tmp_path, record, name, changes, expected):
+    back = come_back(tmp_path, replace(record, **changes), name, units="m/s2")
+    orientation, azimuth = expected
+    if changes["orientation"] == "structural" and name == "a.AT2":  # the one format with a word for it
+        orientation = "structural"
+    assert back.orientation == orientation or (back.orientation, name != "a.mseed") == ("unknown", True)
+    assert back.azimuth == azimuth or (np.isnan(back.azimuth) and np.isnan(azimuth))
+
+
+DECEIVING = ["NPTS= 3, DT= 1", "Velocity Creek", "UNITS OF M", "a, b\nc", "Ωmega ü", "VEL TIME HISTORY", "ACC (M/S2)"]
+
+
+@pytest.mark.parametrize("words", DECEIVING)
 def test_no_name_deceives_a_reader(tmp_path, record, words):
     named = replace(
         record, event=words, station_name=words, component=words, azimuth=float("nan"), orientation="unknown"
     )
     for name in ("a.AT2", "a.csv", "a.mseed"):
         assert come_back(tmp_path, named, name, units="m/s2").npts == record.npts
+
+
+@pytest.mark.parametrize("words", ["Community Hospital", "Unit 2, Diablo Canyon", "United Nations", "Velarde"])
+def test_a_name_that_only_looks_like_a_header_is_kept(tmp_path, record, words):
+    assert come_back(tmp_path, replace(record, station_name=words), "a.AT2").station_name == words
 
 
 def test_a_csv_file_has_one_line_of_headings_and_no_noise_in_its_times(record):
@@ -159,7 +205,8 @@ def test_codes_that_seed_has_no_room_for(record):
     assert seed_codes([east, east, east]) == [("CI", "CLC", location, "HNE") for location in ("", "00", "01")]
     plain = Record([0.0, 1.0], 0.02, "RSN763_LOMAP.1")
     assert seed_codes([plain]) == [("", "RSN76", "", "BN3")]
-    assert seed_codes([replace(plain, channel="HGZ", network="TOOLONG")]) == [("", "RSN76", "", "HGZ")]
+    vertical = replace(plain, channel="HGZ", network="TOOLONG", orientation="vertical")
+    assert seed_codes([vertical]) == [("", "RSN76", "", "HGZ")]
     with pytest.raises(RecordRefused, match="more than 100 records share the codes"):
         seed_codes([east] * 102)
 

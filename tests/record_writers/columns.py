@@ -47,3 +47,9 @@ def samples(channels: Sequence[Record]) -> dict[str, bytes]:
         "clc_decimal_commas.csv": f"{NOTE}\r\nZeit (s);Beschleunigung N\r\n".encode() + commas,
         "clc_tabs.txt": columns(np.column_stack([time, up / STANDARD_GRAVITY]), f"# {NOTE}\n# t\tup\n", separator="\t"),
     }
+
+
+def wrapped(values: np.ndarray, per_row: int, header: str = "", field: str = "{:9.6f}") -> bytes:
+    """One series, several values in a row."""
+    rows = (values[at : at + per_row] for at in range(0, len(values), per_row))
+    return (header + "".join(" ".join(field.format(value) for value in row) + "\n" for row in rows)).encode()

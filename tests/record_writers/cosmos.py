@@ -44,6 +44,7 @@ def cosmos(
     zone: str = "UTC",
     event: str = "Rcrd of Tue Aug 28, 2018 19:33:00.0 PDT",
     station_code: str = "CE-23837",
+    recorder: str = "Etna   s/n 1193 ( 3 Chns of   3 at Sta)",
     station: str = "Pomona - Orange Grove & Fairplex",
     unknown: str = "   -999, -999.0",
     comments: Sequence[str] = ("<SCNL>23837.HNN.CE.--   <AUTH>CE 2018/08/29 14:56:15 PDT",),
@@ -59,6 +60,8 @@ def cosmos(
     across, width = (5, 15) if wide_reals else (6, 13)
     whole, part = [NULL] * 100, [float(NULL)] * 100
     peak = int(np.argmax(np.abs(values)))
+    data = [series(values, dt, **how)] if sections is None else sections  # type: ignore[arg-type]
+    peak_unit = data[0][0].partition("units=")[2].partition("(")[0].strip(" .") if data else "g"
     for given, target in (
         ({1: 1, 2: 1, 3: 2, 4: 120, 8: 23837, 11: 5, 19: site, 40: start.year, 41: 241, 42: start.month}, whole),
         ({43: start.day, 44: start.hour, 45: start.minute, 46: 5, 50: number, 54: azimuth}, whole),
@@ -76,11 +79,12 @@ def cosmos(
         "Origin: To be determined",
         f"Statn No: 05- 23837 Code:{station_code:<9} CGS  {station}",
         "Coords: 34.063  -117.785   Site geology:",
-        "Recorder: Etna   s/n 1193 ( 3 Chns of   3 at Sta) Sensor: FBA",
+        f"Recorder: {recorder} Sensor: FBA",
         f"Rcrd start time: {start.month}/{start.day}/{start.year}, {start:%H:%M}:{start.second:5.2f} {zone} (Q=5)",
         f"Sta Chan {number:2d}: {component} (Rcrdr Chan {number:2d})" + (f" Location: {place}" if place else ""),
-        f"Raw record length ={len(values) * dt:8.3f} sec, Uncor max ={values[peak]:8.3f} g, at {peak * dt:8.3f} sec.",
-        f"Processed:                         CGS . Max ={values[peak]:9.3f} g       at {peak * dt:8.3f} sec",
+        f"Raw record length ={len(values) * dt:8.3f} sec, Uncor max ={values[peak]:8.3f} {peak_unit}, "
+        f"at {peak * dt:8.3f} sec.",
+        f"Processed:                         CGS . Max ={values[peak]:9.3f} {peak_unit:<7} at {peak * dt:8.3f} sec",
         "Record not filtered.",
         f"Values used when parameter or data value is unknown/unspecified:{unknown}",
         " 100 Integer-header values follow on  10 lines, Format= (10I8)",
@@ -90,7 +94,6 @@ def cosmos(
         f'{len(comments):4d} Comment line(s) follow, each starting with a "|":',
         *(f"|{comment}" for comment in comments),
     ]
-    data = [series(values, dt, **how)] if sections is None else sections  # type: ignore[arg-type]
     lines = [*(f"{line:<80}" for line in text), *(line for section in data for line in section), close.format(number)]
     return (end.join(lines) + end).encode("latin-1")
 

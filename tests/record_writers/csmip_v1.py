@@ -11,7 +11,15 @@ from rockpulse.record import STANDARD_GRAVITY, Record
 
 
 def _csmip_header(
-    number: int, component: str, place: str, count: int, unit_line: str, start: str, note: str
+    number: int,
+    component: str,
+    place: str,
+    count: int,
+    length: float,
+    unit_line: str,
+    start: str,
+    note: str,
+    recorder: str = "SMA-1  S/N 3492",
 ) -> list[str]:
     location = f"  (STA CHN: {number:2d})     LOCATION: {place}" if place else ""
     return [
@@ -19,13 +27,13 @@ def _csmip_header(
         note,
         "JANUARY 17, 1994 04:31 PST",
         f"14403-S3492-94021.02               TRIGGER TIME: {start}",
-        "STATION NO. 14403   33.929N, 118.260W     SMA-1  S/N 3492",
+        f"STATION NO. 14403   33.929N, 118.260W     {recorder}",
         "TEST STATION",
         f"CHAN {number:2d}: {component}{location}",
         "TEST EARTHQUAKE     JANUARY 17, 1994 04:31 PST",
         "HYPOCENTER: 34.215N, 118.538W, H=18KM.",
         "INSTR PERIOD =  .0397 SEC,  DAMPING =  .592,  SENSITIVITY = 1.77 CM/G.",
-        f"NO. OF POINTS = {count:6d}  RECORD LENGTH = 59.998 SEC",
+        f"NO. OF POINTS = {count:6d}  RECORD LENGTH ={length:7.3f} SEC",
         unit_line,
         "RMS ACCEL OF COMPLETE RECORD =  .021 G.",
         *["    0" * 16] * 6,
@@ -46,12 +54,15 @@ def csmip_pairs(
     start: str = "01/17/94, 12:31:04.1 UTC",
     end: str = "\r\n",
     note: str = "TEST EARTHQUAKE",
+    recorder: str = "SMA-1  S/N 3492",
 ) -> bytes:
     """One channel in the old layout: (time, acceleration in g/10) pairs of width 7."""
     peak = np.max(np.abs(values)) / 10.0 if peak_g is None else peak_g
     unit_line = f"UNITS OF UNCOR ACCEL ARE {unit}.     MAX  =  {peak:5.3f} G, AT   1.000 SEC."
     fields = [f"{number:7.3f}" for pair in zip(times, values, strict=True) for number in pair]
-    lines = _csmip_header(number, component, place, len(values), unit_line, start, note) + rows(fields, 10)
+    length = times[-1] if len(times) else 0.0
+    header = _csmip_header(number, component, place, len(values), length, unit_line, start, note, recorder)
+    lines = header + rows(fields, 10)
     lines.append(f"/&  ----------  END OF DATA FOR CHANNEL {number:2d}  ----------")
     return (end.join(lines) + end).encode("latin-1")
 
@@ -64,14 +75,16 @@ def csmip_equal(
     component: str = " 90 DEG",
     place: str = "",
     peak_g: float | None = None,
+    dt: float = 0.01,
     start: str = "7/06/19, 03:16: 8.5 UTC (GPS)",
     end: str = "\r\n",
     note: str = "TEST EARTHQUAKE",
+    recorder: str = "SMA-1  S/N 3492",
 ) -> bytes:
     """One channel in the new layout: equal steps, in g unless the heading says otherwise."""
     peak = np.max(np.abs(values)) if peak_g is None else peak_g
     unit_line = f"UNITS OF UNCOR DATA ARE SEC AND G.         MAX  = {peak:6.3f} G, AT   1.000 SEC."
-    lines = _csmip_header(number, component, place, len(values), unit_line, start, note)
+    lines = _csmip_header(number, component, place, len(values), dt * len(values), unit_line, start, note, recorder)
     lines += [heading.format(n=len(values)), *rows([field.format(value) for value in values], 8)]
     lines.append(f"/&  ----------  END OF DATA FOR CHANNEL {number:2d}  ----------")
     return (end.join(lines) + end).encode("latin-1")

@@ -8,6 +8,7 @@ from datetime import UTC, datetime
 import numpy as np
 
 from record_writers._shared import NOTE, rows
+from rockpulse.readers.facing import direction
 from rockpulse.record import Record
 
 START = datetime(2016, 11, 13, 11, 2, 20, tzinfo=UTC)
@@ -52,7 +53,8 @@ def geonet(
         displacement = dt * np.cumsum(velocity)
         integers = [origin.year, origin.month, origin.day, origin.hour, origin.minute, 10 * origin.second, 0, 0]
         integers += [start.year, start.month, 42, 41, 33, 173, 1, 19, 15, 0, start.day, start.hour]
-        integers += [42, 31, 24, 172, 49, 50, 10, 10, 140, 25]
+        azimuth = direction(component).azimuth
+        integers += [42, 31, 24, 172, 49, 50, 10, 0 if np.isnan(azimuth) else round(azimuth), 140, 25]
         blocks = [count] * 3 if corrected else [count, 0, 0]
         integers += [count, 0, 0, *blocks, 0, 0, start.minute, 1000 * start.second + start.microsecond // 1000]
         duration = (count - 1) * dt

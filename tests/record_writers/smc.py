@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
@@ -25,6 +25,8 @@ def smc(
     vertical: int = -32768,
     count: int | None = None,
     moment: Sequence[int] = (2011, 235, 17, 50, 56, 250),
+    codes: Mapping[int, int] = {},
+    event: str = "2011  08  23    1751 TEST EARTHQUAKE",
     end: str = "\n",
     note: str = "written by a test",
 ) -> bytes:
@@ -34,6 +36,8 @@ def smc(
     integers[12], integers[13], integers[15] = vertical, azimuth, 2
     integers[16] = len(values) if count is None else count
     integers[29] = 2555
+    for number, code in codes.items():
+        integers[number - 1] = code
     reals = [null_real] * 50
     reals[1] = null_real if rate is None else rate
     accelerations = values if rate is not None else values[1::2]
@@ -41,7 +45,7 @@ def smc(
         kind,
         "*",
         "2555b",
-        "     2011  08  23    1751 TEST EARTHQUAKE",
+        f"     {event}",
         "Moment Mag= 5.80     Ms=          Ml=",
         f"station = {station}   component= {component}",
         f"epicentral dist =    121.4       pk acc =  {np.max(np.abs(accelerations)):.2E}",
@@ -63,7 +67,8 @@ def samples(channels: Sequence[Record]) -> dict[str, bytes]:
     day = (start.year, start.timetuple().tm_yday, start.hour, start.minute, start.second)
     east, north, up = (100.0 * channel.acceleration for channel in channels)
     raw = "1 UNCORRECTED ACCELEROGRAM"
-    common = {"station": "CA: China Lake", "moment": (*day, 0), "note": NOTE}
+    event = f"{start:%Y  %m  %d    %H%M} RIDGECREST, CA"
+    common = {"event": event, "station": "CA: China Lake", "moment": (*day, 0), "note": NOTE}
     pairs = np.column_stack([channels[0].time, east]).ravel()
     return {
         "clc_1.smc": smc(pairs, raw, rate=None, component="90", azimuth=90, **common),

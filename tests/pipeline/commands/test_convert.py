@@ -59,6 +59,29 @@ def test_a_unit_is_asked_for_and_taken(tmp_path, capsys):
     assert main([*arguments, "--units", "stone", "--dt", "0.02"]) == 2
 
 
+@pytest.mark.parametrize("step", ["-1", "0", "nan", "inf"])
+def test_an_interval_that_is_none_is_refused_though_the_file_has_its_own(folder, capsys, step):
+    assert main(["convert", str(folder / "a.AT2"), "-o", str(folder / "x.csv"), "--dt", step]) == 2
+    assert "--dt: expected a sampling interval in s above 0, found" in capsys.readouterr().err
+    assert not (folder / "x.csv").exists()
+
+
+def test_a_folder_that_is_missing_is_named(folder, capsys):
+    assert main(["convert", str(folder / "a.AT2"), "-o", str(folder / "x" / "z.csv")]) == 2
+    error = capsys.readouterr().err
+    assert f"there is no folder {folder / 'x'}; create it first" in error
+    assert ".part" not in error
+
+
+def test_the_file_a_record_came_from_is_safe_whatever_its_path(folder, capsys):
+    path = folder / "a!b" / "x.AT2"
+    path.parent.mkdir()
+    path.write_bytes((folder / "a.AT2").read_bytes())
+    assert main(["convert", str(path), "-o", str(path), "--overwrite"]) == 2
+    assert "a record comes from this file" in capsys.readouterr().err
+    assert path.read_bytes() == (folder / "a.AT2").read_bytes()
+
+
 def test_usage_is_exit_code_two_before_anything_is_read(folder, capsys):
     assert main(["convert", str(folder), "-o", str(folder / "out.doc")]) == 2
     assert "expected a format, one of at2, csv, mseed" in capsys.readouterr().err
@@ -78,3 +101,20 @@ def test_the_response_is_removed_where_asked_for(records_folder, tmp_path, capsy
     (record,) = read(out, units="m/s2")
     assert abs(record.acceleration.mean()) < 1e-6
     assert record.npts == 39000
+
+
+def test_the_warnings_of_the_records_are_told(samples, tmp_path, capsys):
+    given = samples.parent / "formats" / "CI.CLC..HNE.sac"
+    assert main(["convert", str(given), "--units", "g", "-o", str(tmp_path / "s.csv")]) == 0
+    told = " ".join(capsys.readouterr().out.split())
+    assert "warning: peak 338 g in the unit g; the values would be 0.344 g if it were cm/s2" in told
+
+
+def test_of_what_is_skipped_the_first_few_are_listed(samples, tmp_path, capsys):
+    (tmp_path / "a.v1").write_bytes((samples.parent / "formats" / "CLC_NEW.V1").read_bytes())
+    for number in range(8):
+        (tmp_path / f"note{number}.txt").write_text("nothing to read\n")
+    assert main(["convert", str(tmp_path), "-o", str(tmp_path / "all.mseed")]) == 0
+    lines = capsys.readouterr().err.splitlines()
+    assert [line.split()[0] for line in lines] == ["skipped", "skipped", "skipped", "skipped:"]
+    assert lines[-1] == "skipped: 5 more"

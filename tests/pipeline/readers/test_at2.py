@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import time
+
 import numpy as np
 import pytest
 from record_writers import at2, pulse
@@ -149,3 +151,94 @@ def test_real_files(records_folder, name):
     (record,) = read(records_folder / "at2" / name)
     assert (record.npts, record.dt, record.azimuth) == (*REAL[name][:2], REAL[name][3])
     assert record.pga / STANDARD_GRAVITY == pytest.approx(REAL[name][2], rel=0.02)
+
+
+@pytest.mark.parametrize(
+    ("first_line", "processed"),
+    [
+        ("PEER NGA STRONG MOTION DATABASE RECORD", True),
+        ("PEER STRONG MOTION DATABASE RECORD. PROCESSING BY PACIFIC ENGINEERING.", True),
+        ("PACIFIC ENGINEERING AND ANALYSIS STRONG-MOTION DATA", True),
+        ("CORRECTED RECORD, WRITTEN BY ROCKPULSE", True),
+        ("UNCORRECTED RECORD, WRITTEN BY ROCKPULSE", False),
+        ("RECORD, WRITTEN BY ROCKPULSE", None),
+        ("RAW RECORD OF MY OWN LOGGER", None),
+    ],
+)
+def test_only_files_of_peer_are_known_to_be_corrected(write, first_line, processed):
+    (record,) = read(write(at2(pulse(), first_line=first_line)))
+    assert record.processed is processed
+
+
+@pytest.mark.parametrize(
+    ("series", "unit"),
+    [
+        ("ACCELERATION TIME SERIES (CM/SEC/SEC)", "cm/s2"),
+        ("ACCELERATION (CM/S2)", "cm/s2"),
+        ("ACCELERATION [ cm s-2 ]", "cm/s2"),
+        ("Acceleration time history, gal (GAL)", "gal"),
+        ("ACCELERATION TIME HISTORY IN CM/SEC**2", "cm/s2"),
+        ("ACCELERATION CM/SEC/SEC", "cm/s2"),
+        ("ACC. TIME HISTORY (GALS)", "gal"),
+        ("ACCELERATION IN G", "g"),
+        ("ACCELERATION TIME SERIES (CORRECTED)", "mm/s2"),
+    ],
+)
+def test_a_unit_without_the_word_units_is_believed(write, series, unit):
+    series = series.replace(", gal", "")
+    (record,) = read(write(at2(pulse(), series=series)), units="mm/s2")
+    assert record.source_unit == unit
+
+
+@pytest.mark.parametrize(
+    "series",
+    ["VEL. TIME SERIES (ACCELERATION INTEGRATED) IN UNITS OF G", "DISP TIME HISTORY", "VELOCITY FROM ACCELERATION (G)"],
+)
+def test_short_words_for_velocity_and_displacement_count(write, series):
+    with pytest.raises(NotAcceleration, match=r"RSN1.AT2:3: expected an acceleration series"):
+        read(write(at2(pulse(), series=series)), units="g")
+
+
+def test_an_unknown_unit_without_the_word_units_is_no_unit_of_the_options(write):
+    with pytest.raises(UnitError, match=r"RSN1.AT2:3: unknown unit"):
+        read(write(at2(pulse(), series="ACCELERATION (FT/SEC/SEC)")), units="g")
+
+
+@pytest.mark.parametrize("line", ["NPTS= 5,000, DT= .01 SEC", "5,000 .01 NPTS, DT", "NPTS, DT = 5,000, 0.01"])
+def test_a_comma_of_thousands_is_read(write, line):
+    (record,) = read(write(at2(pulse(5000), count_line=line)))
+    assert (record.npts, record.dt, record.warnings) == (5000, 0.01, ())
+
+
+COLUMNS = "".join(f"{0.01 * index:.2f} {value:.6f}\n" for index, value in enumerate(pulse(1000)))
+
+
+@pytest.mark.parametrize(
+    ("content", "message"),
+    [
+        (f"# NPTS= 1000, DT= 0.01\n# units: g\n{COLUMNS}".encode(), r"RSN1.AT2:\d: expected 1000 numbers .* of 2: col"),
+        (at2(pulse(206), count_line="NPTS= 200, DT= .01 SEC"), "found 206, more than a row too many"),
+        (at2(pulse(1000), per_row=1, count_line="NPTS= 998, DT= .01 SEC"), "found 1000, more than a row too many"),
+        (at2(pulse(5000), count_line="NPTS= 5 000, DT= .01 SEC"), "expected 5 numbers .* found 5000"),
+        (at2(pulse(), count_line="NPTS= {n}, DT= 1/200 SEC"), r"RSN1.AT2:4: expected 'NPTS= n"),
+        (at2(pulse(), count_line=f"DT= .01, NPTS={'1' * 5000}"), "expected 1{180,} samples"),
+        (at2(pulse(), count_line=f"NPTS=4, DT=1E{'1' * 100}"), "expected a positive DT"),
+    ],
+    ids=["columns", "surplus", "surplus-of-one-column", "blank", "fraction", "digits", "exponent"],
+)
+def test_other_readings_of_the_numbers_are_refused(write, content, message):
+    with pytest.raises(RecordFormatError, match=message):
+        read(write(content), units="g")
+
+
+@pytest.mark.parametrize(
+    "line",
+    ["NPTS DT " + "NPTS=1 " * 200_000, "NPTS " + "DT=" + "1" * 1_000_000 + "E", "NPTS, DT = " + "1 " * 500_000],
+    ids=["words", "digits", "numbers"],
+)
+def test_a_header_line_without_end_costs_no_time(write, line):
+    path = write(b"a\nb, 1/1/2000, c, " + b"(" * 500_000 + f"\nACCELERATION IN UNITS OF G\n{line}\n0.1 0.2\n".encode())
+    begin = time.perf_counter()
+    with pytest.raises(RecordFormatError):
+        read(path)
+    assert time.perf_counter() - begin < 1.0

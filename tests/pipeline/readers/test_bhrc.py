@@ -106,3 +106,14 @@ def test_rows_beyond_the_declared_count_are_reported():
 def test_damage_is_named(content, error, message):
     with pytest.raises(error, match=message):
         got(content)
+
+
+def test_a_file_that_ends_before_its_third_channel_says_so():
+    records = got(bhrc(THREE[:2]))
+    assert all("hold 3 channels of this recorder, the file holds 2" in record.warnings[-1] for record in records)
+    assert not any(record.warnings for record in got(bhrc(THREE)))
+
+
+def test_a_channel_twice_is_damage():
+    with pytest.raises(RecordFormatError, match=r"expected another channel, found that of line 1 a second time"):
+        got(bhrc(THREE).replace(b"COMP V2", b"COMP L1"))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import time
 
 import numpy as np
 import pytest
@@ -57,3 +58,15 @@ def test_a_dead_channel_is_called_one():
 def test_what_is_no_series_is_refused(samples, dt):
     with pytest.raises(RecordFormatError, match=r"a.V1: channel 1: expected (at least 2 samples|a positive sampling)"):
         build_record(FILE, 1, samples, dt, "g", format="test", processed=None)
+
+
+def test_a_component_of_blanks_costs_no_time():
+    begin = time.perf_counter()
+    built = record(component="x" + " " * 200_000 + "x")
+    assert time.perf_counter() - begin < 1.0
+    assert built.orientation == "unknown"
+
+
+@pytest.mark.parametrize("component", ["90 Deg", "90DEG", "90  degrees", "90"])
+def test_the_channel_is_the_component_without_its_unit(component):
+    assert record(component=component).channel == "90"

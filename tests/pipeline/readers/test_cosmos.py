@@ -55,9 +55,8 @@ def test_fields_that_touch(write):
 
 def test_the_closing_line_of_older_files(write):
     content = cosmos(pulse(), close="/&  ----------  End of data for channel {:2d}  ----------", end="\n")
-    assert (
-        read(write(content + content.replace(b"360 deg", b" 90 deg").replace(b"     360", b"      90")))[1].npts == 400
-    )
+    second = content.replace(b"360 deg", b" 90 deg").replace(b"     360", b"      90").replace(b"Chan  1:", b"Chan  2:")
+    assert read(write(content + second))[1].npts == 400
 
 
 def test_corrected_acceleration_beside_velocity_and_displacement(write):
@@ -270,7 +269,7 @@ def test_codes_without_the_comment(write):
 def test_another_null_and_a_null_sample(write):
     content = cosmos(pulse(), unknown="   -888, -888.0", integers={19: -888}, reals={64: -888.0})
     (record,) = read(write(content))
-    assert np.isnan(record.header_peak)
+    assert record.header_peak == pytest.approx(0.3 * G, rel=1e-9)  # that of the text
     values = np.round(pulse(400, 50.0), 2)
     values[[100, 250]] = -999.0
     with pytest.raises(RecordRefused, match=r"test.V1C:45: 2 of 400 samples, the first number 101, are -999"):
@@ -369,3 +368,65 @@ def test_the_real_counts_have_every_factor(records_folder):
     assert record.start_time == datetime(2018, 11, 30, 17, 29, 6, 331590, tzinfo=UTC)
     assert (record.id, record.orientation, record.azimuth) == ("NP.8040.01.HNE@20181130T172906", "structural", 90.0)
     assert record.warnings == ()
+
+
+def channels_of_three(*numbers: int) -> bytes:
+    directions = {1: ("360 deg", 360), 2: ("Up", 400), 3: (" 90 deg", 90)}
+    return b"".join(
+        cosmos(pulse(), number=number, component=directions[number][0], azimuth=directions[number][1])
+        for number in numbers
+    )
+
+
+@pytest.mark.parametrize(("numbers", "lacking"), [((1, 2, 3), False), ((1, 2), True), ((1, 3), True), ((2,), False)])
+def test_channels_that_the_header_counts_and_the_file_lacks(write, numbers, lacking):
+    for record in read(write(channels_of_three(*numbers))):
+        assert any("the header counts 3 channels of this recorder" in note for note in record.warnings) is lacking
+
+
+def test_a_file_of_one_channel_without_its_last_line_says_so(write):
+    content = channels_of_three(1)
+    (record,) = read(write(content[: content.index(b"End-of-data")]))
+    assert "the file holds 1; it may be truncated" in record.warnings[0]
+
+
+def test_a_channel_twice_is_damage(write):
+    with pytest.raises(
+        RecordFormatError, match=r"test.V1C:97: expected another channel, found that of line 1 a second"
+    ):
+        read(write(channels_of_three(1, 1)))
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "warned"),
+    [
+        (b"units=g.     (02)", b"units=cm/s2. (04)", True),
+        (b"units=g.     (02)", b"units=mg.    (11)", True),
+        (b"units=g.     (02)", b"units=g.     (02)", False),
+    ],
+)
+def test_the_peak_of_the_text_has_a_unit_of_its_own(write, old, new, warned):
+    content = cosmos(pulse())
+    assert old in content
+    (record,) = read(write(content.replace(old, new)))
+    assert any("the header states a peak of 0.3 g" in note for note in record.warnings) is warned
+
+
+def test_the_quantity_of_title_and_integer(write):
+    with pytest.raises(RecordFormatError, match=r"test.V1C:1: the title says .* integer header 2 says 2, velocity"):
+        read(write(cosmos(pulse(), integers={2: 2})))
+    assert read(write(cosmos(pulse(), integers={2: -999})))[0].warnings == ()
+
+
+@pytest.mark.parametrize(
+    ("zone", "kept"), [("Local", False), ("local", False), ("Pdt", False), ("utc", True), ("", True)]
+)
+def test_zones_in_small_letters(write, zone, kept):
+    (record,) = read(write(cosmos(pulse(), zone=zone)))
+    assert (record.start_time is not None) is kept
+    assert kept or f"the start time is in {zone}" in record.warnings[0]
+
+
+@pytest.mark.parametrize("place", ["West wall 4th level", "10th-floor", "Subbasement"])
+def test_a_free_field_code_does_not_hide_a_structure(write, place):
+    assert read(write(cosmos(pulse(), site=4, place=place)))[0].orientation == "structural"

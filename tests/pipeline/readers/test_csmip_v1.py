@@ -84,7 +84,7 @@ HEADING_95 = "{n:6d} Accelerogram points at 100 pts/sec in units of g.       For
 @pytest.mark.parametrize("end", ["\n", "\r\n", "\r\r\n"])
 def test_spellings_of_the_heading_line(write, heading, dt, factor, end):
     values = np.round(pulse(101), 6)
-    (record,) = read(write(csmip_equal(values, heading=heading, end=end)))
+    (record,) = read(write(csmip_equal(values, heading=heading, dt=dt, end=end)))
     assert record.dt == pytest.approx(dt, rel=1e-12)
     assert record.acceleration == pytest.approx(values * factor, rel=1e-12)
 
@@ -237,7 +237,9 @@ def test_points_of_velocity_are_no_acceleration(write):
 
 def test_rows_beyond_the_declared_count_are_reported(write):
     values = np.round(pulse(160), 6)
-    content = csmip_equal(values).replace(b"   160 Accelerogram", b"   152 Accelerogram")
+    content = (
+        csmip_equal(values).replace(b"   160 Accelerogram", b"   152 Accelerogram").replace(b"=    160", b"=    152")
+    )
     (record,) = read(write(content))
     assert record.npts == 152
     assert "1 rows beyond the declared count" in record.warnings[0]
@@ -306,3 +308,68 @@ def test_old_files(records_folder, name):
     assert [record.dt for record in records] == pytest.approx([dt] * 3, rel=1e-12)
     assert [record.pga / STANDARD_GRAVITY for record in records] == pytest.approx(peaks, rel=0.02)
     assert all(("resampled" in " ".join(record.warnings)) is (name == "LA116TH.RAW") for record in records)
+
+
+OF_THREE = "ETNA   S/N 2866  (3 CHNS OF  3 AT STA)"
+LACKING = "the header counts 3 channels of this recorder, the file holds 2; it may be truncated"
+
+
+def of_three(*numbers: int, **changes) -> bytes:
+    directions = {1: " 90 DEG", 2: "UP", 3: "360 DEG"}
+    return b"".join(
+        csmip_equal(np.round(pulse(), 6), number=number, component=directions[number], recorder=OF_THREE, **changes)
+        for number in numbers
+    )
+
+
+@pytest.mark.parametrize(("numbers", "lacking"), [((1, 2, 3), False), ((1, 2), True), ((1, 3), True)])
+def test_channels_that_the_header_counts_and_the_file_lacks(write, numbers, lacking):
+    records = read(write(of_three(*numbers)))
+    assert [record.warnings for record in records] == [(LACKING,) if lacking else ()] * len(numbers)
+
+
+def test_the_integers_count_the_channels_where_the_text_does_not(write):
+    content = of_three(1, 2).replace(OF_THREE.encode(), b"ETNA   S/N 2866")
+    assert not any(record.warnings for record in read(write(content)))
+    counting = content.replace(b"    0" * 16 + b"\r\n", b"    1    1    1    3    3" + b"    0" * 11 + b"\r\n")
+    assert [record.warnings for record in read(write(counting))] == [(LACKING,)] * 2
+
+
+def test_a_file_of_one_channel_that_ends_properly_is_whole(write):
+    content = of_three(2)
+    assert read(write(content))[0].warnings == ()
+    cut = content[: content.index(b"/&")]
+    assert "the file holds 1" in read(write(cut))[0].warnings[0]
+
+
+def test_two_recorders_in_one_file_count_apart(write):
+    other = of_three(1, 2, 3).replace(b"S/N 2866", b"S/N 2867")
+    assert not any(record.warnings for record in read(write(of_three(1, 2, 3) + other)))
+    short = other[: other.rindex(b"UNCORRECTED")]
+    assert len([record for record in read(write(of_three(1, 2, 3) + short)) if record.warnings]) == 5
+
+
+def test_a_channel_twice_is_damage(write):
+    with pytest.raises(
+        RecordFormatError, match=r"TEST.RAW:\d+: expected another channel, found that of line 1 a second"
+    ):
+        read(write(of_three(1, 2, 1)))
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        (b"at 100 pts/sec", b"at 200 pts/sec", r"TEST.RAW:28: expected 100 samples/sec .* found a heading with 200"),
+        (b"   400 Accel", b"   392 Accel", r"TEST.RAW:28: expected 400 points .* found a heading with 392"),
+    ],
+)
+def test_the_heading_is_held_against_the_text(write, old, new, message):
+    content = csmip_equal(np.round(pulse(400), 6)).replace(b"4.000 SEC", b"4.000 SEC   AT 100 SAMPLES/SEC")
+    assert read(write(content))[0].warnings == ()
+    with pytest.raises(RecordFormatError, match=message):
+        read(write(content.replace(old, new)))
+
+
+def test_a_length_that_contradicts_the_heading_is_reported(write):
+    (record,) = read(write(csmip_equal(np.round(pulse(400), 6)).replace(b"at 100 pts", b"at 200 pts")))
+    assert record.warnings == ("the header states 4 s, 400 samples at 0.005 s last 2 s",)

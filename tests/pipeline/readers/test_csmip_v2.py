@@ -176,9 +176,10 @@ def test_a_file_without_acceleration_is_refused(write, blocks, found):
 
 
 def test_a_channel_without_acceleration_is_left_out_with_a_warning_on_the_others(write):
-    (record,) = read(write(csmip_v2(MOTION, number=1) + csmip_v2(MOTION, number=2, blocks="vd")))
-    assert len(record.warnings) == 1
-    assert "channel 2 holds velocity but no acceleration; it was left out" in record.warnings[0]
+    content = csmip_v2(MOTION, number=1) + csmip_v2(MOTION, number=2, blocks="vd") + csmip_v2(MOTION, number=3)
+    for record in read(write(content)):
+        assert len(record.warnings) == 1
+        assert "channel 2 holds velocity but no acceleration; it was left out" in record.warnings[0]
 
 
 def test_without_a_unit_in_the_heading_that_of_the_peak_counts(write):
@@ -277,3 +278,21 @@ def test_spectra_with_other_titles_are_refused_too(write):
     title = b"RESPONSE SPECTRA FOR\nCORRECTED ACCELEROGRAM IIBA338 COMP S58W\n"
     with pytest.raises(NotAcceleration, match=r"TEST.V3:1: .*spectra"):
         read(write(title, "TEST.V3"))
+
+
+def test_channels_that_the_header_counts_and_the_file_lacks(write):
+    first, second, third = (csmip_v2(MOTION, number=number) for number in (1, 2, 3))
+    assert not any(record.warnings for record in read(write(first + second + third)))
+    for content in (first + second, first + third):
+        for record in read(write(content)):
+            assert "the header counts 3 channels of this recorder, the file holds 2" in record.warnings[0]
+    assert read(write(second))[0].warnings == ()
+    assert "the file holds 1" in read(write(second[: second.index(b"/&")]))[0].warnings[0]
+
+
+def test_a_channel_twice_is_damage(write):
+    content = csmip_v2(MOTION, number=1)
+    with pytest.raises(
+        RecordFormatError, match=r"TEST.V2:\d+: expected another channel, found that of line 1 a second"
+    ):
+        read(write(content + content))

@@ -7,7 +7,7 @@ import pytest
 from record_writers import csmip_equal, pulse
 
 from rockpulse.readers import read
-from rockpulse.readers.facing import direction, heading_direction
+from rockpulse.readers.facing import direction, heading_direction, on_structure
 
 
 @pytest.mark.parametrize(
@@ -54,6 +54,14 @@ def test_what_is_no_direction_stays_unknown(wording):
         ("acc VRT", "vertical", np.nan),
         ("V", "vertical", np.nan),
         ("v", "unknown", np.nan),
+        ("acc 12.5 deg", "horizontal", 12.5),
+        ("acc 12.5°", "horizontal", 12.5),
+        ("M7.1 090", "horizontal", 90.0),
+        ("10 g", "unknown", np.nan),
+        ("filtered 25 Hz", "unknown", np.nan),
+        ("Acc 0.01", "unknown", np.nan),
+        ("dt=0.005", "unknown", np.nan),
+        ("1" * 60000 + "x", "unknown", np.nan),
     ],
 )
 def test_column_headings(heading, orientation, azimuth):
@@ -69,3 +77,44 @@ def test_a_sign_before_up_keeps_the_samples_and_is_reported(tmp_path):
     (record,) = read(path)
     assert (record.orientation, record.unit_factor > 0.0) == ("vertical", True)
     assert "'-UP' does not tell whether upwards is positive" in record.warnings[0]
+
+
+@pytest.mark.parametrize(
+    ("place", "expected"),
+    [
+        ("Subbasement", True),
+        ("sub-basement", True),
+        ("10th-floor", True),
+        ("12th Fl", True),
+        ("Level 29", True),
+        ("BNZ Building Level 5", True),
+        ("West wall 4th level", True),
+        ("2nd Story", True),
+        ("Base of pier", True),
+        ("Pier 7", True),
+        ("Dam crest", True),
+        ("Santa Monica Pier", False),
+        ("1065 Crest Drive", False),
+        ("11 Wall St", False),
+        ("Ground level", False),
+        ("Fire Station #25", False),
+        ("", False),
+    ],
+)
+def test_places_on_structures(place, expected):
+    assert on_structure(place) is expected
+
+
+@pytest.mark.parametrize(
+    ("place", "expected"),
+    [
+        ("Ground level at SW corner", False),
+        ("Ground level: SW corner", False),
+        ("GROUND", False),
+        ("FREEFIELD", False),
+        ("Ground floor at SW corner", True),
+        ("Courtyard", True),
+    ],
+)
+def test_places_of_instrumented_structures(place, expected):
+    assert on_structure(place, stated=True) is expected

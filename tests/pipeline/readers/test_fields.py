@@ -116,3 +116,10 @@ def test_random_numbers_come_back_to_the_last_bit():
     rows = ["".join(fields[start : start + 3]) for start in range(0, 1000, 3)]
     assert np.array_equal(fixed_width(rows, 1, 25, 3, 1000, "a"), values)
     assert np.array_equal(free_numbers(rows, 1, "a"), values)
+
+
+@pytest.mark.parametrize("text", ["1E" + "1" * 5000, "1E999", "1" * 5000, "1E-" + "1" * 5000])
+def test_a_number_beyond_all_numbers_is_none(text):
+    value, half = printed_number(text)
+    assert np.isnan(value)
+    assert half == 0.0

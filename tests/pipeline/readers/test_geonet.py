@@ -79,7 +79,7 @@ def test_fields_of_eight_characters_touch():
 
 
 def test_readings_in_another_unit_are_multiplied():
-    (record,) = got(geonet([THREE[0]], ["N10E"], reading=0.5))
+    record, _, _ = got(geonet(THREE, reading=0.5))
     assert record.unit_factor == 0.0005
     assert record.acceleration == pytest.approx(0.001 * THREE[0], abs=0.03e-3)
     assert record.warnings == ()
@@ -129,3 +129,37 @@ def test_a_start_far_from_the_earthquake_is_left_out(hours, kept):
 def test_damage_is_named(content, error, message):
     with pytest.raises(error, match=message):
         got(content)
+
+
+@pytest.mark.parametrize(("component", "azimuth"), [("N 53 W", 307.0), ("S 5 E", 175.0), ("N 53W", 307.0)])
+def test_directions_with_blanks(component, azimuth):
+    (record,) = got(geonet([THREE[0]], [component]))
+    assert (record.azimuth, record.component) == (azimuth, component)
+
+
+@pytest.mark.parametrize(("coded", "azimuth"), [(10, 10.0), (11, 10.0), (0, 10.0), (280, np.nan)])
+def test_an_azimuth_that_text_and_integer_do_not_agree_on(coded, azimuth):
+    content = geonet([THREE[0]], ["N10E"])
+    assert content.count(b"      10      10     140") == 1
+    (record,) = got(content.replace(b"      10      10     140", f"      10{coded:8d}     140".encode()))
+    assert record.azimuth == pytest.approx(azimuth, nan_ok=True)
+    assert record.orientation == "horizontal"
+    assert any("integer 28 of the header says 280" in note for note in record.warnings) is bool(np.isnan(azimuth))
+
+
+def test_an_azimuth_that_only_the_integer_states():
+    content = geonet([THREE[0]], ["X1"]).replace(b"      10       0     140", b"      10      45     140")
+    assert got(content)[0].azimuth == 45.0
+
+
+def test_a_file_that_ends_before_its_third_component_says_so():
+    records = got(geonet(THREE[:2], ["N10E", "N80W"]))
+    assert [record.warnings[-1] for record in records] == [
+        "files of this format hold 3 channels of this recorder, the file holds 2; it may be truncated"
+    ] * 2
+    assert not any(record.warnings for record in got(geonet(THREE)))
+
+
+def test_a_component_twice_is_damage():
+    with pytest.raises(RecordFormatError, match=r":\d+: expected another channel, found that of line 1 a second time"):
+        got(geonet(THREE, ["N10E", "N80W", "N10E"]))

@@ -11,6 +11,9 @@ from rockpulse.errors import RecordFormatError, RecordRefused
 from rockpulse.readers import read
 from rockpulse.readers.instrument import pass_band, without_response
 from rockpulse.readers.source import NotAcceleration
+from rockpulse.record import STANDARD_GRAVITY
+
+pytestmark = pytest.mark.filterwarnings("ignore:ObsPy can not map unit", "ignore:The unit .* is not known to ObsPy")
 
 DT, COUNT = 0.01, 4000
 TIME = DT * np.arange(COUNT)
@@ -47,7 +50,83 @@ def test_a_velocity_sensor_gives_back_the_acceleration():
     # The pass band begins at 0.1 Hz, where the answer has fallen to a hundredth.
     assert removed.samples * removed.factor == pytest.approx(truth, abs=1e-3)
     assert "M/S to m/s2" in removed.note
-    assert removed.warnings == ("a sensor of velocity, differentiated: check that it was not driven to its limit",)
+    assert removed.warnings == (
+        "a sensor of velocity, differentiated: check that it was not driven to its limit",
+        "the pass band begins at 0.101 Hz: impulses longer than about 2 s are damped; use an accelerometer for "
+        "near-fault pulses",
+    )
+
+
+def test_the_impulses_that_a_geophone_damps_are_those_the_warning_names():
+    sensor = paz([0.0, 0.0], POLES, "M/S")
+    band = pass_band(sensor, DT, COUNT)
+    longest = 0.2 / band[1]
+    shares = []
+    for duration in (0.5 * longest, longest, 2.0 * longest):
+        # One cycle of a sine from rest, as counts of the geophone: two half-waves of the duration.
+        motion = np.where(np.abs(TIME - 20.0) < duration, np.sin(np.pi * (TIME - 20.0) / duration), 0.0)
+        frequency = np.fft.rfftfreq(COUNT, DT)
+        answer = sensor.get_evalresp_response_for_frequencies(frequency, output="ACC")
+        counts = np.fft.irfft(np.fft.rfft(motion) * np.nan_to_num(answer), COUNT)
+        removed = without_response("test", counts, DT, sensor)
+        back = removed.samples * removed.factor
+        half = motion > 0.0
+        shares.append(np.sum(back[half]) / np.sum(motion[half]))
+        assert "impulses longer than about 2 s are damped" in removed.warnings[-1]
+    assert shares[0] > 0.98
+    assert 0.9 < shares[1] < 0.98
+    assert shares[2] < 0.9
+
+
+@pytest.mark.parametrize(
+    ("unit", "scale"),
+    [
+        ("CM/S**2", 0.01),
+        ("MM/S**2", 1e-3),
+        ("NM/S**2", 1e-9),
+        ("CM/SEC**2", 0.01),
+        ("M/S^2", 1.0),
+        ("M/S2", 1.0),
+        ("GAL", 0.01),
+        ("G", STANDARD_GRAVITY),
+    ],
+)
+def test_a_response_in_any_unit_of_acceleration_is_removed_without_a_false_warning(unit, scale):
+    corner = 2.0 * np.pi * 200.0
+    poles = [corner * (-DAMPING + sign * 1j * np.sqrt(1.0 - DAMPING**2)) for sign in (1.0, -1.0)]
+    counts = GAIN / scale * wavelet(TIME - 2.0 * DAMPING / corner, 1.0, 20.0)
+    removed = without_response("test", counts, DT, paz([], poles, unit, 1.0))
+    assert removed.warnings == ()
+    assert removed.samples * removed.factor == pytest.approx(wavelet(TIME, 1.0, 20.0), abs=2e-3)
+    assert removed.factor == pytest.approx(scale / GAIN, rel=1e-3)
+    assert f"{unit} to m/s2" in removed.note
+
+
+@pytest.mark.parametrize(("unit", "scale"), [("CM/S", 0.01), ("MM/S", 1e-3), ("NM/S", 1e-9), ("NM", 1e-9)])
+def test_a_sensor_of_velocity_or_displacement_in_any_unit(unit, scale):
+    zeros = [0.0, 0.0] if unit.endswith("/S") else [0.0, 0.0, 0.0]
+    plain, scaled = (
+        without_response("test", 1e4 * wavelet(TIME, 2.0, 15.0), DT, paz(zeros, POLES, word))
+        for word in (unit[1:], unit)
+    )
+    assert scaled.samples * scaled.factor == pytest.approx(scale * plain.samples * plain.factor, rel=1e-9)
+    assert not any("differ" in warning and "stages" in warning for warning in (*plain.warnings, *scaled.warnings))
+
+
+def test_a_sensitivity_in_another_unit_than_the_stages_is_compared_in_the_same():
+    response = paz([], POLES, "CM/S**2", 0.2)
+    response.instrument_sensitivity.input_units = "M/S**2"
+    response.instrument_sensitivity.value *= 100.0
+    assert without_response("test", 1e4 * wavelet(TIME, 1.0, 20.0), DT, response).warnings == ()
+    response.instrument_sensitivity.input_units = "M/S"
+    (warning,) = without_response("test", 1e4 * wavelet(TIME, 1.0, 20.0), DT, response).warnings
+    assert warning == "the sensitivity is stated for velocity, the stages of the response begin with acceleration"
+
+
+def test_the_response_that_was_given_stays_as_it_is():
+    response = paz([], POLES, "MM/S**2", 0.2)
+    without_response("test", 1e4 * wavelet(TIME, 1.0, 20.0), DT, response)
+    assert response.response_stages[0].input_units == "MM/S**2"
 
 
 @pytest.mark.parametrize("frequency", [0.05, 0.3, 5.0], ids="{} Hz".format)
@@ -74,7 +153,6 @@ def test_the_pass_band_follows_sensor_and_record():
     assert pass_band(accelerometer, DT, COUNT)[2:] == pytest.approx((8.0, 9.5), rel=0.03)
 
 
-@pytest.mark.filterwarnings("ignore:ObsPy can not map unit")
 def test_a_response_that_does_not_serve_is_refused():
     counts = 1e4 * wavelet(TIME, 1.0, 20.0)
     sensitivity = InstrumentSensitivity(GAIN, 1.0, input_units="M/S**2", output_units="COUNTS")
@@ -82,6 +160,8 @@ def test_a_response_that_does_not_serve_is_refused():
         without_response("test", counts, DT, Response(instrument_sensitivity=sensitivity))
     with pytest.raises(NotAcceleration, match="test records PA, expected ground motion"):
         without_response("test", counts, DT, paz([], POLES, "PA"))
+    with pytest.raises(RecordRefused, match="unknown input unit 'V' of the response; expected M, M/S"):
+        without_response("test", counts, DT, paz([], POLES, "V"))
     stage = PolynomialResponseStage(1, 1.0, 1.0, "M/S**2", "V", 0.0, 1.0, 0.0, 1.0, 0.0, [0.0, 2.0])
     with pytest.raises(RecordRefused, match="polynomial"):
         without_response("test", counts, DT, Response(instrument_sensitivity=sensitivity, response_stages=[stage]))
@@ -124,3 +204,9 @@ def test_a_real_velocity_channel_becomes_acceleration_where_asked_for(records_fo
     assert (record.npts, record.dt) == (45001, 0.01)
     assert "pass band from 0.104 Hz" in record.processing[0]
     assert any("a sensor of velocity" in warning for warning in record.warnings)
+
+
+def test_what_the_c_library_prints_becomes_a_warning_of_the_record(records_folder, capfd):
+    (record,) = read(next((records_folder / "mseed_xml").glob("AV.CKT*.mseed")), response="remove")
+    assert capfd.readouterr().err == ""
+    assert [warning for warning in record.warnings if "FIR normalized" in warning]

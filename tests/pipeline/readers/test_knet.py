@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from datetime import UTC, datetime
 from pathlib import Path
 
@@ -113,3 +114,23 @@ def test_clipping_is_reported(write):
 def test_damage_is_named(write, content, message):
     with pytest.raises(RecordFormatError, match=message):
         read(write(content))
+
+
+@pytest.mark.parametrize(("surplus", "refused"), [(0, False), (99, False), (101, True), (443, True)])
+def test_more_samples_than_the_duration_are_another_record(write, surplus, refused):
+    content = knet(np.append(COUNTS, COUNTS[:surplus])).replace(f"  {(500 + surplus) / 100:g}\n".encode(), b"  5\n")
+    if not refused:
+        assert read(write(content))[0].npts == 500 + surplus
+        return
+    with pytest.raises(
+        RecordFormatError, match=rf"expected 500 samples .* found {500 + surplus}; .* more than one rec"
+    ):
+        read(write(content))
+
+
+def test_a_scale_factor_of_many_digits_costs_no_time(write):
+    path = write(knet(COUNTS, scale="2000" + "1" * 500_000 + "(gal)/8388608"))
+    begin = time.perf_counter()
+    with pytest.raises(RecordFormatError, match=r"AKT0139608110312.EW:14: expected 'Scale Factor'"):
+        read(path)
+    assert time.perf_counter() - begin < 1.0

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import struct
+import threading
 import warnings
 from datetime import UTC, datetime
 
@@ -12,6 +13,7 @@ from record_writers import pulse
 
 from rockpulse.errors import RecordFormatError, RecordRefused, UnitError
 from rockpulse.readers import read
+from rockpulse.readers.obspy_bridge import obspy_notes, seed_direction
 from rockpulse.readers.source import NotAcceleration
 from rockpulse.record import STANDARD_GRAVITY
 
@@ -81,8 +83,24 @@ def test_counts_are_divided_by_the_sensitivity(tmp_path):
     assert (record.orientation, record.azimuth, record.processed) == ("horizontal", 90.0, False)
 
 
-def test_a_sensitivity_per_cm_s2_is_understood(tmp_path):
-    write_station_xml(tmp_path, epoch(value=2000.0, unit="cm/s**2"))
+@pytest.mark.parametrize(
+    ("unit", "scale"),
+    [
+        ("M/S^2", 1.0),
+        ("M/S2", 1.0),
+        ("m/(sec**2)", 1.0),
+        ("M/S/S", 1.0),
+        ("M*S**-2", 1.0),
+        ("cm/s**2", 0.01),
+        ("MM/S**2", 1e-3),
+        ("UM/S**2", 1e-6),
+        ("NM/S**2", 1e-9),
+        ("GAL", 0.01),
+        ("G", STANDARD_GRAVITY),
+    ],
+)
+def test_a_sensitivity_in_any_unit_of_acceleration_is_understood(tmp_path, unit, scale):
+    write_station_xml(tmp_path, epoch(value=2.0e5 * scale, unit=unit))
     (record,) = read(write_miniseed(tmp_path, trace()))
     assert record.acceleration == pytest.approx(COUNTS / 2.0e5, rel=1e-12)
 
@@ -111,8 +129,10 @@ def test_vertical_motion_is_positive_up(tmp_path, dip, sign):
         ([epoch(last=START[:-1] + "9")], RecordRefused, "is in counts and no sensitivity"),
         ([epoch(), epoch(value=3.0)], RecordRefused, "2 different sensitivities"),
         ([epoch(unit="M/S")], NotAcceleration, "records M/S, expected an acceleration"),
+        ([epoch(unit="PA")], NotAcceleration, "records PA, expected ground motion"),
+        ([epoch(unit="V")], RecordRefused, "unknown input unit 'V'"),
     ],
-    ids=["no-xml", "other-channel", "no-gain", "ended", "ends-within", "ambiguous", "velocity"],
+    ids=["no-xml", "other-channel", "no-gain", "ended", "ends-within", "ambiguous", "velocity", "pressure", "unknown"],
 )
 def test_counts_without_a_clear_gain_of_acceleration_are_refused(tmp_path, epochs, error, message):
     if epochs:
@@ -164,6 +184,37 @@ def test_two_responses_for_one_time_are_refused_where_they_matter(tmp_path):
     with pytest.raises(RecordRefused, match="2 different responses for one time"):
         read(path, response="remove")
     assert read(path)[0].unit_factor == 1.0 / 2.0e5
+
+
+@pytest.mark.parametrize(
+    ("other", "what"),
+    [
+        (epoch(value=3.0), "sensitivities"),
+        (epoch(azimuth=270.0), "directions"),
+        (epoch(azimuth=None, dip=None), "directions"),
+        (epoch(dip=-90.0), "directions"),
+    ],
+)
+def test_station_files_that_tell_different_things_are_refused_unless_one_has_the_name_of_the_record(
+    tmp_path, other, what
+):
+    path = write_miniseed(tmp_path, trace())
+    write_station_xml(tmp_path, epoch(azimuth=60.0), name="a.xml")
+    write_station_xml(tmp_path, epoch(azimuth=60.0), name="b.xml")
+    assert read(path)[0].azimuth == 60.0
+    write_station_xml(tmp_path, other, name="z.xml")
+    with pytest.raises(RecordRefused, match=rf"XX\.ABC\.00\.HNE has 2 different {what} for one time in .*record\.xml"):
+        read(path)
+    write_station_xml(tmp_path, epoch(azimuth=60.0), name="record.xml")
+    (record,) = read(path)
+    assert (record.azimuth, record.unit_factor) == (60.0, 1.0 / 2.0e5)
+
+
+def test_a_station_file_of_the_same_name_but_another_time_leaves_it_to_the_others(tmp_path):
+    write_station_xml(tmp_path, epoch(value=7.0, last="2019-12-31"), name="record.xml")
+    write_station_xml(tmp_path, epoch())
+    (record,) = read(write_miniseed(tmp_path, trace()))
+    assert record.unit_factor == 1.0 / 2.0e5
 
 
 def test_a_velocity_channel_becomes_acceleration_only_where_asked_for(tmp_path):
@@ -228,9 +279,9 @@ def test_damaged_miniseed_and_station_files_are_named(tmp_path):
         read(path)
 
 
-def write_sac(folder, values=COUNTS / 1e4, **header):
+def write_sac(folder, values=COUNTS / 1e4, channel="HNE", **header):
     path = folder / "record.sac"
-    sac = trace(counts=np.asarray(values, dtype=np.float32))
+    sac = trace(channel, counts=np.asarray(values, dtype=np.float32))
     sac.stats.sac = {"cmpaz": 135.0, "cmpinc": 90.0, **header}
     sac.write(str(path), format="SAC")
     return path
@@ -256,9 +307,77 @@ def test_sac_of_another_motion_is_refused(tmp_path, idep, series):
 
 @pytest.mark.parametrize(("inclination", "sign"), [(0.0, 1.0), (180.0, -1.0)])
 def test_sac_vertical(tmp_path, inclination, sign):
-    (record,) = read(write_sac(tmp_path, cmpinc=inclination), units="m/s2")
+    (record,) = read(write_sac(tmp_path, channel="HNZ", cmpinc=inclination), units="m/s2")
     assert record.orientation == "vertical"
     assert np.sign(record.acceleration[10]) == sign * np.sign(COUNTS[10])
+
+
+@pytest.mark.parametrize(("channel", "inclination"), [("HNE", 0.0), ("HNE", 180.0), ("HNZ", 90.0), ("HNE", 45.0)])
+def test_sac_whose_angles_contradict_its_channel_code_has_no_direction(tmp_path, channel, inclination):
+    (record,) = read(write_sac(tmp_path, channel=channel, cmpinc=inclination), units="m/s2")
+    assert (record.orientation, np.isnan(record.azimuth)) == ("unknown", True)
+    assert any(f"the channel code says '{channel}', the dip is" in warning for warning in record.warnings)
+    assert np.sign(record.acceleration[10]) == np.sign(COUNTS[10])
+
+
+@pytest.mark.parametrize(
+    ("code", "azimuth", "dip", "expected"),
+    [
+        ("HNE", None, None, ("horizontal", 90.0)),
+        ("HN1", None, None, ("horizontal", None)),
+        ("HN1", 33.0, None, ("horizontal", 33.0)),
+        ("HNR", None, 0.0, ("horizontal", None)),
+        ("HNR", 210.0, 0.0, ("horizontal", 210.0)),
+        ("HNE", 450.0, 0.0, ("horizontal", 90.0)),
+        ("HNE", float("nan"), float("inf"), ("horizontal", 90.0)),
+        ("HNZ", 0.0, -90.0, ("vertical", None)),
+        ("HNZ", 0.0, None, ("vertical", None)),
+        ("HN3", 0.0, 90.0, ("vertical", None)),
+        ("HNZ", 0.0, 0.0, ("unknown", None)),
+        ("HNE", 90.0, -90.0, ("unknown", None)),
+        ("HN1", 90.0, -35.3, ("unknown", None)),
+        ("HNZ", 0.0, 1e9, ("unknown", None)),
+    ],
+)
+def test_the_direction_of_a_channel_code_with_angles(code, azimuth, dip, expected):
+    facing = seed_direction(code, azimuth, dip)
+    assert (facing.orientation, None if np.isnan(facing.azimuth) else facing.azimuth) == expected
+    assert bool(facing.note) == (expected[0] == "unknown")
+    assert facing.sign == (-1.0 if (facing.orientation, dip) == ("vertical", 90.0) else 1.0)
+
+
+def test_an_azimuth_far_from_the_axis_that_the_code_names_is_used_and_said():
+    facing = seed_direction("HNE", 0.0, 0.0)
+    assert facing.azimuth == 0.0
+    assert "the channel code says 'HNE', the azimuth is 0 degrees" in facing.note
+    assert not seed_direction("HNE", 270.0, 0.0).note
+    assert not seed_direction("HNN", 359.0, 0.0).note
+
+
+def test_warnings_of_the_process_survive_two_threads_that_use_obspy():
+    inside, before = threading.Event(), (warnings.filters[:], warnings._showwarnmsg_impl)
+    first_in, first_out = threading.Event(), threading.Event()
+
+    def first():
+        with obspy_notes():
+            first_in.set()
+            inside.wait(0.3)  # the other never comes in where blocks exclude each other
+        first_out.set()
+
+    def second():
+        first_in.wait()
+        with obspy_notes():
+            inside.set()
+            first_out.wait(5.0)
+
+    threads = [threading.Thread(target=work) for work in (first, second)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    after = (warnings.filters[:], warnings._showwarnmsg_impl)
+    warnings.filters[:], warnings._showwarnmsg_impl = before
+    assert after == before
 
 
 def test_truncated_sac(tmp_path):

@@ -78,6 +78,18 @@ INTERVALS = {"cosmos/Cosmos12TimeSeriesTest2.v1": 0.01}
 #: The fourth channel is dead and is left out with a warning on the others.
 LEFT_OUT = {"renadic/curico1002271parte1.v1": [0, 1, 2]}
 
+#: Warnings of all channels together; the other files have none.
+WARNINGS = {
+    "cosmos/Cosmos12TimeSeriesTest2.v1": 3,  # two intervals, of both channels; a direction that contradicts itself
+    "csmip_v1/LA116TH.RAW": 3,  # unequal steps
+    "dyna_asc/20101114230825_3104_ap_RawAcc_E.asc": 1,  # processing without corner frequencies
+    "renadic/curico1002271parte1.v1": 6,  # a dead channel; part 1 alone
+    "renadic/cuya0911131.v1": 3,  # a clock that was never set
+    "smc/891018_1.cra-1.0210j.smc": 2,  # unequal steps; a row too many
+    "unam_asa/CUP50401.012": 3,  # a count that is not that of the rows
+    "usc_v1/017m30lw.e0a": 1,  # unequal steps
+}
+
 RECORDS = [row["file"] for row in ROWS if row["npts"]]
 READABLE = [name for name in RECORDS if name not in REFUSED]
 LISTED = {row["file"]: row for row in ROWS}
@@ -110,6 +122,12 @@ def test_counts_intervals_and_peaks_are_those_of_the_manifest(records_folder, na
     assert np.array(found) / STANDARD_GRAVITY == pytest.approx(expected, rel=2e-3)
     assert {record.format for record in records} == {READERS[name.partition("/")[0]]}
     assert not [note for record in records for note in record.warnings if "clipped" in note]
+
+
+@pytest.mark.parametrize("name", READABLE)
+def test_real_files_are_reported_for_what_is_known_of_them_and_nothing_else(records_folder, name):
+    notes = [note for record in read(records_folder / name, **options(name)) for note in record.warnings]
+    assert len(notes) == WARNINGS.get(name, 0), notes
 
 
 @pytest.mark.parametrize("name", REFUSED)

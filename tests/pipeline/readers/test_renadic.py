@@ -218,3 +218,12 @@ def test_copies_of_the_parts_are_duplicates(tmp_path):
     records, failures = read_all(tmp_path)
     assert [record.npts for record in records] == [400] * 3
     assert [failure.kind for failure in failures] == ["duplicate"] * 6
+
+
+def test_channels_that_the_header_counts_and_the_file_lacks():
+    content = renadic(THREE)
+    cut = content[: content.rindex(b"UNCORRECTED")]
+    for record in got(cut):
+        assert "the header counts 3 channels of this recorder, the file holds 2" in record.warnings[0]
+    with pytest.raises(RecordFormatError, match="expected another channel"):
+        got(content + cut)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from datetime import UTC, datetime
 
 import numpy as np
@@ -116,7 +117,7 @@ def test_damage_is_named(write, content, message):
 # The raw one is resampled at its median step; four pairs after the declared count run backwards and are left out.
 REAL = {
     "0165b_a.smc": (6014, 0.005, 0.2799, "structural"),
-    "891018_1.cra-1.0210j.smc": (34656, 0.0014, 0.1183, "vertical"),
+    "891018_1.cra-1.0210j.smc": (34656, 0.0014, 0.1183, "structural"),
 }
 
 
@@ -127,3 +128,72 @@ def test_real_files(records_folder, name):
     assert (record.npts, record.orientation) == (count, orientation)
     assert record.dt == pytest.approx(dt, rel=1e-12)
     assert record.pga / STANDARD_GRAVITY == pytest.approx(peak, rel=0.02)
+
+
+@pytest.mark.parametrize(
+    ("codes", "structural"),
+    [
+        ({}, False),
+        ({19: 1}, True),
+        ({19: 1, 25: 12}, True),
+        ({25: 12}, True),
+        ({19: 2, 27: 3}, True),
+        ({19: 2, 27: 0}, False),
+        ({19: 3, 28: 2}, True),
+        ({19: 3, 28: 0}, False),
+        ({19: 3}, True),
+        ({19: 4}, True),
+    ],
+)
+def test_the_integers_know_structures_that_the_name_does_not(write, codes, structural):
+    (record,) = read(write(smc(pulse(), codes=codes)))
+    assert (record.orientation == "structural") is structural
+
+
+@pytest.mark.parametrize(("flag", "warned"), [(-32768, False), (0, False), (1, True)])
+def test_a_problem_that_the_agency_flags_is_passed_on(write, flag, warned):
+    (record,) = read(write(smc(pulse(), codes={18: flag})))
+    assert any("integer 18" in note for note in record.warnings) is warned
+
+
+@pytest.mark.parametrize(
+    ("moment", "words"),
+    [
+        ((2011, 235, 17, 50, 56, 9_999_999_999), "is no start time"),
+        ((2011, 366, 17, 50, 56, 0), "is no start time"),
+        ((2011, 0, 17, 50, 56, 0), "is no start time"),
+        ((2011, 235, 24, 50, 56, 0), "is no start time"),
+        ((9999, 365, 23, 59, 60, 999), "is no start time"),
+        ((2011, 235, 5, 50, 56, 0), "lies 12.0 h from the earthquake of 2011-08-23 17:51:00"),
+    ],
+)
+def test_a_start_that_cannot_be_is_left_out_with_a_word(write, moment, words):
+    (record,) = read(write(smc(pulse(), moment=moment)))
+    assert record.start_time is None
+    assert words in record.warnings[-1]
+
+
+def test_the_last_day_of_a_leap_year(write):
+    (record,) = read(write(smc(pulse(), moment=(2012, 366, 17, 50, 56, 7), event="2012  12  31    1751 TEST")))
+    assert record.start_time == datetime(2012, 12, 31, 17, 50, 56, 7000, tzinfo=UTC)
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        (b"station = ", b"station = " + b" " * 500_000 + b"x"),
+        (b"station = ", b"station = " * 50_000),
+        (b"pk acc =  3.00E-01", b"pk acc =  1E" + b"1" * 5000),
+        (b"pk acc =  3.00E-01", b"pk acc =  1E999"),
+        (b"     2011  08", b"     2011 " + b"1 " * 500_000),
+    ],
+    ids=["blanks", "words", "exponent", "infinite", "event"],
+)
+def test_lines_without_end_cost_no_time_and_huge_numbers_are_none(write, old, new):
+    content = smc(pulse())
+    assert old in content
+    path = write(content.replace(old, new))
+    begin = time.perf_counter()
+    (record,) = read(path)
+    assert time.perf_counter() - begin < 1.0
+    assert not np.isinf(record.header_peak)

@@ -116,7 +116,7 @@ def test_a_zip_archive_given_to_read_points_to_what_reads_it(tmp_path):
     with zipfile.ZipFile(tmp_path / "a.zip", "w") as target:
         target.writestr("a.AT2", ONE)
     for given in (tmp_path / "a.zip", (tmp_path / "a.zip").open("rb")):
-        with pytest.raises(RecordRefused, match=r"a.zip: a zip archive .*rockpulse.sources.read_all, .*assess"):
+        with pytest.raises(RecordRefused, match=r"a.zip: a zip archive .*rockpulse.read_all, .*assess"):
             read(given)
     assert len(read_all(tmp_path / "a.zip")[0]) == 1
 

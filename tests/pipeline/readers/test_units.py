@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from rockpulse.errors import UnitError
-from rockpulse.readers.units import UNITS, canonical_unit, other_readings
+from rockpulse.readers.units import UNITS, canonical_unit, mentioned_units, other_readings, quantity_of
 
 
 @pytest.mark.parametrize(
@@ -37,3 +37,43 @@ def test_every_unit_reads_as_itself():
 def test_other_readings_are_ordinary_accelerations():
     assert other_readings(300.0) == "0.306 g if it were cm/s2 or 0.0306 g if it were mm/s2"
     assert "not an ordinary acceleration" in other_readings(1e9)
+
+
+@pytest.mark.parametrize(
+    ("text", "quantity"),
+    [
+        ("cm/s2", "acceleration"),
+        ("Gal", "acceleration"),
+        ("mg", "acceleration"),
+        ("cm/sec", "velocity"),
+        ("kine", "velocity"),
+        ("mm", "displacement"),
+        ("msec", "time"),
+        ("Hz", "frequency"),
+        ("NS", ""),
+        ("", ""),
+    ],
+)
+def test_what_a_unit_measures(text, quantity):
+    assert quantity_of(text) == quantity
+
+
+@pytest.mark.parametrize(
+    ("text", "units"),
+    [
+        ("acc_cm_s2", [("acceleration", "cm/s2")]),
+        ("acc_cm_per_s2", [("acceleration", "cm/s2")]),
+        ("a in mps2", [("acceleration", "m/s2")]),
+        ("acceleration m s-2", [("acceleration", "m/s2")]),
+        ("m·s⁻²", [("acceleration", "m/s2")]),
+        ("UNIT = gal(cm/s/s)", [("acceleration", "gal"), ("acceleration", "cm/s2")]),
+        ("cm/sec squared, cm/sec", [("acceleration", "cm/s2"), ("velocity", "")]),
+        ("time_in_s, 5 m south, comms", []),
+    ],
+)
+def test_units_in_running_text(text, units):
+    found = [
+        (quantity, canonical_unit(wording, "a:1") if quantity == "acceleration" else "")
+        for quantity, wording, _ in mentioned_units(text)
+    ]
+    assert found == units

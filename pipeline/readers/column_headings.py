@@ -1,0 +1,173 @@
+"""The headings of a table of numbers: the line above the numbers, and a row of units below it."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+
+from rockpulse.readers.facing import BRACKET, direction, heading_direction
+from rockpulse.readers.header_words import kinds_of, stated_counts, stated_steps
+from rockpulse.readers.table_layout import LINE_LIMIT, NUMBER, Layout, split_row
+from rockpulse.readers.units import mentioned_units, quantity_of
+
+__all__ = ["Heading", "column_headings"]
+
+#: Characters of a heading that are looked at.
+_NAME = 80
+#: A heading has few words, a unit few letters.
+_SHORT = 3
+_COMMENT = " \t#%!*/"
+_IN_G = re.compile(r"(?<![a-z])g$", re.IGNORECASE)
+_TIME_UNIT = re.compile(r"(?:^|[\W_])(m(?:illi)?s(?:ec\w*)?|us|µs|min(?:s|ut\w*)?)(?=$|[\W_])", re.IGNORECASE)
+#: What may stand in one column of a heading that names no motion.
+_LABEL = re.compile(
+    r"(?:ch|chan|channel|sensor|sta|station|col|column|comp|no|nr|n|index|sample|row|[a-z#]|h)\.?[\s_]*\d{0,4}",
+    re.IGNORECASE,
+)
+_LARGEST_AZIMUTH = 360
+#: Where an acceleration is named by its letter, these are what follows from it.
+_LETTERS = {"a": "acceleration", "v": "velocity", "d": "displacement", "u": "displacement"}
+
+
+@dataclass(frozen=True)
+class Heading:
+    """What stands above one column.
+
+    Attributes
+    ----------
+    name : str
+        As written.
+    kind : str
+        "time", "acceleration", "velocity", "displacement", "spectrum"; empty where neither name nor unit tells.
+    unit : str
+        As written; empty where none is.
+    """
+
+    name: str
+    kind: str = ""
+    unit: str = ""
+
+    @property
+    def known(self) -> bool:
+        """Whether the words mean a motion, a direction or the number of a channel, rather than being prose."""
+        facing = len(self.name.split()) <= _SHORT and heading_direction(self.name).orientation != "unknown"
+        return bool(self.kind or quantity_of(self.unit) or facing or _LABEL.fullmatch(self.name))
+
+
+def column_headings(header: Sequence[str], layout: Layout) -> tuple[tuple[Heading, ...], int]:
+    """What the columns are called.
+
+    Parameters
+    ----------
+    header : sequence of str
+        Lines above the numbers.
+    layout : Layout
+        How the numbers are written; `width` headings are looked for.
+
+    Returns
+    -------
+    headings : tuple of Heading
+        One for each column; empty where the last words above the numbers are prose.
+    prose : int
+        How many lines of the header stand above the headings.
+    """
+    rows = [index for index, line in enumerate(header) if _is_heading(line)]
+    units: Sequence[str] = [""] * layout.width
+    prose = len(header)
+    for fields, _ in _splits(header[rows[-1]], layout) if rows else ():
+        quantities = [quantity_of(field.strip("[]() ")) for field in fields]
+        if len(fields) == layout.width and all(quantities) and {*quantities} - {"time"}:
+            units, prose = [field.strip("[]() ") for field in fields], rows.pop()
+            break
+    # A line that states an interval or a count is prose.
+    line = [header[rows[-1]]] if rows else []
+    states = bool(stated_steps(line) or stated_counts(line))
+    for names, own in _splits(line[0], layout) if line else ():
+        if states and (layout.width == 1 or not own):
+            continue
+        headings = _headings(names, units) if len(names) == layout.width else ()
+        if headings and _are_headings(headings, own):
+            return headings, rows[-1]
+    return (_headings([""] * layout.width, units), prose) if any(units) else ((), len(header))
+
+
+def _is_heading(line: str) -> bool:
+    """Whether a line, in a length that a table may have, holds more than numbers and rules."""
+    fields = re.split(r"[\s,;]+", line.strip(_COMMENT)) if len(line) <= LINE_LIMIT else []
+    return any(re.search(r"\w", field) and not NUMBER.fullmatch(field) for field in fields)
+
+
+def _splits(line: str, layout: Layout) -> Iterator[tuple[list[str], bool]]:
+    """Ways to split a heading, and whether it is that of the rows, from the clearest to the least clear."""
+    text = line.strip(_COMMENT) if "\t" not in line else line.strip("\r\n").lstrip("#%!*/ ")
+    for delimiter in dict.fromkeys((layout.delimiter or "\t", "\t", ";", ",")):
+        if delimiter in text:
+            pieces = text.split('"')
+            pieces[1::2] = [piece.replace(delimiter, " ") for piece in pieces[1::2]]
+            yield split_row("".join(pieces), delimiter), delimiter == (layout.delimiter or "\t")
+    words = text.split()
+    if layout.width == 1:
+        yield [text], len(words) == 1
+        return
+    yield re.split(r"\s\s+", text.strip()), False
+    bracketed = re.findall(r"[^\[\]()]{1,80}[\[(][^\[\]()]{0,80}[\])]", text)
+    if sum(map(len, bracketed)) == len(text):
+        yield bracketed, False
+    joined: list[str] = []
+    for word in words:
+        if joined and (word[0] in "([" or joined[-1].count("(") > joined[-1].count(")")):
+            joined[-1] += f" {word}"
+        else:
+            joined.append(word)
+    yield joined, False
+
+
+def _headings(names: Sequence[str], units: Sequence[str]) -> tuple[Heading, ...]:
+    found = [_heading(name.strip(_COMMENT)[:_NAME], unit[:_NAME]) for name, unit in zip(names, units, strict=True)]
+    letters = [BRACKET.sub("", heading.name).strip() for heading in found]
+    small = {letter.lower() for letter in letters}
+    # In t, a, v, d the letters are motions; in n, e, v they are directions.
+    named = "a" in small or any(heading.kind == "acceleration" for heading in found)
+    if not (named or (letters[1:] and {*letters[1:]} <= {"v", "d", "u"})) or {"n", "e"} & small:
+        return tuple(found)
+    kinds = (heading.kind or _LETTERS.get(letter.lower(), "") for heading, letter in zip(found, letters, strict=True))
+    return tuple(replace(heading, kind=kind) for heading, kind in zip(found, kinds, strict=True))
+
+
+def _heading(name: str, unit: str) -> Heading:
+    """The kind is what the words say, else what the unit measures; a unit in brackets may be any, also a wrong one."""
+    kinds = kinds_of(BRACKET.sub(" ", name))
+    kind = kinds[0] if kinds else ""
+    if not unit:
+        brackets = [text.strip() for text in BRACKET.findall(name) if text.strip() and not _is_label(text)]
+        unit = next((text for text in brackets if quantity_of(text)), brackets[0] if brackets else "")
+    if not unit:
+        unit = next((wording for _, wording, _ in mentioned_units(name)), "")
+    if not unit and kind == "acceleration" and _IN_G.search(name.replace("_", " ").strip()):
+        unit = "g"
+    if not unit and kind == "time":
+        match = _TIME_UNIT.search(name)
+        unit = match[1] if match else ""
+    measured = quantity_of(unit)
+    return Heading(name, kind or ("spectrum" if measured == "frequency" else measured), unit)
+
+
+def _is_label(text: str) -> bool:
+    """Whether brackets hold words, a direction or the number of a channel rather than a unit."""
+    words = all(word.isalpha() and len(word) > _SHORT for word in text.split())
+    return not quantity_of(text) and (words or direction(text).orientation != "unknown" or text.isdecimal())
+
+
+def _are_headings(headings: Sequence[Heading], own: bool) -> bool:
+    """Whether the pieces of a line are headings rather than prose; `own` if they are split as the rows are."""
+    if any(heading.name.isdecimal() and int(heading.name[:9]) > _LARGEST_AZIMUTH for heading in headings):
+        return False
+    names = [heading.name for heading in headings]
+    if own:
+        return any(heading.known for heading in headings) or all(len(name.split()) == 1 for name in names)
+    # A title may have as many words as a series in rows has columns.
+    timed = headings[0].kind == "time"
+    alike = len({bool(heading.kind) for heading in headings}) == 1
+    short = all(len(name.split()) <= 2 * _SHORT for name in names)
+    return short and (timed or (alike and all(heading.known for heading in headings)))

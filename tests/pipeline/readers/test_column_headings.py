@@ -1,0 +1,355 @@
+"""What the header of plain columns says: it is believed, and held against what the caller says."""
+
+from __future__ import annotations
+
+import contextlib
+import time
+
+import numpy as np
+import pytest
+from record_writers import pulse
+from record_writers.columns import columns, wrapped
+
+from rockpulse.errors import RecordFormatError, RockpulseError, UnitError
+from rockpulse.readers import read
+from rockpulse.readers.columns import is_columns, read_columns
+from rockpulse.readers.format import ReadOptions
+from rockpulse.readers.header_words import stated_counts, stated_kinds, stated_steps, stated_units
+from rockpulse.readers.source import NotAcceleration, SourceFile
+
+COUNT, STEP = 1000, 0.005
+TIMES = np.arange(COUNT) * STEP
+VALUES = np.round(pulse(COUNT, peak=3.0) + 0.01 * np.sin(300.0 * TIMES), 6)
+VELOCITY = np.cumsum(VALUES) * STEP
+PAIR = np.column_stack([TIMES, VALUES])
+JMA = """SITE CODE= 62501,KUMAMOTO
+ LAT.= 32.8
+ LON.= 130.7
+ SAMPLING RATE= 100Hz
+ UNIT  = gal(cm/s/s)
+ INITIAL TIME = 2016 04 16 01 25 00
+ NS,EW,UD
+"""
+
+
+@pytest.fixture
+def write(tmp_path):
+    def written(content: bytes, name: str = "record.txt"):
+        (tmp_path / name).write_bytes(content)
+        return tmp_path / name
+
+    return written
+
+
+def series(header: str, *more: np.ndarray, separator: str = " ") -> bytes:
+    """Time, acceleration and more columns below a header."""
+    return columns(np.column_stack([TIMES, VALUES, *more]), header, separator)
+
+
+@pytest.mark.parametrize(
+    ("header", "separator"),
+    [
+        ("Time [sec]\tAcceleration [cm/sec2]\tVelocity [cm/sec]\tDisplacement [cm]\n", "\t"),
+        ("Time [sec] Acceleration [cm/sec2] Velocity [cm/sec] Displacement [cm]\n", " "),
+        ("# Time (s)   Acc. NS (cm/s2)   Velocity NS (cm/s)   Displ. NS (cm)\n", " "),
+        ("t a v d\n", "\t"),
+        ("Tiempo (s), Aceleración, Velocidad, Desplazamiento\n", ","),
+        ("Zeit;Beschleunigung;Geschwindigkeit;Verschiebung\n", ";"),
+        ("Temps\tAccélération\tVitesse\tDéplacement\n", "\t"),
+        ("Tempo,Accelerazione,Velocità,Spostamento\n", ","),
+        ("Zaman,İvme,Hız,Deplasman\n", ","),
+        ("Tempo;Aceleração;Velocidade;Deslocamento\n", ";"),
+        ("Time,Acc,Vel,Disp\ns,cm/s2,cm/s,cm\n", ","),
+        ("Time,x,y,z\n(s),(cm/s2),(cm/s),(cm)\n", ","),
+    ],
+)
+def test_velocity_and_displacement_are_known_by_their_headings(write, header, separator):
+    (record,) = read(write(series(header, VELOCITY, np.cumsum(VELOCITY), separator=separator)), units="cm/s2")
+    assert record.acceleration == pytest.approx(VALUES / 100.0, abs=1e-12)
+    assert "columns left out, no acceleration: " in record.warnings[0]
+
+
+@pytest.mark.parametrize("units", ["g", None])
+@pytest.mark.parametrize(
+    "header",
+    [
+        "Time [sec]\tAcceleration [cm/sec2]\n",
+        "Time (s) Acc NS (cm/s2)\n",
+        "Time,Acc\ns,cm/s2\n",
+        "time\tacc_cm_s2\n",
+        "time,acceleration in gal\n",
+        "time,Acceleration cm/s^2\n",
+        "time,Acceleration cm s-2\n",
+    ],
+)
+def test_the_unit_of_a_heading_is_believed_and_held_against_the_caller(write, header, units):
+    path = write(series(header, separator="\t" if "\t" in header else ","))
+    if units is None:
+        assert read(path)[0].acceleration == pytest.approx(VALUES / 100.0, abs=1e-12)
+        return
+    with pytest.raises(UnitError, match=r"column '.*' is headed (cm/s2|gal), the option units says g"):
+        read(path, units=units)
+
+
+@pytest.mark.parametrize(
+    "header",
+    [
+        "# units: cm/s2\n# t a\n",
+        "UNIT  = gal(cm/s/s)\n",
+        "Accelerations in cm/s²\n",
+        "# [Gal]\n",
+        "# cm/sec**2\n",
+        "Unidades: cm/s2\nt,a\n",
+    ],
+)
+def test_the_unit_of_the_prose_has_to_agree_but_does_not_spare_the_question(write, header):
+    path = write(series(header))
+    with pytest.raises(UnitError, match=r"record.txt:1: the header says '.*', the option units says g; correct"):
+        read(path, units="g")
+    with pytest.raises(UnitError, match="do not state their unit; line 1 of its header speaks of"):
+        read(path)
+    assert read(path, units="gal")[0].acceleration == pytest.approx(VALUES / 100.0, abs=1e-12)
+
+
+@pytest.mark.parametrize("header", ["t [s],a [mg]\n", "t,a\ns,%g\n", "units: mg\n", "t,a (furlong/s2)\n"])
+def test_a_unit_that_is_not_read_is_refused(write, header):
+    with pytest.raises(UnitError, match="unknown unit of acceleration"):
+        read(write(series(header, separator=",")), units="g")
+
+
+@pytest.mark.parametrize(
+    "header", ["PGA = 300 cm/s2\n", "Peak acceleration (cm/s2): 300\n", "Vs30 = 360 m/s\n", "a (raw)\n"]
+)
+def test_units_of_something_else_are_none_of_the_columns(write, header):
+    assert read(write(series(header)), units="g")[0].npts == COUNT
+
+
+def test_jma_file(write):
+    path = write(columns(np.column_stack([VALUES] * 3), JMA, ","), "jma.csv")
+    records = read(path, units="gal")
+    assert [(record.dt, record.channel) for record in records] == [(0.01, "NS"), (0.01, "EW"), (0.01, "UD")]
+    with pytest.raises(UnitError, match=r"jma.csv:5: the header says 'gal', the option units says g"):
+        read(path, units="g")
+    with pytest.raises(RecordFormatError, match=r"disagree: 0.01 s \(line 4: 'sampling rate= 100'\), 0.005 s \(option"):
+        read(path, units="gal", dt=0.005)
+
+
+@pytest.mark.parametrize(
+    ("header", "step"),
+    [
+        ("# dt = 0.005 s, 200 Hz\n", 0.005),
+        ("dt= .005 SEC\n", 0.005),
+        ("DT(ms) = 5\n", 0.005),
+        ("dt = 1/200 s\n", 0.005),
+        ("sampling interval: 5 ms\n", 0.005),
+        ("Intervalo de muestreo: 0,005\n", 0.005),
+        ("SAMPLING RATE= 200Hz\n", 0.005),
+        ("Sampling frequency (Hz): 200\n", 0.005),
+        ("200 Hz, NS\n", 0.005),
+        ("200 samples per second\n", 0.005),
+        ("band-pass 0.1-25 Hz\n", None),
+        ("M 5 at 25 km\n", None),
+    ],
+)
+def test_the_interval_of_the_header_is_believed_and_held_against_the_caller(write, header, step):
+    path = write(columns(VALUES[:, None], header))
+    if step is None:
+        assert read(path, units="g", dt=0.01)[0].dt == 0.01
+        return
+    assert read(path, units="g")[0].dt == pytest.approx(step, rel=1e-12)
+    with pytest.raises(RecordFormatError, match=r"intervals disagree: 0.005 s \(line 1: .*, 0.01 s \(option dt\)"):
+        read(path, units="g", dt=0.01)
+
+
+def test_the_interval_of_the_header_is_held_against_the_times(write):
+    with pytest.raises(RecordFormatError, match=r"intervals disagree|expected equally spaced"):
+        read(write(series("dt = 0.01\n")), units="g")
+
+
+@pytest.mark.parametrize(
+    ("heading", "per_second"),
+    [("Time (min)", 1 / 60), ("t_ms", 1e3), ("time in ms", 1e3), ("Tiempo [minutes]", 1 / 60)],
+)
+def test_times_in_other_units(write, heading, per_second):
+    table = np.column_stack([TIMES * per_second, VALUES])
+    (record,) = read(write(columns(table, f"{heading},acc\n", ",", field="{:.9f}")), units="m/s2")
+    assert record.dt == pytest.approx(STEP, rel=1e-6)
+
+
+def test_times_in_a_unit_of_their_own_are_refused(write):
+    with pytest.raises(RecordFormatError, match=r"expected a column of times in s, ms or min, found 'Time \[0.01 s\]'"):
+        read(write(series("Time [0.01 s],acc\n", separator=",")), units="g")
+
+
+@pytest.mark.parametrize(
+    ("lines", "step"), [("1000\n0.005\n", 0.005), ("1000\n", None), ("0.005\n1000\n", 0.005), (" 0.005 1000\n", 0.005)]
+)
+def test_a_count_on_a_line_of_its_own_is_no_sample(write, lines, step):
+    (record,) = read(write(columns(VALUES[:, None], lines)), units="mm/s2", dt=None if step else 0.005)
+    assert (record.npts, record.dt) == (COUNT, 0.005)
+    assert record.acceleration == pytest.approx(VALUES / 1000.0, abs=1e-12)
+
+
+def test_a_count_above_fewer_samples_is_a_truncation(write):
+    with pytest.raises(RecordFormatError, match=r"record.txt:1: expected 1200 rows \(header\), found 1000"):
+        read(write(columns(VALUES[:, None], "1200\n")), units="g", dt=0.005)
+    (record,) = read(write(columns(VALUES[:, None], "NPTS = 1200\n")), units="g", dt=0.005)
+    assert record.warnings == ("the header speaks of 1200 samples, the file has 1000 rows; is it whole?",)
+
+
+def test_a_whole_first_sample_is_a_sample(write):
+    (record,) = read(write(b"3\n" + columns(VALUES[:, None])), units="m/s2", dt=0.005)
+    assert (record.npts, record.acceleration[0]) == (COUNT + 1, 3.0)
+
+
+@pytest.mark.parametrize(
+    "header",
+    [
+        "# Accelerograph station ABC\n# velocity (cm/s)\n",
+        "time,velocidad_NS\n",
+        "Zeit,Geschwindigkeit\n",
+        "time,hız\n",
+        "time,v\n",
+        "Period(s),PSA(g)\n",
+        "Frequency (Hz),FAS\n",
+        "# PGV 12 cm/s\n# cm/s\n",
+        "# velocity (cm/s)\nt,NS\n",
+        "t [s],NS [cm]\n",
+        "units: cm/s\n",
+    ],
+)
+def test_what_is_no_acceleration_is_refused(write, header):
+    with pytest.raises(NotAcceleration, match=r"record.txt:\d: expected .*acceleration"):
+        read(write(series(header, separator=",")), units="cm/s2")
+
+
+@pytest.mark.parametrize(
+    "header",
+    ["Acceleration and velocity of the same site\n", "Response spectrum\n", "Velocity from acceleration\nt,NS\n"],
+)
+def test_a_header_that_names_more_than_one_motion_asks_for_headings(write, header):
+    with pytest.raises(RecordFormatError, match=r"record.txt:1: expected to know which columns .* name the columns"):
+        read(write(series(header)), units="g")
+
+
+def test_unnamed_columns_of_acceleration_velocity_and_displacement_are_refused(write):
+    content = series("", VELOCITY, np.cumsum(VELOCITY))
+    with pytest.raises(RecordFormatError, match=r"column 3 is the integral of column 2, .* name the columns"):
+        read(write(content), units="g")
+    assert len(read(write(series("", VALUES[::-1], -VALUES)), units="g")) == 3
+    with pytest.raises(RecordFormatError, match="found 4 columns of numbers"):
+        read(write(series("", VALUES[::-1], -VALUES, VALUES[::-1])), units="g")
+
+
+def test_a_column_that_is_headed_as_time_is_time_wherever_it_stands(write):
+    (record,) = read(write(columns(PAIR[:, ::-1], "acc,time\n", ",")), units="m/s2")
+    assert (record.dt, record.channel) == (STEP, "acc")
+    with pytest.raises(RecordFormatError, match="column 2 runs like time; write the times as the first column"):
+        read(write(columns(PAIR[:, ::-1])), units="m/s2", dt=STEP)
+
+
+def test_a_column_that_is_headed_as_acceleration_and_runs_like_time_is_refused(write):
+    with pytest.raises(
+        RecordFormatError, match="expected acceleration in the column 'acc', found that it runs like time"
+    ):
+        read(write(series("acc,acc EW\n", separator=",")), units="m/s2")
+
+
+def test_a_column_of_something_else_is_left_out(write):
+    (record,) = read(write(series("time,acc_NS,temp\n", VALUES[::-1], separator=",")), units="g")
+    assert record.warnings == ("columns left out, no acceleration: temp",)
+
+
+@pytest.mark.parametrize(
+    ("header", "per_row"),
+    [
+        ("El Centro 1940 NS component\n", 5),
+        ("Acceleration time history in units of g dt=0.005\n", 8),
+        ("Acceleration time history units of g dt=0.005\n", 8),
+        ("", 2),
+        ("Acceleration NS\n", 2),
+        ("El Centro\n", 7),
+    ],
+)
+def test_prose_above_a_wrapped_series_names_no_columns(write, header, per_row):
+    with pytest.raises(RecordFormatError, match=rf"record.txt:\d+: .* one series in rows of {per_row}\? .*NPTS"):
+        read(write(wrapped(VALUES, per_row, header)), units="g", dt=STEP)
+
+
+@pytest.mark.parametrize("per_row", [2, 5, 7, 8])
+@pytest.mark.parametrize("header", ["El Centro, NPTS = 1000, in g\n", "1000 points of El Centro\n", "1000 0.005\n"])
+def test_a_wrapped_series_is_read_where_the_header_states_its_length(write, header, per_row):
+    (record,) = read(write(wrapped(VALUES, per_row, header)), units="g", dt=STEP)
+    assert record.acceleration / record.unit_factor == pytest.approx(VALUES, abs=1e-12)
+
+
+@pytest.mark.parametrize("end", ["\n\n", "\n"])
+def test_a_wrapped_series_with_blank_rows(write, end):
+    content = wrapped(VALUES[:998], 5, "998 0.005\n").decode().replace("\n", f"\n{end}")
+    (record,) = read(write(content.encode()), units="m/s2")
+    assert record.acceleration == pytest.approx(VALUES[:998], abs=1e-12)
+    assert read(write(b"2 0.005\n0.1 0.2\n"), units="m/s2")[0].npts == 2
+
+
+def test_a_wrapped_series_shorter_than_the_header_states_is_a_truncation(write):
+    with pytest.raises(RecordFormatError, match=r"expected 1100 values \(header\), found 1000"):
+        read(write(wrapped(VALUES, 8, "1100 0.005\n")), units="g")
+
+
+def test_decimal_commas_below_a_first_row_of_whole_numbers(write):
+    rows = "".join(f"{moment:g} {value:.6f}\n".replace(".", ",") for moment, value in PAIR)
+    (record,) = read(write(rows.encode()), units="m/s2")
+    assert record.acceleration == pytest.approx(VALUES, rel=1e-12)
+
+
+@pytest.mark.parametrize("row", ["{},{}", '"{}","{}"', "7,{},{}"])
+@pytest.mark.parametrize("header", ["", "t,a\n"])
+def test_decimal_commas_between_commas_are_refused(write, row, header):
+    rows = "".join(row.format(*(f"{value:.3f}".replace(".", ",") for value in pair)) + "\n" for pair in PAIR)
+    with pytest.raises(RecordFormatError, match="whether a comma separates columns or marks decimals"):
+        read(write((header + rows).encode()), units="g", dt=STEP)
+
+
+def test_points_among_decimal_commas_are_refused(write):
+    rows = "".join(f"{moment:.3f};{value:.6f}\n".replace(".", ",") for moment, value in PAIR).split("\n")
+    rows[700] = rows[700].replace(",", ".")
+    with pytest.raises(RecordFormatError, match=r"record.txt:701: expected commas as decimal marks like in other rows"):
+        read(write("\n".join(rows).encode()), units="g")
+
+
+def test_a_count_of_thousands_of_digits_is_no_number_of_rows(write):
+    with pytest.raises(RecordFormatError, match=r"record.txt:"):
+        read(write(b"1" * 5000 + b" 0.01\n" + columns(VALUES[:, None])), units="g")
+
+
+@pytest.mark.parametrize(
+    "unit", [b"1", b"a", b" ", b"(", b"1 ", b"1.", b"[g] ", b"1,", b"cm/s ", b"dt=", b";", b'"', b"in "]
+)
+def test_hostile_lines_cost_no_more_than_their_length(unit):
+    rows = columns(PAIR)
+    long, short = unit * (5_000_000 // len(unit)) + b"x\n", unit * (900 // len(unit)) + b"x\n"
+    for content in (long, long + rows, rows + long + rows, short * 50 + rows, short * 2000, rows + short * 2000):
+        began = time.process_time()
+        is_columns(content[:65536], "a.txt")
+        with contextlib.suppress(RockpulseError):
+            read_columns(SourceFile("a.txt", content[:65536], lambda content=content: content), ReadOptions("g", 0.005))
+        assert time.process_time() - began < 2.0
+
+
+@pytest.mark.parametrize(
+    ("line", "kinds", "units", "steps", "counts"),
+    [
+        ("# velocity (cm/s)", ["velocity"], [], [], []),
+        ("accelerogram of the main shock, spectrally matched", [], [], [], []),
+        ("shear wave velocity 360 m/s", [], [], [], []),
+        ("Acceleration in g, dt = 0.02, N = 400", ["acceleration"], ["g"], [0.02], [400]),
+        ("Beschleunigung in mm/s², 100 Hz", ["acceleration"], ["mm/s2"], [0.01], []),
+        ("500 Hz filter, 2000 samples per second", [], [], [], []),
+        ("with 2 numbers", [], [], [], []),
+    ],
+)
+def test_words_of_a_header(line, kinds, units, steps, counts):
+    assert list(stated_kinds([line])) == kinds
+    assert sorted({unit.wording for unit in stated_units([line])}) == units
+    assert [step.value for step in stated_steps([line])] == pytest.approx(steps)
+    assert [count.value for count in stated_counts([line])] == counts
