@@ -62,7 +62,7 @@ def _peak_warnings(
     if not low <= peak / g <= high:
         named = unit if unit in UNITS else f"{unit} x {abs(factor):.4g} m/s2"
         warnings.append(
-            f"peak {peak / g:.3g} g in the unit {named}; the values would be {other_readings(samples_peak)}"
+            f"peak {peak / g:.3g} g in the unit {named}; the values would be {other_readings(samples_peak, unit)}"
         )
     return warnings
 

@@ -10,7 +10,7 @@ import tempfile
 import threading
 import warnings as python_warnings
 from collections.abc import Iterator
-from contextlib import contextmanager, nullcontext
+from contextlib import contextmanager
 from datetime import UTC, datetime
 from typing import Any
 
@@ -40,16 +40,19 @@ def obspy_notes(terminal: bool = False) -> Iterator[list[str]]:
     notes: list[str] = []
     with _ALONE, python_warnings.catch_warnings(record=True) as caught:
         python_warnings.simplefilter("always")
-        with _standard_error() if terminal else nullcontext([]) as printed, _unraisable() as lost:
+        with _standard_error(terminal) as printed, _unraisable() as lost:
             yield notes
     told = [str(item.message) for item in caught if not issubclass(item.category, _NO_NEWS)]
     notes += dict.fromkeys(f"obspy: {' '.join(text.split())}" for text in (*told, *printed, *lost))
 
 
 @contextmanager
-def _standard_error() -> Iterator[list[str]]:
-    """Lines that are written to file descriptor 2 meanwhile."""
+def _standard_error(wanted: bool) -> Iterator[list[str]]:
+    """Lines that are written to file descriptor 2 meanwhile, if `wanted`."""
     lines: list[str] = []
+    if not wanted:
+        yield lines
+        return
     sys.stderr.flush()
     before = os.dup(2)
     with tempfile.TemporaryFile() as file:

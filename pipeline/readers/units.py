@@ -64,7 +64,12 @@ def canonical_unit(text: str, where: str) -> str:
     """
     unit = _accepted(text)
     if unit not in UNITS:
-        raise UnitError(f"{where}: unknown unit of acceleration {text[:40]!r}; expected one of {', '.join(UNITS)}")
+        quantity = quantity_of(text)
+        of = f" ({quantity})" if quantity else ""
+        advice = "" if where.startswith("option") else "; correct the file, or write columns and give their unit"
+        raise UnitError(
+            f"{where}: unknown unit of acceleration {text[:40]!r}{of}; expected one of {', '.join(UNITS)}{advice}"
+        )
     return unit
 
 
@@ -108,15 +113,22 @@ def mentioned_units(text: str) -> Iterator[tuple[str, str, int]]:
         yield "acceleration" if squared else "velocity", wording, match.start()
 
 
-def other_readings(peak: float) -> str:
-    """The units, in words, in which a peak in file units would be an ordinary acceleration.
+def other_readings(peak: float, unit: str = "") -> str:
+    """The units, in words, in which a peak in file units would be an ordinary acceleration, else the nearest to it.
 
     Parameters
     ----------
     peak : float
         Largest absolute value as the file holds it [file unit].
+    unit : str
+        The file unit, which is left out.
     """
     low, high = _CREDIBLE_PGA_G
-    readings = {unit: peak * factor / STANDARD_GRAVITY for unit, factor in UNITS.items() if unit != "gal"}
-    fitting = [f"{value:.3g} g if it were {unit}" for unit, value in readings.items() if low <= value <= high]
-    return " or ".join(fitting) if fitting else "not an ordinary acceleration in any unit that is read"
+    own = UNITS.get(unit)
+    others = {name: factor for name, factor in UNITS.items() if name != "gal" and factor != own}
+    readings = {name: peak * factor / STANDARD_GRAVITY for name, factor in others.items()}
+    fitting = [f"{value:.3g} g if it were {name}" for name, value in readings.items() if low <= value <= high]
+    if fitting:
+        return " or ".join(fitting)
+    nearest = (max if max(readings.values()) < low else min)(readings, key=lambda name: readings[name])
+    return f"{readings[nearest]:.3g} g if it were {nearest}, no ordinary acceleration either"

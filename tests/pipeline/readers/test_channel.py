@@ -27,7 +27,7 @@ def record(peak=0.3, unit="g", samples=None, **known):
     [
         (50.0, "g", r"peak 50 g in the unit g; the values would be 0.051 g if it were cm/s2"),
         (6000.0, "cm/s2", r"peak 6.12 g in the unit cm/s2; the values would be 0.612 g if it were mm/s2"),
-        (5e-7, "g", r"peak 5e-07 g in the unit g; the values would be not an ordinary acceleration in any unit"),
+        (5e-7, "g", r"peak 5e-07 g in the unit g; the values would be 5.1e-08 g if it were m/s2, no ordinary"),
         (5e-3, "mm/s2", r"peak 5.1e-07 g in the unit mm/s2; .*0.005 g if it were g"),
     ],
 )

@@ -36,7 +36,8 @@ def test_every_unit_reads_as_itself():
 
 def test_other_readings_are_ordinary_accelerations():
     assert other_readings(300.0) == "0.306 g if it were cm/s2 or 0.0306 g if it were mm/s2"
-    assert "not an ordinary acceleration" in other_readings(1e9)
+    assert other_readings(1e9) == "1.02e+05 g if it were mm/s2, no ordinary acceleration either"
+    assert other_readings(1e-4, "g") == "1.02e-05 g if it were m/s2, no ordinary acceleration either"
 
 
 @pytest.mark.parametrize(
