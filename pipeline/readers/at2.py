@@ -26,14 +26,18 @@ _LONGEST_LINE = 200
 # 5,000 is five thousand; 1/200 is no number.
 _COUNT = r"(?P<count>\d{1,3}(?:,\d{3})+(?![\d.])|\d+)"
 _STEP = r"(?P<step>[+-]?(?:\d+\.?\d*|\.\d+)(?:[ED][+-]?\d+)?)(?![\d.ED]|\s*/\s*\d)"
-_BOTH = r"NPTS\s*[,;&]?\s*DT\b(?:\s*\(\w+\))?"
+_NPTS, _DT = r"(?:NPTS|(?:NUMBER|NO\.?) OF POINTS)", r"(?:\bDT|TIME STEP)"
+_BOTH = rf"{_NPTS}\s*[,;&]?\s*{_DT}\b(?:\s*\(\w+\))?"
 #: The spellings of the line with number of points and interval.
 _COUNT_AND_STEP = [
-    re.compile(rf"NPTS\s*[=:]\s*{_COUNT}.*?\bDT\s*(?:\(\w+\))?\s*[=:]\s*{_STEP}", re.IGNORECASE | re.ASCII),
-    re.compile(rf"\bDT\s*(?:\(\w+\))?\s*[=:]\s*{_STEP}.*?NPTS\s*[=:]\s*{_COUNT}", re.IGNORECASE | re.ASCII),
-    re.compile(rf"^\s*{_COUNT}[\s,]+{_STEP}[\s,]+{_BOTH}", re.IGNORECASE | re.ASCII),
+    re.compile(rf"{_NPTS}\s*[=:]\s*{_COUNT}.*?{_DT}\s*(?:\(\w+\))?\s*[=:]\s*{_STEP}", re.IGNORECASE | re.ASCII),
+    re.compile(rf"{_DT}\s*(?:\(\w+\))?\s*[=:]\s*{_STEP}.*?{_NPTS}\s*[=:]\s*{_COUNT}", re.IGNORECASE | re.ASCII),
+    re.compile(rf"^\s*{_COUNT}[\s,]+{_STEP}[\s,]+(?:SEC\w*[\s,]+)?{_BOTH}", re.IGNORECASE | re.ASCII),
     re.compile(rf"{_BOTH}\s*[=:]?\s*{_COUNT}[\s,]+{_STEP}", re.IGNORECASE | re.ASCII),
 ]
+#: The same without any word, below the line that names the unit.
+_BARE = re.compile(rf"\s*(?P<count>[1-9]\d{{1,8}})[\s,]+{_STEP}\s*(?:SEC\w*)?\s*", re.IGNORECASE | re.ASCII)
+_NAMES_BOTH = [re.compile(words, re.IGNORECASE) for words in (_NPTS, rf"{_DT}\b")]
 _MILLISECONDS = re.compile(r"(?<![a-z])m(?:illi)?s(?:ec\w*)?\b", re.IGNORECASE)
 _UNIT = re.compile(r"UNITS?\s*(?:OF|ARE|IN|IS|[:=])\s*[(\[]?([^\s)\],;]+)", re.IGNORECASE)
 _SERIES = re.compile(
@@ -56,7 +60,14 @@ _WIDTHS = (15, 10, 16, 12, 8)
 
 def _header_end(lines: Sequence[str]) -> int | None:
     """Index of the line with number of points and interval."""
-    return next((index for index, line in enumerate(lines[:_HEADER_LIMIT]) if "NPTS" in line.upper()), None)
+    for index, line in enumerate(lines[:_HEADER_LIMIT]):
+        line = line[:_LONGEST_LINE]
+        if _NAMES_BOTH[0].search(line):
+            return index
+        above = lines[index - 1][:_LONGEST_LINE] if index else ""
+        if _BARE.fullmatch(line) and _SERIES.search(above) and _UNIT.search(above):
+            return index
+    return None
 
 
 def is_at2(head: bytes, name: str) -> bool:
@@ -67,8 +78,10 @@ def is_at2(head: bytes, name: str) -> bool:
 
 
 def _names_both(header: Sequence[str]) -> bool:
-    """Whether the last line of a header of text, which names NPTS, names DT."""
-    return "\x00" not in "".join(header) and bool(re.search(r"\bDT\b", header[-1], re.IGNORECASE))
+    """Whether the last line of a header of text names NPTS and DT, or holds both without a word."""
+    last = header[-1][:_LONGEST_LINE]
+    named = all(word.search(last) for word in _NAMES_BOTH) or bool(_BARE.fullmatch(last))
+    return "\x00" not in "".join(header) and named
 
 
 def read_at2(file: SourceFile, options: ReadOptions) -> list[Record]:
@@ -99,7 +112,7 @@ def read_at2(file: SourceFile, options: ReadOptions) -> list[Record]:
     header = [line[:_LONGEST_LINE] for line in lines[: end + 1]]
     unit = _unit(file.name, header, options.units)
     matches = (pattern.search(header[end]) for pattern in _COUNT_AND_STEP)
-    match = next((match for match in matches if match), None)
+    match = next((match for match in matches if match), None) or _BARE.fullmatch(header[end])
     if match is None:
         raise RecordFormatError(
             f"{file.name}:{end + 1}: expected 'NPTS= n, DT= s SEC' or 'n s NPTS, DT', found {header[end].strip()!r}; "
@@ -217,7 +230,7 @@ def _by_width(name: str, block: Sequence[str], first: int, count: int) -> np.nda
 FORMAT = Format(
     name="at2",
     what="PEER AT2",
-    recognised="a line with NPTS and DT near the top",
+    recognised="a line with NPTS and DT near the top, or with both numbers below the line of units",
     unit="g, from the header",
     processed="by title",
     example="RSN763_LOMAP_GIL067.AT2",
