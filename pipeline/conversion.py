@@ -79,8 +79,7 @@ WRITERS = {
     "csv": Writer(
         ".csv",
         (".csv",),
-        "CSV keeps every digit in m/s2, the interval and a direction in whole degrees; nothing else "
-        "(read it with units m/s2)",
+        "CSV keeps every digit in m/s2, the interval and a direction in whole degrees; nothing else",
         0.0,
         False,
         False,

@@ -42,7 +42,7 @@ def direction_table(summary: xr.Dataset, directions: xr.Dataset) -> str:
                             _peak(value(directions, f"{which}_rotation_ratio", **where, model=fullest))
                             for which in ("median", "largest")
                         ),
-                        _degrees(value(directions, "largest_azimuth", **where, model=fullest)),
+                        _degrees(_largest_at(directions, {**where, "model": fullest})),
                         *fallen,
                     ]
                 )
@@ -72,6 +72,12 @@ def _heading(directions: xr.Dataset, pair: str) -> str:
             shown = f"{figure(median / scale)} (median), {figure(largest / scale, unit)} (at {_degrees(azimuth)})"
             parts.append(f"{title} {shown}")
     return "  ".join(parts)
+
+
+def _largest_at(directions: xr.Dataset, where: dict[str, Any]) -> float:
+    """Azimuth of the largest rotation; none for a block that stays at rest in all directions."""
+    moved = value(directions, "largest_rotation_ratio", **where) != 0.0
+    return float(value(directions, "largest_azimuth", **where)) if moved else math.nan
 
 
 def _peak(peak: float) -> str:

@@ -65,7 +65,7 @@ def _facing(record: Record) -> str:
     if np.isfinite(record.azimuth):
         return f"{azimuth_of(record):09.5f}".rstrip("0").rstrip(".")
     word = _text(record.component).replace(",", ";")
-    read_as = direction(word)
+    read_as = direction(word.zfill(3) if word.isdecimal() else word)  # as AT2 reads digits
     wrong = np.isfinite(read_as.azimuth) or read_as.orientation not in ("unknown", orientation_of(record))
     return "" if wrong else word
 

@@ -12,6 +12,7 @@ import numpy as np
 
 from rockpulse.errors import RecordFormatError, UnitError
 from rockpulse.readers.channel import build_record
+from rockpulse.readers.facing import direction
 from rockpulse.readers.fields import check_count, fixed_width, free_numbers, text_lines
 from rockpulse.readers.format import Format, ReadOptions
 from rockpulse.readers.source import NotAcceleration, SourceFile
@@ -123,7 +124,9 @@ def read_at2(file: SourceFile, options: ReadOptions) -> list[Record]:
         raise RecordFormatError(f"{file.name}:{end + 1}: expected a positive DT in s, found {header[end].strip()!r}")
     samples, warnings = _samples(file.name, lines, _first_value(lines, end + 1), count)
     title = [part.strip() for part in header[1].split(",")] if end > 1 else [""]
-    dated = len(title) > 2 and bool(_DATE.fullmatch(title[1]))
+    # Names of events have commas too: "Chi-Chi, Taiwan, 9/20/1999, CHY101, E".
+    dated = [index for index, part in enumerate(title[1:-1], 1) if _DATE.fullmatch(part)]
+    event = dated[0] + 1 if dated else 1
     component = re.sub(r"\s*\(.*?\)\s*$", "", title[-1]) if len(title) > 1 else ""
     written = _WRITTEN.match(header[0])
     return [
@@ -137,8 +140,10 @@ def read_at2(file: SourceFile, options: ReadOptions) -> list[Record]:
             processed=_processed(header[0]),
             structural=bool(written and written[2]),
             component=component,
-            station_name=", ".join(title[2 if dated else 1 : -1]),
-            event=", ".join(title[: 2 if dated else 1]),
+            # PEER drops leading zeros: 9 is an azimuth here, elsewhere the number of a channel.
+            facing=direction(component.zfill(3)) if component.isdecimal() else None,
+            station_name=", ".join(title[event:-1]),
+            event=", ".join(title[:event]),
             warnings=warnings,
         )
     ]

@@ -86,10 +86,19 @@ def column_headings(header: Sequence[str], layout: Layout) -> tuple[tuple[Headin
     for names, own in _splits(line[0], layout) if line else ():
         if states and (layout.width == 1 or not own):
             continue
+        if layout.width == 1 and not own and not _names_a_column(names[0]):
+            continue
         headings = _headings(names, units) if len(names) == layout.width else ()
         if headings and _are_headings(headings, own):
             return headings, rows[-1]
     return (_headings([""] * layout.width, units), prose) if any(units) else ((), len(header))
+
+
+def _names_a_column(line: str) -> bool:
+    """Whether words above a single column are its heading rather than a title, which may speak of anything."""
+    words = BRACKET.sub(" ", line)
+    in_brackets = any(quantity_of(text) == "acceleration" for text in BRACKET.findall(line))
+    return len(words.split()) <= _SHORT and not re.search(r"[=:]", words) and (in_brackets or bool(kinds_of(words)))
 
 
 def _is_heading(line: str) -> bool:

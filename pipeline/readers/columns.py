@@ -106,6 +106,8 @@ def read_columns(file: SourceFile, options: ReadOptions) -> list[Record]:
     if columns.table.shape[1] > 1 and counts_rows(columns.table, columns.headings):
         rest = range(1, columns.table.shape[1])
         columns = columns.picked(rest, "the first column counts the rows; it was left out")
+    if _titled(columns):
+        columns, prose = replace(columns, headings=()), lines[: layout.start]
     columns = _time_first(columns)
     steps = {f"line {said.line}: {said.wording!r}": said.value for said in stated_steps(lines[: layout.start])}
     declared = next((step for step in (options.dt, numbered.step, *steps.values()) if step is not None), None)
@@ -171,6 +173,13 @@ def _wrapped(where: str, width: int, found: str) -> RecordFormatError:
         f"series in rows of {width}? Write one value to a line, state the number of values in the header "
         f"(NPTS = ...), or {_NAME_THEM}"
     )
+
+
+def _titled(columns: _Columns) -> bool:
+    """Whether what looks like headings is a title, "Acceleration (g) vs Time (s)": another column runs like time."""
+    kinds = [heading.kind for heading in columns.headings]
+    at = kinds.index("time") if "time" in kinds else 0
+    return at > 0 and climbs(columns.table[:, 0]) and not climbs(columns.table[:, at])
 
 
 def _time_first(columns: _Columns) -> _Columns:

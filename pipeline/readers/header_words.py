@@ -27,9 +27,15 @@ _KINDS = {
     "time": r"t|time|times|tiempo|tempo|zeit|temps|zaman|sec|secs|seconds?",
 }
 _WORDS = {kind: re.compile(words) for kind, words in _KINDS.items()}
-#: In prose a period or a frequency is one of many things; so is the velocity of shear waves.
+#: In prose a period or a frequency is one of many things; so is the velocity of shear waves or in a pulse.
 _PROSE_SPECTRUM = re.compile(r"ps[av]|spectr(?:um|a|es|e)|espectros?|spettr[oi]|spektr(?:um|en)|fourier")
-_SHEAR_WAVES = re.compile(r"wave[s ]{1,2}velocit\w{1,3}|\bvs_?30\b")
+#: Beside these words a spectrum is what an accelerogram was made for.
+_MATCHED = re.compile(
+    r"match|compatib|compativ|target|design|accelero|artificial|synthetic|simulat|filter|uyumlu|angepas"
+)
+#: What a line says of the past of a record.
+_PAST = re.compile(r"\b(?:convert|resampl|original|decimat|interpolat)")
+_SHEAR_WAVES = re.compile(r"wave[s ]{1,2}velocit\w{1,3}|velocity[- ]pulses?\b|\bvs_?30\b")
 _PEAK = re.compile(r"\b(?:pg[avd]|peaks?|max\w{0,6}|pic[co]o?)\b")
 
 _NUMBER = r"(?P<value>\d{1,9}(?:[.,]\d{1,12})?|[.,]\d{1,12})(?:e(?P<power>[+-]?\d{1,2}))?(?![.,]?\d)"
@@ -91,8 +97,10 @@ def _plain(text: str) -> str:
 
 def kinds_of(text: str) -> list[str]:
     """Kinds of motion, and time, that the words of a heading name; those that make it no acceleration come first."""
-    words = re.findall(r"[a-z]+", _plain(text))
-    return [kind for kind, known in _WORDS.items() if any(known.fullmatch(word) for word in words)]
+    plain = _plain(text)
+    words = re.findall(r"[a-z]+", plain)
+    kinds = [kind for kind, known in _WORDS.items() if any(known.fullmatch(word) for word in words)]
+    return [kind for kind in kinds if kind != "spectrum" or not _MATCHED.search(plain)]
 
 
 def stated_kinds(header: Sequence[str]) -> dict[str, int]:
@@ -101,7 +109,8 @@ def stated_kinds(header: Sequence[str]) -> dict[str, int]:
     for number, line in enumerate(header, 1):
         text = _SHEAR_WAVES.sub(" ", _plain(line))
         kinds = [kind for kind in kinds_of(text) if kind not in ("spectrum", "time")]
-        kinds += ["spectrum"] if any(_PROSE_SPECTRUM.fullmatch(word) for word in re.findall(r"[a-z]+", text)) else []
+        spectrum = any(_PROSE_SPECTRUM.fullmatch(word) for word in re.findall(r"[a-z]+", text))
+        kinds += ["spectrum"] if spectrum and not _MATCHED.search(text) else []
         kinds += [quantity for quantity, _ in _units(line)]
         found = {**dict.fromkeys(kinds, number), **found}
     return found
@@ -111,7 +120,7 @@ def _units(line: str) -> list[tuple[str, str]]:
     """Quantity and unit that a line of prose states for the numbers; not those of a value or of a peak."""
     line = line[:_LINE]
     text = _plain(line)
-    if _PEAK.search(text):
+    if _PEAK.search(text) or _PAST.search(text):
         return []
     found = [
         (quantity, wording)
@@ -148,6 +157,8 @@ def stated_steps(header: Sequence[str]) -> list[Statement]:
     named, bare = [], []
     for number, line in enumerate(header, 1):
         text = _plain(line)
+        if _PAST.search(text):
+            continue
         for match in _STEP.finditer(text):
             factor = _TIMES.get(match["unit"] or match["before"] or "", 1.0)
             named.append(Statement(number, match[0].strip(), _value(match) * factor / float(match["divisor"] or 1.0)))

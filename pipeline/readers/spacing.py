@@ -14,8 +14,8 @@ GROWTH_LIMIT = 10
 ROUNDING_SHARE = 0.2
 #: A step above this many medians is a gap if all others are equal.
 LONG_STEP = 1.5
-#: No recording has times beyond this, 30 years [s]; larger ones may overflow.
-LATEST = 1e9
+#: No times are beyond this, Unix time in ms included [s]; larger ones may overflow.
+LATEST = 1e13
 
 
 def _half_digit(times: np.ndarray) -> float:
@@ -47,7 +47,10 @@ def even_step(times: np.ndarray) -> float | None:
     >>> even_step(np.array([0.0, 0.01, 0.02, 0.04, 0.05])) is None
     True
     """
-    return None if _beyond(times).any() else _fitted_step(times, _half_digit(times))
+    if _beyond(times).any():
+        return None
+    times = times - times[0]  # the digits of large times are of the first one
+    return _fitted_step(times, _half_digit(times))
 
 
 def _beyond(times: np.ndarray) -> np.ndarray:
@@ -93,6 +96,7 @@ def printed_at(times: np.ndarray, dt: float) -> bool:
     """
     if not (np.isfinite(dt) and dt > 0.0) or _beyond(times).any():
         return False
+    times = times - times[0]
     spread = float(np.ptp(times - dt * np.arange(times.size)))
     unit = 2.0 * _half_digit(times)
     slack = 1e-6 * dt + 1e-9 * max(1.0, float(np.max(np.abs(times))))
@@ -110,6 +114,7 @@ def long_step(times: np.ndarray) -> int | None:
     """
     if _beyond(times).any():
         return None
+    times = times - times[0]
     steps = np.diff(times)
     gaps = steps > LONG_STEP * np.median(steps)
     if not gaps.any():

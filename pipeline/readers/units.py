@@ -75,7 +75,7 @@ def canonical_unit(text: str, where: str) -> str:
 
 def _squeezed(text: str) -> str:
     unit = re.sub(r"[\s^*]|\.$", "", text.strip().lower().translate(_RAISED))
-    return re.sub(r"sec(ond)?s?", "s", unit)
+    return re.sub(r"se[cg](?:ond|undo)?s?|(?<=/)sn", "s", unit)
 
 
 def _accepted(text: str) -> str:

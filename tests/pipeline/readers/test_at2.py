@@ -247,3 +247,18 @@ def test_a_header_line_without_end_costs_no_time(write, line):
     with pytest.raises(RecordFormatError):
         read(path)
     assert time.perf_counter() - begin < 1.0
+
+
+@pytest.mark.parametrize(("word", "azimuth"), [("9", 9.0), ("0", 0.0), ("67", 67.0), ("090", 90.0), ("999", None)])
+def test_digits_at_the_end_of_the_title_are_an_azimuth(write, word, azimuth):
+    (record,) = read(write(at2(pulse(), title=f"Northridge-01, 1/17/1994, Beverly Hills - 14145 Mulhol, {word}")))
+    assert (record.orientation == "horizontal", record.azimuth) == (
+        azimuth is not None,
+        pytest.approx(np.nan if azimuth is None else azimuth, nan_ok=True),
+    )
+
+
+def test_the_name_of_an_event_may_have_a_comma(write):
+    (record,) = read(write(at2(pulse(), title="Chi-Chi, Taiwan, 9/20/1999, CHY101, E")))
+    assert (record.event, record.station_name) == ("Chi-Chi, Taiwan, 9/20/1999", "CHY101")
+    assert record.azimuth == 90.0

@@ -329,3 +329,66 @@ def test_a_heading_with_a_raised_two(write):
     path = write("")
     path.write_text(table(TIMES, VALUES, delimiter=",", header="t [s],a [m/s²]\n"), encoding="utf-8")
     assert read(path, units="m/s2")[0].npts == 200
+
+
+TITLES = [
+    "Vs30: 360 m/s",
+    "PGV = 25 cm/s",
+    "Soil V",
+    "Rate: 100",
+    "Station 123",
+    "Northridge 94",
+    "Site class E",
+    "Zone N",
+    "velocity pulse Tp 4.2 s",
+    "Spectrum-matched accelerogram, EC8 soil B",
+    "Spectrum-matched accelerogram",
+    "Artificial accelerogram (spectrum-compatible)",
+    "Fourier filtered",
+    "converted from cm/s2 to g",
+]
+
+
+@pytest.mark.parametrize("title", TITLES)
+def test_a_title_above_one_column_is_no_heading(write, title):
+    (record,) = read(write(f"{title}\n" + "".join(f"{value:.6f}\n" for value in VALUES)), units="g", dt=0.01)
+    assert (record.npts, record.orientation, record.channel) == (len(VALUES), "unknown", "1")
+    assert np.isnan(record.azimuth)
+
+
+@pytest.mark.parametrize(
+    ("heading", "orientation", "azimuth"),
+    [("East [g]", "horizontal", 90.0), ("acc N-S (g)", "horizontal", 0.0), ("Up", "vertical", np.nan)],
+)
+def test_a_heading_above_one_column_still_counts(write, heading, orientation, azimuth):
+    (record,) = read(write(f"{heading}\n" + "".join(f"{value:.6f}\n" for value in VALUES)), units="g", dt=0.01)
+    assert (record.orientation, record.azimuth) == (orientation, pytest.approx(azimuth, nan_ok=True))
+
+
+@pytest.mark.parametrize("title", ["Acceleration (g) vs Time (s)", "Original dt = 0.005 s, resampled", *TITLES])
+def test_a_title_above_time_and_acceleration_is_no_heading(write, title):
+    rows = "".join(f"{0.01 * index:.2f} {value:.6f}\n" for index, value in enumerate(VALUES))
+    (record,) = read(write(f"{title}\n{rows}"), units="g")
+    assert (record.npts, record.dt) == (len(VALUES), 0.01)
+    assert record.acceleration == pytest.approx(VALUES * STANDARD_GRAVITY, abs=1e-5)
+
+
+@pytest.mark.parametrize("scale", [1.0, 1000.0])
+def test_times_may_count_from_1970(write, scale):
+    rows = "".join(f"{scale * (1562383159.01 + 0.01 * i):.3f},{value:.6f}\n" for i, value in enumerate(VALUES))
+    heading = "time (ms),acc (g)\n" if scale > 1.0 else "time,acc (g)\n"
+    (record,) = read(write(heading + rows), units="g")
+    assert (record.npts, record.dt) == (len(VALUES), 0.01)
+
+
+def test_a_missing_row_among_times_from_1970_is_seen(write):
+    rows = [f"{1562383159.01 + 0.01 * index:.3f},{value:.6f}\n" for index, value in enumerate(VALUES)]
+    with pytest.raises(RecordFormatError, match="rows are missing"):
+        read(write("time,acc (g)\n" + "".join(rows[:50] + rows[51:])), units="g")
+
+
+@pytest.mark.parametrize("heading", ["Time (seg)\tAcel (cm/seg2)", "Zaman(sn)\tIvme(cm/sn2)", "t [s]\ta [cm/seg^2]"])
+def test_seconds_of_other_languages_in_units(write, heading):
+    rows = "".join(f"{0.01 * index:.2f}\t{value:.6f}\n" for index, value in enumerate(VALUES))
+    (record,) = read(write(f"{heading}\n{rows}"), units="cm/s2")
+    assert (record.source_unit, record.dt) == ("cm/s2", 0.01)
