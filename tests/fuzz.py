@@ -294,7 +294,7 @@ def _fault(name: str, call: Callable[[], list[Record]]) -> str:
             fault = broken_promise(call())
     except RockpulseError as refusal:
         fault = "" if name in str(refusal) else f"an error that does not name the file: {refusal!r}"
-    except Exception:
+    except Exception:  # any other one is what is looked for, and is printed
         fault = traceback.format_exc(limit=-4)
     finally:
         signal.setitimer(signal.ITIMER_VIRTUAL, 0.0)
@@ -324,7 +324,7 @@ def faults(tried: Case) -> Iterator[str]:
         try:
             if row.detect(source().head, name):
                 claiming.append(row)
-        except Exception:
+        except Exception:  # a detector may raise none: printed
             yield f"{tried}\n  detect of {row.name}: {traceback.format_exc(limit=-4)}"
     # A reader may be named, which leaves its detect out.
     named = FORMATS[tried.seed % len(FORMATS)]
