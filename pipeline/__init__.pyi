@@ -1,6 +1,6 @@
 from . import models as models
 from .assessment import assess as assess
-from .calibration import calibrate as calibrate
+from .calibration.estimators import calibrate as calibrate
 from .components import Pair as Pair
 from .components import find_pairs as find_pairs
 from .conditioning import condition as condition

@@ -9,7 +9,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from rockpulse.calibration import calibrate
+from rockpulse.calibration.estimators import calibrate
 from rockpulse.components import VERTICAL_NOTE, align, uncovered
 from rockpulse.conditioning import condition
 from rockpulse.config import Config

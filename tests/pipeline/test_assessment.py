@@ -7,7 +7,7 @@ import pytest
 
 from rockpulse.assessment import assess
 from rockpulse.body import BlockSettings
-from rockpulse.calibration import INTERVAL, MAIN, MAIN_COUNT, SECONDARY
+from rockpulse.calibration.estimators import INTERVAL, MAIN, MAIN_COUNT, SECONDARY
 from rockpulse.config import Config
 from rockpulse.errors import ConfigError
 from rockpulse.failures import Failure

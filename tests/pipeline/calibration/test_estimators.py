@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from rockpulse import settings as configuration
-from rockpulse.calibration import INTERVAL, MAIN, MAIN_COUNT, SECONDARY, calibrate
+from rockpulse.calibration.estimators import INTERVAL, MAIN, MAIN_COUNT, SECONDARY, calibrate
 from rockpulse.errors import ConfigError, RecordRefused
 from rockpulse.half_wave import HalfWaves, half_waves
 from rockpulse.intensity import IntensePhase, intense_phase

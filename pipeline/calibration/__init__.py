@@ -1,0 +1,1 @@
+"""From records to impulse sequences: by statistics of half-waves, by the response, by a fitted rule, for a site."""
