@@ -23,8 +23,8 @@ import numpy as np
 from rockpulse.half_wave import half_waves
 from rockpulse.models import Block, ImpulseSequence, impulsive_response, recorded_response, sequence_response
 from rockpulse.models.effective_impulse import effective_impulse_response
+from rockpulse.models.sequence_safety import sequence_critical_scale
 from rockpulse.record import Record
-from rockpulse.safety import sequence_safety_factor
 from rockpulse.synthetic import synthetic_motion
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "models"))
@@ -121,8 +121,8 @@ def sequences(runs: int, seed: int) -> None:
         each = median(runs, lambda n=threads: sequence_response(blocks, many, table_rows=0, threads=n)) / (100 * count)
         print(f"  {f'one call, {threads} thread(s)':34} {1e6 * each:10.2f}  {base / each:8.0f} x")
     scene = ImpulseSequence(0.3, 0.12, 0.25, 15.0, main_count=6)
-    base = median(runs, lambda: [sequence_safety_factor(blocks.lane(m), scene, 10.0, 1.02) for m in range(100)])
-    spent = median(runs, lambda: sequence_safety_factor(blocks, scene, 10.0, 1.02, threads=1))
+    base = median(runs, lambda: [sequence_critical_scale(blocks.lane(m), scene, 10.0, 1.02) for m in range(100)])
+    spent = median(runs, lambda: sequence_critical_scale(blocks, scene, 10.0, 1.02, threads=1))
     print("\nsafety factors of 100 blocks, steps of 2 %; ms")
     print(f"  {'a search for each block':34} {1e3 * base:10.1f}")
     print(f"  {'all blocks in one search':34} {1e3 * spent:10.1f}  {base / spent:8.1f} x")

@@ -1,9 +1,14 @@
 from .block import Block as Block
+from .capacity import critical_scale as critical_scale
+from .capacity import impulsive_critical_scale as impulsive_critical_scale
 from .demand import Demand as Demand
 from .demand import ground_demand as ground_demand
 from .effective_impulse import effective_impulse_response as effective_impulse_response
 from .fidelity import Rung as Rung
 from .fidelity import choose_response as choose_response
+from .half_wave_demand import HalfWaveDemand as HalfWaveDemand
+from .half_wave_demand import demand_of_half_waves as demand_of_half_waves
+from .half_wave_demand import impulse_lobes as impulse_lobes
 from .impulsive import impulsive_response as impulsive_response
 from .main_sequence import critical_impulse_at as critical_impulse_at
 from .main_sequence import resonance as resonance
@@ -16,6 +21,10 @@ from .response import HalfCycles as HalfCycles
 from .response import Outcome as Outcome
 from .response import Reason as Reason
 from .response import Response as Response
+from .scale_search import ScaleIntervals as ScaleIntervals
+from .scale_search import exceedance_intervals as exceedance_intervals
 from .sequence import ImpulseSequence as ImpulseSequence
 from .sequence import impulse_train as impulse_train
 from .sequence import sequence_response as sequence_response
+from .sequence_safety import resonance_critical_scale as resonance_critical_scale
+from .sequence_safety import sequence_critical_scale as sequence_critical_scale

@@ -98,6 +98,8 @@ class Demand:
     ----------
     largest : (m,) ndarray
         Largest p abs(E)/(g tan alpha) [-].
+    lobes : (m, LOBES) ndarray
+        Largest p abs(E)/(g tan alpha) of each of the largest lobes, descending [-]; the first is `largest`.
     build_up : (m,) ndarray
         Sum over k of (0.9 C)^k p E_k/(g tan alpha), E_k the largest lobes in descending order [-]: the speed that
         resonance (Eq. 5) would build up with the impulses that the block sees, the largest one last.
@@ -113,6 +115,7 @@ class Demand:
     """
 
     largest: np.ndarray
+    lobes: np.ndarray
     build_up: np.ndarray
     levels: np.ndarray
     last: np.ndarray
@@ -124,6 +127,7 @@ class Demand:
         return replace(
             self,
             largest=self.largest[chosen],
+            lobes=self.lobes[chosen],
             build_up=self.build_up[chosen],
             levels=self.levels[chosen],
             last=self.last[chosen],
@@ -178,8 +182,8 @@ def ground_demand(block: Block, acceleration: Any, dt: float) -> Demand:
     restitution = np.asarray(block.restitution)
     peak = np.max(np.abs(ground))
     if peak == 0.0:
-        zero = np.zeros(rates.size)
-        return Demand(zero, zero, np.zeros((rates.size, LEVELS)), np.full((rates.size, LEVELS), -1), ground.size)
+        zero, none = np.zeros(rates.size), np.zeros((rates.size, LOBES))
+        return Demand(zero, none, zero, np.zeros((rates.size, LEVELS)), np.full((rates.size, LEVELS), -1), ground.size)
     place = NODES_PER_OCTAVE * np.log2(rates)
     below = np.floor(place)
     nodes = np.unique(np.concatenate([below, below + 1.0]))
@@ -193,6 +197,7 @@ def ground_demand(block: Block, acceleration: Any, dt: float) -> Demand:
     kept = (HANDED_ON * restitution)[:, None] ** np.arange(LOBES)
     return Demand(
         largest=lobes[:, 0],
+        lobes=lobes,
         build_up=np.sum(kept * lobes, axis=1),
         # The slower of the two nodes weighs what comes later more: it is above a level for longer.
         levels=at_levels[low] / capacity[:, None],

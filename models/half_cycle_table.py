@@ -21,9 +21,9 @@ TABLE_ROWS = 1000
 
 
 def lanes(
-    by_input: tuple[Any, ...], by_block: tuple[Any, ...]
+    by_input: tuple[Any, ...], by_block: tuple[Any, ...], paired: bool = False
 ) -> tuple[tuple[int, int], tuple[bool, bool], list[np.ndarray]]:
-    """Every combination of inputs and blocks, flattened.
+    """Every combination of inputs and blocks, or the pairs of them, flattened.
 
     Parameters
     ----------
@@ -31,18 +31,32 @@ def lanes(
         Values that vary with the input.
     by_block : tuple of float or (m,) ndarray
         Values that vary with the block.
+    paired : bool
+        Every block has an input of its own: (m,) of each, or one of either for all.
 
     Returns
     -------
     shape : tuple of int
-        (q, m).
+        (q, m); (1, m) for pairs.
     drop : tuple of bool
-        Which of the two axes stands for a scalar.
+        Which of the two axes stands for a scalar; the first one of pairs.
     flat : list of (q m,) ndarray
         The values in the order given, inputs first.
+
+    Raises
+    ------
+    ValueError
+        For pairs of different numbers.
     """
     inputs = np.broadcast_arrays(*(np.asarray(value, dtype=float) for value in by_input))
     blocks = np.broadcast_arrays(*(np.asarray(value, dtype=float) for value in by_block))
+    if paired:
+        if inputs[0].ndim and blocks[0].ndim and inputs[0].shape != blocks[0].shape:
+            raise ValueError(
+                f"paired: expected one sequence for each block, got {inputs[0].size} for {blocks[0].size} blocks"
+            )
+        pairs = np.broadcast_arrays(*inputs, *blocks)
+        return (1, pairs[0].size), (True, pairs[0].ndim == 0), [np.array(value).reshape(-1) for value in pairs]
     shape = (inputs[0].size, blocks[0].size)
     flat = [np.repeat(value.reshape(-1), shape[1]) for value in inputs]
     flat += [np.tile(value.reshape(-1), shape[0]) for value in blocks]

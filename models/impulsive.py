@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from rockpulse.models.block import Block
+from rockpulse.models.block import Block, numbers
 from rockpulse.models.impulsive_kernel import EXACT, LINEAR, PAPER, TANGENT, impulsive_lanes
 from rockpulse.models.response import IMPACT_CUTOFF, Response, drop_axes, with_history
 from rockpulse.models.threads import split_lanes
@@ -32,6 +32,7 @@ def impulsive_response(
     gain: str = "paper",
     scale: Any = 1.0,
     history_dt: float | None = None,
+    block_scale: Any = 1.0,
     threads: int | None = None,
 ) -> Response:
     """Response to impulses of the ground with natural motion between them.
@@ -54,6 +55,8 @@ def impulsive_response(
     history_dt : float, optional
         Step of the history [s]; None for no history. It starts at time 0, or at the first impulse where that is
         earlier.
+    block_scale : float or (m,) array_like
+        Factor on the impulses for each block, on top of `scale`, finite [-].
     threads : int, optional
         Threads that share the lanes; None for all available cores. The results do not depend on it.
 
@@ -92,6 +95,11 @@ def impulsive_response(
     0.133975
     """
     times, impulses, scale = _checked(times, impulses, scale)
+    own = numbers("block_scale", block_scale, "a finite factor")
+    if own.shape not in ((), block.shape):
+        raise ValueError(
+            f"block_scale: expected a factor, or one for each of the blocks {block.shape}, got {block_scale!r:.80}"
+        )
     if gain not in GAINS:
         raise ValueError(f"gain: expected one of {', '.join(GAINS)}, got {gain!r}")
     grid = _grid(times, duration, history_dt)
@@ -101,8 +109,8 @@ def impulsive_response(
             *(np.asarray(value, dtype=float) for value in (block.alpha_c, block.p, block.restitution))
         )
     )
-    factors = scale.reshape(-1)
-    shape, drop = (factors.size, alpha.size), (scale.ndim == 0, block.shape == ())
+    factors = np.multiply.outer(scale.reshape(-1), np.broadcast_to(own, alpha.shape))
+    shape, drop = factors.shape, (scale.ndim == 0, block.shape == ())
     floats, integers = np.zeros((2, *shape)), np.zeros((4, *shape), dtype=np.int64)
     theta, theta_dot = np.zeros((*shape, grid.size)), np.zeros((*shape, grid.size))
     floats[1], integers[2] = np.nan, -1
@@ -128,7 +136,7 @@ def impulsive_response(
                 grid,
             )
 
-        split_lanes(kernel_call, factors.size * alpha.size, threads)
+        split_lanes(kernel_call, factors.size, threads)
     response = Response(
         peak_rotation_ratio=floats[0],
         overturning_time=floats[1],

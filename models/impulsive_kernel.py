@@ -144,7 +144,7 @@ def impulsive_lanes(
         Receive rotation [rad] and velocity [rad/s] at the times of `grid`; given as zeros.
     times, impulses : (k,) ndarray
         Times [s], not decreasing, and impulses of the ground [m/s]; k at least 1.
-    scale : (q,) ndarray
+    scale : (q, m) ndarray
         Factor on the impulses [-].
     alpha, p, restitution : (m,) ndarray
         alpha_c [rad], frequency parameter [1/s], C [-].
@@ -171,7 +171,7 @@ def impulsive_lanes(
         if rate != tabulated:
             _tables(times, rate, growth, sinh, cosh_less_one)
             tabulated = rate
-        lane_gain = scale[factor] * rate / (gravity * angle)
+        lane_gain = scale[factor, block] * rate / (gravity * angle)
         if gain == PAPER:
             lane_gain *= math.cos(angle)
         elif gain == TANGENT:

@@ -12,7 +12,15 @@ from rockpulse.models.motion import CRITICAL_TOLERANCE, hop, impacts_above
 from rockpulse.models.response import Outcome, Reason
 from rockpulse.models.sequence_kernel import UNLIMITED, repetitions
 
-__all__ = ["amplification", "overturning_half_cycle", "resonance_lanes", "safety_lanes"]
+__all__ = [
+    "amplification",
+    "effective_amplification",
+    "last_half_cycle",
+    "overturning_half_cycle",
+    "resonance_lanes",
+    "safety_lanes",
+    "start_of_half_cycle",
+]
 
 #: Half-cycles whose durations are added up before a lane is UNRESOLVED.
 _HALF_CYCLE_LIMIT = 10_000_000
@@ -134,29 +142,45 @@ def resonance_lanes(first_lane, last_lane, table, floats, integers, main, durati
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _start_at_edge(restitution, half_cycle):
-    """Start of half-cycle N times p, at the factor that makes u_N = 1: sum over j < N of 2 atanh(S_j/S_N)."""
-    last = amplification(restitution, half_cycle)
+def effective_amplification(restitution, ratio, half_cycle):
+    """v_i/u_1 = (1 - sigma) S_i + sigma/2 [-]: what decides on half-cycle i in the limit n -> infinity (F4).
+
+    With u_(i+1) = C (u_i - sigma u_1) + u_1 the start velocity is u_i = u_1 [S_i - sigma (S_i - 1)], and the half-cycle
+    is that of a start with v_i = u_i - sigma u_1/2. sigma = 0 is the main sequence alone.
+    """
+    return (1.0 - ratio) * amplification(restitution, half_cycle) + 0.5 * ratio
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def start_of_half_cycle(needed, restitution, ratio, half_cycle):
+    """Start of half-cycle N times p, needed = 1/u_1: sum over j < N of 2 atanh(v_j); inf where one overturns."""
     start = 0.0
     for earlier in range(1, half_cycle):
-        start += hop(amplification(restitution, earlier) / last)[1]
+        start += hop(effective_amplification(restitution, ratio, earlier) / needed)[1]
     return start
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _last_half_cycle(restitution, end, main_count):
+def last_half_cycle(restitution, ratio, end, main_count):
     """Largest N <= main_count whose start, at the lower edge of its band of factors, is before `end` (times p)."""
     low, high = 1, 2
-    while high <= main_count and _start_at_edge(restitution, high) < end:
+    while high <= main_count and _start_at_edge(restitution, ratio, high) < end:
         low, high = high, 2 * high
     high = min(high, main_count + 1)
     while high - low > 1:
         middle = (low + high) // 2
-        if _start_at_edge(restitution, middle) < end:
+        if _start_at_edge(restitution, ratio, middle) < end:
             low = middle
         else:
             high = middle
     return low
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _start_at_edge(restitution, ratio, half_cycle):
+    """Start of half-cycle N times p, at the factor that makes v_N = 1."""
+    needed = effective_amplification(restitution, ratio, half_cycle)
+    return start_of_half_cycle(needed, restitution, ratio, half_cycle)
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -179,7 +203,7 @@ def safety_lanes(first_lane, last_lane, factors, impulse, end, p, restitution, c
     for lane in range(first_lane, last_lane):
         c, last = restitution[lane], main_count[lane]
         if end[lane] != np.inf:
-            last = _last_half_cycle(c, p[lane] * end[lane], last)
+            last = last_half_cycle(c, 0.0, p[lane] * end[lane], last)
         factors[lane] = critical[lane] / (impulse[lane] * amplification(c, last))
         if last == UNLIMITED and c == 1.0:
             factors[lane] = np.inf if impulse[lane] == 0.0 else 0.0

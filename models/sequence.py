@@ -35,7 +35,11 @@ logger = logging.getLogger("rockpulse")
 
 
 def sequence_response(
-    block: Block, sequence: ImpulseSequence, table_rows: int = TABLE_ROWS, threads: int | None = None
+    block: Block,
+    sequence: ImpulseSequence,
+    table_rows: int = TABLE_ROWS,
+    threads: int | None = None,
+    paired: bool = False,
 ) -> Response:
     """Response to a main and a secondary sequence of impulses, half-cycle by half-cycle in closed form.
 
@@ -49,22 +53,24 @@ def sequence_response(
         Largest number of half-cycles in the table; 0 for none, which takes half the time.
     threads : int, optional
         Threads that share the lanes; None for all available cores. The results do not depend on it.
+    paired : bool
+        Every block has a sequence of its own: sequences (m,) go with blocks (m,) lane by lane.
 
     Returns
     -------
     Response
-        Lanes (q, m), a scalar axis dropped. The table holds the half-cycles that a main impulse starts, up to where
-        the motion repeats itself (then the rest is counted, not listed). After the last of them the block decays
-        freely: that is in `impacts`. A motion that goes on for ever ROCKS, with `impacts` -1. `overturning_time` is
-        the start of the half-cycle that overturns: its impulses are part of the input, so from its main impulse on
-        overturning is certain. UNRESOLVED (HALF_CYCLE_LIMIT) after 50 000 half-cycles that neither overturn nor repeat
-        themselves.
+        Lanes (q, m), a scalar axis dropped; (m,) for pairs. The table holds the half-cycles that a main impulse
+        starts, up to where the motion repeats itself (then the rest is counted, not listed). After the last of them
+        the block decays freely: that is in `impacts`. A motion that goes on for ever ROCKS, with `impacts` -1.
+        `overturning_time` is the start of the half-cycle that overturns: its impulses are part of the input, so from
+        its main impulse on overturning is certain. UNRESOLVED (HALF_CYCLE_LIMIT) after 50 000 half-cycles that neither
+        overturn nor repeat themselves.
 
     Raises
     ------
     ValueError
-        For more than a million intermediate impulses in a half-cycle: use spacing "continuous". An interval below
-        1e-4/p makes its lanes UNRESOLVED, for the same reason.
+        For pairs of different numbers, or more than a million intermediate impulses in a half-cycle: use spacing
+        "continuous". An interval below 1e-4/p makes its lanes UNRESOLVED, for the same reason.
 
     Notes
     -----
@@ -88,7 +94,7 @@ def sequence_response(
     >>> sequence_response(block, sequence).overturning_half_cycle
     4
     """
-    shape, drop, flat = _lanes(block, sequence)
+    shape, drop, flat = _lanes(block, sequence, paired)
     arguments, short = _arguments(sequence, flat)
     response = _unresolved(tabulated_response(sequence_lanes, arguments, shape, drop, table_rows, threads), short)
     through = np.count_nonzero(response.ground_contact)
@@ -147,10 +153,12 @@ def scaled_outcomes(
     return np.where(short, int(Outcome.UNRESOLVED), integers[0]).reshape(factors.shape)
 
 
-def _lanes(block: Block, sequence: ImpulseSequence) -> tuple[tuple[int, int], tuple[bool, bool], list[np.ndarray]]:
+def _lanes(
+    block: Block, sequence: ImpulseSequence, paired: bool = False
+) -> tuple[tuple[int, int], tuple[bool, bool], list[np.ndarray]]:
     most = UNLIMITED if sequence.main_count is None else sequence.main_count
     inputs = (sequence.main, sequence.secondary, sequence.interval, sequence.duration, most)
-    return lanes(inputs, (block.p, block.restitution, block.critical_impulse))
+    return lanes(inputs, (block.p, block.restitution, block.critical_impulse), paired)
 
 
 def _arguments(sequence: ImpulseSequence, flat: list[np.ndarray]) -> tuple[tuple[Any, ...], np.ndarray]:

@@ -12,19 +12,20 @@ import numpy as np
 
 from rockpulse.bodies import Bodies, gather_bodies
 from rockpulse.body import BlockSettings
-from rockpulse.components import matching_vertical, select_horizontal
+from rockpulse.components import select_horizontal
 from rockpulse.conditioning import DRIFT
 from rockpulse.config import Config
-from rockpulse.directions import Motion, ground_motions
+from rockpulse.directions import Motion, acting_vertical, ground_motions
 from rockpulse.errors import ConfigError
 from rockpulse.failures import Failure
 from rockpulse.intensity import arias_intensity, pgv
 from rockpulse.models.block import Block
 from rockpulse.models.predictability import NOT_CHECKED, predictable
-from rockpulse.models.response import Outcome, Response
+from rockpulse.models.response import Response
+from rockpulse.models.scale_search import ScaleIntervals
 from rockpulse.record import Record
 from rockpulse.results import build_tree
-from rockpulse.safety import resonance_safety_factor, sequence_safety_factor
+from rockpulse.safety import critical_scales
 from rockpulse.scene import CHECKABLE, MODELS, SLENDER_MODELS, USED, Scene, auto_response, extract, prepare
 
 if TYPE_CHECKING:
@@ -53,6 +54,8 @@ class RecordAssessment:
         Answer of each of the k models, and which one gave it.
     responses : dict of str to Response
         By model, lanes (b x c,): the half-cycle tables and histories are taken from here.
+    scales : dict of str to ScaleIntervals
+        By model, lanes (b x c,): the intervals of overturning are taken from here.
     """
 
     scene: Scene
@@ -60,6 +63,7 @@ class RecordAssessment:
     per_block: dict[str, np.ndarray]
     per_model: dict[str, np.ndarray]
     responses: dict[str, Response]
+    scales: dict[str, ScaleIntervals]
 
 
 def assess(
@@ -89,7 +93,8 @@ def assess(
     Returns
     -------
     xarray.DataTree
-        /summary, /half_cycles, /failures, for a sweep over direction /directions and, unless switched off, /records;
+        /summary, /half_cycles, /overturning_intervals, /failures, for a sweep over direction /directions and, unless
+        switched off, /records;
         see docs/schema.md.
 
     Raises
@@ -123,7 +128,7 @@ def assess(
     records = [motion.record for motion in motions]
     for record, motion in zip(records if progress is None else progress(records), motions, strict=True):
         try:
-            done.append(assess_scene(_scene(record, motion, verticals, config), bodies))
+            done.append(assess_scene(_scene(motion, verticals, config), bodies))
         except ValueError as error:  # RockpulseError, and what a model says of numbers it cannot take
             logger.error("%s: %s", record.id, error)
             reason = str(error) if record.id in str(error) else f"{record.id}: {error}"
@@ -180,9 +185,13 @@ def assess_scene(scene: Scene, bodies: Bodies) -> RecordAssessment:
             f"{np.size(contact)} bodies touch the ground inside a half-cycle; take another spacing"
         )
         scene = replace(scene, record=scene.record.with_warning(warning))
+    scales = critical_scales(lanes, scene, responses)
     per_lane = {
         **{field: {name: getattr(one, field) for name, one in responses.items()} for field in PER_MODEL},
-        "safety_factor": {name: _safety_factor(name, lanes, scene, one) for name, one in responses.items()},
+        "safety_factor": {name: one.safety_factor for name, one in scales.items()},
+        "safe_up_to": {name: one.safe_up_to for name, one in scales.items()},
+        "search_step": {name: one.step for name, one in scales.items()},
+        "interval_count": {name: np.where(np.isnan(one.step), -1, one.count) for name, one in scales.items()},
         "applicable": {name: _applicable(name, lanes) for name in responses},
         "predictable": {name: _predictable(name, lanes, scene, one) for name, one in responses.items()},
         "model_used": used,
@@ -196,19 +205,13 @@ def assess_scene(scene: Scene, bodies: Bodies) -> RecordAssessment:
             for field, values in per_lane.items()
         },
         responses=responses,
+        scales=scales,
     )
 
 
-def _scene(record: Record, motion: Motion, verticals: Sequence[Record], config: Config) -> Scene:
+def _scene(motion: Motion, verticals: Sequence[Record], config: Config) -> Scene:
     """The motion made ready, with the vertical channel of its station where that is asked for."""
-    vertical = None
-    if config.records.include_vertical:
-        found = (matching_vertical(channel, verticals) for channel in motion.channels)
-        vertical = next((one for one in found if one is not None), None)
-        if vertical is None:
-            record = record.with_warning("no vertical channel of this station overlaps: taken as zero")
-        elif vertical.start_time is None and vertical.source not in [channel.source for channel in motion.channels]:
-            record = record.with_warning("vertical channel: taken to start with this one, no times are known")
+    record, vertical = acting_vertical(motion, verticals, config)
     return (extract if motion.pair else prepare)(record, config, vertical)
 
 
@@ -217,16 +220,6 @@ def _swept(motions: Sequence[Motion]) -> dict[str, list[str]]:
     for motion in motions:
         pairs.setdefault(motion.pair, []).append(motion.record.id)
     return pairs
-
-
-def _safety_factor(model: str, block: Block, scene: Scene, response: Response) -> np.ndarray:
-    search = scene.config.search
-    factor = np.full(block.shape, np.nan)  # not computed: shown as "-"
-    if scene.sequence is not None and model == "resonance":
-        factor = resonance_safety_factor(block, scene.sequence, search.factor_max)
-    if scene.sequence is not None and model == "sequence":
-        factor = sequence_safety_factor(block, scene.sequence, search.factor_max, search.step)
-    return np.where(np.equal(response.outcome, Outcome.UNRESOLVED), np.nan, factor)
 
 
 def _applicable(model: str, block: Block) -> np.ndarray:

@@ -20,7 +20,10 @@ from rockpulse.errors import ConfigError
 from rockpulse.option import Section, hint
 from rockpulse.settings import (
     SECTIONS,
+    CalibrationSettings,
     ConditioningSettings,
+    DemandSettings,
+    FragilitySettings,
     HalfWaveSettings,
     IntensePhaseSettings,
     ModelSettings,
@@ -40,18 +43,21 @@ class Config:
 
     Attributes
     ----------
-    site, records, conditioning, half_waves, intense_phase, sequence, models, search, run : Section
+    site, records, conditioning, half_waves, intense_phase, sequence, models, search, calibration, fragility, run : Section
         One dataclass per section of the TOML file, each usable as keyword arguments:
         ``condition(record, **config.conditioning)``.
     blocks : tuple of BlockSettings
         The bodies ([[block]]), in the order of the file.
+    demands : tuple of DemandSettings
+        What the site asks for ([[demand]]), in the order of the file.
     folder : Path
         What ``records.paths`` is relative to: the folder of the file. Not part of the comparison or of the text.
 
     Raises
     ------
     ConfigError
-        For two blocks of one name, restitution lists of different lengths, or histories that would not be stored.
+        For two blocks or two demands of one name, restitution lists of different lengths, or histories that would not
+        be stored.
 
     Examples
     --------
@@ -67,15 +73,16 @@ class Config:
     sequence: SequenceSettings = field(default_factory=SequenceSettings)
     models: ModelSettings = field(default_factory=ModelSettings)
     search: SearchSettings = field(default_factory=SearchSettings)
+    calibration: CalibrationSettings = field(default_factory=CalibrationSettings)
+    fragility: FragilitySettings = field(default_factory=FragilitySettings)
     run: RunSettings = field(default_factory=RunSettings)
     blocks: tuple[BlockSettings, ...] = ()
+    demands: tuple[DemandSettings, ...] = ()
     folder: Path = field(default=Path(), compare=False)
 
     def __post_init__(self) -> None:
-        names = [block.name for block in self.blocks]
-        for name in names:
-            if names.count(name) > 1:
-                raise ConfigError(f'[[block]] name: "{name}" is given {names.count(name)} times; names must differ')
+        _require_different("[[block]]", [block.name for block in self.blocks])
+        _require_different("[[demand]]", [demand.name for demand in self.demands])
         lists = {b.name: len(b.restitution) for b in self.blocks if isinstance(b.restitution, tuple)}
         if len(set(lists.values())) > 1:
             found = ", ".join(f'{length} in "{name}"' for name, length in lists.items())
@@ -93,8 +100,14 @@ class Config:
     def as_text(self) -> str:
         """The resolved configuration as TOML; it loads back to an equal Config."""
         parts = [_as_toml(f"[{name}]", getattr(self, name)) for name in SECTIONS]
-        parts += [_as_toml("[[block]]", block) for block in self.blocks]
+        parts += [_as_toml(entry.heading, entry) for entry in (*self.blocks, *self.demands)]
         return "\n".join(parts)
+
+
+def _require_different(heading: str, names: list[str]) -> None:
+    for name in names:
+        if names.count(name) > 1:
+            raise ConfigError(f'{heading} name: "{name}" is given {names.count(name)} times; names must differ')
 
 
 def located(path: str, folder: Path) -> Path:
@@ -149,17 +162,25 @@ def load_config(path: str | Path) -> Config:
 
 
 def _build(document: Mapping[str, Any], folder: Path) -> Config:
-    known = [*SECTIONS, "block"]
+    known = [*SECTIONS, "block", "demand"]
     for name in document:
         if name not in known:
             raise ConfigError(f"[{name}]: unknown section{hint(name, known)}; known are {', '.join(known)}")
     sections: dict[str, Any] = {
         name: _section(cls, document[name]) for name, cls in SECTIONS.items() if name in document
     }
-    blocks = document.get("block", [])
-    if not isinstance(blocks, list):
-        raise ConfigError("[block]: expected [[block]] with double brackets, one for each body, found a single section")
-    return Config(**sections, blocks=tuple(_section(BlockSettings, entry) for entry in blocks), folder=folder)
+    blocks = _sections(BlockSettings, document, "block", "body")
+    demands = _sections(DemandSettings, document, "demand", "limit state")
+    return Config(**sections, blocks=blocks, demands=demands, folder=folder)
+
+
+def _sections(cls: type[Section], document: Mapping[str, Any], name: str, what: str) -> tuple[Any, ...]:
+    entries = document.get(name, [])
+    if not isinstance(entries, list):
+        raise ConfigError(
+            f"[{name}]: expected {cls.heading} with double brackets, one for each {what}, found a single section"
+        )
+    return tuple(_section(cls, entry) for entry in entries)
 
 
 def _section(cls: type[Section], values: Any) -> Any:

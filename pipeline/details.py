@@ -5,9 +5,10 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Any
 
+from rockpulse.capacity_overview import capacities
 from rockpulse.errors import ResultsError
 from rockpulse.option import hint
-from rockpulse.overview import answered_by, cases, factor_table, peak_velocity, value, verdict_table
+from rockpulse.overview import answered_by, cases, factor_table, fullest_model, peak_velocity, value, verdict_table
 from rockpulse.record import STANDARD_GRAVITY
 from rockpulse.terminal import ABSENT, aligned, figure, paragraph, restitution
 
@@ -115,6 +116,7 @@ def _page(title: str, rows: list[list[str]], summary: xr.Dataset, **which: Any) 
             verdict_table(summary, **which),
             "",
             *_answers_of_auto(summary, **which),
+            *capacities(summary, fullest_model(summary), **which),
             "Safety factors: the smallest factor on the input of the model at which the block overturns",
             factor_table(summary, **which),
         ]

@@ -6,14 +6,14 @@ import logging
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 
-from rockpulse.components import Pair, find_pairs
+from rockpulse.components import Pair, find_pairs, matching_vertical
 from rockpulse.config import Config
 from rockpulse.failures import Failure
 from rockpulse.pair_conditioning import condition_pair
 from rockpulse.record import Record, distinct_ids
 from rockpulse.rotation import pair_id, rotate, strongest_azimuth
 
-__all__ = ["DIRECTIONS", "Motion", "ground_motions", "sweep_azimuths"]
+__all__ = ["DIRECTIONS", "Motion", "acting_vertical", "ground_motions", "sweep_azimuths"]
 
 logger = logging.getLogger("rockpulse")
 
@@ -69,6 +69,37 @@ def ground_motions(horizontal: Sequence[Record], config: Config) -> tuple[list[M
             failures += [Failure(channel.source, "rotate", str(error), "failed") for channel in pair.channels]
     records = distinct_ids([motion.record for motion in motions])
     return [replace(motion, record=record) for motion, record in zip(motions, records, strict=True)], failures
+
+
+def acting_vertical(motion: Motion, verticals: Sequence[Record], config: Config) -> tuple[Record, Record | None]:
+    """The record of a motion, with a warning where its vertical channel is in doubt, and that channel.
+
+    Parameters
+    ----------
+    motion : Motion
+        A horizontal motion.
+    verticals : sequence of Record
+        Vertical channels to choose from, as read.
+    config : Config
+        ``[records] include_vertical`` says whether one acts at all.
+
+    Returns
+    -------
+    record : Record
+        That of the motion.
+    vertical : Record or None
+        As read; None where none acts.
+    """
+    record = motion.record
+    if not config.records.include_vertical:
+        return record, None
+    found = (matching_vertical(channel, verticals) for channel in motion.channels)
+    vertical = next((one for one in found if one is not None), None)
+    if vertical is None:
+        record = record.with_warning("no vertical channel of this station overlaps: taken as zero")
+    elif vertical.start_time is None and vertical.source not in [channel.source for channel in motion.channels]:
+        record = record.with_warning("vertical channel: taken to start with this one, no times are known")
+    return record, vertical
 
 
 def sweep_azimuths(step: float) -> list[float]:

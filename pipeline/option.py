@@ -174,7 +174,7 @@ def choice(default: str, words: tuple[str, ...], or_count: bool = False) -> Any:
     return key(default, Kind(expected, accepts, lambda value: value, words))
 
 
-def choices(default: tuple[str, ...], words: tuple[str, ...]) -> Any:
+def choices(default: tuple[str, ...], words: tuple[str, ...], empty: bool = False) -> Any:
     """A key that takes a list of different words out of some; it is stored in the order of `words`.
 
     Parameters
@@ -183,26 +183,29 @@ def choices(default: tuple[str, ...], words: tuple[str, ...]) -> Any:
         Value where the key is omitted.
     words : tuple of str
         Allowed words.
+    empty : bool
+        Whether the list may be empty.
     """
 
     def accepts(value: Any) -> bool:
-        return _is_texts(value) and bool(value) and set(value) <= set(words) and len(set(value)) == len(value)
+        return (
+            _is_texts(value) and (bool(value) or empty) and set(value) <= set(words) and len(set(value)) == len(value)
+        )
 
     def ordered(value: Any) -> tuple[str, ...]:
         return tuple(word for word in words if word in value)
 
-    return key(default, Kind(f"a list of one or more of {_listed(words)}, each once", accepts, ordered, words))
+    some = "any" if empty else "one or more"
+    return key(default, Kind(f"a list of {some} of {_listed(words)}, each once", accepts, ordered, words))
 
 
-def number(
-    default: float | None, low: float = -math.inf, high: float = math.inf, above: bool = False, unit: str = ""
-) -> Any:
+def number(default: Any, low: float = -math.inf, high: float = math.inf, above: bool = False, unit: str = "") -> Any:
     """A key that takes a finite number within limits.
 
     Parameters
     ----------
     default : float or None
-        Value where the key is omitted.
+        Value where the key is omitted; ``dataclasses.MISSING`` for a key that must be given.
     low, high : float
         Limits, in the unit of the key.
     above : bool

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from rockpulse.capacity_overview import factor_cell, factor_notes, short_factor_cell, smallest_capacities
 from rockpulse.models.response import Outcome, Reason
 from rockpulse.record import STANDARD_GRAVITY
 from rockpulse.terminal import ABSENT, aligned, figure, lower_bound, paragraph, ratio, restitution, rough, shortened
@@ -28,7 +29,7 @@ __all__ = [
 ]
 
 #: Longest block name in a table.
-NAME_WIDTH = 30
+NAME_WIDTH = 29
 
 _WORDS = {Outcome.AT_REST: "at rest", Outcome.OVERTURNS: "OVERTURNS", Outcome.UNRESOLVED: "unresolved"}
 
@@ -114,10 +115,13 @@ def verdict_table(
     records, blocks : sequence of str, optional
         Which to show; all by default.
     """
-    lines = _table(summary, records, blocks, _verdict)
+    of_factors = factor_notes(summary, fullest_model(summary))
+    lines = _table(summary, records, blocks, _verdict, with_factor=bool(of_factors))
     notes = [
         "Figures: largest rotation over the critical angle (theta_max/alpha_c). C: velocity ratio of an impact. "
-        "a/a_up: PGA over the acceleration of uplift. I/I_1c: main impulse over the one that overturns the block alone."
+        "a/a_up: PGA over the acceleration of uplift. I/I_1c: main impulse over the one that overturns the block "
+        "alone.",
+        *of_factors,
     ]
     shown = summary["record"].values if records is None else records
     if any(value(summary, "pgv_drift", record=record) for record in shown):
@@ -156,12 +160,12 @@ def factor_table(summary: xr.Dataset, records: Sequence[str] | None = None, bloc
     """
 
     def cell(summary: xr.Dataset, where: dict[str, Any]) -> str:
-        factor = value(summary, "safety_factor", **where)
-        if factor is None or math.isnan(factor):
-            return ABSENT + " "
-        return ("none " if math.isinf(factor) else ratio(factor)) + " "
+        return factor_cell(*_factor(summary, where)) + " "
 
-    note = "  none: not found up to the end of the search ([search] factor_max). -: not computed for this model."
+    note = (
+        "  none: not found up to the end of the search ([search] factor_max). -: not computed for this model.\n"
+        "  (2): in two intervals of the factor; between them the block stands (group overturning_intervals)."
+    )
     return "\n".join([*_table(summary, records, blocks, cell), "", note])
 
 
@@ -213,7 +217,8 @@ def overview(tree: xr.DataTree) -> str:
     if "directions" in tree.children:
         parts = [direction_table(summary, tree["directions"].to_dataset()), left_out(tree)]
     else:
-        parts = [verdict_table(summary), overturned(summary), left_out(tree)]
+        capacity = smallest_capacities(summary, fullest_model(summary))
+        parts = [verdict_table(summary), overturned(summary), capacity, left_out(tree)]
     return "\n\n".join(part for part in parts if part)
 
 
@@ -222,11 +227,13 @@ def _table(
     records: Sequence[str] | None,
     blocks: Sequence[str] | None,
     cell: Callable[[xr.Dataset, dict[str, Any]], str],
+    with_factor: bool = False,
 ) -> list[str]:
     records = [str(label) for label in summary["record"].values] if records is None else records
     blocks = [str(label) for label in summary["block"].values] if blocks is None else blocks
     models = [str(label) for label in summary["model"].values]
-    headings, rows = [], [["", "C", "a/a_up", "I/I_1c", *(model + " " for model in models)]]
+    last = ["SF "] if with_factor else []
+    headings, rows = [], [["", "C", "a/a_up", "I/I_1c", *(model + " " for model in models), *last]]
     for record in records:
         headings.append((len(rows), _heading(summary, record)))
         for block in blocks:
@@ -235,11 +242,18 @@ def _table(
                 c = restitution(value(summary, "restitution", **where))
                 demand = [ratio(value(summary, name, **where)) for name in ("uplift_ratio", "impulse_ratio")]
                 cells = [cell(summary, {**where, "model": model}) for model in models]
+                if with_factor:
+                    factor = short_factor_cell(*_factor(summary, {**where, "model": fullest_model(summary)}))
+                    cells.append(factor if factor.endswith("+") else factor + " ")
                 rows.append(["  " + shortened(block, NAME_WIDTH), c, *demand, *cells])
     lines = aligned(rows)
     for place, heading in reversed(headings):
         lines[place:place] = ["", heading, lines[0]]
     return lines[2:]
+
+
+def _factor(summary: xr.Dataset, where: dict[str, Any]) -> tuple[Any, Any]:
+    return value(summary, "safety_factor", **where), value(summary, "interval_count", **where)
 
 
 def _heading(summary: xr.Dataset, record: str) -> str:

@@ -16,7 +16,21 @@ from rockpulse.failures import Failure
 from rockpulse.models.predictability import NOT_CHECKED
 from rockpulse.models.response import Outcome, Reason
 from rockpulse.scene import USED
-from rockpulse.variables import ANSWER, BLOCK, CASE, DEMAND, FAILURE, HALF_CYCLE, RECORD, WAVES, Meaning, described
+from rockpulse.variables import (
+    ANSWER,
+    BLOCK,
+    CAPACITY_RATIO,
+    CASE,
+    DEMAND,
+    FAILURE,
+    HALF_CYCLE,
+    OVERTURNING,
+    RECORD,
+    SITE_DEMAND,
+    WAVES,
+    Meaning,
+    described,
+)
 
 if TYPE_CHECKING:
     from rockpulse.assessment import RecordAssessment
@@ -50,6 +64,7 @@ def build_tree(
     groups = {
         "/summary": summary,
         "/half_cycles": _half_cycles(done, bodies, config),
+        "/overturning_intervals": _overturning_intervals(done, bodies, config),
         "/failures": _table("failure", FAILURE, {name: [getattr(row, name) for row in failures] for name in FAILURE}),
     }
     if swept is not None:
@@ -102,8 +117,12 @@ def _summary(done: Sequence[RecordAssessment], bodies: Bodies, config: Config) -
     _flag(variables["model_used"], USED)
     _flag(variables["applicable"], ["outside_range", "applicable"])
     _flag(variables["predictable"], ["not_checked", "no", "yes"], first=NOT_CHECKED)
-    search = f"searched up to a factor of {config.search.factor_max:g} in steps of {config.search.step:g}; inf if none"
-    variables["safety_factor"].attrs["comment"] = search
+    if config.demands:
+        _add_demands(variables, config)
+    variables["safety_factor"].attrs["comment"] = (
+        f"searched up to a factor of {config.search.factor_max:g} in steps of search_step, edges to 1e-6; inf if none; "
+        "a factor at which the model cannot answer counts as overturning (/overturning_intervals, resolved)"
+    )
     checked = f"relative changes of C and the record by 1e-9; peaks to {config.models.tolerance:g}"
     if config.models.output == "outcome":
         checked += "; of auto the outcome alone"
@@ -117,7 +136,40 @@ def _summary(done: Sequence[RecordAssessment], bodies: Bodies, config: Config) -
             (str, "1", "model, from the cheapest to the dearest; auto: the cheapest that answers, see model_used"),
         ),
     }
+    if config.demands:
+        names = [demand.name for demand in config.demands]
+        coords["demand"] = described(("demand",), names, (str, "1", "name of the demand"))
     return xr.Dataset(variables, coords)
+
+
+def _add_demands(variables: dict[str, xr.Variable], config: Config) -> None:
+    """What the site asks for, and the capacity of every body over it."""
+    demands = {
+        "demand_acceleration": np.array([demand.acceleration for demand in config.demands]),
+        "limit_state": [demand.limit_state for demand in config.demands],
+    }
+    for name, meaning in SITE_DEMAND.items():
+        variables[name] = described(("demand",), demands[name], meaning)
+    capacity = variables["capacity_pga"]
+    ratio = capacity.values[..., np.newaxis] / variables["demand_acceleration"].values
+    variables["capacity_ratio"] = described((*map(str, capacity.dims), "demand"), ratio, CAPACITY_RATIO)
+
+
+def _overturning_intervals(done: Sequence[RecordAssessment], bodies: Bodies, config: Config) -> xr.Dataset:
+    columns: dict[str, list[np.ndarray]] = {name: [] for name in OVERTURNING}
+    for record_index, one in enumerate(done):
+        for model_index, model in enumerate(config.models.answering):
+            found = one.scales[model]
+            columns["record_index"].append(np.full(found.lane.size, record_index))
+            columns["block_index"].append(found.lane // bodies.cases)
+            columns["case_index"].append(found.lane % bodies.cases)
+            columns["model_index"].append(np.full(found.lane.size, model_index))
+            for name in ("lower", "upper", "open", "resolved"):
+                columns[name].append(getattr(found, name))
+    table = _table("interval", OVERTURNING, {name: _joined(parts) for name, parts in columns.items()})
+    for name in ("open", "resolved"):
+        _flag(table[name].variable, ["no", "yes"])
+    return table
 
 
 def _half_cycles(done: Sequence[RecordAssessment], bodies: Bodies, config: Config) -> xr.Dataset:

@@ -10,6 +10,7 @@ from typing import Any, Literal
 import numpy as np
 
 from rockpulse.calibration.estimators import calibrate
+from rockpulse.calibration.rule import load_rule, rule_sequence
 from rockpulse.components import VERTICAL_NOTE, align, uncovered
 from rockpulse.conditioning import condition
 from rockpulse.config import Config
@@ -28,7 +29,7 @@ from rockpulse.record import Record
 __all__ = ["CHECKABLE", "MODELS", "SLENDER_MODELS", "USED", "Scene", "auto_response", "extract", "prepare"]
 
 #: Models whose motion between events is the linear one (Eqs. 1-2), stated for slenderness of at least 3.
-SLENDER_MODELS = frozenset({"resonance", "sequence", "impulsive", "linear"})
+SLENDER_MODELS = frozenset({"resonance", "sequence", "balanced", "conservative", "impulsive", "linear"})
 
 
 @dataclass(frozen=True, eq=False)
@@ -125,6 +126,10 @@ def _sequence(block: Block, scene: Scene) -> Response:
     return no_sequence(block) if scene.sequence is None else sequence_response(block, scene.sequence)
 
 
+def _rule(block: Block, scene: Scene, *, point: str) -> Response:
+    return sequence_response(block, rule_sequence(scene.waves, block, load_rule(point)), paired=True)
+
+
 def _impulsive(block: Block, scene: Scene, scale: Any = 1.0) -> Response:
     waves = scene.waves
     return impulsive_response(
@@ -189,6 +194,8 @@ def _auto(block: Block, scene: Scene, scale: Any = 1.0) -> Response:
 MODELS: dict[str, Callable[[Block, Scene], Response]] = {
     "resonance": _resonance,
     "sequence": _sequence,
+    "balanced": partial(_rule, point="balanced"),
+    "conservative": partial(_rule, point="conservative"),
     "impulsive": _impulsive,
     "linear": _linear,
     "nonlinear": _nonlinear,

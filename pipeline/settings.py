@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import MISSING, dataclass
 
 from rockpulse.errors import ConfigError
-from rockpulse.option import Section, choice, choices, count, flag, number, text, texts
+from rockpulse.fragility.settings import FragilitySettings
+from rockpulse.option import Kind, Section, choice, choices, count, flag, key, number, text, texts
 
 __all__ = [
     "SECTIONS",
+    "CalibrationSettings",
     "ConditioningSettings",
+    "DemandSettings",
+    "FragilitySettings",
     "HalfWaveSettings",
     "IntensePhaseSettings",
     "ModelSettings",
@@ -33,9 +37,15 @@ SECONDARIES = ("rms", "median", "mean")
 INTERVALS = ("median", "mean")
 MAIN_COUNTS = ("half-largest", "none")
 SPACINGS = ("end", "middle", "start", "open", "continuous")
-MODELS = ("resonance", "sequence", "impulsive", "linear", "nonlinear")
+MODELS = ("resonance", "sequence", "balanced", "conservative", "impulsive", "linear", "nonlinear")
 GAINS = ("paper", "linear", "exact")
 OUTPUTS = ("outcome", "peak")
+METHODS = ("response", "statistics")
+#: Words of `weights`, which also takes the name of a table.
+WEIGHTS = ("equal", "event")
+SCALES = ("none", "pga", "pgv", "impulse")
+FAMILIES = ("default", "blocks")
+DESIGNS = ("response", "parameters")
 
 
 @dataclass(frozen=True)
@@ -61,6 +71,7 @@ class RecordSettings(Section):
     dt: float | None = number(None, low=0.0, above=True, unit="s")
     response: str = choice("sensitivity", RESPONSES)
     include_vertical: bool = flag(False)
+    events: str | None = text(None)
     store: str = choice("all", STORES)
 
     def __post_init__(self) -> None:
@@ -161,7 +172,7 @@ class ModelSettings(Section):
     """Which models answer, and how exactly."""
 
     heading = "[models]"
-    use: tuple[str, ...] = choices(MODELS, MODELS)
+    use: tuple[str, ...] = choices(("resonance", "sequence", "impulsive", "linear", "nonlinear"), MODELS)
     auto: bool = flag(False)
     output: str = choice("outcome", OUTPUTS)
     tolerance: float = number(1e-4, low=0.0, above=True)
@@ -177,11 +188,53 @@ class ModelSettings(Section):
 
 @dataclass(frozen=True)
 class SearchSettings(Section):
-    """The grid of factors on which the safety factor is searched."""
+    """The grid of factors on which overturning is searched."""
 
     heading = "[search]"
+    models: tuple[str, ...] = choices(MODELS, MODELS, empty=True)
     factor_max: float = number(10.0, low=0.0, high=1e6, above=True)
+    points: int = count(64, low=2)
     step: float = number(1.005, low=1.0001)
+
+
+@dataclass(frozen=True)
+class DemandSettings(Section):
+    """What the site asks for in one limit state: the capacity of every body is compared with it."""
+
+    heading = "[[demand]]"
+    name: str = key(MISSING, Kind("a text that is not empty", lambda name: isinstance(name, str) and bool(name), str))
+    acceleration: float = number(MISSING, low=0.0, above=True, unit="m/s2")
+    limit_state: str = text()
+
+
+@dataclass(frozen=True)
+class CalibrationSettings(Section):
+    """How the records of a site become its design sequence (:func:`rockpulse.calibrate_site`)."""
+
+    heading = "[calibration]"
+    method: str = choice("response", METHODS)
+    family: str = choice("default", FAMILIES)
+    weights: str = text("equal")
+    scale_to: str = choice("none", SCALES)
+    target: float | None = number(None, low=0.0, above=True, unit="m/s2 (pga) or m/s (pgv, impulse)")
+    design: str = choice("response", DESIGNS)
+    quantile: float = number(0.84, low=0.01, high=0.99)
+    confidence: float = number(0.9, low=0.5, high=0.99)
+    bootstrap: int = count(1000, low=100)
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if not self.weights.strip():
+            raise ConfigError(
+                '[calibration] weights: expected "equal", "event" or the name of a CSV table, found nothing'
+            )
+        if self.scale_to != "none" and self.target is None:
+            raise ConfigError(f'[calibration] scale_to: "{self.scale_to}" needs the value to scale to; give target')
+        if self.scale_to == "none" and self.target is not None:
+            raise ConfigError(
+                '[calibration] target: it belongs to scale_to = "pga", "pgv" or "impulse", found scale_to = "none"; '
+                "drop it or say what is scaled to it"
+            )
 
 
 @dataclass(frozen=True)
@@ -210,5 +263,7 @@ SECTIONS: dict[str, type[Section]] = {
     "sequence": SequenceSettings,
     "models": ModelSettings,
     "search": SearchSettings,
+    "calibration": CalibrationSettings,
+    "fragility": FragilitySettings,
     "run": RunSettings,
 }

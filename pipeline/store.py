@@ -18,7 +18,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from rockpulse.accuracy_variables import REPORT
+from rockpulse.calibration.rule_variables import RULE_KIND
+from rockpulse.calibration.site_variables import SITE_KIND
 from rockpulse.errors import ResultsError
+from rockpulse.fragility.variables import FRAGILITY
+from rockpulse.study.variables import STUDY
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -30,6 +34,9 @@ SCHEMA_VERSION = "1.0"
 
 #: Root attribute `kind` of the results of an assessment; files without it are assessments.
 ASSESSMENT = "assessment"
+
+#: Kinds of files that are read back, and the group that each of them has.
+KINDS = {ASSESSMENT: "summary", SITE_KIND: "site", FRAGILITY: "fragility", RULE_KIND: "rates", STUDY: "statements"}
 
 CONVENTIONS = "CF-1.11"
 DAMAGED = "damaged file"
@@ -47,7 +54,7 @@ def check_target(path: str | Path, overwrite: bool = False, kind: str = ASSESSME
     overwrite : bool
         Whether results that exist may be replaced: an HDF5 file of rockpulse of the same kind, of any schema version,
         or a damaged one. No other file is ever replaced.
-    kind : {"assessment", "accuracy report"}
+    kind : {"assessment", "site calibration", "accuracy report"}
         What the file is to hold.
 
     Returns
@@ -134,8 +141,8 @@ def load(path: str | Path) -> xr.DataTree:
     Raises
     ------
     ResultsError
-        For a file that is no HDF5, is damaged, was not written by rockpulse, holds no assessment, or has another major
-        schema version.
+        For a file that is no HDF5, is damaged, was not written by rockpulse, is an accuracy report, or has another
+        major schema version.
     OSError
         Where the file cannot be opened.
     """
@@ -172,9 +179,13 @@ def _check_replaceable(target: Path, path: str | Path, overwrite: bool, kind: st
         )
     if found not in (kind, DAMAGED):
         raise ResultsError(
-            f"{path}: expected an {kind} of rockpulse, found an {found}, which is not replaced even with --overwrite; "
-            "choose another name, or remove it by hand"
+            f"{path}: expected {_named(kind)} of rockpulse, found {_named(found)}, which is not replaced even with "
+            "--overwrite; choose another name, or remove it by hand"
         )
+
+
+def _named(kind: str) -> str:
+    return f"{'an' if kind[0] in 'aeiou' else 'a'} {kind}"
 
 
 def _kind(target: Path) -> str | None:
@@ -201,7 +212,7 @@ def _check_schema(path: str | Path) -> None:
         with h5py.File(path, "r") as file:
             found = file.attrs.get("schema_version")
             kind = file.attrs.get("kind", ASSESSMENT)
-            known = "summary" in file and isinstance(found, str)
+            known = KINDS.get(kind, "/") in file and kind in KINDS and isinstance(found, str)
     except (OSError, RuntimeError, KeyError) as error:
         raise ResultsError(
             f"{path}: expected a results file of rockpulse (HDF5), found something else or a truncated file ({error}); "
@@ -214,8 +225,8 @@ def _check_schema(path: str | Path) -> None:
         )
     if not known:
         raise ResultsError(
-            f"{path}: an HDF5 file, not written by rockpulse assess: attribute 'schema_version' or group "
-            "'summary' is missing"
+            f"{path}: an HDF5 file, not written by rockpulse (or of a kind that this version does not know): attribute "
+            f"'schema_version' or group '{KINDS.get(kind, KINDS[ASSESSMENT])}' is missing"
         )
     if found.split(".")[0] != SCHEMA_VERSION.split(".")[0]:
         raise ResultsError(

@@ -12,14 +12,17 @@ if TYPE_CHECKING:
 __all__ = [
     "ANSWER",
     "BLOCK",
+    "CAPACITY_RATIO",
     "CASE",
     "DEMAND",
     "DIRECTION",
     "DIRECTION_ANSWER",
     "FAILURE",
     "HALF_CYCLE",
+    "OVERTURNING",
     "PAIR",
     "RECORD",
+    "SITE_DEMAND",
     "WAVES",
     "Meaning",
     "described",
@@ -89,11 +92,21 @@ ANSWER: dict[str, Meaning] = {
     "overturning_half_cycle": (int, "1", "1 + impacts before overturning; -1 where it does not overturn"),
     "impacts": (int, "1", "impacts faster than 1e-3 p alpha_c; -1 where they never end or are not known"),
     "safety_factor": (float, "1", "smallest factor on the model's input that overturns; NaN where not computed"),
+    "safe_up_to": (float, "1", "factor on the model's input up to which the search found no overturning"),
+    "interval_count": (int, "1", "intervals of the factor in which the block overturns; -1 where not computed"),
+    "search_step": (float, "1", "ratio of neighbouring factors of the search; 1 in closed form, NaN without a search"),
     "capacity_pga": (float, "m s-2", "safety factor times PGA; NaN where not computed"),
     "predictable": (np.int8, "1", "whether the answer stays when C or the record changes in the ninth digit"),
     "model_used": (np.int8, "1", "model that gave the answer"),
     "applicable": (np.int8, "1", "whether the block is within the range of the model"),
 }
+
+SITE_DEMAND: dict[str, Meaning] = {
+    "demand_acceleration": (float, "m s-2", "ground acceleration that the site asks for, a_g S"),
+    "limit_state": (str, "1", "limit state of the demand"),
+}
+
+CAPACITY_RATIO: Meaning = (float, "1", "capacity_pga over demand_acceleration; NaN where not computed")
 
 DIRECTION: dict[str, Meaning] = {
     "direction_azimuth": (float, "degree", "azimuth of the direction, clockwise from north"),
@@ -149,6 +162,17 @@ HALF_CYCLE: dict[str, Meaning] = {
     "impulse_count": (int, "1", "intermediate impulses in it; -1 where n -> infinity"),
     "interval": (float, "s", "corrected interval of the intermediate impulses; NaN without"),
     "impact_speed": (float, "1", "speed right before the next impact over p alpha_c; NaN without"),
+}
+
+OVERTURNING: dict[str, Meaning] = {
+    "record_index": (int, "1", "index into record of /summary"),
+    "block_index": (int, "1", "index into block of /summary"),
+    "case_index": (int, "1", "index of the restitution of the block"),
+    "model_index": (int, "1", "index into model of /summary"),
+    "lower": (float, "1", "smallest factor on the model's input that overturns in this interval"),
+    "upper": (float, "1", "largest one; the end of the search where open"),
+    "open": (np.int8, "1", "whether the block still overturns at the end of the search"),
+    "resolved": (np.int8, "1", "whether the model can answer at the lower end"),
 }
 
 FAILURE: dict[str, Meaning] = {

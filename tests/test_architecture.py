@@ -13,9 +13,12 @@ SOURCES = sorted([*PIPELINE.rglob("*.py"), *MODELS.rglob("*.py")])
 
 #: The outer ring of the package: files in, files and text out. What is not named here is the middle ring.
 EDGE = {"readers", "sources", "store", "cli", "commands", "overview", "details", "terminal", "__main__"}
-EDGE |= {"direction_overview", "failure_overview"}
+EDGE |= {"capacity_overview", "direction_overview", "failure_overview"}
+EDGE |= {"fragility_overview"}
 EDGE |= {"conversion", "obspy_plugin", "obspy_trace", "writers"}
 EDGE |= {"accuracy_overview", "accuracy_files", "accuracy_diagram"}
+EDGE |= {"design_file", "rule_overview", "site_overview"}
+EDGE |= {"study_overview"}
 #: The face of the package, which names everything.
 FACE = {"__init__"}
 

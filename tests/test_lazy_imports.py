@@ -37,6 +37,7 @@ def command(*arguments):
         ["assess", "--help"],
         ["inspect", "--help"],
         ["accuracy", "--help"],
+        ["study", "figure4", "--help"],
         ["formats"],
         ["init-config"],
     ],

@@ -3,9 +3,31 @@
 What a verb needs beyond the standard library is imported when it runs.
 """
 
-from rockpulse.commands import accuracy, assess, convert, formats, init_config, inspect
+from rockpulse.commands import (
+    accuracy,
+    assess,
+    calibrate,
+    convert,
+    formats,
+    fragility,
+    init_config,
+    inspect,
+    rule,
+    study,
+)
 
 __all__ = ["VERBS"]
 
 #: In the order of the help.
-VERBS = (assess.VERB, inspect.VERB, formats.VERB, convert.VERB, init_config.VERB, accuracy.VERB)
+VERBS = (
+    assess.VERB,
+    calibrate.VERB,
+    fragility.VERB,
+    rule.VERB,
+    inspect.VERB,
+    formats.VERB,
+    convert.VERB,
+    init_config.VERB,
+    accuracy.VERB,
+    study.VERB,
+)

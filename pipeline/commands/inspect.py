@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 import argparse
+from typing import TYPE_CHECKING
 
 from rockpulse.commands.verb import Verb
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 __all__ = ["VERB"]
 
 
 def _add_arguments(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("results", metavar="RESULTS", help="file written by rockpulse assess")
+    parser.add_argument("results", metavar="RESULTS", help="file of rockpulse assess, calibrate, fragility or study")
     parser.add_argument("--record", metavar="ID", help="one record in detail")
     parser.add_argument("--block", metavar="NAME", help="one block in detail")
     parser.add_argument("--failures", action="store_true", help="what failed or was skipped, and why")
@@ -23,6 +27,12 @@ def _run(args: argparse.Namespace) -> int:
     from rockpulse.store import load
 
     tree = load(args.results)
+    if "site" in tree.children:
+        return _inspect_site(tree, args)
+    if "fragility" in tree.children:
+        return _inspect_fragility(tree, args)
+    if "statements" in tree.children:
+        return _inspect_study(tree, args)
     summary = tree["summary"].to_dataset()
     parts = []
     if args.record is not None:
@@ -32,6 +42,49 @@ def _run(args: argparse.Namespace) -> int:
     if args.failures:
         parts.append(failure_list(tree) or "nothing failed and nothing was skipped")
     print("\n\n".join(parts) if parts else overview(tree))
+    return 0
+
+
+def _inspect_site(tree: xr.DataTree, args: argparse.Namespace) -> int:
+    from rockpulse.errors import ResultsError
+    from rockpulse.failure_overview import failure_list
+    from rockpulse.site_overview import site_overview
+
+    if args.record is not None or args.block is not None:
+        raise ResultsError(
+            f"{args.results}: --record and --block show results of 'rockpulse assess'; this is a site file, "
+            "which inspect shows whole"
+        )
+    none = "nothing failed and nothing was skipped"
+    print((failure_list(tree) or none) if args.failures else site_overview(tree))
+    return 0
+
+
+def _inspect_fragility(tree: xr.DataTree, args: argparse.Namespace) -> int:
+    from rockpulse.errors import ResultsError
+    from rockpulse.failure_overview import failure_list
+    from rockpulse.fragility_overview import fragility_overview
+
+    if args.record is not None or args.block is not None:
+        raise ResultsError(
+            f"{args.results}: --record and --block show results of 'rockpulse assess'; this is a fragility file, "
+            "which inspect shows whole"
+        )
+    none = "nothing failed and nothing was skipped"
+    print((failure_list(tree) or none) if args.failures else fragility_overview(tree))
+    return 0
+
+
+def _inspect_study(tree: xr.DataTree, args: argparse.Namespace) -> int:
+    from rockpulse.errors import ResultsError
+    from rockpulse.study_overview import study_overview
+
+    if args.record is not None or args.block is not None or args.failures:
+        raise ResultsError(
+            f"{args.results}: --record, --block and --failures show results of 'rockpulse assess'; this is a study, "
+            "which inspect shows whole"
+        )
+    print(study_overview(tree))
     return 0
 
 

@@ -16,7 +16,14 @@ from rockpulse.models import Block, Outcome, Reason, recorded_response
 from rockpulse.models.sequence import SPACINGS
 from rockpulse.record import Record
 from rockpulse.scene import prepare
-from rockpulse.settings import ConditioningSettings, ModelSettings, RecordSettings, SequenceSettings
+from rockpulse.settings import (
+    ConditioningSettings,
+    DemandSettings,
+    ModelSettings,
+    RecordSettings,
+    SearchSettings,
+    SequenceSettings,
+)
 
 DT = 0.01
 WALL = BlockSettings(name="wall", width=0.4, height=3.0)
@@ -68,16 +75,59 @@ def test_demand_ratios_follow_their_definitions(tree):
     assert cell["impulse_ratio"].item() == pytest.approx(cell["main_impulse"].item() / block.critical_impulse)
 
 
-def test_safety_factor_is_there_for_the_sequences_and_absent_for_the_rest(tree):
+def test_every_model_has_a_safety_factor_and_what_goes_with_it(tree):
     summary = tree["summary"]
-    known = summary["safety_factor"].sel(model=["resonance", "sequence"])
-    assert np.all(known > 0.0)
-    assert np.all(np.isnan(summary["safety_factor"].sel(model=["impulsive", "linear", "nonlinear"])))
-    finite = np.isfinite(known)
+    factor = summary["safety_factor"]
+    assert np.all(factor > 0.0)
+    assert np.all(summary["safe_up_to"] <= np.minimum(factor, 10.0))
+    assert np.all((summary["interval_count"] > 0) == np.isfinite(factor))
     assert np.array_equal(
-        summary["capacity_pga"].sel(model=["resonance", "sequence"]).where(finite, 0.0),
-        (known * summary["pga"]).where(finite, 0.0),
+        summary["capacity_pga"].where(np.isfinite(factor), 0.0),
+        (factor * summary["pga"]).where(np.isfinite(factor), 0.0),
     )
+    assert np.all(summary["search_step"].sel(model="resonance") == 1.0)
+    assert np.all(summary["search_step"].sel(model="sequence") <= 1.005)
+    assert "search_step" in factor.attrs["comment"]
+
+
+def test_intervals_of_overturning_begin_with_the_safety_factor_and_hold_the_outcome(tree):
+    summary, table = tree["summary"], tree["overturning_intervals"]
+    shape = summary["safety_factor"].shape
+    place = [table[f"{name}_index"].values for name in ("record", "block", "model")]
+    smallest, over = np.full(shape, np.inf), np.zeros(shape, dtype=bool)
+    np.minimum.at(smallest, tuple(place), table["lower"].values)
+    np.logical_or.at(over, tuple(place), (table["lower"].values <= 1.0) & (table["upper"].values >= 1.0))
+    assert np.array_equal(smallest, summary["safety_factor"].values)
+    # The record as it is belongs to the factors that are tried.
+    assert np.array_equal(over, summary["outcome"].values == Outcome.OVERTURNS)
+    counts = np.zeros(shape, dtype=int)
+    np.add.at(counts, tuple(place), 1)
+    assert np.array_equal(counts, summary["interval_count"].values)
+    assert np.array_equal(table["open"].values == 1, table["upper"].values == 10.0)
+    assert np.all(table["resolved"] == 1)
+    assert np.all(table["case_index"] == 0)
+
+
+def test_models_left_out_of_the_search_have_no_factor():
+    config = Config(blocks=(WALL,), search=SearchSettings(models=()))
+    tree = assess([record("one")], config)
+    assert np.all(np.isnan(tree["summary"]["safety_factor"]))
+    assert np.all(np.isnan(tree["summary"]["capacity_pga"]))
+    assert np.all(tree["summary"]["interval_count"] == -1)
+    assert tree["overturning_intervals"].sizes["interval"] == 0
+    assert "demand" not in tree["summary"].dims
+
+
+@pytest.mark.parametrize("restitution", ["housner", (0.8, 0.9)])
+def test_capacity_is_compared_with_every_demand(restitution):
+    demands = (DemandSettings(name="damage", acceleration=1.0), DemandSettings("collapse", 2.5, "475 years"))
+    wall = BlockSettings(name="wall", width=0.4, height=3.0, restitution=restitution)
+    summary = assess([record("one")], Config(blocks=(wall,), demands=demands))["summary"]
+    assert list(summary["demand"].values) == ["damage", "collapse"]
+    assert list(summary["demand_acceleration"].values) == [1.0, 2.5]
+    assert list(summary["limit_state"].values) == ["", "475 years"]
+    assert summary["capacity_ratio"].dims == (*summary["capacity_pga"].dims, "demand")
+    assert np.array_equal(summary["capacity_ratio"].sel(demand="collapse"), summary["capacity_pga"] / 2.5)
 
 
 def test_a_sequence_that_overturns_has_a_factor_of_one_or_less(tree):
@@ -195,8 +245,7 @@ def test_every_estimator_gives_an_assessment_with_safety_factors(options):
     config = Config(blocks=(WALL,), sequence=SequenceSettings(**options))
     tree = assess([record("one")], config)
     assert tree["failures"].sizes["failure"] == 0
-    factors = tree["summary"]["safety_factor"].squeeze().values[:2]
-    assert np.all(factors > 0.0)
+    assert np.all(tree["summary"]["safety_factor"] > 0.0)
 
 
 def test_body_beyond_the_reach_of_the_sequence_leaves_the_others_their_answers():

@@ -212,7 +212,11 @@ def _configs(draw):
             elif isinstance(field.default, str):
                 pools.append(_texts)
             elif isinstance(field.default, float):
-                pools.append(_numbers.filter(kind.accepts))
+                # What is out of range becomes the default: filters would throw most draws away.
+                numbers = st.one_of(st.floats(0.5, 0.99), _numbers)
+                pools.append(
+                    numbers.map(lambda value, kind=kind, own=field.default: value if kind.accepts(value) else own)
+                )
             values[field.name] = draw(st.one_of(pools))
         if values.get("method") == "window":
             values.update(start_s=1.0, end_s=draw(st.floats(1.5, 1e3)))
@@ -220,6 +224,9 @@ def _configs(draw):
             rotated = values["components"] == "azimuth"
             values.update(azimuth=draw(st.floats(0.0, 360.0)) if rotated else None)
             values.update(azimuth_step=180.0 / draw(st.integers(2, 180)))
+        if name == "calibration":
+            values.update(target=None if values["scale_to"] == "none" else draw(_numbers))
+            values.update(weights=draw(st.sampled_from(["equal", "event", "weights.csv"])))
         sections[name] = section(**values)
     names = draw(st.lists(_names, unique=True, max_size=3))
     blocks = [

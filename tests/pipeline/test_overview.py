@@ -2,8 +2,10 @@
 
 import numpy as np
 import pytest
+import xarray as xr
 from results_tree import BLOCKS, RECORDS, results_tree
 
+from rockpulse.capacity_overview import smallest_capacities
 from rockpulse.failure_overview import failure_list
 from rockpulse.overview import factor_table, overturned, overview, value, verdict_table
 
@@ -80,12 +82,12 @@ def test_a_peak_of_auto_that_is_no_answer_is_marked_and_explained(summary):
     summary["peak_rotation_ratio"][0, 1] = 0.056  # of every model: only that of auto is marked
     summary["peak_rotation_ratio"][1, 0] = 0.1279
     text = verdict_table(summary)
-    assert row(text, "boundary wall", RECORDS[0])[-1] == "OVERTURNS"
-    assert row(text, "column", RECORDS[0])[-2:] == ["0.056", "~0.06"]
-    assert row(text, "boundary wall", RECORDS[1])[-1] == ">0.12"
-    assert row(text, "column", RECORDS[1])[-1] == "0.41"
-    assert row(text, "cabinet", RECORDS[1])[-1] == "~0.4"
-    assert row(text, "cabinet", RECORDS[2])[-2:] == ["at", "rest"]
+    assert row(text, "boundary wall", RECORDS[0])[-2] == "OVERTURNS"
+    assert row(text, "column", RECORDS[0])[-3:-1] == ["0.056", "~0.06"]
+    assert row(text, "boundary wall", RECORDS[1])[-2] == ">0.12"
+    assert row(text, "column", RECORDS[1])[-2] == "0.41"
+    assert row(text, "cabinet", RECORDS[1])[-2] == "~0.4"
+    assert row(text, "cabinet", RECORDS[2])[-3:-1] == ["at", "rest"]
     note = [line for line in text.splitlines() if line.startswith("  Peaks of auto")]
     assert len(note) == 1
     assert "~0.06 an estimate from impulses" in note[0]
@@ -153,7 +155,7 @@ def test_long_names_keep_both_their_ends(summary):
     summary = summary.assign_coords(block=("block", ["north wall of the cemetery, strip 1", *BLOCKS[1:]]))
     assert "north wall of t… strip 1" not in verdict_table(summary)
     assert any(
-        line.startswith("  north wall of t") and "strip 1" in line for line in verdict_table(summary).splitlines()
+        line.startswith("  north wall of ") and "strip 1" in line for line in verdict_table(summary).splitlines()
     )
 
 
@@ -162,6 +164,74 @@ def test_factors_are_numbers_none_or_a_dash(summary):
     assert row(text, "column", RECORDS[0])[3:] == ["0.50", "1.70", "-"]
     assert row(text, "column", RECORDS[2])[3:] == ["none", "none", "-"]
     assert row(factor_table(summary.drop_vars("safety_factor")), "column")[3:] == ["-", "-", "-"]
+
+
+@pytest.fixture
+def searched(summary):
+    """The nonlinear model searched: the first record overturns the column in three intervals, and rocks it at one."""
+    factor, count = summary["safety_factor"], xr.full_like(summary["outcome"], 1, dtype=np.int64)
+    factor[:, :, 2], factor[0, 1, 2], factor[2, 0, 2], count[0, 1, 2] = 1.7, 0.84, np.inf, 3
+    return summary.assign(interval_count=count)
+
+
+def test_the_factor_of_the_fullest_model_stands_beside_the_verdicts(searched):
+    text = verdict_table(searched)
+    assert row(text, "column", RECORDS[0])[-2:] == ["0.41", "0.84+"]
+    assert row(text, "boundary wall", RECORDS[1])[-1] == "1.70"
+    assert row(text, "boundary wall", RECORDS[2])[-1] == "none"
+    words = " ".join(text.split())
+    assert "SF: smallest factor on the record" in words
+    assert "+: not monotonic" in words
+    assert "1 of 9, up to 3 intervals" in words
+    assert "1 with SF below 1 that rock" in words
+    assert row(factor_table(searched), "column", RECORDS[0])[-2:] == ["0.84", "(3)"]
+
+
+def test_what_a_search_may_miss_is_said(searched):
+    assert "step of the search" not in verdict_table(searched)
+    searched["search_step"] = xr.full_like(searched["safety_factor"], 1.047)
+    assert "step of the search (up to 4.7%)" in " ".join(verdict_table(searched).split())
+
+
+def test_without_a_search_there_is_no_column_of_factors(summary):
+    assert "SF" not in verdict_table(summary)
+    assert "SF" not in verdict_table(summary.drop_vars("safety_factor"))
+
+
+def test_what_is_monotonic_and_monotonic_only_is_not_explained(searched):
+    text = verdict_table(searched.drop_vars("interval_count"))
+    assert row(text, "column", RECORDS[0])[-1] == "0.84"
+    assert "monotonic" not in text
+    searched["outcome"][0, 1, 2] = 2
+    assert "that rock" not in verdict_table(searched)
+
+
+def with_demands(summary):
+    """Two demands; the capacity of the first record is the smallest."""
+    cube = summary["safety_factor"].dims
+    capacity = np.ones(summary["safety_factor"].shape) * np.array([0.6, 1.5, 2.0])[:, None, None]
+    capacity[2, 0], capacity[:, 2] = np.inf, np.nan
+    ratio = capacity[..., None] / np.array([1.0, 2.5])
+    return summary.assign(
+        capacity_ratio=((*cube, "demand"), ratio), demand_acceleration=("demand", [1.0, 2.5])
+    ).assign_coords(demand=("demand", ["damage", "collapse"]))
+
+
+def test_capacities_are_compared_with_every_demand(searched):
+    assert smallest_capacities(searched, "nonlinear") == ""
+    text = smallest_capacities(with_demands(searched), "nonlinear")
+    assert "damage (1 m/s2)" in text
+    assert "collapse (2.5 m/s2)" in text
+    assert row(text, "boundary wall")[1:] == ["0.60,", "1.50", "0.24,", "0.60"]
+    assert row(text, "column")[1:] == ["0.60,", "1.50", "0.24,", "0.60"]
+    assert row(text, "cabinet")[1:] == ["-", "-"]
+
+
+def test_the_overview_shows_capacities_only_where_something_is_demanded(searched):
+    tree = results_tree()
+    assert "Capacity" not in overview(tree)
+    tree["summary"] = xr.DataTree(with_demands(searched))
+    assert "Capacity (safety factor x PGA, nonlinear model) over demand" in overview(tree)
 
 
 def test_what_overturns_is_named_by_the_fullest_model_and_counted_for_all(summary):

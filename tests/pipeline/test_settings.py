@@ -22,8 +22,11 @@ def test_python_values_are_checked_like_those_of_a_file():
 
 
 def test_the_words_are_those_of_the_modules_that_act_on_them():
-    from rockpulse import calibration, scene
+    from rockpulse import scene
     from rockpulse import settings as words
+    from rockpulse.calibration import estimators as calibration
+    from rockpulse.calibration.site_design import DESIGN
+    from rockpulse.calibration.site_scaling import MEASURE
     from rockpulse.conditioning import BASELINES
     from rockpulse.directions import DIRECTIONS
     from rockpulse.intensity import INTENSE_PHASES
@@ -35,6 +38,8 @@ def test_the_words_are_those_of_the_modules_that_act_on_them():
     assert tuple(BASELINES) == words.BASELINES
     assert tuple(INTENSE_PHASES) == words.PHASES
     assert tuple(SPACINGS) == words.SPACINGS
+    assert tuple(DESIGN) == words.DESIGNS
+    assert ("none", *MEASURE) == words.SCALES
     assert tuple(scene.MODELS) == words.MODELS
     for stated, table in (
         (words.MAINS, calibration.MAIN),

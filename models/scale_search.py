@@ -1,0 +1,213 @@
+"""Where a scaled input makes a block exceed a limit: intervals of the factor, which need not be monotonic."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+__all__ = ["ScaleIntervals", "exceedance_intervals"]
+
+#: Below the first exceedance, where the safety factor is read, the scan is made denser in these passes: parts that a
+#: step is divided into, and how near one of its ends must come to the limit for it (docs/decisions/011).
+DENSER = ((4, 0.2), (4, 0.5), (4, 0.8))
+
+#: Factors times lanes of one call of the scan: it bounds the memory of a call.
+CASES_AT_ONCE = 16384
+
+
+@dataclass(frozen=True, eq=False)
+class ScaleIntervals:
+    """Factors on the input at which a limit is exceeded, for m lanes that have k intervals together.
+
+    Attributes
+    ----------
+    safety_factor : (m,) ndarray
+        Smallest factor found to exceed the limit [-]; inf if none up to the end of the search.
+    safe_up_to : (m,) ndarray
+        Largest factor up to which the search found nothing [-]: the lower end of the last bracket of `safety_factor`,
+        or the end of the search.
+    lane : (k,) ndarray of int
+        Lane of each interval; ascending, and within a lane the intervals ascend.
+    lower, upper : (k,) ndarray
+        Ends of the intervals of exceedance [-]; the limit is exceeded at both.
+    open : (k,) ndarray of bool
+        True where the limit is still exceeded at the end of the search, which then is `upper`.
+    step : (m,) ndarray
+        Ratio of neighbouring factors of the scan [-]: narrower intervals, and gaps between two, may be missed. One
+        where
+        the edges are known in closed form, NaN where nothing was searched.
+    resolved : (k,) ndarray of bool
+        False where the limit counts as exceeded at `lower` because the model cannot answer there.
+    """
+
+    safety_factor: np.ndarray
+    safe_up_to: np.ndarray
+    lane: np.ndarray
+    lower: np.ndarray
+    upper: np.ndarray
+    open: np.ndarray
+    step: np.ndarray
+    resolved: np.ndarray
+
+    @property
+    def count(self) -> np.ndarray:
+        """Number of intervals of each lane: (m,) ndarray of int."""
+        return np.bincount(self.lane, minlength=self.safety_factor.size)
+
+
+def exceedance_intervals(
+    exceeds: Callable[[np.ndarray, np.ndarray], np.ndarray],
+    start: np.ndarray,
+    factor_max: float,
+    points: Any,
+    tolerance: float = 1e-6,
+) -> ScaleIntervals:
+    """Intervals of the factor in which each lane exceeds a limit: a scan on a log grid, and every edge refined.
+
+    Parameters
+    ----------
+    exceeds : callable
+        Takes numbers of lanes (n,), which may repeat, and factors (q, n) with a column for each of them, and returns
+        a (q, n) array: bool, or a number that is 1 or more where the limit is exceeded and says below 1 how near the
+        lane came to it. It need not be monotonic in the factor.
+    start : (m,) array_like
+        Below this no exceedance is possible, > 0 [-]; the scan of a lane begins here. Where it lies above
+        `factor_max`, inf included, the lane has no interval.
+    factor_max : float
+        End of the search [-].
+    points : int or (m,) array_like of int
+        Factors of the scan in each lane, both ends included; at least 2.
+    tolerance : float
+        Relative width of the bracket that each edge ends with, at least 1e-12.
+
+    Returns
+    -------
+    ScaleIntervals
+
+    Raises
+    ------
+    ValueError
+        For a start, an end, a number of points or a tolerance outside its range.
+
+    Notes
+    -----
+    The scan has the step (factor_max/start)^(1/(points - 1)), and the factor one besides. Below the first exceedance of
+    a lane, steps at whose ends the lane came near the limit are divided, where `exceeds` tells. An interval, or a gap
+    between two, that is narrower than the step is seen only where a factor happens to fall into it. Then all edges are
+    bisected together; where a bracket holds several edges, one of them is found.
+
+    Examples
+    --------
+    >>> found = exceedance_intervals(lambda lanes, s: (s > 1.2) & (s < 2.0) | (s > 3.0), [0.5], 10.0, 64)
+    >>> found.lower.round(5), found.upper.round(5), found.open
+    (array([1.2, 3. ]), array([ 2., 10.]), array([False,  True]))
+    """
+    start = np.asarray(start, dtype=float)
+    counts = np.broadcast_to(points, start.shape)
+    if not (math.isfinite(factor_max) and factor_max > 0.0):
+        raise ValueError(f"factor_max: expected a positive number, got {factor_max}")
+    if not np.all(start > 0.0):
+        raise ValueError(f"start: expected positive factors, got a smallest of {np.min(start)}")
+    if np.any(counts < 2):
+        raise ValueError(f"points: expected at least 2, got {np.min(counts)}")
+    if not 1e-12 <= tolerance < 1.0:
+        raise ValueError(f"tolerance: expected at least 1e-12 and below 1, got {tolerance}")
+    searched = np.flatnonzero(start <= factor_max)
+    at_once = max(1, CASES_AT_ONCE // int(np.max(counts, initial=2)))
+    parts = [
+        _scan(exceeds, searched[first : first + at_once], start, factor_max, counts)
+        for first in range(0, searched.size, at_once)
+    ]
+    lane, factor, over = (np.concatenate(column) for column in zip(*parts, strict=True)) if parts else _nothing()
+    same = lane[1:] == lane[:-1]
+    rise, fall = over.copy(), over.copy()
+    rise[1:] &= ~(over[:-1] & same)
+    fall[:-1] &= ~(over[1:] & same)
+    # An interval begins in the step before its first factor, or with the scan, and ends in the step after its last
+    # one, or not at all.
+    before = np.where(np.append(False, same), np.roll(factor, 1), factor)
+    after = np.where(np.append(same, False), np.roll(factor, -1), np.inf)
+    lane, count = lane[rise], np.count_nonzero(rise)
+    below, above = np.append(before[rise], factor[fall]), np.append(factor[rise], after[fall])
+    _bisect(exceeds, np.tile(lane, 2), below, above, np.arange(2 * count) < count, tolerance)
+    lower, upper = above[:count], below[count:]
+    safe, safety = np.full(start.size, float(factor_max)), np.full(start.size, np.inf)
+    first = np.flatnonzero(np.diff(lane, prepend=-1))
+    safety[lane[first]], safe[lane[first]] = lower[first], below[first]
+    step = np.where(start <= factor_max, (factor_max / start) ** (1.0 / (counts - 1)), np.nan)
+    return ScaleIntervals(safety, safe, lane, lower, upper, above[count:] == np.inf, step, np.ones(count, dtype=bool))
+
+
+def _nothing() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    return np.empty(0, dtype=np.int64), np.empty(0), np.empty(0, dtype=bool)
+
+
+def _scan(
+    exceeds: Callable[[np.ndarray, np.ndarray], np.ndarray],
+    lanes: np.ndarray,
+    start: np.ndarray,
+    factor_max: float,
+    counts: np.ndarray,
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Lane, factor, and whether it exceeds the limit, by lane and upwards."""
+    points = int(np.max(counts[lanes]))
+    # Lanes with fewer factors than others repeat the last one.
+    share = np.minimum(np.arange(points)[:, np.newaxis] / (counts[lanes] - 1.0), 1.0)
+    factors = start[lanes] * (factor_max / start[lanes]) ** share
+    factors[0], factors[share == 1.0] = start[lanes], factor_max
+    # The input as it is: what the search says of it must not differ from what a model says of it.
+    factors = np.sort(np.vstack((factors, np.clip(1.0, start[lanes], factor_max))), axis=0)
+    reach = np.asarray(exceeds(lanes, factors), dtype=float).T.reshape(-1)
+    lane, factor = np.repeat(lanes, points + 1), factors.T.reshape(-1)
+    for parts, near in DENSER:
+        lane, factor, reach = _denser(exceeds, lane, factor, reach, parts, near)
+    return lane, factor, reach >= 1.0
+
+
+def _denser(
+    exceeds: Callable[[np.ndarray, np.ndarray], np.ndarray],
+    lane: np.ndarray,
+    factor: np.ndarray,
+    reach: np.ndarray,
+    parts: int,
+    near: float,
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """The scan with every step divided that comes near the limit and begins below the first exceedance of its lane."""
+    over = np.flatnonzero(reach >= 1.0)
+    first = np.full(int(lane[-1]) + 1, np.inf)
+    np.minimum.at(first, lane[over], factor[over])
+    low, high = factor[:-1], factor[1:]
+    inside_lane = (lane[1:] == lane[:-1]) & (low < high)
+    chosen = inside_lane & (low < first[lane[:-1]]) & (np.maximum(reach[:-1], reach[1:]) >= near)
+    step = np.flatnonzero(chosen)
+    if step.size == 0:
+        return lane, factor, reach
+    share = np.arange(1, parts)[:, np.newaxis] / parts
+    factors = low[step] * (high[step] / low[step]) ** share
+    lanes = np.append(lane, np.tile(lane[step], parts - 1))
+    reached = np.append(reach, np.asarray(exceeds(lane[step], factors), dtype=float))
+    order = np.lexsort((np.append(factor, factors), lanes))
+    return lanes[order], np.append(factor, factors)[order], reached[order]
+
+
+def _bisect(
+    exceeds: Callable[[np.ndarray, np.ndarray], np.ndarray],
+    lane: np.ndarray,
+    below: np.ndarray,
+    above: np.ndarray,
+    rises: np.ndarray,
+    tolerance: float,
+) -> None:
+    """Narrow the brackets (below, above) of all edges of all lanes in the same rounds, in place."""
+    while True:
+        wide = np.flatnonzero(np.isfinite(above) & (above - below > tolerance * above))
+        if wide.size == 0:
+            return
+        middle = 0.5 * (below[wide] + above[wide])
+        over = np.asarray(exceeds(lane[wide], middle[np.newaxis]))[0] >= 1
+        upwards = over != rises[wide]
+        below[wide[upwards]], above[wide[~upwards]] = middle[upwards], middle[~upwards]

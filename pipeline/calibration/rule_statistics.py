@@ -1,0 +1,170 @@
+"""How good a score is that should tell overturning from survival: rates, curves, bounds, and events resampled.
+
+.. note:: A case raises the alarm where its score is at or above a limit. `missed` is the share of the overturnings
+   without an alarm, `false` the share of the survivors with one. Cases of one earthquake are no independent
+   observations, so confidence comes from resampling earthquakes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+from scipy.stats import beta
+
+__all__ = ["Resampled", "area", "curve", "false_at", "limit", "missed_bound", "resampled", "resampled_share"]
+
+#: Resamples of the bootstrap.
+RESAMPLES = 1000
+
+
+def limit(fallen: np.ndarray, share: float) -> float:
+    """The highest limit that misses no more than a share of the overturnings.
+
+    Parameters
+    ----------
+    fallen : (n,) ndarray
+        Scores of the overturnings, n at least 1.
+    share : float
+        Share that may be missed [-], 0 to 1, 1 excluded.
+
+    Examples
+    --------
+    >>> limit(np.array([3.0, 1.0, 2.0, 4.0]), 0.25)
+    2.0
+    """
+    return float(np.sort(fallen)[int(share * fallen.size * (1.0 + 1e-12))])
+
+
+def curve(scores: np.ndarray, over: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Missed and false shares as the limit falls through the overturnings, the highest score first.
+
+    Parameters
+    ----------
+    scores : (n,) ndarray
+        Score of each case.
+    over : (n,) ndarray of bool
+        Which of them overturn.
+
+    Returns
+    -------
+    missed, false : (k,) ndarray
+        One point for each overturning [-]; `missed` falls to 0.
+    """
+    fallen, stood = np.sort(scores[over])[::-1], np.sort(scores[~over])
+    missed = 1.0 - np.searchsorted(-fallen, -fallen, side="right") / fallen.size
+    return missed, 1.0 - np.searchsorted(stood, fallen, side="left") / stood.size
+
+
+def false_at(scores: np.ndarray, over: np.ndarray, share: float) -> float:
+    """False alarms [-] at the highest limit that misses no more than a share of the overturnings [-].
+
+    Examples
+    --------
+    >>> false_at(np.array([1.0, 2.0, 3.0, 4.0]), np.array([False, True, False, True]), 0.0)
+    0.5
+    """
+    return float(np.mean(scores[~over] >= limit(scores[over], share)))
+
+
+def area(scores: np.ndarray, over: np.ndarray) -> float:
+    """Area under the ROC curve [-]: the chance that an overturning has the larger score, ties counting half."""
+    fallen, stood = scores[over], np.sort(scores[~over])
+    below = np.searchsorted(stood, fallen, side="left") + np.searchsorted(stood, fallen, side="right")
+    return float(0.5 * np.mean(below) / stood.size)
+
+
+def missed_bound(missed: int, overturnings: int, confidence: float = 0.95) -> float:
+    """Upper bound of the missed share as if all cases were independent (Clopper & Pearson 1934) [-].
+
+    Examples
+    --------
+    >>> round(missed_bound(0, 100), 4), missed_bound(3, 3)
+    (0.0295, 1.0)
+    """
+    if missed >= overturnings:
+        return 1.0
+    return float(beta.ppf(confidence, missed + 1, overturnings - missed))
+
+
+class Resampled:
+    """Values of a statistic over resamples of the earthquakes.
+
+    Attributes
+    ----------
+    values : (b,) ndarray
+        NaN where a resample holds no overturning or no survivor.
+    """
+
+    def __init__(self, values: np.ndarray) -> None:
+        self.values = values
+
+    def between(self, confidence: float = 0.95) -> tuple[float, float]:
+        """Both ends of the percentile interval; NaN where fewer than half of the resamples have a value."""
+        known = self.values[np.isfinite(self.values)]
+        if known.size < 0.5 * self.values.size:
+            return float("nan"), float("nan")
+        low, high = np.quantile(known, [0.5 - 0.5 * confidence, 0.5 + 0.5 * confidence])
+        return float(low), float(high)
+
+    def below(self, confidence: float = 0.95) -> float:
+        """Upper bound of the percentile kind."""
+        return self.between(2.0 * confidence - 1.0)[1]
+
+
+def resampled(
+    events: np.ndarray,
+    over: np.ndarray,
+    statistic: Callable[[np.ndarray], float],
+    seed: int = 0,
+    resamples: int = RESAMPLES,
+) -> Resampled:
+    """A statistic over resamples of the earthquakes, each with all its cases.
+
+    Parameters
+    ----------
+    events : (n,) ndarray
+        Label of the earthquake of each case.
+    over : (n,) ndarray of bool
+        Which cases overturn.
+    statistic : callable
+        From the numbers of the cases drawn, (k,) ndarray of int, to a number.
+    seed : int
+        Seed of the run; everything with one seed sees the same resamples.
+    resamples : int
+        How many.
+    """
+    labels = np.unique(events)
+    members = [np.flatnonzero(events == label) for label in labels]
+    values = np.full(resamples, np.nan)
+    for index, draw in enumerate(_draws(labels.size, seed, resamples)):
+        drawn = np.concatenate([members[event] for event in draw])
+        if 0 < np.count_nonzero(over[drawn]) < drawn.size:
+            values[index] = statistic(drawn)
+    return Resampled(values)
+
+
+def resampled_share(
+    events: np.ndarray, part: np.ndarray, whole: np.ndarray, seed: int = 0, resamples: int = RESAMPLES
+) -> Resampled:
+    """A share of cases over the resamples of :func:`resampled`.
+
+    Parameters
+    ----------
+    events : (n,) ndarray
+        Label of the earthquake of each case.
+    part, whole : (n,) ndarray of bool
+        The cases that are counted, and those that they are a share of.
+    seed, resamples
+        As there.
+    """
+    labels, place = np.unique(events, return_inverse=True)
+    counts = [np.bincount(place, weights=cases, minlength=labels.size) for cases in (part, whole)]
+    drawn = _draws(labels.size, seed, resamples)
+    above, below = (count[drawn].sum(axis=1) for count in counts)
+    return Resampled(np.divide(above, below, out=np.full(resamples, np.nan), where=below > 0.0))
+
+
+def _draws(size: int, seed: int, resamples: int) -> np.ndarray:
+    random = np.random.default_rng(np.random.SeedSequence([seed, *b"rule"]))
+    return random.integers(size, size=(resamples, size))

@@ -1,0 +1,289 @@
+"""The design sequence of a site: one sequence out of the distribution of its records' sequences.
+
+.. note:: A sequence has a shape (I_s/I, dT, number of main impulses, duration) and a size I. The parameters do not
+   order sequences by what they do: a larger I_s/I takes speed away, more main impulses add some, and dT acts either way
+   (Casapulla & Maione 2017, section 4). What does order them is the rotation they cause. Hence the design "response":
+   the shape of the medians, and the smallest I at which the sequence covers the quantile of the recorded rotations of
+   the blocks that it leaves standing. The design "parameters", the quantile of I with the conditional medians of the
+   others given it, is there for comparison; the coverage of records left out judges both.
+
+   Blocks that the design overturns are covered whatever the records do. Counted with the others they buy the quantile
+   for blocks that the design calls safe, which it then does not cover (docs/decisions/014).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.stats import norm
+
+from rockpulse.calibration.site_statistics import bootstrap_interval, correlation, log_moments, weighted_quantile
+from rockpulse.errors import RecordRefused
+from rockpulse.models.block import Block
+from rockpulse.models.sequence import ImpulseSequence, sequence_response
+
+__all__ = ["BEYOND", "DESIGN", "PARAMETERS", "SiteSample", "covered", "design_sequence", "main_impulse_interval"]
+
+#: Parameters of a sequence, in the order of the tables.
+PARAMETERS = ("main", "ratio", "interval", "main_count", "duration")
+
+#: Mark of a recorded rotation on a block that the sequence overturns, beside 1 covered and 0 not.
+BEYOND = 2.0
+
+#: Main impulses tried at once, from the weakest to one that overturns every block by itself, and rounds of refinement.
+GRID, REFINED, ROUNDS = 256, 17, 3
+
+#: Sums of weights are rounded: a share of 0.84 may come out as a bit less.
+ROUNDING = 1e-9
+
+#: The weakest main impulse tried, over the smallest I_1c of the blocks: peaks of about 1e-8 alpha_c.
+WEAKEST = 1e-4
+
+
+@dataclass(frozen=True, eq=False)
+class SiteSample:
+    """What n records say: their sequences and what their motions do to m blocks.
+
+    Attributes
+    ----------
+    values : (n, 5) ndarray
+        Parameters of the records' sequences, in the order and unit of :data:`PARAMETERS`; NaN for a number of main
+        impulses or a duration without limit, or an interval without meaning.
+    peaks : (n, m) ndarray
+        Recorded theta_max/alpha_c [-], inf where overturned; NaN where it does not count: a block at rest is covered by
+        any sequence, an unresolved one is not known.
+    weights : (n,) ndarray
+        Not negative, not all zero.
+    events : (n,) ndarray of int
+        Number of each record's event.
+    blocks : Block
+        (m,) blocks.
+    spacing : str
+        Of all sequences.
+    """
+
+    values: np.ndarray
+    peaks: np.ndarray
+    weights: np.ndarray
+    events: np.ndarray
+    blocks: Block
+    spacing: str
+
+    @property
+    def logarithms(self) -> np.ndarray:
+        """(n, 5) Logarithms of the values; NaN where there is none, a secondary impulse of zero included."""
+        with np.errstate(divide="ignore"):
+            logarithms = np.log(self.values)
+        return np.where(np.isfinite(logarithms), logarithms, np.nan)
+
+    def part(self, kept: np.ndarray) -> SiteSample:
+        """The sample of some records.
+
+        Parameters
+        ----------
+        kept : (n,) ndarray of bool
+            Which.
+        """
+        return replace(
+            self,
+            values=self.values[kept],
+            peaks=self.peaks[kept],
+            weights=self.weights[kept],
+            events=np.unique(self.events[kept], return_inverse=True)[1],
+        )
+
+
+def design_sequence(sample: SiteSample, quantile: float, design: str) -> ImpulseSequence:
+    """The design sequence of a sample.
+
+    Parameters
+    ----------
+    sample : SiteSample
+        Records' sequences and recorded rotations.
+    quantile : float
+        Share that the design is to cover [-], above 0 and below 1.
+    design : {"response", "parameters"}
+        See the note of the module.
+
+    Raises
+    ------
+    RecordRefused
+        Where the sample cannot say: no record lifts a block ("response"), or a single one has no dispersion
+        ("parameters").
+    """
+    return DESIGN[design](sample, quantile)
+
+
+def _by_response(sample: SiteSample, quantile: float) -> ImpulseSequence:
+    shape = _sequence(_medians(sample), sample)
+    if not np.any(_counted(sample)):
+        raise RecordRefused(
+            "no record sets any block rocking, so there is no rotation to cover: take other blocks or scale the records"
+        )
+    low, high = _range(sample)
+    for number in (GRID, *[REFINED] * ROUNDS):
+        mains = np.geomspace(low, high, number)
+        hits, total = _event_sums(sample, shape, mains)
+        short = np.flatnonzero(_falls_short(hits.sum(axis=0), total.sum(axis=0), quantile))
+        # The response is not monotonic in I: no larger main impulse of the grid covers less than the quantile.
+        if short.size == 0:
+            high = float(mains[0])
+            break
+        if short[-1] == mains.size - 1:
+            raise RecordRefused(
+                f"no main impulse up to {high:.3g} m/s covers the quantile {quantile:g} of the recorded rotations with "
+                f"I_s/I = {shape.secondary / shape.main:.3g} and spacing {sample.spacing!r}: take another spacing"
+            )
+        low, high = float(mains[short[-1]]), float(mains[short[-1] + 1])
+    return _resized(shape, high)
+
+
+def _by_parameters(sample: SiteSample, quantile: float) -> ImpulseSequence:
+    dispersion = _moments(sample)[1]
+    if not np.isfinite(dispersion[0]):
+        raise RecordRefused(
+            'a quantile of the parameters needs at least two records; take design = "response" or more records'
+        )
+    slope = np.nan_to_num(correlation(sample.logarithms, sample.weights)[0])
+    slope[0] = 1.0
+    values = _medians(sample) * np.exp(norm.ppf(quantile) * slope * np.nan_to_num(dispersion))
+    values[3] = np.floor(values[3] + 0.5)
+    return _sequence(values, sample)
+
+
+#: How the design sequence is chosen, by the word of ``[calibration] design``.
+DESIGN: dict[str, Callable[[SiteSample, float], ImpulseSequence]] = {
+    "response": _by_response,
+    "parameters": _by_parameters,
+}
+
+
+def _moments(sample: SiteSample) -> tuple[np.ndarray, np.ndarray]:
+    """(5,) Mean and dispersion of the logarithms."""
+    once = np.ones((1, int(sample.events.max()) + 1), dtype=int)
+    mean, dispersion = log_moments(sample.logarithms, sample.weights, sample.events, once)
+    return mean[0], dispersion[0]
+
+
+def _medians(sample: SiteSample) -> np.ndarray:
+    """(5,) Lognormal medians; of the number of main impulses, a whole number, the weighted median itself."""
+    medians = np.exp(_moments(sample)[0])
+    medians[3] = weighted_quantile(sample.values[:, 3], 0.5, sample.weights)
+    if not np.isfinite(medians[1]):
+        medians[1] = 0.0  # not one record has secondary impulses
+    return medians
+
+
+def _sequence(values: np.ndarray, sample: SiteSample) -> ImpulseSequence:
+    main, ratio, interval, count, duration = values.tolist()
+    return ImpulseSequence(
+        main=main,
+        secondary=min(ratio, 1.0) * main,
+        interval=interval,
+        duration=duration if math.isfinite(duration) else math.inf,
+        main_count=max(int(count), 1) if math.isfinite(count) else None,
+        spacing=sample.spacing,
+    )
+
+
+def _resized(shape: ImpulseSequence, main: float) -> ImpulseSequence:
+    return replace(shape, main=main, secondary=min(shape.secondary / shape.main * main, main))
+
+
+def _range(sample: SiteSample) -> tuple[float, float]:
+    """From the weakest main impulse that is tried to one that overturns every block in its first half-cycle.
+
+    Secondary impulses take at most half of its speed away, but for those that act at the same instant ("start").
+    """
+    critical = np.atleast_1d(sample.blocks.critical_impulse)
+    return WEAKEST * float(critical.min()), 4.0 * float(critical.max())
+
+
+def _counted(sample: SiteSample) -> np.ndarray:
+    return ~np.isnan(sample.peaks) & (sample.weights[:, np.newaxis] > 0.0)
+
+
+def covered(sample: SiteSample, sequence: ImpulseSequence) -> np.ndarray:
+    """Which recorded rotations a sequence reaches.
+
+    Parameters
+    ----------
+    sample : SiteSample
+        n records, m blocks.
+    sequence : ImpulseSequence
+        One sequence.
+
+    Returns
+    -------
+    (n, m) ndarray
+        1 covered, 0 not, :data:`BEYOND` where the sequence overturns the block; NaN where the pair does not count. A
+        sequence without an answer covers nothing.
+    """
+    reached = np.atleast_1d(sequence_response(sample.blocks, sequence, table_rows=0).peak_rotation_ratio)
+    marks = np.where(np.isinf(reached), BEYOND, sample.peaks <= reached)
+    return np.where(np.isnan(sample.peaks), np.nan, marks)
+
+
+def _event_sums(sample: SiteSample, shape: ImpulseSequence, mains: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Weight covered and weight counted of every event, (g, q), on the blocks that each of q sequences leaves standing.
+
+    A pair is covered by the sequences whose peak on the block is at least the recorded one.
+    """
+    sequences = shape.scaled(mains / shape.main)
+    reached = np.asarray(sequence_response(sample.blocks, sequences, table_rows=0).peak_rotation_ratio)
+    stands, counted = ~np.isinf(reached), _counted(sample)
+    hits, total = np.zeros((2, int(sample.events.max()) + 1, mains.size))
+    for record, event in enumerate(sample.events):
+        of = counted[record]
+        covers = sample.peaks[record, of] <= reached[:, of]
+        hits[event] += sample.weights[record] * np.count_nonzero(covers & stands[:, of], axis=1)
+        total[event] += sample.weights[record] * np.count_nonzero(stands[:, of], axis=1)
+    return hits, total
+
+
+def _falls_short(hits: np.ndarray, total: np.ndarray, quantile: float) -> np.ndarray:
+    """Where the share covered is below the quantile; nowhere where nothing is left standing."""
+    return np.asarray(hits < (quantile - ROUNDING) * total)
+
+
+def main_impulse_interval(
+    sample: SiteSample, sequence: ImpulseSequence, quantile: float, design: str, draws: np.ndarray, confidence: float
+) -> tuple[float, float]:
+    """Event-clustered bootstrap interval of the main impulse of a design sequence, its shape kept.
+
+    Parameters
+    ----------
+    sample : SiteSample
+        What the design was made of.
+    sequence : ImpulseSequence
+        The design.
+    quantile, design
+        As in :func:`design_sequence`.
+    draws : (b, g) ndarray
+        Resamples of events.
+    confidence : float
+        Of the interval [-].
+
+    Returns
+    -------
+    lower, upper : float
+        [m/s]; NaN with a single event. With few events some resamples hold no answer beyond the strongest block:
+        the upper end is then inf.
+    """
+    if design == "parameters":
+        mean, dispersion = log_moments(sample.logarithms[:, :1], sample.weights, sample.events, draws)
+        resampled = (mean + norm.ppf(quantile) * dispersion)[:, 0]
+        sizes = np.bincount(sample.events, sample.weights)
+    else:
+        mains = np.geomspace(*_range(sample), GRID * 2)
+        hits, total = _event_sums(sample, sequence, mains)
+        short = _falls_short(draws @ hits, draws @ total, quantile)
+        step = np.where(short.any(axis=1), mains.size - np.argmax(short[:, ::-1], axis=1), 0)
+        resampled = np.append(np.log(mains), math.inf)[step]
+        sizes = total.max(axis=1)
+        resampled[draws @ sizes == 0.0] = math.nan
+    lower, upper = bootstrap_interval(math.log(sequence.main), resampled, sizes, confidence)
+    return math.exp(lower), math.exp(upper)

@@ -1,0 +1,160 @@
+"""One record of a site: scaled, its sequence, and what its motion does to the blocks."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from rockpulse.calibration.response_calibration import calibrate_response
+from rockpulse.calibration.site_design import PARAMETERS
+from rockpulse.calibration.site_scaling import largest_impulse, scale_factor, scaled
+from rockpulse.conditioning import DRIFT, condition
+from rockpulse.config import Config
+from rockpulse.errors import RecordRefused
+from rockpulse.intensity import pgv
+from rockpulse.models.block import Block
+from rockpulse.models.recorded import recorded_response
+from rockpulse.models.response import Outcome
+from rockpulse.models.sequence import ImpulseSequence, sequence_response
+from rockpulse.record import Record
+from rockpulse.scene import Scene, extract
+
+__all__ = ["SiteRecord", "site_record"]
+
+#: Smaller recorded peaks do not enter a misfit: just after uplift no sequence is comparable [-].
+SMALLEST_PEAK = 0.01
+
+#: Scale factors beyond these make a motion of another kind of earthquake than the one recorded.
+USUAL_FACTORS = (0.25, 4.0)
+
+
+@dataclass(frozen=True, eq=False)
+class SiteRecord:
+    """A record of a site; everything is that of the scaled motion.
+
+    Attributes
+    ----------
+    record : Record
+        Conditioned and scaled.
+    factor : float
+        On the record as conditioned [-].
+    pgv, impulse : float
+        PGV and largest half-wave impulse [m/s].
+    sequence : ImpulseSequence
+        The record's own.
+    intervals : dict of str to (float, float)
+        By parameter, where the method gives them.
+    peaks : (m,) ndarray
+        Recorded theta_max/alpha_c [-]: inf overturned, 0 at rest, NaN unresolved.
+    misfit, unsafe_share : float
+        Of the record's own sequence on the blocks that the motion lifts.
+    remarks : tuple of str
+        What the calibration of the sequence says of itself.
+    """
+
+    record: Record
+    factor: float
+    pgv: float
+    impulse: float
+    sequence: ImpulseSequence
+    intervals: dict[str, tuple[float, float]]
+    peaks: np.ndarray
+    misfit: float
+    unsafe_share: float
+    remarks: tuple[str, ...]
+
+    @property
+    def values(self) -> list[float]:
+        """The parameters of the sequence; NaN where there is no limit or no meaning."""
+        sequence = self.sequence
+        return [
+            sequence.main,
+            sequence.secondary / sequence.main,
+            sequence.interval,
+            math.nan if sequence.main_count is None else float(sequence.main_count),
+            sequence.duration if math.isfinite(sequence.duration) else math.nan,
+        ]
+
+    def ends(self, side: int) -> list[float]:
+        """Lower (0) or upper (1) ends of the intervals of the parameters; NaN without."""
+        nothing = (math.nan, math.nan)
+        return [float(self.intervals.get(name, nothing)[side]) for name in PARAMETERS]
+
+
+def site_record(record: Record, pair: str, vertical: Record | None, blocks: Block, config: Config) -> SiteRecord:
+    """Scale a record, calibrate its sequence, and let its motion act on the blocks.
+
+    Parameters
+    ----------
+    record : Record
+        As read, or a rotated pair, which is conditioned already.
+    pair : str
+        Name of the pair that was rotated; empty for a channel as recorded.
+    vertical : Record, optional
+        The vertical channel that acts too, as read; it is scaled alike.
+    blocks : Block
+        (m,) blocks.
+    config : Config
+        Every section but models and search is used.
+
+    Raises
+    ------
+    ValueError
+        Where the record cannot be conditioned, scaled or calibrated.
+    """
+    conditioned = record if pair else condition(record, **config.conditioning)
+    factor = scale_factor(conditioned, config)
+    if not USUAL_FACTORS[0] <= factor <= USUAL_FACTORS[1]:
+        conditioned = conditioned.with_warning(
+            f"scaled by {factor:.3g}: outside {USUAL_FACTORS[0]:g} to {USUAL_FACTORS[1]:g} a scaled record stands for "
+            "no recorded earthquake of that strength"
+        )
+    if config.calibration.scale_to == "pgv" and any(warning.startswith(DRIFT) for warning in conditioned.warnings):
+        conditioned = conditioned.with_warning("scaled to a PGV that its drifting baseline puts in doubt")
+    scene = extract(scaled(conditioned, factor), config, None if vertical is None else scaled(vertical, factor))
+    sequence, intervals, remarks = _calibrated(scene, blocks)
+    response = recorded_response(blocks, scene.record.acceleration, scene.record.dt, vertical=scene.vertical)
+    peaks = np.where(response.outcome == Outcome.UNRESOLVED, np.nan, response.peak_rotation_ratio)
+    misfit, unsafe = _compared(peaks, sequence, blocks)
+    return SiteRecord(
+        record=scene.record,
+        factor=factor,
+        pgv=pgv(scene.record),
+        impulse=largest_impulse(scene.record, config),
+        sequence=sequence,
+        intervals=intervals,
+        peaks=peaks,
+        misfit=misfit,
+        unsafe_share=unsafe,
+        remarks=remarks,
+    )
+
+
+def _calibrated(scene: Scene, blocks: Block) -> tuple[ImpulseSequence, dict[str, tuple[float, float]], tuple[str, ...]]:
+    settings = scene.config.calibration
+    if scene.sequence is None:
+        raise RecordRefused(next(one for one in scene.record.warnings if one.startswith("no impulse sequence")))
+    if settings.method == "statistics":
+        return scene.sequence, {}, ()
+    found = calibrate_response(
+        scene.record,
+        blocks if settings.family == "blocks" else None,
+        start=scene.sequence,
+        spacing=scene.config.sequence.spacing,
+        confidence=settings.confidence,
+        seed=scene.config.run.seed,
+    )
+    return found.sequence, dict(found.intervals), found.remarks
+
+
+def _compared(peaks: np.ndarray, sequence: ImpulseSequence, blocks: Block) -> tuple[float, float]:
+    """Root mean square of ln(sequence/record) where both rock, and share of the lifted blocks that fall short."""
+    reached = np.asarray(sequence_response(blocks, sequence, table_rows=0).peak_rotation_ratio)
+    known = ~np.isnan(peaks) & ~np.isnan(reached)
+    lifted = known & (peaks > 0.0)
+    both = known & np.isfinite(peaks) & np.isfinite(reached) & (peaks >= SMALLEST_PEAK) & (reached > 0.0)
+    misfit = float(np.sqrt(np.mean(np.log(reached[both] / peaks[both]) ** 2))) if np.any(both) else math.nan
+    unsafe = float(np.mean(reached[lifted] < peaks[lifted])) if np.any(lifted) else math.nan
+    return misfit, unsafe

@@ -1,0 +1,138 @@
+"""What the verbs that read records have in common: their arguments, the configuration that follows, and the reading."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from rockpulse.config import Config
+    from rockpulse.failures import Failure
+    from rockpulse.record import Record
+
+__all__ = ["add_record_arguments", "configured", "read_records", "resolved"]
+
+
+def add_record_arguments(parser: argparse.ArgumentParser) -> None:
+    """Paths, configuration, blocks, units, output.
+
+    Parameters
+    ----------
+    parser : argparse.ArgumentParser
+        That of the verb.
+    """
+    parser.add_argument(
+        "paths",
+        nargs="*",
+        metavar="PATHS",
+        help="files, folders, zips or globs; they replace the paths of the configuration",
+    )
+    parser.add_argument("--config", metavar="FILE", help="configuration; rockpulse init-config writes one")
+    parser.add_argument(
+        "--block",
+        action="append",
+        default=[],
+        metavar="NAME=WIDTHxHEIGHT",
+        help="a block by its full width and height in m, beside those of the configuration; may be repeated",
+    )
+    parser.add_argument("--units", metavar="UNIT", help='unit of files that do not state theirs: "g", "cm/s2", ...')
+    parser.add_argument(
+        "--dt", type=float, metavar="SECONDS", help="sampling interval of columns without times, in s; such as 0.01"
+    )
+    parser.add_argument("--overwrite", action="store_true", help="replace results that exist; never any other file")
+    parser.add_argument("--quiet", action="store_true", help="print nothing but what failed")
+
+
+def configured(args: argparse.Namespace) -> Config:
+    """The configuration with the blocks that the command line adds, its tables named absolutely.
+
+    Parameters
+    ----------
+    args : argparse.Namespace
+        With `config` and `block`.
+
+    Raises
+    ------
+    ConfigError
+        For a configuration or block that cannot be understood.
+    """
+    from dataclasses import replace
+
+    from rockpulse.body import parse_block_option
+    from rockpulse.config import Config, load_config, located
+    from rockpulse.settings import WEIGHTS
+
+    config = load_config(args.config) if args.config is not None else Config()
+    records, calibration = config.records, config.calibration
+    if records.events is not None:
+        records = replace(records, events=str(located(records.events, config.folder).resolve()))
+    if calibration.weights not in WEIGHTS:
+        calibration = replace(calibration, weights=str(located(calibration.weights, config.folder).resolve()))
+    blocks = (*config.blocks, *(parse_block_option(option) for option in args.block))
+    return replace(config, records=records, calibration=calibration, blocks=blocks)
+
+
+def resolved(args: argparse.Namespace) -> tuple[Config, list[str]]:
+    """The configuration with what the command line adds, and the paths to read, as the user wrote them.
+
+    The configuration itself, which is stored, names files absolutely, so that it repeats the run from any folder.
+
+    Parameters
+    ----------
+    args : argparse.Namespace
+        What :func:`add_record_arguments` has added.
+
+    Raises
+    ------
+    ConfigError
+        Without records, and for options that cannot be understood.
+    """
+    from dataclasses import replace
+
+    from rockpulse.config import located
+    from rockpulse.errors import ConfigError
+    from rockpulse.readers.units import canonical_unit
+
+    config = configured(args)
+    paths = args.paths or [str(path) for path in config.record_paths()]
+    if not paths:
+        raise ConfigError("no records: name files, folders or globs, or give paths in the [records] section")
+    records = replace(config.records, paths=tuple(str(located(path, Path.cwd())) for path in paths))
+    if args.units is not None:
+        records = replace(records, units=args.units)
+    if args.dt is not None:
+        try:
+            records = replace(records, dt=args.dt)
+        except ConfigError as error:
+            raise ConfigError(f"--dt: {error}") from None
+    if records.units is not None:
+        canonical_unit(records.units, f"{args.config}: [records] units" if args.units is None else "--units")
+    return replace(config, records=records), paths
+
+
+def read_records(paths: list[str], config: Config, quiet: bool) -> tuple[list[Record], list[Failure]]:
+    """Read every channel, with a progress bar on a terminal.
+
+    Parameters
+    ----------
+    paths : list of str
+        What to read.
+    config : Config
+        Section records.
+    quiet : bool
+        Whether the bar is left out.
+    """
+    from tqdm import tqdm
+
+    from rockpulse.sources import read_all
+
+    # None: silent unless standard error is a terminal
+    with tqdm(desc="reading", unit=" files", disable=True if quiet else None) as bar:
+        return read_all(
+            paths,
+            config.records.units,
+            on_file=lambda *_: bar.update(),
+            dt=config.records.dt,
+            response=config.records.response,
+        )

@@ -1,0 +1,122 @@
+"""``rockpulse rule``: fit the rule that makes sequences of half-waves, and judge it on records."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from typing import TYPE_CHECKING
+
+from rockpulse.commands.verb import Verb
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+    from rockpulse.failures import Failure
+
+__all__ = ["VERB"]
+
+
+def _add_arguments(parser: argparse.ArgumentParser) -> None:
+    actions = parser.add_subparsers(dest="action", required=True, metavar="ACTION")
+    fit = actions.add_parser("fit", help="fit the working points on records and write them (TOML)")
+    judge = actions.add_parser("judge", help="compare the rule with the nonlinear model and p PGV/(g tan alpha)")
+    judge.add_argument(
+        "--rule", metavar="RULE", help="rule to judge, of `rockpulse rule fit`; by default the shipped one"
+    )
+    for action, output in ((fit, "RULE"), (judge, "VERDICTS")):
+        action.add_argument("paths", nargs="+", metavar="PATHS", help="files, folders, zips or globs of records")
+        action.add_argument("-o", "--output", required=True, metavar=output, help="file to write")
+        action.add_argument("--units", metavar="UNIT", help='unit of files that do not state theirs: "g", "cm/s2", ...')
+        action.add_argument(
+            "--dt", type=float, metavar="SECONDS", help="sampling interval of columns without times, in s"
+        )
+        action.add_argument("--seed", type=int, default=0, help="seed of the bootstrap; default 0")
+        action.add_argument("--overwrite", action="store_true", help="replace a file that exists")
+        action.add_argument("--quiet", action="store_true", help="print nothing but what failed")
+
+
+def _run(args: argparse.Namespace) -> int:
+    from rockpulse.errors import ConfigError
+
+    if args.seed < 0:
+        raise ConfigError(f"--seed: expected a whole number from 0, got {args.seed}")
+    return _fit(args) if args.action == "fit" else _judge(args)
+
+
+def _fit(args: argparse.Namespace) -> int:
+    from datetime import UTC, datetime
+
+    from rockpulse import __version__
+    from rockpulse.accuracy_files import check_file
+    from rockpulse.calibration.rule_judgement import fit_rules, judge_rules
+    from rockpulse.file_set import FileSet
+    from rockpulse.rule_overview import rule_overview, rule_text
+
+    target = check_file(args.output, args.overwrite, (".toml",))
+    cases, failures = _cases(args)
+    rules = fit_rules(cases)
+    tree = judge_rules(cases, rules, failures, args.seed)
+    provenance = {
+        "date": datetime.now(UTC).date().isoformat(),
+        "version": __version__,
+        "command": "rockpulse rule fit",
+        "channels": int(cases["record"].nunique()),
+        "earthquakes": int(cases["event"].nunique()),
+        "cases": len(cases),
+        "overturnings": int(cases["overturns"].sum()),
+        "records": sorted(cases["record"].unique()),
+    }
+    text = rule_text({point: rule.factor for point, rule in rules.items()}, tree, provenance)
+    with FileSet() as written:
+        written.add(target, text.encode())
+        written.commit()
+    return _report(args, failures, f"{rule_overview(tree)}\n\nrule: {args.output}")
+
+
+def _judge(args: argparse.Namespace) -> int:
+    from rockpulse.calibration.rule import POINTS, load_rule
+    from rockpulse.calibration.rule_judgement import judge_rules
+    from rockpulse.calibration.rule_variables import RULE_KIND
+    from rockpulse.rule_overview import rule_overview
+    from rockpulse.store import check_target, save
+
+    check_target(args.output, args.overwrite, RULE_KIND)
+    given = {point: load_rule(point, args.rule) for point in POINTS}
+    cases, failures = _cases(args)
+    tree = judge_rules(cases, given, failures, args.seed)
+    save(tree, args.output, overwrite=args.overwrite)
+    return _report(args, failures, f"{rule_overview(tree)}\n\nverdicts: {args.output}")
+
+
+def _cases(args: argparse.Namespace) -> tuple[pd.DataFrame, list[Failure]]:
+    from tqdm import tqdm
+
+    from rockpulse.calibration.rule_cases import rule_cases, strong_motions
+    from rockpulse.settings import RecordSettings
+    from rockpulse.sources import read_all
+
+    options = RecordSettings(dt=args.dt, units=args.units)
+    silent = True if args.quiet else None  # None: silent unless standard error is a terminal
+    records, failures = read_all(args.paths, options.units, dt=options.dt)
+    motions, left_out = strong_motions(records)
+    cases = rule_cases(motions, progress=lambda every: tqdm(every, desc="judging", unit=" channels", disable=silent))
+    return cases, [*failures, *left_out]
+
+
+def _report(args: argparse.Namespace, failures: list[Failure], text: str) -> int:
+    failed = [failure for failure in failures if failure.kind == "failed"]
+    for failure in failed:
+        print(f"failed ({failure.stage}) {failure.reason}", file=sys.stderr)
+    if not args.quiet:
+        print(text)
+    return 1 if failed else 0
+
+
+VERB = Verb(
+    name="rule",
+    summary="fit or judge the rule from half-waves to sequences",
+    description="Fit the rule that turns the half-waves of a record into an impulse sequence, or judge its verdicts on "
+    "records against the nonlinear model, with p PGV/(g tan alpha) beside it.",
+    add_arguments=_add_arguments,
+    run=_run,
+)

@@ -1,0 +1,86 @@
+"""What is known of the capacities of a body: values, and levels that were reached or not."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from rockpulse.errors import ConfigError
+
+__all__ = ["ABOVE", "EXACT", "NOT_ABOVE", "Observations"]
+
+#: What is known of a capacity: its value, that it is above a level, that it is not.
+EXACT, ABOVE, NOT_ABOVE = 0, 1, 2
+
+
+@dataclass(frozen=True, eq=False)
+class Observations:
+    """What is known of capacities, in the unit of one intensity measure; the rows ascend.
+
+    Attributes
+    ----------
+    level : (n,) ndarray
+        A capacity, or the level that it is compared with, positive.
+    kind : (n,) ndarray of int
+        EXACT: the capacity is the level. ABOVE: it is above it. NOT_ABOVE: it is not.
+    cluster, record : (n,) ndarray of int
+        Number of the event and of the record of each row.
+    events : tuple of str
+        Labels of the events, sorted.
+    qualities : (n, c) ndarray
+        Positive numbers that capacity should not depend on; c may be 0.
+    """
+
+    level: np.ndarray
+    kind: np.ndarray
+    cluster: np.ndarray
+    record: np.ndarray
+    events: tuple[str, ...]
+    qualities: np.ndarray
+
+    @classmethod
+    def of(
+        cls, level: Any, kind: Any, clusters: Any = None, records: Any = None, qualities: Any = None
+    ) -> Observations:
+        """Rows with labels.
+
+        Parameters
+        ----------
+        level, kind : (n,) array_like
+            As the attributes.
+        clusters, records : (n,) sequence, optional
+            Labels of event and record; every row is one of its own without.
+        qualities : (n, c) array_like, optional
+            As the attribute.
+
+        Raises
+        ------
+        ConfigError
+            For levels that are not positive and finite, or arrays of different lengths.
+        """
+        level, kind = np.asarray(level, dtype=float), np.asarray(kind, dtype=np.int64)
+        if level.ndim != 1 or not np.all(np.isfinite(level) & (level > 0.0)):
+            raise ConfigError(f"fragility: expected (n,) positive, finite levels, got {level!r:.80}")
+        alone = [f"{number:09d}" for number in range(level.size)]
+        rows = [np.asarray(alone if labels is None else labels, dtype=str) for labels in (clusters, records)]
+        if {kind.shape, *(labels.shape for labels in rows)} != {level.shape}:
+            raise ConfigError(
+                f"fragility: expected one level, kind, event and record a row, got {level.size}, {kind.size}, "
+                f"{rows[0].size} and {rows[1].size}"
+            )
+        (events, cluster), (_, record) = (np.unique(labels, return_inverse=True) for labels in rows)
+        order = np.lexsort((record, cluster, kind, level))  # sums to the last digit, whatever the order of the rows
+        beside = np.empty((level.size, 0)) if qualities is None else np.asarray(qualities, dtype=float)
+        return cls(level[order], kind[order], cluster[order], record[order], tuple(map(str, events)), beside[order])
+
+    @property
+    def records(self) -> int:
+        """Number of records."""
+        return int(np.unique(self.record).size)
+
+    def without_each_event(self) -> np.ndarray:
+        """Weights (1 + events, n): all rows, then the rows without one event after the other."""
+        left = self.cluster != np.arange(len(self.events))[:, None]
+        return np.vstack([np.ones((1, self.level.size)), left]).astype(float)

@@ -1,0 +1,80 @@
+"""The section [fragility] of the configuration, and the words that its keys know."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Any
+
+from rockpulse.option import Kind, Section, choice, choices, is_number, key, number
+
+__all__ = ["DATA", "EQUATIONS", "MEASURES", "MODELS", "OVERTURNING", "UPLIFT", "FragilitySettings"]
+
+#: Limit states that are no rotation.
+UPLIFT, OVERTURNING = "uplift", "overturning"
+
+MEASURES = (
+    "pga",
+    "pgv",
+    "uplift_ratio",
+    "velocity_ratio",
+    "impulse",
+    "impulse_ratio",
+    "demand_largest",
+    "demand_rms",
+    "demand_cubic",
+    "demand_build_up",
+)
+DATA = ("ida", "stripes", "cloud")
+MODELS = ("lognormal", "logistic")
+EQUATIONS = ("nonlinear", "linear")
+
+
+def _is_limit_states(value: Any) -> bool:
+    if not isinstance(value, (list, tuple)) or not value:
+        return False
+    known = all(
+        item in (UPLIFT, OVERTURNING) if isinstance(item, str) else is_number(item) and 0.0 < item <= 1.0
+        for item in value
+    )
+    return known and len(set(value)) == len(value)
+
+
+def _by_severity(value: Any) -> tuple[str | float, ...]:
+    levels = sorted(float(item) for item in value if not isinstance(item, str))
+    return (*(item for item in value if item == UPLIFT), *levels, *(item for item in value if item == OVERTURNING))
+
+
+def _is_levels(value: Any) -> bool:
+    return (
+        isinstance(value, (list, tuple))
+        and bool(value)
+        and all(is_number(item) and item > 0.0 for item in value)
+        and all(low < high for low, high in pairwise(value))
+    )
+
+
+_LIMIT_STATES = Kind(
+    'a list of "uplift", numbers in (0, 1] (rotations over alpha_c) and "overturning", each once',
+    _is_limit_states,
+    _by_severity,
+    (UPLIFT, OVERTURNING),
+)
+_LEVELS = Kind("a list of positive numbers that ascend", _is_levels, lambda value: tuple(float(item) for item in value))
+
+
+@dataclass(frozen=True)
+class FragilitySettings(Section):
+    """Limit states, measures and fits of :func:`rockpulse.fragility_curves`."""
+
+    heading = "[fragility]"
+    limit_states: tuple[str | float, ...] = key((UPLIFT, 0.1, 0.4, 0.6, 1.0, OVERTURNING), _LIMIT_STATES)
+    measures: tuple[str, ...] = choices(MEASURES, MEASURES)
+    pga_min: float = number(0.0, low=0.0, unit="m/s2")
+    data: str = choice("ida", DATA)
+    stripe_measure: str = choice("velocity_ratio", MEASURES)
+    stripe_levels: tuple[float, ...] = key((0.25, 0.5, 1.0, 2.0, 4.0), _LEVELS)
+    model: str = choice("lognormal", MODELS)
+    overturning_model: str = choice("logistic", MODELS)
+    confidence: float = number(0.9, low=0.5, high=0.999)
+    equation: str = choice("nonlinear", EQUATIONS)

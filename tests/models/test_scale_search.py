@@ -1,0 +1,126 @@
+"""Intervals of exceedance on functions whose edges are known."""
+
+import numpy as np
+import pytest
+
+from rockpulse.models import exceedance_intervals
+from rockpulse.models.scale_search import CASES_AT_ONCE
+
+
+def bands(*edges):
+    """exceeds() of one lane or more that exceed from each first to each second edge."""
+    return lambda lanes, factors: np.any([(factors >= low) & (factors <= high) for low, high in edges], axis=0)
+
+
+def test_every_edge_is_found_to_its_tolerance():
+    found = exceedance_intervals(bands((1.3, 1.5), (4.0, 6.0)), [0.1], 10.0, 64)
+    assert found.lower == pytest.approx([1.3, 4.0], rel=1e-6)
+    assert found.upper == pytest.approx([1.5, 6.0], rel=1e-6)
+    assert np.all((found.lower >= [1.3, 4.0]) & (found.upper <= [1.5, 6.0]))  # exceeded at both ends
+    assert found.safety_factor == found.lower[0]
+    assert 0.0 < found.safety_factor[0] / found.safe_up_to[0] - 1.0 <= 1.0001e-6
+    assert found.safe_up_to[0] < 1.3
+    assert list(found.lane) == [0, 0]
+    assert not found.open.any()
+    assert found.resolved.all()
+    assert list(found.count) == [2]
+    assert found.step == pytest.approx(100.0 ** (1.0 / 63.0))
+
+
+@pytest.mark.parametrize("tolerance", [1e-2, 1e-4, 1e-9])
+def test_a_bracket_is_as_narrow_as_asked_for(tolerance):
+    found = exceedance_intervals(bands((np.e, 99.0)), [0.1], 10.0, 16, tolerance)
+    assert found.safety_factor[0] / found.safe_up_to[0] - 1.0 <= tolerance * 1.001
+    assert found.safe_up_to[0] < np.e <= found.safety_factor[0]
+
+
+def test_exceedance_at_the_end_of_the_search_is_open():
+    found = exceedance_intervals(bands((2.0, 3.0), (7.0, 99.0)), [0.5], 10.0, 64)
+    assert list(found.open) == [False, True]
+    assert found.upper[1] == 10.0
+
+
+def test_nothing_up_to_the_end_of_the_search_is_infinity():
+    found = exceedance_intervals(bands((11.0, 12.0)), [0.1], 10.0, 64)
+    assert (found.safety_factor[0], found.safe_up_to[0]) == (np.inf, 10.0)
+    assert found.lane.size == found.lower.size == found.upper.size == found.open.size == 0
+
+
+@pytest.mark.parametrize("start", [12.0, np.inf])
+def test_a_start_beyond_the_search_is_not_asked_for(start):
+    def never(lanes, factors):
+        raise AssertionError
+
+    found = exceedance_intervals(never, [start], 10.0, 64)
+    assert (found.safety_factor[0], found.safe_up_to[0]) == (np.inf, 10.0)
+    assert np.isnan(found.step[0])
+
+
+def test_a_lane_that_exceeds_from_the_start_has_that_edge():
+    found = exceedance_intervals(bands((0.5, 99.0)), [0.5], 10.0, 64)
+    assert found.safety_factor[0] == found.safe_up_to[0] == found.lower[0] == 0.5
+    assert found.open[0]
+
+
+def test_no_lane_has_no_interval():
+    found = exceedance_intervals(bands((1.0, 2.0)), [], 10.0, 64)
+    assert found.safety_factor.size == found.lane.size == found.count.size == 0
+
+
+@pytest.mark.parametrize("points", [2, 3, 17])
+def test_lanes_may_have_numbers_of_factors_of_their_own(points):
+    found = exceedance_intervals(bands((3.0, 99.0)), [0.1, 0.2], 10.0, [points, 40])
+    alone = exceedance_intervals(bands((3.0, 99.0)), [0.1], 10.0, points)
+    assert found.safety_factor[0] == alone.safety_factor[0]
+    assert found.step[0] == alone.step[0]
+    assert found.safety_factor == pytest.approx([3.0, 3.0], rel=1e-6)
+
+
+def test_a_narrow_band_is_found_where_the_lane_comes_near_it():
+    def near(lanes, factors):
+        return np.where(np.abs(factors - 1.234) < 4e-4, np.inf, np.exp(-(((factors - 1.234) / 0.1) ** 2)) * 0.95)
+
+    def blind(lanes, factors):
+        return near(lanes, factors) > 1.0
+
+    assert exceedance_intervals(near, [0.1], 10.0, 64).safety_factor == pytest.approx([1.234], rel=4e-4)
+    assert exceedance_intervals(blind, [0.1], 10.0, 64).safety_factor[0] == np.inf
+
+
+def test_many_lanes_give_what_each_alone_gives():
+    rng = np.random.default_rng(5)
+    points = 48
+    count = 2 * (CASES_AT_ONCE // points) + 7
+    begin = np.geomspace(0.02, 30.0, count)
+    length = rng.uniform(0.05, 0.5, count)
+    start = rng.uniform(0.01, 0.9, count) * np.minimum(begin, 12.0)
+
+    def exceeds(lanes, factors):
+        return ((factors >= begin[lanes]) & (factors < begin[lanes] * (1.0 + length[lanes]))) | (factors > 9.9)
+
+    found = exceedance_intervals(exceeds, start, 10.0, points)
+    assert np.all(np.diff(found.lane) >= 0)
+    for lane in range(0, count, 61):
+        alone = exceedance_intervals(
+            lambda _, f, k=lane: exceeds(np.full(f.shape[1], k), f), [start[lane]], 10.0, points
+        )
+        mine = found.lane == lane
+        assert found.safety_factor[lane] == alone.safety_factor[0]
+        assert np.array_equal(found.lower[mine], alone.lower)
+        assert np.array_equal(found.upper[mine], alone.upper)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (([0.0], 10.0, 64), "start: expected positive"),
+        (([np.nan], 10.0, 64), "start: expected positive"),
+        (([0.5], np.inf, 64), "factor_max: expected a positive number"),
+        (([0.5], 0.0, 64), "factor_max: expected a positive number"),
+        (([0.5], 10.0, 1), "points: expected at least 2"),
+        (([0.5], 10.0, 64, 0.0), "tolerance: expected at least 1e-12"),
+    ],
+)
+def test_what_is_out_of_range_is_refused(arguments, message):
+    with pytest.raises(ValueError, match=message):
+        exceedance_intervals(bands((1.0, 2.0)), *arguments)

@@ -1,0 +1,183 @@
+"""`calibrate_response`: known sequences come back, records are reproduced, and what cannot be told is said."""
+
+import numpy as np
+import pytest
+
+from rockpulse.calibration.response_calibration import calibrate_response, envelope, fit_sequence
+from rockpulse.calibration.response_targets import block_family
+from rockpulse.conditioning import condition
+from rockpulse.errors import ConfigError, RecordRefused
+from rockpulse.models import Block, ImpulseSequence, Outcome, sequence_response
+from rockpulse.record import Record
+
+NAMES = ("main", "ratio", "interval", "main_count")
+
+
+def family(every=1):
+    """The default family, or every so many of its sizes."""
+    blocks = block_family()
+    chosen = np.isin(blocks.p, np.unique(blocks.p)[::every])
+    return Block.from_parameters(blocks.p[chosen], blocks.alpha_c[chosen], blocks.restitution[chosen])
+
+
+SIXTY = family(2)
+
+
+def response(blocks, sequence):
+    return sequence_response(blocks, sequence, table_rows=0, threads=1)
+
+
+def recovered(seed, blocks, most):
+    """A sequence drawn from the middle of what was searched, its responses with noise of 10 %, and the fit to them."""
+    rng = np.random.default_rng(seed)
+    main, interval = np.exp(rng.uniform(np.log([0.1, 0.1]), np.log([0.5, 0.5])))
+    truth = {"main": main, "ratio": rng.uniform(0.2, 0.8), "interval": interval}
+    truth["main_count"] = int(rng.integers(2, most + 1))
+    sequence = ImpulseSequence(main, truth["ratio"] * main, interval, np.inf, main_count=truth["main_count"])
+    answer = response(blocks, sequence)
+    peaks = answer.peak_rotation_ratio * np.exp(0.1 * rng.standard_normal(blocks.shape))
+    return truth, fit_sequence(blocks, peaks, answer.outcome, seed=seed, threads=1)
+
+
+def summary(cases):
+    """Coverage of each parameter, of dT where it is not flat, and width of the interval of I over I."""
+    covered = {
+        name: np.array([fit.intervals[name][0] <= truth[name] <= fit.intervals[name][1] for truth, fit in cases])
+        for name in NAMES
+    }
+    told = np.array(["interval" not in fit.flat for _, fit in cases])
+    covered["interval"] = covered["interval"][told]
+    widths = np.array([np.diff(fit.intervals["main"])[0] / fit.parameters["main"] for _, fit in cases])
+    return {name: float(np.mean(inside)) for name, inside in covered.items()}, widths
+
+
+def test_ten_sequences_with_noise_are_recovered():
+    cases = [recovered(seed, SIXTY, most=3) for seed in range(10)]
+    covered, widths = summary(cases)
+    # At 0.9 fewer than 7 of 10 have a probability of 1.3 %.
+    assert all(share >= 0.7 for share in covered.values())
+    assert np.median(widths) < 0.25
+    assert np.median([fit.spread for _, fit in cases]) == pytest.approx(0.1, abs=0.015)
+
+
+@pytest.mark.slow
+def test_a_hundred_sequences_with_noise_are_recovered():
+    cases = [recovered(seed, block_family(), most=6) for seed in range(100)]
+    covered, widths = summary(cases)
+    print(f"coverage {covered}, width of the interval of I: median {np.median(widths):.3f}, ", end="")
+    print(f"below 0.25 in {np.mean(widths < 0.25):.0%}; ", end="")
+    for name in ("main", "ratio", "interval"):
+        assert 0.83 <= covered[name] <= 0.97
+    # Intervals of a whole number hold at least 90 %, mostly more: the posterior itself says how much.
+    promised = np.mean(
+        [
+            sum(share for count, share in fit.main_counts.items() if low <= count <= high)
+            for _, fit in cases
+            for low, high in [fit.intervals["main_count"]]
+        ]
+    )
+    print(f"main count: promised {promised:.3f}")
+    assert covered["main_count"] == pytest.approx(promised, abs=3.0 * np.sqrt(promised * (1.0 - promised) / 100.0))
+    assert np.median(widths) < 0.25
+
+
+def test_without_noise_the_parameters_come_back_and_a_start_that_is_the_truth_is_no_worse():
+    sequence = ImpulseSequence(0.25, 0.125, 0.2, 8.0, main_count=3)
+    answer = response(SIXTY, sequence)
+    fit = fit_sequence(SIXTY, answer.peak_rotation_ratio, answer.outcome, start=sequence, threads=1)
+    assert fit.parameters["main_count"] == 3
+    assert fit.parameters["main"] == pytest.approx(0.25, rel=0.01)
+    assert fit.parameters["ratio"] == pytest.approx(0.5, abs=0.01)
+    assert fit.start_misfit == pytest.approx(0.0, abs=1e-9)
+    assert fit.misfit < 0.01
+    assert np.array_equal(np.isinf(fit.peaks), answer.outcome == Outcome.OVERTURNS)
+
+
+def test_one_main_impulse_says_that_impulse_and_ratio_are_one():
+    # N = 1 in the continuous limit: the response knows I (1 - sigma/2) only.
+    sequence = ImpulseSequence(0.5, 0.2, np.nan, np.inf, main_count=1, spacing="continuous")
+    answer = response(SIXTY, sequence)
+    rng = np.random.default_rng(2)
+    peaks = answer.peak_rotation_ratio * np.exp(0.1 * rng.standard_normal(SIXTY.shape))
+    fit = fit_sequence(SIXTY, peaks, answer.outcome, spacing="continuous", threads=1)
+    assert np.isnan(fit.parameters["interval"])
+    assert any("main and ratio are not told apart" in remark for remark in fit.remarks)
+    assert any("infinitely many secondary impulses" in remark for remark in fit.remarks)
+    known = fit.parameters["main"] * (1.0 - 0.5 * fit.parameters["ratio"])
+    if fit.parameters["main_count"] == 1:
+        assert known == pytest.approx(0.5 * 0.8, rel=0.03)
+    low, high = fit.intervals["main"]
+    assert low <= 0.5 <= high
+
+
+@pytest.fixture(scope="module")
+def strong(ridgecrest):
+    """One channel of Christmas Canyon, conditioned."""
+    return condition(next(channel for channel in ridgecrest if channel.station == "CCC" and channel.azimuth == 90.0))
+
+
+@pytest.fixture(scope="module")
+def fit(strong):
+    return calibrate_response(strong, SIXTY, threads=1)
+
+
+def test_a_record_is_reproduced_better_than_by_its_statistics(fit, strong):
+    assert fit.record_id == strong.id
+    assert fit.misfit < 0.5 * fit.start_misfit
+    assert fit.start_unsafe_share == 0.0
+    assert fit.sequence.duration == fit.start.duration
+    missed = fit.targets.overturned & np.isfinite(fit.peaks)
+    called = (fit.targets.outcomes == Outcome.ROCKS) & np.isinf(fit.peaks)
+    assert np.count_nonzero(missed | called) <= 0.1 * fit.peaks.size
+
+
+def test_what_is_reported_is_that_of_the_sequence(fit):
+    peaks = response(SIXTY, fit.sequence).peak_rotation_ratio
+    assert np.array_equal(peaks, fit.peaks)
+    assert fit.sequence.secondary == pytest.approx(fit.parameters["ratio"] * fit.sequence.main)
+    assert fit.unsafe_share == fit.targets.short_of(peaks[np.newaxis])[0]
+    for name, (values, deviance) in fit.profiles.items():
+        assert np.all(np.diff(values) > 0.0), name
+        assert np.all(deviance >= 0.0)
+        assert deviance.min() == pytest.approx(0.0, abs=0.5)
+    assert sum(fit.main_counts.values()) == pytest.approx(1.0)
+    for name in NAMES:
+        assert fit.intervals[name][0] <= fit.parameters[name] <= fit.intervals[name][1]
+
+
+def test_the_answer_depends_neither_on_threads_nor_on_the_hour(fit, strong):
+    again = calibrate_response(strong, SIXTY, threads=2)
+    assert again.parameters == fit.parameters
+    assert again.intervals == fit.intervals
+
+
+def test_the_envelope_is_the_smallest_impulse_that_covers_the_share(fit):
+    for share in (0.84, 1.0):
+        over = envelope(fit, share, threads=1)
+        assert over.form == "enveloping"
+        assert 1.0 - over.unsafe_share >= share - 1e-12
+        below = response(SIXTY, over.sequence.scaled(1.0 - 1e-4)).peak_rotation_ratio
+        assert 1.0 - fit.targets.short_of(below[np.newaxis])[0] < share
+        assert over.parameters["ratio"] == fit.parameters["ratio"]
+        assert over.sequence.secondary / over.sequence.main == pytest.approx(fit.sequence.secondary / fit.sequence.main)
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"form": "best"}, "form"),
+        ({"spacing": "even"}, "spacing"),
+        ({"share": 0.0}, "share"),
+        ({"confidence": 1.0}, "confidence"),
+        ({"smallest": 2.0}, "smallest"),
+    ],
+)
+def test_options_out_of_range_are_named(strong, options, message):
+    with pytest.raises(ConfigError, match=message):
+        calibrate_response(strong, SIXTY, **options)
+
+
+def test_a_motion_that_moves_no_block_is_refused():
+    weak = Record(0.05 * np.sin(np.arange(400.0)), dt=0.01, id="weak")
+    with pytest.raises(RecordRefused, match="weak: 0 of 100 blocks"):
+        calibrate_response(weak, threads=1)

@@ -1,0 +1,91 @@
+"""The targets of a response calibration: which are numbers, and the distance of a sequence from the others."""
+
+import numpy as np
+import pytest
+
+from rockpulse.calibration.response_targets import ResponseTargets, block_family, recorded_targets
+from rockpulse.errors import ConfigError, RecordRefused
+from rockpulse.models import Block, Outcome
+from rockpulse.record import Record
+
+NUMBERS = [0.1, 0.2, 0.3, 0.4, 0.5, 0.6]
+
+
+def targets(peaks=(), outcomes=(), **options):
+    """Six numbers, then what is given."""
+    every = [*NUMBERS, *peaks]
+    blocks = Block.from_parameters(np.full(len(every), 2.0), 0.2, 0.9)
+    return ResponseTargets(blocks, every, [*[Outcome.ROCKS] * 6, *outcomes], **options)
+
+
+FOUR = targets(
+    [np.inf, 0.02, 0.0, np.nan], [Outcome.OVERTURNS, Outcome.ROCKS, Outcome.AT_REST, Outcome.UNRESOLVED], smallest=0.05
+)
+
+
+def test_every_target_is_of_one_kind():
+    kinds = np.stack([FOUR.number, FOUR.overturned, FOUR.small, FOUR.silent])
+    assert np.all(kinds.sum(axis=0) == 1)
+    assert np.argmax(kinds, axis=0).tolist() == [0, 0, 0, 0, 0, 0, 1, 2, 3, 3]
+
+
+def test_residuals_by_hand():
+    peaks = np.full((4, 10), 0.2)
+    peaks[1], peaks[2] = np.inf, 0.01
+    found = FOUR.residuals(peaks)
+    assert found[0, :6] == pytest.approx(np.log(np.array(NUMBERS) / 0.2))
+    # Overturned and 0.2: short of 1. Small and 0.2: above 0.05.
+    assert found[0, 6:8] == pytest.approx([-np.log(0.2), np.log(0.05 / 0.2)])
+    # A sequence that overturns a block is known to reach 1.
+    assert found[1, :6] == pytest.approx(np.log(NUMBERS))
+    assert found[1, 6:8] == pytest.approx([0.0, np.log(0.05)])
+    assert found[2, 7] == 0.0
+    assert np.all(np.isnan(found[:, 8:]))
+
+
+def test_a_target_beyond_alpha_c_that_comes_back_is_met_by_overturning():
+    found = targets([1.3], [Outcome.ROCKS]).residuals(np.full((1, 7), np.inf))
+    assert found[0, 6] == 0.0
+
+
+def test_the_unsafe_side_is_below_the_target_and_silent_blocks_do_not_count():
+    peaks = np.array([[0.1, 0.1, 0.4, 0.4, 0.4, 0.6, 0.9, 0.02, 5.0, 5.0]])
+    # 0.1 < 0.2, 0.4 < 0.5 and 0.9 where the block overturns.
+    assert FOUR.short_of(peaks) == pytest.approx([3.0 / 8.0])
+
+
+def test_too_few_numbers_are_refused_with_the_counts():
+    blocks = Block.from_parameters(np.full(7, 2.0), 0.2, 0.9)
+    peaks = [0.1, 0.2, 0.3, 0.4, 0.5, np.inf, 0.0]
+    outcomes = [Outcome.ROCKS] * 5 + [Outcome.OVERTURNS, Outcome.AT_REST]
+    with pytest.raises(RecordRefused, match=r"5 of 7 blocks .* \(1 overturn, 1 stay at rest\)"):
+        ResponseTargets(blocks, peaks, outcomes)
+
+
+@pytest.mark.parametrize(
+    ("peaks", "outcomes", "options", "message"),
+    [
+        ([0.1], [], {}, "shapes"),
+        ([np.nan], [Outcome.ROCKS], {}, "finite peak"),
+        ([0.0], [Outcome.ROCKS], {}, "positive"),
+        ([], [], {"smallest": 0.0}, "smallest"),
+    ],
+)
+def test_targets_that_make_no_sense_are_refused(peaks, outcomes, options, message):
+    with pytest.raises(ConfigError, match=message):
+        targets(peaks, outcomes, **options)
+
+
+def test_the_family_has_a_hundred_slender_blocks_below_housners_restitution():
+    family = block_family()
+    assert family.shape == (100,)
+    assert np.all(family.slender)
+    assert family.warnings == ()
+    assert family.radius.min() > 0.29
+    assert family.radius.max() < 7.4
+
+
+def test_a_motion_too_weak_for_the_family_is_refused_by_name():
+    weak = Record(0.01 * np.sin(np.arange(200.0)), dt=0.01, id="weak")
+    with pytest.raises(RecordRefused, match=r"weak: 0 of 100 blocks .* 100 stay at rest"):
+        recorded_targets(weak, block_family(), threads=1)

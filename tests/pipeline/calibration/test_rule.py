@@ -1,0 +1,149 @@
+"""The rule from half-waves to a sequence: its verdict, peak and safety factor in closed form."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import rockpulse as rp
+from rockpulse.calibration.rule import (
+    POINTS,
+    Rule,
+    load_rule,
+    rule_demand,
+    rule_safety_factor,
+    rule_sequence,
+    sequence_of,
+)
+from rockpulse.errors import ConfigError
+from rockpulse.models import Block, Outcome, sequence_response
+from rockpulse.models.half_wave_demand import HalfWaveDemand
+from rockpulse.synthetic import synthetic_motion
+
+RULE = Rule("balanced", 1.0)
+
+
+def bodies():
+    slenderness, radius = np.array([4.0, 6.0, 8.0, 12.0, 3.0]), np.array([1.0, 2.0, 4.0, 1.0, 8.0])
+    alpha = np.arctan(1.0 / slenderness)
+    return Block(half_width=radius * np.sin(alpha), half_height=radius * np.cos(alpha))
+
+
+def waves(seed=4, factor=1.0):
+    motion = factor * synthetic_motion(seed, duration=12.0, pga=3.5)
+    return rp.half_waves(rp.Record(motion, dt=0.01, id="synthetic", processed=True))
+
+
+def asked(count, ratio):
+    size = np.size(count)
+    unused = np.full(size, np.nan)
+    return HalfWaveDemand(unused, unused, unused, np.asarray(count), np.asarray(ratio), unused)
+
+
+def test_the_sequence_overturns_where_the_demand_reaches_one_and_peaks_in_closed_form():
+    random = np.random.default_rng(8)
+    count, ratio = random.integers(1, 45, 300), random.uniform(0.0, 0.5, 300)
+    demand = np.concatenate([random.uniform(0.01, 2.0, 200), [1.0 - 1e-9, 1.0, 1.0 + 1e-9, 0.999] * 25])
+    alpha = random.uniform(0.05, 0.3, 300)
+    block = Block.from_parameters(
+        p=random.uniform(0.7, 8.0, 300), alpha=alpha, restitution=random.uniform(0.6, 1.0, 300)
+    )
+    sequence = sequence_of(demand, asked(count, ratio), block, np.full(300, True))
+    response = sequence_response(block, sequence, paired=True)
+    assert np.array_equal(response.outcome == Outcome.OVERTURNS, demand >= 1.0)
+    survives = demand < 1.0
+    assert response.peak_rotation_ratio[survives] == pytest.approx(1.0 - np.sqrt(1.0 - demand[survives] ** 2), rel=1e-6)
+    just = (demand >= 1.0) & (demand < 1.0 + 1e-6)
+    assert np.array_equal(response.overturning_half_cycle[just], count[just])
+
+
+def test_a_record_has_a_sequence_for_every_block():
+    block, wave = bodies(), waves()
+    demand, sequence = rule_demand(wave, block, RULE), rule_sequence(wave, block, RULE)
+    assert sequence.shape == (5,)
+    response = sequence_response(block, sequence, paired=True)
+    lifted = np.max(np.abs(wave.peak)) > block.gravity * np.tan(block.alpha_c)
+    assert np.array_equal(response.outcome == Outcome.OVERTURNS, lifted & (demand >= 1.0))
+    assert np.all(sequence.secondary <= 0.5 * sequence.main)
+    for lane in (0, 3):
+        alone = rule_sequence(wave, block.lane(lane), RULE)
+        assert alone.main == pytest.approx(sequence.main[lane : lane + 1])
+
+
+def test_the_safety_factor_is_where_the_scaled_record_overturns():
+    block = bodies()
+    factor = rule_safety_factor(waves(), block, RULE)
+    for lane in range(5):
+        below = rule_sequence(waves(factor=0.999 * factor[lane]), block.lane(lane), RULE)
+        above = rule_sequence(waves(factor=1.001 * factor[lane]), block.lane(lane), RULE)
+        verdicts = [sequence_response(block.lane(lane), one, paired=True).outcome for one in (below, above)]
+        assert verdicts[0] != Outcome.OVERTURNS
+        assert verdicts[1] == Outcome.OVERTURNS
+
+
+def test_what_does_not_lift_rests_and_the_safety_factor_is_at_least_that_of_uplift():
+    block, wave = bodies(), waves(factor=0.1)
+    ratio = np.max(np.abs(wave.peak)) / (block.gravity * np.tan(block.alpha_c))
+    assert np.any(ratio < 1.0)
+    response = sequence_response(block, rule_sequence(wave, block, Rule("conservative", 1e6)), paired=True)
+    assert np.array_equal(response.outcome == Outcome.AT_REST, ratio <= 1.0)
+    assert rule_safety_factor(wave, block, Rule("conservative", 1e6)) == pytest.approx(1.0 / ratio)
+
+
+def test_a_record_of_zeros_asks_for_nothing():
+    block = bodies()
+    silent = rp.half_waves(rp.Record(np.zeros(100), dt=0.01, id="silence", processed=True))
+    assert rule_demand(silent, block, RULE).tolist() == [0.0] * 5
+    assert np.all(np.isinf(rule_safety_factor(silent, block, RULE)))
+    assert np.all(sequence_response(block, rule_sequence(silent, block, RULE), paired=True).outcome == Outcome.AT_REST)
+
+
+def test_the_shipped_points_differ_by_their_factor_only():
+    rules = {point: load_rule(point) for point in POINTS}
+    assert {rule.point for rule in rules.values()} == set(POINTS)
+    wave, block = waves(), bodies()
+    by_point = [rule_demand(wave, block, rule) for rule in rules.values()]
+    assert np.all(by_point[0] <= by_point[1])
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("balanced = 1", r"\[balanced\] factor"),
+        ("[balanced]\nfactor = 'one'", r"\[balanced\] factor"),
+        ("[balanced]\nfactor = -1.0", "positive"),
+        ("[balanced", "no TOML"),
+        ("[conservative]\nfactor = 1.0", r"\[balanced\] factor"),
+    ],
+)
+def test_a_file_that_holds_no_rule_is_refused(tmp_path, text, words):
+    path = tmp_path / "rule.toml"
+    path.write_text(text)
+    with pytest.raises(ConfigError, match=words):
+        load_rule("balanced", path)
+
+
+def test_an_unknown_point_is_refused():
+    with pytest.raises(ConfigError, match="balanced, conservative"):
+        load_rule("bold")
+
+
+def test_assessments_take_both_points(samples):
+    config = rp.Config()
+    config = replace(
+        config,
+        models=replace(config.models, use=("balanced", "conservative")),
+        records=replace(config.records, store="none"),
+    )
+    records = [record for record in rp.read(samples / "CICCC.RAW") if record.orientation == "horizontal"][:1]
+    summary = rp.assess(records, config, blocks={"wall": Block(0.15, 1.2), "pier": Block(0.5, 1.25)})["summary"]
+    assert summary["model"].values.tolist() == ["balanced", "conservative"]
+    factor, outcome = summary["safety_factor"].values[0], summary["outcome"].values[0]
+    assert np.array_equal(outcome == Outcome.OVERTURNS, factor <= 1.0)
+    assert np.all(factor[..., 1] <= factor[..., 0])
+    ratio = load_rule("conservative").factor / load_rule("balanced").factor
+    free = factor[..., 1] > 1.001 / summary["uplift_ratio"].values[0]
+    assert np.any(free)
+    assert (factor[..., 0] / factor[..., 1])[free] == pytest.approx(ratio)
+    assert math.isfinite(float(np.max(factor)))

@@ -1,0 +1,195 @@
+"""``rockpulse calibrate`` and ``rockpulse assess --sequence`` from files to files."""
+
+import re
+import shutil
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pytest
+
+import rockpulse as rp
+from rockpulse.cli import main
+from rockpulse.errors import ResultsError
+
+SCHEMA = Path(__file__).parents[3] / "docs" / "schema.md"
+TOML = """
+[site]
+name = "An old town"
+[calibration]
+method = "statistics"
+[[block]]
+name = "wall"
+width = 0.25
+height = 2.2
+[[block]]
+name = "pier"
+width = 1.1
+height = 5.0
+"""
+
+
+@pytest.fixture(scope="module")
+def config(tmp_path_factory):
+    path = tmp_path_factory.mktemp("site") / "site.toml"
+    path.write_text(TOML)
+    return path
+
+
+@pytest.fixture(scope="module")
+def done(samples, config, tmp_path_factory):
+    """The samples, calibrated."""
+    target = tmp_path_factory.mktemp("results") / "site.h5"
+    assert main(["calibrate", str(samples), "--config", str(config), "-o", str(target), "--quiet"]) == 0
+    return target
+
+
+def test_the_summary_says_first_what_few_records_cannot_tell(samples, config, tmp_path, capsys):
+    target = tmp_path / "site.h5"
+    assert main(["calibrate", str(samples), "--config", str(config), "-o", str(target)]) == 0
+    out, err = capsys.readouterr()
+    assert err == ""
+    assert out.startswith("! FEW EVENTS: 2, fewer than 5")
+    for words in ("main impulse I [m/s]", "Design sequence, quantile 0.84", "nominal", "wall", "pier"):
+        assert words in out
+    assert not re.search(r"\bnan\b", out, re.I)
+    assert out.endswith(f"site: {target}\n")
+    assert main(["calibrate", str(samples), "--config", str(config), "-o", str(target)]) == 2
+    assert "the file exists" in capsys.readouterr().err
+
+
+def test_the_file_comes_back_as_it_was_calibrated(samples, config, done):
+    records, failures = rp.read_all([samples])
+    tree = rp.calibrate_site(records, rp.load_config(config), failures=failures)
+    loaded = rp.load(done)
+    assert loaded.attrs["kind"] == "site calibration"
+    assert loaded.attrs["title"] == "An old town"
+    assert loaded["site"].to_dataset().identical(tree["site"].to_dataset())
+
+
+def test_the_schema_names_every_variable_and_attribute_of_the_site(done):
+    part = SCHEMA.read_text(encoding="utf-8").partition("## The site file")[2].partition("\n## ")[0]
+    site = rp.load(done)["site"].to_dataset()
+    for name in [*site.variables, *site.attrs]:
+        assert f"`{name}`" in part, name
+
+
+def test_bare_h5py_finds_unit_and_long_name_on_every_variable(done):
+    seen = []
+
+    def visit(name, item):
+        if isinstance(item, h5py.Dataset) and not item.attrs.get("NAME", b"").startswith(b"This is a netCDF dimension"):
+            seen.append(name)
+            assert isinstance(item.attrs["units"], str), name
+            assert isinstance(item.attrs["long_name"], str), name
+
+    with h5py.File(done) as file:
+        file.visititems(visit)
+    assert {"site/median", "site/coverage", "site/covered", "failures/reason"} <= set(seen)
+
+
+def test_inspect_shows_what_calibrate_printed(done, capsys):
+    assert main(["inspect", str(done)]) == 0
+    assert capsys.readouterr().out.startswith("! FEW EVENTS: 2")
+    assert main(["inspect", str(done), "--failures"]) == 0
+    assert "vertical" in capsys.readouterr().out
+    assert main(["inspect", str(done), "--block", "pier"]) == 2
+    assert "this is a site file" in capsys.readouterr().err
+
+
+def test_the_design_sequence_of_the_file(done):
+    design = rp.load_design(done)
+    stored = rp.load(done)["site"]["design"]
+    assert design.main == stored.sel(parameter="main")
+    assert design.secondary == pytest.approx(float(stored.sel(parameter="ratio")) * design.main, rel=1e-15)
+    assert design.interval == stored.sel(parameter="interval")
+    assert design.main_count == stored.sel(parameter="main_count")
+    assert design.duration == stored.sel(parameter="duration")
+    assert design.spacing == "end"
+
+
+def test_assess_takes_the_design_in_place_of_records(done, config, tmp_path, capsys):
+    target = tmp_path / "results.h5"
+    assert main(["assess", "--sequence", str(done), "--config", str(config), "-o", str(target)]) == 0
+    out = capsys.readouterr().out
+    assert "design sequence 0.84" in out
+    assert "cannot answer it and are left out" in re.sub(r"\s+", " ", out)
+    summary = rp.load(target)["summary"].to_dataset()
+    blocks = [block.block() for block in rp.load_config(config).blocks]
+    response = rp.models.sequence_response(
+        rp.models.Block.stack([one.lanes(1) for one in blocks]), rp.load_design(done)
+    )
+    found = summary["peak_rotation_ratio"].sel(record="design sequence 0.84", model="sequence")
+    np.testing.assert_array_equal(found, response.peak_rotation_ratio)
+    assert summary["source"].values.tolist() == [str(done)]
+    assert main(["inspect", str(target), "--record", "design sequence 0.84", "--block", "pier"]) == 0
+
+
+@pytest.mark.parametrize("extra", [["records"], ["--units", "g"], ["--dt", "0.01"]])
+def test_a_sequence_and_records_together_are_refused(done, config, tmp_path, capsys, extra):
+    arguments = ["assess", *extra, "--sequence", str(done), "--config", str(config), "-o", str(tmp_path / "r.h5")]
+    assert main(arguments) == 2
+    assert "--sequence takes the place of the records" in capsys.readouterr().err
+
+
+def test_files_of_another_kind_are_refused(done, samples, config, tmp_path, capsys):
+    results, text = tmp_path / "results.h5", tmp_path / "notes.txt"
+    assert main(["assess", "--sequence", str(done), "--config", str(config), "-o", str(results), "--quiet"]) == 0
+    text.write_text("no site")
+    with pytest.raises(ResultsError, match=r"expected a site file of 'rockpulse calibrate', found an assessment"):
+        rp.load_design(results)
+    with pytest.raises(ResultsError, match="expected a results file of rockpulse"):
+        rp.load_design(text)
+    for wrong in (results, text, tmp_path / "none.h5"):
+        arguments = ["assess", "--sequence", str(wrong), "--config", str(config), "-o", str(tmp_path / "again.h5")]
+        assert main(arguments) == 2
+        assert str(wrong) in capsys.readouterr().err
+    # A results file is never replaced by a site file, nor the other way round.
+    arguments = ["calibrate", str(samples), "--config", str(config), "-o", str(results), "--overwrite"]
+    assert main(arguments) == 2
+    assert "not replaced even with --overwrite" in capsys.readouterr().err
+
+
+def test_tables_count_from_the_folder_of_the_configuration(samples, done, tmp_path):
+    site = tmp_path / "site"
+    site.mkdir()
+    (site / "site.toml").write_text(
+        '[records]\nevents = "events.csv"\n' + TOML.replace('"statistics"', '"statistics"\nweights = "weights.csv"')
+    )
+    ids = rp.load(done)["site"]["record"].values.tolist()
+    (site / "events.csv").write_text("record,event\n" + "".join(f"{name},event {n}\n" for n, name in enumerate(ids)))
+    (site / "weights.csv").write_text("record,weight\n" + "".join(f"{name},{n}\n" for n, name in enumerate(ids)))
+    target = tmp_path / "site.h5"
+    arguments = ["calibrate", str(samples), "--config", str(site / "site.toml"), "-o", str(target), "--quiet"]
+    assert main(arguments) == 0
+    tree = rp.load(target)
+    assert tree["site"].sizes["site_event"] == len(ids)
+    again = tmp_path / "again.toml"
+    again.write_text(tree.attrs["configuration"], encoding="utf-8")  # it repeats the run from any folder
+    assert main(["calibrate", "--config", str(again), "-o", str(tmp_path / "again.h5"), "--quiet"]) == 0
+    assert rp.load(tmp_path / "again.h5")["site"].to_dataset().identical(tree["site"].to_dataset())
+
+
+def test_a_file_that_is_no_record_is_exit_code_one_with_the_rest_calibrated(samples, config, tmp_path, capsys):
+    folder = tmp_path / "records"
+    shutil.copytree(samples, folder)
+    damaged = folder / "CICLC.v1"
+    damaged.write_bytes(damaged.read_bytes()[:6000])
+    target = tmp_path / "site.h5"
+    assert main(["calibrate", str(folder), "--config", str(config), "-o", str(target), "--quiet"]) == 1
+    assert "CICLC.v1" in capsys.readouterr().err
+    assert rp.load(target)["site"].sizes["record"] > 3
+
+
+def test_nothing_calibrated_is_exit_code_one_and_no_file(samples, config, tmp_path, capsys):
+    slab = tmp_path / "slab.toml"
+    slab.write_text('[calibration]\nmethod = "statistics"\n[[block]]\nname = "slab"\nwidth = 9\nheight = 6.5\n')
+    target = tmp_path / "site.h5"
+    assert main(["calibrate", str(samples), "--config", str(slab), "-o", str(target)]) == 1
+    assert "no record sets any block rocking" in capsys.readouterr().err
+    assert not target.exists()
+
+
+def test_without_records_it_is_wrong_usage(config, tmp_path, capsys):
+    assert main(["calibrate", "--config", str(config), "-o", str(tmp_path / "site.h5")]) == 2
+    assert "no records: name files" in capsys.readouterr().err

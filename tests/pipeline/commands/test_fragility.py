@@ -1,0 +1,73 @@
+"""``rockpulse fragility`` on the shipped samples."""
+
+import numpy as np
+import pytest
+
+import rockpulse as rp
+from rockpulse.cli import main
+
+CONFIG = """
+[conditioning]
+highpass_hz = 0.1
+lowpass_hz = 25.0
+
+[search]
+points = 16
+
+[fragility]
+limit_states = [0.4, "overturning"]
+measures = ["velocity_ratio", "demand_cubic"]
+
+[[block]]
+name = "pinnacle"
+width = 0.4
+height = 2.4
+"""
+
+
+@pytest.fixture(scope="module")
+def made(samples, tmp_path_factory):
+    folder = tmp_path_factory.mktemp("fragility")
+    (folder / "site.toml").write_text(CONFIG)
+    target = folder / "fragility.h5"
+    arguments = [str(samples / "CICLC.v1"), "--config", str(folder / "site.toml"), "-o", str(target)]
+    assert main(["fragility", *arguments, "--quiet"]) == 0
+    return target, arguments
+
+
+def test_the_file_holds_curves_of_one_event_without_a_band(made):
+    tree = rp.load(made[0])
+    curve = tree["fragility"].to_dataset().sel(block="pinnacle", limit_state="overturning", measure="velocity_ratio")
+    assert int(curve["records"]) == 2
+    assert 0.2 < float(curve["median"]) < 2.0
+    assert np.isnan(float(curve["median_low"]))
+    assert tree.attrs["kind"] == "fragility"
+    assert "[fragility]" in tree.attrs["configuration"]
+
+
+def test_inspect_shows_it(made, capsys):
+    assert main(["inspect", str(made[0])]) == 0
+    shown = capsys.readouterr().out
+    assert "2 records of 1 earthquake, 1 body, data: ida" in shown
+    assert "no band: the records come from 1 event, it needs 3" in shown
+    assert "demand_cubic" in shown
+    assert main(["inspect", str(made[0]), "--failures"]) == 0
+    assert "vertical" in capsys.readouterr().out
+    assert main(["inspect", str(made[0]), "--record", "x"]) == 2
+    assert "this is a fragility file" in capsys.readouterr().err
+
+
+def test_a_file_that_exists_is_replaced_only_when_told_and_only_if_it_is_one(made, capsys, tmp_path):
+    arguments = made[1]
+    assert main(["fragility", *arguments]) == 2
+    assert "the file exists" in capsys.readouterr().err
+    other = tmp_path / "notes.h5"
+    other.write_text("mine")
+    assert main(["fragility", *arguments[:-1], str(other), "--overwrite"]) == 2
+    assert other.read_text() == "mine"
+
+
+def test_a_configuration_is_needed(samples, tmp_path):
+    with pytest.raises(SystemExit) as stopped:
+        main(["fragility", str(samples), "-o", str(tmp_path / "f.h5")])
+    assert stopped.value.code == 2

@@ -1,0 +1,83 @@
+"""``rockpulse rule``: fitted and judged from files, with a statement where there is too little."""
+
+import re
+import tomllib
+
+import numpy as np
+import pytest
+
+import rockpulse as rp
+from rockpulse import store
+from rockpulse.cli import main
+from rockpulse.synthetic import synthetic_motion
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    """Six motions of six earthquakes, as plain columns."""
+    place = tmp_path_factory.mktemp("records")
+    for seed in range(6):
+        motion = synthetic_motion(seed, duration=12.0, pga=5.0)
+        np.savetxt(place / f"motion_{seed}.txt", np.column_stack([0.01 * np.arange(motion.size), motion]), fmt="%.8g")
+    return place
+
+
+def run(capsys, *words):
+    code = main([str(word) for word in words])
+    return code, capsys.readouterr()
+
+
+def test_a_rule_is_fitted_written_and_judged(folder, tmp_path, capsys):
+    rule, verdicts = tmp_path / "rule.toml", tmp_path / "verdicts.h5"
+    code, said = run(capsys, "rule", "fit", folder, "--units", "m/s2", "-o", rule)
+    assert code == 0, said.err
+    written = tomllib.loads(rule.read_text())
+    assert written["provenance"]["earthquakes"] == 6
+    assert written["balanced"]["factor"] <= written["conservative"]["factor"]
+    assert str(folder) not in rule.read_text()
+    assert re.search(r"balanced +rule +left-out", said.out)
+    code, said = run(capsys, "rule", "judge", folder, "--units", "m/s2", "--rule", rule, "-o", verdicts)
+    assert code == 0, said.err
+    assert "p PGV/(g tan a)" in said.out
+    tree = rp.load(verdicts)
+    rates = tree["rates"].to_dataset().to_dataframe().set_index(["score", "kind", "point"])
+    given, fitted = (rates.loc[("march", kind, "balanced")] for kind in ("as-given", "in-sample"))
+    assert (given.missed, given["false"]) == (fitted.missed, fitted["false"])
+    assert len(tree["cases"].to_dataset().to_dataframe()) == 6 * 24
+    assert {"march", "velocity_ratio"} == set(tree["curves"]["score"].values)
+
+
+def test_one_earthquake_gives_a_statement(samples, tmp_path, capsys):
+    out = tmp_path / "verdicts.h5"
+    code, said = run(capsys, "rule", "judge", samples / "CICCC.RAW", "-o", out)
+    assert code == 0
+    assert "2 strong channels of 1 earthquakes" in " ".join(said.out.split())
+    assert rp.load(out).attrs["statement"]
+    code, said = run(capsys, "rule", "fit", samples / "CICCC.RAW", "-o", tmp_path / "rule.toml")
+    assert code == 2
+    assert "add records" in said.err
+    assert not (tmp_path / "rule.toml").exists()
+
+
+def test_no_strong_record_gives_a_statement(samples, tmp_path, capsys):
+    code, said = run(capsys, "rule", "judge", samples / "2516b_a.smc", "-o", tmp_path / "verdicts.h5")
+    assert code == 0
+    assert "0 strong channels" in said.out
+
+
+def test_a_file_that_exists_is_kept(samples, tmp_path, capsys):
+    rule = tmp_path / "rule.toml"
+    rule.write_text("mine")
+    code, said = run(capsys, "rule", "fit", samples, "-o", rule)
+    assert code == 2
+    assert "--overwrite" in said.err
+    assert rule.read_text() == "mine"
+    code, said = run(capsys, "rule", "judge", samples, "--rule", rule, "-o", tmp_path / "v.h5")
+    assert code == 2
+    assert "no TOML" in said.err
+
+
+def test_verdicts_are_a_kind_of_their_own():
+    from rockpulse.calibration.rule_variables import RULE_KIND
+
+    assert store.KINDS[RULE_KIND] == "rates"
