@@ -43,7 +43,8 @@ class Config:
 
     Attributes
     ----------
-    site, records, conditioning, half_waves, intense_phase, sequence, models, search, calibration, fragility, run : Section
+    site, records, conditioning, half_waves, intense_phase, sequence, models, search : Section
+    calibration, fragility, run : Section
         One dataclass per section of the TOML file, each usable as keyword arguments:
         ``condition(record, **config.conditioning)``.
     blocks : tuple of BlockSettings

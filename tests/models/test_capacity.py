@@ -233,6 +233,19 @@ def test_impulses_overturn_at_their_edges(gain):
     assert np.all(dense.outcome == Outcome.ROCKS)
 
 
+def test_a_factor_of_each_block_is_a_factor_on_its_impulses():
+    rng = np.random.default_rng(9)
+    times, impulses, some = np.sort(rng.uniform(0.0, 9.0, 20)), rng.normal(0.0, 0.2, 20), blocks(4)
+    factors = np.array([0.3, 0.7, 1.1, 1.9])
+    peaks = impulsive_response(some, times, impulses, scale=[1.0, 0.5], block_scale=factors).peak_rotation_ratio
+    for lane, factor in enumerate(factors):
+        alone = impulsive_response(some.lane(lane), times, impulses, scale=[factor, 0.5 * factor])
+        assert np.array_equal(peaks[:, lane], alone.peak_rotation_ratio)
+    for wrong in (np.ones(3), np.nan, [[1.0]]):
+        with pytest.raises(ValueError, match="block_scale"):
+            impulsive_response(some, times, impulses, block_scale=wrong)
+
+
 def test_one_impulse_and_main_impulses_at_the_impacts_have_their_closed_forms():
     block = Block(0.5, 1.936492, restitution=0.9, gravity=G)
     alone = impulsive_critical_scale(block, [1.0], [0.25 * block.critical_impulse])

@@ -249,3 +249,35 @@ def test_odd_characters_survive_the_way_through_toml(tmp_path):
     path = tmp_path / "odd.toml"
     path.write_text(config.as_text(), encoding="utf-8")
     assert load_config(path) == config
+
+
+def test_demands_are_read_and_written(load):
+    text = '[[demand]]\nname = "ULS"\nacceleration = 2.45\n'
+    text += '[[demand]]\nname = "SLS"\nacceleration = 1\nlimit_state = "50 years"\n'
+    config = load(text)
+    assert [demand.name for demand in config.demands] == ["ULS", "SLS"]
+    assert [demand.acceleration for demand in config.demands] == [2.45, 1.0]
+    assert config.demands[1].limit_state == "50 years"
+    assert load(config.as_text()) == config
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ('[demand]\nname = "ULS"\nacceleration = 2.0', "double brackets, one for each limit state"),
+        ('[[demand]]\nname = "ULS"', "acceleration: this key is needed"),
+        ("[[demand]]\nacceleration = 2.0", "name: this key is needed"),
+        ('[[demand]]\nname = ""\nacceleration = 2.0', "expected a text that is not empty"),
+        ('[[demand]]\nname = "ULS"\nacceleration = 0.0', "expected a number in m/s2 > 0"),
+        ('[[demand]]\nname = "ULS"\nacceleration = 2.0\n' * 2, r"\[\[demand\]\] name: \"ULS\" is given 2 times"),
+        ('[search]\nmodels = ["linaer"]', 'did you mean "linear"'),
+        ("[search]\npoints = 1", "points: expected an integer >= 2"),
+    ],
+)
+def test_a_wrong_demand_or_search_is_refused(load, text, message):
+    with pytest.raises(ConfigError, match=message):
+        load(text)
+
+
+def test_no_model_may_be_searched(load):
+    assert load("[search]\nmodels = []").search.models == ()
