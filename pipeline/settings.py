@@ -193,7 +193,7 @@ class SearchSettings(Section):
     heading = "[search]"
     models: tuple[str, ...] = choices(MODELS, MODELS, empty=True)
     factor_max: float = number(10.0, low=0.0, high=1e6, above=True)
-    points: int = count(64, low=2)
+    points: int = count(256, low=2)
     step: float = number(1.005, low=1.0001)
 
 

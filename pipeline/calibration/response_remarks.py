@@ -68,7 +68,7 @@ def remarks(
             said.append(f"{name}: both {low} and {high}, the limits of the search, fit about as well as the best")
         elif at_high:
             said.append(f"{name}: no upper limit of the {words} up to {high}, the end of the search")
-        elif at_low:
+        elif at_low and name != "main_count":
             said.append(f"{name}: no lower limit of the {words} down to {low}, the end of the search")
     for (one, other), value in calibration.correlations.items():
         if abs(value) >= INSEPARABLE:

@@ -64,8 +64,9 @@ def test_models_that_are_not_searched_have_no_factor():
 def test_auto_has_the_factors_of_the_nonlinear_model(use):
     record = Record(MOTION, 0.01, id="one", processed=True)
     names = {f"block {k}": BLOCKS.lane(k) for k in range(3)}
-    summary = assess([record], Config(models=ModelSettings(use=use, auto=True)), names)["summary"]
-    known = critical_scale(BLOCKS, MOTION, 0.01).safety_factor
+    config = Config(models=ModelSettings(use=use, auto=True))
+    summary = assess([record], config, names)["summary"]
+    known = critical_scale(BLOCKS, MOTION, 0.01, points=config.search.points).safety_factor
     assert np.array_equal(summary["safety_factor"].sel(model="auto").values[0], known)
 
 
