@@ -23,8 +23,8 @@ install: .venv/bin/python  ## make .venv and install the package with everything
 run:  ## the main job on the shipped samples
 	$(PYTHON) -m rockpulse assess data/samples/records --config data/samples/site.toml -o results.h5 --overwrite
 
-test:  ## the default tests (under 3 minutes)
-	$(PYTHON) -m pytest
+test:  ## the default tests (under 3 minutes on two cores)
+	$(PYTHON) -m pytest -n 2
 
 test-slow:  ## the long sweeps
 	$(PYTHON) -m pytest -m slow

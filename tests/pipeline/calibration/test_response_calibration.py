@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 
-from rockpulse.calibration import response_posterior, response_search
 from rockpulse.calibration.response_calibration import calibrate_response, envelope, fit_sequence
 from rockpulse.calibration.response_targets import block_family
 from rockpulse.conditioning import condition
@@ -52,10 +51,7 @@ def summary(cases):
     return {name: float(np.mean(inside)) for name, inside in covered.items()}, widths
 
 
-def test_ten_sequences_with_noise_are_recovered(monkeypatch):
-    # Half of the candidates, for the sake of time: few main impulses are found all the same.
-    monkeypatch.setattr(response_search, "CANDIDATES", 128)
-    monkeypatch.setattr(response_posterior, "DRAWN", 256)
+def test_ten_sequences_with_noise_are_recovered():
     cases = [recovered(seed, SIXTY, most=3) for seed in range(10)]
     covered, widths = summary(cases)
     # At 0.9 fewer than 7 of 10 have a probability of 1.3 %.
