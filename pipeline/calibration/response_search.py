@@ -1,9 +1,9 @@
 """The search for the sequence of a set of targets, and the exploration of everything that is about as likely.
 
 .. note:: The likelihood is only piecewise smooth: the number n of secondary impulses jumps with dT and I, and blocks
-   overturn. So nothing here takes a derivative. Differential evolution finds the best sequence, the number of main
-   impulses an integer among its parameters; then the likely region of every number of main impulses around the best
-   one is filled with points drawn from the likely points found so far. Every candidate is kept: profiles are its edges.
+   overturn. So nothing here takes a derivative. Differential evolution, with the number of main impulses an integer
+   among its parameters, and a survey of the whole space begin; then candidates are bred from the best of every cell of
+   the space, in rounds that look ever closer at what is likely. Every candidate is kept: profiles are their edges.
 """
 
 from __future__ import annotations
@@ -247,7 +247,7 @@ def explore(
     start : (4,) ndarray or None
         A point that is among the candidates from the first.
     enough : float
-        Deviance beyond which a number of main impulses is of no interest.
+        Deviance of the last round: less likely points have no more offspring.
     rng : numpy.random.Generator
         Source of all that is random.
     threads : int, optional
