@@ -14,6 +14,7 @@ import numpy as np
 
 from rockpulse.calibration.estimators import calibrate
 from rockpulse.calibration.response_envelope import enveloping_main
+from rockpulse.calibration.response_family import describe_family, recorded_family
 from rockpulse.calibration.response_independence import independent_share
 from rockpulse.calibration.response_posterior import sample_posterior
 from rockpulse.calibration.response_profile import (
@@ -28,7 +29,7 @@ from rockpulse.calibration.response_profile import (
 )
 from rockpulse.calibration.response_remarks import remarks
 from rockpulse.calibration.response_search import explore, search_space, start_point
-from rockpulse.calibration.response_targets import SMALL, ResponseTargets, block_family, recorded_targets
+from rockpulse.calibration.response_targets import SMALL, ResponseTargets, recorded_targets
 from rockpulse.errors import ConfigError
 from rockpulse.half_wave import half_waves
 from rockpulse.intensity import intense_phase
@@ -141,8 +142,8 @@ def calibrate_response(
     record : Record
         Conditioned.
     blocks : Block, optional
-        (m,) blocks, the site's own; 100 of engineering size without
-        (:func:`rockpulse.calibration.response_targets.block_family`).
+        (m,) blocks, the site's own. Without, 100 of engineering size about the edge at which this motion overturns
+        (:func:`rockpulse.calibration.response_family.motion_family`); a remark names their ranges.
     start : ImpulseSequence, optional
         Start of the search; it also gives the duration. The statistical estimate on the intense phase without.
     form : {"fit", "enveloping"}
@@ -171,7 +172,7 @@ def calibrate_response(
     ConfigError
         For an unknown form or spacing, or a share or level out of range.
     RecordRefused
-        Where fewer than 6 blocks rock without overturning, or the record has too few half-waves for a start.
+        Where no block moves, fewer than 6 rock without overturning, or too few half-waves are left for a start.
 
     Notes
     -----
@@ -184,11 +185,16 @@ def calibrate_response(
     Casapulla, C., Maione, A. (2017), COMPDYN 2017, section 5, doi:10.7712/120117.5612.17190.
     """
     _check(form, share, spacing, confidence)
-    targets = recorded_targets(record, block_family() if blocks is None else blocks, smallest, threads)
+    given = blocks is not None
+    if blocks is None:
+        blocks = recorded_family(record, threads)
+    targets = recorded_targets(record, blocks, smallest, threads)
     if start is None:
         start = calibrate(half_waves(record), phase=intense_phase(record), spacing=spacing)
     key = np.random.SeedSequence([seed, *record.id.encode()])
     fit = _fit(targets, start, spacing, confidence, np.random.default_rng(key), threads, record.id)
+    if not given:
+        fit = replace(fit, remarks=(describe_family(blocks), *fit.remarks))
     return envelope(fit, share, threads) if form == "enveloping" else fit
 
 
