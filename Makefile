@@ -7,7 +7,7 @@ export NUMBA_CACHE_DIR ?= $(CURDIR)/.numba_cache/$(shell cat models/*.py | sha25
 KERNEL_TESTS := $(patsubst %,tests/models/test_%.py,recorded linear nonlinear finish polynomial ground hard_cases \
 	hard_crossings motion half_cycle main_sequence march periodic impulsive impulsive_lanes effective_impulse sequence \
 	sequence_lanes)
-LONG_IN_PYTHON := test_quarter_period or from_housners_threshold or more_half_cycles_than or same_without_compilation
+LONG_IN_PYTHON := test_quarter_period or from_housners_threshold or more_half_cycles_than or same_without_compilation or slow_hops
 
 .PHONY: help install run test test-slow test-python samples fuzz lint types doctest wheel clean
 

@@ -1,10 +1,10 @@
-"""`calibrate_response` of one sample record over the default family of 100 blocks, and a search a user would write.
+"""`calibrate_response` of one sample record on the 100 blocks chosen for it, and a search a user would write.
 
     python benchmarks/calibrate_response.py [--record CICLC.v1] [--runs 3]
 
-Prints the seconds of one core, the candidates, and the misfit and ln L reached by ``calibrate_response`` (sequence,
-profiles, intervals and remarks) and by scipy's ``differential_evolution`` with its defaults, which asks
-``models.sequence_response`` for one candidate at a time and gives the best sequence only; median of the runs.
+Prints the seconds of one core, the candidates, and the misfit and ln L reached by ``calibrate_response`` (choice of
+blocks, sequence, profiles, intervals and remarks) and by scipy's ``differential_evolution`` with its defaults, which
+asks ``models.sequence_response`` for one candidate at a time and gives the best sequence only; median of the runs.
 """
 
 from __future__ import annotations

@@ -19,6 +19,7 @@ from rockpulse import Config, calibrate_site, condition, read_all
 from rockpulse.calibration import site_design
 from rockpulse.calibration.site_coverage import coverage_of, leave_one_event_out
 from rockpulse.calibration.site_design import BEYOND, SiteSample, covered, design_sequence
+from rockpulse.calibration.site_record import rotation_to_cover
 from rockpulse.components import select_horizontal
 from rockpulse.errors import RecordRefused, RockpulseError
 from rockpulse.models import Block, ImpulseSequence, sequence_response
@@ -77,10 +78,9 @@ def main() -> None:
     calibration = CalibrationSettings(method=method, scale_to=args.scale_to, target=args.target)
     config = Config(conditioning=CONDITIONING, calibration=calibration)
     site = calibrate_site(strong(args.records, args.pga), config, blocks())["site"].to_dataset()
-    peaks = site["rotation_ratio"].values
     sample = SiteSample(
         values=site["value"].values,
-        peaks=np.where(peaks == 0.0, np.nan, peaks),
+        peaks=rotation_to_cover(site["rotation_ratio"].values),
         weights=site["weight"].values,
         events=np.unique(site["event"].values, return_inverse=True)[1],
         blocks=Block.stack([block.lanes(1) for block in blocks().values()]),

@@ -207,7 +207,7 @@ def _search(
         else:
             reach = response.peak_rotation_ratio / level
         # A lane that is UNRESOLVED exceeds: its peak is NaN.
-        return np.nan_to_num(reach, nan=np.inf, posinf=np.inf).reshape(factors.shape[1], factors.shape[0]).T
+        return reach.reshape(factors.shape[1], factors.shape[0]).T
 
     found = exceedance_intervals(exceeds, start, factor_max, points)
     return replace(found, resolved=answers(found.lane, found.lower).outcome != Outcome.UNRESOLVED)

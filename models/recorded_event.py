@@ -46,6 +46,10 @@ CHATTER_SHARE = 1e-3
 #: may be cut short beyond its sample with a history as well: it then shows rest in place of hops below the cut-off.
 MANY_IMPACTS = 1000
 
+#: Impacts slower than the cut-off that are followed without a rest between them before the lane is given up. With C = 1
+#: a chatter neither dies out nor comes to rest: this is all the work that it can cost, however long the record.
+SLOW_IMPACTS = 1_000_000
+
 #: A step is not halved below this share of the longest one for the sake of its series.
 SHORTEST = 1.0 / 4096.0
 
@@ -201,6 +205,7 @@ def wake(f, i, j, acceleration, vertical, found):
             f[row.PHI + j] = 0.0
             f[row.SPEED + j] = 0.0
             i[row.MOVED + j] = 1
+            i[row.SLOW + j] = 0
             f[row.ACTIVE + j] += 1.0 if i[row.ENDED + j] != int(f[row.SAMPLE + j]) else 0.0
             return MOVING
         sample = int(f[row.SAMPLE + j])
@@ -236,10 +241,13 @@ def after_impact(equation, f, i, j, acceleration, found, far):
     if speed == 0.0:
         return RESTING
     # Faster impacts are counted, so they are followed.
-    cutoff = IMPACT_CUTOFF * f[row.ALPHA + j]
-    far = far or f[row.HITS + j] >= MANY_IMPACTS
-    if speed < cutoff and chatter_is_over(equation, f, i, j, found, acceleration.size, far):
-        return RESTING
+    if speed < IMPACT_CUTOFF * f[row.ALPHA + j]:
+        far = far or f[row.HITS + j] >= MANY_IMPACTS
+        if chatter_is_over(equation, f, i, j, found, acceleration.size, far):
+            return RESTING
+        i[row.SLOW + j] += 1
+        if i[row.SLOW + j] > SLOW_IMPACTS:
+            return IMPACT_LIMITED
     if equation == LINEAR and is_gone(f, i, j, acceleration, found):
         return OVERTURNED
     return MOVING

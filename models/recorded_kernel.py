@@ -117,6 +117,7 @@ def begin_lane(
     f[row.ACTIVE + j] = 0.0 if resting else 1.0
     i[row.ENDED + j] = -1
     i[row.FLIES + j] = 0
+    i[row.SLOW + j] = 0
     still = found[LEFT, 0] * factor <= f[row.THRESHOLD + j]
     if resting and still and vertical.size == 0:
         return RESTING

@@ -27,7 +27,7 @@ class Reason(IntEnum):
     """Why a lane is UNRESOLVED."""
 
     NONE = 0
-    IMPACT_LIMIT = 1  #: more impacts inside one step than the solver follows (restitution of one or next to it)
+    IMPACT_LIMIT = 1  #: more impacts in a row than the solver follows (restitution of one or next to it)
     FREE_FLIGHT = 2  #: the vertical acceleration cancels gravity: the block leaves the ground
     HALF_CYCLE_LIMIT = 3  #: more half-cycles than the model follows
     NO_SEQUENCE = 4  #: the record gave no impulse sequence to answer with

@@ -18,6 +18,9 @@ DENSER = ((4, 0.2), (4, 0.5), (4, 0.8))
 #: Factors times lanes of one call of the scan: it bounds the memory of a call.
 CASES_AT_ONCE = 16384
 
+#: Most factors of the scan in one lane.
+POINTS_MAX = 10**7
+
 
 @dataclass(frozen=True, eq=False)
 class ScaleIntervals:
@@ -38,8 +41,8 @@ class ScaleIntervals:
         True where the limit is still exceeded at the end of the search, which then is `upper`.
     step : (m,) ndarray
         Ratio of neighbouring factors of the scan [-]: narrower intervals, and gaps between two, may be missed. One
-        where
-        the edges are known in closed form, NaN where nothing was searched.
+        where nothing can be missed: edges in closed form, or a start beyond the end of the search. NaN where nothing
+        was searched.
     resolved : (k,) ndarray of bool
         False where the limit counts as exceeded at `lower` because the model cannot answer there.
     """
@@ -58,6 +61,14 @@ class ScaleIntervals:
         """Number of intervals of each lane: (m,) ndarray of int."""
         return np.bincount(self.lane, minlength=self.safety_factor.size)
 
+    @property
+    def factor_resolved(self) -> np.ndarray:
+        """(m,) ndarray of bool: False where the model cannot answer at `safety_factor`, which is a lower bound then."""
+        answered = np.ones(self.safety_factor.size, dtype=bool)
+        first = np.flatnonzero(np.diff(self.lane, prepend=-1))
+        answered[self.lane[first]] = self.resolved[first]
+        return answered
+
 
 def exceedance_intervals(
     exceeds: Callable[[np.ndarray, np.ndarray], np.ndarray],
@@ -73,7 +84,7 @@ def exceedance_intervals(
     exceeds : callable
         Takes numbers of lanes (n,), which may repeat, and factors (q, n) with a column for each of them, and returns
         a (q, n) array: bool, or a number that is 1 or more where the limit is exceeded and says below 1 how near the
-        lane came to it. It need not be monotonic in the factor.
+        lane came to it; NaN, no answer, counts as exceeding. It need not be monotonic in the factor.
     start : (m,) array_like
         Below this no exceedance is possible, > 0 [-]; the scan of a lane begins here. Where it lies above
         `factor_max`, inf included, the lane has no interval.
@@ -107,13 +118,16 @@ def exceedance_intervals(
     (array([1.2, 3. ]), array([ 2., 10.]), array([False,  True]))
     """
     start = np.asarray(start, dtype=float)
-    counts = np.broadcast_to(points, start.shape)
+    if start.ndim != 1:
+        raise ValueError(f"start: expected one factor for each lane, (m,), got shape {start.shape}")
+    given = np.broadcast_to(np.asarray(points, dtype=float), start.shape)
     if not (math.isfinite(factor_max) and factor_max > 0.0):
         raise ValueError(f"factor_max: expected a positive number, got {factor_max}")
     if not np.all(start > 0.0):
         raise ValueError(f"start: expected positive factors, got a smallest of {np.min(start)}")
-    if np.any(counts < 2):
-        raise ValueError(f"points: expected at least 2, got {np.min(counts)}")
+    if not np.all((given >= 2.0) & (given <= POINTS_MAX) & (given == np.floor(given))):
+        raise ValueError(f"points: expected whole numbers from 2 to {POINTS_MAX}, got {points!r}")
+    counts = given.astype(np.int64)
     if not 1e-12 <= tolerance < 1.0:
         raise ValueError(f"tolerance: expected at least 1e-12 and below 1, got {tolerance}")
     searched = np.flatnonzero(start <= factor_max)
@@ -138,12 +152,20 @@ def exceedance_intervals(
     safe, safety = np.full(start.size, float(factor_max)), np.full(start.size, np.inf)
     first = np.flatnonzero(np.diff(lane, prepend=-1))
     safety[lane[first]], safe[lane[first]] = lower[first], below[first]
-    step = np.where(start <= factor_max, (factor_max / start) ** (1.0 / (counts - 1)), np.nan)
+    step = np.where(start <= factor_max, (factor_max / start) ** (1.0 / (counts - 1)), 1.0)
     return ScaleIntervals(safety, safe, lane, lower, upper, above[count:] == np.inf, step, np.ones(count, dtype=bool))
 
 
 def _nothing() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     return np.empty(0, dtype=np.int64), np.empty(0), np.empty(0, dtype=bool)
+
+
+def _reach(
+    exceeds: Callable[[np.ndarray, np.ndarray], np.ndarray], lanes: np.ndarray, factors: np.ndarray
+) -> np.ndarray:
+    """What `exceeds` says as numbers; inf where it has no answer."""
+    reach = np.asarray(exceeds(lanes, factors), dtype=float)
+    return np.where(np.isnan(reach), np.inf, reach)
 
 
 def _scan(
@@ -161,7 +183,7 @@ def _scan(
     factors[0], factors[share == 1.0] = start[lanes], factor_max
     # The input as it is: what the search says of it must not differ from what a model says of it.
     factors = np.sort(np.vstack((factors, np.clip(1.0, start[lanes], factor_max))), axis=0)
-    reach = np.asarray(exceeds(lanes, factors), dtype=float).T.reshape(-1)
+    reach = _reach(exceeds, lanes, factors).T.reshape(-1)
     lane, factor = np.repeat(lanes, points + 1), factors.T.reshape(-1)
     for parts, near in DENSER:
         lane, factor, reach = _denser(exceeds, lane, factor, reach, parts, near)
@@ -189,7 +211,7 @@ def _denser(
     share = np.arange(1, parts)[:, np.newaxis] / parts
     factors = low[step] * (high[step] / low[step]) ** share
     lanes = np.append(lane, np.tile(lane[step], parts - 1))
-    reached = np.append(reach, np.asarray(exceeds(lane[step], factors), dtype=float))
+    reached = np.append(reach, _reach(exceeds, lane[step], factors))
     order = np.lexsort((np.append(factor, factors), lanes))
     return lanes[order], np.append(factor, factors)[order], reached[order]
 
@@ -208,6 +230,6 @@ def _bisect(
         if wide.size == 0:
             return
         middle = 0.5 * (below[wide] + above[wide])
-        over = np.asarray(exceeds(lane[wide], middle[np.newaxis]))[0] >= 1
+        over = _reach(exceeds, lane[wide], middle[np.newaxis])[0] >= 1.0
         upwards = over != rises[wide]
         below[wide[upwards]], above[wide[~upwards]] = middle[upwards], middle[~upwards]

@@ -83,8 +83,9 @@ FLOAT_ROWS = 48
     MOVED,  # 1 once it has lifted
     ENDED,  # the sample in which it last came to rest
     FLIES,  # 1 where the vertical acceleration cancels gravity
-) = range(0, 4 * WIDTH, WIDTH)
-INT_ROWS = 4
+    SLOW,  # impacts slower than the cut-off since it last lay at rest
+) = range(0, 5 * WIDTH, WIDTH)
+INT_ROWS = 5
 
 
 @njit(cache=True, nogil=True, error_model="numpy", _nrt=False)

@@ -12,6 +12,7 @@ import numpy as np
 
 from rockpulse.bodies import Bodies, gather_bodies
 from rockpulse.body import BlockSettings
+from rockpulse.calibration.rule import POINTS, load_rule, range_text, rule_applicable
 from rockpulse.components import select_horizontal
 from rockpulse.conditioning import DRIFT
 from rockpulse.config import Config
@@ -185,13 +186,24 @@ def assess_scene(scene: Scene, bodies: Bodies) -> RecordAssessment:
             f"{np.size(contact)} bodies touch the ground inside a half-cycle; take another spacing"
         )
         scene = replace(scene, record=scene.record.with_warning(warning))
-    scales = critical_scales(lanes, scene, responses)
+    for model in POINTS:
+        outside = 0 if model not in responses else np.count_nonzero(~rule_applicable(lanes, load_rule(model)))
+        if outside:
+            warning = (
+                f"{model}: {outside} of {np.size(lanes.p)} bodies lie outside the range that the rule was fitted on "
+                f"({range_text(load_rule(model))}): its rates of error do not hold for them"
+            )
+            scene = replace(scene, record=scene.record.with_warning(warning))
+    scales = critical_scales(lanes, scene)
     per_lane = {
         **{field: {name: getattr(one, field) for name, one in responses.items()} for field in PER_MODEL},
         "safety_factor": {name: one.safety_factor for name, one in scales.items()},
         "safe_up_to": {name: one.safe_up_to for name, one in scales.items()},
         "search_step": {name: one.step for name, one in scales.items()},
-        "interval_count": {name: np.where(np.isnan(one.step), -1, one.count) for name, one in scales.items()},
+        "interval_count": {name: np.where(np.isnan(one.safety_factor), -1, one.count) for name, one in scales.items()},
+        "factor_resolved": {
+            name: np.where(np.isnan(one.safety_factor), -1, one.factor_resolved) for name, one in scales.items()
+        },
         "applicable": {name: _applicable(name, lanes) for name in responses},
         "predictable": {name: _predictable(name, lanes, scene, one) for name, one in responses.items()},
         "model_used": used,
@@ -223,7 +235,10 @@ def _swept(motions: Sequence[Motion]) -> dict[str, list[str]]:
 
 
 def _applicable(model: str, block: Block) -> np.ndarray:
-    return (np.asarray(block.slender) | (model not in SLENDER_MODELS)).astype(np.int8)
+    within = np.asarray(block.slender) | (model not in SLENDER_MODELS)
+    if model in POINTS:
+        within = within & rule_applicable(block, load_rule(model)).reshape(block.shape)
+    return within.astype(np.int8)
 
 
 def _predictable(model: str, block: Block, scene: Scene, response: Response) -> np.ndarray:

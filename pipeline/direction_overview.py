@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Any
 
+from rockpulse.capacity_overview import factor_notes, short_factor_cell
 from rockpulse.models.response import Outcome
 from rockpulse.overview import NAME_WIDTH, cases, fullest_model, value
 from rockpulse.record import STANDARD_GRAVITY
@@ -17,7 +18,7 @@ __all__ = ["direction_table"]
 
 
 def direction_table(summary: xr.Dataset, directions: xr.Dataset) -> str:
-    """Median and largest over direction by the fullest model, and how many directions overturn by every model.
+    """Rotations and smallest safety factor over direction by the fullest model; by every model, how many overturn.
 
     Parameters
     ----------
@@ -27,7 +28,9 @@ def direction_table(summary: xr.Dataset, directions: xr.Dataset) -> str:
     fullest = fullest_model(summary)
     models = [str(model) for model in directions["model"].values]
     count = directions.sizes["direction"]
-    headings, rows = [], [["", "C", "median", "largest", "at", *models]]
+    of_factors = factor_notes(summary, fullest, swept=True) if "smallest_safety_factor" in directions else []
+    titles = ["SF  ", "at"] if of_factors else []
+    headings, rows = [], [["", "C", "median", "largest", "at", *titles, *models]]
     for pair in (str(name) for name in directions["pair"].values):
         headings.append((len(rows), _heading(directions, pair)))
         for block in (str(name) for name in directions["block"].values):
@@ -43,6 +46,7 @@ def direction_table(summary: xr.Dataset, directions: xr.Dataset) -> str:
                             for which in ("median", "largest")
                         ),
                         _degrees(_largest_at(directions, {**where, "model": fullest})),
+                        *(_smallest_factor(summary, directions, {**where, "model": fullest}) if titles else ()),
                         *fallen,
                     ]
                 )
@@ -51,10 +55,12 @@ def direction_table(summary: xr.Dataset, directions: xr.Dataset) -> str:
     over = f"directions of {count} that overturn".rjust(len(lines[0]))
     for place, heading in reversed(headings):
         lines[place:place] = ["", heading, over, lines[0]]
+    smallest = " Smallest SF, and its azimuth." if of_factors else ""
     notes = [
         f"Median and largest over {count} directions of theta_max/alpha_c by the {fullest} model, and the azimuth of "
-        "the largest (where several overturn: of the one that does so first). Then, by model, how many directions "
-        "overturn; +1?: one more has no answer. -: not known without it.",
+        f"the largest (where several overturn: of the one that does so first).{smallest} Then, by model, how many "
+        "directions overturn; +1?: one more has no answer. -: not known without it.",
+        *of_factors,
         "The directions are records: rockpulse inspect RESULTS --record ID shows one, --block NAME all of them.",
     ]
     if "resonance" in models:
@@ -78,6 +84,18 @@ def _largest_at(directions: xr.Dataset, where: dict[str, Any]) -> float:
     """Azimuth of the largest rotation; none for a block that stays at rest in all directions."""
     moved = value(directions, "largest_rotation_ratio", **where) != 0.0
     return float(value(directions, "largest_azimuth", **where)) if moved else math.nan
+
+
+def _smallest_factor(summary: xr.Dataset, directions: xr.Dataset, where: dict[str, Any]) -> tuple[str, str]:
+    """Smallest safety factor over direction, marked where the model cannot answer there, and its azimuth."""
+    factor, azimuth = (value(directions, name, **where) for name in ("smallest_safety_factor", "safety_factor_azimuth"))
+    resolved = None
+    if not math.isnan(azimuth):
+        index = directions["record_index"].sel(pair=where["pair"])
+        row = int(index.values[directions["direction_azimuth"].values == azimuth][0])
+        of = {name: where[name] for name in ("block", "case", "model")}
+        resolved = value(summary, "factor_resolved", record=str(summary["record"].values[row]), **of)
+    return short_factor_cell(factor, None, resolved), _degrees(azimuth)
 
 
 def _peak(peak: float) -> str:

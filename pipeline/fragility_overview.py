@@ -21,6 +21,9 @@ NAME_WIDTH = 30
 #: The measure that the curves are shown in, where it is there: it puts bodies of all sizes on one scale.
 SHOWN = "velocity_ratio"
 
+#: Marks a median that no record was looked at.
+BEYOND = "!"
+
 #: Level of the tests of sufficiency.
 LEVEL = 0.05
 
@@ -65,7 +68,8 @@ def _medians(curves: xr.Dataset, measure: str, confidence: float, data: str) -> 
         for state in states:
             one = own.sel(block=block, limit_state=state)
             median, beta = float(one["median"]), float(one["beta"])
-            cells.append(ABSENT if math.isnan(median) else f"{ratio(median)}, {ratio(beta)}")
+            mark = BEYOND if one["extrapolated"].item() else ""
+            cells.append(ABSENT if math.isnan(median) else f"{ratio(median)}{mark}, {ratio(beta)}")
             low, high = float(one["median_low"]), float(one["median_high"])
             bands.append("" if math.isnan(low) else f"{ratio(low)}..{ratio(high)}")
         rows.append([shortened(str(block), NAME_WIDTH), *cells])
@@ -76,8 +80,10 @@ def _medians(curves: xr.Dataset, measure: str, confidence: float, data: str) -> 
     note = (
         f"Median and dispersion beta of {words}{unit} at which a limit state is reached (uplift, theta_max/alpha_c, "
         f"overturning); below them the {100.0 * confidence:g} % band of the median, over earthquakes. "
-        "-: see the remarks."
+        f"{ABSENT}: see the remarks."
     )
+    if bool(own["extrapolated"].any()):
+        note += f" {BEYOND}: beyond every level looked at, extrapolated."
     if data == "ida":
         note += (
             " Capacity is the first factor that reaches the limit state; above it a block may stand again, so these "

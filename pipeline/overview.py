@@ -115,29 +115,32 @@ def verdict_table(
     records, blocks : sequence of str, optional
         Which to show; all by default.
     """
+    summary = _part(summary, records, blocks)
     of_factors = factor_notes(summary, fullest_model(summary))
-    lines = _table(summary, records, blocks, _verdict, with_factor=bool(of_factors))
+    lines = _table(summary, _verdict, with_factor=bool(of_factors))
     notes = [
         "Figures: largest rotation over the critical angle (theta_max/alpha_c). C: velocity ratio of an impact. "
         "a/a_up: PGA over the acceleration of uplift. I/I_1c: main impulse over the one that overturns the block "
         "alone.",
         *of_factors,
     ]
-    shown = summary["record"].values if records is None else records
-    if any(value(summary, "pgv_drift", record=record) for record in shown):
+    if "pgv_drift" in summary and summary["pgv_drift"].any():
         notes.append(
             "~ (drift): the record's baseline drifts: its velocity does not end at zero, and PGV may be off by as much."
         )
     if "resonance" in summary["model"].values:
         notes.append("resonance: an upper-bound type input (every main impulse at the worst moment), not a prediction.")
     if "applicable" in summary and (summary["applicable"] == 0).any():
-        notes.append("*: outside the range of this model (slenderness below 3); read with caution.")
+        notes.append(
+            "*: outside the range of this model (slenderness below 3, or a body unlike those of the rule's fit); read "
+            "with caution."
+        )
     if "predictable" in summary and (summary["predictable"] == 0).any():
         notes.append("?: not predictable: another answer when C or the record changes in the ninth digit.")
     if "auto" in summary["model"].values:
-        used = _models_used(summary, records, blocks)
+        used = _models_used(summary)
         notes.append(f"auto: the cheapest model that answers, here {used}; the figures are those of that model.")
-        if _any_marked(summary, records, blocks):
+        if _any_marked(summary):
             notes.append(
                 "Peaks of auto: ~0.06 an estimate from impulses; >0.12 the peak so far, when the verdict was sure."
             )
@@ -166,7 +169,10 @@ def factor_table(summary: xr.Dataset, records: Sequence[str] | None = None, bloc
         "  none: not found up to the end of the search ([search] factor_max). -: not computed for this model.\n"
         "  (2): in two intervals of the factor; between them the block stands (group overturning_intervals)."
     )
-    return "\n".join([*_table(summary, records, blocks, cell), "", note])
+    part = _part(summary, records, blocks)
+    if "factor_resolved" in part and (part["factor_resolved"] == 0).any():
+        note += "\n  !: a lower bound, from this factor on the model cannot answer."
+    return "\n".join([*_table(part, cell), "", note])
 
 
 def fullest_model(summary: xr.Dataset) -> str:
@@ -215,24 +221,26 @@ def overview(tree: xr.DataTree) -> str:
 
     summary = tree["summary"].to_dataset()
     if "directions" in tree.children:
-        parts = [direction_table(summary, tree["directions"].to_dataset()), left_out(tree)]
+        directions = tree["directions"].to_dataset()
+        capacity = smallest_capacities(summary, fullest_model(summary), directions)
+        parts = [direction_table(summary, directions), capacity, left_out(tree)]
     else:
         capacity = smallest_capacities(summary, fullest_model(summary))
         parts = [verdict_table(summary), overturned(summary), capacity, left_out(tree)]
     return "\n\n".join(part for part in parts if part)
 
 
+def _part(summary: xr.Dataset, records: Sequence[str] | None, blocks: Sequence[str] | None) -> xr.Dataset:
+    """The summary of some records and blocks; all where they are not named."""
+    named = {"record": records, "block": blocks}
+    return summary.sel({name: list(labels) for name, labels in named.items() if labels is not None})
+
+
 def _table(
-    summary: xr.Dataset,
-    records: Sequence[str] | None,
-    blocks: Sequence[str] | None,
-    cell: Callable[[xr.Dataset, dict[str, Any]], str],
-    with_factor: bool = False,
+    summary: xr.Dataset, cell: Callable[[xr.Dataset, dict[str, Any]], str], with_factor: bool = False
 ) -> list[str]:
-    records = [str(label) for label in summary["record"].values] if records is None else records
-    blocks = [str(label) for label in summary["block"].values] if blocks is None else blocks
-    models = [str(label) for label in summary["model"].values]
-    last = ["SF "] if with_factor else []
+    records, blocks, models = ([str(label) for label in summary[name].values] for name in ("record", "block", "model"))
+    last = ["SF  "] if with_factor else []
     headings, rows = [], [["", "C", "a/a_up", "I/I_1c", *(model + " " for model in models), *last]]
     for record in records:
         headings.append((len(rows), _heading(summary, record)))
@@ -243,8 +251,7 @@ def _table(
                 demand = [ratio(value(summary, name, **where)) for name in ("uplift_ratio", "impulse_ratio")]
                 cells = [cell(summary, {**where, "model": model}) for model in models]
                 if with_factor:
-                    factor = short_factor_cell(*_factor(summary, {**where, "model": fullest_model(summary)}))
-                    cells.append(factor if factor.endswith("+") else factor + " ")
+                    cells.append(short_factor_cell(*_factor(summary, {**where, "model": fullest_model(summary)})))
                 rows.append(["  " + shortened(block, NAME_WIDTH), c, *demand, *cells])
     lines = aligned(rows)
     for place, heading in reversed(headings):
@@ -252,8 +259,11 @@ def _table(
     return lines[2:]
 
 
-def _factor(summary: xr.Dataset, where: dict[str, Any]) -> tuple[Any, Any]:
-    return value(summary, "safety_factor", **where), value(summary, "interval_count", **where)
+def _factor(summary: xr.Dataset, where: dict[str, Any]) -> tuple[Any, Any, Any]:
+    factor, count, resolved = (
+        value(summary, name, **where) for name in ("safety_factor", "interval_count", "factor_resolved")
+    )
+    return factor, count, resolved
 
 
 def _heading(summary: xr.Dataset, record: str) -> str:
@@ -288,30 +298,20 @@ def _flags(variable: xr.DataArray) -> dict[int, str]:
     return dict(zip(variable.attrs["flag_values"].tolist(), variable.attrs["flag_meanings"].split(), strict=True))
 
 
-def _models_used(summary: xr.Dataset, records: Sequence[str] | None, blocks: Sequence[str] | None) -> str:
+def _models_used(summary: xr.Dataset) -> str:
     """How many answers of `auto` are whose: "static 12, nonlinear 4"."""
-    used = _of_auto(summary, "model_used", records, blocks)
+    used = summary["model_used"].sel(model="auto")
     codes, counts = np.unique(used.values, return_counts=True)
     names = _flags(used)
     return ", ".join(f"{names[code].replace('_', ' ')} {count}" for code, count in zip(codes, counts, strict=True))
 
 
-def _any_marked(summary: xr.Dataset, records: Sequence[str] | None, blocks: Sequence[str] | None) -> bool:
+def _any_marked(summary: xr.Dataset) -> bool:
     """Whether a peak of `auto` is shown with a mark."""
-    used = _of_auto(summary, "model_used", records, blocks)
-    rocks = _of_auto(summary, "outcome", records, blocks) == Outcome.ROCKS
+    used = summary["model_used"].sel(model="auto")
+    rocks = summary["outcome"].sel(model="auto") == Outcome.ROCKS
     marked = [code for code, name in _flags(used).items() if name in _MARKED]
     return bool((rocks & used.isin(marked)).any())
-
-
-def _of_auto(
-    summary: xr.Dataset, name: str, records: Sequence[str] | None, blocks: Sequence[str] | None
-) -> xr.DataArray:
-    """What a variable says of `auto` for some records and blocks; all where they are not named."""
-    where: dict[str, Any] = {"model": "auto"}
-    where |= {} if records is None else {"record": list(records)}
-    where |= {} if blocks is None else {"block": list(blocks)}
-    return summary[name].sel(where)
 
 
 def _falls(summary: xr.Dataset, record: str, block: str, model: str) -> bool:

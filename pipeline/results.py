@@ -115,13 +115,14 @@ def _summary(done: Sequence[RecordAssessment], bodies: Bodies, config: Config) -
     _flag(variables["outcome"], [outcome.name.lower() for outcome in Outcome])
     _flag(variables["reason"], [reason.name.lower() for reason in Reason])
     _flag(variables["model_used"], USED)
+    _flag(variables["factor_resolved"], ["not_computed", "no", "yes"], first=-1)
     _flag(variables["applicable"], ["outside_range", "applicable"])
     _flag(variables["predictable"], ["not_checked", "no", "yes"], first=NOT_CHECKED)
     if config.demands:
         _add_demands(variables, config)
     variables["safety_factor"].attrs["comment"] = (
         f"searched up to a factor of {config.search.factor_max:g} in steps of search_step, edges to 1e-6; inf if none; "
-        "a factor at which the model cannot answer counts as overturning (/overturning_intervals, resolved)"
+        "a factor at which the model cannot answer counts as overturning (factor_resolved)"
     )
     checked = f"relative changes of C and the record by 1e-9; peaks to {config.models.tolerance:g}"
     if config.models.output == "outcome":

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
 from functools import partial
 
 import numpy as np
@@ -11,7 +10,6 @@ import numpy as np
 from rockpulse.calibration.rule import load_rule, rule_safety_factor
 from rockpulse.models.block import Block
 from rockpulse.models.capacity import critical_scale, impulsive_critical_scale
-from rockpulse.models.response import Outcome, Response
 from rockpulse.models.scale_search import ScaleIntervals
 from rockpulse.models.sequence_safety import resonance_critical_scale, sequence_critical_scale
 from rockpulse.scene import Scene
@@ -84,7 +82,7 @@ SEARCHES: dict[str, Callable[[Block, Scene], ScaleIntervals]] = {
 }
 
 
-def critical_scales(block: Block, scene: Scene, responses: dict[str, Response]) -> dict[str, ScaleIntervals]:
+def critical_scales(block: Block, scene: Scene) -> dict[str, ScaleIntervals]:
     """Factors on the input of every model at which each block overturns.
 
     Parameters
@@ -93,24 +91,22 @@ def critical_scales(block: Block, scene: Scene, responses: dict[str, Response]) 
         (m,) lanes.
     scene : Scene
         The record made ready; the section search of its configuration says which models are searched, and how.
-    responses : dict of str to Response
-        What the models answer for the input as it is. Where a model cannot answer, its factors are not known either.
 
     Returns
     -------
     dict of str to ScaleIntervals
-        By model, of (m,) lanes: NaN and no interval where nothing was computed. `auto` has those of the nonlinear
-        model, whose outcomes are its own.
+        By answering model, of (m,) lanes: NaN and no interval where nothing was computed. `auto` has those of the
+        nonlinear model, whose outcomes are its own. A model that cannot answer for the input as it is keeps what the
+        search has found: a lower bound, where it stops answering.
     """
     searched = scene.config.search.models
     found: dict[str, ScaleIntervals] = {}
-    for model, response in responses.items():
+    for model in scene.config.models.answering:
         equation = "nonlinear" if model == "auto" else model
         if model == "auto" and "nonlinear" in found:
-            scales = found["nonlinear"]
+            found[model] = found["nonlinear"]
         else:
-            scales = SEARCHES[equation](block, scene) if equation in searched else _not_searched(block)
-        found[model] = _answered(scales, np.asarray(response.outcome) != Outcome.UNRESOLVED)
+            found[model] = SEARCHES[equation](block, scene) if equation in searched else _not_searched(block)
     return found
 
 
@@ -118,12 +114,3 @@ def _not_searched(block: Block) -> ScaleIntervals:
     unknown, none = np.full(block.shape, np.nan), np.empty(0)
     no_flag = np.empty(0, dtype=bool)
     return ScaleIntervals(unknown, unknown, np.empty(0, dtype=np.int64), none, none, no_flag, unknown, no_flag)
-
-
-def _answered(scales: ScaleIntervals, answered: np.ndarray) -> ScaleIntervals:
-    kept = answered[scales.lane]
-    return replace(
-        scales,
-        **{name: np.where(answered, getattr(scales, name), np.nan) for name in ("safety_factor", "safe_up_to", "step")},
-        **{name: getattr(scales, name)[kept] for name in ("lane", "lower", "upper", "open", "resolved")},
-    )

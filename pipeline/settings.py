@@ -192,8 +192,8 @@ class SearchSettings(Section):
 
     heading = "[search]"
     models: tuple[str, ...] = choices(MODELS, MODELS, empty=True)
-    factor_max: float = number(10.0, low=0.0, high=1e6, above=True)
-    points: int = count(256, low=2)
+    factor_max: float = number(10.0, low=1.0, high=1e6)
+    points: int = count(256, low=2, high=100_000)
     step: float = number(1.005, low=1.0001)
 
 

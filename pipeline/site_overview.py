@@ -121,7 +121,9 @@ def _coverage(site: xr.Dataset) -> str:
         f"({_number(site, 'confidence'):.0%}: {_range(site, 'coverage', _percent)}) of the recorded rotations of the "
         f"blocks that it leaves standing; nominal {_percent(_number(site, 'quantile'))}; the design of all records "
         f"{_percent(_number(site, 'coverage_in_sample'))}. With the blocks that it overturns, which are covered "
-        f"whatever the records do: {_percent(_number(site, 'coverage_all'))}.",
+        f"whatever the records do: {_percent(_number(site, 'coverage_all'))}. Judged: "
+        f"{_count(int(site['judged_pairs']), 'pair')} of record and block of "
+        f"{_count(int(site['judged_events']), 'event')}.",
         f"{_percent(_number(site, 'lifted_share'))} of the pairs of record and block count (the record lifts the "
         f"block), {_percent(_number(site, 'standing_share'))} of these on blocks that the design leaves standing.",
     ]
@@ -158,7 +160,7 @@ def _warnings(site: xr.Dataset) -> str:
 
 def _range(one: xr.Dataset, name: str, shown: Callable[[float], str] = figure) -> str:
     low, high = _number(one, f"{name}_lower"), _number(one, f"{name}_upper")
-    return ABSENT if math.isnan(low) else f"{shown(low)} to {shown(high)}"
+    return ABSENT if math.isnan(low) and math.isnan(high) else f"{shown(low)} to {shown(high)}"
 
 
 def _count(number: int, what: str) -> str:

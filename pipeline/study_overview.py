@@ -22,6 +22,10 @@ _LINES, _COLUMNS = 11, 10
 MORE = 1.01
 
 
+#: What the mark of a case says that is no result.
+NO_MOTION = "!: no motion of a block (through the ground, or a peak beyond alpha_c)"
+
+
 def study_overview(tree: xr.DataTree) -> str:
     """What a study holds, for the terminal.
 
@@ -60,7 +64,9 @@ def _curves(curves: xr.Dataset) -> list[str]:
             f"theta_max/alpha_c, C = {c:g}, {place}, p = {figure(shown['p'].item(), '1/s')}\n"
             + "\n".join("  " + line for line in aligned(rows))
         )
-    parts.append(f"(4): overturns in half-cycle 4.  *: an input without end gives more, by over {MORE - 1.0:.0%}")
+    parts.append(
+        f"(4): overturns in half-cycle 4.  *: an input without end gives more, by over {MORE - 1.0:.0%}\n{NO_MOTION}"
+    )
     return parts
 
 
@@ -68,7 +74,7 @@ def _peak(case: xr.Dataset) -> str:
     if case["outcome"].item() == Outcome.OVERTURNS:
         return f"({case['overturning_half_cycle'].item()})"
     peak, endless = case["peak_rotation_ratio"].item(), case["endless_peak_rotation_ratio"].item()
-    return ratio(peak) + ("*" if endless > MORE * peak else " ")
+    return ratio(peak) + ("!" if case["no_motion"].item() else "*" if endless > MORE * peak else " ")
 
 
 def _histories(histories: xr.Dataset) -> list[str]:
@@ -102,12 +108,12 @@ def _histories(histories: xr.Dataset) -> list[str]:
         paragraph(histories.attrs["comment"]),
         "\n".join("  " + line for line in aligned(rows, left=3)),
         "(4) 3.1 s: overturns in half-cycle 4, which starts then.  14: 0.65: 14 half-cycles, largest theta/alpha_c.\n"
-        "!: the march passes through the ground, the closed form stands for no motion",
+        + NO_MOTION,
     ]
 
 
 def _ending(case: xr.Dataset) -> str:
-    mark = "!" if case["ground_contact"].item() else ""
+    mark = "!" if case["no_motion"].item() else ""
     if case["outcome"].item() == Outcome.OVERTURNS:
         return f"({case['overturning_half_cycle'].item()}) {case['overturning_time'].item():.2f} s{mark}"
     return f"{case['half_cycle_count'].item()}: {ratio(case['peak_rotation_ratio'].item())}{mark}"

@@ -92,9 +92,14 @@ ANSWER: dict[str, Meaning] = {
     "overturning_half_cycle": (int, "1", "1 + impacts before overturning; -1 where it does not overturn"),
     "impacts": (int, "1", "impacts faster than 1e-3 p alpha_c; -1 where they never end or are not known"),
     "safety_factor": (float, "1", "smallest factor on the model's input that overturns; NaN where not computed"),
+    "factor_resolved": (
+        np.int8,
+        "1",
+        "whether the model answers at safety_factor; no: a lower bound, from there on it cannot answer",
+    ),
     "safe_up_to": (float, "1", "factor on the model's input up to which the search found no overturning"),
     "interval_count": (int, "1", "intervals of the factor in which the block overturns; -1 where not computed"),
-    "search_step": (float, "1", "ratio of neighbouring factors of the search; 1 in closed form, NaN without a search"),
+    "search_step": (float, "1", "ratio of neighbouring factors of the search; 1: nothing to miss, NaN: no search"),
     "capacity_pga": (float, "m s-2", "safety factor times PGA; NaN where not computed"),
     "predictable": (np.int8, "1", "whether the answer stays when C or the record changes in the ninth digit"),
     "model_used": (np.int8, "1", "model that gave the answer"),
@@ -145,7 +150,7 @@ DIRECTION_ANSWER: dict[str, Meaning] = {
     "smallest_safety_factor": (
         float,
         "1",
-        "smallest over direction of the safety factor; NaN where a direction has none",
+        "smallest over direction of the safety factor; NaN where one is not known",
     ),
     "safety_factor_azimuth": (float, "degree", "azimuth of the smallest safety factor; NaN without a finite one"),
 }

@@ -10,33 +10,31 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
+from scipy.stats import qmc
 
 from rockpulse.errors import RecordRefused
-from rockpulse.models.block import STANDARD_GRAVITY, Block
+from rockpulse.models.block import Block
 from rockpulse.models.recorded import recorded_response
 from rockpulse.models.response import Outcome, Response
 from rockpulse.record import Record
 
 __all__ = ["describe_family", "motion_family", "recorded_family"]
 
-#: Frequency parameters [1/s]: half-diagonals of 7.4 m to 11 cm.
-FREQUENCIES = (1.0, 8.0)
+#: Frequency parameters [1/s]: half-diagonals of 7.4 to 0.3 m. On smaller blocks a half-wave is no impulse.
+FREQUENCIES = (1.0, 5.0)
 
-#: Critical angles [rad]: slenderness 20 to 3.
-ANGLES = (0.05, 0.32)
+#: Critical angles [rad]: slenderness 12.5 to 3.
+ANGLES = (0.08, 0.32)
 
 #: Restitutions over Housner's: what tells the parameters apart (docs/decisions/013).
 RESTITUTIONS = (1.0, 0.9, 0.75, 0.6)
 
-#: I_1c of the family over that of the edge: blocks below it overturn and are bounds; at 3, the impulse that carries a
-#: block of the edge to alpha_c leads to a peak of 1 - sqrt(1 - 1/9) = 0.06, just above what counts as a number.
+#: I_1c of the family over that of the edge. Blocks below the edge overturn and are bounds; at 3, the impulse that takes
+#: a block of the edge to alpha_c takes one to 1 - sqrt(1 - 1/9) = 0.06 of it, just above what counts as a number.
 ABOUT_EDGE = (0.8, 3.0)
 
-#: Values of I_1c for each restitution, and of p for each I_1c.
-IMPULSES, SIZES = 5, 5
-
-#: Values of p and of alpha_c in the pool.
-POOL = 10
+#: Values of p and of alpha_c in the pool, blocks chosen for each restitution, and points they are chosen from.
+POOL, CHOSEN, POINTS = 10, 25, 8192
 
 
 def motion_family(answer: Callable[[Block], Response]) -> Block:
@@ -50,9 +48,9 @@ def motion_family(answer: Callable[[Block], Response]) -> Block:
     Returns
     -------
     Block
-        (100,) blocks: for each of four restitutions five I_1c in equal ratios, from 0.8 to 3 times the edge of
-        overturning, and for each of them five p in equal ratios. p is within 1 to 8 1/s, the slenderness within 20 and
-        that of the stockiest block which the motion moves, at most 3; where these limits allow, the edge is inside.
+        (100,) blocks, 25 for each of four restitutions: evenly spread over (ln p, ln alpha_c) where I_1c is 0.8 to 3
+        times that of the edge of overturning, p 1 to 5 1/s, and the slenderness at most 12.5 and at least 3 and that of
+        the stockiest block which the motion moves.
 
     Raises
     ------
@@ -62,15 +60,14 @@ def motion_family(answer: Callable[[Block], Response]) -> Block:
     Notes
     -----
     The edge is the I_1c below which lie as many moved blocks of the pool as overturn: overturning ones above it and
-    standing ones below it balance. Blocks are chosen by their parameters, never by their own outcome or peak, so the
-    choice does not bend what is fitted to them. alpha_c = p I_1c/g leaves out cos alpha_c: I_1c is met to 5 %.
+    standing ones below it balance. A motion too weak or too strong for the pool has its edge at the end of it. Blocks
+    are chosen by their parameters, never by their own peak, so the choice does not bend what is fitted to them.
 
     Examples
     --------
     >>> from rockpulse.models import ImpulseSequence, sequence_response
     >>> sequence = ImpulseSequence(0.2, 0.1, 0.2, np.inf, main_count=3)
-    >>> family = motion_family(lambda blocks: sequence_response(blocks, sequence, table_rows=0))
-    >>> family.shape
+    >>> motion_family(lambda blocks: sequence_response(blocks, sequence, table_rows=0)).shape
     (100,)
     """
     axes = np.geomspace(*FREQUENCIES, POOL), np.geomspace(*ANGLES, POOL), RESTITUTIONS
@@ -78,25 +75,23 @@ def motion_family(answer: Callable[[Block], Response]) -> Block:
     pool = _blocks(p, alpha, factor)
     outcome = np.asarray(answer(pool).outcome)
     overturned = outcome == Outcome.OVERTURNS
-    moved = overturned | (outcome == Outcome.ROCKS)
+    moved = outcome != Outcome.AT_REST
     if not np.any(moved):
         raise RecordRefused(
-            f"the motion moves none of {pool.p.size} blocks of slenderness {1.0 / np.tan(ANGLES[1]):.3g} to "
+            f"the motion moves none of {p.size} blocks of slenderness {1.0 / np.tan(ANGLES[1]):.3g} to "
             f"{1.0 / np.tan(ANGLES[0]):.3g}: there is nothing to calibrate on"
         )
-    stockiest = alpha[moved].max()
+    spread = qmc.Halton(2, scramble=False).random(POINTS)
+    p_, alpha_ = _between(spread[:, 0], *FREQUENCIES), _between(spread[:, 1], ANGLES[0], alpha[moved].max())
+    impulses = np.asarray(_blocks(p_, alpha_, np.ones(POINTS)).critical_impulse)
     chosen = []
     for restitution in RESTITUTIONS:
-        here = factor == restitution
-        critical = np.sort(np.asarray(pool.critical_impulse)[here & moved])
-        edge = critical[min(np.count_nonzero(overturned & here), critical.size - 1)]
-        limits = STANDARD_GRAVITY * ANGLES[0] / FREQUENCIES[1], STANDARD_GRAVITY * stockiest / FREQUENCIES[0]
-        for impulse in np.geomspace(*np.clip(edge * np.array(ABOUT_EDGE), *limits), IMPULSES):
-            most = min(FREQUENCIES[1], STANDARD_GRAVITY * stockiest / impulse)
-            least = max(FREQUENCIES[0], STANDARD_GRAVITY * ANGLES[0] / impulse)
-            sizes = np.geomspace(least, most, SIZES)
-            chosen.append((sizes, sizes * impulse / STANDARD_GRAVITY, np.full(SIZES, restitution)))
-    return _blocks(*np.concatenate(chosen, axis=1))
+        here = moved & (factor == restitution)
+        critical = np.sort(np.asarray(pool.critical_impulse)[here])
+        edge = critical[min(int(np.count_nonzero(overturned & here)), critical.size - 1)]
+        about = (impulses >= ABOUT_EDGE[0] * edge) & (impulses <= ABOUT_EDGE[1] * edge)
+        chosen += [(p_[one], alpha_[one], restitution) for one in np.flatnonzero(about)[:CHOSEN]]
+    return _blocks(*np.array(chosen).T)
 
 
 def recorded_family(record: Record, threads: int | None = None) -> Block:
@@ -130,3 +125,7 @@ def describe_family(blocks: Block) -> str:
 
 def _blocks(p: np.ndarray, alpha: np.ndarray, factor: np.ndarray) -> Block:
     return Block.from_parameters(p, alpha, factor * (1.0 - 1.5 * np.sin(alpha) ** 2))
+
+
+def _between(share: np.ndarray, low: float, high: float) -> np.ndarray:
+    return np.asarray(low * (high / low) ** share)

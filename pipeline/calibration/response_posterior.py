@@ -20,6 +20,10 @@ __all__ = ["Posterior", "sample_posterior"]
 #: Powers of the likelihood from round to round: the first proposals are wider than the posterior.
 TEMPERED = (0.2, 0.4, 0.7, 1.0, 1.0, 1.0)
 
+#: Effective samples from which on the sampling ends, and most rounds that are added to reach them. With fewer than 50
+#: a narrow mode had been met by one or two candidates, which then were the whole posterior.
+ENOUGH, ADDED = 200.0, 12
+
 #: Candidates a round, and centres of the kernels they are drawn from.
 DRAWN, CENTRES = 512, 192
 
@@ -127,7 +131,8 @@ def sample_posterior(explored: Explored, rng: np.random.Generator, share: float 
     Notes
     -----
     Population Monte Carlo: each round draws from normal kernels about the points that the rounds before found likely,
-    and all rounds share one weight, likelihood over the mean of all their densities (the balance heuristic).
+    and all rounds share one weight, likelihood over the mean of all their densities (the balance heuristic). Rounds
+    are added while fewer than 200 samples are effective, at most 12.
 
     References
     ----------
@@ -139,7 +144,7 @@ def sample_posterior(explored: Explored, rng: np.random.Generator, share: float 
     log_weights = share * explored.likelihood
     kernels: list[_Kernels] = []
     drawn, likelihood, densities = np.empty((0, points.shape[1])), np.empty(0), np.empty(0)
-    for power in TEMPERED:
+    for power in (*TEMPERED, *[1.0] * ADDED):
         kernels.append(_Kernels(points, _normal(power * log_weights), explored, rng))
         candidates = kernels[-1].draw(rng)
         candidates = candidates[np.all((candidates >= space.low) & (candidates <= space.high), axis=1)]
@@ -152,7 +157,10 @@ def sample_posterior(explored: Explored, rng: np.random.Generator, share: float 
         drawn = np.concatenate([drawn, candidates])
         likelihood = np.concatenate([likelihood, explored.try_points(candidates)])
         points, log_weights = drawn, share * likelihood - densities
-    return Posterior(drawn, _normal(log_weights))
+        posterior = Posterior(drawn, _normal(log_weights))
+        if len(kernels) >= len(TEMPERED) and posterior.effective >= ENOUGH:
+            break
+    return posterior
 
 
 def _normal(log_weights: np.ndarray) -> np.ndarray:

@@ -1,7 +1,10 @@
 """The rule fitted on an ensemble, and judged on it beside p PGV/(g tan alpha) by the same protocol.
 
 .. note:: Left out: the limits that a case is judged by are fitted without its earthquake, for the rule and for p
-   PGV/(g tan alpha) alike. A left-out score is the score over the balanced limit fitted without its earthquake.
+   PGV/(g tan alpha) alike. A left-out score is the score over the balanced limit fitted without its earthquake. Without
+   uplift nothing overturns: neither score raises an alarm there; p PGV without that condition is judged as well.
+   Intervals: earthquakes are resampled and the limits fitted anew in each resample, all copies of an earthquake left
+   out together.
 """
 
 from __future__ import annotations
@@ -14,7 +17,18 @@ import numpy as np
 import pandas as pd
 
 from rockpulse.calibration.rule import POINTS, Rule
-from rockpulse.calibration.rule_statistics import area, curve, false_at, limit, missed_bound, resampled, resampled_share
+from rockpulse.calibration.rule_cases import TRUTH, fitted_range
+from rockpulse.calibration.rule_statistics import (
+    RESAMPLES,
+    Resampled,
+    area,
+    curve,
+    false_at,
+    left_out,
+    limit,
+    missed_bound,
+    resampled,
+)
 from rockpulse.calibration.rule_variables import RULE_KIND, RULE_TABLES
 from rockpulse.errors import ConfigError
 from rockpulse.failures import Failure
@@ -31,8 +45,11 @@ FEWEST_EVENTS, FEWEST_OVERTURNINGS = 4, 20
 #: Factors are whole multiples of this [-].
 FACTOR_STEP = 1e-5
 
-#: The rule's measure, and the one that it is compared with.
-SCORES = ("march", "velocity_ratio")
+#: The rule's measure, the one that it is compared with, and that one with alarms even where nothing lifts.
+SCORES = ("march", "velocity_ratio", "velocity_alone")
+
+#: What the scores are compared by: as they are, and over the limits without the earthquake.
+KINDS = ("in-sample", "left-out")
 
 #: Missed shares at which false alarms are compared [-].
 MISSED_SHARES = (0.0, 0.01, 0.05, 0.1)
@@ -80,15 +97,20 @@ def fit_rules(cases: pd.DataFrame) -> dict[str, Rule]:
     """
     if reason := too_few(cases):
         raise ConfigError(f"rule fit: {reason}")
+    fallen = cases.loc[cases["overturns"], "march"].to_numpy()
     # Rounded up, so that the case at the limit keeps its alarm.
     return {
-        point: Rule(point, np.ceil(1.0 / lowest / FACTOR_STEP) * FACTOR_STEP)
-        for point, lowest in _limits(cases, "march").items()
+        point: Rule(point, float(np.ceil(1.0 / limit(fallen, share) / FACTOR_STEP) * FACTOR_STEP), fitted_range())
+        for point, share in POINTS.items()
     }
 
 
 def judge_rules(
-    cases: pd.DataFrame, given: Mapping[str, Rule], failures: Sequence[Failure] = (), seed: int = 0
+    cases: pd.DataFrame,
+    given: Mapping[str, Rule],
+    failures: Sequence[Failure] = (),
+    seed: int = 0,
+    resamples: int = RESAMPLES,
 ) -> xr.DataTree:
     """How well the rule predicts the nonlinear verdict, in-sample, left out and as given.
 
@@ -102,6 +124,8 @@ def judge_rules(
         What was left out, to be stored.
     seed : int
         Of the bootstrap.
+    resamples : int
+        How many.
 
     Returns
     -------
@@ -112,7 +136,7 @@ def judge_rules(
     import xarray as xr
 
     statement = too_few(cases)
-    tables: dict[str, pd.DataFrame] = {} if statement else _tables(cases, given, seed)
+    tables: dict[str, pd.DataFrame] = {} if statement else _tables(cases, given, seed, resamples)
     tables["failures"] = pd.DataFrame([asdict(row) for row in failures])
     tree = xr.DataTree.from_dict(
         {
@@ -130,63 +154,97 @@ def judge_rules(
     return tree
 
 
-def _limits(cases: pd.DataFrame, score: str) -> dict[str, float]:
-    fallen = cases.loc[cases["overturns"], score].to_numpy()
-    return {point: limit(fallen, share) for point, share in POINTS.items()}
+#: score, kind, point.
+_Key = tuple[str, str, str]
 
 
-def _tables(cases: pd.DataFrame, given: Mapping[str, Rule], seed: int) -> dict[str, pd.DataFrame]:
-    over, events = cases["overturns"].to_numpy(dtype=bool), cases["event"].to_numpy(dtype=str)
-    # score over limit by (score, kind, point): an alarm at 1 and above.
-    margins: dict[tuple[str, str, str], np.ndarray] = {}
-    for score in SCORES:
-        values = cases[score].to_numpy(dtype=float)
-        for point, lowest in _limits(cases, score).items():
-            margins[score, "in-sample", point] = values / lowest
-            margins[score, "left-out", point] = np.empty(values.size)
-        for event in np.unique(events):
-            out = events == event
-            for point, lowest in _limits(cases[~out], score).items():
-                margins[score, "left-out", point][out] = values[out] / lowest
-    for point, rule in given.items():
-        margins["march", "as-given", point] = rule.factor * cases["march"].to_numpy(dtype=float)
-    # Without uplift nothing overturns: part of the rule.
-    for (score, _, _), margin in margins.items():
-        if score == "march":
-            np.minimum(margin, cases["uplift_ratio"], out=margin)
-    compared = {
-        kind: {score: margins[score, kind, "balanced"] for score in SCORES} for kind in ("in-sample", "left-out")
-    }
+def _tables(cases: pd.DataFrame, given: Mapping[str, Rule], seed: int, resamples: int) -> dict[str, pd.DataFrame]:
+    over = cases["overturns"].to_numpy(dtype=bool)
+    events = np.unique(cases["event"].to_numpy(dtype=str), return_inverse=True)[1]
+    lifted = cases["uplift_ratio"].to_numpy(dtype=float) > 1.0
+    march, velocity = (cases[name].to_numpy(dtype=float) for name in SCORES[:2])
+    scores = dict(zip(SCORES, (np.where(lifted, march, 0.0), np.where(lifted, velocity, 0.0), velocity), strict=True))
+
+    def drawn_statistics(drawn: np.ndarray) -> dict[tuple[Any, ...], float]:
+        part = {score: values[drawn] for score, values in scores.items()}
+        return _statistics(_margins(part, over[drawn], events[drawn], given), over[drawn])
+
+    margins = _margins(scores, over, events, given)
+    measured, spread = _statistics(margins, over), resampled(events, over, drawn_statistics, seed, resamples)
+    truths = [cases[name].to_numpy(dtype=bool) for name in cases if str(name).startswith(TRUTH)]
+    perturbed = [measured, *(_statistics(_margins(scores, truth, events, given), truth) for truth in truths)]
     return {
-        "rates": pd.DataFrame([_rates(key, margin, cases, over, events, seed) for key, margin in margins.items()]),
+        "rates": pd.DataFrame([_rates(key, margin, cases, spread, perturbed) for key, margin in margins.items()]),
         "at_missed": pd.DataFrame(
             [
-                _at_missed(kind, share, by, over, events, seed)
-                for kind, by in compared.items()
+                {"kind": kind, "missed_share": share, **_compared(("false_at", kind, share), measured, spread)}
+                for kind in KINDS
                 for share in MISSED_SHARES
             ]
         ),
-        "areas": pd.DataFrame([_areas(kind, by, over, events, seed) for kind, by in compared.items()]),
+        "areas": pd.DataFrame([{"kind": kind, **_compared(("area", kind), measured, spread)} for kind in KINDS]),
         "curves": pd.concat(
-            [_curve(score, kind, by[score], over) for kind, by in compared.items() for score in SCORES],
+            [_curve(score, kind, margins[score, kind, "balanced"], over) for kind in KINDS for score in SCORES],
             ignore_index=True,
         ),
         "cases": cases.assign(
-            left_out_march=compared["left-out"]["march"],
-            left_out_velocity_ratio=compared["left-out"]["velocity_ratio"],
+            left_out_march=margins["march", "left-out", "balanced"],
+            left_out_velocity_ratio=margins["velocity_ratio", "left-out", "balanced"],
+            flips=np.sum([truth != over for truth in truths], axis=0, dtype=int) if truths else 0,
             **{point: margins["march", "left-out", point] >= 1.0 for point in POINTS},
         ),
     }
 
 
+def _margins(
+    scores: Mapping[str, np.ndarray], over: np.ndarray, events: np.ndarray, given: Mapping[str, Rule]
+) -> dict[_Key, np.ndarray]:
+    """Score over limit: an alarm at 1 and above."""
+    margins = {}
+    for score, values in scores.items():
+        for point, share in POINTS.items():
+            margins[score, "in-sample", point] = values / limit(values[over], share)
+            margins[score, "left-out", point] = left_out(values, over, events, share)
+    for point, rule in given.items():
+        margins["march", "as-given", point] = rule.factor * scores["march"]
+    return margins
+
+
+def _statistics(margins: Mapping[_Key, np.ndarray], over: np.ndarray) -> dict[tuple[Any, ...], float]:
+    found: dict[tuple[Any, ...], float] = {}
+    for key, margin in margins.items():
+        found["missed", *key] = float(np.mean(margin[over] < 1.0))
+        found["false", *key] = float(np.mean(margin[~over] >= 1.0))
+    for kind in KINDS:
+        for score in SCORES:
+            margin = margins[score, kind, "balanced"]
+            found["area", kind, score] = area(margin, over)
+            for share in MISSED_SHARES:
+                found["false_at", kind, share, score] = false_at(margin, over, share)
+    return found
+
+
+def _compared(
+    key: tuple[Any, ...], measured: Mapping[tuple[Any, ...], float], spread: Mapping[tuple[Any, ...], Resampled]
+) -> dict[str, float]:
+    """A figure of each score, and that of the rule less the others', with intervals."""
+    row = {score: measured[*key, score] for score in SCORES}
+    for score, name in (("velocity_ratio", "difference"), ("velocity_alone", "difference_alone")):
+        row[name] = row["march"] - row[score]
+        row[f"{name}_low"], row[f"{name}_high"] = (spread[*key, "march"] - spread[*key, score]).between()
+    return row
+
+
 def _rates(
-    key: tuple[str, str, str], margin: np.ndarray, cases: pd.DataFrame, over: np.ndarray, events: np.ndarray, seed: int
+    key: _Key,
+    margin: np.ndarray,
+    cases: pd.DataFrame,
+    spread: Mapping[tuple[Any, ...], Resampled],
+    perturbed: Sequence[Mapping[tuple[Any, ...], float]],
 ) -> dict[str, Any]:
     score, kind, point = key
-    alarm = margin >= 1.0
+    over, alarm = cases["overturns"].to_numpy(dtype=bool), margin >= 1.0
     missed, false = int(np.sum(over & ~alarm)), int(np.sum(~over & alarm))
-    missed_shares = resampled_share(events, over & ~alarm, over, seed)
-    false_shares = resampled_share(events, ~over & alarm, ~over, seed)
     row = {
         "score": score,
         "kind": kind,
@@ -195,14 +253,20 @@ def _rates(
         "survivors": int(np.sum(~over)),
         "missed": missed,
         "false": false,
-        "missed_share": missed / over.sum(),
         "missed_bound": missed_bound(missed, int(over.sum())),
-        "missed_bound_clustered": missed_shares.below(),
-        "false_share": false / np.sum(~over),
+        "missed_bound_clustered": spread["missed", *key].below(),
     }
-    row["missed_low"], row["missed_high"] = missed_shares.between()
-    row["false_low"], row["false_high"] = false_shares.between()
-    return row | _peaks(margin, cases, over | alarm) if score == "march" else row
+    for name, count, cases_of in (("missed", missed, over), ("false", false, ~over)):
+        row[f"{name}_share"] = count / np.sum(cases_of)
+        row[f"{name}_low"], row[f"{name}_high"] = spread[name, *key].between()
+        among = [one[name, *key] for one in perturbed]
+        row[f"{name}_least"], row[f"{name}_most"] = min(among), max(among)
+    if score == "march":
+        return row | _peaks(margin, cases, over | alarm)
+    rule = ("false", "march", kind, point)
+    low, high = (spread[rule] - spread["false", *key]).between()
+    difference = perturbed[0][rule] - perturbed[0]["false", *key]
+    return row | {"false_difference": difference, "false_difference_low": low, "false_difference_high": high}
 
 
 def _peaks(margin: np.ndarray, cases: pd.DataFrame, called: np.ndarray) -> dict[str, Any]:
@@ -216,34 +280,6 @@ def _peaks(margin: np.ndarray, cases: pd.DataFrame, called: np.ndarray) -> dict[
         "peak_bias": float(np.median(ratio)) if ratio.size else np.nan,
         "peak_dispersion": float(np.std(np.log(ratio), ddof=1)) if ratio.size > 1 else np.nan,
     }
-
-
-def _at_missed(
-    kind: str, share: float, by: Mapping[str, np.ndarray], over: np.ndarray, events: np.ndarray, seed: int
-) -> dict[str, Any]:
-    def difference(drawn: np.ndarray) -> float:
-        march, velocity = (false_at(by[score][drawn], over[drawn], share) for score in SCORES)
-        return march - velocity
-
-    low, high = resampled(events, over, difference, seed).between()
-    return {
-        "kind": kind,
-        "missed_share": share,
-        **{score: false_at(by[score], over, share) for score in SCORES},
-        "difference": difference(np.arange(over.size)),
-        "difference_low": low,
-        "difference_high": high,
-    }
-
-
-def _areas(kind: str, by: Mapping[str, np.ndarray], over: np.ndarray, events: np.ndarray, seed: int) -> dict[str, Any]:
-    def difference(drawn: np.ndarray) -> float:
-        march, velocity = (area(by[score][drawn], over[drawn]) for score in SCORES)
-        return march - velocity
-
-    low, high = resampled(events, over, difference, seed).between()
-    areas = {score: area(by[score], over) for score in SCORES}
-    return {"kind": kind, **areas, "difference_low": low, "difference_high": high}
 
 
 def _curve(score: str, kind: str, margin: np.ndarray, over: np.ndarray) -> pd.DataFrame:

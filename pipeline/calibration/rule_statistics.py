@@ -7,12 +7,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Hashable, Mapping
+from typing import TypeVar
 
 import numpy as np
 from scipy.stats import beta
 
-__all__ = ["Resampled", "area", "curve", "false_at", "limit", "missed_bound", "resampled", "resampled_share"]
+__all__ = ["RESAMPLES", "Resampled", "area", "curve", "false_at", "left_out", "limit", "missed_bound", "resampled"]
+
+K = TypeVar("K", bound=Hashable)
 
 #: Resamples of the bootstrap.
 RESAMPLES = 1000
@@ -34,6 +37,37 @@ def limit(fallen: np.ndarray, share: float) -> float:
     2.0
     """
     return float(np.sort(fallen)[int(share * fallen.size * (1.0 + 1e-12))])
+
+
+def left_out(scores: np.ndarray, over: np.ndarray, events: np.ndarray, share: float) -> np.ndarray:
+    """Scores over the limit that the cases of the other earthquakes give.
+
+    Parameters
+    ----------
+    scores : (n,) ndarray
+        Score of each case.
+    over : (n,) ndarray of bool
+        Which of them overturn, in at least two earthquakes.
+    events : (n,) ndarray
+        Label of the earthquake of each case.
+    share : float
+        Share that may be missed [-].
+
+    Returns
+    -------
+    (n,) ndarray
+        An alarm at 1 and above.
+
+    Examples
+    --------
+    >>> left_out(np.array([2.0, 8.0, 4.0]), np.array([True, True, False]), np.array(["a", "b", "b"]), 0.0).tolist()
+    [0.25, 4.0, 2.0]
+    """
+    margins = np.empty(scores.size)
+    for event in np.unique(events):
+        out = events == event
+        margins[out] = scores[out] / limit(scores[over & ~out], share)
+    return margins
 
 
 def curve(scores: np.ndarray, over: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -93,7 +127,7 @@ class Resampled:
     Attributes
     ----------
     values : (b,) ndarray
-        NaN where a resample holds no overturning or no survivor.
+        NaN where a resample says nothing.
     """
 
     def __init__(self, values: np.ndarray) -> None:
@@ -111,15 +145,19 @@ class Resampled:
         """Upper bound of the percentile kind."""
         return self.between(2.0 * confidence - 1.0)[1]
 
+    def __sub__(self, other: Resampled) -> Resampled:
+        """The difference of two statistics, resample by resample."""
+        return Resampled(self.values - other.values)
+
 
 def resampled(
     events: np.ndarray,
     over: np.ndarray,
-    statistic: Callable[[np.ndarray], float],
+    statistics: Callable[[np.ndarray], Mapping[K, float]],
     seed: int = 0,
     resamples: int = RESAMPLES,
-) -> Resampled:
-    """A statistic over resamples of the earthquakes, each with all its cases.
+) -> dict[K, Resampled]:
+    """Statistics over resamples of the earthquakes, each with all its cases.
 
     Parameters
     ----------
@@ -127,8 +165,9 @@ def resampled(
         Label of the earthquake of each case.
     over : (n,) ndarray of bool
         Which cases overturn.
-    statistic : callable
-        From the numbers of the cases drawn, (k,) ndarray of int, to a number.
+    statistics : callable
+        From the numbers of the cases drawn, (k,) ndarray of int, to numbers by name. It is not asked about resamples
+        that hold no survivor or overturnings of fewer than two earthquakes: a copy of an earthquake is no other one.
     seed : int
         Seed of the run; everything with one seed sees the same resamples.
     resamples : int
@@ -136,35 +175,12 @@ def resampled(
     """
     labels = np.unique(events)
     members = [np.flatnonzero(events == label) for label in labels]
-    values = np.full(resamples, np.nan)
-    for index, draw in enumerate(_draws(labels.size, seed, resamples)):
-        drawn = np.concatenate([members[event] for event in draw])
-        if 0 < np.count_nonzero(over[drawn]) < drawn.size:
-            values[index] = statistic(drawn)
-    return Resampled(values)
-
-
-def resampled_share(
-    events: np.ndarray, part: np.ndarray, whole: np.ndarray, seed: int = 0, resamples: int = RESAMPLES
-) -> Resampled:
-    """A share of cases over the resamples of :func:`resampled`.
-
-    Parameters
-    ----------
-    events : (n,) ndarray
-        Label of the earthquake of each case.
-    part, whole : (n,) ndarray of bool
-        The cases that are counted, and those that they are a share of.
-    seed, resamples
-        As there.
-    """
-    labels, place = np.unique(events, return_inverse=True)
-    counts = [np.bincount(place, weights=cases, minlength=labels.size) for cases in (part, whole)]
-    drawn = _draws(labels.size, seed, resamples)
-    above, below = (count[drawn].sum(axis=1) for count in counts)
-    return Resampled(np.divide(above, below, out=np.full(resamples, np.nan), where=below > 0.0))
-
-
-def _draws(size: int, seed: int, resamples: int) -> np.ndarray:
     random = np.random.default_rng(np.random.SeedSequence([seed, *b"rule"]))
-    return random.integers(size, size=(resamples, size))
+    found: list[Mapping[K, float]] = []
+    for draw in random.integers(labels.size, size=(resamples, labels.size)):
+        drawn = np.concatenate([members[event] for event in draw])
+        fallen = over[drawn]
+        enough = not fallen.all() and np.unique(events[drawn][fallen]).size >= 2
+        found.append(statistics(drawn) if enough else {})
+    names = dict.fromkeys(name for one in found for name in one)
+    return {name: Resampled(np.array([one.get(name, np.nan) for one in found])) for name in names}

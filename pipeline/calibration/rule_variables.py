@@ -27,12 +27,20 @@ _CASES: dict[str, Meaning] = {
         "1",
         "p PGV/(g tan alpha) over its balanced limit fitted without the earthquake",
     ),
+    "flips": (int, "1", "perturbed truths that give another verdict than the nonlinear model"),
     "balanced": (bool, "1", "verdict of the balanced rule fitted without the earthquake"),
     "conservative": (bool, "1", "verdict of the conservative rule fitted without the earthquake"),
 }
 
+_SCORE: Meaning = (
+    str,
+    "1",
+    "march (the rule), velocity_ratio (p PGV/(g tan alpha), alarms where uplift is possible) or velocity_alone "
+    "(without that condition)",
+)
+
 _RATES: dict[str, Meaning] = {
-    "score": (str, "1", "march (the rule) or velocity_ratio (p PGV/(g tan alpha))"),
+    "score": _SCORE,
     "point": (str, "1", "working point"),
     "kind": (str, "1", "in-sample, left-out (limit fitted without the earthquake) or as-given (a stored rule)"),
     "overturnings": (int, "1", "cases that overturn"),
@@ -40,13 +48,32 @@ _RATES: dict[str, Meaning] = {
     "missed": (int, "1", "overturnings without an alarm"),
     "false": (int, "1", "survivors with an alarm"),
     "missed_share": (float, "1", "missed over overturnings"),
-    "missed_low": (float, "1", "missed share, lower end of the 95 % interval, earthquakes resampled"),
-    "missed_high": (float, "1", "missed share, upper end of the 95 % interval, earthquakes resampled"),
+    "missed_low": (
+        float,
+        "1",
+        "missed share, lower end of the 95 % interval, earthquakes resampled and limits refitted",
+    ),
+    "missed_high": (
+        float,
+        "1",
+        "missed share, upper end of the 95 % interval, earthquakes resampled and limits refitted",
+    ),
     "missed_bound": (float, "1", "missed share, 95 % upper bound as if cases were independent (Clopper-Pearson)"),
-    "missed_bound_clustered": (float, "1", "missed share, 95 % upper bound, earthquakes resampled"),
+    "missed_bound_clustered": (float, "1", "missed share, 95 % upper bound, earthquakes resampled and limits refitted"),
     "false_share": (float, "1", "false over survivors"),
-    "false_low": (float, "1", "false share, lower end of the 95 % interval, earthquakes resampled"),
-    "false_high": (float, "1", "false share, upper end of the 95 % interval, earthquakes resampled"),
+    "false_low": (float, "1", "false share, lower end of the 95 % interval, earthquakes resampled and limits refitted"),
+    "false_high": (
+        float,
+        "1",
+        "false share, upper end of the 95 % interval, earthquakes resampled and limits refitted",
+    ),
+    "missed_least": (float, "1", "least missed share over the perturbed truths, limits refitted"),
+    "missed_most": (float, "1", "largest missed share over the perturbed truths, limits refitted"),
+    "false_least": (float, "1", "least false share over the perturbed truths, limits refitted"),
+    "false_most": (float, "1", "largest false share over the perturbed truths, limits refitted"),
+    "false_difference": (float, "1", "false share of the rule at this point and kind less this one"),
+    "false_difference_low": (float, "1", "lower end of its 95 % interval, earthquakes resampled and limits refitted"),
+    "false_difference_high": (float, "1", "upper end of its 95 % interval, earthquakes resampled and limits refitted"),
     "peaks": (int, "1", "survivors without an alarm whose nonlinear peak is above 0.05"),
     "peak_bias": (float, "1", "median ratio of the sequence's peak to the nonlinear one of those that move"),
     "peak_dispersion": (float, "1", "standard deviation of the logarithm of that ratio"),
@@ -57,21 +84,30 @@ _AT_MISSED: dict[str, Meaning] = {
     "missed_share": (float, "1", "share of overturnings that may be missed"),
     "march": (float, "1", "false share of the rule"),
     "velocity_ratio": (float, "1", "false share of p PGV/(g tan alpha)"),
+    "velocity_alone": (float, "1", "false share of p PGV/(g tan alpha) with alarms where nothing lifts"),
     "difference": (float, "1", "false share of the rule less that of p PGV/(g tan alpha)"),
-    "difference_low": (float, "1", "lower end of its 95 % interval, earthquakes resampled"),
-    "difference_high": (float, "1", "upper end of its 95 % interval, earthquakes resampled"),
+    "difference_low": (float, "1", "lower end of its 95 % interval, earthquakes resampled and limits refitted"),
+    "difference_high": (float, "1", "upper end of its 95 % interval, earthquakes resampled and limits refitted"),
+    "difference_alone": (float, "1", "false share of the rule less that of velocity_alone"),
+    "difference_alone_low": (float, "1", "lower end of its 95 % interval"),
+    "difference_alone_high": (float, "1", "upper end of its 95 % interval"),
 }
 
 _AREAS: dict[str, Meaning] = {
     "kind": (str, "1", "in-sample or left-out scores"),
     "march": (float, "1", "area under the ROC curve of the rule"),
     "velocity_ratio": (float, "1", "area under the ROC curve of p PGV/(g tan alpha)"),
-    "difference_low": (float, "1", "difference, lower end of its 95 % interval, earthquakes resampled"),
-    "difference_high": (float, "1", "difference, upper end of its 95 % interval, earthquakes resampled"),
+    "velocity_alone": (float, "1", "area under the ROC curve of p PGV/(g tan alpha) with alarms where nothing lifts"),
+    "difference": (float, "1", "area of the rule less that of p PGV/(g tan alpha)"),
+    "difference_low": (float, "1", "lower end of its 95 % interval, earthquakes resampled and limits refitted"),
+    "difference_high": (float, "1", "upper end of its 95 % interval, earthquakes resampled and limits refitted"),
+    "difference_alone": (float, "1", "area of the rule less that of velocity_alone"),
+    "difference_alone_low": (float, "1", "lower end of its 95 % interval"),
+    "difference_alone_high": (float, "1", "upper end of its 95 % interval"),
 }
 
 _CURVES: dict[str, Meaning] = {
-    "score": (str, "1", "march (the rule) or velocity_ratio (p PGV/(g tan alpha))"),
+    "score": _SCORE,
     "kind": (str, "1", "in-sample or left-out scores"),
     "missed_share": (float, "1", "share of overturnings that are missed"),
     "false_share": (float, "1", "share of survivors that raise an alarm"),

@@ -11,7 +11,7 @@ from rockpulse.calibration.site_design import BEYOND, SiteSample, covered, desig
 from rockpulse.calibration.site_statistics import share_interval
 from rockpulse.errors import RecordRefused
 
-__all__ = ["Coverage", "coverage_of", "leave_one_event_out"]
+__all__ = ["Coverage", "coverage_of", "judged", "leave_one_event_out", "unjudged_events"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,15 +49,34 @@ def leave_one_event_out(sample: SiteSample, quantile: float, design: str) -> Cov
     marks, mains = np.full(sample.peaks.shape, math.nan), np.full(sample.weights.size, math.nan)
     for event in np.unique(sample.events):
         out = sample.events == event
-        if not np.any(sample.weights[~out] > 0.0):
+        others = ~out & (sample.weights > 0.0)
+        if not np.any(others):
             continue
         try:
-            sequence = design_sequence(sample.part(~out), quantile, design)
+            sequence = design_sequence(sample.part(others), quantile, design)
         except RecordRefused:  # the others do not make a design: these records stay unjudged
             continue
         marks[out] = covered(sample.part(out), sequence)
         mains[out] = sequence.main
     return Coverage(marks, mains)
+
+
+def judged(marks: np.ndarray, sample: SiteSample, standing: bool = True) -> np.ndarray:
+    """Pairs of record and block that a coverage rests on.
+
+    Parameters
+    ----------
+    marks, sample, standing
+        As in :func:`coverage_of`.
+
+    Returns
+    -------
+    (n, m) ndarray of bool
+    """
+    counted: np.ndarray = ~np.isnan(marks) & (sample.weights[:, np.newaxis] > 0.0)
+    if standing:
+        counted &= marks != BEYOND
+    return counted
 
 
 def coverage_of(
@@ -81,10 +100,39 @@ def coverage_of(
     share, lower, upper : float
         NaN where nothing counts; the ends also with a single event.
     """
-    counted = ~np.isnan(marks) & (sample.weights[:, np.newaxis] > 0.0)
-    if standing:
-        counted &= marks != BEYOND
+    counted = judged(marks, sample, standing)
     rows = np.nonzero(counted)[0]
     if rows.size == 0:
         return math.nan, math.nan, math.nan
     return share_interval(np.minimum(marks[counted], 1.0), sample.weights[rows], sample.events[rows], confidence)
+
+
+def unjudged_events(found: Coverage, sample: SiteSample) -> dict[int, str]:
+    """Events of a weight above zero that the coverage of standing blocks does not rest on, and why.
+
+    Parameters
+    ----------
+    found : Coverage
+        Of the sample.
+    sample : SiteSample
+        n records, m blocks.
+
+    Returns
+    -------
+    dict of int to str
+        Reason by number of the event, to stand behind its name.
+    """
+    rests = np.any(judged(found.covered, sample), axis=1)
+    lifts = np.any(~np.isnan(sample.peaks), axis=1)
+    reasons = {}
+    for event in np.unique(sample.events[sample.weights > 0.0]):
+        rows = (sample.events == event) & (sample.weights > 0.0)
+        if np.any(rests[rows]):
+            continue
+        if not np.any(lifts[rows]):
+            reasons[int(event)] = "lifts no block"
+        elif np.isnan(found.main[rows]).all():
+            reasons[int(event)] = "the others alone make no design"
+        else:
+            reasons[int(event)] = "the design of the others overturns all that it lifts"
+    return reasons

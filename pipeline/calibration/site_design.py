@@ -20,12 +20,27 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.stats import norm
 
-from rockpulse.calibration.site_statistics import bootstrap_interval, correlation, log_moments, weighted_quantile
+from rockpulse.calibration.site_statistics import (
+    ROUNDING,
+    bootstrap_interval,
+    correlation,
+    log_moments,
+    weighted_quantile,
+)
 from rockpulse.errors import RecordRefused
 from rockpulse.models.block import Block
 from rockpulse.models.sequence import ImpulseSequence, sequence_response
 
-__all__ = ["BEYOND", "DESIGN", "PARAMETERS", "SiteSample", "covered", "design_sequence", "main_impulse_interval"]
+__all__ = [
+    "BEYOND",
+    "DESIGN",
+    "PARAMETERS",
+    "SiteSample",
+    "covered",
+    "design_sequence",
+    "main_impulse_interval",
+    "overturning_limit",
+]
 
 #: Parameters of a sequence, in the order of the tables.
 PARAMETERS = ("main", "ratio", "interval", "main_count", "duration")
@@ -35,9 +50,6 @@ BEYOND = 2.0
 
 #: Main impulses tried at once, from the weakest to one that overturns every block by itself, and rounds of refinement.
 GRID, REFINED, ROUNDS = 256, 17, 3
-
-#: Sums of weights are rounded: a share of 0.84 may come out as a bit less.
-ROUNDING = 1e-9
 
 #: The weakest main impulse tried, over the smallest I_1c of the blocks: peaks of about 1e-8 alpha_c.
 WEAKEST = 1e-4
@@ -53,8 +65,8 @@ class SiteSample:
         Parameters of the records' sequences, in the order and unit of :data:`PARAMETERS`; NaN for a number of main
         impulses or a duration without limit, or an interval without meaning.
     peaks : (n, m) ndarray
-        Recorded theta_max/alpha_c [-], inf where overturned; NaN where it does not count: a block at rest is covered by
-        any sequence, an unresolved one is not known.
+        theta_max/alpha_c [-] to be covered, inf where overturned or unresolved; NaN where it does not count: a block at
+        rest is covered by any sequence.
     weights : (n,) ndarray
         Not negative, not all zero.
     events : (n,) ndarray of int
@@ -126,7 +138,8 @@ def _by_response(sample: SiteSample, quantile: float) -> ImpulseSequence:
     low, high = _range(sample)
     for number in (GRID, *[REFINED] * ROUNDS):
         mains = np.geomspace(low, high, number)
-        hits, total = _event_sums(sample, shape, mains)
+        reached = _reached(sample, shape, mains)
+        hits, total = _event_sums(sample, reached, ~np.isinf(reached))
         short = np.flatnonzero(_falls_short(hits.sum(axis=0), total.sum(axis=0), quantile))
         # The response is not monotonic in I: no larger main impulse of the grid covers less than the quantile.
         if short.size == 0:
@@ -227,15 +240,20 @@ def covered(sample: SiteSample, sequence: ImpulseSequence) -> np.ndarray:
     return np.where(np.isnan(sample.peaks), np.nan, marks)
 
 
-def _event_sums(sample: SiteSample, shape: ImpulseSequence, mains: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Weight covered and weight counted of every event, (g, q), on the blocks that each of q sequences leaves standing.
-
-    A pair is covered by the sequences whose peak on the block is at least the recorded one.
-    """
+def _reached(sample: SiteSample, shape: ImpulseSequence, mains: np.ndarray) -> np.ndarray:
+    """(q, m) Peaks of the blocks under sequences of one shape."""
     sequences = shape.scaled(mains / shape.main)
-    reached = np.asarray(sequence_response(sample.blocks, sequences, table_rows=0).peak_rotation_ratio)
-    stands, counted = ~np.isinf(reached), _counted(sample)
-    hits, total = np.zeros((2, int(sample.events.max()) + 1, mains.size))
+    return np.asarray(sequence_response(sample.blocks, sequences, table_rows=0).peak_rotation_ratio)
+
+
+def _event_sums(sample: SiteSample, reached: np.ndarray, stands: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Weight covered and weight counted of every event, (g, q), under q sequences with the peaks (q, m) of the blocks.
+
+    A pair is covered by the sequences whose peak on the block is at least the recorded one; the blocks that count with
+    each sequence are those that stand, (q, m).
+    """
+    counted = _counted(sample)
+    hits, total = np.zeros((2, int(sample.events.max()) + 1, reached.shape[0]))
     for record, event in enumerate(sample.events):
         of = counted[record]
         covers = sample.peaks[record, of] <= reached[:, of]
@@ -247,6 +265,37 @@ def _event_sums(sample: SiteSample, shape: ImpulseSequence, mains: np.ndarray) -
 def _falls_short(hits: np.ndarray, total: np.ndarray, quantile: float) -> np.ndarray:
     """Where the share covered is below the quantile; nowhere where nothing is left standing."""
     return np.asarray(hits < (quantile - ROUNDING) * total)
+
+
+def overturning_limit(sample: SiteSample, sequence: ImpulseSequence, quantile: float) -> tuple[np.ndarray, float]:
+    """Blocks whose overturning sets the main impulse of a design "response".
+
+    Parameters
+    ----------
+    sample : SiteSample
+        What the design was made of.
+    sequence : ImpulseSequence
+        The design.
+    quantile : float
+        As in :func:`design_sequence`.
+
+    Returns
+    -------
+    fallen : (m,) ndarray of bool
+        Those that stand just below I and no longer at it, where the quantile is reached by their leaving the count and
+        not by larger rotations; else none.
+    below : float
+        Share covered of the rotations of the blocks left standing just below I [-].
+    """
+    low, high = _range(sample)
+    bracket = math.log(high / low) / (GRID - 1) / (REFINED - 1) ** ROUNDS
+    reached = _reached(sample, sequence, sequence.main * np.array([1.0 - 2.0 * bracket, 1.0]))
+    stands = ~np.isinf(reached)
+    fallen = stands[0] & ~stands[1] & _counted(sample).any(axis=0)
+    hits, total = (sums.sum() for sums in _event_sums(sample, reached[:1], stands[:1]))
+    kept_hits, kept = (sums.sum() for sums in _event_sums(sample, reached[:1], stands.all(axis=0, keepdims=True)))
+    limits = _falls_short(hits, total, quantile) and not _falls_short(kept_hits, kept, quantile)
+    return fallen & limits, float(hits / total) if total > 0.0 else math.nan
 
 
 def main_impulse_interval(
@@ -270,20 +319,41 @@ def main_impulse_interval(
     Returns
     -------
     lower, upper : float
-        [m/s]; NaN with a single event. With few events some resamples hold no answer beyond the strongest block:
-        the upper end is then inf.
+        [m/s]; NaN with a single event. The upper end is inf where more resamples than the interval leaves out above
+        overturn every block. Where the design does, or most resamples stop at the overturning of one block, the spread
+        is that of the block and not of the records: NaN and inf.
+
+    Notes
+    -----
+    The resamples know I on a grid of about 2 % (:data:`GRID`); no end is closer to the design than a step of it.
     """
+    middle = math.log(sequence.main)
     if design == "parameters":
         mean, dispersion = log_moments(sample.logarithms[:, :1], sample.weights, sample.events, draws)
         resampled = (mean + norm.ppf(quantile) * dispersion)[:, 0]
         sizes = np.bincount(sample.events, sample.weights)
-    else:
-        mains = np.geomspace(*_range(sample), GRID * 2)
-        hits, total = _event_sums(sample, sequence, mains)
-        short = _falls_short(draws @ hits, draws @ total, quantile)
-        step = np.where(short.any(axis=1), mains.size - np.argmax(short[:, ::-1], axis=1), 0)
-        resampled = np.append(np.log(mains), math.inf)[step]
-        sizes = total.max(axis=1)
-        resampled[draws @ sizes == 0.0] = math.nan
-    lower, upper = bootstrap_interval(math.log(sequence.main), resampled, sizes, confidence)
-    return math.exp(lower), math.exp(upper)
+        lower, upper = bootstrap_interval(middle, resampled, sizes, confidence)
+        return math.exp(lower), math.exp(upper)
+    mains = np.geomspace(*_range(sample), GRID * 2)
+    reached = _reached(sample, sequence, mains)
+    stands = ~np.isinf(reached)
+    hits, total = _event_sums(sample, reached, stands)
+    sizes, rows, last = total.max(axis=1), np.arange(draws.shape[0]), mains.size - 1
+    if np.count_nonzero(sizes) < 2:
+        return math.nan, math.nan
+    counted = draws @ total
+    short = _falls_short(draws @ hits, counted, quantile)
+    step = np.where(short.any(axis=1), mains.size - np.argmax(short[:, ::-1], axis=1), 0)
+    # Short of the quantile one step below, but not on the blocks that stand at the next too: an overturning ends it.
+    kept_hits, kept = _event_sums(sample, reached[:-1], stands[:-1] & stands[1:])
+    enough = ~_falls_short(draws @ kept_hits, draws @ kept, quantile)
+    limited = (step > 0) & (step <= last) & enough[rows, np.clip(step - 1, 0, last - 1)]
+    most = np.bincount(step[limited], minlength=1).max() / rows.size
+    if most > 0.5 or not np.any(covered(sample, sequence)[_counted(sample)] != BEYOND):
+        return math.nan, math.inf
+    bounded = (step <= last) & (counted[rows, np.minimum(step, last)] > 0.0)
+    resampled = np.where(bounded, np.log(mains)[np.minimum(step, last)], math.inf)
+    resampled[draws @ sizes == 0.0] = math.nan
+    lower, upper = bootstrap_interval(middle, resampled, sizes, confidence)
+    grid = math.log(mains[1] / mains[0])
+    return math.exp(np.minimum(lower, middle - grid)), math.exp(np.maximum(upper, middle + grid))

@@ -21,7 +21,7 @@ from rockpulse.models.sequence import ImpulseSequence, sequence_response
 from rockpulse.record import Record
 from rockpulse.scene import Scene, extract
 
-__all__ = ["SiteRecord", "site_record"]
+__all__ = ["SiteRecord", "rotation_to_cover", "site_record"]
 
 #: Smaller recorded peaks do not enter a misfit: just after uplift no sequence is comparable [-].
 SMALLEST_PEAK = 0.01
@@ -81,6 +81,28 @@ class SiteRecord:
         """Lower (0) or upper (1) ends of the intervals of the parameters; NaN without."""
         nothing = (math.nan, math.nan)
         return [float(self.intervals.get(name, nothing)[side]) for name in PARAMETERS]
+
+
+def rotation_to_cover(peaks: np.ndarray) -> np.ndarray:
+    """What a sequence has to reach in order to cover recorded rotations.
+
+    Parameters
+    ----------
+    peaks : ndarray
+        Recorded theta_max/alpha_c [-]: inf overturned, 0 at rest, NaN unresolved.
+
+    Returns
+    -------
+    ndarray
+        NaN at rest, which every sequence covers; inf where the answer is not known, for only an overturning sequence
+        is sure to cover it.
+
+    Examples
+    --------
+    >>> rotation_to_cover(np.array([0.2, 0.0, np.nan])).tolist()
+    [0.2, nan, inf]
+    """
+    return np.where(peaks == 0.0, np.nan, np.where(np.isnan(peaks), np.inf, peaks))
 
 
 def site_record(record: Record, pair: str, vertical: Record | None, blocks: Block, config: Config) -> SiteRecord:
@@ -152,9 +174,9 @@ def _calibrated(scene: Scene, blocks: Block) -> tuple[ImpulseSequence, dict[str,
 def _compared(peaks: np.ndarray, sequence: ImpulseSequence, blocks: Block) -> tuple[float, float]:
     """Root mean square of ln(sequence/record) where both rock, and share of the lifted blocks that fall short."""
     reached = np.asarray(sequence_response(blocks, sequence, table_rows=0).peak_rotation_ratio)
-    known = ~np.isnan(peaks) & ~np.isnan(reached)
-    lifted = known & (peaks > 0.0)
-    both = known & np.isfinite(peaks) & np.isfinite(reached) & (peaks >= SMALLEST_PEAK) & (reached > 0.0)
+    needed = rotation_to_cover(peaks)
+    lifted = ~np.isnan(needed) & ~np.isnan(reached)
+    both = lifted & np.isfinite(needed) & np.isfinite(reached) & (needed >= SMALLEST_PEAK) & (reached > 0.0)
     misfit = float(np.sqrt(np.mean(np.log(reached[both] / peaks[both]) ** 2))) if np.any(both) else math.nan
-    unsafe = float(np.mean(reached[lifted] < peaks[lifted])) if np.any(lifted) else math.nan
+    unsafe = float(np.mean(reached[lifted] < needed[lifted])) if np.any(lifted) else math.nan
     return misfit, unsafe

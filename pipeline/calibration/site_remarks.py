@@ -9,30 +9,42 @@ from typing import Any
 import numpy as np
 
 from rockpulse.calibration.site_record import USUAL_FACTORS, SiteRecord
-from rockpulse.config import Config
 
 __all__ = ["FEWEST_EVENTS", "FEWEST_RECORDS", "site_remarks"]
 
 #: With fewer than these the intervals are those of a guess, and are called so.
 FEWEST_RECORDS, FEWEST_EVENTS = 10, 5
 
+#: A coverage that is known no better than this is hardly known [-].
+WIDE = 0.5
+
+#: Quantiles that fewer records than this lie beyond rest on the strongest or weakest of them.
+FEWEST_BEYOND = 2.0
+
+#: Names that a remark lists.
+LISTED = 5
+
 #: Blocks whose records lift so few pairs say little.
 FEW_LIFTED = 0.1
 
 
 def site_remarks(
-    site: Mapping[str, Any], done: Sequence[SiteRecord], events: Sequence[str], weights: np.ndarray, config: Config
+    site: Mapping[str, Any],
+    done: Sequence[SiteRecord],
+    events: Sequence[str],
+    weights: np.ndarray,
+    unjudged: Mapping[str, str],
 ) -> list[str]:
     """The remarks of a site file, the gravest first.
 
     Parameters
     ----------
     site : mapping of str to object
-        The scalars of the file: counts, coverage, quantile.
+        The scalars of the file, with `design_upper` (of I) and `share_below`, what the design covers just below I.
     done, events, weights
         As in :func:`rockpulse.calibration.site_tree.build_site_tree`.
-    config : Config
-        Section calibration is used.
+    unjudged : mapping of str to str
+        Events that the coverage does not rest on, and why.
 
     Returns
     -------
@@ -48,26 +60,42 @@ def site_remarks(
             "any interval clustered by event; the dispersion is that within this event. The design describes these "
             "records, not the site"
         )
-    elif count < FEWEST_EVENTS:
+    elif site["lifting_events"] < FEWEST_EVENTS:
+        lifting = (
+            ""
+            if site["lifting_events"] == count
+            else f", only {site['lifting_events']} with a record that lifts a block"
+        )
         remarks.append(
-            f"FEW EVENTS: {count}, fewer than {FEWEST_EVENTS}: the intervals are wide because little is known, and "
-            "even so they take the parameters for lognormal; take records of more earthquakes"
+            f"FEW EVENTS: {count}{lifting}, fewer than {FEWEST_EVENTS}: the intervals are wide because little is "
+            "known, and even so they take the parameters for lognormal; take records of more earthquakes"
         )
     if records < FEWEST_RECORDS:
+        remarks.append(f"FEW RECORDS: {records}, fewer than {FEWEST_RECORDS}: {_tail(records, quantile)}")
+    if site["unresolved_share"] > 0.0:
         remarks.append(
-            f"FEW RECORDS: {records}, fewer than {FEWEST_RECORDS}: the quantile {quantile:g} lies beyond what so few "
-            "can show; take more records"
+            f"{site['unresolved_share']:.1%} of the pairs of record and block are unresolved (a vertical acceleration "
+            "that cancels gravity, for one) and count as overturned, for nothing else is sure to cover them"
         )
     if site["standing_share"] == 0.0:
         remarks.append(
             "the design overturns every block that a record sets rocking: no rotation is left to be covered, and the "
             "design says no more than that; take sturdier blocks or a lower quantile"
         )
-    elif count > 1 and math.isnan(site["coverage"]):
+    if site["design_set_by"]:
+        left = "no block is left" if site["standing_share"] == 0.0 else "it is no longer among them"
         remarks.append(
-            "the coverage is not known: no event could be judged by a design of the others that leaves a block "
-            "standing which the event sets rocking"
+            f"I is set by the overturning of {site['design_set_by']}: just below it the design covers "
+            f"{site['share_below']:.0%} of the rotations of the blocks left standing, and at it {left}; with sturdier "
+            "blocks in the list I may be larger"
         )
+    if math.isinf(site["design_upper"]):
+        remarks.append(
+            "the interval of I is open: in the resamples I stops where a block overturns, which tells of the block and "
+            "not of the records"
+        )
+    if count > 1:
+        remarks += _judged(site, unjudged)
     if site["coverage_upper"] < quantile:
         remarks.append(
             f"the design falls short: it covers {site['coverage']:.0%} (at most {site['coverage_upper']:.0%}) of the "
@@ -89,3 +117,39 @@ def site_remarks(
             "another size"
         )
     return remarks
+
+
+def _tail(records: int, quantile: float) -> str:
+    """What so few records can show of a quantile."""
+    beyond, side = (records * (1.0 - quantile), "above") if quantile >= 0.5 else (records * quantile, "below")
+    if beyond < FEWEST_BEYOND:
+        end = "strongest" if quantile >= 0.5 else "weakest"
+        return (
+            f"about {beyond:.1f} of them lie {side} the quantile {quantile:g}, which rests on the {end} one or two; "
+            "take more records"
+        )
+    return (
+        f"the quantile {quantile:g} lies among them, and is known no better than its interval says; take more records"
+    )
+
+
+def _judged(site: Mapping[str, Any], unjudged: Mapping[str, str]) -> list[str]:
+    """What the coverage rests on, where that is little."""
+    left = []
+    for reason in dict.fromkeys(unjudged.values()):
+        names = [name for name, why in unjudged.items() if why == reason]
+        more = f" and {len(names) - LISTED} more" if len(names) > LISTED else ""
+        left.append(f"{', '.join(names[:LISTED])}{more} ({reason})")
+    without = f"; not judged: {', '.join(left)}" if left else ""
+    if not site["judged_events"]:
+        return [f"the coverage is not known: no event could be judged{without}"]
+    lower, upper = site["coverage_lower"], site["coverage_upper"]
+    wide = not upper - lower <= WIDE
+    if not (unjudged or wide or site["judged_events"] < FEWEST_EVENTS):
+        return []
+    interval = ", no interval" if math.isnan(lower) else f", {lower:.0%} to {upper:.0%}"
+    little = ": hardly known" if wide else ""
+    return [
+        f"the coverage ({site['coverage']:.0%}{interval}{little}) rests on {site['judged_pairs']} pairs of record and "
+        f"block of {site['judged_events']} of {site['event_count']} events{without}"
+    ]

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
+import csv
 import math
 from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
-import pandas as pd
 
 from rockpulse.errors import ConfigError
 
@@ -101,24 +101,37 @@ def record_weights(ids: Sequence[str], events: Sequence[str], rule: str, table: 
         weights = np.array([table[name] for name in ids])
         if not np.any(weights > 0.0):
             raise ConfigError(f"[calibration] weights: {rule}: the weights of all records are 0")
+        weights = weights / weights.max()  # the sum of huge weights is no number
     return np.asarray(weights / weights.mean()) if weights.size else weights
 
 
 def _read(path: Path, column: str, where: str) -> dict[str, str]:
     try:
-        table = pd.read_csv(path, dtype=str, keep_default_na=False, skipinitialspace=True, encoding="utf-8-sig")
-    except (ValueError, UnicodeError) as error:  # the parser's own errors are ValueErrors
+        with path.open(encoding="utf-8-sig", newline="") as file:
+            reader = csv.reader(file, skipinitialspace=True, strict=True)
+            rows = [(reader.line_num, [cell.strip() for cell in row]) for row in reader if any(map(str.strip, row))]
+    except (csv.Error, UnicodeError) as error:
         raise ConfigError(f"{where}: {path}: expected a CSV table with the columns record, {column}: {error}") from None
-    table.columns = table.columns.str.strip()
-    if missing := [name for name in ("record", column) if name not in table.columns]:
+    if not rows:
+        raise ConfigError(f"{where}: {path}: expected a CSV table with the columns record, {column}; it is empty")
+    header = rows[0][1]
+    if missing := [name for name in ("record", column) if name not in header]:
         raise ConfigError(
             f"{where}: {path}: expected the columns record, {column}; "
-            f"no column {' and '.join(missing)} among {', '.join(map(str, table.columns))}"
+            f"no column {' and '.join(missing)} among {', '.join(header)}"
         )
-    names, values = table["record"].str.strip().tolist(), table[column].str.strip().tolist()
-    for line, (name, value) in enumerate(zip(names, values, strict=True), start=2):
+    found: dict[str, str] = {}
+    for line, row in rows[1:]:
+        if len(row) > len(header):
+            raise ConfigError(
+                f"{where}: {path}: row {line}: expected the {len(header)} cells of the header, found {len(row)}; "
+                "a comma within a cell needs quotes"
+            )
+        cells = dict(zip(header, row, strict=False))
+        name, value = cells.get("record", ""), cells.get(column, "")
         if not name or not value:
             raise ConfigError(f"{where}: {path}: row {line}: expected a record and its {column}, found an empty cell")
-    if twice := sorted({name for name in names if names.count(name) > 1}):
-        raise ConfigError(f"{where}: {path}: more than one row for {', '.join(twice[:5])}")
-    return dict(zip(names, values, strict=True))
+        if name in found:
+            raise ConfigError(f"{where}: {path}: row {line}: more than one row for {name}")
+        found[name] = value
+    return found

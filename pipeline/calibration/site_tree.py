@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from rockpulse.calibration.site_coverage import coverage_of, leave_one_event_out
+from rockpulse.calibration.site_coverage import coverage_of, judged, leave_one_event_out, unjudged_events
 from rockpulse.calibration.site_design import (
     BEYOND,
     PARAMETERS,
@@ -17,8 +17,9 @@ from rockpulse.calibration.site_design import (
     covered,
     design_sequence,
     main_impulse_interval,
+    overturning_limit,
 )
-from rockpulse.calibration.site_record import SiteRecord
+from rockpulse.calibration.site_record import SiteRecord, rotation_to_cover
 from rockpulse.calibration.site_remarks import site_remarks
 from rockpulse.calibration.site_statistics import correlation, event_draws, fit_lognormal, weighted_quantile
 from rockpulse.calibration.site_variables import (
@@ -85,7 +86,7 @@ def build_site_tree(
     peaks = np.array([one.peaks for one in done])
     sample = SiteSample(
         values=np.array([one.values for one in done]),
-        peaks=np.where(peaks == 0.0, np.nan, peaks),
+        peaks=rotation_to_cover(peaks),
         weights=weights,
         events=numbers,
         blocks=blocks,
@@ -99,23 +100,33 @@ def build_site_tree(
     marks = left_out.covered
     coverage = coverage_of(marks, sample, settings.confidence)
     in_sample = covered(fitted, design)
-    counted = ~np.isnan(fitted.peaks)
+    per_parameter = _per_parameter(fitted, design, draws, config)
+    counted, rests = ~np.isnan(fitted.peaks), judged(marks, sample)
+    fallen, below = np.zeros(len(block_names), dtype=bool), math.nan
+    if settings.design == "response":
+        fallen, below = overturning_limit(fitted, design, settings.quantile)
     site: dict[str, Any] = {
         "quantile": settings.quantile,
         "confidence": settings.confidence,
         "resamples": settings.bootstrap,
         "record_count": fitted.weights.size,
         "event_count": draws.shape[1],
+        "lifting_events": np.unique(fitted.events[counted.any(axis=1)]).size,
         "lifted_share": _weighted_share(counted, np.ones_like(counted), fitted.weights),
+        "unresolved_share": _weighted_share(np.isnan(peaks[weights > 0.0]), np.ones_like(counted), fitted.weights),
+        "design_set_by": ", ".join(np.array(block_names, dtype=str)[fallen].tolist()),
         "coverage": coverage[0],
         "coverage_lower": coverage[1],
         "coverage_upper": coverage[2],
+        "judged_pairs": np.count_nonzero(rests),
+        "judged_events": np.unique(numbers[rests.any(axis=1)]).size,
         "coverage_in_sample": coverage_of(in_sample, fitted, settings.confidence)[0],
         "coverage_all": coverage_of(marks, sample, settings.confidence, standing=False)[0],
         "standing_share": _weighted_share((in_sample != BEYOND) & counted, counted, fitted.weights),
     }
-    site["remarks"] = "\n".join([*remarks, *site_remarks(site, done, events, weights, config)])
-    per_parameter = _per_parameter(fitted, design, draws, config)
+    unjudged = {str(names[event]): reason for event, reason in unjudged_events(left_out, sample).items()}
+    told = site | {"share_below": below, "design_upper": per_parameter["design_upper"][0]}
+    site["remarks"] = "\n".join([*remarks, *site_remarks(told, done, events, weights, unjudged)])
     variables = {name: described((), site[name], meaning) for name, meaning in SITE.items()}
     variables |= {
         name: described(("parameter",), per_parameter[name], meaning) for name, meaning in PER_PARAMETER.items()

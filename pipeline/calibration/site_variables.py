@@ -90,8 +90,18 @@ PER_PARAMETER: dict[str, Meaning] = {
     "quantile_50": (float, _OF_PARAMETER, "weighted median of the records, a value that occurs"),
     "quantile_84": (float, _OF_PARAMETER, "weighted 84 % quantile of the records, a value that occurs"),
     "design": (float, _OF_PARAMETER, "design sequence"),
-    "design_lower": (float, _OF_PARAMETER, "lower end of the interval of the design's I, its shape kept; else NaN"),
-    "design_upper": (float, _OF_PARAMETER, "upper end of the interval of the design's I, its shape kept; else NaN"),
+    "design_lower": (
+        float,
+        _OF_PARAMETER,
+        "lower end of the interval of the design's I, its shape kept, by resamples on a grid of about 2 %; NaN where "
+        "not known and of the other parameters",
+    ),
+    "design_upper": (
+        float,
+        _OF_PARAMETER,
+        "upper end of the interval of the design's I, its shape kept, by resamples on a grid of about 2 %; inf where "
+        "the overturning of a block is all that bounds I, NaN of the other parameters",
+    ),
 }
 
 SITE: dict[str, Meaning] = {
@@ -100,10 +110,22 @@ SITE: dict[str, Meaning] = {
     "resamples": (int, "1", "bootstrap resamples of the events"),
     "record_count": (int, "1", "records of a weight above zero"),
     "event_count": (int, "1", "events of such records"),
+    "lifting_events": (int, "1", "those of these events that have a record which lifts a block"),
     "lifted_share": (
         float,
         "1",
-        "share of the pairs of record and block that count, for the record lifts the block and its answer is known",
+        "share of the pairs of record and block that count, for the record lifts the block",
+    ),
+    "unresolved_share": (
+        float,
+        "1",
+        "share of the pairs of record and block whose answer is not known; they count as overturned",
+    ),
+    "design_set_by": (
+        str,
+        "1",
+        "blocks whose overturning sets I: just below it they stand and the quantile is not covered; empty where "
+        "larger rotations reach the quantile",
     ),
     "coverage": (
         float,
@@ -113,6 +135,8 @@ SITE: dict[str, Meaning] = {
     ),
     "coverage_lower": (float, "1", "lower end of its interval, clustered by event"),
     "coverage_upper": (float, "1", "upper end of its interval, clustered by event"),
+    "judged_pairs": (int, "1", "pairs of record and block that the coverage rests on"),
+    "judged_events": (int, "1", "events that the coverage rests on"),
     "coverage_in_sample": (float, "1", "the same share by the design made of all records: no test of it"),
     "coverage_all": (
         float,

@@ -14,7 +14,9 @@ __all__ = ["VERB"]
 
 
 def _add_arguments(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("results", metavar="RESULTS", help="file of rockpulse assess, calibrate, fragility or study")
+    parser.add_argument(
+        "results", metavar="RESULTS", help="file of rockpulse assess, calibrate, fragility, rule judge or study"
+    )
     parser.add_argument("--record", metavar="ID", help="one record in detail")
     parser.add_argument("--block", metavar="NAME", help="one block in detail")
     parser.add_argument("--failures", action="store_true", help="what failed or was skipped, and why")
@@ -33,6 +35,8 @@ def _run(args: argparse.Namespace) -> int:
         return _inspect_fragility(tree, args)
     if "statements" in tree.children:
         return _inspect_study(tree, args)
+    if "rates" in tree.children:
+        return _inspect_rule(tree, args)
     summary = tree["summary"].to_dataset()
     parts = []
     if args.record is not None:
@@ -85,6 +89,21 @@ def _inspect_study(tree: xr.DataTree, args: argparse.Namespace) -> int:
             "which inspect shows whole"
         )
     print(study_overview(tree))
+    return 0
+
+
+def _inspect_rule(tree: xr.DataTree, args: argparse.Namespace) -> int:
+    from rockpulse.errors import ResultsError
+    from rockpulse.failure_overview import failure_list
+    from rockpulse.rule_overview import rule_overview
+
+    if args.record is not None or args.block is not None:
+        raise ResultsError(
+            f"{args.results}: --record and --block show results of 'rockpulse assess'; these are verdicts of the rule, "
+            "which inspect shows whole"
+        )
+    none = "nothing failed and nothing was skipped"
+    print((failure_list(tree) or none) if args.failures else rule_overview(tree))
     return 0
 
 

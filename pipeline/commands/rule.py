@@ -48,6 +48,7 @@ def _fit(args: argparse.Namespace) -> int:
 
     from rockpulse import __version__
     from rockpulse.accuracy_files import check_file
+    from rockpulse.calibration.rule_cases import PROCESSING
     from rockpulse.calibration.rule_judgement import fit_rules, judge_rules
     from rockpulse.file_set import FileSet
     from rockpulse.rule_overview import rule_overview, rule_text
@@ -64,9 +65,10 @@ def _fit(args: argparse.Namespace) -> int:
         "earthquakes": int(cases["event"].nunique()),
         "cases": len(cases),
         "overturnings": int(cases["overturns"].sum()),
+        "processing": PROCESSING,
         "records": sorted(cases["record"].unique()),
     }
-    text = rule_text({point: rule.factor for point, rule in rules.items()}, tree, provenance)
+    text = rule_text(rules, tree, provenance)
     with FileSet() as written:
         written.add(target, text.encode())
         written.commit()
@@ -99,8 +101,10 @@ def _cases(args: argparse.Namespace) -> tuple[pd.DataFrame, list[Failure]]:
     silent = True if args.quiet else None  # None: silent unless standard error is a terminal
     records, failures = read_all(args.paths, options.units, dt=options.dt)
     motions, left_out = strong_motions(records)
-    cases = rule_cases(motions, progress=lambda every: tqdm(every, desc="judging", unit=" channels", disable=silent))
-    return cases, [*failures, *left_out]
+    cases, refused = rule_cases(
+        motions, progress=lambda every: tqdm(every, desc="judging", unit=" channels", disable=silent)
+    )
+    return cases, [*failures, *left_out, *refused]
 
 
 def _report(args: argparse.Namespace, failures: list[Failure], text: str) -> int:

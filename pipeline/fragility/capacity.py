@@ -29,6 +29,8 @@ class RecordCapacity:
     factors : (s, m) or (r, m) ndarray
         Incremental analysis: first factor that reaches each limit state, inf where none does [-]. Stripes: the factors
         that were looked at.
+    step : (m,) ndarray or None
+        Ratio of neighbouring factors of the scan of an incremental analysis [-]; None for stripes.
     reached : (s, r, m) ndarray of int or None
         Stripes: whether the limit state was reached; None for an incremental analysis.
     """
@@ -38,6 +40,7 @@ class RecordCapacity:
     measures: np.ndarray
     qualities: dict[str, float]
     factors: np.ndarray
+    step: np.ndarray | None
     reached: np.ndarray | None
 
 
@@ -57,9 +60,9 @@ def record_capacity(scene: Scene, block: Block) -> RecordCapacity:
         Where the model refuses the numbers of the record.
     """
     settings = scene.config.fragility
-    reached = None
+    step = reached = None
     if settings.data == "ida":
-        factors = scale_capacities(
+        found = scale_capacities(
             scene,
             block,
             settings.limit_states,
@@ -67,6 +70,7 @@ def record_capacity(scene: Scene, block: Block) -> RecordCapacity:
             scene.config.search.factor_max,
             scene.config.search.points,
         )
+        factors, step = found.factors, found.step
     else:
         factors = np.ones((1, *block.shape))
         if settings.data == "stripes":
@@ -79,5 +83,6 @@ def record_capacity(scene: Scene, block: Block) -> RecordCapacity:
         measures=record_measures(scene, block, settings.measures),
         qualities=record_qualities(scene),
         factors=factors,
+        step=step,
         reached=reached,
     )

@@ -17,7 +17,17 @@ from scipy.stats import t as student
 from rockpulse.errors import ConfigError
 from rockpulse.fragility.likelihood import FAMILIES, Family, maximise
 from rockpulse.fragility.observations import ABOVE, EXACT, NOT_ABOVE, Observations
-from rockpulse.fragility.statements import FEWEST_EVENTS, STATEMENTS, Band, Status, band_statement, missing
+from rockpulse.fragility.statements import (
+    FEWEST_EVENTS,
+    STATEMENTS,
+    Band,
+    Extrapolated,
+    Status,
+    band_statement,
+    extrapolated,
+    extrapolation_statement,
+    missing,
+)
 
 __all__ = [
     "Curve",
@@ -38,8 +48,10 @@ class Curve:
     ----------
     status, band : Status, Band
         What there is.
+    extrapolated : Extrapolated
+        Whether the median lies beyond every level looked at.
     statement : str
-        The same in words; empty where curve and band are given.
+        The same in words; empty where curve and band are given and the median lies among the levels.
     records, events, observations, reached : int
         Number of records, of events, of rows, and of rows whose capacity is known or not above the level.
     median : float
@@ -54,6 +66,7 @@ class Curve:
 
     status: Status
     band: Band
+    extrapolated: Extrapolated
     statement: str
     records: int
     events: int
@@ -245,10 +258,15 @@ def fit_curve(rows: Observations, model: str = "lognormal", confidence: float = 
         median, low, high = (np.exp(values) for values in (estimates[0], estimates[0] - half, estimates[0] + half))
     if status == Status.STEP:
         median = np.array([rows.level[rows.kind == EXACT][0], 0.0])
+    if status == Status.FITTED:
+        remarks = [band_statement(band, rows, theta[:, 1]), extrapolation_statement(median[0], rows)]
+    else:
+        remarks = [STATEMENTS[status](rows)]
     return Curve(
         status=status,
         band=band,
-        statement=STATEMENTS[status](rows) if status != Status.FITTED else band_statement(band, rows, theta[:, 1]),
+        extrapolated=extrapolated(median[0], rows) if status == Status.FITTED else Extrapolated.NO,
+        statement="; ".join(remark for remark in remarks if remark),
         records=rows.records,
         events=events,
         observations=rows.level.size,

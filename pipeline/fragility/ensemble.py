@@ -34,6 +34,8 @@ class Ensemble:
         In the order of :data:`rockpulse.fragility.measures.QUALITIES`.
     factors : (n, s, m) or (n, r, m) ndarray
         First factor that reaches each limit state, inf where none does; or the r factors that were looked at [-].
+    step : (n, m) ndarray or None
+        Ratio of neighbouring factors of the scan [-]; None where `factors` are not capacities.
     reached : (n, s, r, m) ndarray of int or None
         Whether the limit state was reached at them; None where `factors` are capacities.
     config : Config
@@ -45,6 +47,7 @@ class Ensemble:
     measures: np.ndarray
     qualities: np.ndarray
     factors: np.ndarray
+    step: np.ndarray | None
     reached: np.ndarray | None
     config: Config
 
@@ -100,6 +103,7 @@ def gather(done: Sequence[RecordCapacity], clusters: Sequence[str], lanes: int, 
         measures=np.array([one.measures for one in done]).reshape(-1, len(settings.measures), lanes),
         qualities=np.array([[one.qualities[name] for name in QUALITIES] for one in done]).reshape(-1, len(QUALITIES)),
         factors=np.array([one.factors for one in done]).reshape(-1, states if ida else stripes, lanes),
+        step=np.array([one.step for one in done], dtype=float).reshape(-1, lanes) if ida else None,
         reached=None if ida else np.array([one.reached for one in done]).reshape(-1, states, stripes, lanes),
         config=config,
     )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Literal, cast
 
 import numpy as np
@@ -14,10 +15,28 @@ from rockpulse.models.recorded import recorded_response
 from rockpulse.models.response import Outcome
 from rockpulse.scene import Scene
 
-__all__ = ["NOT_KNOWN", "limit_state_names", "reached_at", "scale_capacities"]
+__all__ = ["NOT_KNOWN", "Capacities", "limit_state_names", "reached_at", "scale_capacities"]
 
 #: Stands for a motion that the model cannot resolve.
 NOT_KNOWN = -1
+
+
+@dataclass(frozen=True, eq=False)
+class Capacities:
+    """What an incremental dynamic analysis of one record finds.
+
+    Attributes
+    ----------
+    factors : (s, m) ndarray
+        First factor on the record found to reach each limit state [-]; inf where none does up to the end of the search.
+        Rotation need not grow with the factor: above the first one the limit state may be left again.
+    step : (m,) ndarray
+        Ratio of neighbouring factors of the scan [-]: where a limit state is reached in a narrower interval only, the
+        factor is one that lies higher. One where nothing can be missed: uplift alone, or uplift beyond the search.
+    """
+
+    factors: np.ndarray
+    step: np.ndarray
 
 
 def limit_state_names(states: Sequence[str | float]) -> list[str]:
@@ -38,7 +57,7 @@ def limit_state_names(states: Sequence[str | float]) -> list[str]:
 
 def scale_capacities(
     scene: Scene, block: Block, states: Sequence[str | float], equation: str, factor_max: float, points: int
-) -> np.ndarray:
+) -> Capacities:
     """Incremental dynamic analysis of one record: the first factor at which each limit state is reached.
 
     Parameters
@@ -58,21 +77,19 @@ def scale_capacities(
 
     Returns
     -------
-    (s, m) ndarray
-        Factor on the record [-]; inf where the limit state is not reached up to `factor_max`. Rotation need not grow
-        with the factor: above the first one the limit state may be left again.
+    Capacities
 
     Notes
     -----
     Uplift is known in closed form. A factor that the model cannot resolve (free flight) counts as reached.
     """
     record, vertical = scene.record, _vertical(scene, equation)
-    capacities = np.empty((len(states), *block.shape))
+    capacities, step = np.empty((len(states), *block.shape)), np.ones(block.shape)
     for row, state in enumerate(states):
         if state == UPLIFT:
             factor = uplift_scale(block, record.acceleration, equation, vertical)
         else:
-            factor = critical_scale(
+            found = critical_scale(
                 block,
                 record.acceleration,
                 record.dt,
@@ -81,9 +98,10 @@ def scale_capacities(
                 level=None if state == OVERTURNING else float(state),
                 factor_max=factor_max,
                 points=points,
-            ).safety_factor
+            )
+            factor, step = found.safety_factor, found.step
         capacities[row] = np.where(factor <= factor_max, factor, np.inf)
-    return capacities
+    return Capacities(capacities, step)
 
 
 def reached_at(

@@ -16,7 +16,7 @@ from rockpulse.fragility.efficiency import dispersion_ratio
 from rockpulse.fragility.ensemble import Ensemble, Fits, fit_ensemble, gather
 from rockpulse.fragility.limit_states import NOT_KNOWN, limit_state_names
 from rockpulse.fragility.measures import MEASURES, QUALITIES
-from rockpulse.fragility.statements import Band, Status
+from rockpulse.fragility.statements import Band, Extrapolated, Status
 from rockpulse.fragility.variables import (
     BODY,
     CAPACITY,
@@ -29,6 +29,7 @@ from rockpulse.fragility.variables import (
     POOLED,
     QUALITY,
     RECORD,
+    SEARCH_STEP,
     STRENGTH,
     STRIPES,
     VALUE,
@@ -110,6 +111,7 @@ def _curves(fits: Fits, block: Block, measures: Sequence[str], coords: dict[str,
     variables = {name: described(dims, fits.of(name), meaning) for name, meaning in CURVE.items()}
     _flag(variables["status"], [status.name.lower() for status in Status])
     _flag(variables["band"], [band.name.lower() for band in Band])
+    _flag(variables["extrapolated"], [side.name.lower() for side in Extrapolated])
     level, probability = _grid(fits)
     variables["level"] = described(("block", "measure", "point"), level, LEVEL)
     for name, table in zip(GRID, probability, strict=True):
@@ -151,7 +153,11 @@ def _capacities(done: Sequence[RecordCapacity], data: Ensemble, coords: dict[str
             "factor": described(dims, factors, CAPACITY["factor"]),
             "reached": described(dims, np.isfinite(factors), CAPACITY["reached"]),
         }
-        variables["factor"].attrs["comment"] = f"searched up to a factor of {data.config.search.factor_max:g}"
+        variables["factor"].attrs["comment"] = (
+            f"searched up to a factor of {data.config.search.factor_max:g} with {data.config.search.points} factors on "
+            "each body, in steps of search_step; where a limit state is reached in a narrower interval only, too high"
+        )
+        variables["search_step"] = described(("record", "block"), data.step, SEARCH_STEP)
         _flag(variables["reached"], ["above_the_search", "reached"])
     else:
         variables = {
@@ -169,7 +175,11 @@ def _capacities(done: Sequence[RecordCapacity], data: Ensemble, coords: dict[str
     }
     for name, meaning in RECORD.items():
         variables[name] = described(("record",), columns[name], meaning)
-    return xr.Dataset(variables, {**record, **coords})
+    capacities = xr.Dataset(variables, {**record, **coords})
+    if data.reached is None:
+        capacities.attrs["points"] = data.config.search.points
+        capacities.attrs["factor_max"] = data.config.search.factor_max
+    return capacities
 
 
 def _efficiency(single: Fits, pooled: Fits, measures: Sequence[str], coords: dict[str, xr.Variable]) -> xr.Dataset:
@@ -194,6 +204,7 @@ def _efficiency(single: Fits, pooled: Fits, measures: Sequence[str], coords: dic
     )
     for name, meaning in POOLED.items():
         variables[f"pooled_{name}"] = described(dims[1:], pooled.of(name)[0], meaning)
+    _flag(variables["pooled_extrapolated"], [side.name.lower() for side in Extrapolated])
     qualities = _labels("quality", [*QUALITIES, STRENGTH], "quality of the record; strength: the measure at factor 1")
     return xr.Dataset(variables, {**coords, "quality": qualities})
 

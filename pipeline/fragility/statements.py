@@ -10,7 +10,17 @@ import numpy as np
 from rockpulse.fragility.likelihood import has_maximum
 from rockpulse.fragility.observations import ABOVE, EXACT, NOT_ABOVE, Observations
 
-__all__ = ["FEWEST_EVENTS", "STATEMENTS", "Band", "Status", "band_statement", "missing"]
+__all__ = [
+    "FEWEST_EVENTS",
+    "STATEMENTS",
+    "Band",
+    "Extrapolated",
+    "Status",
+    "band_statement",
+    "extrapolated",
+    "extrapolation_statement",
+    "missing",
+]
 
 #: Below this number of events a band is not given.
 FEWEST_EVENTS = 3
@@ -44,6 +54,14 @@ class Band(IntEnum):
     RESTS_ON_ONE_EVENT = 4
 
 
+class Extrapolated(IntEnum):
+    """Whether the median lies among the levels looked at."""
+
+    NO = 0
+    ABOVE = 1
+    BELOW = 2
+
+
 def missing(rows: Observations) -> Status:
     """What the data lack for a curve, seen before any fit.
 
@@ -62,7 +80,7 @@ def missing(rows: Observations) -> Status:
         return Status.NOTHING_REACHED
     if np.all(rows.kind == NOT_ABOVE):
         return Status.EVERYTHING_REACHED
-    if known.size == 1 and np.count_nonzero(reached) == 1:
+    if np.unique(rows.record[reached]).size == 1:  # in however many rows: of several levels, or bodies put together
         return Status.ONE_REACHED
     if known.size and np.ptp(known) <= EQUAL * known[0]:
         above, below = rows.level[rows.kind == ABOVE], rows.level[rows.kind == NOT_ABOVE]
@@ -91,6 +109,41 @@ def band_statement(band: Band, rows: Observations, slopes: np.ndarray) -> str:
         alone = [name for name, b in zip(rows.events, slopes[1:], strict=True) if not b > 0.0]
         return f"no band: without the event {alone[0]} there would be no curve"
     return f"no band: the records come from {_several(len(rows.events), 'event')}, it needs {FEWEST_EVENTS}"
+
+
+def extrapolated(median: float, rows: Observations) -> Extrapolated:
+    """Whether the median of a curve lies above, or below, every level looked at.
+
+    Parameters
+    ----------
+    median : float
+        In the unit of the measure; NaN without a curve.
+    rows : Observations
+        What is known.
+    """
+    if median > np.max(rows.level, initial=0.0):
+        return Extrapolated.ABOVE
+    if median < np.min(rows.level, initial=np.inf):
+        return Extrapolated.BELOW
+    return Extrapolated.NO
+
+
+def extrapolation_statement(median: float, rows: Observations) -> str:
+    """What is said of a median beyond the data; nothing where it is among them.
+
+    Parameters
+    ----------
+    median, rows
+        As in :func:`extrapolated`.
+    """
+    side = extrapolated(median, rows)
+    if side == Extrapolated.NO:
+        return ""
+    reached = _several(np.unique(rows.record[rows.kind != ABOVE]).size, "record")
+    end = f"above every level looked at, up to {np.max(rows.level):.3g}"
+    if side == Extrapolated.BELOW:
+        end = f"below every level looked at, from {np.min(rows.level):.3g}"
+    return f"extrapolated: the median, {median:.3g}, lies {end}; {reached} of {rows.records} reached the limit state"
 
 
 def _several(number: int, what: str) -> str:
@@ -135,7 +188,7 @@ STATEMENTS = {
         f"{np.min(rows.level):.3g}; look at lower levels"
     ),
     Status.ONE_REACHED: lambda rows: (
-        f"no curve: one record only reached the limit state, at {rows.level[rows.kind == EXACT][0]:.3g}, of "
+        f"no curve: one record only reached the limit state, at {_range(rows.level[rows.kind != ABOVE])}, of "
         f"{rows.records}; a dispersion needs several"
     ),
     Status.STEP: lambda rows: (

@@ -19,6 +19,7 @@ __all__ = [
     "POOLED",
     "QUALITY",
     "RECORD",
+    "SEARCH_STEP",
     "STRENGTH",
     "STRIPES",
     "VALUE",
@@ -47,7 +48,8 @@ CURVE: dict[str, Meaning] = {
     "beta_high": (float, "1", "upper confidence limit of the dispersion"),
     "status": (np.int8, "1", "whether there is a curve, and why not"),
     "band": (np.int8, "1", "whether there are confidence limits, and why not"),
-    "statement": (str, "1", "status and band in words where something is missing"),
+    "extrapolated": (np.int8, "1", "whether the median lies beyond every level looked at"),
+    "statement": (str, "1", "status, band and extrapolation in words where there is something to say"),
     "records": (int, "1", "number of records"),
     "events": (int, "1", "number of earthquakes, over which the confidence limits are taken"),
     "observations": (int, "1", "number of capacities, or of scaled motions"),
@@ -74,6 +76,12 @@ RECORD: dict[str, Meaning] = {
 
 VALUE: Meaning = (float, OWN, "measure of the record at factor 1")
 
+SEARCH_STEP: Meaning = (
+    float,
+    "1",
+    "ratio of neighbouring factors of the search for rotations and overturning; 1: nothing to miss",
+)
+
 CAPACITY: dict[str, Meaning] = {
     "factor": (float, "1", "first factor on the record that reaches the limit state; inf where none does"),
     "reached": (np.int8, "1", "whether the limit state was reached up to the end of the search"),
@@ -92,7 +100,7 @@ EFFICIENCY: dict[str, Meaning] = {
 
 POOLED: dict[str, Meaning] = {
     **{name: CURVE[name] for name in ("median", "median_low", "median_high", "beta", "beta_low", "beta_high")},
-    "statement": CURVE["statement"],
+    **{name: CURVE[name] for name in ("extrapolated", "statement")},
 }
 
 QUALITY: dict[str, Meaning] = {

@@ -16,7 +16,7 @@ from rockpulse.models.sequence import ImpulseSequence, sequence_response
 from rockpulse.models.sequence_kernel import HALF_CYCLE_LIMIT
 from rockpulse.study.double_impulse import critical_double_impulse
 from rockpulse.study.paper_blocks import RADII, half_cycle_counts, paper_block
-from rockpulse.study.variables import FIGURE5, described_set
+from rockpulse.study.variables import FIGURE5, described_set, no_motion
 
 __all__ = ["LANES", "half_cycle_tables"]
 
@@ -105,6 +105,7 @@ def _columns(response: Response, shape: tuple[int, int], duration: float) -> dic
     answer = ("peak_rotation_ratio", "outcome", "overturning_half_cycle", "overturning_time", "ground_contact")
     found = {name: np.asarray(getattr(response, name)).reshape(shape) for name in answer}
     found["half_cycle_count"] = half_cycle_counts(response, duration).reshape(shape)
+    found["no_motion"] = no_motion(found["ground_contact"], found["peak_rotation_ratio"])
     for name, variable in _COLUMNS.items():
         column = getattr(response.half_cycles, name)
         found[variable] = np.moveaxis(column, 0, -1).reshape(*shape, -1)

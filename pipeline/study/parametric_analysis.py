@@ -21,7 +21,7 @@ from rockpulse.study.analysis_statements import ANALYSIS_STATEMENTS, ROUNDING
 from rockpulse.study.finding import examine, statement_table
 from rockpulse.study.options import axis, even_counts
 from rockpulse.study.paper_blocks import DURATION, GRAVITY, RADII, RESTITUTIONS, half_cycle_counts, paper_block
-from rockpulse.study.variables import FIGURE4, STUDY, described_set
+from rockpulse.study.variables import FIGURE4, STUDY, described_set, no_motion
 
 __all__ = ["COUNTS", "IMPULSE_RATIOS", "SECONDARY_RATIOS", "figure4"]
 
@@ -116,7 +116,7 @@ def figure4(
     figure.attrs["comment"] = (
         f"Input of {duration:g} s, p x duration = {', '.join(f'{duration * rate:.4g}' for rate in coords['p'])}. "
         "The paper states C, the duration and I_s/I of 0.3 to 0.7; the values of I/I_1c, n and the spacing of its "
-        "curves are not in its text."
+        "curves are not in its text." + _no_motions(figure)
     )
     findings = examine(figure, ANALYSIS_STATEMENTS)
     tree = xr.DataTree.from_dict({"/figure4": figure, "/statements": statement_table(findings)})
@@ -127,6 +127,24 @@ def figure4(
         gravity=GRAVITY,
     )
     return tree
+
+
+def _no_motions(figure: xr.Dataset) -> str:
+    """How many cases are no result, for the spacings that have some."""
+    words = []
+    for name in figure["spacing"].values.tolist():
+        own = figure.sel(spacing=name)
+        peak = own["peak_rotation_ratio"]
+        beyond = peak.where((peak > 1.0) & (peak < np.inf))
+        if bool((own["no_motion"] == 1).any()):
+            most = f", {int(beyond.count())} peaks beyond alpha_c, up to {float(beyond.max()):.3g}"
+            words.append(
+                f"{name} {int((own['no_motion'] == 1).sum())} of {peak.size} cases"
+                + (most if bool(beyond.notnull().any()) else "")
+            )
+    if not words:
+        return ""
+    return f" The closed form stands for no motion of a block, and no peak is a result (no_motion): {'; '.join(words)}."
 
 
 def _curves(
@@ -159,6 +177,7 @@ def _curves(
         "overturning_half_cycle": limited.overturning_half_cycle,
         "half_cycle_count": half_cycle_counts(limited, duration),
         "ground_contact": limited.ground_contact,
+        "no_motion": no_motion(limited.ground_contact, peak, last),
         "endless_peak_rotation_ratio": last,
         "duration_binds": ~free,
     }

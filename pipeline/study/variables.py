@@ -13,7 +13,7 @@ from rockpulse.variables import Meaning, described
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["AXES", "FIGURE4", "FIGURE5", "INTERVALS", "STATEMENTS", "STUDY", "VERDICTS", "described_set"]
+__all__ = ["AXES", "FIGURE4", "FIGURE5", "INTERVALS", "STATEMENTS", "STUDY", "VERDICTS", "described_set", "no_motion"]
 
 #: Root attribute `kind` of a study file.
 STUDY = "study"
@@ -42,6 +42,11 @@ _ANSWER: dict[str, Meaning] = {
         np.int8,
         "1",
         "whether the march passes through the ground inside a half-cycle, so that the closed form stands for no motion",
+    ),
+    "no_motion": (
+        np.int8,
+        "1",
+        "whether the closed form stands for no motion of a block: ground_contact, or a finite peak beyond alpha_c",
     ),
 }
 
@@ -105,11 +110,34 @@ VERDICTS = ("fails", "holds_in_part", "holds", "not_examined")
 _FLAGS: dict[str, Sequence[str]] = {
     "outcome": [outcome.name.lower() for outcome in Outcome],
     "ground_contact": ["clear", "passes_through"],
+    "no_motion": ["no", "yes"],
     "duration_binds": ["free", "binds"],
     "holds": ["no", "yes"],
     "all_hold": ["no", "yes"],
     "verdict": VERDICTS,
 }
+
+
+def no_motion(ground_contact: Any, *peaks: Any) -> np.ndarray:
+    """Where the closed form stands for no motion of a block: see the variable of that name.
+
+    Parameters
+    ----------
+    ground_contact : array_like of bool
+        Whether the march passes through the ground inside a half-cycle.
+    *peaks : array_like
+        Largest theta/alpha_c [-]; inf where the block overturns. A block beyond alpha_c does not come back: with
+        "start" x(T) = 0 has roots for velocities of up to 1 + I_s/I on motions that do (docs/decisions/016).
+
+    Examples
+    --------
+    >>> no_motion([False, False, False, True], [0.9, 1.1, np.inf, 0.5]).tolist()
+    [False, True, False, True]
+    """
+    flags = np.asarray(ground_contact, dtype=bool)
+    for peak in peaks:
+        flags = flags | (np.isfinite(peak) & (np.asarray(peak) > 1.0))
+    return flags
 
 
 def described_set(

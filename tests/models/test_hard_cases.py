@@ -26,6 +26,7 @@ from rockpulse.models import (
 )
 from rockpulse.models.main_sequence import critical_impulse_at
 from rockpulse.models.motion import CRITICAL_TOLERANCE
+from rockpulse.models.recorded_event import SLOW_IMPACTS
 
 ROUNDING = 1e-12
 NEAR = 1e-12  # how near to critical
@@ -140,6 +141,40 @@ def test_hops_that_never_end_are_unresolved_and_say_so(equation):
     block = block_of(2.0, 5.0, 1.0)
     response = answer(block, np.zeros(50), 0.01, equation=equation, initial_velocity=1e-9 * block.p * block.alpha_c)
     assert (response.outcome, response.reason) == (Outcome.UNRESOLVED, Reason.IMPACT_LIMIT)
+
+
+@pytest.mark.parametrize("equation", EQUATIONS)
+def test_slow_hops_of_a_lane_are_bounded_however_long_the_record(equation):
+    """C = 1, hops of 2e-5/p: 1000 in every sample, which no bound for one sample sees, and 1e8 in this record."""
+    speed = 1e-5  # over p alpha
+    block, lossy = block_of(2.0, 5.0, 1.0), block_of(2.0, 5.0, 0.999)
+    silence, dt = np.zeros(100_000), 0.01
+    start = speed * block.p * block.alpha_c
+    response = recorded_response(block, silence, dt, equation, initial_velocity=start)
+    per_sample = block.p * dt / (2.0 * speed)
+    assert (response.outcome, response.reason) == (Outcome.UNRESOLVED, Reason.IMPACT_LIMIT)
+    assert response.active_samples == pytest.approx(SLOW_IMPACTS / per_sample, rel=0.02)
+    short = silence[: int(0.25 * SLOW_IMPACTS / per_sample)]
+    followed = recorded_response(block, short, dt, equation, initial_velocity=start)
+    assert (followed.outcome, followed.impacts) == (Outcome.ROCKS, 0)
+    resting = recorded_response(lossy, silence, dt, equation, initial_velocity=start)
+    assert (resting.outcome, resting.active_samples) == (Outcome.ROCKS, 1)
+
+
+@pytest.mark.parametrize("equation", EQUATIONS)
+def test_slow_hops_in_a_weak_motion_are_bounded_too(equation):
+    """One sample 1 % above uplift in 500 s of half of it: hops too slow to be counted go on through all the rest."""
+    block, lossy = block_of(2.0, 5.0, 1.0), block_of(2.0, 5.0, 0.999)
+    dt = 0.01
+    uplift = block.gravity * (block.alpha_c if equation == "linear" else math.tan(block.alpha_c))
+    weak = 0.5 * uplift * np.sin(2.0 * math.pi * 1.3 * dt * np.arange(50_000))
+    weak[100] = 1.01 * uplift
+    response = recorded_response(block, weak, dt, equation)
+    assert (response.outcome, response.reason) == (Outcome.UNRESOLVED, Reason.IMPACT_LIMIT)
+    assert response.active_samples < 0.2 * weak.size
+    resting = recorded_response(lossy, weak, dt, equation)
+    assert (resting.outcome, resting.impacts) == (Outcome.ROCKS, 0)
+    assert resting.active_samples < 20
 
 
 @pytest.mark.parametrize("restitution", [0.3, 0.6, 0.9])

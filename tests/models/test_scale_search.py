@@ -1,5 +1,7 @@
 """Intervals of exceedance on functions whose edges are known."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -53,13 +55,30 @@ def test_a_start_beyond_the_search_is_not_asked_for(start):
 
     found = exceedance_intervals(never, [start], 10.0, 64)
     assert (found.safety_factor[0], found.safe_up_to[0]) == (np.inf, 10.0)
-    assert np.isnan(found.step[0])
+    assert found.step[0] == 1.0  # known without a search: nothing is missed
 
 
 def test_a_lane_that_exceeds_from_the_start_has_that_edge():
     found = exceedance_intervals(bands((0.5, 99.0)), [0.5], 10.0, 64)
     assert found.safety_factor[0] == found.safe_up_to[0] == found.lower[0] == 0.5
     assert found.open[0]
+
+
+def test_what_has_no_answer_counts_as_exceeding():
+    def answers(lanes, factors):
+        return np.where((factors > 1.234) & (factors < 5.0), np.nan, np.where(factors > 7.0, 2.0, 0.5))
+
+    found = exceedance_intervals(answers, [0.1], 10.0, 64)
+    assert found.lower == pytest.approx([1.234, 7.0], rel=1e-6)
+    assert found.upper == pytest.approx([5.0, 10.0], rel=1e-6)
+
+
+def test_a_factor_is_resolved_unless_the_first_interval_of_its_lane_is_not():
+    found = exceedance_intervals(bands((1.0, 2.0), (4.0, 5.0)), [0.1, 0.2, 20.0, 0.3], 10.0, 64)
+    assert list(found.lane) == [0, 0, 1, 1, 3, 3]
+    assert found.factor_resolved.all()
+    found = replace(found, resolved=np.array([False, True, True, False, False, False]))
+    assert list(found.factor_resolved) == [False, True, True, False]
 
 
 def test_no_lane_has_no_interval():
@@ -117,7 +136,11 @@ def test_many_lanes_give_what_each_alone_gives():
         (([np.nan], 10.0, 64), "start: expected positive"),
         (([0.5], np.inf, 64), "factor_max: expected a positive number"),
         (([0.5], 0.0, 64), "factor_max: expected a positive number"),
-        (([0.5], 10.0, 1), "points: expected at least 2"),
+        ((0.5, 10.0, 64), "start: expected one factor for each lane, .* got shape"),
+        (([0.5], 10.0, 1), "points: expected whole numbers from 2"),
+        (([0.5], 10.0, 64.5), "points: expected whole numbers from 2"),
+        (([0.5], 10.0, np.nan), "points: expected whole numbers from 2"),
+        (([0.5], 10.0, 1e11), "points: expected whole numbers from 2"),
         (([0.5], 10.0, 64, 0.0), "tolerance: expected at least 1e-12"),
     ],
 )

@@ -81,6 +81,9 @@ def test_every_model_has_a_safety_factor_and_what_goes_with_it(tree):
     assert np.all(factor > 0.0)
     assert np.all(summary["safe_up_to"] <= np.minimum(factor, 10.0))
     assert np.all((summary["interval_count"] > 0) == np.isfinite(factor))
+    assert np.all(summary["factor_resolved"] == 1)
+    flag = summary["factor_resolved"].attrs
+    assert (flag["flag_meanings"], flag["flag_values"].tolist()) == ("not_computed no yes", [-1, 0, 1])
     assert np.array_equal(
         summary["capacity_pga"].where(np.isfinite(factor), 0.0),
         (factor * summary["pga"]).where(np.isfinite(factor), 0.0),
@@ -114,6 +117,8 @@ def test_models_left_out_of_the_search_have_no_factor():
     assert np.all(np.isnan(tree["summary"]["safety_factor"]))
     assert np.all(np.isnan(tree["summary"]["capacity_pga"]))
     assert np.all(tree["summary"]["interval_count"] == -1)
+    assert np.all(tree["summary"]["factor_resolved"] == -1)
+    assert np.all(np.isnan(tree["summary"]["search_step"]))
     assert tree["overturning_intervals"].sizes["interval"] == 0
     assert "demand" not in tree["summary"].dims
 
@@ -252,7 +257,8 @@ def test_body_beyond_the_reach_of_the_sequence_leaves_the_others_their_answers()
     island = BlockSettings(name="island", width=1e9, height=1e10)
     summary = assess([record("one")], Config(blocks=(WALL, island)))["summary"].sel(record="one")
     assert summary["reason"].sel(block="island", model="sequence") == Reason.SHORT_INTERVAL
-    assert np.isnan(summary["safety_factor"].sel(block="island", model="sequence"))
+    island = summary.sel(block="island", model="sequence")
+    assert (island["safety_factor"], island["interval_count"], island["search_step"]) == (np.inf, 0, 1.0)
     assert summary["outcome"].sel(block="island", model="nonlinear") == Outcome.ROCKS
     assert np.all(summary["outcome"].sel(block="wall") != Outcome.UNRESOLVED)
 

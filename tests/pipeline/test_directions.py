@@ -1,5 +1,6 @@
 """Which motions are assessed, and what the answers of all directions come to."""
 
+from dataclasses import replace
 from datetime import UTC, datetime
 
 import numpy as np
@@ -7,6 +8,7 @@ import pytest
 
 from rockpulse.assessment import assess
 from rockpulse.body import BlockSettings
+from rockpulse.capacity_overview import smallest_capacities
 from rockpulse.config import Config
 from rockpulse.direction_overview import direction_table
 from rockpulse.direction_statistics import largest_over, median_over, smallest_over
@@ -15,7 +17,7 @@ from rockpulse.half_wave import half_waves
 from rockpulse.models import Outcome
 from rockpulse.overview import overview
 from rockpulse.record import Record
-from rockpulse.settings import IntensePhaseSettings, ModelSettings, RecordSettings
+from rockpulse.settings import DemandSettings, IntensePhaseSettings, ModelSettings, RecordSettings
 
 START = datetime(2019, 7, 6, 3, 19, 53, tzinfo=UTC)
 DT = 0.01
@@ -212,6 +214,28 @@ def test_the_overview_of_a_sweep_is_one_table_for_each_pair(tree):
     assert "Median and largest over 9 directions" in text
     assert "OVERTURNS" in text
     assert "upper-bound type input" in text
+
+
+def test_the_overview_of_a_sweep_shows_the_smallest_factor_and_capacity_over_direction():
+    demands = (DemandSettings(name="collapse", acceleration=2.5),)
+    options = config("sweep", (WALL,), ModelSettings(use=("nonlinear",)), azimuth_step=20.0)
+    tree = assess([channel(90.0), channel(0.0)], replace(options, demands=demands))
+    summary, directions = tree["summary"].to_dataset(), tree["directions"].to_dataset()
+    found = directions.isel(pair=0, block=0, model=0)
+    factor, azimuth = found["smallest_safety_factor"].item(), found["safety_factor_azimuth"].item()
+    text = overview(tree)
+    rows = [line.split() for line in text.splitlines() if line.startswith("  wall")]
+    assert rows[0][5:7] == [f"{factor:.2f}", f"{azimuth:g}°"]
+    assert "SF: smallest factor on the record, over direction, at which the block overturns" in text
+    assert "of the pairs, each in its worst direction" in " ".join(text.split())
+    capacity = f"{summary['capacity_ratio'].min().item():.2f}"
+    assert rows[1][2:] == [f"{capacity},", capacity]
+    assert "SF" not in direction_table(summary.drop_vars("safety_factor"), directions)
+    summary["factor_resolved"][int(np.argmin(summary["safety_factor"].values))] = 0
+    marked = direction_table(summary, directions)
+    assert next(line for line in marked.splitlines() if line.startswith("  wall")).split()[5] == f"{factor:.2f}!"
+    directions["record_index"][0, 0] = -1
+    assert "not known" in smallest_capacities(summary, "nonlinear", directions)
 
 
 INF, NAN = np.inf, np.nan

@@ -193,6 +193,49 @@ def test_what_a_search_may_miss_is_said(searched):
     assert "step of the search (up to 4.7%)" in " ".join(verdict_table(searched).split())
 
 
+def test_a_closed_form_misses_nothing_and_a_sequence_is_searched_in_steps(searched):
+    searched["search_step"] = xr.full_like(searched["safety_factor"], 1.0)
+    assert "Bands narrower" not in verdict_table(searched)
+    searched["search_step"][:] = 1.005
+    renamed = searched.assign_coords(model=("model", ["linear", "resonance", "sequence"]))
+    assert "(up to 0.5%) may lie below it: [search] step." in " ".join(verdict_table(renamed).split())
+    assert "[search] points." in " ".join(verdict_table(searched).split())
+
+
+def test_notes_count_what_is_shown(searched):
+    for shown, words in (({"records": RECORDS[:1]}, "(1 of 3, up to 3"), ({"blocks": BLOCKS[1:2]}, "(1 of 3, up to 3")):
+        text = " ".join(verdict_table(searched, **shown).split())
+        assert words in text
+        assert "1 with SF below 1 that rock" in text
+    text = " ".join(verdict_table(searched, records=RECORDS[1:]).split())
+    assert "SF: smallest" in text
+    assert "monotonic" not in text
+    assert "SF below 1" not in text
+    several = results_tree(2)["summary"].to_dataset()
+    several["safety_factor"][:] = 0.9
+    assert "7 with SF below 1 that rock" in verdict_table(several.assign(interval_count=several["outcome"] * 0 + 1))
+
+
+def test_a_factor_at_which_the_model_cannot_answer_is_marked_and_explained(searched):
+    searched["factor_resolved"] = xr.full_like(searched["outcome"], 1)
+    assert "!" not in verdict_table(searched) + factor_table(searched)
+    searched["factor_resolved"][0, :2, 2] = 0
+    text = verdict_table(searched)
+    assert row(text, "boundary wall", RECORDS[0])[-1] == "1.70!"
+    assert row(text, "column", RECORDS[0])[-1] == "0.84!+"
+    assert "!: from this factor on the model cannot answer, as in free flight (2 of 9)" in " ".join(text.split())
+    assert "overturns them, or may (!); do not" in " ".join(text.split())
+    assert row(factor_table(searched), "column", RECORDS[0])[-2:] == ["0.84!", "(3)"]
+    assert "!: a lower bound" in factor_table(searched)
+    ends = {len(line.rstrip("!+")) for line in text.splitlines() if line.startswith(("  column", "  boundary wall"))}
+    assert len(ends) == 1  # the marks stand beyond the numbers
+
+
+def test_a_sequence_in_place_of_a_record_is_named(searched):
+    searched["npts"][:] = -1
+    assert "SF: smallest factor on the main impulse" in verdict_table(searched)
+
+
 def test_without_a_search_there_is_no_column_of_factors(summary):
     assert "SF" not in verdict_table(summary)
     assert "SF" not in verdict_table(summary.drop_vars("safety_factor"))
@@ -225,6 +268,19 @@ def test_capacities_are_compared_with_every_demand(searched):
     assert row(text, "boundary wall")[1:] == ["0.60,", "1.50", "0.24,", "0.60"]
     assert row(text, "column")[1:] == ["0.60,", "1.50", "0.24,", "0.60"]
     assert row(text, "cabinet")[1:] == ["-", "-"]
+
+
+def test_a_capacity_that_rests_on_a_lower_bound_is_marked(searched):
+    summary = with_demands(searched)
+    summary["factor_resolved"] = xr.full_like(summary["outcome"], 1)
+    summary["factor_resolved"][0, 0, 2], summary["factor_resolved"][1, 1, 2] = 0, 0
+    text = smallest_capacities(summary, "nonlinear")
+    assert row(text, "boundary wall")[1:] == ["0.60!,", "1.50!", "0.24!,", "0.60!"]  # of 0.6 or more, 1.5 and none
+    assert row(text, "column")[1:] == ["0.60,", "1.50!", "0.24,", "0.60!"]
+    assert "!: a lower bound" in " ".join(text.split())
+    assert "-: not known; left out where others are (3 of the records)" in " ".join(text.split())
+    summary["factor_resolved"][:] = 1
+    assert "!" not in smallest_capacities(summary, "nonlinear")
 
 
 def test_the_overview_shows_capacities_only_where_something_is_demanded(searched):

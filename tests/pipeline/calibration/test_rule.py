@@ -11,6 +11,7 @@ from rockpulse.calibration.rule import (
     POINTS,
     Rule,
     load_rule,
+    rule_applicable,
     rule_demand,
     rule_safety_factor,
     rule_sequence,
@@ -115,6 +116,9 @@ def test_the_shipped_points_differ_by_their_factor_only():
         ("[balanced]\nfactor = -1.0", "positive"),
         ("[balanced", "no TOML"),
         ("[conservative]\nfactor = 1.0", r"\[balanced\] factor"),
+        ("[balanced]\nfactor = 1.0", r"\[range\]"),
+        ("[range]\np = [2.0, 1.0]\n[balanced]\nfactor = 1.0", r"\[range\] p"),
+        ("[range]\nq = [1.0, 2.0]\n[balanced]\nfactor = 1.0", "slenderness"),
     ],
 )
 def test_a_file_that_holds_no_rule_is_refused(tmp_path, text, words):
@@ -122,6 +126,53 @@ def test_a_file_that_holds_no_rule_is_refused(tmp_path, text, words):
     path.write_text(text)
     with pytest.raises(ConfigError, match=words):
         load_rule("balanced", path)
+
+
+def test_the_range_is_that_of_the_bodies_of_the_fit():
+    from rockpulse.model_form import blocks
+
+    rule = load_rule()
+    assert rule_applicable(blocks(), rule).all()
+    alpha = np.arctan(1.0 / 8.0)
+    usual = {"p": 2.0, "alpha": alpha, "restitution": 1.0 - 1.5 * np.sin(alpha) ** 2}
+    for other, inside in (
+        ({}, True),
+        ({"p": 1.34}, False),
+        ({"p": 2.72}, True),  # within the slack
+        ({"p": 2.75}, False),
+        ({"restitution": 0.9 * usual["restitution"]}, False),
+        ({"restitution": 0.98}, True),
+        ({"alpha": np.arctan(1.0 / 3.5)}, False),
+        ({"alpha": np.arctan(1.0 / 13.0)}, False),
+    ):
+        assert rule_applicable(Block.from_parameters(**usual | other), rule).tolist() == [inside], other
+    assert rule_applicable(Block(0.5, 0.3, restitution=0.5), rule).tolist() == [False]  # no Housner's C
+    assert rule_applicable(Block(0.5, 0.6), Rule("balanced", 1.0)).tolist() == [True]
+
+
+def test_assessments_mark_bodies_unlike_those_of_the_fit():
+    config = rp.Config()
+    config = replace(config, models=replace(config.models, use=("balanced", "conservative", "linear")))
+    record = rp.Record(synthetic_motion(4, duration=12.0, pga=3.5), dt=0.01, id="four", processed=True)
+    bodies = {"pier": Block(0.2, 1.6), "tiny": Block(0.02, 0.16), "soft": Block(0.2, 1.6, restitution=0.6)}
+    summary = rp.assess([record], config, blocks=bodies)["summary"]
+    assert summary["applicable"].values[0].tolist() == [[1, 1, 1], [0, 0, 1], [0, 0, 1]]
+    warnings = str(summary["warnings"].values[0])
+    assert "balanced: 2 of 3 bodies lie outside" in warnings
+    assert "slenderness 4 to 12" in warnings
+    fine = rp.assess([record], config, blocks={"pier": bodies["pier"]})["summary"]
+    assert "outside" not in str(fine["warnings"].values[0])
+
+
+def test_a_record_with_impossible_numbers_is_a_row_of_failures():
+    config = replace(rp.Config(), models=replace(rp.Config().models, use=("balanced",)))
+    huge = rp.Record(1e8 * np.sin(0.1 * np.arange(500)), dt=0.01, id="huge", processed=True)
+    fine = rp.Record(synthetic_motion(4, duration=12.0, pga=3.5), dt=0.01, id="fine", processed=True)
+    tree = rp.assess([huge, fine], config, blocks={"pier": Block(0.2, 1.6)})
+    assert tree["summary"]["record"].values.tolist() == ["fine"]
+    (reason,) = tree["failures"]["reason"].values
+    assert reason.startswith("huge: acceleration")
+    assert "m/s2" in reason
 
 
 def test_an_unknown_point_is_refused():

@@ -6,7 +6,7 @@ import pytest
 
 import rockpulse as rp
 from rockpulse.calibration.rule import POINTS, Rule, load_rule
-from rockpulse.calibration.rule_cases import StrongMotion, motion_cases, rule_cases, strong_motions
+from rockpulse.calibration.rule_cases import TRUTH, StrongMotion, motion_cases, rule_cases, strong_motions
 from rockpulse.calibration.rule_judgement import fit_rules, judge_rules, too_few
 from rockpulse.errors import ConfigError
 from rockpulse.intensity import pgv
@@ -58,7 +58,7 @@ def test_the_factor_misses_no_more_than_its_share():
 
 def test_a_case_is_judged_by_limits_without_its_earthquake():
     cases = made_up()
-    tree = judge_rules(cases, GIVEN)
+    tree = judge_rules(cases, GIVEN, resamples=40)
     stored = table(tree, "cases")
     for event in ("event 0", "event 3"):
         out = cases["event"] == event
@@ -81,7 +81,7 @@ def test_a_case_is_judged_by_limits_without_its_earthquake():
 def test_both_scores_go_through_the_same_protocol():
     cases = made_up()
     swapped = cases.assign(march=cases["velocity_ratio"], velocity_ratio=cases["march"])
-    one, other = (table(judge_rules(some, {}), "at_missed") for some in (cases, swapped))
+    one, other = (table(judge_rules(some, {}, resamples=40), "at_missed") for some in (cases, swapped))
     for name in ("march", "velocity_ratio"):
         assert np.array_equal(one[name], other["march" if name == "velocity_ratio" else "velocity_ratio"])
     assert np.allclose(one["difference"], -other["difference"])
@@ -90,7 +90,7 @@ def test_both_scores_go_through_the_same_protocol():
 
 def test_peaks_are_those_of_the_sequence():
     cases = made_up().assign(march=0.6, overturns=np.arange(300) % 3 == 0, peak=0.3)
-    rates = table(judge_rules(cases, {"balanced": Rule("balanced", 1.0)}), "rates")
+    rates = table(judge_rules(cases, {"balanced": Rule("balanced", 1.0)}, resamples=2), "rates")
     given = rates[rates.kind == "as-given"].iloc[0]
     assert given.peaks == 200
     assert given.peak_bias == pytest.approx((1.0 - 0.8) / 0.3)
@@ -115,13 +115,15 @@ def test_a_small_ensemble_gets_a_statement_not_a_number():
 def test_the_text_of_a_rule_loads_back_to_it(tmp_path):
     cases = made_up()
     rules = fit_rules(cases)
-    tree = judge_rules(cases, rules)
+    tree = judge_rules(cases, rules, resamples=40)
     path = tmp_path / "rule.toml"
-    path.write_text(
-        rule_text({point: rule.factor for point, rule in rules.items()}, tree, {"records": ['a "b"'], "n": 3})
-    )
+    path.write_text(rule_text(rules, tree, {"records": ['a "b"'], "n": 3}))
     for point, rule in rules.items():
-        assert load_rule(point, path).factor == pytest.approx(rule.factor, rel=1e-5)
+        loaded = load_rule(point, path)
+        assert loaded.factor == pytest.approx(rule.factor, rel=1e-5)
+        assert loaded.within.keys() == rule.within.keys()
+        for name, ends in rule.within.items():
+            assert loaded.within[name] == pytest.approx(ends, rel=1e-5)
     shown = rule_overview(tree)
     assert "left-out" in shown
     assert "area under the curve" in shown
@@ -142,10 +144,74 @@ def test_the_protocol_takes_strong_horizontal_channels(ridgecrest):
         assert record.pga > 0.15 * 9.80665
 
 
+def test_the_protocol_gives_these_figures_on_a_sample(ridgecrest):
+    # Pinned: another order, band, taper, stretch or spread of the copies gives others by more than the tolerance.
+    (motion,), _ = strong_motions([record for record in ridgecrest if record.id.startswith("CI.CCC..90")])
+    cases = motion_cases(motion)
+    assert motion.record.pga == pytest.approx(5.06060, rel=1e-5)
+    case = cases[np.isclose(cases.slenderness, 8.0) & np.isclose(cases.radius, 2.0) & (cases.scale == 1.0)].iloc[0]
+    assert case.uplift_ratio == pytest.approx(motion.record.pga * 8.0 / 9.80665)
+    assert case.velocity_ratio == pytest.approx(0.649399, rel=1e-5)
+    assert case.march == pytest.approx(1.32787, rel=2e-3)  # one copy that flips by rounding moves it by 0.7 %
+    assert (len(cases), int(cases.overturns.sum())) == (24, 5)
+    frequency = np.sqrt(0.75 * 9.80665 / 2.0)
+    assert case.velocity_ratio == pytest.approx(frequency * pgv(motion.record) * 8.0 / 9.80665)
+    truths = cases.filter(regex=f"^{TRUTH}")
+    assert truths.shape == (24, 10)
+    assert np.array_equal(truths, motion_cases(motion).filter(regex=f"^{TRUTH}"))
+    assert 0.0 < truths.ne(cases.overturns, axis=0).to_numpy().mean() < 0.2
+
+
+def test_nobody_raises_an_alarm_where_nothing_lifts_but_the_score_without_that_condition():
+    cases = made_up()
+    sleeping = ~cases["overturns"] & (cases["slenderness"].index % 2 == 0)
+    shaken = cases.assign(uplift_ratio=np.where(sleeping, 0.9, 10.0))
+    shaken.loc[sleeping, ["march", "velocity_ratio", "peak"]] = 1e3, 1e3, 0.0
+    rates = table(judge_rules(shaken, GIVEN, resamples=2), "rates").set_index(["score", "kind", "point"])
+    for key, row in rates.iterrows():
+        assert (row["false"] >= sleeping.sum()) == (key[0] == "velocity_alone")
+        assert row["false"] <= row.survivors - (0 if key[0] == "velocity_alone" else sleeping.sum())
+
+
+def test_perturbed_truths_give_the_range_of_the_rates():
+    cases = made_up()
+    random = np.random.default_rng(3)
+    truths = {f"{TRUTH}{k}": cases["overturns"] ^ (random.uniform(size=len(cases)) < 0.05) for k in range(4)}
+    tree = judge_rules(cases.assign(**truths), GIVEN, resamples=2)
+    rates = table(tree, "rates")
+    for name in ("missed", "false"):
+        assert (rates[f"{name}_least"] <= rates[f"{name}_share"]).all()
+        assert (rates[f"{name}_most"] >= rates[f"{name}_share"]).all()
+    given = rates[(rates.kind == "as-given") & (rates.point == "balanced")].iloc[0]
+    among = [np.mean(cases["march"][truth] < 1.0) for truth in (cases["overturns"], *truths.values())]
+    assert (given.missed_least, given.missed_most) == pytest.approx((min(among), max(among)))
+    assert table(tree, "cases")["flips"].sum() == sum(np.sum(truth != cases["overturns"]) for truth in truths.values())
+    alone = table(judge_rules(cases, GIVEN, resamples=2), "rates")
+    assert (alone["false_most"] == alone["false_share"]).all()
+
+
+def test_intervals_know_that_limits_are_fitted():
+    # Every earthquake has its own level: a limit that stays would count none missed beyond those of the whole.
+    cases = made_up(events=5, cases=60)
+    level = cases["event"].str[-1].astype(int)
+    cases = cases.assign(march=cases["march"] * 1.5**level)
+    rates = table(judge_rules(cases, {}, resamples=200), "rates").set_index(["score", "kind", "point"])
+    inside = rates.loc[("march", "in-sample", "balanced")]
+    assert inside.missed_high <= 0.05  # refitted: never more than the share, however the earthquakes fall
+    assert rates.loc[("march", "left-out", "balanced")].missed_high > 0.05
+
+
+def test_a_motion_with_impossible_numbers_is_a_failure():
+    record = rp.Record(1e8 * np.sin(0.1 * np.arange(500)), dt=0.01, id="huge", orientation="horizontal")
+    cases, failures = rule_cases([StrongMotion(record, "none")])
+    assert cases.empty
+    assert "huge: acceleration" in failures[0].reason
+
+
 def test_cases_are_those_of_the_models():
     motion = synthetic_motion(5, duration=15.0, pga=4.0)
     record = rp.Record(motion, dt=0.01, id="five", orientation="horizontal", processed=True)
-    cases = motion_cases(StrongMotion(record, pgv(record), "made up"), scales=(1.0,))
+    cases = motion_cases(StrongMotion(record, "made up"), scales=(1.0,))
     assert len(cases) == 12
     scene = extract(record, rp.Config())
     from rockpulse.model_form import blocks
@@ -154,7 +220,7 @@ def test_cases_are_those_of_the_models():
     assert np.array_equal(cases["overturns"], truth.outcome == Outcome.OVERTURNS)
     alarm = np.minimum(load_rule("balanced").factor * cases["march"], cases["uplift_ratio"]) >= 1.0
     assert np.array_equal(alarm, MODELS["balanced"](blocks(), scene).outcome == Outcome.OVERTURNS)
-    half = motion_cases(StrongMotion(record, pgv(record), "made up"), scales=(0.5,))
+    half = motion_cases(StrongMotion(record, "made up"), scales=(0.5,))
     assert np.allclose(half["march"], 0.5 * cases["march"])
 
 
@@ -166,8 +232,8 @@ def test_the_shipped_rule_holds_on_motions_that_no_choice_was_made_on():
         record = rp.Record(
             np.concatenate([synthetic_motion(seed), np.zeros(800)]), dt=0.01, id=f"s{seed}", orientation="horizontal"
         )
-        motions.append(StrongMotion(record, pgv(record), record.id))
-    tree = judge_rules(rule_cases(motions), {point: load_rule(point) for point in POINTS})
+        motions.append(StrongMotion(record, record.id))
+    tree = judge_rules(rule_cases(motions)[0], {point: load_rule(point) for point in POINTS}, resamples=100)
     at = table(tree, "at_missed").set_index(["kind", "missed_share"])
     for kind in ("in-sample", "left-out"):
         assert at.loc[(kind, 0.05)].difference < -0.08
@@ -181,7 +247,8 @@ def test_the_shipped_rule_holds_on_motions_that_no_choice_was_made_on():
 def test_the_acceptance_figures_on_real_records(records_folder, samples):
     records, _ = rp.read_all([records_folder, samples])
     motions, _ = strong_motions(records)
-    cases = rule_cases(motions)
+    cases, refused = rule_cases(motions)
+    assert not refused
     assert len(motions) >= 20
     for point, rule in fit_rules(cases).items():  # the shipped rule is the one that these records give
         assert load_rule(point).factor == pytest.approx(rule.factor, rel=1e-3)
@@ -189,8 +256,15 @@ def test_the_acceptance_figures_on_real_records(records_folder, samples):
     at = table(tree, "at_missed").set_index(["kind", "missed_share"])
     assert at.loc[("in-sample", 0.05)].difference < -0.05
     assert at.loc[("left-out", 0.05)].difference < -0.05
-    assert at.loc[("left-out", 0.05)].difference_high < 0.0
+    assert at.loc[("in-sample", 0.01)].difference_high < 0.0
+    assert at.loc[("in-sample", 0.05)].difference_alone_high < 0.0
     rates = table(tree, "rates").set_index(["kind", "point", "score"])
     rule, usual = (rates.loc[("left-out", "conservative", score)] for score in ("march", "velocity_ratio"))
     assert rule.missed_share <= 0.01
-    assert rule.false_share < usual.false_share
+    assert rule.false_share < usual.false_share - 0.1
+    assert usual.false_difference_high < 0.0
+    balanced = rates.loc[("left-out", "balanced", "march")]
+    assert balanced.missed_share <= 0.05
+    assert balanced.false_share < rates.loc[("left-out", "balanced", "velocity_ratio")].false_share - 0.05
+    assert balanced.missed_most < 0.08  # over perturbed truths
+    assert balanced.false_most < 0.09

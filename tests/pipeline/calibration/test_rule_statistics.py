@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.stats import binom, mannwhitneyu
 
-from rockpulse.calibration.rule_statistics import area, curve, false_at, limit, missed_bound, resampled, resampled_share
+from rockpulse.calibration.rule_statistics import area, curve, false_at, left_out, limit, missed_bound, resampled
 
 
 def scores(seed, n=200):
@@ -49,6 +49,20 @@ def test_the_bound_of_the_missed_share_is_exact():
     assert binom.cdf(3, 80, bound) == pytest.approx(0.05)
 
 
+def test_left_out_scores_are_over_the_limit_of_the_other_earthquakes():
+    values, over = scores(4)
+    values = values + 10.0
+    events = np.repeat(list("abcdefghij"), 20)
+    margins = left_out(values, over, events, 0.05)
+    for event in "aj":
+        out = events == event
+        assert np.array_equal(margins[out], values[out] / limit(values[~out][over[~out]], 0.05))
+    # Copies of an earthquake leave together: drawn twice, it is judged as if drawn once.
+    twice = np.concatenate([np.arange(200), np.flatnonzero(events == "c")])
+    again = left_out(values[twice], over[twice], events[twice], 0.0)
+    assert np.array_equal(again[200:], left_out(values, over, events, 0.0)[events == "c"])
+
+
 def test_earthquakes_are_resampled_whole():
     events = np.repeat(["a", "b", "c"], [4, 6, 10])
     over = np.tile([True, False], 10)
@@ -58,29 +72,25 @@ def test_earthquakes_are_resampled_whole():
         for event in "abc":
             times = np.bincount(drawn, minlength=20)[events == event]
             assert np.all(times == times[0])
-        return float(drawn.size)
+        return {"size": float(drawn.size), "negative": -float(drawn.size)}
 
     found = resampled(events, over, seen, resamples=50)
-    assert set(found.values) <= {
+    values = found["size"].values
+    assert set(values[np.isfinite(values)]) <= {
         float(i + j + k) for i in sizes.values() for j in sizes.values() for k in sizes.values()
     }
-    assert np.array_equal(found.values, resampled(events, over, seen, resamples=50).values)
-    assert not np.array_equal(found.values, resampled(events, over, seen, seed=1, resamples=50).values)
-    low, high = found.between()
-    assert low < found.below(0.9) <= high
+    same = resampled(events, over, seen, resamples=50)["size"]
+    assert np.array_equal(values, same.values, equal_nan=True)
+    assert not np.array_equal(values, resampled(events, over, seen, seed=1, resamples=50)["size"].values, True)
+    low, high = found["size"].between()
+    assert low < found["size"].below(0.9) <= high
+    assert (found["size"] - found["negative"]).between() == (2.0 * low, 2.0 * high)
 
 
-def test_a_share_is_resampled_like_everything_else():
-    values, over = scores(4)
-    events = np.repeat(list("abcdefghij"), 20)
-    alarm = values > 0.5
-    slow = resampled(events, over, lambda drawn: np.mean(alarm[drawn][over[drawn]]), resamples=30)
-    assert resampled_share(events, over & alarm, over, resamples=30).values == pytest.approx(slow.values)
-
-
-def test_resamples_of_one_verdict_have_no_value():
-    events = np.array(["a", "b"])
-    found = resampled(events, np.array([True, False]), lambda drawn: 1.0, resamples=200)
+def test_resamples_of_one_verdict_or_one_earthquake_have_no_value():
+    events = np.array(["a", "b", "b"])
+    found = resampled(events, np.array([True, True, False]), lambda drawn: {"one": 1.0}, resamples=200)["one"]
     assert 0.3 < np.mean(np.isnan(found.values)) < 0.7  # both draws the same earthquake
-    none = resampled(events, np.array([True, True]), lambda drawn: 1.0, resamples=20)
-    assert np.isnan(none.between()).all()
+    assert resampled(events, np.array([True, True, True]), lambda drawn: {"one": 1.0}, resamples=20) == {}
+    rare = resampled(np.arange(30), np.arange(30) < 1, lambda drawn: {"one": 1.0}, resamples=200)
+    assert rare == {}

@@ -11,6 +11,7 @@ import pytest
 import rockpulse as rp
 from rockpulse.calibration import site_record
 from rockpulse.calibration.site_scaling import MEASURE
+from rockpulse.calibration.site_tables import record_weights
 from rockpulse.config import Config
 from rockpulse.errors import ConfigError, RecordRefused
 from rockpulse.failures import Failure
@@ -96,6 +97,56 @@ def test_few_records_and_events_are_said_loudly(done):
     assert (widths[1] > 7.5).all()
 
 
+def test_few_records_are_said_by_the_quantile():
+    assert "about 1.3 of them lie above the quantile 0.84" in str(site()["remarks"].item())
+    assert "the quantile 0.5 lies among them" in str(site(quantile=0.5)["remarks"].item())
+
+
+def test_events_that_lift_nothing_are_not_counted_as_more():
+    still = [dataclasses.replace(shake(seed, 0.01), id=f"still{seed}") for seed in range(4, 8)]
+    found = site([*RECORDS[:2], *still])
+    assert (int(found["event_count"]), int(found["lifting_events"])) == (6, 2)
+    remarks = str(found["remarks"].item())
+    assert remarks.startswith("FEW EVENTS: 6, only 2 with a record that lifts a block, fewer than 5")
+    assert "(lifts no block)" in remarks
+
+
+def test_a_coverage_that_rests_on_little_says_so(done):
+    marks = done["covered"].values
+    assert int(done["judged_pairs"]) == np.count_nonzero((marks == 0) | (marks == 1))
+    assert int(done["judged_events"]) == np.count_nonzero(((marks == 0) | (marks == 1)).any(axis=1))
+    three = site(RECORDS[:3])
+    assert int(three["judged_events"]) < 5
+    assert f"of {int(three['judged_events'])} of 3 events" in str(three["remarks"].item())
+
+
+def test_unresolved_pairs_count_as_overturned(monkeypatch):
+    respond = site_record.recorded_response
+
+    def aloft(blocks, acceleration, dt, vertical):
+        response = respond(blocks, acceleration, dt, vertical=vertical)
+        if not np.array_equal(acceleration, RECORDS[7].acceleration):
+            return response
+        return dataclasses.replace(
+            response,
+            outcome=np.full(3, rp.models.Outcome.UNRESOLVED),
+            peak_rotation_ratio=np.full(3, np.nan),
+        )
+
+    monkeypatch.setattr(site_record, "recorded_response", aloft)
+    unresolved = site()
+    overturned = np.where(np.isnan(unresolved["rotation_ratio"]), np.inf, unresolved["rotation_ratio"])
+    assert float(unresolved["unresolved_share"]) == pytest.approx(1.0 / 8.0)
+    assert np.isinf(overturned[7]).all()
+    assert set(unresolved["covered"].values[7].tolist()) <= {0, 2}
+    main, ratio, interval, count, duration = unresolved["value"].values[7].tolist()
+    own = rp.models.ImpulseSequence(main, ratio * main, interval, duration, int(count), spacing="end")
+    fallen = [np.isinf(rp.models.sequence_response(block, own).peak_rotation_ratio) for block in BLOCKS.values()]
+    assert float(unresolved["unsafe_share"][7]) == pytest.approx(1.0 - np.mean(fallen))
+    assert "12.5% of the pairs of record and block are unresolved" in str(unresolved["remarks"].item())
+    assert float(unresolved["lifted_share"]) >= float(site(RECORDS[:7])["lifted_share"])
+
+
 def test_one_event_is_a_statement_not_a_number():
     one = site([dataclasses.replace(record, event="Kobe") for record in RECORDS])
     assert str(one["remarks"].item()).startswith("ONE EVENT (Kobe): nothing can be left out")
@@ -164,6 +215,8 @@ def test_a_table_of_weights_and_events_is_used(tmp_path):
         ("record,weight\nrecord00,heavy\n", "expected a number from 0 up, found 'heavy'"),
         ("record,weight\nrecord00,-1\n", "expected a number from 0 up"),
         ("record,weight\nrecord00,1\nrecord00,2\n", "more than one row for record00"),
+        ("record,weight\nrecord00,1\n\nrecord01,1,2\n", "row 4: expected the 2 cells of the header, found 3"),
+        ("record,weight\n" + "".join(f"record0{n},1,2\n" for n in range(8)), "row 2: expected the 2 cells"),
         ("record,weight\nrecord00,\n", "row 2: expected a record and its weight, found an empty cell"),
         ("id,weight\nrecord00,1\n", "no column record among id, weight"),
         ("", "expected a CSV table"),
@@ -174,6 +227,12 @@ def test_tables_of_weights_that_do_not_fit_are_refused(tmp_path, text, message):
     settings = dataclasses.replace(config(weights="weights.csv"), folder=tmp_path)
     with pytest.raises(ConfigError, match=message):
         site(settings=settings)
+
+
+def test_huge_weights_are_weights():
+    ids = ["a", "b", "c"]
+    table = dict(zip(ids, (1e308, 1e308, 5e307), strict=True))
+    np.testing.assert_allclose(record_weights(ids, ids, "table", table), [1.2, 1.2, 0.6], rtol=1e-15)
 
 
 def test_a_table_that_is_not_there_stays_a_file_system_fault(tmp_path):

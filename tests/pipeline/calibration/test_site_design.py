@@ -5,8 +5,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from rockpulse.calibration.site_coverage import coverage_of, leave_one_event_out
-from rockpulse.calibration.site_design import BEYOND, SiteSample, covered, design_sequence, main_impulse_interval
+from rockpulse.calibration.site_coverage import coverage_of, judged, leave_one_event_out, unjudged_events
+from rockpulse.calibration.site_design import (
+    BEYOND,
+    SiteSample,
+    covered,
+    design_sequence,
+    main_impulse_interval,
+    overturning_limit,
+)
 from rockpulse.calibration.site_statistics import event_draws
 from rockpulse.errors import RecordRefused
 from rockpulse.models import Block, ImpulseSequence, sequence_response
@@ -76,7 +83,7 @@ def test_blocks_that_the_design_overturns_do_not_buy_the_quantile_for_the_others
     assert np.mean(marks[standing]) >= 0.9 - 1e-12
 
 
-def test_pairs_at_rest_or_unresolved_do_not_count():
+def test_pairs_at_rest_do_not_count():
     peaks = rotations(MAINS)
     peaks[:5] = np.nan
     design = design_sequence(sample_of(MAINS, peaks=peaks), 0.5, "response")
@@ -162,6 +169,70 @@ def test_the_interval_of_the_design_holds_it_and_narrows_with_events():
         assert lower < design.main < upper
         widths.append(np.log(upper / lower))
     assert widths[1] < 0.6 * widths[0]
+
+
+def test_a_block_that_leaves_the_count_sets_the_design_and_is_named():
+    # Half of the records overturn the first block: no rotation covers them, so I rises until it overturns.
+    peaks = rotations(MAINS)
+    peaks[5:, 0] = np.inf
+    sample = sample_of(MAINS, peaks=peaks)
+    design = design_sequence(sample, 0.84, "response")
+    fallen, below = overturning_limit(sample, design, 0.84)
+    assert fallen.tolist() == [True, False, False]
+    assert below == pytest.approx(25.0 / 30.0)
+    ends = main_impulse_interval(sample, design, 0.84, "response", event_draws(10, 400, 0), 0.9)
+    assert np.isnan(ends[0])
+    assert np.isinf(ends[1])
+    reached = [sequence_response(sample.blocks, design.scaled(factor)).peak_rotation_ratio[0] for factor in (0.9999, 1)]
+    assert np.isinf(reached).tolist() == [False, True]
+
+
+def test_a_design_reached_by_rotations_is_set_by_no_block():
+    sample = sample_of(MAINS)
+    fallen, below = overturning_limit(sample, design_sequence(sample, 0.84, "response"), 0.84)
+    assert not fallen.any()
+    assert below == pytest.approx(0.8)
+
+
+def test_a_design_that_overturns_everything_has_no_certainty():
+    sample = sample_of(MAINS, peaks=np.full((10, 3), np.inf))
+    design = design_sequence(sample, 0.84, "response")
+    ends = main_impulse_interval(sample, design, 0.84, "response", event_draws(10, 400, 0), 0.9)
+    assert np.isnan(ends[0])
+    assert np.isinf(ends[1])
+
+
+def test_resamples_that_agree_leave_a_step_of_their_grid():
+    sample = sample_of(np.full(10, 0.07))
+    design = design_sequence(sample, 0.84, "response")
+    lower, upper = main_impulse_interval(sample, design, 0.84, "response", event_draws(10, 400, 0), 0.9)
+    assert 0.97 < lower / design.main < 0.985
+    assert 1.015 < upper / design.main < 1.03
+
+
+@pytest.mark.parametrize("design", ["response", "parameters"])
+def test_records_without_weight_judge_nothing(design):
+    events, weights = np.repeat(np.arange(5), 2), np.repeat([1.0, 1.0, 1.0, 1.0, 0.0], 2)
+    with_them = leave_one_event_out(sample_of(MAINS, events, weights), 0.5, design)
+    without = leave_one_event_out(sample_of(MAINS[:8], events[:8]), 0.5, design)
+    np.testing.assert_array_equal(with_them.main[:8], without.main)
+    np.testing.assert_array_equal(with_them.covered[:8], without.covered)
+    two = leave_one_event_out(sample_of(MAINS[:6], events[:6], [1, 0, 0, 0, 0, 1]), 0.5, "parameters")
+    assert np.isnan(two.main[[0, 1, 4, 5]]).all()  # one record of weight is left, and it has no dispersion
+
+
+def test_events_that_are_not_judged_are_told_with_the_reason():
+    peaks = rotations(MAINS[:4])
+    peaks[0] = np.nan  # lifts nothing
+    peaks[1:3] = np.inf  # without the last one the others overturn all
+    sample = sample_of(MAINS[:4], peaks=peaks)
+    found = leave_one_event_out(sample, 0.84, "response")
+    assert unjudged_events(found, sample)[0] == "lifts no block"
+    assert "overturns all" in unjudged_events(found, sample)[3]
+    assert not judged(found.covered, sample)[[0, 3]].any()
+    lone = sample_of(MAINS[:2], peaks=np.vstack([np.full(3, np.nan), rotations(MAINS[1:2])]))
+    reasons = unjudged_events(leave_one_event_out(lone, 0.5, "response"), lone)
+    assert reasons == {0: "lifts no block", 1: "the others alone make no design"}
 
 
 @pytest.mark.slow

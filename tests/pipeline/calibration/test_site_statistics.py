@@ -1,5 +1,7 @@
 """Weighted lognormal statistics, clustered by event."""
 
+from fractions import Fraction
+
 import numpy as np
 import pytest
 from scipy.stats import beta, norm, t
@@ -133,6 +135,18 @@ def test_correlation_of_weighted_records_in_closed_form():
 )
 def test_weighted_quantiles_are_values_that_occur(level, expected):
     assert weighted_quantile(np.array([5.0, 1.0, np.nan, 2.0]), level, np.array([4.0, 1.0, 9.0, 5.0])) == expected
+
+
+def test_weighted_quantiles_are_those_of_exact_fractions():
+    """Weights 1/n of events: sums that are exactly a share of the total come out a bit off in floats."""
+    generator = np.random.default_rng(0)
+    for _ in range(400):
+        sizes = generator.integers(1, 12, generator.integers(1, 30))
+        exact = [Fraction(1, int(size)) for size in sizes]
+        for percent in (16, 50, 84):
+            least = Fraction(percent, 100) * sum(exact)
+            expected = next(place for place in range(sizes.size) if sum(exact[: place + 1]) >= least)
+            assert weighted_quantile(np.arange(sizes.size, dtype=float), percent / 100.0, 1.0 / sizes) == expected
 
 
 def test_the_interval_of_a_share_of_independent_trials_is_clopper_and_pearsons():

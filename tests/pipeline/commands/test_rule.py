@@ -44,7 +44,7 @@ def test_a_rule_is_fitted_written_and_judged(folder, tmp_path, capsys):
     given, fitted = (rates.loc[("march", kind, "balanced")] for kind in ("as-given", "in-sample"))
     assert (given.missed, given["false"]) == (fitted.missed, fitted["false"])
     assert len(tree["cases"].to_dataset().to_dataframe()) == 6 * 24
-    assert {"march", "velocity_ratio"} == set(tree["curves"]["score"].values)
+    assert {"march", "velocity_ratio", "velocity_alone"} == set(tree["curves"]["score"].values)
 
 
 def test_one_earthquake_gives_a_statement(samples, tmp_path, capsys):

@@ -61,8 +61,8 @@ def covered(data, events, correlation, sets, seed=0):
 @pytest.mark.parametrize("correlation", [0.0, 0.4])
 @pytest.mark.parametrize("data", ["ida", "truncated", "stripes"])
 def test_bands_cover_the_truth_at_the_nominal_rate(data, correlation):
-    sets, hits = covered(data, events=15, correlation=correlation, sets=100)
-    assert sets == 100
+    sets, hits = covered(data, events=15, correlation=correlation, sets=60)
+    assert sets == 60
     # Six counts of a fair binomial in six cases: all within the limits but for one chance in thirty or so.
     low, high = binom.ppf([0.0005, 0.9995], sets, CONFIDENCE)
     assert np.all((hits >= low) & (hits <= high)), hits

@@ -1,13 +1,14 @@
 """One fragility curve: closed forms, and statements where there is no number."""
 
 import math
+import re
 
 import numpy as np
 import pytest
 
 from rockpulse.errors import ConfigError
 from rockpulse.fragility.curves import fit_capacities, fit_stripes, half_width
-from rockpulse.fragility.statements import Band, Status
+from rockpulse.fragility.statements import Band, Extrapolated, Status
 
 EVENTS = np.repeat([f"event {k}" for k in range(6)], 3)
 CAPACITIES = np.exp(np.random.default_rng(5).normal(0.3, 0.5, EVENTS.size))
@@ -117,6 +118,17 @@ def test_half_width_of_a_sum_over_events_is_exact():
             Status.ONE_REACHED,
             "one record only reached the limit state, at 1.2, of 3",
         ),
+        (
+            lambda: fit_stripes([1, 2, 4] * 4, [0, 1, 1, *[0] * 9], records=np.repeat(list("abcd"), 3)),
+            Status.ONE_REACHED,
+            "one record only reached the limit state, at 2 to 4, of 4; a dispersion needs several",
+        ),
+        (
+            lambda: fit_capacities([1.0, 1.3, 1.7, *[np.inf] * 6], limits=[5.0] * 9, records=np.repeat(list("abc"), 3)),
+            Status.ONE_REACHED,
+            "one record only reached the limit state, at 1 to 1.7, of 3",
+        ),
+        (lambda: fit_stripes([1.0, 1.5, 2.0, 1.8], [0, 0, 0, 1]), Status.ONE_REACHED, "at 1.8, of 4"),
         (lambda: fit_stripes([1.0, 2.0, 1.0, 2.0], [0, 0, 0, 0]), Status.NOTHING_REACHED, "up to 1 to 2"),
         (
             lambda: fit_stripes([1.0, 2.0, 1.0, 2.0], [1, 1, 1, 1]),
@@ -150,6 +162,30 @@ def test_what_makes_no_curve_is_said_and_no_number_is_given(curve, status, words
     assert found.band == Band.NO_CURVE
     assert np.all(np.isnan(numbers(found)))
     assert np.all(np.isnan(found.probability([0.5, 1.0, 2.0])))
+
+
+@pytest.mark.parametrize(
+    ("curve", "side", "words"),
+    [
+        (
+            lambda: fit_capacities([0.9, 2.9, *[np.inf] * 20], limits=[3.0] * 22),
+            Extrapolated.ABOVE,
+            r"extrapolated: the median, [\d.]+, lies above every level looked at, up to 3; 2 records of 22 reached",
+        ),
+        (
+            lambda: fit_stripes(np.repeat([1.0, 2.0, 3.0], 8), [k % 8 < 5 + k // 8 for k in range(24)]),
+            Extrapolated.BELOW,
+            r"extrapolated: the median, 0\.[\d]+, lies below every level looked at, from 1; 18 records of 24 reached",
+        ),
+        (lambda: fit_capacities(CAPACITIES, EVENTS), Extrapolated.NO, "^$"),
+        (lambda: fit_capacities([np.inf] * 3, limits=[1.0] * 3), Extrapolated.NO, "none of 3 records"),
+    ],
+)
+def test_a_median_that_no_record_was_looked_at_is_extrapolated(curve, side, words):
+    found = curve()
+    assert found.extrapolated == side
+    assert re.search(words, found.statement)
+    assert (found.median > 3.0) == (side == Extrapolated.ABOVE)
 
 
 def test_equal_capacities_are_a_step_without_a_band():

@@ -22,15 +22,17 @@ SCHEMA = Path(__file__).parents[3] / "docs" / "schema.md"
 
 def pulse(number, event, size=2.0):
     """A wave packet with a period and a length of its own."""
-    t = np.arange(0.0, 8.0, 0.02)
+    t = np.arange(0.0, 6.0, 0.02)
     period = 0.9 + 0.15 * number
     ground = size * np.sin(2.0 * np.pi * t / period) * np.exp(-(((t - 3.0) / (0.7 + 0.1 * (number % 3))) ** 2))
     return rp.Record(ground, dt=0.02, id=f"packet.{number}", event=event, processed=True)
 
 
 def options(**fragility):
-    known = {"limit_states": STATES, "measures": ("pga", "velocity_ratio", "demand_cubic")}
-    return Config(fragility=FragilitySettings(**{**known, **fragility}), search=SearchSettings(factor_max=30.0))
+    known = {"limit_states": STATES, "measures": ("pga", "velocity_ratio")}
+    return Config(
+        fragility=FragilitySettings(**{**known, **fragility}), search=SearchSettings(factor_max=30.0, points=32)
+    )
 
 
 @pytest.fixture(scope="module")
@@ -51,6 +53,7 @@ def test_the_curve_of_a_measure_is_the_fit_of_factor_times_measure(tree):
     found = tree["fragility"].to_dataset().sel({**own, "measure": "velocity_ratio"})
     assert float(found["median"]) == pytest.approx(fit.median, rel=1e-12)
     assert (float(found["beta_low"]), float(found["beta_high"])) == pytest.approx((fit.beta_low, fit.beta_high))
+    assert int(found["extrapolated"]) == 0
     assert (int(found["records"]), int(found["events"]), int(found["reached"])) == (6, 4, 6)
     np.testing.assert_allclose(found["probability_high"], fit.probability(found["level"].values)[2])
 
@@ -71,10 +74,48 @@ def test_capacities_ascend_with_the_limit_state_and_uplift_is_exact(tree):
 def test_a_capacity_is_where_the_response_reaches_the_limit_state(records, equation):
     block = Block.stack(list(BLOCKS.values()))
     motion = prepare(records[0], Config())
-    factors = scale_capacities(motion, block, STATES, equation, 30.0, 64)
+    factors = scale_capacities(motion, block, STATES, equation, 30.0, 64).factors
     for state, factor in enumerate(factors):
         around = np.stack([factor * (1.0 - 1e-5), factor * (1.0 + 1e-5)])
         assert reached_at(motion, block, STATES, equation, around)[state].tolist() == [[0, 0], [1, 1]]
+
+
+def test_a_capacity_above_the_search_is_not_known(records):
+    """Uplift, known in closed form, ends with the search as the others do."""
+    block = Block.stack(list(BLOCKS.values()))
+    motion = prepare(records[0], Config())
+    lifted = scale_capacities(motion, block, ["uplift"], "nonlinear", 1e6, 8)
+    assert np.all(np.isfinite(lifted.factors))
+    assert np.all(lifted.step == 1.0)  # a closed form misses nothing
+    between = float(np.mean(lifted.factors))
+    found = scale_capacities(motion, block, STATES, "nonlinear", between, 8)
+    reached = lifted.factors[0] <= between
+    assert sorted(reached.tolist()) == [False, True]
+    np.testing.assert_array_equal(found.factors[0], np.where(reached, lifted.factors[0], np.inf))
+    assert np.all(np.isinf(found.factors[-1]))
+    np.testing.assert_allclose(found.step, np.where(reached, (between / lifted.factors[0]) ** (1 / 7), 1.0))
+
+
+def test_the_file_says_how_the_capacities_were_searched(records):
+    few = options(limit_states=["uplift", "overturning"], measures=["pga"]).fragility
+    coarse = Config(fragility=few, search=SearchSettings(factor_max=25.0, points=9))
+    capacities = rp.fragility_curves(records[:2], coarse, BLOCKS)["capacities"].to_dataset()
+    assert (capacities.attrs["points"], capacities.attrs["factor_max"]) == (9, 25.0)
+    start = capacities["factor"].sel(limit_state="uplift")
+    np.testing.assert_allclose(capacities["search_step"], (25.0 / start) ** (1 / 8), rtol=1e-9)
+
+
+def test_one_record_that_overturns_several_bodies_is_one_record(records):
+    """All bodies put together hold three capacities, of one record."""
+    block = {f"wall {size:g}": Block(half_width=0.3 * size, half_height=1.5 * size) for size in (1.0, 1.02, 1.04)}
+    strong = rp.Record(30.0 * records[0].acceleration, dt=0.02, id="strong", event="Kobe", processed=True)
+    search = SearchSettings(factor_max=1.0, points=16)
+    config = Config(fragility=options(measures=["velocity_ratio"]).fragility, search=search)
+    found = rp.fragility_curves([strong, *records[1:]], config, block)
+    assert int((found["capacities"]["reached"].sel(limit_state="overturning") == 1).sum()) == 3
+    pooled = found["efficiency"].to_dataset().sel(limit_state="overturning", measure="velocity_ratio")
+    assert np.isnan(float(pooled["pooled_median"]))
+    assert "one record only reached the limit state" in str(pooled["pooled_statement"].values)
 
 
 def test_the_order_of_the_records_does_not_matter(tree, records):
@@ -116,20 +157,23 @@ def test_nothing_overturns_everything_overturns_one_record_only(records):
         names = curve["status"].attrs["flag_meanings"].split()
         return names[int(curve["status"])], str(curve["statement"].values)
 
-    weak = Config(fragility=options().fragility, search=SearchSettings(factor_max=0.5))
+    one = {"limit_states": ["overturning"], "measures": ["velocity_ratio"]}
+    weak = Config(fragility=options(**one).fragility, search=SearchSettings(factor_max=1.0))
     status, words = verdict(records, weak)
     assert status == "nothing_reached"
     assert words.startswith("no curve: none of 6 records reached the limit state, looked at up to")
-    status, words = verdict(records, options(data="stripes", stripe_levels=[20.0, 40.0]))
+    status, words = verdict(records, options(data="stripes", stripe_levels=[20.0, 40.0], **one))
     assert status == "everything_reached"
     assert words == "no curve: all of 6 records reached the limit state at every level, from 20; look at lower levels"
-    status, words = verdict(records[:1], options())
+    status, words = verdict(records[:1], options(**one))
     assert status == "one_record"
     assert words.startswith("no curve: one record only")
 
 
 def test_records_of_one_event_give_a_curve_without_a_band():
-    alone = rp.fragility_curves([pulse(number, "Kobe") for number in range(4)], options(), BLOCKS)
+    alone = rp.fragility_curves(
+        [pulse(number, "Kobe") for number in range(4)], options(limit_states=["overturning"]), BLOCKS
+    )
     curve = alone["fragility"].to_dataset().sel(block="wall", limit_state="overturning", measure="pga")
     assert np.isfinite(float(curve["median"]))
     assert np.isnan(float(curve["median_low"]))
@@ -137,11 +181,11 @@ def test_records_of_one_event_give_a_curve_without_a_band():
 
 
 def test_all_bodies_together_are_clustered_by_event(tree):
-    capacities = tree["capacities"].to_dataset().sel(limit_state="overturning", measure="demand_cubic")
+    capacities = tree["capacities"].to_dataset().sel(limit_state="overturning", measure="velocity_ratio")
     product = capacities["factor"] * capacities["measure_value"]
     event = capacities["event"].broadcast_like(product)
     fit = rp.fit_capacities(product.values.ravel(), event.values.ravel(), model="logistic")
-    found = tree["efficiency"].to_dataset().sel(limit_state="overturning", measure="demand_cubic")
+    found = tree["efficiency"].to_dataset().sel(limit_state="overturning", measure="velocity_ratio")
     assert float(found["pooled_beta"]) == pytest.approx(fit.beta, rel=1e-9)
     assert (float(found["pooled_median_low"]), float(found["pooled_median_high"])) == pytest.approx(
         (fit.median_low, fit.median_high)
@@ -152,7 +196,7 @@ def test_all_bodies_together_are_clustered_by_event(tree):
 def test_weak_records_and_bad_ones_are_left_out_and_told(records):
     silent = rp.Record(np.zeros(100), dt=0.02, id="silent", processed=True)
     weak = pulse(9, "weak", size=0.2)
-    found = rp.fragility_curves([*records, weak, silent], options(pga_min=1.0), BLOCKS)
+    found = rp.fragility_curves([*records, weak, silent], options(pga_min=1.0, limit_states=["uplift"]), BLOCKS)
     assert found["capacities"].sizes["record"] == 6
     failures = found["failures"].to_dataset().to_dataframe()
     assert sorted(failures["kind"]) == ["failed", "skipped"]

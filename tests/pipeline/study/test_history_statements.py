@@ -7,7 +7,7 @@ from rockpulse.models import ImpulseSequence, critical_impulse_at, sequence_resp
 from rockpulse.study import figure5
 from rockpulse.study.paper_blocks import RADII, RESTITUTIONS, paper_block
 
-INTERVALS = [0.02, 0.05, 0.12, 0.166, 0.2, 0.3, 0.4, 0.45, 0.46, 0.5, 0.55, 0.6]
+INTERVALS = [0.02, 0.05, 0.12, 0.148, 0.166, 0.2, 0.3, 0.4, 0.45, 0.46, 0.5, 0.55, 0.6]
 
 
 @pytest.fixture(scope="module")
@@ -29,6 +29,37 @@ def cycles(block, c, ratio, interval, spacing="end"):
     body = paper_block(block, c)
     main = body.critical_impulse / (1.0 + c)
     return sequence_response(body, ImpulseSequence(main, ratio * main, interval, 20.0, spacing=spacing), threads=1)
+
+
+#: Where a statement is not of one kind everywhere: a digit for each of INTERVALS, spacing by spacing.
+EVERY, NEVER = "1" * len(INTERVALS), "0" * len(INTERVALS)
+HOLDS = {
+    "half_cycles_become_more_with_the_ratio": {"open": "1111110000000"},
+    "each_peak_falls_with_the_ratio": {"end": "1111000011111", "open": "1111000111111"},
+    "both_blocks_overturn_in_the_same_half_cycle": {"start": "1111110011111"},
+    "slender_block_overturns_later": {"start": "1011110011101"},
+    "slender_block_takes_more_half_cycles_at_the_largest_ratio": {
+        "end": "0000000001111",
+        "middle": "0000000100001",
+        "start": NEVER,
+        "open": "0110001000000",
+        "continuous": NEVER,
+    },
+    "smaller_restitution_brings_more_half_cycles": {"open": "1111100000000"},
+    "motion_stabilises_with_the_smaller_restitution": {
+        "end": "1110111111111",
+        "middle": "1111111111011",
+        "open": "1111101000000",
+    },
+}
+
+
+def test_every_statement_holds_there_and_nowhere_else(holds, statements):
+    for name in holds["statement"].values.tolist():
+        usual = NEVER if statements["verdict"].sel(statement=name).item() == 0 else EVERY
+        own = holds.sel(statement=name)
+        found = {str(k): "".join(map(str, own.sel(spacing=k).values.astype(int))) for k in own["spacing"].values}
+        assert found == {spacing: HOLDS.get(name, {}).get(spacing, usual) for spacing in found}, name
 
 
 @pytest.mark.parametrize(

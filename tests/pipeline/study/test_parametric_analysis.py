@@ -1,6 +1,7 @@
 """Figure 4 against the recurrence in closed form, the published half-cycles, real blocks, and dense grids."""
 
 import math
+import re
 
 import numpy as np
 import pytest
@@ -114,6 +115,26 @@ def test_start_and_middle_are_flagged_where_the_march_leaves_the_ground_behind(f
     assert not bool(contact.sel(spacing="start").where(share < 2.0 / 3.0, False).any())
     assert not bool(contact.sel(spacing="middle").where(share < 6.0 / 7.0, False).any())
     assert bool(contact.sel(spacing="start").where(share > 0.75, True).all())
+
+
+def test_peaks_that_no_block_can_have_are_flagged_and_told(figure):
+    """A block beyond alpha_c does not come back, but the closed form of "start" has roots on motions that do."""
+    tree = figure4([0.9], [0.5], [0.2, 0.4, 0.6, 0.9], [2, 20], threads=1)["figure4"].to_dataset()
+    for one in (figure, tree):
+        peak, endless = one["peak_rotation_ratio"], one["endless_peak_rotation_ratio"]
+        beyond = ((peak > 1.0) & np.isfinite(peak)) | ((endless > 1.0) & np.isfinite(endless))
+        flagged = one["no_motion"] == 1
+        assert bool((flagged == (beyond | (one["ground_contact"] == 1))).all())
+        assert not bool(flagged.sel(spacing=["end", "open"]).any())
+        start = one.sel(spacing="start")
+        assert float(start["peak_rotation_ratio"].where(np.isfinite(start["peak_rotation_ratio"])).max()) > 1.0
+        assert bool(flagged.where(one["outcome"] != Outcome.OVERTURNS, False).sel(spacing="start").any())
+        assert re.search(
+            r"no_motion\): .*start \d+ of \d+ cases, \d+ peaks beyond alpha_c, up to", one.attrs["comment"]
+        )
+    free = figure4([0.9], [0.3], [0.0, 0.1], [2], threads=1)["figure4"]
+    assert "no_motion" not in free.attrs["comment"]
+    assert not bool(free["no_motion"].any())
 
 
 @pytest.mark.parametrize(
