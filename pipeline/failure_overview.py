@@ -12,7 +12,7 @@ from rockpulse.terminal import paragraph
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["failure_list", "left_out"]
+__all__ = ["failure_list", "left_out", "not_used"]
 
 #: Rows of a kind that is no failure in the overview.
 LISTED = 12
@@ -50,6 +50,24 @@ def left_out(tree: xr.DataTree) -> str:
         if warning:
             lines.append(paragraph(f"block {block}: {warning}", "      ", ""))
     return "\n".join([*lines, *_warnings(summary)])
+
+
+def not_used(tree: xr.DataTree) -> str:
+    """Files and channels that were not used, by kind, a few of each; vertical channels are not among them.
+
+    Parameters
+    ----------
+    tree : xarray.DataTree
+        With the group /failures.
+    """
+    lines = []
+    for kind, entries in _failures(tree).items():
+        if kind != "vertical":
+            shown = entries if kind == "failed" else entries[:LISTED]
+            lines += [paragraph(_told(file, reason), "      ", f"{kind} ({stage}) ") for file, stage, reason in shown]
+            if len(shown) < len(entries):
+                lines.append(f"{kind}: and {len(entries) - len(shown)} more (group /failures)")
+    return "\n".join(lines)
 
 
 def failure_list(tree: xr.DataTree, kinds: Sequence[str] | None = None) -> str:

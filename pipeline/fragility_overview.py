@@ -79,9 +79,11 @@ def _medians(curves: xr.Dataset, measure: str, confidence: float, data: str) -> 
     unit = "" if units == "1" else f" [{units}]"
     note = (
         f"Median and dispersion beta of {words}{unit} at which a limit state is reached (uplift, theta_max/alpha_c, "
-        f"overturning); below them the {100.0 * confidence:g} % band of the median, over earthquakes. "
-        f"{ABSENT}: see the remarks."
+        "overturning)"
     )
+    if bool(own["median_low"].notnull().any()):
+        note += f"; below them the {100.0 * confidence:g} % band of the median, over earthquakes"
+    note += f". {ABSENT}: see the remarks."
     if bool(own["extrapolated"].any()):
         note += f" {BEYOND}: beyond every level looked at, extrapolated."
     if data == "ida":
@@ -109,10 +111,9 @@ def _pooled(curves: xr.Dataset, efficiency: xr.Dataset) -> str:
         band = ratio(value) if math.isnan(low) else f"{ratio(value)} ({ratio(low)}..{ratio(high)})"
         rows.append([name, *marks, band])
     words = [f"{name}: {curves['measure_long_name'].sel(measure=name).values}" for name in kept]
-    head = (
-        "Efficiency: dispersion beta of capacity, all bodies together (*: smallest), and over that in "
-        f"{SHOWN} with its band"
-    )
+    head = f"Efficiency: dispersion beta of capacity, all bodies together (*: smallest), and over that in {SHOWN}"
+    if bool(compared[1].sel(measure=kept).notnull().any()):
+        head += " with its band"
     return "\n".join([head, *aligned(rows), "", *(paragraph(line, "      ", "  ") for line in words)])
 
 

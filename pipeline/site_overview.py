@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from rockpulse.failure_overview import failure_list
+from rockpulse.failure_overview import not_used
 from rockpulse.terminal import ABSENT, aligned, figure, paragraph, ratio, shortened
 
 if TYPE_CHECKING:
@@ -42,7 +42,7 @@ def site_overview(tree: xr.DataTree) -> str:
     """
     site = tree["site"].to_dataset()
     parts = [_remarks(site), _records(site), _parameters(site), _correlation(site), _design(site), _coverage(site)]
-    parts += [_warnings(site), failure_list(tree, kinds=("failed", "structural", "duplicate"))]
+    parts += [_warnings(site), not_used(tree)]
     return "\n\n".join(part for part in parts if part)
 
 

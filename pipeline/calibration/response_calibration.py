@@ -126,6 +126,7 @@ def calibrate_response(
     record: Record,
     blocks: Block | None = None,
     *,
+    vertical: Any = None,
     start: ImpulseSequence | None = None,
     form: str = "fit",
     share: float = 0.84,
@@ -144,6 +145,9 @@ def calibrate_response(
     blocks : Block, optional
         (m,) blocks, the site's own. Without, 100 of engineering size about the edge at which this motion overturns
         (:func:`rockpulse.calibration.response_family.motion_family`); a remark names their ranges.
+    vertical : (n,) array_like, optional
+        Vertical ground acceleration on the samples of the record [m/s2], positive up; it acts on the blocks whose
+        rotations are the targets.
     start : ImpulseSequence, optional
         Start of the search; it also gives the duration. The statistical estimate on the intense phase without.
     form : {"fit", "enveloping"}
@@ -187,8 +191,8 @@ def calibrate_response(
     _check(form, share, spacing, confidence)
     given = blocks is not None
     if blocks is None:
-        blocks = recorded_family(record, threads)
-    targets = recorded_targets(record, blocks, smallest, threads)
+        blocks = recorded_family(record, threads, vertical)
+    targets = recorded_targets(record, blocks, smallest, threads, vertical)
     if start is None:
         start = calibrate(half_waves(record), phase=intense_phase(record), spacing=spacing)
     key = np.random.SeedSequence([seed, *record.id.encode()])

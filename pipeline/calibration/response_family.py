@@ -8,6 +8,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 from scipy.stats import qmc
@@ -94,16 +95,29 @@ def motion_family(answer: Callable[[Block], Response]) -> Block:
     return _blocks(*np.array(chosen).T)
 
 
-def recorded_family(record: Record, threads: int | None = None) -> Block:
+def recorded_family(record: Record, threads: int | None = None, vertical: Any = None) -> Block:
     """:func:`motion_family` of a conditioned record, under the nonlinear equation.
+
+    Parameters
+    ----------
+    record : Record
+        Conditioned.
+    threads : int, optional
+        Threads that share the blocks; None for all available cores.
+    vertical : (n,) array_like, optional
+        Vertical ground acceleration on its samples [m/s2], positive up.
 
     Raises
     ------
     RecordRefused
         Where it moves no block of the pool, naming the record.
     """
+
+    def answer(blocks: Block) -> Response:
+        return recorded_response(blocks, record.acceleration, record.dt, vertical=vertical, threads=threads)
+
     try:
-        return motion_family(lambda blocks: recorded_response(blocks, record.acceleration, record.dt, threads=threads))
+        return motion_family(answer)
     except RecordRefused as error:
         raise RecordRefused(f"{record.id}: {error}") from None
 

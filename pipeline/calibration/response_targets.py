@@ -18,6 +18,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -183,7 +184,7 @@ def block_family() -> Block:
 
 
 def recorded_targets(
-    record: Record, blocks: Block, smallest: float = SMALL, threads: int | None = None
+    record: Record, blocks: Block, smallest: float = SMALL, threads: int | None = None, vertical: Any = None
 ) -> ResponseTargets:
     """The targets of a conditioned record: peaks under the nonlinear equation.
 
@@ -197,13 +198,15 @@ def recorded_targets(
         Peaks below this are known to be small only [-].
     threads : int, optional
         Threads that share the blocks; None for all available cores.
+    vertical : (n,) array_like, optional
+        Vertical ground acceleration on the samples of the record [m/s2], positive up.
 
     Raises
     ------
     RecordRefused
         Where too few blocks rock, naming the record.
     """
-    response = recorded_response(blocks, record.acceleration, record.dt, threads=threads)
+    response = recorded_response(blocks, record.acceleration, record.dt, vertical=vertical, threads=threads)
     try:
         return ResponseTargets(blocks, response.peak_rotation_ratio, response.outcome, smallest)
     except RecordRefused as error:

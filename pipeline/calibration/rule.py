@@ -177,7 +177,13 @@ def rule_applicable(block: Block, rule: Rule) -> np.ndarray:
 
 def range_text(rule: Rule) -> str:
     """The range of validity in words."""
-    return ", ".join(TRAITS[name].format(f"{low:.3g}", f"{high:.3g}") for name, (low, high) in rule.within.items())
+    return ", ".join(_bounds(name, f"{low:.3g}", f"{high:.3g}") for name, (low, high) in rule.within.items())
+
+
+def _bounds(name: str, least: str, most: str) -> str:
+    if name == "restitution_ratio" and least == most == "1":
+        return "Housner's C"
+    return TRAITS[name].format(least, most)
 
 
 def rule_demand(waves: HalfWaves, block: Block, rule: Rule) -> np.ndarray:

@@ -27,6 +27,7 @@ from rockpulse.calibration.rule_statistics import (
     left_out,
     limit,
     missed_bound,
+    over_limit,
     resampled,
 )
 from rockpulse.calibration.rule_variables import RULE_KIND, RULE_TABLES
@@ -71,10 +72,15 @@ def too_few(cases: pd.DataFrame) -> str:
     if fallen >= FEWEST_EVENTS and over.sum() >= FEWEST_OVERTURNINGS and not over.all():
         return ""
     return (
-        f"{cases['record'].nunique()} strong channels of {events} earthquakes, {int(over.sum())} of {over.size} cases "
-        f"overturn, in {fallen} earthquakes: a rule is fitted and judged on at least {FEWEST_OVERTURNINGS} "
+        f"{_several(cases['record'].nunique(), 'strong channel')} of {_several(events, 'earthquake')}, "
+        f"{int(over.sum())} of {_several(over.size, 'case')} {'overturns' if over.sum() == 1 else 'overturn'}, in "
+        f"{_several(fallen, 'earthquake')}: a rule is fitted and judged on at least {FEWEST_OVERTURNINGS} "
         f"overturnings in {FEWEST_EVENTS} earthquakes, and some that survive; add records"
     )
+
+
+def _several(count: int, word: str) -> str:
+    return f"{count} {word}{'' if count == 1 else 's'}"
 
 
 def fit_rules(cases: pd.DataFrame) -> dict[str, Rule]:
@@ -199,11 +205,11 @@ def _tables(cases: pd.DataFrame, given: Mapping[str, Rule], seed: int, resamples
 def _margins(
     scores: Mapping[str, np.ndarray], over: np.ndarray, events: np.ndarray, given: Mapping[str, Rule]
 ) -> dict[_Key, np.ndarray]:
-    """Score over limit: an alarm at 1 and above."""
+    """Score over limit: an alarm at 1 and above, NaN where an overturning of score 0 makes the limit 0."""
     margins = {}
     for score, values in scores.items():
         for point, share in POINTS.items():
-            margins[score, "in-sample", point] = values / limit(values[over], share)
+            margins[score, "in-sample", point] = over_limit(values, limit(values[over], share))
             margins[score, "left-out", point] = left_out(values, over, events, share)
     for point, rule in given.items():
         margins["march", "as-given", point] = rule.factor * scores["march"]
@@ -211,16 +217,19 @@ def _margins(
 
 
 def _statistics(margins: Mapping[_Key, np.ndarray], over: np.ndarray) -> dict[tuple[Any, ...], float]:
+    """Rates, areas and false alarms at missed shares; NaN where a margin is."""
     found: dict[tuple[Any, ...], float] = {}
     for key, margin in margins.items():
-        found["missed", *key] = float(np.mean(margin[over] < 1.0))
-        found["false", *key] = float(np.mean(margin[~over] >= 1.0))
+        known = not np.isnan(margin).any()
+        found["missed", *key] = float(np.mean(margin[over] < 1.0)) if known else np.nan
+        found["false", *key] = float(np.mean(margin[~over] >= 1.0)) if known else np.nan
     for kind in KINDS:
         for score in SCORES:
             margin = margins[score, kind, "balanced"]
-            found["area", kind, score] = area(margin, over)
+            known = not np.isnan(margin).any()
+            found["area", kind, score] = area(margin, over) if known else np.nan
             for share in MISSED_SHARES:
-                found["false_at", kind, share, score] = false_at(margin, over, share)
+                found["false_at", kind, share, score] = false_at(margin, over, share) if known else np.nan
     return found
 
 
@@ -260,7 +269,8 @@ def _rates(
         row[f"{name}_share"] = count / np.sum(cases_of)
         row[f"{name}_low"], row[f"{name}_high"] = spread[name, *key].between()
         among = [one[name, *key] for one in perturbed]
-        row[f"{name}_least"], row[f"{name}_most"] = min(among), max(among)
+        # NaN where one of the truths has no limit: the range is not known.
+        row[f"{name}_least"], row[f"{name}_most"] = float(np.min(among)), float(np.max(among))
     if score == "march":
         return row | _peaks(margin, cases, over | alarm)
     rule = ("false", "march", kind, point)
@@ -295,6 +305,9 @@ def _dataset(name: str, table: pd.DataFrame) -> xr.Dataset:
     for column, (kind, units, long_name) in RULE_TABLES[name].items():
         absent: Any = {float: np.nan, str: ""}.get(kind, -1)
         values = table[column].fillna(absent) if column in table else np.full(len(table), absent)
-        stored = np.int8 if kind is bool else kind
-        columns[column] = ("row", np.asarray(values, dtype=stored), {"units": units, "long_name": long_name})
+        attributes: dict[str, Any] = {"units": units, "long_name": long_name}
+        if kind is bool:
+            attributes["flag_values"] = np.array([-1, 0, 1], dtype=np.int8)
+            attributes["flag_meanings"] = "not_computed no yes"
+        columns[column] = ("row", np.asarray(values, dtype=np.int8 if kind is bool else kind), attributes)
     return xr.Dataset(columns)

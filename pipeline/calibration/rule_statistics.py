@@ -13,7 +13,18 @@ from typing import TypeVar
 import numpy as np
 from scipy.stats import beta
 
-__all__ = ["RESAMPLES", "Resampled", "area", "curve", "false_at", "left_out", "limit", "missed_bound", "resampled"]
+__all__ = [
+    "RESAMPLES",
+    "Resampled",
+    "area",
+    "curve",
+    "false_at",
+    "left_out",
+    "limit",
+    "missed_bound",
+    "over_limit",
+    "resampled",
+]
 
 K = TypeVar("K", bound=Hashable)
 
@@ -39,6 +50,17 @@ def limit(fallen: np.ndarray, share: float) -> float:
     return float(np.sort(fallen)[int(share * fallen.size * (1.0 + 1e-12))])
 
 
+def over_limit(scores: np.ndarray, lowest: float) -> np.ndarray:
+    """Scores over a limit; NaN for a limit of 0, which an overturning without any score makes.
+
+    Examples
+    --------
+    >>> over_limit(np.array([0.0, 3.0]), 2.0).tolist(), over_limit(np.array([0.0, 3.0]), 0.0).tolist()
+    ([0.0, 1.5], [nan, nan])
+    """
+    return scores / lowest if lowest > 0.0 else np.full(scores.shape, np.nan)
+
+
 def left_out(scores: np.ndarray, over: np.ndarray, events: np.ndarray, share: float) -> np.ndarray:
     """Scores over the limit that the cases of the other earthquakes give.
 
@@ -56,7 +78,7 @@ def left_out(scores: np.ndarray, over: np.ndarray, events: np.ndarray, share: fl
     Returns
     -------
     (n,) ndarray
-        An alarm at 1 and above.
+        An alarm at 1 and above; NaN where the limit is 0 (:func:`over_limit`).
 
     Examples
     --------
@@ -66,7 +88,7 @@ def left_out(scores: np.ndarray, over: np.ndarray, events: np.ndarray, share: fl
     margins = np.empty(scores.size)
     for event in np.unique(events):
         out = events == event
-        margins[out] = scores[out] / limit(scores[over & ~out], share)
+        margins[out] = over_limit(scores[out], limit(scores[over & ~out], share))
     return margins
 
 

@@ -114,7 +114,7 @@ def calibrate_site(
             reason = str(error) if record.id in str(error) else f"{record.id}: {error}"
             rows.append(Failure(file=record.source, stage="calibrate", reason=reason, kind="failed"))
     if not done:
-        reasons = "".join(f"\n  {row.reason}" for row in rows if row.kind == "failed")
+        reasons = "".join(f"\n  {row.reason}" for row in rows if row.kind != "vertical")
         raise RecordRefused(f"not one record could be calibrated, so there is no site to describe{reasons}")
     weights = record_weights([one.record.id for one in done], events, rule, table)
     return build_site_tree(done, events, weights, names, lanes, config, rows, remarks)

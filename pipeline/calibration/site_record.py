@@ -163,6 +163,7 @@ def _calibrated(scene: Scene, blocks: Block) -> tuple[ImpulseSequence, dict[str,
     found = calibrate_response(
         scene.record,
         blocks if settings.family == "blocks" else None,
+        vertical=scene.vertical,
         start=scene.sequence,
         spacing=scene.config.sequence.spacing,
         confidence=settings.confidence,

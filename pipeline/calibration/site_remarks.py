@@ -68,7 +68,8 @@ def site_remarks(
         )
         remarks.append(
             f"FEW EVENTS: {count}{lifting}, fewer than {FEWEST_EVENTS}: the intervals are wide because little is "
-            "known, and even so they take the parameters for lognormal; take records of more earthquakes"
+            "known (those of two or three events may come out narrow by chance), and even so they take the parameters "
+            "for lognormal; correlations of so few mean little; take records of more earthquakes"
         )
     if records < FEWEST_RECORDS:
         remarks.append(f"FEW RECORDS: {records}, fewer than {FEWEST_RECORDS}: {_tail(records, quantile)}")

@@ -45,7 +45,7 @@ def _run(args: argparse.Namespace) -> int:
     from tqdm import tqdm
 
     from rockpulse.bodies import gather_bodies
-    from rockpulse.failure_overview import failure_list
+    from rockpulse.failure_overview import failure_list, not_used
     from rockpulse.fragility.assessment import fragility_curves
     from rockpulse.fragility_overview import fragility_overview
     from rockpulse.sources import read_all
@@ -72,7 +72,9 @@ def _run(args: argparse.Namespace) -> int:
     save(tree, args.output, overwrite=args.overwrite)
     failed = failure_list(tree, kinds=("failed",))
     if not args.quiet:
-        print("\n\n".join(part for part in (fragility_overview(tree), failed, f"results: {args.output}") if part))
+        print(
+            "\n\n".join(part for part in (fragility_overview(tree), not_used(tree), f"results: {args.output}") if part)
+        )
     elif failed:
         print(failed, file=sys.stderr)
     return 1 if failed else 0

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import sys
+from collections import Counter
 from typing import TYPE_CHECKING
 
 from rockpulse.commands.verb import Verb
@@ -85,6 +86,10 @@ def _judge(args: argparse.Namespace) -> int:
     check_target(args.output, args.overwrite, RULE_KIND)
     given = {point: load_rule(point, args.rule) for point in POINTS}
     cases, failures = _cases(args)
+    if cases.empty:
+        reasons = "".join(f"\n  {failure.reason}" for failure in failures if failure.kind != "vertical")
+        print(f"rockpulse: no strong channel to judge on, nothing was written{reasons}", file=sys.stderr)
+        return 1
     tree = judge_rules(cases, given, failures, args.seed)
     save(tree, args.output, overwrite=args.overwrite)
     return _report(args, failures, f"{rule_overview(tree)}\n\nverdicts: {args.output}")
@@ -112,7 +117,9 @@ def _report(args: argparse.Namespace, failures: list[Failure], text: str) -> int
     for failure in failed:
         print(f"failed ({failure.stage}) {failure.reason}", file=sys.stderr)
     if not args.quiet:
-        print(text)
+        others = Counter(failure.kind for failure in failures if failure.kind not in ("failed", "vertical"))
+        not_used = ", ".join(f"{count} {kind}" for kind, count in sorted(others.items()))
+        print(f"not used: {not_used} (group /failures)\n\n{text}" if not_used else text)
     return 1 if failed else 0
 
 

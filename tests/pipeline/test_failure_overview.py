@@ -7,7 +7,7 @@ import pytest
 import xarray as xr
 from results_tree import results_tree
 
-from rockpulse.failure_overview import failure_list, left_out
+from rockpulse.failure_overview import failure_list, left_out, not_used
 
 
 def test_left_out_lists_by_kind_with_the_failed_first():
@@ -74,3 +74,17 @@ def test_a_vertical_channel_that_acted_is_told(note, title):
     summary["processing"] = summary["processing"].copy(data=np.array([note, f"baseline: mean\n{note}", ""]))
     acted = xr.DataTree.from_dict({"/summary": summary, "/failures": tree["failures"].to_dataset()})
     assert title in left_out(acted).splitlines()
+
+
+def test_what_was_not_used_is_listed_by_kind_and_long_lists_are_cut():
+    rows = {
+        "file": ["up", "bad", *[f"note {k}" for k in range(15)]],
+        "stage": ["assess", *["read"] * 16],
+        "reason": ["vertical channel", "truncated", *["no reader"] * 15],
+        "kind": ["vertical", "failed", *["skipped"] * 15],
+    }
+    text = not_used(xr.DataTree.from_dict({"/failures": xr.Dataset({k: ("failure", v) for k, v in rows.items()})}))
+    assert text.splitlines()[0] == "failed (read) bad: truncated"
+    assert text.count("skipped (read)") == 12
+    assert text.endswith("skipped: and 3 more (group /failures)")
+    assert "vertical" not in text

@@ -156,6 +156,20 @@ def test_the_answer_depends_neither_on_threads_nor_on_the_hour(fit, strong):
     assert again.intervals == fit.intervals
 
 
+def test_a_vertical_acceleration_reaches_the_targets(monkeypatch, strong):
+    seen = {}
+
+    def targets(record, blocks, smallest, threads, vertical):
+        seen["vertical"] = vertical
+        raise RecordRefused("seen")
+
+    monkeypatch.setattr("rockpulse.calibration.response_calibration.recorded_targets", targets)
+    up = np.zeros(strong.npts)
+    with pytest.raises(RecordRefused, match="seen"):
+        calibrate_response(strong, THIRD, vertical=up)
+    assert seen["vertical"] is up
+
+
 def test_the_envelope_is_the_smallest_impulse_that_covers_the_share(fit):
     for share in (0.84, 1.0):
         over = envelope(fit, share, threads=1)

@@ -5,7 +5,7 @@ import pytest
 
 from rockpulse.calibration.response_targets import ResponseTargets, block_family, recorded_targets
 from rockpulse.errors import ConfigError, RecordRefused
-from rockpulse.models import Block, Outcome
+from rockpulse.models import Block, Outcome, recorded_response
 from rockpulse.record import Record
 
 NUMBERS = [0.1, 0.2, 0.3, 0.4, 0.5, 0.6]
@@ -89,3 +89,14 @@ def test_a_motion_too_weak_for_the_family_is_refused_by_name():
     weak = Record(0.01 * np.sin(np.arange(200.0)), dt=0.01, id="weak")
     with pytest.raises(RecordRefused, match=r"weak: 0 of 100 blocks .* 100 stay at rest"):
         recorded_targets(weak, block_family(), threads=1)
+
+
+def test_the_vertical_acceleration_acts_on_the_targets():
+    time = np.arange(0.0, 4.0, 0.01)
+    record = Record(4.0 * np.sin(2.0 * np.pi * time), dt=0.01, id="sine", processed=True)
+    blocks = Block.from_parameters(np.linspace(1.0, 3.0, 12), 0.25, 0.9)
+    up = 3.0 * np.cos(5.0 * np.pi * time)
+    lifted = recorded_targets(record, blocks, vertical=up)
+    direct = recorded_response(blocks, record.acceleration, record.dt, vertical=up)
+    assert np.array_equal(lifted.peaks, direct.peak_rotation_ratio)
+    assert not np.array_equal(lifted.peaks, recorded_targets(record, blocks).peaks)

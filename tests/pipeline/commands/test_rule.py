@@ -59,10 +59,13 @@ def test_one_earthquake_gives_a_statement(samples, tmp_path, capsys):
     assert not (tmp_path / "rule.toml").exists()
 
 
-def test_no_strong_record_gives_a_statement(samples, tmp_path, capsys):
-    code, said = run(capsys, "rule", "judge", samples / "2516b_a.smc", "-o", tmp_path / "verdicts.h5")
-    assert code == 0
-    assert "0 strong channels" in said.out
+def test_without_a_strong_record_nothing_is_written(samples, tmp_path, capsys):
+    (tmp_path / "notes.txt").write_text("no record")
+    code, said = run(capsys, "rule", "judge", tmp_path, samples / "2516b_a.smc", "-o", tmp_path / "verdicts.h5")
+    assert code == 1
+    assert "no strong channel to judge on, nothing was written" in said.err
+    assert "notes.txt" in said.err
+    assert not (tmp_path / "verdicts.h5").exists()
 
 
 def test_a_file_that_exists_is_kept(samples, tmp_path, capsys):
