@@ -8,7 +8,7 @@ from pathlib import Path
 from rockpulse.calibration.site_variables import SITE_KIND
 from rockpulse.errors import ResultsError
 from rockpulse.models.sequence import ImpulseSequence
-from rockpulse.store import ASSESSMENT, load
+from rockpulse.store import ASSESSMENT, load, named
 
 __all__ = ["load_design"]
 
@@ -36,7 +36,7 @@ def load_design(path: str | Path) -> ImpulseSequence:
     tree = load(path)
     kind = tree.attrs.get("kind", ASSESSMENT)
     if kind != SITE_KIND:
-        raise ResultsError(f"{path}: expected a site file of 'rockpulse calibrate', found an {kind}")
+        raise ResultsError(f"{path}: expected a site file of 'rockpulse calibrate', found {named(kind)}")
     site = tree["site"].to_dataset()
     value = dict(zip(site["parameter"].values.tolist(), site["design"].values.tolist(), strict=True))
     return ImpulseSequence(

@@ -55,12 +55,17 @@ def _remarks(site: xr.Dataset) -> str:
     return "\n".join(paragraph(line, "  ", "! ") for line in remarks)
 
 
+def _scaled(words: str) -> str:
+    """Measure and value, with the unit that the target has."""
+    return f"{words} {'m/s2' if words.startswith('pga') else 'm/s'}"
+
+
 def _records(site: xr.Dataset) -> str:
     counts = dict(zip(site["site_event"].values.tolist(), site["event_records"].values.tolist(), strict=True))
     listed = [f"{name} ({count})" for name, count in list(counts.items())[:LISTED]]
     more = f", and {len(counts) - LISTED} more" if len(counts) > LISTED else ""
     attributes = site.attrs
-    scaled = "" if attributes["scaled_to"] == "none" else f", scaled to {attributes['scaled_to']} (SI)"
+    scaled = "" if attributes["scaled_to"] == "none" else f", scaled to {_scaled(attributes['scaled_to'])}"
     lines = [
         f"{_count(site.sizes['record'], 'record')} of {_count(len(counts), 'event')}: {', '.join(listed)}{more}",
         f"Sequence of each record by {attributes['method']}; weights: {attributes['weights']}{scaled}. "

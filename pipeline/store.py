@@ -27,7 +27,7 @@ from rockpulse.study.variables import STUDY
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["ASSESSMENT", "SCHEMA_VERSION", "check_target", "load", "save"]
+__all__ = ["ASSESSMENT", "SCHEMA_VERSION", "check_target", "load", "named", "save"]
 
 #: MAJOR.MINOR of the layout described in docs/schema.md; another MAJOR is refused.
 SCHEMA_VERSION = "1.0"
@@ -179,12 +179,13 @@ def _check_replaceable(target: Path, path: str | Path, overwrite: bool, kind: st
         )
     if found not in (kind, DAMAGED):
         raise ResultsError(
-            f"{path}: expected {_named(kind)} of rockpulse, found {_named(found)}, which is not replaced even with "
+            f"{path}: expected {named(kind)} of rockpulse, found {named(found)}, which is not replaced even with "
             "--overwrite; choose another name, or remove it by hand"
         )
 
 
-def _named(kind: str) -> str:
+def named(kind: str) -> str:
+    """A kind of file with its article."""
     return f"{'an' if kind[0] in 'aeiou' else 'a'} {kind}"
 
 

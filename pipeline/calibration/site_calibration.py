@@ -67,10 +67,10 @@ def calibrate_site(
     Raises
     ------
     ConfigError
-        For two records of one id, tables of events or weights that do not fit, or where not one record could be
-        calibrated. A record that cannot is a row of /failures.
+        For two records of one id, or tables of events or weights that do not fit.
     RecordRefused
-        Where the records make no design sequence: nothing rocks, or one record has no quantile.
+        Where not one record could be calibrated (one that cannot, among others, is a row of /failures), or the records
+        make no design sequence: nothing rocks, or one record has no quantile.
 
     Examples
     --------

@@ -53,6 +53,14 @@ def test_everything_is_there_and_nothing_is_nan(tree):
     assert max(map(len, text.splitlines())) <= 140
 
 
+@pytest.mark.parametrize("scaled", ["pga 4 m/s2", "pgv 0.5 m/s", "impulse 0.5 m/s"])
+def test_the_target_that_records_are_scaled_to_has_its_unit(tree, scaled):
+    tree = tree.copy()
+    site = tree["site"].to_dataset()
+    tree["site"] = site.assign_attrs(scaled_to=scaled.rpartition(" ")[0])
+    assert f", scaled to {scaled}." in " ".join(site_overview(tree).split())
+
+
 def test_many_blocks_are_told_by_their_extremes(tree):
     site = tree["site"].to_dataset()
     many = site.isel(block=[0, 1] * 10)

@@ -11,6 +11,7 @@ from rockpulse.calibration.rule import (
     POINTS,
     Rule,
     load_rule,
+    range_text,
     rule_applicable,
     rule_demand,
     rule_safety_factor,
@@ -148,6 +149,12 @@ def test_the_range_is_that_of_the_bodies_of_the_fit():
         assert rule_applicable(Block.from_parameters(**usual | other), rule).tolist() == [inside], other
     assert rule_applicable(Block(0.5, 0.3, restitution=0.5), rule).tolist() == [False]  # no Housner's C
     assert rule_applicable(Block(0.5, 0.6), Rule("balanced", 1.0)).tolist() == [True]
+
+
+def test_the_range_in_words_names_housners_restitution():
+    assert range_text(load_rule()).endswith(", Housner's C")
+    wider = Rule("balanced", 1.0, {"restitution_ratio": (0.9, 1.0), "radius": (1.0, 1.0)})
+    assert range_text(wider) == "C 0.9 to 1 times Housner's, R 1 to 1 m"
 
 
 def test_assessments_mark_bodies_unlike_those_of_the_fit():

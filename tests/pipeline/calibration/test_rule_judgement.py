@@ -1,5 +1,7 @@
 """Fitting and judging: limits come from the other earthquakes, small ensembles get a statement."""
 
+from pathlib import Path
+
 import numpy as np
 import pandas as pd
 import pytest
@@ -8,6 +10,7 @@ import rockpulse as rp
 from rockpulse.calibration.rule import POINTS, Rule, load_rule
 from rockpulse.calibration.rule_cases import TRUTH, StrongMotion, motion_cases, rule_cases, strong_motions
 from rockpulse.calibration.rule_judgement import fit_rules, judge_rules, too_few
+from rockpulse.calibration.rule_variables import RULE_TABLES
 from rockpulse.errors import ConfigError
 from rockpulse.intensity import pgv
 from rockpulse.models import Outcome
@@ -15,6 +18,7 @@ from rockpulse.rule_overview import rule_overview, rule_text
 from rockpulse.scene import MODELS, extract
 from rockpulse.synthetic import synthetic_motion
 
+SCHEMA = Path(__file__).parents[3] / "docs" / "schema.md"
 GIVEN = {point: Rule(point, 1.0) for point in POINTS}
 
 
@@ -100,7 +104,7 @@ def test_peaks_are_those_of_the_sequence():
 def test_a_small_ensemble_gets_a_statement_not_a_number():
     cases = made_up()
     one = cases[cases["event"] == "event 1"]
-    assert "in 1 earthquakes" in too_few(one)
+    assert "in 1 earthquake:" in too_few(one)
     assert too_few(cases.assign(overturns=True))
     assert too_few(cases.assign(overturns=False))
     assert not too_few(cases)
@@ -109,7 +113,57 @@ def test_a_small_ensemble_gets_a_statement_not_a_number():
     tree = judge_rules(one, GIVEN)
     assert table(tree, "rates").empty
     assert len(table(tree, "cases")) == len(one)
-    assert rule_overview(tree).startswith("no verdict on the rule: 5 strong channels of 1 earthquakes")
+    assert rule_overview(tree).startswith("no verdict on the rule: 5 strong channels of 1 earthquake,")
+
+
+def test_the_statement_counts_one_as_one():
+    cases = made_up()
+    one = cases[cases["event"] == "event 1"].iloc[:2].assign(record="a", overturns=[True, False])
+    assert too_few(one).startswith("1 strong channel of 1 earthquake, 1 of 2 cases overturns, in 1 earthquake: a rule")
+
+
+def test_the_schema_has_every_variable_with_dimensions_unit_and_meaning():
+    section = SCHEMA.read_text(encoding="utf-8").split("## The file of rule verdicts\n")[1].split("\n## ")[0]
+    lines = [line.strip("| ").split(" | ") for line in section.splitlines()]
+    found = {(group, name): rest for group, name, *rest in (line for line in lines if len(line) == 5)}
+    tree = judge_rules(made_up(), GIVEN, resamples=2)
+    expected = {("group", "variable"): ["dimensions", "unit", "meaning"]}
+    for group in tree.children:
+        for name, variable in tree[group].to_dataset().variables.items():
+            flag = ""
+            if variable.dtype == np.int8:
+                pairs = zip(variable.attrs["flag_values"], variable.attrs["flag_meanings"].split(), strict=True)
+                flag = f" (flag: {', '.join(f'{value} {word}' for value, word in pairs)})"
+            rest = [*variable.dims, variable.attrs["units"], variable.attrs["long_name"] + flag]
+            expected[f"`/{group}`", f"`{name}`"] = rest
+    assert found == expected
+    assert set(tree.children) == set(RULE_TABLES)
+
+
+def test_flags_say_what_was_not_computed():
+    cases = made_up()
+    one = judge_rules(cases[cases["event"] == "event 1"], GIVEN)["cases"].to_dataset()
+    for name in ("overturns", "balanced", "conservative"):
+        assert one[name].attrs["flag_meanings"].split() == ["not_computed", "no", "yes"]
+        assert one[name].attrs["flag_values"].tolist() == [-1, 0, 1]
+    assert set(one["balanced"].values) == {-1}
+    assert set(one["overturns"].values) == {0, 1}
+
+
+def test_a_truth_that_overturns_without_uplift_gives_no_range():
+    cases = made_up()
+    asleep = np.arange(len(cases)) == np.flatnonzero(~cases["overturns"])[0]
+    shaken = cases.assign(uplift_ratio=np.where(asleep, 0.9, 10.0), **{f"{TRUTH}0": cases["overturns"] | asleep})
+    shaken.loc[asleep, "peak"] = 0.0
+    with np.errstate(all="raise"):
+        rates = table(judge_rules(shaken, GIVEN, resamples=2), "rates").set_index(["score", "kind", "point"])
+    for kind in ("in-sample", "left-out"):  # 1 % of the overturnings is none: the limit is 0, all would be alarms
+        row = rates.loc[("march", kind, "conservative")]
+        assert np.isnan([row.missed_least, row.missed_most, row.false_least, row.false_most]).all()
+        assert np.isfinite([row.missed_share, row.false_share]).all()
+        assert np.isfinite(rates.loc[("velocity_alone", kind, "conservative")].false_most)
+    assert np.isfinite(rates.loc[("march", "in-sample", "balanced")].false_most)
+    assert np.isfinite(rates.loc[("march", "as-given", "conservative")].false_most)
 
 
 def test_the_text_of_a_rule_loads_back_to_it(tmp_path):

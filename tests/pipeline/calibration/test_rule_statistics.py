@@ -63,6 +63,14 @@ def test_left_out_scores_are_over_the_limit_of_the_other_earthquakes():
     assert np.array_equal(again[200:], left_out(values, over, events, 0.0)[events == "c"])
 
 
+def test_a_limit_of_zero_gives_no_number():
+    values, over, events = np.array([0.0, 8.0, 4.0]), np.array([True, True, False]), np.array(["a", "b", "b"])
+    with np.errstate(all="raise"):
+        margins = left_out(values, over, events, 0.0)
+    assert margins[0] == 0.0
+    assert np.isnan(margins[1:]).all()  # the other earthquake's one overturning has score 0
+
+
 def test_earthquakes_are_resampled_whole():
     events = np.repeat(["a", "b", "c"], [4, 6, 10])
     over = np.tile([True, False], 10)

@@ -5,6 +5,7 @@ import shutil
 from contextlib import redirect_stderr, redirect_stdout
 from io import StringIO
 from pathlib import Path
+from types import SimpleNamespace
 
 import h5py
 import numpy as np
@@ -151,13 +152,18 @@ def test_a_sequence_and_records_together_are_refused(done, config, tmp_path, cap
     assert "--sequence takes the place of the records" in capsys.readouterr().err
 
 
-def test_files_of_another_kind_are_refused(assessed, samples, config, tmp_path, capsys):
+def test_files_of_another_kind_are_refused(assessed, samples, config, tmp_path, capsys, monkeypatch):
     results, text = assessed[0], tmp_path / "notes.txt"
     text.write_text("no site")
     with pytest.raises(ResultsError, match=r"expected a site file of 'rockpulse calibrate', found an assessment"):
         rp.load_design(results)
     with pytest.raises(ResultsError, match="expected a results file of rockpulse"):
         rp.load_design(text)
+    for kind, words in (("fragility", "a fragility"), ("rule verdicts", "a rule verdicts"), ("study", "a study")):
+        with monkeypatch.context() as patch:
+            patch.setattr("rockpulse.design_file.load", lambda path, kind=kind: SimpleNamespace(attrs={"kind": kind}))
+            with pytest.raises(ResultsError, match=f"found {words}$"):
+                rp.load_design(results)
     for wrong in (results, text, tmp_path / "none.h5"):
         arguments = ["assess", "--sequence", str(wrong), "--config", str(config), "-o", str(tmp_path / "again.h5")]
         assert main(arguments) == 2

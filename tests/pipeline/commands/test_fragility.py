@@ -51,6 +51,8 @@ def test_inspect_shows_it(made, capsys):
     assert "2 records of 1 earthquake, 1 body, data: ida" in shown
     assert "no band: the records come from 1 event, it needs 3" in shown
     assert "demand_cubic" in shown
+    assert "below them the" not in shown  # nothing has a band
+    assert "with its band" not in shown
     assert main(["inspect", str(made[0]), "--failures"]) == 0
     assert "vertical" in capsys.readouterr().out
     assert main(["inspect", str(made[0]), "--record", "x"]) == 2

@@ -51,7 +51,7 @@ def test_one_earthquake_gives_a_statement(samples, tmp_path, capsys):
     out = tmp_path / "verdicts.h5"
     code, said = run(capsys, "rule", "judge", samples / "CICCC.RAW", "-o", out)
     assert code == 0
-    assert "2 strong channels of 1 earthquakes" in " ".join(said.out.split())
+    assert "2 strong channels of 1 earthquake," in " ".join(said.out.split())
     assert rp.load(out).attrs["statement"]
     code, said = run(capsys, "rule", "fit", samples / "CICCC.RAW", "-o", tmp_path / "rule.toml")
     assert code == 2

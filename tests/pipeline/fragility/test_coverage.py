@@ -80,4 +80,5 @@ def test_coverage_over_numbers_of_events(data, events, correlation):
     assert sets >= (800 if data != "cloud" else 700 if events > 5 else 500)
     # 0.9 less three and a half binomial deviations and what is missing in the expansion for few, unequal events.
     assert np.all(rate >= CONFIDENCE - 0.033 - 0.02)
-    assert np.all(rate <= CONFIDENCE + 0.033 + (0.02 if data != "cloud" else 0.08))
+    # The bands of clouds of few events are too wide: up to 0.975 measured.
+    assert np.all(rate <= (CONFIDENCE + 0.033 + 0.02 if data != "cloud" else 0.99))
