@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+from importlib import import_module
 from typing import TYPE_CHECKING
 
 from rockpulse.commands.verb import Verb
@@ -11,6 +12,16 @@ if TYPE_CHECKING:
     import xarray as xr
 
 __all__ = ["VERB"]
+
+#: Files of other verbs by the group that tells them: what they are, and the module and function of their text.
+SHOWN_WHOLE = {
+    "site": ("this is a site file", "site_overview"),
+    "fragility": ("this is a fragility file", "fragility_overview"),
+    "statements": ("this is a study", "study_overview"),
+    "rates": ("these are verdicts of the rule", "rule_overview"),
+}
+
+NOTHING = "nothing failed and nothing was skipped"
 
 
 def _add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -29,14 +40,9 @@ def _run(args: argparse.Namespace) -> int:
     from rockpulse.store import load
 
     tree = load(args.results)
-    if "site" in tree.children:
-        return _inspect_site(tree, args)
-    if "fragility" in tree.children:
-        return _inspect_fragility(tree, args)
-    if "statements" in tree.children:
-        return _inspect_study(tree, args)
-    if "rates" in tree.children:
-        return _inspect_rule(tree, args)
+    for group in SHOWN_WHOLE:
+        if group in tree.children:
+            return _inspect_whole(tree, group, args)
     summary = tree["summary"].to_dataset()
     parts = []
     if args.record is not None:
@@ -44,66 +50,26 @@ def _run(args: argparse.Namespace) -> int:
     if args.block is not None:
         parts.append(block_details(summary, args.block))
     if args.failures:
-        parts.append(failure_list(tree) or "nothing failed and nothing was skipped")
+        parts.append(failure_list(tree) or NOTHING)
     print("\n\n".join(parts) if parts else overview(tree))
     return 0
 
 
-def _inspect_site(tree: xr.DataTree, args: argparse.Namespace) -> int:
+def _inspect_whole(tree: xr.DataTree, group: str, args: argparse.Namespace) -> int:
     from rockpulse.errors import ResultsError
     from rockpulse.failure_overview import failure_list
-    from rockpulse.site_overview import site_overview
 
-    if args.record is not None or args.block is not None:
+    said, name = SHOWN_WHOLE[group]
+    listed = "failures" in tree.children
+    if args.record is not None or args.block is not None or (args.failures and not listed):
+        options = "--record and --block" if listed else "--record, --block and --failures"
         raise ResultsError(
-            f"{args.results}: --record and --block show results of 'rockpulse assess'; this is a site file, "
-            "which inspect shows whole"
+            f"{args.results}: {options} show results of 'rockpulse assess'; {said}, which inspect shows whole"
         )
-    none = "nothing failed and nothing was skipped"
-    print((failure_list(tree) or none) if args.failures else site_overview(tree))
-    return 0
-
-
-def _inspect_fragility(tree: xr.DataTree, args: argparse.Namespace) -> int:
-    from rockpulse.errors import ResultsError
-    from rockpulse.failure_overview import failure_list
-    from rockpulse.fragility_overview import fragility_overview
-
-    if args.record is not None or args.block is not None:
-        raise ResultsError(
-            f"{args.results}: --record and --block show results of 'rockpulse assess'; this is a fragility file, "
-            "which inspect shows whole"
-        )
-    none = "nothing failed and nothing was skipped"
-    print((failure_list(tree) or none) if args.failures else fragility_overview(tree))
-    return 0
-
-
-def _inspect_study(tree: xr.DataTree, args: argparse.Namespace) -> int:
-    from rockpulse.errors import ResultsError
-    from rockpulse.study_overview import study_overview
-
-    if args.record is not None or args.block is not None or args.failures:
-        raise ResultsError(
-            f"{args.results}: --record, --block and --failures show results of 'rockpulse assess'; this is a study, "
-            "which inspect shows whole"
-        )
-    print(study_overview(tree))
-    return 0
-
-
-def _inspect_rule(tree: xr.DataTree, args: argparse.Namespace) -> int:
-    from rockpulse.errors import ResultsError
-    from rockpulse.failure_overview import failure_list
-    from rockpulse.rule_overview import rule_overview
-
-    if args.record is not None or args.block is not None:
-        raise ResultsError(
-            f"{args.results}: --record and --block show results of 'rockpulse assess'; these are verdicts of the rule, "
-            "which inspect shows whole"
-        )
-    none = "nothing failed and nothing was skipped"
-    print((failure_list(tree) or none) if args.failures else rule_overview(tree))
+    if args.failures:
+        print(failure_list(tree) or NOTHING)
+    else:
+        print(getattr(import_module(f"rockpulse.{name}"), name)(tree))
     return 0
 
 
