@@ -1,0 +1,90 @@
+"""SAC: files synthesised with obspy, and a real one."""
+
+from __future__ import annotations
+
+import struct
+
+import numpy as np
+import pytest
+from record_writers import pulse
+
+from rockpulse.errors import RecordFormatError, UnitError
+from rockpulse.readers import read
+from rockpulse.readers.source import NotAcceleration
+
+COUNTS = np.round(pulse(1000, peak=500_000.0)).astype(np.int32)
+
+
+def write_sac(folder, values=COUNTS / 1e4, channel="HNE", **header):
+    import obspy
+
+    path = folder / "record.sac"
+    names = {"network": "XX", "station": "ABC", "location": "00", "channel": channel}
+    start = obspy.UTCDateTime("2020-01-02T03:04:05.5")
+    sac = obspy.Trace(np.asarray(values, dtype=np.float32), {**names, "sampling_rate": 100.0, "starttime": start})
+    sac.stats.sac = {"cmpaz": 135.0, "cmpinc": 90.0, **header}
+    sac.write(str(path), format="SAC")
+    return path
+
+
+def test_sac_with_a_unit(tmp_path):
+    (record,) = read(write_sac(tmp_path), units="cm/s2")
+    assert record.acceleration == pytest.approx(COUNTS / 1e6, rel=1e-6, abs=1e-9)
+    assert (record.dt, record.azimuth, record.orientation) == (0.01, 135.0, "horizontal")
+    assert record.id == "XX.ABC.00.HNE@20200102T030405"
+
+
+def test_sac_without_a_unit_asks_for_it(tmp_path):
+    with pytest.raises(UnitError, match="does not state the unit of acceleration"):
+        read(write_sac(tmp_path))
+
+
+@pytest.mark.parametrize(("idep", "series"), [(6, "displacement"), (7, "velocity")])
+def test_sac_of_another_motion_is_refused(tmp_path, idep, series):
+    with pytest.raises(NotAcceleration, match=series):
+        read(write_sac(tmp_path, idep=idep), units="g")
+
+
+@pytest.mark.parametrize(("inclination", "sign"), [(0.0, 1.0), (180.0, -1.0)])
+def test_sac_vertical(tmp_path, inclination, sign):
+    (record,) = read(write_sac(tmp_path, channel="HNZ", cmpinc=inclination), units="m/s2")
+    assert record.orientation == "vertical"
+    assert np.sign(record.acceleration[10]) == sign * np.sign(COUNTS[10])
+
+
+@pytest.mark.parametrize(("channel", "inclination"), [("HNE", 0.0), ("HNE", 180.0), ("HNZ", 90.0), ("HNE", 45.0)])
+def test_sac_whose_angles_contradict_its_channel_code_has_no_direction(tmp_path, channel, inclination):
+    (record,) = read(write_sac(tmp_path, channel=channel, cmpinc=inclination), units="m/s2")
+    assert (record.orientation, np.isnan(record.azimuth)) == ("unknown", True)
+    assert any(f"the channel code says '{channel}', the dip is" in warning for warning in record.warnings)
+    assert np.sign(record.acceleration[10]) == np.sign(COUNTS[10])
+
+
+def test_truncated_sac(tmp_path):
+    path = write_sac(tmp_path)
+    path.write_bytes(path.read_bytes()[:-100])
+    with pytest.raises(RecordFormatError, match=r"expected 1000 samples \(header NPTS\), found room for 975"):
+        read(path, units="g")
+
+
+@pytest.mark.parametrize(("name", "word"), [("STLO", 32), ("EVLO", 36)])
+def test_sac_with_a_longitude_that_is_none_is_refused_at_once(tmp_path, name, word):
+    path = write_sac(tmp_path)
+    content = bytearray(path.read_bytes())
+    struct.pack_into("<f", content, 4 * word, 1e20)
+    path.write_bytes(content)
+    with pytest.raises(RecordFormatError, match=f"header word {name}, found 1e\\+20"):
+        read(path, units="g")
+
+
+def test_sac_with_nan(tmp_path):
+    values = COUNTS / 1e4
+    values[7] = np.nan
+    with pytest.raises(RecordFormatError, match="1 of 1000 samples are NaN or infinite, the first at index 7"):
+        read(write_sac(tmp_path, values), units="g")
+
+
+def test_real_sac(records_folder):
+    (record,) = read(records_folder / "sac" / "20190706031952.CJ.T001230.HNE.sac", units="m/s2")
+    assert (record.npts, record.dt) == (15001, 0.02)
+    assert record.pga == pytest.approx(0.043384, rel=1e-4)
