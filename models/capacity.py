@@ -197,7 +197,10 @@ def _search(
     def answers(lanes: np.ndarray, factors: np.ndarray) -> Response:
         return respond(blocks._with(lambda values: np.ascontiguousarray(values[lanes])), factors)
 
+    unresolved = False
+
     def exceeds(lanes: np.ndarray, factors: np.ndarray) -> np.ndarray:
+        nonlocal unresolved
         # Lanes of one block stand together: the impulsive kernel shares a table among those of one p.
         response = answers(np.repeat(lanes, factors.shape[0]), factors.T.reshape(-1))
         if level is None:
@@ -207,7 +210,10 @@ def _search(
         else:
             reach = response.peak_rotation_ratio / level
         # A lane that is UNRESOLVED exceeds: its peak is NaN.
+        unresolved |= bool(np.any(response.outcome == Outcome.UNRESOLVED))
         return reach.reshape(factors.shape[1], factors.shape[0]).T
 
     found = exceedance_intervals(exceeds, start, factor_max, points)
+    if not unresolved:
+        return found
     return replace(found, resolved=answers(found.lane, found.lower).outcome != Outcome.UNRESOLVED)

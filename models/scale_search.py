@@ -11,9 +11,12 @@ import numpy as np
 
 __all__ = ["ScaleIntervals", "exceedance_intervals"]
 
-#: Below the first exceedance, where the safety factor is read, the scan is made denser in these passes: parts that a
-#: step is divided into, and how near one of its ends must come to the limit for it (docs/decisions/011).
-DENSER = ((4, 0.2), (4, 0.5), (4, 0.8))
+#: Below the first exceedance, where the safety factor is read, a step of the scan is halved for the k-th time where the
+#: lane may come this near the limit in it (docs/decisions/011).
+NEAR = (0.2, 0.45, 0.7, 0.95, 1.2, 1.45)
+
+#: Steps of a lane that are halved together, from the lowest on: half of all that are due, at least these.
+TOGETHER = 4
 
 #: Factors times lanes of one call of the scan: it bounds the memory of a call.
 CASES_AT_ONCE = 16384
@@ -107,7 +110,7 @@ def exceedance_intervals(
     Notes
     -----
     The scan has the step (factor_max/start)^(1/(points - 1)), and the factor one besides. Below the first exceedance of
-    a lane, steps at whose ends the lane came near the limit are divided, where `exceeds` tells. An interval, or a gap
+    a lane, steps in which it may come near the limit are halved, where `exceeds` tells. An interval, or a gap
     between two, that is narrower than the step is seen only where a factor happens to fall into it. Then all edges are
     bisected together; where a bracket holds several edges, one of them is found.
 
@@ -185,35 +188,43 @@ def _scan(
     factors = np.sort(np.vstack((factors, np.clip(1.0, start[lanes], factor_max))), axis=0)
     reach = _reach(exceeds, lanes, factors).T.reshape(-1)
     lane, factor = np.repeat(lanes, points + 1), factors.T.reshape(-1)
-    for parts, near in DENSER:
-        lane, factor, reach = _denser(exceeds, lane, factor, reach, parts, near)
-    return lane, factor, reach >= 1.0
+    once = np.append(True, (lane[1:] != lane[:-1]) | (factor[1:] > factor[:-1]))
+    return _denser(exceeds, lane[once], factor[once], reach[once])
 
 
 def _denser(
-    exceeds: Callable[[np.ndarray, np.ndarray], np.ndarray],
-    lane: np.ndarray,
-    factor: np.ndarray,
-    reach: np.ndarray,
-    parts: int,
-    near: float,
+    exceeds: Callable[[np.ndarray, np.ndarray], np.ndarray], lane: np.ndarray, factor: np.ndarray, reach: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """The scan with every step divided that comes near the limit and begins below the first exceedance of its lane."""
-    over = np.flatnonzero(reach >= 1.0)
-    first = np.full(int(lane[-1]) + 1, np.inf)
-    np.minimum.at(first, lane[over], factor[over])
-    low, high = factor[:-1], factor[1:]
-    inside_lane = (lane[1:] == lane[:-1]) & (low < high)
-    chosen = inside_lane & (low < first[lane[:-1]]) & (np.maximum(reach[:-1], reach[1:]) >= near)
-    step = np.flatnonzero(chosen)
-    if step.size == 0:
-        return lane, factor, reach
-    share = np.arange(1, parts)[:, np.newaxis] / parts
-    factors = low[step] * (high[step] / low[step]) ** share
-    lanes = np.append(lane, np.tile(lane[step], parts - 1))
-    reached = np.append(reach, _reach(exceeds, lane[step], factors))
-    order = np.lexsort((np.append(factor, factors), lanes))
-    return lanes[order], np.append(factor, factors)[order], reached[order]
+    """The scan with those steps halved, once or more, that may hide an exceedance below the first one of their lane.
+
+    A step may come as near the limit as the nearer one of its ends and, beyond that, by as much as the reach bends
+    there: its second difference, large where the scan does not resolve how the reach changes with the factor.
+    """
+    halvings = np.zeros(lane.size, dtype=np.int64)  # of the step that begins at the factor
+    due = np.append(NEAR, np.inf)
+    while True:
+        over = np.flatnonzero(reach >= 1.0)
+        first = np.full(int(lane[-1]) + 1, np.inf)
+        np.minimum.at(first, lane[over], factor[over])
+        near = np.minimum(reach, 1.0)
+        bend = np.zeros(lane.size)
+        bend[1:-1] = np.where(lane[2:] == lane[:-2], np.abs(near[2:] - 2.0 * near[1:-1] + near[:-2]), 0.0)
+        may_reach = np.maximum(near[:-1], near[1:]) + np.maximum(bend[:-1], bend[1:])
+        inside = (lane[1:] == lane[:-1]) & (factor[:-1] < first[lane[:-1]])
+        step = np.flatnonzero(inside & (may_reach >= due[halvings[:-1]]))
+        if step.size == 0:
+            return lane, factor, reach >= 1.0
+        # The lowest steps of a lane go ahead of the others: what exceeds in one of them spares all above it.
+        begin = np.flatnonzero(np.diff(lane[step], prepend=-1))
+        count = np.diff(begin, append=step.size)
+        step = step[np.arange(step.size) - np.repeat(begin, count) < np.repeat(np.maximum(TOGETHER, count / 2), count)]
+        middle = np.sqrt(factor[step] * factor[step + 1])
+        halvings[step] += 1
+        reach = np.insert(reach, step + 1, _reach(exceeds, lane[step], middle[np.newaxis])[0])
+        lane, factor, halvings = (
+            np.insert(values, step + 1, new)
+            for values, new in ((lane, lane[step]), (factor, middle), (halvings, halvings[step]))
+        )
 
 
 def _bisect(
