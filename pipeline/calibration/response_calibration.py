@@ -58,8 +58,8 @@ class ResponseCalibration:
     parameters : dict of str to float
         Its "main" [m/s], "ratio" I_s/I [-], "interval" dT [s] (NaN with spacing "continuous") and "main_count" [-].
     intervals : dict of str to (float, float)
-        Central interval of each parameter in the posterior, at the level `confidence`. Those of the fit, also when
-        the form is "enveloping".
+        Central interval of each parameter in the posterior, at the level `confidence`; of "main_count" the likeliest
+        numbers whose probability is nearest to it. Those of the fit, also when the form is "enveloping".
     main_counts : dict of int to float
         Posterior probability of each number of main impulses [-].
     profiles : dict of str to ((k,) ndarray, (k,) ndarray)

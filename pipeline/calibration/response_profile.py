@@ -21,6 +21,7 @@ __all__ = [
     "deviance_threshold",
     "flat_ends",
     "intervals",
+    "likeliest_counts",
     "main_counts",
     "parameter_values",
     "profiles",
@@ -113,13 +114,44 @@ def profiles(explored: Explored, share: float = 1.0) -> dict[str, tuple[np.ndarr
 
 
 def intervals(space: SearchSpace, posterior: Posterior, confidence: float) -> dict[str, tuple[float, float]]:
-    """Central intervals of the posterior: (low, high) of each parameter; NaN where the spacing has no dT."""
+    """(low, high): central in the posterior, of the main count :func:`likeliest_counts`; NaN where there is no dT."""
     levels = np.array([0.5 * (1.0 - confidence), 0.5 * (1.0 + confidence)])
     found = {}
     for name, values in parameter_values(space, posterior.points).items():
         low, high = posterior.quantiles(values, levels)
         found[name] = (float(low), float(high))
-    return found
+    return {**found, "main_count": likeliest_counts(main_counts(posterior), confidence)}
+
+
+def likeliest_counts(shares: dict[int, float], confidence: float) -> tuple[float, float]:
+    """Lowest and highest of the likeliest numbers of main impulses whose probability is nearest to a level.
+
+    Parameters
+    ----------
+    shares : dict of int to float
+        Probability of each number [-].
+    confidence : float
+        Level [-].
+
+    Returns
+    -------
+    (low, high) : (float, float)
+        Numbers of main impulses.
+
+    Notes
+    -----
+    No set of whole numbers holds just the level. Quantiles hold at least that, mostly far more, and cover too often.
+
+    Examples
+    --------
+    >>> likeliest_counts({3: 0.05, 4: 0.70, 5: 0.23, 6: 0.02}, 0.9), likeliest_counts({8: 0.14, 9: 0.86}, 0.9)
+    ((4.0, 5.0), (9.0, 9.0))
+    """
+    numbers, probabilities = np.array(list(shares)), np.array(list(shares.values()))
+    order = np.argsort(-probabilities, kind="stable")
+    nearest = np.argmin(np.abs(np.cumsum(probabilities[order]) - confidence))
+    inside = numbers[order[: nearest + 1]]
+    return float(inside.min()), float(inside.max())
 
 
 def main_counts(posterior: Posterior) -> dict[int, float]:

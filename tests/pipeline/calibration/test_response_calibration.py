@@ -26,12 +26,12 @@ def response(blocks, sequence):
     return sequence_response(blocks, sequence, table_rows=0, threads=1)
 
 
-def recovered(seed, most, every=1):
+def recovered(seed, counts, every=1):
     """A sequence from the middle of what is searched, responses of its family with noise of 10 %, and the fit."""
     rng = np.random.default_rng(seed)
     main, interval = np.exp(rng.uniform(np.log([0.1, 0.1]), np.log([0.5, 0.5])))
     truth = {"main": main, "ratio": rng.uniform(0.2, 0.8), "interval": interval}
-    truth["main_count"] = int(rng.integers(2, most + 1))
+    truth["main_count"] = int(rng.choice(counts))
     sequence = ImpulseSequence(main, truth["ratio"] * main, interval, np.inf, main_count=truth["main_count"])
     blocks = thinned(motion_family(lambda pool: response(pool, sequence)), every)
     answer = response(blocks, sequence)
@@ -39,50 +39,60 @@ def recovered(seed, most, every=1):
     return truth, fit_sequence(blocks, peaks, answer.outcome, seed=seed, threads=1)
 
 
-def summary(cases):
-    """Coverage of each parameter, of dT where it is not flat, and width of the interval of I over I."""
-    covered = {
-        name: np.array([fit.intervals[name][0] <= truth[name] <= fit.intervals[name][1] for truth, fit in cases])
-        for name in NAMES
-    }
-    told = np.array(["interval" not in fit.flat for _, fit in cases])
-    covered["interval"] = covered["interval"][told]
-    widths = np.array([np.diff(fit.intervals["main"])[0] / fit.parameters["main"] for _, fit in cases])
-    return {name: float(np.mean(inside)) for name, inside in covered.items()}, widths
+def coverage(cases):
+    """Share of the cases whose interval holds the truth, by parameter; of dT where it is not flat."""
+    covered = {}
+    for name in NAMES:
+        told = [
+            (truth[name], *fit.intervals[name]) for truth, fit in cases if name != "interval" or name not in fit.flat
+        ]
+        covered[name] = float(np.mean([low <= value <= high for value, low, high in told]))
+    return covered
+
+
+def relative_widths(cases):
+    """Width of the interval of I over I."""
+    return np.array([np.diff(fit.intervals["main"])[0] / fit.parameters["main"] for _, fit in cases])
+
+
+def promised(cases):
+    """Mean probability that the posteriors give to the intervals of the number of main impulses."""
+    held = []
+    for _, fit in cases:
+        low, high = fit.intervals["main_count"]
+        held.append(sum(share for count, share in fit.main_counts.items() if low <= count <= high))
+    return np.mean(held)
 
 
 def test_ten_sequences_with_noise_are_recovered():
-    cases = [recovered(seed, most=3, every=3) for seed in range(10)]
-    covered, widths = summary(cases)
+    cases = [recovered(seed, counts=(2, 3), every=3) for seed in range(10)]
     # At 0.9 fewer than 7 of 10 have a probability of 1.3 %.
-    assert all(share >= 0.7 for share in covered.values())
-    assert np.median(widths) < 0.25
+    assert all(share >= 0.7 for share in coverage(cases).values())
+    assert np.median(relative_widths(cases)) < 0.25
     assert np.median([fit.spread for _, fit in cases]) == pytest.approx(0.1, abs=0.015)
 
 
 @pytest.mark.slow
 def test_a_hundred_sequences_with_noise_are_recovered():
-    cases = [recovered(seed, most=6) for seed in range(100)]
-    covered, widths = summary(cases)
-    print(f"coverage {covered}, width of the interval of I: median {np.median(widths):.3f}, ", end="")
-    flat = sum("interval" in fit.flat for _, fit in cases)
-    print(f"below 0.25 in {np.mean(widths < 0.25):.0%}; dT flat in {flat}; ", end="")
-    for name in ("main", "ratio", "interval"):
-        assert 0.83 <= covered[name] <= 0.97
-    # Intervals of a whole number hold at least 90 %, mostly more: the posterior itself says how much.
-    promised = np.mean(
-        [
-            sum(share for count, share in fit.main_counts.items() if low <= count <= high)
-            for _, fit in cases
-            for low, high in [fit.intervals["main_count"]]
-        ]
-    )
-    fewest = min(fit.effective_samples for _, fit in cases)
-    numbers = [np.count_nonzero(fit.targets.number) for _, fit in cases]
-    print(f"main count: promised {promised:.3f}; fewest effective samples {fewest:.0f}; ", end="")
-    print(f"numbers: median {np.median(numbers):.0f}, fewest {min(numbers)}")
-    assert covered["main_count"] == pytest.approx(promised, abs=3.0 * np.sqrt(promised * (1.0 - promised) / 100.0))
-    assert np.mean(widths < 0.25) >= 0.9
+    # calibrate_response finds 4 to 29 main impulses on strong records, 22 of 23 within the 20 that are searched;
+    # calibrate, which looks at half-waves, 2 to 35.
+    cases = [recovered(seed, counts=range(2, 21)) for seed in range(100)]
+    for first, last in ((2, 20), (2, 3), (4, 8), (9, 20)):
+        some = [case for case in cases if first <= case[0]["main_count"] <= last]
+        widths = relative_widths(some)
+        print(
+            f"{len(some)} cases of {first} to {last} main impulses: coverage {coverage(some)}, number promised ", end=""
+        )
+        print(f"{promised(some):.3f}; interval of I: median {np.median(widths):.3f}, widest {widths.max():.3f}")
+    print(f"dT flat in {sum('interval' in fit.flat for _, fit in cases)}; effective samples ", end="")
+    print(f"at least {min(fit.effective_samples for _, fit in cases):.0f}; numbers: median ", end="")
+    print(np.median([np.count_nonzero(fit.targets.number) for _, fit in cases]))
+    found = coverage(cases)
+    assert all(0.83 <= share <= 0.97 for share in found.values())
+    held = promised(cases)
+    assert found["main_count"] == pytest.approx(held, abs=3.0 * np.sqrt(held * (1.0 - held) / 100.0))
+    # 99: a motion too weak to overturn any block leaves 0.251.
+    assert np.mean(relative_widths(cases) < 0.25) >= 0.98
 
 
 def test_without_noise_the_parameters_come_back_and_a_start_that_is_the_truth_is_no_worse():
