@@ -102,7 +102,7 @@ def write_csv(tables: Mapping[Path, pd.DataFrame]) -> None:
 
 
 def write_picture(figure: Figure, path: Path) -> None:
-    """Write a figure in the format that its suffix names.
+    """Write a figure in the format that its suffix names: the same bytes for the same figure.
 
     Parameters
     ----------
@@ -111,7 +111,10 @@ def write_picture(figure: Figure, path: Path) -> None:
     path : Path
         File, one of :data:`PICTURES`.
     """
-    _write(path, lambda part: figure.savefig(part, format=path.suffix[1:].lower(), dpi=150))
+    from rockpulse.plots.picture import picture_bytes
+
+    content = picture_bytes(figure, path.suffix[1:].lower())
+    _write(path, lambda part: part.write_bytes(content))
 
 
 def _write(target: Path, fill: Callable[[Path], object]) -> None:

@@ -96,6 +96,7 @@ def assess_sequence(
         asked_for,
         models=replace(asked_for.models, use=use, auto=False, predictability=False, histories=False),
         records=replace(asked_for.records, components="horizontal", azimuth=None, store="none"),
+        sequence=replace(asked_for.sequence, spacing=sequence.spacing),
         demands=(),
     )
     bodies = gather_bodies(config.blocks if blocks is None else blocks)

@@ -70,9 +70,9 @@ def _run(args: argparse.Namespace) -> int:
     # The small files first: the report is there only if everything is.
     write_csv({path: table_of(tree, name) for name, path in tables.items()})
     if picture is not None:
-        from rockpulse.accuracy_diagram import diagram
+        from rockpulse.plots.work_precision_diagram import work_precision
 
-        write_picture(diagram(table_of(tree, "work_precision")), picture)
+        write_picture(work_precision(table_of(tree, "work_precision"))[0].figure, picture)
     save(tree, args.output, overwrite=args.overwrite)
     failed = [row for row in table_of(tree, "failures").itertuples() if row.kind == "failed"]
     for row in failed:

@@ -238,13 +238,11 @@ def test_an_interrupted_run_leaves_nothing(tmp_path, monkeypatch):
 
 
 def test_a_diagram_that_cannot_be_written_leaves_no_half_file(measured, tmp_path, monkeypatch, capsys):
-    from matplotlib.figure import Figure
-
-    def full(self, path, **options):
-        path.write_text("half")
+    def full(self, content):
+        self.write_text("half")
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr(Figure, "savefig", full)
+    monkeypatch.setattr(Path, "write_bytes", full)
     assert run("-o", tmp_path / "report.h5", "--plot", tmp_path / "diagram.png") == 2
     assert "No space left on device" in capsys.readouterr().err
     assert list(tmp_path.iterdir()) == []

@@ -1,0 +1,105 @@
+"""``rockpulse plot`` from a results file to a picture."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import rockpulse as rp
+from rockpulse.cli import main
+from rockpulse.config import Config
+from rockpulse.settings import ModelSettings, SearchSettings
+
+
+@pytest.fixture(scope="module")
+def results(ccc, tmp_path_factory):
+    """One channel on one body: neither has to be named."""
+    path = tmp_path_factory.mktemp("plot") / "results.h5"
+    settings = Config(models=ModelSettings(use=("resonance", "nonlinear")), search=SearchSettings(points=8))
+    body = rp.models.Block(half_width=0.225, half_height=0.9)
+    channel = next(one for one in ccc if ".360@" in one.id)
+    strong = replace(channel, acceleration=channel.acceleration[2_500:6_500])
+    rp.save(rp.assess([strong], settings, blocks={"pinnacle": body}), path)
+    return path
+
+
+@pytest.fixture(scope="module")
+def study(tmp_path_factory):
+    path = tmp_path_factory.mktemp("plot") / "study.h5"
+    rp.save(rp.study.figure4(impulse_ratios=[0.2], secondary_ratios=np.linspace(0.0, 1.0, 5), counts=[2]), path)
+    return path
+
+
+HEADS = {"png": b"\x89PNG", "svg": b"<?xml"}
+
+
+@pytest.mark.parametrize("form", HEADS)
+def test_the_suffix_chooses_the_format(results, tmp_path, form, capsys):
+    target = tmp_path / f"picture.{form}"
+    assert main(["plot", str(results), "accelerogram", "-o", str(target)]) == 0
+    assert target.read_bytes().startswith(HEADS[form])
+    assert capsys.readouterr().out == f"written: {target}\n"
+
+
+def test_a_picture_is_the_same_on_every_run(results, tmp_path):
+    pictures = [tmp_path / name for name in ("one.svg", "two.svg")]
+    for picture in pictures:
+        assert main(["plot", str(results), "critical-scale", "-o", str(picture), "--quiet"]) == 0
+    assert pictures[0].read_bytes() == pictures[1].read_bytes()
+
+
+def test_models_and_options_are_passed_on(results, study, tmp_path):
+    target = tmp_path / "picture.svg"
+    words = ["--model", "nonlinear", "--model", "resonance", "-o", str(target), "--quiet"]
+    assert main(["plot", str(results), "rotation-history", *words]) == 0
+    assert "resonance (upper-bound type input)" in target.read_text(encoding="utf-8")
+    arguments = ["--restitution", "0.9", "-o", str(target), "--overwrite", "--quiet"]
+    assert main(["plot", str(results), "rocking-spectrum", *arguments]) == 0
+    assert "0.900" in target.read_text(encoding="utf-8")
+    words = ["--spacing", "middle", "--count", "2", "-o", str(target), "--overwrite", "--quiet"]
+    assert main(["plot", str(study), "figure4", *words]) == 0
+    assert 'Spacing "middle", n = 2' in target.read_text(encoding="utf-8")
+
+
+def test_a_picture_that_exists_is_kept(results, tmp_path, capsys):
+    target = tmp_path / "picture.svg"
+    target.write_text("mine")
+    assert main(["plot", str(results), "accelerogram", "-o", str(target)]) == 2
+    assert "the file exists" in capsys.readouterr().err
+    assert target.read_text() == "mine"
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["accelerogram", "-o", "x.bmp"], "expected a name that ends in .svg, .png, .pdf"),
+        (["accelerograms", "-o", "x.svg"], 'did you mean "accelerogram"'),
+        (["fragility", "-o", "x.svg"], "expected a file of 'rockpulse fragility'"),
+        (["accelerogram", "--record", "CI.CCC..90@20190706T031937", "-o", "x.svg"], "the nearest: CI.CCC..360@"),
+        (["accelerogram", "--block", "pinnacle", "-o", "x.svg"], "no block to choose; it takes record"),
+        (["rocking-spectrum", "--restitution", "much", "-o", "x.svg"], "expected a number from 0 to 1"),
+    ],
+)
+def test_what_cannot_be_drawn_is_refused(results, tmp_path, monkeypatch, capsys, arguments, words):
+    monkeypatch.chdir(tmp_path)
+    assert main(["plot", str(results), *arguments]) == 2
+    assert words in capsys.readouterr().err
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_another_file_is_refused(tmp_path, capsys):
+    other = tmp_path / "results.h5"
+    other.write_text("no HDF5")
+    assert main(["plot", str(other), "accelerogram", "-o", str(tmp_path / "x.svg")]) == 2
+    assert "expected a results file of rockpulse" in capsys.readouterr().err
+    assert main(["plot", str(tmp_path / "none.h5"), "accelerogram", "-o", str(tmp_path / "x.svg")]) == 2
+    assert "No such file" in capsys.readouterr().err
+
+
+def test_the_kinds_are_listed_with_the_file_each_needs(capsys):
+    with pytest.raises(SystemExit) as end:
+        main(["plot", "--list"])
+    assert end.value.code == 0
+    shown = capsys.readouterr().out
+    assert "rotation-history" in shown
+    assert "from: rockpulse fragility; options: --block, --measure, --limit-state" in shown

@@ -1,0 +1,66 @@
+"""The distribution of the records of a site over every parameter, and the design sequence."""
+
+import numpy as np
+import pytest
+
+import rockpulse as rp
+from rockpulse.config import Config
+from rockpulse.plots.site import calibration
+from rockpulse.settings import CalibrationSettings
+
+
+@pytest.fixture(scope="module")
+def tree(ridgecrest):
+    settings = Config(calibration=CalibrationSettings(method="statistics", bootstrap=100, family="blocks"))
+    wall = rp.models.Block(half_width=0.2, half_height=1.0)
+    return rp.calibrate_site([one for one in ridgecrest if "Up" not in one.id], settings, blocks={"wall": wall})
+
+
+@pytest.fixture(scope="module")
+def panels(tree):
+    return calibration(tree)
+
+
+def labelled(ax):
+    return dict(zip(*reversed(ax.get_legend_handles_labels()), strict=True))
+
+
+def test_every_parameter_has_a_panel_with_its_unit(panels):
+    assert [ax.get_xlabel() for ax in panels[:5]] == [
+        "$I$ [m/s]",
+        "$I_s/I$ [-]",
+        r"$\Delta T$ [s]",
+        "number [-]",
+        "time [s]",
+    ]
+    assert panels[0].get_title(loc="left") == "main impulse I"
+    assert not panels[5].axison
+
+
+def test_each_step_is_a_record(tree, panels):
+    site = tree["site"].to_dataset()
+    for ax, name in zip(panels, site["parameter"].values, strict=False):
+        value = np.sort(site["value"].sel(parameter=name).values)
+        steps = labelled(ax)["records"]
+        assert steps.get_xdata()[1:].tolist() == value.tolist()
+        assert steps.get_ydata()[-1] == pytest.approx(1.0)
+
+
+def test_the_design_sequence_is_a_line_in_every_panel(tree, panels):
+    site = tree["site"].to_dataset()
+    for ax, name in zip(panels, site["parameter"].values, strict=False):
+        assert labelled(ax)["design sequence"].get_xdata()[0] == float(site["design"].sel(parameter=name))
+
+
+def test_few_earthquakes_are_said(panels):
+    assert "ONE EVENT" in panels[0].figure.get_supxlabel()
+    assert "6 records of 1 earthquake" in panels[0].figure.get_suptitle()
+
+
+def test_records_without_a_limit_are_counted(tree):
+    copy = tree.copy(deep=True)
+    copy["site"]["value"].values[:2, 3] = np.nan
+    copy["site"]["value"].values[:, 4] = np.nan
+    panels = calibration(copy)
+    assert [text.get_text() for text in panels[3].texts] == ["2 without a limit"]
+    assert [text.get_text() for text in panels[4].texts] == ["no record has a value"]
