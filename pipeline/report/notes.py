@@ -1,0 +1,74 @@
+"""What the figures and marks of the tables mean."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from rockpulse.report.answers import UPPER_BOUND, Answers
+from rockpulse.report.motions import Motions
+
+__all__ = ["table_notes"]
+
+_MARKS = {
+    "*": "*: outside the range of this model (slenderness below 3, or a body unlike those of the rule's fit).",
+    "?": "?: not predictable: another answer when C or the record changes in the ninth digit.",
+    "~": "Peaks of auto: ~0.06 an estimate from impulses; >0.12 the peak so far, when the verdict was certain.",
+    "!": "!: from this factor on the model cannot answer, as in free flight: a lower bound; below it no overturning "
+    "was "
+    "found.",
+}
+
+
+def table_notes(answers: Answers, motions: Motions) -> list[str]:
+    """A line for everything in the tables that does not speak for itself.
+
+    Parameters
+    ----------
+    answers : Answers
+        The cells.
+    motions : Motions
+        What is counted.
+    """
+    notes = [
+        "Figures of a model: largest rotation over the critical angle, θ_max/α_c, under the motion as it is. C: "
+        "velocity "
+        "ratio of an impact. a/a_up: PGA over the acceleration of uplift. I/I_1c: main impulse over the one that "
+        "overturns the block alone.",
+        *_of_factors(answers, motions),
+    ]
+    if "resonance" in answers.models:
+        notes.append(
+            f"resonance: an {UPPER_BOUND} (every main impulse at the worst moment), not a prediction: its overturning "
+            "says that the body may be unsafe, nothing more."
+        )
+    marks = answers.marked()
+    notes += [words for mark, words in _MARKS.items() if mark in marks]
+    if motions.kind == "pair":
+        notes.append(
+            "Every direction of a sweep is a record of the tables; the verdict takes each pair of channels once, in "
+            "its "
+            "worst direction."
+        )
+    return notes
+
+
+def _of_factors(answers: Answers, motions: Motions) -> list[str]:
+    """What SF is, and what its search may have missed; nothing where the model was not searched."""
+    summary = answers.summary.sel(model=answers.model)
+    if "safety_factor" not in summary or not np.any(summary["safety_factor"].notnull()):
+        return []
+    of = "the main impulse (with I_s/I kept)" if motions.kind == "sequence" else "the record"
+    words = (
+        f"SF: smallest factor on {of} at which the body overturns by the {answers.model} model; none: not found up "
+        "to the "
+        "end of the search ([search] factor_max)."
+    )
+    if "interval_count" in summary and int(summary["interval_count"].max()) > 1:
+        words += (
+            " (2): it overturns in two intervals of the factor: beyond the first the body stands again before it "
+            "overturns again."
+        )
+    missed = float(summary["search_step"].max()) - 1.0 if "search_step" in summary else 0.0
+    if missed > 0.0:
+        words += f" Bands of overturning narrower than the step of the search (up to {missed:.1%}) may lie below it."
+    return [words]

@@ -1,0 +1,246 @@
+"""The verdict on every body over all motions: whether it may be counted as safe, by how much, and what it rests on."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from enum import IntEnum
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from rockpulse.models.response import Outcome
+from rockpulse.report.events import largest_share
+from rockpulse.report.motions import Motions
+from rockpulse.report.standing import Body, Standing, lanes, standings
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = ["BodyVerdict", "DemandVerdict", "Grade", "verdicts"]
+
+
+class Grade(IntEnum):
+    """What is said of a body, from best to worst."""
+
+    SAFE = 0
+    NO_MARGIN = 1
+    NOT_KNOWN = 2
+    NOT_SAFE = 3
+
+
+@dataclass(frozen=True)
+class DemandVerdict:
+    """A body against one ground acceleration that the site asks for.
+
+    Attributes
+    ----------
+    name : str
+        Of the demand.
+    grade : Grade
+        NOT_SAFE where a motion overturns the body below the demand, NOT_KNOWN where that cannot be excluded.
+    smallest, median : float
+        Capacity (safety factor x PGA) over demand, over the motions for which it is known [-]; inf: none found.
+    smallest_bound, median_bound : bool
+        Whether the true value may be larger.
+    below, unknown : int
+        Motions that overturn it below the demand; for which it is not known.
+    """
+
+    name: str
+    grade: Grade
+    smallest: float
+    median: float
+    smallest_bound: bool
+    median_bound: bool
+    below: int
+    unknown: int
+
+
+@dataclass(frozen=True)
+class BodyVerdict:
+    """One body over all motions, by the model that is counted.
+
+    Attributes
+    ----------
+    body : Body
+        Which.
+    grade : Grade
+        That of its worst motion.
+    counts : dict of Standing to int
+        Motions by standing.
+    at_rest : int
+        Motions that do not lift it, which say little of it.
+    smallest, median : float
+        Safety factor over the motions for which it is known [-]; inf: none found, NaN: not known.
+    smallest_bound, median_bound : bool
+        Whether the true value may be larger.
+    governing : int
+        Row of /summary with the smallest factor; without a finite one, of the first motion that overturns it; -1: none.
+    events_hit : int
+        Earthquakes with a motion that overturns it, as it is or weaker, or for which it is not known.
+    largest_share : float
+        Upper bound of the share of such earthquakes [-]; NaN where too few say nothing.
+    demands : tuple of DemandVerdict
+        One a demand.
+    """
+
+    body: Body
+    grade: Grade
+    counts: dict[Standing, int]
+    at_rest: int
+    smallest: float
+    median: float
+    smallest_bound: bool
+    median_bound: bool
+    governing: int
+    events_hit: int
+    largest_share: float
+    demands: tuple[DemandVerdict, ...]
+
+
+#: What the worst standing of a body makes of it.
+_GRADE = {
+    Standing.STANDS: Grade.SAFE,
+    Standing.NO_MARGIN: Grade.NO_MARGIN,
+    Standing.UNKNOWN: Grade.NOT_KNOWN,
+    Standing.WEAKER_OVERTURNS: Grade.NOT_SAFE,
+    Standing.OVERTURNS: Grade.NOT_SAFE,
+}
+
+
+def verdicts(summary: xr.Dataset, bodies: list[Body], model: str, motions: Motions) -> list[BodyVerdict]:
+    """The verdict on every body.
+
+    Parameters
+    ----------
+    summary : xarray.Dataset
+        The node /summary.
+    bodies : list of Body
+        Which.
+    model : str
+        Whose answers are counted.
+    motions : Motions
+        Over what they are put together.
+    """
+    single = standings(summary, bodies, model)
+    worst = motions.worst(single)
+    factor = _or(lanes(summary, "safety_factor", bodies, model), single, math.nan)
+    bound = _or(lanes(summary, "factor_resolved", bodies, model), single, -1) == 0
+    outcome = lanes(summary, "outcome", bodies, model)
+    assert outcome is not None
+    resting = np.array([np.all(outcome[rows] == Outcome.AT_REST, axis=0) for rows in motions.rows]).reshape(worst.shape)
+    smallest, smallest_bound = _smallest(factor, bound, motions)
+    of_demands = _demands(summary, bodies, model, motions, single)
+    events = np.array(motions.events)
+    found = []
+    for lane, body in enumerate(bodies):
+        own = worst[:, lane]
+        hit = len(set(events[own >= Standing.UNKNOWN].tolist()))
+        low, at_low = _ranked(smallest[:, lane], smallest_bound[:, lane], 0.0)
+        middle, at_middle = _ranked(smallest[:, lane], smallest_bound[:, lane], 0.5)
+        found.append(
+            BodyVerdict(
+                body=body,
+                grade=_GRADE[Standing(int(own.max(initial=Standing.STANDS)))] if own.size else Grade.NOT_KNOWN,
+                counts={kind: int(np.count_nonzero(own == kind)) for kind in Standing},
+                at_rest=int(np.count_nonzero(resting[:, lane])),
+                smallest=low,
+                median=middle,
+                smallest_bound=at_low,
+                median_bound=at_middle,
+                governing=_governing(factor[:, lane], single[:, lane]),
+                events_hit=hit,
+                largest_share=math.nan if motions.kind == "sequence" else largest_share(hit, motions.event_count),
+                demands=of_demands[lane],
+            )
+        )
+    return found
+
+
+def _or(table: np.ndarray | None, like: np.ndarray, otherwise: float) -> np.ndarray:
+    return np.full(like.shape, otherwise) if table is None else table
+
+
+def _smallest(values: np.ndarray, bound: np.ndarray, motions: Motions) -> tuple[np.ndarray, np.ndarray]:
+    """Of every motion the smallest over its directions, NaN where one is NaN or missing, and whether it is a bound."""
+    low = np.full((len(motions.rows), values.shape[1]), np.nan)
+    at = np.zeros(low.shape, dtype=bool)
+    for place, rows in enumerate(motions.rows):
+        if motions.missing[place]:
+            continue
+        low[place] = values[rows].min(axis=0)
+        largest = np.where(bound[rows], np.inf, values[rows]).min(axis=0)
+        at[place] = largest > low[place]
+    return low, at
+
+
+def _ranked(values: np.ndarray, bound: np.ndarray, quantile: float) -> tuple[float, bool]:
+    """A quantile, a value that occurs, of what is known, and whether it may be larger."""
+    known = ~np.isnan(values)
+    if not known.any():
+        return math.nan, False
+    low = float(np.quantile(values[known], quantile, method="lower"))
+    high = float(np.quantile(np.where(bound, np.inf, values)[known], quantile, method="lower"))
+    return low, high > low
+
+
+def _governing(factor: np.ndarray, standings: np.ndarray) -> int:
+    if np.any(np.isfinite(factor)):
+        return int(np.argmin(np.where(np.isnan(factor), np.inf, factor)))
+    fallen = np.flatnonzero(standings >= Standing.UNKNOWN)
+    return int(fallen[np.argmax(standings[fallen])]) if fallen.size else -1
+
+
+def _demands(
+    summary: xr.Dataset, bodies: list[Body], model: str, motions: Motions, single: np.ndarray
+) -> list[tuple[DemandVerdict, ...]]:
+    """Of every body, one verdict a demand."""
+    ratios = lanes(summary, "capacity_ratio", bodies, model)
+    if ratios is None:
+        return [() for _ in bodies]
+    bound = _or(lanes(summary, "factor_resolved", bodies, model), single, -1) == 0
+    searched = _or(lanes(summary, "safe_up_to", bodies, model), single, math.nan)
+    doubtful = np.zeros(single.shape, dtype=bool)
+    for name in ("applicable", "predictable"):
+        doubtful |= _or(lanes(summary, name, bodies, model), single, 1) == 0
+    found = [
+        [
+            _demand(str(name), ratios[:, lane, place], bound[:, lane], proven[:, lane], doubtful[:, lane], motions)
+            for place, (name, proven) in enumerate(_proven(summary, searched))
+        ]
+        for lane in range(len(bodies))
+    ]
+    return [tuple(each) for each in found]
+
+
+def _proven(summary: xr.Dataset, searched: np.ndarray) -> list[tuple[Any, np.ndarray]]:
+    """Of every demand, how much of it each record was searched up to."""
+    strength = summary["pga"].values[:, None] * searched
+    demands = summary["demand_acceleration"]
+    return [(name, strength / float(demands.sel(demand=name))) for name in demands["demand"].values]
+
+
+def _demand(
+    name: str, ratio: np.ndarray, bound: np.ndarray, proven: np.ndarray, doubtful: np.ndarray, motions: Motions
+) -> DemandVerdict:
+    """One body, one demand: all arrays are of the records."""
+    below = (ratio < 1.0) & ~bound
+    # A search that ends below the demand has shown nothing of what lies between.
+    unknown = ~below & (np.isnan(ratio) | ((ratio < 1.0) & bound) | (np.isinf(ratio) & ~(proven >= 1.0)) | doubtful)
+    under = np.array([below[rows].any() for rows in motions.rows], dtype=bool)
+    open_ = np.array([unknown[rows].any() for rows in motions.rows], dtype=bool) | motions.missing
+    low, at = _smallest(ratio[:, None], bound[:, None], motions)
+    smallest, smallest_bound = _ranked(low[:, 0], at[:, 0], 0.0)
+    median, median_bound = _ranked(low[:, 0], at[:, 0], 0.5)
+    grade = Grade.NOT_SAFE if under.any() else Grade.NOT_KNOWN if open_.any() or not open_.size else Grade.SAFE
+    return DemandVerdict(
+        name=name,
+        grade=grade,
+        smallest=smallest,
+        median=median,
+        smallest_bound=smallest_bound,
+        median_bound=median_bound,
+        below=int(np.count_nonzero(under)),
+        unknown=int(np.count_nonzero(open_ & ~under)),
+    )

@@ -1,0 +1,25 @@
+"""``rockpulse report`` on a tree that is known."""
+
+from results_tree import results_tree
+
+from rockpulse.cli import main
+from rockpulse.store import save
+
+
+def test_it_writes_the_page_and_says_where(tmp_path, capsys):
+    results, report = tmp_path / "results.h5", tmp_path / "report.html"
+    save(results_tree(), results)
+    assert main(["report", str(results), "-o", str(report)]) == 0
+    assert capsys.readouterr().out.startswith(f"report: {report} (0.")
+    assert "boundary wall" in report.read_text(encoding="utf-8")
+    assert main(["report", str(results), "-o", str(report)]) == 2
+    assert "--overwrite" in capsys.readouterr().err
+    assert main(["report", str(results), "-o", str(report), "--overwrite"]) == 0
+
+
+def test_what_is_no_results_file_is_said(tmp_path, capsys):
+    (tmp_path / "notes.txt").write_text("no results")
+    assert main(["report", str(tmp_path / "notes.txt"), "-o", str(tmp_path / "report.html")]) == 2
+    assert "expected a results file of rockpulse" in capsys.readouterr().err
+    assert main(["report", str(tmp_path / "none.h5"), "-o", str(tmp_path / "report.html")]) == 2
+    assert not (tmp_path / "report.html").exists()

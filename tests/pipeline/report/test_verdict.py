@@ -1,0 +1,158 @@
+"""The verdict over all motions: smallest and median factor, demands, earthquakes, directions."""
+
+import math
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from rockpulse.models.response import Outcome
+from rockpulse.report.events import events_of, largest_share
+from rockpulse.report.motions import Motions, motions_of, several
+from rockpulse.report.standing import Standing, bodies_of
+from rockpulse.report.verdict import Grade, verdicts
+
+OF = ("record", "block", "model")
+
+
+def summary_of(factors, outcomes=None, demand=None, resolved=None, pga=1.0):
+    """One body under as many records as there are factors, searched up to a factor of 10."""
+    factors = np.asarray(factors, dtype=float)
+    outcomes = np.where(factors <= 1.0, Outcome.OVERTURNS, Outcome.ROCKS) if outcomes is None else np.asarray(outcomes)
+    resolved = np.ones(factors.size) if resolved is None else np.asarray(resolved)
+
+    def table(values):
+        return OF, np.asarray(values)[:, None, None]
+
+    variables = {
+        "outcome": table(outcomes),
+        "safety_factor": table(factors),
+        "factor_resolved": table(resolved),
+        "safe_up_to": table(np.minimum(factors, 10.0)),
+        "pga": (("record",), np.full(factors.size, pga)),
+        "restitution": (("block",), np.array([0.9])),
+    }
+    coords = {"record": [f"r{k}" for k in range(factors.size)], "block": ["b"], "model": ["nonlinear"]}
+    if demand is not None:
+        coords["demand"] = ["ULS"]
+        variables["demand_acceleration"] = (("demand",), np.array([demand]))
+        variables["capacity_ratio"] = ((*OF, "demand"), (factors * pga / demand)[:, None, None, None])
+    return xr.Dataset(variables, coords)
+
+
+def motions(count, events=None, rows=None, missing=None, kind="record"):
+    rows = [np.array([k]) for k in range(count)] if rows is None else [np.array(row) for row in rows]
+    missing = np.zeros(len(rows), dtype=bool) if missing is None else np.array(missing)
+    events = [f"e{k}" for k in range(len(rows))] if events is None else events
+    return Motions([f"m{k}" for k in range(len(rows))], rows, missing, events, kind, 1)
+
+
+def verdict(summary, of=None):
+    of = motions(summary.sizes["record"]) if of is None else of
+    (found,) = verdicts(summary, bodies_of(summary), "nonlinear", of)
+    return found
+
+
+def test_smallest_median_and_governing_record():
+    found = verdict(summary_of([3.0, 1.5, 9.0, math.inf]))
+    assert found.grade == Grade.SAFE
+    assert (found.smallest, found.median, found.governing) == (1.5, 3.0, 1)
+    assert found.counts[Standing.STANDS] == 4
+    assert found.events_hit == 0
+    assert found.largest_share == pytest.approx(1.0 - 0.1**0.25)
+
+
+def test_a_body_that_rocks_is_not_safe_when_a_weaker_record_overturns_it():
+    found = verdict(summary_of([0.9, 5.0], outcomes=[Outcome.ROCKS, Outcome.ROCKS]))
+    assert found.grade == Grade.NOT_SAFE
+    assert found.counts[Standing.WEAKER_OVERTURNS] == 1
+
+
+def test_without_factors_the_margin_is_not_known():
+    found = verdict(summary_of([math.nan, math.nan], outcomes=[Outcome.ROCKS, Outcome.AT_REST]))
+    assert found.grade == Grade.NO_MARGIN
+    assert math.isnan(found.smallest)
+    assert found.governing == -1
+    assert found.at_rest == 1
+
+
+def test_a_smallest_factor_that_may_be_larger_is_marked():
+    found = verdict(summary_of([2.0, 3.0], resolved=[0, 1]))
+    assert (found.smallest, found.smallest_bound) == (2.0, True)
+    found = verdict(summary_of([2.0, 2.0], resolved=[0, 1]))
+    assert (found.smallest, found.smallest_bound) == (2.0, False)
+
+
+def test_earthquakes_are_counted_once():
+    found = verdict(summary_of([0.5, 0.6, 2.0, 3.0]), motions(4, events=["a", "a", "b", "c"]))
+    assert found.events_hit == 1
+    assert found.largest_share == pytest.approx(largest_share(1, 3))
+
+
+@pytest.mark.parametrize(
+    ("factors", "resolved", "grade"),
+    [
+        ([3.0, 4.0], None, Grade.SAFE),
+        ([1.9, 4.0], None, Grade.NOT_SAFE),
+        ([1.9, 4.0], [0, 1], Grade.NOT_KNOWN),
+        ([math.nan, 4.0], None, Grade.NOT_KNOWN),
+        ([math.inf, 4.0], None, Grade.SAFE),
+        ([math.nan, 1.9], None, Grade.NOT_SAFE),
+    ],
+)
+def test_a_demand_of_twice_the_pga(factors, resolved, grade):
+    found = verdict(summary_of(factors, outcomes=[Outcome.ROCKS] * 2, demand=2.0, resolved=resolved))
+    assert found.demands[0].grade == grade
+
+
+def test_a_search_that_ends_below_the_demand_proves_nothing():
+    found = verdict(summary_of([math.inf, 40.0], outcomes=[Outcome.AT_REST] * 2, demand=30.0))
+    assert found.grade == Grade.SAFE
+    assert (found.demands[0].grade, found.demands[0].unknown) == (Grade.NOT_KNOWN, 1)
+
+
+def test_a_pair_of_channels_is_as_its_worst_direction():
+    of = motions(4, rows=[[0, 1], [2, 3]], kind="pair")
+    found = verdict(summary_of([0.8, 5.0, 3.0, 4.0]), of)
+    assert (found.counts[Standing.OVERTURNS], found.counts[Standing.STANDS]) == (1, 1)
+    assert (found.smallest, found.median) == (0.8, 0.8)
+    found = verdict(summary_of([3.0, 5.0, 3.0, 4.0]), motions(4, rows=[[0, 1], [2, 3]], missing=[True, False]))
+    assert found.grade == Grade.NOT_KNOWN
+
+
+def test_motions_of_a_sweep():
+    record = [f"r{k}" for k in range(3)]
+    summary = xr.Dataset(coords={"record": record})
+    directions = xr.Dataset(
+        {"record_index": (("pair", "direction"), np.array([[0, 1], [2, -1], [-1, -1]]))}, {"pair": ["a", "b", "c"]}
+    )
+    found = motions_of(xr.DataTree.from_dict({"/summary": summary, "/directions": directions}))
+    assert (found.names, found.kind, found.directions) == (["a", "b"], "pair", 2)
+    assert found.missing.tolist() == [False, True]
+    assert "2 pairs of channels" in found.counted()
+
+
+def test_records_are_counted_to_earthquakes_by_name_or_as_another_file_says():
+    summary = xr.Dataset(
+        {
+            "event": (("record",), ["Kobe 1995", "KOBE 01/16/95", "Maule 2010"]),
+            "source": (("record",), ["a", "b", "c"]),
+            "start_time": (("record",), ["", "", "2010-02-27T06:34:00"]),
+        },
+        {"record": ["one", "two", "three"]},
+    )
+    assert len(set(events_of(summary))) == 2
+    named = xr.Dataset({"event": (("record",), ["mine", "other"])}, {"record": ["two", "elsewhere"]})
+    assert events_of(summary, named) == ["Kobe 1995", "mine", "Maule 2010"]
+
+
+def test_the_bound_of_the_share():
+    assert math.isnan(largest_share(0, 2))
+    assert largest_share(3, 3) == 1.0
+    # Clopper and Pearson for 1 of 10, one-sided 90 %: P(X <= 1 | p) = 0.1.
+    p = largest_share(1, 10)
+    assert (1.0 - p) ** 10 + 10 * p * (1.0 - p) ** 9 == pytest.approx(0.1)
+
+
+def test_several():
+    assert [several(count, "body") for count in (1, 3)] == ["1 body", "3 bodies"]
