@@ -149,7 +149,7 @@ def recorded_response(
         raise ValueError(
             "vertical: the linear equation has no vertical acceleration; use equation='nonlinear' or drop it"
         )
-    up = np.empty(0) if vertical is None else _samples("vertical", vertical)
+    up = _read_only(np.empty(0)) if vertical is None else _samples("vertical", vertical)
     if vertical is not None and up.size != record.size:
         raise ValueError(f"vertical: expected {record.size} samples as in acceleration, got {up.size}")
     if verdict is not None and not isinstance(verdict, Demand):
@@ -196,7 +196,7 @@ def recorded_response(
             f"got shapes {start[0].shape} and {start[1].shape}"
         ) from None
     alpha, p, restitution, rotation, spin = (
-        np.ascontiguousarray(np.broadcast_to(np.asarray(values, dtype=float), lanes).reshape(-1))
+        _read_only(np.ascontiguousarray(np.broadcast_to(np.asarray(values, dtype=float), lanes).reshape(-1)))
         for values in (block.alpha_c, block.p, block.restitution, *start)
     )
     if np.max(p, initial=0.0) * dt > LONGEST_SAMPLE:
@@ -278,4 +278,11 @@ def _samples(name: str, values: Any) -> np.ndarray:
     if not (np.isfinite(np.min(array)) and np.isfinite(np.max(array))):  # NaN is the smallest: no copy is made
         first = int(np.flatnonzero(~np.isfinite(array))[0])
         raise ValueError(f"{name}: sample {first} is {array[first]}; NaN and infinite samples must be mended first")
-    return array
+    return _read_only(array)
+
+
+def _read_only(array: np.ndarray) -> np.ndarray:
+    """The array, not to be written to: of one type whoever gives it, so that the kernel is compiled once for all."""
+    view = array.view()
+    view.flags.writeable = False
+    return view

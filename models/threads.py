@@ -3,15 +3,21 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
+import threading
+from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager
 
 import numpy as np
 
-__all__ = ["available_cores", "split_lanes"]
+__all__ = ["available_cores", "split_lanes", "thread_limit"]
 
 #: Slices per thread: lanes differ in cost, so a thread that is done early takes another one.
 SLICES_PER_THREAD = 8
+
+#: The limits in force. A list, not one number: the blocks of several threads overlap and end in any order.
+_limits: list[int] = []
+_changing = threading.Lock()
 
 
 def available_cores() -> int:
@@ -19,6 +25,41 @@ def available_cores() -> int:
     if hasattr(os, "sched_getaffinity"):
         return len(os.sched_getaffinity(0))
     return os.cpu_count() or 1
+
+
+@contextmanager
+def thread_limit(threads: int) -> Iterator[None]:
+    """Let ``threads=None`` mean at most this many threads, everywhere in this process, while the block lasts.
+
+    A process that shares the machine with others of its kind runs its kernels on one thread this way; the answers do
+    not depend on it. Of several limits in force, in nested blocks or in blocks of several threads, the smallest holds.
+
+    Parameters
+    ----------
+    threads : int
+        Largest number of threads, at least 1.
+
+    Raises
+    ------
+    ValueError
+        For a number of threads below one.
+
+    Examples
+    --------
+    >>> slices = []
+    >>> with thread_limit(1):
+    ...     split_lanes(lambda first, last: slices.append((first, last)), 1000, threads=None)
+    >>> slices
+    [(0, 1000)]
+    """
+    threads = _checked(threads, "a whole number of at least 1")
+    with _changing:
+        _limits.append(threads)
+    try:
+        yield
+    finally:
+        with _changing:
+            _limits.remove(threads)
 
 
 def split_lanes(kernel_call: Callable[[int, int], None], lanes: int, threads: int | None, smallest: int = 64) -> None:
@@ -32,7 +73,7 @@ def split_lanes(kernel_call: Callable[[int, int], None], lanes: int, threads: in
     lanes : int
         Number of lanes.
     threads : int or None
-        Number of threads; None for one per available core.
+        Number of threads; None for one per available core, at most as many as :func:`thread_limit` leaves.
     smallest : int
         Fewest lanes in a slice; with fewer than two slices of work everything runs in the calling thread.
 
@@ -42,9 +83,8 @@ def split_lanes(kernel_call: Callable[[int, int], None], lanes: int, threads: in
         For a number of threads below one. What `kernel_call` raises is passed on.
     """
     if threads is None:
-        threads = available_cores()
-    if isinstance(threads, bool) or not isinstance(threads, int | np.integer) or threads < 1:
-        raise ValueError(f"threads: expected a whole number of at least 1, or None for all cores, got {threads!r}")
+        threads = min([available_cores(), *_limits])
+    threads = _checked(threads, "a whole number of at least 1, or None for all cores")
     slices = min(threads * SLICES_PER_THREAD, lanes // smallest)
     if threads == 1 or slices < 2:
         kernel_call(0, lanes)
@@ -53,3 +93,9 @@ def split_lanes(kernel_call: Callable[[int, int], None], lanes: int, threads: in
     with ThreadPoolExecutor(threads) as pool:
         for running in [pool.submit(kernel_call, edges[i], edges[i + 1]) for i in range(slices)]:
             running.result()
+
+
+def _checked(threads: int, expected: str) -> int:
+    if isinstance(threads, bool) or not isinstance(threads, int | np.integer) or threads < 1:
+        raise ValueError(f"threads: expected {expected}, got {threads!r}")
+    return int(threads)

@@ -1,6 +1,11 @@
 from . import models as models
+from . import plots as plots
 from . import study as study
 from .assessment import assess as assess
+from .batch.options import BatchOptions as BatchOptions
+from .batch.run import BatchReport as BatchReport
+from .batch.run import assess_files as assess_files
+from .batch.run import calibrate_files as calibrate_files
 from .calibration.estimators import calibrate as calibrate
 from .calibration.response_calibration import ResponseCalibration as ResponseCalibration
 from .calibration.response_calibration import calibrate_response as calibrate_response
@@ -22,6 +27,7 @@ from .errors import RecordFormatError as RecordFormatError
 from .errors import RecordRefused as RecordRefused
 from .errors import ResultsError as ResultsError
 from .errors import RockpulseError as RockpulseError
+from .errors import StoppedAtFailure as StoppedAtFailure
 from .errors import UnitError as UnitError
 from .fragility.assessment import fragility_curves as fragility_curves
 from .fragility.curves import fit_capacities as fit_capacities
@@ -29,15 +35,18 @@ from .fragility.curves import fit_stripes as fit_stripes
 from .half_wave import HalfWaves as HalfWaves
 from .half_wave import half_waves as half_waves
 from .intensity import intense_phase as intense_phase
+from .long_table import results_table as results_table
 from .obspy_trace import from_trace as from_trace
 from .obspy_trace import to_trace as to_trace
 from .pair_conditioning import condition_pair as condition_pair
 from .readers import read as read
 from .record import Record as Record
+from .report.writing import write_report as write_report
 from .rotation import rotate as rotate
 from .rotation import strongest_azimuth as strongest_azimuth
 from .sequence_assessment import assess_sequence as assess_sequence
 from .sources import read_all as read_all
+from .spectrum import rocking_spectrum as rocking_spectrum
 from .store import load as load
 from .store import save as save
 

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import logging
 from collections import Counter
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
@@ -13,10 +14,9 @@ import numpy as np
 from rockpulse.bodies import Bodies, gather_bodies
 from rockpulse.body import BlockSettings
 from rockpulse.calibration.rule import POINTS, load_rule, range_text, rule_applicable
-from rockpulse.components import select_horizontal
 from rockpulse.conditioning import DRIFT
 from rockpulse.config import Config
-from rockpulse.directions import Motion, acting_vertical, ground_motions
+from rockpulse.directions import PlannedMotion, motions_of, plan_motions, rotation_failures, swept_directions
 from rockpulse.errors import ConfigError
 from rockpulse.failures import Failure
 from rockpulse.intensity import arias_intensity, pgv
@@ -32,9 +32,21 @@ from rockpulse.scene import CHECKABLE, MODELS, SLENDER_MODELS, USED, Scene, auto
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["RecordAssessment", "assess", "assess_record", "assess_scene"]
+__all__ = [
+    "RecordAssessment",
+    "Watch",
+    "assess",
+    "assess_planned",
+    "assess_record",
+    "assess_scene",
+    "motion_failure",
+    "unwatched",
+]
 
 logger = logging.getLogger("rockpulse")
+
+#: Measures the time of a step, by its name: ``with watch("solve"): ...``
+Watch = Callable[[str], AbstractContextManager[None]]
 
 PER_MODEL = ("peak_rotation_ratio", "outcome", "reason", "overturning_time", "overturning_half_cycle", "impacts")
 
@@ -72,7 +84,7 @@ def assess(
     config: Config | None = None,
     blocks: Mapping[str, Block] | Sequence[BlockSettings] | None = None,
     failures: Iterable[Failure] = (),
-    progress: Callable[[Sequence[Record]], Iterable[Record]] | None = None,
+    progress: Callable[[Sequence[PlannedMotion]], Iterable[PlannedMotion]] | None = None,
 ) -> xr.DataTree:
     """Assess bodies under records with every model of the configuration.
 
@@ -89,7 +101,7 @@ def assess(
     failures : iterable of Failure
         What reading has left out, to be stored with the results.
     progress : callable, optional
-        Wraps the list of records on its way into the loop, as ``tqdm.tqdm`` does.
+        Wraps the list of channels or pairs that are assessed on its way into the loop, as ``tqdm.tqdm`` does.
 
     Returns
     -------
@@ -121,20 +133,83 @@ def assess(
     twice = sorted(name for name, times in Counter(record.id for record in every).items() if times > 1)
     if twice:
         raise ConfigError(f"records: expected different ids, found more than one record with id {', '.join(twice)}")
-    horizontal, left_out = select_horizontal(every, config.records.structural)
-    motions, not_rotated = ground_motions(horizontal, config)
-    verticals = [record for record in every if record.orientation == "vertical"]
-    rows = [*failures, *left_out, *not_rotated]
+    planned, left_out = plan_motions(every, config)
+    rows = [*failures, *left_out]
     done = []
-    records = [motion.record for motion in motions]
-    for record, motion in zip(records if progress is None else progress(records), motions, strict=True):
+    for one in planned if progress is None else progress(planned):
+        for outcome in assess_planned(one, bodies, config):
+            if isinstance(outcome, Failure):
+                rows.append(outcome)
+            else:
+                done.append(outcome)
+    return build_tree(done, bodies, config, rows, swept_directions(planned, config))
+
+
+def unwatched(step: str) -> AbstractContextManager[None]:
+    """The :data:`Watch` of those who do not want to know.
+
+    Parameters
+    ----------
+    step : str
+        Its name.
+    """
+    return nullcontext()
+
+
+def assess_planned(
+    planned: PlannedMotion, bodies: Bodies, config: Config, watch: Watch = unwatched
+) -> Iterator[RecordAssessment | Failure]:
+    """Assess all bodies under a channel, or under a pair of channels in every direction that is asked for.
+
+    Parameters
+    ----------
+    planned : PlannedMotion
+        With the samples of its channels.
+    bodies : Bodies
+        As in :func:`assess_record`.
+    config : Config
+        Options.
+    watch : callable, optional
+        Measures the steps "condition" and "solve".
+
+    Yields
+    ------
+    RecordAssessment or Failure
+        One for each motion, or the rows of a pair that cannot be rotated.
+    """
+    try:
+        with watch("condition"):
+            motions = motions_of(planned, config)
+    except ValueError as error:
+        yield from rotation_failures(planned, error)
+        return
+    for motion in motions:
         try:
-            done.append(assess_scene(_scene(motion, verticals, config), bodies))
+            with watch("condition"):
+                scene = (extract if motion.pair else prepare)(motion.record, config, motion.vertical)
+            with watch("solve"):
+                assessment = assess_scene(scene, bodies)
         except ValueError as error:  # RockpulseError, and what a model says of numbers it cannot take
-            logger.error("%s: %s", record.id, error)
-            reason = str(error) if record.id in str(error) else f"{record.id}: {error}"
-            rows.append(Failure(file=record.source, stage="assess", reason=reason, kind="failed"))
-    return build_tree(done, bodies, config, rows, _swept(motions) if config.records.components == "sweep" else None)
+            yield motion_failure(motion.record, "assess", error)
+        else:
+            yield assessment
+
+
+def motion_failure(record: Record, stage: str, error: Exception) -> Failure:
+    """The row for a motion that could not be dealt with.
+
+    Parameters
+    ----------
+    record : Record
+        The motion.
+    stage : str
+        As in :class:`rockpulse.failures.Failure`.
+    error : Exception
+        Why.
+    """
+    logger.error("%s: %s", record.id, error)
+    reason = str(error) if record.id in str(error) else f"{record.id}: {error}"
+    return Failure(file=record.source, stage=stage, reason=reason, kind="failed")
 
 
 def assess_record(record: Record, bodies: Bodies, config: Config, vertical: Record | None = None) -> RecordAssessment:
@@ -219,19 +294,6 @@ def assess_scene(scene: Scene, bodies: Bodies) -> RecordAssessment:
         responses=responses,
         scales=scales,
     )
-
-
-def _scene(motion: Motion, verticals: Sequence[Record], config: Config) -> Scene:
-    """The motion made ready, with the vertical channel of its station where that is asked for."""
-    record, vertical = acting_vertical(motion, verticals, config)
-    return (extract if motion.pair else prepare)(record, config, vertical)
-
-
-def _swept(motions: Sequence[Motion]) -> dict[str, list[str]]:
-    pairs: dict[str, list[str]] = {}
-    for motion in motions:
-        pairs.setdefault(motion.pair, []).append(motion.record.id)
-    return pairs
 
 
 def _applicable(model: str, block: Block) -> np.ndarray:

@@ -14,10 +14,11 @@ from collections.abc import Sequence
 
 from rockpulse import __version__
 from rockpulse.commands import VERBS
-from rockpulse.errors import RockpulseError
+from rockpulse.errors import RockpulseError, StoppedAtFailure
 
 __all__ = ["build_parser", "main"]
 
+FAILED = 1
 USAGE = 2
 INTERRUPTED = 130
 
@@ -63,6 +64,9 @@ def main(argv: Sequence[str] | None = None) -> int:
             os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno()
         )  # the reader has left, as in `rockpulse ... | head`
         return 0
+    except StoppedAtFailure as error:
+        print(f"rockpulse: {error}", file=sys.stderr)
+        return FAILED
     except RockpulseError as error:
         print(f"rockpulse: {error}", file=sys.stderr)
         return USAGE
@@ -70,6 +74,6 @@ def main(argv: Sequence[str] | None = None) -> int:
         where = "" if error.filename is None else f"{error.filename}: "
         print(f"rockpulse: {where}{error.strerror or error}", file=sys.stderr)
         return USAGE
-    except KeyboardInterrupt:
-        print("rockpulse: interrupted", file=sys.stderr)
+    except KeyboardInterrupt as error:
+        print(f"rockpulse: {str(error) or 'interrupted'}", file=sys.stderr)
         return INTERRUPTED

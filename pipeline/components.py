@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from bisect import bisect_left
 from collections import defaultdict
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
@@ -15,6 +16,7 @@ from rockpulse.record import Record
 
 __all__ = [
     "VERTICAL_NOTE",
+    "Neighbours",
     "Pair",
     "align",
     "find_pairs",
@@ -61,6 +63,56 @@ class Pair:
     def channels(self) -> tuple[Record, Record]:
         """Both."""
         return self.first, self.second
+
+
+class Neighbours:
+    """Channels among which those that may have been recorded together with another one are found without trying all.
+
+    Parameters
+    ----------
+    records : sequence of Record
+        Thousands, as the case may be.
+    """
+
+    def __init__(self, records: Sequence[Record]) -> None:
+        self._records = records
+        timed = [
+            (record.start_time.timestamp(), place)
+            for place, record in enumerate(records)
+            if record.start_time is not None
+        ]
+        self._timed = sorted(timed)
+        self._longest = max((records[place].duration for _, place in timed), default=0.0)
+        self._of_source: dict[str, list[int]] = defaultdict(list)
+        self._of_event: dict[tuple[object, ...], list[int]] = defaultdict(list)
+        for place, record in enumerate(records):
+            self._of_source[record.source].append(place)
+            if record.start_time is None:
+                self._of_event[_occasion(record)].append(place)
+
+    def of(self, record: Record) -> list[Record]:
+        """Those from the same file, from the same time or, where no times are known, with the same event and folder.
+
+        Parameters
+        ----------
+        record : Record
+            One of the channels, or another.
+
+        Returns
+        -------
+        list of Record
+            In the order in which they were given.
+        """
+        if record.start_time is None:
+            places = set(self._of_event.get(_occasion(record), ()))
+        else:
+            start = record.start_time.timestamp()
+            # One sampling interval for the rounding of the stamps.
+            first = bisect_left(self._timed, (start - self._longest - record.dt, 0))
+            last = bisect_left(self._timed, (start + record.duration + record.dt, 0))
+            places = {place for _, place in self._timed[first:last]}
+        places.update(self._of_source.get(record.source, ()))
+        return [self._records[place] for place in sorted(places)]
 
 
 def select_horizontal(records: Iterable[Record], structural: bool = False) -> tuple[list[Record], list[Failure]]:
@@ -127,11 +179,11 @@ def find_pairs(horizontal: Sequence[Record]) -> tuple[list[Pair], list[Failure]]
     for record in horizontal:
         groups[_instrument(record)].append(record)
     known = {id(record): np.isfinite(record.azimuth) for record in horizontal}
-    partners = {
-        id(record): _partners(record, [one for one in group if one is not record and known[id(one)]])
-        for group in groups.values()
-        for record in group
-    }
+    partners = {}
+    for group in groups.values():
+        neighbours = Neighbours([record for record in group if known[id(record)]])
+        for record in group:
+            partners[id(record)] = _partners(record, [one for one in neighbours.of(record) if one is not record])
     pairs, failures = [], []
     taken: set[int] = set()
     for record in horizontal:
@@ -265,8 +317,12 @@ def _by_name(record: Record, other: Record) -> bool:
     """Whether two files that know no time are parts of one recording."""
     untimed = record.start_time is None and other.start_time is None
     named = bool(record.event and (record.station or record.station_name))
-    same = (record.event, record.station_name, record.dt) == (other.event, other.station_name, other.dt)
-    return untimed and named and same and PurePath(record.source).parent == PurePath(other.source).parent
+    return untimed and named and _occasion(record) == _occasion(other)
+
+
+def _occasion(record: Record) -> tuple[object, ...]:
+    """What the files of one recording have in common that know no time."""
+    return record.event, record.station_name, record.dt, PurePath(record.source).parent
 
 
 def _overlap(record: Record, other: Record) -> float:

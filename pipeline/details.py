@@ -5,11 +5,13 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Any
 
+from rockpulse.answer_lists import answers, case_list, distinct, worst_first
 from rockpulse.capacity_overview import capacities
-from rockpulse.errors import ResultsError
-from rockpulse.option import hint
+from rockpulse.large_overview import is_large
+from rockpulse.models.response import Outcome
 from rockpulse.overview import answered_by, cases, factor_table, fullest_model, peak_velocity, value, verdict_table
 from rockpulse.record import STANDARD_GRAVITY
+from rockpulse.selection import Selection, unknown
 from rockpulse.terminal import ABSENT, aligned, figure, paragraph, restitution
 
 if TYPE_CHECKING:
@@ -18,6 +20,9 @@ if TYPE_CHECKING:
 __all__ = ["block_details", "record_details"]
 
 _UNLIMITED = -1
+
+#: Cases of a record or block that are shown where there are too many for all.
+WORST = 20
 
 
 def record_details(summary: xr.Dataset, record: str) -> str:
@@ -35,7 +40,7 @@ def record_details(summary: xr.Dataset, record: str) -> str:
     ResultsError
         For an id that is not in the results.
     """
-    _require(summary, "record", record)
+    summary = _only(summary, "record", record)
 
     def number(name: str, unit: str) -> str:
         found = value(summary, name, record=record)
@@ -82,7 +87,7 @@ def block_details(summary: xr.Dataset, block: str) -> str:
     ResultsError
         For a name that is not in the results.
     """
-    _require(summary, "block", block)
+    summary = _only(summary, "block", block)
 
     def number(name: str, unit: str) -> str:
         if name not in summary:
@@ -108,11 +113,14 @@ def block_details(summary: xr.Dataset, block: str) -> str:
 def _page(title: str, rows: list[list[str]], summary: xr.Dataset, **which: Any) -> str:
     width = max(len(name) for name, _ in rows)
     lines = [paragraph(text, " " * (width + 4), f"  {name.ljust(width)}  ") for name, text in rows]
+    head = [title, *lines, ""]
+    if is_large(summary):
+        model = fullest_model(summary)
+        worst = case_list(summary, worst_first(summary, model, Selection(limit=WORST)))
+        return "\n".join([*head, f"{_counts(summary, model)}.", "", worst])
     return "\n".join(
         [
-            title,
-            *lines,
-            "",
+            *head,
             verdict_table(summary, **which),
             "",
             *_answers_of_auto(summary, **which),
@@ -121,6 +129,15 @@ def _page(title: str, rows: list[list[str]], summary: xr.Dataset, **which: Any) 
             factor_table(summary, **which),
         ]
     )
+
+
+def _counts(summary: xr.Dataset, model: str) -> str:
+    """How the verdicts of a model are spread."""
+    outcome = answers(summary, "outcome", model)
+    assert outcome is not None
+    found = outcome[:, distinct(summary)]
+    told = [f"{int((found == one).sum())} {one.name.lower().replace('_', ' ')}" for one in Outcome]
+    return f"{found.size} verdicts by the {model} model: {', '.join(told)}"
 
 
 def _answers_of_auto(
@@ -156,10 +173,9 @@ def _split(joined: str) -> list[str]:
     return [part for part in joined.split("\n") if part]
 
 
-def _require(summary: xr.Dataset, dimension: str, label: str) -> None:
+def _only(summary: xr.Dataset, dimension: str, label: str) -> xr.Dataset:
+    """The summary of one record or block, read."""
     known = [str(item) for item in summary[dimension].values]
     if label not in known:
-        raise ResultsError(
-            f'no {dimension} "{label}" in these results{hint(label, known)}; there are:\n'
-            + "\n".join(f"  {line}" for line in aligned([[item] for item in known]))
-        )
+        raise unknown(label, known, dimension)
+    return summary.isel({dimension: [known.index(label)]}).load()

@@ -18,7 +18,7 @@ __all__ = ["direction_statistics", "largest_over", "median_over", "smallest_over
 
 
 def direction_statistics(
-    summary: xr.Dataset, azimuths: Sequence[float], pairs: Mapping[str, Sequence[str]]
+    summary: xr.Dataset, azimuths: Sequence[float] | np.ndarray, pairs: Mapping[str, Sequence[str]]
 ) -> xr.Dataset:
     """The node /directions of the results.
 
@@ -26,10 +26,11 @@ def direction_statistics(
     ----------
     summary : xarray.Dataset
         The node /summary; the directions are records in it.
-    azimuths : sequence of float
+    azimuths : (d,) array_like
         The d directions of the sweep [degrees].
     pairs : mapping of str to sequence of str
-        Name of each pair, and the ids of its records in the d directions.
+        Name of each pair, and the ids of its records in the d directions. A pair is left out if none of them is a
+        record.
 
     Returns
     -------
@@ -42,6 +43,7 @@ def direction_statistics(
     components of motion, Bull. Seismol. Soc. Am. 100(4), 1830-1835, doi:10.1785/0120090400.
     """
     place = {str(record): number for number, record in enumerate(summary["record"].values)}
+    pairs = {pair: records for pair, records in pairs.items() if any(record in place for record in records)}
     index = np.array([[place.get(record, -1) for record in records] for records in pairs.values()], dtype=int)
     index = index.reshape(len(pairs), len(azimuths))
 

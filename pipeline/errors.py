@@ -6,7 +6,15 @@ File-system faults stay :class:`OSError`.
 
 from __future__ import annotations
 
-__all__ = ["ConfigError", "RecordFormatError", "RecordRefused", "ResultsError", "RockpulseError", "UnitError"]
+__all__ = [
+    "ConfigError",
+    "RecordFormatError",
+    "RecordRefused",
+    "ResultsError",
+    "RockpulseError",
+    "StoppedAtFailure",
+    "UnitError",
+]
 
 
 class RockpulseError(ValueError):
@@ -31,3 +39,7 @@ class ConfigError(RockpulseError):
 
 class ResultsError(RockpulseError):
     """A results file that cannot be written, or is not one that this version reads."""
+
+
+class StoppedAtFailure(RockpulseError):
+    """A batch that was to stop at the first file or record that fails, and did."""

@@ -16,6 +16,8 @@ __all__ = ["failure_list", "left_out", "not_used"]
 
 #: Rows of a kind that is no failure in the overview.
 LISTED = 12
+#: The same in a brief one.
+FEW = 3
 #: Words of a warning, numbers aside, by which it is known for one of a kind.
 _TELLING_WORDS = 4
 
@@ -28,13 +30,15 @@ _KINDS = {
 }
 
 
-def left_out(tree: xr.DataTree) -> str:
+def left_out(tree: xr.DataTree, brief: bool = False) -> str:
     """What was read or found but not assessed, by kind, and what the records were warned of.
 
     Parameters
     ----------
     tree : xarray.DataTree
         The results.
+    brief : bool
+        A few of each kind, also of what failed.
     """
     lines = []
     summary = tree["summary"].to_dataset()
@@ -42,13 +46,20 @@ def left_out(tree: xr.DataTree) -> str:
     for kind, entries in _failures(tree).items():
         title = f"vertical, acting on {acted} records" if kind == "vertical" and acted else _KINDS.get(kind, kind)
         lines.append(f"{title}: {len(entries)}")
-        shown = entries if kind == "failed" else entries[:LISTED]
+        whole = len(entries) if not brief else LISTED
+        shown = entries[: whole if kind == "failed" else FEW if brief else LISTED]
         lines += [paragraph(_told(file, reason), "      ", "  ") for file, _, reason in shown]
         if len(shown) < len(entries):
             lines.append(f"  and {len(entries) - len(shown)} more (rockpulse inspect RESULTS --failures shows them)")
-    for block, warning in zip(summary["block"].values, summary["block_warnings"].values, strict=True):
-        if warning:
-            lines.append(paragraph(f"block {block}: {warning}", "      ", ""))
+    warned = [
+        (block, str(words))
+        for block, words in zip(summary["block"].values, summary["block_warnings"].values, strict=True)
+        if words
+    ]
+    shown_blocks = warned[:LISTED] if brief else warned
+    lines += [paragraph(f"block {block}: {words}", "      ", "") for block, words in shown_blocks]
+    if len(shown_blocks) < len(warned):
+        lines.append(f"and {len(warned) - len(shown_blocks)} more blocks with warnings")
     return "\n".join([*lines, *_warnings(summary)])
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -11,6 +11,7 @@ import numpy as np
 from rockpulse.capacity_overview import factor_cell, factor_notes, short_factor_cell, smallest_capacities
 from rockpulse.models.response import Outcome, Reason
 from rockpulse.record import STANDARD_GRAVITY
+from rockpulse.results_file import flag_words
 from rockpulse.terminal import ABSENT, aligned, figure, lower_bound, paragraph, ratio, restitution, rough, shortened
 
 if TYPE_CHECKING:
@@ -21,10 +22,12 @@ __all__ = [
     "cases",
     "factor_table",
     "fullest_model",
+    "headline",
     "overturned",
     "overview",
     "peak_velocity",
     "value",
+    "verdict_cell",
     "verdict_table",
 ]
 
@@ -32,6 +35,9 @@ __all__ = [
 NAME_WIDTH = 29
 
 _WORDS = {Outcome.AT_REST: "at rest", Outcome.OVERTURNS: "OVERTURNS", Outcome.UNRESOLVED: "unresolved"}
+
+#: The variables that a verdict is told by.
+VERDICT = ("outcome", "peak_rotation_ratio", "predictable", "applicable")
 
 #: How a peak is shown that `auto` took from one of these.
 _MARKED = {"impulsive": rough, "settled": lower_bound}
@@ -70,7 +76,7 @@ def answered_by(summary: xr.Dataset, **where: Any) -> str:
         As in :func:`value`.
     """
     code = value(summary, "model_used", **where)
-    return "" if code is None else _flags(summary["model_used"])[code]
+    return "" if code is None else flag_words(summary["model_used"])[code]
 
 
 def cases(summary: xr.Dataset, block: str) -> range:
@@ -101,6 +107,33 @@ def peak_velocity(summary: xr.Dataset, record: str) -> str:
     """
     shown = figure(value(summary, "pgv", record=record), "m/s")
     return f"~{shown} (drift)" if value(summary, "pgv_drift", record=record) else shown
+
+
+def verdict_cell(answer: Mapping[str, Any], rung: str = "") -> str:
+    """One verdict: a word, or the largest rotation over alpha_c, with its marks; the last place is that of the star.
+
+    Parameters
+    ----------
+    answer : mapping of str to number
+        The variables `VERDICT` of one answer; None where the results lack one.
+    rung : str
+        For the model `auto`, the model that answered: its rotation is marked where that gives the verdict alone.
+
+    Examples
+    --------
+    >>> answer = {"outcome": 1, "peak_rotation_ratio": 0.4123, "predictable": 0, "applicable": 1}
+    >>> verdict_cell(answer), verdict_cell({**answer, "outcome": 2, "applicable": 0})
+    ('0.41? ', 'OVERTURNS?*')
+    """
+    outcome = answer["outcome"]
+    if outcome in _WORDS:
+        text = _WORDS[outcome]
+    elif outcome == Outcome.ROCKS:
+        text = _MARKED.get(rung, ratio)(answer["peak_rotation_ratio"])
+    else:
+        return ABSENT + " "
+    mark = "?" if answer["predictable"] == 0 else ""
+    return text + mark + ("*" if answer["applicable"] == 0 else " ")
 
 
 def verdict_table(
@@ -211,23 +244,51 @@ def overturned(summary: xr.Dataset) -> str:
 def overview(tree: xr.DataTree) -> str:
     """Verdicts, what overturns, what was left out; of a sweep over direction the median and largest instead.
 
+    Of more than `WHOLE` verdicts counts and the worst.
+
+    Parameters
+    ----------
+    tree : xarray.DataTree
+        The results; values that are not yet read are read as far as they are shown.
+    """
+    from rockpulse.direction_overview import direction_table
+    from rockpulse.failure_overview import left_out
+    from rockpulse.large_overview import hints, is_large, large_overview
+
+    summary = tree["summary"].to_dataset()
+    head = headline(tree)
+    if is_large(summary):
+        return "\n\n".join([head, large_overview(tree), left_out(tree, brief=True), hints()])
+    summary = summary.load()  # all of it is shown: read at once, not value by value
+    if "directions" in tree.children:
+        directions = tree["directions"].to_dataset().load()
+        capacity = smallest_capacities(summary, fullest_model(summary), directions)
+        parts = [head, direction_table(summary, directions), capacity, left_out(tree)]
+    else:
+        capacity = smallest_capacities(summary, fullest_model(summary))
+        parts = [head, verdict_table(summary), overturned(summary), capacity, left_out(tree)]
+    return "\n\n".join(part for part in parts if part)
+
+
+def headline(tree: xr.DataTree) -> str:
+    """What the results are of: title, description, how many records, blocks and models.
+
     Parameters
     ----------
     tree : xarray.DataTree
         The results.
     """
-    from rockpulse.direction_overview import direction_table
-    from rockpulse.failure_overview import left_out
-
     summary = tree["summary"].to_dataset()
+    sizes = {"record": summary.sizes["record"], "block": summary.sizes["block"]}
     if "directions" in tree.children:
-        directions = tree["directions"].to_dataset()
-        capacity = smallest_capacities(summary, fullest_model(summary), directions)
-        parts = [direction_table(summary, directions), capacity, left_out(tree)]
-    else:
-        capacity = smallest_capacities(summary, fullest_model(summary))
-        parts = [verdict_table(summary), overturned(summary), capacity, left_out(tree)]
-    return "\n\n".join(part for part in parts if part)
+        swept = tree["directions"].to_dataset().sizes
+        sizes = {"pair": swept["pair"], "direction": swept["direction"], "block": swept["block"]}
+    counts = [f"{size} {dim}{'' if size == 1 else 's'}" for dim, size in sizes.items()]
+    models = ", ".join(str(model) for model in summary["model"].values)
+    lines = [paragraph(f"{tree.attrs.get('title', '')}: {', '.join(counts)}; {models}")]
+    if described := str(tree.attrs.get("site_description", "")):
+        lines.append(paragraph(described, "  "))
+    return "\n".join(lines)
 
 
 def _part(summary: xr.Dataset, records: Sequence[str] | None, blocks: Sequence[str] | None) -> xr.Dataset:
@@ -276,33 +337,15 @@ def _heading(summary: xr.Dataset, record: str) -> str:
 
 
 def _verdict(summary: xr.Dataset, where: dict[str, Any]) -> str:
-    outcome = value(summary, "outcome", **where)
-    if outcome in _WORDS:
-        text = _WORDS[outcome]
-    elif outcome == Outcome.ROCKS:
-        text = _peak(summary, where)
-    else:
-        return ABSENT + " "
-    mark = "?" if value(summary, "predictable", **where) == 0 else ""
-    return text + mark + ("*" if value(summary, "applicable", **where) == 0 else " ")
-
-
-def _peak(summary: xr.Dataset, where: dict[str, Any]) -> str:
-    """The largest rotation, marked where `auto` took it from a model that gives the verdict alone."""
-    shown = _MARKED.get(answered_by(summary, **where), ratio) if where["model"] == "auto" else ratio
-    return shown(value(summary, "peak_rotation_ratio", **where))
-
-
-def _flags(variable: xr.DataArray) -> dict[int, str]:
-    """Names of the values of a flag."""
-    return dict(zip(variable.attrs["flag_values"].tolist(), variable.attrs["flag_meanings"].split(), strict=True))
+    answer = {name: value(summary, name, **where) for name in VERDICT}
+    return verdict_cell(answer, answered_by(summary, **where) if where["model"] == "auto" else "")
 
 
 def _models_used(summary: xr.Dataset) -> str:
     """How many answers of `auto` are whose: "static 12, nonlinear 4"."""
     used = summary["model_used"].sel(model="auto")
     codes, counts = np.unique(used.values, return_counts=True)
-    names = _flags(used)
+    names = flag_words(used)
     return ", ".join(f"{names[code].replace('_', ' ')} {count}" for code, count in zip(codes, counts, strict=True))
 
 
@@ -310,7 +353,7 @@ def _any_marked(summary: xr.Dataset) -> bool:
     """Whether a peak of `auto` is shown with a mark."""
     used = summary["model_used"].sel(model="auto")
     rocks = summary["outcome"].sel(model="auto") == Outcome.ROCKS
-    marked = [code for code, name in _flags(used).items() if name in _MARKED]
+    marked = [code for code, name in flag_words(used).items() if name in _MARKED]
     return bool((rocks & used.isin(marked)).any())
 
 

@@ -6,7 +6,7 @@ import re
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from datetime import datetime
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 
@@ -30,7 +30,8 @@ class Record:
     Attributes
     ----------
     acceleration : (n,) ndarray
-        Ground acceleration [m/s2], n >= 2, finite, read-only. Between samples it is taken as linear.
+        Ground acceleration [m/s2], n >= 2, finite, read-only. Between samples it is taken as linear. A constant that
+        ``np.broadcast_to`` spreads over n samples stays that, and takes no memory.
     dt : float
         Sampling interval [s].
     id : str
@@ -94,7 +95,7 @@ class Record:
 
     def __post_init__(self) -> None:
         where = self.source or self.id
-        acceleration = np.array(self.acceleration, dtype=float)
+        acceleration = self.acceleration if _spread(self.acceleration) else np.array(self.acceleration, dtype=float)
         if acceleration.ndim != 1 or acceleration.size < 2:
             raise RecordFormatError(
                 f"{where}: expected at least 2 samples in one row, found shape {acceleration.shape}; "
@@ -117,6 +118,22 @@ class Record:
         acceleration.setflags(write=False)
         object.__setattr__(self, "acceleration", acceleration)
         object.__setattr__(self, "dt", float(self.dt))
+
+    def __getstate__(self) -> dict[str, Any]:
+        state = dict(vars(self))
+        if _spread(self.acceleration):  # pickle would write every sample
+            state["acceleration"] = (float(self.acceleration[0]), self.npts)
+        return state
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        if isinstance(state["acceleration"], tuple):
+            state = {**state, "acceleration": np.broadcast_to(*state["acceleration"])}
+        state["acceleration"].setflags(write=False)
+        vars(self).update(state)
+
+    def without_samples(self) -> Record:
+        """The same record with zeros that take no memory in place of its samples."""
+        return replace(self, acceleration=np.broadcast_to(0.0, self.npts))
 
     def with_warning(self, warning: str) -> Record:
         """The same record with one more warning."""
@@ -145,6 +162,16 @@ class Record:
     def pga(self) -> float:
         """Largest absolute acceleration [m/s2]."""
         return float(np.max(np.abs(self.acceleration)))
+
+
+def _spread(acceleration: np.ndarray) -> bool:
+    """Whether these are n samples in the memory of one."""
+    return (
+        isinstance(acceleration, np.ndarray)
+        and acceleration.dtype == float
+        and acceleration.strides == (0,)
+        and not acceleration.flags.writeable
+    )
 
 
 def record_id(

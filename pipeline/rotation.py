@@ -23,7 +23,7 @@ from rockpulse.errors import RecordRefused
 from rockpulse.half_wave import half_waves
 from rockpulse.record import Record, record_id
 
-__all__ = ["check_angle", "pair_id", "rotate", "strongest_azimuth"]
+__all__ = ["check_angle", "pair_id", "rotate", "rotated_id", "strongest_azimuth"]
 
 #: Two channels need at least this sine between them: below it (10 degrees) their noise is multiplied by more than 6.
 SMALLEST_SINE = 0.17
@@ -70,7 +70,6 @@ def rotate(pair: Pair, azimuth: float) -> Record:
             f"{first.id}, {second.id}: expected the same samples in both, found {first.npts} at {first.dt:g} s and "
             f"{second.npts} at {second.dt:g} s; take condition_pair"
         )
-    code = f"H{math.floor(azimuth + 0.5):03d}"
     one, other = _weights(first.azimuth, second.azimuth, azimuth)
     note = (
         f"rotated to {azimuth:g} degrees: {one:.6g} x {first.id} ({first.azimuth:g} degrees) {other:+.6g} x "
@@ -80,8 +79,8 @@ def rotate(pair: Pair, azimuth: float) -> Record:
     rotated = replace(
         first,
         acceleration=one * first.acceleration + other * second.acceleration,
-        id=_name(first, code),
-        channel=code,
+        id=rotated_id(first, azimuth),
+        channel=_code(azimuth),
         component=f"{azimuth:g} degrees, rotated",
         azimuth=float(azimuth),
         orientation="structural" if first.orientation == "structural" else "horizontal",
@@ -106,6 +105,19 @@ def pair_id(pair: Pair) -> str:
         The channels.
     """
     return _name(pair.first, f"{pair.first.channel}-{pair.second.channel}")
+
+
+def rotated_id(record: Record, azimuth: float) -> str:
+    """Id of the motion of a pair in one direction.
+
+    Parameters
+    ----------
+    record : Record
+        The first channel of the pair.
+    azimuth : float
+        Direction, clockwise from north [degrees].
+    """
+    return _name(record, _code(azimuth))
 
 
 def strongest_azimuth(
@@ -192,6 +204,10 @@ def check_angle(pair: Pair) -> None:
             f"from parallel, found {first.azimuth:g} and {second.azimuth:g} degrees: they are no horizontal pair; "
             'components = "horizontal" assesses them as they were recorded'
         )
+
+
+def _code(azimuth: float) -> str:
+    return f"H{math.floor(azimuth + 0.5):03d}"
 
 
 def _name(record: Record, code: str) -> str:

@@ -46,6 +46,7 @@ WEIGHTS = ("equal", "event")
 SCALES = ("none", "pga", "pgv", "impulse")
 FAMILIES = ("default", "blocks")
 DESIGNS = ("response", "parameters")
+WORKERS = ("all",)
 
 
 @dataclass(frozen=True)
@@ -242,15 +243,8 @@ class RunSettings(Section):
     """How the work is carried out."""
 
     heading = "[run]"
-    workers: int = count(1, low=1)
+    workers: str | int = choice("all", WORKERS, or_count=True)
     seed: int = count(0, low=0)
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        if self.workers > 1:
-            raise ConfigError(
-                f"[run] workers: expected 1, found {self.workers}; several processes are not available in this version"
-            )
 
 
 #: Sections by their name in the file, in the order of the template.

@@ -13,12 +13,13 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import lru_cache, partial
 from pathlib import Path
+from typing import NamedTuple
 
 from rockpulse.errors import RecordFormatError, RockpulseError
 from rockpulse.failures import Failure
 from rockpulse.readers import ReadOptions, read_source
-from rockpulse.readers.archive import is_archive, members
-from rockpulse.readers.renadic import join_parts
+from rockpulse.readers.archive import Archive, is_archive
+from rockpulse.readers.renadic import whole_records
 from rockpulse.readers.source import (
     NotAcceleration,
     SourceFile,
@@ -29,7 +30,19 @@ from rockpulse.readers.source import (
 )
 from rockpulse.record import Record, distinct_ids
 
-__all__ = ["QUIET", "read_all"]
+__all__ = [
+    "QUIET",
+    "Found",
+    "Opened",
+    "find_files",
+    "in_order",
+    "open_files",
+    "read_all",
+    "read_failure",
+    "read_opened",
+    "sample_digest",
+    "settled",
+]
 
 #: Suffixes of files that lie beside records and are passed over without a row unless they are named explicitly.
 QUIET = frozenset({".md", ".toml", ".xml", ".h5", ".html", ".pdf", ".png"})
@@ -38,11 +51,37 @@ PathLike = str | os.PathLike[str]
 
 
 @dataclass(frozen=True)
-class _Found:
-    """A file to read; `named` if the user gave its very name."""
+class Found:
+    """A file to read.
+
+    Attributes
+    ----------
+    path : Path
+        A file or a zip archive.
+    named : bool
+        Whether the user gave its very name.
+    """
 
     path: Path
     named: bool
+
+
+class Opened(NamedTuple):
+    """A file, or a member of an archive, on its way to the readers.
+
+    Attributes
+    ----------
+    name : str
+        As in `Record.source`.
+    file : SourceFile, RockpulseError or OSError
+        The file, or why it cannot be opened.
+    member : int or None
+        Its place in the archive, see `rockpulse.readers.archive.Archive`; None for a file.
+    """
+
+    name: str
+    file: SourceFile | RockpulseError | OSError
+    member: int | None = None
 
 
 def read_all(
@@ -87,31 +126,87 @@ def read_all(
         If `response` is.
     """
     options = ReadOptions(units, dt, response)
-    found, failures = _find([paths] if isinstance(paths, str | os.PathLike) else list(paths))
+    found, failures = find_files(paths)
     # One look at a folder's station metadata serves all its records.
     station_files = lru_cache(maxsize=16)(folder_station_files)
     records: list[Record] = []
     for item in found:
-        for name, outcome in _files(item, station_files):
+        for opened in open_files(item, station_files):
             try:
-                if isinstance(outcome, Exception):
-                    raise outcome
-                records += read_source(outcome, options)
+                records += read_opened(opened, options)
             except (RockpulseError, OSError) as fault:
-                failures.append(_failure(name, fault, item.named and name == str(item.path)))
+                failures.append(read_failure(item, opened.name, fault))
         if on_file is not None:
             on_file(str(item.path))
-    records.sort(key=lambda record: (record.source, record.channel))
-    records, duplicates = _without_duplicates(records)
-    records = sorted(join_parts(records), key=lambda record: (record.source, record.channel))
-    return distinct_ids(records), sorted(failures + duplicates, key=lambda row: (row.file, row.reason))
+    whole, duplicates = settled(records, sample_digest)
+    return [record for record, _ in whole], sorted(failures + duplicates, key=in_order)
 
 
-def _find(paths: Sequence[PathLike]) -> tuple[list[_Found], list[Failure]]:
-    """Files behind the paths, each once, sorted; a file that is named and also lies in a folder counts as named."""
-    found: dict[str, _Found] = {}
+def settled(
+    records: Sequence[Record], digest: Callable[[Record], str]
+) -> tuple[list[tuple[Record, tuple[Record, ...]]], list[Failure]]:
+    """What all files together hold: each content once, cut records joined, sorted by path and channel, distinct ids.
+
+    Parameters
+    ----------
+    records : sequence of Record
+        Those of all files, in the order of the files; of the samples nothing but their number is asked.
+    digest : callable
+        What is the same for two records of one content: :func:`sample_digest` where the samples are at hand.
+
+    Returns
+    -------
+    records : list of (Record, tuple of Record)
+        Each record and those of the given ones that it is made of; several where parts were joined.
+    duplicates : list of Failure
+        A row for each record whose content came before.
+    """
+    kept, duplicates = _without_duplicates(sorted(records, key=_place), digest)
+    whole = sorted(whole_records(kept), key=lambda item: _place(item[0]))
+    named = distinct_ids([record for record, _ in whole])
+    return [(record, pieces) for record, (_, pieces) in zip(named, whole, strict=True)], duplicates
+
+
+def sample_digest(record: Record) -> str:
+    """SHA-256 of the samples, the interval and the component of a record.
+
+    Parameters
+    ----------
+    record : Record
+        As read.
+    """
+    digest = hashlib.sha256(record.acceleration.tobytes())
+    digest.update(f"{record.dt!r} {record.component}".encode())
+    return digest.hexdigest()
+
+
+def in_order(row: Failure) -> tuple[str, str]:
+    """Key that sorts what was left out while reading: by file and reason."""
+    return row.file, row.reason
+
+
+def _place(record: Record) -> tuple[str, str]:
+    return record.source, record.channel
+
+
+def find_files(paths: PathLike | Iterable[PathLike]) -> tuple[list[Found], list[Failure]]:
+    """Files behind the paths, each once, sorted; a file that is named and also lies in a folder counts as named.
+
+    Parameters
+    ----------
+    paths : path or iterable of paths
+        As in :func:`read_all`.
+
+    Returns
+    -------
+    found : list of Found
+        Nothing was opened.
+    failures : list of Failure
+        A row for each path behind which nothing is, and each folder that cannot be listed.
+    """
+    found: dict[str, Found] = {}
     failures = []
-    for given in paths:
+    for given in [paths] if isinstance(paths, str | os.PathLike) else paths:
         text = os.fspath(given)
         path = Path(text)
         if not text:
@@ -125,11 +220,11 @@ def _find(paths: Sequence[PathLike]) -> tuple[list[_Found], list[Failure]]:
             if not items and not faults:
                 failures.append(Failure(text, "find", f"{text}: no file to read in the folder; check it", "failed"))
         elif os.path.lexists(path):
-            items = [_Found(path, True)]
+            items = [Found(path, True)]
         elif glob.has_magic(text):
             items = []
             for hit in map(Path, glob.glob(text, recursive=True)):  # noqa: PTH207 - takes absolute patterns
-                inside, faults = _walk(hit) if hit.is_dir() else ([_Found(hit, False)], [])
+                inside, faults = _walk(hit) if hit.is_dir() else ([Found(hit, False)], [])
                 items += [item for item in inside if item.path.suffix.lower() not in QUIET]
                 failures += faults
             if not items:
@@ -144,53 +239,99 @@ def _find(paths: Sequence[PathLike]) -> tuple[list[_Found], list[Failure]]:
     return sorted(found.values(), key=lambda item: str(item.path)), failures
 
 
-def _walk(folder: Path) -> tuple[list[_Found], list[Failure]]:
+def _walk(folder: Path) -> tuple[list[Found], list[Failure]]:
     """Files below a folder, and a row for each folder that cannot be listed."""
     faults: list[OSError] = []
     items = []
     for parent, folders, files in os.walk(folder, onerror=faults.append):
         folders[:] = [name for name in folders if not name.startswith(".")]
         paths = [Path(parent, name) for name in files if not name.startswith(".")]
-        items += [_Found(path, False) for path in paths if path.suffix.lower() not in QUIET]
+        items += [Found(path, False) for path in paths if path.suffix.lower() not in QUIET]
     return items, [Failure(str(fault.filename), "find", str(fault), "failed") for fault in faults]
 
 
-def _files(
-    item: _Found, station_files: Callable[[Path], list[tuple[str, bytes]]]
-) -> Iterator[tuple[str, SourceFile | RockpulseError | OSError]]:
-    """The file, or the members of the archive, or the fault that kept them from being opened."""
-    path = item.path
+def open_files(found: Found, station_files: Callable[[Path], list[tuple[str, bytes]]]) -> Iterator[Opened]:
+    """The file, or the members of the archive, or the fault that kept them from being opened.
+
+    Parameters
+    ----------
+    found : Found
+        What to open.
+    station_files : callable
+        Gives (name, bytes) of the StationXML files in a folder.
+    """
+    path = found.path
     try:
         check_link(path)
         if path.exists() and not path.is_file():
             raise OSError(f"{path}: expected a regular file, found a device, socket or pipe")
         if not is_archive(path):
-            yield str(path), open_source(path, partial(station_files, path.parent))
+            yield Opened(str(path), open_source(path, partial(station_files, path.parent)))
             return
         count = 0
-        for name, member in members(path):
-            if Path(name).suffix.lower() not in QUIET:
-                count += 1
-                yield name, member
+        with Archive(path) as archive:
+            for number, name in enumerate(archive.names):
+                if Path(name).suffix.lower() not in QUIET:
+                    count += 1
+                    yield Opened(name, _member(archive, number), number)
         if not count:
             raise RecordFormatError(f"{path}: no file to read in the archive; check it")
     except (RockpulseError, OSError) as fault:
-        yield str(path), fault
+        yield Opened(str(path), fault)
 
 
-def _failure(name: str, fault: RockpulseError | OSError, named: bool) -> Failure:
+def read_opened(opened: Opened, options: ReadOptions) -> list[Record]:
+    """Every channel of a file that was opened.
+
+    Parameters
+    ----------
+    opened : Opened
+        From :func:`open_files`.
+    options : ReadOptions
+        What the caller knows.
+
+    Raises
+    ------
+    RockpulseError, OSError
+        Where it could not be opened, or is not read.
+    """
+    if isinstance(opened.file, Exception):
+        raise opened.file
+    return read_source(opened.file, options)
+
+
+def read_failure(found: Found, name: str, fault: Exception) -> Failure:
+    """The row for a file, or member of an archive, that gave no record.
+
+    Parameters
+    ----------
+    found : Found
+        The file or archive.
+    name : str
+        `Opened.name`.
+    fault : Exception
+        Why.
+    """
+    named = found.named and name == str(found.path)
     no_record = isinstance(fault, Unrecognised | NotAcceleration)
     reason = str(fault) if name in str(fault) else f"{name}: {fault}"
     return Failure(name, "read", reason, "skipped" if no_record and not named else "failed")
 
 
-def _without_duplicates(records: Sequence[Record]) -> tuple[list[Record], list[Failure]]:
+def _member(archive: Archive, number: int) -> SourceFile | RockpulseError:
+    try:
+        return archive.member(number)
+    except RockpulseError as fault:
+        return fault
+
+
+def _without_duplicates(
+    records: Sequence[Record], digest: Callable[[Record], str]
+) -> tuple[list[Record], list[Failure]]:
     seen: dict[str, Record] = {}
     kept, failures = [], []
     for record in records:
-        digest = hashlib.sha256(record.acceleration.tobytes())
-        digest.update(f"{record.dt!r} {record.component}".encode())
-        first = seen.setdefault(digest.hexdigest(), record)
+        first = seen.setdefault(digest(record), record)
         if first is record:
             kept.append(record)
         else:

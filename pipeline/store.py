@@ -1,87 +1,52 @@
-"""The results file: an xarray tree written whole or not at all, with its provenance, and read back the same.
-
-The tree is written to a temporary name beside the target, flushed to the disk and then renamed, so a run that is killed
-leaves the old file or none (at worst a hidden ``.part`` file, which may be deleted).
-"""
+"""The results file: an xarray tree written whole or not at all, with its provenance, and read back the same."""
 
 from __future__ import annotations
 
 import os
 import platform
-import secrets
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from datetime import UTC, datetime
 from importlib.metadata import version
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from rockpulse.accuracy_variables import REPORT
 from rockpulse.calibration.rule_variables import RULE_KIND
 from rockpulse.calibration.site_variables import SITE_KIND
+from rockpulse.checksums import CHECKSUM, CHECKSUM_OF_ATTRIBUTES
 from rockpulse.errors import ResultsError
 from rockpulse.fragility.variables import FRAGILITY
 from rockpulse.study.variables import STUDY
+from rockpulse.target_file import ASSESSMENT, check_target, named, remove_parts, replacing
 
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["ASSESSMENT", "SCHEMA_VERSION", "check_target", "load", "named", "save"]
+__all__ = [
+    "ASSESSMENT",
+    "SCHEMA_VERSION",
+    "check_described",
+    "check_schema",
+    "check_target",
+    "load",
+    "named",
+    "provenance",
+    "remove_parts",
+    "replacing",
+    "save",
+]
 
 #: MAJOR.MINOR of the layout described in docs/schema.md; another MAJOR is refused.
 SCHEMA_VERSION = "1.0"
-
-#: Root attribute `kind` of the results of an assessment; files without it are assessments.
-ASSESSMENT = "assessment"
 
 #: Kinds of files that are read back, and the group that each of them has.
 KINDS = {ASSESSMENT: "summary", SITE_KIND: "site", FRAGILITY: "fragility", RULE_KIND: "rates", STUDY: "statements"}
 
 CONVENTIONS = "CF-1.11"
-DAMAGED = "damaged file"
-SIGNATURE = b"\x89HDF\r\n\x1a\n"
 PACKAGES = ("rockpulse", "numpy", "numba", "scipy", "xarray", "h5netcdf", "h5py", "obspy")
 
 
-def check_target(path: str | Path, overwrite: bool = False, kind: str = ASSESSMENT) -> Path:
-    """Whether a results file can be written here, asked before any work is done.
-
-    Parameters
-    ----------
-    path : str or Path
-        Where the results are to go.
-    overwrite : bool
-        Whether results that exist may be replaced: an HDF5 file of rockpulse of the same kind, of any schema version,
-        or a damaged one. No other file is ever replaced.
-    kind : {"assessment", "site calibration", "accuracy report"}
-        What the file is to hold.
-
-    Returns
-    -------
-    Path
-        The file that will be written, links resolved.
-
-    Raises
-    ------
-    ResultsError
-        For a file that exists, a folder that does not, or a place or name that cannot be written.
-    """
-    target = Path(os.path.realpath(path))
-    try:
-        if target.exists():
-            _check_replaceable(target, path, overwrite, kind)
-        if not target.parent.is_dir():
-            raise ResultsError(f"{path}: there is no folder {target.parent}; create it first")
-        part = _part(target)
-        part.touch(exist_ok=False)  # its name is longer than that of the target
-        part.unlink()
-    except OSError as error:
-        raise ResultsError(f"{path}: cannot write into the folder {target.parent}: {error.strerror}") from error
-    return target
-
-
-def save(tree: xr.DataTree, path: str | Path, overwrite: bool = False) -> None:
+def save(tree: xr.DataTree, path: str | os.PathLike[str], overwrite: bool = False) -> None:
     """Write results to one HDF5 file, atomically.
 
     Parameters
@@ -104,28 +69,35 @@ def save(tree: xr.DataTree, path: str | Path, overwrite: bool = False) -> None:
     --------
     load : the way back.
     """
-    kind = tree.attrs.get("kind", ASSESSMENT)
-    target = check_target(path, overwrite, kind)
+    from rockpulse.tree_writer import write_tree
+
+    check_described(tree, path)
+    with replacing(path, overwrite, tree.attrs.get("kind", ASSESSMENT), tree.nbytes) as part:
+        write_tree(tree, part, provenance(tree.attrs))
+
+
+def check_described(tree: xr.DataTree, path: str | os.PathLike[str]) -> None:
+    """Whether every variable has a unit and a name.
+
+    Parameters
+    ----------
+    tree : xarray.DataTree
+        What is to be written.
+    path : str or Path
+        Where; for the message.
+
+    Raises
+    ------
+    ResultsError
+        Where one has not.
+    """
     for name, variable in _variables(tree):
         for attribute in ("units", "long_name"):
             if not isinstance(variable.attrs.get(attribute), str):
                 raise ResultsError(f"{path}: the variable {name} has no {attribute!r}; set it before saving")
-    complete = _with_provenance(tree)
-    part = _part(target)
-    try:
-        complete.to_netcdf(part, mode="w", engine="h5netcdf")
-        _flush(part, os.O_RDWR)
-        check_target(path, overwrite, kind)  # somebody else may have written it during the run
-        part.replace(target)
-    except OSError as error:
-        raise ResultsError(f"{path}: cannot write the results: {error.strerror or error}") from error
-    finally:
-        part.unlink(missing_ok=True)
-    if os.name == "posix":  # elsewhere a folder cannot be opened
-        _flush(target.parent, os.O_RDONLY)
 
 
-def load(path: str | Path) -> xr.DataTree:
+def load(path: str | os.PathLike[str]) -> xr.DataTree:
     """Read results into memory; the file is closed afterwards.
 
     Parameters
@@ -148,7 +120,7 @@ def load(path: str | Path) -> xr.DataTree:
     """
     import xarray as xr
 
-    _check_schema(path)
+    check_schema(path)
     try:
         # Times are plain seconds and stay so, whatever units xarray may take for time deltas.
         with xr.open_datatree(path, engine="h5netcdf", decode_times=False, decode_timedelta=False) as opened:
@@ -158,53 +130,26 @@ def load(path: str | Path) -> xr.DataTree:
     return tree.map_over_datasets(_as_saved)
 
 
-def _part(target: Path) -> Path:
-    return target.with_name(f".{target.name}.{secrets.token_hex(4)}.part")
+def check_schema(path: str | os.PathLike[str], reports: bool = False) -> str:
+    """Whether this version can read a file of results.
 
+    Parameters
+    ----------
+    path : str or Path
+        The file.
+    reports : bool
+        Whether an accuracy report, which is not read back, will do.
 
-def _check_replaceable(target: Path, path: str | Path, overwrite: bool, kind: str) -> None:
-    """Only results may be replaced: under a mistyped name a record or a configuration would be lost for good."""
-    if not target.is_file():
-        raise ResultsError(f"{path}: expected the name of a results file, found something that is no regular file")
-    if not overwrite:
-        raise ResultsError(f"{path}: the file exists; choose another name, or allow it to be replaced (--overwrite)")
-    try:
-        found = _kind(target)
-    except OSError as error:
-        raise ResultsError(f"{path}: cannot read the file that is to be replaced: {error.strerror}") from error
-    if found is None:
-        raise ResultsError(
-            f"{path}: expected results of rockpulse, found another file, which is not replaced even with --overwrite; "
-            "choose another name, or remove it by hand"
-        )
-    if found not in (kind, DAMAGED):
-        raise ResultsError(
-            f"{path}: expected {named(kind)} of rockpulse, found {named(found)}, which is not replaced even with "
-            "--overwrite; choose another name, or remove it by hand"
-        )
+    Returns
+    -------
+    str
+        What it holds: a key of `KINDS`, or `REPORT`.
 
-
-def named(kind: str) -> str:
-    """A kind of file with its article."""
-    return f"{'an' if kind[0] in 'aeiou' else 'a'} {kind}"
-
-
-def _kind(target: Path) -> str | None:
-    """What a file of rockpulse holds, whatever its schema version; None for another file."""
-    import h5py
-
-    with target.open("rb") as file:
-        if file.read(len(SIGNATURE)) != SIGNATURE:
-            return None
-    try:
-        with h5py.File(target, "r", locking=False) as hdf5:  # locked by its owner is not damaged
-            ours = {"schema_version", "rockpulse_version"} <= set(hdf5.attrs)
-            return str(hdf5.attrs.get("kind", ASSESSMENT)) if ours else None
-    except (OSError, RuntimeError, KeyError):
-        return DAMAGED
-
-
-def _check_schema(path: str | Path) -> None:
+    Raises
+    ------
+    ResultsError, OSError
+        As :func:`load`.
+    """
     import h5py
 
     with Path(path).open("rb"):
@@ -212,14 +157,14 @@ def _check_schema(path: str | Path) -> None:
     try:
         with h5py.File(path, "r") as file:
             found = file.attrs.get("schema_version")
-            kind = file.attrs.get("kind", ASSESSMENT)
-            known = KINDS.get(kind, "/") in file and kind in KINDS and isinstance(found, str)
+            kind = str(file.attrs.get("kind", ASSESSMENT))
+            known = (kind == REPORT or KINDS.get(kind, "?") in file) and isinstance(found, str)
     except (OSError, RuntimeError, KeyError) as error:
         raise ResultsError(
             f"{path}: expected a results file of rockpulse (HDF5), found something else or a truncated file ({error}); "
             "records are assessed with 'rockpulse assess'"
         ) from error
-    if kind == REPORT:
+    if kind == REPORT and not reports:
         raise ResultsError(
             f"{path}: expected results of 'rockpulse assess'; this is an accuracy report: open it with xarray or h5py, "
             "see docs/schema.md"
@@ -234,6 +179,7 @@ def _check_schema(path: str | Path) -> None:
             f"{path}: expected schema version {SCHEMA_VERSION.split('.')[0]}.x, found {found}; "
             "run the assessment again with this version, or open the file with the version of rockpulse named in it"
         )
+    return kind
 
 
 def _variables(tree: xr.DataTree) -> Iterator[tuple[str, Any]]:
@@ -242,44 +188,33 @@ def _variables(tree: xr.DataTree) -> Iterator[tuple[str, Any]]:
             yield f"{node.path.rstrip('/')}/{name}", variable
 
 
-def _with_provenance(tree: xr.DataTree) -> xr.DataTree:
-    """The tree with what makes the file tell where it comes from; what is there already (a title, versions) stays."""
+def provenance(attrs: Mapping[Any, Any]) -> dict[str, Any]:
+    """What the root of a file tells of where it comes from; what is there already (a title, versions) stays.
+
+    Parameters
+    ----------
+    attrs : mapping
+        Attributes of the root of the tree.
+    """
     stamp = f"{datetime.now(UTC):%Y-%m-%dT%H:%M:%SZ} written by rockpulse {version('rockpulse')}"
-    complete = tree.map_over_datasets(_as_text)
-    before = tree.attrs.get("history")
-    complete.attrs = {
+    before = attrs.get("history")
+    return {
         "Conventions": CONVENTIONS,
         "kind": ASSESSMENT,
         "title": "Overturning safety of rigid blocks under recorded ground motion",
         "python_version": platform.python_version(),
         **{f"{package}_version": version(package) for package in PACKAGES},
-        **{name: _in_utf8(text) if isinstance(text, str) else text for name, text in tree.attrs.items()},
+        **attrs,
         "schema_version": SCHEMA_VERSION,
         "history": f"{before}\n{stamp}" if before else stamp,
     }
-    return complete
-
-
-def _as_text(dataset: xr.Dataset) -> xr.Dataset:
-    """File names may hold bytes outside UTF-8, which HDF5 does not take: they become the replacement character."""
-    texts = {name: variable for name, variable in dataset.variables.items() if variable.dtype.kind == "U"}
-    in_utf8 = np.vectorize(_in_utf8, otypes=[str])
-    return dataset.assign({name: variable.copy(data=in_utf8(variable.values)) for name, variable in texts.items()})
-
-
-def _in_utf8(text: str) -> str:
-    return text.encode("utf-8", "surrogateescape").decode("utf-8", "replace")
 
 
 def _as_saved(dataset: xr.Dataset) -> xr.Dataset:
-    """Strings come back as objects; the encoding would tie a copy to the old file."""
+    """Strings come back as objects; the encoding would tie a copy to the old file; checksums are of the file."""
     strings = {name: variable.astype(str) for name, variable in dataset.variables.items() if variable.dtype == object}
-    return dataset.assign(strings).drop_encoding()
-
-
-def _flush(path: Path, mode: int) -> None:
-    handle = os.open(path, mode)
-    try:
-        os.fsync(handle)
-    finally:
-        os.close(handle)
+    plain = dataset.assign(strings).drop_encoding()
+    for attrs in (plain.attrs, *(variable.attrs for variable in plain.variables.values())):
+        for checksum in (CHECKSUM, CHECKSUM_OF_ATTRIBUTES):
+            attrs.pop(checksum, None)
+    return plain

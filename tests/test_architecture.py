@@ -16,9 +16,14 @@ EDGE = {"readers", "sources", "store", "cli", "commands", "overview", "details",
 EDGE |= {"capacity_overview", "direction_overview", "failure_overview"}
 EDGE |= {"fragility_overview"}
 EDGE |= {"conversion", "obspy_plugin", "obspy_trace", "writers"}
-EDGE |= {"accuracy_overview", "accuracy_files", "accuracy_diagram"}
+EDGE |= {"accuracy_overview", "accuracy_files", "plots"}
 EDGE |= {"design_file", "rule_overview", "site_overview"}
 EDGE |= {"study_overview"}
+EDGE |= {"checksums", "input_files", "target_file", "tree_writer", "verification"}
+EDGE |= {"report"}
+EDGE |= {"batch"}
+EDGE |= {"results_file", "selection", "long_table", "table_files", "answer_lists", "large_overview"}
+EDGE |= {"differences", "difference_overview", "row_matching"}
 #: The face of the package, which names everything.
 FACE = {"__init__"}
 

@@ -6,9 +6,12 @@ import sys
 from pathlib import Path
 
 import pytest
+from results_tree import results_tree
+
+from rockpulse.store import save
 
 READERS = Path(__file__).parents[1] / "pipeline" / "readers"
-HEAVY = ("numba", "xarray", "h5py", "pandas", "scipy.signal", "obspy", "matplotlib")
+HEAVY = ("numba", "xarray", "h5py", "pandas", "scipy.signal", "obspy", "matplotlib", "jinja2")
 
 
 def loaded(script):
@@ -36,8 +39,11 @@ def command(*arguments):
         ["--version"],
         ["assess", "--help"],
         ["inspect", "--help"],
+        ["report", "--help"],
         ["accuracy", "--help"],
         ["study", "figure4", "--help"],
+        ["plot", "--help"],
+        ["plot", "--list"],
         ["formats"],
         ["init-config"],
     ],
@@ -60,9 +66,16 @@ for name in ["rockpulse.readers", *{names!r}, "rockpulse.obspy_plugin"]:
     assert loaded(script) == []
 
 
-@pytest.mark.parametrize("name", ["rockpulse", "rockpulse.models", "rockpulse.config"])
+@pytest.mark.parametrize("name", ["rockpulse", "rockpulse.models", "rockpulse.config", "rockpulse.plots"])
 def test_the_faces_and_the_configuration_load_nothing_heavy(name):
     assert loaded(f"import {name}") == []
+
+
+def test_looking_at_results_loads_no_solver(tmp_path):
+    path = str(tmp_path / "results.h5")
+    save(results_tree(), path)
+    for arguments in (["inspect", path], ["inspect", path, "--worst", "3"], ["diff", path, path]):
+        assert not set(loaded(command(*arguments))) & {"numba", "scipy.signal", "obspy", "matplotlib"}
 
 
 def test_the_measurement_sees_what_is_loaded():

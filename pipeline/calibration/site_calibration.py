@@ -2,22 +2,22 @@
 
 from __future__ import annotations
 
-import logging
 from collections import Counter
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from rockpulse.assessment import Watch, motion_failure, unwatched
 from rockpulse.bodies import gather_bodies
 from rockpulse.body import BlockSettings
 from rockpulse.calibration.response_targets import block_family
 from rockpulse.calibration.site_record import SiteRecord, site_record
 from rockpulse.calibration.site_tables import read_event_table, read_weight_table, record_weights
 from rockpulse.calibration.site_tree import build_site_tree
-from rockpulse.components import select_horizontal
 from rockpulse.config import Config, located
-from rockpulse.directions import Motion, acting_vertical, ground_motions
+from rockpulse.directions import PlannedMotion, motions_of, plan_motions, planned_ids, rotation_failures
 from rockpulse.errors import ConfigError, RecordRefused
 from rockpulse.events import group_events
 from rockpulse.failures import Failure
@@ -28,9 +28,32 @@ from rockpulse.settings import WEIGHTS
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["calibrate_site"]
+__all__ = ["SiteStudy", "calibrate_planned", "calibrate_site", "prepare_site", "site_family", "site_results"]
 
-logger = logging.getLogger("rockpulse")
+
+@dataclass(frozen=True, eq=False)
+class SiteStudy:
+    """What is known of the calibration of a site before the first record is calibrated.
+
+    Attributes
+    ----------
+    names : tuple of str, length m
+        Names of the blocks.
+    lanes : Block
+        (m,) blocks.
+    event_of : dict of str to str
+        Event of every channel, by its id.
+    weights : dict of str to float or None
+        The user's weights by record id; None where a rule gives them.
+    remarks : tuple of str
+        What is to be said already.
+    """
+
+    names: tuple[str, ...]
+    lanes: Block
+    event_of: dict[str, str]
+    weights: dict[str, float] | None
+    remarks: tuple[str, ...]
 
 
 def calibrate_site(
@@ -38,7 +61,7 @@ def calibrate_site(
     config: Config | None = None,
     blocks: Mapping[str, Block] | Sequence[BlockSettings] | None = None,
     failures: Iterable[Failure] = (),
-    progress: Callable[[Sequence[Motion]], Iterable[Motion]] | None = None,
+    progress: Callable[[Sequence[PlannedMotion]], Iterable[PlannedMotion]] | None = None,
 ) -> xr.DataTree:
     """Calibrate the design sequence of a site on a set of records.
 
@@ -56,7 +79,7 @@ def calibrate_site(
     failures : iterable of Failure
         What reading has left out, to be stored with the results.
     progress : callable, optional
-        Wraps the list of motions on its way into the loop, as ``tqdm.tqdm`` does.
+        Wraps the list of channels or pairs on its way into the loop, as ``tqdm.tqdm`` does.
 
     Returns
     -------
@@ -87,53 +110,155 @@ def calibrate_site(
     """
     config = config or Config()
     every = sorted(records, key=lambda record: record.id)
+    rows = list(failures)
+    planned, left_out = plan_motions(every, config)
+    study = prepare_site(every, planned, config, blocks, rows)
+    rows += left_out
+    done: list[SiteRecord] = []
+    for one in planned if progress is None else progress(planned):
+        for outcome in calibrate_planned(one, study.lanes, config):
+            if isinstance(outcome, Failure):
+                rows.append(outcome)
+            else:
+                done.append(outcome)
+    return site_results(done, study, config, rows)
+
+
+def prepare_site(
+    every: Sequence[Record],
+    planned: Iterable[PlannedMotion],
+    config: Config,
+    blocks: Mapping[str, Block] | Sequence[BlockSettings] | None = None,
+    failures: Iterable[Failure] = (),
+) -> SiteStudy:
+    """Read the tables, group the events and line up the blocks of a site.
+
+    Parameters
+    ----------
+    every : sequence of Record
+        All channels, sorted by id; nothing is asked of their samples.
+    planned : iterable of PlannedMotion
+        What is to be calibrated of them.
+    config, blocks, failures
+        As in :func:`calibrate_site`.
+
+    Raises
+    ------
+    ConfigError
+        For two records of one id, or tables of events or weights that do not fit.
+    """
     twice = sorted(name for name, times in Counter(record.id for record in every).items() if times > 1)
     if twice:
         raise ConfigError(f"records: expected different ids, found more than one record with id {', '.join(twice)}")
-    rows = list(failures)
-    event_of, remarks = _events(every, config, any(row.kind == "failed" for row in rows))
-    horizontal, left_out = select_horizontal(every, config.records.structural)
-    motions, not_rotated = ground_motions(horizontal, config)
-    motions.sort(key=lambda motion: motion.record.id)
-    rows += [*left_out, *not_rotated]
-    names, lanes = _family(config.blocks if blocks is None else blocks)
+    unread = any(row.kind == "failed" and row.stage in ("find", "read") for row in failures)
+    event_of, remarks = _events(every, config, unread)
+    names, lanes = site_family(config.blocks if blocks is None else blocks)
     rule = config.calibration.weights
     table = None if rule in WEIGHTS else read_weight_table(located(rule, config.folder))
-    if table is not None:
-        record_weights([motion.record.id for motion in motions], [], rule, table)  # refused before the long part
-    verticals = [record for record in every if record.orientation == "vertical"]
-    done: list[SiteRecord] = []
-    events: list[str] = []
-    for motion in motions if progress is None else progress(motions):
-        record, vertical = acting_vertical(motion, verticals, config)
+    known = [name for one in planned for name in planned_ids(one, config)]
+    if table is not None and known:
+        record_weights(known, [], rule, table)  # refused before the long part
+    return SiteStudy(tuple(names), lanes, event_of, table, tuple(remarks))
+
+
+def calibrate_planned(
+    planned: PlannedMotion, lanes: Block, config: Config, watch: Watch = unwatched
+) -> Iterator[SiteRecord | Failure]:
+    """Calibrate the sequence of a channel, or of a pair of channels in every direction that is asked for.
+
+    Parameters
+    ----------
+    planned : PlannedMotion
+        With the samples of its channels.
+    lanes : Block
+        (m,) blocks.
+    config : Config
+        Options.
+    watch : callable, optional
+        Measures the steps "condition", which is the rotation of a pair, and "solve", which is all the rest.
+
+    Yields
+    ------
+    SiteRecord or Failure
+        One for each motion, or the rows of a pair that cannot be rotated.
+    """
+    try:
+        with watch("condition"):
+            motions = motions_of(planned, config)
+    except ValueError as error:
+        yield from rotation_failures(planned, error)
+        return
+    for motion in motions:
         try:
-            done.append(site_record(record, motion.pair, vertical, lanes, config))
-            events.append(event_of[motion.channels[0].id])
+            with watch("solve"):
+                done = site_record(motion, lanes, config)
         except ValueError as error:  # RockpulseError, and what a model says of numbers it cannot take
-            logger.error("%s: %s", record.id, error)
-            reason = str(error) if record.id in str(error) else f"{record.id}: {error}"
-            rows.append(Failure(file=record.source, stage="calibrate", reason=reason, kind="failed"))
+            yield motion_failure(motion.record, "calibrate", error)
+        else:
+            yield done
+
+
+def site_results(
+    done: Iterable[SiteRecord], study: SiteStudy, config: Config, failures: Sequence[Failure]
+) -> xr.DataTree:
+    """The design sequence of a site, from its calibrated records.
+
+    Parameters
+    ----------
+    done : iterable of SiteRecord
+        In any order.
+    study : SiteStudy
+        From :func:`prepare_site`.
+    config : Config
+        Options.
+    failures : sequence of Failure
+        What was left out.
+
+    Returns
+    -------
+    xarray.DataTree
+        As :func:`calibrate_site`.
+
+    Raises
+    ------
+    ConfigError, RecordRefused
+        As :func:`calibrate_site`.
+    """
+    done = sorted(done, key=lambda one: one.record.id)
     if not done:
-        reasons = "".join(f"\n  {row.reason}" for row in rows if row.kind != "vertical")
+        reasons = "".join(f"\n  {row.reason}" for row in failures if row.kind != "vertical")
         raise RecordRefused(f"not one record could be calibrated, so there is no site to describe{reasons}")
-    weights = record_weights([one.record.id for one in done], events, rule, table)
-    return build_site_tree(done, events, weights, names, lanes, config, rows, remarks)
+    events = [study.event_of[one.channel] for one in done]
+    weights = record_weights([one.record.id for one in done], events, config.calibration.weights, study.weights)
+    return build_site_tree(done, events, weights, study.names, study.lanes, config, failures, study.remarks)
 
 
-def _events(every: Sequence[Record], config: Config, some_failed: bool) -> tuple[dict[str, str], list[str]]:
+def _events(every: Sequence[Record], config: Config, unread: bool) -> tuple[dict[str, str], list[str]]:
     """Event of every channel by its id, and what is to be said of the user's table."""
     named = {} if config.records.events is None else read_event_table(located(config.records.events, config.folder))
     ids = {record.id for record in every}
     remarks = []
     unknown = sorted(set(named) - ids)
-    if unknown and some_failed:  # they may be those of the files that could not be read
+    if unknown and unread:  # they may be those of the files that could not be read
         remarks.append(f"[records] events names records that were not read: {', '.join(unknown)}")
         named = {name: event for name, event in named.items() if name in ids}
     return dict(zip([record.id for record in every], group_events(every, named), strict=True)), remarks
 
 
-def _family(blocks: Mapping[str, Block] | Sequence[BlockSettings]) -> tuple[list[str], Block]:
-    """Names and lanes of the bodies whose rotations are to be covered; a body with several restitutions is several."""
+def site_family(blocks: Mapping[str, Block] | Sequence[BlockSettings]) -> tuple[list[str], Block]:
+    """Names and lanes of the bodies whose rotations are to be covered; a body with several restitutions is several.
+
+    Parameters
+    ----------
+    blocks : mapping of str to Block, or sequence of BlockSettings
+        The bodies; without any a family of 100.
+
+    Returns
+    -------
+    names : list of str, length m
+    lanes : Block
+        (m,) blocks.
+    """
     if not blocks:
         lanes = block_family()
         named = zip(lanes.p, lanes.alpha_c, lanes.restitution, strict=True)

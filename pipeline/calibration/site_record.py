@@ -12,6 +12,7 @@ from rockpulse.calibration.site_design import PARAMETERS
 from rockpulse.calibration.site_scaling import largest_impulse, scale_factor, scaled
 from rockpulse.conditioning import DRIFT, condition
 from rockpulse.config import Config
+from rockpulse.directions import Motion
 from rockpulse.errors import RecordRefused
 from rockpulse.intensity import pgv
 from rockpulse.models.block import Block
@@ -38,8 +39,12 @@ class SiteRecord:
     ----------
     record : Record
         Conditioned and scaled.
+    channel : str
+        Id of the channel behind it, of a pair the first one.
     factor : float
         On the record as conditioned [-].
+    pga : float
+        [m/s2].
     pgv, impulse : float
         PGV and largest half-wave impulse [m/s].
     sequence : ImpulseSequence
@@ -55,7 +60,9 @@ class SiteRecord:
     """
 
     record: Record
+    channel: str
     factor: float
+    pga: float
     pgv: float
     impulse: float
     sequence: ImpulseSequence
@@ -105,17 +112,13 @@ def rotation_to_cover(peaks: np.ndarray) -> np.ndarray:
     return np.where(peaks == 0.0, np.nan, np.where(np.isnan(peaks), np.inf, peaks))
 
 
-def site_record(record: Record, pair: str, vertical: Record | None, blocks: Block, config: Config) -> SiteRecord:
+def site_record(motion: Motion, blocks: Block, config: Config) -> SiteRecord:
     """Scale a record, calibrate its sequence, and let its motion act on the blocks.
 
     Parameters
     ----------
-    record : Record
-        As read, or a rotated pair, which is conditioned already.
-    pair : str
-        Name of the pair that was rotated; empty for a channel as recorded.
-    vertical : Record, optional
-        The vertical channel that acts too, as read; it is scaled alike.
+    motion : Motion
+        A channel as read, or a rotated pair; the vertical channel that acts too is scaled alike.
     blocks : Block
         (m,) blocks.
     config : Config
@@ -126,7 +129,8 @@ def site_record(record: Record, pair: str, vertical: Record | None, blocks: Bloc
     ValueError
         Where the record cannot be conditioned, scaled or calibrated.
     """
-    conditioned = record if pair else condition(record, **config.conditioning)
+    vertical = motion.vertical
+    conditioned = motion.record if motion.pair else condition(motion.record, **config.conditioning)
     factor = scale_factor(conditioned, config)
     if not USUAL_FACTORS[0] <= factor <= USUAL_FACTORS[1]:
         conditioned = conditioned.with_warning(
@@ -142,7 +146,9 @@ def site_record(record: Record, pair: str, vertical: Record | None, blocks: Bloc
     misfit, unsafe = _compared(peaks, sequence, blocks)
     return SiteRecord(
         record=scene.record,
+        channel=motion.channels[0].id,
         factor=factor,
+        pga=scene.record.pga,
         pgv=pgv(scene.record),
         impulse=largest_impulse(scene.record, config),
         sequence=sequence,

@@ -211,7 +211,7 @@ def _records(
         "event": list(events),
         "weight": weights,
         "scale_factor": [one.factor for one in done],
-        "pga": [one.record.pga for one in done],
+        "pga": [one.pga for one in done],
         "pgv": [one.pgv for one in done],
         "largest_impulse": [one.impulse for one in done],
         "misfit": [one.misfit for one in done],

@@ -6,7 +6,8 @@ import argparse
 import sys
 from typing import TYPE_CHECKING
 
-from rockpulse.commands.record_input import add_record_arguments, configured, read_records, resolved
+from rockpulse.commands.batch_input import add_batch_arguments, batch_given, batch_options, recorded
+from rockpulse.commands.record_input import add_record_arguments, configured, resolved
 from rockpulse.commands.verb import Verb
 
 if TYPE_CHECKING:
@@ -17,6 +18,7 @@ __all__ = ["VERB"]
 
 def _add_arguments(parser: argparse.ArgumentParser) -> None:
     add_record_arguments(parser)
+    add_batch_arguments(parser)
     parser.add_argument(
         "--sequence",
         metavar="SITE",
@@ -30,40 +32,34 @@ def _run(args: argparse.Namespace) -> int:
 
 
 def _of_records(args: argparse.Namespace) -> int:
-    from tqdm import tqdm
-
-    from rockpulse.store import check_target
-
     config, paths = resolved(args)
-    check_target(args.output, args.overwrite)
 
-    from rockpulse.assessment import assess
-    from rockpulse.bodies import gather_bodies
+    import xarray as xr
+
+    from rockpulse.batch.run import assess_files
     from rockpulse.failure_overview import failure_list
+    from rockpulse.results import failure_table
+    from rockpulse.results_file import open_results
 
-    gather_bodies(config.blocks)  # a block that no model takes is better known before the records are read
-    records, failures = read_records(paths, config, args.quiet)
-    silent = True if args.quiet else None  # None: silent unless standard error is a terminal
-    tree = assess(
-        records,
-        config,
-        failures=failures,
-        progress=lambda horizontal: tqdm(horizontal, desc="assessing", unit=" records", disable=silent),
-    )
-    if tree["summary"].sizes["record"] == 0:
+    with recorded(args):
+        report = assess_files(paths, config, args.output, batch_options(args))
+    if report.path is None:
+        rows = xr.DataTree.from_dict({"/failures": failure_table(report.failures)})
         print(
-            f"{failure_list(tree)}\nrockpulse: not one record could be assessed, nothing was written", file=sys.stderr
+            f"{failure_list(rows)}\nrockpulse: not one record could be assessed, nothing was written", file=sys.stderr
         )
         return 1
-    return _written(tree, args)
+    with open_results(report.path) as file, file.reading():
+        return _told(file.tree("summary", "directions", "failures"), args)
 
 
 def _of_sequence(args: argparse.Namespace) -> int:
     from rockpulse.design_file import load_design
     from rockpulse.errors import ConfigError
-    from rockpulse.store import check_target, load
+    from rockpulse.store import check_target, load, save
 
-    given = [name for name, value in (("PATHS", args.paths), ("--units", args.units), ("--dt", args.dt)) if value]
+    of_records = (("PATHS", args.paths), ("--units", args.units), ("--dt", args.dt))
+    given = [*(name for name, value in of_records if value), *batch_given(args)]
     if given:
         raise ConfigError(f"--sequence takes the place of the records: drop {' and '.join(given)}, or --sequence")
     config = configured(args)
@@ -74,16 +70,16 @@ def _of_sequence(args: argparse.Namespace) -> int:
 
     quantile = float(load(args.sequence)["site"]["quantile"])
     name = f"design sequence {quantile:g}"
-    return _written(assess_sequence(sequence, config, name=name, source=str(args.sequence)), args)
+    tree = assess_sequence(sequence, config, name=name, source=str(args.sequence))
+    save(tree, args.output, overwrite=args.overwrite)
+    return _told(tree, args)
 
 
-def _written(tree: xr.DataTree, args: argparse.Namespace) -> int:
-    """Save, print, and the exit code."""
+def _told(tree: xr.DataTree, args: argparse.Namespace) -> int:
+    """Print the overview, or what failed alone; the exit code."""
     from rockpulse.failure_overview import failure_list
     from rockpulse.overview import overview
-    from rockpulse.store import save
 
-    save(tree, args.output, overwrite=args.overwrite)
     failed = failure_list(tree, kinds=("failed",))
     if not args.quiet:
         print(f"{overview(tree)}\n\nresults: {args.output}")

@@ -6,10 +6,13 @@ import argparse
 from importlib import import_module
 from typing import TYPE_CHECKING
 
+from rockpulse.commands.selection_input import add_selection, count, read_selection
 from rockpulse.commands.verb import Verb
 
 if TYPE_CHECKING:
     import xarray as xr
+
+    from rockpulse.results_file import ResultsFile
 
 __all__ = ["VERB"]
 
@@ -21,6 +24,12 @@ SHOWN_WHOLE = {
     "rates": ("these are verdicts of the rule", "rule_overview"),
 }
 
+#: Options that ask for a list of cases.
+OF_CASES = ("model", "outcome", "where", "sort", "limit", "worst")
+
+#: Cases in a list unless more are asked for.
+CASES = 20
+
 NOTHING = "nothing failed and nothing was skipped"
 
 
@@ -28,55 +37,104 @@ def _add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "results", metavar="RESULTS", help="file of rockpulse assess, calibrate, fragility, rule judge or study"
     )
-    parser.add_argument("--record", metavar="ID", help="one record in detail")
-    parser.add_argument("--block", metavar="NAME", help="one block in detail")
+    parser.add_argument(
+        "--record", action="append", metavar="ID", help="one record in detail; a pattern (* and ?) lists cases"
+    )
+    parser.add_argument(
+        "--block", action="append", metavar="NAME", help="one block in detail; a pattern (* and ?) lists cases"
+    )
     parser.add_argument("--failures", action="store_true", help="what failed or was skipped, and why")
+    parser.add_argument("--records", action="store_true", help="list the records")
+    parser.add_argument("--blocks", action="store_true", help="list the blocks")
+    parser.add_argument("--worst", type=count, metavar="N", help="the N cases of smallest safety factor")
+    add_selection(parser)
 
 
 def _run(args: argparse.Namespace) -> int:
-    from rockpulse.details import block_details, record_details
-    from rockpulse.failure_overview import failure_list
-    from rockpulse.overview import overview
-    from rockpulse.store import load
+    from rockpulse.results_file import open_results
 
-    tree = load(args.results)
-    for group in SHOWN_WHOLE:
-        if group in tree.children:
-            return _inspect_whole(tree, group, args)
-    summary = tree["summary"].to_dataset()
-    parts = []
-    if args.record is not None:
-        parts.append(record_details(summary, args.record))
-    if args.block is not None:
-        parts.append(block_details(summary, args.block))
-    if args.failures:
-        parts.append(failure_list(tree) or NOTHING)
-    print("\n\n".join(parts) if parts else overview(tree))
+    with open_results(args.results) as file, file.reading():
+        for group in SHOWN_WHOLE:
+            if group in file.groups:
+                return _inspect_whole(file, group, args)
+        print("\n\n".join(_parts(file, args)))
     return 0
 
 
-def _inspect_whole(tree: xr.DataTree, group: str, args: argparse.Namespace) -> int:
+def _parts(file: ResultsFile, args: argparse.Namespace) -> list[str]:
+    """What the options ask for, in the order of the help; the overview where they ask for nothing."""
+    from rockpulse.answer_lists import block_list, record_list
+    from rockpulse.failure_overview import failure_list
+    from rockpulse.overview import overview
+
+    summary = file.dataset("summary")
+    parts = []
+    if args.records or args.blocks:
+        selection = read_selection(args)
+        parts += [record_list(summary, selection)] if args.records else []
+        parts += [block_list(summary, selection)] if args.blocks else []
+    elif any(getattr(args, name) for name in OF_CASES):
+        parts.append(_cases(summary, args))
+    else:
+        parts += _details(summary, args)
+    if args.failures:
+        parts.append(failure_list(file.tree("failures")) or NOTHING)
+    return parts or [overview(file.tree("summary", "directions", "failures"))]
+
+
+def _details(summary: xr.Dataset, args: argparse.Namespace) -> list[str]:
+    """Records and blocks one by one; a list of cases where a pattern names several."""
+    from rockpulse.details import block_details, record_details
+    from rockpulse.selection import chosen
+
+    pages = []
+    for dim, details in (("record", record_details), ("block", block_details)):
+        known = [str(label) for label in summary[dim].values]
+        for pattern in getattr(args, dim) or ():
+            found = chosen(known, [pattern], dim)
+            if found.size > 1:
+                return [_cases(summary, args)]
+            pages.append(details(summary, known[int(found[0])]))
+    return pages
+
+
+def _cases(summary: xr.Dataset, args: argparse.Namespace) -> str:
+    from dataclasses import replace
+
+    from rockpulse.answer_lists import case_list, worst_first
+    from rockpulse.overview import fullest_model
+
+    selection = read_selection(args)
+    if args.worst or selection.sort is None:
+        selection = worst_first(summary, fullest_model(summary), selection)
+    return case_list(summary, replace(selection, limit=args.worst or selection.limit or CASES))
+
+
+def _inspect_whole(file: ResultsFile, group: str, args: argparse.Namespace) -> int:
     from rockpulse.errors import ResultsError
     from rockpulse.failure_overview import failure_list
+    from rockpulse.store import load
 
     said, name = SHOWN_WHOLE[group]
-    listed = "failures" in tree.children
-    if args.record is not None or args.block is not None or (args.failures and not listed):
-        options = "--record and --block" if listed else "--record, --block and --failures"
+    listed = "failures" in file.groups
+    asked = [option for option in ("record", "block", "records", "blocks", *OF_CASES) if getattr(args, option)]
+    if asked or (args.failures and not listed):
+        options = ", ".join(f"--{option}" for option in asked or ["failures"])
         raise ResultsError(
-            f"{args.results}: {options} show results of 'rockpulse assess'; {said}, which inspect shows whole"
+            f"{args.results}: {options}: for results of 'rockpulse assess'; {said}, which inspect shows whole"
         )
     if args.failures:
-        print(failure_list(tree) or NOTHING)
+        print(failure_list(file.tree("failures")) or NOTHING)
     else:
-        print(getattr(import_module(f"rockpulse.{name}"), name)(tree))
+        print(getattr(import_module(f"rockpulse.{name}"), name)(load(args.results)))
     return 0
 
 
 VERB = Verb(
     name="inspect",
     summary="show a results file",
-    description="Show the verdicts of a results file, one record or block in detail, or what was not assessed.",
+    description="Show the verdicts of a results file, of many records the counts and the worst cases; one record or "
+    "block in detail; the cases that meet a condition; or what was not assessed.",
     add_arguments=_add_arguments,
     run=_run,
 )

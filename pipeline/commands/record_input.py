@@ -1,4 +1,4 @@
-"""What the verbs that read records have in common: their arguments, the configuration that follows, and the reading."""
+"""What the verbs that read records have in common: their arguments, and the configuration that follows."""
 
 from __future__ import annotations
 
@@ -8,10 +8,8 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from rockpulse.config import Config
-    from rockpulse.failures import Failure
-    from rockpulse.record import Record
 
-__all__ = ["add_record_arguments", "configured", "read_records", "resolved"]
+__all__ = ["add_record_arguments", "configured", "resolved"]
 
 
 def add_record_arguments(parser: argparse.ArgumentParser) -> None:
@@ -109,30 +107,3 @@ def resolved(args: argparse.Namespace) -> tuple[Config, list[str]]:
     if records.units is not None:
         canonical_unit(records.units, f"{args.config}: [records] units" if args.units is None else "--units")
     return replace(config, records=records), paths
-
-
-def read_records(paths: list[str], config: Config, quiet: bool) -> tuple[list[Record], list[Failure]]:
-    """Read every channel, with a progress bar on a terminal.
-
-    Parameters
-    ----------
-    paths : list of str
-        What to read.
-    config : Config
-        Section records.
-    quiet : bool
-        Whether the bar is left out.
-    """
-    from tqdm import tqdm
-
-    from rockpulse.sources import read_all
-
-    # None: silent unless standard error is a terminal
-    with tqdm(desc="reading", unit=" files", disable=True if quiet else None) as bar:
-        return read_all(
-            paths,
-            config.records.units,
-            on_file=lambda *_: bar.update(),
-            dt=config.records.dt,
-            response=config.records.response,
-        )

@@ -12,9 +12,8 @@ import numpy as np
 from rockpulse.bodies import Bodies, gather_bodies
 from rockpulse.body import BlockSettings
 from rockpulse.calibration.site_tables import read_event_table
-from rockpulse.components import select_horizontal
 from rockpulse.config import Config, located
-from rockpulse.directions import Motion, acting_vertical, ground_motions
+from rockpulse.directions import Motion, ground_motions
 from rockpulse.errors import ConfigError
 from rockpulse.events import group_events
 from rockpulse.failures import Failure
@@ -92,17 +91,15 @@ def fragility_curves(
     events = config.records.events
     named = {} if events is None else read_event_table(located(events, config.folder))
     event_of = dict(zip([record.id for record in every], group_events(every, named), strict=True))
-    horizontal, left_out = select_horizontal(every, config.records.structural)
-    motions, not_rotated = ground_motions(horizontal, config)
+    motions, left_out = ground_motions(every, config)
     motions.sort(key=lambda motion: motion.record.id)
-    verticals = [record for record in every if record.orientation == "vertical"]
-    rows = [*failures, *left_out, *not_rotated]
+    rows = [*failures, *left_out]
     done: list[RecordCapacity] = []
     clusters: list[str] = []
     for motion in motions if progress is None else progress(motions):
-        record, vertical = acting_vertical(motion, verticals, config)
+        record = motion.record
         try:
-            scene = (extract if motion.pair else prepare)(record, config, vertical)
+            scene = (extract if motion.pair else prepare)(record, config, motion.vertical)
             if scene.record.pga < config.fragility.pga_min:
                 rows.append(_too_weak(scene, config.fragility.pga_min))
                 continue

@@ -14,7 +14,7 @@ from pathlib import Path, PurePosixPath
 from rockpulse.errors import RecordFormatError, RecordRefused, RockpulseError
 from rockpulse.readers.source import FILE_LIMIT, HEAD, RATIO_LIMIT, SourceFile, archive_kind
 
-__all__ = ["MEMBER_LIMIT", "TOTAL_LIMIT", "is_archive", "members"]
+__all__ = ["MEMBER_LIMIT", "TOTAL_LIMIT", "Archive", "is_archive", "members"]
 
 #: An archive with more members is refused.
 MEMBER_LIMIT = 100_000
@@ -34,6 +34,77 @@ def is_archive(path: Path) -> bool:
         return archive_kind(stream.read(HEAD)) == "a zip archive"
 
 
+class Archive:
+    """An open zip archive of records; close it, or use it as a context manager.
+
+    Parameters
+    ----------
+    path : Path
+        A zip archive.
+
+    Attributes
+    ----------
+    names : list of str
+        ``archive.zip!member`` of its files, sorted; hidden ones are left out.
+
+    Raises
+    ------
+    RecordFormatError
+        If the archive itself cannot be opened.
+    RecordRefused
+        More than `MEMBER_LIMIT` members or `TOTAL_LIMIT` bytes, or members that share their bytes.
+    OSError
+        As the operating system says.
+    """
+
+    def __init__(self, path: Path) -> None:
+        try:
+            # NotImplementedError is how zipfile names a feature or a compression that it does not know.
+            self._archive = zipfile.ZipFile(path)
+        except (zipfile.BadZipFile, NotImplementedError, ValueError) as fault:
+            raise RecordFormatError(f"{path}: damaged zip archive ({fault}); download it again") from fault
+        entries = sorted((entry for entry in self._archive.infolist() if not entry.is_dir()), key=lambda e: e.filename)
+        try:
+            _check_entries(str(path), entries)
+        except RecordRefused:
+            self.close()
+            raise
+        self._station_files = lru_cache(maxsize=16)(partial(_station_files, self._archive, entries))
+        self._entries = [entry for entry in entries if not _hidden(entry.filename)]
+        self.names = [f"{path}!{entry.filename}" for entry in self._entries]
+
+    def __enter__(self) -> Archive:
+        return self
+
+    def __exit__(self, *fault: object) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """Close the file."""
+        self._archive.close()
+
+    def member(self, number: int) -> SourceFile:
+        """A file of the archive, unpacked in memory.
+
+        Parameters
+        ----------
+        number : int
+            Its place in `names`.
+
+        Raises
+        ------
+        RecordFormatError
+            If it is damaged or empty.
+        RecordRefused
+            A name that leads out of the archive, an archive in the archive, a member larger than `FILE_LIMIT` or
+            compressed more than `RATIO_LIMIT` times, encryption.
+        """
+        entry, name = self._entries[number], self.names[number]
+        content = _content(self._archive, entry, name)
+        beside = partial(self._station_files, PurePosixPath(entry.filename).parent)
+        return SourceFile(name, content[:HEAD], partial(bytes, content), beside)
+
+
 def members(path: Path) -> Iterator[tuple[str, SourceFile | RockpulseError]]:
     """The record files of an archive, in order of their names.
 
@@ -47,38 +118,21 @@ def members(path: Path) -> Iterator[tuple[str, SourceFile | RockpulseError]]:
     name : str
         ``archive.zip!member``.
     file : SourceFile or RockpulseError
-        The member, or why it is not read: a name that leaves the archive, an archive in the archive, a member larger
-        than `FILE_LIMIT` or compressed more than `RATIO_LIMIT`, encryption, damage.
+        The member, or why it is not read; see :meth:`Archive.member`.
 
     Raises
     ------
-    RecordFormatError
-        If the archive itself cannot be opened.
-    RecordRefused
-        More than `MEMBER_LIMIT` members or `TOTAL_LIMIT` bytes, or members that share their bytes.
-    OSError
-        As the operating system says.
+    RecordFormatError, RecordRefused, OSError
+        As :class:`Archive`.
     """
-    try:
-        # NotImplementedError is how zipfile names a feature or a compression that it does not know.
-        archive = zipfile.ZipFile(path)
-    except (zipfile.BadZipFile, NotImplementedError, ValueError) as fault:
-        raise RecordFormatError(f"{path}: damaged zip archive ({fault}); download it again") from fault
-    with archive:
-        entries = sorted((entry for entry in archive.infolist() if not entry.is_dir()), key=lambda e: e.filename)
-        _check_entries(str(path), entries)
-        station_files = lru_cache(maxsize=16)(partial(_station_files, archive, entries))
-        for entry in entries:
-            name = f"{path}!{entry.filename}"
-            if _hidden(entry.filename):
-                continue
+    with Archive(path) as archive:
+        for number, name in enumerate(archive.names):
             try:
-                content = _content(archive, entry, name)
+                file = archive.member(number)
             except RockpulseError as fault:
                 yield name, fault
-                continue
-            beside = partial(station_files, PurePosixPath(entry.filename).parent)
-            yield name, SourceFile(name, content[:HEAD], partial(bytes, content), beside)
+            else:
+                yield name, file
 
 
 def _check_entries(path: str, entries: list[zipfile.ZipInfo]) -> None:

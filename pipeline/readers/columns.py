@@ -109,6 +109,7 @@ def read_columns(file: SourceFile, options: ReadOptions) -> list[Record]:
     if _titled(columns):
         columns, prose = replace(columns, headings=()), lines[: layout.start]
     columns = _time_first(columns)
+    _check_abscissa(where, columns)
     steps = {f"line {said.line}: {said.wording!r}": said.value for said in stated_steps(lines[: layout.start])}
     declared = next((step for step in (options.dt, numbered.step, *steps.values()) if step is not None), None)
     step = time_column_step(file.name, columns.table, columns.headings, numbered.start, declared)
@@ -189,6 +190,17 @@ def _time_first(columns: _Columns) -> _Columns:
         return columns
     at = kinds.index("time")
     return columns.picked([at, *(index for index in range(len(kinds)) if index != at)])
+
+
+def _check_abscissa(where: str, columns: _Columns) -> None:
+    """Refuse what runs over periods or frequencies, however its other columns are called."""
+    first = columns.headings[0] if columns.headings else Heading("")
+    steps = np.diff(columns.table[:, 0])
+    if first.kind == "spectrum" and columns.table.shape[1] > 1 and (np.all(steps > 0.0) or np.all(steps < 0.0)):
+        raise NotAcceleration(
+            f"{where}: expected accelerations over time, found columns over {first.name!r}, a spectrum; "
+            "read the acceleration file of the same record"
+        )
 
 
 def _check_apart(where: str, columns: _Columns, timed: bool) -> None:

@@ -21,7 +21,7 @@ from rockpulse.readers.format import Format, ReadOptions
 from rockpulse.readers.source import SourceFile
 from rockpulse.record import Record, record_id
 
-__all__ = ["FORMAT", "Part", "is_renadic", "join_parts", "read_renadic"]
+__all__ = ["FORMAT", "Part", "is_renadic", "join_parts", "read_renadic", "whole_records"]
 
 _TITLE = re.compile(r"\s?uncorrected accelerogram data\b", re.IGNORECASE)
 #: Bytes that hold the 13 lines of text of the first channel.
@@ -128,7 +128,20 @@ def join_parts(records: Sequence[Record]) -> list[Record]:
         or by their clocks; `source` and `source_sha256` name all of them. Else they stay apart, with a warning that
         says why. A part alone stays as it was.
     """
-    result = [record for record in records if not isinstance(record, Part)]
+    return [record for record, _ in whole_records(records)]
+
+
+def whole_records(records: Sequence[Record]) -> list[tuple[Record, tuple[Record, ...]]]:
+    """What :func:`join_parts` returns, each record with those of the given ones that it is made of, in their order.
+
+    Parameters
+    ----------
+    records : sequence of Record
+        As in :func:`join_parts`; nothing but the number of samples is asked of their accelerations.
+    """
+    result: list[tuple[Record, tuple[Record, ...]]] = [
+        (record, (record,)) for record in records if not isinstance(record, Part)
+    ]
     groups: dict[tuple[str, str], dict[str, list[Part]]] = {}
     for record in records:
         if isinstance(record, Part):
@@ -138,9 +151,9 @@ def join_parts(records: Sequence[Record]) -> list[Record]:
         parts = sorted(files.values(), key=lambda part: part[0].part)
         fault = _fault(parts)
         if len(parts) > 1 and not fault:
-            result += [_joined(pieces) for pieces in zip(*parts, strict=True)]
+            result += [(_joined(pieces), pieces) for pieces in zip(*parts, strict=True)]
         else:
-            result += [piece.with_warning(fault) if fault else piece for part in parts for piece in part]
+            result += [(piece.with_warning(fault) if fault else piece, (piece,)) for part in parts for piece in part]
     return result
 
 

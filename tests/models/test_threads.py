@@ -1,13 +1,14 @@
 """Lanes over threads: every lane once, whatever the number of threads."""
 
 import threading
+from concurrent.futures import ThreadPoolExecutor as Pool
 
 import numpy as np
 import pytest
 from recorded_cases import synthetic
 
 from rockpulse.models import Block, recorded_response
-from rockpulse.models.threads import available_cores, split_lanes
+from rockpulse.models.threads import available_cores, split_lanes, thread_limit
 
 
 @pytest.mark.parametrize("threads", [None, 1, 2, 5])
@@ -40,6 +41,53 @@ def test_number_of_threads_is_a_whole_number_of_at_least_one(threads):
     with pytest.raises(ValueError, match="threads"):
         split_lanes(lambda first, last: None, 10, threads)
     assert available_cores() >= 1
+
+
+def threads_used(threads, monkeypatch):
+    """How many threads one call asks for on a machine of six cores."""
+    monkeypatch.setattr("rockpulse.models.threads.available_cores", lambda: 6)
+    asked = []
+    monkeypatch.setattr("rockpulse.models.threads.ThreadPoolExecutor", lambda n: asked.append(n) or Pool(n))
+    split_lanes(lambda first, last: None, 1000, threads)
+    return asked[0] if asked else 1
+
+
+def test_without_a_number_there_are_at_most_as_many_threads_as_the_limit(monkeypatch):
+    assert threads_used(None, monkeypatch) == 6
+    with thread_limit(3):
+        assert threads_used(None, monkeypatch) == 3
+        assert threads_used(5, monkeypatch) == 5  # who asks for a number gets it
+        with thread_limit(1):
+            assert threads_used(None, monkeypatch) == 1
+        with thread_limit(4):
+            assert threads_used(None, monkeypatch) == 3
+    with thread_limit(50):
+        assert threads_used(None, monkeypatch) == 6
+
+
+def test_limits_end_with_their_own_block_in_any_order_and_after_an_error(monkeypatch):
+    first, second = thread_limit(1), thread_limit(2)
+    first.__enter__()
+    second.__enter__()
+    first.__exit__(None, None, None)
+    assert threads_used(None, monkeypatch) == 2
+    second.__exit__(None, None, None)
+    assert threads_used(None, monkeypatch) == 6
+    with pytest.raises(ZeroDivisionError), thread_limit(1):
+        raise ZeroDivisionError("inside")
+    assert threads_used(None, monkeypatch) == 6
+
+
+def test_the_limit_holds_in_every_thread_of_the_process(monkeypatch):
+    with thread_limit(2), Pool(1) as pool:
+        assert pool.submit(threads_used, None, monkeypatch).result() == 2
+
+
+@pytest.mark.parametrize("threads", [0, -1, 1.5, True, None])
+def test_a_limit_is_a_whole_number_of_at_least_one(threads, monkeypatch):
+    with pytest.raises(ValueError, match="threads"), thread_limit(threads):
+        pass
+    assert threads_used(None, monkeypatch) == 6
 
 
 @pytest.mark.parametrize("equation", ["linear", "nonlinear"])

@@ -6,7 +6,8 @@ from datetime import UTC, datetime, timedelta
 import numpy as np
 import pytest
 
-from rockpulse.components import align, find_pairs, matching_vertical, select_horizontal, uncovered
+from rockpulse import components
+from rockpulse.components import Neighbours, align, find_pairs, matching_vertical, select_horizontal, uncovered
 from rockpulse.record import Record
 from rockpulse.sources import read_all
 
@@ -278,3 +279,37 @@ def test_windows_that_hardly_overlap_are_no_pair():
     found, failures = pairs_of(first[0], second[1])
     assert not found
     assert len(failures) == 2
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_neighbours_hold_every_channel_that_was_recorded_together_with_one(seed):
+    draw = np.random.default_rng(seed)
+
+    def any_record(number):
+        known = draw.random() < 0.6
+        return replace(
+            record("horizontal", START + timedelta(seconds=float(draw.integers(0, 4))) if known else None),
+            acceleration=np.arange(float(draw.choice([3, 100, 400]))),
+            id=f"{number}",
+            station=str(draw.choice(["", "CCC"])),
+            station_name=str(draw.choice(["", "Christmas Canyon"])),
+            event=str(draw.choice(["", "Ridgecrest"])),
+            source=str(draw.choice(["a.v1", "b.v1", "sub/c.v1"])),
+        )
+
+    records = [any_record(number) for number in range(40)]
+    neighbours = Neighbours(records)
+    together = 0
+    for one in records:
+        near = neighbours.of(one)
+        assert [int(other.id) for other in near] == sorted(int(other.id) for other in near)
+        expected = {other.id for other in records if components._together(one, other)}
+        assert expected <= {other.id for other in near}
+        together += len(expected)
+    assert 40 < together < 40 * 40
+
+
+def test_among_thousands_of_channels_of_one_station_few_are_looked_at():
+    records = [record("horizontal", START + timedelta(minutes=number), source=f"{number}") for number in range(1000)]
+    neighbours = Neighbours(records)
+    assert max(len(neighbours.of(one)) for one in records) <= 3

@@ -1,18 +1,19 @@
 """Which motions are assessed, and what the answers of all directions come to."""
 
 from dataclasses import replace
-from datetime import UTC, datetime
+from datetime import UTC, datetime, timedelta
 
 import numpy as np
 import pytest
 
+from rockpulse import large_overview
 from rockpulse.assessment import assess
 from rockpulse.body import BlockSettings
 from rockpulse.capacity_overview import smallest_capacities
 from rockpulse.config import Config
 from rockpulse.direction_overview import direction_table
 from rockpulse.direction_statistics import largest_over, median_over, smallest_over
-from rockpulse.directions import ground_motions, sweep_azimuths
+from rockpulse.directions import ground_motions, motions_of, plan_motions, planned_ids, sweep_azimuths
 from rockpulse.half_wave import half_waves
 from rockpulse.models import Outcome
 from rockpulse.overview import overview
@@ -98,6 +99,46 @@ def test_two_pairs_with_one_name_keep_apart():
         "CI.CCC..H005@20190706T031953~2",
     ]
     assert [motion.pair for motion in motions] == ["CI.CCC..90-0@20190706T031953", "CI.CCC..90-0@20190706T031953~2"]
+
+
+def test_the_number_of_a_pair_stays_its_own_when_another_pair_cannot_be_rotated():
+    parallel = [channel(z, source="a", format="a") for z in (90.0, 270.0)]
+    pair = [channel(z, source="b", format="b", channel=f"HN{z:g}") for z in (80.0, 350.0)]
+    motions, failures = ground_motions([*parallel, *pair], config("azimuth", azimuth=5.0))
+    assert [motion.record.id for motion in motions] == ["CI.CCC..H005@20190706T031953~2"]
+    assert [row.stage for row in failures] == ["rotate", "rotate"]
+
+
+@pytest.mark.parametrize("way", [{}, {"components": "azimuth", "azimuth": 30.0}, {"components": "sweep"}])
+def test_the_ids_are_known_before_the_samples_are(way):
+    options = config(**{"components": "horizontal", **way}, include_vertical=True)
+    records = [channel(90.0), channel(0.0), upwards()]
+    empty, full = (plan_motions(some, options)[0] for some in ([one.without_samples() for one in records], records))
+    motions = [motion for one in full for motion in motions_of(one, options)]
+    assert [name for one in empty for name in planned_ids(one, options)] == [motion.record.id for motion in motions]
+    assert all(one.vertical.id == motion.vertical.id == "CCC.up" for one in empty for motion in motions)
+
+
+def test_the_strongest_direction_is_not_known_before():
+    planned, _ = plan_motions([channel(90.0), channel(0.0)], config("strongest"))
+    assert planned_ids(planned[0], config("strongest")) == []
+
+
+def test_the_id_of_a_rotated_pair_has_the_time_of_its_channel_however_the_pair_is_cut():
+    late = channel(0.0, start_time=START + timedelta(seconds=2.0))
+    (motion,), _ = ground_motions([channel(90.0), late], config("azimuth", azimuth=30.0))
+    assert motion.record.start_time == late.start_time
+    assert motion.record.id == "CI.CCC..H030@20190706T031953"
+
+
+def test_a_pair_of_which_no_direction_was_assessed_is_left_out_of_the_statistics():
+    weak = [channel(z, "CLC", across=0.0) for z in (90.0, 0.0)]
+    weak = [replace(one, acceleration=0.1 * one.acceleration) for one in weak]
+    phase = IntensePhaseSettings(method="bracketed", level=2.0)
+    options = replace(config("sweep", blocks=(TOWER,), azimuth_step=45.0), intense_phase=phase)
+    tree = assess([channel(90.0), channel(0.0), *weak], options)
+    assert tree["directions"]["pair"].values.tolist() == ["CI.CCC..90-0@20190706T031953"]
+    assert sum("CLC" in reason for reason in tree["failures"]["reason"].values) == 4
 
 
 def test_channels_without_a_partner_and_parallel_ones_are_failed_rows_and_the_others_go_on():
@@ -207,13 +248,29 @@ def test_a_range_of_restitution_keeps_its_dimension():
 
 def test_the_overview_of_a_sweep_is_one_table_for_each_pair(tree):
     text = overview(tree)
-    assert text.startswith("CI.CCC..90-0@20190706T031953  PGA ")
-    assert "(at 40°)" in text.splitlines()[0]
+    head, tables = text.split("\n\n", 1)
+    pair = tables.splitlines()[0]
+    assert ": 1 pair, 9 directions, 2 blocks; " in head
+    assert pair.startswith("CI.CCC..90-0@20190706T031953  PGA ")
+    assert "(at 40°)" in pair
     assert text.count("  wall") == 1
     assert "H040" not in text
     assert "Median and largest over 9 directions" in text
     assert "OVERTURNS" in text
     assert "upper-bound type input" in text
+
+
+def test_of_a_large_sweep_the_worst_pairs_are_shown(monkeypatch):
+    records = [channel(azimuth, f"S{k}", id=f"S{k}.{azimuth:g}") for k in range(4) for azimuth in (90.0, 0.0)]
+    records = [replace(one, acceleration=one.acceleration * (1 + 0.1 * (k // 2))) for k, one in enumerate(records)]
+    tree = sweep(*records, models=ModelSettings(use=("linear",)))
+    text = overview(tree)
+    assert "worst of" not in text
+    monkeypatch.setattr(large_overview, "WHOLE", 50)
+    text = overview(tree)
+    assert ": 4 pairs, 9 directions, 2 blocks; linear" in text
+    assert "The 3 worst of 4 pairs of channels:" in text
+    assert [f"\nCI.S{k}" in text for k in range(4)] == [False, True, True, True]
 
 
 def test_the_overview_of_a_sweep_shows_the_smallest_factor_and_capacity_over_direction():

@@ -93,3 +93,28 @@ def test_ids_become_distinct_and_stay_so(names):
     once = distinct_ids([record(name) for name in names])
     assert len({one.id for one in once}) == len(names)
     assert [one.id for one in distinct_ids(once)] == [one.id for one in once]
+
+
+def test_a_record_without_its_samples_takes_no_memory_and_keeps_everything_else():
+    full = Record(np.arange(100_000.0), dt=0.01, id="a", warnings=("x",))
+    empty = full.without_samples()
+    assert (empty.npts, empty.duration, empty.warnings) == (full.npts, full.duration, full.warnings)
+    small = pickle.dumps(empty.with_warning("y"))
+    assert len(small) < 2000
+    again = pickle.loads(small)
+    assert (again.npts, again.pga, again.warnings) == (100_000, 0.0, ("x", "y"))
+    assert all(one.acceleration.strides == (0,) and not one.acceleration.flags.writeable for one in (empty, again))
+
+
+def test_a_constant_is_kept_as_one_number_and_any_other_array_is_copied():
+    assert Record(np.broadcast_to(2.0, 5), dt=0.01, id="a").acceleration.tolist() == [2.0] * 5
+    values = np.zeros(5)
+    one = Record(values, dt=0.01, id="a")
+    values[:] = 1.0
+    assert one.pga == 0.0
+    with pytest.raises(RecordFormatError, match="samples are NaN"):
+        Record(np.broadcast_to(np.nan, 5), dt=0.01, id="a")
+
+
+def test_the_samples_are_read_only_after_pickling_too():
+    assert not pickle.loads(pickle.dumps(record())).acceleration.flags.writeable

@@ -14,7 +14,7 @@ import pytest
 import xarray as xr
 from results_tree import CONFIGURATION, results_tree
 
-from rockpulse import store
+from rockpulse import store, target_file
 from rockpulse.errors import ResultsError
 from rockpulse.store import check_target, load, save
 
@@ -242,7 +242,7 @@ def test_a_folder_that_takes_no_file_is_refused(tmp_path, monkeypatch):
     def refuse(*args, **kwargs):
         raise OSError(30, "Read-only file system")
 
-    monkeypatch.setattr(store.Path, "touch", refuse)
+    monkeypatch.setattr(target_file.Path, "touch", refuse)
     with pytest.raises(ResultsError, match=r"cannot write into the folder .*: Read-only file system"):
         check_target(tmp_path / "results.h5")
 
@@ -255,7 +255,7 @@ def test_a_fault_while_writing_leaves_the_old_file_and_no_rubbish(tmp_path, monk
     def fail(*args):
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr(store.os, step, fail)
+    monkeypatch.setattr(target_file.os, step, fail)
     with pytest.raises(ResultsError, match=r"cannot write the results: No space left on device"):
         save(results_tree(), target, overwrite=True)
     assert target.read_bytes() == old
@@ -264,13 +264,13 @@ def test_a_fault_while_writing_leaves_the_old_file_and_no_rubbish(tmp_path, monk
 
 def test_a_file_that_appears_during_the_run_is_not_replaced(tmp_path, monkeypatch):
     target = tmp_path / "results.h5"
-    flush = store._flush
+    flush = target_file._flush
 
     def meanwhile(path, mode):
         target.write_bytes(b"of somebody else")
         flush(path, mode)
 
-    monkeypatch.setattr(store, "_flush", meanwhile)
+    monkeypatch.setattr(target_file, "_flush", meanwhile)
     with pytest.raises(ResultsError, match="the file exists"):
         save(results_tree(), target)
     assert target.read_bytes() == b"of somebody else"

@@ -1,5 +1,7 @@
 """``rockpulse inspect`` on a tree that is known."""
 
+from pathlib import Path
+
 import numpy as np
 import pandas as pd
 import pytest
@@ -117,3 +119,44 @@ def test_verdicts_of_the_rule_are_shown_whole(tmp_path, capsys):
     assert capsys.readouterr().out == "nothing failed and nothing was skipped\n"
     assert main(["inspect", str(tmp_path / "verdicts.h5"), "--record", "one"]) == 2
     assert "verdicts of the rule" in capsys.readouterr().err
+
+
+def test_cases_records_and_blocks_are_listed_and_filtered(results, capsys):
+    assert (
+        main(["inspect", results, "--outcome", "overturns", "--model", "resonance", "--sort", "pga", "--limit", "3"])
+        == 0
+    )
+    out = capsys.readouterr().out
+    assert "4 cases with model resonance; outcome = overturns, smallest pga first; 3 shown (--limit shows more)" in out
+    assert main(["inspect", results, "--records", "--where", "pga > 4.7"]) == 0
+    out = capsys.readouterr().out
+    assert out.startswith("1 record\n")
+    assert RECORDS[0] in out
+    assert RECORDS[1] not in out
+    assert main(["inspect", results, "--blocks", "--sort", "slenderness", "--descending", "--failures"]) == 0
+    out = capsys.readouterr().out
+    assert out.startswith("3 blocks, largest slenderness first")
+    assert out.endswith("skipped (find) notes.txt: no record\n")
+
+
+def test_the_worst_cases_and_those_of_a_pattern(results, capsys):
+    assert main(["inspect", results, "--worst", "2"]) == 0
+    out = capsys.readouterr().out
+    assert "9 cases with model nonlinear, largest peak_rotation_ratio first; 2 shown" in out  # it was not searched
+    assert main(["inspect", results, "--record", "CI.*"]) == 0
+    assert "6 cases with record CI.*; model nonlinear" in capsys.readouterr().out
+    assert main(["inspect", results, "--record", "weak*"]) == 0
+    assert "secondary impulse I_s" in capsys.readouterr().out  # one record: in detail
+
+
+def test_files_that_are_shown_whole_take_no_filters(tmp_path, capsys):
+    save(verdicts(40), tmp_path / "verdicts.h5")
+    assert main(["inspect", str(tmp_path / "verdicts.h5"), "--records", "--worst", "3"]) == 2
+    assert "--records, --worst: for results of 'rockpulse assess'; these are verdicts" in capsys.readouterr().err
+
+
+def test_a_damaged_file_is_told_as_such(results, capsys):
+    with Path(results).open("r+b") as file:
+        file.truncate(file.seek(0, 2) // 2)
+    assert main(["inspect", results]) == 2
+    assert "results.h5: " in capsys.readouterr().err

@@ -211,6 +211,8 @@ def test_a_whole_first_sample_is_a_sample(write):
         "time,hız\n",
         "time,v\n",
         "Period(s),PSA(g)\n",
+        "period [s],SA [g]\n",
+        "Freq (Hz),acc NS (cm/s2)\n",
         "Frequency (Hz),FAS\n",
         "# PGV 12 cm/s\n# cm/s\n",
         "# velocity (cm/s)\nt,NS\n",

@@ -1,0 +1,366 @@
+"""A batch from paths to its file: survey, plan, work, assembly; what is finished stays finished, whatever happens."""
+
+from __future__ import annotations
+
+import logging
+import os
+import pickle
+from collections.abc import Callable, Iterable, Sequence
+from contextlib import ExitStack
+from dataclasses import dataclass, field
+from functools import partial
+from pathlib import Path
+from typing import ClassVar, Protocol
+
+from rockpulse.batch.assembly import RUN_ID, JournalParts, assemble, is_assembled
+from rockpulse.batch.crew import Crew, WorkerLost
+from rockpulse.batch.journal import Journal
+from rockpulse.batch.located import Located
+from rockpulse.batch.options import BatchOptions
+from rockpulse.batch.plan import Plan, Task, plan, read_options
+from rockpulse.batch.survey import find, gather, survey_file
+from rockpulse.batch.tasks import UNFINISHED, Done, Job, assess_task, calibrate_task
+from rockpulse.batch.warm import warm_up
+from rockpulse.bodies import Bodies, gather_bodies
+from rockpulse.calibration.site_calibration import SiteStudy, prepare_site, site_results
+from rockpulse.calibration.site_variables import SITE_KIND
+from rockpulse.config import Config
+from rockpulse.errors import RecordRefused, StoppedAtFailure
+from rockpulse.failures import Failure
+from rockpulse.models.threads import available_cores, thread_limit
+from rockpulse.results import template
+from rockpulse.sources import Found
+from rockpulse.store import ASSESSMENT, check_target, remove_parts, save
+
+__all__ = ["BatchReport", "Interrupted", "assess_files", "calibrate_files"]
+
+logger = logging.getLogger("rockpulse")
+
+PathLike = str | os.PathLike[str]
+
+#: Files that make one more process worth its start; below, the threads of this one share the bodies of each record.
+FILES_PER_WORKER = 8
+
+
+class Interrupted(KeyboardInterrupt):
+    """Ctrl-C during a batch; the message says what is kept and how to go on."""
+
+
+@dataclass
+class BatchReport:
+    """What a batch has done.
+
+    Attributes
+    ----------
+    path : Path or None
+        The file that was written; None where not one record gave a result.
+    records : int
+        Motions in it.
+    resumed : int
+        Tasks that an earlier run had finished.
+    failures : list of Failure
+        The rows of /failures.
+    seconds : dict of str to float
+        Time that all workers together have spent on each step [s]: "read", "condition", "solve", "pack".
+    """
+
+    path: Path | None = None
+    records: int = 0
+    resumed: int = 0
+    failures: list[Failure] = field(default_factory=list)
+    seconds: dict[str, float] = field(default_factory=dict)
+
+
+def assess_files(
+    paths: PathLike | Iterable[PathLike], config: Config, output: PathLike, options: BatchOptions | None = None
+) -> BatchReport:
+    """Assess bodies under all records of some files, and write the results.
+
+    The results are those of :func:`rockpulse.assess` on all records of the paths, but samples and answers of a few
+    records only are in memory at a time, and each finished record is on the disk, in ``<output>.journal``, before
+    others are waited for.
+
+    Parameters
+    ----------
+    paths : path or iterable of paths
+        Files, folders, globs and zip archives, as `rockpulse.sources.read_all` takes them.
+    config : Config
+        Options and bodies.
+    output : path
+        The results file to write.
+    options : BatchOptions, optional
+        Who works, and what happens to what is there already.
+
+    Returns
+    -------
+    BatchReport
+
+    Raises
+    ------
+    ConfigError
+        For bodies or a scheduler that cannot be.
+    ResultsError
+        Where the output exists, cannot be written, or another process is writing it.
+    StoppedAtFailure
+        With ``options.strict``, at the first file or record that fails.
+    Interrupted
+        At Ctrl-C.
+    """
+    return _run(_Assessment(config, output), paths, options or BatchOptions())
+
+
+def calibrate_files(
+    paths: PathLike | Iterable[PathLike], config: Config, output: PathLike, options: BatchOptions | None = None
+) -> BatchReport:
+    """Calibrate the design sequence of a site on all records of some files, and write the site file.
+
+    The site is that of :func:`rockpulse.calibrate_site` on all records of the paths.
+
+    Parameters
+    ----------
+    paths, config, output, options
+        As for :func:`assess_files`.
+
+    Returns
+    -------
+    BatchReport
+
+    Raises
+    ------
+    ConfigError, ResultsError, StoppedAtFailure, Interrupted
+        As :func:`assess_files`; ConfigError also for tables of events or weights that do not fit.
+    RecordRefused
+        As :func:`rockpulse.calibrate_site`.
+    """
+    return _run(_Calibration(config, output), paths, options or BatchOptions())
+
+
+class _Verb(Protocol):
+    """What assessing and calibrating do differently."""
+
+    name: ClassVar[str]
+    doing: ClassVar[str]
+    kind: ClassVar[str]
+    config: Config
+    output: PathLike
+
+    def work(self, every: Sequence[Located], made: Plan) -> Callable[[Task], Done]:
+        """What a worker does with a task."""
+
+    def write(self, journal: Journal, made: Plan, failures: list[Failure], overwrite: bool) -> int:
+        """Write the file; the number of motions in it, none where nothing was written."""
+
+
+class _Assessment:
+    name: ClassVar[str] = "assess"
+    doing: ClassVar[str] = "assessing"
+    kind: ClassVar[str] = ASSESSMENT
+
+    def __init__(self, config: Config, output: PathLike) -> None:
+        self.config, self.output = config, output
+        self.bodies: Bodies = gather_bodies(config.blocks)  # refused before the records are read
+        for name, warning in zip(self.bodies.names, self.bodies.warnings, strict=True):
+            if warning:
+                logger.warning("block %s: %s", name, warning)
+
+    def work(self, every: Sequence[Located], made: Plan) -> Callable[[Task], Done]:
+        """Assess all bodies."""
+        return partial(assess_task, job=Job(self.config, self.bodies))
+
+    def write(self, journal: Journal, made: Plan, failures: list[Failure], overwrite: bool) -> int:
+        """Put the parts of the journal together."""
+        parts = JournalParts(journal, _finished(journal, made))
+        if not any(True for _ in parts):
+            return 0
+        empty = template(self.bodies, self.config)
+        return assemble(self.output, empty, parts, failures, made.swept, overwrite, journal.run_id)
+
+
+class _Calibration:
+    name: ClassVar[str] = "calibrate"
+    doing: ClassVar[str] = "calibrating"
+    kind: ClassVar[str] = SITE_KIND
+
+    def __init__(self, config: Config, output: PathLike) -> None:
+        self.config, self.output = config, output
+        if config.blocks:
+            gather_bodies(config.blocks)  # refused before the records are read
+        self.study: SiteStudy | None = None
+
+    def work(self, every: Sequence[Located], made: Plan) -> Callable[[Task], Done]:
+        """Calibrate the sequence; tables that do not fit are refused before."""
+        records = sorted((one.record for one in every), key=lambda record: record.id)
+        self.study = prepare_site(records, made.planned, self.config, failures=made.failures)
+        return partial(calibrate_task, job=Job(self.config, self.study.lanes))
+
+    def write(self, journal: Journal, made: Plan, failures: list[Failure], overwrite: bool) -> int:
+        """Describe the site."""
+        assert self.study is not None
+        done = [pickle.loads(part) for key in _finished(journal, made) for part in journal.parts(key)]
+        tree = site_results(done, self.study, self.config, failures)
+        tree.attrs[RUN_ID] = journal.run_id
+        save(tree, self.output, overwrite)
+        return len(done)
+
+
+def _run(verb: _Verb, paths: PathLike | Iterable[PathLike], options: BatchOptions) -> BatchReport:
+    output = verb.output
+    check_target(output, options.overwrite or options.resume, verb.kind)  # resumed: what is there may be its own
+    if options.scheduler is not None:  # its workers stand in folders of their own
+        given = [paths] if isinstance(paths, str | os.PathLike) else paths
+        paths = [os.path.abspath(path) for path in given]  # noqa: PTH100 - links stay what they are
+    found, failures = find(paths)
+    with Journal.open(output, options.resume, options.overwrite) as journal, ExitStack() as hired:
+        if options.resume:
+            remove_parts(output)  # of the run that was stopped
+        if options.resume and is_assembled(output, journal.run_id):
+            logger.info("%s: complete already, only the journal was left", output)
+            journal.remove()
+            return BatchReport(path=Path(output))
+        made = Plan((), [], None)
+        try:
+            check_target(output, options.overwrite, verb.kind)
+            crew = _hired(hired, options, verb, len(found))
+            every, failures = _surveyed(crew, found, failures, verb, options)
+            made = plan(every, failures, verb.config, verb.name)
+            _stop_at(made.failures, options)
+            work = verb.work(every, made)
+            report = _worked(crew, journal, made, work, verb, options)
+            report.records = verb.write(journal, made, report.failures, options.overwrite)
+        except RecordRefused:  # the records make no site
+            _without_output(journal, made, options)
+            raise
+        except BaseException as error:
+            kept = _kept(journal)
+            logger.error("%s; %s", error or type(error).__name__, kept)
+            if isinstance(error, KeyboardInterrupt):
+                raise Interrupted(f"interrupted; {kept}") from None
+            if isinstance(error, StoppedAtFailure | ConnectionError):
+                raise type(error)(f"{error}; {kept}") from error
+            raise
+        if report.records:
+            journal.remove()
+        else:
+            _without_output(journal, made, options)
+    report.path = Path(output) if report.records else None
+    logger.info("%s: %d records, %d rows of failures", output, report.records, len(report.failures))
+    return report
+
+
+def _without_output(journal: Journal, made: Plan, options: BatchOptions) -> None:
+    """Leave a journal whose records give nothing to write: removed, unless a run on other files has begun it."""
+    others = _worth(journal) - {task.key for task in made.tasks}
+    if not others:
+        journal.remove()
+        return
+    text = f"{journal.path} keeps {len(others)} finished records of other files: give --resume with the paths of these"
+    logger.warning("%s", text)
+    options.tell(text)
+
+
+def _kept(journal: Journal) -> str:
+    """What a run that stops has to say; a journal without anything in it is removed."""
+    count = len(_worth(journal))
+    if not count:
+        journal.remove()
+        return "nothing was finished yet"
+    are = "record is" if count == 1 else "records are"
+    return f"{count} finished {are} kept in {journal.path}: the same command with --resume goes on from there"
+
+
+def _worth(journal: Journal) -> set[str]:
+    """Tasks in a journal that need not be done again."""
+    return {key for key, fingerprint in journal.finished().items() if fingerprint != UNFINISHED}
+
+
+def _hired(hired: ExitStack, options: BatchOptions, verb: _Verb, files: int) -> Crew:
+    """Those who work until the run ends, with kernels that are compiled."""
+    if options.executor is not None:
+        return hired.enter_context(Crew.through(options.executor))
+    if options.scheduler is not None:
+        return hired.enter_context(Crew.scheduler(options.scheduler))
+    workers = verb.config.run.workers if options.workers is None else options.workers
+    if workers == "all":
+        workers = max(1, min(available_cores(), files // FILES_PER_WORKER))
+    elif workers == 1:
+        hired.enter_context(thread_limit(1))
+    if workers == 1:
+        return hired.enter_context(Crew.inline())
+    warm_up(verb.config, calibration=verb.kind == SITE_KIND)  # once, here, not once in every worker
+    return hired.enter_context(Crew.local(int(workers)))
+
+
+def _surveyed(
+    crew: Crew, found: Sequence[Found], failures: Sequence[Failure], verb: _Verb, options: BatchOptions
+) -> tuple[list[Located], list[Failure]]:
+    """All channels without their samples, and what was left out."""
+    look = partial(survey_file, options=read_options(verb.config))
+    surveys, rows = [], list(failures)
+    _stop_at(rows, options)
+    logger.info("reading %d files", len(found))
+    with options.bar(total=len(found), initial=0, desc="reading", unit=" files") as bar:
+        for one, survey in crew.run(look, found):
+            if isinstance(survey, WorkerLost):
+                rows.append(Failure(str(one.path), "read", f"{one.path}: {survey.reason}", "failed"))
+                _stop_at(rows, options)
+            else:
+                surveys.append((one, survey))
+                _log(survey.messages)
+                _stop_at(survey.failures, options)
+            bar.update(1)
+    return gather(found, surveys, rows)
+
+
+def _worked(
+    crew: Crew, journal: Journal, made: Plan, work: Callable[[Task], Done], verb: _Verb, options: BatchOptions
+) -> BatchReport:
+    """Every task that is not in the journal yet, into the journal; a task whose worker is lost is a row of its own."""
+    finished = journal.finished()
+    missing = [task for task in made.tasks if finished.get(task.key) != task.fingerprint]
+    report = BatchReport(resumed=len(made.tasks) - len(missing))
+    stale = sum(finished.get(task.key, UNFINISHED) != UNFINISHED for task in missing)
+    logger.info(
+        "%s %d records; finished before: %d, of another state: %d", verb.doing, len(missing), report.resumed, stale
+    )
+    if options.resume:
+        options.tell(_resumed(len(made.tasks), report.resumed, stale))
+    lost: dict[str, Failure] = {}
+    with options.bar(total=len(made.tasks), initial=report.resumed, desc=verb.doing, unit=" records") as bar:
+        for task, done in crew.run(work, missing):
+            if isinstance(done, WorkerLost):
+                reason = f"{task.key}: {done.reason}, each time it was tried; if memory ran out, use fewer workers"
+                lost[task.key] = Failure(task.source, verb.name, reason, "failed")
+                _stop_at([lost[task.key]], options)
+            else:
+                journal.add(done)
+                _log(done.messages)
+                for step, seconds in done.seconds.items():
+                    report.seconds[step] = report.seconds.get(step, 0.0) + seconds
+                _stop_at(done.failures, options)
+            bar.update(1)
+    rows = {key: list(failures) for key, failures in journal.failures().items()}
+    rows |= {key: [failure] for key, failure in lost.items()}
+    report.failures = [*made.failures, *(row for task in made.tasks for row in rows.get(task.key, ()))]
+    return report
+
+
+def _resumed(every: int, before: int, stale: int) -> str:
+    again = f"; {stale} are done again, for they, the options or the version of rockpulse have changed" if stale else ""
+    return f"{before} of {every} records were finished before{again}"
+
+
+def _finished(journal: Journal, made: Plan) -> list[str]:
+    """Keys of the tasks whose results are in the journal, in the order of the plan."""
+    finished = journal.finished()
+    return [task.key for task in made.tasks if finished.get(task.key) == task.fingerprint]
+
+
+def _stop_at(failures: Iterable[Failure], options: BatchOptions) -> None:
+    failed = [row for row in failures if row.kind == "failed"] if options.strict else []
+    if failed:
+        raise StoppedAtFailure(f"stopped at the first failure (--strict): {failed[0].reason}")
+
+
+def _log(messages: Iterable[tuple[int, str]]) -> None:
+    for level, text in messages:
+        logger.log(level, text)

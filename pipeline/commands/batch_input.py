@@ -1,0 +1,125 @@
+"""What the verbs that work through many records have in common: who works, a log, and what a stop leaves behind."""
+
+from __future__ import annotations
+
+import argparse
+import logging
+import signal
+import sys
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import TYPE_CHECKING, NoReturn
+
+if TYPE_CHECKING:
+    from rockpulse.batch.options import BatchOptions
+
+__all__ = ["add_batch_arguments", "batch_given", "batch_options", "recorded"]
+
+LOG_FORMAT = "%(asctime)s %(levelname)s %(message)s"
+
+
+def add_batch_arguments(parser: argparse.ArgumentParser) -> None:
+    """Who works, and what happens when a run stops half-way.
+
+    Parameters
+    ----------
+    parser : argparse.ArgumentParser
+        That of the verb.
+    """
+    where = parser.add_mutually_exclusive_group()
+    where.add_argument(
+        "--workers", type=_workers, metavar="N", help='processes; default: [run] workers, "all": one a core'
+    )
+    where.add_argument(
+        "--scheduler", metavar="ADDRESS", help="let this dask.distributed cluster work, such as tcp://10.0.0.1:8786"
+    )
+    parser.add_argument("--resume", action="store_true", help="go on with a run that was stopped, or begin")
+    parser.add_argument("--strict", action="store_true", help="stop at the first file or record that fails")
+    parser.add_argument("--log-file", metavar="FILE", help="add what happens, with its time, to the end of this file")
+
+
+def batch_given(args: argparse.Namespace) -> list[str]:
+    """The options of a batch that were given.
+
+    Parameters
+    ----------
+    args : argparse.Namespace
+        What :func:`add_batch_arguments` has added.
+    """
+    names = ("workers", "scheduler", "resume", "strict", "log_file")
+    return [f"--{name.replace('_', '-')}" for name in names if getattr(args, name)]
+
+
+def batch_options(args: argparse.Namespace) -> BatchOptions:
+    """How the batch is carried out.
+
+    Parameters
+    ----------
+    args : argparse.Namespace
+        What :func:`add_batch_arguments` has added, with `overwrite` and `quiet`.
+    """
+    from functools import partial
+
+    from tqdm import tqdm
+
+    from rockpulse.batch.options import BatchOptions
+
+    silent = True if args.quiet else None  # None: silent unless standard error is a terminal
+    return BatchOptions(
+        workers=args.workers,
+        scheduler=args.scheduler,
+        resume=args.resume,
+        overwrite=args.overwrite,
+        strict=args.strict,
+        bar=partial(tqdm, disable=silent),
+        tell=str if args.quiet else partial(print, "rockpulse:", file=sys.stderr),
+    )
+
+
+@contextmanager
+def recorded(args: argparse.Namespace) -> Iterator[None]:
+    """Log to the file that is asked for, and take a polite request to end (SIGTERM) like Ctrl-C, meanwhile.
+
+    Parameters
+    ----------
+    args : argparse.Namespace
+        With `log_file`.
+
+    Raises
+    ------
+    OSError
+        Where the log file cannot be written.
+    """
+    logger = logging.getLogger("rockpulse")
+    before = logger.level
+    handler = None if args.log_file is None else logging.FileHandler(args.log_file, encoding="utf-8")
+    if handler is not None:
+        handler.setFormatter(logging.Formatter(LOG_FORMAT))
+        logger.addHandler(handler)
+        logger.setLevel(logging.INFO)
+        logger.info("rockpulse %s", " ".join(sys.argv[1:]))
+    main = threading.current_thread() is threading.main_thread()  # signals are the main thread's
+    old = signal.signal(signal.SIGTERM, _end) if main else None
+    try:
+        yield
+    finally:
+        if main:
+            signal.signal(signal.SIGTERM, old)
+        if handler is not None:
+            logger.removeHandler(handler)
+            logger.setLevel(before)
+            handler.close()
+
+
+def _end(number: int, frame: object) -> NoReturn:
+    raise KeyboardInterrupt
+
+
+def _workers(text: str) -> int | str:
+    if text == "all":
+        return text
+    value = int(text) if text.isdecimal() else 0
+    if value < 1:
+        raise argparse.ArgumentTypeError(f'expected "all" or an integer >= 1, found {text!r}')
+    return value

@@ -1,0 +1,75 @@
+"""``rockpulse export``: answers of a results file as a CSV table, with a README of its columns."""
+
+from __future__ import annotations
+
+import argparse
+
+from rockpulse.commands.selection_input import add_selection, read_selection
+from rockpulse.commands.verb import Verb
+
+__all__ = ["VERB"]
+
+
+def _add_arguments(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("results", metavar="RESULTS", help="results file of any kind")
+    parser.add_argument(
+        "-o",
+        "--output",
+        required=True,
+        metavar="TABLE",
+        help="name.csv or name.csv.gz; name.README.md beside it says what the columns mean",
+    )
+    parser.add_argument(
+        "--group",
+        metavar="NAME",
+        help="group of the file: half_cycles, overturning_intervals, directions, failures, records ...; the group with "
+        "the answers (summary) by default",
+    )
+    parser.add_argument(
+        "--rows",
+        metavar="DIM[,DIM]",
+        help="one row per what: record, or record,block ...; by default one per answer (record, block, model)",
+    )
+    parser.add_argument("--columns", metavar="NAME[,NAME]", help="only these variables beside the names")
+    parser.add_argument("--record", action="append", metavar="ID", help="only this record; * and ? as in file names")
+    parser.add_argument("--block", action="append", metavar="NAME", help="only this block; * and ? as in file names")
+    add_selection(parser)
+    parser.add_argument("--overwrite", action="store_true", help="replace a table and a README that exist")
+
+
+def _run(args: argparse.Namespace) -> int:
+    from tqdm import tqdm
+
+    from rockpulse.long_table import long_table
+    from rockpulse.results_file import open_results
+    from rockpulse.table_files import check_table_target, write_table
+
+    selection = read_selection(args)
+    check_table_target(args.output, args.overwrite)
+    with open_results(args.results) as file, file.reading():
+        table = long_table(file, args.group, _names(args.rows), selection, _names(args.columns))
+        history = str(file.attrs.get("history", "")).splitlines()
+        chosen = f" Selection: {'; '.join(selection.words)}." if selection.words else ""
+        about = (
+            f"From `{file.path.name}` ({file.attrs.get('title', '')}; {history[-1] if history else 'no date'}).{chosen}"
+        )
+        with tqdm(total=len(table), desc="writing", unit=" rows", disable=None) as bar:
+            written, readme = write_table(table, args.output, about, args.overwrite, bar.update)
+    limited = f" of {table.found}" if table.found > len(table) else ""
+    print(f"{written}: {len(table)}{limited} rows{table.per}, {len(table.columns)} columns")
+    print(f"{readme}: what the columns mean")
+    return 0
+
+
+def _names(joined: str | None) -> list[str] | None:
+    return None if joined is None else [name.strip() for name in joined.split(",") if name.strip()]
+
+
+VERB = Verb(
+    name="export",
+    summary="write answers of a results file as a table",
+    description="Write a group of a results file as a long CSV table, one row per answer and one column per variable, "
+    "and a README that gives every column its unit and meaning. Flags are written as words.",
+    add_arguments=_add_arguments,
+    run=_run,
+)

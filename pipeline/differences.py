@@ -1,0 +1,357 @@
+"""What changed between two results files: rows only one of them has, values beyond a tolerance, verdicts that flipped.
+
+Rows are matched by their names (records, blocks, models), not by their place; in tables that point at them, such as the
+half-cycles, by what they point at. Values are read and compared part by part; a variable whose rows stand in the same
+order and whose stored checksums are equal is not read (``rockpulse verify`` is what checks the checksums).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from difflib import unified_diff
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from rockpulse.checksums import CHECKSUM
+from rockpulse.errors import ResultsError
+from rockpulse.long_table import POINTS_AT
+from rockpulse.results_file import ResultsFile, flag_words, slab
+from rockpulse.row_matching import Matched, OnlyIn, RowMatcher, only_in
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = ["Differences", "Flip", "OnlyIn", "VariableDifference", "compare_results"]
+
+#: Largest part of a variable that is read at once.
+PART = 2_000_000
+
+#: The variable whose changes are named one by one.
+OUTCOME = "/summary/outcome"
+
+#: Root attributes that say where a file comes from; their change alone makes no other results.
+ABOUT = ("title", "site_description")
+APART = ("history", "configuration", "kind", "Conventions", "run_id", *ABOUT)
+
+
+@dataclass(frozen=True)
+class VariableDifference:
+    """How a variable differs.
+
+    Attributes
+    ----------
+    name : str
+        Group and variable.
+    differing, compared : int
+        Values beyond the tolerance, of how many.
+    largest : float
+        Largest relative difference; inf between a number and NaN or inf; NaN for texts and flags.
+    place : str
+        Where that is (of texts and flags: the first).
+    before, after : str
+        The values there.
+    """
+
+    name: str
+    differing: int
+    compared: int
+    largest: float
+    place: str
+    before: str
+    after: str
+
+
+@dataclass(frozen=True)
+class Flip:
+    """A verdict that changed.
+
+    Attributes
+    ----------
+    place : str
+        Record, block and model.
+    before, after : str
+        Outcomes.
+    """
+
+    place: str
+    before: str
+    after: str
+
+
+@dataclass
+class Differences:
+    """What changed between two files.
+
+    Attributes
+    ----------
+    about : list of (str, str, str)
+        Versions, title and other attributes of the root that differ: name, before, after.
+    configuration : list of str
+        Lines of the configuration, those that went with "-", those that came with "+".
+    only : list of OnlyIn
+        Groups, rows and variables that only one file has.
+    others : list of str
+        Other differences in words: attributes, units, rows that could not be matched.
+    variables : list of VariableDifference
+        Those with values beyond the tolerance.
+    verdicts : int
+        How many verdicts were compared.
+    flips : list of Flip
+        The first of those that changed, at most as many as were asked for.
+    flipped : int
+        How many changed.
+    compared : int
+        Values in all.
+    """
+
+    about: list[tuple[str, str, str]] = field(default_factory=list)
+    configuration: list[str] = field(default_factory=list)
+    only: list[OnlyIn] = field(default_factory=list)
+    others: list[str] = field(default_factory=list)
+    variables: list[VariableDifference] = field(default_factory=list)
+    verdicts: int = 0
+    flips: list[Flip] = field(default_factory=list)
+    flipped: int = 0
+    compared: int = 0
+
+    @property
+    def same(self) -> bool:
+        """Whether the results are the same; versions and configuration may differ."""
+        return not (self.only or self.others or self.variables)
+
+
+def compare_results(
+    first: ResultsFile,
+    second: ResultsFile,
+    rtol: float = 1e-9,
+    atol: float = 0.0,
+    ignore: Sequence[str] = (),
+    listed: int = 20,
+) -> Differences:
+    """Compare two open results files of the same kind.
+
+    Two numbers are the same where they differ by at most `atol` + `rtol` times the larger one, or are both NaN or the
+    same infinity; texts, whole numbers and flags where they are equal.
+
+    Parameters
+    ----------
+    first, second : ResultsFile
+        Before and after.
+    rtol, atol : float
+        Tolerance.
+    ignore : sequence of str
+        Variables that are not compared.
+    listed : int
+        Most verdicts that are named.
+
+    Raises
+    ------
+    ResultsError
+        For files of different kinds.
+    """
+    if first.kind != second.kind:
+        raise ResultsError(
+            f"expected two files of one kind, found {first.path} ({first.kind}) and {second.path} ({second.kind})"
+        )
+    found = Differences()
+    _compare_attributes(found, first.attrs, second.attrs)
+    _only(found, "groups", first.groups, second.groups)
+    named: dict[str, Matched] = {}
+    for group in sorted(set(first.groups) & set(second.groups), key=lambda name: (name != "summary", name)):
+        with first.reading(), second.reading():
+            one, other = first.dataset(group), second.dataset(group)
+            if group == "failures":
+                _compare_failures(found, one, other)
+            else:
+                _Group(found, group, one, other, named, rtol, atol, listed).compare(ignore)
+    return found
+
+
+def _compare_attributes(found: Differences, first: Mapping[str, Any], second: Mapping[str, Any]) -> None:
+    before, after = (str(attrs.get("configuration", "")).splitlines() for attrs in (first, second))
+    changes = list(unified_diff(before, after, n=0, lineterm=""))[2:]
+    found.configuration = [line for line in changes if not line.startswith("@@")]
+    for name in sorted(set(first) | set(second)):
+        old, new = (str(attrs.get(name, "absent")) for attrs in (first, second))
+        if old != new and (name.endswith("_version") or name in ABOUT):
+            found.about.append((name, old, new))
+        elif old != new and name not in APART and "sha256" not in name:
+            found.others.append(f"attribute {name}: {old} in the first, {new} in the second")
+
+
+def _only(found: Differences, what: str, first: Iterable[Any], second: Iterable[Any]) -> None:
+    only = only_in(what, first, second)
+    if only is not None and only not in found.only:
+        found.only.append(only)
+
+
+def _compare_failures(found: Differences, one: xr.Dataset, other: xr.Dataset) -> None:
+    """As sets: a failure has no name but all that it says."""
+
+    def told(dataset: xr.Dataset) -> list[str]:
+        columns = [dataset[name].values for name in ("kind", "stage", "file", "reason")]
+        return [f"{kind} ({stage}) {file}: {reason}" for kind, stage, file, reason in zip(*columns, strict=True)]
+
+    _only(found, "failures", dict.fromkeys(told(one)), dict.fromkeys(told(other)))
+    found.compared += one.sizes["failure"]
+
+
+@dataclass
+class _Group:
+    """One group of both files."""
+
+    found: Differences
+    group: str
+    one: xr.Dataset
+    other: xr.Dataset
+    named: dict[str, Matched]
+    rtol: float
+    atol: float
+    listed: int
+
+    def __post_init__(self) -> None:
+        self.rows = RowMatcher(self.group, self.one, self.other, self.named)
+
+    def compare(self, ignore: Sequence[str]) -> None:
+        """Match the rows, then compare the variables that both have."""
+        for name in sorted(set(self.one.attrs) | set(self.other.attrs)):
+            old, new = (str(dataset.attrs.get(name, "absent")) for dataset in (self.one, self.other))
+            if old != new:
+                self.found.others.append(f"attribute {name} of /{self.group}: {old} in the first, {new} in the second")
+        _only(self.found, f"variables of /{self.group}", list(self.one.data_vars), list(self.other.data_vars))
+        for name in self.one.data_vars:
+            if name in self.other.data_vars and name not in ignore:
+                self._variable(str(name))
+        self.found.only += [one for one in self.rows.only if one not in self.found.only]
+        self.found.others += self.rows.remarks
+
+    def _variable(self, name: str) -> None:
+        before, after = self.one.variables[name], self.other.variables[name]
+        title = f"/{self.group}/{name}"
+        for what in ("units", "flag_meanings"):
+            if str(before.attrs.get(what)) != str(after.attrs.get(what)):
+                self.found.others.append(f"{title}: {what} {before.attrs.get(what)!r}, then {after.attrs.get(what)!r}")
+                return
+        if before.dims != after.dims or (before.dtype.kind in "OU") != (after.dtype.kind in "OU"):
+            self.found.others.append(
+                f"{title}: {' x '.join(map(str, before.dims))} {before.dtype}, then "
+                f"{' x '.join(map(str, after.dims))} {after.dtype}"
+            )
+            return
+        if name in POINTS_AT or "sample_dimension" in before.attrs:
+            return  # by these the rows are matched
+        rows = [self.rows.of(str(dim)) for dim in before.dims]
+        if any(row is None for row in rows):
+            return  # said once, where the rows were matched
+        known = [row for row in rows if row is not None]
+        checksums = {variable.attrs.get(CHECKSUM) for variable in (before, after)}
+        if None not in checksums and len(checksums) == 1 and all(row.whole for row in known):
+            self._same(title, before)
+        else:
+            self._values(title, before, after, known)
+
+    def _same(self, title: str, variable: xr.Variable) -> None:
+        """Of equal checksums in the same order of rows."""
+        self.found.compared += variable.size
+        if title == OUTCOME:
+            self.found.verdicts += variable.size
+
+    def _values(self, title: str, before: xr.Variable, after: xr.Variable, rows: list[Matched]) -> None:
+        words = flag_words(before)
+        differing = compared = 0
+        largest, worst = -1.0, None
+        for start, old, new in self._parts(before, after, rows):
+            compared += old.size
+            apart = _apart(old, new, self.rtol, self.atol)
+            if title == OUTCOME:
+                self._flips(apart, old, new, words, rows, start)
+            if not apart.size:
+                continue
+            differing += apart.size
+            sizes = _relative(old.reshape(-1)[apart], new.reshape(-1)[apart])
+            at = int(sizes.argmax())
+            if sizes[at] > largest:
+                largest = float(sizes[at])
+                place = np.unravel_index(apart[at], old.shape)
+                worst = (self._place(rows, start, place), _shown(old[place], words), _shown(new[place], words))
+        self.found.compared += compared
+        if worst is not None:
+            size = largest if before.dtype.kind == "f" else math.nan
+            self.found.variables.append(VariableDifference(title, differing, compared, size, *worst))
+
+    def _flips(
+        self,
+        apart: np.ndarray,
+        old: np.ndarray,
+        new: np.ndarray,
+        words: dict[int, str],
+        rows: list[Matched],
+        start: int,
+    ) -> None:
+        self.found.verdicts += old.size
+        self.found.flipped += apart.size
+        for at in apart[: self.listed - len(self.found.flips)]:
+            place = np.unravel_index(at, old.shape)
+            self.found.flips.append(
+                Flip(self._place(rows, start, place), _shown(old[place], words), _shown(new[place], words))
+            )
+
+    @staticmethod
+    def _parts(
+        before: xr.Variable, after: xr.Variable, rows: list[Matched]
+    ) -> Iterator[tuple[int, np.ndarray, np.ndarray]]:
+        """Start along the first dimension, and the values of both files from there on."""
+        if not rows:
+            yield 0, np.asarray(before.values), np.asarray(after.values)
+            return
+        rest = int(np.prod([row.first.size for row in rows[1:]]))
+        step = max(1, PART // max(rest, 1))
+        for start in range(0, rows[0].first.size, step):
+            pair = []
+            for variable, side in ((before, "first"), (after, "second")):
+                where: dict[Any, Any] = {}
+                for number, (dim, row) in enumerate(zip(variable.dims, rows, strict=True)):
+                    at = getattr(row, side)
+                    at = at[start : start + step] if number == 0 else at
+                    run = row.whole or bool((np.diff(at) == 1).all())
+                    where[dim] = slice(int(at[0]), int(at[-1]) + 1) if run and at.size else at
+                pair.append(slab(variable, where))
+            yield start, pair[0], pair[1]
+
+    def _place(self, rows: list[Matched], start: int, place: tuple[Any, ...]) -> str:
+        names = [
+            row.names(int(k) + (start if number == 0 else 0))
+            for number, (row, k) in enumerate(zip(rows, place, strict=True))
+        ]
+        return ", ".join(name for name in names if name)
+
+
+def _apart(old: np.ndarray, new: np.ndarray, rtol: float, atol: float) -> np.ndarray:
+    """Flat places at which two arrays differ by more than the tolerance."""
+    places = np.flatnonzero(old != new)
+    if old.dtype.kind != "f" or new.dtype.kind != "f" or not places.size:
+        return places
+    one, other = old.reshape(-1)[places], new.reshape(-1)[places]
+    with np.errstate(invalid="ignore"):
+        close = np.abs(one - other) <= atol + rtol * np.maximum(np.abs(one), np.abs(other))
+    close &= np.isfinite(one) & np.isfinite(other)
+    close |= np.isnan(one) & np.isnan(other)
+    return places[~close]
+
+
+def _relative(old: np.ndarray, new: np.ndarray) -> np.ndarray:
+    """Relative difference of numbers, inf where only one is finite; one for texts and whole numbers."""
+    if old.dtype.kind != "f" or new.dtype.kind != "f":
+        return np.ones(old.shape)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        size = np.abs(old - new) / np.maximum(np.abs(old), np.abs(new))
+    return np.where(np.isfinite(old) & np.isfinite(new), size, np.inf)
+
+
+def _shown(value: Any, words: dict[int, str]) -> str:
+    if words:
+        return words.get(int(value), str(value))
+    return f"{value:.9g}" if isinstance(value, float) else str(value)

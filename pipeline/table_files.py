@@ -1,0 +1,171 @@
+"""A long table as CSV, with a README of its columns beside it."""
+
+from __future__ import annotations
+
+import gzip
+import secrets
+from collections.abc import Callable
+from contextlib import suppress
+from pathlib import Path
+from typing import TYPE_CHECKING, TextIO
+
+from rockpulse.errors import ResultsError
+from rockpulse.long_table import LongTable
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+__all__ = ["check_table_target", "readme_of", "write_table"]
+
+#: Suffixes of tables; the second is compressed.
+SUFFIXES = (".csv", ".csv.gz")
+
+#: What stands for the end of a line inside a text.
+LINE = " | "
+
+
+def readme_of(path: Path) -> Path:
+    """The README that belongs to a table.
+
+    Parameters
+    ----------
+    path : Path
+        The table.
+
+    Examples
+    --------
+    >>> readme_of(Path("out/table.csv")).name
+    'table.README.md'
+    """
+    return path.with_name(f"{path.name.removesuffix('.gz').removesuffix('.csv')}.README.md")
+
+
+def check_table_target(path: str | Path, overwrite: bool = False) -> Path:
+    """Whether a table and its README can be written here.
+
+    Parameters
+    ----------
+    path : str or Path
+        Name of the table.
+    overwrite : bool
+        Whether files of these names are replaced.
+
+    Raises
+    ------
+    ResultsError
+        For another suffix, a folder that does not exist, or a file that does.
+    """
+    target = Path(path)
+    if not target.name.endswith(SUFFIXES):
+        raise ResultsError(f"{path}: expected a name that ends in {' or '.join(SUFFIXES)}")
+    if not target.parent.is_dir():
+        raise ResultsError(f"{path}: there is no folder {target.parent}; create it first")
+    for file in (target, readme_of(target)):
+        if file.exists() and not file.is_file():
+            raise ResultsError(f"{file}: expected the name of a file, found something that is no regular file")
+        if file.exists() and not overwrite:
+            raise ResultsError(
+                f"{file}: the file exists; choose another name, or allow it to be replaced (--overwrite)"
+            )
+    return target
+
+
+def write_table(
+    table: LongTable,
+    path: str | Path,
+    about: str,
+    overwrite: bool = False,
+    on_rows: Callable[[int], object] | None = None,
+) -> tuple[Path, Path]:
+    """Write a table and its README, each whole or not at all, in bounded memory.
+
+    Parameters
+    ----------
+    table : LongTable
+        Of a file that is open.
+    path : str or Path
+        Name of the table, ``.csv`` or ``.csv.gz``.
+    about : str
+        Where the table comes from, for the README.
+    overwrite : bool
+        Whether files of these names are replaced.
+    on_rows : callable, optional
+        Called with the number of rows that were written since.
+
+    Returns
+    -------
+    tuple of Path
+        The table and its README.
+
+    Raises
+    ------
+    ResultsError
+        As :func:`check_table_target`, and where the table cannot be written.
+    """
+    target = check_table_target(path, overwrite)
+    readme = readme_of(target)
+    empty = {column.name: 0 for column in table.columns}
+    parts = [file.with_name(f".{file.name}.{secrets.token_hex(4)}.part") for file in (target, readme)]
+    try:
+        with _opened(parts[0], target.name.endswith(".gz")) as file:
+            for number, frame in enumerate(table.frames()):
+                for name in empty:
+                    empty[name] += int((frame[name].isna() | (frame[name].astype(object) == "")).sum())
+                _one_line(frame).to_csv(file, index=False, header=number == 0)
+                if on_rows is not None:
+                    on_rows(len(frame))
+        parts[1].write_text(_readme(table, target.name, about, empty), encoding="utf-8")
+        for part, file_ in zip(parts, (target, readme), strict=True):
+            part.replace(file_)
+    except OSError as error:
+        raise ResultsError(f"{path}: cannot write the table: {error.strerror or error}") from error
+    finally:
+        for part in parts:
+            with suppress(FileNotFoundError):
+                part.unlink()
+    return target, readme
+
+
+def _opened(path: Path, compressed: bool) -> TextIO:
+    if compressed:
+        return gzip.open(path, "wt", encoding="utf-8", newline="", compresslevel=4)
+    return Path(path).open("w", encoding="utf-8", newline="")
+
+
+def _one_line(frame: pd.DataFrame) -> pd.DataFrame:
+    """Texts of several lines in one, so that a line of the file is a row."""
+    for name in frame.columns:
+        texts = frame[name]
+        if texts.dtype.kind in "OU" or str(texts.dtype) == "str":
+            frame[name] = texts.str.replace("\n", LINE, regex=False)
+    return frame
+
+
+def _readme(table: LongTable, name: str, about: str, empty: dict[str, int]) -> str:
+    lines = [
+        f"# {name}",
+        "",
+        f"{about} Group `/{table.group}`, {len(table)} rows{table.per}.",
+        "",
+        "UTF-8, comma-separated, one line of headings, SI units, numbers with all their digits. An empty cell: not "
+        "known or not computed, or no text; `inf` and -1 as the meaning says. "
+        f"`{LINE.strip()}` stands between the lines of a text.",
+        "",
+        'In pandas: `pandas.read_csv(name, keep_default_na=False, na_values=[""])`, so that a network "NA" stays one.',
+        "",
+        "| column | unit | empty | meaning |",
+        "|---|---|---|---|",
+    ]
+    for column in table.columns:
+        meaning = column.long_name
+        if column.words:
+            meaning += f" ({', '.join(column.words.values())})"
+        unit = "" if column.units == "1" else column.units
+        lines.append(f"| `{column.name}` | {unit} | {empty[column.name]} | {meaning.replace('|', '/')} |")
+    if table.left_out:
+        names = ", ".join(f"`{name}`" for name in table.left_out)
+        lines += [
+            "",
+            f"Not in this table, because their dimensions are others: {names} (`--rows` takes other dimensions).",
+        ]
+    return "\n".join(lines) + "\n"

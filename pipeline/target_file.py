@@ -1,0 +1,188 @@
+"""A file that is written whole or not at all, and takes the place of nothing but results.
+
+It is written to a temporary name beside the target, flushed to the disk and then renamed, so a run that is killed
+leaves the old file or none (at worst a hidden ``.part`` file, which may be deleted).
+"""
+
+from __future__ import annotations
+
+import glob
+import os
+import re
+import secrets
+import shutil
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from rockpulse.errors import ResultsError
+
+__all__ = ["ASSESSMENT", "check_target", "named", "remove_parts", "replacing"]
+
+#: Root attribute `kind` of the results of an assessment; files without it are assessments.
+ASSESSMENT = "assessment"
+
+#: What a file takes beyond its values, names and attributes mostly, at most [bytes].
+LAYOUT = 1024**2
+
+DAMAGED = "damaged file"
+SIGNATURE = b"\x89HDF\r\n\x1a\n"
+
+
+def check_target(path: str | os.PathLike[str], overwrite: bool = False, kind: str = ASSESSMENT) -> Path:
+    """Whether a results file can be written here, asked before any work is done.
+
+    Parameters
+    ----------
+    path : str or Path
+        Where the results are to go.
+    overwrite : bool
+        Whether results that exist may be replaced: an HDF5 file of rockpulse of the same kind, of any schema version,
+        or a damaged one. No other file is ever replaced.
+    kind : {"assessment", "site calibration", "accuracy report"}
+        What the file is to hold.
+
+    Returns
+    -------
+    Path
+        The file that will be written, links resolved.
+
+    Raises
+    ------
+    ResultsError
+        For a file that exists, a folder that does not, or a place or name that cannot be written.
+    """
+    target = Path(os.path.realpath(path))
+    try:
+        if target.exists():
+            _check_replaceable(target, path, overwrite, kind)
+        if not target.parent.is_dir():
+            raise ResultsError(f"{path}: there is no folder {target.parent}; create it first")
+        part = _part(target)
+        part.touch(exist_ok=False)  # its name is longer than that of the target
+        part.unlink()
+    except OSError as error:
+        raise ResultsError(f"{path}: cannot write into the folder {target.parent}: {error.strerror}") from error
+    return target
+
+
+@contextmanager
+def replacing(
+    path: str | os.PathLike[str], overwrite: bool = False, kind: str = ASSESSMENT, size: int = 0
+) -> Iterator[Path]:
+    """Within it, a file is written that takes the place of another at the end, whole or not at all.
+
+    Parameters
+    ----------
+    path : str or Path
+        The file to write.
+    overwrite : bool
+        Whether results that exist may be replaced (:func:`check_target`).
+    kind : str
+        What the file is to hold.
+    size : int
+        What its values take, about [bytes]. HDF5 on a disk that fills up floods the terminal, so one that has less
+        room is refused beforehand.
+
+    Yields
+    ------
+    Path
+        The name to write to, beside the target.
+
+    Raises
+    ------
+    ResultsError
+        Where the target exists or cannot be written.
+    """
+    target = check_target(path, overwrite, kind)
+    free = shutil.disk_usage(target.parent).free
+    if free < size + LAYOUT:
+        raise ResultsError(
+            f"{path}: the results take {(size + LAYOUT) / 1e6:.0f} MB, {free / 1e6:.0f} MB are free in "
+            f"{target.parent}; make room there"
+        )
+    part = _part(target)
+    try:
+        yield part
+        _flush(part, os.O_RDWR)
+        check_target(path, overwrite, kind)  # somebody else may have written it during the run
+        part.replace(target)
+    except OSError as error:
+        raise ResultsError(f"{path}: cannot write the results: {_reason(error)}") from error
+    finally:
+        part.unlink(missing_ok=True)
+    if os.name == "posix":  # elsewhere a folder cannot be opened
+        _flush(target.parent, os.O_RDONLY)
+
+
+def remove_parts(path: str | os.PathLike[str]) -> None:
+    """Remove what writers that were killed have left of a file: to be called where no other can be at work.
+
+    Parameters
+    ----------
+    path : str or Path
+        The file that they were to write.
+    """
+    target = Path(os.path.realpath(path))
+    for left in target.parent.glob(f".{glob.escape(target.name)}.{'[0-9a-f]' * 8}.part"):
+        left.unlink()
+
+
+def named(kind: str) -> str:
+    """A kind of file with its article."""
+    return f"{'an' if kind[0] in 'aeiou' else 'a'} {kind}"
+
+
+def _part(target: Path) -> Path:
+    return target.with_name(f".{target.name}.{secrets.token_hex(4)}.part")
+
+
+def _check_replaceable(target: Path, path: str | os.PathLike[str], overwrite: bool, kind: str) -> None:
+    """Only results may be replaced: under a mistyped name a record or a configuration would be lost for good."""
+    if not target.is_file():
+        raise ResultsError(f"{path}: expected the name of a results file, found something that is no regular file")
+    if not overwrite:
+        raise ResultsError(f"{path}: the file exists; choose another name, or allow it to be replaced (--overwrite)")
+    try:
+        found = _kind(target)
+    except OSError as error:
+        raise ResultsError(f"{path}: cannot read the file that is to be replaced: {error.strerror}") from error
+    if found is None:
+        raise ResultsError(
+            f"{path}: expected results of rockpulse, found another file, which is not replaced even with --overwrite; "
+            "choose another name, or remove it by hand"
+        )
+    if found not in (kind, DAMAGED):
+        raise ResultsError(
+            f"{path}: expected {named(kind)} of rockpulse, found {named(found)}, which is not replaced even with "
+            "--overwrite; choose another name, or remove it by hand"
+        )
+
+
+def _kind(target: Path) -> str | None:
+    """What a file of rockpulse holds, whatever its schema version; None for another file."""
+    import h5py
+
+    with target.open("rb") as file:
+        if file.read(len(SIGNATURE)) != SIGNATURE:
+            return None
+    try:
+        with h5py.File(target, "r", locking=False) as hdf5:  # locked by its owner is not damaged
+            ours = {"schema_version", "rockpulse_version"} <= set(hdf5.attrs)
+            return str(hdf5.attrs.get("kind", ASSESSMENT)) if ours else None
+    except (OSError, RuntimeError, KeyError):
+        return DAMAGED
+
+
+def _reason(error: OSError) -> str:
+    """What the operating system says; HDF5 hides its number in a long text."""
+    hidden = re.search(r"errno = (\d+)", str(error))
+    return os.strerror(int(hidden[1])) if hidden else error.strerror or str(error)
+
+
+def _flush(path: Path, mode: int) -> None:
+    handle = os.open(path, mode)
+    try:
+        os.fsync(handle)
+    finally:
+        os.close(handle)

@@ -1,0 +1,128 @@
+"""What the workers of the crew tests do; here, so that a worker process can import it."""
+
+from __future__ import annotations
+
+import multiprocessing.connection
+import os
+import signal
+import sys
+import time
+from pathlib import Path
+
+from rockpulse.batch.worker import serve
+
+
+def square(number):
+    return number * number
+
+
+def slow_square(number):
+    time.sleep(0.02)
+    return number * number
+
+
+def doze(seconds):
+    time.sleep(seconds)
+    return seconds
+
+
+def process_id(_):
+    time.sleep(0.05)
+    return os.getpid()
+
+
+def modules(_):
+    return set(sys.modules)
+
+
+def kernel_threads(_):
+    """On how many threads of a machine of six cores a kernel would run; 1 also where it runs in the calling thread."""
+    from rockpulse.models import threads
+
+    cores, pool, asked = threads.available_cores, threads.ThreadPoolExecutor, []
+    threads.available_cores = lambda: 6
+    threads.ThreadPoolExecutor = lambda count: asked.append(count) or pool(count)
+    try:
+        threads.split_lanes(lambda first, last: None, 1000, None)
+    finally:
+        threads.available_cores, threads.ThreadPoolExecutor = cores, pool
+    return asked[0] if asked else 1
+
+
+def kill_itself(number):
+    """A worker that is given 3 is killed, as by the system when memory runs out."""
+    if number == 3:
+        os.kill(os.getpid(), signal.SIGKILL)
+    return number
+
+
+def leave(number):
+    if number == 3:
+        os._exit(7)
+    return number
+
+
+def killed_once(job):
+    """Killed the first time, and only then: the file that is there the second time says so."""
+    number, folder = job
+    seen = Path(folder) / f"{number}"
+    if number % 3 == 0 and not seen.exists():
+        seen.touch()
+        os.kill(os.getpid(), signal.SIGKILL)
+    return number
+
+
+def killed_while_answering(number):
+    """Killed with half of its answer in the pipe."""
+
+    def send_half(self, buffer, *_):
+        os.write(self.fileno(), bytes(buffer[: len(buffer) // 2]))
+        os.kill(os.getpid(), signal.SIGKILL)
+
+    if number == 3:
+        multiprocessing.connection.Connection._send = send_half
+    return bytes(20_000)
+
+
+def refuse(number):
+    if number == 3:
+        raise KeyError("three")
+    return number
+
+
+class Awkward(Exception):
+    """Its arguments are not those of its class: it does not come back from pickle."""
+
+    def __init__(self, one, two):
+        super().__init__(f"{one} and {two}")
+
+
+def refuse_awkwardly(_):
+    raise Awkward(1, 2)
+
+
+def stop_the_interpreter(_):
+    sys.exit("enough")
+
+
+def unpicklable(_):
+    return lambda: None
+
+
+def serve_at_the_second_start(pipe):
+    """In place of `serve`: the first process is killed before it is ready."""
+    seen = Path(os.environ["CREW_TEST_FILE"])
+    if not seen.exists():
+        seen.touch()
+        os.kill(os.getpid(), signal.SIGKILL)
+    serve(pipe)
+
+
+def always_killed(_):
+    os.kill(os.getpid(), signal.SIGKILL)
+
+
+def report_and_doze(folder):
+    """Leaves the number of this process in the folder and sleeps for a minute."""
+    (Path(folder) / str(os.getpid())).touch()
+    time.sleep(60.0)

@@ -1,0 +1,58 @@
+"""Run the command line in a process that strikes itself at a named point: ``killed_run.py POINT NUMBER VERB ...``.
+
+The number says at which passing of the point. Points: "record" (a finished record is in the journal), "assembly" (a
+variable of the results is written), "rename" (the results are whole, their name not yet theirs), "renamed" (only the
+journal is left), "interrupt" and "terminate" (as "record", by Ctrl-C and SIGTERM), and "moment" (after so many
+milliseconds, wherever that is).
+"""
+
+from __future__ import annotations
+
+import os
+import signal
+import sys
+import threading
+from pathlib import Path
+
+from rockpulse.batch.journal import Journal
+from rockpulse.cli import main
+from rockpulse.tree_writer import TreeWriter
+
+#: What is passed, whether the signal comes before or after it, and which.
+POINTS = {
+    "record": (Journal, "add", "after", signal.SIGKILL),
+    "assembly": (TreeWriter, "append", "after", signal.SIGKILL),
+    "rename": (Path, "replace", "before", signal.SIGKILL),
+    "renamed": (Journal, "remove", "before", signal.SIGKILL),
+    "interrupt": (Journal, "add", "after", signal.SIGINT),
+    "terminate": (Journal, "add", "after", signal.SIGTERM),
+}
+
+
+def strike_at(point: str, number: int) -> None:
+    """Arrange for the signal at the given passing of the point."""
+    owner, name, when, what = POINTS[point]
+    original = getattr(owner, name)
+    passed = 0
+
+    def struck(*args, **kwargs):
+        nonlocal passed
+        passed += 1
+        if passed == number and when == "before":
+            os.kill(os.getpid(), what)
+        result = original(*args, **kwargs)
+        if passed == number and when == "after":
+            os.kill(os.getpid(), what)
+        return result
+
+    setattr(owner, name, struck)
+
+
+if __name__ == "__main__":
+    if sys.argv[1] == "moment":
+        timer = threading.Timer(int(sys.argv[2]) / 1000.0, os.kill, (os.getpid(), signal.SIGKILL))
+        timer.daemon = True
+        timer.start()
+    else:
+        strike_at(sys.argv[1], int(sys.argv[2]))
+    sys.exit(main(sys.argv[3:]))

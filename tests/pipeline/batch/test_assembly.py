@@ -1,0 +1,250 @@
+"""The file that is put together from parts is the one that save writes of the whole tree."""
+
+import os
+import re
+import shutil
+import signal
+import subprocess
+import sys
+import textwrap
+from dataclasses import replace
+
+import h5py
+import numpy as np
+import pytest
+import xarray as xr
+
+from rockpulse.assessment import assess_planned
+from rockpulse.batch import assembly
+from rockpulse.batch.assembly import JournalParts, assemble, is_assembled
+from rockpulse.batch.journal import Journal
+from rockpulse.batch.packing import pack
+from rockpulse.batch.tasks import Done
+from rockpulse.bodies import gather_bodies
+from rockpulse.checksums import CHECKSUM
+from rockpulse.config import load_config
+from rockpulse.directions import plan_motions, swept_directions
+from rockpulse.errors import ResultsError
+from rockpulse.failures import Failure
+from rockpulse.results import build_tree, record_part, template
+from rockpulse.store import load, save
+from rockpulse.verification import verify
+
+BLOCKS = '[[block]]\nname = "wall"\nwidth = 0.5\nheight = 4.0\n[[block]]\nname = "pier"\nwidth = 0.3\nheight = 1.5\n'
+CASES = BLOCKS.replace("width", "restitution = [0.9, 0.95]\nwidth")
+FAST = 'use = ["resonance", "sequence", "linear"]'
+CONFIGURATIONS = {
+    "plain": f"[models]\n{FAST}\n{BLOCKS}",
+    "no records": f'[models]\n{FAST}\n[records]\nstore = "none"\n{BLOCKS}',
+    "half-waves": f'[models]\n{FAST}\n[records]\nstore = "half_waves"\n{BLOCKS}',
+    "histories": f'[models]\nuse = ["sequence", "linear"]\nhistories = true\n{CASES}',
+    "cases and demands": f'[models]\n{FAST}\n[[demand]]\nname = "SLV"\nacceleration = 2.0\n{CASES}',
+    "sweep": f'[models]\n{FAST}\n[records]\ncomponents = "sweep"\nazimuth_step = 60\n{BLOCKS}',
+}
+FAILURES = [
+    Failure("a.txt", "read", "a.txt: no record", "skipped"),
+    Failure(os.fsdecode(b"\xe9"), "read", "x", "failed"),
+]
+
+
+@pytest.fixture(scope="module")
+def assessed(ridgecrest, tmp_path_factory):
+    """By name of the configuration: assessments, bodies, configuration, directions of the sweep."""
+    cut = [replace(record, acceleration=record.acceleration[2500:3500]) for record in ridgecrest]
+
+    def made(name):
+        if name not in found:
+            path = tmp_path_factory.mktemp("site") / "site.toml"
+            path.write_text(CONFIGURATIONS[name])
+            config = load_config(path)
+            bodies = gather_bodies(config.blocks)
+            planned, _ = plan_motions(cut, config)
+            done = [outcome for one in planned for outcome in assess_planned(one, bodies, config)]
+            assert not any(isinstance(outcome, Failure) for outcome in done)
+            found[name] = done, bodies, config, swept_directions(planned, config)
+        return found[name]
+
+    found = {}
+    return made
+
+
+def checksums(path):
+    """The stored checksum of every variable."""
+    found = {}
+    with h5py.File(path) as file:
+        file.visititems(lambda name, item: found.__setitem__(name, item.attrs.get(CHECKSUM)))
+    return found
+
+
+def assert_same_file(one, other):
+    trees = load(one), load(other)
+    assert [node.path for node in trees[0].subtree] == [node.path for node in trees[1].subtree]
+    for node in trees[0].subtree:
+        if node.path != "/":
+            there = trees[1][node.path].to_dataset(inherit=False)
+            xr.testing.assert_identical(node.to_dataset(inherit=False), there)
+            for name, variable in node.to_dataset(inherit=False).variables.items():
+                assert (there[name].dtype.kind, there[name].dims) == (variable.dtype.kind, variable.dims), name
+    volatile = {"history": "", assembly.RUN_ID: ""}
+    assert trees[0].attrs | volatile == trees[1].attrs | volatile
+    assert checksums(one) == checksums(other)
+
+
+QUICK = {("plain", 60_000), ("histories", 60_000), ("cases and demands", 1), ("sweep", 1)}
+
+
+@pytest.mark.parametrize(
+    ("name", "chunk"),
+    [
+        pytest.param(name, chunk, marks=() if (name, chunk) in QUICK else pytest.mark.slow)
+        for name in CONFIGURATIONS
+        for chunk in (1, 60_000, assembly.CHUNK)
+    ],
+)
+def test_the_assembled_file_is_the_saved_one(assessed, tmp_path, name, chunk):
+    done, bodies, config, swept = assessed(name)
+    if swept is not None:
+        done = done[1:-1]  # not all directions are there
+        swept = {**swept, "of nothing": ["never"] * 3}
+    save(build_tree(done, bodies, config, FAILURES, swept), tmp_path / "saved.h5")
+    parts = [record_part(one, bodies, config) for one in done]
+    count = assemble(
+        tmp_path / "made.h5", template(bodies, config), parts, FAILURES, swept, run_id="r" * 32, chunk=chunk
+    )
+    assert count == len(done) > 3
+    assert_same_file(tmp_path / "saved.h5", tmp_path / "made.h5")
+    assert verify(tmp_path / "made.h5", inputs=False).differences == ()
+
+
+@pytest.mark.parametrize("name", ["sweep", pytest.param("plain", marks=pytest.mark.slow)])
+def test_no_record_gives_the_empty_tree(assessed, tmp_path, name):
+    _, bodies, config, swept = assessed(name)
+    swept = None if swept is None else {}
+    save(build_tree([], bodies, config, FAILURES, swept), tmp_path / "saved.h5")
+    assert assemble(tmp_path / "made.h5", template(bodies, config), [], FAILURES, swept) == 0
+    assert_same_file(tmp_path / "saved.h5", tmp_path / "made.h5")
+
+
+def test_parts_from_a_journal_stand_in_the_order_of_the_keys(assessed, tmp_path):
+    done, bodies, config, _ = assessed("plain")
+    target = tmp_path / "results.h5"
+    with Journal.open(target) as journal:
+        for number in (3, 0, 2, 1):
+            parts = (pack(record_part(done[number], bodies, config)),)
+            journal.add(Done(f"record {number}", "f", parts))
+        parts = JournalParts(journal, [f"record {number}" for number in range(4)])
+        assemble(target, template(bodies, config), parts, run_id=journal.run_id)
+        assert is_assembled(target, journal.run_id)
+    save(build_tree(done[:4], bodies, config, []), tmp_path / "saved.h5")
+    assert_same_file(tmp_path / "saved.h5", target)
+
+
+def test_parts_that_can_be_gone_through_once_are_refused(assessed, tmp_path):
+    done, bodies, config, _ = assessed("plain")
+    with pytest.raises(TypeError, match="iterated twice"):
+        assemble(tmp_path / "x.h5", template(bodies, config), (record_part(one, bodies, config) for one in done))
+
+
+def test_a_run_knows_its_own_file_only(tmp_path):
+    path = tmp_path / "results.h5"
+    assert not is_assembled(path, "mine")
+    path.write_text("a text")
+    assert not is_assembled(path, "mine")
+    with h5py.File(path, "w") as file:
+        file.attrs["run_id"] = "another"
+    assert not is_assembled(path, "mine")
+    assert is_assembled(path, "another")
+
+
+def test_too_little_room_is_known_before_anything_is_written(assessed, tmp_path, monkeypatch):
+    done, bodies, config, _ = assessed("plain")
+    usage = shutil.disk_usage(tmp_path)
+    monkeypatch.setattr("shutil.disk_usage", lambda path: usage._replace(free=1_000_000))
+    with pytest.raises(ResultsError, match=r"the results take \d+ MB, 1 MB are free .* make room there; .*--resume"):
+        assemble(
+            tmp_path / "results.h5",
+            template(bodies, config),
+            [record_part(one, bodies, config) for one in done],
+            run_id="mine",
+        )
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_the_size_that_is_expected_is_that_of_the_file(assessed, tmp_path):
+    done, bodies, config, _ = assessed("histories")
+    parts = [record_part(one, bodies, config) for one in done]
+    expected = assembly._size(assembly._measure(parts), template(bodies, config), 0)
+    assemble(tmp_path / "results.h5", template(bodies, config), parts)
+    assert expected < (tmp_path / "results.h5").stat().st_size < expected + 500_000
+
+
+def test_a_disk_that_fills_up_meanwhile_leaves_the_old_file_and_the_journal(assessed, tmp_path, monkeypatch):
+    done, bodies, config, _ = assessed("plain")
+    target = tmp_path / "results.h5"
+    save(build_tree(done[:1], bodies, config, []), target)
+    old = target.read_bytes()
+
+    def fail(self, path, values):
+        raise OSError("Can't write (errno = 28, error message = 'No space left on device', buf = 0x0)")
+
+    monkeypatch.setattr(assembly.TreeWriter, "append", fail)
+    with Journal.open(target) as journal:
+        journal.add(Done("a", "f", (pack(record_part(done[0], bodies, config)),)))
+        with pytest.raises(ResultsError, match=re.escape(f"{target}: cannot write the results: No space left on dev")):
+            assemble(target, template(bodies, config), JournalParts(journal, ["a"]), overwrite=True, run_id="mine")
+        assert journal.finished() == {"a": "f"}
+    assert target.read_bytes() == old
+    assert not list(tmp_path.glob("*.part"))
+
+
+@pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="no SIGKILL on this system")
+@pytest.mark.parametrize(
+    "step",
+    ["_close", *(pytest.param(step, marks=pytest.mark.slow) for step in ("add_group", "append", "read", "_complete"))],
+)
+def test_a_kill_while_assembling_leaves_old_file_and_journal(assessed, tmp_path, step):
+    done, bodies, config, swept = assessed("sweep")
+    target = tmp_path / "results.h5"
+    save(build_tree(done[:1], bodies, config, []), target)
+    old = target.read_bytes()
+    (tmp_path / "site.toml").write_text(CONFIGURATIONS["sweep"])
+    keys = [one.scene.record.id for one in done]
+    with Journal.open(target) as journal:
+        run_id = journal.run_id
+        for key, one in zip(keys, done, strict=True):
+            journal.add(Done(key, "f", (pack(record_part(one, bodies, config)),)))
+    script = f"""
+        import os, signal
+        import rockpulse as rp
+        from rockpulse.batch.assembly import JournalParts, assemble
+        from rockpulse.batch.journal import Journal
+        from rockpulse.bodies import gather_bodies
+        from rockpulse.results import template
+        from rockpulse.tree_writer import TreeWriter
+        config = rp.load_config({str(tmp_path / "site.toml")!r})
+        setattr(TreeWriter, {step!r}, lambda *args: os.kill(os.getpid(), signal.SIGKILL))
+        with Journal.open({str(target)!r}, resume=True) as journal:
+            parts = JournalParts(journal, {keys!r})
+            assemble({str(target)!r}, template(gather_bodies(config.blocks), config), parts, [], {swept!r}, True)
+    """
+    killed = subprocess.run(
+        [sys.executable, "-c", textwrap.dedent(script)], capture_output=True, timeout=60, check=False
+    )
+    assert killed.returncode == -signal.SIGKILL, killed.stderr.decode()
+    assert target.read_bytes() == old
+    with Journal.open(target, resume=True) as journal:
+        assert journal.run_id == run_id
+        parts = JournalParts(journal, keys)
+        assemble(target, template(bodies, config), parts, [], swept, overwrite=True, run_id=run_id)
+        assert is_assembled(target, run_id)
+    save(build_tree(done, bodies, config, [], swept), tmp_path / "saved.h5")
+    assert_same_file(tmp_path / "saved.h5", target)
+
+
+def test_parts_of_another_layout_are_refused(assessed, tmp_path):
+    done, bodies, config, _ = assessed("plain")
+    parts = [record_part(one, bodies, config) for one in done]
+    parts[1] = {**parts[1], "/summary/pga": np.zeros(2)}
+    with pytest.raises(ValueError, match=r"/summary/pga: expected values for \(6,\) from 0 on, was given \(7,\)"):
+        assemble(tmp_path / "results.h5", template(bodies, config), parts)
+    assert list(tmp_path.iterdir()) == []

@@ -1,0 +1,263 @@
+"""The journal: durable, locked, resumed, and clear about what it cannot use."""
+
+import os
+import signal
+import sqlite3
+import subprocess
+import sys
+import textwrap
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from rockpulse.batch.journal import Journal, journal_path
+from rockpulse.batch.packing import pack, unpack
+from rockpulse.batch.tasks import Done
+from rockpulse.errors import ResultsError
+from rockpulse.failures import Failure
+
+FAILURE = Failure("a.txt", "assess", os.fsdecode(b"caf\xe9") + ": no intense phase", "failed")
+
+
+def done(key, content=b"x", fingerprint="f", failures=()):
+    return Done(key, fingerprint, (content,) if content else (), failures)
+
+
+@pytest.fixture
+def target(tmp_path):
+    return tmp_path / "results.h5"
+
+
+def test_what_was_added_is_there_after_reopening(target):
+    with Journal.open(target) as journal:
+        run_id = journal.run_id
+        journal.add(done("a", b"\0\xff" * 70000))
+        journal.add(Done("b", "g", (b"1", b"", b"3"), (FAILURE, FAILURE)))
+    with Journal.open(target, resume=True) as journal:
+        assert journal.run_id == run_id
+        assert journal.finished() == {"a": "f", "b": "g"}
+        assert journal.parts("a") == (b"\0\xff" * 70000,)
+        assert journal.parts("b") == (b"1", b"", b"3")
+        assert journal.parts("never heard of") == ()
+        assert list(journal.failures()) == ["b"]
+        assert journal.failures()["b"][1].reason == "caf\ufffd: no intense phase"
+
+
+def test_a_second_result_of_a_task_takes_the_place_of_the_first(target):
+    with Journal.open(target) as journal:
+        journal.add(Done("a", "old", (b"1", b"2"), (FAILURE,)))
+        journal.add(Done("a", "new", (b"3",)))
+        assert journal.finished() == {"a": "new"}
+        assert journal.parts("a") == (b"3",)
+        assert journal.failures() == {}
+
+
+def test_a_removed_journal_leaves_nothing(target):
+    with Journal.open(target) as journal:
+        journal.add(done("a"))
+        journal.remove()
+    assert list(target.parent.iterdir()) == []
+
+
+def test_a_stopped_run_is_neither_dropped_nor_resumed_unasked(target):
+    with Journal.open(target) as journal:
+        first = journal.run_id
+        journal.add(done("a"))
+        journal.add(done("b"))
+    with pytest.raises(ResultsError, match=r"stopped with 2 records done; go on with --resume, or .* --overwrite"):
+        Journal.open(target)
+    with Journal.open(target, overwrite=True) as journal:
+        assert journal.finished() == {}
+        assert journal.run_id != first
+    with Journal.open(target) as journal:  # nothing was done: nothing to ask about
+        assert journal.finished() == {}
+
+
+def test_resuming_what_never_began_begins_it(target):
+    with Journal.open(target, resume=True) as journal:
+        assert journal.finished() == {}
+
+
+def test_the_second_run_on_one_output_is_refused(target):
+    with Journal.open(target) as journal:
+        journal.add(done("a"))
+        for options in ({}, {"resume": True}, {"overwrite": True}):
+            with pytest.raises(ResultsError, match="is writing this output"):
+                Journal.open(target, **options)
+        journal.add(done("b"))
+        assert set(journal.finished()) == {"a", "b"}
+
+
+def in_process(script, *args):
+    """A process that runs a script and then waits for its input to end."""
+    command = [sys.executable, "-c", textwrap.dedent(script), *map(str, args)]
+    return subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
+
+
+OWNER = """
+    import sys
+    from rockpulse.batch.journal import Journal
+    from rockpulse.batch.tasks import Done
+    with Journal.open(sys.argv[1]) as journal:
+        for number in range(3):
+            journal.add(Done(f"record {number}", "f", (bytes(200_000),)))
+            print(number, flush=True)
+        journal._connection.execute("BEGIN")
+        journal._connection.execute("DELETE FROM done")
+        sys.stdin.read()
+"""
+
+
+@pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="no SIGKILL on this system")
+def test_a_killed_run_gives_its_lock_back_and_keeps_what_it_finished(target):
+    with in_process(OWNER, target) as owner:
+        assert [owner.stdout.readline() for _ in range(3)] == ["0\n", "1\n", "2\n"]
+        who = f"process {owner.pid}" if Path("/proc/locks").is_file() else "process"
+        with pytest.raises(ResultsError, match=rf"{who} is writing this output; wait for it"):
+            Journal.open(target, resume=True)
+        owner.send_signal(signal.SIGKILL)
+        owner.wait(timeout=30)
+    with Journal.open(target, resume=True) as journal:
+        assert list(journal.finished()) == ["record 0", "record 1", "record 2"]
+        assert journal.parts("record 2") == (bytes(200_000),)
+
+
+def test_a_journal_goes_with_the_file_behind_a_link(target, tmp_path):
+    (tmp_path / "far").mkdir()
+    target.symlink_to(tmp_path / "far" / "real.h5")
+    assert journal_path(target) == (tmp_path / "far" / "real.h5.journal").resolve()
+
+
+def _text(path):
+    path.write_text("my own journal, a diary\n" * 50)
+
+
+def _foreign(path):
+    with sqlite3.connect(path) as connection:
+        connection.execute("CREATE TABLE mine (text)")
+    connection.close()
+
+
+def _of_another_version(path):
+    _foreign(path)
+    with sqlite3.connect(path) as connection:
+        connection.execute(f"PRAGMA application_id = {int.from_bytes(bytes([*b'RPJ', 9]))}")
+    connection.close()
+
+
+@pytest.mark.parametrize(
+    ("make", "message"),
+    [
+        (_text, "found another file, which is left alone"),
+        (_foreign, "found another database, which is left alone"),
+        (_of_another_version, "journal of a run of another version"),
+    ],
+)
+@pytest.mark.parametrize("options", [{}, {"resume": True}, {"overwrite": True}])
+def test_a_file_that_is_no_journal_is_left_alone(target, make, message, options):
+    path = journal_path(target)
+    make(path)
+    before = path.read_bytes()
+    with pytest.raises(ResultsError, match=message):
+        Journal.open(target, **options)
+    assert path.read_bytes() == before
+
+
+def test_a_damaged_journal_says_so_or_gives_what_was_kept(target):
+    with Journal.open(target) as journal:
+        for number in range(4):
+            journal.add(done(f"record {number}", bytes([number]) * 100_000))
+    path = journal_path(target)
+    whole = path.read_bytes()
+    refused = 0
+    for offset in range(0, len(whole), len(whole) // 60):
+        path.write_bytes(whole[:offset] + bytes([whole[offset] ^ 0xFF]) + whole[offset + 1 :])
+        try:
+            with Journal.open(target, resume=True) as journal:
+                for key in journal.finished():
+                    if key in {f"record {number}" for number in range(4)}:
+                        assert journal.parts(key) in ((), (bytes([int(key[-1])]) * 100_000,))
+        except ResultsError:
+            refused += 1
+    assert refused > 20
+    path.write_bytes(whole[: len(whole) // 2])
+    with pytest.raises(ResultsError, match="damaged"), Journal.open(target, resume=True) as journal:
+        [journal.parts(key) for key in journal.finished()]
+
+
+def test_a_full_disk_keeps_what_was_finished(target):
+    with Journal.open(target) as journal:
+        journal.add(done("a", bytes(100_000)))
+        pages = journal._connection.execute("PRAGMA page_count").fetchone()[0]
+        journal._connection.execute(f"PRAGMA max_page_count = {pages + 1}")
+        with pytest.raises(
+            ResultsError, match=r"cannot keep the result of b: .*full; the 1 finished before are kept.*--resume"
+        ):
+            journal.add(done("b", bytes(10_000_000)))
+        assert journal.finished() == {"a": "f"}
+    with Journal.open(target, resume=True) as journal:
+        assert journal.parts("a") == (bytes(100_000),)
+        journal.add(done("b", bytes(10_000_000)))
+
+
+def test_a_limit_of_the_operating_system_keeps_what_was_finished(target):
+    pytest.importorskip("resource")
+    script = """
+        import resource, sys
+        from rockpulse.batch.journal import Journal
+        from rockpulse.batch.tasks import Done
+        from rockpulse.errors import ResultsError
+        with Journal.open(sys.argv[1]) as journal:
+            resource.setrlimit(resource.RLIMIT_FSIZE, (1_000_000, resource.RLIM_INFINITY))
+            try:
+                for number in range(100):
+                    journal.add(Done(f"record {number}", "f", (bytes(200_000),)))
+            except ResultsError as error:
+                print(error)
+    """
+    with in_process(script, target) as owner:
+        said, _ = owner.communicate(timeout=60)
+    assert "cannot keep the result of record" in said
+    with Journal.open(target, resume=True) as journal:
+        count = len(journal.finished())
+        assert f"the {count} finished before are kept" in said
+        assert 1 <= count <= 5
+
+
+def test_a_place_that_takes_no_journal_is_refused(tmp_path):
+    (tmp_path / "file").write_text("x")
+    with pytest.raises(ResultsError, match="cannot open the journal of the run"):
+        Journal.open(tmp_path / "file" / "results.h5")
+
+
+ARRAYS = {
+    "float": np.array([[1.5, np.nan], [-np.inf, -0.0]]),
+    "scalar": np.array(3),
+    "empty": np.zeros((0, 4, 2)),
+    "flags": np.array([-1, 0, 127], dtype=np.int8),
+    "text": np.array(["", "Grünthal", os.fsdecode(b"caf\xe9"), "two\nlines"]),
+    "no text": np.array([], dtype=str),
+    "turned": np.arange(12.0).reshape(3, 4).T,
+}
+
+
+def test_packed_arrays_come_back_bit_by_bit():
+    back = unpack(pack(ARRAYS))
+    assert list(back) == list(ARRAYS)
+    for name, array in ARRAYS.items():
+        assert back[name].dtype == array.dtype, name
+        assert back[name].shape == array.shape, name
+        assert back[name].tobytes() == array.tobytes(), name
+
+
+def test_only_numbers_and_texts_are_packed():
+    with pytest.raises(TypeError, match="a: expected numbers or texts"):
+        pack({"a": np.array([object()])})
+
+
+def test_bytes_that_are_no_packed_arrays_are_refused():
+    packed = pack(ARRAYS)
+    for other in (b"", b"RPA1", b"\x80\x04K\x01.", packed[:-1], packed + b"\0", packed.replace(b'"<f8"', b'"|O8"')):
+        with pytest.raises(ValueError, match=r"expected|Expecting"):
+            unpack(other)

@@ -1,0 +1,233 @@
+"""Runs that are killed, interrupted or cut off, and resumed: the results are those of an undisturbed run."""
+
+from __future__ import annotations
+
+import os
+import re
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+from record_writers import at2, pulse
+
+import rockpulse as rp
+from rockpulse.batch.journal import Journal, journal_path
+from rockpulse.cli import main
+
+TESTS = Path(__file__).parents[2]
+RECORDS = 6
+CONFIGURATION = """
+[models]
+use = ["sequence", "linear"]
+[search]
+models = ["sequence"]
+[[block]]
+name = "wall"
+width = 0.4
+height = 3.0
+[[block]]
+name = "pier"
+width = 1.0
+height = 3.0
+"""
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    """Six good records, a damaged one, and a configuration."""
+    folder = tmp_path_factory.mktemp("killed")
+    for number in range(RECORDS):
+        peak = 0.2 + 0.05 * number
+        (folder / f"r{number}.at2").write_bytes(at2(pulse(400, peak), title=f"Event, 1/2/2003, Station {number}, 090"))
+    (folder / "cut.at2").write_bytes(at2(pulse(400, 0.3), title="Event, 1/2/2003, Cut, 090")[:900])
+    (folder / "site.toml").write_text(CONFIGURATION)
+    return folder
+
+
+@pytest.fixture(scope="module")
+def undisturbed(folder, tmp_path_factory):
+    """What comes of it when nothing happens."""
+    target = tmp_path_factory.mktemp("undisturbed") / "results.h5"
+    assert main(command(folder, target, "--workers", "1")) == 1  # one file is damaged
+    return rp.load(target)
+
+
+def command(folder, target, *options):
+    return ["assess", str(folder), "--config", str(folder / "site.toml"), "-o", str(target), "--quiet", *options]
+
+
+def start(folder, target, point, number, *options, **settings):
+    """The run in a process group of its own, as a terminal starts one."""
+    arguments = [sys.executable, TESTS / "killed_run.py", point, str(number), *command(folder, target, *options)]
+    return subprocess.Popen(arguments, start_new_session=True, text=True, stderr=subprocess.PIPE, **settings)
+
+
+def members(group):
+    """Process ids of a group that live, other than zombies."""
+    found = []
+    for stat in Path("/proc").glob("[0-9]*/stat"):
+        try:
+            text = stat.read_text()
+        except (FileNotFoundError, ProcessLookupError):
+            continue  # it has ended meanwhile
+        state, _, pgrp = text.rpartition(")")[2].split()[:3]
+        if int(pgrp) == group and state != "Z":
+            found.append(int(stat.parent.name))
+    return found
+
+
+def assert_nobody_is_left(group, seconds=10.0):
+    end = time.monotonic() + seconds
+    while members(group) and time.monotonic() < end:
+        time.sleep(0.05)
+    assert members(group) == []
+
+
+def assert_same(tree, other):
+    """Array for array, bit for bit; the root tells apart when they were written."""
+    assert [node.path for node in tree.subtree] == [node.path for node in other.subtree]
+    assert tree.attrs["configuration"] == other.attrs["configuration"]
+    for node in tree.subtree:
+        if node.path == "/":
+            continue
+        xr.testing.assert_identical(node.to_dataset(inherit=False), other[node.path].to_dataset(inherit=False))
+
+
+def assert_resumed(folder, target, undisturbed, *options):
+    """The same command with --resume completes the run and leaves the results alone in their folder."""
+    assert main(command(folder, target, "--resume", *options)) == 1
+    assert_same(rp.load(target), undisturbed)
+    assert [path.name for path in target.parent.iterdir()] == [target.name]
+
+
+def test_a_run_killed_between_two_records_goes_on_with_what_is_missing(folder, tmp_path, undisturbed):
+    target, log = tmp_path / "out" / "results.h5", tmp_path / "log"
+    target.parent.mkdir()
+    process = start(folder, target, "record", 3, "--workers", "2")
+    assert process.wait(60) == -signal.SIGKILL
+    process.stderr.close()
+    assert_nobody_is_left(process.pid)
+    assert not target.exists()
+    assert_resumed(folder, target, undisturbed, "--workers", "1", "--log-file", str(log))
+    assert "assessing 3 records; finished before: 3, of another state: 0" in log.read_text()
+
+
+POINTS = [
+    ("assembly", 40),
+    ("rename", 1),
+    pytest.param("renamed", 1, marks=pytest.mark.slow),
+]
+
+
+@pytest.mark.parametrize(("point", "number"), POINTS)
+def test_a_run_killed_while_it_writes_the_results_goes_on(folder, tmp_path, undisturbed, point, number):
+    target = tmp_path / "results.h5"
+    process = start(folder, target, point, number, "--workers", "1")
+    assert process.wait(60) == -signal.SIGKILL
+    process.stderr.close()
+    assert journal_path(target).exists()
+    assert target.exists() == (point == "renamed")
+    assert_resumed(folder, target, undisturbed, "--workers", "1")
+
+
+INTERRUPTIONS = [("interrupt", 2), pytest.param("terminate", 1, marks=pytest.mark.slow)]
+
+
+@pytest.mark.parametrize(("point", "workers"), INTERRUPTIONS)
+def test_an_interrupted_run_says_how_to_go_on(folder, tmp_path, undisturbed, point, workers):
+    target = tmp_path / "results.h5"
+    process = start(folder, target, point, 2, "--workers", str(workers))
+    assert process.wait(60) == 130
+    said = process.stderr.read()
+    process.stderr.close()
+    assert re.fullmatch(
+        r"rockpulse: interrupted; [2-6] finished records are kept in .*results.h5.journal: the same command with "
+        r"--resume goes on from there\n",
+        said,
+    )
+    assert_nobody_is_left(process.pid)
+    assert not target.exists()
+    assert_resumed(folder, target, undisturbed, "--workers", "1")
+
+
+def kill_a_worker(folder, target, seconds):
+    """Run with two workers, of which one is killed so long after the first of them has begun."""
+    process = start(folder, target, "record", 1000, "--workers", "2")
+    victims = []
+    while process.poll() is None and not victims:
+        victims = [one for one in members(process.pid) if is_worker(one)]
+        time.sleep(0.01)
+    time.sleep(seconds)
+    alive = [one for one in members(process.pid) if one in victims]
+    if alive:
+        os.kill(alive[0], signal.SIGKILL)
+    assert process.wait(120) == 1
+    process.stderr.close()
+    return bool(alive)
+
+
+def is_worker(process):
+    try:
+        return "spawn_main" in Path(f"/proc/{process}/cmdline").read_text()
+    except (FileNotFoundError, ProcessLookupError):
+        return False
+
+
+def test_a_killed_worker_changes_nothing(folder, tmp_path, undisturbed):
+    target = tmp_path / "results.h5"
+    assert kill_a_worker(folder, target, 0.0)
+    assert_same(rp.load(target), undisturbed)
+
+
+@pytest.mark.slow
+def test_twenty_killed_workers_change_nothing(folder, tmp_path, undisturbed):
+    killed = 0
+    for count, moment in enumerate(np.random.default_rng(0).uniform(0.0, 3.0, size=20)):
+        target = tmp_path / f"{count}.h5"
+        killed += kill_a_worker(folder, target, moment)
+        assert_same(rp.load(target), undisturbed)
+    assert killed >= 10
+
+
+def kill_slowly(folder, tmp_path, undisturbed, point, numbers, workers):
+    for count, number in enumerate(numbers):
+        target = tmp_path / f"{count}" / "results.h5"
+        target.parent.mkdir()
+        process = start(folder, target, point, number, "--workers", str(workers))
+        code = process.wait(120)
+        process.stderr.close()
+        assert_nobody_is_left(process.pid)
+        if code == 1:  # it was done before the moment came
+            assert_same(rp.load(target), undisturbed)
+        else:
+            assert code == -signal.SIGKILL
+            assert_resumed(folder, target, undisturbed, "--workers", "1")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("workers", [1, 2])
+@pytest.mark.parametrize("point", ["record", "assembly", "rename", "renamed", "moment"])
+def test_twenty_kills_of_the_parent(folder, tmp_path, undisturbed, point, workers):
+    draw = np.random.default_rng([workers, len(point)])
+    numbers = {
+        "record": 1 + draw.integers(RECORDS, size=10),
+        "assembly": 1 + draw.integers(70, size=10),
+        "rename": [1] * 10,
+        "renamed": [1] * 10,
+        "moment": draw.integers(1000, 8000, size=10),
+    }[point]
+    kill_slowly(folder, tmp_path, undisturbed, point, numbers, workers)
+
+
+def test_a_second_run_on_the_same_output_is_refused(folder, tmp_path, capsys):
+    target = tmp_path / "results.h5"
+    with Journal.open(target):
+        assert main(command(folder, target)) == 2
+        assert f"process {os.getpid()} is writing this output" in capsys.readouterr().err
+        assert main(command(folder, target, "--resume")) == 2
+        assert main(command(folder, target, "--overwrite")) == 2

@@ -1,0 +1,182 @@
+"""Tasks are what the assessment in memory would do, and their fingerprints change with their answers."""
+
+from __future__ import annotations
+
+import pickle
+import shutil
+from dataclasses import replace
+
+import pytest
+from record_writers import at2, pulse
+
+from rockpulse.batch.plan import configuration_fingerprint, plan, read_options
+from rockpulse.batch.survey import find, gather, survey_file
+from rockpulse.body import BlockSettings
+from rockpulse.config import Config
+from rockpulse.directions import ground_motions
+from rockpulse.settings import (
+    CalibrationSettings,
+    ConditioningSettings,
+    DemandSettings,
+    FragilitySettings,
+    HalfWaveSettings,
+    IntensePhaseSettings,
+    ModelSettings,
+    RecordSettings,
+    RunSettings,
+    SearchSettings,
+    SequenceSettings,
+    SiteSettings,
+)
+from rockpulse.sources import read_all
+
+WALL = BlockSettings(name="wall", width=0.4, height=3.0)
+WAYS = {
+    "horizontal": {},
+    "vertical": {"include_vertical": True},
+    "azimuth": {"components": "azimuth", "azimuth": 30.0},
+    "sweep": {"components": "sweep", "azimuth_step": 45.0, "include_vertical": True},
+    "structural": {"structural": True},
+}
+
+
+def config(**records):
+    return Config(blocks=(WALL,), records=RecordSettings(**records))
+
+
+def planned(paths, options=None, verb="assess"):
+    options = options or config()
+    found, failures = find(paths)
+    surveys = [(one, survey_file(one, read_options(options))) for one in found]
+    return plan(*gather(found, surveys, failures), options, verb)
+
+
+@pytest.mark.parametrize("way", WAYS)
+def test_the_tasks_are_the_motions_of_the_assessment_in_memory(samples, way):
+    options = config(**WAYS[way])
+    records, failures = read_all(samples)
+    motions, left_out = ground_motions(records, options)
+    found = planned(samples, options)
+    assert found.failures == [*failures, *left_out]
+    expected = dict.fromkeys(motion.pair or motion.record.id for motion in motions)
+    assert [task.key for task in found.tasks] == list(expected)
+    for task in found.tasks:
+        motion = next(motion for motion in motions if (motion.pair or motion.record.id) == task.key)
+        assert [one.record.id for one in task.channels] == [channel.id for channel in motion.channels]
+        assert (task.vertical and task.vertical.record.id) == (motion.vertical and motion.vertical.id)
+        assert task.source == motion.record.source
+    directions = [motion.record.id for motion in motions]
+    assert (found.swept and [name for names in found.swept.values() for name in names]) == (
+        directions if way == "sweep" else None
+    )
+
+
+def test_a_task_is_small(samples):
+    sizes = [len(pickle.dumps(task)) for task in planned(samples, config(**WAYS["sweep"])).tasks]
+    assert max(sizes) < 8000
+
+
+def test_what_a_task_reads_is_what_was_planned(samples):
+    options = config(**WAYS["sweep"])
+    (record,) = (one for one in read_all(samples)[0] if one.id.startswith("CI.CLC..Up"))
+    task = next(task for task in planned(samples, options).tasks if "CLC" in task.key)
+    full = task.read(read_options(options))
+    assert [one.npts for one in full.channels] == [one.record.npts for one in task.channels]
+    assert full.vertical is not None
+    assert full.vertical.acceleration.tolist() == record.acceleration.tolist()
+    assert all(one.pga > 0.0 for one in full.channels)
+
+
+def test_tasks_of_a_site_are_in_the_order_of_the_ids(tmp_path):
+    for name in ("b", "a"):
+        folder = tmp_path / ("1" if name == "b" else "2")
+        folder.mkdir()
+        (folder / f"{name}.AT2").write_bytes(at2(pulse(peak=0.1 if name == "a" else 0.2)))
+    assert [task.key for task in planned(tmp_path).tasks] == ["b.090", "a.090"]
+    assert [task.key for task in planned(tmp_path, verb="calibrate").tasks] == ["a.090", "b.090"]
+
+
+def fingerprints(paths, options=None):
+    return {task.key: task.fingerprint for task in planned(paths, options).tasks}
+
+
+def test_a_fingerprint_is_the_same_in_every_run_and_another_for_every_record(samples):
+    first = fingerprints(samples)
+    assert fingerprints(samples) == first
+    assert len(set(first.values())) == len(first) == 7
+
+
+def test_a_fingerprint_changes_with_the_samples_and_with_what_is_known_of_the_record(tmp_path):
+    path = tmp_path / "a.AT2"
+    seen = []
+    for content in (at2(pulse()), at2(pulse(peak=0.31)), at2(pulse(), title="Elsewhere, 1/2/2003, Station One, 090")):
+        path.write_bytes(content)
+        seen.append(fingerprints(path)["a.090"])
+    path.rename(tmp_path / "b.AT2")
+    seen.append(fingerprints(tmp_path / "b.AT2")["b.090"])
+    assert len(set(seen)) == 4
+
+
+def test_a_fingerprint_changes_with_the_vertical_channel(samples, tmp_path):
+    for name in ("CICLC.v1", "CICCC.RAW"):
+        shutil.copy(samples / name, tmp_path / name)
+    options = config(include_vertical=True)
+    before = fingerprints(tmp_path, options)
+    text = (tmp_path / "CICLC.v1").read_bytes()
+    lines = text.split(b"\n")
+    # A number of the last block of data, which is that of the vertical channel.
+    at = max(number for number, line in enumerate(lines) if line.count(b".") == 8)
+    lines[at] = lines[at].replace(lines[at][:9], b" 0.012345", 1)
+    (tmp_path / "CICLC.v1").write_bytes(b"\n".join(lines))
+    after = fingerprints(tmp_path, options)
+    assert list(after) == list(before)
+    assert {name for name in before if before[name] != after[name]} == {name for name in before if "CLC" in name}
+
+
+#: Every section with a change, and the verbs whose numbers it changes.
+CHANGES = [
+    ({"site": SiteSettings(name="x")}, ""),
+    ({"records": RecordSettings(paths=("x",))}, ""),
+    ({"records": RecordSettings(events="x.csv")}, ""),
+    ({"run": RunSettings(workers=3)}, ""),
+    ({"fragility": FragilitySettings(pga_min=0.5)}, ""),
+    ({"records": RecordSettings(store="none")}, "assess calibrate"),
+    ({"records": RecordSettings(include_vertical=True)}, "assess calibrate"),
+    ({"records": RecordSettings(units="g")}, "assess calibrate"),
+    ({"run": RunSettings(seed=3)}, "assess calibrate"),
+    ({"conditioning": ConditioningSettings(highpass_hz=0.1)}, "assess calibrate"),
+    ({"half_waves": HalfWaveSettings(merge=False)}, "assess calibrate"),
+    ({"intense_phase": IntensePhaseSettings(method="D5-75")}, "assess calibrate"),
+    ({"sequence": SequenceSettings(spacing="middle")}, "assess calibrate"),
+    ({"blocks": ()}, "assess calibrate"),
+    ({"blocks": (replace(WALL, restitution=0.9),)}, "assess calibrate"),
+    ({"models": ModelSettings(use=("linear",))}, "assess"),
+    ({"search": SearchSettings(factor_max=5.0)}, "assess"),
+    ({"demands": (DemandSettings(name="x", acceleration=1.0),)}, "assess calibrate"),
+    ({"calibration": CalibrationSettings(method="statistics")}, "calibrate"),
+]
+
+
+@pytest.mark.parametrize("verb", ["assess", "calibrate"])
+@pytest.mark.parametrize(("change", "verbs"), CHANGES, ids=["-".join(change) for change, _ in CHANGES])
+def test_the_fingerprint_of_the_configuration_changes_with_what_changes_numbers(change, verbs, verb):
+    plain, changed = (configuration_fingerprint(one, verb) for one in (config(), replace(config(), **change)))
+    assert (plain != changed) == (verb in verbs)
+
+
+def test_the_fingerprint_of_the_configuration_knows_verb_version_and_schema(monkeypatch):
+    from rockpulse.batch import plan as module
+
+    seen = {configuration_fingerprint(config(), "assess"), configuration_fingerprint(config(), "calibrate")}
+    monkeypatch.setattr(module, "__version__", "x")
+    seen.add(configuration_fingerprint(config(), "assess"))
+    monkeypatch.setattr(module, "SCHEMA_VERSION", "x")
+    seen.add(configuration_fingerprint(config(), "assess"))
+    assert len(seen) == 4
+
+
+def test_a_fingerprint_changes_with_the_configuration(samples):
+    before, after = (
+        fingerprints(samples, replace(config(), half_waves=HalfWaveSettings(threshold=value))) for value in (0.0, 0.1)
+    )
+    assert not set(before.values()) & set(after.values())

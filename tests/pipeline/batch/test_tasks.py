@@ -1,0 +1,208 @@
+"""Tasks carried out one by one give what the assessment in memory gives, and whatever goes wrong is a row."""
+
+from __future__ import annotations
+
+import logging
+import pickle
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from record_writers import at2, pulse
+
+from rockpulse.assessment import assess
+from rockpulse.batch import tasks as module
+from rockpulse.batch.journal import unpack
+from rockpulse.batch.plan import plan, read_options
+from rockpulse.batch.survey import find, gather, survey_file
+from rockpulse.batch.tasks import UNFINISHED, Done, Job, assess_task, calibrate_task
+from rockpulse.bodies import gather_bodies
+from rockpulse.body import BlockSettings
+from rockpulse.calibration.site_calibration import calibrate_site, prepare_site, site_results
+from rockpulse.config import Config
+from rockpulse.results import joined_parts
+from rockpulse.settings import (
+    CalibrationSettings,
+    ConditioningSettings,
+    DemandSettings,
+    IntensePhaseSettings,
+    ModelSettings,
+    RecordSettings,
+    SearchSettings,
+)
+from rockpulse.sources import read_all
+
+WALL = BlockSettings(name="wall", width=0.4, height=3.0)
+TOWER = BlockSettings(name="tower", width=1.0, height=5.0, restitution=(0.9, 0.95))
+CHEAP = Config(
+    blocks=(WALL, replace(TOWER, restitution="housner")),
+    models=ModelSettings(use=("sequence", "impulsive", "linear")),
+    search=SearchSettings(models=()),
+)
+CONFIGURATIONS = {
+    "horizontal": CHEAP,
+    "searched": replace(CHEAP, search=SearchSettings(models=("sequence",), points=16)),
+    "cases": replace(
+        CHEAP,
+        blocks=(replace(WALL, restitution=(0.91, 0.96)), TOWER),
+        demands=(DemandSettings(name="damage", acceleration=1.0),),
+    ),
+    "filtered": replace(CHEAP, conditioning=ConditioningSettings(highpass_hz=0.2, resample_s=0.02)),
+    "vertical": replace(
+        CHEAP,
+        records=RecordSettings(include_vertical=True, store="half_waves"),
+        models=ModelSettings(use=("nonlinear",), histories=True),
+    ),
+    "structural": replace(CHEAP, records=RecordSettings(structural=True, store="none")),
+    "azimuth": replace(CHEAP, records=RecordSettings(components="azimuth", azimuth=30.0)),
+    "strongest": replace(CHEAP, records=RecordSettings(components="strongest")),
+    "sweep": replace(
+        CHEAP, records=RecordSettings(components="sweep", azimuth_step=45.0, include_vertical=True, store="none")
+    ),
+    # Not every direction exceeds the bracket.
+    "failing": replace(
+        CHEAP,
+        records=RecordSettings(components="sweep", azimuth_step=20.0),
+        intense_phase=IntensePhaseSettings(method="bracketed", level=3.7),
+    ),
+}
+
+
+def planned(paths, config, verb="assess"):
+    found, failures = find(paths)
+    surveys = [(one, survey_file(one, read_options(config))) for one in found]
+    located, rows = gather(found, surveys, failures)
+    return plan(located, rows, config, verb), located, rows
+
+
+def carried_out(paths, config) -> tuple[list[Done], list]:
+    """Every task as another process would do it, and all rows."""
+    work, _, _ = planned(paths, config)
+    job = pickle.loads(pickle.dumps(Job(config, gather_bodies(config.blocks))))
+    done = [pickle.loads(pickle.dumps(assess_task(pickle.loads(pickle.dumps(task)), job))) for task in work.tasks]
+    assert [(one.key, one.fingerprint) for one in done] == [(task.key, task.fingerprint) for task in work.tasks]
+    return done, [*work.failures, *(row for one in done for row in one.failures)]
+
+
+@pytest.mark.parametrize("name", CONFIGURATIONS)
+def test_tasks_one_by_one_give_the_arrays_of_the_assessment_in_memory(samples, name):
+    config = CONFIGURATIONS[name]
+    paths = samples / "CICLC.v1" if name == "strongest" else samples  # the search for the direction takes its time
+    done, rows = carried_out(paths, config)
+    records, failures = read_all(paths)
+    tree = assess(records, config, failures=failures)
+    arrays = joined_parts([unpack(part) for one in done for part in one.parts])
+    assert len(arrays["/summary/record"]) == tree["summary"].sizes["record"] > 0
+    assert len(arrays) > 50
+    for path, values in arrays.items():
+        np.testing.assert_array_equal(values, tree[path].values, strict=True, err_msg=path)
+    told = zip(*(tree["failures"][key].values.tolist() for key in ("file", "stage", "reason", "kind")), strict=True)
+    assert [(row.file, row.stage, row.reason, row.kind) for row in rows] == list(told)
+    if name == "failing":
+        assert any(row.stage == "assess" for row in rows)
+
+
+def test_a_pair_that_cannot_be_rotated_is_rows_of_its_task(samples):
+    # Filtering needs corners below the Nyquist frequency, 50 or 100 Hz here.
+    config = replace(CONFIGURATIONS["azimuth"], conditioning=ConditioningSettings(lowpass_hz=80.0))
+    done, rows = carried_out(samples, config)
+    records, failures = read_all(samples)
+    tree = assess(records, config, failures=failures)
+    assert [row.reason for row in rows] == tree["failures"]["reason"].values.tolist()
+    lost = [one for one in done if not one.parts]
+    assert lost
+    assert all([row.stage for row in one.failures] == ["rotate", "rotate"] for one in lost)
+
+
+@pytest.mark.parametrize("components", ["horizontal", "sweep"])
+def test_the_tasks_of_a_site_give_its_calibration_in_memory(samples, components):
+    config = Config(
+        blocks=CHEAP.blocks,
+        calibration=CalibrationSettings(method="statistics", bootstrap=100),
+        records=RecordSettings(components=components, azimuth_step=90.0, include_vertical=True),
+    )
+    work, located, read_failures = planned(samples, config, "calibrate")
+    every = sorted((one.record for one in located), key=lambda record: record.id)
+    study = prepare_site(every, work.planned, config, failures=read_failures)
+    done = [calibrate_task(task, Job(config, study.lanes)) for task in work.tasks]
+    assert max(len(part) for one in done for part in one.parts) < 8000  # no samples
+    parts = [pickle.loads(part) for one in reversed(done) for part in one.parts]
+    rows = [*work.failures, *(row for one in done for row in one.failures)]
+    found, expected = site_results(parts, study, config, rows), calibrate_site(*_read(samples, config))
+    assert found.groups == expected.groups
+    for group in expected.groups:
+        assert found[group].to_dataset().identical(expected[group].to_dataset()), group
+
+
+def _read(paths, config):
+    records, failures = read_all(paths)
+    return records, config, None, failures
+
+
+@pytest.fixture
+def one_task(tmp_path):
+    """A record of its own and the work on it."""
+    path = tmp_path / "a.AT2"
+    path.write_bytes(at2(pulse()))
+    work, _, _ = planned(path, CHEAP)
+    return path, work.tasks[0], Job(CHEAP, gather_bodies(CHEAP.blocks))
+
+
+def test_a_file_that_changed_since_the_survey_is_a_row(one_task):
+    path, task, job = one_task
+    path.write_bytes(at2(pulse(peak=0.2)))
+    done = assess_task(task, job)
+    assert done.parts == ()
+    assert done.fingerprint == UNFINISHED != task.fingerprint  # tried again when the run is resumed
+    (row,) = done.failures
+    assert (row.file, row.stage, row.kind) == (str(path), "read", "failed")
+    assert "has changed since" in row.reason
+
+
+def test_a_file_that_vanished_is_a_row(one_task):
+    path, task, job = one_task
+    path.unlink()
+    (row,) = assess_task(task, job).failures
+    assert (row.stage, row.kind) == ("read", "failed")
+    assert "No such file" in row.reason
+
+
+@pytest.mark.parametrize(
+    ("fault", "reason"),
+    [
+        (KeyError("x"), "a.090: unexpected KeyError: 'x'; please report"),
+        (ZeroDivisionError("nothing"), "a.090: unexpected ZeroDivisionError: nothing; please report"),
+        (MemoryError(), "a.090: out of memory; use fewer workers"),
+    ],
+)
+def test_a_fault_of_the_program_is_a_row_with_its_traceback_in_the_log(one_task, monkeypatch, fault, reason):
+    path, task, job = one_task
+
+    def faulty(*given):
+        raise fault
+
+    monkeypatch.setattr(module, "record_part", faulty)
+    done = assess_task(task, job)
+    assert (done.fingerprint, done.parts) == (UNFINISHED, ())
+    (row,) = done.failures
+    assert (row.file, row.stage, row.kind) == (str(path), "assess", "failed")
+    assert reason in row.reason
+    assert any(level == logging.ERROR and "Traceback" in text for level, text in done.messages)
+
+
+def test_what_a_task_logs_comes_back_and_goes_nowhere_else(one_task, caplog):
+    path, _, job = one_task
+    path.write_bytes(at2(pulse() + 0.05))  # the velocity drifts
+    work, _, _ = planned(path, CHEAP)
+    config = replace(CHEAP, conditioning=ConditioningSettings(baseline="none"))
+    done = assess_task(work.tasks[0], Job(config, job.bodies))
+    assert [(level, "baseline drift" in text) for level, text in done.messages] == [(logging.WARNING, True)]
+    assert caplog.records == []
+    logging.getLogger("rockpulse").warning("heard again")
+    assert [record.message for record in caplog.records] == ["heard again"]
+
+
+def test_the_steps_are_timed(one_task):
+    seconds = assess_task(one_task[1], one_task[2]).seconds
+    assert list(seconds) == ["read", "condition", "solve", "pack"]
+    assert all(value > 0.0 for value in seconds.values())

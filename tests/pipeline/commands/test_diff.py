@@ -1,0 +1,48 @@
+"""``rockpulse diff``: exit codes and options."""
+
+import pytest
+from results_tree import results_tree
+
+from rockpulse.cli import main
+from rockpulse.store import save
+
+
+@pytest.fixture(scope="module")
+def files(tmp_path_factory):
+    """Results, and the same with a PGA that is larger by a millionth."""
+    folder = tmp_path_factory.mktemp("results")
+    first, second = (str(folder / name) for name in ("a.h5", "b.h5"))
+    save(results_tree(), first)
+    tree = results_tree()
+    tree["summary"]["pga"].values[1] *= 1.0 + 1e-6
+    save(tree, second)
+    return first, second
+
+
+def test_exit_code_zero_where_the_results_are_the_same(files, capsys):
+    assert main(["diff", files[0], files[0]]) == 0
+    assert "The results are the same" in capsys.readouterr().out
+
+
+def test_exit_code_one_where_they_differ(files, capsys):
+    assert main(["diff", *files]) == 1
+    out = capsys.readouterr().out
+    assert "Variables beyond rtol 1e-09" in out
+    assert "/summary/pga" in out
+    assert "1.0e-06" in out
+    assert max(map(len, out.splitlines())) <= 120
+
+
+@pytest.mark.parametrize("options", [["--rtol", "1e-5"], ["--atol", "1e-5"], ["--ignore", "pga"]])
+def test_tolerances_and_what_is_ignored(files, options):
+    assert main(["diff", *files, *options]) == 0
+
+
+def test_exit_code_two_for_what_is_no_results_file(files, tmp_path, capsys):
+    (tmp_path / "notes.txt").write_text("no results")
+    assert main(["diff", files[0], str(tmp_path / "notes.txt")]) == 2
+    assert "expected a results file of rockpulse" in capsys.readouterr().err
+    assert main(["diff", files[0], str(tmp_path / "none.h5")]) == 2
+    with pytest.raises(SystemExit) as end:
+        main(["diff", *files, "--rtol", "-1"])
+    assert end.value.code == 2

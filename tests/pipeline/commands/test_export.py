@@ -1,0 +1,64 @@
+"""``rockpulse export``."""
+
+import pandas as pd
+import pytest
+from results_tree import RECORDS, results_tree
+
+from rockpulse.cli import main
+from rockpulse.store import save
+
+
+@pytest.fixture(scope="module")
+def results(tmp_path_factory):
+    path = tmp_path_factory.mktemp("results") / "results.h5"
+    save(results_tree(), path)
+    return str(path)
+
+
+def test_a_table_and_its_readme(results, tmp_path, capsys):
+    target = tmp_path / "table.csv"
+    options = ["--outcome", "overturns", "--model", "nonlinear", "--sort", "safety_factor", "--columns", "pga,outcome"]
+    assert main(["export", results, "-o", str(target), *options]) == 0
+    out = capsys.readouterr().out.splitlines()
+    assert out[0] == f"{target}: 1 rows, one per record x block x model, 5 columns"
+    assert pd.read_csv(target).to_dict("records") == [
+        {"record": RECORDS[0], "block": "boundary wall", "model": "nonlinear", "pga": 5.5574, "outcome": "overturns"}
+    ]
+    readme = (tmp_path / "table.README.md").read_text()
+    assert "From `results.h5` (Borgo;" in readme
+    assert "Selection: model nonlinear; outcome = overturns; sorted by safety_factor, smallest first." in readme
+
+
+def test_other_groups_and_rows(results, tmp_path, capsys):
+    assert (
+        main(["export", results, "-o", str(tmp_path / "f.csv"), "--group", "failures", "--where", "kind=failed"]) == 0
+    )
+    assert pd.read_csv(tmp_path / "f.csv")["file"].tolist() == ["cut.AT2"]
+    assert main(["export", results, "-o", str(tmp_path / "r.csv"), "--rows", "record", "--record", "CI.*"]) == 0
+    assert pd.read_csv(tmp_path / "r.csv")["record"].tolist() == RECORDS[:2]
+    assert main(["export", results, "-o", str(tmp_path / "l.csv"), "--limit", "5"]) == 0
+    assert "l.csv: 5 of 27 rows" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        (["--outcome", "falls"], "expected one of at_rest"),
+        (["--where", "pga"], "expected a condition"),
+        (["--descending"], "--descending goes with --sort"),
+        (["--group", "nothing"], "no group 'nothing'"),
+        (["--group", "failures", "--record", "weak.1"], "no record, by which it could be filtered"),
+    ],
+)
+def test_wrong_options_are_exit_code_two_and_write_nothing(results, tmp_path, capsys, options, said):
+    assert main(["export", results, "-o", str(tmp_path / "t.csv"), *options]) == 2
+    assert said in capsys.readouterr().err
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("limit", ["0", "-1", "many"])
+def test_a_limit_is_a_whole_number_from_one(results, tmp_path, capsys, limit):
+    with pytest.raises(SystemExit) as end:
+        main(["export", results, "-o", str(tmp_path / "t.csv"), "--limit", limit])
+    assert end.value.code == 2
+    assert "expected a whole number from 1" in capsys.readouterr().err

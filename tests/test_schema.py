@@ -1,0 +1,126 @@
+"""docs/schema.md against the files: every variable is named, and the examples run."""
+
+import re
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import rockpulse as rp
+from rockpulse.body import BlockSettings
+from rockpulse.calibration import site_variables
+from rockpulse.settings import DemandSettings, ModelSettings, RecordSettings
+from rockpulse.study import variables as study_variables
+from rockpulse.synthetic import synthetic_motion
+from rockpulse.variables import FAILURE
+
+SCHEMA = (Path(__file__).parents[1] / "docs" / "schema.md").read_text(encoding="utf-8")
+EXAMPLES = re.findall(r"```python\n(.*?)```", SCHEMA, re.DOTALL)
+
+COORDINATES = ("record", "block", "model", "demand")
+WALL = BlockSettings(name="wall", width=0.3, height=2.4, restitution=(0.95, 0.9))
+CHEST = BlockSettings(name="chest", width=1.0, height=2.2)
+
+
+def channel(azimuth, station="STA"):
+    samples = synthetic_motion(seed=int(azimuth) + 1, duration=6.0, pga=4.0)
+    return rp.Record(
+        samples, dt=0.01, id=f"XX.{station}..{azimuth:g}", station=station, azimuth=azimuth, processed=True
+    )
+
+
+def assessed(components="horizontal", blocks=(WALL, CHEST)):
+    """Everything that an assessment may hold."""
+    config = rp.Config(
+        records=RecordSettings(components=components, azimuth_step=60.0),
+        models=ModelSettings(use=("sequence", "nonlinear"), histories=True),
+        blocks=blocks,
+        demands=(DemandSettings(name="collapse", acceleration=2.5),),
+    )
+    return rp.assess([channel(0.0), channel(90.0)], config)
+
+
+@pytest.fixture(scope="module")
+def results(tmp_path_factory):
+    path = tmp_path_factory.mktemp("schema") / "results.h5"
+    rp.save(assessed(blocks=(replace(WALL, restitution=0.95), CHEST)), path)
+    return path
+
+
+def section(group):
+    """The text that is about a group of an assessment."""
+    parts = re.split(r"^## ", SCHEMA, flags=re.MULTILINE)
+    return next(part for part in parts if f"/{group}" in part.splitlines()[0])
+
+
+@pytest.mark.parametrize(("heading", "module"), [("The site file", site_variables), ("The study", study_variables)])
+def test_every_variable_of_other_files_is_named(heading, module):
+    text = next(part for part in re.split(r"^## ", SCHEMA, flags=re.MULTILINE) if part.startswith(heading))
+    tables = [value for value in vars(module).values() if isinstance(value, dict) and value]
+    names = {
+        name for table in tables for name, meaning in table.items() if isinstance(meaning, tuple) and len(meaning) == 3
+    }
+    assert len(names) > 20
+    assert {name for name in names if f"`{name}`" not in text} - set(FAILURE) == set()
+
+
+@pytest.mark.parametrize("components", ["horizontal", "sweep"])
+def test_every_group_and_variable_of_an_assessment_is_named(components):
+    tree = assessed(components)
+    table = SCHEMA.split("## /summary")[0]
+    groups = set()
+    for node in tree.subtree:
+        group = node.path.strip("/")
+        groups.add(group)
+        if not group:
+            continue
+        assert f"`/{group}`" in table
+        text = section(group)
+        for name, variable in node.to_dataset(inherit=False).variables.items():
+            assert f"`{name}`" in (section("summary") if name in COORDINATES else text), (group, name)
+            assert variable.attrs["units"], (group, name)
+            assert variable.attrs["long_name"], (group, name)
+    expected = {"", "summary", "half_cycles", "overturning_intervals", "failures", "records"}
+    assert groups == (expected | {"directions"} if components == "sweep" else expected)
+
+
+def test_every_attribute_of_the_root_is_named(results):
+    text = SCHEMA.split("## /half_cycles")[0] + SCHEMA.split("## Versions, checksums")[1]
+    for name in rp.load(results).attrs:
+        assert f"`{name}`" in text or re.fullmatch(r"(numpy|numba|scipy|xarray|h5netcdf|h5py|obspy)_version", name), (
+            name
+        )
+
+
+@pytest.mark.parametrize("number", range(len(EXAMPLES)))
+def test_the_examples_run(results, number, monkeypatch):
+    monkeypatch.chdir(results.parent)
+    names = {}
+    exec(compile(EXAMPLES[number], f"example {number}", "exec"), names)
+    summary = rp.load(results)["summary"]
+    if number == 0:
+        assert names["peaks"].shape == (2, 2)
+        assert len(names["worst"]) == 4
+        assert set(names["cycles"]["model"]) == {"sequence"}
+        assert len(names["fallen"]) == int((summary["outcome"] == 2).sum())
+    elif number == 1:
+        assert names["overturned"].sum().item() == int((summary["outcome"] == 2).sum())
+        assert names["units"]["pga"] == "m s-2"
+    else:
+        assert np.array_equal(names["factor"], summary["safety_factor"].sel(model="nonlinear"))
+        assert names["words"][2] == "overturns"
+        assert np.abs(names["second"]).max() == pytest.approx(summary["pga"].values[1])
+        assert names["time"].size == names["second"].size
+        assert 0 < names["peak"].size < names["cycles"]["peak"].size if names["cycles"] else names["peak"].size > 0
+
+
+def test_there_is_an_example_for_rockpulse_xarray_h5py_and_matlab():
+    assert len(EXAMPLES) == 3
+    assert SCHEMA.count("```matlab") == 1
+
+
+def test_the_dimensions_stand_in_the_order_that_the_matlab_lines_reverse(results):
+    summary = rp.load(results)["summary"]
+    assert summary["outcome"].dims == ("record", "block", "model")
+    assert assessed()["summary"]["outcome"].dims == ("record", "block", "case", "model")
