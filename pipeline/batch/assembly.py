@@ -200,7 +200,7 @@ def _lay_out(
         if node.path == "/failures":
             dataset = failure_table(failures)
         sizes = {"pair": pairs} if node.path == "/directions" else {}
-        growing = {name for name in dataset.variables if f"{node.path}/{name}" in totals}
+        growing = [name for name in dataset.variables if f"{node.path}/{name}" in totals]
         sizes |= {str(dataset[name].dims[0]): totals[f"{node.path}/{name}"] for name in growing}
         add_dataset(writer, node.path, dataset, dataset.attrs, sizes)
         for name, variable in dataset.variables.items():

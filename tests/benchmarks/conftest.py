@@ -48,3 +48,8 @@ def baseline():
 @pytest.fixture(scope="session")
 def parse():
     return load("parse", "parse")
+
+
+@pytest.fixture(scope="session")
+def batch():
+    return load("batch", "batch_benchmark")
