@@ -9,7 +9,7 @@ KERNEL_TESTS := $(patsubst %,tests/models/test_%.py,recorded linear nonlinear fi
 	sequence_lanes)
 LONG_IN_PYTHON := test_quarter_period or from_housners_threshold or more_half_cycles_than or same_without_compilation or slow_hops
 
-.PHONY: help install run test test-slow test-python samples fuzz lint types doctest wheel clean
+.PHONY: help install run test test-slow test-python samples fuzz lint types doctest wheel docs docs-test docs-pictures clean
 
 help:  ## list the targets
 	@grep -hE '^[a-z-]+: .*##' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):[^#]*## (.*)/  \1\t\2/' | expand -t 16
@@ -72,6 +72,15 @@ wheel:  ## the wheel alone in a fresh environment: obspy.read on every sample (a
 	$(PACKAGE)/fresh/bin/python -m pip install -q $(PACKAGE)/wheel/*.whl
 	cd $(PACKAGE)/elsewhere && ../fresh/bin/python ../tests/read_by_obspy.py ../samples/*/
 	rm -rf $(PACKAGE)
+
+docs:  ## the manual as HTML in build/docs (the extra "docs"; no network)
+	$(PYTHON) -m sphinx -q -a -E -W --keep-going -b html docs build/docs
+
+docs-test: docs  ## build the manual without a warning, and run every command and example on it
+	$(PYTHON) -m pytest -q -n 2 -m "slow or not slow" tests/docs
+
+docs-pictures:  ## draw the pictures of the manual again, by the commands on its pages
+	$(PYTHON) tests/docs_page.py
 
 clean:  ## remove what builds and tests leave behind
 	rm -rf build dist *.egg-info .pytest_cache .mypy_cache .ruff_cache .hypothesis .numba_cache

@@ -1,0 +1,177 @@
+"""A page of the manual as something that can be run: its commands, its Python, the files it shows, and what is printed.
+
+What the runner looks for in a page, from top to bottom, in one folder and one Python session:
+
+- a block of ``sh``: run by bash, stops at the first command that fails;
+- a block of ``python``: run in the session of the page;
+- a block of ``text`` right after one of them: what it printed. Every line has to be there, in order; ``...`` stands for
+  lines left out. Words have to be the same and numbers within a tenth;
+- a ``code-block`` with a caption: a file of that name;
+- ``<!-- exit: 1 -->`` before commands: the exit code of the block;
+- ``<!-- figures differ -->`` before a block of ``text``: its numbers are not compared (chaotic, or of the machine);
+- ``*Not run: REASON*`` on the line above a block: left out, visibly. The tests hold the list of reasons.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import io
+import math
+import os
+import re
+import subprocess
+import sys
+import tempfile
+from dataclasses import dataclass
+from pathlib import Path
+
+__all__ = ["Block", "blocks", "missing_line", "run_page"]
+
+FENCE = re.compile(
+    r"(?P<before>(?:^(?:<!--[^\n]*-->|\*Not run:[^\n]*\*)\n+)*)"
+    r"^(?P<ticks>`{3,})(?P<info>[^\n`]*)\n(?P<body>.*?)^(?P=ticks)[ \t]*$",
+    re.MULTILINE | re.DOTALL,
+)
+NUMBER = re.compile(r"[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?")
+
+#: Numbers that a page shows may differ by this share [-], and by this where they are small.
+TOLERANCE, SMALL = 0.1, 0.011
+
+
+@dataclass(frozen=True)
+class Block:
+    """A fenced block of a page.
+
+    Attributes
+    ----------
+    kind : str
+        "sh", "python", "text", "matlab" ..., or "file".
+    name : str
+        Name of a "file", else empty.
+    body : str
+        What stands between the fences.
+    line : int
+        Line of the page on which the body begins.
+    not_run : str
+        Why it is not run; empty where it is.
+    exit_code : int
+        What a block of commands has to end with.
+    figures : bool
+        Whether the numbers of an output are compared.
+    """
+
+    kind: str
+    name: str
+    body: str
+    line: int
+    not_run: str = ""
+    exit_code: int = 0
+    figures: bool = True
+
+
+def blocks(page: Path) -> list[Block]:
+    """The fenced blocks of a page, in order."""
+    text = page.read_text(encoding="utf-8")
+    found = []
+    for match in FENCE.finditer(text):
+        before, info, body = match["before"], match["info"].strip(), match["body"]
+        kind, name = info, ""
+        if info.startswith("{code-block}"):
+            caption = re.match(r"(?::[^\n]*\n)*?:caption: (?P<name>[^\n]*)\n(?::[^\n]*\n)*\n?", body)
+            if caption is None:
+                raise ValueError(f"{page}: a code-block without a caption: {body[:40]!r}")
+            kind, name, body = "file", caption["name"].strip(), body[caption.end() :]
+        reason = re.search(r"\*Not run: (.*?)\*\n", before)
+        code = re.search(r"<!-- exit: (\d+) -->", before)
+        found.append(
+            Block(
+                kind=kind,
+                name=name,
+                body=body,
+                line=text.count("\n", 0, match.start("ticks")) + 2,
+                not_run=reason[1] if reason else "",
+                exit_code=int(code[1]) if code else 0,
+                figures="<!-- figures differ -->" not in before,
+            )
+        )
+    return found
+
+
+def alike(shown: str, printed: str, figures: bool) -> bool:
+    """Whether two lines have the same words and, where they are compared, numbers that are close."""
+    if NUMBER.sub("#", shown).split() != NUMBER.sub("#", printed).split():
+        return False
+    pairs = zip(NUMBER.findall(shown), NUMBER.findall(printed), strict=True)
+    return not figures or all(math.isclose(float(a), float(b), rel_tol=TOLERANCE, abs_tol=SMALL) for a, b in pairs)
+
+
+def missing_line(shown: str, printed: str, figures: bool = True) -> str | None:
+    """First line of the shown output that the printed one lacks after those before it, or None."""
+    rest = iter(printed.splitlines())
+    for line in shown.splitlines():
+        if line.strip() in ("", "..."):
+            continue
+        if not any(alike(line, candidate, figures) for candidate in rest):
+            return line
+    return None
+
+
+def run_page(page: Path, folder: Path) -> None:
+    """Run a page in a folder; AssertionError, or what its Python raises, where it does not do what it says."""
+    environment = os.environ | {
+        "PATH": f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}",
+        "COLUMNS": "110",
+    }
+    session: dict[str, object] = {"__name__": "__manual__"}
+    printed = ""
+    for block in blocks(page):
+        where = f"{page.name}, line {block.line}"
+        if block.not_run:
+            continue
+        if block.kind == "file":
+            (folder / block.name).write_text(block.body, encoding="utf-8")
+        elif block.kind == "sh":
+            done = subprocess.run(
+                ["bash", "-euo", "pipefail", "-c", block.body],
+                cwd=folder,
+                env=environment,
+                capture_output=True,
+                text=True,
+                timeout=300,
+                check=False,
+            )
+            printed = done.stdout + done.stderr
+            assert done.returncode == block.exit_code, f"{where}: exit code {done.returncode}\n{printed}"
+        elif block.kind == "python":
+            code = compile("\n" * (block.line - 1) + block.body, str(page), "exec")
+            with contextlib.chdir(folder), contextlib.redirect_stdout(io.StringIO()) as output:
+                exec(code, session)
+            printed = output.getvalue()
+        elif block.kind == "text":
+            line = missing_line(block.body, printed, block.figures)
+            assert line is None, f"{where}: not printed: {line!r}; printed was\n{printed}"
+
+
+def draw_pictures(docs: Path) -> None:
+    """Run the pages that show pictures which their own commands draw, and put these into docs/images."""
+    from PIL import Image
+
+    for page in sorted(docs.rglob("*.md")):
+        drawn = {
+            name for block in blocks(page) if block.kind == "sh" for name in re.findall(r"-o (\S+\.png)", block.body)
+        }
+        if drawn:
+            with tempfile.TemporaryDirectory() as name:
+                folder = Path(name)
+                (folder / "data").symlink_to(docs.parent / "data", target_is_directory=True)
+                run_page(page, folder)
+                for picture in sorted(drawn):
+                    # 128 colours are enough for a diagram, and a third of the size.
+                    Image.open(folder / picture).convert("RGB").quantize(128).save(
+                        docs / "images" / picture, optimize=True
+                    )
+                    print(docs / "images" / picture)
+
+
+if __name__ == "__main__":
+    draw_pictures(Path(__file__).resolve().parents[1] / "docs")
