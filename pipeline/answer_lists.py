@@ -268,7 +268,7 @@ def _cells(summary: xr.Dataset, name: str, places: dict[str, np.ndarray]) -> lis
         return [str(word) for word in worded(found, words)]
     if found.dtype.kind == "f":
         return [figure(number) for number in found.tolist()]
-    return [shortened(str(one).replace("\n", " "), NAME_WIDTH) for one in found.tolist()]
+    return [shortened(str(one), NAME_WIDTH) for one in found.tolist()]
 
 
 def _rung(summary: xr.Dataset, places: dict[str, np.ndarray], row: int) -> str:

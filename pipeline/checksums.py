@@ -2,8 +2,9 @@
 
 The checksum of a variable is that of its type and shape in one line (``float64 3x2``; ``text 3``; sizes in order,
 nothing for a single value), a line feed, and its values in C order: numbers little-endian, each text in UTF-8 with a
-zero byte after it. That of the attributes is the one of sorted lines, ``PATH DIMENSION...`` for each variable and
-``PATH@ATTRIBUTE CHECKSUM`` for each attribute, that of its values as of a variable of one dimension.
+zero byte after it. That of the attributes is the one of sorted lines, ``PATH`` for each group, ``PATH DIMENSION...``
+for each variable and ``PATH@ATTRIBUTE CHECKSUM`` for each attribute, that of its values as of a variable of one
+dimension.
 """
 
 from __future__ import annotations
@@ -83,12 +84,21 @@ def attributes_checksum(file: h5netcdf.File) -> str:
     file : h5netcdf.File
         Open.
     """
-    lines = [f"{path} {' '.join(variable.dimensions)}" for path, variable in variables_of(file)]
+    lines = [path for path, _ in _groups(file)]
+    lines += [f"{path} {' '.join(_dimensions(variable))}" for path, variable in variables_of(file)]
     for path, item in [*_groups(file), *variables_of(file)]:
         for name, value in item.attrs.items():
             if (path, name) != ("/", CHECKSUM_OF_ATTRIBUTES):
                 lines.append(f"{path}@{name} {_of_value(value)}")
     return hashlib.sha256("\n".join(sorted(lines)).encode()).hexdigest()
+
+
+def _dimensions(variable: h5netcdf.Variable) -> tuple[str, ...]:
+    """Names of its dimensions; "?" where another program has added it without any."""
+    try:
+        return tuple(variable.dimensions)
+    except ValueError:
+        return ("?",)
 
 
 def _groups(group: h5netcdf.Group) -> Iterator[tuple[str, h5netcdf.Group]]:

@@ -8,12 +8,12 @@ from __future__ import annotations
 import argparse
 import io
 import logging
-import os
 import sys
 from collections.abc import Sequence
 
 from rockpulse import __version__
 from rockpulse.commands import VERBS
+from rockpulse.commands.telling import forsake, tell
 from rockpulse.errors import RockpulseError, StoppedAtFailure
 
 __all__ = ["build_parser", "main"]
@@ -59,21 +59,29 @@ def main(argv: Sequence[str] | None = None) -> int:
         code = args.run(args)
         sys.stdout.flush()
         return code
-    except BrokenPipeError:
-        os.dup2(
-            os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno()
-        )  # the reader has left, as in `rockpulse ... | head`
-        return 0
     except StoppedAtFailure as error:
-        print(f"rockpulse: {error}", file=sys.stderr)
-        return FAILED
+        return _ended(str(error), FAILED)
     except RockpulseError as error:
-        print(f"rockpulse: {error}", file=sys.stderr)
-        return USAGE
+        return _ended(str(error), USAGE)
     except OSError as error:
+        if isinstance(error, BrokenPipeError) and _reader_has_left():  # as in `rockpulse ... | head`
+            return 0
         where = "" if error.filename is None else f"{error.filename}: "
-        print(f"rockpulse: {where}{error.strerror or error}", file=sys.stderr)
-        return USAGE
+        return _ended(f"{where}{error.strerror or error}", USAGE)
     except KeyboardInterrupt as error:
-        print(f"rockpulse: {str(error) or 'interrupted'}", file=sys.stderr)
-        return INTERRUPTED
+        return _ended(str(error) or "interrupted", INTERRUPTED)
+
+
+def _ended(why: str, code: int) -> int:
+    tell(f"rockpulse: {why}", sys.stderr)
+    return code
+
+
+def _reader_has_left() -> bool:
+    """Whether it is standard output that nobody reads, and not a pipe of the work itself; what is left is dropped."""
+    try:
+        print(flush=True)  # what could not be written before may have been dropped already
+    except BrokenPipeError:
+        forsake(sys.stdout)
+        return True
+    return False

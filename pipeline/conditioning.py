@@ -15,7 +15,6 @@ from fractions import Fraction
 from typing import Any
 
 import numpy as np
-from scipy import signal
 
 from rockpulse.errors import ConfigError
 from rockpulse.half_wave import half_waves
@@ -301,6 +300,8 @@ def _taper(record: Record, length: float) -> Record:
 
 
 def _filter(record: Record, highpass: float | None, lowpass: float | None, order: int, unfiltered: Record) -> Record:
+    from scipy import signal  # takes as long to import as all else, and by default nothing is filtered
+
     rate = 1.0 / record.dt
     sections, words = [], []
     if highpass is not None:
@@ -333,6 +334,8 @@ def _largest(record: Record) -> float:
 
 
 def _resample(record: Record, interval: float) -> Record:
+    from scipy import signal
+
     ratio = Fraction(record.dt / interval).limit_denominator(RESAMPLING_LIMIT)
     up, down = ratio.numerator, ratio.denominator
     if up == 0 or up > RESAMPLING_LIMIT or not math.isclose(up / down, record.dt / interval, rel_tol=1e-9):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterable, Iterator
 from contextlib import nullcontext
 from itertools import groupby
@@ -13,19 +14,33 @@ from rockpulse.errors import RecordRefused, ResultsError, RockpulseError
 from rockpulse.readers.archive import Archive, is_archive
 from rockpulse.readers.source import open_source
 
-__all__ = ["input_checksums", "stored_inputs"]
+__all__ = ["input_checksums", "input_files", "stored_checksums"]
 
 #: Between the files of a record that was made of several, and between their checksums.
 BETWEEN = "; "
 
 
-def stored_inputs(file: h5netcdf.File) -> dict[str, set[str]]:
-    """The files that the records of a results file were read from.
+def stored_checksums(file: h5netcdf.File) -> list[tuple[str, str]]:
+    """The files of every record of a results file and their SHA-256, as they are stored.
 
     Parameters
     ----------
     file : h5netcdf.File
         Open.
+    """
+    groups = [group for group in file.groups.values() if {"source", "source_sha256"} <= set(group.variables)]
+    return [
+        pair for group in groups for pair in zip(group["source"][:], group["source_sha256"][:], strict=True) if pair[1]
+    ]
+
+
+def input_files(stored: Iterable[tuple[str, str]]) -> dict[str, set[str]]:
+    """The files that records were read from.
+
+    Parameters
+    ----------
+    stored : iterable of (str, str)
+        From :func:`stored_checksums`.
 
     Returns
     -------
@@ -38,21 +53,16 @@ def stored_inputs(file: h5netcdf.File) -> dict[str, set[str]]:
         Where a record has not a SHA-256 for each of its files.
     """
     found: dict[str, set[str]] = {}
-    for group in file.groups.values():
-        if not {"source", "source_sha256"} <= set(group.variables):
-            continue
-        for source, checksum in zip(group["source"][:], group["source_sha256"][:], strict=True):
-            if not checksum:
-                continue
-            for name, one in _apart(source, checksum):
-                found.setdefault(name, set()).add(one)
+    for source, checksum in stored:
+        for name, one in _apart(source, checksum):
+            found.setdefault(name, set()).add(one)
     return found
 
 
 def _apart(source: str, checksum: str) -> list[tuple[str, str]]:
     """The files of a record and the checksum of each; equal checksums stand once."""
     checksums = checksum.split(BETWEEN)
-    names = [source] if len(checksums) == 1 and _location(source)[0].exists() else source.split(BETWEEN)
+    names = [source] if len(checksums) == 1 and _there(_location(source)[0]) else source.split(BETWEEN)
     if len(checksums) == 1:
         checksums *= len(names)
     if len(names) != len(checksums):
@@ -60,11 +70,16 @@ def _apart(source: str, checksum: str) -> list[tuple[str, str]]:
     return list(zip(names, checksums, strict=True))
 
 
+def _there(path: str | Path) -> bool:
+    """Whether a file is there; a name too long for one, or a folder that may not be looked into, is no error here."""
+    return os.path.exists(path)  # noqa: PTH110 - Path.exists raises for these
+
+
 def _location(source: str) -> tuple[Path, str | None]:
     """The file on the disk, and the member if that is an archive; names may hold a "!" themselves."""
-    if "!" in source and not Path(source).exists():
+    if "!" in source and not _there(source):
         archive, _, member = source.partition("!")
-        while not Path(archive).exists() and "!" in member:
+        while not _there(archive) and "!" in member:
             further, _, member = member.partition("!")
             archive = f"{archive}!{further}"
         return Path(archive), member
@@ -77,7 +92,7 @@ def input_checksums(sources: Iterable[str]) -> Iterator[tuple[str, str | Excepti
     Parameters
     ----------
     sources : iterable of str
-        Keys of :func:`stored_inputs`, sorted.
+        Keys of :func:`input_files`, sorted.
 
     Yields
     ------
@@ -87,7 +102,7 @@ def input_checksums(sources: Iterable[str]) -> Iterator[tuple[str, str | Excepti
         Its SHA-256, or what kept it from being read, or None where it is not there.
     """
     for place, names in groupby(sources, key=lambda source: _location(source)[0]):
-        if not place.exists():
+        if not _there(place):
             yield from ((name, None) for name in names)
             continue
         try:

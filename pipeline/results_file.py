@@ -68,9 +68,15 @@ class ResultsFile:
                 f"{', '.join(self.groups)})"
             )
         if group not in self._opened:
-            with self.reading():
-                # Nothing is encoded: texts are texts, NaN is NaN.
-                dataset = xr.open_dataset(self.path, group=group, engine="h5netcdf", decode_cf=False, cache=False)
+            try:
+                with self.reading():
+                    # Nothing is encoded: texts are texts, NaN is NaN.
+                    dataset = xr.open_dataset(self.path, group=group, engine="h5netcdf", decode_cf=False, cache=False)
+            except (KeyError, ValueError) as error:  # a dimension is gone, or a variable came without any
+                raise ResultsError(
+                    f"{self.path}: /{group} is not as it was written ({error}); 'rockpulse verify' says what else, run "
+                    "the assessment again"
+                ) from error
             self._opened[group] = self._stack.enter_context(dataset)
         return self._opened[group]
 

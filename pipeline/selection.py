@@ -92,18 +92,28 @@ class Condition:
         ResultsError
             Where the value is no number or no word of the flag, or texts are compared by size.
         """
-        several = [part.strip() for part in self.value.split("|")]
         if self.comparison in ("=", "!="):
             if variable.dtype.kind in "OU":
-                matches = re.compile("|".join(map(fnmatch.translate, several))).match
-                alike = np.array([matches(str(text)) is not None for text in values.ravel()], dtype=bool)
-                alike = alike.reshape(values.shape)
+                alike = self._named(values.astype(str))
             else:
+                several = [part.strip() for part in self.value.split("|")]
                 alike = np.isin(values, [self._number(part, flag_words(variable)) for part in several])
             return alike if self.comparison == "=" else ~alike
         if variable.dtype.kind in "OU":
             raise ResultsError(f"{self.name} is a text: expected = or !=, found {self.comparison}")
         return np.asarray(_COMPARISONS[self.comparison](values, self._number(self.value, flag_words(variable))))
+
+    def _named(self, texts: np.ndarray) -> np.ndarray:
+        """Where a text is the value, or one of several with "|" between them, or meets one of them as a pattern."""
+        every, inverse = np.unique(texts, return_inverse=True)
+        known = every.tolist()
+        # A text may hold what is read as a sign, such as the brackets of "wall [north]" or the "|" of "A|B".
+        several = [self.value] if self.value in known else [part.strip() for part in self.value.split("|")]
+        met = np.zeros(every.size, dtype=bool)
+        for one in several:
+            matches = re.compile(fnmatch.translate(one)).match
+            met |= every == one if one in known else [matches(text) is not None for text in known]
+        return met[inverse].reshape(texts.shape)
 
     def _number(self, value: str, words: Mapping[int, str]) -> float:
         codes = {name: code for code, name in words.items()}

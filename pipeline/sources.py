@@ -45,7 +45,7 @@ __all__ = [
 ]
 
 #: Suffixes of files that lie beside records and are passed over without a row unless they are named explicitly.
-QUIET = frozenset({".md", ".toml", ".xml", ".h5", ".html", ".pdf", ".png"})
+QUIET = frozenset({".md", ".toml", ".xml", ".h5", ".journal", ".journal-journal", ".part", ".html", ".pdf", ".png"})
 
 PathLike = str | os.PathLike[str]
 
@@ -189,13 +189,18 @@ def _place(record: Record) -> tuple[str, str]:
     return record.source, record.channel
 
 
-def find_files(paths: PathLike | Iterable[PathLike]) -> tuple[list[Found], list[Failure]]:
+def find_files(
+    paths: PathLike | Iterable[PathLike], passed_over: Iterable[PathLike] = ()
+) -> tuple[list[Found], list[Failure]]:
     """Files behind the paths, each once, sorted; a file that is named and also lies in a folder counts as named.
 
     Parameters
     ----------
     paths : path or iterable of paths
         As in :func:`read_all`.
+    passed_over : iterable of paths
+        Files that are no input whatever leads to them, a link or their own name: those that the run writes. To open
+        and close one that this process has locked would give up the lock.
 
     Returns
     -------
@@ -236,7 +241,18 @@ def find_files(paths: PathLike | Iterable[PathLike]) -> tuple[list[Found], list[
             key = os.path.abspath(item.path)  # noqa: PTH100 - links stay what they are
             if key not in found or item.named:
                 found[key] = item
-    return sorted(found.values(), key=lambda item: str(item.path)), failures
+    own = {identity for path in passed_over if (identity := _identity(path)) is not None}
+    kept = [item for item in found.values() if not own or _identity(item.path) not in own]
+    return sorted(kept, key=lambda item: str(item.path)), failures
+
+
+def _identity(path: PathLike) -> tuple[int, int] | None:
+    """The same for all names and links of a file; None where none is."""
+    try:
+        state = os.stat(path)  # noqa: PTH116 - takes any path
+    except (OSError, ValueError):  # whoever opens it says why
+        return None
+    return state.st_dev, state.st_ino
 
 
 def _walk(folder: Path) -> tuple[list[Found], list[Failure]]:

@@ -20,8 +20,9 @@ __all__ = ["check_table_target", "readme_of", "write_table"]
 #: Suffixes of tables; the second is compressed.
 SUFFIXES = (".csv", ".csv.gz")
 
-#: What stands for the end of a line inside a text.
+#: What stands for the end of a line inside a text, and every way in which one ends.
 LINE = " | "
+LINE_ENDS = "\r\n|[\n\r\v\f\x1c-\x1e\x85\u2028\u2029]"
 
 
 def readme_of(path: Path) -> Path:
@@ -101,6 +102,8 @@ def write_table(
     ------
     ResultsError
         As :func:`check_table_target`, and where the table cannot be written.
+    OSError, RuntimeError
+        Where the results cannot be read, as HDF5 says it.
     """
     target = check_table_target(path, overwrite)
     readme = readme_of(target)
@@ -118,6 +121,8 @@ def write_table(
         for part, file_ in zip(parts, (target, readme), strict=True):
             part.replace(file_)
     except OSError as error:
+        if error.errno is None:  # of HDF5, from which the rows are read meanwhile
+            raise
         raise ResultsError(f"{path}: cannot write the table: {error.strerror or error}") from error
     finally:
         for part in parts:
@@ -137,7 +142,7 @@ def _one_line(frame: pd.DataFrame) -> pd.DataFrame:
     for name in frame.columns:
         texts = frame[name]
         if texts.dtype.kind in "OU" or str(texts.dtype) == "str":
-            frame[name] = texts.str.replace("\n", LINE, regex=False)
+            frame[name] = texts.str.replace(LINE_ENDS, LINE, regex=True)
     return frame
 
 

@@ -17,7 +17,7 @@ from pathlib import Path
 
 from rockpulse.errors import ResultsError
 
-__all__ = ["ASSESSMENT", "check_target", "named", "remove_parts", "replacing"]
+__all__ = ["ASSESSMENT", "check_target", "journal_path", "named", "remove_parts", "replacing"]
 
 #: Root attribute `kind` of the results of an assessment; files without it are assessments.
 ASSESSMENT = "assessment"
@@ -128,6 +128,17 @@ def remove_parts(path: str | os.PathLike[str]) -> None:
         left.unlink()
 
 
+def journal_path(target: str | os.PathLike[str]) -> Path:
+    """Where the journal of a run lies, which keeps what is finished until all is (`rockpulse.batch.journal`).
+
+    Parameters
+    ----------
+    target : str or Path
+        The file that the run writes; links are followed.
+    """
+    return Path(os.path.realpath(target) + ".journal")
+
+
 def named(kind: str) -> str:
     """A kind of file with its article."""
     return f"{'an' if kind[0] in 'aeiou' else 'a'} {kind}"
@@ -142,7 +153,11 @@ def _check_replaceable(target: Path, path: str | os.PathLike[str], overwrite: bo
     if not target.is_file():
         raise ResultsError(f"{path}: expected the name of a results file, found something that is no regular file")
     if not overwrite:
-        raise ResultsError(f"{path}: the file exists; choose another name, or allow it to be replaced (--overwrite)")
+        journal = journal_path(target)
+        going_on = f"; --overwrite together with --resume goes on with the run of {journal}" if journal.exists() else ""
+        raise ResultsError(
+            f"{path}: the file exists; choose another name, or allow it to be replaced (--overwrite{going_on})"
+        )
     try:
         found = _kind(target)
     except OSError as error:

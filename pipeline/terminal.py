@@ -146,7 +146,7 @@ def figure(value: float, unit: str = "") -> str:
 
 
 def shortened(words: str, width: int) -> str:
-    """Text cut in the middle to a width, so that both its ends can be recognised.
+    """Text in one line, cut in the middle to a width, so that both its ends can be recognised.
 
     Parameters
     ----------
@@ -160,6 +160,7 @@ def shortened(words: str, width: int) -> str:
     >>> shortened("a long name of a block", 11)
     'a lon…block'
     """
+    words = " ".join(words.splitlines())
     if len(words) <= width:
         return words
     tail = (width - 1) // 2

@@ -236,8 +236,9 @@ def in_utf8(text: str) -> str:
 
 
 def _set(item: Any, attrs: Mapping[str, Any]) -> None:
+    held = item.attrs  # which h5netcdf looks up anew each time
     for name, value in attrs.items():
-        item.attrs[str(name)] = in_utf8(value) if isinstance(value, str) else value
+        held[str(name)] = in_utf8(value) if isinstance(value, str) else value
 
 
 def _joined(path: str, name: Any) -> str:

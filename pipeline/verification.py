@@ -14,7 +14,7 @@ import numpy as np
 
 from rockpulse.checksums import CHECKSUM, CHECKSUM_OF_ATTRIBUTES, VariableChecksum, attributes_checksum, variables_of
 from rockpulse.errors import ResultsError, RockpulseError
-from rockpulse.input_files import input_checksums, stored_inputs
+from rockpulse.input_files import input_checksums, input_files, stored_checksums
 from rockpulse.store import ASSESSMENT, SCHEMA_VERSION, check_schema
 from rockpulse.variables import ANSWER, BLOCK, CASE, DEMAND, FAILURE, HALF_CYCLE, OVERTURNING, RECORD, Meaning
 
@@ -89,7 +89,8 @@ def verify(
         differences, count = _wrong_checksums(file, progress)
         if kind == ASSESSMENT and _minor(schema) >= _minor(SCHEMA_VERSION):
             differences += _wrong_variables(file)
-        sources = stored_inputs(file) if inputs else {}
+        stored = stored_checksums(file) if inputs else []
+    sources = input_files(stored)
     absent: list[str] = []
     for name, found in input_checksums(progress(sorted(sources))):
         if found is None:

@@ -11,6 +11,7 @@ import pkgutil
 from collections.abc import Iterator
 from dataclasses import replace
 from datetime import timedelta
+from functools import cache
 from pathlib import Path
 from types import ModuleType
 from typing import Any
@@ -58,6 +59,7 @@ def format_samples(count: int = COUNT) -> dict[str, bytes]:
     return dict(sorted(files.items()))
 
 
+@cache
 def read_options() -> dict[str, dict[str, Any]]:
     """Keyword arguments of `rockpulse.read` for the files that do not say everything."""
     return {name: options for module in writers() for name, options in getattr(module, "OPTIONS", {}).items()}

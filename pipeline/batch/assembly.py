@@ -113,20 +113,16 @@ def assemble(
     check_described(template, path)
     attrs = provenance(template.attrs) | ({RUN_ID: run_id} if run_id else {})
     size = _size(measured, template, len(pairs))
-    try:
-        with replacing(path, overwrite, attrs["kind"], size) as target, TreeWriter(target, attrs) as writer:
-            _lay_out(writer, template, measured.sizes, failures, len(pairs))
-            _write_parts(writer, parts, chunk)
-            if "directions" in template.children:
-                _write_directions(writer, template["directions"].to_dataset(), pairs, measured.records, chunk)
-    except ResultsError as error:
-        kept = "; what is done is kept: the same command with --resume writes the file" if run_id else ""
-        raise ResultsError(f"{error}{kept}") from error
+    with replacing(path, overwrite, attrs["kind"], size) as target, TreeWriter(target, attrs) as writer:
+        _lay_out(writer, template, measured.sizes, failures, len(pairs))
+        _write_parts(writer, parts, chunk)
+        if "directions" in template.children:
+            _write_directions(writer, template["directions"].to_dataset(), pairs, measured.records, chunk)
     return len(measured.records)
 
 
 def is_assembled(path: str | os.PathLike[str], run_id: str) -> bool:
-    """Whether a file is the complete output of a run, which then was stopped between the end of it and of its journal.
+    """Whether a run has written this file, and was stopped before it removed its journal or kept it for what broke off.
 
     Parameters
     ----------
@@ -143,7 +139,9 @@ def is_assembled(path: str | os.PathLike[str], run_id: str) -> bool:
         with h5py.File(path, "r") as file:
             return bool(file.attrs.get(RUN_ID) == run_id)
     except (OSError, RuntimeError) as error:
-        raise ResultsError(f"{path}: the file is damaged ({error}); remove it by hand, or take --overwrite") from error
+        raise ResultsError(
+            f"{path}: the file is damaged ({error}); remove it by hand, or give --overwrite together with --resume"
+        ) from error
 
 
 @dataclass(frozen=True)

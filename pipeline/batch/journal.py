@@ -11,8 +11,9 @@ import secrets
 import sqlite3
 import zlib
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from datetime import UTC, datetime
+from itertools import groupby
 from pathlib import Path
 from types import TracebackType
 from typing import TYPE_CHECKING, Self
@@ -20,33 +21,31 @@ from typing import TYPE_CHECKING, Self
 from rockpulse.batch.packing import pack, unpack
 from rockpulse.errors import ResultsError
 from rockpulse.failures import Failure
+from rockpulse.target_file import journal_path
 
 if TYPE_CHECKING:
     from rockpulse.batch.tasks import Done
 
-__all__ = ["Journal", "journal_path", "pack", "unpack"]
+__all__ = ["Journal", "JournalError", "journal_path", "pack", "unpack"]
 
 #: Marks a sqlite file as ours, in its header: "RPJ" and the version of the tables.
-APPLICATION = int.from_bytes(b"RPJ\x01")
+APPLICATION = int.from_bytes(b"RPJ\x02")
+#: What sqlite is given at once [bytes]; a result may be larger, a value of sqlite may not take more than a billion.
+PIECE = 64 * 1024**2
+#: How long another run may take to begin or to end before it counts as being at work [s].
+PATIENCE = 1.0
 TABLES = """
     CREATE TABLE run (id TEXT NOT NULL, started TEXT NOT NULL);
     CREATE TABLE done (key TEXT PRIMARY KEY, fingerprint TEXT NOT NULL);
-    CREATE TABLE part (key TEXT, number INTEGER, crc INTEGER NOT NULL, content BLOB NOT NULL,
-        PRIMARY KEY (key, number));
+    CREATE TABLE part (key TEXT, number INTEGER, piece INTEGER, crc INTEGER NOT NULL, content BLOB NOT NULL,
+        PRIMARY KEY (key, number, piece));
     CREATE TABLE failure (key TEXT, number INTEGER, file TEXT NOT NULL, stage TEXT NOT NULL, reason TEXT NOT NULL,
         kind TEXT NOT NULL, PRIMARY KEY (key, number));
 """
 
 
-def journal_path(target: str | os.PathLike[str]) -> Path:
-    """Where the journal of a run lies.
-
-    Parameters
-    ----------
-    target : str or Path
-        The file that the run writes; links are followed.
-    """
-    return Path(os.path.realpath(target) + ".journal")
+class JournalError(ResultsError):
+    """The journal itself cannot be used; the message says what becomes of what it keeps."""
 
 
 class Journal:
@@ -64,6 +63,7 @@ class Journal:
         self.path = path
         self.run_id = run_id
         self._connection = connection
+        self._file = _identity(path)
 
     @classmethod
     def open(cls, target: str | os.PathLike[str], resume: bool = False, overwrite: bool = False) -> Journal:
@@ -85,14 +85,18 @@ class Journal:
             what is to become of it, a damaged or foreign file, or a place that cannot be written.
         """
         path = journal_path(target)
-        existed, locked = path.exists(), False
+        _check_name(path)
+        existed, locked = path.exists() and path.stat().st_size > 0, False
         try:
-            connection = sqlite3.connect(path, timeout=0.0, isolation_level=None)
+            connection = sqlite3.connect(path, timeout=PATIENCE, isolation_level=None)
         except sqlite3.Error as error:
-            raise ResultsError(f"{path}: cannot open the journal of the run: {error}") from error
+            raise JournalError(f"{path}: cannot open the journal of the run: {error}") from error
         try:
+            opened = _identity(path)
             with _explained(path):
                 _lock(connection)
+                if opened is None or _identity(path) != opened:
+                    raise JournalError(f"{path}: another run on this output has just ended; give the command again")
                 locked = True
                 if _is_empty(connection):
                     run_id = _create(connection)
@@ -105,6 +109,11 @@ class Journal:
             connection.close()
             raise
         return cls(path, connection, run_id)
+
+    @property
+    def in_place(self) -> bool:
+        """Whether the file is still the one that was opened; who removes it takes the finished records with it."""
+        return self._file is not None and _identity(self.path) == self._file
 
     def __enter__(self) -> Self:
         return self
@@ -119,8 +128,10 @@ class Journal:
         self._connection.close()
 
     def remove(self) -> None:
-        """Remove the file, as the output is complete, and close it."""
-        if os.name == "posix":  # before the lock is given back, lest it be somebody else's; elsewhere one cannot
+        """Remove the file, as the output is complete, and close it; one that has taken its place stays."""
+        if not self.in_place:
+            self._connection.close()
+        elif os.name == "posix":  # before the lock is given back, lest it be somebody else's; elsewhere one cannot
             _unlink(self.path)
             self._connection.close()
         else:
@@ -142,25 +153,35 @@ class Journal:
 
         Raises
         ------
-        ResultsError
-            Where it cannot be written, as on a full disk. What was kept before stays.
+        JournalError
+            Where it cannot be written, as on a full disk: what was kept before stays. Where somebody has removed the
+            file.
         """
+        if not self.in_place:
+            raise JournalError(
+                f"{self.path}: the journal was removed while the run was at work, and what was finished with it; begin "
+                "anew"
+            )
         failures = [
             (done.key, number, *map(_in_utf8, (row.file, row.stage, row.reason, row.kind)))
             for number, row in enumerate(done.failures)
         ]
-        parts = [(done.key, number, zlib.crc32(part), part) for number, part in enumerate(done.parts)]
+        pieces = (
+            (done.key, number, piece, zlib.crc32(content), content)
+            for number, part in enumerate(done.parts)
+            for piece, content in enumerate(_pieces(part))
+        )
         try:
             with _transaction(self._connection) as execute:
                 for table in ("done", "part", "failure"):
                     execute(f"DELETE FROM {table} WHERE key = ?", (done.key,))
-                for row in parts:
-                    execute("INSERT INTO part VALUES (?, ?, ?, ?)", row)
+                for row in pieces:
+                    execute("INSERT INTO part VALUES (?, ?, ?, ?, ?)", row)
                 for failure in failures:
                     execute("INSERT INTO failure VALUES (?, ?, ?, ?, ?, ?)", failure)
                 execute("INSERT INTO done VALUES (?, ?)", (done.key, done.fingerprint))
         except sqlite3.Error as error:
-            raise ResultsError(
+            raise JournalError(
                 f"{self.path}: cannot keep the result of {done.key}: {error}; the {self._count()} finished before are "
                 "kept: make room on the disk, then give the same command with --resume"
             ) from error
@@ -179,11 +200,11 @@ class Journal:
             Where it is not what was kept.
         """
         with _explained(self.path):
-            rows = self._connection.execute("SELECT crc, content FROM part WHERE key = ? ORDER BY number", (key,))
-            found = rows.fetchall()
-        if any(zlib.crc32(content) != crc for crc, content in found):
+            query = "SELECT number, crc, content FROM part WHERE key = ? ORDER BY number, piece"
+            found = self._connection.execute(query, (key,)).fetchall()
+        if any(zlib.crc32(content) != crc for _, crc, content in found):
             raise _damaged(self.path, f"the result of {key} is not what was written")
-        return tuple(content for _, content in found)
+        return tuple(_joined([row[2] for row in rows]) for _, rows in groupby(found, key=lambda row: row[0]))
 
     def failures(self) -> dict[str, tuple[Failure, ...]]:
         """The failures of each finished task that has some, by key."""
@@ -198,6 +219,36 @@ class Journal:
         return int(self._connection.execute("SELECT count(*) FROM done").fetchone()[0])
 
 
+def _pieces(part: bytes) -> Iterator[memoryview]:
+    """A part in pieces that sqlite takes; one piece of nothing for an empty part."""
+    for start in range(0, max(len(part), 1), PIECE):
+        yield memoryview(part)[start : start + PIECE]
+
+
+def _joined(pieces: list[bytes]) -> bytes:
+    return pieces[0] if len(pieces) == 1 else b"".join(pieces)
+
+
+def _identity(path: Path) -> tuple[int, int] | None:
+    """Device and number of a file; None where there is none."""
+    try:
+        state = path.stat()
+    except (FileNotFoundError, NotADirectoryError):
+        return None
+    return state.st_dev, state.st_ino
+
+
+def _check_name(path: Path) -> None:
+    """Whether the file system takes the names of the journal and of sqlite's own beside it, the longest of all."""
+    try:
+        with suppress(FileNotFoundError, NotADirectoryError):
+            path.with_name(f"{path.name}-journal").lstat()
+    except OSError as error:
+        raise JournalError(
+            f"{path}: cannot keep the journal of the run beside the output: {error.strerror}; choose another output"
+        ) from error
+
+
 def _unlink(path: Path) -> None:
     """Remove the database and sqlite's own journal of it."""
     path.unlink(missing_ok=True)
@@ -205,12 +256,13 @@ def _unlink(path: Path) -> None:
 
 
 def _lock(connection: sqlite3.Connection) -> None:
+    """Take the lock before the mode that keeps it, in which of two runs that begin together neither would get it."""
     connection.execute("PRAGMA page_size = 65536")
-    connection.execute("PRAGMA locking_mode = EXCLUSIVE")
-    connection.execute("PRAGMA journal_mode = PERSIST")  # a tenth of the time of a commit that truncates or deletes it
     connection.execute("PRAGMA synchronous = FULL")
-    connection.execute("BEGIN EXCLUSIVE")  # takes the lock, which the mode keeps beyond the transaction
+    connection.execute("BEGIN EXCLUSIVE")
+    connection.execute("PRAGMA locking_mode = EXCLUSIVE")  # from now on, beyond the transaction
     connection.execute("COMMIT")
+    connection.execute("PRAGMA journal_mode = PERSIST")  # a tenth of the time of a commit that truncates or deletes it
 
 
 def _is_empty(connection: sqlite3.Connection) -> bool:
@@ -232,11 +284,11 @@ def _check_ours(connection: sqlite3.Connection, path: Path) -> None:
     if found == APPLICATION:
         return
     if found.to_bytes(4, signed=True)[:3] == APPLICATION.to_bytes(4)[:3]:
-        raise ResultsError(
+        raise JournalError(
             f"{path}: the journal of a run of another version of rockpulse; resume the run with that version, or "
             "remove the file"
         )
-    raise ResultsError(
+    raise JournalError(
         f"{path}: expected the journal of a run of rockpulse, found another database, which is left alone; choose "
         "another output"
     )
@@ -249,7 +301,7 @@ def _taken_up(connection: sqlite3.Connection, path: Path, resume: bool, overwrit
         return str(run_id)
     count = connection.execute("SELECT count(*) FROM done").fetchone()[0]
     if count and not overwrite:
-        raise ResultsError(
+        raise JournalError(
             f"{path}: a run that began {started} was stopped with {count} record{'s' * (count != 1)} done; go on with "
             "--resume, or begin anew with --overwrite"
         )
@@ -280,21 +332,21 @@ def _explained(path: Path) -> Iterator[None]:
         yield
     except sqlite3.OperationalError as error:
         if error.sqlite_errorcode == sqlite3.SQLITE_BUSY:
-            raise ResultsError(
+            raise JournalError(
                 f"{path}: {_holder(path)} is writing this output; wait for it, or choose another output"
             ) from error
-        raise ResultsError(f"{path}: cannot use the journal of the run: {error}") from error
+        raise JournalError(f"{path}: cannot use the journal of the run: {error}") from error
     except sqlite3.DatabaseError as error:
         if error.sqlite_errorcode == sqlite3.SQLITE_NOTADB:
-            raise ResultsError(
+            raise JournalError(
                 f"{path}: expected the journal of a run of rockpulse, found another file, which is left alone; choose "
                 "another output, or remove the file by hand"
             ) from error
         raise _damaged(path, str(error)) from error
 
 
-def _damaged(path: Path, how: str) -> ResultsError:
-    return ResultsError(f"{path}: the journal of the run is damaged ({how}); remove it and begin anew")
+def _damaged(path: Path, how: str) -> JournalError:
+    return JournalError(f"{path}: the journal of the run is damaged ({how}); remove it and begin anew")
 
 
 def _holder(path: Path) -> str:

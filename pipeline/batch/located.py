@@ -88,9 +88,10 @@ def _samples(part: Place, options: ReadOptions, source: str) -> np.ndarray:
     records = _channels(part.path, part.member, _state(part.path), options)
     found = records[part.channel] if part.channel < len(records) else None
     if found is None or found.source_sha256 != part.source_sha256 or sample_digest(found) != part.digest:
+        which = source if source == part.path else f"{source}: {part.path}"
         raise RecordRefused(
-            f"{source}: {part.path} has changed since the beginning of this run; leave the records as they are while "
-            "they are worked on, and run again with --resume"
+            f"{which} has changed since the beginning of this run; leave the records as they are while they are worked "
+            "on, and run again with --resume"
         )
     return found.acceleration
 

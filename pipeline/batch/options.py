@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable
 from concurrent.futures import Executor
 from contextlib import AbstractContextManager
@@ -42,8 +43,8 @@ class BatchOptions:
     Attributes
     ----------
     workers : int or "all", optional
-        Processes; "all" for one a core, but none beside this one for a few files; 1 for this process on one thread.
-        That of the configuration by default.
+        Processes; "all" for one a core, of which each has at least eight files to read or records to do; 1 for this
+        process on one thread. That of the configuration by default.
     scheduler : str, optional
         Address of a dask.distributed scheduler whose workers do the work; they see the files under the same paths.
     executor : concurrent.futures.Executor, optional
@@ -54,6 +55,8 @@ class BatchOptions:
         Whether results that exist may be replaced; without `resume` also what a stopped run has finished.
     strict : bool
         Stop at the first file or record that fails.
+    written : tuple of path
+        Files that are written meanwhile beside the output, such as a log: no input, wherever they lie.
     bar : callable
         Called with ``total``, ``initial``, ``desc`` and ``unit``, returns a progress bar; ``tqdm.tqdm`` is one.
     tell : callable
@@ -66,5 +69,6 @@ class BatchOptions:
     resume: bool = False
     overwrite: bool = False
     strict: bool = False
+    written: tuple[str | os.PathLike[str], ...] = ()
     bar: Callable[..., Bar] = _NoBar
     tell: Callable[[str], object] = str

@@ -5,21 +5,28 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, fields, replace
+from functools import lru_cache
+from pathlib import Path
 
-from rockpulse import __version__
+import rockpulse
+from rockpulse import __version__, models
 from rockpulse.batch.located import Located
 from rockpulse.config import Config
 from rockpulse.directions import PlannedMotion, plan_motions, swept_directions
 from rockpulse.failures import Failure
 from rockpulse.readers import ReadOptions
 from rockpulse.record import Record
-from rockpulse.settings import SECTIONS
+from rockpulse.settings import SECTIONS, CalibrationSettings
 from rockpulse.store import SCHEMA_VERSION
 
-__all__ = ["Plan", "Task", "configuration_fingerprint", "plan", "read_options"]
+__all__ = ["Plan", "Task", "configuration_fingerprint", "plan", "program_digest", "read_options"]
 
 #: Sections of the configuration on which no record's numbers depend, by verb.
 IDLE = {"assess": {"site", "calibration", "fragility"}, "calibrate": {"site", "models", "search", "fragility"}}
+
+#: Keys of [calibration] that are used when all records are done, and those that only matching a response asks for.
+LATE = ("weights", "design", "quantile", "bootstrap")
+OF_MATCHING = ("family", "confidence")
 
 
 @dataclass(frozen=True, eq=False)
@@ -142,24 +149,40 @@ def read_options(config: Config) -> ReadOptions:
 
 
 def configuration_fingerprint(config: Config, verb: str) -> str:
-    """SHA-256 of the options that change numbers of a record, of the schema and of the version.
+    """SHA-256 of the options that change numbers of a record, of the schema and of the program.
 
     Parameters
     ----------
     config : Config
-        Options; paths of records and the number of workers change nothing, nor does the name of the site, or the tables
-        of events and weights, which are looked at when all records are done.
+        Options; paths of records and the number of workers change nothing, nor does the name of the site, or what is
+        looked at when all records are done: the tables of events and weights, and the quantile and the resamples of a
+        site. The seed and the level of confidence are asked for where the response of each record is matched.
     verb : {"assess", "calibrate"}
         What is done.
     """
+    late = {name: getattr(CalibrationSettings(), name) for name in LATE}
+    matched = verb == "calibrate" and config.calibration.method == "response"
+    if not matched:
+        late |= {name: getattr(CalibrationSettings(), name) for name in OF_MATCHING}
     config = replace(
         config,
         records=replace(config.records, paths=(), events=None),
-        run=replace(config.run, workers=1),
+        calibration=replace(config.calibration, **late),
+        run=replace(config.run, workers=1, seed=config.run.seed if matched else 0),
     )
     sections = [repr(getattr(config, name)) for name in SECTIONS if name not in IDLE[verb]]
     bodies = [repr(entry) for entry in (*config.blocks, *config.demands)]
-    return _digest([verb, __version__, SCHEMA_VERSION, *sections, *bodies])
+    return _digest([verb, __version__, program_digest(), SCHEMA_VERSION, *sections, *bodies])
+
+
+@lru_cache(maxsize=1)
+def program_digest() -> str:
+    """SHA-256 of the sources of this package: the version of an installation that can be edited stays the same."""
+    digest = hashlib.sha256()
+    for folder in (Path(str(package.__file__)).parent for package in (rockpulse, models)):
+        for path in sorted(folder.rglob("*.py")):
+            digest.update(path.relative_to(folder).as_posix().encode() + b"\0" + path.read_bytes())
+    return digest.hexdigest()
 
 
 def _task(planned: PlannedMotion, place: Callable[[Record], Located], settings: str) -> Task:

@@ -14,7 +14,8 @@ from typing import ClassVar, Protocol
 
 from rockpulse.batch.assembly import RUN_ID, JournalParts, assemble, is_assembled
 from rockpulse.batch.crew import Crew, WorkerLost
-from rockpulse.batch.journal import Journal
+from rockpulse.batch.journal import Journal, JournalError, journal_path
+from rockpulse.batch.kept import finished, kept, worth
 from rockpulse.batch.located import Located
 from rockpulse.batch.options import BatchOptions
 from rockpulse.batch.plan import Plan, Task, plan, read_options
@@ -25,7 +26,7 @@ from rockpulse.bodies import Bodies, gather_bodies
 from rockpulse.calibration.site_calibration import SiteStudy, prepare_site, site_results
 from rockpulse.calibration.site_variables import SITE_KIND
 from rockpulse.config import Config
-from rockpulse.errors import RecordRefused, StoppedAtFailure
+from rockpulse.errors import RecordRefused, ResultsError, StoppedAtFailure
 from rockpulse.failures import Failure
 from rockpulse.models.threads import available_cores, thread_limit
 from rockpulse.results import template
@@ -38,8 +39,8 @@ logger = logging.getLogger("rockpulse")
 
 PathLike = str | os.PathLike[str]
 
-#: Files that make one more process worth its start; below, the threads of this one share the bodies of each record.
-FILES_PER_WORKER = 8
+#: Files or records that make one more process worth its start; below, the threads of this one share the bodies of each.
+ITEMS_PER_WORKER = 8
 
 
 class Interrupted(KeyboardInterrupt):
@@ -60,6 +61,8 @@ class BatchReport:
         Tasks that an earlier run had finished.
     failures : list of Failure
         The rows of /failures.
+    broken_off : int
+        Files and records among them that were left undone and are tried again by a run that resumes this one.
     seconds : dict of str to float
         Time that all workers together have spent on each step [s]: "read", "condition", "solve", "pack".
     """
@@ -68,6 +71,7 @@ class BatchReport:
     records: int = 0
     resumed: int = 0
     failures: list[Failure] = field(default_factory=list)
+    broken_off: int = 0
     seconds: dict[str, float] = field(default_factory=dict)
 
 
@@ -169,7 +173,7 @@ class _Assessment:
 
     def write(self, journal: Journal, made: Plan, failures: list[Failure], overwrite: bool) -> int:
         """Put the parts of the journal together."""
-        parts = JournalParts(journal, _finished(journal, made))
+        parts = JournalParts(journal, finished(journal, made))
         if not any(True for _ in parts):
             return 0
         empty = template(self.bodies, self.config)
@@ -196,7 +200,7 @@ class _Calibration:
     def write(self, journal: Journal, made: Plan, failures: list[Failure], overwrite: bool) -> int:
         """Describe the site."""
         assert self.study is not None
-        done = [pickle.loads(part) for key in _finished(journal, made) for part in journal.parts(key)]
+        done = [pickle.loads(part) for key in finished(journal, made) for part in journal.parts(key)]
         tree = site_results(done, self.study, self.config, failures)
         tree.attrs[RUN_ID] = journal.run_id
         save(tree, self.output, overwrite)
@@ -209,121 +213,145 @@ def _run(verb: _Verb, paths: PathLike | Iterable[PathLike], options: BatchOption
     if options.scheduler is not None:  # its workers stand in folders of their own
         given = [paths] if isinstance(paths, str | os.PathLike) else paths
         paths = [os.path.abspath(path) for path in given]  # noqa: PTH100 - links stay what they are
-    found, failures = find(paths)
+    journal_file = journal_path(output)
+    found, failures = find(paths, (output, journal_file, f"{journal_file}-journal", *options.written))
     with Journal.open(output, options.resume, options.overwrite) as journal, ExitStack() as hired:
-        if options.resume:
-            remove_parts(output)  # of the run that was stopped
-        if options.resume and is_assembled(output, journal.run_id):
-            logger.info("%s: complete already, only the journal was left", output)
-            journal.remove()
-            return BatchReport(path=Path(output))
+        remove_parts(output)  # of runs that were killed
         made = Plan((), [], None)
         try:
-            check_target(output, options.overwrite, verb.kind)
+            replace = options.overwrite or (options.resume and is_assembled(output, journal.run_id))
+            check_target(output, replace, verb.kind)
             crew = _hired(hired, options, verb, len(found))
-            every, failures = _surveyed(crew, found, failures, verb, options)
+            every, failures, unread = _surveyed(crew, found, failures, verb, options)
             made = plan(every, failures, verb.config, verb.name)
             _stop_at(made.failures, options)
             work = verb.work(every, made)
-            report = _worked(crew, journal, made, work, verb, options)
-            report.records = verb.write(journal, made, report.failures, options.overwrite)
+            missing = _missing(journal, made, verb, options)
+            crew = _hired(hired, options, verb, len(missing), crew)
+            report = _worked(crew, journal, made, missing, work, verb, options)
+            report.broken_off = unread + len(made.tasks) - len(finished(journal, made))
+            report.records = verb.write(journal, made, report.failures, replace)
         except RecordRefused:  # the records make no site
             _without_output(journal, made, options)
             raise
         except BaseException as error:
-            kept = _kept(journal)
-            logger.error("%s; %s", error or type(error).__name__, kept)
+            left = kept(journal, made)
+            if isinstance(error, StoppedAtFailure) and "--resume" in left:
+                left += ", past this failure without --strict"
+            logger.error("%s; %s", str(error) or type(error).__name__, left)
             if isinstance(error, KeyboardInterrupt):
-                raise Interrupted(f"interrupted; {kept}") from None
-            if isinstance(error, StoppedAtFailure | ConnectionError):
-                raise type(error)(f"{error}; {kept}") from error
+                raise Interrupted(f"interrupted; {left}") from None
+            if isinstance(error, StoppedAtFailure | ConnectionError) or _to_be_resumed(error):
+                raise type(error)(f"{error}; {left}") from error
             raise
-        if report.records:
-            journal.remove()
-        else:
+        if not report.records:
             _without_output(journal, made, options)
+        elif report.broken_off:
+            again = f"the same command with --resume tries them again, for which {journal.path} is kept"
+            _tell_all(f"{_counted(report.broken_off)} broke off: {again}", options)
+        else:
+            journal.remove()
     report.path = Path(output) if report.records else None
     logger.info("%s: %d records, %d rows of failures", output, report.records, len(report.failures))
     return report
 
 
+def _to_be_resumed(error: BaseException) -> bool:
+    """Whether an error says neither what becomes of the journal nor how to go on."""
+    return isinstance(error, ResultsError) and not isinstance(error, JournalError) and "--resume" not in str(error)
+
+
+def _counted(broken_off: int) -> str:
+    return "1 file or record" if broken_off == 1 else f"{broken_off} files or records"
+
+
 def _without_output(journal: Journal, made: Plan, options: BatchOptions) -> None:
-    """Leave a journal whose records give nothing to write: removed, unless a run on other files has begun it."""
-    others = _worth(journal) - {task.key for task in made.tasks}
-    if not others:
+    """Leave a journal whose records give nothing to write: removed, unless some are of other files or broke off."""
+    others = worth(journal) - {task.key for task in made.tasks}
+    if others:
+        are = f"{journal.path} keeps {len(others)} finished records of other files"
+        _tell_all(f"{are}: give --resume with the paths of these", options)
+    elif 0 < len(finished(journal, made)) < len(made.tasks):
+        _tell_all(kept(journal, made), options)
+    else:
         journal.remove()
-        return
-    text = f"{journal.path} keeps {len(others)} finished records of other files: give --resume with the paths of these"
+
+
+def _tell_all(text: str, options: BatchOptions) -> None:
     logger.warning("%s", text)
     options.tell(text)
 
 
-def _kept(journal: Journal) -> str:
-    """What a run that stops has to say; a journal without anything in it is removed."""
-    count = len(_worth(journal))
-    if not count:
-        journal.remove()
-        return "nothing was finished yet"
-    are = "record is" if count == 1 else "records are"
-    return f"{count} finished {are} kept in {journal.path}: the same command with --resume goes on from there"
-
-
-def _worth(journal: Journal) -> set[str]:
-    """Tasks in a journal that need not be done again."""
-    return {key for key, fingerprint in journal.finished().items() if fingerprint != UNFINISHED}
-
-
-def _hired(hired: ExitStack, options: BatchOptions, verb: _Verb, files: int) -> Crew:
-    """Those who work until the run ends, with kernels that are compiled."""
+def _hired(hired: ExitStack, options: BatchOptions, verb: _Verb, items: int, before: Crew | None = None) -> Crew:
+    """Those who see to so many items, with kernels that are compiled; those `before` stay where they are enough."""
     if options.executor is not None:
-        return hired.enter_context(Crew.through(options.executor))
+        return before or hired.enter_context(Crew.through(options.executor))
     if options.scheduler is not None:
-        return hired.enter_context(Crew.scheduler(options.scheduler))
+        return before or hired.enter_context(Crew.scheduler(options.scheduler))
     workers = verb.config.run.workers if options.workers is None else options.workers
     if workers == "all":
-        workers = max(1, min(available_cores(), files // FILES_PER_WORKER))
-    elif workers == 1:
+        workers = max(1, min(available_cores(), items // ITEMS_PER_WORKER))
+    elif workers == 1 and before is None:
         hired.enter_context(thread_limit(1))
+    if before is not None and before.size >= int(workers):
+        return before
     if workers == 1:
         return hired.enter_context(Crew.inline())
+    hired.close()  # of those before
     warm_up(verb.config, calibration=verb.kind == SITE_KIND)  # once, here, not once in every worker
     return hired.enter_context(Crew.local(int(workers)))
 
 
 def _surveyed(
     crew: Crew, found: Sequence[Found], failures: Sequence[Failure], verb: _Verb, options: BatchOptions
-) -> tuple[list[Located], list[Failure]]:
-    """All channels without their samples, and what was left out."""
+) -> tuple[list[Located], list[Failure], int]:
+    """All channels without their samples, what was left out, and how much of that may be read another time."""
     look = partial(survey_file, options=read_options(verb.config))
-    surveys, rows = [], list(failures)
+    surveys, rows, unread = [], list(failures), 0
     _stop_at(rows, options)
     logger.info("reading %d files", len(found))
     with options.bar(total=len(found), initial=0, desc="reading", unit=" files") as bar:
         for one, survey in crew.run(look, found):
             if isinstance(survey, WorkerLost):
                 rows.append(Failure(str(one.path), "read", f"{one.path}: {survey.reason}", "failed"))
+                unread += 1
                 _stop_at(rows, options)
             else:
                 surveys.append((one, survey))
+                unread += survey.broken_off
                 _log(survey.messages)
                 _stop_at(survey.failures, options)
             bar.update(1)
-    return gather(found, surveys, rows)
+    return *gather(found, surveys, rows), unread
+
+
+def _missing(journal: Journal, made: Plan, verb: _Verb, options: BatchOptions) -> list[Task]:
+    """The tasks that are to be done; what was refused before is a failure to stop at like any other."""
+    before = journal.finished()
+    missing = [task for task in made.tasks if before.get(task.key) != task.fingerprint]
+    resumed = len(made.tasks) - len(missing)
+    stale = sum(before.get(task.key, UNFINISHED) != UNFINISHED for task in missing)
+    logger.info("%s %d records; finished before: %d, of another state: %d", verb.doing, len(missing), resumed, stale)
+    if options.resume:
+        again = f"; {stale} are done again, for they, the options or the version of rockpulse have changed"
+        options.tell(f"{resumed} of {len(made.tasks)} records were finished before{again if stale else ''}")
+    rows = journal.failures()
+    for key in finished(journal, made):
+        _stop_at(rows.get(key, ()), options)
+    return missing
 
 
 def _worked(
-    crew: Crew, journal: Journal, made: Plan, work: Callable[[Task], Done], verb: _Verb, options: BatchOptions
+    crew: Crew,
+    journal: Journal,
+    made: Plan,
+    missing: Sequence[Task],
+    work: Callable[[Task], Done],
+    verb: _Verb,
+    options: BatchOptions,
 ) -> BatchReport:
-    """Every task that is not in the journal yet, into the journal; a task whose worker is lost is a row of its own."""
-    finished = journal.finished()
-    missing = [task for task in made.tasks if finished.get(task.key) != task.fingerprint]
+    """Every missing task, into the journal; a task whose worker is lost is a row of its own."""
     report = BatchReport(resumed=len(made.tasks) - len(missing))
-    stale = sum(finished.get(task.key, UNFINISHED) != UNFINISHED for task in missing)
-    logger.info(
-        "%s %d records; finished before: %d, of another state: %d", verb.doing, len(missing), report.resumed, stale
-    )
-    if options.resume:
-        options.tell(_resumed(len(made.tasks), report.resumed, stale))
     lost: dict[str, Failure] = {}
     with options.bar(total=len(made.tasks), initial=report.resumed, desc=verb.doing, unit=" records") as bar:
         for task, done in crew.run(work, missing):
@@ -342,17 +370,6 @@ def _worked(
     rows |= {key: [failure] for key, failure in lost.items()}
     report.failures = [*made.failures, *(row for task in made.tasks for row in rows.get(task.key, ()))]
     return report
-
-
-def _resumed(every: int, before: int, stale: int) -> str:
-    again = f"; {stale} are done again, for they, the options or the version of rockpulse have changed" if stale else ""
-    return f"{before} of {every} records were finished before{again}"
-
-
-def _finished(journal: Journal, made: Plan) -> list[str]:
-    """Keys of the tasks whose results are in the journal, in the order of the plan."""
-    finished = journal.finished()
-    return [task.key for task in made.tasks if finished.get(task.key) == task.fingerprint]
 
 
 def _stop_at(failures: Iterable[Failure], options: BatchOptions) -> None:

@@ -27,6 +27,8 @@ from rockpulse.sources import (
 
 __all__ = ["FileSurvey", "find", "gather", "survey_file", "unexpected"]
 
+PathLike = str | os.PathLike[str]
+
 
 @dataclass(frozen=True)
 class FileSurvey:
@@ -40,20 +42,27 @@ class FileSurvey:
         The file or the members that gave none.
     messages : tuple of (int, str)
         Level and text of what is to be logged.
+    broken_off : int
+        Files and members that gave none for want of the file system or of memory: they may be read another time.
     """
 
     located: tuple[Located, ...] = ()
     failures: tuple[Failure, ...] = ()
     messages: tuple[tuple[int, str], ...] = ()
+    broken_off: int = 0
 
 
-def find(paths: str | os.PathLike[str] | Iterable[str | os.PathLike[str]]) -> tuple[list[Found], list[Failure]]:
+def find(
+    paths: PathLike | Iterable[PathLike], passed_over: Iterable[PathLike] = ()
+) -> tuple[list[Found], list[Failure]]:
     """The files behind the paths.
 
     Parameters
     ----------
     paths : path or iterable of paths
         As in `rockpulse.read_all`.
+    passed_over : iterable of paths
+        Files of the run itself, as in `rockpulse.sources.find_files`.
 
     Returns
     -------
@@ -62,7 +71,7 @@ def find(paths: str | os.PathLike[str] | Iterable[str | os.PathLike[str]]) -> tu
     failures : list of Failure
         A row for each path behind which nothing is.
     """
-    return find_files(paths)
+    return find_files(paths, passed_over)
 
 
 def survey_file(found: Found, options: ReadOptions) -> FileSurvey:
@@ -83,8 +92,11 @@ def survey_file(found: Found, options: ReadOptions) -> FileSurvey:
     located: list[Located] = []
     failures: list[Failure] = []
     messages: list[tuple[int, str]] = []
+    broken_off: list[str] = []
 
     def leave_out(name: str, fault: Exception) -> None:
+        if isinstance(fault, MemoryError) or (isinstance(fault, OSError) and fault.errno is not None):
+            broken_off.append(name)  # an OSError without a number is about what is in the file
         if not isinstance(fault, RockpulseError | OSError):
             messages.append((logging.ERROR, f"{name}: {traceback.format_exc()}"))
             fault = unexpected(fault)
@@ -101,7 +113,7 @@ def survey_file(found: Found, options: ReadOptions) -> FileSurvey:
                 leave_out(opened.name, fault)
     except Exception as fault:
         leave_out(name, fault)
-    return FileSurvey(tuple(located), tuple(failures), tuple(messages))
+    return FileSurvey(tuple(located), tuple(failures), tuple(messages), len(broken_off))
 
 
 def unexpected(fault: BaseException) -> RuntimeError:

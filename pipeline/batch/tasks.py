@@ -17,7 +17,6 @@ from rockpulse.batch.journal import pack
 from rockpulse.batch.plan import Task, read_options
 from rockpulse.batch.survey import unexpected
 from rockpulse.bodies import Bodies
-from rockpulse.calibration.site_calibration import calibrate_planned
 from rockpulse.config import Config
 from rockpulse.directions import PlannedMotion
 from rockpulse.errors import RockpulseError
@@ -126,6 +125,8 @@ def calibrate_task(task: Task, job: Job[Block]) -> Done:
     Done
         Whatever goes wrong is a row in it.
     """
+    # With scipy.stats, which would take a third of the time that a worker takes to start; assess_task does without.
+    from rockpulse.calibration.site_calibration import calibrate_planned
 
     def parts(planned: PlannedMotion, watch: Watch) -> Iterator[bytes | Failure]:
         for outcome in calibrate_planned(planned, job.bodies, job.config, watch):

@@ -6,7 +6,6 @@ from dataclasses import replace
 
 from rockpulse.assessment import assess_record
 from rockpulse.bodies import gather_bodies
-from rockpulse.calibration.site_record import site_record
 from rockpulse.config import Config
 from rockpulse.directions import Motion
 from rockpulse.models.block import Block
@@ -34,6 +33,8 @@ def warm_up(config: Config, calibration: bool = False) -> None:
         Block(half_width=b, half_height=h) for b, h in ((0.1, 1.0), (0.2, 2.0), (0.5, 2.5), (1.0, 5.0), (1.0, 4.0))
     ]
     if calibration:
+        from rockpulse.calibration.site_record import site_record
+
         statistics = Config(calibration=CalibrationSettings(method="statistics"))
         site_record(Motion(record, (record,)), Block.stack(blocks), statistics)
     else:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from rockpulse.commands.batch_input import add_batch_arguments, batch_given, batch_options, recorded
 from rockpulse.commands.record_input import add_record_arguments, configured, resolved
+from rockpulse.commands.telling import tell
 from rockpulse.commands.verb import Verb
 
 if TYPE_CHECKING:
@@ -45,12 +46,11 @@ def _of_records(args: argparse.Namespace) -> int:
         report = assess_files(paths, config, args.output, batch_options(args))
     if report.path is None:
         rows = xr.DataTree.from_dict({"/failures": failure_table(report.failures)})
-        print(
-            f"{failure_list(rows)}\nrockpulse: not one record could be assessed, nothing was written", file=sys.stderr
-        )
+        tell(f"{failure_list(rows)}\nrockpulse: not one record could be assessed, nothing was written", sys.stderr)
         return 1
+    shown = ("failures",) if args.quiet else ("summary", "directions", "failures")
     with open_results(report.path) as file, file.reading():
-        return _told(file.tree("summary", "directions", "failures"), args)
+        return _told(file.tree(*shown), args)
 
 
 def _of_sequence(args: argparse.Namespace) -> int:
@@ -82,9 +82,9 @@ def _told(tree: xr.DataTree, args: argparse.Namespace) -> int:
 
     failed = failure_list(tree, kinds=("failed",))
     if not args.quiet:
-        print(f"{overview(tree)}\n\nresults: {args.output}")
+        tell(f"{overview(tree)}\n\nresults: {args.output}")
     elif failed:
-        print(failed, file=sys.stderr)
+        tell(failed, sys.stderr)
     return 1 if failed else 0
 
 

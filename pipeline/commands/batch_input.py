@@ -11,6 +11,8 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, NoReturn
 
+from rockpulse.commands.telling import tell
+
 if TYPE_CHECKING:
     from rockpulse.batch.options import BatchOptions
 
@@ -72,8 +74,9 @@ def batch_options(args: argparse.Namespace) -> BatchOptions:
         resume=args.resume,
         overwrite=args.overwrite,
         strict=args.strict,
+        written=() if args.log_file is None else (args.log_file,),
         bar=partial(tqdm, disable=silent),
-        tell=str if args.quiet else partial(print, "rockpulse:", file=sys.stderr),
+        tell=str if args.quiet else _say,
     )
 
 
@@ -110,6 +113,10 @@ def recorded(args: argparse.Namespace) -> Iterator[None]:
             logger.removeHandler(handler)
             logger.setLevel(before)
             handler.close()
+
+
+def _say(text: str) -> None:
+    tell(f"rockpulse: {text}", sys.stderr)
 
 
 def _end(number: int, frame: object) -> NoReturn:

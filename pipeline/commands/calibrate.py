@@ -7,6 +7,7 @@ import sys
 
 from rockpulse.commands.batch_input import add_batch_arguments, batch_options, recorded
 from rockpulse.commands.record_input import add_record_arguments, resolved
+from rockpulse.commands.telling import tell
 from rockpulse.commands.verb import Verb
 
 __all__ = ["VERB"]
@@ -31,14 +32,14 @@ def _run(args: argparse.Namespace) -> int:
         with recorded(args):
             calibrate_files(paths, config, args.output, batch_options(args))
     except RecordRefused as error:
-        print(f"rockpulse: {error}\nrockpulse: nothing was written", file=sys.stderr)
+        tell(f"rockpulse: {error}\nrockpulse: nothing was written", sys.stderr)
         return 1
     tree = load(args.output)
     failed = failure_list(tree, kinds=("failed",))
     if not args.quiet:
-        print(f"{site_overview(tree)}\n\nsite: {args.output}")
+        tell(f"{site_overview(tree)}\n\nsite: {args.output}")
     elif failed:
-        print(failed, file=sys.stderr)
+        tell(failed, sys.stderr)
     return 1 if failed else 0
 
 

@@ -25,7 +25,11 @@ def _add_arguments(parser: argparse.ArgumentParser) -> None:
         "--atol", type=_tolerance, default=0.0, metavar="A", help="and by A, in the unit of each variable (%(default)g)"
     )
     parser.add_argument(
-        "--ignore", action="append", default=[], metavar="VARIABLE", help="do not compare this variable; repeatable"
+        "--ignore",
+        action="append",
+        default=[],
+        metavar="VARIABLE",
+        help="do not compare this variable, named as it is or as in the output (/summary/pga); repeatable",
     )
     parser.add_argument(
         "--limit", type=count, default=20, metavar="N", help="most flipped verdicts that are named (%(default)s)"

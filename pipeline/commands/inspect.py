@@ -27,6 +27,9 @@ SHOWN_WHOLE = {
 #: Options that ask for a list of cases.
 OF_CASES = ("model", "outcome", "where", "sort", "limit", "worst")
 
+#: Options that say in another way which cases come first, or how many, or ask for another list.
+BESIDE_WORST = ("sort", "limit", "records", "blocks")
+
 #: Cases in a list unless more are asked for.
 CASES = 20
 
@@ -51,13 +54,23 @@ def _add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def _run(args: argparse.Namespace) -> int:
+    from rockpulse.errors import ResultsError
     from rockpulse.results_file import open_results
 
     with open_results(args.results) as file, file.reading():
         for group in SHOWN_WHOLE:
             if group in file.groups:
                 return _inspect_whole(file, group, args)
-        print("\n\n".join(_parts(file, args)))
+        try:
+            parts = _parts(file, args)
+        except (KeyError, TypeError, AssertionError) as error:
+            gone = _incomplete(file)
+            if not gone:
+                raise
+            raise ResultsError(
+                f"{file.path}: the answers lack {gone}; 'rockpulse verify' says what else is not as it was written"
+            ) from error
+        print("\n\n".join(parts))
     return 0
 
 
@@ -67,6 +80,7 @@ def _parts(file: ResultsFile, args: argparse.Namespace) -> list[str]:
     from rockpulse.failure_overview import failure_list
     from rockpulse.overview import overview
 
+    _check_worst(args)
     summary = file.dataset("summary")
     parts = []
     if args.records or args.blocks:
@@ -80,6 +94,25 @@ def _parts(file: ResultsFile, args: argparse.Namespace) -> list[str]:
     if args.failures:
         parts.append(failure_list(file.tree("failures")) or NOTHING)
     return parts or [overview(file.tree("summary", "directions", "failures"))]
+
+
+def _check_worst(args: argparse.Namespace) -> None:
+    from rockpulse.errors import ResultsError
+
+    beside = [f"--{name}" for name in BESIDE_WORST if args.worst and getattr(args, name)]
+    if beside:
+        raise ResultsError(
+            f"--worst lists so many cases by their safety factor and does not go with {', '.join(beside)}; take --sort "
+            "VARIABLE --limit N instead"
+        )
+
+
+def _incomplete(file: ResultsFile) -> str:
+    """What another program has taken out of the answers; nothing where all is there that this version writes."""
+    from rockpulse.variables import ANSWER, BLOCK, CASE, RECORD
+
+    there = file.dataset("summary").variables
+    return ", ".join(name for name in (*RECORD, *BLOCK, *CASE, *ANSWER) if name not in there)
 
 
 def _details(summary: xr.Dataset, args: argparse.Namespace) -> list[str]:

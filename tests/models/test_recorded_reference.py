@@ -41,15 +41,20 @@ class Case(NamedTuple):
 
 
 class Judged(NamedTuple):
-    """Both answers; how far the reference moves when nudged, and how far the kernel is from it, over alpha_c."""
+    """Both answers; how far the kernel is from the reference, over alpha_c."""
 
     fast: object
     slow: object
+    deviation: float
+    history_deviation: float
+
+
+class Conditioning(NamedTuple):
+    """How far the reference moves when nudged, over alpha_c, and whether its outcome becomes another."""
+
     flips: bool
     movement: float
-    deviation: float
     history_movement: float
-    history_deviation: float
 
 
 def pulse_train(shape, period, dt, rest):
@@ -110,27 +115,36 @@ def excerpt(name):
     return ground / np.max(np.abs(ground)), record.dt
 
 
-@cache
-def judged(case):
-    """Both answers to a case, and how far they and two perturbed references are from each other."""
+def given(case):
+    """Block, ground acceleration [m/s2] and sampling interval [s] of a case."""
     motion, dt = motion_of(case)
     block = block_of(case.radius, case.slenderness, case.restitution)
-    nudged = block_of(case.radius, case.slenderness, block.restitution * (1.0 + RELATIVE))
-    ground = motion * case.factor * block.gravity / case.slenderness
+    return block, motion * case.factor * block.gravity / case.slenderness, dt
+
+
+@cache
+def judged(case):
+    """Both answers to a case, and how far they are from each other."""
+    block, ground, dt = given(case)
     slow = reference(block, ground, dt, equation=case.equation)
     fast = recorded_response(block, ground, dt, equation=case.equation, history=True)
+    return Judged(fast, slow, peak_distance(fast, slow, block), history_distance(fast, slow, block))
+
+
+@cache
+def conditioning(case):
+    """How far two perturbed references are from the reference; twice as slow as that is."""
+    block, ground, dt = given(case)
+    slow = judged(case).slow
+    nudged = block_of(case.radius, case.slenderness, block.restitution * (1.0 + RELATIVE))
     others = (
         reference(nudged, ground, dt, equation=case.equation),
         reference(block, ground * (1.0 + RELATIVE), dt, equation=case.equation),
     )
-    return Judged(
-        fast,
-        slow,
+    return Conditioning(
         flips=any(other.outcome != slow.outcome for other in others),
         movement=max(peak_distance(other, slow, block) for other in others),
-        deviation=peak_distance(fast, slow, block),
         history_movement=max(history_distance(other, slow, block) for other in others),
-        history_deviation=history_distance(fast, slow, block),
     )
 
 
@@ -157,25 +171,42 @@ SWEEP = cases(SYNTHETIC, 100, 30) + cases(RECORDED, 500, 60)
 
 
 def assert_agreement(case):
-    """The pair agrees to 1e-9 where the reference is well conditioned; outcomes may differ only where it flips."""
-    answer = judged(case)
-    fast, slow = answer.fast, answer.slow
-    assert fast.outcome == slow.outcome or answer.flips
-    if answer.flips:
-        return
-    if answer.movement < QUALIFIES:
-        assert answer.deviation <= AGREES
-        assert fast.impacts == slow.impacts
-        assert_same_overturning(fast, slow, case.equation, motion_of(case)[1])
-    if answer.history_movement < QUALIFIES:
-        assert answer.history_deviation <= AGREES
-        known = np.isfinite(slow.rotation)
-        # The linear kernel may know of the overturning up to a sample before the reference, which looks at samples.
-        assert np.count_nonzero(known & np.isnan(fast.rotation)) <= 1
-        both = known & np.isfinite(fast.rotation)
-        block = block_of(case.radius, case.slenderness, case.restitution)
-        largest = np.max(np.abs(fast.velocity - slow.velocity)[both]) / (block.p * block.alpha_c)
-        assert largest <= 2.0 * rocking_reference.CHATTER  # the last tiny hops may be left out
+    """The pair agrees to 1e-9 where the reference is well conditioned; outcomes may differ only where it flips.
+
+    The conditioning, which takes two more references, is looked at only where the pair does not agree.
+    """
+    try:
+        assert_same_answer(case)
+    except AssertionError:
+        excuse = conditioning(case)
+        if not excuse.flips and (judged(case).fast.outcome != judged(case).slow.outcome or excuse.movement < QUALIFIES):
+            raise
+    try:
+        assert_same_history(case)
+    except AssertionError:
+        excuse = conditioning(case)
+        if not excuse.flips and excuse.history_movement < QUALIFIES:
+            raise
+
+
+def assert_same_answer(case):
+    fast, slow, deviation, _ = judged(case)
+    assert fast.outcome == slow.outcome
+    assert deviation <= AGREES
+    assert fast.impacts == slow.impacts
+    assert_same_overturning(fast, slow, case.equation, motion_of(case)[1])
+
+
+def assert_same_history(case):
+    fast, slow, _, deviation = judged(case)
+    assert deviation <= AGREES
+    known = np.isfinite(slow.rotation)
+    # The linear kernel may know of the overturning up to a sample before the reference, which looks at samples.
+    assert np.count_nonzero(known & np.isnan(fast.rotation)) <= 1
+    both = known & np.isfinite(fast.rotation)
+    block = block_of(case.radius, case.slenderness, case.restitution)
+    largest = np.max(np.abs(fast.velocity - slow.velocity)[both]) / (block.p * block.alpha_c)
+    assert largest <= 2.0 * rocking_reference.CHATTER  # the last tiny hops may be left out
 
 
 def assert_same_overturning(fast, slow, equation, dt):
@@ -193,15 +224,20 @@ def assert_same_overturning(fast, slow, equation, dt):
         assert -1e-9 <= early <= dt + 1e-9
 
 
-def assert_conditioning(chosen):
-    """At least nine cases of ten qualify, and the others deviate no more than the reference does when nudged."""
-    answers = [judged(case) for case in chosen]
-    others = [answer for answer in answers if answer.flips or answer.movement >= QUALIFIES]
-    assert len(others) <= 0.1 * len(answers)
-    settled = [answer for answer in others if not answer.flips]
+def agrees(case):
+    try:
+        assert_same_answer(case)
+    except AssertionError:
+        return False
+    return True
+
+
+def assert_no_worse_than_the_reference(chosen):
+    """What does not qualify deviates no more than the reference does when nudged."""
+    settled = [case for case in chosen if not conditioning(case).flips]
     if settled:
-        deviation = np.quantile([answer.deviation for answer in settled], 0.99)
-        assert deviation <= np.quantile([answer.movement for answer in settled], 0.99)
+        deviation = np.quantile([judged(case).deviation for case in settled], 0.99)
+        assert deviation <= np.quantile([conditioning(case).movement for case in settled], 0.99)
 
 
 @pytest.mark.parametrize("case", DEFAULT, ids=str)
@@ -214,15 +250,19 @@ def test_recorded_motion_agrees_with_the_reference(case):
     assert_agreement(case)
 
 
-def test_nine_cases_of_ten_are_well_conditioned():
-    assert_conditioning(DEFAULT + EXCERPTS)
+def test_nine_cases_of_ten_agree():
+    others = [case for case in DEFAULT + EXCERPTS if not agrees(case)]
+    assert len(others) <= 0.1 * len(DEFAULT + EXCERPTS)
+    assert_no_worse_than_the_reference(others)
 
 
 @pytest.mark.slow
 def test_sweep_agrees_with_the_reference():
     for case in SWEEP:
         assert_agreement(case)
-    assert_conditioning(SWEEP)
+    others = [case for case in SWEEP if conditioning(case).flips or conditioning(case).movement >= QUALIFIES]
+    assert len(others) <= 0.1 * len(SWEEP)  # nine of ten are well conditioned
+    assert_no_worse_than_the_reference(others)
 
 
 @pytest.mark.parametrize("start", [(0.0, 0.0), (0.3, -0.2), (-0.1, -0.1), (0.0, 0.4)])

@@ -2,6 +2,7 @@
 
 from contextlib import nullcontext
 
+import h5py
 import numpy as np
 import pytest
 import xarray as xr
@@ -254,17 +255,40 @@ def test_versions_and_configuration_are_told_and_do_not_count():
     assert "  +workers = 2" in text
 
 
-def test_a_variable_of_equal_checksum_is_not_read(compare_files, monkeypatch):
-    from rockpulse import differences
-
-    read = []
-    monkeypatch.setattr(differences, "slab", lambda variable, where: read.append(variable) or variable.values)
-    changed = tree()
-    changed["summary"]["pga"].values[0] = 7.0
-    found, _ = compare_files(tree(), changed)
-    assert [one.name for one in found.variables] == ["/summary/pga"]
-    assert len(read) == 2
+@pytest.mark.parametrize(
+    ("path", "place"),
+    [("summary/pga", 0), ("summary/outcome", (0, 0, 0)), ("half_cycles/peak", 3), ("summary/source", 1)],
+)
+def test_values_that_another_program_has_changed_are_found_though_the_checksums_are_equal(tmp_path, path, place):
+    for name in ("a.h5", "b.h5"):
+        save(tree(), tmp_path / name)
+    with h5py.File(tmp_path / "b.h5", "a") as file:
+        file[path][place] = "other" if "source" in path else 0
+    with open_results(tmp_path / "a.h5") as one, open_results(tmp_path / "b.h5") as other:
+        found = compare_results(one, other)
+    assert [(one.name, one.differing) for one in found.variables] == [(f"/{path}", 1)]
     assert found.verdicts == 27
+
+
+def test_a_pointer_that_another_program_has_changed_is_found(tmp_path):
+    for name in ("a.h5", "b.h5"):
+        save(tree(), tmp_path / name)
+    with h5py.File(tmp_path / "b.h5", "a") as file:
+        file["half_cycles/record_index"][0] = 2
+    with open_results(tmp_path / "a.h5") as one, open_results(tmp_path / "b.h5") as other:
+        assert not compare_results(one, other).same
+
+
+def test_what_is_ignored_is_named_as_it_is_or_as_it_is_printed():
+    changed = tree()
+    changed["summary"]["pga"].values[0] *= 1.1
+    changed["summary"] = xr.DataTree(changed["summary"].to_dataset().drop_vars("pgv_drift"))
+    for spelling in ("pga", "/summary/pga"):
+        found, _ = compare(tree(), changed, ignore=[spelling, "pgv_drift"])
+        assert found.same
+    assert not compare(tree(), changed, ignore=["/half_cycles/peak", "pgv_drift"])[0].same
+    with pytest.raises(ResultsError, match=r"no variable 'pgaa' in these results; .*pga"):
+        compare(tree(), changed, ignore=["pgaa"])
 
 
 def test_parts_are_compared_as_the_whole(monkeypatch):

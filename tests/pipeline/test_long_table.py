@@ -209,3 +209,27 @@ def test_a_fault_leaves_the_old_table_and_no_rubbish(results, tmp_path, monkeypa
         written(results, target, overwrite=True)
     assert (target.read_bytes(), readme.read_bytes()) == before
     assert sorted(path.name for path in tmp_path.iterdir()) == ["table.README.md", "table.csv"]
+
+
+def test_a_line_of_the_file_is_a_row_whatever_ends_a_line_in_a_text(tmp_path):
+    tree = results_tree()
+    ends = ["a\r\nb", "a\rb\vc", "a\fb\x85c\u2028d\u2029e"]
+    warnings = xr.Variable("record", ends, tree["summary"]["warnings"].attrs)
+    tree["summary"] = xr.DataTree(tree["summary"].to_dataset().assign(warnings=warnings))
+    save(tree, tmp_path / "results.h5")
+    with open_results(tmp_path / "results.h5") as file:
+        write_table(long_table(file, dims=["record"], columns=["warnings"]), tmp_path / "t.csv", "")
+    assert pd.read_csv(tmp_path / "t.csv")["warnings"].tolist() == ["a | b", "a | b | c", "a | b | c | d | e"]
+    assert len((tmp_path / "t.csv").read_text(encoding="utf-8").splitlines()) == 4
+
+
+def test_results_that_cannot_be_read_are_no_fault_of_the_table(results, tmp_path, monkeypatch):
+    def unread(table, size=0):
+        raise OSError("Can't synchronously read data")
+
+    with open_results(results) as file:
+        table = long_table(file, dims=["record"])
+        monkeypatch.setattr(type(table), "frames", unread)
+        with pytest.raises(ResultsError, match=r"results\.h5: the results file is damaged"), file.reading():
+            write_table(table, tmp_path / "t.csv", "")
+    assert list(tmp_path.iterdir()) == []

@@ -70,6 +70,15 @@ def test_names_are_patterns_or_exact(summary):
     assert chosen(["wall [a]", "wall a"], ["wall *", "wall a"], "block").tolist() == [0, 1]
 
 
+def test_a_condition_on_a_text_takes_it_as_it_is_before_it_is_a_pattern(summary):
+    summary["block"] = ("block", ["wall [north]", "wall n", "A|B"])
+    for value, places in (("wall [north]", [0]), ("A|B", [2]), ("wall n | A*", [1, 2]), ("wall *|none", [0, 1])):
+        found, _ = lanes(summary, where(f"block = {value}"), dims=("block",))
+        assert [place for (place,) in found] == places
+        found, _ = lanes(summary, where(f"block != {value}"), dims=("block",))
+        assert [place for (place,) in found] == [place for place in range(3) if place not in places]
+
+
 def test_an_unknown_name_variable_word_or_text_comparison_says_what_there_is(summary):
     with pytest.raises(ResultsError, match=r'no block "colum" in these results; did you mean "column"'):
         rows(summary, DIMS, Selection({"block": ("colum",)}))

@@ -16,7 +16,7 @@ from rockpulse.components import select_horizontal
 from rockpulse.errors import UnitError
 from rockpulse.failures import Failure
 from rockpulse.readers import archive, source
-from rockpulse.sources import read_all
+from rockpulse.sources import find_files, read_all
 
 ONE = at2(pulse())
 TWO = at2(pulse(peak=0.2))
@@ -88,6 +88,28 @@ def test_what_is_named_explicitly_fails(folder, name, reason):
 def test_a_named_file_counts_as_named_even_if_its_folder_is_given_too(folder):
     _, failures = read_all([folder, folder / "notes.txt"])
     assert ("notes.txt", "failed") in kinds(failures)
+
+
+def test_files_of_the_run_are_no_input_whatever_leads_to_them(folder):
+    (folder / "run.log").write_text("2026 INFO rockpulse\n")
+    (folder / "link.txt").symlink_to(folder / "run.log")
+    os.link(folder / "run.log", folder / "again.txt")
+    for paths in (
+        folder,
+        [folder, folder / "run.log"],
+        [str(folder / "*")],
+        [folder / "sub" / ".." / "link.txt", folder],
+    ):
+        found, failures = find_files(paths, (folder / "run.log", folder / "none.h5"))
+        assert sorted(item.path.name for item in found) == ["a.AT2", "a.VT2", "b.AT2", "notes.txt"]
+        assert failures == []
+
+
+def test_journals_of_other_outputs_lie_beside_records_without_a_row(folder):
+    before = [item.path for item in find_files(folder)[0]]
+    for name in ("other.h5.journal", "other.h5.journal-journal", "other.h5.0123abcd.part"):
+        (folder / name).write_bytes(b"SQLite format 3\0")
+    assert [item.path for item in find_files(folder)[0]] == before
 
 
 def test_a_file_given_twice_is_read_once(folder):

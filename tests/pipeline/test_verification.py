@@ -109,6 +109,11 @@ CHANGES = {
         lambda file: file["summary"].create_dataset("mine", data=[1.0]).dims[0].attach_scale(file["summary/block"]),
         "variable /summary/mine: it has no checksum",
     ),
+    "a variable more, without dimensions": (
+        lambda file: file["summary"].create_dataset("mine", data=[1.0, 2.0]),
+        "variable /summary/mine: it has no checksum",
+    ),
+    "an empty group": (lambda file: file.create_group("mine"), "attributes, or names"),
     "a variable less": (lambda file: file.__delitem__("summary/pgv"), "variable /summary/pgv: it is missing"),
     "a name": (lambda file: file.move("summary/pgv", "summary/pgw"), "variable /summary/pgv: it is missing"),
 }
@@ -206,6 +211,16 @@ def test_an_input_inside_an_archive_that_changed_is_named(folder, results):
     )
     assert all("can no longer be read" in text and "damaged zip" in text for text in damaged.differences)
     assert len(damaged.differences) == 2
+
+
+def test_a_name_too_long_for_a_file_is_the_name_of_a_member(folder, results):
+    from rockpulse.input_files import input_checksums, input_files
+
+    name = f"{folder}/all.zip!{'a' * 300}.txt"
+    assert input_files([(name, "0"), (f"{folder}/one.txt", "1")]) == {name: {"0"}, f"{folder}/one.txt": {"1"}}
+    ((found, why),) = input_checksums([name])
+    assert found == name
+    assert "no longer has this member" in str(why)
 
 
 def test_compressed_copies_keep_the_checksum_of_what_is_in_them(folder, results):

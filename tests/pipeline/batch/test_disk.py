@@ -127,8 +127,8 @@ def test_no_room_for_the_results_keeps_what_is_finished(folder, tmpfs, undisturb
     change("size=1800k")
     assert command(folder, target, "--quiet") == 2
     assert re.search(
-        r"results.h5: the results take \d MB, \d MB are free in .*; make room there; what is done is kept: the same "
-        r"command with --resume writes the file\n$",
+        r"results.h5: the results take \d MB, \d MB are free in .*; make room there; 8 finished records are kept in "
+        r".*: the same command with --resume goes on from there\n$",
         capsys.readouterr().err,
     )
     assert "results.h5.journal" in names(place)
@@ -147,7 +147,7 @@ def test_a_disk_that_fills_up_while_the_results_are_written(folder, tmpfs, undis
         patch.setattr("shutil.disk_usage", lambda path: shutil._ntuple_diskusage(10**9, 0, 10**9))
         assert command(folder, target, "--quiet") == 2
     said = capfd.readouterr().err
-    assert "results.h5: cannot write the results: No space left on device; what is done is kept" in said
+    assert "results.h5: cannot write the results: No space left on device; 8 finished records are kept" in said
     assert not target.exists()
     assert not list(place.glob(".*.part"))
     change("size=16m")
@@ -164,9 +164,15 @@ def test_a_fault_of_the_disk_while_the_results_are_written(folder, tmp_path, und
     with monkeypatch.context() as patch:
         patch.setattr(TreeWriter, "append", fail)
         assert command(folder, target, "--quiet") == 2
-    assert "cannot write the results: Input/output error; what is done is kept" in capsys.readouterr().err
+    assert "cannot write the results: Input/output error; 8 finished records are kept" in capsys.readouterr().err
     assert command(folder, target, "--quiet", "--resume") == 0
     assert_same(target, undisturbed)
+
+
+def test_a_name_that_leaves_no_room_for_that_of_the_journal_is_refused(folder, tmp_path, capsys):
+    assert command(folder, tmp_path / ("n" * 240)) == 2
+    assert "cannot keep the journal of the run beside the output: File name too long" in capsys.readouterr().err
+    assert names(tmp_path) == []
 
 
 def test_a_read_only_disk_is_refused_at_once(folder, tmpfs, capsys):

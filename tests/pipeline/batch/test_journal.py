@@ -6,11 +6,14 @@ import sqlite3
 import subprocess
 import sys
 import textwrap
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
+from threading import Barrier
 
 import numpy as np
 import pytest
 
+from rockpulse.batch import journal as journals
 from rockpulse.batch.journal import Journal, journal_path
 from rockpulse.batch.packing import pack, unpack
 from rockpulse.batch.tasks import Done
@@ -22,6 +25,12 @@ FAILURE = Failure("a.txt", "assess", os.fsdecode(b"caf\xe9") + ": no intense pha
 
 def done(key, content=b"x", fingerprint="f", failures=()):
     return Done(key, fingerprint, (content,) if content else (), failures)
+
+
+@pytest.fixture(autouse=True)
+def impatient(monkeypatch):
+    """Nobody waits for a run that is not going to end."""
+    monkeypatch.setattr(journals, "PATIENCE", 0.1)
 
 
 @pytest.fixture
@@ -42,6 +51,60 @@ def test_what_was_added_is_there_after_reopening(target):
         assert journal.parts("never heard of") == ()
         assert list(journal.failures()) == ["b"]
         assert journal.failures()["b"][1].reason == "caf\ufffd: no intense phase"
+
+
+def test_a_result_that_is_too_large_for_sqlite_is_kept_in_pieces(target, monkeypatch):
+    monkeypatch.setattr(journals, "PIECE", 1000)
+    parts = (bytes(range(250)) * 10, b"", b"x" * 1000, b"y" * 1001)
+    with Journal.open(target) as journal:
+        journal._connection.setlimit(sqlite3.SQLITE_LIMIT_LENGTH, 1500)
+        journal.add(Done("a", "f", parts))
+        assert journal.parts("a") == parts
+        journal._connection.execute("UPDATE part SET content = zeroblob(1000) WHERE number = 0 AND piece = 1")
+        with pytest.raises(ResultsError, match="the result of a is not what was written"):
+            journal.parts("a")
+
+
+def test_what_has_taken_the_place_of_a_journal_stays(target):
+    with Journal.open(target) as journal:
+        journal.add(done("a"))
+        journal_path(target).unlink()
+        assert not journal.in_place
+        with pytest.raises(ResultsError, match="removed while the run was at work"):
+            journal.add(done("b"))
+        journal_path(target).write_text("another's")
+        journal.remove()
+    assert journal_path(target).read_text() == "another's"
+
+
+def test_runs_that_begin_together_end_in_one_that_works(target):
+    all_told = Barrier(4)
+
+    def begin(number):
+        try:
+            journal = Journal.open(target)
+        except ResultsError as error:
+            all_told.wait(10.0)
+            return str(error)
+        all_told.wait(10.0)
+        journal.remove()
+        return "works"
+
+    for _ in range(5):
+        with ThreadPoolExecutor(4) as threads:
+            said = sorted(threads.map(begin, range(4)), key=len)
+        assert said[0] == "works"
+        assert all("is writing this output" in text for text in said[1:])
+        assert list(target.parent.iterdir()) == []
+
+
+def test_an_empty_file_is_no_journal_to_ask_about_and_goes_with_a_run_that_fails(target, monkeypatch):
+    journal_path(target).touch()
+    with monkeypatch.context() as patch:
+        patch.setattr(journals, "TABLES", "nonsense")
+        with pytest.raises(ResultsError, match="cannot use the journal"):
+            Journal.open(target)
+    assert not journal_path(target).exists()
 
 
 def test_a_second_result_of_a_task_takes_the_place_of_the_first(target):

@@ -143,7 +143,7 @@ CHANGES = [
     ({"records": RecordSettings(store="none")}, "assess calibrate"),
     ({"records": RecordSettings(include_vertical=True)}, "assess calibrate"),
     ({"records": RecordSettings(units="g")}, "assess calibrate"),
-    ({"run": RunSettings(seed=3)}, "assess calibrate"),
+    ({"run": RunSettings(seed=3)}, "calibrate"),
     ({"conditioning": ConditioningSettings(highpass_hz=0.1)}, "assess calibrate"),
     ({"half_waves": HalfWaveSettings(merge=False)}, "assess calibrate"),
     ({"intense_phase": IntensePhaseSettings(method="D5-75")}, "assess calibrate"),
@@ -154,6 +154,13 @@ CHANGES = [
     ({"search": SearchSettings(factor_max=5.0)}, "assess"),
     ({"demands": (DemandSettings(name="x", acceleration=1.0),)}, "assess calibrate"),
     ({"calibration": CalibrationSettings(method="statistics")}, "calibrate"),
+    ({"calibration": CalibrationSettings(confidence=0.8)}, "calibrate"),
+    ({"calibration": CalibrationSettings(family="blocks")}, "calibrate"),
+    ({"calibration": CalibrationSettings(scale_to="pga", target=3.0)}, "calibrate"),
+    ({"calibration": CalibrationSettings(quantile=0.5)}, ""),
+    ({"calibration": CalibrationSettings(bootstrap=200)}, ""),
+    ({"calibration": CalibrationSettings(weights="w.csv")}, ""),
+    ({"calibration": CalibrationSettings(design="parameters")}, ""),
 ]
 
 
@@ -164,7 +171,15 @@ def test_the_fingerprint_of_the_configuration_changes_with_what_changes_numbers(
     assert (plain != changed) == (verb in verbs)
 
 
-def test_the_fingerprint_of_the_configuration_knows_verb_version_and_schema(monkeypatch):
+def test_seed_and_confidence_count_only_where_a_response_is_matched():
+    plain = CalibrationSettings(method="statistics")
+    before = configuration_fingerprint(replace(config(), calibration=plain), "calibrate")
+    for change in ({"run": RunSettings(seed=3)}, {"calibration": replace(plain, confidence=0.8, family="blocks")}):
+        changed = replace(config(), calibration=plain)
+        assert configuration_fingerprint(replace(changed, **change), "calibrate") == before
+
+
+def test_the_fingerprint_of_the_configuration_knows_verb_version_program_and_schema(monkeypatch):
     from rockpulse.batch import plan as module
 
     seen = {configuration_fingerprint(config(), "assess"), configuration_fingerprint(config(), "calibrate")}
@@ -172,7 +187,25 @@ def test_the_fingerprint_of_the_configuration_knows_verb_version_and_schema(monk
     seen.add(configuration_fingerprint(config(), "assess"))
     monkeypatch.setattr(module, "SCHEMA_VERSION", "x")
     seen.add(configuration_fingerprint(config(), "assess"))
-    assert len(seen) == 4
+    monkeypatch.setattr(module, "program_digest", lambda: "x")
+    seen.add(configuration_fingerprint(config(), "assess"))
+    assert len(seen) == 5
+
+
+def test_the_program_is_known_by_its_sources(monkeypatch, tmp_path):
+    from rockpulse.batch import plan as module
+
+    (tmp_path / "models").mkdir()
+    for name in ("__init__.py", "models/__init__.py"):
+        (tmp_path / name).write_text("")
+    monkeypatch.setattr(module.rockpulse, "__file__", str(tmp_path / "__init__.py"))
+    monkeypatch.setattr(module.models, "__file__", str(tmp_path / "models" / "__init__.py"))
+    digest = module.program_digest.__wrapped__
+    first = digest()
+    (tmp_path / "models" / "rocking.py").write_text("x = 1\n")
+    second = digest()
+    (tmp_path / "models" / "rocking.py").write_text("x = 2\n")
+    assert len({first, second, digest(), module.program_digest.__wrapped__()}) == 3
 
 
 def test_a_fingerprint_changes_with_the_configuration(samples):

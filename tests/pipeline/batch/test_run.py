@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+import zipfile
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 
@@ -15,7 +16,7 @@ from record_writers.geonet import geonet
 import rockpulse as rp
 from rockpulse.batch import run
 from rockpulse.batch.options import BatchOptions
-from rockpulse.batch.run import BatchReport, assess_files, calibrate_files
+from rockpulse.batch.run import assess_files, calibrate_files
 from rockpulse.body import BlockSettings
 from rockpulse.config import Config
 from rockpulse.errors import ConfigError, RecordRefused, ResultsError, StoppedAtFailure
@@ -121,13 +122,30 @@ def test_two_workers_calibrate_the_same(folder, tmp_path):
 
 def test_the_number_of_workers_is_that_of_the_configuration(folder, tmp_path, monkeypatch):
     hired = []
-    monkeypatch.setattr(run.Crew, "local", lambda workers: hired.append(workers) or run.Crew.inline())
+    monkeypatch.setattr(run.Crew, "local", lambda workers: hired.append(workers) or run.Crew(None, lambda: workers))
     for workers in (1, 3):
         config = replace(CONFIG, run=replace(CONFIG.run, workers=workers))
         assess_files(folder / "r0.AT2", config, tmp_path / f"{workers}.h5")
     assess_files(folder / "r0.AT2", config, tmp_path / "two.h5", BatchOptions(workers=2))
     assess_files(folder / "r0.AT2", config, tmp_path / "all.h5", BatchOptions(workers="all"))  # one file: no process
     assert hired == [3, 2]
+
+
+def test_the_records_of_an_archive_are_worked_on_by_as_many_processes_as_those_of_a_folder(tmp_path, monkeypatch):
+    hired = []
+    monkeypatch.setattr(run, "available_cores", lambda: 2)
+    monkeypatch.setattr(run, "warm_up", lambda *args, **kwargs: None)
+    monkeypatch.setattr(run.Crew, "local", lambda workers: hired.append(workers) or run.Crew(None, lambda: workers))
+    members = {f"r{number}.AT2": at2(pulse(400, 0.2 + 0.01 * number)) for number in range(16)}
+    (tmp_path / "folder").mkdir()
+    with zipfile.ZipFile(tmp_path / "all.zip", "w") as archive:
+        for name, content in members.items():
+            archive.writestr(name, content)
+            (tmp_path / "folder" / name).write_bytes(content)
+    report = assess_files(tmp_path / "all.zip", CONFIG, tmp_path / "a.h5")
+    assert (hired, report.records) == ([2], 16)  # for the work; one file is read by this process
+    assess_files(tmp_path / "folder", CONFIG, tmp_path / "b.h5")
+    assert hired == [2, 2]  # one crew reads and works
 
 
 class Bars:
@@ -217,8 +235,10 @@ def test_strict_stops_at_the_first_failure_and_says_what_is_kept(folder, tmp_pat
 
     (tmp_path / "still.AT2").write_bytes(at2(np.zeros(400)))
     paths = [folder / "r0.AT2", tmp_path / "still.AT2"]
-    with pytest.raises(StoppedAtFailure, match=r"still.*; 2 finished records are kept in .*journal: .*--resume"):
-        assess_files(paths, CONFIG, output, BatchOptions(workers=1, strict=True))
+    said = r"still.*; 2 finished records are kept in .*journal: .*--resume.*, past this failure without --strict"
+    for resume in (False, True):  # resumed, it stops where it stopped
+        with pytest.raises(StoppedAtFailure, match=said):
+            assess_files(paths, CONFIG, output, BatchOptions(workers=1, strict=True, resume=resume))
     report = assess_files(paths, CONFIG, output, BatchOptions(workers=1, resume=True))
     assert (report.records, report.resumed, len(report.failures)) == (1, 2, 1)
 
@@ -233,19 +253,3 @@ def test_what_cannot_be_is_refused_before_anything_is_read(folder, tmp_path, mon
     with pytest.raises(ResultsError, match="the file exists"):
         assess_files(folder, CONFIG, tmp_path / "there.h5")
     assert [path.name for path in tmp_path.iterdir()] == ["there.h5"]
-
-
-def test_a_lost_worker_is_a_row_of_its_record(folder, tmp_path, monkeypatch):
-    class Losing(run.Crew):
-        def run(self, function, items):
-            for item, result in super().run(function, items):
-                lost = getattr(item, "key", "").startswith("r1")
-                yield item, run.WorkerLost("the worker process was killed by signal 9 (Killed)") if lost else result
-
-    monkeypatch.setattr(run.Crew, "inline", classmethod(lambda cls: Losing(None, lambda: 1)))
-    paths = sorted(folder.glob("r*"))
-    report: BatchReport = assess_files(paths, CONFIG, tmp_path / "results.h5", BatchOptions(workers=1))
-    (row,) = report.failures
-    assert report.records == 2
-    assert (row.file, row.stage, row.kind) == (str(folder / "r1.AT2"), "assess", "failed")
-    assert "r1.090: the worker process was killed by signal 9 (Killed), each time it was tried" in row.reason

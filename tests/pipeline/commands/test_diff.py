@@ -38,6 +38,12 @@ def test_tolerances_and_what_is_ignored(files, options):
     assert main(["diff", *files, *options]) == 0
 
 
+def test_an_unknown_variable_to_ignore_is_exit_code_two(files, capsys):
+    assert main(["diff", *files, "--ignore", "nonsense"]) == 2
+    assert "no variable 'nonsense'" in capsys.readouterr().err
+    assert main(["diff", *files, "--ignore", "/summary/pga"]) == 0
+
+
 def test_exit_code_two_for_what_is_no_results_file(files, tmp_path, capsys):
     (tmp_path / "notes.txt").write_text("no results")
     assert main(["diff", files[0], str(tmp_path / "notes.txt")]) == 2

@@ -1,10 +1,13 @@
 """``rockpulse inspect`` on a tree that is known."""
 
+import shutil
 from pathlib import Path
 
+import h5py
 import numpy as np
 import pandas as pd
 import pytest
+import xarray as xr
 from results_tree import RECORDS, results_tree
 
 import rockpulse as rp
@@ -14,17 +17,24 @@ from rockpulse.calibration.rule_variables import RULE_KIND
 from rockpulse.calibration.site_variables import SITE_KIND
 from rockpulse.cli import main
 from rockpulse.fragility.variables import FRAGILITY
+from rockpulse.settings import CalibrationSettings
 from rockpulse.store import ASSESSMENT, KINDS, save
 from rockpulse.study.parametric_analysis import figure4
 from rockpulse.study.variables import STUDY
 from rockpulse.synthetic import synthetic_motion
 
 
-@pytest.fixture
-def results(tmp_path):
-    path = tmp_path / "results.h5"
+@pytest.fixture(scope="module")
+def saved(tmp_path_factory):
+    path = tmp_path_factory.mktemp("known") / "results.h5"
     save(results_tree(), path)
-    return str(path)
+    return path
+
+
+@pytest.fixture
+def results(saved, tmp_path):
+    """A copy that may be changed."""
+    return str(shutil.copy(saved, tmp_path / "results.h5"))
 
 
 def test_the_overview_names_records_verdicts_and_what_was_left_out(results, capsys):
@@ -84,7 +94,8 @@ def verdicts(cases=300):
 
 
 def site():
-    return rp.calibrate_site(motions(), rp.Config(), blocks={"wall": rp.models.Block(0.2, 1.6)})
+    few = rp.Config(calibration=CalibrationSettings(method="statistics", bootstrap=100))
+    return rp.calibrate_site(motions(), few, blocks={"wall": rp.models.Block(0.2, 1.6)})
 
 
 def fragility():
@@ -137,6 +148,33 @@ def test_cases_records_and_blocks_are_listed_and_filtered(results, capsys):
     out = capsys.readouterr().out
     assert out.startswith("3 blocks, largest slenderness first")
     assert out.endswith("skipped (find) notes.txt: no record\n")
+
+
+@pytest.mark.parametrize("beside", [["--sort", "pga"], ["--limit", "3"], ["--records"], ["--blocks"]])
+def test_worst_does_not_go_with_another_order_or_list(results, capsys, beside):
+    assert main(["inspect", results, "--worst", "2", *beside]) == 2
+    assert f"does not go with {beside[0]}; take --sort" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("gone", ["pga", "outcome", "record"])
+def test_answers_that_another_program_has_taken_out_are_named(tmp_path, capsys, gone):
+    save(results_tree(), tmp_path / "results.h5")
+    with h5py.File(tmp_path / "results.h5", "a") as file:
+        del file["summary"][gone]
+    assert main(["inspect", str(tmp_path / "results.h5")]) == 2
+    said = capsys.readouterr().err
+    assert "verify' says what else" in said
+    assert gone == "record" or f", {gone}," in said
+
+
+def test_names_of_several_lines_are_shown_in_one(tmp_path, capsys):
+    tree = results_tree()
+    names = xr.Variable("block", ["a\nb", "c\rd", "e\u2028f"], tree["summary"]["block"].attrs)
+    tree["summary"] = xr.DataTree(tree["summary"].to_dataset().assign_coords(block=names))
+    save(tree, tmp_path / "names.h5")
+    assert main(["inspect", str(tmp_path / "names.h5"), "--blocks"]) == 0
+    out = capsys.readouterr().out
+    assert all(name in out for name in ("a b ", "c d ", "e f "))
 
 
 def test_the_worst_cases_and_those_of_a_pattern(results, capsys):

@@ -9,6 +9,7 @@ import rockpulse as rp
 from rockpulse.failures import Failure
 from rockpulse.fragility.settings import FragilitySettings
 from rockpulse.models import Block
+from rockpulse.report.writing import report_page
 from rockpulse.settings import CalibrationSettings, SearchSettings
 
 TIME = 0.02 * np.arange(500)
@@ -72,3 +73,9 @@ def site(bursts, bodies, config):
 def fragility(bursts, bodies, config):
     """Curves of the same records."""
     return rp.fragility_curves(bursts, config, bodies)
+
+
+@pytest.fixture(scope="session")
+def whole_page(results, site, fragility):
+    """The page with everything on it."""
+    return report_page(results, site, fragility)

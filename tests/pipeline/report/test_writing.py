@@ -42,8 +42,8 @@ class Page(HTMLParser):
 
 
 @pytest.fixture(scope="module")
-def page(results, site, fragility):
-    return report_page(results, site, fragility)
+def page(whole_page):
+    return whole_page
 
 
 @pytest.fixture(scope="module")
