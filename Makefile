@@ -24,7 +24,7 @@ run:  ## the main job on the shipped samples
 	$(PYTHON) -m rockpulse assess data/samples/records --config data/samples/site.toml -o results.h5 --overwrite
 
 test:  ## the default tests (under 3 minutes on two cores)
-	$(PYTHON) -m pytest -n 2
+	$(PYTHON) -m pytest -n 2 --dist worksteal
 
 test-slow:  ## the long sweeps
 	$(PYTHON) -m pytest -m slow

@@ -10,7 +10,7 @@ from contextlib import ExitStack
 from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
-from typing import ClassVar, Protocol
+from typing import TYPE_CHECKING, ClassVar, Protocol
 
 from rockpulse.batch.assembly import RUN_ID, JournalParts, assemble, is_assembled
 from rockpulse.batch.crew import Crew, WorkerLost
@@ -23,7 +23,6 @@ from rockpulse.batch.survey import find, gather, survey_file
 from rockpulse.batch.tasks import UNFINISHED, Done, Job, assess_task, calibrate_task
 from rockpulse.batch.warm import warm_up
 from rockpulse.bodies import Bodies, gather_bodies
-from rockpulse.calibration.site_calibration import SiteStudy, prepare_site, site_results
 from rockpulse.calibration.site_variables import SITE_KIND
 from rockpulse.config import Config
 from rockpulse.errors import RecordRefused, ResultsError, StoppedAtFailure
@@ -32,6 +31,9 @@ from rockpulse.models.threads import available_cores, thread_limit
 from rockpulse.results import template
 from rockpulse.sources import Found
 from rockpulse.store import ASSESSMENT, check_target, remove_parts, save
+
+if TYPE_CHECKING:
+    from rockpulse.calibration.site_calibration import SiteStudy
 
 __all__ = ["BatchReport", "Interrupted", "assess_files", "calibrate_files"]
 
@@ -193,12 +195,16 @@ class _Calibration:
 
     def work(self, every: Sequence[Located], made: Plan) -> Callable[[Task], Done]:
         """Calibrate the sequence; tables that do not fit are refused before."""
+        from rockpulse.calibration.site_calibration import prepare_site
+
         records = sorted((one.record for one in every), key=lambda record: record.id)
         self.study = prepare_site(records, made.planned, self.config, failures=made.failures)
         return partial(calibrate_task, job=Job(self.config, self.study.lanes))
 
     def write(self, journal: Journal, made: Plan, failures: list[Failure], overwrite: bool) -> int:
         """Describe the site."""
+        from rockpulse.calibration.site_calibration import site_results
+
         assert self.study is not None
         done = [pickle.loads(part) for key in finished(journal, made) for part in journal.parts(key)]
         tree = site_results(done, self.study, self.config, failures)

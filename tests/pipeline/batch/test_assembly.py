@@ -116,7 +116,7 @@ def test_the_assembled_file_is_the_saved_one(assessed, tmp_path, name, chunk):
     assert verify(tmp_path / "made.h5", inputs=False).differences == ()
 
 
-@pytest.mark.parametrize("name", ["sweep", pytest.param("plain", marks=pytest.mark.slow)])
+@pytest.mark.parametrize("name", ["plain", pytest.param("sweep", marks=pytest.mark.slow)])
 def test_no_record_gives_the_empty_tree(assessed, tmp_path, name):
     _, bodies, config, swept = assessed(name)
     swept = None if swept is None else {}

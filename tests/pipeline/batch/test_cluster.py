@@ -63,7 +63,14 @@ def test_an_item_that_kills_its_workers_is_lost_and_a_lost_scheduler_is_an_error
             list(results)
 
 
-@pytest.mark.parametrize("address", ["tcp://127.0.0.1:1", "nonsense", "cdp://127.0.0.1:8786"])
+@pytest.mark.parametrize(
+    "address",
+    [
+        "tcp://127.0.0.1:1",
+        pytest.param("nonsense", marks=pytest.mark.slow),
+        pytest.param("cdp://127.0.0.1:8786", marks=pytest.mark.slow),
+    ],
+)
 def test_an_address_where_no_scheduler_answers_is_a_clear_error(address):
     needs_distributed()
     with pytest.raises(

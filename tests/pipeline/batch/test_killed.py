@@ -137,7 +137,11 @@ def test_a_run_killed_while_it_writes_the_results_goes_on(folder, tmp_path, undi
     assert_resumed(folder, target, undisturbed, "--workers", "1")
 
 
-INTERRUPTIONS = [("interrupt", 2), pytest.param("terminate", 1, marks=pytest.mark.slow)]
+INTERRUPTIONS = [
+    ("interrupt", 1),
+    pytest.param("interrupt", 2, marks=pytest.mark.slow),
+    pytest.param("terminate", 1, marks=pytest.mark.slow),
+]
 
 
 @pytest.mark.parametrize(("point", "workers"), INTERRUPTIONS)

@@ -100,7 +100,9 @@ def in_memory(folder, tmp_path_factory):
     return saved(rp.assess(records, CONFIG, failures=failures), tmp_path_factory.mktemp("one") / "results.h5")
 
 
-@pytest.mark.parametrize("workers", [1, pytest.param(2, marks=pytest.mark.slow), 4])
+@pytest.mark.parametrize(
+    "workers", [1, pytest.param(2, marks=pytest.mark.slow), pytest.param(4, marks=pytest.mark.slow)]
+)
 def test_any_number_of_workers_gives_the_same(folder, in_memory, tmp_path, workers):
     assess_files(folder, CONFIG, tmp_path / "results.h5", BatchOptions(workers=workers))
     assert_same(rp.load(tmp_path / "results.h5"), in_memory)

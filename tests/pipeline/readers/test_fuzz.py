@@ -12,7 +12,7 @@ import pytest
 from rockpulse.errors import RecordFormatError
 from rockpulse.readers import FORMATS, read_source
 
-SEEDS = 4000
+SEEDS = 2000
 
 
 @pytest.mark.filterwarnings("ignore::UserWarning:obspy")
