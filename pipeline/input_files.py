@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import tomllib
 from collections.abc import Iterable, Iterator
 from contextlib import nullcontext
 from itertools import groupby
@@ -14,7 +15,7 @@ from rockpulse.errors import RecordRefused, ResultsError, RockpulseError
 from rockpulse.readers.archive import Archive, is_archive
 from rockpulse.readers.source import open_source
 
-__all__ = ["input_checksums", "input_files", "stored_checksums"]
+__all__ = ["in_place", "input_checksums", "input_files", "record_folders", "stored_checksums"]
 
 #: Between the files of a record that was made of several, and between their checksums.
 BETWEEN = "; "
@@ -57,6 +58,36 @@ def input_files(stored: Iterable[tuple[str, str]]) -> dict[str, set[str]]:
         for name, one in _apart(source, checksum):
             found.setdefault(name, set()).add(one)
     return found
+
+
+def record_folders(configuration: str) -> list[Path]:
+    """Folders from which the files of a run may have been named, as its configuration tells where they are.
+
+    Parameters
+    ----------
+    configuration : str
+        Attribute of the results, in which the paths of the records are absolute; a text that is none names no folder.
+    """
+    try:
+        records = tomllib.loads(configuration).get("records", {})
+    except tomllib.TOMLDecodeError:
+        return []
+    paths = map(Path, records.get("paths", ()))
+    return list(dict.fromkeys(folder for path in paths for folder in (path, *path.parents)))
+
+
+def in_place(source: str, folders: Iterable[Path]) -> str:
+    """A file as it is named, or by its path below one of some folders if it is there and not here.
+
+    Parameters
+    ----------
+    source : str
+        Key of :func:`input_files`.
+    folders : iterable of Path
+        From :func:`record_folders`.
+    """
+    named = (source, *(str(folder / source) for folder in folders))
+    return next((name for name in named if _there(_location(name)[0])), source)
 
 
 def _apart(source: str, checksum: str) -> list[tuple[str, str]]:

@@ -221,7 +221,8 @@ def fullest_model(summary: xr.Dataset) -> str:
 
 
 def overturned(summary: xr.Dataset) -> str:
-    """What overturns: per block, the records that do it, by the fullest model in use; then the count of every model.
+    """What overturns: per block, the records that do it, by the fullest model in use; the count of every model; and
+    what rocks under a record but is overturned by a weaker copy of it, which is no safer.
 
     Parameters
     ----------
@@ -233,12 +234,26 @@ def overturned(summary: xr.Dataset) -> str:
     fullest = fullest_model(summary)
     lines = [f"What overturns (by the {fullest} model):"]
     rows = [["records that overturn", *models]]
+    by_weaker = []
     for block in (str(name) for name in summary["block"].values):
         fallen = {model: [record for record in records if _falls(summary, record, block, model)] for model in models}
-        names = ", ".join(fallen[fullest]) if fallen[fullest] else "nothing does"
-        lines.append(paragraph(names, "      ", f"  {block}: "))
+        weaker = [
+            f"{record} ({figure(factor)})"
+            for record in records
+            if record not in fallen[fullest] and (factor := _smallest_factor(summary, record, block, fullest)) < 1.0
+        ]
+        nothing = "nothing as recorded does, but see below" if weaker else "nothing does"
+        lines.append(paragraph(", ".join(fallen[fullest]) or nothing, "      ", f"  {block}: "))
+        by_weaker += [paragraph(", ".join(weaker), "      ", f"  {block}: ")] if weaker else []
         rows.append([shortened(block, NAME_WIDTH), *(f"{len(fallen[model])} of {len(records)}" for model in models)])
-    return "\n".join([*lines, "", *("  " + line for line in aligned(rows))])
+    counts = ["", *("  " + line for line in aligned(rows))]
+    if by_weaker:
+        by_weaker = [
+            "",
+            "What rocks, but a weaker copy of the record overturns it (SF in brackets): not safe",
+            *by_weaker,
+        ]
+    return "\n".join([*lines, *counts, *by_weaker])
 
 
 def overview(tree: xr.DataTree) -> str:
@@ -355,6 +370,12 @@ def _any_marked(summary: xr.Dataset) -> bool:
     rocks = summary["outcome"].sel(model="auto") == Outcome.ROCKS
     marked = [code for code, name in flag_words(used).items() if name in _MARKED]
     return bool((rocks & used.isin(marked)).any())
+
+
+def _smallest_factor(summary: xr.Dataset, record: str, block: str, model: str) -> float:
+    """Smallest safety factor of a block over its cases; inf where none is known."""
+    factors = summary["safety_factor"].sel(record=record, block=block, model=model).values
+    return float(np.min(factors, initial=np.inf, where=~np.isnan(factors)))
 
 
 def _falls(summary: xr.Dataset, record: str, block: str, model: str) -> bool:

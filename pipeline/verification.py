@@ -14,7 +14,7 @@ import numpy as np
 
 from rockpulse.checksums import CHECKSUM, CHECKSUM_OF_ATTRIBUTES, VariableChecksum, attributes_checksum, variables_of
 from rockpulse.errors import ResultsError, RockpulseError
-from rockpulse.input_files import input_checksums, input_files, stored_checksums
+from rockpulse.input_files import in_place, input_checksums, input_files, record_folders, stored_checksums
 from rockpulse.store import ASSESSMENT, SCHEMA_VERSION, check_schema
 from rockpulse.variables import ANSWER, BLOCK, CASE, DEMAND, FAILURE, HALF_CYCLE, OVERTURNING, RECORD, Meaning
 
@@ -90,9 +90,12 @@ def verify(
         if kind == ASSESSMENT and _minor(schema) >= _minor(SCHEMA_VERSION):
             differences += _wrong_variables(file)
         stored = stored_checksums(file) if inputs else []
+        folders = record_folders(str(file.attrs.get("configuration", "")))
     sources = input_files(stored)
+    places = {in_place(name, folders): name for name in sources}
     absent: list[str] = []
-    for name, found in input_checksums(progress(sorted(sources))):
+    for place, found in input_checksums(progress(sorted(places))):
+        name = places[place]
         if found is None:
             absent.append(name)
         elif isinstance(found, Exception):

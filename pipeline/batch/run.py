@@ -5,6 +5,7 @@ from __future__ import annotations
 import logging
 import os
 import pickle
+from collections import Counter
 from collections.abc import Callable, Iterable, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass, field
@@ -230,6 +231,9 @@ def _run(verb: _Verb, paths: PathLike | Iterable[PathLike], options: BatchOption
             crew = _hired(hired, options, verb, len(found))
             every, failures, unread = _surveyed(crew, found, failures, verb, options)
             made = plan(every, failures, verb.config, verb.name)
+            for row in made.failures:
+                if row.kind == "failed":
+                    logger.error("%s", row.reason)
             _stop_at(made.failures, options)
             work = verb.work(every, made)
             missing = _missing(journal, made, verb, options)
@@ -258,7 +262,9 @@ def _run(verb: _Verb, paths: PathLike | Iterable[PathLike], options: BatchOption
         else:
             journal.remove()
     report.path = Path(output) if report.records else None
-    logger.info("%s: %d records, %d rows of failures", output, report.records, len(report.failures))
+    kinds = Counter(row.kind for row in report.failures)
+    left_out = ", ".join(f"{kind} {count}" for kind, count in sorted(kinds.items())) or "nothing"
+    logger.info("%s: %d records; left out: %s", output, report.records, left_out)
     return report
 
 
@@ -364,6 +370,7 @@ def _worked(
             if isinstance(done, WorkerLost):
                 reason = f"{task.key}: {done.reason}, each time it was tried; if memory ran out, use fewer workers"
                 lost[task.key] = Failure(task.source, verb.name, reason, "failed")
+                logger.error("%s", reason)
                 _stop_at([lost[task.key]], options)
             else:
                 journal.add(done)

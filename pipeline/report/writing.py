@@ -93,9 +93,11 @@ def check_report_target(path: str | Path, overwrite: bool = False) -> Path:
     Raises
     ------
     ResultsError
-        For a file that exists and may not be replaced, or a folder that does not exist.
+        For a name of another kind of file, a file that exists and may not be replaced, or a folder that does not.
     """
     target = Path(path)
+    if target.suffix.lower() not in (".html", ".htm") and not target.is_dir():
+        raise ResultsError(f"{path}: expected a name that ends in .html; a browser prints the report to PDF")
     if not target.parent.is_dir():
         raise ResultsError(f"{path}: there is no folder {target.parent}; create it first")
     if not target.exists():

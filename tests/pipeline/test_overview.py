@@ -290,6 +290,17 @@ def test_the_overview_shows_capacities_only_where_something_is_demanded(searched
     assert "Capacity (safety factor x PGA, nonlinear model) over demand" in overview(tree)
 
 
+def test_what_a_weaker_copy_overturns_is_named_and_not_called_safe(summary):
+    assert "weaker copy" not in overturned(summary)
+    summary["safety_factor"].loc[{"record": RECORDS[1], "block": "column", "model": "nonlinear"}] = 0.82
+    text = overturned(summary)
+    assert "column: nothing as recorded does, but see below" in text
+    assert text.endswith(
+        "What rocks, but a weaker copy of the record overturns it (SF in brackets): not safe\n"
+        f"  column: {RECORDS[1]} (0.82)"
+    )
+
+
 def test_what_overturns_is_named_by_the_fullest_model_and_counted_for_all(summary):
     text = overturned(summary)
     assert f"boundary wall: {RECORDS[0]}\n" in text

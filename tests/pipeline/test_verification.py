@@ -15,6 +15,7 @@ import rockpulse as rp
 from rockpulse import store
 from rockpulse.checksums import CHECKSUM, CHECKSUM_OF_ATTRIBUTES, VariableChecksum
 from rockpulse.errors import ResultsError
+from rockpulse.settings import ModelSettings, RecordSettings
 from rockpulse.store import load, save
 from rockpulse.tree_writer import TreeWriter
 from rockpulse.verification import verify
@@ -221,6 +222,20 @@ def test_a_name_too_long_for_a_file_is_the_name_of_a_member(folder, results):
     ((found, why),) = input_checksums([name])
     assert found == name
     assert "no longer has this member" in str(why)
+
+
+def test_inputs_are_found_from_any_folder(samples, tmp_path, monkeypatch):
+    """They were named from a folder that is not this one; the configuration knows where they are."""
+    config = rp.Config(
+        records=RecordSettings(paths=(str(samples),), store="none"), models=ModelSettings(use=("resonance",))
+    )
+    blocks = {"pier": rp.models.Block(half_width=0.5, half_height=1.9365)}
+    monkeypatch.chdir(samples.parents[1])
+    records, _ = rp.read_all("samples/records")
+    save(rp.assess(records, config, blocks), tmp_path / "results.h5")
+    monkeypatch.chdir(tmp_path)
+    found = verify("results.h5")
+    assert (found.inputs, found.absent, found.differences) == (4, (), ())
 
 
 def test_compressed_copies_keep_the_checksum_of_what_is_in_them(folder, results):

@@ -379,7 +379,7 @@ def test_the_log_file_tells_the_run_and_is_added_to(folder, tmp_path):
     assert told[1:4] == [
         "INFO reading 8 files",
         "INFO assessing 8 records; finished before: 0, of another state: 0",
-        f"INFO {tmp_path / 'a.h5'}: 8 records, 0 rows of failures",
+        f"INFO {tmp_path / 'a.h5'}: 8 records; left out: nothing",
     ]
     assert len(told) == 8
     assert "WARNING r0.090: " in log.read_text()

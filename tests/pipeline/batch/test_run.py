@@ -192,7 +192,8 @@ def test_the_report_says_what_was_done(folder, tmp_path, caplog):
         ("g0.V1A", "select", "vertical"),
         ("g1.V1A", "select", "vertical"),
     ]
-    assert f"{report.path}: 7 records, 4 rows of failures" in caplog.text
+    assert f"{report.path}: 7 records; left out: duplicate 1, failed 1, vertical 2" in caplog.text
+    assert [entry.message for entry in caplog.records if "cut.AT2" in entry.message and entry.levelname == "ERROR"]
     assert caplog.text.count("the format does not say whether the record is processed") <= 7
 
 
