@@ -6,11 +6,15 @@ import sys
 
 import crew_functions as toys
 import pytest
+import xarray as xr
 from dask_cluster import dask_cluster, wait_for_workers
 
 import rockpulse
+import rockpulse as rp
 from rockpulse.batch.crew import Crew, WorkerLost
+from rockpulse.body import BlockSettings
 from rockpulse.errors import ConfigError
+from rockpulse.settings import ModelSettings, SearchSettings
 
 SQUARES = [(number, number**2) for number in range(40)]
 
@@ -83,3 +87,39 @@ def test_without_the_package_the_error_says_what_to_install(monkeypatch):
     monkeypatch.setitem(sys.modules, "distributed", None)
     with pytest.raises(ConfigError, match=r'pip install "rockpulse\[distributed\]"'):
         Crew.scheduler("tcp://127.0.0.1:8786")
+
+
+@pytest.mark.slow
+def test_an_assessment_on_a_cluster_is_that_of_one_process_also_when_a_worker_is_killed(samples, tmp_path):
+    needs_distributed()
+    config = rp.Config(
+        blocks=(BlockSettings(name="wall", width=0.4, height=3.0),),
+        models=ModelSettings(use=("sequence", "nonlinear")),
+        search=SearchSettings(models=()),
+    )
+    rp.assess_files(str(samples), config, tmp_path / "here.h5", rp.BatchOptions(workers=1))
+    with dask_cluster(tmp_path, workers=2) as (address, _, workers):
+
+        class Killing:
+            """A bar that has a worker killed at the first record."""
+
+            def __init__(self, desc, **_):
+                self.working = desc == "assessing"
+
+            def __enter__(self):
+                return self
+
+            def __exit__(self, *error):
+                pass
+
+            def update(self, n):
+                if self.working and workers[0].poll() is None:
+                    workers[0].kill()
+                    workers[0].wait()
+
+        options = rp.BatchOptions(scheduler=address, bar=Killing)
+        rp.assess_files(str(samples), config, tmp_path / "there.h5", options)
+        assert workers[0].returncode == -signal.SIGKILL
+    here, there = rp.load(tmp_path / "here.h5"), rp.load(tmp_path / "there.h5")
+    for group in ("summary", "half_cycles", "overturning_intervals", "failures", "records"):
+        xr.testing.assert_identical(here[group].to_dataset(), there[group].to_dataset())
