@@ -7,7 +7,7 @@ from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
@@ -16,7 +16,7 @@ from rockpulse.body import BlockSettings
 from rockpulse.calibration.rule import POINTS, load_rule, range_text, rule_applicable
 from rockpulse.conditioning import DRIFT
 from rockpulse.config import Config
-from rockpulse.directions import PlannedMotion, motions_of, plan_motions, rotation_failures, swept_directions
+from rockpulse.directions import Motion, PlannedMotion, motions_of, plan_motions, rotation_failures, swept_directions
 from rockpulse.errors import ConfigError
 from rockpulse.failures import Failure
 from rockpulse.intensity import arias_intensity, pgv
@@ -44,6 +44,8 @@ __all__ = [
 ]
 
 logger = logging.getLogger("rockpulse")
+
+Result = TypeVar("Result")
 
 #: Measures the time of a step, by its name: ``with watch("solve"): ...``
 Watch = Callable[[str], AbstractContextManager[None]]
@@ -177,6 +179,39 @@ def assess_planned(
     RecordAssessment or Failure
         One for each motion, or the rows of a pair that cannot be rotated.
     """
+
+    def assessed(motion: Motion) -> RecordAssessment:
+        with watch("condition"):
+            scene = (extract if motion.pair else prepare)(motion.record, config, motion.vertical)
+        with watch("solve"):
+            return assess_scene(scene, bodies)
+
+    return each_motion(planned, config, "assess", assessed, watch)
+
+
+def each_motion(
+    planned: PlannedMotion, config: Config, stage: str, work: Callable[[Motion], Result], watch: Watch
+) -> Iterator[Result | Failure]:
+    """Do the same with every motion of a channel or pair.
+
+    Parameters
+    ----------
+    planned : PlannedMotion
+        With the samples of its channels.
+    config : Config
+        Options.
+    stage : str
+        What is done, as rows of failures name it.
+    work : callable
+        From a motion to its result; a ValueError that it raises becomes a row.
+    watch : callable
+        Measures the step "condition", of which the rotation of a pair is a part.
+
+    Yields
+    ------
+    object or Failure
+        One for each motion, or the rows of a pair that cannot be rotated.
+    """
     try:
         with watch("condition"):
             motions = motions_of(planned, config)
@@ -185,14 +220,11 @@ def assess_planned(
         return
     for motion in motions:
         try:
-            with watch("condition"):
-                scene = (extract if motion.pair else prepare)(motion.record, config, motion.vertical)
-            with watch("solve"):
-                assessment = assess_scene(scene, bodies)
+            result = work(motion)
         except ValueError as error:  # RockpulseError, and what a model says of numbers it cannot take
-            yield motion_failure(motion.record, "assess", error)
+            yield motion_failure(motion.record, stage, error)
         else:
-            yield assessment
+            yield result
 
 
 def motion_failure(record: Record, stage: str, error: Exception) -> Failure:

@@ -10,9 +10,9 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from threading import get_ident
-from typing import Generic, TypeVar
+from typing import TYPE_CHECKING, Generic, TypeVar
 
-from rockpulse.assessment import Watch, assess_planned
+from rockpulse.assessment import RecordAssessment, Watch, assess_planned
 from rockpulse.batch.journal import pack
 from rockpulse.batch.plan import Task, read_options
 from rockpulse.batch.survey import unexpected
@@ -24,9 +24,13 @@ from rockpulse.failures import Failure
 from rockpulse.models.block import Block
 from rockpulse.results import record_part
 
+if TYPE_CHECKING:
+    from rockpulse.calibration.site_record import SiteRecord
+
 __all__ = ["UNFINISHED", "Done", "Job", "assess_task", "calibrate_task"]
 
 Acting = TypeVar("Acting", Bodies, Block)
+Result = TypeVar("Result")
 
 #: Fingerprint of a task that broke off for want of its file or of memory, or by a fault of the program. No task has it:
 #: a run that is resumed tries again.
@@ -98,16 +102,13 @@ def assess_task(task: Task, job: Job[Bodies]) -> Done:
         Whatever goes wrong is a row in it.
     """
 
-    def parts(planned: PlannedMotion, watch: Watch) -> Iterator[bytes | Failure]:
-        for outcome in assess_planned(planned, job.bodies, job.config, watch):
-            if isinstance(outcome, Failure):
-                yield outcome
-            else:
-                with watch("pack"):
-                    part = pack(record_part(outcome, job.bodies, job.config))
-                yield part
+    def work(planned: PlannedMotion, watch: Watch) -> Iterator[RecordAssessment | Failure]:
+        return assess_planned(planned, job.bodies, job.config, watch)
 
-    return _carried_out(task, "assess", job.config, parts)
+    def packed(assessment: RecordAssessment) -> bytes:
+        return pack(record_part(assessment, job.bodies, job.config))
+
+    return _carried_out(task, "assess", job.config, work, packed)
 
 
 def calibrate_task(task: Task, job: Job[Block]) -> Done:
@@ -128,20 +129,21 @@ def calibrate_task(task: Task, job: Job[Block]) -> Done:
     # With scipy.stats, which would take a third of the time that a worker takes to start; assess_task does without.
     from rockpulse.calibration.site_calibration import calibrate_planned
 
-    def parts(planned: PlannedMotion, watch: Watch) -> Iterator[bytes | Failure]:
-        for outcome in calibrate_planned(planned, job.bodies, job.config, watch):
-            if isinstance(outcome, Failure):
-                yield outcome
-            else:
-                with watch("pack"):
-                    part = pickle.dumps(replace(outcome, record=outcome.record.without_samples()))
-                yield part
+    def work(planned: PlannedMotion, watch: Watch) -> Iterator[SiteRecord | Failure]:
+        return calibrate_planned(planned, job.bodies, job.config, watch)
 
-    return _carried_out(task, "calibrate", job.config, parts)
+    def packed(done: SiteRecord) -> bytes:
+        return pickle.dumps(replace(done, record=done.record.without_samples()))
+
+    return _carried_out(task, "calibrate", job.config, work, packed)
 
 
 def _carried_out(
-    task: Task, stage: str, config: Config, work: Callable[[PlannedMotion, Watch], Iterator[bytes | Failure]]
+    task: Task,
+    stage: str,
+    config: Config,
+    work: Callable[[PlannedMotion, Watch], Iterator[Result | Failure]],
+    packed: Callable[[Result], bytes],
 ) -> Done:
     """What the work on the samples of a task yields, until it ends or an error ends it."""
     seconds = dict.fromkeys(STEPS, 0.0)
@@ -166,7 +168,8 @@ def _carried_out(
                 if isinstance(outcome, Failure):
                     failures.append(outcome)
                 else:
-                    parts.append(outcome)
+                    with watch("pack"):
+                        parts.append(packed(outcome))
         except Exception as fault:
             if not isinstance(fault, RockpulseError | OSError):
                 messages.append((logging.ERROR, f"{task.key}: {traceback.format_exc()}"))

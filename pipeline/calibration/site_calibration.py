@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from rockpulse.assessment import Watch, motion_failure, unwatched
+from rockpulse.assessment import Watch, each_motion, unwatched
 from rockpulse.bodies import gather_bodies
 from rockpulse.body import BlockSettings
 from rockpulse.calibration.response_targets import block_family
@@ -17,7 +17,7 @@ from rockpulse.calibration.site_record import SiteRecord, site_record
 from rockpulse.calibration.site_tables import read_event_table, read_weight_table, record_weights
 from rockpulse.calibration.site_tree import build_site_tree
 from rockpulse.config import Config, located
-from rockpulse.directions import PlannedMotion, motions_of, plan_motions, planned_ids, rotation_failures
+from rockpulse.directions import Motion, PlannedMotion, plan_motions, planned_ids
 from rockpulse.errors import ConfigError, RecordRefused
 from rockpulse.events import group_events
 from rockpulse.failures import Failure
@@ -182,20 +182,12 @@ def calibrate_planned(
     SiteRecord or Failure
         One for each motion, or the rows of a pair that cannot be rotated.
     """
-    try:
-        with watch("condition"):
-            motions = motions_of(planned, config)
-    except ValueError as error:
-        yield from rotation_failures(planned, error)
-        return
-    for motion in motions:
-        try:
-            with watch("solve"):
-                done = site_record(motion, lanes, config)
-        except ValueError as error:  # RockpulseError, and what a model says of numbers it cannot take
-            yield motion_failure(motion.record, "calibrate", error)
-        else:
-            yield done
+
+    def calibrated(motion: Motion) -> SiteRecord:
+        with watch("solve"):
+            return site_record(motion, lanes, config)
+
+    return each_motion(planned, config, "calibrate", calibrated, watch)
 
 
 def site_results(
