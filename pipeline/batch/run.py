@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import logging
 import os
-import pickle
 from collections import Counter
 from collections.abc import Callable, Iterable, Sequence
 from contextlib import ExitStack
@@ -205,9 +204,10 @@ class _Calibration:
     def write(self, journal: Journal, made: Plan, failures: list[Failure], overwrite: bool) -> int:
         """Describe the site."""
         from rockpulse.calibration.site_calibration import site_results
+        from rockpulse.calibration.site_part import unpack_site_record
 
         assert self.study is not None
-        done = [pickle.loads(part) for key in finished(journal, made) for part in journal.parts(key)]
+        done = [unpack_site_record(part) for key in finished(journal, made) for part in journal.parts(key)]
         tree = site_results(done, self.study, self.config, failures)
         tree.attrs[RUN_ID] = journal.run_id
         save(tree, self.output, overwrite)

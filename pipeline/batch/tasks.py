@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import logging
-import pickle
 import time
 import traceback
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from threading import get_ident
 from typing import TYPE_CHECKING, Generic, TypeVar
 
@@ -68,8 +67,8 @@ class Done:
         That of the task, or :data:`UNFINISHED`.
     parts : tuple of bytes
         One for each motion: of an assessment the arrays of `rockpulse.results.record_part`, packed by
-        `rockpulse.batch.journal.pack`; of a calibration a pickled `rockpulse.calibration.site_record.SiteRecord`
-        without its samples.
+        `rockpulse.batch.journal.pack`; of a calibration a record of the site, packed by
+        `rockpulse.calibration.site_part.pack_site_record`.
     failures : tuple of Failure
         A row for everything that failed; one for a task that broke off, and no part.
     messages : tuple of (int, str)
@@ -128,14 +127,12 @@ def calibrate_task(task: Task, job: Job[Block]) -> Done:
     """
     # With scipy.stats, which would take a third of the time that a worker takes to start; assess_task does without.
     from rockpulse.calibration.site_calibration import calibrate_planned
+    from rockpulse.calibration.site_part import pack_site_record
 
     def work(planned: PlannedMotion, watch: Watch) -> Iterator[SiteRecord | Failure]:
         return calibrate_planned(planned, job.bodies, job.config, watch)
 
-    def packed(done: SiteRecord) -> bytes:
-        return pickle.dumps(replace(done, record=done.record.without_samples()))
-
-    return _carried_out(task, "calibrate", job.config, work, packed)
+    return _carried_out(task, "calibrate", job.config, work, pack_site_record)
 
 
 def _carried_out(

@@ -19,6 +19,7 @@ from rockpulse.batch.tasks import UNFINISHED, Done, Job, assess_task, calibrate_
 from rockpulse.bodies import gather_bodies
 from rockpulse.body import BlockSettings
 from rockpulse.calibration.site_calibration import calibrate_site, prepare_site, site_results
+from rockpulse.calibration.site_part import unpack_site_record
 from rockpulse.config import Config
 from rockpulse.results import joined_parts
 from rockpulse.settings import (
@@ -126,7 +127,7 @@ def test_the_tasks_of_a_site_give_its_calibration_in_memory(samples, components)
     study = prepare_site(every, work.planned, config, failures=read_failures)
     done = [calibrate_task(task, Job(config, study.lanes)) for task in work.tasks]
     assert max(len(part) for one in done for part in one.parts) < 8000  # no samples
-    parts = [pickle.loads(part) for one in reversed(done) for part in one.parts]
+    parts = [unpack_site_record(part) for one in reversed(done) for part in one.parts]
     rows = [*work.failures, *(row for one in done for row in one.failures)]
     found, expected = site_results(parts, study, config, rows), calibrate_site(*_read(samples, config))
     assert found.groups == expected.groups
