@@ -22,7 +22,6 @@ exclude_patterns = ["extensions"]
 myst_enable_extensions = ["colon_fence", "deflist", "dollarmath"]
 myst_dmath_double_inline = False
 myst_heading_anchors = 3
-math_eqref_format = "({number})"
 
 toc_object_entries = False
 autodoc_member_order = "bysource"

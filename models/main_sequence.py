@@ -4,7 +4,7 @@
    right and gives u_i = u_1 (1 - C^i)/(1 - C) and I_ic = I_1c (1 - C)/(1 - C^i), hence I_2c = I_1c/(1 + C). u =
    theta'/(p alpha_c), u_1 = I/I_1c.
 
-Resonance is the input that suits the block worst, an upper bound and not a prediction.
+Resonance is the input that suits the block worst, an upper-bound type input and not a prediction.
 """
 
 from __future__ import annotations

@@ -1,6 +1,8 @@
 """The manual: its commands run and print what it shows, and it leaves out no verb, no public name and no picture."""
 
+import argparse
 import ast
+import importlib
 import re
 from pathlib import Path
 
@@ -52,6 +54,65 @@ def test_what_is_not_run_says_why():
     assert kinds <= {"sh", "python", "text", "file"} | {kind for kind in kinds if kind.startswith("{")}
 
 
+def test_no_block_hides_from_the_test():
+    """Every fence is one that `blocks` sees: none is indented, of tildes, or a code-block of colons."""
+    for page in PAGES:
+        text = page.read_text(encoding="utf-8")
+        fences = re.findall(r"^[ \t]*(?:`{3,}|~{3,}|:{3,}\{code)", text, re.MULTILINE)
+        assert len(fences) == 2 * len(blocks(page)), name(page)
+
+
+def options_of_the_template():
+    """Every (section, key) of the configuration."""
+    keys, heading = set(), ""
+    for line in (TOP / "pipeline" / "template.toml").read_text(encoding="utf-8").splitlines():
+        if found := re.match(r"(?:# )?\[+(\w+)\]+", line):
+            heading = found[1]
+        elif found := re.match(r"(?:# )?(\w+) = ", line):
+            keys.add((heading, found[1]))
+    return keys
+
+
+def test_every_option_is_spoken_of():
+    """The template says what each option is; the pages say what it does."""
+    text = "".join(page.read_text(encoding="utf-8") for page in PAGES)
+    keys = options_of_the_template() - {("site", "description")}
+    assert len(keys) > 60
+    assert [f"[{section}] {key}" for section, key in sorted(keys) if not re.search(rf"\b{key}\b", text)] == []
+
+
+def test_what_the_text_names_exists():
+    """Options, keys, functions and files in the running text, which no test runs, are those of the program."""
+    from rockpulse.cli import build_parser
+    from rockpulse.commands import VERBS
+
+    options, parsers = {"--help", "-m", "-s", "-k"}, [build_parser()]
+    while parsers:
+        for action in parsers.pop()._actions:
+            options |= set(action.option_strings)
+            if isinstance(action, argparse._SubParsersAction):
+                parsers += action.choices.values()
+    benchmarks = "".join(path.read_text(encoding="utf-8") for path in (TOP / "benchmarks").glob("*.py"))
+    keys = options_of_the_template()
+    verbs = {verb.name for verb in VERBS} | {"VERB"}
+    for page in PAGES:
+        prose = re.sub(r"^```.*?^```", "", page.read_text(encoding="utf-8"), flags=re.MULTILINE | re.DOTALL)
+        for code in re.findall(r"`([^`\n]+)`", prose):
+            where = f"{name(page)}: `{code}`"
+            for option in re.findall(r"(?:^|\s)(--?[a-z][\w-]*)", code):
+                assert option in options or ("benchmarks/" in code and f'"{option}"' in benchmarks), where
+            for verb in re.findall(r"^rockpulse (\w[\w-]*)", code):
+                assert verb in verbs, where
+            for section, key in re.findall(r"\[(\w+)\]+ (\w+)", code):
+                assert (section, key) in keys, where
+            for module, attribute in re.findall(r"\b(rp|models|plots)\.(\w+)", code):
+                assert hasattr(
+                    {"rp": rockpulse, "models": rockpulse.models, "plots": rockpulse.plots}[module], attribute
+                ), where
+            for path in re.findall(r"\b(?:benchmarks|tests|data|docs)/[\w./]+", code):
+                assert (TOP / path).exists(), where
+
+
 def test_every_verb_is_used_in_the_manual():
     used = "\n".join(block.body for page in RUN for block in blocks(page) if block.kind == "sh" and not block.not_run)
     from rockpulse.commands import VERBS
@@ -76,6 +137,12 @@ def test_every_picture_of_a_page_is_drawn_by_that_page():
         shown = {Path(path).name for path in re.findall(r"!\[[^]]*\]\(\S*images/(\S+\.png)\)", page.read_text("utf-8"))}
         assert shown <= drawn | {"ridgecrest.png", "accuracy.png"}, name(page)
         assert all((DOCS / "images" / picture).is_file() for picture in shown), name(page)
+
+
+def test_an_index_of_a_dotted_letter_stands_beside_it(monkeypatch):
+    monkeypatch.syspath_prepend(str(DOCS / "extensions"))
+    translated = importlib.import_module("mathml").translated
+    assert "munderover" not in translated(r"\dot{\theta}_i = C\,\dot{\theta}^{-}", as_block=True)
 
 
 def test_python_of_the_manual_is_python():

@@ -1,0 +1,69 @@
+"""The README's commands, one after the other, in a folder that holds what they name."""
+
+import re
+import shlex
+import zipfile
+from pathlib import Path
+
+import pytest
+from docs_page import blocks, run_page
+
+TOP = Path(__file__).parents[2]
+
+#: Beginnings of commands that are left out, and why.
+LEFT_OUT = {
+    "python3 -m venv": "they install; .ci/run runs them word for word",
+    "rockpulse assess archive/ --config site.toml -o all.h5 --scheduler": "it needs a cluster; tests/pipeline/batch",
+    "rockpulse accuracy": "minutes; tests/pipeline/commands/test_accuracy.py",
+    "python benchmarks/": "minutes to hours; CONTRIBUTING.md",
+}
+
+
+def commands():
+    """Every command of the README as it would be typed with the environment active."""
+    lines = [line for block in blocks(TOP / "README.md") if block.kind == "sh" for line in block.body.splitlines()]
+    return [line.replace(".venv/bin/", "") for line in lines]
+
+
+@pytest.mark.slow
+def test_the_commands_do_what_the_readme_says(tmp_path):
+    (tmp_path / "data").symlink_to(TOP / "data", target_is_directory=True)
+    records = sorted((TOP / "data/samples/records").glob("CI*"))
+    for name in ("my_records", "archive"):
+        (tmp_path / name).mkdir()
+        for record in records:
+            (tmp_path / name / record.name).symlink_to(record)
+    with zipfile.ZipFile(tmp_path / "agency.zip", "w") as archive:
+        for record in records:
+            archive.write(record, record.name)
+    first = "rockpulse assess data/samples/records --config data/samples/site.toml -o results.h5 --overwrite"
+    assert any(first in line for line in commands())
+    kept = [line for line in commands() if not line.startswith(tuple(LEFT_OUT))]
+    again = next(place for place, line in enumerate(kept) if "--resume" in line)
+    kept.insert(again, "rm all.h5")  # as if the run before had been cut off
+    page = tmp_path / "README.md"
+    body = "\n".join([first, "cp results.h5 before.h5", *kept])
+    page.write_text(f"```sh\n{body.replace('before.h5 after.h5', 'before.h5 results.h5')}\n```\n", encoding="utf-8")
+    run_page(page, tmp_path)
+    for line in kept:
+        for made in re.findall(r"(?: -o|--log-file) (\S+)", line.split("  #")[0]):
+            assert (tmp_path / made).stat().st_size > 0, line
+
+
+def test_what_is_left_out_is_there():
+    for start in LEFT_OUT:
+        assert any(line.startswith(start) for line in commands()), start
+
+
+def test_every_command_is_understood():
+    from rockpulse.cli import build_parser
+
+    parser, seen = build_parser(), 0
+    for line in commands():
+        if line.startswith("rockpulse "):
+            try:
+                parser.parse_args(shlex.split(line, comments=True)[1:])
+            except SystemExit as ended:  # --list prints and ends
+                assert ended.code == 0, line
+            seen += 1
+    assert seen > 20
