@@ -28,6 +28,7 @@ from .errors import RecordRefused as RecordRefused
 from .errors import ResultsError as ResultsError
 from .errors import RockpulseError as RockpulseError
 from .errors import StoppedAtFailure as StoppedAtFailure
+from .errors import TooWeak as TooWeak
 from .errors import UnitError as UnitError
 from .fragility.assessment import fragility_curves as fragility_curves
 from .fragility.curves import fit_capacities as fit_capacities

@@ -7,13 +7,15 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from rockpulse.capacity_overview import short_factor_cell
+from rockpulse.capacity_overview import BEYOND, factor_cell, search_limit, short_factor_cell
 from rockpulse.models.response import Outcome
 from rockpulse.overview import NAME_WIDTH, VERDICT, fullest_model, verdict_cell
 from rockpulse.record import STANDARD_GRAVITY
+from rockpulse.record_marks import doubt, doubt_notes
 from rockpulse.results_file import flag_words, pointwise, slab, worded
 from rockpulse.selection import Selection, rows
 from rockpulse.terminal import ABSENT, aligned, figure, paragraph, ratio, restitution, shortened
+from rockpulse.verdict_notes import BEYOND_CRITICAL
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -25,6 +27,9 @@ ID_WIDTH = 36
 
 #: Variables of /summary that a list of cases shows in columns of its own.
 SHOWN = ("pga", "uplift_ratio", "impulse_ratio", "safety_factor", "capacity_pga", "restitution")
+
+#: What a cell of a safety factor is made of.
+FACTOR = ("safety_factor", "interval_count", "factor_resolved", "safe_up_to")
 
 
 def distinct(summary: xr.Dataset) -> np.ndarray:
@@ -108,7 +113,8 @@ def case_list(summary: xr.Dataset, selection: Selection) -> str:
         return heading
     several = len(set(places["model"].tolist())) > 1
     extra = [name for name in _of_interest(selection) if name not in (*SHOWN, *VERDICT)]
-    get = {name: _values(summary, name, places) for name in (*SHOWN, *VERDICT, "interval_count", "factor_resolved")}
+    names = (*SHOWN, *VERDICT, *FACTOR, "warnings")
+    get = {name: _values(summary, name, places) for name in names}
     more = {name: _cells(summary, name, places) for name in extra}
     models = [str(label) for label in summary["model"].values]
     records, blocks = (summary[dim].values[places[dim]].tolist() for dim in ("record", "block"))
@@ -120,23 +126,26 @@ def case_list(summary: xr.Dataset, selection: Selection) -> str:
     for k in range(count):
         model = models[places["model"][k]]
         answer = {name: get[name][k] for name in VERDICT}
-        factor, intervals, resolved = (get[name][k] for name in ("safety_factor", "interval_count", "factor_resolved"))
+        limit, pga = get["safe_up_to"][k], get["pga"][k]
+        proven = None if limit is None else limit * pga / STANDARD_GRAVITY
         table.append(
             [
-                shortened(records[k], ID_WIDTH),
+                shortened(records[k], ID_WIDTH) + doubt(pga, get["warnings"][k]),
                 shortened(blocks[k], NAME_WIDTH),
                 *([model] if several else []),
                 restitution(get["restitution"][k]),
-                _of(get["pga"][k], STANDARD_GRAVITY),
+                _of(pga, STANDARD_GRAVITY),
                 *(_of(get[name][k]) for name in ("uplift_ratio", "impulse_ratio")),
                 verdict_cell(answer, _rung(summary, places, k) if model == "auto" else ""),
-                short_factor_cell(factor, intervals, resolved),
-                _of(get["capacity_pga"][k], STANDARD_GRAVITY),
+                short_factor_cell(*(get[name][k] for name in FACTOR)),
+                factor_cell(_in_g(get["capacity_pga"][k]), limit=proven),
                 *(more[name][k] for name in extra),
             ]
         )
     left = 3 if several else 2
-    return "\n".join([heading, "", *("  " + line for line in aligned(table, left=left)), "", *_notes(table)])
+    rocking = zip(get["outcome"], get["peak_rotation_ratio"], strict=True)
+    beyond = any(outcome == Outcome.ROCKS and peak > 1.0 for outcome, peak in rocking)
+    return "\n".join([heading, "", *("  " + line for line in aligned(table, left=left)), "", *_notes(table, beyond)])
 
 
 def record_list(summary: xr.Dataset, selection: Selection) -> str:
@@ -161,27 +170,28 @@ def record_list(summary: xr.Dataset, selection: Selection) -> str:
     get = {name: _values(summary, name, places) for name in names}
     extra = [name for name in _of_interest(selection) if name not in names and summary[name].dims == ("record",)]
     more = {name: _cells(summary, name, places) for name in extra}
-    fallen, factor, worst = _by(summary, model, axis=1)
+    fallen, factor, worst, limit = _by(summary, model, axis=1)
     blocks = [str(label) for label in summary["block"].values]
     table = [["record", "PGA/g", "PGV m/s", "Arias m/s", "I m/s", "warnings", *extra, "overturns", "SF", "of"]]
     for k, (name, row) in enumerate(zip(summary["record"].values[at].tolist(), at.tolist(), strict=True)):
         told = str(get["warnings"][k] or "")
         table.append(
             [
-                shortened(name, ID_WIDTH),
+                shortened(name, ID_WIDTH) + doubt(get["pga"][k], told),
                 _of(get["pga"][k], STANDARD_GRAVITY),
                 ("~" if get["pgv_drift"][k] else "") + _of(get["pgv"][k]),
                 *(_of(get[name][k]) for name in ("arias_intensity", "main_impulse")),
                 str(len(told.splitlines())) if told else "",
                 *(more[name][k] for name in extra),
                 f"{fallen[row]} of {len(blocks)}",
-                _factor(factor[row]),
+                factor_cell(float(factor[row]), limit=limit),
                 shortened(blocks[worst[row]], NAME_WIDTH) if np.isfinite(factor[row]) else "",
             ]
         )
     notes = [f"overturns: blocks that do, by the {model} model; SF: smallest safety factor by it, and of which block."]
     if any(row[2].startswith("~") for row in table[1:]):
         notes.append("~: the baseline of the record drifts, PGV may be off by as much.")
+    notes += [*_of_beyond(table), *doubt_notes(row[0] for row in table)]
     return "\n".join([_counted("record", len(at), found, selection), "", *_listed(table), "", *_told(notes)])
 
 
@@ -205,7 +215,7 @@ def block_list(summary: xr.Dataset, selection: Selection) -> str:
     at = places["block"]
     get = {name: _values(summary, name, places) for name in ("width", "height", "alpha_c", "p", "critical_impulse")}
     c = summary.variables["restitution"].values.reshape(summary.sizes["block"], -1)
-    fallen, factor, worst = _by(summary, model, axis=0)
+    fallen, factor, worst, limit = _by(summary, model, axis=0)
     records = [str(label) for label in summary["record"].values]
     units = ["b m", "h m", "alpha_c rad", "p 1/s", "I_1c m/s"]
     table = [["block", *units, "C", "overturned by", "SF", "under"]]
@@ -217,12 +227,13 @@ def block_list(summary: xr.Dataset, selection: Selection) -> str:
                 *(_of(get[name][k]) for name in get),
                 " to ".join(between),
                 f"{fallen[row]} of {len(records)}",
-                _factor(factor[row]),
+                factor_cell(float(factor[row]), limit=limit),
                 shortened(records[worst[row]], ID_WIDTH) if np.isfinite(factor[row]) else "",
             ]
         )
-    note = f"overturned by: records that do, by the {model} model; SF: smallest by it, and under which record."
-    return "\n".join([_counted("block", len(at), found, selection), "", *_listed(table), "", *_told([note])])
+    notes = [f"overturned by: records that do, by the {model} model; SF: smallest by it, and under which record."]
+    notes += _of_beyond(table)
+    return "\n".join([_counted("block", len(at), found, selection), "", *_listed(table), "", *_told(notes)])
 
 
 def _with_model(summary: xr.Dataset, selection: Selection) -> tuple[Selection, str]:
@@ -236,17 +247,20 @@ def _with_model(summary: xr.Dataset, selection: Selection) -> tuple[Selection, s
     return replace(selection, names={**selection.names, "model": (model,)}), model
 
 
-def _by(summary: xr.Dataset, model: str, axis: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """How many overturn along an axis, the smallest safety factor along it (NaN: none is known), and where it is."""
-    outcome, factor = answers(summary, "outcome", model), answers(summary, "safety_factor", model)
+def _by(summary: xr.Dataset, model: str, axis: int) -> tuple[np.ndarray, np.ndarray, np.ndarray, float]:
+    """How many overturn along an axis, the smallest safety factor along it (NaN: none is known), where it is, and up to
+    where the search went."""
+    names = ("outcome", "safety_factor", "safe_up_to")
+    outcome, factor, searched = (answers(summary, name, model) for name in names)
     assert outcome is not None
     fallen = (outcome == Outcome.OVERTURNS).any(axis=2).sum(axis=axis)
     if factor is None:
-        return fallen, np.full(fallen.shape, np.nan), np.zeros(fallen.shape, dtype=int)
+        return fallen, np.full(fallen.shape, np.nan), np.zeros(fallen.shape, dtype=int), np.nan
     known = np.where(np.isnan(factor), np.inf, factor).min(axis=2)
     worst = known.argmin(axis=axis) if known.shape[axis] else np.zeros(fallen.shape, dtype=int)
     smallest = known.min(axis=axis, initial=np.inf)
-    return fallen, np.where(np.isnan(factor).all(axis=(axis, 2)), np.nan, smallest), worst
+    smallest = np.where(np.isnan(factor).all(axis=(axis, 2)), np.nan, smallest)
+    return fallen, smallest, worst, search_limit(factor, searched)
 
 
 def _of_interest(selection: Selection) -> list[str]:
@@ -283,8 +297,13 @@ def _of(number: float | None, unit: float = 1.0) -> str:
     return ABSENT if number is None else ratio(number / unit)
 
 
-def _factor(number: float) -> str:
-    return "none" if np.isinf(number) else ratio(float(number))
+def _in_g(acceleration: float | None) -> float | None:
+    return None if acceleration is None else acceleration / STANDARD_GRAVITY
+
+
+def _of_beyond(table: list[list[str]]) -> list[str]:
+    """What a cell behind ">" means, where there is one."""
+    return [f">: {BEYOND}."] if any(cell.startswith(">") for row in table[1:] for cell in row) else []
 
 
 def _heading(selection: Selection, count: int, found: int) -> str:
@@ -310,13 +329,15 @@ def _told(notes: list[str]) -> list[str]:
     return [paragraph(note, "  ") for note in notes]
 
 
-def _notes(table: list[list[str]]) -> list[str]:
+def _notes(table: list[list[str]], beyond: bool) -> list[str]:
     """What the columns and the marks that are shown mean."""
     cells = [cell for row in table[1:] for cell in row]
     notes = [
         "Figures: theta_max/alpha_c. a/a_up: PGA over the acceleration of uplift. I/I_1c: main impulse over the one "
-        "that overturns alone. SF: smallest factor on the model's input that overturns (none: not found); SF PGA: the "
-        "capacity."
+        "that overturns alone. SF: smallest factor on the model's input that overturns; SF PGA: the capacity.",
+        *([BEYOND_CRITICAL] if beyond else []),
+        *_of_beyond([row[:1] + row[-2:] for row in table]),
+        *doubt_notes(row[0] for row in table),
     ]
     marks = {
         "*": "*: outside the range of this model.",

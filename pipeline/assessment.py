@@ -14,17 +14,18 @@ import numpy as np
 from rockpulse.bodies import Bodies, gather_bodies
 from rockpulse.body import BlockSettings
 from rockpulse.calibration.rule import POINTS, load_rule, range_text, rule_applicable
-from rockpulse.conditioning import DRIFT
 from rockpulse.config import Config
 from rockpulse.directions import Motion, PlannedMotion, motions_of, plan_motions, rotation_failures, swept_directions
-from rockpulse.errors import ConfigError
+from rockpulse.errors import ConfigError, TooWeak
+from rockpulse.events import event_table, events_by_id
 from rockpulse.failures import Failure
-from rockpulse.intensity import arias_intensity, pgv
+from rockpulse.intensity import pgv
 from rockpulse.models.block import Block
 from rockpulse.models.predictability import NOT_CHECKED, predictable
 from rockpulse.models.response import Response
 from rockpulse.models.scale_search import ScaleIntervals
 from rockpulse.record import Record
+from rockpulse.record_columns import main_impulse, record_scalars
 from rockpulse.results import build_tree
 from rockpulse.safety import critical_scales
 from rockpulse.scene import CHECKABLE, MODELS, SLENDER_MODELS, USED, Scene, auto_response, extract, prepare
@@ -62,7 +63,8 @@ class RecordAssessment:
     scene : Scene
         The conditioned record and what was extracted from it.
     record : dict
-        Scalars of the record, by the names of docs/schema.md.
+        Scalars of the record, by the names of docs/schema.md. The earthquake, `event`, is empty: it is told by all
+        records together.
     per_block : dict of (b, c) ndarray
         Demand of the record on each body and restitution case.
     per_model : dict of (b, c, k) ndarray
@@ -115,7 +117,8 @@ def assess(
     Raises
     ------
     ConfigError
-        Without a body, or for two records of one id. A record that cannot be assessed is a row of /failures instead.
+        Without a body, for two records of one id, or a table of events that does not fit. A record that cannot be
+        assessed is a row of /failures instead.
 
     Examples
     --------
@@ -135,15 +138,18 @@ def assess(
     twice = sorted(name for name, times in Counter(record.id for record in every).items() if times > 1)
     if twice:
         raise ConfigError(f"records: expected different ids, found more than one record with id {', '.join(twice)}")
+    rows = list(failures)
+    event_of, _ = events_by_id(every, event_table(config), rows)
     planned, left_out = plan_motions(every, config)
-    rows = [*failures, *left_out]
+    rows += left_out
     done = []
     for one in planned if progress is None else progress(planned):
         for outcome in assess_planned(one, bodies, config):
             if isinstance(outcome, Failure):
                 rows.append(outcome)
             else:
-                done.append(outcome)
+                event = {"event": event_of[one.channels[0].id]}
+                done.append(replace(outcome, record=outcome.record | event))
     return build_tree(done, bodies, config, rows, swept_directions(planned, config))
 
 
@@ -239,9 +245,10 @@ def motion_failure(record: Record, stage: str, error: Exception) -> Failure:
     error : Exception
         Why.
     """
-    logger.error("%s: %s", record.id, error)
+    weak = isinstance(error, TooWeak)
     reason = str(error) if record.id in str(error) else f"{record.id}: {error}"
-    return Failure(file=record.source, stage=stage, reason=reason, kind="failed")
+    logger.log(logging.WARNING if weak else logging.ERROR, "%s", reason)
+    return Failure(file=record.source, stage=stage, reason=reason, kind="skipped" if weak else "failed")
 
 
 def assess_record(record: Record, bodies: Bodies, config: Config, vertical: Record | None = None) -> RecordAssessment:
@@ -317,7 +324,7 @@ def assess_scene(scene: Scene, bodies: Bodies) -> RecordAssessment:
     }
     return RecordAssessment(
         scene=scene,
-        record=_record_scalars(scene),
+        record=record_scalars(scene),
         per_block={name: bodies.per_case(values) for name, values in _demand(scene, lanes).items()},
         per_model={
             field: np.stack([bodies.per_case(values[name]) for name in responses], axis=-1)
@@ -353,43 +360,5 @@ def _demand(scene: Scene, block: Block) -> dict[str, np.ndarray]:
     return {
         "uplift_ratio": scene.record.pga / capacity,
         "velocity_ratio": block.p * pgv(scene.record) / capacity,
-        "impulse_ratio": _main_impulse(scene) / block.critical_impulse,
-    }
-
-
-def _main_impulse(scene: Scene) -> float:
-    return np.nan if scene.sequence is None else float(scene.sequence.main)
-
-
-def _record_scalars(scene: Scene) -> dict[str, Any]:
-    record, sequence = scene.record, scene.sequence
-    count = -1
-    if sequence is not None and sequence.main_count is not None:
-        count = int(sequence.main_count)
-    return {
-        "source": record.source,
-        "source_sha256": record.source_sha256,
-        "format": record.format,
-        "event": record.event,
-        "network": record.network,
-        "station": record.station,
-        "component": record.component,
-        "azimuth": record.azimuth,
-        "start_time": "" if record.start_time is None else record.start_time.isoformat(),
-        "npts": record.npts,
-        "dt": record.dt,
-        "pga": record.pga,
-        "pgv": pgv(record),
-        "pgv_drift": int(any(warning.startswith(DRIFT) for warning in record.warnings)),
-        "arias_intensity": arias_intensity(record),
-        "intense_start": scene.phase.start,
-        "intense_end": scene.phase.end,
-        "main_impulse": _main_impulse(scene),
-        "secondary_impulse": np.nan if sequence is None else float(sequence.secondary),
-        "secondary_interval": np.nan if sequence is None else float(sequence.interval),
-        "sequence_duration": np.nan if sequence is None else float(sequence.duration),
-        "main_count": count,
-        "half_wave_count": int(scene.waves.impulse.size),
-        "warnings": "\n".join(record.warnings),
-        "processing": "\n".join(record.processing),
+        "impulse_ratio": main_impulse(scene) / block.critical_impulse,
     }

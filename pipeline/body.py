@@ -112,7 +112,10 @@ class BlockSettings(Section):
                 return Block(self.width / 2, self.height / 2, restitution=restitution, gravity=self.gravity)
             return Block.from_parameters(self.p, self.alpha, restitution=restitution, gravity=self.gravity)
         except ValueError as error:
-            raise ConfigError(f"{self.where} {error}") from None
+            swapped = ""
+            if self.width is not None and self.height is not None and self.width > self.height:
+                swapped = f": it is {self.width:g} m wide and {self.height:g} m high, are the two swapped?"
+            raise ConfigError(f"{self.where}{swapped} {error}") from None
 
 
 def parse_block_option(option: str) -> BlockSettings:

@@ -9,49 +9,71 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from rockpulse.models.response import Outcome
-from rockpulse.terminal import ABSENT, aligned, figure, paragraph, ratio, restitution, shortened
+from rockpulse.terminal import ABSENT, aligned, figure, lower_bound, paragraph, ratio, restitution, shortened
 
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["capacities", "factor_cell", "factor_notes", "short_factor_cell", "smallest_capacities"]
+__all__ = [
+    "BEYOND",
+    "THIN_MARGIN",
+    "capacities",
+    "factor_cell",
+    "factor_notes",
+    "search_limit",
+    "short_factor_cell",
+    "smallest_capacities",
+]
+
+#: What a factor or a capacity behind ">" is; a search that found nothing has not shown that nothing overturns.
+BEYOND = "none found up to there, where the search ends ([search] factor_max): on a weak record that says little"
 
 #: Stands behind a factor or a capacity at which the model cannot answer.
 LOWER_BOUND = "!"
 
+#: A smallest factor below this is hardly a margin: on strong long records a search of the default fineness finds 6 % of
+#: the factors more than a tenth too high (docs/decisions/011).
+THIN_MARGIN = 1.1
+
 #: Variables of /summary that the notes on the safety factors are about.
-FACTORS = ("safety_factor", "outcome", "interval_count", "search_step", "factor_resolved")
+FACTORS = ("safety_factor", "safe_up_to", "outcome", "interval_count", "search_step", "factor_resolved")
 
 
-def factor_cell(factor: float | None, intervals: int | None = None, resolved: int | None = None) -> str:
+def factor_cell(
+    factor: float | None, intervals: int | None = None, resolved: int | None = None, limit: float | None = None
+) -> str:
     """A safety factor, marked where it is a lower bound, with the number of intervals of overturning if several.
 
     Parameters
     ----------
     factor : float or None
-        Safety factor [-]; NaN or None where it is not known.
+        Safety factor, or capacity over demand [-]; NaN or None where it is not known, inf where none was found.
     intervals : int or None
         Number of intervals.
     resolved : int or None
         Flag `factor_resolved`: 0 where the model cannot answer at the factor.
+    limit : float or None
+        Up to where it was searched, which is shown where none was found; NaN or None where that is not known.
 
     Examples
     --------
-    >>> [factor_cell(factor, count) for factor, count in ((1.31, 1), (1.31, 3), (math.inf, 0), (math.nan, -1))]
-    ['1.31', '1.31 (3)', 'none', '-']
-    >>> factor_cell(1.31, 3, 0)
-    '1.31! (3)'
+    >>> [factor_cell(factor, count, None, 10.0) for factor, count in ((1.31, 1), (1.31, 3), (math.inf, 0))]
+    ['1.31', '1.31 (3)', '>10']
+    >>> factor_cell(1.31, 3, 0), factor_cell(math.nan), factor_cell(math.inf)
+    ('1.31! (3)', '-', 'none')
     """
-    shown = _number(factor) + (LOWER_BOUND if resolved == 0 else "")
+    shown = _number(factor, limit) + (LOWER_BOUND if resolved == 0 else "")
     return f"{shown} ({intervals})" if intervals is not None and intervals > 1 else shown
 
 
-def short_factor_cell(factor: float | None, intervals: int | None = None, resolved: int | None = None) -> str:
+def short_factor_cell(
+    factor: float | None, intervals: int | None = None, resolved: int | None = None, limit: float | None = None
+) -> str:
     """The same with a mark in place of the number of intervals, and room for two marks.
 
     Parameters
     ----------
-    factor, intervals, resolved
+    factor, intervals, resolved, limit
         As for :func:`factor_cell`.
 
     Examples
@@ -60,7 +82,27 @@ def short_factor_cell(factor: float | None, intervals: int | None = None, resolv
     ('1.31!+', '1.31+ ', '1.31  ')
     """
     marks = (LOWER_BOUND if resolved == 0 else "") + ("+" if intervals is not None and intervals > 1 else "")
-    return _number(factor) + marks.ljust(2)
+    return _number(factor, limit) + marks.ljust(2)
+
+
+def search_limit(factor: np.ndarray, safe_up_to: np.ndarray | None) -> float:
+    """Up to where nothing was found, where nothing was found; the smallest of several, NaN where that is not known.
+
+    Parameters
+    ----------
+    factor : ndarray
+        Safety factors [-].
+    safe_up_to : ndarray or None
+        Factors up to which the search found no overturning [-].
+
+    Examples
+    --------
+    >>> search_limit(np.array([1.3, math.inf]), np.array([1.3, 10.0]))
+    10.0
+    """
+    if safe_up_to is None:
+        return math.nan
+    return float(np.min(safe_up_to[np.isinf(factor)], initial=math.inf)) if np.isinf(factor).any() else math.nan
 
 
 def factor_notes(summary: xr.Dataset, model: str, swept: bool = False) -> list[str]:
@@ -80,7 +122,9 @@ def factor_notes(summary: xr.Dataset, model: str, swept: bool = False) -> list[s
         return []
     factor = found["safety_factor"]
     of = f"{_input(summary)}, over direction," if swept else _input(summary)
-    notes = [f"SF: smallest factor on {of} at which the block overturns by the {model} model (none: not found)."]
+    notes = [f"SF: smallest factor on {of} at which the block overturns by the {model} model."]
+    if np.isinf(factor).any():
+        notes[0] += f" {_number(math.inf, search_limit(factor, found.get('safe_up_to')))}: {BEYOND}."
     count = found.get("interval_count", np.zeros(0))
     if not swept and (several := np.count_nonzero(count > 1)):
         notes[0] += (
@@ -92,7 +136,8 @@ def factor_notes(summary: xr.Dataset, model: str, swept: bool = False) -> list[s
     if missed > 0.0:
         key = "step" if model == "sequence" else "points"
         notes[0] += (
-            f" Bands narrower than the step of the search (up to {missed:.1%}) may lie below it: [search] {key}."
+            f" Bands narrower than the step of the search (up to {missed:.1%}) may lie below it: do not read it "
+            f"to two digits ([search] {key})."
         )
     bound = found["factor_resolved"] == 0 if "factor_resolved" in found else np.zeros(factor.shape, dtype=bool)
     if bounds := np.count_nonzero(bound):
@@ -103,8 +148,13 @@ def factor_notes(summary: xr.Dataset, model: str, swept: bool = False) -> list[s
     rocks = (found["outcome"] == Outcome.ROCKS) & (factor < 1.0)
     if lucky := np.count_nonzero(rocks):
         may = f", or may ({LOWER_BOUND})" if np.any(rocks & bound) else ""
+        rock, them = ("that rocks", "it") if lucky == 1 else ("that rock", "them")
         notes.append(
-            f"{lucky} with SF below 1 that rock: a weaker record overturns them{may}; do not count them as safe."
+            f"{lucky} with SF below 1 {rock}: a weaker record overturns {them}{may}; do not count {them} as safe."
+        )
+    if thin := np.count_nonzero((factor >= 1.0) & (factor < THIN_MARGIN)):
+        notes.append(
+            f"{thin} with SF from 1 to {THIN_MARGIN:g}: hardly a margin, for a finer search may find a lower factor."
         )
     return notes
 
@@ -123,18 +173,29 @@ def smallest_capacities(summary: xr.Dataset, model: str, directions: xr.Dataset 
     """
     if "capacity_ratio" not in summary or summary.sizes["record"] == 0:
         return ""
-    rows, unknown = [["", "C", *_titles(summary)]], 0
-    for name, c, low, high in _bodies(summary, model):
-        if directions is not None:
-            low, high = _worst(low, directions), _worst(high, directions)
+    rows, unknown, weak = [["", "C", *_titles(summary)]], 0, 0
+    for name, c, *bounds in _bodies(summary, model):
+        low, high, proven = bounds if directions is None else [_worst(each, directions) for each in bounds]
+        # A search that ended below the demand has shown nothing of what lies between.
+        little = np.isinf(low) & (proven < 1.0)
         unknown = max(unknown, int(np.count_nonzero(np.isnan(low[:, 0]))))
-        rows.append([name, restitution(c), *map(_smallest, low.T, high.T)])
+        weak = max(weak, int(np.count_nonzero(little, axis=0).max(initial=0)))
+        told = ~np.isnan(low) & ~little
+        rows.append([name, restitution(c), *map(_smallest, low.T, high.T, proven.T, told.T)])
     of = "the records" if directions is None else "the pairs, each in its worst direction"
-    note = "Below 1: the record overturns the block before it is as strong as the demand. none: no overturning found."
-    if any(LOWER_BOUND in cell for row in rows for cell in row[2:]):
+    note = "Below 1: the record overturns the block before it is as strong as the demand."
+    cells = [cell for row in rows[1:] for cell in row[2:]]
+    if any(">" in cell for cell in cells):
+        note += f" >: {BEYOND}."
+    elif any("none" in cell for cell in cells):
+        note += " none: no overturning found."
+    if any(LOWER_BOUND in cell for cell in cells):
         note += f" {LOWER_BOUND}: a lower bound, from there on the model cannot answer."
+    each, _, _ = of.partition(",")
     if unknown:
-        note += f" -: not known; left out where others are ({unknown} of {of.partition(',')[0]})."
+        note += f" -: not known; left out where others are ({unknown} of {each})."
+    if weak:
+        note += f" Left out: those too weak for the search to reach the demand (up to {weak} of {each})."
     return "\n".join(
         [
             paragraph(f"Capacity (safety factor x PGA, {model} model) over demand: smallest and median of {of}"),
@@ -168,10 +229,13 @@ def capacities(
     )
     rows = [["", "C", *_titles(summary)]]
     for place, record in enumerate(str(label) for label in part["record"].values):
-        for name, c, low, high in _bodies(part, model):
-            rows.append([record if records is None else name, restitution(c), *map(_ratio, low[place], high[place])])
+        for name, c, *bounds in _bodies(part, model):
+            cells = map(_ratio, *(each[place] for each in bounds))
+            rows.append([record if records is None else name, restitution(c), *cells])
     heading = f"Capacity (safety factor x PGA) over demand, by the {model} model:"
-    return [heading, *("  " + line for line in aligned(rows)), ""]
+    lines = aligned(rows)
+    note = [paragraph(f">: {BEYOND}.", "  ")] if any(">" in line for line in lines) else []
+    return [heading, *("  " + line for line in lines), *note, ""]
 
 
 def _titles(summary: xr.Dataset) -> list[str]:
@@ -179,24 +243,28 @@ def _titles(summary: xr.Dataset) -> list[str]:
     return [f"{name} ({figure(float(demands.sel(demand=name)), 'm/s2')})" for name in demands["demand"].values]
 
 
-def _bodies(summary: xr.Dataset, model: str) -> list[tuple[str, float, np.ndarray, np.ndarray]]:
-    """Name, C and ratios (record, demand), at least and at most, of every body and restitution case.
+def _bodies(summary: xr.Dataset, model: str) -> list[tuple[str, float, np.ndarray, np.ndarray, np.ndarray]]:
+    """Name, C and ratios (record, demand) of every body and restitution case: at least, at most, and searched up to.
 
     Where the model cannot answer at the safety factor the ratio is a lower bound, and at most inf.
     """
     from rockpulse.overview import NAME_WIDTH, cases
 
+    wanted = ("restitution", "capacity_ratio", "factor_resolved", "safe_up_to")
+    names = [name for name in wanted if name in summary]
     found = []
     for block in (str(name) for name in summary["block"].values):
-        names = [name for name in ("restitution", "capacity_ratio", "factor_resolved") if name in summary]
         body: Any = summary[names].sel(block=block, model=model)
         for case in cases(summary, block):
             one = body.isel(case=case) if "case" in body.dims else body
             low = one["capacity_ratio"].transpose("record", "demand").values
-            high = low.copy()
+            high, proven = low.copy(), np.full(low.shape, np.nan)
             if "factor_resolved" in one:
                 high[one["factor_resolved"].values == 0] = np.inf
-            found.append((shortened(block, NAME_WIDTH), float(one["restitution"]), low, high))
+            if "safe_up_to" in one:
+                strength = one["safe_up_to"].values * summary["pga"].values
+                proven = strength[:, np.newaxis] / summary["demand_acceleration"].values
+            found.append((shortened(block, NAME_WIDTH), float(one["restitution"]), low, high, proven))
     return found
 
 
@@ -223,20 +291,26 @@ def _worst(ratios: np.ndarray, directions: xr.Dataset) -> np.ndarray:
     return np.asarray(every[directions["record_index"].values].min(axis=1))
 
 
-def _number(factor: float | None) -> str:
+def _number(factor: float | None, limit: float | None = None) -> str:
     if factor is None or math.isnan(factor):
         return ABSENT
-    return "none" if math.isinf(factor) else ratio(factor)
+    if not math.isinf(factor):
+        return ratio(factor)
+    if limit is None or math.isnan(limit):
+        return "none"
+    shown = lower_bound(limit)
+    return shown.rstrip("0").rstrip(".") if "." in shown else shown
 
 
-def _ratio(low: float, high: float) -> str:
-    return _number(low) + (LOWER_BOUND if high > low else "")
+def _ratio(low: float, high: float, proven: float) -> str:
+    return _number(low, proven) + (LOWER_BOUND if high > low else "")
 
 
-def _smallest(low: np.ndarray, high: np.ndarray) -> str:
-    """The smallest and the median of what is known."""
-    known = ~np.isnan(low)
+def _smallest(low: np.ndarray, high: np.ndarray, proven: np.ndarray, told: np.ndarray) -> str:
+    """The smallest and the median of what is told; without any, of what was searched."""
+    known = told if told.any() else ~np.isnan(low)
     if not known.any():
         return ABSENT
-    middle = [float(np.quantile(bound[known], 0.5, method="lower")) for bound in (low, high)]
-    return f"{_ratio(np.min(low[known]), np.min(high[known]))}, {_ratio(*middle)}"
+    limit = search_limit(low[known], proven[known])
+    middle, at_most = (float(np.quantile(bound[known], 0.5, method="lower")) for bound in (low, high))
+    return f"{_ratio(np.min(low[known]), np.min(high[known]), limit)}, {_ratio(middle, at_most, limit)}"

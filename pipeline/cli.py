@@ -13,8 +13,10 @@ from collections.abc import Sequence
 
 from rockpulse import __version__
 from rockpulse.commands import VERBS
+from rockpulse.commands.file_fault import file_fault
+from rockpulse.commands.parser import Parser
 from rockpulse.commands.telling import forsake, tell
-from rockpulse.errors import RockpulseError, StoppedAtFailure
+from rockpulse.errors import ConfigError, RockpulseError, StoppedAtFailure
 
 __all__ = ["build_parser", "main"]
 
@@ -22,13 +24,26 @@ FAILED = 1
 USAGE = 2
 INTERRUPTED = 130
 
+EPILOG = """\
+first steps, for a wall 0.3 m wide and 2.4 m high:
+  rockpulse assess records/ --block wall=0.3x2.4 -o results.h5
+  rockpulse inspect results.h5
+  rockpulse report results.h5 -o report.html
+bodies and options in a file, for --config site.toml:
+  rockpulse init-config -o site.toml
+what a verb takes, with examples:
+  rockpulse VERB --help
+
+Exit codes: 0 all done, 1 some records failed or, of diff and verify, something
+differs, 2 wrong usage, configuration or results file."""
+
 
 def build_parser() -> argparse.ArgumentParser:
     """The parser with all verbs; building it imports neither numba nor xarray."""
-    parser = argparse.ArgumentParser(
+    parser: argparse.ArgumentParser = Parser(
         prog="rockpulse",
         description="From recorded strong-motion files to the overturning safety of large slender rigid blocks.",
-        epilog="Exit codes: 0 all done, 1 some records failed, 2 wrong usage, configuration or results file.",
+        epilog=EPILOG,
     )
     parser.add_argument("--version", action="version", version=f"rockpulse {__version__}")
     subparsers = parser.add_subparsers(title="verbs", required=True, metavar="VERB")
@@ -54,8 +69,14 @@ def main(argv: Sequence[str] | None = None) -> int:
     logging.getLogger("rockpulse").addHandler(logging.NullHandler())
     if isinstance(sys.stdout, io.TextIOWrapper):
         sys.stdout.reconfigure(errors="replace")  # a terminal may lack the letters of a file or block name
-    args = build_parser().parse_args(argv)
+    parser = build_parser()
+    given = sys.argv[1:] if argv is None else argv
+    if not given:
+        parser.exit(USAGE, parser.format_help())
+    args = parser.parse_args(given)
     try:
+        if getattr(args, "output", None) == "":
+            raise ConfigError("--output: expected the name of a file, found nothing; is a variable of the shell unset?")
         code = args.run(args)
         sys.stdout.flush()
         return code
@@ -66,8 +87,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     except OSError as error:
         if isinstance(error, BrokenPipeError) and _reader_has_left():  # as in `rockpulse ... | head`
             return 0
-        where = "" if error.filename is None else f"{error.filename}: "
-        return _ended(f"{where}{error.strerror or error}", USAGE)
+        return _ended(file_fault(error, args), USAGE)
     except KeyboardInterrupt as error:
         return _ended(str(error) or "interrupted", INTERRUPTED)
 

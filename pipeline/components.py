@@ -35,6 +35,7 @@ _REASONS = {
 }
 _UPWARDS = "channel on a structure, vertical or in an unknown direction: read, not assessed as horizontal"
 _INSTEAD = 'components = "horizontal" assesses it as it was recorded'
+_BOTH_IN_ONE = "put both directions into one file with headings such as 'time [s],acc N [g],acc E [g]'"
 
 #: SEED codes of one sensor differ in the last letter only; the second letter is the kind of instrument.
 _SEED = re.compile(r"([FGDCESHBMLV])([HLMGN])[ENZ123]")
@@ -290,9 +291,11 @@ def _partners(record: Record, others: Sequence[Record]) -> list[Record]:
 
 def _no_pair(record: Record, found: Sequence[Record], partners: dict[int, list[Record]]) -> str:
     if not np.isfinite(record.azimuth):
-        return "its azimuth is unknown, so that it cannot be rotated"
+        how = f"; {_BOTH_IN_ONE}" if record.format == "columns" else ""
+        return f"its azimuth is unknown, so that it cannot be rotated{how}"
     if not found:
-        return "no second horizontal channel with a known azimuth was recorded together with it"
+        how = f" (files of columns tell neither station nor time: {_BOTH_IN_ONE})" if record.format == "columns" else ""
+        return f"no second horizontal channel with a known azimuth was recorded together with it{how}"
     if len(found) == 1:
         rivals = [other for other in partners[id(found[0])] if other is not record]
         return f"{found[0].id} was recorded together with it, but also with {_listed(rivals)}: which two are a pair?"

@@ -11,6 +11,7 @@ from rockpulse.large_overview import is_large
 from rockpulse.models.response import Outcome
 from rockpulse.overview import answered_by, cases, factor_table, fullest_model, peak_velocity, value, verdict_table
 from rockpulse.record import STANDARD_GRAVITY
+from rockpulse.record_marks import doubt
 from rockpulse.selection import Selection, unknown
 from rockpulse.terminal import ABSENT, aligned, figure, paragraph, restitution
 
@@ -54,9 +55,11 @@ def record_details(summary: xr.Dataset, record: str) -> str:
         ["source", words("source")],
         ["sha256 of the source", words("source_sha256")],
         ["station, component", f"{words('station')}, {words('component')} (azimuth {number('azimuth', 'degrees')})"],
+        ["name of the station", words("station_name")],
+        ["earthquake", words("event")],
         ["start", words("start_time")],
         ["samples", f"{value(summary, 'npts', record=record)} at {number('dt', 's')}"],
-        ["PGA", f"{figure(pga, 'm/s2')} ({figure(pga / STANDARD_GRAVITY, 'g')})"],
+        ["PGA", f"{figure(pga, 'm/s2')} ({figure(pga / STANDARD_GRAVITY, 'g')}){doubt(pga, words('warnings'))}"],
         ["PGV", peak_velocity(summary, record)],
         ["Arias intensity", number("arias_intensity", "m/s")],
         ["intense phase", f"{number('intense_start', 's')} to {number('intense_end', 's')}"],

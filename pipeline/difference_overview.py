@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
-from rockpulse.differences import Differences, OnlyIn
+from rockpulse.differences import Differences, Flip, OnlyIn
 from rockpulse.results_file import ResultsFile
 from rockpulse.terminal import ABSENT, aligned, paragraph, shortened
 
@@ -13,13 +14,14 @@ __all__ = ["difference_overview"]
 #: Names that are listed of what only one file has, and lines of the configuration.
 LISTED = 12
 
-#: Longest place and text in a table.
-PLACE_WIDTH = 42
+#: Longest place and text in a table, and name in a place.
+PLACE_WIDTH = 44
 TEXT_WIDTH = 20
+NAME_WIDTH = 34
 
 
 def difference_overview(found: Differences, first: ResultsFile, second: ResultsFile, tolerance: str) -> str:
-    """The files, then what only one of them has, verdicts that flipped, and variables beyond the tolerance.
+    """Files, verdicts that flipped, factors that crossed one, what only one file has, and all other differences.
 
     Parameters
     ----------
@@ -30,11 +32,12 @@ def difference_overview(found: Differences, first: ResultsFile, second: ResultsF
     tolerance : str
         In words.
     """
-    parts = [_files(first, second), _about(found), _configuration(found)]
+    parts = [_files(first, second), _flips(found), _crossings(found)]
+    parts += [_about(found), _configuration(found)]
     parts += [_only(one) for one in found.only]
     if found.others:
         parts.append("\n".join(["Other differences:", *(paragraph(line, "    ", "  ") for line in found.others)]))
-    parts += [_flips(found), _variables(found, tolerance)]
+    parts.append(_variables(found, tolerance))
     same = f"The results are the same: {found.compared} values within {tolerance}."
     apart = f"The results differ ({found.compared} values compared within {tolerance})."
     return "\n\n".join([*(part for part in parts if part), same if found.same else apart])
@@ -57,7 +60,7 @@ def _about(found: Differences) -> str:
 def _configuration(found: Differences) -> str:
     if not found.configuration:
         return ""
-    shown = [f"  {line}" for line in found.configuration[: 2 * LISTED]]
+    shown = [paragraph(line[1:], "      ", f"  {line[0]} ") for line in found.configuration[: 2 * LISTED]]
     more = len(found.configuration) - len(shown)
     return "\n".join(["Configuration:", *shown, *([f"  and {more} more lines"] if more else [])])
 
@@ -77,15 +80,24 @@ def _flips(found: Differences) -> str:
         return ""
     if not found.flipped:
         return f"No verdict of {found.verdicts} flipped."
-    rows = [[flip.place, f"{flip.before} -> {flip.after}"] for flip in found.flips]
-    more = found.flipped - len(rows)
-    return "\n".join(
-        [
-            f"Verdicts that flipped: {found.flipped} of {found.verdicts}",
-            *("  " + line for line in aligned(rows, left=2)),
-            *([f"  and {more} more (--limit)"] if more else []),
-        ]
-    )
+    return _changes(f"Verdicts that flipped: {found.flipped} of {found.verdicts}", found.flips, found.flipped)
+
+
+def _crossings(found: Differences) -> str:
+    if not found.crossed:
+        return ""
+    title = f"Safety factors that crossed 1 (below it a weaker copy of the record overturns): {found.crossed}"
+    return _changes(title, found.crossings, found.crossed)
+
+
+def _changes(title: str, changes: Sequence[Flip], count: int) -> str:
+    """The title, then a line for each change that is listed, and how many more there are."""
+    rows = [
+        [*(shortened(name, NAME_WIDTH) for name in change.place), f"{change.before} -> {change.after}"]
+        for change in changes
+    ]
+    more = [f"  and {count - len(rows)} more (--limit)"] if count > len(rows) else []
+    return "\n".join([title, *("  " + line for line in aligned(rows, left=len(rows[0]))), *more])
 
 
 def _variables(found: Differences, tolerance: str) -> str:
@@ -101,7 +113,7 @@ def _variables(found: Differences, tolerance: str) -> str:
                 str(one.differing),
                 str(one.compared),
                 size,
-                f"  {shortened(one.place, PLACE_WIDTH)}",
+                f"  {_place(one.place)}",
                 f"  {change}",
             ]
         )
@@ -119,6 +131,24 @@ def _variables(found: Differences, tolerance: str) -> str:
             paragraph(note, "  "),
         ]
     )
+
+
+def _place(names: Sequence[str]) -> str:
+    """Names in one line, each cut as far as the longest of them have to be."""
+    room = PLACE_WIDTH - 2 * (len(names) - 1)
+    width = max(map(len, names), default=0)
+    while sum(min(len(name), width) for name in names) > room:
+        width -= 1
+    return ", ".join(_cut(name, width) for name in names)
+
+
+def _cut(name: str, width: int) -> str:
+    """The end of a record id is its time: what stands before it tells more, and is kept where it can be."""
+    channel, at, start = name.partition("@")
+    room = width - len(channel) - len("@…")
+    if len(name) > width and at and room > 0:
+        return f"{channel}@…{start[-room:]}"
+    return shortened(name, width)
 
 
 def _text(value: str) -> str:

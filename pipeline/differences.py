@@ -31,6 +31,9 @@ PART = 1_000_000
 #: The variable whose changes are named one by one.
 OUTCOME = "/summary/outcome"
 
+#: The variable whose changes from one side of the record as it is to the other are named one by one.
+SAFETY = "/summary/safety_factor"
+
 #: Names of variables in a message, where none is close.
 LISTED = 8
 
@@ -51,8 +54,8 @@ class VariableDifference:
         Values beyond the tolerance, of how many.
     largest : float
         Largest relative difference; inf between a number and NaN or inf; NaN for texts and flags.
-    place : str
-        Where that is (of texts and flags: the first).
+    place : tuple of str
+        Where that is (of texts and flags: the first): record, block, model, or what else names it.
     before, after : str
         The values there.
     """
@@ -61,24 +64,24 @@ class VariableDifference:
     differing: int
     compared: int
     largest: float
-    place: str
+    place: tuple[str, ...]
     before: str
     after: str
 
 
 @dataclass(frozen=True)
 class Flip:
-    """A verdict that changed.
+    """A verdict that changed, or a safety factor that crossed one.
 
     Attributes
     ----------
-    place : str
+    place : tuple of str
         Record, block and model.
     before, after : str
-        Outcomes.
+        Outcomes, or factors.
     """
 
-    place: str
+    place: tuple[str, ...]
     before: str
     after: str
 
@@ -92,7 +95,8 @@ class Differences:
     about : list of (str, str, str)
         Versions, title and other attributes of the root that differ: name, before, after.
     configuration : list of str
-        Lines of the configuration, those that went with "-", those that came with "+".
+        Lines of the configuration with the section, or the block, that they are of; those that went with "-", those
+        that came with "+".
     only : list of OnlyIn
         Groups, rows and variables that only one file has.
     others : list of str
@@ -105,6 +109,10 @@ class Differences:
         The first of those that changed, at most as many as were asked for.
     flipped : int
         How many changed.
+    crossings : list of Flip
+        Safety factors that were below one and are not, or the other way round: the first of them, likewise.
+    crossed : int
+        How many there are.
     compared : int
         Values in all.
     """
@@ -117,6 +125,8 @@ class Differences:
     verdicts: int = 0
     flips: list[Flip] = field(default_factory=list)
     flipped: int = 0
+    crossings: list[Flip] = field(default_factory=list)
+    crossed: int = 0
     compared: int = 0
 
     @property
@@ -147,7 +157,7 @@ def compare_results(
     ignore : sequence of str
         Variables that are not compared: their names, or ``/group/name`` for that of one group.
     listed : int
-        Most verdicts that are named.
+        Most verdicts, and most factors that crossed one, that are named.
 
     Raises
     ------
@@ -185,7 +195,7 @@ def _check_ignored(ignore: Sequence[str], *files: ResultsFile) -> None:
 
 
 def _compare_attributes(found: Differences, first: Mapping[str, Any], second: Mapping[str, Any]) -> None:
-    before, after = (str(attrs.get("configuration", "")).splitlines() for attrs in (first, second))
+    before, after = (_placed(str(attrs.get("configuration", ""))) for attrs in (first, second))
     changes = list(unified_diff(before, after, n=0, lineterm=""))[2:]
     found.configuration = [line for line in changes if not line.startswith("@@")]
     for name in sorted(set(first) | set(second)):
@@ -194,6 +204,19 @@ def _compare_attributes(found: Differences, first: Mapping[str, Any], second: Ma
             found.about.append((name, old, new))
         elif old != new and name not in APART and "sha256" not in name:
             found.others.append(f"attribute {name}: {old} in the first, {new} in the second")
+
+
+def _placed(configuration: str) -> list[str]:
+    """Lines of a configuration, each behind its section; of a block or demand with its name, which is no line then."""
+    where, lines = "", []
+    for line in configuration.splitlines():
+        if line.startswith("["):
+            where = line
+        elif where.startswith("[[") and line.startswith("name = "):
+            where = f"{where} {line.removeprefix('name = ')}"
+        elif line:
+            lines.append(f"{where} {line}".strip())
+    return lines
 
 
 def _only(found: Differences, what: str, first: Iterable[Any], second: Iterable[Any]) -> None:
@@ -274,7 +297,14 @@ class _Group:
             compared += old.size
             apart = _apart(old, new, self.rtol, self.atol)
             if title == OUTCOME:
-                self._flips(apart, old, new, words, rows, start)
+                self.found.verdicts += old.size
+                self.found.flipped += apart.size
+                self._name(self.found.flips, apart, old, new, words, rows, start)
+            elif title == SAFETY:
+                one, other = old.reshape(-1)[apart], new.reshape(-1)[apart]
+                crossed = apart[((one < 1.0) != (other < 1.0)) & ~np.isnan(one) & ~np.isnan(other)]
+                self.found.crossed += crossed.size
+                self._name(self.found.crossings, crossed, old, new, words, rows, start)
             if not apart.size:
                 continue
             differing += apart.size
@@ -289,8 +319,9 @@ class _Group:
             size = largest if before.dtype.kind == "f" else math.nan
             self.found.variables.append(VariableDifference(title, differing, compared, size, *worst))
 
-    def _flips(
+    def _name(
         self,
+        told: list[Flip],
         apart: np.ndarray,
         old: np.ndarray,
         new: np.ndarray,
@@ -298,13 +329,10 @@ class _Group:
         rows: list[Matched],
         start: int,
     ) -> None:
-        self.found.verdicts += old.size
-        self.found.flipped += apart.size
-        for at in apart[: self.listed - len(self.found.flips)]:
+        """The first of the changes at flat places, as many as are listed."""
+        for at in apart[: self.listed - len(told)]:
             place = np.unravel_index(at, old.shape)
-            self.found.flips.append(
-                Flip(self._place(rows, start, place), _shown(old[place], words), _shown(new[place], words))
-            )
+            told.append(Flip(self._place(rows, start, place), _shown(old[place], words), _shown(new[place], words)))
 
     @staticmethod
     def _parts(
@@ -328,12 +356,9 @@ class _Group:
                 pair.append(slab(variable, where))
             yield start, pair[0], pair[1]
 
-    def _place(self, rows: list[Matched], start: int, place: tuple[Any, ...]) -> str:
-        names = [
-            row.names(int(k) + (start if number == 0 else 0))
-            for number, (row, k) in enumerate(zip(rows, place, strict=True))
-        ]
-        return ", ".join(name for name in names if name)
+    def _place(self, rows: list[Matched], start: int, place: tuple[Any, ...]) -> tuple[str, ...]:
+        at = [int(k) + (start if number == 0 else 0) for number, k in enumerate(place)]
+        return tuple(name for row, k in zip(rows, at, strict=True) for name in row.names(k))
 
 
 def _apart(old: np.ndarray, new: np.ndarray, rtol: float, atol: float) -> np.ndarray:

@@ -9,6 +9,7 @@ from rockpulse.capacity_overview import factor_notes, short_factor_cell
 from rockpulse.models.response import Outcome
 from rockpulse.overview import NAME_WIDTH, cases, fullest_model, value
 from rockpulse.record import STANDARD_GRAVITY
+from rockpulse.record_marks import doubt, doubt_notes
 from rockpulse.terminal import ABSENT, aligned, figure, paragraph, ratio, restitution, shortened
 
 if TYPE_CHECKING:
@@ -32,7 +33,7 @@ def direction_table(summary: xr.Dataset, directions: xr.Dataset) -> str:
     titles = ["SF  ", "at"] if of_factors else []
     headings, rows = [], [["", "C", "median", "largest", "at", *titles, *models]]
     for pair in (str(name) for name in directions["pair"].values):
-        headings.append((len(rows), _heading(directions, pair)))
+        headings.append((len(rows), _heading(summary, directions, pair)))
         for block in (str(name) for name in directions["block"].values):
             for case in cases(summary, block):
                 where: dict[str, Any] = {"pair": pair, "block": block, "case": case}
@@ -61,6 +62,7 @@ def direction_table(summary: xr.Dataset, directions: xr.Dataset) -> str:
         f"the largest (where several overturn: of the one that does so first).{smallest} Then, by model, how many "
         "directions overturn; +1?: one more has no answer. -: not known without it.",
         *of_factors,
+        *doubt_notes(heading for _, heading in headings),
         "The directions are records: rockpulse inspect RESULTS --record ID shows one, --block NAME all of them.",
     ]
     if "resonance" in models:
@@ -68,8 +70,8 @@ def direction_table(summary: xr.Dataset, directions: xr.Dataset) -> str:
     return "\n".join([*lines[2:], "", *(paragraph(note, "  ") for note in notes)])
 
 
-def _heading(directions: xr.Dataset, pair: str) -> str:
-    parts = [pair]
+def _heading(summary: xr.Dataset, directions: xr.Dataset, pair: str) -> str:
+    parts = [pair + _doubt(summary, directions, pair)]
     for title, name, unit, scale in (("PGA", "pga", "g", STANDARD_GRAVITY), ("I", "main_impulse", "m/s", 1.0)):
         median, largest, azimuth = (
             value(directions, f"{name}_{what}", pair=pair) for what in ("median", "largest", "azimuth")
@@ -78,6 +80,13 @@ def _heading(directions: xr.Dataset, pair: str) -> str:
             shown = f"{figure(median / scale)} (median), {figure(largest / scale, unit)} (at {_degrees(azimuth)})"
             parts.append(f"{title} {shown}")
     return "  ".join(parts)
+
+
+def _doubt(summary: xr.Dataset, directions: xr.Dataset, pair: str) -> str:
+    """The marks of the records that a pair is turned to."""
+    index = directions["record_index"].sel(pair=pair).values
+    warned = summary["warnings"].values[index[index >= 0]] if "warnings" in summary else []
+    return doubt(value(directions, "pga_largest", pair=pair), "\n".join(map(str, warned)))
 
 
 def _largest_at(directions: xr.Dataset, where: dict[str, Any]) -> float:
@@ -89,13 +98,15 @@ def _largest_at(directions: xr.Dataset, where: dict[str, Any]) -> float:
 def _smallest_factor(summary: xr.Dataset, directions: xr.Dataset, where: dict[str, Any]) -> tuple[str, str]:
     """Smallest safety factor over direction, marked where the model cannot answer there, and its azimuth."""
     factor, azimuth = (value(directions, name, **where) for name in ("smallest_safety_factor", "safety_factor_azimuth"))
-    resolved = None
+    of = {name: where[name] for name in ("block", "case", "model")}
+    index = directions["record_index"].sel(pair=where["pair"]).values
     if not math.isnan(azimuth):
-        index = directions["record_index"].sel(pair=where["pair"])
-        row = int(index.values[directions["direction_azimuth"].values == azimuth][0])
-        of = {name: where[name] for name in ("block", "case", "model")}
+        row = int(index[directions["direction_azimuth"].values == azimuth][0])
         resolved = value(summary, "factor_resolved", record=str(summary["record"].values[row]), **of)
-    return short_factor_cell(factor, None, resolved), _degrees(azimuth)
+        return short_factor_cell(factor, None, resolved), _degrees(azimuth)
+    names = [str(name) for name in summary["record"].values[index[index >= 0]]]
+    limits = [value(summary, "safe_up_to", record=name, **of) for name in names]
+    return short_factor_cell(factor, limit=min(filter(None, limits), default=None)), _degrees(azimuth)
 
 
 def _peak(peak: float) -> str:

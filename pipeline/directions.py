@@ -7,6 +7,7 @@
 from __future__ import annotations
 
 import logging
+import math
 from collections import defaultdict
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
@@ -32,6 +33,9 @@ __all__ = [
 ]
 
 logger = logging.getLogger("rockpulse")
+
+#: A channel that faces the direction asked for within this stands for it without a partner [degrees].
+FACING_WITHIN = 1.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -106,20 +110,25 @@ def plan_motions(records: Sequence[Record], config: Config) -> tuple[list[Planne
     planned : list of PlannedMotion
         In the order of the (first) channels.
     failures : list of Failure
-        A row for each channel that is no horizontal one, or has no partner where pairs are asked for.
+        A row for each channel that is no horizontal one, or has no partner where pairs are asked for. One that was
+        recorded within :data:`FACING_WITHIN` of the azimuth asked for, or against it, needs none.
     """
     horizontal, failures = select_horizontal(records, config.records.structural)
     if config.records.components == "horizontal":
         planned = [PlannedMotion(record.id, (record,)) for record in horizontal]
     else:
         pairs, alone = find_pairs(horizontal)
-        failures += alone
+        paired = {id(channel) for pair in pairs for channel in pair.channels}
+        lone = [record for record in horizontal if id(record) not in paired]
+        facing = [_facing(record, config.records.azimuth) for record in lone]
+        failures += [row for row, one in zip(alone, facing, strict=True) if one is None]
         names = _copies([pair_id(pair) for pair in pairs])
         rotated = _copies([rotated_id(pair.first, 0.0) for pair in pairs])
         planned = [
             PlannedMotion(f"{name}~{number}" if number > 1 else name, pair.channels, copy=copy)
             for pair, (name, number), (_, copy) in zip(pairs, names, rotated, strict=True)
         ]
+        planned = _in_order([*planned, *(one for one in facing if one is not None)], horizontal)
     if not config.records.include_vertical:
         return planned, failures
     verticals = Neighbours([record for record in records if record.orientation == "vertical"])
@@ -226,6 +235,21 @@ def swept_directions(planned: Iterable[PlannedMotion], config: Config) -> dict[s
     return {one.name: planned_ids(one, config) for one in planned}
 
 
+def _facing(record: Record, azimuth: float | None) -> PlannedMotion | None:
+    """A channel without a partner that was recorded in the direction asked for, or against it; else None."""
+    if azimuth is None or not abs(math.remainder(record.azimuth - azimuth, 180.0)) <= FACING_WITHIN:
+        return None
+    against = abs(math.remainder(record.azimuth - azimuth, 360.0)) > FACING_WITHIN
+    mirrored = ", the mirror image, which is the same for a body that rocks to both sides" if against else ""
+    remark = f"no pair: as recorded, at {record.azimuth:g} degrees, for the azimuth {azimuth:g}{mirrored}"
+    return PlannedMotion(record.id, (record,), remark=remark)
+
+
+def _in_order(planned: Sequence[PlannedMotion], horizontal: Sequence[Record]) -> list[PlannedMotion]:
+    place = {id(record): number for number, record in enumerate(horizontal)}
+    return sorted(planned, key=lambda one: place[id(one.channels[0])])
+
+
 def _with_vertical(planned: PlannedMotion, verticals: Neighbours) -> PlannedMotion:
     found = (matching_vertical(channel, verticals.of(channel)) for channel in planned.channels)
     vertical = next((one for one in found if one is not None), None)
@@ -234,7 +258,7 @@ def _with_vertical(planned: PlannedMotion, verticals: Neighbours) -> PlannedMoti
         remark = "no vertical channel of this station overlaps: taken as zero"
     elif vertical.start_time is None and vertical.source not in [channel.source for channel in planned.channels]:
         remark = "vertical channel: taken to start with this one, no times are known"
-    return replace(planned, vertical=vertical, remark=remark)
+    return replace(planned, vertical=vertical, remark="; ".join(filter(None, (planned.remark, remark))))
 
 
 def sweep_azimuths(step: float) -> list[float]:

@@ -13,6 +13,7 @@ __all__ = [
     "ResultsError",
     "RockpulseError",
     "StoppedAtFailure",
+    "TooWeak",
     "UnitError",
 ]
 
@@ -27,6 +28,10 @@ class RecordFormatError(RockpulseError):
 
 class RecordRefused(RockpulseError):
     """A well-formed file that holds no usable ground acceleration (velocity, spectra, counts without a gain)."""
+
+
+class TooWeak(RecordRefused):
+    """A record that moves too few bodies to tell anything: "skipped", for nothing is wrong with its file."""
 
 
 class UnitError(RockpulseError):

@@ -2,21 +2,31 @@
 
 .. note:: Channels of one earthquake are no independent observations. Agencies name events in their own words or not at
    all, and their clocks differ by minutes, so records are joined by name and by time; a table of the user's own decides
-   where that is not right. In doubt records are joined: fewer events mean wider intervals, never narrower ones.
+   where that is not right. In doubt records are joined: fewer events mean wider intervals, never narrower ones. So
+   records that state neither an earthquake nor a time count as one earthquake.
 """
 
 from __future__ import annotations
 
+import logging
 import re
 from collections import Counter, defaultdict
-from collections.abc import Hashable, Iterator, Mapping, Sequence
+from collections.abc import Hashable, Iterable, Iterator, Mapping, Sequence
 from datetime import timedelta
 from itertools import combinations, pairwise
 
+from rockpulse.calibration.site_tables import read_event_table
+from rockpulse.config import Config, located
 from rockpulse.errors import ConfigError
+from rockpulse.failures import Failure
 from rockpulse.record import Record
 
-__all__ = ["JOINED_WITHIN_S", "group_events"]
+__all__ = ["JOINED_WITHIN_S", "UNKNOWN", "event_table", "events_by_id", "group_events"]
+
+#: Label of all records together of which neither the files nor the user's table tell the earthquake.
+UNKNOWN = "unknown: neither name nor time stated, counted as one"
+
+logger = logging.getLogger("rockpulse")
 
 #: Records that start within this of one another are of one earthquake [s]; so are those of one name, unless their times
 #: are known to lie further apart.
@@ -26,11 +36,10 @@ JOINED_WITHIN_S = 600.0
 CLOCK_S = 86400.0
 
 _GENERIC = (
-    "EARTHQUAKE EQ EVENT MAINSHOCK MAIN SHOCK RECORD RCRD RECORDED OF THE UNKNOWN UNNAMED NONE NA NULL "
-    "MAG MAGNITUDE MW ML MS MB MD MC MA ME "
-    "JAN FEB MAR APR MAY JUN JUL AUG SEP OCT NOV DEC JANUARY FEBRUARY MARCH APRIL JUNE JULY AUGUST SEPTEMBER OCTOBER "
-    "NOVEMBER DECEMBER MON TUE WED THU FRI SAT SUN GMT UTC UT PST PDT MST MDT CST CDT EST EDT HST AKST AKDT JST NZST "
-    "NZDT AVOL CA"
+    "EARTHQUAKE EQ EVENT MAINSHOCK MAIN SHOCK RECORD RCRD RECORDED OF THE UNKNOWN UNNAMED NONE NA NULL MAG MAGNITUDE "
+    "MW ML MS MB MD MC MA ME JAN FEB MAR APR MAY JUN JUL AUG SEP OCT NOV DEC JANUARY FEBRUARY MARCH APRIL JUNE JULY "
+    "AUGUST SEPTEMBER OCTOBER NOVEMBER DECEMBER MON TUE WED THU FRI SAT SUN GMT UTC UT PST PDT MST MDT CST CDT EST "
+    "EDT HST AKST AKDT JST NZST NZDT AVOL CA"
 )
 
 #: Words of event titles that name no earthquake.
@@ -63,8 +72,8 @@ def group_events(records: Sequence[Record], named: Mapping[str, str] | None = No
     Returns
     -------
     list of str
-        One label a record: the user's, else the title that most of the group have, else its earliest start time. Of
-        groups with the same title each has its time (or file) behind it.
+        One label a record: the user's, else the title that most of the group have, else its earliest start time, else
+        :data:`UNKNOWN`. Of groups with the same title each has its time (or file) behind it.
 
     Raises
     ------
@@ -76,7 +85,8 @@ def group_events(records: Sequence[Record], named: Mapping[str, str] | None = No
     Two records are joined when they come from one file, start within :data:`JOINED_WITHIN_S` of each other, or have
     titles with the same words once dates, numbers and general words are taken out, unless their times lie more than a
     day apart, their titles name other years, or other numbers in a sequence ("Imperial Valley-02", "-06"). Joining is
-    transitive: a title that tells less, as "Imperial Valley" does, may join them after all.
+    transitive: a title that tells less, as "Imperial Valley" does, may join them after all. Records that state neither
+    a title nor a time, as plain columns do, may all be of one earthquake, and are counted so.
 
     Examples
     --------
@@ -86,8 +96,10 @@ def group_events(records: Sequence[Record], named: Mapping[str, str] | None = No
     """
     named = dict(named or {})
     if unknown := sorted(set(named) - {record.id for record in records}):
+        ids = ", ".join([record.id for record in records][:3]) or "none"
         raise ConfigError(
-            f"events: no record has the id {', '.join(unknown[:5])}; ids are those that `rockpulse assess` prints"
+            f"[records] events: no record has the id {', '.join(unknown[:5])}; expected ids of channels as they were "
+            f"read, such as {ids}"
         )
     if empty := sorted(name for name, label in named.items() if not label.strip()):
         raise ConfigError(f"events: expected a label for {', '.join(empty[:5])}, got an empty one")
@@ -106,8 +118,74 @@ def group_events(records: Sequence[Record], named: Mapping[str, str] | None = No
     groups: dict[int, list[int]] = defaultdict(list)
     for index in free:
         groups[root(index)].append(index)
-    titles = _distinct({top: [records[index] for index in members] for top, members in groups.items()})
+    told = {top: [records[index] for index in members] for top, members in groups.items()}
+    known = {
+        top: members for top, members in told.items() if any(_name(one.event) or one.start_time for one in members)
+    }
+    titles = dict.fromkeys(told, UNKNOWN) | _distinct(known)
     return [named[record.id] if record.id in named else titles[root(index)] for index, record in enumerate(records)]
+
+
+def event_table(config: Config) -> dict[str, str]:
+    """The user's own table of events, ``[records] events``: event by record id; empty where there is none.
+
+    Parameters
+    ----------
+    config : Config
+        Options.
+
+    Raises
+    ------
+    ConfigError
+        For a file that is not there, or no such table.
+    OSError
+        Where it cannot be opened.
+    """
+    if config.records.events is None:
+        return {}
+    path = located(config.records.events, config.folder)
+    if not path.exists():
+        raise ConfigError(
+            f"[records] events: {path}: no such file; expected a CSV table with the columns record, event"
+        )
+    return read_event_table(path)
+
+
+def events_by_id(
+    records: Sequence[Record], named: Mapping[str, str], failures: Iterable[Failure] = ()
+) -> tuple[dict[str, str], list[str]]:
+    """The earthquake that every record is counted to, the same in every verb.
+
+    Parameters
+    ----------
+    records : sequence of Record
+        All channels, vertical ones too, with different ids.
+    named : mapping of str to str
+        From :func:`event_table`.
+    failures : iterable of Failure
+        What was left out while reading.
+
+    Returns
+    -------
+    events : dict of str to str
+        Label by record id (:func:`group_events`).
+    remarks : list of str
+        What is to be said of the table, and is logged: it names records that may be those of files that could not be
+        read.
+
+    Raises
+    ------
+    ConfigError
+        As :func:`group_events`, where every file was read.
+    """
+    ids = [record.id for record in records]
+    unread = any(row.kind == "failed" and row.stage in ("find", "read") for row in failures)
+    unknown = sorted(set(named) - set(ids)) if unread else []
+    labels = group_events(records, {name: label for name, label in named.items() if name not in unknown})
+    remarks = [f"[records] events names records that were not read: {', '.join(unknown)}"] if unknown else []
+    for remark in remarks:
+        logger.warning("%s", remark)
+    return dict(zip(ids, labels, strict=True)), remarks
 
 
 def _pairs(records: Sequence[Record], free: Sequence[int]) -> Iterator[tuple[int, int]]:

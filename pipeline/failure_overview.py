@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from rockpulse.components import VERTICAL_NOTE
+from rockpulse.failures import NO_RECORD
 from rockpulse.terminal import paragraph
 
 if TYPE_CHECKING:
@@ -26,7 +27,7 @@ _KINDS = {
     "vertical": "read, not assessed (vertical)",
     "structural": "read, not assessed (on a structure)",
     "duplicate": "skipped, the same content twice",
-    "skipped": "skipped, no records",
+    "skipped": "skipped, cannot be used",
 }
 
 
@@ -43,7 +44,8 @@ def left_out(tree: xr.DataTree, brief: bool = False) -> str:
     lines = []
     summary = tree["summary"].to_dataset()
     acted = sum(VERTICAL_NOTE in str(text) for text in summary["processing"].values)
-    for kind, entries in _failures(tree).items():
+    found, beside = _apart(_failures(tree))
+    for kind, entries in found.items():
         title = f"vertical, acting on {acted} records" if kind == "vertical" and acted else _KINDS.get(kind, kind)
         lines.append(f"{title}: {len(entries)}")
         whole = len(entries) if not brief else LISTED
@@ -51,6 +53,8 @@ def left_out(tree: xr.DataTree, brief: bool = False) -> str:
         lines += [paragraph(_told(file, reason), "      ", "  ") for file, _, reason in shown]
         if len(shown) < len(entries):
             lines.append(f"  and {len(entries) - len(shown)} more (rockpulse inspect RESULTS --failures shows them)")
+    if beside:
+        lines.append(_beside(beside))
     warned = [
         (block, str(words))
         for block, words in zip(summary["block"].values, summary["block_warnings"].values, strict=True)
@@ -72,12 +76,15 @@ def not_used(tree: xr.DataTree) -> str:
         With the group /failures.
     """
     lines = []
-    for kind, entries in _failures(tree).items():
+    found, beside = _apart(_failures(tree))
+    for kind, entries in found.items():
         if kind != "vertical":
             shown = entries if kind == "failed" else entries[:LISTED]
             lines += [paragraph(_told(file, reason), "      ", f"{kind} ({stage}) ") for file, stage, reason in shown]
             if len(shown) < len(entries):
                 lines.append(f"{kind}: and {len(entries) - len(shown)} more (group /failures)")
+    if beside:
+        lines.append(_beside(beside))
     return "\n".join(lines)
 
 
@@ -102,6 +109,25 @@ def failure_list(tree: xr.DataTree, kinds: Sequence[str] | None = None) -> str:
 def _told(file: str, reason: str) -> str:
     """Most reasons begin with the file and a line in it."""
     return reason if reason.startswith(file) else f"{file}: {reason}"
+
+
+def _apart(
+    found: dict[str, list[tuple[str, str, str]]],
+) -> tuple[dict[str, list[tuple[str, str, str]]], list[str]]:
+    """What might have been used, by kind, and the names of the files beside it that are no records."""
+    beside = [file for file, _, reason in found.get("skipped", ()) if _is_beside(file, reason)]
+    skipped = [row for row in found.get("skipped", ()) if not _is_beside(row[0], row[2])]
+    rest = {kind: rows for kind, rows in (found | {"skipped": skipped}).items() if rows}
+    return rest, [re.split(r"[/\\!]", file)[-1] for file in beside]
+
+
+def _is_beside(file: str, reason: str) -> bool:
+    return reason == f"{file}: {NO_RECORD}"
+
+
+def _beside(names: Sequence[str]) -> str:
+    more = f" and {len(names) - LISTED} more" if len(names) > LISTED else ""
+    return paragraph(f"{', '.join(names[:LISTED])}{more}", "  ", "not records: ")
 
 
 def _failures(tree: xr.DataTree) -> dict[str, list[tuple[str, str, str]]]:

@@ -5,7 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
-__all__ = ["Failure", "Kind"]
+__all__ = ["NO_RECORD", "Failure", "Kind"]
+
+#: Why a text, a table or a picture that lies beside records was passed over.
+NO_RECORD = "no record"
 
 Kind = Literal["failed", "skipped", "duplicate", "vertical", "structural"]
 
@@ -19,12 +22,13 @@ class Failure:
     file : str
         Path of the file; ``archive.zip!member`` for a member of an archive.
     stage : str
-        Where it happened: "find", "read", "select", "pair", "rotate", "assess".
+        Where it happened: "find", "read", "select", "pair", "rotate", "assess", "calibrate", "fragility".
     reason : str
         The message for the user.
     kind : {"failed", "skipped", "duplicate", "vertical", "structural"}
-        "failed" needs attention. "skipped": no acceleration record, met in a folder, glob or zip. "duplicate": the
-        same content was read already. "vertical", "structural": read, but not assessed as horizontal ground motion.
+        "failed" needs attention. "skipped": no acceleration record, met in a folder, glob or zip, or one that is too
+        weak for what is asked of it. "duplicate": the same content was read already. "vertical", "structural": read,
+        but not assessed as horizontal ground motion.
     """
 
     file: str

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from rockpulse.events import UNKNOWN
 from rockpulse.terminal import ABSENT, aligned, paragraph, ratio, shortened
 
 if TYPE_CHECKING:
@@ -45,7 +46,8 @@ def fragility_overview(tree: xr.DataTree) -> str:
     found = [
         _several(capacities.sizes["record"], "record", "records")
         + " of "
-        + _several(events, "earthquake", "earthquakes"),
+        + _several(events, "earthquake", "earthquakes")
+        + (" (records of unknown earthquake count as one)" if UNKNOWN in capacities["event"].values else ""),
         _several(curves.sizes["block"], "body", "bodies"),
         f"data: {tree.attrs['data']}",
     ]
@@ -129,7 +131,7 @@ def _sufficiency(efficiency: xr.Dataset) -> str:
             rows.append([str(name), *counts])
     head = (
         "Sufficiency: limit states in which capacity depends on a quality of the record beside the measure "
-        f"(p < {LEVEL:g}), all bodies together"
+        f"(p-value below {LEVEL:g}), all bodies together"
     )
     note = (
         f"{tests} tests: about {LEVEL * tests:.0f} of them would say so by chance. strength: the measure of the record "

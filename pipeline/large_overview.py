@@ -7,10 +7,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from rockpulse.answer_lists import answers, case_list, distinct, worst_first
-from rockpulse.capacity_overview import smallest_capacities
+from rockpulse.capacity_overview import BEYOND, FACTORS, factor_cell, search_limit, smallest_capacities
 from rockpulse.models.response import Outcome
 from rockpulse.overview import NAME_WIDTH, fullest_model
 from rockpulse.record import STANDARD_GRAVITY
+from rockpulse.record_marks import doubt_notes, doubts
 from rockpulse.selection import Selection
 from rockpulse.terminal import ABSENT, aligned, figure, paragraph, restitution, shortened
 
@@ -70,13 +71,20 @@ def _strength(summary: xr.Dataset) -> str:
         known = values[~np.isnan(values)]
         if known.size:
             rows.append([title, *(figure(float(at)) for at in np.quantile(known, (0.0, 0.5, 1.0))), unit])
+    lines = ["The records:", *("  " + line.rstrip() for line in aligned(rows))]
     drifting = int(np.count_nonzero(summary["pgv_drift"].values)) if "pgv_drift" in summary else 0
-    note = (
-        f"\n  PGV of {drifting} records may be off: their baseline drifts (--where 'pgv_drift = drift')."
-        if drifting
-        else ""
-    )
-    return "\n".join(["The records:", *("  " + line.rstrip() for line in aligned(rows))]) + note
+    if drifting:
+        of = (
+            "1 record may be off: its baseline drifts"
+            if drifting == 1
+            else f"{drifting} records may be off: their baseline drifts"
+        )
+        lines.append(f"  PGV of {of} (--where 'pgv_drift = drift').")
+    found = [marks for marks in doubts(summary).values() if marks]
+    if found:
+        lines.append(paragraph(f"{len(found)} with a doubtful peak, marked wherever they are named.", "  "))
+        lines += [paragraph(note, "  ") for note in doubt_notes(found)]
+    return "\n".join(lines)
 
 
 def _verdicts(summary: xr.Dataset) -> str:
@@ -113,7 +121,8 @@ def _verdicts(summary: xr.Dataset) -> str:
 
 def _blocks(summary: xr.Dataset, model: str) -> str:
     """The blocks that most records overturn."""
-    outcome, factor = answers(summary, "outcome", model), answers(summary, "safety_factor", model)
+    names = ("outcome", "safety_factor", "safe_up_to")
+    outcome, factor, searched = (answers(summary, name, model) for name in names)
     assert outcome is not None
     fallen = (outcome == Outcome.OVERTURNS).any(axis=2).sum(axis=0)
     order = np.argsort(-fallen, kind="stable")[:WORST]
@@ -127,11 +136,13 @@ def _blocks(summary: xr.Dataset, model: str) -> str:
     rows = [["", "C", "records that overturn it", "", "median SF"]]
     for k in order.tolist():
         between = " to ".join(dict.fromkeys(restitution(value) for value in (c[k].min(), c[k].max())))
-        cell = "none" if np.isinf(median[k]) else figure(float(median[k]))
+        limit = None if factor is None or searched is None else search_limit(factor[:, k], searched[:, k])
+        cell = factor_cell(float(median[k]), limit=limit)
         name = shortened(str(summary["block"].values[k]), NAME_WIDTH)
         rows.append([name, between, f"{fallen[k]} of {records}", f"{fallen[k] / records:.1%}", cell])
     which = f"the {len(order)} that most records overturn, of {fallen.size}" if len(order) < fallen.size else "all"
-    return "\n".join([f"The blocks by the {model} model, {which}:", *("  " + line for line in aligned(rows))])
+    note = [paragraph(f">: {BEYOND}.", "  ")] if any(">" in row[-1] for row in rows) else []
+    return "\n".join([f"The blocks by the {model} model, {which}:", *("  " + line for line in aligned(rows)), *note])
 
 
 def _pairs(summary: xr.Dataset, directions: xr.Dataset, model: str) -> str:
@@ -147,7 +158,7 @@ def _pairs(summary: xr.Dataset, directions: xr.Dataset, model: str) -> str:
         for dim, most in (("pair", PAIRS), ("block", WORST))
     )
     part = directions.isel(pair=order, block=blocks).load()
-    names = ("restitution", "outcome", "safety_factor", "factor_resolved", "interval_count", "search_step", "npts")
+    names = dict.fromkeys(("restitution", "npts", "warnings", *FACTORS))
     few = summary[[name for name in names if name in summary]].isel(block=blocks).load()
     heading = f"The {order.size} worst of {directions.sizes['pair']} pairs of channels"
     if blocks.size < directions.sizes["block"]:
@@ -163,10 +174,8 @@ def _capacities(summary: xr.Dataset, model: str) -> str:
     assert factor is not None
     order = np.argsort(np.nanmin(np.where(np.isnan(factor), np.inf, factor), axis=(0, 2)), kind="stable")[:WORST]
     at = [str(label) for label in summary["model"].values].index(model)
-    names = [
-        name for name in ("capacity_ratio", "factor_resolved", "restitution", "demand_acceleration") if name in summary
-    ]
-    part = summary[names].isel(model=[at], block=np.sort(order)).load()
+    wanted = ("capacity_ratio", "factor_resolved", "safe_up_to", "pga", "restitution", "demand_acceleration")
+    part = summary[[name for name in wanted if name in summary]].isel(model=[at], block=np.sort(order)).load()
     return smallest_capacities(part, model)
 
 

@@ -170,6 +170,8 @@ def long_table(
     group = (group or KINDS[file.kind]).strip("/")
     dataset = file.dataset(group)
     dims = _dimensions(dataset, group) if dims is None else tuple(dims)
+    if not dims or (columns is not None and not columns):
+        raise ResultsError(f"expected at least one {'column' if dims else 'dimension of which each element has a row'}")
     for dim in dims:
         if dim not in dataset.sizes:
             raise ResultsError(
@@ -181,12 +183,12 @@ def long_table(
     found = [*_pointers(dataset, dims, named), *_variables(dataset, dims)]
     if columns is not None:
         for name in columns:
-            if name not in {known.partition("[")[0] for known in (column.name for column in [*labels, *found])}:
+            if not any(_answers_to(column, name) for column in [*labels, *found]):
                 known = [column.name for column in found]
                 raise ResultsError(
                     f"this table of /{group} has no column {name!r}{hint(name, known)}; it has {', '.join(known)}"
                 )
-        found = [column for column in found if column.name.partition("[")[0] in columns]
+        found = [column for column in found if any(_answers_to(column, name) for name in columns)]
     masks, selection = _masks(dataset, dims, named, labels, selection)
     places, count = rows(dataset, dims, selection, masks)
     shown = {name for name in map(str, dataset.variables) if set(dataset[name].dims) <= set(dims)}
@@ -264,6 +266,11 @@ def _dimensions(dataset: xr.Dataset, group: str) -> tuple[str, ...]:
             f"{several}"
         )
     return most[0]
+
+
+def _answers_to(column: Column, name: str) -> bool:
+    """By its heading, or without the label that it is spread by."""
+    return name in (column.name, column.name.partition("[")[0])
 
 
 def _texts(variable: xr.DataArray) -> np.ndarray:

@@ -8,11 +8,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from rockpulse.capacity_overview import factor_cell, factor_notes, short_factor_cell, smallest_capacities
-from rockpulse.models.response import Outcome, Reason
+from rockpulse.capacity_overview import BEYOND, factor_cell, factor_notes, short_factor_cell, smallest_capacities
+from rockpulse.models.response import Outcome
 from rockpulse.record import STANDARD_GRAVITY
+from rockpulse.record_marks import doubt, doubts
 from rockpulse.results_file import flag_words
-from rockpulse.terminal import ABSENT, aligned, figure, lower_bound, paragraph, ratio, restitution, rough, shortened
+from rockpulse.terminal import ABSENT, aligned, figure, paragraph, ratio, restitution, shortened
+from rockpulse.verdict_notes import MARKED, verdict_notes
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -38,9 +40,6 @@ _WORDS = {Outcome.AT_REST: "at rest", Outcome.OVERTURNS: "OVERTURNS", Outcome.UN
 
 #: The variables that a verdict is told by.
 VERDICT = ("outcome", "peak_rotation_ratio", "predictable", "applicable")
-
-#: How a peak is shown that `auto` took from one of these.
-_MARKED = {"impulsive": rough, "settled": lower_bound}
 
 
 def value(summary: xr.Dataset, name: str, **where: Any) -> Any:
@@ -129,7 +128,7 @@ def verdict_cell(answer: Mapping[str, Any], rung: str = "") -> str:
     if outcome in _WORDS:
         text = _WORDS[outcome]
     elif outcome == Outcome.ROCKS:
-        text = _MARKED.get(rung, ratio)(answer["peak_rotation_ratio"])
+        text = MARKED.get(rung, ratio)(answer["peak_rotation_ratio"])
     else:
         return ABSENT + " "
     mark = "?" if answer["predictable"] == 0 else ""
@@ -151,36 +150,7 @@ def verdict_table(
     summary = _part(summary, records, blocks)
     of_factors = factor_notes(summary, fullest_model(summary))
     lines = _table(summary, _verdict, with_factor=bool(of_factors))
-    notes = [
-        "Figures: largest rotation over the critical angle (theta_max/alpha_c). C: velocity ratio of an impact. "
-        "a/a_up: PGA over the acceleration of uplift. I/I_1c: main impulse over the one that overturns the block "
-        "alone.",
-        *of_factors,
-    ]
-    if "pgv_drift" in summary and summary["pgv_drift"].any():
-        notes.append(
-            "~ (drift): the record's baseline drifts: its velocity does not end at zero, and PGV may be off by as much."
-        )
-    if "resonance" in summary["model"].values:
-        notes.append("resonance: an upper-bound type input (every main impulse at the worst moment), not a prediction.")
-    if "applicable" in summary and (summary["applicable"] == 0).any():
-        notes.append(
-            "*: outside the range of this model (slenderness below 3, or a body unlike those of the rule's fit); read "
-            "with caution."
-        )
-    if "predictable" in summary and (summary["predictable"] == 0).any():
-        notes.append("?: not predictable: another answer when C or the record changes in the ninth digit.")
-    if "auto" in summary["model"].values:
-        used = _models_used(summary)
-        notes.append(f"auto: the cheapest model that answers, here {used}; the figures are those of that model.")
-        if _any_marked(summary):
-            notes.append(
-                "Peaks of auto: ~0.06 an estimate from impulses; >0.12 the peak so far, when the verdict was sure."
-            )
-    reasons = {int(code) for code in summary["reason"].values[summary["outcome"].values == Outcome.UNRESOLVED]}
-    if reasons:
-        words = ", ".join(Reason(code).name.lower().replace("_", " ") for code in sorted(reasons))
-        notes.append(f"unresolved: the model cannot say ({words}).")
+    notes = verdict_notes(summary, of_factors)
     return "\n".join([*lines, "", *(paragraph(note, "  ") for note in notes)])
 
 
@@ -198,14 +168,19 @@ def factor_table(summary: xr.Dataset, records: Sequence[str] | None = None, bloc
     def cell(summary: xr.Dataset, where: dict[str, Any]) -> str:
         return factor_cell(*_factor(summary, where)) + " "
 
-    note = (
-        "  none: not found up to the end of the search ([search] factor_max). -: not computed for this model.\n"
-        "  (2): in two intervals of the factor; between them the block stands (group overturning_intervals)."
-    )
     part = _part(summary, records, blocks)
+    lines = _table(part, cell)
+    notes = [
+        "-: not computed for this model. (2): in two intervals of the factor; between them the block stands (group "
+        "overturning_intervals)."
+    ]
+    if any(">" in line for line in lines):
+        notes.insert(0, f">: {BEYOND}.")
+    elif any(" none" in line for line in lines):
+        notes.insert(0, "none: not found up to the end of the search.")
     if "factor_resolved" in part and (part["factor_resolved"] == 0).any():
-        note += "\n  !: a lower bound, from this factor on the model cannot answer."
-    return "\n".join([*_table(part, cell), "", note])
+        notes.append("!: a lower bound, from this factor on the model cannot answer.")
+    return "\n".join([*lines, "", *(paragraph(note, "  ") for note in notes)])
 
 
 def fullest_model(summary: xr.Dataset) -> str:
@@ -235,15 +210,17 @@ def overturned(summary: xr.Dataset) -> str:
     lines = [f"What overturns (by the {fullest} model):"]
     rows = [["records that overturn", *models]]
     by_weaker = []
+    mark = doubts(summary)
     for block in (str(name) for name in summary["block"].values):
         fallen = {model: [record for record in records if _falls(summary, record, block, model)] for model in models}
         weaker = [
-            f"{record} ({figure(factor)})"
+            f"{record}{mark[record]} ({figure(factor)})"
             for record in records
             if record not in fallen[fullest] and (factor := _smallest_factor(summary, record, block, fullest)) < 1.0
         ]
         nothing = "nothing as recorded does, but see below" if weaker else "nothing does"
-        lines.append(paragraph(", ".join(fallen[fullest]) or nothing, "      ", f"  {block}: "))
+        named = ", ".join(record + mark[record] for record in fallen[fullest])
+        lines.append(paragraph(named or nothing, "      ", f"  {block}: "))
         by_weaker += [paragraph(", ".join(weaker), "      ", f"  {block}: ")] if weaker else []
         rows.append([shortened(block, NAME_WIDTH), *(f"{len(fallen[model])} of {len(records)}" for model in models)])
     counts = ["", *("  " + line for line in aligned(rows))]
@@ -335,16 +312,16 @@ def _table(
     return lines[2:]
 
 
-def _factor(summary: xr.Dataset, where: dict[str, Any]) -> tuple[Any, Any, Any]:
-    factor, count, resolved = (
-        value(summary, name, **where) for name in ("safety_factor", "interval_count", "factor_resolved")
-    )
-    return factor, count, resolved
+def _factor(summary: xr.Dataset, where: dict[str, Any]) -> list[Any]:
+    """What a cell of a factor is made of."""
+    names = ("safety_factor", "interval_count", "factor_resolved", "safe_up_to")
+    return [value(summary, name, **where) for name in names]
 
 
 def _heading(summary: xr.Dataset, record: str) -> str:
-    pga = value(summary, "pga", record=record) / STANDARD_GRAVITY
-    parts = [record, f"PGA {figure(pga, 'g')}", f"PGV {peak_velocity(summary, record)}"]
+    pga = value(summary, "pga", record=record)
+    marked = record + doubt(pga, value(summary, "warnings", record=record))
+    parts = [marked, f"PGA {figure(pga / STANDARD_GRAVITY, 'g')}", f"PGV {peak_velocity(summary, record)}"]
     impulse = value(summary, "main_impulse", record=record)
     if not math.isnan(impulse):
         parts.append(f"I {figure(impulse, 'm/s')}")
@@ -354,22 +331,6 @@ def _heading(summary: xr.Dataset, record: str) -> str:
 def _verdict(summary: xr.Dataset, where: dict[str, Any]) -> str:
     answer = {name: value(summary, name, **where) for name in VERDICT}
     return verdict_cell(answer, answered_by(summary, **where) if where["model"] == "auto" else "")
-
-
-def _models_used(summary: xr.Dataset) -> str:
-    """How many answers of `auto` are whose: "static 12, nonlinear 4"."""
-    used = summary["model_used"].sel(model="auto")
-    codes, counts = np.unique(used.values, return_counts=True)
-    names = flag_words(used)
-    return ", ".join(f"{names[code].replace('_', ' ')} {count}" for code, count in zip(codes, counts, strict=True))
-
-
-def _any_marked(summary: xr.Dataset) -> bool:
-    """Whether a peak of `auto` is shown with a mark."""
-    used = summary["model_used"].sel(model="auto")
-    rocks = summary["outcome"].sel(model="auto") == Outcome.ROCKS
-    marked = [code for code, name in flag_words(used).items() if name in _MARKED]
-    return bool((rocks & used.isin(marked)).any())
 
 
 def _smallest_factor(summary: xr.Dataset, record: str, block: str, model: str) -> float:

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from datetime import datetime
 from typing import Any, Literal
+from unicodedata import normalize
 
 import numpy as np
 
@@ -98,8 +99,8 @@ class Record:
         acceleration = self.acceleration if _spread(self.acceleration) else np.array(self.acceleration, dtype=float)
         if acceleration.ndim != 1 or acceleration.size < 2:
             raise RecordFormatError(
-                f"{where}: expected at least 2 samples in one row, found shape {acceleration.shape}; "
-                "the file may be truncated"
+                f"{where}: expected at least 2 samples in one row, found shape {acceleration.shape}; the file may be "
+                "truncated"
             )
         bad = np.flatnonzero(~np.isfinite(acceleration))
         if bad.size:
@@ -110,8 +111,8 @@ class Record:
         strongest = int(np.argmax(np.abs(acceleration)))
         if abs(acceleration[strongest]) > STRONGEST:
             raise RecordFormatError(
-                f"{where}: sample {strongest} is {acceleration[strongest]:.3g} m/s2, no ground motion; "
-                "is the file damaged, or the unit wrong?"
+                f"{where}: sample {strongest} is {acceleration[strongest]:.3g} m/s2, no ground motion; is the file "
+                "damaged, or the unit wrong?"
             )
         if not (np.isfinite(self.dt) and self.dt > 0.0):
             raise RecordFormatError(f"{where}: expected a positive sampling interval dt in s, found {self.dt!r}")
@@ -179,6 +180,8 @@ def record_id(
 ) -> str:
     """``NET.STA.LOC.CHA@YYYYMMDDTHHMMSS``, or ``<stem>.<channel>`` where station or time is unknown.
 
+    Letters and digits of any alphabet stay, and ``_ . @ ~ -``; everything else becomes ``_``.
+
     Parameters
     ----------
     network, station, location, channel : str
@@ -194,7 +197,7 @@ def record_id(
         text = f"{network}.{station}.{location}.{channel or number}@{start_time:%Y%m%dT%H%M%S}"
     else:
         text = f"{stem}.{channel or number}"
-    return re.sub(r"[^A-Za-z0-9_.@~-]", "_", text)
+    return re.sub(r"[^\w.@~-]", "_", normalize("NFC", text))
 
 
 def distinct_ids(records: Sequence[Record]) -> list[Record]:

@@ -63,14 +63,14 @@ class Matched:
     first, second : (n,) ndarray of int
         Their positions.
     names : callable
-        Name of the k-th of them.
+        What names the k-th of them: a label, or labels and a number.
     whole : bool
         Whether they are all rows of both files, in the same order.
     """
 
     first: np.ndarray
     second: np.ndarray
-    names: Callable[[int], str]
+    names: Callable[[int], tuple[str, ...]]
     whole: bool
 
 
@@ -127,7 +127,7 @@ class RowMatcher:
             )
             return None
         every = np.arange(size)
-        return Matched(every, every, lambda k: f"{dim} {k}", True)
+        return Matched(every, every, lambda k: (f"{dim} {k}",), True)
 
     def _by_label(self, dim: str) -> Matched:
         old, new = ([str(label) for label in dataset[dim].values] for dataset in (self.one, self.other))
@@ -136,7 +136,7 @@ class RowMatcher:
         place = {label: k for k, label in enumerate(new)}
         first = np.array([k for k, label in enumerate(old) if label in place], dtype=int)
         second = np.array([place[old[k]] for k in first.tolist()], dtype=int)
-        matched = Matched(first, second, lambda k: old[int(first[k])], old == new)
+        matched = Matched(first, second, lambda k: (old[int(first[k])],), old == new)
         if self.group == "summary":
             self.named[dim] = matched
         return matched
@@ -151,7 +151,7 @@ class RowMatcher:
         if not alike.all():
             self.remarks.append(
                 f"/{self.group}: {int((~alike).sum())} of {alike.size} have another number along {dim}, which was not "
-                f"compared (the first is {owner.names(int(np.flatnonzero(~alike)[0]))})"
+                f"compared (the first is {', '.join(owner.names(int(np.flatnonzero(~alike)[0])))})"
             )
         kept = np.flatnonzero(alike)
         counts = old[owner.first[kept]]
@@ -162,9 +162,9 @@ class RowMatcher:
             for all_, places in ((old, owner.first), (new, owner.second))
         )
 
-        def name(k: int) -> str:
+        def name(k: int) -> tuple[str, ...]:
             at = int(np.searchsorted(ends, k, side="right"))
-            return f"{owner.names(int(kept[at]))}, {dim} {int(within[k])}"
+            return (*owner.names(int(kept[at])), f"{dim} {int(within[k])}")
 
         return Matched(first, second, name, owner.whole and bool(alike.all()))
 
@@ -200,18 +200,18 @@ class RowMatcher:
         pairs = ((self.one[name].values, self.other[name].values) for name in names)
         return all(np.array_equal(one, other) for one, other in pairs)
 
-    def _names(self, dim: str, pointers: list[str], first: np.ndarray) -> Callable[[int], str]:
+    def _names(self, dim: str, pointers: list[str], first: np.ndarray) -> Callable[[int], tuple[str, ...]]:
         """What the k-th row points at, and its number in the first file."""
 
-        def name(k: int) -> str:
+        def name(k: int) -> tuple[str, ...]:
             at = int(first[k])
-            told = []
+            told: list[str] = []
             for pointer in pointers:
                 label = POINTS_AT[pointer]
                 if label in self.named:
                     pointed = self.one.variables[pointer][at : at + 1].values
-                    told.append(self.named[label].names(int(self._common(pointed, label, "first")[0])))
-            return ", ".join([*told, f"{dim} {at}"])
+                    told.extend(self.named[label].names(int(self._common(pointed, label, "first")[0])))
+            return (*told, f"{dim} {at}")
 
         return name
 

@@ -71,8 +71,8 @@ class Condition:
         found = re.fullmatch(r"\s*([A-Za-z]\w*)\s*(<=|>=|!=|==|<|>|=)\s*(.*?)\s*", words)
         if found is None:
             raise ResultsError(
-                f"expected a condition such as 'safety_factor < 1' or 'outcome = overturns' (with one of "
-                f"= != {' '.join(_COMPARISONS)}), found {words!r}"
+                "expected a condition such as 'safety_factor < 1' or 'outcome = overturns' (with one of = != "
+                f"{' '.join(_COMPARISONS)}), found {words!r}"
             )
         name, comparison, value = found.groups()
         return cls(name, "=" if comparison == "==" else comparison, value)
@@ -121,10 +121,13 @@ class Condition:
         if word in codes:
             return codes[word]
         try:
-            return float(value)
+            number = float(value)
         except ValueError:
+            number = np.nan
+        if np.isnan(number):  # nothing is smaller than, or the same as NaN
             expected = f"one of {', '.join(codes)}{hint(word, codes)}" if codes else "a number"
-            raise ResultsError(f"{self.name}: expected {expected}, found {value!r}") from None
+            raise ResultsError(f"{self.name}: expected {expected}, found {value!r}")
+        return number
 
 
 @dataclass(frozen=True)
@@ -206,9 +209,16 @@ def unknown(name: str, known: Sequence[str], what: str) -> ResultsError:
     what : str
         What they are.
     """
-    shown = "\n".join(f"  {label}" for label in known[:LISTED])
-    more = f"\n  and {len(known) - LISTED} more" if len(known) > LISTED else ""
-    return ResultsError(f'no {what} "{name}" in these results{hint(name, known)}; there are:\n{shown}{more}')
+    within = [label for label in known if name.lower() in label.lower()]
+    told = "there are:"
+    if within:
+        start = within[0].lower().index(name.lower())
+        pattern = f"*{within[0][start : start + len(name)]}*"
+        told = f"{len(within)} of {len(known)} hold it, the pattern '{pattern}' takes:"
+    listed = within or known
+    shown = "\n".join(f"  {label}" for label in listed[:LISTED])
+    more = f"\n  and {len(listed) - LISTED} more" if len(listed) > LISTED else ""
+    return ResultsError(f'no {what} "{name}" in these results{hint(name, known)}; {told}\n{shown}{more}')
 
 
 def rows(

@@ -60,7 +60,11 @@ class SiteSettings(Section):
 
 @dataclass(frozen=True)
 class RecordSettings(Section):
-    """Which records are read, in which unit where the file does not say, and what of them is stored."""
+    """Which records are read, in which unit where the file does not say, and what of them is stored.
+
+    The azimuth is the direction in which the body rocks: for a wall or façade the one perpendicular to its plane, 45
+    degrees for a façade that looks north-east. 45 and 225 are the same for a body that rocks to both sides.
+    """
 
     heading = "[records]"
     paths: tuple[str, ...] = texts()
@@ -79,7 +83,9 @@ class RecordSettings(Section):
         super().__post_init__()
         if self.components == "azimuth" and self.azimuth is None:
             raise ConfigError(
-                '[records] components: "azimuth" needs the direction; give azimuth, in degrees from north'
+                '[records] components: "azimuth" needs the direction in which the body rocks, for a wall or façade '
+                "that perpendicular to its plane; give azimuth, in degrees clockwise from north (a façade looking "
+                "north-east: 45)"
             )
         if self.components != "azimuth" and self.azimuth is not None:
             raise ConfigError(

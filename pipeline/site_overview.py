@@ -68,9 +68,9 @@ def _records(site: xr.Dataset) -> str:
     scaled = "" if attributes["scaled_to"] == "none" else f", scaled to {_scaled(attributes['scaled_to'])}"
     lines = [
         f"{_count(site.sizes['record'], 'record')} of {_count(len(counts), 'event')}: {', '.join(listed)}{more}",
-        f"Sequence of each record by {attributes['method']}; weights: {attributes['weights']}{scaled}. "
-        f"Its misfit (ln, median over records) is {figure(_median(site['misfit']))}; its rotation is below the "
-        f"recorded one for {_percent(_median(site['unsafe_share']))} of the blocks (median).",
+        f"Sequence of each record by {attributes['method']}; weights: {attributes['weights']}{scaled}. Its misfit "
+        f"(ln, median over records) is {figure(_median(site['misfit']))}; its rotation is below the recorded one for "
+        f"{_percent(_median(site['unsafe_share']))} of the blocks (median).",
     ]
     return "\n".join(paragraph(line, "  ", "") for line in lines)
 
@@ -122,13 +122,7 @@ def _design(site: xr.Dataset) -> str:
 
 def _coverage(site: xr.Dataset) -> str:
     lines = [
-        f"Coverage: a design made without the event of a record covers {_percent(_number(site, 'coverage'))} "
-        f"({_number(site, 'confidence'):.0%}: {_range(site, 'coverage', _percent)}) of the recorded rotations of the "
-        f"blocks that it leaves standing; nominal {_percent(_number(site, 'quantile'))}; the design of all records "
-        f"{_percent(_number(site, 'coverage_in_sample'))}. With the blocks that it overturns, which are covered "
-        f"whatever the records do: {_percent(_number(site, 'coverage_all'))}. Judged: "
-        f"{_count(int(site['judged_pairs']), 'pair')} of record and block of "
-        f"{_count(int(site['judged_events']), 'event')}.",
+        _shares(site),
         f"{_percent(_number(site, 'lifted_share'))} of the pairs of record and block count (the record lifts the "
         f"block), {_percent(_number(site, 'standing_share'))} of these on blocks that the design leaves standing.",
     ]
@@ -151,6 +145,40 @@ def _coverage(site: xr.Dataset) -> str:
             f"{_percent(float(shares.max()))}. The design overturns {fallen} of {site.sizes['block']} blocks."
         )
     return "\n".join(lines)
+
+
+def _shares(site: xr.Dataset) -> str:
+    """What the design covers, in words where it is not known."""
+    in_sample, nominal = (_percent(_number(site, name)) for name in ("coverage_in_sample", "quantile"))
+    if math.isnan(_number(site, "coverage")):
+        why = (
+            "with one event none can be left out"
+            if site.sizes["site_event"] == 1
+            else "no event could be judged by a design that was made without it"
+        )
+        words = (
+            f"Coverage of other earthquakes: not known, for {why}. The design covers {in_sample} of the recorded "
+            f"rotations that it was made from, of blocks that it leaves standing; nominal {nominal}."
+        )
+    else:
+        interval = _range(site, "coverage", _percent)
+        level = f"{_number(site, 'confidence'):.0%}: {interval}" if interval != ABSENT else "one event: no interval"
+        words = (
+            f"Coverage: a design made without the event of a record covers {_percent(_number(site, 'coverage'))} "
+            f"({level}) of the recorded rotations of the blocks that it leaves standing; nominal {nominal}; the design "
+            f"of all records {in_sample}."
+        )
+    if not math.isnan(_number(site, "coverage_all")):
+        words += (
+            " With the blocks that it overturns, which are covered whatever the records do: "
+            f"{_percent(_number(site, 'coverage_all'))}."
+        )
+    judged = int(site["judged_pairs"])
+    if judged:
+        words += (
+            f" Judged: {_count(judged, 'pair')} of record and block of {_count(int(site['judged_events']), 'event')}."
+        )
+    return words
 
 
 def _warnings(site: xr.Dataset) -> str:

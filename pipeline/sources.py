@@ -9,18 +9,23 @@ from __future__ import annotations
 import glob
 import hashlib
 import os
+from collections import defaultdict
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import lru_cache, partial
 from pathlib import Path
 from typing import NamedTuple
 
+import numpy as np
+
 from rockpulse.errors import RecordFormatError, RockpulseError
-from rockpulse.failures import Failure
+from rockpulse.failures import NO_RECORD, Failure
 from rockpulse.readers import ReadOptions, read_source
 from rockpulse.readers.archive import Archive, is_archive
+from rockpulse.readers.channel import DEAD
 from rockpulse.readers.renadic import whole_records
 from rockpulse.readers.source import (
+    NoRecord,
     NotAcceleration,
     SourceFile,
     Unrecognised,
@@ -116,7 +121,8 @@ def read_all(
     failures : list of Failure
         Sorted by file. A file that is no acceleration record "failed" if it was named and is "skipped" if it was met
         in a folder, a glob or an archive; one that is a record and cannot be read failed in any case, and so did an
-        empty one. A record whose samples, interval and component came before is a "duplicate".
+        empty one. A record whose samples and interval another file has is a "duplicate", unless the two say that they
+        face different directions; the one stays that knows most of direction, time and event.
 
     Raises
     ------
@@ -152,14 +158,14 @@ def settled(
     records : sequence of Record
         Those of all files, in the order of the files; of the samples nothing but their number is asked.
     digest : callable
-        What is the same for two records of one content: :func:`sample_digest` where the samples are at hand.
+        What is the same for two records of the same samples: :func:`sample_digest` where they are at hand.
 
     Returns
     -------
     records : list of (Record, tuple of Record)
         Each record and those of the given ones that it is made of; several where parts were joined.
     duplicates : list of Failure
-        A row for each record whose content came before.
+        A row for each record whose content another one has.
     """
     kept, duplicates = _without_duplicates(sorted(records, key=_place), digest)
     whole = sorted(whole_records(kept), key=lambda item: _place(item[0]))
@@ -168,7 +174,7 @@ def settled(
 
 
 def sample_digest(record: Record) -> str:
-    """SHA-256 of the samples, the interval and the component of a record.
+    """SHA-256 of the samples and the interval of a record.
 
     Parameters
     ----------
@@ -176,7 +182,7 @@ def sample_digest(record: Record) -> str:
         As read.
     """
     digest = hashlib.sha256(record.acceleration.tobytes())
-    digest.update(f"{record.dt!r} {record.component}".encode())
+    digest.update(f"{record.dt:.9g}".encode())
     return digest.hexdigest()
 
 
@@ -329,6 +335,8 @@ def read_failure(found: Found, name: str, fault: Exception) -> Failure:
         Why.
     """
     named = found.named and name == str(found.path)
+    if isinstance(fault, NoRecord) and not named:
+        return Failure(name, "read", f"{name}: {NO_RECORD}", "skipped")
     no_record = isinstance(fault, Unrecognised | NotAcceleration)
     reason = str(fault) if name in str(fault) else f"{name}: {fault}"
     return Failure(name, "read", reason, "skipped" if no_record and not named else "failed")
@@ -344,13 +352,46 @@ def _member(archive: Archive, number: int) -> SourceFile | RockpulseError:
 def _without_duplicates(
     records: Sequence[Record], digest: Callable[[Record], str]
 ) -> tuple[list[Record], list[Failure]]:
-    seen: dict[str, Record] = {}
-    kept, failures = [], []
+    """Each content once; of several the one that knows its direction, else its time and event, else the first."""
+    alike: dict[str, list[Record]] = defaultdict(list)
     for record in records:
-        first = seen.setdefault(digest(record), record)
-        if first is record:
-            kept.append(record)
-        else:
-            reason = f"channel {record.channel}: same samples, interval and component as {first.id} of {first.source}"
-            failures.append(Failure(record.source, "read", reason, "duplicate"))
-    return kept, failures
+        alike[digest(record)].append(record)
+    first_of: dict[int, Record] = {}
+    for group in alike.values():
+        kept: list[Record] = []
+        for record in sorted(group, key=_unknown):
+            first = next((one for one in kept if _same_motion(one, record)), None)
+            if first is None:
+                kept.append(record)
+            else:
+                first_of[id(record)] = first
+    failures = [
+        Failure(
+            record.source,
+            "read",
+            f"channel {record.channel}: same samples and interval as {first.id} of {first.source}",
+            "duplicate",
+        )
+        for record in records
+        if (first := first_of.get(id(record))) is not None
+    ]
+    return [record for record in records if id(record) not in first_of], failures
+
+
+def _unknown(record: Record) -> tuple[bool, ...]:
+    return record.orientation == "unknown", record.start_time is None, not record.event
+
+
+def _same_motion(one: Record, other: Record) -> bool:
+    """Whether two records with the same samples are one motion, whatever their files call it.
+
+    Channels of one file, and those that a file says to be dead, may be alike and are told apart by their component.
+    """
+    if one.component == other.component:
+        return True
+    if one.source == other.source or any(DEAD in record.warnings for record in (one, other)):
+        return False
+    if "unknown" in (one.orientation, other.orientation):
+        return True
+    same = np.array_equal(one.azimuth, other.azimuth, equal_nan=True)
+    return one.orientation == other.orientation and same

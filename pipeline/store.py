@@ -6,6 +6,7 @@ import os
 import platform
 from collections.abc import Iterator, Mapping
 from datetime import UTC, datetime
+from functools import cache
 from importlib.metadata import version
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -176,8 +177,8 @@ def check_schema(path: str | os.PathLike[str], reports: bool = False) -> str:
         )
     if found.split(".")[0] != SCHEMA_VERSION.split(".")[0]:
         raise ResultsError(
-            f"{path}: expected schema version {SCHEMA_VERSION.split('.')[0]}.x, found {found}; "
-            "run the assessment again with this version, or open the file with the version of rockpulse named in it"
+            f"{path}: expected schema version {SCHEMA_VERSION.split('.')[0]}.x, found {found}; run the assessment "
+            "again with this version, or open the file with the version of rockpulse named in it"
         )
     return kind
 
@@ -196,18 +197,23 @@ def provenance(attrs: Mapping[Any, Any]) -> dict[str, Any]:
     attrs : mapping
         Attributes of the root of the tree.
     """
-    stamp = f"{datetime.now(UTC):%Y-%m-%dT%H:%M:%SZ} written by rockpulse {version('rockpulse')}"
+    stamp = f"{datetime.now(UTC):%Y-%m-%dT%H:%M:%SZ} written by rockpulse {_versions()['rockpulse_version']}"
     before = attrs.get("history")
     return {
         "Conventions": CONVENTIONS,
         "kind": ASSESSMENT,
         "title": "Overturning safety of rigid blocks under recorded ground motion",
         "python_version": platform.python_version(),
-        **{f"{package}_version": version(package) for package in PACKAGES},
+        **_versions(),
         **attrs,
         "schema_version": SCHEMA_VERSION,
         "history": f"{before}\n{stamp}" if before else stamp,
     }
+
+
+@cache  # each costs a search of the installed files
+def _versions() -> dict[str, str]:
+    return {f"{package}_version": version(package) for package in PACKAGES}
 
 
 def _as_saved(dataset: xr.Dataset) -> xr.Dataset:

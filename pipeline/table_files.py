@@ -153,12 +153,13 @@ def _readme(table: LongTable, name: str, about: str, empty: dict[str, int]) -> s
         f"{about} Group `/{table.group}`, {len(table)} rows{table.per}.",
         "",
         "UTF-8, comma-separated, one line of headings, SI units, numbers with all their digits. An empty cell: not "
-        "known or not computed, or no text; `inf` and -1 as the meaning says. "
-        f"`{LINE.strip()}` stands between the lines of a text.",
+        "known or not computed, or no text; how many a column has is counted below. `inf`: without limit, such as the "
+        "safety factor of a block that no factor tried overturns, or the peak of one that overturned. -1 in whole "
+        f"numbers: none, or not known, as the meaning says. `{LINE.strip()}` stands between the lines of a text.",
         "",
         'In pandas: `pandas.read_csv(name, keep_default_na=False, na_values=[""])`, so that a network "NA" stays one.',
         "",
-        "| column | unit | empty | meaning |",
+        f"| column | unit | empty cells of {len(table)} | meaning |",
         "|---|---|---|---|",
     ]
     for column in table.columns:

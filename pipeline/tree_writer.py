@@ -43,6 +43,7 @@ class TreeWriter:
         self._path = path
         self._hdf5 = h5py.File(path, "w", track_order=True)  # as netCDF has it
         self._file = h5netcdf.File(self._hdf5, "w", decode_vlen_strings=True)
+        self._sizes: dict[str, dict[str, int]] = {}
         self._variables: dict[str, h5netcdf.Variable] = {}
         self._shapes: dict[str, tuple[int, ...]] = {}
         self._written: dict[str, int] = {}
@@ -74,6 +75,7 @@ class TreeWriter:
             Its attributes.
         """
         group = self._file if path == "/" else self._file.create_group(path)
+        self._sizes[path] = dict(sizes)
         for name, size in sizes.items():
             group.dimensions[name] = size
         _set(group, attrs)
@@ -98,10 +100,11 @@ class TreeWriter:
         absent = {"fillvalue": np.array(np.nan, dtype)} if dtype.kind == "f" else {}
         variable = self._file[group or "/"].create_variable(name, dims, stored, **absent)
         _set(variable, attrs)
+        shape = tuple(self._sizes[group or "/"][dim] for dim in dims)
         self._variables[path] = variable
-        self._shapes[path] = variable.shape
+        self._shapes[path] = shape
         self._written[path] = 0
-        self._checksums[path] = VariableChecksum(dtype, variable.shape)
+        self._checksums[path] = VariableChecksum(dtype, shape)
 
     def append(self, path: str, values: np.ndarray) -> None:
         """The next values of a variable along its first dimension; all of one without dimensions.

@@ -21,9 +21,13 @@ def slow_square(number):
     return number * number
 
 
-def doze(seconds):
-    time.sleep(seconds)
-    return seconds
+def wait_for_file(job):
+    """Returns the number of a job when its file, if it has one, is there, at most a minute later."""
+    number, path = job
+    end = time.monotonic() + 60.0
+    while path is not None and not path.exists() and time.monotonic() < end:
+        time.sleep(0.01)
+    return number
 
 
 def process_id(_):

@@ -39,7 +39,7 @@ def dask_cluster(folder, workers=2):
         start("scheduler", "--port", "0", "--scheduler-file", str(contact))
         for _ in range(workers):
             start("worker", "--scheduler-file", str(contact), "--nthreads", "1", "--no-nanny")
-        yield _address(contact, 60.0), processes[0], processes[1:]
+        yield _address(contact, 300.0), processes[0], processes[1:]
     finally:
         for process in processes:
             process.kill()
@@ -58,7 +58,7 @@ def _address(contact, seconds):
         time.sleep(0.1)
 
 
-def wait_for_workers(crew, count, seconds=60.0):
+def wait_for_workers(crew, count, seconds=300.0):
     """Until the cluster behind the crew has so many workers; a scheduler is there long before they are."""
     end = time.monotonic() + seconds
     while crew.size != count:

@@ -51,6 +51,7 @@ def results_tree(cases=None):
         {
             "source": made("record", ["CCC.RAW", "CCC.RAW", "weak.txt"], "1", "file"),
             "source_sha256": made("record", ["0" * 64, "0" * 64, "1" * 64], "1", "SHA-256 of the file"),
+            "event": made("record", ["Ridgecrest", "Ridgecrest", "unknown"], "1", "earthquake"),
             "station": made("record", ["CCC", "CCC", ""], "1", "station"),
             "component": made("record", ["90 Deg", "360 Deg", ""], "1", "component"),
             "azimuth": made("record", [90.0, 0.0, np.nan], "degrees", "azimuth"),

@@ -20,7 +20,7 @@ def loaded(script):
         f"\nimport json, sys\nprint(json.dumps([name for name in {HEAVY!r} if name in sys.modules]), file=sys.stderr)"
     )
     done = subprocess.run(
-        [sys.executable, "-c", script + report], capture_output=True, text=True, timeout=60, check=True
+        [sys.executable, "-c", script + report], capture_output=True, text=True, timeout=300, check=True
     )
     return json.loads(done.stderr.splitlines()[-1])
 

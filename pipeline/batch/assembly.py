@@ -51,16 +51,20 @@ class JournalParts:
         Open.
     keys : sequence of str
         Of finished tasks.
+    events : mapping of str to str
+        By key the earthquake of its records, which all records together tell, and no task.
     """
 
     journal: Journal
     keys: Sequence[str]
+    events: Mapping[str, str]
 
     def __iter__(self) -> Iterator[dict[str, np.ndarray]]:
         """Unpack one part after the other."""
         for key in self.keys:
+            event = {"/summary/event": np.array([self.events[key]])}
             for part in self.journal.parts(key):
-                yield unpack(part)
+                yield unpack(part) | event
 
 
 def assemble(

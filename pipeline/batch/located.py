@@ -34,7 +34,7 @@ class Place:
     source_sha256 : str
         Of the file.
     digest : str
-        Of the samples, the interval and the component (`rockpulse.sources.sample_digest`).
+        Of the samples and the interval (`rockpulse.sources.sample_digest`).
     """
 
     path: str
@@ -61,7 +61,7 @@ class Located:
 
     @property
     def digest(self) -> str:
-        """The same for two records of the same samples, interval and component."""
+        """The same for two records of the same samples and interval."""
         digests = [part.digest for part in self.parts]
         return digests[0] if len(digests) == 1 else hashlib.sha256(" ".join(digests).encode()).hexdigest()
 

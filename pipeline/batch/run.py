@@ -10,9 +10,8 @@ from contextlib import ExitStack
 from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, ClassVar, Protocol
 
-from rockpulse.batch.assembly import RUN_ID, JournalParts, assemble, is_assembled
+from rockpulse.batch.assembly import is_assembled
 from rockpulse.batch.crew import Crew, WorkerLost
 from rockpulse.batch.journal import Journal, JournalError, journal_path
 from rockpulse.batch.kept import finished, kept, worth
@@ -20,20 +19,16 @@ from rockpulse.batch.located import Located
 from rockpulse.batch.options import BatchOptions
 from rockpulse.batch.plan import Plan, Task, plan, read_options
 from rockpulse.batch.survey import find, gather, survey_file
-from rockpulse.batch.tasks import UNFINISHED, Done, Job, assess_task, calibrate_task
+from rockpulse.batch.tasks import UNFINISHED, Done
+from rockpulse.batch.verbs import Assessment, Calibration, Verb
 from rockpulse.batch.warm import warm_up
-from rockpulse.bodies import Bodies, gather_bodies
 from rockpulse.calibration.site_variables import SITE_KIND
 from rockpulse.config import Config
 from rockpulse.errors import RecordRefused, ResultsError, StoppedAtFailure
 from rockpulse.failures import Failure
 from rockpulse.models.threads import available_cores, thread_limit
-from rockpulse.results import template
 from rockpulse.sources import Found
-from rockpulse.store import ASSESSMENT, check_target, remove_parts, save
-
-if TYPE_CHECKING:
-    from rockpulse.calibration.site_calibration import SiteStudy
+from rockpulse.store import check_target, remove_parts
 
 __all__ = ["BatchReport", "Interrupted", "assess_files", "calibrate_files"]
 
@@ -104,7 +99,7 @@ def assess_files(
     Raises
     ------
     ConfigError
-        For bodies or a scheduler that cannot be.
+        For bodies or a scheduler that cannot be, or a table of events that does not fit.
     ResultsError
         Where the output exists, cannot be written, or another process is writing it.
     StoppedAtFailure
@@ -112,7 +107,8 @@ def assess_files(
     Interrupted
         At Ctrl-C.
     """
-    return _run(_Assessment(config, output), paths, options or BatchOptions())
+    options = options or BatchOptions()
+    return _run(Assessment(config, output, options.tell), paths, options)
 
 
 def calibrate_files(
@@ -138,83 +134,10 @@ def calibrate_files(
     RecordRefused
         As :func:`rockpulse.calibrate_site`.
     """
-    return _run(_Calibration(config, output), paths, options or BatchOptions())
+    return _run(Calibration(config, output), paths, options or BatchOptions())
 
 
-class _Verb(Protocol):
-    """What assessing and calibrating do differently."""
-
-    name: ClassVar[str]
-    doing: ClassVar[str]
-    kind: ClassVar[str]
-    config: Config
-    output: PathLike
-
-    def work(self, every: Sequence[Located], made: Plan) -> Callable[[Task], Done]:
-        """What a worker does with a task."""
-
-    def write(self, journal: Journal, made: Plan, failures: list[Failure], overwrite: bool) -> int:
-        """Write the file; the number of motions in it, none where nothing was written."""
-
-
-class _Assessment:
-    name: ClassVar[str] = "assess"
-    doing: ClassVar[str] = "assessing"
-    kind: ClassVar[str] = ASSESSMENT
-
-    def __init__(self, config: Config, output: PathLike) -> None:
-        self.config, self.output = config, output
-        self.bodies: Bodies = gather_bodies(config.blocks)  # refused before the records are read
-        for name, warning in zip(self.bodies.names, self.bodies.warnings, strict=True):
-            if warning:
-                logger.warning("block %s: %s", name, warning)
-
-    def work(self, every: Sequence[Located], made: Plan) -> Callable[[Task], Done]:
-        """Assess all bodies."""
-        return partial(assess_task, job=Job(self.config, self.bodies))
-
-    def write(self, journal: Journal, made: Plan, failures: list[Failure], overwrite: bool) -> int:
-        """Put the parts of the journal together."""
-        parts = JournalParts(journal, finished(journal, made))
-        if not any(True for _ in parts):
-            return 0
-        empty = template(self.bodies, self.config)
-        return assemble(self.output, empty, parts, failures, made.swept, overwrite, journal.run_id)
-
-
-class _Calibration:
-    name: ClassVar[str] = "calibrate"
-    doing: ClassVar[str] = "calibrating"
-    kind: ClassVar[str] = SITE_KIND
-
-    def __init__(self, config: Config, output: PathLike) -> None:
-        self.config, self.output = config, output
-        if config.blocks:
-            gather_bodies(config.blocks)  # refused before the records are read
-        self.study: SiteStudy | None = None
-
-    def work(self, every: Sequence[Located], made: Plan) -> Callable[[Task], Done]:
-        """Calibrate the sequence; tables that do not fit are refused before."""
-        from rockpulse.calibration.site_calibration import prepare_site
-
-        records = sorted((one.record for one in every), key=lambda record: record.id)
-        self.study = prepare_site(records, made.planned, self.config, failures=made.failures)
-        return partial(calibrate_task, job=Job(self.config, self.study.lanes))
-
-    def write(self, journal: Journal, made: Plan, failures: list[Failure], overwrite: bool) -> int:
-        """Describe the site."""
-        from rockpulse.calibration.site_calibration import site_results
-        from rockpulse.calibration.site_part import unpack_site_record
-
-        assert self.study is not None
-        done = [unpack_site_record(part) for key in finished(journal, made) for part in journal.parts(key)]
-        tree = site_results(done, self.study, self.config, failures)
-        tree.attrs[RUN_ID] = journal.run_id
-        save(tree, self.output, overwrite)
-        return len(done)
-
-
-def _run(verb: _Verb, paths: PathLike | Iterable[PathLike], options: BatchOptions) -> BatchReport:
+def _run(verb: Verb, paths: PathLike | Iterable[PathLike], options: BatchOptions) -> BatchReport:
     output = verb.output
     check_target(output, options.overwrite or options.resume, verb.kind)  # resumed: what is there may be its own
     if options.scheduler is not None:  # its workers stand in folders of their own
@@ -294,7 +217,7 @@ def _tell_all(text: str, options: BatchOptions) -> None:
     options.tell(text)
 
 
-def _hired(hired: ExitStack, options: BatchOptions, verb: _Verb, items: int, before: Crew | None = None) -> Crew:
+def _hired(hired: ExitStack, options: BatchOptions, verb: Verb, items: int, before: Crew | None = None) -> Crew:
     """Those who see to so many items, with kernels that are compiled; those `before` stay where they are enough."""
     if options.executor is not None:
         return before or hired.enter_context(Crew.through(options.executor))
@@ -315,7 +238,7 @@ def _hired(hired: ExitStack, options: BatchOptions, verb: _Verb, items: int, bef
 
 
 def _surveyed(
-    crew: Crew, found: Sequence[Found], failures: Sequence[Failure], verb: _Verb, options: BatchOptions
+    crew: Crew, found: Sequence[Found], failures: Sequence[Failure], verb: Verb, options: BatchOptions
 ) -> tuple[list[Located], list[Failure], int]:
     """All channels without their samples, what was left out, and how much of that may be read another time."""
     look = partial(survey_file, options=read_options(verb.config))
@@ -337,7 +260,7 @@ def _surveyed(
     return *gather(found, surveys, rows), unread
 
 
-def _missing(journal: Journal, made: Plan, verb: _Verb, options: BatchOptions) -> list[Task]:
+def _missing(journal: Journal, made: Plan, verb: Verb, options: BatchOptions) -> list[Task]:
     """The tasks that are to be done; what was refused before is a failure to stop at like any other."""
     before = journal.finished()
     missing = [task for task in made.tasks if before.get(task.key) != task.fingerprint]
@@ -359,7 +282,7 @@ def _worked(
     made: Plan,
     missing: Sequence[Task],
     work: Callable[[Task], Done],
-    verb: _Verb,
+    verb: Verb,
     options: BatchOptions,
 ) -> BatchReport:
     """Every missing task, into the journal; a task whose worker is lost is a row of its own."""

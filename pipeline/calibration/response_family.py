@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from scipy.stats import qmc
 
-from rockpulse.errors import RecordRefused
+from rockpulse.errors import TooWeak
 from rockpulse.models.block import Block
 from rockpulse.models.recorded import recorded_response
 from rockpulse.models.response import Outcome, Response
@@ -56,7 +56,7 @@ def motion_family(answer: Callable[[Block], Response]) -> Block:
 
     Raises
     ------
-    RecordRefused
+    TooWeak
         Where the motion moves no block of the pool.
 
     Notes
@@ -79,7 +79,7 @@ def motion_family(answer: Callable[[Block], Response]) -> Block:
     overturned = outcome == Outcome.OVERTURNS
     moved = outcome != Outcome.AT_REST
     if not np.any(moved):
-        raise RecordRefused(
+        raise TooWeak(
             f"the motion moves none of {p.size} blocks of slenderness {1.0 / np.tan(ANGLES[1]):.3g} to "
             f"{1.0 / np.tan(ANGLES[0]):.3g}: there is nothing to calibrate on"
         )
@@ -110,7 +110,7 @@ def recorded_family(record: Record, threads: int | None = None, vertical: Any = 
 
     Raises
     ------
-    RecordRefused
+    TooWeak
         Where it moves no block of the pool, naming the record.
     """
 
@@ -119,8 +119,8 @@ def recorded_family(record: Record, threads: int | None = None, vertical: Any = 
 
     try:
         return motion_family(answer)
-    except RecordRefused as error:
-        raise RecordRefused(f"{record.id}: {error}") from None
+    except TooWeak as error:
+        raise TooWeak(f"{record.id}: {error}") from None
 
 
 def describe_family(blocks: Block) -> str:

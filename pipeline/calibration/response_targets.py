@@ -22,7 +22,7 @@ from typing import Any
 
 import numpy as np
 
-from rockpulse.errors import ConfigError, RecordRefused
+from rockpulse.errors import ConfigError, RecordRefused, TooWeak
 from rockpulse.models.block import Block
 from rockpulse.models.recorded import recorded_response
 from rockpulse.models.response import Outcome
@@ -58,7 +58,7 @@ class ResponseTargets:
     ConfigError
         For arrays of other lengths, or a block that rocks without a positive, finite peak.
     RecordRefused
-        With fewer than 6 blocks whose peak is a number.
+        With fewer than 6 blocks whose peak is a number; TooWeak where no 6 of enough blocks move, be it to overturn.
     """
 
     blocks: Block
@@ -84,7 +84,8 @@ class ResponseTargets:
             raise ConfigError(f"targets: smallest: expected a peak between 0 and 1, got {self.smallest!r}")
         found = np.count_nonzero(self.number)
         if found < FEWEST_NUMBERS:
-            raise RecordRefused(
+            moved = peaks.size - np.count_nonzero((outcomes == Outcome.AT_REST) | self.small)
+            raise (TooWeak if moved < FEWEST_NUMBERS <= peaks.size else RecordRefused)(
                 f"{found} of {peaks.size} blocks rock to a peak of {self.smallest:g} or more without overturning "
                 f"({np.count_nonzero(self.overturned)} overturn, {np.count_nonzero(self.silent)} stay at rest): "
                 f"the response calibration needs at least {FEWEST_NUMBERS}; choose blocks that this motion sets rocking"
@@ -210,4 +211,4 @@ def recorded_targets(
     try:
         return ResponseTargets(blocks, response.peak_rotation_ratio, response.outcome, smallest)
     except RecordRefused as error:
-        raise RecordRefused(f"{record.id}: {error}") from None
+        raise type(error)(f"{record.id}: {error}") from None

@@ -14,12 +14,12 @@ from rockpulse.bodies import gather_bodies
 from rockpulse.body import BlockSettings
 from rockpulse.calibration.response_targets import block_family
 from rockpulse.calibration.site_record import SiteRecord, site_record
-from rockpulse.calibration.site_tables import read_event_table, read_weight_table, record_weights
+from rockpulse.calibration.site_tables import read_weight_table, record_weights
 from rockpulse.calibration.site_tree import build_site_tree
 from rockpulse.config import Config, located
 from rockpulse.directions import Motion, PlannedMotion, plan_motions, planned_ids
 from rockpulse.errors import ConfigError, RecordRefused
-from rockpulse.events import group_events
+from rockpulse.events import event_table, events_by_id
 from rockpulse.failures import Failure
 from rockpulse.models.block import Block
 from rockpulse.record import Record
@@ -150,8 +150,7 @@ def prepare_site(
     twice = sorted(name for name, times in Counter(record.id for record in every).items() if times > 1)
     if twice:
         raise ConfigError(f"records: expected different ids, found more than one record with id {', '.join(twice)}")
-    unread = any(row.kind == "failed" and row.stage in ("find", "read") for row in failures)
-    event_of, remarks = _events(every, config, unread)
+    event_of, remarks = events_by_id(every, event_table(config), failures)
     names, lanes = site_family(config.blocks if blocks is None else blocks)
     rule = config.calibration.weights
     table = None if rule in WEIGHTS else read_weight_table(located(rule, config.folder))
@@ -223,18 +222,6 @@ def site_results(
     events = [study.event_of[one.channel] for one in done]
     weights = record_weights([one.record.id for one in done], events, config.calibration.weights, study.weights)
     return build_site_tree(done, events, weights, study.names, study.lanes, config, failures, study.remarks)
-
-
-def _events(every: Sequence[Record], config: Config, unread: bool) -> tuple[dict[str, str], list[str]]:
-    """Event of every channel by its id, and what is to be said of the user's table."""
-    named = {} if config.records.events is None else read_event_table(located(config.records.events, config.folder))
-    ids = {record.id for record in every}
-    remarks = []
-    unknown = sorted(set(named) - ids)
-    if unknown and unread:  # they may be those of the files that could not be read
-        remarks.append(f"[records] events names records that were not read: {', '.join(unknown)}")
-        named = {name: event for name, event in named.items() if name in ids}
-    return dict(zip([record.id for record in every], group_events(every, named), strict=True)), remarks
 
 
 def site_family(blocks: Mapping[str, Block] | Sequence[BlockSettings]) -> tuple[list[str], Block]:

@@ -13,7 +13,7 @@ from rockpulse.calibration.site_scaling import largest_impulse, scale_factor, sc
 from rockpulse.conditioning import DRIFT, condition
 from rockpulse.config import Config
 from rockpulse.directions import Motion
-from rockpulse.errors import RecordRefused
+from rockpulse.errors import RecordRefused, TooWeak
 from rockpulse.intensity import pgv
 from rockpulse.models.block import Block
 from rockpulse.models.recorded import recorded_response
@@ -127,7 +127,7 @@ def site_record(motion: Motion, blocks: Block, config: Config) -> SiteRecord:
     Raises
     ------
     ValueError
-        Where the record cannot be conditioned, scaled or calibrated.
+        Where the record cannot be conditioned, scaled or calibrated; TooWeak where it moves too few blocks.
     """
     vertical = motion.vertical
     conditioned = motion.record if motion.pair else condition(motion.record, **config.conditioning)
@@ -140,9 +140,12 @@ def site_record(motion: Motion, blocks: Block, config: Config) -> SiteRecord:
     if config.calibration.scale_to == "pgv" and any(warning.startswith(DRIFT) for warning in conditioned.warnings):
         conditioned = conditioned.with_warning("scaled to a PGV that its drifting baseline puts in doubt")
     scene = extract(scaled(conditioned, factor), config, None if vertical is None else scaled(vertical, factor))
-    sequence, intervals, remarks = _calibrated(scene, blocks)
     response = recorded_response(blocks, scene.record.acceleration, scene.record.dt, vertical=scene.vertical)
     peaks = np.where(response.outcome == Outcome.UNRESOLVED, np.nan, response.peak_rotation_ratio)
+    if scene.sequence is None:
+        reason = next(one for one in scene.record.warnings if one.startswith("no impulse sequence"))
+        raise (RecordRefused if np.any(peaks != 0.0) else TooWeak)(reason)
+    sequence, intervals, remarks = _calibrated(scene, scene.sequence, blocks)
     misfit, unsafe = _compared(peaks, sequence, blocks)
     return SiteRecord(
         record=scene.record,
@@ -160,17 +163,17 @@ def site_record(motion: Motion, blocks: Block, config: Config) -> SiteRecord:
     )
 
 
-def _calibrated(scene: Scene, blocks: Block) -> tuple[ImpulseSequence, dict[str, tuple[float, float]], tuple[str, ...]]:
+def _calibrated(
+    scene: Scene, start: ImpulseSequence, blocks: Block
+) -> tuple[ImpulseSequence, dict[str, tuple[float, float]], tuple[str, ...]]:
     settings = scene.config.calibration
-    if scene.sequence is None:
-        raise RecordRefused(next(one for one in scene.record.warnings if one.startswith("no impulse sequence")))
     if settings.method == "statistics":
-        return scene.sequence, {}, ()
+        return start, {}, ()
     found = calibrate_response(
         scene.record,
         blocks if settings.family == "blocks" else None,
         vertical=scene.vertical,
-        start=scene.sequence,
+        start=start,
         spacing=scene.config.sequence.spacing,
         confidence=settings.confidence,
         seed=scene.config.run.seed,

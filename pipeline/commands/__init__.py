@@ -26,18 +26,18 @@ __all__ = ["VERBS"]
 #: In the order of the help.
 VERBS = (
     assess.VERB,
-    calibrate.VERB,
-    fragility.VERB,
-    rule.VERB,
     inspect.VERB,
     plot.VERB,
     report.VERB,
     export.VERB,
     diff.VERB,
     verify.VERB,
+    calibrate.VERB,
+    fragility.VERB,
+    init_config.VERB,
     formats.VERB,
     convert.VERB,
-    init_config.VERB,
+    rule.VERB,
     accuracy.VERB,
     study.VERB,
 )

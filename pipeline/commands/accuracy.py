@@ -6,6 +6,8 @@ import argparse
 import sys
 from pathlib import Path
 
+from rockpulse.commands.progress import progress_bars
+from rockpulse.commands.record_input import add_reading_arguments, reading_options
 from rockpulse.commands.verb import Verb
 
 __all__ = ["VERB"]
@@ -22,15 +24,17 @@ def _add_arguments(parser: argparse.ArgumentParser) -> None:
         help="files, folders, zips or globs of records: an ensemble of their own beside the synthetic one; the shipped "
         "samples are cases of the reference too",
     )
-    parser.add_argument("--units", metavar="UNIT", help='unit of files that do not state theirs: "g", "cm/s2", ...')
-    parser.add_argument("--dt", type=float, metavar="SECONDS", help="sampling interval of columns without times, in s")
-    parser.add_argument("-o", "--output", required=True, metavar="REPORT", help="report to write (HDF5)")
+    parser.add_argument("-o", "--output", required=True, metavar="REPORT", help="file to write (HDF5)")
+    add_reading_arguments(parser)
     parser.add_argument("--csv", metavar="FOLDER", help=f"also write {', '.join(CSV_TABLES)} as CSV into this folder")
     parser.add_argument("--plot", metavar="FILE", help="also draw the work-precision diagram: .svg, .png or .pdf")
     parser.add_argument(
-        "--cases", type=int, metavar="N", help="cases of each equation that solve_ivp computes, seconds each; default 6"
+        "--cases",
+        type=int,
+        metavar="N",
+        help="cases of each equation that solve_ivp computes, seconds each; default: 6",
     )
-    parser.add_argument("--seed", type=int, default=0, help="seed of the synthetic ensemble; default 0")
+    parser.add_argument("--seed", type=int, default=0, metavar="N", help="seed of the synthetic ensemble; default: 0")
     parser.add_argument("--quick", action="store_true", help="few cases and motions: seconds, and little to rely on")
     parser.add_argument("--overwrite", action="store_true", help="replace a report, tables or a diagram that exist")
     parser.add_argument("--quiet", action="store_true", help="print nothing but what failed")
@@ -41,15 +45,12 @@ def _run(args: argparse.Namespace) -> int:
 
     from rockpulse.accuracy_files import PICTURES, check_file, csv_files, write_csv, write_picture
     from rockpulse.accuracy_variables import REPORT
-    from rockpulse.settings import RecordSettings
     from rockpulse.store import check_target, save
 
     check_target(args.output, args.overwrite, REPORT)
     picture = None if args.plot is None else check_file(args.plot, args.overwrite, PICTURES)
     tables = {} if args.csv is None else csv_files(args.csv, CSV_TABLES, args.overwrite)
-    options = RecordSettings(dt=args.dt, units=args.units)
-
-    from tqdm import tqdm
+    options = reading_options(args)
 
     from rockpulse.accuracy import FULL, QUICK, accuracy, table_of
     from rockpulse.accuracy_overview import accuracy_overview
@@ -58,14 +59,14 @@ def _run(args: argparse.Namespace) -> int:
     effort = QUICK if args.quick else FULL
     if args.cases is not None:
         effort = replace(effort, cases=args.cases)
-    silent = True if args.quiet else None  # None: silent unless standard error is a terminal
+    bars = progress_bars(args.quiet)
     records, failures = read_all(args.paths, options.units, dt=options.dt)
     tree = accuracy(
         records,
         failures,
         seed=args.seed,
         effort=effort,
-        progress=lambda jobs: tqdm(jobs, desc="measuring", disable=silent),
+        progress=lambda jobs: bars(jobs, desc="measuring"),
     )
     # The small files first: the report is there only if everything is.
     write_csv({path: table_of(tree, name) for name, path in tables.items()})
@@ -90,4 +91,5 @@ VERB = Verb(
     "high-precision reference, and how far the cheap models are from the nonlinear one.",
     add_arguments=_add_arguments,
     run=_run,
+    examples=("rockpulse accuracy -o accuracy.h5 --quick",),
 )

@@ -18,14 +18,13 @@ __all__ = ["VERB"]
 
 
 def _add_arguments(parser: argparse.ArgumentParser) -> None:
-    add_record_arguments(parser)
-    add_batch_arguments(parser)
+    add_record_arguments(parser, "RESULTS")
     parser.add_argument(
         "--sequence",
         metavar="SITE",
         help="assess the design sequence of this site file (rockpulse calibrate), no PATHS",
     )
-    parser.add_argument("-o", "--output", required=True, metavar="RESULTS", help="results file to write (HDF5)")
+    add_batch_arguments(parser)
 
 
 def _run(args: argparse.Namespace) -> int:
@@ -95,4 +94,10 @@ VERB = Verb(
     "--sequence the input is the design sequence of a site; the models that take a sequence answer.",
     add_arguments=_add_arguments,
     run=_run,
+    examples=(
+        "rockpulse assess records/ --block wall=0.3x2.4 -o results.h5",
+        "rockpulse assess records/ --config site.toml -o results.h5 --overwrite",
+        "rockpulse assess history.csv --units cm/s2 --dt 0.01 --block wall=0.3x2.4 -o results.h5",
+        "rockpulse assess --sequence design.h5 --config site.toml -o bodies.h5",
+    ),
 )

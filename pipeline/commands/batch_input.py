@@ -4,14 +4,18 @@ from __future__ import annotations
 
 import argparse
 import logging
+import re
 import signal
 import sys
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
+from pathlib import Path
 from typing import TYPE_CHECKING, NoReturn
 
+from rockpulse.commands.progress import compiling_told, progress_bars
 from rockpulse.commands.telling import tell
+from rockpulse.errors import ConfigError
 
 if TYPE_CHECKING:
     from rockpulse.batch.options import BatchOptions
@@ -31,13 +35,22 @@ def add_batch_arguments(parser: argparse.ArgumentParser) -> None:
     """
     where = parser.add_mutually_exclusive_group()
     where.add_argument(
-        "--workers", type=_workers, metavar="N", help='processes; default: [run] workers, "all": one a core'
+        "--workers",
+        type=_workers,
+        metavar="N",
+        help='processes: a number, or "all" (one a core, none where files are few); default: [run] workers, by default '
+        '"all"',
     )
     where.add_argument(
         "--scheduler", metavar="ADDRESS", help="let this dask.distributed cluster work, such as tcp://10.0.0.1:8786"
     )
     parser.add_argument("--resume", action="store_true", help="go on with a run that was stopped, or begin")
-    parser.add_argument("--strict", action="store_true", help="stop at the first file or record that fails")
+    parser.add_argument(
+        "--strict",
+        action="store_true",
+        help="stop at the first file or record that fails, also while the files are read; nothing is written to the "
+        "output then, and --resume goes on with what was finished",
+    )
     parser.add_argument("--log-file", metavar="FILE", help="add what happens, with its time, to the end of this file")
 
 
@@ -61,13 +74,8 @@ def batch_options(args: argparse.Namespace) -> BatchOptions:
     args : argparse.Namespace
         What :func:`add_batch_arguments` has added, with `overwrite` and `quiet`.
     """
-    from functools import partial
-
-    from tqdm import tqdm
-
     from rockpulse.batch.options import BatchOptions
 
-    silent = True if args.quiet else None  # None: silent unless standard error is a terminal
     return BatchOptions(
         workers=args.workers,
         scheduler=args.scheduler,
@@ -75,7 +83,7 @@ def batch_options(args: argparse.Namespace) -> BatchOptions:
         overwrite=args.overwrite,
         strict=args.strict,
         written=() if args.log_file is None else (args.log_file,),
-        bar=partial(tqdm, disable=silent),
+        bar=progress_bars(args.quiet),
         tell=str if args.quiet else _say,
     )
 
@@ -87,13 +95,17 @@ def recorded(args: argparse.Namespace) -> Iterator[None]:
     Parameters
     ----------
     args : argparse.Namespace
-        With `log_file`.
+        With `log_file`, `output` and `quiet`.
 
     Raises
     ------
+    ConfigError
+        Where the log would go to the end of a file that is no log.
     OSError
         Where the log file cannot be written.
     """
+    if args.log_file is not None:
+        _check_log(Path(args.log_file), Path(args.output))
     logger = logging.getLogger("rockpulse")
     before = logger.level
     handler = None if args.log_file is None else logging.FileHandler(args.log_file, encoding="utf-8")
@@ -105,7 +117,8 @@ def recorded(args: argparse.Namespace) -> Iterator[None]:
     main = threading.current_thread() is threading.main_thread()  # signals are the main thread's
     old = signal.signal(signal.SIGTERM, _end) if main else None
     try:
-        yield
+        with compiling_told(args.quiet):
+            yield
     finally:
         if main:
             signal.signal(signal.SIGTERM, old)
@@ -113,6 +126,19 @@ def recorded(args: argparse.Namespace) -> Iterator[None]:
             logger.removeHandler(handler)
             logger.setLevel(before)
             handler.close()
+
+
+def _check_log(log: Path, output: Path) -> None:
+    if log.absolute() == output.absolute():
+        raise ConfigError(f"--log-file {log}: expected another file than the output; choose another name")
+    if not log.is_file():
+        return
+    with log.open("rb") as file:
+        head = file.read(len("2000-01-01 00:00:00"))
+    if head and not re.fullmatch(rb"\d{4}(-\d\d){2} \d\d(:\d\d){2}", head):
+        raise ConfigError(
+            f"--log-file {log}: expected a new file, or a log to be added to, found something else; choose another name"
+        )
 
 
 def _say(text: str) -> None:

@@ -14,9 +14,8 @@ __all__ = ["VERB"]
 
 
 def _add_arguments(parser: argparse.ArgumentParser) -> None:
-    add_record_arguments(parser)
+    add_record_arguments(parser, "SITE")
     add_batch_arguments(parser)
-    parser.add_argument("-o", "--output", required=True, metavar="SITE", help="site file to write (HDF5)")
 
 
 def _run(args: argparse.Namespace) -> int:
@@ -47,7 +46,12 @@ VERB = Verb(
     name="calibrate",
     summary="calibrate the design sequence of a site on its records",
     description="Read the records of a site, calibrate the impulse sequence of each, describe their distribution with "
-    "intervals clustered by event, choose the design sequence at a quantile, and judge it on events left out.",
+    "intervals clustered by event, choose the design sequence at a quantile, and judge it on events left out. "
+    "Without blocks the rotations to be covered are those of a family of 100.",
     add_arguments=_add_arguments,
     run=_run,
+    examples=(
+        "rockpulse calibrate records/ -o design.h5",
+        "rockpulse calibrate records/ --config site.toml -o design.h5",
+    ),
 )

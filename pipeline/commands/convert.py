@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import argparse
-import math
 import sys
 from collections.abc import Sequence
 
+from rockpulse.commands.progress import progress_bars
+from rockpulse.commands.record_input import add_reading_arguments, reading_options
 from rockpulse.commands.verb import Verb
 from rockpulse.failures import Failure
 
@@ -17,7 +18,7 @@ LISTED = 3
 
 
 def _add_arguments(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("paths", nargs="+", metavar="IN", help="files, folders, zips or globs of records")
+    parser.add_argument("paths", nargs="+", metavar="PATHS", help="files, folders, zips or globs of records")
     parser.add_argument(
         "-o",
         "--output",
@@ -26,14 +27,14 @@ def _add_arguments(parser: argparse.ArgumentParser) -> None:
         help="a file (.AT2, .csv, .mseed), or a folder for one AT2 or CSV file per channel; several channels in one "
         "AT2 or CSV name become OUT.CHANNEL.AT2",
     )
-    parser.add_argument("--format", choices=("at2", "csv", "mseed"), help="format of OUT; its suffix tells otherwise")
-    parser.add_argument("--units", metavar="UNIT", help='unit of files that do not state theirs: "g", "cm/s2", ...')
-    parser.add_argument("--dt", type=float, metavar="SECONDS", help="sampling interval of columns without times, in s")
+    parser.add_argument("--format", choices=("at2", "csv", "mseed"), help="format of OUT; default: its suffix tells")
+    add_reading_arguments(parser)
     parser.add_argument(
         "--response",
         choices=("sensitivity", "remove"),
         default="sensitivity",
-        help="how counts with a StationXML become m/s2: divided by the sensitivity, or the full response removed",
+        help="how counts with a StationXML become m/s2: divided by the sensitivity, or the full response removed; "
+        "default: sensitivity",
     )
     parser.add_argument(
         "--overwrite", action="store_true", help="replace files that exist; never one that a record came from"
@@ -42,21 +43,16 @@ def _add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def _run(args: argparse.Namespace) -> int:
-    from tqdm import tqdm
-
     from rockpulse.conversion import check_output, write
-    from rockpulse.errors import ConfigError
     from rockpulse.record import STANDARD_GRAVITY
     from rockpulse.sources import read_all
     from rockpulse.terminal import paragraph
 
-    if args.dt is not None and not (math.isfinite(args.dt) and args.dt > 0.0):
-        raise ConfigError(f"--dt: expected a sampling interval in s above 0, found {args.dt:g}")
+    options = reading_options(args)
     writer = check_output(args.output, args.format)  # a name that tells no format is better known before the reading
-    silent = True if args.quiet else None  # None: silent unless standard error is a terminal
-    with tqdm(desc="reading", unit=" files", disable=silent) as bar:
+    with progress_bars(args.quiet)(desc="reading", unit=" files") as bar:
         records, failures = read_all(
-            args.paths, args.units, on_file=lambda *_: bar.update(), dt=args.dt, response=args.response
+            args.paths, options.units, on_file=lambda *_: bar.update(), dt=options.dt, response=args.response
         )
     _print_failures(failures, args.quiet)
     if not records:
@@ -101,4 +97,8 @@ VERB = Verb(
     "were read. The warnings of each record, and what the new format cannot hold, are printed.",
     add_arguments=_add_arguments,
     run=_run,
+    examples=(
+        "rockpulse convert CICLC.v1 -o clc.AT2",
+        "rockpulse convert records/ -o converted/ --format csv",
+    ),
 )

@@ -19,10 +19,14 @@ def _add_arguments(parser: argparse.ArgumentParser) -> None:
         type=_tolerance,
         default=1e-9,
         metavar="R",
-        help="numbers may differ by R times the larger (%(default)g)",
+        help="numbers may differ by R times the larger; default: %(default)g",
     )
     parser.add_argument(
-        "--atol", type=_tolerance, default=0.0, metavar="A", help="and by A, in the unit of each variable (%(default)g)"
+        "--atol",
+        type=_tolerance,
+        default=0.0,
+        metavar="A",
+        help="and by A, in the unit of each variable; default: %(default)g",
     )
     parser.add_argument(
         "--ignore",
@@ -32,7 +36,11 @@ def _add_arguments(parser: argparse.ArgumentParser) -> None:
         help="do not compare this variable, named as it is or as in the output (/summary/pga); repeatable",
     )
     parser.add_argument(
-        "--limit", type=count, default=20, metavar="N", help="most flipped verdicts that are named (%(default)s)"
+        "--limit",
+        type=count,
+        default=20,
+        metavar="N",
+        help="most flipped verdicts, and most factors that crossed 1, that are named; default: %(default)s",
     )
 
 
@@ -62,8 +70,10 @@ VERB = Verb(
     name="diff",
     summary="what changed between two results files",
     description="Compare two results files: versions and configuration, records, blocks and models that only one has, "
-    "verdicts that flipped, and variables beyond a tolerance. Rows are matched by name. Exit code 0 where the results "
-    "are the same, 1 where they differ; versions and configuration are told and do not count.",
+    "verdicts that flipped, safety factors that crossed 1, and variables beyond a tolerance. Rows are matched by name. "
+    "Exit code 0 where the results are the same, 1 where they differ; versions and configuration are told and do not "
+    "count.",
     add_arguments=_add_arguments,
     run=_run,
+    examples=("rockpulse diff before.h5 after.h5", "rockpulse diff before.h5 after.h5 --rtol 1e-6 --ignore warnings"),
 )

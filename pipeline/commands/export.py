@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 
+from rockpulse.commands.progress import progress_bars
 from rockpulse.commands.selection_input import add_selection, read_selection
 from rockpulse.commands.verb import Verb
 
@@ -22,24 +23,26 @@ def _add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--group",
         metavar="NAME",
-        help="group of the file: half_cycles, overturning_intervals, directions, failures, records ...; the group with "
-        "the answers (summary) by default",
+        help="group of the file: half_cycles, overturning_intervals, directions, failures, records ...; default: "
+        "the one with the answers (summary)",
     )
     parser.add_argument(
         "--rows",
         metavar="DIM[,DIM]",
-        help="one row per what: record, or record,block ...; by default one per answer (record, block, model)",
+        help="one row per what: record, or record,block ...; default: one per answer (record,block,model)",
     )
-    parser.add_argument("--columns", metavar="NAME[,NAME]", help="only these variables beside the names")
-    parser.add_argument("--record", action="append", metavar="ID", help="only this record; * and ? as in file names")
-    parser.add_argument("--block", action="append", metavar="NAME", help="only this block; * and ? as in file names")
+    parser.add_argument("--columns", metavar="NAME[,NAME]", help="only these variables beside the names; default: all")
+    parser.add_argument(
+        "--record", action="append", metavar="ID", help="only this record; * and ? stand for any letters; repeatable"
+    )
+    parser.add_argument(
+        "--block", action="append", metavar="NAME", help="only this block; * and ? stand for any letters; repeatable"
+    )
     add_selection(parser)
     parser.add_argument("--overwrite", action="store_true", help="replace a table and a README that exist")
 
 
 def _run(args: argparse.Namespace) -> int:
-    from tqdm import tqdm
-
     from rockpulse.long_table import long_table
     from rockpulse.results_file import open_results
     from rockpulse.table_files import check_table_target, write_table
@@ -53,7 +56,7 @@ def _run(args: argparse.Namespace) -> int:
         about = (
             f"From `{file.path.name}` ({file.attrs.get('title', '')}; {history[-1] if history else 'no date'}).{chosen}"
         )
-        with tqdm(total=len(table), desc="writing", unit=" rows", disable=None) as bar:
+        with progress_bars(quiet=False)(total=len(table), desc="writing", unit=" rows") as bar:
             written, readme = write_table(table, args.output, about, args.overwrite, bar.update)
     limited = f" of {table.found}" if table.found > len(table) else ""
     print(f"{written}: {len(table)}{limited} rows{table.per}, {len(table.columns)} columns")
@@ -72,4 +75,9 @@ VERB = Verb(
     "and a README that gives every column its unit and meaning. Flags are written as words.",
     add_arguments=_add_arguments,
     run=_run,
+    examples=(
+        "rockpulse export results.h5 -o table.csv",
+        "rockpulse export results.h5 -o worst.csv --where 'safety_factor < 1' --sort safety_factor --limit 100",
+        "rockpulse export results.h5 -o records.csv --rows record --columns pga,pgv,main_impulse",
+    ),
 )

@@ -5,44 +5,24 @@ from __future__ import annotations
 import argparse
 import sys
 
+from rockpulse.commands.progress import compiling_told, progress_bars
+from rockpulse.commands.record_input import add_record_arguments, resolved
+from rockpulse.commands.telling import tell
 from rockpulse.commands.verb import Verb
 
 __all__ = ["VERB"]
 
 
 def _add_arguments(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument(
-        "paths",
-        nargs="*",
-        metavar="PATHS",
-        help="files, folders, zips or globs; they replace the paths of the configuration",
-    )
-    parser.add_argument(
-        "--config", required=True, metavar="FILE", help="configuration with the blocks and the section [fragility]"
-    )
-    parser.add_argument("-o", "--output", required=True, metavar="RESULTS", help="file to write (HDF5)")
-    parser.add_argument("--overwrite", action="store_true", help="replace a fragility file that exists; never another")
-    parser.add_argument("--quiet", action="store_true", help="print nothing but what failed")
+    add_record_arguments(parser, "RESULTS")
 
 
 def _run(args: argparse.Namespace) -> int:
-    from dataclasses import replace
-    from pathlib import Path
-
-    from rockpulse.config import load_config, located
-    from rockpulse.errors import ConfigError
     from rockpulse.fragility.variables import FRAGILITY
     from rockpulse.store import check_target, save
 
-    config = load_config(args.config)
-    paths = args.paths or [str(path) for path in config.record_paths()]
-    if not paths:
-        raise ConfigError("no records: name files, folders or globs, or give paths in the [records] section")
-    where = tuple(str(located(path, Path.cwd())) for path in paths)
-    config = replace(config, records=replace(config.records, paths=where))
+    config, paths = resolved(args)
     check_target(args.output, args.overwrite, FRAGILITY)
-
-    from tqdm import tqdm
 
     from rockpulse.bodies import gather_bodies
     from rockpulse.failure_overview import failure_list, not_used
@@ -51,8 +31,8 @@ def _run(args: argparse.Namespace) -> int:
     from rockpulse.sources import read_all
 
     gather_bodies(config.blocks)  # a block that no model takes is better known before the records are read
-    silent = True if args.quiet else None  # None: silent unless standard error is a terminal
-    with tqdm(desc="reading", unit=" files", disable=silent) as bar:
+    bars = progress_bars(args.quiet)
+    with bars(desc="reading", unit=" files") as bar:
         records, failures = read_all(
             paths,
             config.records.units,
@@ -60,23 +40,23 @@ def _run(args: argparse.Namespace) -> int:
             dt=config.records.dt,
             response=config.records.response,
         )
-    tree = fragility_curves(
-        records,
-        config,
-        failures=failures,
-        progress=lambda motions: tqdm(motions, desc="scaling", unit=" records", disable=silent),
-    )
+    with compiling_told(args.quiet):
+        tree = fragility_curves(
+            records,
+            config,
+            failures=failures,
+            progress=lambda motions: bars(motions, desc="scaling", unit=" records"),
+        )
     if tree["capacities"].sizes["record"] == 0:
-        print(f"{failure_list(tree)}\nrockpulse: not one record could be used, nothing was written", file=sys.stderr)
+        tell(f"{failure_list(tree)}\nrockpulse: not one record could be used, nothing was written", sys.stderr)
         return 1
     save(tree, args.output, overwrite=args.overwrite)
     failed = failure_list(tree, kinds=("failed",))
     if not args.quiet:
-        print(
-            "\n\n".join(part for part in (fragility_overview(tree), not_used(tree), f"results: {args.output}") if part)
-        )
+        parts = (fragility_overview(tree), not_used(tree), f"results: {args.output}")
+        tell("\n\n".join(part for part in parts if part))
     elif failed:
-        print(failed, file=sys.stderr)
+        tell(failed, sys.stderr)
     return 1 if failed else 0
 
 
@@ -84,7 +64,12 @@ VERB = Verb(
     name="fragility",
     summary="fragility curves of blocks under a set of records",
     description="Scale every record until each limit state is reached (or to given levels), fit fragility curves with "
-    "confidence bands over earthquakes in every intensity measure, and say which measure serves best.",
+    "confidence bands over earthquakes in every intensity measure, and say which measure serves best. Limit states, "
+    "measures and the way of scaling: section [fragility] of the configuration; without one its defaults.",
     add_arguments=_add_arguments,
     run=_run,
+    examples=(
+        "rockpulse fragility records/ --block wall=0.3x2.4 -o fragility.h5",
+        "rockpulse fragility records/ --config site.toml -o fragility.h5",
+    ),
 )

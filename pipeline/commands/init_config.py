@@ -25,7 +25,8 @@ def _run(args: argparse.Namespace) -> int:
         with Path(args.output).open("x", encoding="utf-8", newline="\n") as file:
             file.write(template)
     except FileExistsError:
-        raise ConfigError(f"{args.output}: the file exists; choose another name") from None
+        found = "a folder of this name" if Path(args.output).is_dir() else "the file"
+        raise ConfigError(f"{args.output}: {found} exists; choose another name") from None
     print(
         f"wrote {args.output}: fill in the blocks, then: rockpulse assess RECORDS --config {args.output} -o results.h5"
     )
@@ -38,4 +39,5 @@ VERB = Verb(
     description="Print a configuration with every key, its default and its meaning, or write it to a new file.",
     add_arguments=_add_arguments,
     run=_run,
+    examples=("rockpulse init-config -o site.toml",),
 )

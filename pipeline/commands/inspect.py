@@ -41,10 +41,13 @@ def _add_arguments(parser: argparse.ArgumentParser) -> None:
         "results", metavar="RESULTS", help="file of rockpulse assess, calibrate, fragility, rule judge or study"
     )
     parser.add_argument(
-        "--record", action="append", metavar="ID", help="one record in detail; a pattern (* and ?) lists cases"
+        "--record",
+        action="append",
+        metavar="ID",
+        help="one record in detail; a pattern such as '*CCC*' (* and ? stand for any letters) lists cases; repeatable",
     )
     parser.add_argument(
-        "--block", action="append", metavar="NAME", help="one block in detail; a pattern (* and ?) lists cases"
+        "--block", action="append", metavar="NAME", help="one block in detail, or a pattern likewise; repeatable"
     )
     parser.add_argument("--failures", action="store_true", help="what failed or was skipped, and why")
     parser.add_argument("--records", action="store_true", help="list the records")
@@ -81,10 +84,10 @@ def _parts(file: ResultsFile, args: argparse.Namespace) -> list[str]:
     from rockpulse.overview import overview
 
     _check_worst(args)
+    selection = read_selection(args)
     summary = file.dataset("summary")
     parts = []
     if args.records or args.blocks:
-        selection = read_selection(args)
         parts += [record_list(summary, selection)] if args.records else []
         parts += [block_list(summary, selection)] if args.blocks else []
     elif any(getattr(args, name) for name in OF_CASES):
@@ -170,4 +173,9 @@ VERB = Verb(
     "block in detail; the cases that meet a condition; or what was not assessed.",
     add_arguments=_add_arguments,
     run=_run,
+    examples=(
+        "rockpulse inspect results.h5",
+        "rockpulse inspect results.h5 --record '*CCC*' --model nonlinear",
+        "rockpulse inspect results.h5 --outcome overturns --sort safety_factor --limit 20",
+    ),
 )

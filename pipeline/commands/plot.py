@@ -30,8 +30,8 @@ def _add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("kind", metavar="KIND", help="what to draw; --list shows all, and the file each needs")
     parser.add_argument("-o", "--output", required=True, metavar="FILE", help="picture to write: .png, .svg or .pdf")
     parser.add_argument("--list", action=_List, help="list the kinds and leave")
-    parser.add_argument("--record", metavar="ID", help="one record")
-    parser.add_argument("--block", metavar="NAME", help="one block")
+    parser.add_argument("--record", metavar="ID", help="one record, or a pattern (* and ?) that no other one meets")
+    parser.add_argument("--block", metavar="NAME", help="one block, or a pattern (* and ?) that no other one meets")
     parser.add_argument(
         "--model", dest="models", action="append", metavar="MODEL", help="a model; may be repeated; default: all drawn"
     )

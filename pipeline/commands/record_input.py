@@ -8,17 +8,69 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from rockpulse.config import Config
+    from rockpulse.settings import RecordSettings
 
-__all__ = ["add_record_arguments", "configured", "resolved"]
+__all__ = ["add_reading_arguments", "add_record_arguments", "configured", "reading_options", "resolved"]
 
 
-def add_record_arguments(parser: argparse.ArgumentParser) -> None:
-    """Paths, configuration, blocks, units, output.
+def add_reading_arguments(parser: argparse.ArgumentParser) -> None:
+    """What files may not say of themselves: units and sampling interval.
 
     Parameters
     ----------
     parser : argparse.ArgumentParser
         That of the verb.
+    """
+    parser.add_argument("--units", metavar="UNIT", help='unit of files that do not state theirs: "g", "cm/s2", ...')
+    parser.add_argument(
+        "--dt", type=float, metavar="SECONDS", help="sampling interval of columns without times, in s; such as 0.01"
+    )
+
+
+def reading_options(args: argparse.Namespace, settings: RecordSettings | None = None) -> RecordSettings:
+    """The section [records] with what :func:`add_reading_arguments` has added, checked.
+
+    Parameters
+    ----------
+    args : argparse.Namespace
+        With `units` and `dt`.
+    settings : RecordSettings, optional
+        Of the configuration; the defaults without.
+
+    Raises
+    ------
+    ConfigError, UnitError
+        For an interval or a unit that cannot be.
+    """
+    from dataclasses import replace
+
+    from rockpulse.errors import ConfigError
+    from rockpulse.readers.units import canonical_unit
+    from rockpulse.settings import RecordSettings
+
+    records = settings or RecordSettings()
+    if args.units is not None:
+        canonical_unit(args.units, "option --units")
+        records = replace(records, units=args.units)
+    elif records.units is not None:
+        canonical_unit(records.units, f"option [records] units of {args.config}")
+    if args.dt is not None:
+        try:
+            records = replace(records, dt=args.dt)
+        except ConfigError as error:
+            raise ConfigError(f"--dt: {str(error).removeprefix('[records] dt: ')}") from None
+    return records
+
+
+def add_record_arguments(parser: argparse.ArgumentParser, output: str) -> None:
+    """Paths, output, configuration, blocks, units.
+
+    Parameters
+    ----------
+    parser : argparse.ArgumentParser
+        That of the verb.
+    output : str
+        What the output is called: RESULTS, SITE.
     """
     parser.add_argument(
         "paths",
@@ -26,18 +78,20 @@ def add_record_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="PATHS",
         help="files, folders, zips or globs; they replace the paths of the configuration",
     )
-    parser.add_argument("--config", metavar="FILE", help="configuration; rockpulse init-config writes one")
+    parser.add_argument("-o", "--output", required=True, metavar=output, help="file to write (HDF5)")
+    parser.add_argument(
+        "--config",
+        metavar="FILE",
+        help="configuration (TOML) on the template of rockpulse init-config; default: every key as there, no blocks",
+    )
     parser.add_argument(
         "--block",
         action="append",
         default=[],
         metavar="NAME=WIDTHxHEIGHT",
-        help="a block by its full width and height in m, beside those of the configuration; may be repeated",
+        help="a block by its full width and height in m, beside those of the configuration; repeatable",
     )
-    parser.add_argument("--units", metavar="UNIT", help='unit of files that do not state theirs: "g", "cm/s2", ...')
-    parser.add_argument(
-        "--dt", type=float, metavar="SECONDS", help="sampling interval of columns without times, in s; such as 0.01"
-    )
+    add_reading_arguments(parser)
     parser.add_argument("--overwrite", action="store_true", help="replace results that exist; never any other file")
     parser.add_argument("--quiet", action="store_true", help="print nothing but what failed")
 
@@ -90,20 +144,10 @@ def resolved(args: argparse.Namespace) -> tuple[Config, list[str]]:
 
     from rockpulse.config import located
     from rockpulse.errors import ConfigError
-    from rockpulse.readers.units import canonical_unit
 
     config = configured(args)
     paths = args.paths or [str(path) for path in config.record_paths()]
     if not paths:
-        raise ConfigError("no records: name files, folders or globs, or give paths in the [records] section")
-    records = replace(config.records, paths=tuple(str(located(path, Path.cwd())) for path in paths))
-    if args.units is not None:
-        records = replace(records, units=args.units)
-    if args.dt is not None:
-        try:
-            records = replace(records, dt=args.dt)
-        except ConfigError as error:
-            raise ConfigError(f"--dt: {error}") from None
-    if records.units is not None:
-        canonical_unit(records.units, f"{args.config}: [records] units" if args.units is None else "--units")
-    return replace(config, records=records), paths
+        raise ConfigError("no records: name files, folders, zips or globs, or give paths in the [records] section")
+    where = tuple(str(located(path, Path.cwd())) for path in paths)
+    return replace(config, records=replace(reading_options(args, config.records), paths=where)), paths

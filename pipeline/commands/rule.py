@@ -7,6 +7,8 @@ import sys
 from collections import Counter
 from typing import TYPE_CHECKING
 
+from rockpulse.commands.progress import compiling_told, progress_bars
+from rockpulse.commands.record_input import add_reading_arguments, reading_options
 from rockpulse.commands.verb import Verb
 
 if TYPE_CHECKING:
@@ -17,21 +19,34 @@ if TYPE_CHECKING:
 __all__ = ["VERB"]
 
 
+#: Why there is no configuration.
+PROTOCOL = (
+    "The protocol is fixed, so that verdicts can be compared, and takes no configuration: channels above 0.15 g, "
+    "band-passed from 0.1 to 25 Hz, at factors 0.5 and 1 on twelve bodies of its own (slenderness 4 to 12, R 1 to 4 m)."
+)
+
+
 def _add_arguments(parser: argparse.ArgumentParser) -> None:
-    actions = parser.add_subparsers(dest="action", required=True, metavar="ACTION")
-    fit = actions.add_parser("fit", help="fit the working points on records and write them (TOML)")
-    judge = actions.add_parser("judge", help="compare the rule with the nonlinear model and p PGV/(g tan alpha)")
-    judge.add_argument(
-        "--rule", metavar="RULE", help="rule to judge, of `rockpulse rule fit`; by default the shipped one"
+    actions = parser.add_subparsers(title="actions", dest="action", required=True, metavar="ACTION")
+    fit = actions.add_parser(
+        "fit",
+        help="fit the working points on records and write them (TOML)",
+        description=f"Fit the working points of the rule on records and write them as TOML. {PROTOCOL}",
     )
-    for action, output in ((fit, "RULE"), (judge, "VERDICTS")):
+    judge = actions.add_parser(
+        "judge",
+        help="compare the rule with the nonlinear model and p PGV/(g tan alpha)",
+        description=f"Missed overturnings and false alarms of the rule, on earthquakes left out. {PROTOCOL}",
+    )
+    for action, output, kind in ((fit, "RULE", "TOML"), (judge, "VERDICTS", "HDF5")):
         action.add_argument("paths", nargs="+", metavar="PATHS", help="files, folders, zips or globs of records")
-        action.add_argument("-o", "--output", required=True, metavar=output, help="file to write")
-        action.add_argument("--units", metavar="UNIT", help='unit of files that do not state theirs: "g", "cm/s2", ...')
-        action.add_argument(
-            "--dt", type=float, metavar="SECONDS", help="sampling interval of columns without times, in s"
-        )
-        action.add_argument("--seed", type=int, default=0, help="seed of the bootstrap; default 0")
+        action.add_argument("-o", "--output", required=True, metavar=output, help=f"file to write ({kind})")
+        if action is judge:
+            action.add_argument(
+                "--rule", metavar="RULE", help="rule to judge, of rockpulse rule fit; default: the shipped one"
+            )
+        add_reading_arguments(action)
+        action.add_argument("--seed", type=int, default=0, metavar="N", help="seed of the bootstrap; default: 0")
         action.add_argument("--overwrite", action="store_true", help="replace a file that exists")
         action.add_argument("--quiet", action="store_true", help="print nothing but what failed")
 
@@ -56,6 +71,8 @@ def _fit(args: argparse.Namespace) -> int:
 
     target = check_file(args.output, args.overwrite, (".toml",))
     cases, failures = _cases(args)
+    if cases.empty:
+        return _nothing_strong(failures)
     rules = fit_rules(cases)
     tree = judge_rules(cases, rules, failures, args.seed)
     provenance = {
@@ -87,29 +104,29 @@ def _judge(args: argparse.Namespace) -> int:
     given = {point: load_rule(point, args.rule) for point in POINTS}
     cases, failures = _cases(args)
     if cases.empty:
-        reasons = "".join(f"\n  {failure.reason}" for failure in failures if failure.kind != "vertical")
-        print(f"rockpulse: no strong channel to judge on, nothing was written{reasons}", file=sys.stderr)
-        return 1
+        return _nothing_strong(failures)
     tree = judge_rules(cases, given, failures, args.seed)
     save(tree, args.output, overwrite=args.overwrite)
     return _report(args, failures, f"{rule_overview(tree)}\n\nverdicts: {args.output}")
 
 
 def _cases(args: argparse.Namespace) -> tuple[pd.DataFrame, list[Failure]]:
-    from tqdm import tqdm
-
     from rockpulse.calibration.rule_cases import rule_cases, strong_motions
-    from rockpulse.settings import RecordSettings
     from rockpulse.sources import read_all
 
-    options = RecordSettings(dt=args.dt, units=args.units)
-    silent = True if args.quiet else None  # None: silent unless standard error is a terminal
+    options = reading_options(args)
+    bars = progress_bars(args.quiet)
     records, failures = read_all(args.paths, options.units, dt=options.dt)
     motions, left_out = strong_motions(records)
-    cases, refused = rule_cases(
-        motions, progress=lambda every: tqdm(every, desc="judging", unit=" channels", disable=silent)
-    )
+    with compiling_told(args.quiet):
+        cases, refused = rule_cases(motions, progress=lambda every: bars(every, desc="judging", unit=" channels"))
     return cases, [*failures, *left_out, *refused]
+
+
+def _nothing_strong(failures: list[Failure]) -> int:
+    reasons = "".join(f"\n  {failure.reason}" for failure in failures if failure.kind != "vertical")
+    print(f"rockpulse: no strong channel among the records, nothing was written{reasons}", file=sys.stderr)
+    return 1
 
 
 def _report(args: argparse.Namespace, failures: list[Failure], text: str) -> int:
@@ -130,4 +147,5 @@ VERB = Verb(
     "records against the nonlinear model, with p PGV/(g tan alpha) beside it.",
     add_arguments=_add_arguments,
     run=_run,
+    examples=("rockpulse rule judge records/ -o verdicts.h5", "rockpulse rule fit records/ -o rule.toml"),
 )

@@ -36,7 +36,7 @@ def add_selection(parser: argparse.ArgumentParser) -> None:
         help="only where a variable is so: 'safety_factor < 1', 'predictable = no', 'source = *.AT2'; repeatable, "
         "all have to hold",
     )
-    parser.add_argument("--sort", metavar="VARIABLE", help="smallest first; what is not known comes last")
+    parser.add_argument("--sort", metavar="VARIABLE", help="by this variable, smallest first; what is not known last")
     parser.add_argument("--descending", action="store_true", help="with --sort: largest first")
     parser.add_argument("--limit", type=count, metavar="N", help="at most so many rows")
 

@@ -27,25 +27,26 @@ def _add_arguments(parser: argparse.ArgumentParser) -> None:
         description="Time histories and half-cycles of blocks A (R = 2 m) and B (R = 4 m), 2b = 1 m, for every "
         "spacing, and the verdict on each statement over a range of a common interval dT.",
     )
-    _add_numbers(four, "--restitution", "C", "restitutions; default 0.9 0.6")
-    _add_numbers(four, "--impulse-ratio", "RATIO", "I/I_1c; default 0.1 to 1.0")
-    _add_numbers(four, "--secondary-ratio", "RATIO", "I_s/I; default 0 to 1 in steps of 0.01")
-    _add_numbers(four, "--count", "N", "secondary impulses in every half-cycle, even, or inf; default 2 6 20 inf")
-    _add_numbers(four, "--p", "P", "frequency parameters in 1/s; default those of blocks A and B (1.918 1.356)")
-    _add_numbers(five, "--restitution", "C", "restitutions, two or more; default 0.9 0.6")
-    _add_numbers(five, "--secondary-ratio", "RATIO", "I_s/I, from 0; default 0 0.3 0.5 0.7")
-    five.add_argument("--interval", type=float, metavar="SECONDS", help="dT of the histories; default 0.5 s")
+    for figure in (four, five):
+        figure.add_argument("-o", "--output", required=True, metavar="STUDY", help="file to write (HDF5)")
+    _add_numbers(four, "--restitution", "C", "restitutions; default: 0.9 0.6")
+    _add_numbers(four, "--impulse-ratio", "RATIO", "I/I_1c; default: 0.1 to 1.0")
+    _add_numbers(four, "--secondary-ratio", "RATIO", "I_s/I; default: 0 to 1 in steps of 0.01")
+    _add_numbers(four, "--count", "N", "secondary impulses in every half-cycle, even, or inf; default: 2 6 20 inf")
+    _add_numbers(four, "--p", "P", "frequency parameters in 1/s; default: those of blocks A and B (1.918 1.356)")
+    _add_numbers(five, "--restitution", "C", "restitutions, two or more; default: 0.9 0.6")
+    _add_numbers(five, "--secondary-ratio", "RATIO", "I_s/I, from 0; default: 0 0.3 0.5 0.7")
+    five.add_argument("--interval", type=float, metavar="SECONDS", help="dT of the histories; default: 0.5 s")
     five.add_argument(
         "--scan",
         type=float,
         nargs=3,
         metavar=("FIRST", "LAST", "STEP"),
-        help="intervals that the statements are looked at with; default 0.02 0.61 0.002 s",
+        help="intervals that the statements are looked at with; default: 0.02 0.61 0.002 s",
     )
-    five.add_argument("--step", type=float, metavar="SECONDS", help="step of the histories; default 0.01 s")
+    five.add_argument("--step", type=float, metavar="SECONDS", help="step of the histories; default: 0.01 s")
     for figure in (four, five):
-        figure.add_argument("--duration", type=float, metavar="SECONDS", help="length of the input; default 20 s")
-        figure.add_argument("-o", "--output", required=True, metavar="STUDY", help="file to write (HDF5)")
+        figure.add_argument("--duration", type=float, metavar="SECONDS", help="length of the input; default: 20 s")
         tables = ", ".join(TABLES[figure.prog.split()[-1]])
         figure.add_argument("--csv", metavar="FOLDER", help=f"also write {tables} as CSV into this folder")
         figure.add_argument("--overwrite", action="store_true", help="replace a study or tables that exist")
@@ -91,4 +92,5 @@ VERB = Verb(
     description="Compute section 4 of Casapulla & Maione (2017) as data, and say which of its statements hold where.",
     add_arguments=_add_arguments,
     run=_run,
+    examples=("rockpulse study figure4 -o figure4.h5", "rockpulse study figure5 -o figure5.h5"),
 )

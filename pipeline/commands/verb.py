@@ -25,6 +25,8 @@ class Verb:
         Adds its arguments to its parser.
     run : callable
         From the parsed arguments to the exit code; raises RockpulseError or OSError for what the user can mend.
+    examples : tuple of str
+        Command lines that show how it is used.
     """
 
     name: str
@@ -32,6 +34,7 @@ class Verb:
     description: str
     add_arguments: Callable[[argparse.ArgumentParser], None]
     run: Callable[[argparse.Namespace], int]
+    examples: tuple[str, ...] = ()
 
     def add_to(self, subparsers: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
         """Make the verb known to a parser.
@@ -41,6 +44,7 @@ class Verb:
         subparsers : argparse subparsers
             What ``add_subparsers`` returned.
         """
-        parser = subparsers.add_parser(self.name, help=self.summary, description=self.description)
+        epilog = "\n  ".join(["examples:", *self.examples]) if self.examples else None
+        parser = subparsers.add_parser(self.name, help=self.summary, description=self.description, epilog=epilog)
         self.add_arguments(parser)
         parser.set_defaults(run=self.run)

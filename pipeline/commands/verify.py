@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 
+from rockpulse.commands.progress import progress_bars
 from rockpulse.commands.verb import Verb
 
 __all__ = ["VERB"]
@@ -18,18 +19,16 @@ def _add_arguments(parser: argparse.ArgumentParser) -> None:
         "--inputs",
         action=argparse.BooleanOptionalAction,
         default=True,
-        help="read the record files again as well, as far as they are where they were",
+        help="read the record files again as well, as far as they are where they were; default: yes",
     )
     parser.add_argument("--quiet", action="store_true", help="print nothing but what differs")
 
 
 def _run(args: argparse.Namespace) -> int:
-    from tqdm import tqdm
-
     from rockpulse.verification import verify
 
-    silent = True if args.quiet else None  # None: silent unless standard error is a terminal
-    found = verify(args.results, args.inputs, lambda items: tqdm(items, desc="verifying", disable=silent, leave=False))
+    bars = progress_bars(args.quiet)
+    found = verify(args.results, args.inputs, lambda items: bars(items, desc="verifying", leave=False))
     for difference in found.differences:
         print(f"{args.results}: {difference}")
     if not args.quiet:
@@ -53,4 +52,5 @@ VERB = Verb(
     "was, 1: something differs, 2: no results file, or one that cannot be opened.",
     add_arguments=_add_arguments,
     run=_run,
+    examples=("rockpulse verify results.h5",),
 )

@@ -11,11 +11,10 @@ import numpy as np
 
 from rockpulse.bodies import Bodies, gather_bodies
 from rockpulse.body import BlockSettings
-from rockpulse.calibration.site_tables import read_event_table
-from rockpulse.config import Config, located
+from rockpulse.config import Config
 from rockpulse.directions import Motion, ground_motions
 from rockpulse.errors import ConfigError
-from rockpulse.events import group_events
+from rockpulse.events import event_table, events_by_id
 from rockpulse.failures import Failure
 from rockpulse.fragility.capacity import RecordCapacity, record_capacity
 from rockpulse.fragility.results import build_fragility_tree
@@ -88,9 +87,8 @@ def fragility_curves(
     twice = sorted(name for name, times in Counter(record.id for record in every).items() if times > 1)
     if twice:
         raise ConfigError(f"records: expected different ids, found more than one record with id {', '.join(twice)}")
-    events = config.records.events
-    named = {} if events is None else read_event_table(located(events, config.folder))
-    event_of = dict(zip([record.id for record in every], group_events(every, named), strict=True))
+    failures = list(failures)
+    event_of, _ = events_by_id(every, event_table(config), failures)
     motions, left_out = ground_motions(every, config)
     motions.sort(key=lambda motion: motion.record.id)
     rows = [*failures, *left_out]

@@ -2,11 +2,11 @@ from .critical_factors import critical_scale as critical_scale
 from .critical_factors import overturning_map as overturning_map
 from .fragility_curves import fragility as fragility
 from .ground_motion import accelerogram as accelerogram
-from .histories import History as History
-from .histories import histories as histories
 from .impulse_sequences import limit_accelerogram as limit_accelerogram
 from .kinds import KINDS as KINDS
 from .kinds import draw as draw
+from .model_histories import History as History
+from .model_histories import histories as histories
 from .motion import motion_of_record as motion_of_record
 from .motion import stored_motion as stored_motion
 from .paper import figure4 as figure4

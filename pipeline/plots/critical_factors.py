@@ -16,7 +16,6 @@ from rockpulse.plots.style import (
     GREY,
     PALE,
     RED,
-    SKY,
     SMALL,
     caption,
     legend_above,
@@ -37,8 +36,20 @@ __all__ = ["critical_scale", "overturning_map"]
 #: Rows on a page; of more the lowest factors are shown.
 ROWS = 60
 
+#: Height of a row [in]: 60 of them fit on a page.
+_ROW = 0.155
+
 #: Longest name beside a row.
 _NAME = 34
+
+#: A window in which the block stands again: hatched, and light in grey where it is too narrow for that.
+_AGAIN: dict[str, Any] = {"fc": "#BBDDF3", "ec": BLACK, "lw": 0.0, "hatch": "////", "hatch_linewidth": 0.6}
+
+#: Half the height of a bar.
+_HALF = 0.33
+
+#: Intervals that are narrower are drawn so wide [pt], over the windows beside them: they are what matters.
+_THINNEST = 1.0
 
 #: Factors below the smallest one that is of interest, as a ratio of it.
 _BELOW = 0.7
@@ -79,7 +90,8 @@ def overturning_map(
     Returns
     -------
     matplotlib Axes
-        Bars with the labels "stands", "overturns", "stands again", "cannot answer"; a line at factor 1.
+        Bars with the labels "stands", "overturns", "stands again", "cannot answer", each interval at least a point
+        wide; a dot with the label "smallest factor"; a line at factor 1.
 
     Raises
     ------
@@ -97,7 +109,9 @@ def overturning_map(
     rows = [
         (one, body, case) for one in records for body in blocks for case in range(1, summary.sizes.get("case", 1) + 1)
     ]
-    factors = _of_rows(summary, "safety_factor", records, blocks, model)
+    factors, resolved = (
+        _of_rows(summary, name, records, blocks, model) for name in ("safety_factor", "factor_resolved")
+    )
     if np.all(np.isnan(factors)):
         raise ResultsError(f"{model}: no factors in these results: {_SEARCH}")
     kept = np.arange(len(rows))
@@ -105,25 +119,25 @@ def overturning_map(
         kept = np.argsort(factors, kind="stable")[:ROWS]
     note = f"The {ROWS} smallest factors of {len(rows)}. " if len(rows) > ROWS else ""
     steps, inside = (_of_rows(summary, name, records, blocks, model)[kept] for name in ("search_step", "applicable"))
-    rows, factors = [rows[place] for place in kept], factors[kept]
+    rows, factors, bound = [rows[place] for place in kept], factors[kept], resolved[kept] == 0
     end = float(setting(tree, "search", "factor_max", SearchSettings().factor_max))
-    ax = one_axes(ax, height=1.5 + 0.19 * max(len(rows), 2))
+    ax = one_axes(ax, height=1.5 + _ROW * max(len(rows), 3))
     table = tree["overturning_intervals"].to_dataset()
     begin = _BELOW * min(1.0, float(np.nanmin(np.where(factors > 0.0, factors, np.nan), initial=1.0)))
     for place, (one, body, case) in enumerate(rows):
         if np.isnan(factors[place]):
             ax.text(1.0, place, " not searched", fontsize=SMALL, color=GREY, va="center")
             continue
-        found = _intervals(summary, table, one, body, case, model)
-        _bars(ax, place, found, begin, end)
+        _bars(ax, place, _intervals(summary, table, one, body, case, model), begin, end)
+    _smallest(ax, factors, bound)
     names = [_row_name(summary, row, len(records) > 1) for row in rows]
     _rows(ax, names, begin, end)
     ax.set_xlabel(f"factor on the {_input(model)} [-]")
-    _once(ax)
+    legend_rows = _once(ax, columns=4)
     heading = plain(records[0]) if len(records) == 1 else plain(blocks[0])
-    title(ax, f"{heading}: {look(model).label} model", rows=1)
+    title(ax, f"{heading}: {look(model).label} model", rows=legend_rows)
     outside = [body for (_, body, _), within in zip(rows, inside, strict=True) if within == 0]
-    caption(ax, note + _map_notes(model, end, float(np.nanmax(steps, initial=1.0)), outside))
+    caption(ax, note + _map_notes(model, end, float(np.nanmax(steps, initial=1.0)), outside, bool(np.any(bound))))
     return ax
 
 
@@ -164,10 +178,9 @@ def critical_scale(
     block = chosen(summary, "block", block)
     own = summary.sel(block=block).isel(chosen_case(summary, case))
     known = [str(name) for name in summary["model"].values]
-    for name in models or ():
-        chosen(summary, "model", name)
-    searched = [name for name in models or known if bool(own["safety_factor"].sel(model=name).notnull().any())]
-    if models is None and {"auto", "nonlinear"} <= set(searched):
+    asked = None if models is None else [chosen(summary, "model", name) for name in models]
+    searched = [name for name in asked or known if bool(own["safety_factor"].sel(model=name).notnull().any())]
+    if asked is None and {"auto", "nonlinear"} <= set(searched):
         searched.remove("auto")  # its factors are those of nonlinear
     if not searched:
         raise ResultsError(f"{block}: no factors in these results: {_SEARCH}")
@@ -176,7 +189,7 @@ def critical_scale(
     factor = own["safety_factor"].sel(model=leading).values
     order = np.argsort(factor, kind="stable")[:ROWS]
     end = float(setting(tree, "search", "factor_max", SearchSettings().factor_max))
-    ax = one_axes(ax, height=1.6 + 0.155 * max(order.size, 4))
+    ax = one_axes(ax, height=1.6 + _ROW * max(order.size, 4))
     shown = own.isel(record=order)
     lowest = 1.0
     for place, name in enumerate(searched):
@@ -184,9 +197,8 @@ def critical_scale(
     lowest = _demands(ax, shown, lowest)
     _rows(ax, [str(name) for name in shown["record"].values], _BELOW * lowest, end, end * _NONE ** (len(searched) + 1))
     ax.set_xlabel(wrapped(label(own["safety_factor"].attrs), 64))
-    _once(ax, columns=3)
-    labels = len(dict.fromkeys(ax.get_legend_handles_labels()[1]))
-    title(ax, f"{plain(named_body(summary, block, case))}: critical scale of each record", rows=-(-labels // 3))
+    legend_rows = _once(ax, columns=3)
+    title(ax, f"{plain(named_body(summary, block, case))}: critical scale of each record", rows=legend_rows)
     caption(ax, _scale_notes(own, shown, searched, leading, end))
     return ax
 
@@ -226,6 +238,8 @@ def _bars(ax: Axes, place: int, found: dict[str, np.ndarray], begin: float, end:
     lower, upper = found["lower"], found["upper"]
     first = float(lower[0]) if lower.size else end
     _bar(ax, place, begin, first, "stands", fc="#E8F3EF", ec=GREEN, lw=0.4)
+    if not lower.size:
+        ax.text(end, place, f"none up to {end:g}  ", fontsize=SMALL - 0.5, color=BLACK, ha="right", va="center")
     for low, high, resolved in zip(lower, upper, found["resolved"], strict=True):
         if resolved:
             _bar(ax, place, low, high, "overturns", fc=RED, ec=RED, lw=0.4)
@@ -233,14 +247,34 @@ def _bars(ax: Axes, place: int, found: dict[str, np.ndarray], begin: float, end:
             _bar(
                 ax, place, low, high, "cannot answer: counts as overturning", fc="white", ec=GREY, lw=0.4, hatch="xxxx"
             )
+    for answered, color in ((found["resolved"] != 0, RED), (found["resolved"] == 0, GREY)):
+        middle = np.sqrt(lower * upper)[answered]
+        ax.vlines(middle, place - _HALF, place + _HALF, color=color, lw=_THINNEST, zorder=1.5)
     for low, high in zip(upper[:-1], lower[1:], strict=True):
-        _bar(ax, place, low, high, "stands again", fc=SKY, ec=BLACK, lw=0.0, hatch="////")
+        _bar(ax, place, low, high, "stands again", **_AGAIN)
     if lower.size and upper[-1] < end:
-        _bar(ax, place, float(upper[-1]), end, "stands again", fc=SKY, ec=BLACK, lw=0.0, hatch="////")
+        _bar(ax, place, float(upper[-1]), end, "stands again", **_AGAIN)
 
 
 def _bar(ax: Axes, place: int, low: float, high: float, words: str, **style: Any) -> None:
-    ax.barh(place, high - low, left=low, height=0.66, label=words, **style)
+    ax.barh(place, high - low, left=low, height=2.0 * _HALF, label=words, **style)
+
+
+def _smallest(ax: Axes, factors: np.ndarray, bound: np.ndarray) -> None:
+    """A dot at the smallest factor of every row, hollow where it is a lower bound."""
+    for rows, face in ((~bound, BLACK), (bound, "white")):
+        shown = rows & np.isfinite(factors)
+        if np.any(shown):
+            dots: dict[str, Any] = {
+                "ls": "none",
+                "marker": "o",
+                "ms": 3.6,
+                "mfc": face,
+                "mec": BLACK,
+                "mew": 0.7,
+                "zorder": 3,
+            }
+            ax.plot(factors[shown], np.flatnonzero(shown), label="smallest factor", **dots)
 
 
 def _rows(ax: Axes, names: Sequence[str], begin: float, end: float, last: float | None = None) -> None:
@@ -262,13 +296,14 @@ def _rows(ax: Axes, names: Sequence[str], begin: float, end: float, last: float 
     ax.grid(axis="y", visible=False)
 
 
-def _once(ax: Axes, columns: int = 4) -> None:
-    """Every label once."""
+def _once(ax: Axes, columns: int) -> int:
+    """Every label once; the rows that it takes."""
     found = dict(
         zip(reversed(ax.get_legend_handles_labels()[1]), reversed(ax.get_legend_handles_labels()[0]), strict=True)
     )
     names = sorted(found, key=ax.get_legend_handles_labels()[1].index)
     legend_above(ax, columns, across=True, handles=[found[name] for name in names], labels=names)
+    return -(-len(names) // columns)
 
 
 def _markers(ax: Axes, answers: xr.Dataset, model: str, none_at: float) -> float:
@@ -302,10 +337,13 @@ def _demands(ax: Axes, shown: xr.Dataset, lowest: float) -> float:
     return lowest
 
 
-def _map_notes(model: str, end: float, step: float, outside: Sequence[str]) -> str:
+def _map_notes(model: str, end: float, step: float, outside: Sequence[str], bound: bool) -> str:
     as_it_is = "sequence as it was calibrated" if model in _ON_IMPULSES else "record as it is"
-    words = [f"Dashed: the {as_it_is}. Searched up to a factor of {end:g}"]
-    words[0] += f"; intervals narrower than {100.0 * (step - 1.0):.2g} % may be missing." if step > 1.0 else "."
+    missing = f"; intervals narrower than {100.0 * (step - 1.0):.2g} % may be missing" if step > 1.0 else ""
+    words = [f"Dashed: the {as_it_is}. Searched up to a factor of {end:g}{missing}."]
+    words.append(f"An interval is drawn at least {_THINNEST:g} pt wide.")
+    if bound:
+        words.append("Hollow: a lower bound, from there on the model cannot answer.")
     if outside:
         words.append(f"Outside the range of the model: {plain(counted(dict.fromkeys(outside)))}.")
     if model == "resonance":

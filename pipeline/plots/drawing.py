@@ -12,8 +12,8 @@ from rockpulse.errors import ConfigError, ResultsError
 from rockpulse.plots.critical_factors import critical_scale, overturning_map
 from rockpulse.plots.fragility_curves import fragility
 from rockpulse.plots.ground_motion import accelerogram
-from rockpulse.plots.histories import histories
 from rockpulse.plots.impulse_sequences import limit_accelerogram
+from rockpulse.plots.model_histories import histories
 from rockpulse.plots.motion import had_vertical, stored_motion, stored_record
 from rockpulse.plots.paper import figure4, figure5
 from rockpulse.plots.rotation import rotation_history

@@ -1,4 +1,4 @@
-"""Fragility curves of a block with their bands."""
+"""Fragility curves of a block, one of them with its band."""
 
 from __future__ import annotations
 
@@ -27,6 +27,12 @@ _TAIL = 0.002
 #: Limit states whose single capacities are drawn beside the curves: more of them hide each other.
 _POINTS = 3
 
+#: A band that is wider than this [-] at most of the levels of the picture says nothing.
+_WIDE = 0.8
+
+#: Points of a curve between two levels of the file.
+_BETWEEN = 8
+
 #: Remarks that are given one by one.
 _REMARKS = 4
 
@@ -38,7 +44,7 @@ def fragility(
     limit_states: Sequence[str] | None = None,
     ax: Axes | None = None,
 ) -> Axes:
-    """Probability of reaching each limit state over a measure of intensity, with the confidence bands.
+    """Probability of reaching each limit state over a measure of intensity, and the confidence band of one of them.
 
     Parameters
     ----------
@@ -49,15 +55,16 @@ def fragility(
     measure : str, optional
         By default p PGV/(g tan alpha_c), or the first of the file.
     limit_states : sequence of str, optional
-        Some of the file; all by default.
+        Some of the file; all by default. The band is that of the first of them that has one; by default that of
+        overturning, else of the last one: several would hide each other.
     ax : matplotlib Axes, optional
         Where to draw; by default on a figure of its own.
 
     Returns
     -------
     matplotlib Axes
-        A line for every fitted curve, a filled band where there is one, and, of up to three limit states, the single
-        capacities (a mark each) where every record was scaled.
+        A line for every fitted curve, one filled band unless it spans practically 0 to 1, and, of up to three limit
+        states, the single capacities (a mark each) where every record was scaled.
 
     Raises
     ------
@@ -72,30 +79,26 @@ def fragility(
     own = curves.sel(block=block, measure=measure)
     ax = one_axes(ax, height=4.0)
     level = own["level"].values
-    remarks, reach, banded = [], [], False
+    shown = _shown(own.sel(limit_state=states))
+    remarks: dict[str, list[str]] = {}
+    gravest = [*(state for state in states if state == OVERTURNING), *states[::-1]]
+    banded = _banded(own, states if limit_states else gravest)
     for state, style in zip(states, looks([_named(state) for state in states]), strict=True):
         one = own.sel(limit_state=state)
         if str(one["statement"].item()):
-            remarks.append(f"{style.label}: {one['statement'].item()}")
-        probability = one["probability"].values
-        if np.all(np.isnan(probability)):
+            remarks.setdefault(str(one["statement"].item()), []).append(style.label)
+        if not bool(one["probability"].notnull().any()):
             ax.plot([], [], color=style.color, ls=style.line, label=f"{style.label}: no curve")
             continue
         words = style.label + (" (extrapolated)" if int(one["extrapolated"]) else "")
-        ax.plot(level, probability, color=style.color, ls=style.line, lw=1.4, label=words)
-        low, high = one["probability_low"].values, one["probability_high"].values
-        if not np.all(np.isnan(low)):
-            banded = True
-            ax.fill_between(level, low, high, color=style.color, alpha=0.16, lw=0)
-            for edge in (low, high):
-                ax.plot(level, edge, color=style.color, ls=style.line, lw=0.5, alpha=0.7)
-        reach.append(level[(probability > _TAIL) & (probability < 1.0 - _TAIL)])
+        ax.plot(*_curve(one, "probability"), color=style.color, ls=style.line, lw=1.4, label=words)
+        if state == banded and not _says_nothing(one, shown):
+            _band(ax, one, style)
         if len(states) <= _POINTS and tree.attrs.get("data") == "ida":
             capacities = tree["capacities"].to_dataset()
             _capacities(ax, capacities, block, state, measure, style, float(capacities.attrs["factor_max"]))
     ax.set_xscale("log")
-    seen = np.concatenate([part for part in reach if part.size] or [level])
-    ax.set_xlim(float(seen.min()), float(seen.max()))
+    ax.set_xlim(float(level[shown].min()), float(level[shown].max()))
     ax.set_ylim(-0.01, 1.01)
     attrs = {"long_name": str(own["measure_long_name"].item())}
     ax.set_xlabel(wrapped(label(attrs, units=str(own["measure_units"].item())), 90))
@@ -103,7 +106,10 @@ def fragility(
     _readable_ticks(ax)
     legend_above(ax, 3, across=True)
     title(ax, plain(block), rows=-(-len(states) // 3))
-    caption(ax, _notes(tree, own, banded, remarks, len(states)))
+    notes = [_counts(tree, own), *_band_notes(tree, own, banded, shown)]
+    if len(states) <= _POINTS and tree.attrs["data"] == "ida":
+        notes.append("Marks: records one by one, at the first factor that reaches the limit state (Kaplan-Meier).")
+    caption(ax, " ".join(notes + _told(remarks, len(states))))
     return ax
 
 
@@ -150,15 +156,70 @@ def _readable_ticks(ax: Axes) -> None:
     ax.xaxis.set_minor_formatter(NullFormatter())
 
 
-def _notes(tree: xr.DataTree, own: xr.Dataset, banded: bool, remarks: list[str], states: int) -> str:
+def _banded(own: xr.Dataset, states: Sequence[str]) -> str | None:
+    """The first of some limit states that has a band."""
+    there = own["probability_low"].notnull().any("point")
+    return next((state for state in states if bool(there.sel(limit_state=state))), None)
+
+
+def _shown(own: xr.Dataset) -> np.ndarray:
+    """Levels at which a curve is on its way from 0 to 1, and those between; all where there is none."""
+    probability = own["probability"].transpose("limit_state", "point").values
+    rising = np.flatnonzero(np.any((probability > _TAIL) & (probability < 1.0 - _TAIL), axis=0))
+    every = np.ones(probability.shape[1], dtype=bool)
+    if rising.size > 1:
+        every[: rising[0]] = every[rising[-1] + 1 :] = False
+    return every
+
+
+def _curve(one: xr.Dataset, name: str) -> tuple[np.ndarray, np.ndarray]:
+    """A probability at the levels of the file, and smoothly between them; a step where it is one."""
+    from scipy.interpolate import PchipInterpolator
+
+    level, values = one["level"].values, one[name].values
+    if float(one["beta"]) == 0.0:
+        step = float(one["median"])
+        return np.array([level[0], step, step, level[-1]]), np.array([0.0, 0.0, 1.0, 1.0])
+    places = np.linspace(0.0, level.size - 1.0, _BETWEEN * (level.size - 1) + 1)
+    fine = np.interp(places, np.arange(level.size), np.log(level))
+    return np.exp(fine), PchipInterpolator(np.log(level), values)(fine)
+
+
+def _says_nothing(one: xr.Dataset, shown: np.ndarray) -> bool:
+    return bool(np.median((one["probability_high"] - one["probability_low"]).values[shown]) > _WIDE)
+
+
+def _band(ax: Axes, one: xr.Dataset, style: Look) -> None:
+    (level, low), (_, high) = _curve(one, "probability_low"), _curve(one, "probability_high")
+    ax.fill_between(level, low, high, color=style.color, alpha=0.16, lw=0)
+    for edge in (low, high):
+        ax.plot(level, edge, color=style.color, ls=style.line, lw=0.5, alpha=0.7)
+
+
+def _counts(tree: xr.DataTree, own: xr.Dataset) -> str:
     records, events = int(own["records"].max()), int(own["events"].max())
     found = f"{records} record{'s' * (records != 1)} of {events} earthquake{'s' * (events != 1)}"
-    words = [f"{found}, data: {tree.attrs['data']}."]
-    if banded:
-        words.append(f"Bands: {100.0 * float(tree.attrs['confidence']):g} %, over earthquakes, at each level.")
-    if states <= _POINTS and tree.attrs["data"] == "ida":
-        words.append("Marks: records one by one, at the first factor that reaches the limit state (Kaplan-Meier).")
-    words += [f"{remark}." for remark in remarks[:_REMARKS]]
-    if len(remarks) > _REMARKS:
-        words.append(f"{len(remarks) - _REMARKS} more remarks in the file.")
-    return " ".join(words)
+    return f"{found}, data: {tree.attrs['data']}."
+
+
+def _band_notes(tree: xr.DataTree, own: xr.Dataset, banded: str | None, shown: np.ndarray) -> list[str]:
+    if banded is None:
+        return []
+    one = own.sel(limit_state=banded)
+    if _says_nothing(one, shown):
+        events = int(one["events"])
+        return [
+            f"Band of {_named(banded)}: nearly 0 to 1 at most levels, not drawn ({events} earthquakes are too few)."
+        ]
+    confidence = 100.0 * float(tree.attrs["confidence"])
+    return [f"Band of {_named(banded)}: {confidence:g} %, over earthquakes, at each level."]
+
+
+def _told(remarks: dict[str, list[str]], states: int) -> list[str]:
+    """Every remark once, with the limit states that it is of."""
+    words = [
+        f"{', '.join(names) if len(names) < states else 'All' if states > 1 else names[0]}: {remark}."
+        for remark, names in remarks.items()
+    ]
+    more = len(words) - _REMARKS
+    return words if more <= 0 else [*words[:_REMARKS], f"{more} more remarks in the file."]

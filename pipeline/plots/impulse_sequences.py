@@ -96,7 +96,7 @@ def limit_accelerogram(block: Block, sequence: ImpulseSequence, axes: Any = None
         legend_above(ax, 3)
     panels[-1].set_xlabel("time from the first main impulse [s]")
     if name:
-        title(panels[0], name)
+        title(panels[0], name, rows=1)
     caption(panels[-1], _remarks(block, sequence))
     return panels
 

@@ -85,7 +85,7 @@ KINDS = {
         ("block", "models", "case"),
     ),
     "fragility": Kind(
-        "fragility curves of a block with their bands",
+        "fragility curves of a block, and the band of one of them",
         FRAGILITY,
         "rockpulse fragility",
         ("block", "measure", "limit_states"),
@@ -122,7 +122,8 @@ def draw(tree: xr.DataTree, kind: str, **options: Any) -> Figure:
     **options
         What is chosen, those of the kind: `record`, `block`, `measure`, `spacing` (names), `models`, `limit_states`
         (sequences of names), `case` (number of the restitution, from 1), `count` (n, or inf), `restitution` (a number
-        or "housner"). None stands for the default. A record or a block may be left out where there is one only.
+        or "housner"). None stands for the default. A record or a block may be left out where there is one only; for a
+        name of the file a pattern (* and ?) does that no other name meets.
 
     Returns
     -------
@@ -151,7 +152,8 @@ def draw(tree: xr.DataTree, kind: str, **options: Any) -> Figure:
     given = {name: value for name, value in options.items() if value is not None}
     for name in given:
         if name not in row.options:
-            takes = f"it takes {', '.join(row.options)}" if row.options else "the picture is always the same"
+            flags = ", ".join(OPTIONS[option] for option in row.options)
+            takes = f"it takes {', '.join(row.options)} ({flags})" if flags else "the picture is always the same"
             raise ResultsError(f"{kind}: there is no {name} to choose; {takes}")
     from rockpulse.plots.drawing import DRAWERS
 
@@ -167,6 +169,12 @@ def kind_list() -> str:
         options = ", ".join(OPTIONS[option] for option in row.options) or "none"
         lines += [name, paragraph(row.summary, "    ", "    ")]
         lines.append(paragraph(f"from: {row.command}; options: {options}", "    ", "    "))
+    lines.append(
+        paragraph(
+            "A record or a block may be left out where the file has one only. Instead of a name a pattern does, with * "
+            "and ? for any letters, if one name only meets it."
+        )
+    )
     return "\n".join(lines)
 
 

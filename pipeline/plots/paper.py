@@ -157,7 +157,12 @@ def figure5(tree: xr.DataTree, axes: Any = None, spacing: str | None = None) -> 
         )
     else:
         legend(panels[0, 0], title="$I_s/I$", ncols=2)
+    sizes = [
+        f"{name} {float(own['width'].sel(block=name)):g} x {float(own['height'].sel(block=name)):.3g} m"
+        for name in blocks
+    ]
     words = (
+        f"Blocks (width x height): {', '.join(sizes)}. "
         f'Spacing "{own["spacing"].item()}", trial interval {float(own["interval"]):g} s, $I = I_{{2c}}$: without '
         r"secondary impulses the second half-cycle is exactly critical and creeps to $\alpha_c$. "
         "Cross: the block overturns."

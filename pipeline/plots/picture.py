@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import re
+import threading
 from io import BytesIO
 from typing import TYPE_CHECKING
 
@@ -32,6 +33,9 @@ _LONG = re.compile(r"-?\d+\.\d{3,}")
 _RULE = '<style type="text/css">*{stroke-linejoin: round; stroke-linecap: butt}</style>'
 _FONTS = re.compile(r"font-family: 'DejaVu Sans',[^;\"]*")
 
+#: matplotlib's settings, and its reader of mathematics, are the same for all threads.
+_WRITING = threading.Lock()
+
 _ID = re.compile(r'(\bid="|\bhref="#|url\(#)')
 
 
@@ -53,8 +57,8 @@ def picture_bytes(figure: Figure, form: str) -> bytes:
     import matplotlib
 
     buffer = BytesIO()
-    # Read by the writers when they write, and nowhere else to be given; put back at once.
-    with matplotlib.rc_context({"svg.fonttype": "none", "svg.hashsalt": "rockpulse", "pdf.fonttype": 42}):
+    # Read by the writers when they write, and nowhere else to be given; put back at once, one thread after the other.
+    with _WRITING, matplotlib.rc_context({"svg.fonttype": "none", "svg.hashsalt": "rockpulse", "pdf.fonttype": 42}):
         figure.savefig(buffer, format=form, dpi=RESOLUTION, metadata=_UNDATED[form])
     return buffer.getvalue()
 

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from rockpulse.plots.histories import History
+from rockpulse.plots.model_histories import History
 from rockpulse.plots.style import BLACK, SMALL, caption, dressed, figure_of, legend_above, look, several_axes, thinned
 from rockpulse.plots.style import title as titled
 
@@ -80,6 +80,7 @@ def rotation_history(histories: Sequence[History], axes: Any = None, title: str 
     moving.set_ylabel(r"rotation $\theta/\alpha_c$ [-]")
     moving.set_xlim(first, last)
     moving.set_ylim(*_limits(histories))
+    moving.yaxis.set_major_formatter(lambda value, _: f"{value:g}")  # of small ones too, no power beside the axis
     legend_above(moving, 2, across=True, lift=4.0)
     titled(moving, title, rows=(len(histories) + 1) // 2)
     caption(below, _remarks(histories))
@@ -124,7 +125,7 @@ def _limits(histories: Sequence[History]) -> tuple[float, float]:
     if largest >= 0.3 or any(np.isinf(history.peak) for history in histories):
         reach = min(max(1.15, 1.08 * largest), 1.08 * _TOP)
     else:
-        reach = max(1.3 * largest, 0.01)
+        reach = 1.3 * largest or 0.01
     return -reach, reach
 
 

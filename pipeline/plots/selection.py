@@ -5,6 +5,7 @@ from __future__ import annotations
 import tomllib
 from collections.abc import Sequence
 from difflib import get_close_matches
+from fnmatch import fnmatchcase
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -46,7 +47,7 @@ _SAME = 1e-6
 
 
 def chosen(dataset: xr.Dataset, dimension: str, name: str | None) -> str:
-    """The name along a dimension that was asked for, or the only one there is.
+    """The name along a dimension that was asked for, in full or by a pattern, or the only one there is.
 
     Parameters
     ----------
@@ -55,12 +56,13 @@ def chosen(dataset: xr.Dataset, dimension: str, name: str | None) -> str:
     dimension : str
         record, block, model, ...
     name : str or None
-        What was asked for.
+        What was asked for: a name, or a pattern (* and ? stand for any letters) that only one name meets.
 
     Raises
     ------
     ResultsError
-        For a name that is not there, with the nearest one, or none where there are several.
+        For a name that is not there, with the nearest ones, a pattern that several names meet, or none where there are
+        several.
     """
     known = [str(item) for item in dataset[dimension].values]
     if name is None and len(known) == 1:
@@ -68,13 +70,23 @@ def chosen(dataset: xr.Dataset, dimension: str, name: str | None) -> str:
     if name is None:
         option = dimension.replace("_", "-")
         raise ResultsError(f"expected one of {len(known)} {dimension}s, none was named (--{option}): {_listed(known)}")
-    if name not in known:
-        near = get_close_matches(name, known, n=NEAR, cutoff=_SIMILAR)
+    if name in known:
+        return name
+    met = [label for label in known if fnmatchcase(label, name)]
+    if len(met) == 1:
+        return met[0]
+    if met:
         raise ResultsError(
-            f'no {dimension} "{name}" in these results; '
-            + (f"the nearest: {_listed(near)}" if near else f"there are: {_listed(known)}")
+            f'{dimension}: "{name}" is met by {len(met)} in these results, the picture is of one: {_listed(met)}'
         )
-    return name
+    near = get_close_matches(name, known, n=NEAR, cutoff=_SIMILAR)
+    nearest = f"the nearest: {_listed(near)}; " if near else ""
+    there = f"there are: {_listed(known)}"
+    if near and len(known) > LISTED:
+        there = f"there are {len(known)} (rockpulse inspect --{dimension}s)"
+    raise ResultsError(
+        f'no {dimension} "{name}" in these results (a pattern with * and ? does as well); {nearest}{there}'
+    )
 
 
 def _listed(names: Sequence[str]) -> str:
@@ -253,8 +265,8 @@ def sequence_of(tree: xr.DataTree, record: str, block: str, case: int = 1) -> Im
         if durations.shape == table["duration"].shape and np.allclose(durations, table["duration"], rtol=_SAME):
             return sequence
     raise ResultsError(
-        f"{record}, {block}: the half-cycles of the file are those of no spacing of its sequence; "
-        "assess the record again"
+        f"{record}, {block}: the half-cycles of the file are those of no spacing of its sequence; assess the record "
+        "again"
     )
 
 

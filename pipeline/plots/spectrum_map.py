@@ -95,6 +95,8 @@ def rocking_spectrum(
     c = spectrum["restitution"].values
     span = f"{c.min():.3f}" if np.ptp(c) == 0.0 else f"{c.min():.3f} to {c.max():.3f}, with $\\alpha_c$ (Housner)"
     remarks = [f"Nonlinear equation, $C$ = {span}."]
+    if np.all(outcome == Outcome.AT_REST):
+        remarks.append("Every block stays at rest.")
     if bodies:
         remarks.append("Bodies with another $C$ rock differently from the blocks of the map.")
     caption(ax, " ".join([*remarks, note]).strip())
@@ -114,7 +116,7 @@ def _bodies(ax: Axes, bodies: dict[str, tuple[float, float]]) -> list[Any]:
         ax.plot(p, alpha, ls="none", marker="o", ms=9, mfc="white", mec=BLACK, mew=0.8)
         ax.plot(p, alpha, ls="none", marker=mark, ms=5, color=BLACK, mew=0.2)
         handles.append(
-            Line2D([], [], ls="none", marker=mark, ms=5, color=BLACK, mew=0.2, label=plain(shortened(name, 30)))
+            Line2D([], [], ls="none", marker=mark, ms=5, color=BLACK, mew=0.2, label=plain(shortened(name, 24)))
         )
     if len(bodies) > _NAMED:
         handles.append(

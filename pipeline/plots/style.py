@@ -116,14 +116,19 @@ def look(model: str) -> Look:
 
 
 def looks(names: Sequence[str]) -> list[Look]:
-    """How things of one family are drawn, in their order.
+    """How things of one family are drawn, in their order; the colours that come again have other lines and markers.
 
     Parameters
     ----------
     names : sequence of str
         What the legend says of each.
     """
-    return [Look(name, *_CYCLE[place % len(_CYCLE)]) for place, name in enumerate(names)]
+    found = []
+    for place, name in enumerate(names):
+        turn, at = divmod(place, len(_CYCLE))
+        _, line, marker = _CYCLE[(at + 2 * turn + 1) % len(_CYCLE)] if turn else _CYCLE[at]
+        found.append(Look(name, _CYCLE[at][0], line, marker))
+    return found
 
 
 def ramp(names: Sequence[str]) -> list[Look]:
@@ -274,8 +279,8 @@ def legend_above(ax: Axes, ncols: int, across: bool = False, lift: float = 0.0, 
     )
 
 
-def title(ax: Axes, words: str, rows: int = 0, width: int = 96) -> None:
-    """What the picture shows: above the whole of a figure of our own, else above the Axes.
+def title(ax: Axes, words: str, rows: int = 0, width: int = 74) -> None:
+    """What the picture shows: above the whole of a figure of our own, else above the Axes and their own title.
 
     Parameters
     ----------
@@ -294,7 +299,7 @@ def title(ax: Axes, words: str, rows: int = 0, width: int = 96) -> None:
     if words and figure is not None and figure.get_label() == _OURS:
         figure.suptitle(wrapped(words, width), x=0.01, ha="left", fontsize=FONT)
     else:
-        panel_title(ax, words, rows)
+        panel_title(ax, "\n".join(line for line in (words, ax.get_title(loc="left")) if line), rows)
 
 
 def panel_title(ax: Axes, words: str, rows: int = 0, width: int = 92) -> None:

@@ -111,7 +111,12 @@ def read_at2(file: SourceFile, options: ReadOptions) -> list[Record]:
             f"{file.name}: expected NPTS and DT in one of the first {_HEADER_LIMIT} lines, found none; is it AT2?"
         )
     header = [line[:_LONGEST_LINE] for line in lines[: end + 1]]
-    unit = _unit(file.name, header, options.units)
+    title = [part.strip() for part in header[1].split(",")] if end > 1 else [""]
+    # Names of events have commas too: "Chi-Chi, Taiwan, 9/20/1999, CHY101, E".
+    dated = [index for index, part in enumerate(title[1:-1], 1) if _DATE.fullmatch(part)]
+    event = dated[0] + 1 if dated else 1
+    station = ", ".join(title[event:-1])
+    unit = _unit(file.name, header, station, options.units)
     matches = (pattern.search(header[end]) for pattern in _COUNT_AND_STEP)
     match = next((match for match in matches if match), None) or _BARE.fullmatch(header[end])
     if match is None:
@@ -123,10 +128,6 @@ def read_at2(file: SourceFile, options: ReadOptions) -> list[Record]:
     if not (np.isfinite(step) and step > 0.0) or _MILLISECONDS.search(header[end]):
         raise RecordFormatError(f"{file.name}:{end + 1}: expected a positive DT in s, found {header[end].strip()!r}")
     samples, warnings = _samples(file.name, lines, _first_value(lines, end + 1), count)
-    title = [part.strip() for part in header[1].split(",")] if end > 1 else [""]
-    # Names of events have commas too: "Chi-Chi, Taiwan, 9/20/1999, CHY101, E".
-    dated = [index for index, part in enumerate(title[1:-1], 1) if _DATE.fullmatch(part)]
-    event = dated[0] + 1 if dated else 1
     component = re.sub(r"\s*\(.*?\)\s*$", "", title[-1]) if len(title) > 1 else ""
     written = _WRITTEN.match(header[0])
     return [
@@ -142,7 +143,7 @@ def read_at2(file: SourceFile, options: ReadOptions) -> list[Record]:
             component=component,
             # PEER drops leading zeros: 9 is an azimuth here, elsewhere the number of a channel.
             facing=direction(component.zfill(3)) if component.isdecimal() else None,
-            station_name=", ".join(title[event:-1]),
+            station_name=station,
             event=", ".join(title[:event]),
             warnings=warnings,
         )
@@ -163,16 +164,17 @@ def _processed(first_line: str) -> bool | None:
     return True if _PEER.search(first_line) else None
 
 
-def _unit(name: str, header: Sequence[str], given: str | None) -> str:
+def _unit(name: str, header: Sequence[str], station: str, given: str | None) -> str:
     for index, line in enumerate(header):
         series = _SERIES.search(line)
         unit = _UNIT.search(line)
         if not (series or unit):
             continue
         if series and not series[1].upper().startswith("ACC"):
+            of = f" of station {station}" if station else ""
             raise NotAcceleration(
-                f"{name}:{index + 1}: expected an acceleration series, found {line.strip()!r}; "
-                "read the AT2 file of the same record"
+                f"{name}:{index + 1}: expected an acceleration series{of}, found {line.strip()!r}; read the AT2 file "
+                "of the same record"
             )
         if unit:
             return canonical_unit(unit[1], f"{name}:{index + 1}")
@@ -181,8 +183,8 @@ def _unit(name: str, header: Sequence[str], given: str | None) -> str:
             return canonical_unit(behind[behind.lastgroup or 0], f"{name}:{index + 1}")
     if given is None:
         raise UnitError(
-            f"{name}: expected a header line 'ACCELERATION TIME SERIES IN UNITS OF G', found none; "
-            "give the unit with the option units, such as units='g'"
+            f"{name}: expected a header line 'ACCELERATION TIME SERIES IN UNITS OF G', found none; give the unit with "
+            "the option units, such as units='g'"
         )
     return canonical_unit(given, "option units")
 

@@ -16,7 +16,10 @@ from rockpulse.readers.source import NotAcceleration, SourceFile
 from rockpulse.readers.units import UNITS, other_readings
 from rockpulse.record import STANDARD_GRAVITY, Record, record_id
 
-__all__ = ["build_record", "clock_fault", "usable_channels"]
+__all__ = ["DEAD", "build_record", "clock_fault", "usable_channels"]
+
+#: Warning of a channel without motion.
+DEAD = "all samples are zero: a dead channel"
 
 #: A stated peak further from the data than this, and than its own rounding, is reported.
 PEAK_TOLERANCE = 0.02
@@ -49,14 +52,14 @@ def _peak_warnings(
     peak: float, unit: str, factor: float, header_peak: float, rounding: float, samples_peak: float
 ) -> list[str]:
     if peak == 0.0:
-        return ["all samples are zero: a dead channel"]
+        return [DEAD]
     warnings = []
     g = STANDARD_GRAVITY
     gap = abs(abs(header_peak) - peak)
     if gap > PEAK_TOLERANCE * max(peak, abs(header_peak)) and gap > rounding:
         warnings.append(
-            f"the header states a peak of {abs(header_peak) / g:.4g} g, the data have {peak / g:.4g} g; "
-            "check the unit and that the file is whole"
+            f"the header states a peak of {abs(header_peak) / g:.4g} g, the data have {peak / g:.4g} g; check the "
+            "unit and that the file is whole"
         )
     low, high = CREDIBLE_PEAK_G
     if not low <= peak / g <= high:
@@ -136,8 +139,8 @@ def build_record(
         )
     if samples.size < 2:
         raise RecordFormatError(
-            f"{file.name}: channel {number}: expected at least 2 samples, found {samples.size}; "
-            "the file may be truncated: download it again"
+            f"{file.name}: channel {number}: expected at least 2 samples, found {samples.size}; the file may be "
+            "truncated: download it again"
         )
     samples_peak = float(np.max(np.abs(samples))) if original_peak is None else original_peak
     # A reader that filters the samples has looked at them before; the words are the same.

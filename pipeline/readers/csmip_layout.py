@@ -225,8 +225,8 @@ def channels(file: SourceFile, title: re.Pattern[str], wording: str) -> tuple[li
     while start < len(lines):
         if not title.match(lines[start]):
             raise RecordFormatError(
-                f"{file.name}:{start + 1}: expected {wording!r} (channel {len(spans) + 1}), "
-                f"found {lines[start][:60].strip()!r}; the file is damaged: download it again"
+                f"{file.name}:{start + 1}: expected {wording!r} (channel {len(spans) + 1}), found "
+                f"{lines[start][:60].strip()!r}; the file is damaged: download it again"
             )
         ends = (i for i in range(start + 1, len(lines)) if lines[i].startswith("/&") or title.match(lines[i]))
         end = next(ends, len(lines))
@@ -330,7 +330,7 @@ def read_header(lines: Sequence[str]) -> Header:
         network=network,
         station=station,
         location=location,
-        station_name=re.split(r"\s{2,}", text[5].strip())[0],
+        station_name=re.split(r"\s{2,}|\s+s/n\b", text[5].strip(), flags=re.IGNORECASE)[0],
         event=" ".join(re.split(r"\s{2,}\(", text[1].strip())[0].split()),
         start_time=start_time,
         warnings=notes,

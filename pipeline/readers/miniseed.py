@@ -72,10 +72,10 @@ def _miniseed_channel(file: SourceFile, traces: list[Any], number: int, options:
     where = f"{file.name}: {trace.id}"
     if len(traces) > 1:
         raise RecordRefused(
-            f"{where} has {len(traces) - 1} gaps or overlaps, the first at {stats.endtime}; "
-            "cut a part without gaps, or download the record again"
+            f"{where} has {len(traces) - 1} gaps or overlaps, the first at {stats.endtime}; cut a part without gaps, "
+            "or download the record again"
         )
-    channel, notes = station_channel(file, trace, full=options.response == "remove")
+    channel, site, notes = station_channel(file, trace, full=options.response == "remove")
     counts = np.asarray(trace.data)
     samples = counts.astype(float)
     warnings, processing = [], []
@@ -100,6 +100,7 @@ def _miniseed_channel(file: SourceFile, traces: list[Any], number: int, options:
         network=stats.network,
         station=stats.station,
         location=stats.location,
+        station_name=site,
         start_time=utc_time(file, stats.starttime),
         warnings=[*notes, *warnings],
         processing=processing,

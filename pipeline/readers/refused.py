@@ -14,6 +14,9 @@ __all__ = ["FORMATS"]
 #: Bytes from the start of a file that decide.
 _OPENING = 4000
 
+#: Number of the station, and in the line below its name.
+_STATION = re.compile(r"^\s?station no\.?\s+(\w+)\b[^\r\n]*[\r\n]+(\S[^\r\n]*?)(?:\s\s|[\r\n])", re.I | re.M)
+
 
 @dataclass(frozen=True)
 class _Refused:
@@ -38,9 +41,11 @@ class _Refused:
 
     def parse(self, file: SourceFile, options: ReadOptions) -> NoReturn:
         """Refuse the file with the reason."""
+        station = _STATION.search(file.head[:_OPENING].decode("latin-1"))
+        of = f" of station {station[1]}, {' '.join(station[2].split())}" if station else ""
         raise NotAcceleration(
-            f"{file.name}:1: expected an accelerogram, found {self.what}; "
-            "read the volume 1 or 2 (.V1, .V2) of the same record"
+            f"{file.name}:1: expected an accelerogram{of}, found {self.what}; read the volume 1 or 2 (.V1, .V2) of "
+            "the same record"
         )
 
 

@@ -19,6 +19,7 @@ __all__ = [
     "FILE_LIMIT",
     "HEAD",
     "RATIO_LIMIT",
+    "NoRecord",
     "NotAcceleration",
     "SourceFile",
     "Unrecognised",
@@ -57,6 +58,10 @@ StationFiles = Callable[[], list[tuple[str, bytes]]]
 
 class Unrecognised(RecordFormatError):
     """No reader knows the file: skipped in a folder, an error where it was named."""
+
+
+class NoRecord(Unrecognised):
+    """Nothing speaks for a record either: a text, a table, a picture."""
 
 
 class NotAcceleration(RecordRefused):

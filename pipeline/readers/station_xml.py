@@ -39,15 +39,17 @@ def _inventory(name: str, content: bytes) -> tuple[Any, list[str]]:
         raise RecordFormatError(f"{name}: cannot be read as StationXML: {fault}") from fault
 
 
-def _channels(name: str, content: bytes, network: str, station: str, location: str, channel: str) -> Iterator[Any]:
-    """The channels of these codes that have a sensitivity."""
+def _channels(
+    name: str, content: bytes, network: str, station: str, location: str, channel: str
+) -> Iterator[tuple[Any, str]]:
+    """The channels of these codes that have a sensitivity, with the name of their station."""
     if station.encode() not in content:
         return
     for net in _inventory(name, content)[0].select(network, station, location, channel):
-        for found in (found for place in net for found in place):
+        for found, site in ((found, place.site) for place in net for found in place):
             sensitivity = found.response.instrument_sensitivity if found.response else None
             if sensitivity is not None and sensitivity.value:
-                yield found
+                yield found, (site.name or "").strip() if site else ""
 
 
 def _is_of(name: str, file: SourceFile) -> bool:
@@ -55,8 +57,9 @@ def _is_of(name: str, file: SourceFile) -> bool:
     return file.chosen or PurePosixPath(name.replace("\\", "/").rpartition("!")[2]).stem == file.path.stem
 
 
-def station_channel(file: SourceFile, trace: Any, full: bool) -> tuple[Any, list[str]]:
-    """The one StationXML channel whose epoch holds the whole record, with its response; what obspy warned of.
+def station_channel(file: SourceFile, trace: Any, full: bool) -> tuple[Any, str, list[str]]:
+    """The one StationXML channel whose epoch holds the whole record, with its response; the name of its station, and
+    what obspy warned of.
 
     A file with the stem of the miniSEED file comes first, and one that rockpulse wrote serves no other. Several
     channels are one if they tell the same: sensitivity (where `full`, response), direction, raw or corrected.
@@ -72,7 +75,7 @@ def station_channel(file: SourceFile, trace: Any, full: bool) -> tuple[Any, list
     files = [(name, content) for name, content in file.station_files() if stats.station.encode() in content]
     looked: list[str] = []
     notes: list[str] = []
-    found: list[Any] = []
+    found: list[tuple[Any, str]] = []
     for own in (True, False):
         for name, content in files:
             if _is_of(name, file) is not own:
@@ -83,20 +86,21 @@ def station_channel(file: SourceFile, trace: Any, full: bool) -> tuple[Any, list
             except RecordFormatError as fault:
                 raise RecordFormatError(f"{fault}; it is needed for {file.name}") from fault
             notes += [f"{name}: {note}" for note in warned]
-            serving = [channel for channel in channels if own or channel.description not in PROCESSED]
+            serving = [(channel, site) for channel, site in channels if own or channel.description not in PROCESSED]
             bound = len(serving) < len(channels)
             looked.append(f"{name}, which serves the miniSEED file of its own name only" if bound else name)
-            found += [channel for channel in serving if _holds(channel, stats.starttime, stats.endtime)]
+            found += [(channel, site) for channel, site in serving if _holds(channel, stats.starttime, stats.endtime)]
         if found:
             break
     if not found:
         raise RecordRefused(
             f"{file.name}: {trace.id} is in counts and no sensitivity for {stats.starttime} to {stats.endtime} was "
             f"found ({'; '.join(['looked in ' + ', '.join(looked), *dict.fromkeys(notes)]) if looked else _NO_FILE}); "
-            "put the station's StationXML with responses into the same folder, or name it: "
-            "read(path, stationxml='station.xml')"
+            "put the station's StationXML with responses into the same folder, or name it: read(path, "
+            "stationxml='station.xml')"
         )
-    gaps = [gap for gap in (_gap(found[0], channel, full) for channel in found[1:]) if gap]
+    first, site = found[0]
+    gaps = [gap for gap in (_gap(first, channel, full) for channel, _ in found[1:]) if gap]
     if gaps:
         what, values = gaps[0]
         raise RecordRefused(
@@ -104,7 +108,7 @@ def station_channel(file: SourceFile, trace: Any, full: bool) -> tuple[Any, list
             f"{f' ({values})' if values else ''}; keep the right StationXML only, or give it the name of the "
             f"miniSEED file ({file.path.stem}.xml)"
         )
-    return found[0], notes
+    return first, site, notes
 
 
 def told_otherwise(files: Files, network: str, station: str, channel: Any) -> bool:
@@ -112,7 +116,7 @@ def told_otherwise(files: Files, network: str, station: str, channel: Any) -> bo
     return any(
         _overlap(channel, other) and _gap(channel, other, full=False)
         for name, content in files
-        for other in _channels(name, content, network, station, channel.location_code, channel.code)
+        for other, _ in _channels(name, content, network, station, channel.location_code, channel.code)
     )
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
+from difflib import get_close_matches
 
 from rockpulse.errors import UnitError
 from rockpulse.record import STANDARD_GRAVITY
@@ -67,8 +68,9 @@ def canonical_unit(text: str, where: str) -> str:
         quantity = quantity_of(text)
         of = f" ({quantity})" if quantity else ""
         advice = "" if where.startswith("option") else "; correct the file, or write columns and give their unit"
+        near = "".join(f'; did you mean "{close}"?' for close in get_close_matches(unit, UNITS, n=1))
         raise UnitError(
-            f"{where}: unknown unit of acceleration {text[:40]!r}{of}; expected one of {', '.join(UNITS)}{advice}"
+            f"{where}: unknown unit of acceleration {text[:40]!r}{of}{near}; expected one of {', '.join(UNITS)}{advice}"
         )
     return unit
 

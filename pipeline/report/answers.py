@@ -9,6 +9,7 @@ import numpy as np
 
 from rockpulse.capacity_overview import factor_cell
 from rockpulse.models.response import Outcome
+from rockpulse.record_marks import doubts
 from rockpulse.report.motions import Motions
 from rockpulse.report.standing import GRADES, WORDS, Body, Standing, lanes, standings, why_unknown
 from rockpulse.report.tables import Cell, Column, Table, proportion
@@ -56,6 +57,11 @@ class Answers:
         Which.
     model : str
         Whose answers are counted in the verdict.
+
+    Attributes
+    ----------
+    names : list of str
+        Ids of the records, with the marks of those whose peak is doubtful.
     """
 
     def __init__(self, summary: xr.Dataset, bodies: list[Body], model: str) -> None:
@@ -67,14 +73,19 @@ class Answers:
         self._factor = lanes(summary, "safety_factor", bodies, model)
         self._count = lanes(summary, "interval_count", bodies, model)
         self._resolved = lanes(summary, "factor_resolved", bodies, model)
+        self._limit = lanes(summary, "safe_up_to", bodies, model)
         self._capacity = lanes(summary, "capacity_ratio", bodies, model)
+        marks = doubts(summary)
+        self.names = [str(name) + marks[str(name)] for name in summary["record"].values]
         self._demand = {name: lanes(summary, name, bodies) for name in DEMANDS}
 
     def verdict(self, record: int, lane: int) -> Cell:
         """How a body stands under a record, sorted from best to worst."""
         kind = Standing(int(self.standing[record, lane]))
-        why = str(self._why[record, lane]) if kind == Standing.UNKNOWN else ""
-        return Cell(f"{WORDS[kind]}: {why}" if why else WORDS[kind], float(kind), grade=GRADES[kind])
+        why = f": {self._why[record, lane]}" if kind == Standing.UNKNOWN else ""
+        if kind == Standing.STANDS and self.outcomes(self.model)[record, lane] == Outcome.AT_REST:
+            why = ", not lifted"  # says little of a stronger record
+        return Cell(WORDS[kind] + why, float(kind), grade=GRADES[kind])
 
     def factor(self, record: int, lane: int) -> Cell:
         """The safety factor, marked where it is a lower bound, with the number of intervals that overturn."""
@@ -83,15 +94,20 @@ class Answers:
         count = None if self._count is None else int(self._count[record, lane])
         resolved = None if self._resolved is None else int(self._resolved[record, lane])
         value = float(self._factor[record, lane])
-        return Cell(factor_cell(value, count, resolved), value)
+        limit = None if self._limit is None else float(self._limit[record, lane])
+        return Cell(factor_cell(value, count, resolved, limit), value)
 
     def capacities(self, record: int, lane: int) -> list[Cell]:
         """Capacity over every demand; none without a demand."""
         if self._capacity is None:
             return []
         resolved = None if self._resolved is None else int(self._resolved[record, lane])
-        values = self._capacity[record, lane].tolist()
-        return [Cell(factor_cell(value, None, resolved), value) for value in values]
+        limits = np.full(self._capacity.shape[2], np.nan)
+        if self._limit is not None:
+            strength = self._limit[record, lane] * self.summary["pga"].values[record]
+            limits = strength / self.summary["demand_acceleration"].values
+        values = zip(self._capacity[record, lane].tolist(), limits.tolist(), strict=True)
+        return [Cell(factor_cell(value, None, resolved, limit), value) for value, limit in values]
 
     def demand(self, name: str, record: int, lane: int) -> Cell:
         """One of :data:`DEMANDS`."""
@@ -160,11 +176,11 @@ def answer_table(answers: Answers) -> Table:
         *(model_column(model) for model in answers.models),
     )
     rows = []
-    for record, name in enumerate(answers.summary["record"].values.tolist()):
+    for record, name in enumerate(answers.names):
         for lane, body in enumerate(answers.bodies):
             rows.append(
                 (
-                    Cell(str(name), link=f"record-{record}"),
+                    Cell(name, link=f"record-{record}"),
                     Cell(body.block, link=f"body-{body.place}"),
                     Cell(restitution(body.restitution), body.restitution),
                     answers.verdict(record, lane),

@@ -12,8 +12,9 @@ from rockpulse.report.method import REFERENCE, assumptions, models_in_use, not_c
 from rockpulse.report.motions import Motions, event_table, motions_of
 from rockpulse.report.notes import table_notes
 from rockpulse.report.pages import BodyPage, RecordPage, body_pages, record_pages
+from rockpulse.report.pairing import Paired
 from rockpulse.report.provenance import failure_table, input_table, versions, warning_table
-from rockpulse.report.site_part import SitePart, describe_site
+from rockpulse.report.site_part import SitePart, coverage_of, describe_site
 from rockpulse.report.standing import bodies_of
 from rockpulse.report.statements import Remark, counted_by, headline, remarks
 from rockpulse.report.tables import Fact, Table
@@ -100,25 +101,25 @@ class Content:
     configuration: str
 
 
-def gather(tree: xr.DataTree, site: xr.DataTree | None = None, fragility: xr.DataTree | None = None) -> Content:
+def gather(tree: xr.DataTree, site: Paired | None = None, fragility: Paired | None = None) -> Content:
     """The content of the report.
 
     Parameters
     ----------
     tree : xarray.DataTree
         Results of an assessment.
-    site, fragility : xarray.DataTree, optional
+    site, fragility : Paired, optional
         A site calibration and fragility curves to show beside them.
     """
     summary = tree["summary"].to_dataset()
-    of_events = [other[name].to_dataset() for other, name in ((site, "site"), (fragility, "capacities")) if other]
-    motions = motions_of(tree, *of_events)
+    motions = motions_of(tree)
     model = fullest_model(summary)
     bodies = bodies_of(summary)
     found = verdicts(summary, bodies, model, motions)
     answers = Answers(summary, bodies, model)
     every = _events_of_rows(motions, summary.sizes["record"])
-    assessed = {str(name) for name in summary["record"].values}
+    assessed = 0 if motions.kind == "sequence" else summary.sizes["record"]
+    coverage = "" if site is None else coverage_of(site.tree["site"].to_dataset())
     failures = failure_table(tree)
     failed = sum(row[0].text == "failed" for row in failures.rows)
     return Content(
@@ -128,15 +129,15 @@ def gather(tree: xr.DataTree, site: xr.DataTree | None = None, fragility: xr.Dat
         motions=motions,
         found=tuple(found),
         headline=tuple(headline(summary, found, motions, model)),
-        counted_by=counted_by(model, motions),
-        remarks=tuple(remarks(summary, found, motions, model, failed)),
+        counted_by=counted_by(model, motions, "demand" in summary.dims),
+        remarks=tuple(remarks(summary, found, motions, model, failed, coverage)),
         verdict=verdict_table(summary, found, motions, model),
         counts=count_table(answers, motions),
         answers=answer_table(answers),
         earthquakes=event_table(motions),
         notes=tuple(table_notes(answers, motions)),
         site=None if site is None else describe_site(site, assessed),
-        fragility=None if fragility is None else describe_fragility(fragility, assessed),
+        fragility=None if fragility is None else describe_fragility(fragility, assessed, model),
         bodies=tuple(body_pages(answers, found)),
         records=tuple(record_pages(answers, every)),
         reference=REFERENCE,

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import math
+import tomllib
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from rockpulse.report.motions import several
+from rockpulse.report.pairing import Paired, listed
 from rockpulse.report.tables import Cell, Column, Table
 from rockpulse.terminal import ABSENT, ratio
 
@@ -31,6 +33,8 @@ class FragilityPart:
 
     Attributes
     ----------
+    remarks : tuple of str
+        What keeps the curves from standing beside the verdict as they are; shown loudly.
     statements : tuple of str
         What the curves rest on.
     banded : bool
@@ -41,6 +45,7 @@ class FragilityPart:
         Medians and dispersions; remarks.
     """
 
+    remarks: tuple[str, ...]
     statements: tuple[str, ...]
     banded: bool
     blocks: tuple[str, ...]
@@ -59,40 +64,56 @@ def shown_measure(curves: xr.Dataset) -> str:
     return SHOWN if SHOWN in measures else measures[0]
 
 
-def describe_fragility(tree: xr.DataTree, assessed: set[str]) -> FragilityPart:
+def describe_fragility(of: Paired, assessed: int, model: str) -> FragilityPart:
     """The section on fragility.
 
     Parameters
     ----------
-    tree : xarray.DataTree
-        A fragility file.
-    assessed : set of str
-        Ids of the records of the assessment.
+    of : Paired
+        A fragility file, beside the results.
+    assessed : int
+        Records of the assessment; 0 where a design sequence stands for them.
+    model : str
+        The model of the verdict.
     """
+    tree = of.tree
     curves, capacities = tree["fragility"].to_dataset(), tree["capacities"].to_dataset()
     measure = shown_measure(curves)
     own = curves.sel(measure=measure)
     banded = bool(own["median_low"].notnull().any())
     events = len(set(capacities["event"].values.tolist()))
-    common = len(assessed & {str(name) for name in capacities["record"].values})
     words, units = (str(own[name].item()) for name in ("measure_long_name", "measure_units"))
     data = str(tree.attrs["data"])
     unit = "" if units == "1" else f" [{units}]"
+    common = (
+        "the verdict is of a design sequence" if not assessed else f"{of.same} of them among the {assessed} assessed"
+    )
     statements = [
-        f"From {several(capacities.sizes['record'], 'record')} of {several(events, 'earthquake')} ({common} of them "
-        "among "
-        f"the {len(assessed)} assessed here); {_DATA.get(data, data)}. Intensity measure: {words}{unit}.",
+        f"From {several(capacities.sizes['record'], 'record')} of {several(events, 'earthquake')} ({common}); "
+        f"{_DATA.get(data, data)}. Intensity measure: {words}{unit}.",
     ]
     if data == "ida":
         statements.append(
             "Capacity is the first factor that reaches the limit state; above it a body may stand again, so the "
-            "curve is "
-            "the probability of reaching the limit state at or below a level."
+            "curve is the probability of reaching the limit state at or below a level."
         )
-    remarks = _remarks(own)
-    tables = (_medians(own, float(tree.attrs["confidence"])), *((remarks,) if remarks.rows else ()))
+    table = _remarks(own)
+    tables = (_medians(own, float(tree.attrs["confidence"])), *((table,) if table.rows else ()))
     blocks = tuple(str(name) for name in own["block"].values)
-    return FragilityPart(tuple(statements), banded, blocks, tables)
+    return FragilityPart(tuple(_differences(of, assessed, model)), tuple(statements), banded, blocks, tables)
+
+
+def _differences(of: Paired, assessed: int, model: str) -> list[str]:
+    """What the curves and the verdict do not have in common."""
+    said = of.other_motions("The curves are", assessed)
+    equation = tomllib.loads(str(of.tree.attrs.get("configuration", ""))).get("fragility", {}).get("equation", model)
+    if equation != model and model not in ("auto", "resonance", "sequence"):
+        said.append(f"The curves are by the {equation} equation of motion, the verdict is by the {model} model.")
+    if of.missing:
+        said.append(f"Without curves, for the fragility file lacks them: {listed(of.missing)}.")
+    if of.foreign:
+        said.append(f"Left out, for they are not among the bodies assessed here: the curves of {listed(of.foreign)}.")
+    return said
 
 
 def _medians(own: xr.Dataset, confidence: float) -> Table:
@@ -117,7 +138,7 @@ def _medians(own: xr.Dataset, confidence: float) -> Table:
             rows.append(
                 (
                     Cell(str(block)),
-                    Cell(str(state)),
+                    Cell(_state(str(state))),
                     Cell(ratio(values[0]) + (beyond if not math.isnan(values[0]) else ""), values[0]),
                     *(Cell(ratio(found), found) for found in values[1:]),
                     Cell(f"{counts[0]} of {counts[1]}", float(counts[0])),
@@ -129,6 +150,11 @@ def _medians(own: xr.Dataset, confidence: float) -> Table:
     return Table("fragility-medians", caption, columns, tuple(rows), searched=len(rows) > 20)
 
 
+def _state(name: str) -> str:
+    """A limit state in words: its name, or the rotation that it is."""
+    return name if name.isalpha() else f"θ_max/α_c ≥ {name}"
+
+
 def _remarks(own: xr.Dataset) -> Table:
     rows = []
     for block in own["block"].values:
@@ -136,7 +162,7 @@ def _remarks(own: xr.Dataset) -> Table:
         for state in own["limit_state"].values:
             said = str(own["statement"].sel(block=block, limit_state=state).item())
             if said:
-                found.setdefault(said, []).append(str(state))
+                found.setdefault(said, []).append(_state(str(state)))
         rows += [(Cell(str(block)), Cell(", ".join(states)), Cell(said)) for said, states in found.items()]
     columns = (Column("body"), Column("limit states"), Column("remark"))
     return Table("fragility-remarks", "Remarks on the curves", columns, tuple(rows), searched=len(rows) > 20)

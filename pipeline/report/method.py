@@ -1,5 +1,4 @@
-"""How the numbers come about, what is assumed, and what is not covered: the same in every report but for what was "
-"used."""
+"""How the numbers come about, what is assumed, what is not covered; the same in every report but for what was used."""
 
 from __future__ import annotations
 
@@ -17,59 +16,52 @@ __all__ = ["REFERENCE", "assumptions", "models_in_use", "not_covered"]
 
 REFERENCE = (
     "C. Casapulla, A. Maione (2017), Rocking resonance conditions of large and slender rigid blocks under the "
-    "intense phase "
-    "of an earthquake, COMPDYN 2017, doi:10.7712/120117.5612.17190 (Eqs. 5 and 9 with their index corrected)"
+    "intense phase of an earthquake, COMPDYN 2017, doi:10.7712/120117.5612.17190 (Eqs. 5 and 9 with their index "
+    "corrected)"
 )
 
 _MODELS = {
     "resonance": f"{UPPER_BOUND}, no prediction: the main impulse of the record arrives at the worst moment of every "
     "half-cycle (closed form). Its overturning says that the body may be unsafe, nothing more.",
     "sequence": "main impulses at the start of each half-cycle and smaller ones of alternating sign between them, "
-    "calibrated "
-    "on the half-waves of the record; between impulses the natural motion of the block.",
+    "calibrated on the half-waves of the record; between impulses the natural motion of the block.",
     "balanced": "an impulse sequence for each record and body by a rule that was fitted to the verdicts of the "
-    "nonlinear "
-    "model, missed and false alarms balanced.",
+    "nonlinear model, missed and false alarms balanced.",
     "conservative": "the same with a limit that misses few overturnings, at the price of false alarms.",
     "impulsive": "every half-wave of the record as an impulse at its centroid; between them the natural motion of "
-    "the block. "
-    "It knows no threshold of uplift.",
+    "the block. It knows no threshold of uplift.",
     "linear": "the equation of motion for small rotations, under the accelerogram itself.",
     "nonlinear": "the full equation of motion under the accelerogram itself: "
     "θ″ = −p² [(1 + a_v/g) sin(±α_c − θ) + (a_g/g) cos(±α_c − θ)].",
     "auto": "the cheapest model whose verdict is that of the nonlinear one. Peaks written ~0.06 are estimates from "
-    "impulses, "
-    "those written >0.12 the peak so far when the verdict was certain.",
+    "impulses, those written >0.12 the peak so far when the verdict was certain.",
 }
 
 _ASSUMPTIONS = (
     (
         "The body",
-        "one symmetric rigid block that stands free on a rigid level base and rocks in that plane about "
-        "its two lower edges. Given by its size, or by p and α_c where it is no rectangle.",
+        "one symmetric rigid block that stands free on a rigid level base and rocks in that plane about its two "
+        "lower edges. Given by its size, or by p and α_c where it is no rectangle.",
     ),
     (
         "Impact",
-        "instantaneous, without bouncing; it leaves the fraction C of the rotation speed. C is Housner's "
-        "1 − 1.5 sin²α_c unless given; C of real masonry scatters.",
+        "instantaneous, without bouncing; it leaves the fraction C of the rotation speed. C is Housner's 1 − 1.5 "
+        "sin²α_c unless given; C of real masonry scatters.",
     ),
     (
         "Ground motion",
         "the accelerogram as conditioned, straight between its samples, at the foot of the body. After its end the "
-        "ground is "
-        "at rest, and the motion is followed until rest or overturning is certain.",
+        "ground is at rest, and the motion is followed until rest or overturning is certain.",
     ),
     (
         "Uplift",
         "where the ground acceleration exceeds g tan α_c. Overturning is the fall to the ground, not the passing of "
-        "α_c "
-        "alone.",
+        "α_c alone.",
     ),
     (
         "Strength",
         "a factor scales the whole motion; its frequencies and duration stay. The search for the safety factor is on "
-        "a grid: "
-        "bands of overturning narrower than its step may be missed.",
+        "a grid: bands of overturning narrower than its step may be missed.",
     ),
 )
 
@@ -81,20 +73,17 @@ _NOT_COVERED = (
     (
         "Flexible bodies",
         "and weak ones: bending, cracking, crushing of the edges, separation of leaves. A masonry wall that is not "
-        "of one "
-        "piece does not rock as a rigid block.",
+        "of one piece does not rock as a rigid block.",
     ),
     (
         "One-sided walls",
         "façades that lean on floors or cross walls rock to one side only, and bounce on what is behind them; nor "
-        "are ties, "
-        "anchors and thrusts of vaults taken into account.",
+        "are ties, anchors and thrusts of vaults taken into account.",
     ),
     (
         "Amplification up the building",
         "the motion is that of the record: a parapet, a gable or equipment on a floor is shaken by the floor, more "
-        "strongly "
-        "and near the building's own frequencies.",
+        "strongly and near the building's own frequencies.",
     ),
     (
         "Three-dimensional rocking",

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from rockpulse.events import UNKNOWN
 from rockpulse.report.events import events_of
 from rockpulse.report.standing import Standing
 from rockpulse.report.tables import Cell, Column, Table
@@ -49,6 +50,12 @@ class Motions:
         """Number of earthquakes."""
         return len(set(self.events))
 
+    def of_unknown_event(self) -> str:
+        """A sentence on the motions whose earthquake is unknown, after a blank; empty where all are known."""
+        count = self.events.count(UNKNOWN)
+        which = f"{several(count, 'motion')} whose earthquake neither the files nor a table ([records] events) tell"
+        return f" As one earthquake counts: {which}." if count else ""
+
     def counted(self) -> str:
         """Their number in words: "7 records of 2 earthquakes"."""
         if self.kind == "sequence":
@@ -76,18 +83,16 @@ class Motions:
         return found
 
 
-def motions_of(tree: xr.DataTree, *others: xr.Dataset) -> Motions:
+def motions_of(tree: xr.DataTree) -> Motions:
     """The motions of the results of an assessment.
 
     Parameters
     ----------
     tree : xarray.DataTree
         The results.
-    *others : xarray.Dataset
-        Groups that name the events of records (:func:`~rockpulse.report.events.events_of`).
     """
     summary = tree["summary"].to_dataset()
-    events = events_of(summary, *others)
+    events = events_of(summary)
     ids = [str(name) for name in summary["record"].values]
     if "directions" not in tree.children:
         rows = [np.array([place]) for place in range(len(ids))]
@@ -119,7 +124,9 @@ def event_table(motions: Motions) -> Table:
         for event, names in of_event.items()
     )
     heads = (Column("earthquake"), Column("motions", numeric=True), Column("which"))
-    return Table("earthquakes", "Earthquakes that the motions are counted to, by name and time", heads, rows)
+    return Table(
+        "earthquakes", "Earthquakes that the motions are counted to, by the table, by name and by time", heads, rows
+    )
 
 
 def several(count: int, noun: str) -> str:

@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
+from rockpulse.capacity_overview import BEYOND, factor_cell, search_limit
+from rockpulse.record_marks import doubt_notes
 from rockpulse.report.answers import UPPER_BOUND, Answers
 from rockpulse.report.motions import Motions
+from rockpulse.verdict_notes import BEYOND_CRITICAL, beyond_critical
 
 __all__ = ["table_notes"]
 
@@ -14,8 +19,7 @@ _MARKS = {
     "?": "?: not predictable: another answer when C or the record changes in the ninth digit.",
     "~": "Peaks of auto: ~0.06 an estimate from impulses; >0.12 the peak so far, when the verdict was certain.",
     "!": "!: from this factor on the model cannot answer, as in free flight: a lower bound; below it no overturning "
-    "was "
-    "found.",
+    "was found.",
 }
 
 
@@ -31,10 +35,11 @@ def table_notes(answers: Answers, motions: Motions) -> list[str]:
     """
     notes = [
         "Figures of a model: largest rotation over the critical angle, θ_max/α_c, under the motion as it is. C: "
-        "velocity "
-        "ratio of an impact. a/a_up: PGA over the acceleration of uplift. I/I_1c: main impulse over the one that "
-        "overturns the block alone.",
+        "velocity ratio of an impact. a/a_up: PGA over the acceleration of uplift. I/I_1c: main impulse over the one "
+        "that overturns the block alone.",
+        *([BEYOND_CRITICAL] if beyond_critical(answers.summary) else []),
         *_of_factors(answers, motions),
+        *doubt_notes(answers.names),
     ]
     if "resonance" in answers.models:
         notes.append(
@@ -46,8 +51,7 @@ def table_notes(answers: Answers, motions: Motions) -> list[str]:
     if motions.kind == "pair":
         notes.append(
             "Every direction of a sweep is a record of the tables; the verdict takes each pair of channels once, in "
-            "its "
-            "worst direction."
+            "its worst direction."
         )
     return notes
 
@@ -58,11 +62,11 @@ def _of_factors(answers: Answers, motions: Motions) -> list[str]:
     if "safety_factor" not in summary or not np.any(summary["safety_factor"].notnull()):
         return []
     of = "the main impulse (with I_s/I kept)" if motions.kind == "sequence" else "the record"
-    words = (
-        f"SF: smallest factor on {of} at which the body overturns by the {answers.model} model; none: not found up "
-        "to the "
-        "end of the search ([search] factor_max)."
-    )
+    words = f"SF: smallest factor on {of} at which the body overturns by the {answers.model} model."
+    factor = summary["safety_factor"].values
+    if np.isinf(factor).any():
+        limit = search_limit(factor, summary["safe_up_to"].values if "safe_up_to" in summary else None)
+        words += f" {factor_cell(math.inf, limit=limit)}: {BEYOND}."
     if "interval_count" in summary and int(summary["interval_count"].max()) > 1:
         words += (
             " (2): it overturns in two intervals of the factor: beyond the first the body stands again before it "
@@ -70,5 +74,8 @@ def _of_factors(answers: Answers, motions: Motions) -> list[str]:
         )
     missed = float(summary["search_step"].max()) - 1.0 if "search_step" in summary else 0.0
     if missed > 0.0:
-        words += f" Bands of overturning narrower than the step of the search (up to {missed:.1%}) may lie below it."
+        words += (
+            f" Bands of overturning narrower than the step of the search (up to {missed:.1%}) may lie below it: do not "
+            "read SF to two digits."
+        )
     return [words]

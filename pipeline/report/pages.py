@@ -60,7 +60,7 @@ class RecordPage:
     key : str
         Id in the page.
     name : str
-        Its id in the results.
+        Its id in the results, marked where its peak is doubtful.
     place : int
         Row of /summary.
     brief : str
@@ -126,7 +126,7 @@ def record_pages(answers: Answers, events: list[str]) -> list[RecordPage]:
         pages.append(
             RecordPage(
                 key=f"record-{place}",
-                name=record,
+                name=answers.names[place],
                 place=place,
                 brief=_brief(summary, record),
                 worst=Cell(f"worst: {worst.text}", worst.value, grade=worst.grade),
@@ -182,14 +182,13 @@ def _governing(answers: Answers, own: list[int], place: int) -> Table:
         Column("SF", "safety factor", numeric=True),
         Column("verdict", answers.model, numeric=True, words=True),
     )
-    names = [str(name) for name in summary["record"].values]
     rows = []
     for record, lane in sorted(pairs, key=order)[:GOVERNING]:
         c = answers.bodies[lane].restitution
         strength = float(summary["pga"].values[record]) / _gravity()
         rows.append(
             (
-                Cell(names[record], link=f"record-{record}"),
+                Cell(answers.names[record], link=f"record-{record}"),
                 *((Cell(restitution(c), c),) if len(own) > 1 else ()),
                 Cell(figure(strength), strength),
                 answers.demand("uplift_ratio", record, lane),
@@ -219,6 +218,7 @@ def _of_record(summary: xr.Dataset, record: str, event: str) -> tuple[Fact, ...]
         facts += [
             Fact("earthquake", (event,)),
             Fact("station, component", (f"{words('station')}, {words('component')} (azimuth {azimuth})",)),
+            Fact("name of the station", (words("station_name"),)),
             Fact("start (UTC)", (words("start_time"),)),
             Fact("samples", (f"{samples} at {known('dt', 's')}",)),
             Fact("PGA", (acceleration(pga),)),
@@ -229,9 +229,8 @@ def _of_record(summary: xr.Dataset, record: str, event: str) -> tuple[Fact, ...]
     sequence = "none could be made"
     if not math.isnan(value(summary, "main_impulse", record=record)):
         sequence = (
-            f"I = {known('main_impulse', 'm/s')}, I_s = {known('secondary_impulse', 'm/s')}, "
-            f"ΔT = {known('secondary_interval', 's')}, duration {known('sequence_duration', 's')}, main impulses: "
-            f"{limited}"
+            f"I = {known('main_impulse', 'm/s')}, I_s = {known('secondary_impulse', 'm/s')}, ΔT = "
+            f"{known('secondary_interval', 's')}, duration {known('sequence_duration', 's')}, main impulses: {limited}"
         )
     facts.append(Fact("impulse sequence", (sequence,)))
     for name in ("processing", "warnings"):

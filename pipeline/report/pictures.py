@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
     from rockpulse.report.content import Content
+    from rockpulse.report.pairing import Paired
 
 __all__ = ["Picture", "Pictures"]
 
@@ -55,16 +56,15 @@ class Pictures:
     ----------
     tree : xarray.DataTree
         The results.
-    site, fragility : xarray.DataTree or None
+    site, fragility : Paired or None
         The other files of the report.
     content : Content
         What the page says.
     """
 
-    def __init__(
-        self, tree: xr.DataTree, site: xr.DataTree | None, fragility: xr.DataTree | None, content: Content
-    ) -> None:
-        self._tree, self._site, self._fragility = tree, site, fragility
+    def __init__(self, tree: xr.DataTree, site: Paired | None, fragility: Paired | None, content: Content) -> None:
+        self._tree = tree
+        self._site, self._fragility = (None if other is None else other.tree for other in (site, fragility))
         self._summary = tree["summary"].to_dataset()
         stored = tree["records"].to_dataset() if "records" in tree.children else None
         self._stored = None if stored is None or "acceleration" not in stored else stored
@@ -152,7 +152,7 @@ class Pictures:
         own = [one for one in self._found if one.body.place == block and one.governing >= 0]
         if self._stored is None or not own or self._summary.sizes["block"] > IN_FULL:
             return None
-        from rockpulse.plots.histories import histories
+        from rockpulse.plots.model_histories import histories
         from rockpulse.plots.rotation import rotation_history
 
         worst = min(own, key=lambda one: one.smallest)

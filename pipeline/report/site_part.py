@@ -7,13 +7,14 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from rockpulse.report.motions import several
+from rockpulse.report.pairing import Paired, listed
 from rockpulse.report.tables import Cell, Column, Table, number, share
 from rockpulse.terminal import ABSENT, figure, ratio, restitution
 
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["SitePart", "describe_site"]
+__all__ = ["SitePart", "coverage_of", "describe_site"]
 
 _UNITS = {"m s-1": "m/s", "s": "s", "1": "-"}
 
@@ -37,29 +38,40 @@ class SitePart:
     tables: tuple[Table, ...]
 
 
-def describe_site(tree: xr.DataTree, assessed: set[str]) -> SitePart:
+def describe_site(of: Paired, assessed: int) -> SitePart:
     """The section on the site.
 
     Parameters
     ----------
-    tree : xarray.DataTree
-        A site file.
-    assessed : set of str
-        Ids of the records of the assessment.
+    of : Paired
+        A site file, beside the results.
+    assessed : int
+        Records of the assessment; 0 where the design of this site stands for them.
     """
-    site = tree["site"].to_dataset()
+    site = of.tree["site"].to_dataset()
     remarks = tuple(line for line in str(site["remarks"].item()).splitlines() if line)
-    common = len(assessed & {str(name) for name in site["record"].values})
     return SitePart(
-        remarks,
-        (
-            *_records(site),
-            f"{common} of its records are among the {len(assessed)} assessed here.",
-            _design(site),
-            *_coverage(site),
-        ),
+        (*of.other_motions("The calibration and its design are", assessed), *remarks),
+        (*_records(site), *_common(of, site, assessed), _design(site), coverage_of(site)),
         (_parameters(site), _blocks(site), _events(site), _every_record(site)),
     )
+
+
+def _common(of: Paired, site: xr.Dataset, assessed: int) -> list[str]:
+    if not assessed:
+        said = ["The verdict of this report is that of its design sequence."]
+    else:
+        said = [
+            f"{of.same} of its records are among the {assessed} assessed here. The design sequence is no part of the "
+            "verdict, which is on the records themselves."
+        ]
+    if of.foreign:
+        total = site.sizes["block"]
+        said.append(
+            f"Judged on {several(total, 'body')}, of which {len(of.foreign)} "
+            f"{'is' if len(of.foreign) == 1 else 'are'} not among those assessed here: {listed(of.foreign)}."
+        )
+    return said
 
 
 def _records(site: xr.Dataset) -> tuple[str, ...]:
@@ -67,8 +79,8 @@ def _records(site: xr.Dataset) -> tuple[str, ...]:
     scaled = "not scaled" if attributes["scaled_to"] == "none" else f"scaled to {attributes['scaled_to']}"
     return (
         f"Calibrated on {several(site.sizes['record'], 'record')} of "
-        f"{several(site.sizes['site_event'], 'earthquake')}, "
-        f"{scaled}; the sequence of each record by {attributes['method']}; weights: {attributes['weights']}.",
+        f"{several(site.sizes['site_event'], 'earthquake')}, {scaled}; the sequence of each record by the method "
+        f"“{attributes['method']}”; weights: “{attributes['weights']}”.",
     )
 
 
@@ -79,25 +91,31 @@ def _design(site: xr.Dataset) -> str:
     low, high = (float(site[f"design_{end}"].sel(parameter="main")) for end in ("lower", "upper"))
     band = "no interval" if math.isnan(low) and math.isnan(high) else f"{_number(low)} to {_number(high)}"
     return (
-        f"Design sequence (quantile {float(site['quantile']):g} of the recorded rotations, by {site.attrs['design']}): "
-        f"I = {figure(design['main'], 'm/s')} ({float(site['confidence']):.0%} confidence: {band}), "
-        f"I_s = {figure(design['ratio'] * design['main'], 'm/s')}, ΔT = {figure(design['interval'], 's')}, main "
-        "impulses: "
-        f"{count} {within}, spacing “{site.attrs['spacing']}”."
+        f"Design sequence (quantile {float(site['quantile']):g} of the recorded rotations, method "
+        f"“{site.attrs['design']}”): I = {figure(design['main'], 'm/s')} ({float(site['confidence']):.0%} confidence: "
+        f"{band}), I_s = {figure(design['ratio'] * design['main'], 'm/s')}, ΔT = {figure(design['interval'], 's')}, "
+        f"main impulses: {count} {within}, spacing “{site.attrs['spacing']}”."
     )
 
 
-def _coverage(site: xr.Dataset) -> tuple[str, ...]:
+def coverage_of(site: xr.Dataset) -> str:
+    """Which share of recorded rotations the design covers, of earthquakes that it does not know.
+
+    Parameters
+    ----------
+    site : xarray.Dataset
+        The node /site.
+    """
     known = {name: float(site[name]) for name in ("coverage", "coverage_lower", "coverage_upper", "quantile")}
     pairs, events = (int(site[f"judged_{name}"]) for name in ("pairs", "events"))
     judged = f"{several(pairs, 'pair')} of record and block of {several(events, 'event')}"
     if math.isnan(known["coverage"]):
-        return ("Whether the design covers other earthquakes is not known: nothing could be left out to try it on.",)
+        return "Whether the design covers other earthquakes is not known: nothing could be left out to try it on."
     return (
         f"A design made without the event of a record covers {share(known['coverage'])} "
         f"({float(site['confidence']):.0%} confidence: {share(known['coverage_lower'])} to "
         f"{share(known['coverage_upper'])}) of the recorded rotations of the blocks that it leaves standing; it was to "
-        f"cover {share(known['quantile'])}. Judged on {judged}.",
+        f"cover {share(known['quantile'])}. Judged on {judged}."
     )
 
 

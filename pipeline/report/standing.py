@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from rockpulse.capacity_overview import THIN_MARGIN
 from rockpulse.models.response import Outcome, Reason
 from rockpulse.overview import cases
 from rockpulse.terminal import restitution
@@ -26,14 +27,16 @@ class Standing(IntEnum):
     """How a body stands under a record, from best to worst."""
 
     STANDS = 0  #: neither the record nor a weaker copy overturns it
-    NO_MARGIN = 1  #: the record does not overturn it; weaker and stronger ones were not searched
-    UNKNOWN = 2  #: the model cannot say, or not reliably
-    WEAKER_OVERTURNS = 3  #: it survives the record as it is, a weaker copy overturns it
-    OVERTURNS = 4  #: the record overturns it
+    THIN = 1  #: the same, but a copy hardly stronger does: the search is not that fine
+    NO_MARGIN = 2  #: the record does not overturn it; weaker and stronger ones were not searched
+    UNKNOWN = 3  #: the model cannot say, or not reliably
+    WEAKER_OVERTURNS = 4  #: it survives the record as it is, a weaker copy overturns it
+    OVERTURNS = 5  #: the record overturns it
 
 
 WORDS = {
     Standing.STANDS: "stands",
+    Standing.THIN: "stands, hardly a margin",
     Standing.NO_MARGIN: "stands, margin not computed",
     Standing.UNKNOWN: "not known",
     Standing.WEAKER_OVERTURNS: "a weaker copy overturns it",
@@ -43,6 +46,7 @@ WORDS = {
 #: How each is marked (:class:`rockpulse.report.tables.Cell`).
 GRADES = {
     Standing.STANDS: "good",
+    Standing.THIN: "fair",
     Standing.NO_MARGIN: "fair",
     Standing.UNKNOWN: "unknown",
     Standing.WEAKER_OVERTURNS: "bad",
@@ -146,13 +150,15 @@ def standings(summary: xr.Dataset, bodies: list[Body], model: str) -> np.ndarray
 
     Notes
     -----
-    What overturns, overturns; a safety factor below 1 at which the model answers is overturning by a weaker record.
+    What overturns, overturns; a safety factor below 1 at which the model answers is overturning by a weaker record;
+    one below :data:`rockpulse.capacity_overview.THIN_MARGIN` is hardly a margin.
     Unresolved, outside the range of the model, not predictable, or a factor below 1 at which the model cannot answer:
     not known. A body at rest without a factor stands without a margin like any other.
     """
     answers = _Answers(summary, bodies, model)
     found = np.full(answers.outcome.shape, Standing.STANDS, dtype=np.int8)
     found[np.isnan(answers.factor)] = Standing.NO_MARGIN
+    found[answers.factor < THIN_MARGIN] = Standing.THIN
     for mask, _ in answers.doubts():
         found[mask] = Standing.UNKNOWN
     found[(answers.factor < 1.0) & (answers.resolved != 0)] = Standing.WEAKER_OVERTURNS

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from rockpulse.capacity_overview import THIN_MARGIN, search_limit
 from rockpulse.models.response import Outcome
 from rockpulse.report.events import largest_share
 from rockpulse.report.motions import Motions
@@ -24,9 +25,10 @@ class Grade(IntEnum):
     """What is said of a body, from best to worst."""
 
     SAFE = 0
-    NO_MARGIN = 1
-    NOT_KNOWN = 2
-    NOT_SAFE = 3
+    THIN = 1
+    NO_MARGIN = 2
+    NOT_KNOWN = 3
+    NOT_SAFE = 4
 
 
 @dataclass(frozen=True)
@@ -38,11 +40,15 @@ class DemandVerdict:
     name : str
         Of the demand.
     grade : Grade
-        NOT_SAFE where a motion overturns the body below the demand, NOT_KNOWN where that cannot be excluded.
+        NOT_SAFE where a motion overturns the body below the demand, NOT_KNOWN where that cannot be excluded, THIN where
+        the smallest capacity is hardly above it.
     smallest, median : float
-        Capacity (safety factor x PGA) over demand, over the motions for which it is known [-]; inf: none found.
+        Capacity (safety factor x PGA) over demand, over the motions for which it is known [-]; inf: none found. Those
+        too weak for the search to reach the demand are left out, unless all are.
     smallest_bound, median_bound : bool
         Whether the true value may be larger.
+    limit : float
+        How much of the demand was searched where none was found, the smallest [-]; NaN without.
     below, unknown : int
         Motions that overturn it below the demand; for which it is not known.
     """
@@ -53,6 +59,7 @@ class DemandVerdict:
     median: float
     smallest_bound: bool
     median_bound: bool
+    limit: float
     below: int
     unknown: int
 
@@ -66,7 +73,7 @@ class BodyVerdict:
     body : Body
         Which.
     grade : Grade
-        That of its worst motion.
+        That of its worst motion, as recorded and weaker.
     counts : dict of Standing to int
         Motions by standing.
     at_rest : int
@@ -75,6 +82,8 @@ class BodyVerdict:
         Safety factor over the motions for which it is known [-]; inf: none found, NaN: not known.
     smallest_bound, median_bound : bool
         Whether the true value may be larger.
+    limit : float
+        Up to which factor was searched where none was found, the smallest [-]; NaN without.
     governing : int
         Row of /summary with the smallest factor; without a finite one, of the first motion that overturns it; -1: none.
     events_hit : int
@@ -93,15 +102,27 @@ class BodyVerdict:
     median: float
     smallest_bound: bool
     median_bound: bool
+    limit: float
     governing: int
     events_hit: int
     largest_share: float
     demands: tuple[DemandVerdict, ...]
 
+    @property
+    def overall(self) -> Grade:
+        """The worst of its grade and those of the demands: what fails the demand of the site is not called safe."""
+        return max(self.grade, *(demand.grade for demand in self.demands), Grade.SAFE)
+
+    @property
+    def never_lifted(self) -> bool:
+        """Whether no motion lifts it: it was not tested."""
+        return 0 < self.at_rest == sum(self.counts.values())
+
 
 #: What the worst standing of a body makes of it.
 _GRADE = {
     Standing.STANDS: Grade.SAFE,
+    Standing.THIN: Grade.THIN,
     Standing.NO_MARGIN: Grade.NO_MARGIN,
     Standing.UNKNOWN: Grade.NOT_KNOWN,
     Standing.WEAKER_OVERTURNS: Grade.NOT_SAFE,
@@ -131,6 +152,7 @@ def verdicts(summary: xr.Dataset, bodies: list[Body], model: str, motions: Motio
     assert outcome is not None
     resting = np.array([np.all(outcome[rows] == Outcome.AT_REST, axis=0) for rows in motions.rows]).reshape(worst.shape)
     smallest, smallest_bound = _smallest(factor, bound, motions)
+    searched = _or(lanes(summary, "safe_up_to", bodies, model), single, math.nan)
     of_demands = _demands(summary, bodies, model, motions, single)
     events = np.array(motions.events)
     found = []
@@ -149,6 +171,7 @@ def verdicts(summary: xr.Dataset, bodies: list[Body], model: str, motions: Motio
                 median=middle,
                 smallest_bound=at_low,
                 median_bound=at_middle,
+                limit=search_limit(factor[:, lane], searched[:, lane]),
                 governing=_governing(factor[:, lane], single[:, lane]),
                 events_hit=hit,
                 largest_share=math.nan if motions.kind == "sequence" else largest_share(hit, motions.event_count),
@@ -231,9 +254,13 @@ def _demand(
     under = np.array([below[rows].any() for rows in motions.rows], dtype=bool)
     open_ = np.array([unknown[rows].any() for rows in motions.rows], dtype=bool) | motions.missing
     low, at = _smallest(ratio[:, None], bound[:, None], motions)
-    smallest, smallest_bound = _ranked(low[:, 0], at[:, 0], 0.0)
-    median, median_bound = _ranked(low[:, 0], at[:, 0], 0.5)
-    grade = Grade.NOT_SAFE if under.any() else Grade.NOT_KNOWN if open_.any() or not open_.size else Grade.SAFE
+    reached = np.array([proven[rows].min() for rows in motions.rows])
+    told = ~np.isnan(low[:, 0]) & ~(np.isinf(low[:, 0]) & (reached < 1.0))
+    shown = np.where(told, low[:, 0], np.nan) if told.any() else low[:, 0]
+    smallest, smallest_bound = _ranked(shown, at[:, 0], 0.0)
+    median, median_bound = _ranked(shown, at[:, 0], 0.5)
+    enough = Grade.THIN if smallest < THIN_MARGIN else Grade.SAFE
+    grade = Grade.NOT_SAFE if under.any() else Grade.NOT_KNOWN if open_.any() or not open_.size else enough
     return DemandVerdict(
         name=name,
         grade=grade,
@@ -241,6 +268,7 @@ def _demand(
         median=median,
         smallest_bound=smallest_bound,
         median_bound=median_bound,
+        limit=search_limit(shown, reached),
         below=int(np.count_nonzero(under)),
         unknown=int(np.count_nonzero(open_ & ~under)),
     )

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from rockpulse.capacity_overview import factor_cell
+from rockpulse.record_marks import doubts
 from rockpulse.report.events import CONFIDENCE, FEWEST_EVENTS
 from rockpulse.report.motions import Motions
 from rockpulse.report.standing import Standing
@@ -21,6 +22,7 @@ __all__ = ["grade_cell", "verdict_table"]
 
 _WORDS = {
     Grade.SAFE: "safe",
+    Grade.THIN: "stands, hardly a margin",
     Grade.NO_MARGIN: "stands, margin not computed",
     Grade.NOT_KNOWN: "not known",
     Grade.NOT_SAFE: "not safe",
@@ -29,7 +31,13 @@ _WORDS = {
 #: Rows that need no filter.
 FEW = 8
 
-_MARKS = {Grade.SAFE: "good", Grade.NO_MARGIN: "fair", Grade.NOT_KNOWN: "unknown", Grade.NOT_SAFE: "bad"}
+_MARKS = {
+    Grade.SAFE: "good",
+    Grade.THIN: "fair",
+    Grade.NO_MARGIN: "fair",
+    Grade.NOT_KNOWN: "unknown",
+    Grade.NOT_SAFE: "bad",
+}
 
 
 def grade_cell(one: BodyVerdict, model: str, before: str = "") -> Cell:
@@ -44,9 +52,13 @@ def grade_cell(one: BodyVerdict, model: str, before: str = "") -> Cell:
     before : str
         What the words begin with.
     """
-    doubtful = model == "resonance" and one.grade == Grade.NOT_SAFE
-    words = "not shown to be safe" if doubtful else _WORDS[one.grade]
-    return Cell(before + words, float(one.grade), grade="unknown" if doubtful else _MARKS[one.grade])
+    grade = one.overall
+    if grade == Grade.SAFE and one.never_lifted:
+        return Cell(f"{before}stands, never lifted", float(grade), grade="fair")
+    doubtful = model == "resonance" and grade == Grade.NOT_SAFE
+    words = "not shown to be safe" if doubtful else _WORDS[grade]
+    where = " at the demand" if grade > one.grade else ""
+    return Cell(before + words + where, float(grade), grade="unknown" if doubtful else _MARKS[grade])
 
 
 def verdict_table(summary: xr.Dataset, found: Sequence[BodyVerdict], motions: Motions, model: str) -> Table:
@@ -63,7 +75,7 @@ def verdict_table(summary: xr.Dataset, found: Sequence[BodyVerdict], motions: Mo
     model : str
         By which model.
     """
-    names = [str(name) for name in summary["record"].values]
+    names = [name + mark for name, mark in doubts(summary).items()]
     with_events = motions.kind != "sequence"
     demands = [] if not found else [one.name for one in found[0].demands]
     columns = (
@@ -90,9 +102,9 @@ def verdict_table(summary: xr.Dataset, found: Sequence[BodyVerdict], motions: Mo
                 Cell(one.body.block, link=f"body-{one.body.place}"),
                 Cell(restitution(one.body.restitution), one.body.restitution),
                 grade_cell(one, model),
-                Cell(factor_cell(one.smallest, None, 0 if one.smallest_bound else None), one.smallest),
+                Cell(factor_cell(one.smallest, None, 0 if one.smallest_bound else None, one.limit), one.smallest),
                 Cell(names[one.governing], link=f"record-{one.governing}") if governed else Cell(ABSENT),
-                Cell(factor_cell(one.median, None, 0 if one.median_bound else None), one.median),
+                Cell(factor_cell(one.median, None, 0 if one.median_bound else None, one.limit), one.median),
                 *(_demand_cell(demand) for demand in one.demands),
                 *(Cell(str(count), float(count)) for count in counts),
                 *(_event_cells(one, motions) if with_events else ()),
@@ -121,8 +133,8 @@ def _event_cells(one: BodyVerdict, motions: Motions) -> tuple[Cell, ...]:
 
 
 def _demand_cell(demand: DemandVerdict) -> Cell:
-    factor = factor_cell(demand.smallest, None, 0 if demand.smallest_bound else None)
-    median = factor_cell(demand.median, None, 0 if demand.median_bound else None)
+    factor = factor_cell(demand.smallest, None, 0 if demand.smallest_bound else None, demand.limit)
+    median = factor_cell(demand.median, None, 0 if demand.median_bound else None, demand.limit)
     why = f", {demand.unknown} not known" if demand.unknown else ""
     return Cell(f"{factor}, median {median}{why}", demand.smallest, grade=_MARKS[demand.grade])
 

@@ -15,6 +15,7 @@ from rockpulse.errors import ResultsError
 from rockpulse.file_set import FileSet
 from rockpulse.fragility.variables import FRAGILITY
 from rockpulse.report.content import gather
+from rockpulse.report.pairing import paired
 from rockpulse.report.pictures import Pictures
 from rockpulse.report.provenance import hash_of
 from rockpulse.report.tables import Fact
@@ -63,7 +64,8 @@ def write_report(
     Raises
     ------
     ResultsError
-        For results of another kind, or a target that exists and may not be replaced.
+        For results of another kind, a site or fragility file with another body of the same name
+        (:func:`rockpulse.report.pairing.paired`), or a target that exists and may not be replaced.
     OSError
         Where a file cannot be read or written.
 
@@ -130,7 +132,7 @@ def report_page(
     Raises
     ------
     ResultsError
-        For results of another kind.
+        For results of another kind, or files that do not belong together.
     OSError
         Where a file cannot be read.
     """
@@ -140,7 +142,10 @@ def report_page(
     given = {ASSESSMENT: results, SITE_KIND: site, FRAGILITY: fragility}
     trees = {kind: _loaded(source, kind) for kind, source in given.items() if source is not None}
     tree = trees[ASSESSMENT]
-    content = gather(tree, trees.get(SITE_KIND), trees.get(FRAGILITY))
+    others = {
+        kind: paired(tree, trees[kind], kind, _name(given[kind])) for kind in (SITE_KIND, FRAGILITY) if kind in trees
+    }
+    content = gather(tree, others.get(SITE_KIND), others.get(FRAGILITY))
     environment = Environment(
         loader=PackageLoader("rockpulse.report"),
         autoescape=True,
@@ -151,7 +156,7 @@ def report_page(
     script = _text("report.js")
     return environment.get_template("report.html").render(
         content=content,
-        pictures=Pictures(tree, trees.get(SITE_KIND), trees.get(FRAGILITY), content),
+        pictures=Pictures(tree, others.get(SITE_KIND), others.get(FRAGILITY), content),
         files=tuple(Fact(kind, _described(source)) for kind, source in given.items() if source is not None),
         style=Markup(_text("report.css")),
         script=Markup(script),
@@ -165,9 +170,12 @@ def _loaded(source: xr.DataTree | str | Path, kind: str) -> xr.DataTree:
     tree = load(source) if isinstance(source, str | Path) else source
     found = str(tree.attrs.get("kind", _kind_by_group(tree)))
     if found != kind:
-        what = source if isinstance(source, str | Path) else "the tree"
-        raise ResultsError(f"{what}: expected {named(kind)} of rockpulse, found {named(found)}")
+        raise ResultsError(f"{_name(source)}: expected {named(kind)} of rockpulse, found {named(found)}")
     return tree
+
+
+def _name(source: xr.DataTree | str | Path | None) -> str:
+    return str(source) if isinstance(source, str | Path) else "the tree"
 
 
 def _kind_by_group(tree: xr.DataTree) -> str:

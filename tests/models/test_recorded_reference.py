@@ -165,8 +165,8 @@ def motion_of(case):
     return SYNTHETIC[case.motion] if case.motion in SYNTHETIC else excerpt(case.motion)
 
 
-DEFAULT = cases(SYNTHETIC, 0, 4)
-EXCERPTS = cases(RECORDED, 48, 6)
+DEFAULT = cases(SYNTHETIC, 0, 2)
+EXCERPTS = cases(RECORDED, 48, 4)
 SWEEP = cases(SYNTHETIC, 100, 30) + cases(RECORDED, 500, 60)
 
 

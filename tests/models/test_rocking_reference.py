@@ -118,7 +118,7 @@ def test_half_sine_pulse_overturns_at_its_threshold(frequency, threshold):  # VA
 def overturning_amplitude(pulse, dt, guess):
     """Smallest amplitude over g alpha at which block A overturns in the linear equation, by bisection about a guess."""
     low, high = 0.9 * guess, 1.1 * guess
-    for _ in range(22):
+    for _ in range(17):  # to 1.5e-6
         middle = 0.5 * (low + high)
         ground = pulse(middle) * BLOCK_A.gravity * BLOCK_A.alpha_c
         if reference(BLOCK_A, ground, dt, equation="linear").outcome == Outcome.OVERTURNS:
@@ -160,19 +160,20 @@ def test_reference_does_not_depend_on_how_the_same_motion_is_cut(equation):
     np.testing.assert_allclose(cut.rotation[::8], whole.rotation, atol=1e-12)
 
 
-@pytest.mark.parametrize(("name", "value"), [("STEP", 0.0125), ("CHATTER", 1e-9), ("RTOL", 3e-14)])
 @pytest.mark.parametrize("equation", EQUATIONS)
-def test_reference_does_not_depend_on_its_own_settings(monkeypatch, equation, name, value):
+def test_reference_does_not_depend_on_its_own_settings(monkeypatch, equation):
     block, ground = block_of(1.5, 5.0, 0.9), shaking(8, 600, 0.02) * 4.0
     before = reference(block, ground, 0.02, equation=equation)
-    monkeypatch.setattr(rocking_reference, name, value)
-    after = reference(block, ground, 0.02, equation=equation)
-    assert after.peak_rotation_ratio == pytest.approx(before.peak_rotation_ratio, rel=1e-11)
-    assert after.impacts == before.impacts
-    np.testing.assert_allclose(after.rotation, before.rotation, atol=1e-11)
+    for name, value in (("STEP", 0.0125), ("CHATTER", 1e-9), ("RTOL", 3e-14)):
+        with monkeypatch.context() as patch:
+            patch.setattr(rocking_reference, name, value)
+            after = reference(block, ground, 0.02, equation=equation)
+        assert after.peak_rotation_ratio == pytest.approx(before.peak_rotation_ratio, rel=1e-11), name
+        assert after.impacts == before.impacts, name
+        np.testing.assert_allclose(after.rotation, before.rotation, atol=1e-11, err_msg=name)
 
 
-@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("seed", [0, *(pytest.param(seed, marks=pytest.mark.slow) for seed in (1, 2)), 3])
 @pytest.mark.parametrize("equation", EQUATIONS)
 def test_motion_after_the_record_is_the_motion_on_zeros(equation, seed):
     block, ground = block_of(2.0, 6.0, 0.85), shaking(20 + seed, 400, 0.02)

@@ -111,6 +111,25 @@ def test_blocks_say_which_records_overturn_them(summary):
     assert several[1][6:9] == ["0.830", "to", "0.930"]
 
 
+def test_lists_say_how_far_was_searched_and_mark_doubtful_peaks(summary):
+    factor = summary["safety_factor"]
+    summary = summary.assign(safe_up_to=factor.where(np.isfinite(factor), 10.0))
+    summary["pga"][2] = 98.1
+    text = case_list(summary, Selection({"record": ("weak.1",), "block": ("column",)}))
+    assert listed(text)[1][:3] == ["weak.1", "(peak?)", "column"]
+    assert listed(text)[1][-2:] == [">10", ">100"]
+    assert ">: none found up to there" in text
+    assert "(peak?): a peak above 5 g" in text
+    records = record_list(summary, Selection())
+    assert listed(records)[3][:2] == ["weak.1", "(peak?)"]
+    assert listed(records)[3][-1] == ">10"
+    assert ">: none found up to there" in records
+    assert "(peak?): a peak above 5 g" in records
+    assert "Above 1" not in text
+    summary["peak_rotation_ratio"][0, 1, 2] = 1.2
+    assert "Above 1: rocked beyond" in case_list(summary, Selection({"record": (RECORDS[0],), "block": ("column",)}))
+
+
 def many(tree, copies=60):
     """The same records many times over."""
     summary = tree["summary"].to_dataset()
@@ -131,10 +150,21 @@ def test_large_results_are_counted_and_their_worst_shown(tree):
     assert line.split()[1:7] == ["180", "240", "60", "11.1%", "60", "120"]
     assert "not a prediction" in text
     wall = next(line for line in text.splitlines() if line.startswith("  boundary wall"))
-    assert wall.split() == ["boundary", "wall", "0.985", "60", "of", "180", "33.3%", "2.1"]
+    assert wall.split() == ["boundary", "wall", "0.985", "60", "of", "180", "33.3%", "2.10"]
     assert sum(line.split()[1:5] == ["boundary", "wall", "0.985", "0.57"] for line in text.splitlines()) == 12
     assert "PGV of 60 records may be off" in text
     assert "--outcome overturns" in text
+
+
+def test_large_results_count_doubtful_peaks_and_say_how_far_was_searched(tree):
+    summary = tree["summary"].to_dataset()
+    summary["pga"][0] = 98.1
+    factor = xr.full_like(summary["safety_factor"], np.inf)
+    tree["summary"] = xr.DataTree(summary.assign(safety_factor=factor, safe_up_to=xr.full_like(factor, 10.0)))
+    text = overview(many(tree))
+    assert "60 with a doubtful peak" in text
+    wall = next(line for line in text.splitlines() if line.startswith("  boundary wall"))
+    assert wall.split()[-1] == ">10"
 
 
 def test_what_is_large_is_counted_in_verdicts_that_are_shown(tree, monkeypatch):

@@ -8,8 +8,9 @@ from rockpulse.errors import ConfigError
 
 def test_housner_for_a_squat_body_is_refused_with_its_name():
     squat = BlockSettings(name="slab", width=3.0, height=1.0)
-    with pytest.raises(ConfigError, match=r'"slab" restitution: .*slenderness of 0.707'):
+    with pytest.raises(ConfigError, match=r'"slab".* restitution: .*slenderness of 0.707') as refused:
         squat.block()
+    assert "3 m wide and 1 m high, are the two swapped?" in str(refused.value)
 
 
 def test_a_block_has_half_the_full_sizes_and_a_lane_for_each_restitution():

@@ -10,6 +10,7 @@ import pytest
 
 from rockpulse import __version__, cli
 from rockpulse.cli import build_parser, main
+from rockpulse.commands import VERBS
 
 
 def test_the_version_is_that_of_the_package(capsys):
@@ -29,6 +30,7 @@ def test_the_version_is_that_of_the_package(capsys):
         ["inspect"],
         ["inspect", "a", "b"],
         ["formats", "--all"],
+        ["verify", "results.h5", "--no-input"],  # no abbreviations
     ],
 )
 def test_wrong_usage_is_exit_code_two(arguments, capsys):
@@ -36,6 +38,54 @@ def test_wrong_usage_is_exit_code_two(arguments, capsys):
         main(arguments)
     assert end.value.code == 2
     assert "usage: rockpulse" in capsys.readouterr().err
+
+
+def test_without_a_verb_the_whole_help_is_shown(capsys):
+    with pytest.raises(SystemExit) as end:
+        main([])
+    assert end.value.code == 2
+    captured = capsys.readouterr()
+    assert captured.out == ""
+    assert captured.err == build_parser().format_help()
+    assert "rockpulse assess records/ --block wall=0.3x2.4" in captured.err
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["asess", "x"], """'study'); did you mean "assess"?"""),
+        (["rule", "jugde"], 'did you mean "judge"?'),
+        (["assess", "x", "-o", "y", "--worker", "3"], 'unrecognized arguments: --worker 3; did you mean "--workers"?'),
+        (["assess", "x", "--ouput", "y"], 'required: -o/--output; --ouput is not known; did you mean "--output"?'),
+        (["assess", "x", "-output", "y"], 'unrecognized arguments: -output; did you mean "--output"?'),
+        (["assess", "x", "-o", "y", "--block=a=1x3", "z"], "unrecognized arguments: z; name all paths together"),
+        (["plot", "x", "--lst"], 'did you mean "--list"?'),
+    ],
+)
+def test_a_word_that_is_not_known_is_answered_with_the_nearest(arguments, message, capsys):
+    with pytest.raises(SystemExit) as end:
+        main(arguments)
+    assert end.value.code == 2
+    assert message in " ".join(capsys.readouterr().err.split())
+
+
+def test_what_stands_behind_two_dashes_is_no_option(capsys):
+    with pytest.raises(SystemExit):
+        main(["inspect", "a", "--", "--worker"])
+    assert "did you mean" not in capsys.readouterr().err
+
+
+def test_the_help_of_every_verb_fits_the_terminal_and_shows_its_examples(capsys, monkeypatch):
+    monkeypatch.setenv("COLUMNS", "80")
+    for verb in VERBS:
+        with pytest.raises(SystemExit) as end:
+            main([verb.name, "--help"])
+        assert end.value.code == 0
+        text = capsys.readouterr().out
+        head = text.partition("\nexamples:")[0]
+        assert max(map(len, head.splitlines())) <= 80, verb.name
+        for example in verb.examples:
+            assert f"\n  {example}\n" in text
 
 
 def test_the_help_names_every_verb_and_the_exit_codes():
@@ -48,9 +98,22 @@ def test_the_help_names_every_verb_and_the_exit_codes():
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (["inspect", "{none}"], "none.h5: No such file or directory"),
-        (["inspect", "{folder}"], "Is a directory"),
-        (["assess", "x.AT2", "--config", "{none}", "--block", "a=1x3", "-o", "{new}"], "none.h5: No such file"),
+        (["inspect", "{none}"], "none.h5: no such file; check the path (rockpulse assess writes one)"),
+        (["inspect", "{folder}"], ": expected a file, found a folder"),
+        (["assess", "x.AT2", "--config", "{none}", "--block", "a=1x3", "-o", "{new}"], "rockpulse: --config "),
+        (
+            ["assess", "x.AT2", "--config", "{none}", "--block", "a=1x3", "-o", "{new}"],
+            "h5: no such file; check the path",
+        ),
+        (
+            ["assess", "x.AT2", "--config", "{none}", "--block", "a=1x3", "-o", "{new}"],
+            "(rockpulse init-config -o FILE",
+        ),
+        (["assess", "x.AT2", "--config", "{folder}", "--block", "a=1x3", "-o", "{new}"], "found a folder"),
+        (
+            ["assess", "{file}", "--block", "a=1x3", "-o", "{new}", "--log-file", "{deeper}"],
+            "nowhere/deeper.log: there is no folder",
+        ),
         (["assess", "--block", "a=1x3", "-o", "{new}"], "no records: name files"),
         (["assess", "x.AT2", "-o", "{new}"], "no block"),
         (["assess", "x.AT2", "--block", "a", "-o", "{new}"], "expected NAME=WIDTHxHEIGHT"),
@@ -61,7 +124,7 @@ def test_the_help_names_every_verb_and_the_exit_codes():
         (["assess", "x.AT2", "--block", "a=1x3", "--units", "furlong", "-o", "{new}"], "--units: unknown unit"),
         (
             ["assess", "x.AT2", "--block", "a=1x3", "--dt", "0", "-o", "{new}"],
-            "--dt: [records] dt: expected a number in s > 0",
+            "--dt: expected a number in s > 0",
         ),
         (
             ["assess", "x.AT2", "--block", "a=1x3", "--dt", "nan", "-o", "{new}"],
@@ -70,12 +133,20 @@ def test_the_help_names_every_verb_and_the_exit_codes():
         (["assess", "x.AT2", "--block", "a=1x3", "-o", "{folder}"], "no regular file"),
         (["assess", "x.AT2", "--block", "a=1x3", "-o", "/", "--overwrite"], "no regular file"),
         (["assess", "x.AT2", "--block", "a=1x3", "-o", "{below}"], "no folder"),
-        (["init-config", "-o", "{below}"], "Not a directory"),
+        (["init-config", "-o", "{below}"], "there is no folder"),
+        (["init-config", "-o", "{folder}"], "a folder of this name exists"),
+        (["init-config", "-o", ""], "--output: expected the name of a file, found nothing"),
+        (["rule", "judge", "x.AT2", "--dt", "nan", "-o", "{new}"], "--dt: expected a number in s > 0"),
+        (
+            ["convert", "x.AT2", "--units", "gg", "-o", "{new}.csv"],
+            """option --units: unknown unit of acceleration 'gg'""",
+        ),
     ],
 )
 def test_a_wrong_input_is_a_message_and_exit_code_two(tmp_path, capsys, arguments, message):
     (tmp_path / "file").write_text("x")
-    places = {"none": "none.h5", "folder": "", "new": "new.h5", "below": "file/results.h5"}
+    places = {"none": "none.h5", "folder": "", "new": "new.h5", "below": "file/results.h5", "file": "file"}
+    places["deeper"] = "nowhere/deeper.log"
     places = {name: str(tmp_path / place) for name, place in places.items()}
     assert main([argument.format(**places) for argument in arguments]) == 2
     captured = capsys.readouterr()

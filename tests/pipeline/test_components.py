@@ -176,6 +176,13 @@ def test_files_without_times_belong_together_by_folder_event_and_station():
     assert matching_vertical(peer(67.0, "x/GIL067.AT2"), [up]) is up
 
 
+@pytest.mark.parametrize(("azimuth", "words"), [(np.nan, "its azimuth is unknown"), (0.0, "no second horizontal")])
+def test_columns_without_a_partner_are_told_how_to_get_one(azimuth, words):
+    _, (row,) = find_pairs([Record([0.0, 1.0], 0.01, id="x.1", azimuth=azimuth, format="columns")])
+    assert words in row.reason
+    assert "put both directions into one file with headings such as 'time [s],acc N [g],acc E [g]'" in row.reason
+
+
 @pytest.mark.parametrize("other", [{"event": "Kobe"}, {"station_name": "Hollister"}, {"event": "", "station_name": ""}])
 def test_files_without_times_and_with_other_names_do_not(other):
     assert not pairs_of(peer(67.0, "x/a.AT2", **other), peer(337.0, "x/b.AT2"))[0]

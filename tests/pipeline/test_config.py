@@ -127,7 +127,10 @@ WRONG = [
         r"\[models\] histories: .*\[records\] store = \"none\" leaves them out.*set store = .* or histories = false",
     ),
     ("[records]\ncomponents = 'strong'", r"components: expected one of .*did you mean \"strongest\""),
-    ("[records]\ncomponents = 'azimuth'", r"components: \"azimuth\" needs the direction; give azimuth"),
+    (
+        "[records]\ncomponents = 'azimuth'",
+        r"components: \"azimuth\" needs the direction in which the body rocks, .* give azimuth",
+    ),
     ("[records]\nazimuth = 30", r"azimuth: it belongs to components = \"azimuth\", found components = \"horizontal\""),
     (
         "[records]\ncomponents = 'azimuth'\nazimuth = -5",

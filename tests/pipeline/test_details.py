@@ -33,6 +33,13 @@ def test_a_record_shows_its_measures_and_its_sequence(summary):
     assert shown["processing"] == "baseline: mean"
 
 
+def test_a_peak_that_cannot_be_is_marked(summary):
+    summary["pga"][0] = 981.0
+    text = record_details(summary, RECORDS[0])
+    assert ("PGA", "981 m/s2 (100 g) (peak?)") in [(name, words.strip()) for name, words in entries(text)]
+    assert f"{RECORDS[0]} (peak?)" in text
+
+
 def test_a_velocity_that_is_drift_is_marked(summary):
     assert ("PGV", "~0.43 m/s (drift)") in [
         (name, words.strip()) for name, words in entries(record_details(summary, RECORDS[1]))

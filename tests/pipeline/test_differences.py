@@ -121,7 +121,7 @@ def test_a_changed_value_is_found_and_its_place_is_named(order, group, name, pla
     changed[group][name].values[place] = value
     found, _ = compare(tree(), reordered(changed, order))
     (one,) = found.variables
-    assert (one.name, one.differing, one.place) == (f"/{group}/{name}", 1, told)
+    assert (one.name, one.differing, ", ".join(one.place)) == (f"/{group}/{name}", 1, told)
     assert not found.same
     number = not isinstance(value, str)
     assert one.after == (f"{value:.9g}" if number else value)
@@ -161,13 +161,37 @@ def test_verdicts_that_flipped_are_named():
     found, text = compare(tree(), changed)
     assert (found.flipped, found.verdicts) == (2, 27)
     assert [(flip.place, flip.before, flip.after) for flip in found.flips] == [
-        (f"{RECORDS[0]}, column, sequence", "rocks", "overturns"),
-        (f"{RECORDS[0]}, column, nonlinear", "rocks", "unresolved"),
+        ((RECORDS[0], "column", "sequence"), "rocks", "overturns"),
+        ((RECORDS[0], "column", "nonlinear"), "rocks", "unresolved"),
     ]
     assert "Verdicts that flipped: 2 of 27" in text
     found, text = compare(tree(), changed, listed=1)
     assert (found.flipped, len(found.flips)) == (2, 1)
     assert "and 1 more (--limit)" in text
+
+
+def test_safety_factors_that_crossed_one_are_a_group_above_all_other_differences():
+    changed = tree()
+    factors = changed["summary"]["safety_factor"].values
+    factors[0, 1, 1], factors[1, 0, 1], factors[0, 2, 1] = 0.98, np.inf, 1.6  # of 1.7, 0.5 and 1.7
+    found, text = compare(tree(), changed)
+    assert [(flip.place, flip.before, flip.after) for flip in found.crossings] == [
+        ((RECORDS[0], "column", "sequence"), "1.7", "0.98"),
+        ((RECORDS[1], "boundary wall", "sequence"), "0.5", "inf"),
+    ]
+    assert text.index("Safety factors that crossed 1 (below it a weaker copy") < text.index("Variables beyond")
+    found, text = compare(tree(), changed, listed=1)
+    assert (found.crossed, len(found.crossings)) == (2, 1)
+    assert "and 1 more (--limit)" in text
+    assert "crossed 1" not in compare(tree(), tree())[1]
+
+
+def test_a_long_place_keeps_what_tells_record_block_and_model():
+    changed = tree()
+    changed["summary"]["safety_factor"].values[0, 0, 1] = 0.6
+    (line,) = [line for line in compare(tree(), changed)[1].splitlines() if "/summary/safety_factor" in line]
+    for told in ("CI.CCC..HNE@…", "953, ", "boundary wall, sequence"):
+        assert told in line
 
 
 def without_a_record(made, gone):
@@ -247,12 +271,13 @@ def test_units_flags_dimensions_and_attributes_that_differ_are_told():
 
 def test_versions_and_configuration_are_told_and_do_not_count():
     other = tree()
-    other.attrs.update(numpy_version="1.0", configuration='[site]\nname = "Borgo"\n[run]\nworkers = 2\n')
+    block = '[[block]]\nname = "wall"\nwidth = 0.4\n'
+    other.attrs.update(numpy_version="1.0", configuration=f'[site]\nname = "Borgo"\n[run]\nworkers = 2\n{block}')
     found, text = compare(tree(), other)
     assert found.same
     assert [name for name, *_ in found.about] == ["numpy_version"]
-    assert found.configuration == ["+[run]", "+workers = 2"]
-    assert "  +workers = 2" in text
+    assert found.configuration == ["+[run] workers = 2", '+[[block]] "wall" width = 0.4']
+    assert '  + [[block]] "wall" width = 0.4' in text
 
 
 @pytest.mark.parametrize(

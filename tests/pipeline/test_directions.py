@@ -273,6 +273,59 @@ def test_of_a_large_sweep_the_worst_pairs_are_shown(monkeypatch):
     assert [f"\nCI.S{k}" in text for k in range(4)] == [False, True, True, True]
 
 
+@pytest.mark.parametrize(
+    ("recorded", "asked", "words"),
+    [
+        (45.0, 45.0, "as recorded, at 45 degrees, for the azimuth 45"),
+        (45.6, 45.0, "as recorded, at 45.6 degrees"),
+        (0.0, 359.5, "as recorded, at 0 degrees"),
+        (225.0, 45.0, "for the azimuth 45, the mirror image"),
+        (359.5, 180.0, "for the azimuth 180, the mirror image"),
+        (46.5, 45.0, None),
+        (135.0, 45.0, None),
+        (np.nan, 45.0, None),
+    ],
+)
+def test_a_lone_channel_that_faces_the_azimuth_needs_no_partner(recorded, asked, words):
+    alone = replace(channel(10.0, "TOW"), azimuth=recorded)
+    pair = channel(90.0), channel(0.0)
+    options = config("azimuth", azimuth=asked)
+    planned, rows = plan_motions([alone, *pair, upwards("TOW")], options)
+    assert [one.kind for one in rows if one.stage == "pair"] == ([] if words else ["failed"])
+    assert [one.channels for one in planned] == ([(alone,)] if words else []) + [pair]
+    if words:
+        (motion,) = motions_of(planned[0], options)
+        assert words in motion.record.warnings[-1]
+        assert planned_ids(planned[0], options) == [motion.record.id] == [alone.id]
+        np.testing.assert_array_equal(motion.record.acceleration, alone.acceleration)
+        both = plan_motions([alone], replace(options, records=replace(options.records, include_vertical=True)))[0]
+        assert both[0].remark.startswith("no pair: as recorded")
+        assert both[0].remark.endswith("; no vertical channel of this station overlaps: taken as zero")
+    for components in ("strongest", "sweep"):
+        assert [one.kind for one in plan_motions([alone], config(components))[1]] == ["failed"]
+
+
+def test_against_the_azimuth_a_body_that_rocks_to_both_sides_does_the_same():
+    """45 and 225 degrees are one direction for it."""
+    trees = [assess([channel(90.0), channel(0.0)], config("azimuth", azimuth=angle)) for angle in (45.0, 225.0)]
+    for name in ("peak_rotation_ratio", "outcome", "safety_factor"):
+        one, other = (tree["summary"][name].values for tree in trees)
+        np.testing.assert_allclose(one, other, rtol=1e-6)
+
+
+def test_a_table_of_a_sweep_marks_a_doubtful_peak_and_says_how_far_was_searched(tree):
+    summary, directions = (tree[name].to_dataset().copy(deep=True) for name in ("summary", "directions"))
+    assert "peak?" not in direction_table(summary, directions)
+    directions["pga_largest"][0] = 60.0
+    summary["safety_factor"][:], summary["safe_up_to"][:] = np.inf, 10.0
+    directions["smallest_safety_factor"][:], directions["safety_factor_azimuth"][:] = np.inf, np.nan
+    text = direction_table(summary, directions)
+    assert f"{directions['pair'].values[0]} (peak?)  PGA" in text
+    assert "(peak?): a peak above 5 g" in text
+    assert next(line for line in text.splitlines() if line.startswith("  wall")).split()[5:7] == [">10", "-"]
+    assert ">10: none found up to there" in " ".join(text.split())
+
+
 def test_the_overview_of_a_sweep_shows_the_smallest_factor_and_capacity_over_direction():
     demands = (DemandSettings(name="collapse", acceleration=2.5),)
     options = config("sweep", (WALL,), ModelSettings(use=("nonlinear",)), azimuth_step=20.0)

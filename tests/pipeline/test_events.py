@@ -5,8 +5,10 @@ from datetime import UTC, datetime, timedelta
 
 import pytest
 
+from rockpulse.config import Config, load_config
 from rockpulse.errors import ConfigError
-from rockpulse.events import JOINED_WITHIN_S, group_events
+from rockpulse.events import JOINED_WITHIN_S, UNKNOWN, event_table, events_by_id, group_events
+from rockpulse.failures import Failure
 from rockpulse.record import Record
 from rockpulse.sources import read_all
 
@@ -81,14 +83,19 @@ def test_titles_of_one_earthquake(one, other):
         ("2017/07/20 22:31:09 (GMT) M 6.5 Mw", "2019/09/26 10:59:26 (GMT) M 5.8 Mw"),
         ("2004/01/01 23:58:02.7 Mb=5.2/Ms=5.8", "2003/01/22 02:06:34.0 Mb=6.1/Ms=7.6"),
         ("Rcrd of Fri Jul 5, 2019 20:19:37.0 PDT", "Rcrd of Sun Aug 24, 2014 03:20:33.0 PDT"),
-        ("", ""),
-        ("Unknown", "Unknown"),
-        ("EARTHQUAKE", "EARTHQUAKE"),
         ("M 6.5", "M 6.6"),
     ],
 )
-def test_titles_of_different_earthquakes_or_of_none(one, other):
+def test_titles_of_different_earthquakes(one, other):
     assert by_titles(one, other) == [0, 1]
+
+
+@pytest.mark.parametrize("title", ["", "Unknown", "EARTHQUAKE"])
+def test_records_that_state_neither_name_nor_time_count_as_one_earthquake(title):
+    """They may all be of one: as many earthquakes as files would be a statement of confidence that nothing supports."""
+    records = [record("a", title), record("b", title), record("c", "Kobe"), record("d", title, 0), record("e")]
+    assert group_events(records) == [UNKNOWN, UNKNOWN, "Kobe", "2016-10-30 06:40", UNKNOWN]
+    assert group_events(records, {"a": "mine", "e": "mine"}) == ["mine", UNKNOWN, "Kobe", "2016-10-30 06:40", "mine"]
 
 
 def test_a_title_that_tells_less_joins_what_it_may_be():
@@ -136,9 +143,7 @@ def test_earthquakes_with_one_title_have_labels_of_their_own():
     ]
 
 
-def test_a_label_that_time_does_not_tell_apart_gets_the_file():
-    records = [record("a", "Unknown"), record("b", "Unknown")]
-    assert group_events(records) == ["a.txt", "b.txt"]
+def test_records_of_the_same_minute_have_one_label():
     same_minute = [record("a", start=0), record("b", start=0)]
     assert len(set(group_events(same_minute))) == 1
 
@@ -154,7 +159,7 @@ def test_the_order_of_the_records_does_not_matter():
     records = [record("a", "GREECE", 0), record("b", "GREECE", 3e6), record("c", "Unknown"), record("d", "KOBE 1995")]
     records += [record("e", "Kobe"), record("f", "", 30), record("g", "", 600), record("h", source="c.txt")]
     expected = dict(zip([one.id for one in records], group_events(records), strict=True))
-    assert len(set(expected.values())) == 4
+    assert len(set(expected.values())) == 4, expected
     for seed in range(20):
         shuffled = random.Random(seed).sample(records, len(records))
         assert dict(zip([one.id for one in shuffled], group_events(shuffled), strict=True)) == expected
@@ -176,6 +181,27 @@ def test_a_record_in_the_table_joins_nobody_else():
 def test_the_table_may_put_a_record_into_a_group_by_its_label():
     records = [record("a", "Norcia", 0), record("b", "unknown")]
     assert partition(records, {"b": "Norcia"}) == [["a", "b"]]
+
+
+def test_a_record_of_a_file_that_was_not_read_is_a_remark_else_an_error(caplog):
+    records, named = [record("a", "Kobe"), record("b")], {"a": "mine", "x": "other"}
+    assert events_by_id(records, {"a": "mine"}) == ({"a": "mine", "b": UNKNOWN}, [])
+    unread = Failure("x.v1", "read", "damaged", "failed")
+    assert events_by_id(records, named, [unread]) == (
+        {"a": "mine", "b": UNKNOWN},
+        ["[records] events names records that were not read: x"],
+    )
+    assert "that were not read: x" in caplog.text
+    for kind in ("skipped", "duplicate"):
+        with pytest.raises(ConfigError, match=r"no record has the id x; .* such as a, b"):
+            events_by_id(records, named, [Failure("x.v1", "read", "no record", kind)])
+
+
+def test_the_table_of_a_configuration(tmp_path):
+    (tmp_path / "events.csv").write_text("record,event\na,Kobe\n")
+    (tmp_path / "site.toml").write_text('[records]\nevents = "events.csv"\n')
+    assert event_table(load_config(tmp_path / "site.toml")) == {"a": "Kobe"}
+    assert event_table(Config()) == {}
 
 
 @pytest.mark.parametrize(("named", "words"), [({"x": "e"}, "no record has the id x"), ({"a": " "}, "label for a")])

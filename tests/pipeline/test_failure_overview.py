@@ -8,6 +8,8 @@ import xarray as xr
 from results_tree import results_tree
 
 from rockpulse.failure_overview import failure_list, left_out, not_used
+from rockpulse.failures import NO_RECORD, Failure
+from rockpulse.results import failure_table
 
 
 def test_left_out_lists_by_kind_with_the_failed_first():
@@ -26,6 +28,21 @@ def test_a_long_list_of_what_is_no_failure_is_cut_and_says_so():
     assert lines.count("  cut.AT2:4: expected 100 samples, found 3") == 40
     assert lines.count("  notes.txt: no record") == 12
     assert "  and 28 more (rockpulse inspect RESULTS --failures shows them)" in lines
+
+
+def test_files_that_are_no_records_are_one_line_and_data_that_cannot_be_used_one_each():
+    names = ["DISCLAIMER.TXT", *(f"b{k}.zip!sub/n{k}.txt" for k in range(20))]
+    rows = [Failure(name, "read", f"{name}: {NO_RECORD}", "skipped") for name in names]
+    rows.append(Failure("a.V3", "read", "a.V3:1: expected an accelerogram of station 7, found spectra", "skipped"))
+    tree = results_tree()
+    told = xr.DataTree.from_dict({"/summary": tree["summary"].to_dataset(), "/failures": failure_table(rows)})
+    lines = left_out(told).splitlines()
+    at = lines.index("skipped, cannot be used: 1")
+    assert lines[at + 1] == "  a.V3:1: expected an accelerogram of station 7, found spectra"
+    assert lines[at + 2].startswith("not records: DISCLAIMER.TXT, n0.txt, n1.txt")
+    assert "and 9 more" in " ".join(lines[at + 2 : at + 4])
+    assert "not records: DISCLAIMER.TXT" in not_used(told)
+    assert len(failure_list(told).splitlines()) == 22
 
 
 def test_block_warnings_are_shown_with_their_block():

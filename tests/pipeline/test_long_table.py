@@ -122,6 +122,15 @@ def test_a_group_of_several_tables_asks_which(results):
         results_table(results, "records")
 
 
+def test_a_column_of_each_demand_is_chosen_by_its_heading_or_with_all_of_them(tmp_path):
+    path = tmp_path / "r.h5"
+    save(full_tree(), path)
+    names = ["record", "block", "model"]
+    one, every = "capacity_ratio[collapse]", ["capacity_ratio[damage]", "capacity_ratio[collapse]"]
+    assert results_table(path, columns=["pga", one]).columns.tolist() == [*names, "pga", one]
+    assert results_table(path, columns=["capacity_ratio"]).columns.tolist() == [*names, *every]
+
+
 def test_unknown_groups_dimensions_and_columns_are_answered_with_the_known_ones(results):
     with pytest.raises(ResultsError, match=r"no group 'half_cycle'; did you mean \"half_cycles\""):
         results_table(results, "half_cycle")

@@ -183,7 +183,7 @@ def test_the_factor_of_the_fullest_model_stands_beside_the_verdicts(searched):
     assert "SF: smallest factor on the record" in words
     assert "+: not monotonic" in words
     assert "1 of 9, up to 3 intervals" in words
-    assert "1 with SF below 1 that rock" in words
+    assert "1 with SF below 1 that rocks: a weaker record overturns it; do not count it as safe." in words
     assert row(factor_table(searched), "column", RECORDS[0])[-2:] == ["0.84", "(3)"]
 
 
@@ -198,22 +198,24 @@ def test_a_closed_form_misses_nothing_and_a_sequence_is_searched_in_steps(search
     assert "Bands narrower" not in verdict_table(searched)
     searched["search_step"][:] = 1.005
     renamed = searched.assign_coords(model=("model", ["linear", "resonance", "sequence"]))
-    assert "(up to 0.5%) may lie below it: [search] step." in " ".join(verdict_table(renamed).split())
-    assert "[search] points." in " ".join(verdict_table(searched).split())
+    assert "(up to 0.5%) may lie below it: do not read it to two digits ([search] step)." in " ".join(
+        verdict_table(renamed).split()
+    )
+    assert "([search] points)." in " ".join(verdict_table(searched).split())
 
 
 def test_notes_count_what_is_shown(searched):
     for shown, words in (({"records": RECORDS[:1]}, "(1 of 3, up to 3"), ({"blocks": BLOCKS[1:2]}, "(1 of 3, up to 3")):
         text = " ".join(verdict_table(searched, **shown).split())
         assert words in text
-        assert "1 with SF below 1 that rock" in text
+        assert "1 with SF below 1 that rocks:" in text
     text = " ".join(verdict_table(searched, records=RECORDS[1:]).split())
     assert "SF: smallest" in text
     assert "monotonic" not in text
     assert "SF below 1" not in text
     several = results_tree(2)["summary"].to_dataset()
     several["safety_factor"][:] = 0.9
-    assert "7 with SF below 1 that rock" in verdict_table(several.assign(interval_count=several["outcome"] * 0 + 1))
+    assert "7 with SF below 1 that rock:" in verdict_table(several.assign(interval_count=several["outcome"] * 0 + 1))
 
 
 def test_a_factor_at_which_the_model_cannot_answer_is_marked_and_explained(searched):
@@ -224,7 +226,9 @@ def test_a_factor_at_which_the_model_cannot_answer_is_marked_and_explained(searc
     assert row(text, "boundary wall", RECORDS[0])[-1] == "1.70!"
     assert row(text, "column", RECORDS[0])[-1] == "0.84!+"
     assert "!: from this factor on the model cannot answer, as in free flight (2 of 9)" in " ".join(text.split())
-    assert "overturns them, or may (!); do not" in " ".join(text.split())
+    assert "1 with SF below 1 that rocks: a weaker record overturns it, or may (!); do not count it" in " ".join(
+        text.split()
+    )
     assert row(factor_table(searched), "column", RECORDS[0])[-2:] == ["0.84!", "(3)"]
     assert "!: a lower bound" in factor_table(searched)
     ends = {len(line.rstrip("!+")) for line in text.splitlines() if line.startswith(("  column", "  boundary wall"))}
@@ -299,6 +303,63 @@ def test_what_a_weaker_copy_overturns_is_named_and_not_called_safe(summary):
         "What rocks, but a weaker copy of the record overturns it (SF in brackets): not safe\n"
         f"  column: {RECORDS[1]} (0.82)"
     )
+
+
+def up_to_ten(summary):
+    """The search ended at a factor of 10."""
+    return summary.assign(safe_up_to=summary["safety_factor"].where(np.isfinite(summary["safety_factor"]), 10.0))
+
+
+def test_where_nothing_was_found_the_cell_says_up_to_where(searched):
+    searched = up_to_ten(searched)
+    text = verdict_table(searched)
+    assert row(text, "boundary wall", RECORDS[2])[-1] == ">10"
+    assert ">10: none found up to there, where the search ends ([search] factor_max)" in " ".join(text.split())
+    assert "none" not in text.replace("none found", "")
+    assert "none found" not in verdict_table(searched, records=RECORDS[:2])
+    factors = factor_table(searched)
+    assert row(factors, "column", RECORDS[2])[3:] == [">10", ">10", "1.70"]
+    assert ">: none found up to there" in factors
+    searched["safe_up_to"][2, 0, 2] = 12.37
+    assert row(verdict_table(searched), "boundary wall", RECORDS[2])[-1] == ">12.3"  # never more than was searched
+
+
+def test_a_capacity_that_was_not_found_names_how_far_it_was_searched(searched):
+    """The third record has a PGA of 0.01 m/s2: ten times it is far below any demand, and says nothing of it."""
+    summary = up_to_ten(with_demands(searched))
+    text = smallest_capacities(summary, "nonlinear")
+    assert row(text, "boundary wall")[1:] == ["0.60,", "0.60", "0.24,", "0.24"]  # the third is left out
+    assert "too weak for the search to reach the demand (up to 1 of the records)" in " ".join(text.split())
+    weak = summary.isel(record=[2])
+    text = smallest_capacities(weak, "nonlinear")
+    assert row(text, "boundary wall")[1:] == [">0.1,", ">0.1", ">0.04,", ">0.04"]
+    strong = summary.assign(pga=summary["pga"] * 100.0)
+    text = smallest_capacities(strong.isel(record=[2]), "nonlinear")
+    assert row(text, "boundary wall")[1:] == [">10,", ">10", ">4,", ">4"]
+    assert "too weak" not in text
+
+
+def test_a_record_of_a_doubtful_peak_is_marked_wherever_a_verdict_rests_on_it(summary):
+    assert "peak?" not in verdict_table(summary) + overturned(summary)
+    summary["pga"][0] = 981.0
+    clipped = "8 samples in a row at the largest value: the record may be clipped"
+    summary["warnings"] = ("record", ["", clipped, ""])
+    summary["safety_factor"].loc[{"record": RECORDS[1], "block": "column", "model": "nonlinear"}] = 0.82
+    text = verdict_table(summary)
+    assert f"{RECORDS[0]} (peak?)  PGA 100 g" in text
+    assert f"{RECORDS[1]} (clipped?)  PGA" in text
+    assert "(peak?): a peak above 5 g or below 1e-6 g" in text
+    assert "(clipped?): the record stays" in text
+    assert "peak?" not in verdict_table(summary, records=RECORDS[1:])
+    assert f"boundary wall: {RECORDS[0]} (peak?)\n" in overturned(summary)
+    assert f"column: {RECORDS[1]} (clipped?) (0.82)" in overturned(summary)
+
+
+def test_a_rotation_beyond_the_critical_angle_is_explained_where_there_is_one(summary):
+    assert "Above 1" not in verdict_table(summary)
+    summary["peak_rotation_ratio"][1, 1, 2] = 1.13
+    assert "Above 1: rocked beyond the critical angle and back" in verdict_table(summary)
+    assert "Above 1" not in verdict_table(summary, blocks=BLOCKS[:1])
 
 
 def test_what_overturns_is_named_by_the_fullest_model_and_counted_for_all(summary):

@@ -82,6 +82,13 @@ def test_id(codes, start, expected):
     assert record_id(*codes, start, "stem", 2) == expected
 
 
+def test_letters_of_any_alphabet_stay_in_an_id():
+    """Also where a file system takes an accented letter apart."""
+    for stem in ("séisme 2", "se\u0301isme 2"):
+        assert record_id("", "", "", "Acceleration", None, stem, 1) == "séisme_2.Acceleration"
+    assert record_id("", "", "", "N", None, "Düzce/地震#1 \udcff", 1) == "Düzce_地震_1__.N"
+
+
 def test_an_id_taken_already_gets_a_number():
     names = [one.id for one in distinct_ids([record("a"), record("b"), record("a"), record("a~2"), record("a")])]
     assert names == ["a", "b", "a~2", "a~3", "a~4"]

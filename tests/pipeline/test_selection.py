@@ -82,6 +82,8 @@ def test_a_condition_on_a_text_takes_it_as_it_is_before_it_is_a_pattern(summary)
 def test_an_unknown_name_variable_word_or_text_comparison_says_what_there_is(summary):
     with pytest.raises(ResultsError, match=r'no block "colum" in these results; did you mean "column"'):
         rows(summary, DIMS, Selection({"block": ("colum",)}))
+    with pytest.raises(ResultsError, match=r"; 1 of 3 hold it, the pattern '\*lum\*' takes:\n  column$"):
+        rows(summary, DIMS, Selection({"block": ("LUM",)}))
     with pytest.raises(ResultsError, match=r"no variable 'outcom' .* did you mean \"outcome\""):
         rows(summary, DIMS, where("outcom = rocks"))
     with pytest.raises(ResultsError, match=r"outcome: expected one of at_rest, rocks, overturns, unresolved"):

@@ -53,6 +53,22 @@ def test_everything_is_there_and_nothing_is_nan(tree):
     assert max(map(len, text.splitlines())) <= 140
 
 
+def test_what_is_not_known_of_the_coverage_is_said_in_words(tree):
+    tree = tree.copy()
+    site = tree["site"].to_dataset()
+    gone = dict.fromkeys(("coverage", "coverage_lower", "coverage_upper", "coverage_all"), np.nan)
+    one = site.assign(**{name: site[name].copy(data=value) for name, value in gone.items()}, judged_pairs=0)
+    tree["site"] = one
+    text = " ".join(site_overview(tree).split())
+    assert "Coverage of other earthquakes: not known, for no event could be judged" in text
+    assert "covers -" not in text
+    assert "Judged" not in text
+    tree["site"] = one.isel(site_event=[0])
+    assert "not known, for with one event none can be left out" in " ".join(site_overview(tree).split())
+    tree["site"] = site.assign(**{name: site[name].copy(data=np.nan) for name in ("coverage_lower", "coverage_upper")})
+    assert "(one event: no interval) of the recorded rotations" in " ".join(site_overview(tree).split())
+
+
 @pytest.mark.parametrize("scaled", ["pga 4 m/s2", "pgv 0.5 m/s", "impulse 0.5 m/s"])
 def test_the_target_that_records_are_scaled_to_has_its_unit(tree, scaled):
     tree = tree.copy()

@@ -62,8 +62,49 @@ def test_a_folder_is_searched_to_any_depth_and_the_rest_is_listed(folder):
     records, failures = read_all(folder)
     assert ids(records) == ["b.090", "a.090"]
     assert kinds(failures) == [("notes.txt", "skipped"), ("a.VT2", "skipped")]
-    assert "no reader recognises" in failures[0].reason
+    assert failures[0].reason == f"{folder}/notes.txt: no record"
     assert "expected an acceleration series" in failures[1].reason
+
+
+PROSE = b"These data are provided as they are.\nNo 1 of 2, see page 3.\n"
+SPECTRA = b"-- Summary of spectra --\n" + b"0.01 0.5 0.6\n0.02 0.7 0.8\n0.03 0.9 1.0 1.1\n" * 9 + b"end\n"
+UNEVEN = b"somebody's recorder, m/s2\n" + b"0.01 0.5 0.6\n0.02 0.7\n0.03\n" * 9 + b"end\n"
+
+
+@pytest.mark.parametrize(
+    ("name", "content", "may_be"),
+    [
+        ("DISCLAIMER.TXT", PROSE, False),
+        ("readme.txt", SPECTRA, False),
+        ("_SearchResults.csv", SPECTRA, False),
+        ("map.jpg", b"\xff\xd8\x00\x01", False),
+        ("list.csv", b"station,latitude,event\nA,40.1,Kobe\nB,40.2,Kobe\n", False),
+        ("motion.txt", UNEVEN, True),
+        ("motion.v2", PROSE, True),
+        ("CHAN1.DAT", PROSE, True),
+        ("record.012", PROSE, True),
+        ("record.bin", b"\x00\x01\x02\x03" * 99, True),
+    ],
+)
+def test_what_may_be_a_record_in_an_unknown_format_is_told_apart_from_texts_beside_records(
+    tmp_path, name, content, may_be
+):
+    """A lost station is not listed among readme and disclaimer, nor hidden as one of them."""
+    (tmp_path / name).write_bytes(content)
+    ((failure,), (named,)) = (read_all(path)[1] for path in (tmp_path, tmp_path / name))
+    assert (failure.kind, named.kind) == ("skipped", "failed")
+    assert ("no reader recognises the file" in failure.reason) == may_be
+    assert failure.reason.endswith(f"{name}: no record") != may_be
+    assert "no reader recognises the file" in named.reason
+
+
+def test_a_file_without_accelerations_tells_whose_they_would_be(tmp_path, samples):
+    (tmp_path / "a.VT2").write_bytes(VELOCITY)
+    title = "Response and Fourier amplitude spectra\nStation No. 89146   40.9N, 123.6W   Etna\nWillow Creek   CGS\n"
+    (tmp_path / "b.V3").write_text(title)
+    velocity, spectra = read_all(tmp_path)[1]
+    assert "expected an acceleration series of station Station One, found" in velocity.reason
+    assert "expected an accelerogram of station 89146, Willow Creek, found response" in spectra.reason
 
 
 def test_the_order_of_paths_does_not_matter(folder):
@@ -172,7 +213,7 @@ def test_the_same_content_twice_is_a_duplicate(folder):
     assert ids(records) == ["b.090", "a.090"]
     (duplicate,) = (failure for failure in failures if failure.kind == "duplicate")
     assert duplicate.file.endswith("z.AT2")
-    assert "same samples, interval and component as b.090" in duplicate.reason
+    assert "same samples and interval as b.090" in duplicate.reason
 
 
 def test_the_same_samples_in_another_component_or_interval_are_no_duplicate(folder):
@@ -180,6 +221,41 @@ def test_the_same_samples_in_another_component_or_interval_are_no_duplicate(fold
     (folder / "d.AT2").write_bytes(ONE.replace(b"DT= 0.0100", b"DT= 0.0200"))
     records, _ = read_all(folder)
     assert ids(records) == ["b.090", "c.180", "d.090", "a.090"]
+
+
+def columns(*headings, scale=1.0, dead=False):
+    """A table of time and a motion in as many columns as there are headings."""
+    motion = np.zeros(300) if dead else scale * pulse(300)
+    rows = np.column_stack([0.01 * np.arange(300), *(motion * (1 + place) for place in range(len(headings)))])
+    body = "\n".join(",".join(f"{value:.6f}" for value in row) for row in rows)
+    return f"time [s],{','.join(headings)}\n{body}\n"
+
+
+@pytest.mark.parametrize(
+    ("first", "second", "kept"),
+    [
+        ("acc [g]", "Acceleration (g)", ["a.acc"]),
+        ("acc [g]", "acc N [g]", ["b.acc_N"]),
+        ("acc N [g]", "acc [g]", ["a.acc_N"]),
+        ("acc N [g]", "NS acc (g)", ["a.acc_N"]),
+        ("acc Up [g]", "Z acc (g)", ["a.acc_Up"]),
+        ("acc N [g]", "acc E [g]", ["a.acc_N", "b.acc_E"]),
+        ("acc N [g]", "acc Up [g]", ["a.acc_N", "b.acc_Up"]),
+    ],
+)
+def test_the_same_motion_under_another_heading_counts_once_unless_it_faces_elsewhere(tmp_path, first, second, kept):
+    (tmp_path / "a.csv").write_text(columns(first))
+    (tmp_path / "b.csv").write_text(columns(second))
+    records, failures = read_all(tmp_path)
+    assert ids(records) == kept
+    assert len(failures) == 2 - len(kept)
+    assert all("same samples and interval as" in row.reason and row.kind == "duplicate" for row in failures)
+
+
+def test_dead_channels_and_channels_of_one_file_are_no_duplicates_of_each_other(tmp_path):
+    (tmp_path / "a.csv").write_text(columns("acc N [g]", "acc E [g]", dead=True))
+    (tmp_path / "b.csv").write_text(columns("sensor 1 acc [g]", dead=True))
+    assert len(read_all(tmp_path)[0]) == 3
 
 
 def test_one_id_with_other_content_gets_a_number_by_sorted_path(tmp_path):

@@ -203,7 +203,7 @@ def test_a_foreign_file_that_is_in_use_is_not_taken_for_a_damaged_one(tmp_path):
             with pytest.raises(ResultsError, match="found another file"):
                 check_target(path, overwrite=True)
         finally:
-            owner.communicate("\n", timeout=30)
+            owner.communicate("\n", timeout=300)
 
 
 @pytest.mark.parametrize("length", [245, 300])
@@ -303,7 +303,7 @@ def killed_writers(tmp_path_factory):
                 os._exit(1)
             assert os.waitstatus_to_exitcode(os.waitpid(writer, 0)[1]) == -signal.SIGKILL
     """
-    subprocess.run([sys.executable, "-c", textwrap.dedent(script)], timeout=60, check=True)
+    subprocess.run([sys.executable, "-c", textwrap.dedent(script)], timeout=300, check=True)
     return cases
 
 

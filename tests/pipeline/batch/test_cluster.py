@@ -3,6 +3,7 @@
 import os
 import signal
 import sys
+import threading
 
 import crew_functions as toys
 import pytest
@@ -19,14 +20,23 @@ from rockpulse.settings import ModelSettings, SearchSettings
 SQUARES = [(number, number**2) for number in range(40)]
 
 
-def needs_distributed():
-    return pytest.importorskip("distributed", reason="the extra [distributed] is not installed")
+class PatientEvent(threading.Event):
+    """One that waits for the event loop of distributed as long as a busy machine may take, not just 10 s."""
+
+    def wait(self, timeout=None):
+        return super().wait(300.0 if timeout == 10 else timeout)
 
 
+@pytest.fixture
+def needs_distributed(monkeypatch):
+    pytest.importorskip("distributed", reason="the extra [distributed] is not installed")
+    monkeypatch.setattr("distributed.utils.threading.Event", PatientEvent)
+
+
+@pytest.mark.usefixtures("needs_distributed")
 def test_two_workers_answer_like_one_process_and_one_that_is_killed_half_way_changes_nothing(tmp_path, monkeypatch):
-    needs_distributed()
     with dask_cluster(tmp_path) as (address, _, _):
-        with Crew.scheduler(address, timeout=60.0) as crew:
+        with Crew.scheduler(address, timeout=300.0) as crew:
             wait_for_workers(crew, 2)
             assert sorted(crew.run(toys.square, range(40))) == SQUARES
             # Equal items are answered as often as they are given.
@@ -44,17 +54,17 @@ def test_two_workers_answer_like_one_process_and_one_that_is_killed_half_way_cha
                     os.kill(workers.pop(), signal.SIGKILL)
             assert sorted(answers) == SQUARES
             wait_for_workers(crew, 1)
-        with Crew.scheduler(address) as crew:  # the cluster is still there for the next
+        with Crew.scheduler(address, timeout=300.0) as crew:  # the cluster is still there for the next
             assert sorted(crew.run(toys.square, range(40))) == SQUARES
         monkeypatch.setattr(rockpulse, "__version__", "99.0")
         with pytest.raises(ConfigError, match=r"dask worker tcp://.* expected rockpulse 99\.0, found '\d"):
-            Crew.scheduler(address)
+            Crew.scheduler(address, timeout=300.0)
 
 
 @pytest.mark.slow
+@pytest.mark.usefixtures("needs_distributed")
 def test_an_item_that_kills_its_workers_is_lost_and_a_lost_scheduler_is_an_error(tmp_path):
-    needs_distributed()
-    with dask_cluster(tmp_path, workers=3) as (address, scheduler, _), Crew.scheduler(address, timeout=60.0) as crew:
+    with dask_cluster(tmp_path, workers=3) as (address, scheduler, _), Crew.scheduler(address, timeout=300.0) as crew:
         wait_for_workers(crew, 3)
         ((_, lost),) = crew.run(toys.kill_itself, [3])
         assert isinstance(lost, WorkerLost)
@@ -75,8 +85,8 @@ def test_an_item_that_kills_its_workers_is_lost_and_a_lost_scheduler_is_an_error
         pytest.param("cdp://127.0.0.1:8786", marks=pytest.mark.slow),
     ],
 )
+@pytest.mark.usefixtures("needs_distributed")
 def test_an_address_where_no_scheduler_answers_is_a_clear_error(address):
-    needs_distributed()
     with pytest.raises(
         ConfigError, match=rf"--scheduler {address}: expected .* none answers within 0\.5 s .*dask worker"
     ):
@@ -90,8 +100,8 @@ def test_without_the_package_the_error_says_what_to_install(monkeypatch):
 
 
 @pytest.mark.slow
+@pytest.mark.usefixtures("needs_distributed")
 def test_an_assessment_on_a_cluster_is_that_of_one_process_also_when_a_worker_is_killed(samples, tmp_path):
-    needs_distributed()
     config = rp.Config(
         blocks=(BlockSettings(name="wall", width=0.4, height=3.0),),
         models=ModelSettings(use=("sequence", "nonlinear")),

@@ -5,6 +5,7 @@ import pickle
 import signal
 import subprocess
 import sys
+import threading
 import time
 from concurrent.futures import Executor, Future, ThreadPoolExecutor
 from pathlib import Path
@@ -14,6 +15,9 @@ import pytest
 
 from rockpulse.batch import processes
 from rockpulse.batch.crew import Crew, WorkerLost
+
+#: How long a busy machine may take for what it does at once when it is idle [s].
+PATIENCE = 300.0
 
 
 @pytest.fixture(scope="module")
@@ -58,8 +62,12 @@ def test_every_item_is_answered_once_whoever_works(workers):
     assert sorted(answers) == [(number, number**2) for number in range(23)]
 
 
-def test_results_come_in_order_of_completion(pair):
-    assert [item for item, _ in pair.run(toys.doze, [0.5, 0.0, 0.1])] == [0.0, 0.1, 0.5]
+def test_results_come_in_order_of_completion(pair, tmp_path):
+    go = tmp_path / "go"
+    results = pair.run(toys.wait_for_file, [(0, go), (1, None), (2, None)])
+    assert [next(results)[1], next(results)[1]] == [1, 2]
+    go.touch()
+    assert [number for _, number in results] == [0]
 
 
 def test_items_are_taken_a_few_ahead_only(pair):
@@ -144,7 +152,7 @@ def test_a_worker_is_light_until_it_has_work(pair):
 
 def numbers_of(folder, count):
     """The processes that have left their number in the folder."""
-    assert wait_for(lambda: len(list(folder.iterdir())) == count, 30.0), "the workers do not start"
+    assert wait_for(lambda: len(list(folder.iterdir())) == count, PATIENCE), "the workers do not start"
     return [int(path.name) for path in folder.iterdir()]
 
 
@@ -152,12 +160,13 @@ def test_leaving_by_an_error_ends_busy_workers_at_once(tmp_path):
     def interrupted_with_two_at_work():
         yield from [tmp_path, tmp_path]
         numbers_of(tmp_path, 2)
+        interrupted.append(time.monotonic())
         raise KeyboardInterrupt
 
-    start = time.monotonic()
+    interrupted = []
     with pytest.raises(KeyboardInterrupt), Crew.local(2) as crew:
         list(crew.run(toys.report_and_doze, interrupted_with_two_at_work()))
-    assert time.monotonic() - start < 30.0
+    assert time.monotonic() - interrupted[0] < 30.0  # of the minute that they would have slept
     assert not any(alive(process) for process in numbers_of(tmp_path, 2))
 
 
@@ -199,7 +208,7 @@ def batch(tmp_path):
         text=True,
         start_new_session=True,
     )
-    assert wait_for(begun.exists, 30.0)
+    assert wait_for(begun.exists, PATIENCE)
     yield process, folder
     process.kill()
     process.communicate()
@@ -211,7 +220,7 @@ def test_no_worker_outlives_a_parent_that_is_killed(batch):
     assert all(alive(worker) for worker in workers)
     process.kill()
     process.wait()
-    assert wait_for(lambda: not any(alive(worker) for worker in workers), 5.0)
+    assert wait_for(lambda: not any(alive(worker) for worker in workers), PATIENCE)
 
 
 @pytest.mark.parametrize("moment", ["starting", "working"])
@@ -221,12 +230,12 @@ def test_an_interrupt_from_the_keyboard_ends_all_and_only_the_parent_says_so(bat
     if not workers:
         time.sleep(0.1)  # the workers are importing
     os.killpg(process.pid, signal.SIGINT)
-    _, said = process.communicate(timeout=30.0)
+    _, said = process.communicate(timeout=PATIENCE)
     assert process.returncode == -signal.SIGINT
     assert said.count("Traceback") == 1, said
     assert said.rstrip().endswith("KeyboardInterrupt")
     assert not any(alive(worker) for worker in workers)
-    assert wait_for(lambda: not group_runs(process.pid), 5.0)
+    assert wait_for(lambda: not group_runs(process.pid), PATIENCE)
 
 
 def test_a_worker_that_is_killed_while_it_starts_is_started_again(monkeypatch, tmp_path):
@@ -262,17 +271,18 @@ def test_any_executor_will_do_and_stays_open():
 
 
 def test_after_an_error_another_executor_has_nothing_left_to_do():
-    started = []
+    started, left = [], threading.Event()
 
     def slow(number):
         started.append(number)
-        time.sleep(0.1)
         if number == 0:
             raise KeyError("zero")
+        left.wait(PATIENCE)
 
     with ThreadPoolExecutor(1) as pool:
         with pytest.raises(KeyError), Crew.through(pool, size=4) as crew:
             list(crew.run(slow, range(8)))
+        left.set()
         assert pool.submit(toys.square, 4).result() == 16
     assert len(started) <= 2
 

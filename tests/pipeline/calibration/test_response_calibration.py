@@ -64,10 +64,10 @@ def promised(cases):
     return np.mean(held)
 
 
-def test_ten_sequences_with_noise_are_recovered():
-    cases = [recovered(seed, counts=(2, 3), every=3) for seed in range(10)]
-    # At 0.9 fewer than 7 of 10 have a probability of 1.3 %.
-    assert all(share >= 0.7 for share in coverage(cases).values())
+def test_five_sequences_with_noise_are_recovered():
+    cases = [recovered(seed, counts=(2, 3), every=3) for seed in range(5)]
+    # At 0.9 fewer than 3 of 5 have a probability of 0.9 %.
+    assert all(share >= 0.6 for share in coverage(cases).values())
     assert np.median(relative_widths(cases)) < 0.25
     assert np.median([fit.spread for _, fit in cases]) == pytest.approx(0.1, abs=0.015)
 

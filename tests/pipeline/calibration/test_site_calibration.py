@@ -10,9 +10,11 @@ import pytest
 
 import rockpulse as rp
 from rockpulse.calibration import site_record
+from rockpulse.calibration.site_calibration import calibrate_planned
 from rockpulse.calibration.site_scaling import MEASURE
 from rockpulse.calibration.site_tables import record_weights
 from rockpulse.config import Config
+from rockpulse.directions import plan_motions
 from rockpulse.errors import ConfigError, RecordRefused
 from rockpulse.failures import Failure
 from rockpulse.models import Block
@@ -259,6 +261,29 @@ def test_a_record_that_fails_is_a_row_and_never_the_end():
     assert "dead" in str(rows["reason"].values[0])
     with pytest.raises(RecordRefused, match=r"not one record could be calibrated[\s\S]*dead"):
         rp.calibrate_site([dead], config(), BLOCKS)
+
+
+def test_a_record_that_moves_too_few_blocks_is_skipped_and_no_failure(tmp_path):
+    weak = shake(9, 0.003, name="weak")
+    settings = config(method="response")
+    tree = rp.calibrate_site([RECORDS[0], weak], settings, BLOCKS)
+    rows = tree["failures"].to_dataset()
+    assert (rows["kind"].values.tolist(), rows["stage"].values.tolist()) == (["skipped"], ["calibrate"])
+    assert "weak: the motion moves none of 400 blocks" in str(rows["reason"].values[0])
+    family = {f"post {number}": Block(0.2, 1.0 + 0.1 * number) for number in range(6)}
+    (row,) = calibrated(weak, family, method="response", family="blocks")
+    assert (row.kind, row.stage) == ("skipped", "calibrate")
+    assert "0 of 6 blocks rock to a peak" in row.reason
+    # One that overturns them all is the strongest of its site: to leave it out is for the user to decide.
+    (row,) = calibrated(shake(9, 8.0, name="strong"), family, method="response", family="blocks")
+    assert (row.kind, row.stage) == ("failed", "calibrate")
+    assert "6 overturn" in row.reason
+
+
+def calibrated(record, blocks, **calibration):
+    """What becomes of one record."""
+    planned, _ = plan_motions([record], config(**calibration))
+    return list(calibrate_planned(planned[0], Block.stack([*blocks.values()]), config(**calibration)))
 
 
 def test_records_of_one_id_are_refused():

@@ -205,6 +205,25 @@ def test_a_file_that_is_no_record_is_exit_code_one_with_the_rest_calibrated(samp
     assert rp.load(target)["site"].sizes["record"] > 3
 
 
+def test_a_record_that_lifts_nothing_is_skipped_with_its_reason_and_exit_code_zero(samples, config, tmp_path, capsys):
+    time = np.arange(0.0, 10.0, 0.01)
+    np.savetxt(tmp_path / "still.txt", 0.01 * np.where(abs(time - 5.0) < 0.5, np.cos(np.pi * (time - 5.0)), 0.0))
+    paths = [str(samples / "CICLC.v1"), str(tmp_path / "still.txt")]
+    target = tmp_path / "site.h5"
+    arguments = ["--config", str(config), "--units", "m/s2", "--dt", "0.01", "-o", str(target)]
+    assert main(["calibrate", *paths, *arguments, "--strict"]) == 0
+    assert "skipped (calibrate) " in capsys.readouterr().out
+    rows = rp.load(target)["failures"].to_dataset()
+    (row,) = np.flatnonzero(rows["stage"].values == "calibrate")
+    assert (str(rows["kind"].values[row]), "no impulse sequence" in str(rows["reason"].values[row])) == (
+        "skipped",
+        True,
+    )
+    records, failures = rp.read_all(paths, "m/s2", dt=0.01)
+    direct = rp.calibrate_site(records, rp.load_config(config), failures=failures)["failures"].to_dataset()
+    assert direct.identical(rows)
+
+
 def test_nothing_calibrated_is_exit_code_one_and_no_file(samples, config, tmp_path, capsys):
     slab = tmp_path / "slab.toml"
     slab.write_text('[calibration]\nmethod = "statistics"\n[[block]]\nname = "slab"\nwidth = 9\nheight = 6.5\n')

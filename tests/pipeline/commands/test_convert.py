@@ -62,7 +62,7 @@ def test_a_unit_is_asked_for_and_taken(tmp_path, capsys):
 @pytest.mark.parametrize("step", ["-1", "0", "nan", "inf"])
 def test_an_interval_that_is_none_is_refused_though_the_file_has_its_own(folder, capsys, step):
     assert main(["convert", str(folder / "a.AT2"), "-o", str(folder / "x.csv"), "--dt", step]) == 2
-    assert "--dt: expected a sampling interval in s above 0, found" in capsys.readouterr().err
+    assert "--dt: expected a number in s > 0, found" in capsys.readouterr().err
     assert not (folder / "x.csv").exists()
 
 

@@ -25,6 +25,8 @@ def test_a_table_and_its_readme(results, tmp_path, capsys):
         {"record": RECORDS[0], "block": "boundary wall", "model": "nonlinear", "pga": 5.5574, "outcome": "overturns"}
     ]
     readme = (tmp_path / "table.README.md").read_text()
+    assert "| column | unit | empty cells of 1 | meaning |" in readme
+    assert "`inf`: without limit" in readme
     assert "From `results.h5` (Borgo;" in readme
     assert "Selection: model nonlinear; outcome = overturns; sorted by safety_factor, smallest first." in readme
 
@@ -47,6 +49,9 @@ def test_other_groups_and_rows(results, tmp_path, capsys):
         (["--where", "pga"], "expected a condition"),
         (["--descending"], "--descending goes with --sort"),
         (["--group", "nothing"], "no group 'nothing'"),
+        (["--rows", ""], "expected at least one dimension"),
+        (["--columns", ","], "expected at least one column"),
+        (["--where", "pga < nan"], "pga: expected a number, found 'nan'"),
         (["--group", "failures", "--record", "weak.1"], "no record, by which it could be filtered"),
     ],
 )

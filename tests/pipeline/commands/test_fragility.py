@@ -69,7 +69,28 @@ def test_a_file_that_exists_is_replaced_only_when_told_and_only_if_it_is_one(mad
     assert other.read_text() == "mine"
 
 
-def test_a_configuration_is_needed(samples, tmp_path):
-    with pytest.raises(SystemExit) as stopped:
-        main(["fragility", str(samples), "-o", str(tmp_path / "f.h5")])
-    assert stopped.value.code == 2
+def test_without_a_configuration_the_blocks_of_the_command_line_are_enough_and_the_file_repeats_the_run(
+    tmp_path, capsys
+):
+    time = np.arange(0.0, 6.0, 0.01)
+    for number in range(3):
+        motion = (2.0 + number) * np.sin(2.0 * np.pi * (1.0 + 0.2 * number) * time) * np.exp(-((time - 3.0) ** 2))
+        np.savetxt(tmp_path / f"r{number}.txt", 100.0 * motion, fmt="%.6f")
+    files = sorted(map(str, tmp_path.glob("r*.txt")))
+    arguments = ["--block", "stele=0.2x1.6", "--units", "cm/s2", "--dt", "0.01"]
+    assert main(["fragility", *files, *arguments, "-o", str(tmp_path / "f.h5")]) == 0
+    assert "3 records of " in capsys.readouterr().out
+    tree = rp.load(tmp_path / "f.h5")
+    assert tree["fragility"]["block"].values.tolist() == ["stele"]
+    (tmp_path / "again.toml").write_text(tree.attrs["configuration"], encoding="utf-8")
+    again = tmp_path / "again.h5"
+    assert main(["fragility", "--config", str(tmp_path / "again.toml"), "-o", str(again), "--quiet"]) == 0
+    for group in ("fragility", "capacities", "efficiency"):
+        assert rp.load(again)[group].to_dataset().identical(tree[group].to_dataset()), group
+
+
+def test_without_a_block_it_is_wrong_usage(samples, tmp_path, capsys):
+    assert main(["fragility", str(samples), "-o", str(tmp_path / "f.h5")]) == 2
+    assert "no block" in capsys.readouterr().err
+    assert main(["fragility", "--block", "a=1x4", "-o", str(tmp_path / "f.h5")]) == 2
+    assert "no records: name files" in capsys.readouterr().err

@@ -177,6 +177,11 @@ def test_names_of_several_lines_are_shown_in_one(tmp_path, capsys):
     assert all(name in out for name in ("a b ", "c d ", "e f "))
 
 
+def test_an_order_without_a_variable_to_sort_by_is_refused(results, capsys):
+    assert main(["inspect", results, "--descending"]) == 2
+    assert "--descending goes with --sort" in capsys.readouterr().err
+
+
 def test_the_worst_cases_and_those_of_a_pattern(results, capsys):
     assert main(["inspect", results, "--worst", "2"]) == 0
     out = capsys.readouterr().out

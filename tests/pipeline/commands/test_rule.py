@@ -3,7 +3,6 @@
 import re
 import tomllib
 
-import numpy as np
 import pytest
 
 import rockpulse as rp
@@ -14,11 +13,12 @@ from rockpulse.synthetic import synthetic_motion
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
-    """Six motions of six earthquakes, as plain columns."""
+    """Six motions of six earthquakes."""
     place = tmp_path_factory.mktemp("records")
     for seed in range(6):
         motion = synthetic_motion(seed, duration=12.0, pga=5.0)
-        np.savetxt(place / f"motion_{seed}.txt", np.column_stack([0.01 * np.arange(motion.size), motion]), fmt="%.8g")
+        event = f"Quake {'ABCDEF'[seed] * 3}"
+        rp.write(rp.Record(motion, dt=0.01, id=f"motion_{seed}", event=event), place / f"motion_{seed}.at2")
     return place
 
 
@@ -29,14 +29,14 @@ def run(capsys, *words):
 
 def test_a_rule_is_fitted_written_and_judged(folder, tmp_path, capsys):
     rule, verdicts = tmp_path / "rule.toml", tmp_path / "verdicts.h5"
-    code, said = run(capsys, "rule", "fit", folder, "--units", "m/s2", "-o", rule)
+    code, said = run(capsys, "rule", "fit", folder, "-o", rule)
     assert code == 0, said.err
     written = tomllib.loads(rule.read_text())
     assert written["provenance"]["earthquakes"] == 6
     assert written["balanced"]["factor"] <= written["conservative"]["factor"]
     assert str(folder) not in rule.read_text()
     assert re.search(r"balanced +rule +left-out", said.out)
-    code, said = run(capsys, "rule", "judge", folder, "--units", "m/s2", "--rule", rule, "-o", verdicts)
+    code, said = run(capsys, "rule", "judge", folder, "--rule", rule, "-o", verdicts)
     assert code == 0, said.err
     assert "p PGV/(g tan a)" in said.out
     tree = rp.load(verdicts)
@@ -61,11 +61,12 @@ def test_one_earthquake_gives_a_statement(samples, tmp_path, capsys):
 
 def test_without_a_strong_record_nothing_is_written(samples, tmp_path, capsys):
     (tmp_path / "notes.txt").write_text("no record")
-    code, said = run(capsys, "rule", "judge", tmp_path, samples / "2516b_a.smc", "-o", tmp_path / "verdicts.h5")
-    assert code == 1
-    assert "no strong channel to judge on, nothing was written" in said.err
-    assert "notes.txt" in said.err
-    assert not (tmp_path / "verdicts.h5").exists()
+    for action, name in (("judge", "verdicts.h5"), ("fit", "rule.toml")):
+        code, said = run(capsys, "rule", action, tmp_path, samples / "2516b_a.smc", "-o", tmp_path / name)
+        assert code == 1
+        assert "no strong channel among the records, nothing was written" in said.err
+        assert "notes.txt" in said.err
+        assert not (tmp_path / name).exists()
 
 
 def test_a_file_that_exists_is_kept(samples, tmp_path, capsys):

@@ -148,14 +148,14 @@ def test_the_help_names_the_defaults(capsys):
             run(figure, "--help")
         said[figure] = " ".join(capsys.readouterr().out.split())
     for text in said.values():
-        assert f"default {DURATION:g} s" in text
-        assert f"default {RESTITUTIONS[0]:g} {RESTITUTIONS[1]:g}" in text
-    assert f"default {IMPULSE_RATIOS[0]:g} to {IMPULSE_RATIOS[-1]:.1f}" in said["figure4"]
-    assert f"default {' '.join(f'{count:g}' for count in COUNTS)}" in said["figure4"]
-    assert f"default {' '.join(f'{share:g}' for share in STUDIED_RATIOS)}" in said["figure5"]
-    assert f"default {INTERVAL:g} s" in said["figure5"]
-    assert f"default {STEP:g} s" in said["figure5"]
-    assert f"default {SCAN[0]:g} {SCAN[-1]:g} {SCAN[1] - SCAN[0]:.3g} s" in said["figure5"]
+        assert f"default: {DURATION:g} s" in text
+        assert f"default: {RESTITUTIONS[0]:g} {RESTITUTIONS[1]:g}" in text
+    assert f"default: {IMPULSE_RATIOS[0]:g} to {IMPULSE_RATIOS[-1]:.1f}" in said["figure4"]
+    assert f"default: {' '.join(f'{count:g}' for count in COUNTS)}" in said["figure4"]
+    assert f"default: {' '.join(f'{share:g}' for share in STUDIED_RATIOS)}" in said["figure5"]
+    assert f"default: {INTERVAL:g} s" in said["figure5"]
+    assert f"default: {STEP:g} s" in said["figure5"]
+    assert f"default: {SCAN[0]:g} {SCAN[-1]:g} {SCAN[1] - SCAN[0]:.3g} s" in said["figure5"]
 
 
 @pytest.mark.parametrize("arguments", [[], ["figure6", "-o", "x.h5"], ["figure4"]])

@@ -3,12 +3,14 @@
 import numpy as np
 import pytest
 import xarray as xr
+from matplotlib.colors import same_color
 
 import rockpulse as rp
 from rockpulse.config import Config
 from rockpulse.errors import ResultsError
 from rockpulse.models import Block
 from rockpulse.plots.critical_factors import ROWS, critical_scale, overturning_map
+from rockpulse.plots.style import RED
 from rockpulse.settings import ModelSettings
 
 
@@ -52,6 +54,33 @@ def test_a_map_shows_the_stored_intervals_and_the_windows_between(assessed, firs
     assert ax.get_xlabel() == "factor on the record [-]"
     assert [tick.get_text() for tick in ax.get_yticklabels()] == ["wall", r"column of \$one\$ piece"]
     assert 1.0 in [line.get_xdata()[0] for line in ax.lines]
+    factor = assessed["summary"]["safety_factor"].sel(record=first, model="nonlinear").values
+    assert ax.get_xlim() == pytest.approx((0.7 * min(1.0, factor.min()), 10.0))
+    assert ax.get_ylim() == pytest.approx((1.6, -0.6))  # the first on top
+
+
+def test_the_narrowest_interval_is_seen(assessed, changed, first):
+    table = assessed["overturning_intervals"].to_dataset()
+    thin = table.assign(upper=table["upper"].copy(data=table["lower"].values * (1.0 + 1e-7)))
+    ax = overturning_map(changed({"/overturning_intervals": thin}), record=first)
+    for place, block in enumerate(assessed["summary"]["block"].values):
+        lower, _ = intervals(assessed, first, block, "nonlinear")
+        lines = [c for c in ax.collections if len(c.get_segments()) and round(c.get_segments()[0].mean(0)[1]) == place]
+        assert sorted(segment[0, 0] for line in lines for segment in line.get_segments()) == pytest.approx(lower)
+        assert {float(width) for line in lines for width in line.get_linewidths()} == {1.0}
+        assert all(same_color(line.get_colors()[0], RED) for line in lines)
+    assert "at least 1 pt wide" in ax.figure.get_supxlabel()
+
+
+def test_a_dot_stands_at_the_smallest_factor(assessed, changed, first):
+    factor = assessed["summary"]["safety_factor"].sel(record=first, model="nonlinear").values
+    (dots,) = (line for line in overturning_map(assessed, record=first).lines if line.get_label() == "smallest factor")
+    assert dots.get_xydata().tolist() == [[value, place] for place, value in enumerate(factor)]
+    bound = np.zeros(assessed["summary"]["safety_factor"].shape, np.int8)
+    ax = overturning_map(changed(factor_resolved=bound), record=first)
+    (dots,) = (line for line in ax.lines if line.get_label() == "smallest factor")
+    assert dots.get_markerfacecolor() == "white"
+    assert "Hollow: a lower bound" in ax.figure.get_supxlabel()
 
 
 def test_records_on_a_block_are_ordered_by_their_factor(assessed):
@@ -78,6 +107,9 @@ def test_what_the_model_cannot_answer_is_not_drawn_as_overturning(assessed, chan
     ax = overturning_map(changed({"/overturning_intervals": doubted}), record=first)
     assert bars(ax, "overturns") == []
     assert len(bars(ax, "cannot answer: counts as overturning")) > 1
+    for container in ax.containers:
+        if container.get_label().startswith("cannot answer"):
+            assert {(bar.get_facecolor(), bar.get_hatch()) for bar in container} == {((1.0, 1.0, 1.0, 1.0), "xxxx")}
 
 
 def test_resonance_is_named_an_upper_bound_type_input(assessed):
@@ -94,9 +126,25 @@ def test_nothing_that_overturns_stands_to_the_end_of_the_search(assessed, change
     tree = changed({"/overturning_intervals": none}, safety_factor=endless)
     ax = overturning_map(tree, record=first)
     assert [high for _, _, high in bars(ax, "stands")] == pytest.approx([10.0, 10.0])
+    assert [text.get_text().strip() for text in ax.texts] == ["none up to 10"] * 2
+    assert "smallest factor" not in ax.get_legend_handles_labels()[1]
     ax = critical_scale(tree, block="wall")
     assert ax.get_xlim()[1] > 10.0
+    beside = [x for line in ax.lines if len(line.get_xdata()) == 2 for x in line.get_xdata() if x != 1.0]
+    assert len(beside) == 10  # five models on two records
+    assert min(beside) > 10.0
+    assert max(beside) < ax.get_xlim()[1]
     assert "None: no overturning found up to a factor of 10" in ax.figure.get_supxlabel()
+
+
+def test_a_body_that_was_not_searched_or_is_outside_the_range_is_named(assessed, changed, first):
+    factor = assessed["summary"]["safety_factor"].values.copy()
+    factor[:, 1] = np.nan
+    applicable = np.ones(factor.shape, np.int8)
+    applicable[:, 0] = 0
+    ax = overturning_map(changed(safety_factor=factor, applicable=applicable), record=first)
+    assert [(text.get_text().strip(), text.get_position()[1]) for text in ax.texts] == [("not searched", 1)]
+    assert "Outside the range of the model: wall." in ax.figure.get_supxlabel()
 
 
 def test_what_was_not_searched_is_refused(assessed, changed, first):
@@ -155,5 +203,7 @@ def test_of_many_records_those_of_the_smallest_factors_are_shown(assessed, chang
     ax = critical_scale(tree, block="wall")
     assert [tick.get_text() for tick in ax.get_yticklabels()] == [f"record {k}" for k in lowest]
     assert "The 60 smallest factors of 70 records" in ax.figure.get_supxlabel()
-    assert len(overturning_map(tree, block="wall").get_yticks()) == ROWS
-    assert ax.figure.get_size_inches()[1] < 11.7  # a page of A4
+    drawn = overturning_map(tree, block="wall")
+    assert len(drawn.get_yticks()) == ROWS
+    assert "The 60 smallest factors of 70" in drawn.figure.get_supxlabel()
+    assert max(one.figure.get_size_inches()[1] for one in (ax, drawn)) < 11.7  # a page of A4

@@ -44,8 +44,21 @@ def test_labels_have_readable_units(panels):
 
 def test_the_peak_of_the_whole_record_is_drawn(motion, panels):
     drawn = panels[0].lines[1].get_ydata()  # after the zero line
-    assert np.max(np.abs(drawn)) == np.max(np.abs(motion["acceleration"].values))
+    acceleration = motion["acceleration"].values
+    strongest = int(np.argmax(np.abs(acceleration)))
+    assert np.max(np.abs(drawn)) == np.abs(acceleration[strongest])
     assert len(drawn) < 2000 < motion.sizes["sample"]
+    assert panels[0].lines[2].get_xydata().tolist() == [[motion["time"].values[strongest], acceleration[strongest]]]
+    (words,) = (text.get_text() for text in panels[0].texts)
+    assert words == f"PGA {abs(acceleration[strongest]):.3g} m/s² at {motion['time'].values[strongest]:.2f} s"
+    assert panels[0].get_xlim() == (0.0, motion["time"].values[-1])
+
+
+def test_the_acceleration_of_the_phase_is_that_of_the_record(motion, panels):
+    time, acceleration = panels[1].lines[1].get_data()
+    assert np.interp(time, motion["time"].values, motion["acceleration"].values) == pytest.approx(acceleration)
+    low, high = panels[1].get_xlim()
+    assert (time[0], time[-1]) == pytest.approx((low, high), abs=0.1)
 
 
 def test_half_waves_above_half_the_largest_are_filled(motion, panels):
@@ -59,6 +72,12 @@ def test_impulses_stand_at_their_centroids(motion, panels):
     assert np.all(np.isnan(stems[:, 2]))
     where = np.searchsorted(motion["centroid"].values, stems[:, 1, 0])
     assert np.array_equal(motion["impulse"].values[where], stems[:, 1, 1])
+    inside = (motion["centroid"].values >= panels[2].get_xlim()[0]) & (
+        motion["centroid"].values <= panels[2].get_xlim()[1]
+    )
+    size = np.abs(motion["impulse"].values)
+    assert len(stems) == np.count_nonzero(inside & (size > 0.01 * size.max()))
+    assert len(labelled(panels[2])["above half the largest"].get_xdata()) == len(panels[1].collections)
     main = float(motion["main_impulse"])
     assert any(words.startswith(r"$\pm I$ =") for words in labelled(panels[2]))
     assert {main, -main} <= {line.get_ydata()[0] for line in panels[2].lines}

@@ -30,6 +30,9 @@ def test_every_impulse_is_an_arrow(spacing):
     drawn = marks(both)
     shown = times <= drawn[:, 0].max()
     expected = np.stack([times, impulses], axis=1)[shown]
+    for line in both.lines:
+        if line.get_marker() in ("^", "v") and line.get_linestyle() == "None" and len(line.get_ydata()):
+            assert np.all((line.get_ydata() > 0.0) == (line.get_marker() == "^"))  # heads point away from zero
     assert np.allclose(drawn[np.lexsort(drawn.T)], expected[np.lexsort(expected.T)])
     assert set(np.abs(marks(alone)[:, 1])) == {own.main}
 
@@ -40,6 +43,18 @@ def test_main_impulses_come_with_the_half_cycles():
     duration = models.sequence_response(BLOCK, sequence(secondary=0.0)).half_cycles.duration
     assert np.allclose(np.diff(times), duration[: times.size - 1])
     assert np.all(np.diff(duration[:3]) > 0.0)  # the critical timing increases
+
+
+def test_half_cycles_are_bars_from_impulse_to_impulse_with_their_peaks():
+    alone, _ = limit_accelerogram(BLOCK, sequence())
+    times = np.sort(marks(alone)[:, 0])
+    table = models.sequence_response(BLOCK, sequence(secondary=0.0)).half_cycles
+    bars = [line.get_xdata() for line in alone.lines if line.get_marker() == "|"]
+    assert np.allclose(bars, np.stack([times, times + table.duration[: times.size]], axis=1))
+    peaks = [float(text.get_text()) for text in alone.texts]
+    assert len(peaks) >= 3
+    places = [np.argmin(np.abs(times + 0.5 * table.duration[: times.size] - text.xy[0])) for text in alone.texts]
+    assert peaks == pytest.approx(table.peak[places], abs=0.0051)
 
 
 def test_equal_impulses_are_told_apart_by_their_place():

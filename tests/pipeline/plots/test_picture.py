@@ -1,16 +1,19 @@
 """Files are the same on every run, text stays text, and any number of SVGs stand in one page."""
 
+import gc
 import re
 import subprocess
 import sys
+import weakref
 import xml.etree.ElementTree as ET
+from concurrent.futures import ThreadPoolExecutor
 
 import matplotlib
 import pytest
 from matplotlib.figure import Figure
 
 from rockpulse.plots.picture import picture_bytes, svg
-from rockpulse.plots.style import caption, legend_above, one_axes, thinned, title
+from rockpulse.plots.style import caption, legend_above, one_axes, panel_title, thinned, title
 
 
 def figure(words="a <b> & 'c'"):
@@ -86,6 +89,27 @@ def test_titles_and_small_print_of_somebody_elses_figure_stay():
     assert mine.get_suptitle() == "mine"
     assert ax.get_title(loc="left") == "theirs"
     assert [text.get_text() for text in ax.texts] == ["small"]
+
+
+def test_a_panel_of_somebody_elses_figure_keeps_what_it_says_of_itself():
+    ax = Figure().subplots()
+    panel_title(ax, "resonance: an upper-bound type input")
+    title(ax, "a record")
+    assert ax.get_title(loc="left") == "a record\nresonance: an upper-bound type input"
+
+
+def test_threads_leave_the_settings_as_they_were():
+    before = dict(matplotlib.rcParams)
+    with ThreadPoolExecutor(4) as pool:
+        drawn = list(pool.map(lambda _: svg(figure()), range(12)))
+    assert set(drawn) == {svg(figure())}
+    assert dict(matplotlib.rcParams) == before
+
+
+def test_nothing_is_kept_of_a_picture():
+    gone = weakref.ref(figure())
+    gc.collect()
+    assert gone() is None
 
 
 def test_a_thinned_history_keeps_its_extremes():

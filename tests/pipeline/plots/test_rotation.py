@@ -8,8 +8,8 @@ import pytest
 import rockpulse as rp
 from rockpulse.components import VERTICAL_NOTE
 from rockpulse.errors import ResultsError
-from rockpulse.plots.histories import histories
 from rockpulse.plots.kinds import draw
+from rockpulse.plots.model_histories import histories
 from rockpulse.plots.rotation import rotation_history
 
 COLUMN = "column of $one$ piece"
@@ -38,6 +38,23 @@ def test_every_model_has_a_curve_of_its_own_look(drawn):
     assert len({str(line._dash_pattern) for line in curves(moving)}) == 5  # not by colour alone
 
 
+def test_the_curves_are_the_histories(drawn):
+    found, (moving, _) = drawn
+    first, last = moving.get_xlim()
+    for history, line in zip(found, curves(moving), strict=True):
+        shown = (history.time >= first) & (history.time <= last)
+        assert np.nanmax(line.get_ydata()) == np.nanmax(history.rotation[shown])
+        assert np.nanmin(line.get_ydata()) == np.nanmin(history.rotation[shown])
+        assert np.isin(line.get_xdata(), history.time).all()
+        moves = history.time[np.abs(history.rotation) > 0.02]
+        assert first <= moves[0]
+        assert last >= moves[-1]
+    assert {line.get_ydata()[0] for line in moving.lines if len(set(line.get_ydata())) == 1} >= {-1.0, 0.0, 1.0}
+    low, high = moving.get_ylim()
+    assert low == -high < -1.0
+    assert moving.get_ylabel() == r"rotation $\theta/\alpha_c$ [-]"
+
+
 def test_the_legend_says_how_each_ends(drawn, assessed, first):
     words = [line.get_label() for line in curves(drawn[1][0])]
     assert words[3].startswith("sequence: overturns by")
@@ -54,7 +71,11 @@ def test_the_computed_history_reaches_the_stored_peak(assessed, first):
 
 def test_impacts_are_ticks_in_a_row_of_each_model(drawn):
     found, (_, below) = drawn
-    assert [len(line.get_xdata()) for line in below.lines] == [history.impacts.size for history in found]
+    assert [line.get_xdata().tolist() for line in below.lines] == [history.impacts.tolist() for history in found]
+    assert [set(line.get_ydata()) <= {place} for place, line in enumerate(below.lines)] == [True] * 5
+    for history in found[:3]:  # between two samples of opposite sign
+        after = np.searchsorted(history.time, history.impacts)
+        assert np.all(history.rotation[after - 1] * history.rotation[after] <= 0.0)
     assert all(line.get_marker() == "|" for line in below.lines)
     assert [tick.get_text().split(" ")[0] for tick in below.get_yticklabels()] == [h.model for h in found]
     assert found[1].impacts.size > 10
@@ -121,6 +142,15 @@ def test_a_design_sequence_has_its_own_time_and_no_accelerogram():
 def test_models_without_a_motion_are_refused(assessed, first):
     with pytest.raises(ResultsError, match="nearest: nonlinear"):
         histories(assessed, first, "wall", ["nonlineer"])
+
+
+def test_a_motion_far_below_alpha_c_is_shown_large(assessed, first):
+    (found,) = histories(assessed, first, "wall", ["linear"])
+    faint = found._replace(rotation=1e-5 * found.rotation / np.nanmax(np.abs(found.rotation)), peak=1e-5)
+    moving, _ = rotation_history([faint._replace(overturning=np.nan)])
+    moving.figure.draw_without_rendering()
+    assert moving.get_ylim() == pytest.approx((-1.3e-5, 1.3e-5))
+    assert "1e-05" in [tick.get_text() for tick in moving.get_yticklabels()]
 
 
 def test_nothing_that_moves_is_drawn_too(changed, assessed, first):

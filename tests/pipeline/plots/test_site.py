@@ -35,6 +35,7 @@ def test_every_parameter_has_a_panel_with_its_unit(panels):
     ]
     assert panels[0].get_title(loc="left") == "main impulse I"
     assert not panels[5].axison
+    assert [ax.get_ylabel() for ax in panels[:5]] == ["share of the records [-]", ""] * 2 + ["share of the records [-]"]
 
 
 def test_each_step_is_a_record(tree, panels):
@@ -50,6 +51,31 @@ def test_the_design_sequence_is_a_line_in_every_panel(tree, panels):
     site = tree["site"].to_dataset()
     for ax, name in zip(panels, site["parameter"].values, strict=False):
         assert labelled(ax)["design sequence"].get_xdata()[0] == float(site["design"].sel(parameter=name))
+
+
+def test_the_fit_and_the_intervals_are_those_of_the_file(tree):
+    copy = tree.copy(deep=True)
+    given = {"median": 0.2, "dispersion": 0.5, "median_lower": 0.15, "median_upper": 0.26}
+    for name, value in (given | {"design": 0.3, "design_lower": 0.25, "design_upper": 0.4}).items():
+        copy["site"][name].values[0] = value
+    value = np.array([0.1, 0.15, 0.2, 0.3, 0.35, 0.4])
+    copy["site"]["value"].values[:, 0] = value
+    copy["site"]["value_lower"].values[:, 0] = 0.9 * value
+    copy["site"]["value_upper"].values[:, 0] = 1.1 * value
+    ax = calibration(copy)[0]
+    shown = labelled(ax)
+    median, fit = shown["90 % interval of the median"], shown["lognormal fit"]
+    assert median.get_xydata().tolist() == [[0.15, 0.5], [0.26, 0.5]]
+    assert np.interp(0.2, *fit.get_data()) == pytest.approx(0.5)
+    assert np.interp(0.2 * np.exp(0.5), *fit.get_data()) == pytest.approx(0.8413, abs=1e-3)
+    ends = [segment[:, 0].tolist() for segment in shown["interval of each record"].get_segments()]
+    assert ends == [[0.9 * one, 1.1 * one] for one in value]
+    box = shown["its 90 % interval ($I$ alone)"].get_bbox()
+    assert (box.x0, box.x1) == pytest.approx((0.25, 0.4))
+    low, high = ax.get_xlim()
+    assert 0.05 < low < 0.09
+    assert 0.44 < high < 0.6
+    assert ax.get_xscale() == "log"
 
 
 def test_few_earthquakes_are_said(panels):

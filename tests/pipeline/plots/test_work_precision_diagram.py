@@ -40,5 +40,11 @@ def test_every_equation_has_a_panel_and_every_method_its_lines(panels, work_prec
         "reference under a change of 1e-13: p90",
     ]
     own = work_precision_rows[work_precision_rows["method"] == "RK45"].head(3)
-    assert np.array_equal(panels[0].lines[2].get_ydata(), own["median"])
+    for line, name in zip(panels[0].lines[2:4], ("median", "p90"), strict=True):
+        assert np.array_equal(line.get_xdata(), own["ns_per_active_sample"])
+        assert np.array_equal(line.get_ydata(), own[name])
+    assert panels[0].lines[3].get_markerfacecolor() == "white"
+    assert panels[0].lines[4].get_ydata()[0] == 1e-10
+    assert (panels[0].get_xscale(), panels[0].get_yscale()) == ("log", "log")
+    assert panels[0].get_ylabel() == r"error of $\theta_{max}/\alpha_c$ [-]"
     assert panels[0].get_xlabel() == "cost [ns per active sample]"

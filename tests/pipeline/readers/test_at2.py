@@ -243,10 +243,10 @@ def test_other_readings_of_the_numbers_are_refused(write, content, message):
 )
 def test_a_header_line_without_end_costs_no_time(write, line):
     path = write(b"a\nb, 1/1/2000, c, " + b"(" * 500_000 + f"\nACCELERATION IN UNITS OF G\n{line}\n0.1 0.2\n".encode())
-    begin = time.perf_counter()
+    begin = time.process_time()
     with pytest.raises(RecordFormatError):
         read(path)
-    assert time.perf_counter() - begin < 1.0
+    assert time.process_time() - begin < 1.0
 
 
 @pytest.mark.parametrize(("word", "azimuth"), [("9", 9.0), ("0", 0.0), ("67", 67.0), ("090", 90.0), ("999", None)])

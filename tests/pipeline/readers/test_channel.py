@@ -61,9 +61,9 @@ def test_what_is_no_series_is_refused(samples, dt):
 
 
 def test_a_component_of_blanks_costs_no_time():
-    begin = time.perf_counter()
+    begin = time.process_time()
     built = record(component="x" + " " * 200_000 + "x")
-    assert time.perf_counter() - begin < 1.0
+    assert time.process_time() - begin < 1.0
     assert built.orientation == "unknown"
 
 

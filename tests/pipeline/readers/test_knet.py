@@ -130,7 +130,7 @@ def test_more_samples_than_the_duration_are_another_record(write, surplus, refus
 
 def test_a_scale_factor_of_many_digits_costs_no_time(write):
     path = write(knet(COUNTS, scale="2000" + "1" * 500_000 + "(gal)/8388608"))
-    begin = time.perf_counter()
+    begin = time.process_time()
     with pytest.raises(RecordFormatError, match=r"AKT0139608110312.EW:14: expected 'Scale Factor'"):
         read(path)
-    assert time.perf_counter() - begin < 1.0
+    assert time.process_time() - begin < 1.0

@@ -38,7 +38,7 @@ def write_miniseed(folder, *traces, name="record.mseed"):
 def write_station_xml(folder, *epochs, name="XX.ABC.xml"):
     """Each epoch is (channel, sensitivity, unit, azimuth, dip, first and last day)."""
     import obspy
-    from obspy.core.inventory import Channel, Inventory, Network, Station
+    from obspy.core.inventory import Channel, Inventory, Network, Site, Station
     from obspy.core.inventory.response import InstrumentSensitivity, Response
 
     channels = [
@@ -63,7 +63,8 @@ def write_station_xml(folder, *epochs, name="XX.ABC.xml"):
         )
         for code, value, unit, azimuth, dip, first, last in epochs
     ]
-    station = Station(code="ABC", latitude=0.0, longitude=0.0, elevation=0.0, channels=channels)
+    site = Site(name=" Town Hall ")
+    station = Station(code="ABC", latitude=0.0, longitude=0.0, elevation=0.0, channels=channels, site=site)
     inventory = Inventory(networks=[Network(code="XX", stations=[station])], source="test")
     inventory.write(str(folder / name), format="STATIONXML")
 
@@ -78,6 +79,7 @@ def test_counts_are_divided_by_the_sensitivity(tmp_path):
     assert record.acceleration == pytest.approx(COUNTS / 2.0e5, rel=1e-12)
     assert (record.dt, record.source_unit, record.unit_factor) == (0.01, "counts", 1.0 / 2.0e5)
     assert record.id == "XX.ABC.00.HNE@20200102T030405"
+    assert record.station_name == "Town Hall"
     assert record.start_time == datetime(2020, 1, 2, 3, 4, 5, 500000, tzinfo=UTC)
     assert (record.orientation, record.azimuth, record.processed) == ("horizontal", 90.0, False)
 

@@ -97,7 +97,7 @@ def test_channels_l_v_t(end):
     assert [record.channel for record in records] == ["L", "V", "T"]
     assert [record.orientation for record in records] == ["horizontal", "vertical", "horizontal"]
     assert np.isnan(records[0].azimuth)
-    assert (records[0].station_name, records[0].event) == ("CURICO S/N 499", "MAULE 2010")
+    assert (records[0].station_name, records[0].event) == ("CURICO", "MAULE 2010")
 
 
 def test_times_and_accelerations_that_touch():

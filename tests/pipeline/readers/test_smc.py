@@ -193,7 +193,7 @@ def test_lines_without_end_cost_no_time_and_huge_numbers_are_none(write, old, ne
     content = smc(pulse())
     assert old in content
     path = write(content.replace(old, new))
-    begin = time.perf_counter()
+    begin = time.process_time()
     (record,) = read(path)
-    assert time.perf_counter() - begin < 1.0
+    assert time.process_time() - begin < 1.0
     assert not np.isinf(record.header_peak)

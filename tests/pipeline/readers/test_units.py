@@ -30,6 +30,11 @@ def test_what_is_no_unit_of_acceleration(text):
         canonical_unit(text, "a:1")
 
 
+def test_the_nearest_unit_is_named():
+    with pytest.raises(UnitError, match=r"^option --units: unknown .* 'gg'; did you mean \"g\"\?; .*, g, g/10$"):
+        canonical_unit("gg", "option --units")
+
+
 def test_every_unit_reads_as_itself():
     assert [canonical_unit(unit, "") for unit in UNITS] == list(UNITS)
 

@@ -24,7 +24,8 @@ def one(**answers):
     ("answers", "expected"),
     [
         ({}, Standing.STANDS),
-        ({"safety_factor": 1.0}, Standing.STANDS),
+        ({"safety_factor": 1.0}, Standing.THIN),
+        ({"safety_factor": 1.1}, Standing.STANDS),
         ({"safety_factor": np.inf, "outcome": Outcome.AT_REST}, Standing.STANDS),
         ({"safety_factor": np.nan}, Standing.NO_MARGIN),
         ({"safety_factor": None}, Standing.NO_MARGIN),

@@ -7,10 +7,12 @@ import pytest
 import xarray as xr
 
 from rockpulse.models.response import Outcome
-from rockpulse.report.events import events_of, largest_share
+from rockpulse.report.events import largest_share
 from rockpulse.report.motions import Motions, motions_of, several
 from rockpulse.report.standing import Standing, bodies_of
+from rockpulse.report.statements import headline
 from rockpulse.report.verdict import Grade, verdicts
+from rockpulse.report.verdict_rows import grade_cell
 
 OF = ("record", "block", "model")
 
@@ -122,28 +124,15 @@ def test_a_pair_of_channels_is_as_its_worst_direction():
 
 def test_motions_of_a_sweep():
     record = [f"r{k}" for k in range(3)]
-    summary = xr.Dataset(coords={"record": record})
+    summary = xr.Dataset({"event": ("record", ["Kobe", "Maule", "Kobe"])}, {"record": record})
     directions = xr.Dataset(
         {"record_index": (("pair", "direction"), np.array([[0, 1], [2, -1], [-1, -1]]))}, {"pair": ["a", "b", "c"]}
     )
     found = motions_of(xr.DataTree.from_dict({"/summary": summary, "/directions": directions}))
     assert (found.names, found.kind, found.directions) == (["a", "b"], "pair", 2)
     assert found.missing.tolist() == [False, True]
+    assert found.events == ["Kobe", "Kobe"]
     assert "2 pairs of channels" in found.counted()
-
-
-def test_records_are_counted_to_earthquakes_by_name_or_as_another_file_says():
-    summary = xr.Dataset(
-        {
-            "event": (("record",), ["Kobe 1995", "KOBE 01/16/95", "Maule 2010"]),
-            "source": (("record",), ["a", "b", "c"]),
-            "start_time": (("record",), ["", "", "2010-02-27T06:34:00"]),
-        },
-        {"record": ["one", "two", "three"]},
-    )
-    assert len(set(events_of(summary))) == 2
-    named = xr.Dataset({"event": (("record",), ["mine", "other"])}, {"record": ["two", "elsewhere"]})
-    assert events_of(summary, named) == ["Kobe 1995", "mine", "Maule 2010"]
 
 
 def test_the_bound_of_the_share():
@@ -156,3 +145,61 @@ def test_the_bound_of_the_share():
 
 def test_several():
     assert [several(count, "body") for count in (1, 3)] == ["1 body", "3 bodies"]
+
+
+def test_a_capacity_that_was_not_reached_names_how_far_it_was_searched():
+    """Of a record of a tenth of the demand ten times is no more than the demand: it tells nothing, others do."""
+    found = verdict(summary_of([math.inf, 40.0, 60.0], outcomes=[Outcome.ROCKS] * 3, demand=20.0)).demands[0]
+    assert (found.smallest, found.median, found.unknown) == (2.0, 2.0, 1)
+    found = verdict(summary_of([math.inf], outcomes=[Outcome.ROCKS], demand=20.0)).demands[0]
+    assert (found.smallest, found.limit) == (math.inf, 0.5)
+    found = verdict(summary_of([math.inf, 40.0], outcomes=[Outcome.ROCKS] * 2, demand=5.0))
+    assert (found.limit, found.demands[0].limit, found.demands[0].median) == (10.0, 2.0, 8.0)
+
+
+@pytest.mark.parametrize(
+    ("factors", "words"),
+    [([1.0, 3.0], "stands, hardly a margin"), ([1.0999, 3.0], "stands, hardly a margin"), ([1.1, 3.0], "safe")],
+)
+def test_a_factor_that_a_finer_search_may_undercut_is_not_called_safe(factors, words):
+    summary = summary_of(factors, outcomes=[Outcome.ROCKS] * 2)
+    found = verdict(summary)
+    assert grade_cell(found, "nonlinear").text == words
+    assert found.events_hit == 0
+    (sentence,) = headline(summary, [found], motions(2), "nonlinear")
+    assert ("hardly a margin" in sentence) == (words != "safe")
+    assert ("safe" in sentence) == (words == "safe")
+
+
+def test_what_fails_the_demand_of_the_site_is_not_called_safe():
+    summary = summary_of([1.6, 3.0], demand=2.0).assign(limit_state=(("demand",), ["collapse"]))
+    found = verdict(summary)
+    assert (found.grade, found.overall) == (Grade.SAFE, Grade.NOT_SAFE)
+    cell = grade_cell(found, "nonlinear")
+    assert (cell.text, cell.grade) == ("not safe at the demand", "bad")
+    first, second = headline(summary, [found], motions(2), "nonlinear")
+    assert "1 of 1 body is not safe: b (smallest SF 1.60, but capacity over demand 0.80)" in first
+    assert "1 does not: b (0.80)" in second
+
+
+def test_what_meets_the_demand_may_still_not_be_safe():
+    summary = summary_of([0.9, 3.0], demand=0.5, outcomes=[Outcome.ROCKS] * 2)
+    found = verdict(summary)
+    assert (found.grade, found.demands[0].grade) == (Grade.NOT_SAFE, Grade.SAFE)
+    assert grade_cell(found, "nonlinear").text == "not safe"
+
+
+def test_a_demand_that_is_hardly_met():
+    assert verdict(summary_of([2.1, 3.0], demand=2.0)).overall == Grade.THIN
+    assert verdict(summary_of([2.3, 3.0], demand=2.0)).overall == Grade.SAFE
+
+
+def test_a_body_that_nothing_lifts_is_not_simply_safe():
+    found = verdict(summary_of([math.inf, math.inf], outcomes=[Outcome.AT_REST] * 2))
+    assert found.never_lifted
+    cell = grade_cell(found, "nonlinear")
+    assert (cell.text, cell.grade) == ("stands, never lifted", "fair")
+    found = verdict(summary_of([math.inf, 4.0], outcomes=[Outcome.AT_REST, Outcome.ROCKS]))
+    assert not found.never_lifted
+    assert grade_cell(found, "nonlinear").text == "safe"
+    assert not verdict(summary_of([])).never_lifted

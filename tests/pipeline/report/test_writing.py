@@ -12,6 +12,7 @@ from results_tree import results_tree
 
 import rockpulse as rp
 from rockpulse.errors import ResultsError
+from rockpulse.report.content import gather
 from rockpulse.report.writing import report_page, write_report
 
 
@@ -87,7 +88,9 @@ def test_names_with_html_or_mathematics_are_text(page, results):
 
 def test_the_parts_come_in_their_order(page):
     places = [page.index(f'<section id="{name}"') for name in ("verdict", "site", "fragility", "bodies", "records")]
-    places += [page.index(words) for words in ("Not covered", "Assumptions", "Failures", "Versions", "Configuration")]
+    places += [
+        page.index(words) for words in ("<h3>Not covered", "Assumptions", "Failures", "Versions", "Configuration")
+    ]
     assert places == sorted(places)
 
 
@@ -97,7 +100,7 @@ def test_the_verdict_names_what_is_counted(page, results):
         "By the nonlinear model, under 4 records of 4 earthquakes",
         "1 of 3 bodies is not safe: stele (smallest SF",
         "2 of 3 bodies are safe under these: pier",
-        "plinth (never lifted, no overturning found)",
+        "plinth (never lifted, no overturning found up to a factor of 10)",
         "With 90% confidence",
         "Clopper and Pearson",
         "1 file or channel failed",
@@ -155,14 +158,66 @@ def test_cases_of_restitution_are_bodies_of_their_own():
     assert "column, C = 0.830" in words
 
 
-def test_the_design_sequence_of_a_site(site, bodies):
-    from rockpulse.models import ImpulseSequence
-
-    sequence = ImpulseSequence(0.5, 0.1, interval=0.1, duration=10.0, main_count=3)
+def test_the_design_sequence_of_a_site(tmp_path, site, bodies):
+    rp.save(site, tmp_path / "site.h5")
+    sequence = rp.load_design(tmp_path / "site.h5")
     words = Page(report_page(rp.assess_sequence(sequence, blocks=bodies), site)).text
     assert "under one design sequence" in words
-    assert "The confidence is that of the site calibration" in words
+    said = words[words.index("The confidence is that of the site calibration") :].split("Verdict on each body")[0]
+    assert "A design made without the event of a record covers" in said or "is not known" in said
     assert "Design sequence (quantile 0.84" in words
+
+
+def changed(results, **values):
+    """A copy with other values of the first record."""
+    tree = results.copy()
+    summary = tree["summary"].to_dataset().copy(deep=True)
+    for name, value in values.items():
+        summary[name].values[0] = value
+    tree["summary"] = xr.DataTree(summary)
+    return tree
+
+
+def cells(table):
+    return [cell.text for row in table.rows for cell in row]
+
+
+def test_a_record_of_a_doubtful_peak_is_marked_and_said_first(results):
+    assert not any("peak?" in text for text in cells(gather(results).answers))
+    found = gather(changed(results, pga=98.1))
+    first = found.remarks[0]
+    assert (first.loud, first.head) == (True, "The peak of 1 record is doubtful")
+    assert first.text.startswith("burst0 (peak?). (peak?): a peak above 5 g")
+    assert "burst0 (peak?)" in cells(found.answers)
+    assert found.records[0].name == "burst0 (peak?)"
+    assert any("burst0 (peak?)" in cells(body.governing) for body in found.bodies)
+    assert any(note.startswith("(peak?): a peak above 5 g") for note in found.notes)
+
+
+def test_where_nothing_was_found_the_page_says_up_to_where(results):
+    found = gather(results)
+    assert ">10" in cells(found.answers)
+    assert "none" not in cells(found.answers)
+    assert any(">10: none found up to there, where the search ends" in note for note in found.notes)
+    assert "stands, not lifted" in cells(found.answers)
+    assert any("1 of 3 bodies is lifted by none of these motions" in remark.head for remark in found.remarks)
+
+
+def test_a_rotation_beyond_the_critical_angle_is_explained_where_there_is_one(results):
+    assert not any("Above 1" in note for note in gather(results).notes)
+    peaks = results["summary"]["peak_rotation_ratio"].values[0].copy()
+    body = list(results["summary"]["block"].values).index("stele")
+    outcome = results["summary"]["outcome"].values[0].copy()
+    outcome[body], peaks[body] = 1, 1.2
+    notes = gather(changed(results, outcome=outcome, peak_rotation_ratio=peaks)).notes
+    assert any("Above 1: rocked beyond the critical angle" in note for note in notes)
+
+
+def test_results_without_a_record_call_nothing_safe(results):
+    tree = results.copy()
+    tree["summary"] = xr.DataTree(tree["summary"].to_dataset().isel(record=[]))
+    found = gather(tree)
+    assert "3 of 3 bodies cannot be called safe" in found.headline[0]
 
 
 def test_the_file_is_written_and_only_a_report_is_replaced(tmp_path):

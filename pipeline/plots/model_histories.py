@@ -103,8 +103,8 @@ def histories(
     known = [str(name) for name in summary["model"].values]
     if models is None:
         models = [name for name in DRAWN[:3] if name in known] or [name for name in DRAWN if name in known]
+    models = [chosen(summary, "model", name) for name in models]
     for name in models:
-        chosen(summary, "model", name)
         if name not in DRAWN:
             raise ResultsError(f'model "{name}": expected one with a motion in time: {", ".join(DRAWN)}')
     return [_history(tree, record, block, name, case) for name in models]

@@ -1,0 +1,58 @@
+"""A fault of the file system in words for the user of the command line."""
+
+from __future__ import annotations
+
+import argparse
+import errno
+import os
+from pathlib import Path
+
+__all__ = ["file_fault"]
+
+#: Where a file that is not there would come from, by the argument that names it.
+MISSING = {
+    "config": "rockpulse init-config -o FILE writes one to fill in",
+    "sequence": "rockpulse calibrate writes one",
+    "site": "rockpulse calibrate writes one",
+    "fragility": "rockpulse fragility writes one",
+    "rule": "rockpulse rule fit writes one",
+    "results": "rockpulse assess writes one",
+    "first": "rockpulse assess writes one",
+    "second": "rockpulse assess writes one",
+}
+
+#: Arguments that name a file to write.
+WRITTEN = ("output", "log_file")
+
+#: Arguments whose name is left out where a message begins with the file.
+BARE = ("results", "first", "second")
+
+
+def file_fault(error: OSError, args: argparse.Namespace) -> str:
+    """What is wrong with a file, which argument named it, and what to do.
+
+    Parameters
+    ----------
+    error : OSError
+        Of the file system.
+    args : argparse.Namespace
+        The arguments of the command.
+    """
+    if not isinstance(error.filename, str | bytes | os.PathLike):
+        return str(error.strerror or error)
+    shown = os.fsdecode(error.filename)
+    path = Path(shown).absolute()
+    named = [name for name, value in vars(args).items() if isinstance(value, str) and Path(value).absolute() == path]
+    option = named[0] if named else ""
+    if option:
+        shown = getattr(args, option)
+        shown = shown if option in BARE else f"--{option.replace('_', '-')} {shown}"
+    if error.errno == errno.EISDIR:
+        return f"{shown}: expected a file, found a folder"
+    if error.errno not in (errno.ENOENT, errno.ENOTDIR):
+        return f"{shown}: {error.strerror or error}"
+    if not path.parent.is_dir():
+        return f"{shown}: there is no folder {path.parent}; check the path, or create it first"
+    if option in WRITTEN:
+        return f"{shown}: cannot be written ({error.strerror}); choose another folder"
+    return f"{shown}: no such file; check the path{f' ({MISSING[option]})' if option in MISSING else ''}"

@@ -1,0 +1,63 @@
+"""The parser of the command line: options by their full names, and advice where it does not know a word."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Iterator, Sequence
+from shutil import get_terminal_size
+from textwrap import fill
+from typing import Any, NoReturn
+
+from rockpulse.option import hint
+
+__all__ = ["Parser"]
+
+
+class Parser(argparse.ArgumentParser):
+    """An ArgumentParser that takes no abbreviations, names what comes near, and keeps the lines of an epilog."""
+
+    def __init__(self, **options: Any) -> None:
+        super().__init__(formatter_class=argparse.RawDescriptionHelpFormatter, allow_abbrev=False, **options)
+        if self.description:
+            self.description = fill(self.description, get_terminal_size().columns - 2)
+        self._given: list[str] = []
+
+    # argparse types what it returns by an overload for each way of calling it.
+    def parse_known_args(self, args: Sequence[str] | None = None, namespace: Any = None) -> Any:  # type: ignore[override]
+        """As of ArgumentParser, but a word that is left over is an error of this parser, which knows its options."""
+        self._given = list(sys.argv[1:] if args is None else args)
+        for word in self._given:
+            meant = self._option_string_actions.get(f"-{word}")
+            if meant is not None and meant.nargs != 0:  # argparse would read -output as -o with the value "utput"
+                self.error(f"unrecognized arguments: {word}")
+        found, left = super().parse_known_args(self._given, namespace)
+        if left:
+            several = any(one.nargs in ("*", "+") for one in self._actions if not one.option_strings)
+            apart = "; name all paths together, in one place" if several and not left[0].startswith("-") else ""
+            self.error(f"unrecognized arguments: {' '.join(left)}{apart}")
+        return found, left
+
+    def error(self, message: str) -> NoReturn:
+        """As of ArgumentParser, with the known words that unknown ones come near.
+
+        Parameters
+        ----------
+        message : str
+            What is wrong.
+        """
+        super().error("".join([message, *self._hints(message)]))
+
+    def _hints(self, message: str) -> Iterator[str]:
+        options = list(self._option_string_actions)
+        verbs = next((list(one.choices) for one in self._actions if isinstance(one, argparse._SubParsersAction)), [])
+        for word in self._given:
+            if word == "--":
+                return
+            if word.startswith("-"):
+                name = word.partition("=")[0]
+                near = "" if name in options else hint(name if name.startswith("--") else f"-{name}", options)
+                yield near if name in message or not near else f"; {name} is not known{near}"
+            elif verbs:
+                yield "" if word in verbs else hint(word, verbs)
+                return  # what follows is for the verb to judge

@@ -1,0 +1,39 @@
+"""Runs of the command line on a folder of eight records."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from record_writers import at2, pulse
+
+from rockpulse.cli import main
+
+RECORDS = 8
+CONFIGURATION = """
+[site]
+name = "Test"
+[models]
+use = ["sequence"]
+[search]
+models = []
+[[block]]
+name = "wall"
+width = 0.4
+height = 3.0
+"""
+
+
+def write(path, peak):
+    """A record of 6,000 samples: 48 kB in the results, a page of 64 kB in the journal."""
+    path.write_bytes(at2(pulse(6000, peak), title="Event, 1/2/2003, Station, 090"))
+
+
+def names(folder):
+    """What lies in a folder."""
+    return sorted(path.name for path in Path(folder).iterdir())
+
+
+def command(folder, target, *options):
+    """The exit code of an assessment of the folder, by this process alone."""
+    given = ["--config", str(folder / "site.toml"), "-o", str(target), "--workers", "1", *options]
+    return main(["assess", str(folder), *given])
