@@ -153,7 +153,7 @@ def _remarks(site: xr.Dataset) -> str:
     words = [f"Design: quantile {float(site['quantile']):g} by {site.attrs['design']}."]
     remarks = [line for line in str(site["remarks"].item()).splitlines() if line]
     if remarks:
-        first = textwrap.shorten(remarks[0], _REMARK, placeholder=" …")
+        first = textwrap.shorten(remarks[0][:1].upper() + remarks[0][1:], _REMARK, placeholder=" …")
         words.append(plain(first if first.endswith("…") else f"{first}."))
     if len(remarks) > 1:
         words.append(f"{len(remarks) - 1} more remarks in the file.")

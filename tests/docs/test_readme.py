@@ -22,13 +22,13 @@ LEFT_OUT = {
 def commands():
     """Every command of the README as it would be typed with the environment active."""
     lines = [line for block in blocks(TOP / "README.md") if block.kind == "sh" for line in block.body.splitlines()]
-    return [line.replace(".venv/bin/", "") for line in lines]
+    return [line.replace(".venv/bin/", "").replace("--workers 8", "--workers 2") for line in lines]
 
 
 @pytest.mark.slow
 def test_the_commands_do_what_the_readme_says(tmp_path):
     (tmp_path / "data").symlink_to(TOP / "data", target_is_directory=True)
-    records = sorted((TOP / "data/samples/records").glob("CI*"))
+    records = [TOP / "data/samples/records" / name for name in ("CICLC.v1", "CITOW2.RAW")]  # two: it takes its time
     for name in ("my_records", "archive"):
         (tmp_path / name).mkdir()
         for record in records:
@@ -47,7 +47,10 @@ def test_the_commands_do_what_the_readme_says(tmp_path):
     run_page(page, tmp_path)
     for line in kept:
         for made in re.findall(r"(?: -o|--log-file) (\S+)", line.split("  #")[0]):
-            assert (tmp_path / made).stat().st_size > 0, line
+            file = Path(made)
+            found = [*tmp_path.glob(made), *tmp_path.glob(f"{file.stem}.*{file.suffix}")]  # convert: one a channel
+            assert found, line
+            assert all(one.stat().st_size > 0 for one in found), line
 
 
 def test_what_is_left_out_is_there():
