@@ -312,5 +312,5 @@ def _smallest(low: np.ndarray, high: np.ndarray, proven: np.ndarray, told: np.nd
     if not known.any():
         return ABSENT
     limit = search_limit(low[known], proven[known])
-    middle, at_most = (float(np.quantile(bound[known], 0.5, method="lower")) for bound in (low, high))
+    middle, at_most = (float(np.median(bound[known])) for bound in (low, high))
     return f"{_ratio(np.min(low[known]), np.min(high[known]), limit)}, {_ratio(middle, at_most, limit)}"

@@ -131,7 +131,7 @@ def _blocks(summary: xr.Dataset, model: str) -> str:
     if factor is not None:
         smallest = factor.min(axis=2)
         known = ~np.isnan(smallest).all(axis=0)
-        median[known] = np.nanquantile(smallest[:, known], 0.5, axis=0, method="lower")
+        median[known] = np.nanmedian(smallest[:, known], axis=0)
     records = summary.sizes["record"]
     rows = [["", "C", "records that overturn it", "", "median SF"]]
     for k in order.tolist():

@@ -21,7 +21,7 @@ from rockpulse.models.sequence import ImpulseSequence
 from rockpulse.record import Record
 from rockpulse.results import build_tree
 from rockpulse.scene import Scene
-from rockpulse.variables import RECORD
+from rockpulse.variables import NOT_COMPARED, RECORD
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -117,7 +117,7 @@ def assess_sequence(
         verb = "is" if len(dropped) == 1 else "are"
         warnings.append(f"a sequence, not a record: {', '.join(dropped)} cannot answer it and {verb} left out")
     if asked_for.demands:
-        warnings.append("a sequence has no PGA: its capacity is not compared with the demand of the site ([[demand]])")
+        warnings.append(NOT_COMPARED)
     done.record["warnings"] = "\n".join(filter(None, warnings))
     tree = build_tree([done], bodies, config, [])
     tree.attrs["title"] = config.site.name or "Rocking response of rigid blocks to a sequence of impulses"

@@ -28,6 +28,9 @@ __all__ = [
     "described",
 ]
 
+#: Warning of a sequence in place of a record where the configuration states a demand.
+NOT_COMPARED = "a sequence has no PGA: its capacity is not compared with the demand of the site ([[demand]])"
+
 #: Type, unit, long name.
 Meaning = tuple[type, str, str]
 

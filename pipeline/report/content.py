@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import tomllib
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -14,9 +15,10 @@ from rockpulse.report.notes import table_notes
 from rockpulse.report.pages import BodyPage, RecordPage, body_pages, record_pages
 from rockpulse.report.pairing import Paired
 from rockpulse.report.provenance import failure_table, input_table, versions, warning_table
-from rockpulse.report.site_part import SitePart, coverage_of, describe_site
+from rockpulse.report.remarks import Remark, remarks
+from rockpulse.report.site_part import SitePart, describe_site
 from rockpulse.report.standing import bodies_of
-from rockpulse.report.statements import Remark, counted_by, headline, remarks
+from rockpulse.report.statements import counted_by, headline
 from rockpulse.report.tables import Fact, Table
 from rockpulse.report.verdict import BodyVerdict, verdicts
 from rockpulse.report.verdict_rows import verdict_table
@@ -119,7 +121,7 @@ def gather(tree: xr.DataTree, site: Paired | None = None, fragility: Paired | No
     answers = Answers(summary, bodies, model)
     every = _events_of_rows(motions, summary.sizes["record"])
     assessed = 0 if motions.kind == "sequence" else summary.sizes["record"]
-    coverage = "" if site is None else coverage_of(site.tree["site"].to_dataset())
+    sections = tomllib.loads(str(tree.attrs.get("configuration", "")))
     failures = failure_table(tree)
     failed = sum(row[0].text == "failed" for row in failures.rows)
     return Content(
@@ -130,7 +132,17 @@ def gather(tree: xr.DataTree, site: Paired | None = None, fragility: Paired | No
         found=tuple(found),
         headline=tuple(headline(summary, found, motions, model)),
         counted_by=counted_by(model, motions, "demand" in summary.dims),
-        remarks=tuple(remarks(summary, found, motions, model, failed, coverage)),
+        remarks=tuple(
+            remarks(
+                summary,
+                found,
+                motions,
+                model,
+                failed,
+                None if site is None else site.tree["site"].to_dataset(),
+                str(sections.get("records", {}).get("components", "")),
+            )
+        ),
         verdict=verdict_table(summary, found, motions, model),
         counts=count_table(answers, motions),
         answers=answer_table(answers),

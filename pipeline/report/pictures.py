@@ -137,7 +137,9 @@ class Pictures:
         )
 
     def motion(self, block: int) -> Picture | None:
-        """The rotation of a body in time under the record that comes nearest to overturning it, or beyond.
+        """The rotation of a body in time under the record that comes nearest to overturning it, or beyond it.
+
+        By the model of the verdict alone: another one that overturns would hide it.
 
         Parameters
         ----------
@@ -147,20 +149,32 @@ class Pictures:
         Returns
         -------
         Picture or None
-            None where the accelerograms are not stored, for many bodies, and where no record stands out.
+            None where the accelerograms are not stored, for many bodies, where no record stands out, and where the
+            model of the verdict has no motion in time.
         """
         own = [one for one in self._found if one.body.place == block and one.governing >= 0]
-        if self._stored is None or not own or self._summary.sizes["block"] > IN_FULL:
+        from rockpulse.plots.model_histories import DRAWN, histories
+
+        model = fullest_model(self._summary)
+        if self._stored is None or not own or self._summary.sizes["block"] > IN_FULL or model not in DRAWN:
             return None
-        from rockpulse.plots.model_histories import histories
         from rockpulse.plots.rotation import rotation_history
 
         worst = min(own, key=lambda one: one.smallest)
-        record = str(self._summary["record"].values[worst.governing])
+        record, body = str(self._summary["record"].values[worst.governing]), worst.body
+
+        def draw() -> Axes:
+            found = histories(self._tree, record, body.block, [model], body.case + 1)
+            if not found[0].time.size:
+                raise ResultsError(f"{body.name} under {record}, {model} model: {found[0].remark}.")
+            ax: Axes = rotation_history(found)[0]
+            return ax
+
         return _drawn(
-            lambda: rotation_history(histories(self._tree, record, worst.body.block, case=worst.body.case + 1))[0],
+            draw,
             f"motion{block}",
-            f"Rotation of {worst.body.name} under {record}, as it is: the record of smallest safety factor.",
+            f"Rotation of {body.name} under {record}, as it is: the record of smallest safety factor; verdict's model: "
+            f"{model}.",
         )
 
     def site(self) -> Picture:
@@ -192,7 +206,7 @@ class Pictures:
         return _drawn(
             lambda: fragility(tree, block=block, measure=shown_measure(curves)),
             f"fragility{place}",
-            "Probability of reaching each limit state, with its band over earthquakes where one can be given.",
+            "Probability of reaching each limit state; the band of a curve, over earthquakes, where one can be given.",
         )
 
 

@@ -1,36 +1,29 @@
-"""The verdict in sentences: what is safe, by which model, under what; and what it does not say, loudly."""
+"""The verdict in sentences: what is safe, by which model, under what, and what safe means."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from rockpulse.capacity_overview import THIN_MARGIN
-from rockpulse.record_marks import doubt_notes, doubts
 from rockpulse.report.answers import UPPER_BOUND
-from rockpulse.report.events import CONFIDENCE, FEWEST_EVENTS, largest_share
 from rockpulse.report.motions import Motions, several
 from rockpulse.report.pairing import listed
-from rockpulse.report.standing import Standing
-from rockpulse.report.tables import share
 from rockpulse.report.verdict import BodyVerdict, DemandVerdict, Grade
 from rockpulse.terminal import figure, ratio
 
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["Remark", "counted_by", "headline", "remarks"]
+__all__ = ["acceleration", "counted_by", "headline", "noun", "of_bodies"]
 
 #: Bodies that are named one by one in a sentence.
 NAMED = 6
 
-#: Below this number of events the bound is said to rest on few.
-FEW_EVENTS = 10
-
 _HEADS = {
     Grade.SAFE: ("is safe under {these}", "are safe under {these}"),
+    Grade.STANDS: ("stands under {these}", "stand under {these}"),
     Grade.THIN: ("stands under {these}, but with hardly a margin", "stand under {these}, but with hardly a margin"),
     Grade.NO_MARGIN: ("stands, by an unknown margin", "stand, by an unknown margin"),
     Grade.NOT_KNOWN: (
@@ -47,25 +40,6 @@ _UNKNOWN_DEMAND = (
 
 #: What is said in place of NOT_SAFE where an upper-bound type input overturns a body.
 _NOT_SHOWN = ("is not shown to be safe", "are not shown to be safe")
-
-
-@dataclass(frozen=True)
-class Remark:
-    """Something to be known before the numbers are used.
-
-    Attributes
-    ----------
-    loud : bool
-        Whether it takes from the verdict, or only explains it.
-    head : str
-        In a few words.
-    text : str
-        In a sentence or two.
-    """
-
-    loud: bool
-    head: str
-    text: str
 
 
 def headline(summary: xr.Dataset, found: Sequence[BodyVerdict], motions: Motions, model: str) -> list[str]:
@@ -91,7 +65,7 @@ def headline(summary: xr.Dataset, found: Sequence[BodyVerdict], motions: Motions
         if own:
             heads = _NOT_SHOWN if model == "resonance" and grade == Grade.NOT_SAFE else _HEADS[grade]
             head = heads[len(own) != 1].format(these="it" if motions.kind == "sequence" else "these")
-            sentences.append(f"{_of(len(own), len(found))} {head}: {_named(own)}.")
+            sentences.append(f"{of_bodies(len(own), len(found))} {head}: {_named(own)}.")
     if not sentences:
         return ["There is no body to judge."]
     sentences[0] = f"By the {_model(model)}, {under}: {sentences[0][0].lower()}{sentences[0][1:]}"
@@ -118,7 +92,7 @@ def _demand(
     named = f": {listed(failing)}" if failing else ""
     return (
         f"Demand “{name}”, {strength}{f', {state}' if state else ''}: {met} of {several(total, 'body')} "
-        f"{'stands' if met == 1 else 'stand'} under every {_noun(motions)} scaled to this PGA or below, "
+        f"{'stands' if met == 1 else 'stand'} under every {noun(motions)} scaled to this PGA or below, "
         f"{below} {'does' if below == 1 else 'do'} not{named}"
         + (f"; of {unknown} it is not known: {_UNKNOWN_DEMAND}." if unknown else ".")
     )
@@ -138,9 +112,10 @@ def counted_by(model: str, motions: Motions, demanded: bool = False) -> str:
     """
     if motions.kind == "sequence":
         return (
-            f"Counted as safe: a body that by the {_model(model)} neither the design sequence nor a weaker one (main "
-            "impulse smaller, I_s/I kept) overturns. The safety factor is the smallest factor on the main impulse at "
-            "which the body overturns."
+            f"Stands: by the {_model(model)} neither the design sequence nor a weaker one (main impulse smaller, I_s/I "
+            "kept) overturns the body. That is not called safe: a design sequence stands for the records of its site "
+            "and leaves some of their rotations uncovered. The safety factor is the smallest factor on the main "
+            "impulse at which the body overturns."
         )
     each = "record" if motions.kind == "record" else "pair of channels, in any of its directions,"
     words = (
@@ -158,167 +133,6 @@ def counted_by(model: str, motions: Motions, demanded: bool = False) -> str:
             "the records, and not be safe under them."
         )
     return words
-
-
-def remarks(
-    summary: xr.Dataset, found: Sequence[BodyVerdict], motions: Motions, model: str, failed: int, coverage: str = ""
-) -> list[Remark]:
-    """What the verdict does not say by itself, the gravest first.
-
-    Parameters
-    ----------
-    summary : xarray.Dataset
-        The node /summary.
-    found : sequence of BodyVerdict
-        Of all bodies.
-    motions : Motions
-        Under what.
-    model : str
-        By which model.
-    failed : int
-        Files and channels that failed.
-    coverage : str
-        What the site file says of its design, where there is one.
-    """
-    said: list[Remark | None] = [_doubtful(summary), _confidence(motions, found, coverage)]
-    if model == "resonance":
-        said.append(
-            Remark(
-                True,
-                f"Judged by an {UPPER_BOUND}",
-                "The resonance model lets every main impulse act at the worst moment. Its overturning says that a "
-                "body may be unsafe, nothing more; it is no prediction.",
-            )
-        )
-    elif model not in ("nonlinear", "auto"):
-        said.append(
-            Remark(
-                True,
-                f"Judged by the {model} model",
-                "The full equation of motion (nonlinear) was not among the models; its verdicts may differ.",
-            )
-        )
-    if failed:
-        said.append(
-            Remark(
-                True,
-                f"{failed} {'files or channels' if failed > 1 else 'file or channel'} failed",
-                "They are no part of this verdict; see below.",
-            )
-        )
-    said += [_doubt(kind, found, motions) for kind in (Standing.WEAKER_OVERTURNS, Standing.UNKNOWN, Standing.NO_MARGIN)]
-    said += [_at_rest(found, motions), _drift(summary), _several_restitutions(found)]
-    return [one for one in said if one is not None]
-
-
-def _confidence(motions: Motions, found: Sequence[BodyVerdict], coverage: str) -> Remark:
-    events = motions.event_count
-    if motions.kind == "sequence":
-        return Remark(
-            True,
-            "The confidence is that of the site calibration",
-            "One design sequence says nothing of how often it is exceeded. "
-            + (coverage or "The coverage in the site file does (rockpulse report --site)."),
-        )
-    if events < FEWEST_EVENTS:
-        return Remark(
-            True,
-            "No confidence statement can be made",
-            f"The motions come from {several(events, 'earthquake')}; records of one earthquake are no independent "
-            f"observations, and fewer than {FEWEST_EVENTS} earthquakes say nothing of others. The verdict describes "
-            f"these records, not the site.{motions.of_unknown_event()}",
-        )
-    best = share(largest_share(0, events))
-    spared = sum(one.events_hit == 0 for one in found)
-    least = (
-        f" That holds for {several(spared, 'body')}; the table has the bound of each."
-        if spared
-        else " Every body is overturned, or may be, by at least one of them: the table has the bound of each."
-    )
-    few = events < FEW_EVENTS
-    return Remark(
-        few,
-        f"With {CONFIDENCE:.0%} confidence" + (f", from {events} earthquakes only" if few else ""),
-        f"A body that none of {events} earthquakes overturns may still be overturned by up to {best} of earthquakes "
-        f"like these (upper bound, Clopper and Pearson), if they were drawn at random from those to be expected, which "
-        f"chosen records seldom are.{least}{motions.of_unknown_event()}",
-    )
-
-
-def _doubt(kind: Standing, found: Sequence[BodyVerdict], motions: Motions) -> Remark | None:
-    count, total = sum(one.counts[kind] for one in found), len(found) * len(motions.names)
-    if not count:
-        return None
-    of = f"{count} of {total} cases ({_noun(motions)} and body)"
-    if kind == Standing.WEAKER_OVERTURNS:
-        return Remark(
-            True,
-            f"In {of} the body survives the motion as it is, but a weaker copy overturns it",
-            "They are not counted as safe: the next record need not be as strong.",
-        )
-    if kind == Standing.UNKNOWN:
-        return Remark(
-            True,
-            f"In {of} the answer is not known",
-            "The model is unresolved or not predictable there, outside its range, or a weaker record may overturn the "
-            "body; not counted as safe. The table of answers says which.",
-        )
-    return Remark(
-        True,
-        f"In {of} the margin was not computed",
-        "No safety factor of the model was searched ([search] models): a weaker record may overturn the body.",
-    )
-
-
-def _at_rest(found: Sequence[BodyVerdict], motions: Motions) -> Remark | None:
-    idle, total = sum(one.at_rest for one in found), len(motions.names)
-    if not idle or motions.kind == "sequence":
-        return None
-    never = sum(one.never_lifted for one in found)
-    head = f"In {idle} of {len(found) * total} cases ({_noun(motions)} and body) the body is not lifted"
-    text = "Such motions are too weak to test it; they count as standing and say little of stronger ones. "
-    if never:
-        head = f"{_of(never, len(found))} {'is' if never == 1 else 'are'} lifted by none of these motions"
-        text = (
-            f"They are too weak to test it, and nothing else is said of such a body. In all, {idle} of "
-            f"{len(found) * total} cases ({_noun(motions)} and body) count as standing because the body is not "
-            "lifted. "
-        )
-    return Remark(bool(never), head, f"{text}The safety factor says how much stronger the motions might be.")
-
-
-def _doubtful(summary: xr.Dataset) -> Remark | None:
-    """Records whose peak may be that of a wrong unit, or cut off."""
-    named = [name + mark for name, mark in doubts(summary).items() if mark]
-    if not named:
-        return None
-    return Remark(
-        True,
-        f"The peak of {several(len(named), 'record')} is doubtful",
-        f"{listed(named)}. {' '.join(doubt_notes(named))} Check them before this verdict is used.",
-    )
-
-
-def _drift(summary: xr.Dataset) -> Remark | None:
-    count = int(summary["pgv_drift"].sum()) if "pgv_drift" in summary else 0
-    if not count:
-        return None
-    return Remark(
-        False,
-        f"The baseline of {several(count, 'record')} drifts",
-        "The velocity does not come back to zero: PGV may be off by as much, and the longest impulses with it.",
-    )
-
-
-def _several_restitutions(found: Sequence[BodyVerdict]) -> Remark | None:
-    blocks = {one.body.block for one in found}
-    if len(blocks) == len(found):
-        return None
-    return Remark(
-        False,
-        f"{several(len(blocks), 'block')} {'counts' if len(blocks) == 1 else 'count'} as {len(found)} bodies",
-        "A block counts once for each restitution C that was given. Which holds is not known: judge it by the worst.",
-    )
 
 
 def _named(own: Sequence[BodyVerdict]) -> str:
@@ -352,11 +166,25 @@ def _model(model: str) -> str:
     return f"{model} model ({UPPER_BOUND}, no prediction)" if model == "resonance" else f"{model} model"
 
 
-def _of(count: int, total: int) -> str:
+def of_bodies(count: int, total: int) -> str:
+    """So many of so many bodies.
+
+    Examples
+    --------
+    >>> of_bodies(1, 4)
+    '1 of 4 bodies'
+    """
     return f"{count} of {several(total, 'body')}"
 
 
-def _noun(motions: Motions) -> str:
+def noun(motions: Motions) -> str:
+    """What a motion is called.
+
+    Parameters
+    ----------
+    motions : Motions
+        Of which kind.
+    """
     return {"record": "record", "pair": "pair of channels", "sequence": "sequence"}[motions.kind]
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from enum import IntEnum
 from typing import TYPE_CHECKING, Any
@@ -25,10 +26,11 @@ class Grade(IntEnum):
     """What is said of a body, from best to worst."""
 
     SAFE = 0
-    THIN = 1
-    NO_MARGIN = 2
-    NOT_KNOWN = 3
-    NOT_SAFE = 4
+    STANDS = 1  #: under a design sequence, which stands for other motions and does not bound them
+    THIN = 2
+    NO_MARGIN = 3
+    NOT_KNOWN = 4
+    NOT_SAFE = 5
 
 
 @dataclass(frozen=True)
@@ -155,16 +157,17 @@ def verdicts(summary: xr.Dataset, bodies: list[Body], model: str, motions: Motio
     searched = _or(lanes(summary, "safe_up_to", bodies, model), single, math.nan)
     of_demands = _demands(summary, bodies, model, motions, single)
     events = np.array(motions.events)
+    best = Grade.STANDS if motions.kind == "sequence" else Grade.SAFE
     found = []
     for lane, body in enumerate(bodies):
         own = worst[:, lane]
         hit = len(set(events[own >= Standing.UNKNOWN].tolist()))
-        low, at_low = _ranked(smallest[:, lane], smallest_bound[:, lane], 0.0)
-        middle, at_middle = _ranked(smallest[:, lane], smallest_bound[:, lane], 0.5)
+        low, at_low = _of_known(np.min, smallest[:, lane], smallest_bound[:, lane])
+        middle, at_middle = _of_known(np.median, smallest[:, lane], smallest_bound[:, lane])
         found.append(
             BodyVerdict(
                 body=body,
-                grade=_GRADE[Standing(int(own.max(initial=Standing.STANDS)))] if own.size else Grade.NOT_KNOWN,
+                grade=max(best, _GRADE[Standing(int(own.max()))]) if own.size else Grade.NOT_KNOWN,
                 counts={kind: int(np.count_nonzero(own == kind)) for kind in Standing},
                 at_rest=int(np.count_nonzero(resting[:, lane])),
                 smallest=low,
@@ -198,13 +201,12 @@ def _smallest(values: np.ndarray, bound: np.ndarray, motions: Motions) -> tuple[
     return low, at
 
 
-def _ranked(values: np.ndarray, bound: np.ndarray, quantile: float) -> tuple[float, bool]:
-    """A quantile, a value that occurs, of what is known, and whether it may be larger."""
+def _of_known(which: Callable[[np.ndarray], Any], values: np.ndarray, bound: np.ndarray) -> tuple[float, bool]:
+    """The smallest or the median of what is known, and whether it may be larger."""
     known = ~np.isnan(values)
     if not known.any():
         return math.nan, False
-    low = float(np.quantile(values[known], quantile, method="lower"))
-    high = float(np.quantile(np.where(bound, np.inf, values)[known], quantile, method="lower"))
+    low, high = (float(which(of[known])) for of in (values, np.where(bound, np.inf, values)))
     return low, high > low
 
 
@@ -257,8 +259,8 @@ def _demand(
     reached = np.array([proven[rows].min() for rows in motions.rows])
     told = ~np.isnan(low[:, 0]) & ~(np.isinf(low[:, 0]) & (reached < 1.0))
     shown = np.where(told, low[:, 0], np.nan) if told.any() else low[:, 0]
-    smallest, smallest_bound = _ranked(shown, at[:, 0], 0.0)
-    median, median_bound = _ranked(shown, at[:, 0], 0.5)
+    smallest, smallest_bound = _of_known(np.min, shown, at[:, 0])
+    median, median_bound = _of_known(np.median, shown, at[:, 0])
     enough = Grade.THIN if smallest < THIN_MARGIN else Grade.SAFE
     grade = Grade.NOT_SAFE if under.any() else Grade.NOT_KNOWN if open_.any() or not open_.size else enough
     return DemandVerdict(

@@ -22,6 +22,7 @@ __all__ = ["grade_cell", "verdict_table"]
 
 _WORDS = {
     Grade.SAFE: "safe",
+    Grade.STANDS: "stands",
     Grade.THIN: "stands, hardly a margin",
     Grade.NO_MARGIN: "stands, margin not computed",
     Grade.NOT_KNOWN: "not known",
@@ -33,6 +34,7 @@ FEW = 8
 
 _MARKS = {
     Grade.SAFE: "good",
+    Grade.STANDS: "fair",
     Grade.THIN: "fair",
     Grade.NO_MARGIN: "fair",
     Grade.NOT_KNOWN: "unknown",

@@ -5,60 +5,21 @@ import math
 import numpy as np
 import pytest
 import xarray as xr
+from report_cases import motions, summary_of, verdict
 
 from rockpulse.models.response import Outcome
 from rockpulse.report.events import largest_share
-from rockpulse.report.motions import Motions, motions_of, several
-from rockpulse.report.standing import Standing, bodies_of
+from rockpulse.report.motions import motions_of, several
+from rockpulse.report.standing import Standing
 from rockpulse.report.statements import headline
-from rockpulse.report.verdict import Grade, verdicts
+from rockpulse.report.verdict import Grade
 from rockpulse.report.verdict_rows import grade_cell
-
-OF = ("record", "block", "model")
-
-
-def summary_of(factors, outcomes=None, demand=None, resolved=None, pga=1.0):
-    """One body under as many records as there are factors, searched up to a factor of 10."""
-    factors = np.asarray(factors, dtype=float)
-    outcomes = np.where(factors <= 1.0, Outcome.OVERTURNS, Outcome.ROCKS) if outcomes is None else np.asarray(outcomes)
-    resolved = np.ones(factors.size) if resolved is None else np.asarray(resolved)
-
-    def table(values):
-        return OF, np.asarray(values)[:, None, None]
-
-    variables = {
-        "outcome": table(outcomes),
-        "safety_factor": table(factors),
-        "factor_resolved": table(resolved),
-        "safe_up_to": table(np.minimum(factors, 10.0)),
-        "pga": (("record",), np.full(factors.size, pga)),
-        "restitution": (("block",), np.array([0.9])),
-    }
-    coords = {"record": [f"r{k}" for k in range(factors.size)], "block": ["b"], "model": ["nonlinear"]}
-    if demand is not None:
-        coords["demand"] = ["ULS"]
-        variables["demand_acceleration"] = (("demand",), np.array([demand]))
-        variables["capacity_ratio"] = ((*OF, "demand"), (factors * pga / demand)[:, None, None, None])
-    return xr.Dataset(variables, coords)
-
-
-def motions(count, events=None, rows=None, missing=None, kind="record"):
-    rows = [np.array([k]) for k in range(count)] if rows is None else [np.array(row) for row in rows]
-    missing = np.zeros(len(rows), dtype=bool) if missing is None else np.array(missing)
-    events = [f"e{k}" for k in range(len(rows))] if events is None else events
-    return Motions([f"m{k}" for k in range(len(rows))], rows, missing, events, kind, 1)
-
-
-def verdict(summary, of=None):
-    of = motions(summary.sizes["record"]) if of is None else of
-    (found,) = verdicts(summary, bodies_of(summary), "nonlinear", of)
-    return found
 
 
 def test_smallest_median_and_governing_record():
     found = verdict(summary_of([3.0, 1.5, 9.0, math.inf]))
     assert found.grade == Grade.SAFE
-    assert (found.smallest, found.median, found.governing) == (1.5, 3.0, 1)
+    assert (found.smallest, found.median, found.governing) == (1.5, 6.0, 1)
     assert found.counts[Standing.STANDS] == 4
     assert found.events_hit == 0
     assert found.largest_share == pytest.approx(1.0 - 0.1**0.25)
@@ -117,7 +78,7 @@ def test_a_pair_of_channels_is_as_its_worst_direction():
     of = motions(4, rows=[[0, 1], [2, 3]], kind="pair")
     found = verdict(summary_of([0.8, 5.0, 3.0, 4.0]), of)
     assert (found.counts[Standing.OVERTURNS], found.counts[Standing.STANDS]) == (1, 1)
-    assert (found.smallest, found.median) == (0.8, 0.8)
+    assert (found.smallest, found.median) == (0.8, 1.9)
     found = verdict(summary_of([3.0, 5.0, 3.0, 4.0]), motions(4, rows=[[0, 1], [2, 3]], missing=[True, False]))
     assert found.grade == Grade.NOT_KNOWN
 
@@ -150,11 +111,11 @@ def test_several():
 def test_a_capacity_that_was_not_reached_names_how_far_it_was_searched():
     """Of a record of a tenth of the demand ten times is no more than the demand: it tells nothing, others do."""
     found = verdict(summary_of([math.inf, 40.0, 60.0], outcomes=[Outcome.ROCKS] * 3, demand=20.0)).demands[0]
-    assert (found.smallest, found.median, found.unknown) == (2.0, 2.0, 1)
+    assert (found.smallest, found.median, found.unknown) == (2.0, 2.5, 1)
     found = verdict(summary_of([math.inf], outcomes=[Outcome.ROCKS], demand=20.0)).demands[0]
     assert (found.smallest, found.limit) == (math.inf, 0.5)
     found = verdict(summary_of([math.inf, 40.0], outcomes=[Outcome.ROCKS] * 2, demand=5.0))
-    assert (found.limit, found.demands[0].limit, found.demands[0].median) == (10.0, 2.0, 8.0)
+    assert (found.limit, found.demands[0].limit, found.demands[0].median) == (10.0, 2.0, math.inf)
 
 
 @pytest.mark.parametrize(
@@ -187,6 +148,16 @@ def test_what_meets_the_demand_may_still_not_be_safe():
     found = verdict(summary)
     assert (found.grade, found.demands[0].grade) == (Grade.NOT_SAFE, Grade.SAFE)
     assert grade_cell(found, "nonlinear").text == "not safe"
+
+
+def test_what_stands_under_a_design_sequence_is_not_called_safe():
+    summary = summary_of([1.6])
+    found = verdict(summary, motions(1, kind="sequence"))
+    assert (found.grade, grade_cell(found, "nonlinear").text) == (Grade.STANDS, "stands")
+    (sentence,) = headline(summary, [found], motions(1, kind="sequence"), "nonlinear")
+    assert "1 of 1 body stands under it: b (smallest SF 1.60)" in sentence
+    assert verdict(summary_of([0.9]), motions(1, kind="sequence")).grade == Grade.NOT_SAFE
+    assert verdict(summary_of([1.05]), motions(1, kind="sequence")).grade == Grade.THIN
 
 
 def test_a_demand_that_is_hardly_met():
