@@ -16,13 +16,13 @@ if TYPE_CHECKING:
 
 __all__ = [
     "BEYOND",
-    "THIN_MARGIN",
     "capacities",
     "factor_cell",
     "factor_notes",
     "search_limit",
     "short_factor_cell",
     "smallest_capacities",
+    "thin_margin",
 ]
 
 #: What a factor or a capacity behind ">" is; a search that found nothing has not shown that nothing overturns.
@@ -34,6 +34,9 @@ LOWER_BOUND = "!"
 #: A smallest factor below this is hardly a margin: on strong long records a search of the default fineness finds 6 % of
 #: the factors more than a tenth too high (docs/decisions/011).
 THIN_MARGIN = 1.1
+
+#: So many steps of the search make the same margin where it is coarser: at the default fineness seven are a tenth.
+THIN_STEPS = 7.0
 
 #: Variables of /summary that the notes on the safety factors are about.
 FACTORS = ("safety_factor", "safe_up_to", "outcome", "interval_count", "search_step", "factor_resolved")
@@ -105,6 +108,22 @@ def search_limit(factor: np.ndarray, safe_up_to: np.ndarray | None) -> float:
     return float(np.min(safe_up_to[np.isinf(factor)], initial=math.inf)) if np.isinf(factor).any() else math.nan
 
 
+def thin_margin(search_step: np.ndarray) -> np.ndarray:
+    """Below which factor there is hardly a margin, for a finer search may find a smaller one.
+
+    Parameters
+    ----------
+    search_step : ndarray
+        Ratio of neighbouring factors of the search [-]; NaN where there was none.
+
+    Examples
+    --------
+    >>> thin_margin(np.array([1.0, 1.014, 1.06])).round(3).tolist()
+    [1.1, 1.1, 1.42]
+    """
+    return np.fmax(THIN_MARGIN, 1.0 + THIN_STEPS * (np.asarray(search_step) - 1.0))
+
+
 def factor_notes(summary: xr.Dataset, model: str, swept: bool = False) -> list[str]:
     """What the column SF of a table means; nothing where the model was not searched.
 
@@ -152,9 +171,11 @@ def factor_notes(summary: xr.Dataset, model: str, swept: bool = False) -> list[s
         notes.append(
             f"{lucky} with SF below 1 {rock}: a weaker record overturns {them}{may}; do not count {them} as safe."
         )
-    if thin := np.count_nonzero((factor >= 1.0) & (factor < THIN_MARGIN)):
+    margin = thin_margin(found["search_step"] if "search_step" in found else np.ones(factor.shape))
+    if thin := np.count_nonzero((factor >= 1.0) & (factor < margin)):
         notes.append(
-            f"{thin} with SF from 1 to {THIN_MARGIN:g}: hardly a margin, for a finer search may find a lower factor."
+            f"{thin} with SF from 1 to {float(np.max(margin)):.2g}: hardly a margin, for a finer search may find a "
+            "lower factor."
         )
     return notes
 

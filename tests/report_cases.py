@@ -11,8 +11,8 @@ from rockpulse.report.verdict import verdicts
 OF = ("record", "block", "model")
 
 
-def summary_of(factors, outcomes=None, demand=None, resolved=None, pga=1.0):
-    """One body under as many records as there are factors, searched up to a factor of 10."""
+def summary_of(factors, outcomes=None, demand=None, resolved=None, pga=1.0, up_to=10.0, step=1.01):
+    """One body under as many records as there are factors."""
     factors = np.asarray(factors, dtype=float)
     outcomes = np.where(factors <= 1.0, Outcome.OVERTURNS, Outcome.ROCKS) if outcomes is None else np.asarray(outcomes)
     resolved = np.ones(factors.size) if resolved is None else np.asarray(resolved)
@@ -24,7 +24,8 @@ def summary_of(factors, outcomes=None, demand=None, resolved=None, pga=1.0):
         "outcome": table(outcomes),
         "safety_factor": table(factors),
         "factor_resolved": table(resolved),
-        "safe_up_to": table(np.minimum(factors, 10.0)),
+        "safe_up_to": table(np.minimum(factors, up_to)),
+        "search_step": table(np.full(factors.size, step)),
         "pga": (("record",), np.full(factors.size, pga)),
         "restitution": (("block",), np.array([0.9])),
     }

@@ -9,6 +9,7 @@ import numpy as np
 
 from rockpulse.errors import ResultsError
 from rockpulse.overview import fullest_model
+from rockpulse.plots.demand_marks import demand_ticks, demands_over_pga, least, tick_notes
 from rockpulse.plots.selection import chosen, chosen_case, named_body, setting
 from rockpulse.plots.style import (
     BLACK,
@@ -54,7 +55,7 @@ _THINNEST = 1.0
 #: Factors below the smallest one that is of interest, as a ratio of it.
 _BELOW = 0.7
 
-#: Places of "none" beyond the end of the search, one for each model, as a ratio of it.
+#: Places of those without a factor beyond the end of the search, one for each model, as a ratio of it.
 _NONE = 1.09
 
 #: Place of the arrow beside a mark, as a ratio of it.
@@ -91,7 +92,8 @@ def overturning_map(
     -------
     matplotlib Axes
         Bars with the labels "stands", "overturns", "stands again", "cannot answer", each interval at least a point
-        wide; a dot with the label "smallest factor"; a line at factor 1.
+        wide; a dot with the label "smallest factor"; a line at factor 1 and, where the results have a demand, a tick
+        at what it asks of each record.
 
     Raises
     ------
@@ -123,13 +125,17 @@ def overturning_map(
     end = float(setting(tree, "search", "factor_max", SearchSettings().factor_max))
     ax = one_axes(ax, height=1.5 + _ROW * max(len(rows), 3))
     table = tree["overturning_intervals"].to_dataset()
-    begin = _BELOW * min(1.0, float(np.nanmin(np.where(factors > 0.0, factors, np.nan), initial=1.0)))
+    needed = demands_over_pga(summary, summary["pga"].sel(record=[one for one, _, _ in rows]).values, end)
+    lowest = least(needed, float(np.nanmin(np.where(factors > 0.0, factors, np.nan), initial=1.0)))
+    begin = _BELOW * lowest
     for place, (one, body, case) in enumerate(rows):
         if np.isnan(factors[place]):
             ax.text(1.0, place, " not searched", fontsize=SMALL, color=GREY, va="center")
             continue
-        _bars(ax, place, _intervals(summary, table, one, body, case, model), begin, end)
+        at_end = not any(ticks[place] > np.sqrt(end) for ticks in needed.values())  # else under the words
+        _bars(ax, place, _intervals(summary, table, one, body, case, model), begin, end, at_end)
     _smallest(ax, factors, bound)
+    demand_ticks(ax, needed)
     names = [_row_name(summary, row, len(records) > 1) for row in rows]
     _rows(ax, names, begin, end)
     ax.set_xlabel(f"factor on the {_input(model)} [-]")
@@ -137,7 +143,8 @@ def overturning_map(
     heading = plain(records[0]) if len(records) == 1 else plain(blocks[0])
     title(ax, f"{heading}: {look(model).label} model", rows=legend_rows)
     outside = [body for (_, body, _), within in zip(rows, inside, strict=True) if within == 0]
-    caption(ax, note + _map_notes(model, end, float(np.nanmax(steps, initial=1.0)), outside, bool(np.any(bound))))
+    words = _map_notes(model, end, float(np.nanmax(steps, initial=1.0)), outside, bool(np.any(bound)))
+    caption(ax, " ".join([note + words, *tick_notes(needed)]))
     return ax
 
 
@@ -194,12 +201,14 @@ def critical_scale(
     lowest = 1.0
     for place, name in enumerate(searched):
         lowest = min(lowest, _markers(ax, shown.sel(model=name), name, end * _NONE ** (1 + place)))
-    lowest = _demands(ax, shown, lowest)
+    needed = demands_over_pga(shown, shown["pga"].values, end)
+    demand_ticks(ax, needed)
+    lowest = least(needed, lowest)
     _rows(ax, [str(name) for name in shown["record"].values], _BELOW * lowest, end, end * _NONE ** (len(searched) + 1))
     ax.set_xlabel(wrapped(label(own["safety_factor"].attrs), 64))
     legend_rows = _once(ax, columns=3)
     title(ax, f"{plain(named_body(summary, block, case))}: critical scale of each record", rows=legend_rows)
-    caption(ax, _scale_notes(own, shown, searched, leading, end))
+    caption(ax, " ".join([_scale_notes(own, shown, searched, leading, end), *tick_notes(needed)]))
     return ax
 
 
@@ -234,12 +243,13 @@ def _intervals(
     return {name: table[name].values[rows] for name in ("lower", "upper", "open", "resolved")}
 
 
-def _bars(ax: Axes, place: int, found: dict[str, np.ndarray], begin: float, end: float) -> None:
+def _bars(ax: Axes, place: int, found: dict[str, np.ndarray], begin: float, end: float, at_end: bool) -> None:
     lower, upper = found["lower"], found["upper"]
     first = float(lower[0]) if lower.size else end
     _bar(ax, place, begin, first, "stands", fc="#E8F3EF", ec=GREEN, lw=0.4)
     if not lower.size:
-        ax.text(end, place, f"none up to {end:g}  ", fontsize=SMALL - 0.5, color=BLACK, ha="right", va="center")
+        words, (where, side) = f"  none up to {end:g}  ", (end, "right") if at_end else (1.0, "left")
+        ax.text(where, place, words, fontsize=SMALL - 0.5, color=BLACK, ha=side, va="center")
     for low, high, resolved in zip(lower, upper, found["resolved"], strict=True):
         if resolved:
             _bar(ax, place, low, high, "overturns", fc=RED, ec=RED, lw=0.4)
@@ -278,14 +288,14 @@ def _smallest(ax: Axes, factors: np.ndarray, bound: np.ndarray) -> None:
 
 
 def _rows(ax: Axes, names: Sequence[str], begin: float, end: float, last: float | None = None) -> None:
-    """Names beside the rows, the factor along a logarithmic axis with readable numbers, room for "none" beyond it."""
+    """Names beside the rows, the factor along a logarithmic axis, and room beyond it for what has none."""
     from matplotlib.ticker import FixedLocator, FuncFormatter, NullLocator
 
     ax.set_xscale("log")
     ax.set_xlim(begin, end if last is None else last)
     if last is not None:
         ax.axvspan(end, last, color=PALE, alpha=0.5, lw=0)
-        ax.text(np.sqrt(end * last), -0.75, "none", fontsize=SMALL, ha="center", va="bottom", color=GREY)
+        ax.text(np.sqrt(end * last), -0.75, f">{end:g}", fontsize=SMALL, ha="center", va="bottom", color=GREY)
     ticks = [tick for tick in (0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50, 100) if begin <= tick <= end]
     ax.xaxis.set_major_locator(FixedLocator(ticks))
     ax.xaxis.set_minor_locator(NullLocator())
@@ -325,18 +335,6 @@ def _markers(ax: Axes, answers: xr.Dataset, model: str, none_at: float) -> float
     return float(np.min(factor[finite], initial=1.0))
 
 
-def _demands(ax: Axes, shown: xr.Dataset, lowest: float) -> float:
-    if "demand_acceleration" not in shown:
-        return lowest
-    for place, name in enumerate(str(demand) for demand in shown["demand"].values):
-        needed = float(shown["demand_acceleration"].sel(demand=name)) / shown["pga"].values
-        size = 9 - 2 * min(place, 2)
-        words = f"demand over PGA: {plain(shortened(name, 24))}"
-        ax.plot(needed, np.arange(needed.size), ls="none", marker="|", ms=size, mew=1.6, color=BLACK, label=words)
-        lowest = min(lowest, float(np.nanmin(needed, initial=lowest)))
-    return lowest
-
-
 def _map_notes(model: str, end: float, step: float, outside: Sequence[str], bound: bool) -> str:
     as_it_is = "sequence as it was calibrated" if model in _ON_IMPULSES else "record as it is"
     missing = f"; intervals narrower than {100.0 * (step - 1.0):.2g} % may be missing" if step > 1.0 else ""
@@ -355,10 +353,10 @@ def _scale_notes(own: xr.Dataset, shown: xr.Dataset, searched: Sequence[str], le
     words = []
     if shown.sizes["record"] < own.sizes["record"]:
         words.append(f"The {shown.sizes['record']} smallest factors of {own.sizes['record']} records.")
-    words.append(f"Ordered by the {leading} model.")
+    words.append(f"Ordered by the {leading} model. Dashed: the record, or its sequence, as it is.")
     values = shown["safety_factor"].sel(model=list(searched))
     if bool(np.isinf(values).any()):
-        words.append(f"None: no overturning found up to a factor of {end:g}.")
+        words.append(f">{end:g}: none found up to there.")
     if "applicable" in shown and bool((shown["applicable"].sel(model=list(searched)) == 0).any()):
         words.append("Hollow: outside the range of the model.")
     if "factor_resolved" in shown and bool((shown["factor_resolved"].sel(model=list(searched)) == 0).any()):

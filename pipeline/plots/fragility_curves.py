@@ -30,6 +30,9 @@ _POINTS = 3
 #: A band that is wider than this [-] at most of the levels of the picture says nothing.
 _WIDE = 0.8
 
+#: A curve that lies above that of a milder limit state by more than this [-] is told of.
+_ABOVE = 0.01
+
 #: Points of a curve between two levels of the file.
 _BETWEEN = 8
 
@@ -107,6 +110,8 @@ def fragility(
     legend_above(ax, 3, across=True)
     title(ax, plain(block), rows=-(-len(states) // 3))
     notes = [_counts(tree, own), *_band_notes(tree, own, banded, shown)]
+    if _crossing(own.isel(limit_state=own["limit_state"].isin(states)), shown):
+        notes.append("Fitted one by one: where a curve lies above that of a milder limit state it says nothing.")
     if len(states) <= _POINTS and tree.attrs["data"] == "ida":
         notes.append("Marks: records one by one, at the first factor that reaches the limit state (Kaplan-Meier).")
     caption(ax, " ".join(notes + _told(remarks, len(states))))
@@ -172,6 +177,13 @@ def _shown(own: xr.Dataset) -> np.ndarray:
     return every
 
 
+def _crossing(own: xr.Dataset, shown: np.ndarray) -> bool:
+    """Whether a curve lies above that of a limit state before it, a milder one: each is fitted without the others."""
+    probability = own["probability"].transpose("limit_state", "point").values[:, shown]
+    probability = probability[~np.isnan(probability).any(axis=1)]  # no curve
+    return bool(np.any(probability[1:] > np.minimum.accumulate(probability[:-1]) + _ABOVE))
+
+
 def _curve(one: xr.Dataset, name: str) -> tuple[np.ndarray, np.ndarray]:
     """A probability at the levels of the file, and smoothly between them; a step where it is one."""
     from scipy.interpolate import PchipInterpolator
@@ -209,10 +221,11 @@ def _band_notes(tree: xr.DataTree, own: xr.Dataset, banded: str | None, shown: n
     if _says_nothing(one, shown):
         events = int(one["events"])
         return [
-            f"Band of {_named(banded)}: nearly 0 to 1 at most levels, not drawn ({events} earthquakes are too few)."
+            f"Band of the curve of {_named(banded)}: nearly 0 to 1 at most levels, not drawn ({events} earthquakes are "
+            "too few)."
         ]
     confidence = 100.0 * float(tree.attrs["confidence"])
-    return [f"Band of {_named(banded)}: {confidence:g} %, over earthquakes, at each level."]
+    return [f"Band of the curve of {_named(banded)}: {confidence:g} %, over earthquakes, at each level."]
 
 
 def _told(remarks: dict[str, list[str]], states: int) -> list[str]:

@@ -8,7 +8,18 @@ from typing import Any
 import numpy as np
 
 from rockpulse.plots.model_histories import History
-from rockpulse.plots.style import BLACK, SMALL, caption, dressed, figure_of, legend_above, look, several_axes, thinned
+from rockpulse.plots.style import (
+    BLACK,
+    FONT,
+    SMALL,
+    caption,
+    dressed,
+    figure_of,
+    legend_above,
+    look,
+    several_axes,
+    thinned,
+)
 from rockpulse.plots.style import title as titled
 
 __all__ = ["rotation_history"]
@@ -18,6 +29,9 @@ _MOVES = 0.02
 
 #: Models whose input is a sequence of impulses, with a time of its own.
 _ON_IMPULSES = ("sequence", "resonance")
+
+#: The model that is drawn thickest and on top: its motion is the one to judge the others by.
+_LEADING = "nonlinear"
 
 #: Of the stretch, left free before and after it.
 _AROUND = 0.06
@@ -56,7 +70,9 @@ def rotation_history(histories: Sequence[History], axes: Any = None, title: str 
         words = f"{style.label}: {_answer(history)}"
         shown = (history.time >= first) & (history.time <= last)
         curve = thinned(history.time[shown], history.rotation[shown])
-        moving.plot(*curve, color=style.color, ls=style.line, lw=1.1, label=words)
+        leads = history.model == _LEADING
+        width, above = (1.7, 3.0) if leads else (1.0, 2.0)
+        moving.plot(*curve, color=style.color, ls=style.line, lw=width, zorder=above, label=words)
         if np.isfinite(history.overturning):
             _mark_overturning(moving, history)
         below.plot(
@@ -68,6 +84,8 @@ def rotation_history(histories: Sequence[History], axes: Any = None, title: str 
             mew=0.7,
             color=style.color,
         )
+    if {history.peak for history in histories} == {0.0}:
+        moving.text(0.5, 0.55, "at rest", transform=moving.transAxes, fontsize=FONT, ha="center")
     names = [
         history.model if history.impact_count < 0 else f"{history.model} ({history.impact_count})"
         for history in histories

@@ -47,14 +47,16 @@ class Motions:
 
     @property
     def event_count(self) -> int:
-        """Number of earthquakes."""
-        return len(set(self.events))
+        """Number of earthquakes that are known to be others; one where none is known."""
+        return len({event for event in self.events if event != UNKNOWN}) or len(set(self.events))
 
     def of_unknown_event(self) -> str:
         """A sentence on the motions whose earthquake is unknown, after a blank; empty where all are known."""
         count = self.events.count(UNKNOWN)
         which = f"{several(count, 'motion')} whose earthquake neither the files nor a table ([records] events) tell"
-        return f" As one earthquake counts: {which}." if count else ""
+        if not count:
+            return ""
+        return f" As one earthquake counts: {which}." if count == len(self.events) else f" Not counted is: {which}."
 
     def counted(self) -> str:
         """Their number in words: "7 records of 2 earthquakes"."""

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from rockpulse.capacity_overview import thin_margin
 from rockpulse.record_marks import doubt_notes, doubts
 from rockpulse.report.answers import UPPER_BOUND
 from rockpulse.report.events import CONFIDENCE, FEWEST_EVENTS, largest_share
@@ -89,6 +90,8 @@ def remarks(
                 "body may be unsafe, nothing more; it is no prediction.",
             )
         )
+    elif motions.kind == "sequence":
+        said.append(Remark(False, f"Judged by the {model} model", "The equation of motion itself needs a record."))
     elif model not in ("nonlinear", "auto"):
         said.append(
             Remark(
@@ -106,7 +109,7 @@ def remarks(
             )
         )
     said += [_doubt(kind, found, motions) for kind in (Standing.WEAKER_OVERTURNS, Standing.UNKNOWN, Standing.NO_MARGIN)]
-    said += [_at_rest(found, motions), _drift(summary), _several_restitutions(found)]
+    said += [_thin(summary, found, model), _at_rest(found, motions), _drift(summary), _several_restitutions(found)]
     if components == "horizontal" and motions.kind == "record":
         said.append(
             Remark(
@@ -218,6 +221,22 @@ def _doubt(kind: Standing, found: Sequence[BodyVerdict], motions: Motions) -> Re
     )
 
 
+def _thin(summary: xr.Dataset, found: Sequence[BodyVerdict], model: str) -> Remark | None:
+    """That the search may have passed over what would overturn a body."""
+    thin = sum(one.overall == Grade.THIN for one in found)
+    if not thin:
+        return None
+    steps = summary["search_step"].sel(model=model).values if "search_step" in summary else np.ones(1)
+    step, margin = float(np.nanmax(steps)), float(np.nanmax(thin_margin(steps)))
+    return Remark(
+        True,
+        f"{of_bodies(thin, len(found))} {'stands' if thin == 1 else 'stand'} with hardly a margin",
+        f"Factors were searched in steps of up to {step - 1.0:.1%}, and narrow bands of overturning lie between them: "
+        f"below {margin:.2g}, or where the search ended below that, a finer or longer one ([search] points, "
+        "factor_max) may find that the body is not safe.",
+    )
+
+
 def _at_rest(found: Sequence[BodyVerdict], motions: Motions) -> Remark | None:
     idle, total = sum(one.at_rest for one in found), len(motions.names)
     if not idle or motions.kind == "sequence":
@@ -232,7 +251,9 @@ def _at_rest(found: Sequence[BodyVerdict], motions: Motions) -> Remark | None:
             f"{len(found) * total} cases ({noun(motions)} and body) count as standing because the body is not "
             "lifted. "
         )
-    return Remark(bool(never), head, f"{text}The safety factor says how much stronger the motions might be.")
+    searched = any(not np.isnan(one.smallest) for one in found)
+    stronger = "The safety factor says how much stronger the motions might be." if searched else ""
+    return Remark(bool(never), head, f"{text}{stronger}".rstrip())
 
 
 def _doubtful(summary: xr.Dataset) -> Remark | None:

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from rockpulse.capacity_overview import THIN_MARGIN
+from rockpulse.capacity_overview import thin_margin
 from rockpulse.models.response import Outcome, Reason
 from rockpulse.overview import cases
 from rockpulse.terminal import restitution
@@ -151,14 +151,15 @@ def standings(summary: xr.Dataset, bodies: list[Body], model: str) -> np.ndarray
     Notes
     -----
     What overturns, overturns; a safety factor below 1 at which the model answers is overturning by a weaker record;
-    one below :data:`rockpulse.capacity_overview.THIN_MARGIN` is hardly a margin.
+    one below :func:`rockpulse.capacity_overview.thin_margin` is hardly a margin, nor is a search that ended below it.
     Unresolved, outside the range of the model, not predictable, or a factor below 1 at which the model cannot answer:
     not known. A body at rest without a factor stands without a margin like any other.
     """
     answers = _Answers(summary, bodies, model)
     found = np.full(answers.outcome.shape, Standing.STANDS, dtype=np.int8)
     found[np.isnan(answers.factor)] = Standing.NO_MARGIN
-    found[answers.factor < THIN_MARGIN] = Standing.THIN
+    proven = np.where(np.isinf(answers.factor), answers.safe_up_to, answers.factor)
+    found[~np.isnan(answers.factor) & ~(proven >= answers.margin)] = Standing.THIN
     for mask, _ in answers.doubts():
         found[mask] = Standing.UNKNOWN
     found[(answers.factor < 1.0) & (answers.resolved != 0)] = Standing.WEAKER_OVERTURNS
@@ -202,6 +203,8 @@ class _Answers:
         self.reason = found("reason", Reason.NONE)
         self.factor = found("safety_factor", np.nan)
         self.resolved = found("factor_resolved", -1)
+        self.safe_up_to = found("safe_up_to", np.nan)
+        self.margin = thin_margin(found("search_step", np.nan))
         self.predictable = found("predictable", -1)
         self.applicable = found("applicable", 1)
 

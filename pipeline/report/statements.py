@@ -6,7 +6,6 @@ import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from rockpulse.capacity_overview import THIN_MARGIN
 from rockpulse.report.answers import UPPER_BOUND
 from rockpulse.report.motions import Motions, several
 from rockpulse.report.pairing import listed
@@ -23,6 +22,10 @@ NAMED = 6
 
 _HEADS = {
     Grade.SAFE: ("is safe under {these}", "are safe under {these}"),
+    Grade.UNTESTED: (
+        "is lifted by none of these, so that they say nothing of it",
+        "are lifted by none of these, so that they say nothing of them",
+    ),
     Grade.STANDS: ("stands under {these}", "stand under {these}"),
     Grade.THIN: ("stands under {these}, but with hardly a margin", "stand under {these}, but with hardly a margin"),
     Grade.NO_MARGIN: ("stands, by an unknown margin", "stand, by an unknown margin"),
@@ -70,11 +73,15 @@ def headline(summary: xr.Dataset, found: Sequence[BodyVerdict], motions: Motions
         return ["There is no body to judge."]
     sentences[0] = f"By the {_model(model)}, {under}: {sentences[0][0].lower()}{sentences[0][1:]}"
     of_demands = zip(*(one.demands for one in found), strict=True)
-    return [*sentences, *(_demand(summary, found, every, motions) for every in of_demands)]
+    return [*sentences, *(_demand(summary, found, every, motions, model) for every in of_demands)]
 
 
 def _demand(
-    summary: xr.Dataset, found: Sequence[BodyVerdict], every: tuple[DemandVerdict, ...], motions: Motions
+    summary: xr.Dataset,
+    found: Sequence[BodyVerdict],
+    every: tuple[DemandVerdict, ...],
+    motions: Motions,
+    model: str,
 ) -> str:
     """How the bodies stand under motions as strong as one demand."""
     name, total = every[0].name, len(every)
@@ -90,11 +97,13 @@ def _demand(
     below = len(failing)
     unknown = total - met - below
     named = f": {listed(failing)}" if failing else ""
+    searched = any(not math.isnan(one.smallest) for one in found)
+    why = _UNKNOWN_DEMAND if searched else "no safety factor of this model was searched ([search] models)"
     return (
         f"Demand “{name}”, {strength}{f', {state}' if state else ''}: {met} of {several(total, 'body')} "
         f"{'stands' if met == 1 else 'stand'} under every {noun(motions)} scaled to this PGA or below, "
-        f"{below} {'does' if below == 1 else 'do'} not{named}"
-        + (f"; of {unknown} it is not known: {_UNKNOWN_DEMAND}." if unknown else ".")
+        f"{below} {'does' if below == 1 else 'do'} not{' for certain' if model == 'resonance' else ''}{named}"
+        + (f"; of {unknown} it is not known: {why}." if unknown else ".")
     )
 
 
@@ -123,8 +132,8 @@ def counted_by(model: str, motions: Motions, demanded: bool = False) -> str:
         "weaker copy of it: the safety factor (SF) is the smallest factor on the record at which the body overturns, "
         "and 1 or more is asked for. A body that rocks under a record but has SF below 1 is not counted as safe: "
         "rocking is not monotonic, a weaker record overturns it. Unresolved and unpredictable answers, and those "
-        f"outside the range of the model, are not counted as safe either. Below {THIN_MARGIN:g} there is hardly a "
-        "margin: a finer search may find a smaller factor."
+        "outside the range of the model, are not counted as safe either. A factor above 1 by less than a tenth, or "
+        "than seven steps of the search, is hardly a margin: a finer search may find a smaller one."
     )
     if demanded:
         words += (
@@ -158,7 +167,7 @@ def _own_margin(one: BodyVerdict) -> str:
     if math.isinf(one.smallest):
         found = "no overturning found" + ("" if math.isnan(one.limit) else f" up to a factor of {figure(one.limit)}")
         return f"never lifted, {found}" if one.never_lifted else found
-    least = "at least " if one.smallest_bound else ""
+    least = "at least " if one.smallest_bound else "at most " if one.smallest_open else ""
     return f"{'never lifted, ' if one.never_lifted else ''}smallest SF {least}{ratio(one.smallest)}"
 
 

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from rockpulse.capacity_overview import THIN_MARGIN, search_limit
+from rockpulse.capacity_overview import search_limit, thin_margin
 from rockpulse.models.response import Outcome
 from rockpulse.report.events import largest_share
 from rockpulse.report.motions import Motions
@@ -26,11 +26,12 @@ class Grade(IntEnum):
     """What is said of a body, from best to worst."""
 
     SAFE = 0
-    STANDS = 1  #: under a design sequence, which stands for other motions and does not bound them
-    THIN = 2
-    NO_MARGIN = 3
-    NOT_KNOWN = 4
-    NOT_SAFE = 5
+    UNTESTED = 1  #: no motion lifts it
+    STANDS = 2  #: under a design sequence, which stands for other motions and does not bound them
+    THIN = 3
+    NO_MARGIN = 4
+    NOT_KNOWN = 5
+    NOT_SAFE = 6
 
 
 @dataclass(frozen=True)
@@ -49,6 +50,8 @@ class DemandVerdict:
         too weak for the search to reach the demand are left out, unless all are.
     smallest_bound, median_bound : bool
         Whether the true value may be larger.
+    smallest_open : bool
+        Whether the true value may be smaller: a direction is missing, or not known.
     limit : float
         How much of the demand was searched where none was found, the smallest [-]; NaN without.
     below, unknown : int
@@ -61,6 +64,7 @@ class DemandVerdict:
     median: float
     smallest_bound: bool
     median_bound: bool
+    smallest_open: bool
     limit: float
     below: int
     unknown: int
@@ -84,6 +88,8 @@ class BodyVerdict:
         Safety factor over the motions for which it is known [-]; inf: none found, NaN: not known.
     smallest_bound, median_bound : bool
         Whether the true value may be larger.
+    smallest_open : bool
+        Whether the true value may be smaller: a direction is missing, or not known.
     limit : float
         Up to which factor was searched where none was found, the smallest [-]; NaN without.
     governing : int
@@ -104,6 +110,7 @@ class BodyVerdict:
     median: float
     smallest_bound: bool
     median_bound: bool
+    smallest_open: bool
     limit: float
     governing: int
     events_hit: int
@@ -153,31 +160,34 @@ def verdicts(summary: xr.Dataset, bodies: list[Body], model: str, motions: Motio
     outcome = lanes(summary, "outcome", bodies, model)
     assert outcome is not None
     resting = np.array([np.all(outcome[rows] == Outcome.AT_REST, axis=0) for rows in motions.rows]).reshape(worst.shape)
-    smallest, smallest_bound = _smallest(factor, bound, motions)
+    smallest = _smallest(factor, bound, motions)
     searched = _or(lanes(summary, "safe_up_to", bodies, model), single, math.nan)
     of_demands = _demands(summary, bodies, model, motions, single)
     events = np.array(motions.events)
-    best = Grade.STANDS if motions.kind == "sequence" else Grade.SAFE
+    sequence = motions.kind == "sequence"
     found = []
     for lane, body in enumerate(bodies):
         own = worst[:, lane]
-        hit = len(set(events[own >= Standing.UNKNOWN].tolist()))
-        low, at_low = _of_known(np.min, smallest[:, lane], smallest_bound[:, lane])
-        middle, at_middle = _of_known(np.median, smallest[:, lane], smallest_bound[:, lane])
+        hit = min(len(set(events[own >= Standing.UNKNOWN].tolist())), motions.event_count)
+        low, at_low, open_low = smallest.least(lane)
+        middle, at_middle = smallest.median(lane)
+        resting_under = int(np.count_nonzero(resting[:, lane]))
+        best = Grade.STANDS if sequence else Grade.UNTESTED if resting_under == own.size else Grade.SAFE
         found.append(
             BodyVerdict(
                 body=body,
                 grade=max(best, _GRADE[Standing(int(own.max()))]) if own.size else Grade.NOT_KNOWN,
                 counts={kind: int(np.count_nonzero(own == kind)) for kind in Standing},
-                at_rest=int(np.count_nonzero(resting[:, lane])),
+                at_rest=resting_under,
                 smallest=low,
                 median=middle,
                 smallest_bound=at_low,
                 median_bound=at_middle,
+                smallest_open=open_low,
                 limit=search_limit(factor[:, lane], searched[:, lane]),
                 governing=_governing(factor[:, lane], single[:, lane]),
                 events_hit=hit,
-                largest_share=math.nan if motions.kind == "sequence" else largest_share(hit, motions.event_count),
+                largest_share=math.nan if sequence else largest_share(hit, motions.event_count),
                 demands=of_demands[lane],
             )
         )
@@ -188,25 +198,54 @@ def _or(table: np.ndarray | None, like: np.ndarray, otherwise: float) -> np.ndar
     return np.full(like.shape, otherwise) if table is None else table
 
 
-def _smallest(values: np.ndarray, bound: np.ndarray, motions: Motions) -> tuple[np.ndarray, np.ndarray]:
-    """Of every motion the smallest over its directions, NaN where one is NaN or missing, and whether it is a bound."""
+@dataclass(frozen=True, eq=False)
+class _Smallest:
+    """Of every motion and body the smallest value over its directions.
+
+    Attributes
+    ----------
+    known : (motions, bodies) ndarray
+        Of the directions that are known; NaN where none is.
+    bound : (motions, bodies) ndarray of bool
+        Whether the true value may be larger.
+    open : (motions, bodies) ndarray of bool
+        Whether it may be smaller, for a direction is missing or not known.
+    """
+
+    known: np.ndarray
+    bound: np.ndarray
+    open: np.ndarray
+
+    def least(self, lane: int) -> tuple[float, bool, bool]:
+        """The smallest over the motions, whether it may be larger, whether it may be smaller."""
+        known = ~np.isnan(self.known[:, lane])
+        if not known.any():
+            return math.nan, False, False
+        value, at_bound = _of(np.min, self.known[known, lane], self.bound[known, lane])
+        partial = self.open[:, lane] & known & (self.known[:, lane] == value)
+        return value, at_bound, bool(partial.any())
+
+    def median(self, lane: int) -> tuple[float, bool]:
+        """The median over the motions of which all directions are known, and whether it may be larger."""
+        whole = ~np.isnan(self.known[:, lane]) & ~self.open[:, lane]
+        return _of(np.median, self.known[whole, lane], self.bound[whole, lane]) if whole.any() else (math.nan, False)
+
+
+def _smallest(values: np.ndarray, bound: np.ndarray, motions: Motions) -> _Smallest:
     low = np.full((len(motions.rows), values.shape[1]), np.nan)
-    at = np.zeros(low.shape, dtype=bool)
+    at, partial = np.zeros(low.shape, dtype=bool), np.zeros(low.shape, dtype=bool)
     for place, rows in enumerate(motions.rows):
-        if motions.missing[place]:
-            continue
-        low[place] = values[rows].min(axis=0)
-        largest = np.where(bound[rows], np.inf, values[rows]).min(axis=0)
-        at[place] = largest > low[place]
-    return low, at
+        nothing = np.isnan(values[rows])
+        low[place] = np.where(nothing, np.inf, values[rows]).min(axis=0, initial=np.inf)
+        low[place, nothing.all(axis=0)] = np.nan
+        at[place] = np.where(nothing | bound[rows], np.inf, values[rows]).min(axis=0, initial=np.inf) > low[place]
+        partial[place] = nothing.any(axis=0) | motions.missing[place]
+    return _Smallest(low, at, partial)
 
 
-def _of_known(which: Callable[[np.ndarray], Any], values: np.ndarray, bound: np.ndarray) -> tuple[float, bool]:
-    """The smallest or the median of what is known, and whether it may be larger."""
-    known = ~np.isnan(values)
-    if not known.any():
-        return math.nan, False
-    low, high = (float(which(of[known])) for of in (values, np.where(bound, np.inf, values)))
+def _of(which: Callable[[np.ndarray], Any], values: np.ndarray, bound: np.ndarray) -> tuple[float, bool]:
+    """The smallest or the median, and whether it may be larger."""
+    low, high = (float(which(of)) for of in (values, np.where(bound, np.inf, values)))
     return low, high > low
 
 
@@ -226,12 +265,21 @@ def _demands(
         return [() for _ in bodies]
     bound = _or(lanes(summary, "factor_resolved", bodies, model), single, -1) == 0
     searched = _or(lanes(summary, "safe_up_to", bodies, model), single, math.nan)
+    margin = thin_margin(_or(lanes(summary, "search_step", bodies, model), single, math.nan))
     doubtful = np.zeros(single.shape, dtype=bool)
     for name in ("applicable", "predictable"):
         doubtful |= _or(lanes(summary, name, bodies, model), single, 1) == 0
     found = [
         [
-            _demand(str(name), ratios[:, lane, place], bound[:, lane], proven[:, lane], doubtful[:, lane], motions)
+            _demand(
+                str(name),
+                ratios[:, lane, place],
+                bound[:, lane],
+                proven[:, lane],
+                doubtful[:, lane],
+                margin[:, lane],
+                motions,
+            )
             for place, (name, proven) in enumerate(_proven(summary, searched))
         ]
         for lane in range(len(bodies))
@@ -247,7 +295,13 @@ def _proven(summary: xr.Dataset, searched: np.ndarray) -> list[tuple[Any, np.nda
 
 
 def _demand(
-    name: str, ratio: np.ndarray, bound: np.ndarray, proven: np.ndarray, doubtful: np.ndarray, motions: Motions
+    name: str,
+    ratio: np.ndarray,
+    bound: np.ndarray,
+    proven: np.ndarray,
+    doubtful: np.ndarray,
+    margin: np.ndarray,
+    motions: Motions,
 ) -> DemandVerdict:
     """One body, one demand: all arrays are of the records."""
     below = (ratio < 1.0) & ~bound
@@ -255,13 +309,16 @@ def _demand(
     unknown = ~below & (np.isnan(ratio) | ((ratio < 1.0) & bound) | (np.isinf(ratio) & ~(proven >= 1.0)) | doubtful)
     under = np.array([below[rows].any() for rows in motions.rows], dtype=bool)
     open_ = np.array([unknown[rows].any() for rows in motions.rows], dtype=bool) | motions.missing
-    low, at = _smallest(ratio[:, None], bound[:, None], motions)
+    every = _smallest(ratio[:, None], bound[:, None], motions)
+    low = every.known[:, 0]
     reached = np.array([proven[rows].min() for rows in motions.rows])
-    told = ~np.isnan(low[:, 0]) & ~(np.isinf(low[:, 0]) & (reached < 1.0))
-    shown = np.where(told, low[:, 0], np.nan) if told.any() else low[:, 0]
-    smallest, smallest_bound = _of_known(np.min, shown, at[:, 0])
-    median, median_bound = _of_known(np.median, shown, at[:, 0])
-    enough = Grade.THIN if smallest < THIN_MARGIN else Grade.SAFE
+    told = ~np.isnan(low) & ~(np.isinf(low) & (reached < 1.0))
+    shown = np.where(told, low, np.nan) if told.any() else low
+    of_shown = _Smallest(shown[:, None], every.bound, every.open)
+    smallest, smallest_bound, smallest_open = of_shown.least(0)
+    median, median_bound = of_shown.median(0)
+    thin = ~(np.where(np.isinf(ratio), proven, ratio) >= margin)
+    enough = Grade.THIN if thin.any() else Grade.SAFE
     grade = Grade.NOT_SAFE if under.any() else Grade.NOT_KNOWN if open_.any() or not open_.size else enough
     return DemandVerdict(
         name=name,
@@ -270,6 +327,7 @@ def _demand(
         median=median,
         smallest_bound=smallest_bound,
         median_bound=median_bound,
+        smallest_open=smallest_open,
         limit=search_limit(shown, reached),
         below=int(np.count_nonzero(under)),
         unknown=int(np.count_nonzero(open_ & ~under)),

@@ -22,6 +22,7 @@ __all__ = ["grade_cell", "verdict_table"]
 
 _WORDS = {
     Grade.SAFE: "safe",
+    Grade.UNTESTED: "stands, never lifted",
     Grade.STANDS: "stands",
     Grade.THIN: "stands, hardly a margin",
     Grade.NO_MARGIN: "stands, margin not computed",
@@ -34,6 +35,7 @@ FEW = 8
 
 _MARKS = {
     Grade.SAFE: "good",
+    Grade.UNTESTED: "fair",
     Grade.STANDS: "fair",
     Grade.THIN: "fair",
     Grade.NO_MARGIN: "fair",
@@ -55,8 +57,6 @@ def grade_cell(one: BodyVerdict, model: str, before: str = "") -> Cell:
         What the words begin with.
     """
     grade = one.overall
-    if grade == Grade.SAFE and one.never_lifted:
-        return Cell(f"{before}stands, never lifted", float(grade), grade="fair")
     doubtful = model == "resonance" and grade == Grade.NOT_SAFE
     words = "not shown to be safe" if doubtful else _WORDS[grade]
     where = " at the demand" if grade > one.grade else ""
@@ -104,10 +104,10 @@ def verdict_table(summary: xr.Dataset, found: Sequence[BodyVerdict], motions: Mo
                 Cell(one.body.block, link=f"body-{one.body.place}"),
                 Cell(restitution(one.body.restitution), one.body.restitution),
                 grade_cell(one, model),
-                Cell(factor_cell(one.smallest, None, 0 if one.smallest_bound else None, one.limit), one.smallest),
+                Cell(_at_most(one) + factor_cell(one.smallest, None, _resolved(one), one.limit), one.smallest),
                 Cell(names[one.governing], link=f"record-{one.governing}") if governed else Cell(ABSENT),
                 Cell(factor_cell(one.median, None, 0 if one.median_bound else None, one.limit), one.median),
-                *(_demand_cell(demand) for demand in one.demands),
+                *(_demand_cell(demand, model) for demand in one.demands),
                 *(Cell(str(count), float(count)) for count in counts),
                 *(_event_cells(one, motions) if with_events else ()),
             )
@@ -134,11 +134,22 @@ def _event_cells(one: BodyVerdict, motions: Motions) -> tuple[Cell, ...]:
     return hit, Cell(share(one.largest_share), one.largest_share)
 
 
-def _demand_cell(demand: DemandVerdict) -> Cell:
-    factor = factor_cell(demand.smallest, None, 0 if demand.smallest_bound else None, demand.limit)
+def _at_most(one: BodyVerdict | DemandVerdict) -> str:
+    """What stands before a smallest value that may be smaller: a direction is missing, or not known."""
+    return "≤" if one.smallest_open and not math.isinf(one.smallest) else ""
+
+
+def _resolved(one: BodyVerdict | DemandVerdict) -> int | None:
+    return 0 if one.smallest_bound else None
+
+
+def _demand_cell(demand: DemandVerdict, model: str) -> Cell:
+    factor = _at_most(demand) + factor_cell(demand.smallest, None, _resolved(demand), demand.limit)
     median = factor_cell(demand.median, None, 0 if demand.median_bound else None, demand.limit)
     why = f", {demand.unknown} not known" if demand.unknown else ""
-    return Cell(f"{factor}, median {median}{why}", demand.smallest, grade=_MARKS[demand.grade])
+    # What an upper-bound type input overturns is not shown to be unsafe.
+    mark = "unknown" if model == "resonance" and demand.grade == Grade.NOT_SAFE else _MARKS[demand.grade]
+    return Cell(f"{factor}, median {median}{why}", demand.smallest, grade=mark)
 
 
 def _asked(summary: xr.Dataset, name: str) -> str:

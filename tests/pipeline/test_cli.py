@@ -162,12 +162,13 @@ def test_the_module_runs_like_the_command():
     assert "at2" in done.stdout
 
 
-def test_a_reader_that_leaves_early_is_no_error():
+@pytest.mark.parametrize("arguments", [["init-config"], ["plot", "--list"]])
+def test_a_reader_that_leaves_early_is_no_error(arguments):
     read, write = os.pipe()
     os.close(read)
     with os.fdopen(write, "w") as pipe:
         done = subprocess.run(
-            [sys.executable, "-m", "rockpulse", "init-config"],
+            [sys.executable, "-m", "rockpulse", *arguments],
             stdout=pipe,
             stderr=subprocess.PIPE,
             text=True,

@@ -134,7 +134,8 @@ def test_nothing_that_overturns_stands_to_the_end_of_the_search(assessed, change
     assert len(beside) == 10  # five models on two records
     assert min(beside) > 10.0
     assert max(beside) < ax.get_xlim()[1]
-    assert "None: no overturning found up to a factor of 10" in ax.figure.get_supxlabel()
+    assert [text.get_text() for text in ax.texts] == [">10"]
+    assert ">10: none found up to there." in " ".join(ax.figure.get_supxlabel().split())
 
 
 def test_a_body_that_was_not_searched_or_is_outside_the_range_is_named(assessed, changed, first):
@@ -184,13 +185,63 @@ def test_bounds_and_models_outside_their_range_are_marked(assessed, changed):
     assert "Hollow: outside the range" in ax.figure.get_supxlabel()
 
 
-def test_a_demand_is_marked_for_every_record(assessed, changed):
-    summary = assessed["summary"].to_dataset()
-    demand = xr.Variable("demand", [2.94], {"units": "m s-2", "long_name": "demand"})
-    summary = summary.assign_coords(demand=["damage"]).assign(demand_acceleration=demand)
-    ax = critical_scale(changed({"/summary": summary}), block="wall")
+def ticks(ax):
+    """Places of the demand "damage", row by row."""
     (line,) = (line for line in ax.lines if line.get_label() == "demand over PGA: damage")
-    assert sorted(line.get_xdata()) == pytest.approx(sorted(2.94 / summary["pga"].values))
+    assert line.get_marker() == "|"
+    assert line.get_ydata().tolist() == list(range(len(line.get_xdata())))
+    return line.get_xdata()
+
+
+@pytest.fixture
+def asked_for(assessed, changed):
+    """The results with a demand [m/s2]."""
+
+    def with_demand(acceleration, **variables):
+        demand = xr.Variable("demand", [acceleration], {"units": "m s-2", "long_name": "demand"})
+        summary = assessed["summary"].to_dataset().assign_coords(demand=["damage"]).assign(demand_acceleration=demand)
+        return changed({"/summary": summary}, **variables)
+
+    return with_demand
+
+
+def test_a_demand_is_a_tick_on_every_record(assessed, asked_for, first):
+    summary, tree = assessed["summary"].to_dataset(), asked_for(2.94)
+    by_factor = np.argsort(summary["safety_factor"].sel(block="wall", model="nonlinear").values)
+    expected = 2.94 / summary["pga"].values[by_factor]
+    for ax in (critical_scale(tree, block="wall"), overturning_map(tree, block="wall")):
+        assert ticks(ax) == pytest.approx(expected)
+        words = " ".join(ax.figure.get_supxlabel().split())
+        assert "Dashed: the record" in words
+        assert words.endswith("with its smallest factor right of the tick the block stands at the demand.")
+    own = 2.94 / float(summary["pga"].sel(record=first))
+    assert ticks(overturning_map(tree, record=first)) == pytest.approx([own, own])  # of two blocks
+    weak = overturning_map(asked_for(0.1), block="wall")
+    assert weak.get_xlim()[0] < min(ticks(weak)) < 0.1
+    assert "Tick" not in overturning_map(assessed, block="wall").figure.get_supxlabel()
+
+
+def test_a_demand_beyond_the_search_has_no_tick_and_says_so(asked_for):
+    tree = asked_for(1e3)
+    for ax in (critical_scale(tree, block="wall"), overturning_map(tree, block="wall")):
+        assert np.isnan(ticks(ax)).all()
+        assert "No tick: the demand lies beyond the search." in " ".join(ax.figure.get_supxlabel().split())
+
+
+def test_a_tick_does_not_stand_in_the_words_of_its_row(assessed, asked_for, first):
+    none = assessed["overturning_intervals"].to_dataset().isel(interval=slice(0))
+    endless = np.full(assessed["summary"]["safety_factor"].shape, np.inf)
+    for demand in (1.05, 8.0):  # near the record as it is, near the end of the search
+        tree = asked_for(demand * float(assessed["summary"]["pga"].sel(record=first)), safety_factor=endless)
+        tree["overturning_intervals"] = xr.DataTree(none)
+        ax = overturning_map(tree, record=first)
+        ax.figure.draw_without_rendering()
+        (tick, _), pixel = ticks(ax), ax.transData
+        assert tick == pytest.approx(demand)
+        for words in ax.texts:
+            assert words.get_text().strip() == "none up to 10"
+            box = words.get_window_extent()
+            assert not box.x0 < pixel.transform((tick, 0.0))[0] < box.x1
 
 
 def test_of_many_records_those_of_the_smallest_factors_are_shown(assessed, changed):

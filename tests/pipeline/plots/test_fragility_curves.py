@@ -84,7 +84,7 @@ def test_one_band_is_filled_and_said(fragility_tree, asked, expected):
         for corner in zip(own["level"].values, own[name].values, strict=True):
             assert np.min(np.abs(corners - corner)) < 1e-9
     word = rf"$\theta_{{max}}/\alpha_c \geq$ {expected}" if expected == "0.4" else expected
-    assert f"Band of {word}: 90 %, over earthquakes" in ax.figure.get_supxlabel()
+    assert f"Band of the curve of {word}: 90 %, over earthquakes" in ax.figure.get_supxlabel()
     color = next(line.get_color() for line in ax.lines if line.get_label() == word)
     assert same_color(band.get_facecolor()[0][:3], color)
 
@@ -96,7 +96,29 @@ def test_a_band_from_0_to_1_is_not_drawn_and_said(fragility_tree):
     ax = fragility(tree, block="wall")
     assert not ax.collections
     words = " ".join(ax.figure.get_supxlabel().split())
-    assert "Band of overturning: nearly 0 to 1 at most levels, not drawn (1 earthquakes are too few)." in words
+    assert (
+        "Band of the curve of overturning: nearly 0 to 1 at most levels, not drawn (1 earthquakes are too few)."
+        in words
+    )
+
+
+def test_a_curve_above_that_of_a_milder_state_is_said(fragility_tree):
+    words = "Fitted one by one: where a curve lies above that of a milder limit state it says nothing."
+
+    def said(above, states=None):
+        tree = fragility_tree.copy(deep=True)
+        probability = tree["fragility"]["probability"].transpose("block", "measure", "limit_state", "point").values
+        probability[:] = np.clip(np.linspace(-0.1, 1.1, probability.shape[-1]), 0.0, 1.0)
+        probability[:, :, 2, probability.shape[-1] // 2] += above  # overturning
+        ax = fragility(tree, block="wall", limit_states=states)
+        return words in " ".join(ax.figure.get_supxlabel().split())
+
+    assert said(0.02)
+    assert said(0.02, ["overturning", "uplift"])
+    assert not said(0.009)
+    assert not said(-0.02)
+    assert not said(0.02, ["overturning"])
+    assert not said(0.02, ["uplift", "0.4"])
 
 
 def test_equal_capacities_are_a_step_at_the_median(fragility_tree):

@@ -38,6 +38,14 @@ def test_every_model_has_a_curve_of_its_own_look(drawn):
     assert len({str(line._dash_pattern) for line in curves(moving)}) == 5  # not by colour alone
 
 
+def test_the_nonlinear_model_is_thickest_and_on_top(drawn):
+    leading, *others = curves(drawn[1][0])
+    assert leading.get_label().startswith("nonlinear")
+    assert leading.get_linewidth() > max(line.get_linewidth() for line in others)
+    assert leading.get_zorder() > max(line.get_zorder() for line in others)
+    assert list(drawn[1][0].texts) == []  # nothing is at rest
+
+
 def test_the_curves_are_the_histories(drawn):
     found, (moving, _) = drawn
     first, last = moving.get_xlim()
@@ -165,5 +173,6 @@ def test_nothing_that_moves_is_drawn_too(changed, assessed, first):
     )
     moving, below = rotation_history(histories(tree, first, "wall", ["nonlinear", "linear"]))
     assert [line.get_label() for line in curves(moving)] == ["nonlinear: at rest", "linear: at rest"]
+    assert [text.get_text() for text in moving.texts] == ["at rest"]
     assert moving.get_ylim() == (-0.01, 0.01)
     assert all(len(line.get_xdata()) == 0 for line in below.lines)

@@ -59,6 +59,14 @@ def test_records_of_the_site_that_overturn_a_body_which_stands_under_its_design(
     assert not [head for head in heads(with_warnings([1.6]), site=site([0.1])) if "overturn" in head]
 
 
+@pytest.mark.parametrize(("step", "told"), [(1.01, False), (1.12, True)])
+def test_a_search_too_coarse_for_the_margin_is_said_loudly(step, told):
+    summary = with_warnings([1.6, 2.0], outcomes=[Outcome.ROCKS] * 2, step=step)
+    said = heads(summary, "record").get("1 of 1 body stands with hardly a margin")
+    assert (said is not None) == told
+    assert said is None or (said.loud and "steps of up to 12.0%" in said.text and "below 1.8" in said.text)
+
+
 def test_channels_as_recorded_need_not_point_where_a_body_rocks():
     summary = with_warnings([1.6, 2.0], outcomes=[Outcome.ROCKS] * 2)
     head = "Every channel is taken as it was recorded"

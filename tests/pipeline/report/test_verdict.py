@@ -7,13 +7,14 @@ import pytest
 import xarray as xr
 from report_cases import motions, summary_of, verdict
 
+from rockpulse.events import UNKNOWN
 from rockpulse.models.response import Outcome
 from rockpulse.report.events import largest_share
 from rockpulse.report.motions import motions_of, several
 from rockpulse.report.standing import Standing
 from rockpulse.report.statements import headline
 from rockpulse.report.verdict import Grade
-from rockpulse.report.verdict_rows import grade_cell
+from rockpulse.report.verdict_rows import grade_cell, verdict_table
 
 
 def test_smallest_median_and_governing_record():
@@ -69,7 +70,7 @@ def test_a_demand_of_twice_the_pga(factors, resolved, grade):
 
 
 def test_a_search_that_ends_below_the_demand_proves_nothing():
-    found = verdict(summary_of([math.inf, 40.0], outcomes=[Outcome.AT_REST] * 2, demand=30.0))
+    found = verdict(summary_of([math.inf, 40.0], outcomes=[Outcome.AT_REST, Outcome.ROCKS], demand=30.0))
     assert found.grade == Grade.SAFE
     assert (found.demands[0].grade, found.demands[0].unknown) == (Grade.NOT_KNOWN, 1)
 
@@ -165,9 +166,64 @@ def test_a_demand_that_is_hardly_met():
     assert verdict(summary_of([2.3, 3.0], demand=2.0)).overall == Grade.SAFE
 
 
+def test_a_coarse_search_or_one_that_ended_at_once_makes_nothing_safe():
+    assert verdict(summary_of([1.3, 5.0], step=1.014)).grade == Grade.SAFE
+    assert verdict(summary_of([1.3, 5.0], step=1.06)).grade == Grade.THIN
+    rocks = [Outcome.ROCKS]
+    assert verdict(summary_of([math.inf], outcomes=rocks, up_to=1.0)).grade == Grade.THIN
+    assert verdict(summary_of([math.inf], outcomes=rocks, demand=5.0)).demands[0].grade == Grade.SAFE  # twice searched
+    assert verdict(summary_of([math.inf], outcomes=rocks, demand=9.5)).demands[0].grade == Grade.THIN
+    assert verdict(summary_of([2.6], demand=2.0)).demands[0].grade == Grade.SAFE
+    assert verdict(summary_of([2.6], demand=2.0, step=1.06)).demands[0].grade == Grade.THIN
+
+
+def test_a_direction_that_overturns_is_told_though_another_is_missing():
+    """Its smallest factor may be smaller still, so that the median is that of the others."""
+    of = motions(4, rows=[[0, 1], [2, 3]], missing=[True, False], kind="pair")
+    summary = summary_of([0.4, math.nan, 2.0, 3.0], outcomes=[Outcome.OVERTURNS] + [Outcome.ROCKS] * 3, demand=0.5)
+    found = verdict(summary, of)
+    assert (found.grade, found.smallest, found.smallest_open, found.median) == (Grade.NOT_SAFE, 0.4, True, 2.0)
+    assert (found.governing, found.demands[0].smallest, found.demands[0].smallest_open) == (0, 0.8, True)
+    (row,) = verdict_table(summary.assign(warnings=("record", [""] * 4)), [found], of, "nonlinear").rows
+    assert row[3].text == "≤0.40"
+    whole = verdict(summary_of([0.4, 0.9, 2.0, 3.0]), motions(4, rows=[[0, 1], [2, 3]], kind="pair"))
+    assert (whole.smallest, whole.smallest_open, whole.median) == (0.4, False, pytest.approx(1.2))
+
+
+def test_motions_of_unknown_earthquake_make_no_earthquake_more():
+    summary = summary_of([3.0, 4.0, 0.5])
+    of = motions(3, events=["A", "B", UNKNOWN])
+    found = verdict(summary, of)
+    assert (of.event_count, found.events_hit, math.isnan(found.largest_share)) == (2, 1, True)
+    assert "Not counted is: 1 motion" in of.of_unknown_event()
+    of = motions(3, events=[UNKNOWN] * 3)
+    assert (of.event_count, verdict(summary, of).events_hit) == (1, 1)
+    assert "As one earthquake counts" in of.of_unknown_event()
+    of = motions(4, events=["A", "B", "C", UNKNOWN])
+    assert verdict(summary_of([0.5] * 4), of).largest_share == 1.0
+
+
+def test_what_an_upper_bound_overturns_is_not_shown_to_fail_the_demand():
+    summary = summary_of([0.9], demand=2.0)
+    found = verdict(summary)
+    sentences = headline(summary, [found], motions(1), "resonance")
+    assert "not shown to be safe" in sentences[0]
+    assert "1 does not for certain" in sentences[1]
+
+
+def test_without_a_search_nothing_is_said_of_one():
+    summary = summary_of([math.nan], outcomes=[Outcome.ROCKS], demand=2.0)
+    sentences = headline(summary, [verdict(summary)], motions(1), "nonlinear")
+    assert "no safety factor of this model was searched" in sentences[1]
+
+
 def test_a_body_that_nothing_lifts_is_not_simply_safe():
-    found = verdict(summary_of([math.inf, math.inf], outcomes=[Outcome.AT_REST] * 2))
+    summary = summary_of([math.inf, math.inf], outcomes=[Outcome.AT_REST] * 2)
+    found = verdict(summary)
     assert found.never_lifted
+    (sentence,) = headline(summary, [found], motions(2), "nonlinear")
+    assert "1 of 1 body is lifted by none of these" in sentence
+    assert "safe" not in sentence
     cell = grade_cell(found, "nonlinear")
     assert (cell.text, cell.grade) == ("stands, never lifted", "fair")
     found = verdict(summary_of([math.inf, 4.0], outcomes=[Outcome.AT_REST, Outcome.ROCKS]))
