@@ -50,7 +50,9 @@ class Paired:
     missing, foreign : tuple of str
         Bodies of the results only; of the other file only.
     same : int
-        Records of both: of one id and one PGA.
+        Records of both: of one id and one PGA, or of one id where the file does not hold the PGA.
+    unchecked : int
+        Those of them that are the same by their id alone.
     changed : tuple of str
         Records of one id whose PGA differs.
     settings : tuple of str
@@ -61,6 +63,7 @@ class Paired:
     missing: tuple[str, ...]
     foreign: tuple[str, ...]
     same: int
+    unchecked: int
     changed: tuple[str, ...]
     settings: tuple[str, ...]
 
@@ -80,6 +83,8 @@ class Paired:
         if not self.same:
             of = f"{subject} of other ground motions than the verdict"
             said.append(f"{of}: none of their records, as they are here, is among those assessed.")
+        if self.unchecked:
+            said.append("Their records were compared by name only: PGA is not among the measures of the file.")
         if self.changed:
             said.append(f"Another motion here than there, by its PGA, under the same name: {listed(self.changed)}.")
         if self.settings:
@@ -129,7 +134,9 @@ def paired(results: xr.DataTree, other: xr.DataTree, kind: str, name: str) -> Pa
     assessed = dict(zip(map(str, summary["record"].values), summary["pga"].values.tolist(), strict=True))
     common = {str(record): float(peak) for record, peak in zip(ids, pga, strict=True) if str(record) in assessed}
     changed = tuple(record for record, peak in common.items() if not _close((assessed[record],), (peak,)))
-    return Paired(other, missing, foreign, len(common) - len(changed), changed, _other_settings(results, other))
+    unchecked = sum(np.isnan(peak) for peak in common.values())
+    settings = _other_settings(results, other)
+    return Paired(other, missing, foreign, len(common) - len(changed), unchecked, changed, settings)
 
 
 def listed(names: Iterable[str]) -> str:

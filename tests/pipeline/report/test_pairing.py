@@ -105,6 +105,13 @@ def test_curves_of_other_ground_motions_say_so(results, bursts, bodies, fragilit
     ]
 
 
+def test_records_that_are_compared_by_name_only_say_so(results, bursts, bodies, fragility):
+    by_name = "Their records were compared by name only: PGA is not among the measures of the file."
+    without = replace(CURVES, fragility=FragilitySettings(limit_states=("uplift",), measures=("pgv",)))
+    assert by_name in curves_of(results, rp.fragility_curves(bursts, without, bodies)).remarks
+    assert by_name not in curves_of(results, fragility).remarks
+
+
 def test_other_settings_of_the_motions_are_told(results, bursts, bodies):
     fragility = rp.fragility_curves(bursts, replace(CURVES, conditioning=ConditioningSettings(order=4)), bodies)
     assert curves_of(results, fragility).remarks == (
