@@ -188,7 +188,9 @@ def record_list(summary: xr.Dataset, selection: Selection) -> str:
                 shortened(blocks[worst[row]], NAME_WIDTH) if np.isfinite(factor[row]) else "",
             ]
         )
-    notes = [f"overturns: blocks that do, by the {model} model; SF: smallest safety factor by it, and of which block."]
+    notes = [
+        f"overturns: blocks that do, by the {model} model; SF: smallest known safety factor by it, and of which block."
+    ]
     if any(row[2].startswith("~") for row in table[1:]):
         notes.append("~: the baseline of the record drifts, PGV may be off by as much.")
     notes += [*_of_beyond(table), *doubt_notes(row[0] for row in table)]
@@ -231,7 +233,7 @@ def block_list(summary: xr.Dataset, selection: Selection) -> str:
                 shortened(records[worst[row]], ID_WIDTH) if np.isfinite(factor[row]) else "",
             ]
         )
-    notes = [f"overturned by: records that do, by the {model} model; SF: smallest by it, and under which record."]
+    notes = [f"overturned by: records that do, by the {model} model; SF: smallest known by it, and under which record."]
     notes += _of_beyond(table)
     return "\n".join([_counted("block", len(at), found, selection), "", *_listed(table), "", *_told(notes)])
 
@@ -248,8 +250,8 @@ def _with_model(summary: xr.Dataset, selection: Selection) -> tuple[Selection, s
 
 
 def _by(summary: xr.Dataset, model: str, axis: int) -> tuple[np.ndarray, np.ndarray, np.ndarray, float]:
-    """How many overturn along an axis, the smallest safety factor along it (NaN: none is known), where it is, and up to
-    where the search went."""
+    """How many overturn along an axis, the smallest known safety factor along it, where it is, and up to where the
+    search went; NaN where none was found and not all are known."""
     names = ("outcome", "safety_factor", "safe_up_to")
     outcome, factor, searched = (answers(summary, name, model) for name in names)
     assert outcome is not None
@@ -259,7 +261,8 @@ def _by(summary: xr.Dataset, model: str, axis: int) -> tuple[np.ndarray, np.ndar
     known = np.where(np.isnan(factor), np.inf, factor).min(axis=2)
     worst = known.argmin(axis=axis) if known.shape[axis] else np.zeros(fallen.shape, dtype=int)
     smallest = known.min(axis=axis, initial=np.inf)
-    smallest = np.where(np.isnan(factor).all(axis=(axis, 2)), np.nan, smallest)
+    unknown = np.isnan(factor).any(axis=(axis, 2))
+    smallest = np.where(np.isinf(smallest) & unknown, np.nan, smallest)
     return fallen, smallest, worst, search_limit(factor, searched)
 
 

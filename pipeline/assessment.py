@@ -139,7 +139,8 @@ def assess(
     if twice:
         raise ConfigError(f"records: expected different ids, found more than one record with id {', '.join(twice)}")
     rows = list(failures)
-    event_of, _ = events_by_id(every, event_table(config), rows)
+    event_of, unread = events_by_id(every, event_table(config), rows)
+    rows += unread
     planned, left_out = plan_motions(every, config)
     rows += left_out
     done = []

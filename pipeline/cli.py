@@ -8,6 +8,7 @@ from __future__ import annotations
 import argparse
 import io
 import logging
+import os
 import sys
 from collections.abc import Sequence
 
@@ -67,14 +68,18 @@ def main(argv: Sequence[str] | None = None) -> int:
     """
     # Warnings are stored and shown in the overview; Python's last-resort handler would tear the progress bar.
     logging.getLogger("rockpulse").addHandler(logging.NullHandler())
+    for name in ("stdout", "stderr"):
+        if getattr(sys, name) is None:  # closed, as by `>&-`; the results file must not get its number
+            setattr(sys, name, open(os.devnull, "w", encoding="utf-8"))  # noqa: PTH123, SIM115
     if isinstance(sys.stdout, io.TextIOWrapper):
         sys.stdout.reconfigure(errors="replace")  # a terminal may lack the letters of a file or block name
     parser = build_parser()
     given = sys.argv[1:] if argv is None else argv
     if not given:
         parser.exit(USAGE, parser.format_help())
-    args = parser.parse_args(given)
+    args = argparse.Namespace()
     try:
+        parser.parse_args(given, args)
         if getattr(args, "output", None) == "":
             raise ConfigError("--output: expected the name of a file, found nothing; is a variable of the shell unset?")
         code = args.run(args)

@@ -166,7 +166,8 @@ def _build(document: Mapping[str, Any], folder: Path) -> Config:
     known = [*SECTIONS, "block", "demand"]
     for name in document:
         if name not in known:
-            raise ConfigError(f"[{name}]: unknown section{hint(name, known)}; known are {', '.join(known)}")
+            told = f"known are {', '.join(known)}"
+            raise ConfigError(f"[{name}]: unknown section{hint(name, known, told)}")
     sections: dict[str, Any] = {
         name: _section(cls, document[name]) for name, cls in SECTIONS.items() if name in document
     }
@@ -191,7 +192,8 @@ def _section(cls: type[Section], values: Any) -> Any:
     known = [item.name for item in fields]
     for key in values:
         if key not in known:
-            raise ConfigError(f"{cls.heading} {key}: unknown key{hint(key, known)}; known are {', '.join(known)}")
+            told = f"known are {', '.join(known)}"
+            raise ConfigError(f"{cls.heading} {key}: unknown key{hint(key, known, told)}")
     for item in fields:
         if item.default is dataclasses.MISSING and item.name not in values:
             raise ConfigError(

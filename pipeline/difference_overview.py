@@ -5,7 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from rockpulse.differences import Differences, Flip, OnlyIn
+from rockpulse.answer_changes import Changes
+from rockpulse.differences import CAPACITY, OUTCOME, SAFETY, Differences, OnlyIn
 from rockpulse.results_file import ResultsFile
 from rockpulse.terminal import ABSENT, aligned, paragraph, shortened
 
@@ -19,9 +20,15 @@ PLACE_WIDTH = 44
 TEXT_WIDTH = 20
 NAME_WIDTH = 34
 
+#: What is said of ratios that crossed one.
+CROSSED = {
+    SAFETY: "Safety factors that crossed 1 (below it a weaker copy of the record overturns)",
+    CAPACITY: "Capacities over demand that crossed 1 (below it the record overturns before it reaches the demand)",
+}
+
 
 def difference_overview(found: Differences, first: ResultsFile, second: ResultsFile, tolerance: str) -> str:
-    """Files, verdicts that flipped, factors that crossed one, what only one file has, and all other differences.
+    """Files, bodies, verdicts that flipped, ratios that crossed one, what only one file has, all other differences.
 
     Parameters
     ----------
@@ -32,7 +39,8 @@ def difference_overview(found: Differences, first: ResultsFile, second: ResultsF
     tolerance : str
         In words.
     """
-    parts = [_files(first, second), _flips(found), _crossings(found)]
+    parts = [_files(first, second), _bodies(found), _flips(found)]
+    parts += [_crossings(found, name, title) for name, title in CROSSED.items()]
     parts += [_about(found), _configuration(found)]
     parts += [_only(one) for one in found.only]
     if found.others:
@@ -75,29 +83,41 @@ def _only(one: OnlyIn) -> str:
     return "\n".join(lines)
 
 
+def _bodies(found: Differences) -> str:
+    if found.same or not found.bodies:
+        return ""
+    lines = [paragraph(line, "      ", "  ") for line in found.bodies[: 2 * LISTED]]
+    more = len(found.bodies) - len(lines)
+    title = f"Bodies whose margin changed (by the {found.model} model): {len(found.bodies)}"
+    return "\n".join([title, *lines, *([f"  and {more} more"] if more else [])])
+
+
 def _flips(found: Differences) -> str:
-    if not found.verdicts:
+    flips = found.sides[OUTCOME]
+    if not flips.compared:
         return ""
-    if not found.flipped:
-        return f"No verdict of {found.verdicts} flipped."
-    return _changes(f"Verdicts that flipped: {found.flipped} of {found.verdicts}", found.flips, found.flipped)
+    if not flips.count:
+        return f"No verdict of {flips.compared} flipped."
+    by_model = f"{flips.count_by_model} of {flips.compared_by_model}"
+    return _changes(f"Verdicts that flipped: {flips.count} of {flips.compared}", by_model, found.model, flips)
 
 
-def _crossings(found: Differences) -> str:
-    if not found.crossed:
+def _crossings(found: Differences, name: str, title: str) -> str:
+    crossed = found.sides[name]
+    if not crossed.count:
         return ""
-    title = f"Safety factors that crossed 1 (below it a weaker copy of the record overturns): {found.crossed}"
-    return _changes(title, found.crossings, found.crossed)
+    return _changes(f"{title}: {crossed.count}", str(crossed.count_by_model), found.model, crossed)
 
 
-def _changes(title: str, changes: Sequence[Flip], count: int) -> str:
+def _changes(title: str, by_model: str, model: str, changes: Changes) -> str:
     """The title, then a line for each change that is listed, and how many more there are."""
     rows = [
         [*(shortened(name, NAME_WIDTH) for name in change.place), f"{change.before} -> {change.after}"]
-        for change in changes
+        for change in changes.named
     ]
-    more = [f"  and {count - len(rows)} more (--limit)"] if count > len(rows) else []
-    return "\n".join([title, *("  " + line for line in aligned(rows, left=len(rows[0]))), *more])
+    more = [f"  and {changes.count - len(rows)} more (--limit)"] if changes.count > len(rows) else []
+    heading = paragraph(f"{title} ({by_model} by the {model} model)" if model else title, "    ", "")
+    return "\n".join([heading, *("  " + line for line in aligned(rows, left=len(rows[0]))), *more])
 
 
 def _variables(found: Differences, tolerance: str) -> str:

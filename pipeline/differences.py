@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from rockpulse.answer_changes import Changes, Flip, body_changes, leading_model
 from rockpulse.errors import ResultsError
 from rockpulse.long_table import POINTS_AT
 from rockpulse.results_file import ResultsFile, flag_words, slab
@@ -23,16 +24,15 @@ from rockpulse.row_matching import Matched, OnlyIn, RowMatcher, only_in
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["Differences", "Flip", "OnlyIn", "VariableDifference", "compare_results"]
+__all__ = ["Differences", "OnlyIn", "VariableDifference", "compare_results"]
 
 #: Largest part of a variable that is read at once; larger ones are slower, for their memory is new each time.
 PART = 1_000_000
 
-#: The variable whose changes are named one by one.
+#: Variables whose changes are named one by one: of the first all, of the others those from one side of 1 to the other.
 OUTCOME = "/summary/outcome"
-
-#: The variable whose changes from one side of the record as it is to the other are named one by one.
 SAFETY = "/summary/safety_factor"
+CAPACITY = "/summary/capacity_ratio"
 
 #: Names of variables in a message, where none is close.
 LISTED = 8
@@ -69,23 +69,6 @@ class VariableDifference:
     after: str
 
 
-@dataclass(frozen=True)
-class Flip:
-    """A verdict that changed, or a safety factor that crossed one.
-
-    Attributes
-    ----------
-    place : tuple of str
-        Record, block and model.
-    before, after : str
-        Outcomes, or factors.
-    """
-
-    place: tuple[str, ...]
-    before: str
-    after: str
-
-
 @dataclass
 class Differences:
     """What changed between two files.
@@ -103,16 +86,12 @@ class Differences:
         Other differences in words: attributes, units, rows that could not be matched.
     variables : list of VariableDifference
         Those with values beyond the tolerance.
-    verdicts : int
-        How many verdicts were compared.
-    flips : list of Flip
-        The first of those that changed, at most as many as were asked for.
-    flipped : int
-        How many changed.
-    crossings : list of Flip
-        Safety factors that were below one and are not, or the other way round: the first of them, likewise.
-    crossed : int
-        How many there are.
+    model : str
+        The fullest that both have, whose changes come first; empty without one.
+    bodies : list of str
+        How the margins of the bodies changed by that model.
+    sides : dict of str to Changes
+        Verdicts that flipped, and ratios that were below one and are not, or the other way round; by variable.
     compared : int
         Values in all.
     """
@@ -122,11 +101,9 @@ class Differences:
     only: list[OnlyIn] = field(default_factory=list)
     others: list[str] = field(default_factory=list)
     variables: list[VariableDifference] = field(default_factory=list)
-    verdicts: int = 0
-    flips: list[Flip] = field(default_factory=list)
-    flipped: int = 0
-    crossings: list[Flip] = field(default_factory=list)
-    crossed: int = 0
+    model: str = ""
+    bodies: list[str] = field(default_factory=list)
+    sides: dict[str, Changes] = field(default_factory=dict)
     compared: int = 0
 
     @property
@@ -157,7 +134,7 @@ def compare_results(
     ignore : sequence of str
         Variables that are not compared: their names, or ``/group/name`` for that of one group.
     listed : int
-        Most verdicts, and most factors that crossed one, that are named.
+        Most verdicts, and most ratios that crossed one, that are named.
 
     Raises
     ------
@@ -169,7 +146,7 @@ def compare_results(
             f"expected two files of one kind, found {first.path} ({first.kind}) and {second.path} ({second.kind})"
         )
     _check_ignored(ignore, first, second)
-    found = Differences()
+    found = Differences(sides={name: Changes(listed) for name in (OUTCOME, SAFETY, CAPACITY)})
     _compare_attributes(found, first.attrs, second.attrs)
     _only(found, "groups", first.groups, second.groups)
     named: dict[str, Matched] = {}
@@ -178,8 +155,12 @@ def compare_results(
             one, other = first.dataset(group), second.dataset(group)
             if group == "failures":
                 _compare_failures(found, one, other)
-            else:
-                _Group(found, group, one, other, named, rtol, atol, listed).compare(ignore)
+                continue
+            if group == "summary":
+                found.model = leading_model(one, other)
+            _Group(found, group, one, other, named, rtol, atol).compare(ignore)
+            if group == "summary" and found.model and {"record", "block"} <= set(named):
+                found.bodies = body_changes(one, other, named, found.model, ignore)
     return found
 
 
@@ -247,7 +228,6 @@ class _Group:
     named: dict[str, Matched]
     rtol: float
     atol: float
-    listed: int
 
     def __post_init__(self) -> None:
         self.rows = RowMatcher(self.group, self.one, self.other, self.named)
@@ -296,15 +276,10 @@ class _Group:
         for start, old, new in self._parts(before, after, rows):
             compared += old.size
             apart = _apart(old, new, self.rtol, self.atol)
-            if title == OUTCOME:
-                self.found.verdicts += old.size
-                self.found.flipped += apart.size
-                self._name(self.found.flips, apart, old, new, words, rows, start)
-            elif title == SAFETY:
-                one, other = old.reshape(-1)[apart], new.reshape(-1)[apart]
-                crossed = apart[((one < 1.0) != (other < 1.0)) & ~np.isnan(one) & ~np.isnan(other)]
-                self.found.crossed += crossed.size
-                self._name(self.found.crossings, crossed, old, new, words, rows, start)
+            if title in self.found.sides and "model" in before.dims:
+                changed = apart if title == OUTCOME else _crossed(apart, old, new)
+                axis = before.dims.index("model")
+                self._sides(self.found.sides[title], changed, old, new, words, rows, start, axis)
             if not apart.size:
                 continue
             differing += apart.size
@@ -319,20 +294,27 @@ class _Group:
             size = largest if before.dtype.kind == "f" else math.nan
             self.found.variables.append(VariableDifference(title, differing, compared, size, *worst))
 
-    def _name(
+    def _sides(
         self,
-        told: list[Flip],
-        apart: np.ndarray,
+        told: Changes,
+        places: np.ndarray,
         old: np.ndarray,
         new: np.ndarray,
         words: dict[int, str],
         rows: list[Matched],
         start: int,
+        axis: int,
     ) -> None:
-        """The first of the changes at flat places, as many as are listed."""
-        for at in apart[: self.listed - len(told)]:
+        """Count and name the answers at flat places."""
+        leads = np.array([rows[axis].names(k)[0] == self.found.model for k in range(old.shape[axis])], dtype=bool)
+        told.compared += old.size
+        told.compared_by_model += old.size // max(leads.size, 1) * int(leads.sum())
+
+        def named(at: int) -> Flip:
             place = np.unravel_index(at, old.shape)
-            told.append(Flip(self._place(rows, start, place), _shown(old[place], words), _shown(new[place], words)))
+            return Flip(self._place(rows, start, place), _shown(old[place], words), _shown(new[place], words))
+
+        told.add(places, leads[np.unravel_index(places, old.shape)[axis]], named)
 
     @staticmethod
     def _parts(
@@ -376,6 +358,12 @@ def _apart(old: np.ndarray, new: np.ndarray, rtol: float, atol: float) -> np.nda
     close &= np.isfinite(one) & np.isfinite(other)
     close |= np.isnan(one) & np.isnan(other)
     return places[~close]
+
+
+def _crossed(places: np.ndarray, old: np.ndarray, new: np.ndarray) -> np.ndarray:
+    """Those of some flat places at which a ratio was below one and is not, or the other way round."""
+    one, other = old.reshape(-1)[places], new.reshape(-1)[places]
+    return places[((one < 1.0) != (other < 1.0)) & ~np.isnan(one) & ~np.isnan(other)]
 
 
 def _relative(old: np.ndarray, new: np.ndarray) -> np.ndarray:

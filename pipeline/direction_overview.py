@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from rockpulse.capacity_overview import factor_notes, short_factor_cell
 from rockpulse.models.response import Outcome
 from rockpulse.overview import NAME_WIDTH, cases, fullest_model, value
@@ -106,7 +108,9 @@ def _smallest_factor(summary: xr.Dataset, directions: xr.Dataset, where: dict[st
         return short_factor_cell(factor, None, resolved), _degrees(azimuth)
     names = [str(name) for name in summary["record"].values[index[index >= 0]]]
     limits = [value(summary, "safe_up_to", record=name, **of) for name in names]
-    return short_factor_cell(factor, limit=min(filter(None, limits), default=None)), _degrees(azimuth)
+    # Without an answer in one direction it is not known how far all are safe.
+    limit = None if None in limits else float(np.min(limits, initial=math.inf))
+    return short_factor_cell(factor, limit=limit), _degrees(azimuth)
 
 
 def _peak(peak: float) -> str:

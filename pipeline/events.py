@@ -8,7 +8,6 @@
 
 from __future__ import annotations
 
-import logging
 import re
 from collections import Counter, defaultdict
 from collections.abc import Hashable, Iterable, Iterator, Mapping, Sequence
@@ -25,8 +24,6 @@ __all__ = ["JOINED_WITHIN_S", "UNKNOWN", "event_table", "events_by_id", "group_e
 
 #: Label of all records together of which neither the files nor the user's table tell the earthquake.
 UNKNOWN = "unknown: neither name nor time stated, counted as one"
-
-logger = logging.getLogger("rockpulse")
 
 #: Records that start within this of one another are of one earthquake [s]; so are those of one name, unless their times
 #: are known to lie further apart.
@@ -95,11 +92,11 @@ def group_events(records: Sequence[Record], named: Mapping[str, str] | None = No
     ['KOBE 01/16/95 2046', 'KOBE 01/16/95 2046', 'Maule 2010']
     """
     named = dict(named or {})
-    if unknown := sorted(set(named) - {record.id for record in records}):
-        ids = ", ".join([record.id for record in records][:3]) or "none"
+    ids = [record.id for record in records]
+    if unknown := sorted(set(named) - set(ids)):
         raise ConfigError(
-            f"[records] events: no record has the id {', '.join(unknown[:5])}; expected ids of channels as they were "
-            f"read, such as {ids}"
+            f"[records] events: no record has the id {_some(unknown, 5)}; expected ids of channels as they were "
+            f"read, such as {_some(ids, 3)}"
         )
     if empty := sorted(name for name, label in named.items() if not label.strip()):
         raise ConfigError(f"events: expected a label for {', '.join(empty[:5])}, got an empty one")
@@ -153,7 +150,7 @@ def event_table(config: Config) -> dict[str, str]:
 
 def events_by_id(
     records: Sequence[Record], named: Mapping[str, str], failures: Iterable[Failure] = ()
-) -> tuple[dict[str, str], list[str]]:
+) -> tuple[dict[str, str], list[Failure]]:
     """The earthquake that every record is counted to, the same in every verb.
 
     Parameters
@@ -169,9 +166,8 @@ def events_by_id(
     -------
     events : dict of str to str
         Label by record id (:func:`group_events`).
-    remarks : list of str
-        What is to be said of the table, and is logged: it names records that may be those of files that could not be
-        read.
+    unread : list of Failure
+        A row where the table names records that may be those of files that could not be read.
 
     Raises
     ------
@@ -179,13 +175,21 @@ def events_by_id(
         As :func:`group_events`, where every file was read.
     """
     ids = [record.id for record in records]
-    unread = any(row.kind == "failed" and row.stage in ("find", "read") for row in failures)
-    unknown = sorted(set(named) - set(ids)) if unread else []
+    failed = any(row.kind == "failed" and row.stage in ("find", "read") for row in failures)
+    unknown = sorted(set(named) - set(ids)) if failed else []
     labels = group_events(records, {name: label for name, label in named.items() if name not in unknown})
-    remarks = [f"[records] events names records that were not read: {', '.join(unknown)}"] if unknown else []
-    for remark in remarks:
-        logger.warning("%s", remark)
-    return dict(zip(ids, labels, strict=True)), remarks
+    reason = (
+        f"[records] events names records that were not read: {_some(unknown, 5)}; the records read are such as "
+        f"{_some(ids, 3)}: if these are no records of the files that failed, correct the names"
+    )
+    unread = [Failure("[records] events", "events", reason, "failed")] if unknown else []
+    return dict(zip(ids, labels, strict=True)), unread
+
+
+def _some(names: Sequence[str], count: int) -> str:
+    """The first of some names, and how many more there are."""
+    more = f" and {len(names) - count} more" if len(names) > count else ""
+    return (", ".join(names[:count]) or "none") + more
 
 
 def _pairs(records: Sequence[Record], free: Sequence[int]) -> Iterator[tuple[int, int]]:

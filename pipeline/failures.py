@@ -22,7 +22,7 @@ class Failure:
     file : str
         Path of the file; ``archive.zip!member`` for a member of an archive.
     stage : str
-        Where it happened: "find", "read", "select", "pair", "rotate", "assess", "calibrate", "fragility".
+        Where it happened: "find", "read", "events", "select", "pair", "rotate", "assess", "calibrate", "fragility".
     reason : str
         The message for the user.
     kind : {"failed", "skipped", "duplicate", "vertical", "structural"}

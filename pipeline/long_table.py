@@ -185,9 +185,8 @@ def long_table(
         for name in columns:
             if not any(_answers_to(column, name) for column in [*labels, *found]):
                 known = [column.name for column in found]
-                raise ResultsError(
-                    f"this table of /{group} has no column {name!r}{hint(name, known)}; it has {', '.join(known)}"
-                )
+                told = f"it has {', '.join(known)}"
+                raise ResultsError(f"this table of /{group} has no column {name!r}{hint(name, known, told)}")
         found = [column for column in found if any(_answers_to(column, name) for name in columns)]
     masks, selection = _masks(dataset, dims, named, labels, selection)
     places, count = rows(dataset, dims, selection, masks)

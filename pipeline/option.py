@@ -93,8 +93,8 @@ class Section:
         return getattr(self, key)
 
 
-def hint(wrong: str, known: Iterable[str]) -> str:
-    """``; did you mean "x"?`` where a known word is close to the wrong one, else nothing.
+def hint(wrong: str, known: Iterable[str], told: str = "") -> str:
+    """``; did you mean "x"?`` where a known word is close to the wrong one, else nothing; then what there is.
 
     Parameters
     ----------
@@ -102,9 +102,18 @@ def hint(wrong: str, known: Iterable[str]) -> str:
         What was found.
     known : iterable of str
         What would have been right.
+    told : str, optional
+        What follows, such as "known are ..."; behind the question it begins a sentence.
+
+    Examples
+    --------
+    >>> hint("wdth", ["width"], "known are width"), hint("x", ["width"], "known are width")
+    ('; did you mean "width"? Known are width', '; known are width')
     """
     close = difflib.get_close_matches(wrong, list(known), n=1)
-    return f'; did you mean "{close[0]}"?' if close else ""
+    if not close:
+        return told and f"; {told}"
+    return f'; did you mean "{close[0]}"?' + (told and f" {told[0].upper()}{told[1:]}")
 
 
 def is_number(value: Any) -> bool:

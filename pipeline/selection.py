@@ -125,8 +125,8 @@ class Condition:
         except ValueError:
             number = np.nan
         if np.isnan(number):  # nothing is smaller than, or the same as NaN
-            expected = f"one of {', '.join(codes)}{hint(word, codes)}" if codes else "a number"
-            raise ResultsError(f"{self.name}: expected {expected}, found {value!r}")
+            expected = f"one of {', '.join(codes)}" if codes else "a number"
+            raise ResultsError(f"{self.name}: expected {expected}, found {value!r}{hint(word, codes)}")
         return number
 
 
@@ -218,7 +218,7 @@ def unknown(name: str, known: Sequence[str], what: str) -> ResultsError:
     listed = within or known
     shown = "\n".join(f"  {label}" for label in listed[:LISTED])
     more = f"\n  and {len(listed) - LISTED} more" if len(listed) > LISTED else ""
-    return ResultsError(f'no {what} "{name}" in these results{hint(name, known)}; {told}\n{shown}{more}')
+    return ResultsError(f'no {what} "{name}" in these results{hint(name, known, told)}\n{shown}{more}')
 
 
 def rows(
@@ -322,5 +322,6 @@ def _spread(values: np.ndarray, dims: tuple[Any, ...], every: list[str]) -> np.n
 def _variable(dataset: xr.Dataset, name: str) -> xr.Variable:
     if name not in dataset.variables:
         known = [str(other) for other in dataset.variables]
-        raise ResultsError(f"no variable {name!r} in these results{hint(name, known)}; there are: {', '.join(known)}")
+        told = f"there are: {', '.join(known)}"
+        raise ResultsError(f"no variable {name!r} in these results{hint(name, known, told)}")
     return dataset.variables[name]

@@ -1,7 +1,7 @@
 """From paths to records: files, folders, globs and zip archives; what fails becomes a row, not a crash.
 
 Left out without a row, in folders and archives: hidden files and folders, and files that cannot be records by their
-name (`QUIET`: notes, configurations, station metadata, results). Everything else that is no record is "skipped".
+name (notes, configurations, results), and StationXML and QuakeML. Everything else that is no record is "skipped".
 """
 
 from __future__ import annotations
@@ -23,6 +23,7 @@ from rockpulse.failures import NO_RECORD, Failure
 from rockpulse.readers import ReadOptions, read_source
 from rockpulse.readers.archive import Archive, is_archive
 from rockpulse.readers.channel import DEAD
+from rockpulse.readers.no_record import is_quiet
 from rockpulse.readers.renadic import whole_records
 from rockpulse.readers.source import (
     NoRecord,
@@ -36,7 +37,6 @@ from rockpulse.readers.source import (
 from rockpulse.record import Record, distinct_ids
 
 __all__ = [
-    "QUIET",
     "Found",
     "Opened",
     "find_files",
@@ -48,9 +48,6 @@ __all__ = [
     "sample_digest",
     "settled",
 ]
-
-#: Suffixes of files that lie beside records and are passed over without a row unless they are named explicitly.
-QUIET = frozenset({".md", ".toml", ".xml", ".h5", ".journal", ".journal-journal", ".part", ".html", ".pdf", ".png"})
 
 PathLike = str | os.PathLike[str]
 
@@ -211,7 +208,7 @@ def find_files(
     Returns
     -------
     found : list of Found
-        Nothing was opened.
+        Nothing was opened but XML, to pass over what tells of stations and earthquakes.
     failures : list of Failure
         A row for each path behind which nothing is, and each folder that cannot be listed.
     """
@@ -235,8 +232,8 @@ def find_files(
         elif glob.has_magic(text):
             items = []
             for hit in map(Path, glob.glob(text, recursive=True)):  # noqa: PTH207 - takes absolute patterns
-                inside, faults = _walk(hit) if hit.is_dir() else ([Found(hit, False)], [])
-                items += [item for item in inside if item.path.suffix.lower() not in QUIET]
+                inside, faults = _walk(hit) if hit.is_dir() else ([] if _quiet_file(hit) else [Found(hit, False)], [])
+                items += inside
                 failures += faults
             if not items:
                 failures.append(Failure(text, "find", f"{text}: the pattern matches no file; check it", "failed"))
@@ -268,8 +265,13 @@ def _walk(folder: Path) -> tuple[list[Found], list[Failure]]:
     for parent, folders, files in os.walk(folder, onerror=faults.append):
         folders[:] = [name for name in folders if not name.startswith(".")]
         paths = [Path(parent, name) for name in files if not name.startswith(".")]
-        items += [Found(path, False) for path in paths if path.suffix.lower() not in QUIET]
+        items += [Found(path, False) for path in paths if not _quiet_file(path)]
     return items, [Failure(str(fault.filename), "find", str(fault), "failed") for fault in faults]
+
+
+def _quiet_file(path: Path) -> bool:
+    readable = path.suffix.lower() != ".xml" or path.is_file()  # to open a pipe would wait for its writer
+    return readable and is_quiet(str(path), partial(open_source, path))
 
 
 def open_files(found: Found, station_files: Callable[[Path], list[tuple[str, bytes]]]) -> Iterator[Opened]:
@@ -293,7 +295,7 @@ def open_files(found: Found, station_files: Callable[[Path], list[tuple[str, byt
         count = 0
         with Archive(path) as archive:
             for number, name in enumerate(archive.names):
-                if Path(name).suffix.lower() not in QUIET:
+                if not is_quiet(name, partial(archive.member, number)):
                     count += 1
                     yield Opened(name, _member(archive, number), number)
         if not count:

@@ -77,6 +77,7 @@ def write_table(
     about: str,
     overwrite: bool = False,
     on_rows: Callable[[int], object] | None = None,
+    decimal_comma: bool = False,
 ) -> tuple[Path, Path]:
     """Write a table and its README, each whole or not at all, in bounded memory.
 
@@ -92,6 +93,9 @@ def write_table(
         Whether files of these names are replaced.
     on_rows : callable, optional
         Called with the number of rows that were written since.
+    decimal_comma : bool
+        Semicolons between the columns, decimal commas and a byte order mark, as spreadsheets expect them where the
+        decimal sign is a comma.
 
     Returns
     -------
@@ -110,14 +114,15 @@ def write_table(
     empty = {column.name: 0 for column in table.columns}
     parts = [file.with_name(f".{file.name}.{secrets.token_hex(4)}.part") for file in (target, readme)]
     try:
-        with _opened(parts[0], target.name.endswith(".gz")) as file:
+        sep, decimal = (";", ",") if decimal_comma else (",", ".")
+        with _opened(parts[0], target.name.endswith(".gz"), "utf-8-sig" if decimal_comma else "utf-8") as file:
             for number, frame in enumerate(table.frames()):
                 for name in empty:
                     empty[name] += int((frame[name].isna() | (frame[name].astype(object) == "")).sum())
-                _one_line(frame).to_csv(file, index=False, header=number == 0)
+                _one_line(frame).to_csv(file, index=False, header=number == 0, sep=sep, decimal=decimal)
                 if on_rows is not None:
                     on_rows(len(frame))
-        parts[1].write_text(_readme(table, target.name, about, empty), encoding="utf-8")
+        parts[1].write_text(_readme(table, target.name, about, empty, decimal_comma), encoding="utf-8")
         for part, file_ in zip(parts, (target, readme), strict=True):
             part.replace(file_)
     except OSError as error:
@@ -131,10 +136,10 @@ def write_table(
     return target, readme
 
 
-def _opened(path: Path, compressed: bool) -> TextIO:
+def _opened(path: Path, compressed: bool, encoding: str) -> TextIO:
     if compressed:
-        return gzip.open(path, "wt", encoding="utf-8", newline="", compresslevel=4)
-    return Path(path).open("w", encoding="utf-8", newline="")
+        return gzip.open(path, "wt", encoding=encoding, newline="", compresslevel=4)
+    return Path(path).open("w", encoding=encoding, newline="")
 
 
 def _one_line(frame: pd.DataFrame) -> pd.DataFrame:
@@ -146,18 +151,23 @@ def _one_line(frame: pd.DataFrame) -> pd.DataFrame:
     return frame
 
 
-def _readme(table: LongTable, name: str, about: str, empty: dict[str, int]) -> str:
+def _readme(table: LongTable, name: str, about: str, empty: dict[str, int], decimal_comma: bool) -> str:
+    written, options = "UTF-8, comma-separated", ""
+    if decimal_comma:
+        written = "UTF-8 with a byte order mark, semicolons between columns, decimal commas"
+        options = 'sep=";", decimal=",", '
     lines = [
         f"# {name}",
         "",
         f"{about} Group `/{table.group}`, {len(table)} rows{table.per}.",
         "",
-        "UTF-8, comma-separated, one line of headings, SI units, numbers with all their digits. An empty cell: not "
+        f"{written}, one line of headings, SI units, numbers with all their digits. An empty cell: not "
         "known or not computed, or no text; how many a column has is counted below. `inf`: without limit, such as the "
         "safety factor of a block that no factor tried overturns, or the peak of one that overturned. -1 in whole "
         f"numbers: none, or not known, as the meaning says. `{LINE.strip()}` stands between the lines of a text.",
         "",
-        'In pandas: `pandas.read_csv(name, keep_default_na=False, na_values=[""])`, so that a network "NA" stays one.',
+        f'In pandas: `pandas.read_csv(name, {options}keep_default_na=False, na_values=[""])`, so that a network "NA" '
+        "stays one.",
         "",
         f"| column | unit | empty cells of {len(table)} | meaning |",
         "|---|---|---|---|",

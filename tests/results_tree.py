@@ -1,5 +1,9 @@
 """A small tree with the layout of :func:`rockpulse.assess`, made by hand: every answer in it is known beforehand."""
 
+import tempfile
+from functools import cache
+from pathlib import Path
+
 import numpy as np
 import xarray as xr
 
@@ -110,3 +114,16 @@ def results_tree(cases=None):
     empty = xr.Dataset({"row_size": made("record", np.array([], dtype=np.int64), "1", "samples of each record")})
     root = xr.Dataset(attrs={"title": "Borgo", "configuration": CONFIGURATION})
     return xr.DataTree.from_dict({"/": root, "/summary": summary, "/failures": failures, "/records": empty})
+
+
+@cache
+def results_bytes(title="Borgo"):
+    """The file of the tree, saved once and for all tests."""
+    from rockpulse.store import save
+
+    tree = results_tree()
+    tree.attrs["title"] = title
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "results.h5"
+        save(tree, path)
+        return path.read_bytes()

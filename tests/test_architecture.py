@@ -27,7 +27,7 @@ EDGE |= {"checksums", "input_files", "target_file", "tree_writer", "verification
 EDGE |= {"report"}
 EDGE |= {"batch"}
 EDGE |= {"results_file", "selection", "long_table", "table_files", "answer_lists", "large_overview"}
-EDGE |= {"differences", "difference_overview", "row_matching"}
+EDGE |= {"answer_changes", "differences", "difference_overview", "row_matching"}
 EDGE |= {"record_marks", "verdict_notes"}
 #: The face of the package, which names everything.
 FACE = {"__init__"}

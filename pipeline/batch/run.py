@@ -187,7 +187,8 @@ def _run(verb: Verb, paths: PathLike | Iterable[PathLike], options: BatchOptions
     report.path = Path(output) if report.records else None
     kinds = Counter(row.kind for row in report.failures)
     left_out = ", ".join(f"{kind} {count}" for kind, count in sorted(kinds.items())) or "nothing"
-    logger.info("%s: %d records; left out: %s", output, report.records, left_out)
+    written = f"{report.records} records" if report.records else "nothing was written"
+    logger.info("%s: %s; left out: %s", output, written, left_out)
     return report
 
 

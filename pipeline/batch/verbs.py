@@ -79,10 +79,12 @@ class Assessment:
 
     def work(self, every: Sequence[Located], made: Plan) -> Callable[[Task], Done]:
         """Assess all bodies; a table of events that does not fit is refused before."""
-        events, remarks = events_by_id([one.record for one in every], self.named, made.failures)
+        events, unread = events_by_id([one.record for one in every], self.named, made.failures)
         self.events = {task.key: events[task.channels[0].record.id] for task in made.tasks}
-        for remark in remarks:
-            self.tell(remark)
+        made.failures.extend(unread)
+        for row in unread:
+            logger.error("%s", row.reason)
+            self.tell(row.reason)
         return partial(assess_task, job=Job(self.config, self.bodies))
 
     def write(self, journal: Journal, made: Plan, failures: list[Failure], overwrite: bool) -> int:

@@ -45,15 +45,15 @@ class SiteStudy:
         Event of every channel, by its id.
     weights : dict of str to float or None
         The user's weights by record id; None where a rule gives them.
-    remarks : tuple of str
-        What is to be said already.
+    unread : tuple of Failure
+        What the table of events names and was not read.
     """
 
     names: tuple[str, ...]
     lanes: Block
     event_of: dict[str, str]
     weights: dict[str, float] | None
-    remarks: tuple[str, ...]
+    unread: tuple[Failure, ...]
 
 
 def calibrate_site(
@@ -150,14 +150,14 @@ def prepare_site(
     twice = sorted(name for name, times in Counter(record.id for record in every).items() if times > 1)
     if twice:
         raise ConfigError(f"records: expected different ids, found more than one record with id {', '.join(twice)}")
-    event_of, remarks = events_by_id(every, event_table(config), failures)
+    event_of, unread = events_by_id(every, event_table(config), failures)
     names, lanes = site_family(config.blocks if blocks is None else blocks)
     rule = config.calibration.weights
     table = None if rule in WEIGHTS else read_weight_table(located(rule, config.folder))
     known = [name for one in planned for name in planned_ids(one, config)]
     if table is not None and known:
         record_weights(known, [], rule, table)  # refused before the long part
-    return SiteStudy(tuple(names), lanes, event_of, table, tuple(remarks))
+    return SiteStudy(tuple(names), lanes, event_of, table, tuple(unread))
 
 
 def calibrate_planned(
@@ -221,7 +221,8 @@ def site_results(
         raise RecordRefused(f"not one record could be calibrated, so there is no site to describe{reasons}")
     events = [study.event_of[one.channel] for one in done]
     weights = record_weights([one.record.id for one in done], events, config.calibration.weights, study.weights)
-    return build_site_tree(done, events, weights, study.names, study.lanes, config, failures, study.remarks)
+    rows, remarks = [*failures, *study.unread], [row.reason for row in study.unread]
+    return build_site_tree(done, events, weights, study.names, study.lanes, config, rows, remarks)
 
 
 def site_family(blocks: Mapping[str, Block] | Sequence[BlockSettings]) -> tuple[list[str], Block]:

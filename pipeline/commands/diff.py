@@ -40,7 +40,7 @@ def _add_arguments(parser: argparse.ArgumentParser) -> None:
         type=count,
         default=20,
         metavar="N",
-        help="most flipped verdicts, and most factors that crossed 1, that are named; default: %(default)s",
+        help="most flipped verdicts, factors and capacities that crossed 1, that are named; default: %(default)s",
     )
 
 
@@ -70,7 +70,9 @@ VERB = Verb(
     name="diff",
     summary="what changed between two results files",
     description="Compare two results files: versions and configuration, records, blocks and models that only one has, "
-    "verdicts that flipped, safety factors that crossed 1, and variables beyond a tolerance. Rows are matched by name. "
+    "verdicts that flipped, safety factors and capacities over demand that crossed 1, and variables beyond a "
+    "tolerance. The bodies, and what comes first in every list, are by the nonlinear model where it answered. Rows are "
+    "matched by name. "
     "Exit code 0 where the results are the same, 1 where they differ; versions and configuration are told and do not "
     "count.",
     add_arguments=_add_arguments,

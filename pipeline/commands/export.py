@@ -3,10 +3,15 @@
 from __future__ import annotations
 
 import argparse
+from typing import TYPE_CHECKING
 
 from rockpulse.commands.progress import progress_bars
 from rockpulse.commands.selection_input import add_selection, read_selection
 from rockpulse.commands.verb import Verb
+
+if TYPE_CHECKING:
+    from rockpulse.long_table import LongTable
+    from rockpulse.results_file import ResultsFile
 
 __all__ = ["VERB"]
 
@@ -39,6 +44,12 @@ def _add_arguments(parser: argparse.ArgumentParser) -> None:
         "--block", action="append", metavar="NAME", help="only this block; * and ? stand for any letters; repeatable"
     )
     add_selection(parser)
+    parser.add_argument(
+        "--decimal-comma",
+        action="store_true",
+        help="for a spreadsheet whose decimal sign is the comma (Italian, French, German ...): semicolons between the "
+        "columns, decimal commas; default: commas, decimal points",
+    )
     parser.add_argument("--overwrite", action="store_true", help="replace a table and a README that exist")
 
 
@@ -55,13 +66,24 @@ def _run(args: argparse.Namespace) -> int:
         chosen = f" Selection: {'; '.join(selection.words)}." if selection.words else ""
         about = (
             f"From `{file.path.name}` ({file.attrs.get('title', '')}; {history[-1] if history else 'no date'}).{chosen}"
+            f"{_demands(file, table)}"
         )
         with progress_bars(quiet=False)(total=len(table), desc="writing", unit=" rows") as bar:
-            written, readme = write_table(table, args.output, about, args.overwrite, bar.update)
+            written, readme = write_table(table, args.output, about, args.overwrite, bar.update, args.decimal_comma)
     limited = f" of {table.found}" if table.found > len(table) else ""
     print(f"{written}: {len(table)}{limited} rows{table.per}, {len(table.columns)} columns")
     print(f"{readme}: what the columns mean")
     return 0
+
+
+def _demands(file: ResultsFile, table: LongTable) -> str:
+    """The demands behind `capacity_ratio`, which lie along a dimension of their own and have no column then."""
+    if "demand_acceleration" not in table.left_out:
+        return ""
+    demands = file.dataset(table.group)["demand_acceleration"]
+    each = zip(demands["demand"].values.tolist(), demands.values.tolist(), strict=True)
+    units = demands.attrs["units"]
+    return f" Demands (demand_acceleration): {', '.join(f'{name} {value:.6g} {units}' for name, value in each)}."
 
 
 def _names(joined: str | None) -> list[str] | None:
@@ -78,6 +100,8 @@ VERB = Verb(
     examples=(
         "rockpulse export results.h5 -o table.csv",
         "rockpulse export results.h5 -o worst.csv --where 'safety_factor < 1' --sort safety_factor --limit 100",
+        "rockpulse export results.h5 -o answers.csv --model nonlinear --columns pga,outcome,safety_factor "
+        "--decimal-comma",
         "rockpulse export results.h5 -o records.csv --rows record --columns pga,pgv,main_impulse",
     ),
 )

@@ -17,9 +17,10 @@ class _List(argparse.Action):
         super().__init__(option_strings, dest, nargs=0, **options)
 
     def __call__(self, parser: argparse.ArgumentParser, *_: Any) -> None:
+        from rockpulse.commands.telling import tell
         from rockpulse.plots.kinds import kind_list
 
-        print(kind_list())
+        tell(kind_list())  # perhaps into `| head`
         parser.exit()
 
 

@@ -88,7 +88,8 @@ def fragility_curves(
     if twice:
         raise ConfigError(f"records: expected different ids, found more than one record with id {', '.join(twice)}")
     failures = list(failures)
-    event_of, _ = events_by_id(every, event_table(config), failures)
+    event_of, unread = events_by_id(every, event_table(config), failures)
+    failures += unread
     motions, left_out = ground_motions(every, config)
     motions.sort(key=lambda motion: motion.record.id)
     rows = [*failures, *left_out]

@@ -12,7 +12,7 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from scipy.stats import t as student
+from scipy.special import stdtrit
 
 from rockpulse.errors import ConfigError
 from rockpulse.fragility.likelihood import FAMILIES, Family, maximise
@@ -307,7 +307,7 @@ def half_width(estimates: np.ndarray, confidence: float) -> np.ndarray:
     confidence : float
         Probability of the interval [-].
     """
-    return np.asarray(student.ppf(0.5 + 0.5 * confidence, estimates.shape[0] - 2) * jackknife_error(estimates))
+    return np.asarray(stdtrit(estimates.shape[0] - 2, 0.5 + 0.5 * confidence) * jackknife_error(estimates))
 
 
 def jackknife_error(estimates: np.ndarray) -> np.ndarray:

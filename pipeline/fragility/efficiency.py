@@ -10,7 +10,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.stats import t as student
+from scipy.special import stdtr
 
 from rockpulse.fragility.curves import Curve, half_width, jackknife_error, standardised
 from rockpulse.fragility.likelihood import FAMILIES, maximise
@@ -90,4 +90,4 @@ def sufficiency(rows: Observations, column: int, model: str = "lognormal") -> Su
     if events < FEWEST_EVENTS or not np.all(theta[:, 1] > 0.0):
         return Sufficiency(float(slopes[0, 0]), np.nan)
     statistic = abs(slopes[0, 0]) / jackknife_error(slopes)[0]
-    return Sufficiency(float(slopes[0, 0]), float(2.0 * student.sf(statistic, events - 1)))
+    return Sufficiency(float(slopes[0, 0]), float(2.0 * stdtr(events - 1, -statistic)))

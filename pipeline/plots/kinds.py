@@ -143,7 +143,8 @@ def draw(tree: xr.DataTree, kind: str, **options: Any) -> Figure:
     4
     """
     if kind not in KINDS:
-        raise ResultsError(f'no kind of picture "{kind}"{hint(kind, KINDS)}; there are: {", ".join(KINDS)}')
+        told = f"there are: {', '.join(KINDS)}"
+        raise ResultsError(f'no kind of picture "{kind}"{hint(kind, KINDS, told)}')
     row = KINDS[kind]
     found = str(tree.attrs.get("kind", ASSESSMENT))
     if found != row.file or (row.group and row.group not in tree.children):

@@ -32,7 +32,7 @@ from rockpulse.readers import (
     usc,
 )
 from rockpulse.readers.format import Format, ReadOptions
-from rockpulse.readers.no_record import may_be_record
+from rockpulse.readers.no_record import advice, may_be_record
 from rockpulse.readers.source import NoRecord, SourceFile, Unrecognised, open_source, open_stream
 from rockpulse.readers.units import UNITS
 from rockpulse.record import Record, distinct_ids
@@ -70,10 +70,7 @@ def read_source(file: SourceFile, options: ReadOptions = ReadOptions()) -> list[
             return distinct_ids(row.parse(file, options))
     tried = ", ".join(row.name for row in FORMATS)
     kind = Unrecognised if may_be_record(file) else NoRecord
-    raise kind(
-        f"{file.name}: no reader recognises the file (formats tried: {tried}); convert it to columns of time and "
-        "acceleration, and give the unit"
-    )
+    raise kind(f"{file.name}: no reader recognises the file (formats tried: {tried}); {advice(file)}")
 
 
 def read(

@@ -23,7 +23,7 @@ from rockpulse.readers.source import NotAcceleration, SourceFile
 from rockpulse.readers.table_layout import Layout, find_layout, row_width, split_row
 from rockpulse.readers.table_numbers import check_decimals, read_table
 from rockpulse.readers.time_column import agreed_step, climbs, counts_rows, names_time, time_column_step
-from rockpulse.readers.units import UNITS, canonical_unit
+from rockpulse.readers.units import UNITS, canonical_unit, for_other_files
 from rockpulse.record import Record
 
 __all__ = ["FORMAT", "is_columns", "read_columns"]
@@ -279,12 +279,12 @@ def _units(name: str, headings: Sequence[Heading], prose: Sequence[str], given: 
         if stated and asked and UNITS[stated] != UNITS[asked]:
             raise UnitError(
                 f"{name}: the column {heading.name!r} is headed {stated}, the option units says {asked}; "
-                "correct the wrong one"
+                + for_other_files(f"--units {asked}")
             )
         if asked and not stated and said and all(UNITS[unit] != UNITS[asked] for unit, _ in said):
             raise UnitError(
                 f"{name}:{said[0][1].line}: the header says {said[0][1].wording!r}, the option units says {asked}; "
-                "correct the wrong one"
+                + for_other_files(f"--units {asked}")
             )
         units.append(asked or stated or "")
     return units

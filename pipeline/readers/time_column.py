@@ -9,6 +9,7 @@ import numpy as np
 from rockpulse.errors import RecordFormatError
 from rockpulse.readers.column_headings import Heading
 from rockpulse.readers.spacing import even_step, printed_at
+from rockpulse.readers.units import for_other_files
 
 __all__ = ["agreed_step", "climbs", "counts_rows", "names_time", "time_column_step"]
 
@@ -108,5 +109,7 @@ def agreed_step(name: str, steps: dict[str, float | None]) -> float:
             raise RecordFormatError(f"{name}: expected a positive sampling interval in s, found {step!r} ({source})")
     if max(known.values()) > 1.001 * min(known.values()):
         listed = ", ".join(f"{step:g} s ({source})" for source, step in known.items())
-        raise RecordFormatError(f"{name}: the sampling intervals disagree: {listed}; correct the wrong one")
+        asked = known.get("option dt")
+        advice = "correct the wrong one" if asked is None else for_other_files(f"--dt {asked:g}")
+        raise RecordFormatError(f"{name}: the sampling intervals disagree: {listed}; {advice}")
     return next(iter(known.values()))

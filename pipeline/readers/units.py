@@ -9,7 +9,7 @@ from difflib import get_close_matches
 from rockpulse.errors import UnitError
 from rockpulse.record import STANDARD_GRAVITY
 
-__all__ = ["UNITS", "canonical_unit", "mentioned_units", "other_readings", "quantity_of"]
+__all__ = ["UNITS", "canonical_unit", "for_other_files", "mentioned_units", "other_readings", "quantity_of"]
 
 #: Acceleration in m/s2 = value in the file x factor.
 UNITS: dict[str, float] = {
@@ -73,6 +73,25 @@ def canonical_unit(text: str, where: str) -> str:
             f"{where}: unknown unit of acceleration {text[:40]!r}{of}{near}; expected one of {', '.join(UNITS)}{advice}"
         )
     return unit
+
+
+def for_other_files(option: str) -> str:
+    """What to do where an option contradicts what a file states.
+
+    Parameters
+    ----------
+    option : str
+        As on the command line.
+
+    Examples
+    --------
+    >>> for_other_files("--dt 0.01")[:57]
+    'correct the wrong one; or, if --dt 0.01 is meant for othe'
+    """
+    return (
+        f"correct the wrong one; or, if {option} is meant for other files, read these in a run of their own, or "
+        f"convert them first, so that they state it (rockpulse convert FILE {option} -o FILE.csv)"
+    )
 
 
 def _squeezed(text: str) -> str:

@@ -57,6 +57,6 @@ def largest_share(hit: int, events: int) -> float:
         return math.nan
     if hit == events:
         return 1.0
-    from scipy.stats import beta
+    from scipy.special import betaincinv
 
-    return float(beta.ppf(CONFIDENCE, hit + 1, events - hit))
+    return float(betaincinv(hit + 1, events - hit, CONFIDENCE))

@@ -130,6 +130,17 @@ def test_lists_say_how_far_was_searched_and_mark_doubtful_peaks(summary):
     assert "Above 1: rocked beyond" in case_list(summary, Selection({"record": (RECORDS[0],), "block": ("column",)}))
 
 
+def test_where_none_was_found_and_one_answer_is_unknown_the_smallest_factor_is_unknown(summary):
+    factor = summary["safety_factor"].copy()
+    factor[2, 1, 2] = np.nan
+    summary = summary.assign(safety_factor=factor, safe_up_to=factor.where(np.isfinite(factor), 10.0))
+    assert listed(record_list(summary, Selection()))[3][-1] == "-"
+    factor[:, 2, 2] = [np.inf, np.nan, np.inf]
+    summary = summary.assign(safety_factor=factor)
+    assert listed(block_list(summary, Selection()))[3][-1] == "-"
+    assert listed(block_list(summary, Selection()))[1][-2:] == ["0.42", RECORDS[0]]  # what is known
+
+
 def many(tree, copies=60):
     """The same records many times over."""
     summary = tree["summary"].to_dataset()

@@ -11,6 +11,7 @@ from rockpulse.batch.journal import journal_path
 from rockpulse.batch.options import BatchOptions
 from rockpulse.batch.plan import configuration_fingerprint
 from rockpulse.body import BlockSettings
+from rockpulse.cli import main
 from rockpulse.errors import ConfigError
 from rockpulse.events import UNKNOWN
 from rockpulse.report.motions import motions_of
@@ -60,7 +61,7 @@ def test_records_are_counted_by_title_and_those_that_tell_nothing_as_one(folder,
     tree = rp.load(tmp_path / "results.h5")
     assert tree["summary"]["event_title"].values.tolist() == list(TITLES)
     motions = motions_of(tree)
-    assert motions.event_count == 2
+    assert motions.event_count == 1  # those that tell nothing add none
     assert "2 motions whose earthquake neither" in motions.of_unknown_event()
 
 
@@ -68,7 +69,7 @@ def test_the_table_decides(folder, tmp_path):
     names = list(both(folder, CONFIG, tmp_path / "results.h5"))
     config = with_table(tmp_path, f"record,event\n{names[1]},aftershock\n{names[3]},Maule\n")
     assert list(both(folder, config, tmp_path / "told.h5").values())[1:] == ["aftershock", UNKNOWN, "Maule"]
-    assert motions_of(rp.load(tmp_path / "told.h5")).event_count == 4
+    assert motions_of(rp.load(tmp_path / "told.h5")).event_count == 3
     known = "".join(f"{name},Maule\n" for name in names[2:])
     assert both(folder, with_table(tmp_path, f"record,event\n{known}"), tmp_path / "all.h5")[names[2]] == "Maule"
     assert motions_of(rp.load(tmp_path / "all.h5")).of_unknown_event() == ""
@@ -99,7 +100,25 @@ def test_unknown_ids_are_refused_or_told_where_a_file_was_not_read(folder, tmp_p
     (folder / "broken.at2").write_bytes((folder / "m0.at2").read_bytes()[:900])
     told = []
     both(folder, config, tmp_path / "y.h5", BatchOptions(tell=told.append))
-    assert told == ["[records] events names records that were not read: elsewhere"]
+    said = "[records] events names records that were not read: elsewhere; the records read are such as m0"
+    assert [line.startswith(said) for line in told] == [True]
+    records, failures = read_all(folder)
+    for kept in (rp.load(tmp_path / "y.h5"), rp.fragility_curves(records[:1], config, failures=failures)):
+        reasons = kept["failures"]["reason"].values.tolist()
+        assert sum(reason.startswith(said) for reason in reasons) == 1
+
+
+@pytest.mark.parametrize("verb", ["assess", "calibrate"])
+def test_a_name_of_no_record_is_told_also_where_little_is(folder, tmp_path, capsys, verb):
+    (folder / "broken.at2").write_bytes((folder / "m0.at2").read_bytes()[:900])
+    (tmp_path / "events.csv").write_text("record,event\nelsewhere,Kobe\n")
+    (tmp_path / "site.toml").write_text(
+        '[records]\nevents = "events.csv"\n[models]\nuse = ["resonance"]\npredictability = false\n'
+        '[calibration]\nmethod = "statistics"\n'
+    )
+    options = ["--config", str(tmp_path / "site.toml"), "--block", "wall=0.3x2.4", "--quiet"]
+    assert main([verb, str(folder), *options, "-o", str(tmp_path / "x.h5")]) == 1
+    assert capsys.readouterr().err.count("[records] events names records that were not read: elsewhere; ") == 1
 
 
 def test_a_table_that_was_corrected_costs_no_record(tmp_path):

@@ -7,6 +7,7 @@ import sys
 from dataclasses import replace
 
 import pytest
+from results_tree import results_bytes
 
 from rockpulse import __version__, cli
 from rockpulse.cli import build_parser, main
@@ -176,6 +177,37 @@ def test_a_reader_that_leaves_early_is_no_error(arguments):
         )
     assert done.stderr == ""
     assert done.returncode == 0
+
+
+@pytest.mark.parametrize("arguments", [["formats"], ["plot", "--list"], ["init-config", "-o", "{new}"], ["--version"]])
+def test_standard_output_that_is_closed_does_not_stop_the_command(arguments, tmp_path):
+    new = tmp_path / "new.toml"
+    command = [sys.executable, "-m", "rockpulse", *(argument.format(new=new) for argument in arguments)]
+    done = subprocess.run(["sh", "-c", 'exec "$@" >&-', "sh", *command], stderr=subprocess.PIPE, text=True, check=False)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert new.exists() == ("init-config" in arguments)
+
+
+def test_a_report_and_an_overview_are_made_where_standard_output_is_closed(tmp_path):
+    page = tmp_path / "report.html"
+    (tmp_path / "results.h5").write_bytes(results_bytes())
+    for verb in (["inspect"], ["report", "-o", str(page)]):
+        command = [sys.executable, "-m", "rockpulse", verb[0], str(tmp_path / "results.h5"), *verb[1:]]
+        closed = ["sh", "-c", 'exec "$@" >&-', "sh", *command]
+        done = subprocess.run(closed, stderr=subprocess.PIPE, text=True, check=False)
+        assert (done.returncode, done.stderr) == (0, "")
+    assert page.read_text(encoding="utf-8").rstrip().endswith("</html>")
+
+
+@pytest.mark.skipif(not os.path.exists("/dev/full"), reason="this system has no device that is always full")  # noqa: PTH110
+@pytest.mark.parametrize("arguments", [["formats"], ["plot", "--list"]])
+def test_standard_output_that_is_full_is_a_message(arguments):
+    with open("/dev/full", "w") as full:  # noqa: PTH123
+        done = subprocess.run(
+            [sys.executable, "-m", "rockpulse", *arguments], stdout=full, stderr=subprocess.PIPE, text=True, check=False
+        )
+    assert done.returncode == 2
+    assert done.stderr == "rockpulse: No space left on device\n"
 
 
 def test_letters_that_the_terminal_lacks_do_not_stop_the_command(tmp_path):

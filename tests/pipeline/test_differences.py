@@ -1,5 +1,6 @@
 """What changed between two results files, on trees whose answers are known."""
 
+import shutil
 from contextlib import nullcontext
 
 import h5py
@@ -9,7 +10,7 @@ import xarray as xr
 from results_tree import BLOCKS, RECORDS, results_tree
 
 from rockpulse.difference_overview import difference_overview
-from rockpulse.differences import compare_results
+from rockpulse.differences import OUTCOME, SAFETY, compare_results
 from rockpulse.errors import ResultsError
 from rockpulse.results_file import open_results
 from rockpulse.row_matching import OnlyIn
@@ -55,6 +56,14 @@ def compare(first, second, **options):
     return found, difference_overview(found, one, other, "rtol 1e-09")
 
 
+@pytest.fixture(scope="module")
+def saved(tmp_path_factory):
+    """The tree in a file."""
+    path = tmp_path_factory.mktemp("saved") / "results.h5"
+    save(tree(), path)
+    return path
+
+
 @pytest.fixture
 def compare_files(tmp_path):
     """The same of two files."""
@@ -92,7 +101,7 @@ def reordered(made, order):
 def test_the_same_results_are_the_same(cases):
     found, text = compare(tree(cases), tree(cases))
     assert found.same
-    assert found.verdicts == 27 * (cases or 1)
+    assert found.sides[OUTCOME].compared == 27 * (cases or 1)
     assert text.endswith(f"The results are the same: {found.compared} values within rtol 1e-09.")
     assert "No verdict of" in text
 
@@ -159,14 +168,15 @@ def test_verdicts_that_flipped_are_named():
     changed = tree()
     changed["summary"]["outcome"].values[0, 1, 1:] = 2, 3
     found, text = compare(tree(), changed)
-    assert (found.flipped, found.verdicts) == (2, 27)
-    assert [(flip.place, flip.before, flip.after) for flip in found.flips] == [
+    flips = found.sides[OUTCOME]
+    assert (flips.count, flips.compared) == (2, 27)
+    assert [(flip.place, flip.before, flip.after) for flip in flips.named] == [
+        ((RECORDS[0], "column", "nonlinear"), "rocks", "unresolved"),  # the fullest model first
         ((RECORDS[0], "column", "sequence"), "rocks", "overturns"),
-        ((RECORDS[0], "column", "nonlinear"), "rocks", "unresolved"),
     ]
-    assert "Verdicts that flipped: 2 of 27" in text
+    assert "\nVerdicts that flipped: 2 of 27 (1 of 9 by the nonlinear model)" in text
     found, text = compare(tree(), changed, listed=1)
-    assert (found.flipped, len(found.flips)) == (2, 1)
+    assert (found.sides[OUTCOME].count, found.sides[OUTCOME].named) == (2, flips.named[:1])
     assert "and 1 more (--limit)" in text
 
 
@@ -175,15 +185,26 @@ def test_safety_factors_that_crossed_one_are_a_group_above_all_other_differences
     factors = changed["summary"]["safety_factor"].values
     factors[0, 1, 1], factors[1, 0, 1], factors[0, 2, 1] = 0.98, np.inf, 1.6  # of 1.7, 0.5 and 1.7
     found, text = compare(tree(), changed)
-    assert [(flip.place, flip.before, flip.after) for flip in found.crossings] == [
+    assert [(flip.place, flip.before, flip.after) for flip in found.sides[SAFETY].named] == [
         ((RECORDS[0], "column", "sequence"), "1.7", "0.98"),
         ((RECORDS[1], "boundary wall", "sequence"), "0.5", "inf"),
     ]
     assert text.index("Safety factors that crossed 1 (below it a weaker copy") < text.index("Variables beyond")
     found, text = compare(tree(), changed, listed=1)
-    assert (found.crossed, len(found.crossings)) == (2, 1)
+    assert (found.sides[SAFETY].count, len(found.sides[SAFETY].named)) == (2, 1)
     assert "and 1 more (--limit)" in text
     assert "crossed 1" not in compare(tree(), tree())[1]
+
+
+def test_without_the_nonlinear_model_in_both_the_last_common_model_leads():
+    changed = tree()
+    changed["summary"] = xr.DataTree(changed["summary"].to_dataset().isel(model=[0, 1]))
+    changed["half_cycles"] = xr.DataTree(changed["half_cycles"].to_dataset().isel(row=[0, 1, 2, 4]))
+    changed["summary"]["outcome"].values[2, 0] = 1, 2
+    found, text = compare(tree(), changed)
+    assert found.model == "sequence"
+    assert "Verdicts that flipped: 2 of 18 (1 of 9 by the sequence model)" in text
+    assert [flip.place[2] for flip in found.sides[OUTCOME].named] == ["sequence", "resonance"]
 
 
 def test_a_long_place_keeps_what_tells_record_block_and_model():
@@ -216,7 +237,7 @@ def test_what_only_one_file_has_is_named_and_the_rest_compared(gone):
     assert found.only == [OnlyIn("records", (RECORDS[gone],), ())]
     assert found.variables == []
     assert found.others == []
-    assert found.verdicts == 18
+    assert found.sides[OUTCOME].compared == 18
     assert f"records only in the first file: 1\n  - {RECORDS[gone]}" in text
     assert not found.same
 
@@ -284,20 +305,20 @@ def test_versions_and_configuration_are_told_and_do_not_count():
     ("path", "place"),
     [("summary/pga", 0), ("summary/outcome", (0, 0, 0)), ("half_cycles/peak", 3), ("summary/source", 1)],
 )
-def test_values_that_another_program_has_changed_are_found_though_the_checksums_are_equal(tmp_path, path, place):
+def test_values_that_another_program_has_changed_are_found_though_the_checksums_are_equal(saved, tmp_path, path, place):
     for name in ("a.h5", "b.h5"):
-        save(tree(), tmp_path / name)
+        shutil.copy(saved, tmp_path / name)
     with h5py.File(tmp_path / "b.h5", "a") as file:
         file[path][place] = "other" if "source" in path else 0
     with open_results(tmp_path / "a.h5") as one, open_results(tmp_path / "b.h5") as other:
         found = compare_results(one, other)
     assert [(one.name, one.differing) for one in found.variables] == [(f"/{path}", 1)]
-    assert found.verdicts == 27
+    assert found.sides[OUTCOME].compared == 27
 
 
-def test_a_pointer_that_another_program_has_changed_is_found(tmp_path):
+def test_a_pointer_that_another_program_has_changed_is_found(saved, tmp_path):
     for name in ("a.h5", "b.h5"):
-        save(tree(), tmp_path / name)
+        shutil.copy(saved, tmp_path / name)
     with h5py.File(tmp_path / "b.h5", "a") as file:
         file["half_cycles/record_index"][0] = 2
     with open_results(tmp_path / "a.h5") as one, open_results(tmp_path / "b.h5") as other:
@@ -327,8 +348,8 @@ def test_parts_are_compared_as_the_whole(monkeypatch):
     assert compare(tree(), changed)[0].variables == whole
 
 
-def test_files_of_different_kinds_are_refused(tmp_path):
-    save(tree(), tmp_path / "a.h5")
+def test_files_of_different_kinds_are_refused(saved, tmp_path):
+    shutil.copy(saved, tmp_path / "a.h5")
     other = xr.DataTree.from_dict({"/site": xr.Dataset()})
     other.attrs["kind"] = "site calibration"
     save(other, tmp_path / "b.h5")

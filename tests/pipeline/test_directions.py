@@ -324,6 +324,11 @@ def test_a_table_of_a_sweep_marks_a_doubtful_peak_and_says_how_far_was_searched(
     assert "(peak?): a peak above 5 g" in text
     assert next(line for line in text.splitlines() if line.startswith("  wall")).split()[5:7] == [">10", "-"]
     assert ">10: none found up to there" in " ".join(text.split())
+    one, other = directions["record_index"].values[0, :2]
+    for first, second, shown in ((0.0, 10.0, ">0"), (10.0, 0.0, ">0"), (10.0, np.nan, "none"), (np.nan, 10.0, "none")):
+        summary["safe_up_to"][one], summary["safe_up_to"][other] = first, second
+        text = direction_table(summary, directions)
+        assert next(line for line in text.splitlines() if line.startswith("  wall")).split()[5] == shown
 
 
 def test_the_overview_of_a_sweep_shows_the_smallest_factor_and_capacity_over_direction():

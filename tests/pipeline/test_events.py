@@ -183,15 +183,17 @@ def test_the_table_may_put_a_record_into_a_group_by_its_label():
     assert partition(records, {"b": "Norcia"}) == [["a", "b"]]
 
 
-def test_a_record_of_a_file_that_was_not_read_is_a_remark_else_an_error(caplog):
+def test_a_record_of_a_file_that_was_not_read_is_a_row_else_an_error():
     records, named = [record("a", "Kobe"), record("b")], {"a": "mine", "x": "other"}
     assert events_by_id(records, {"a": "mine"}) == ({"a": "mine", "b": UNKNOWN}, [])
     unread = Failure("x.v1", "read", "damaged", "failed")
-    assert events_by_id(records, named, [unread]) == (
-        {"a": "mine", "b": UNKNOWN},
-        ["[records] events names records that were not read: x"],
-    )
-    assert "that were not read: x" in caplog.text
+    events, (row,) = events_by_id(records, named, [unread])
+    assert events == {"a": "mine", "b": UNKNOWN}
+    assert (row.stage, row.kind) == ("events", "failed")
+    said = "[records] events names records that were not read: x; the records read are such as a, b: "
+    assert row.reason.startswith(said)
+    _, (row,) = events_by_id(records, {f"x{number}": "e" for number in range(7)}, [unread])
+    assert "not read: x0, x1, x2, x3, x4 and 2 more; the records read" in row.reason
     for kind in ("skipped", "duplicate"):
         with pytest.raises(ConfigError, match=r"no record has the id x; .* such as a, b"):
             events_by_id(records, named, [Failure("x.v1", "read", "no record", kind)])

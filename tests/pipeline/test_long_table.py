@@ -122,13 +122,11 @@ def test_a_group_of_several_tables_asks_which(results):
         results_table(results, "records")
 
 
-def test_a_column_of_each_demand_is_chosen_by_its_heading_or_with_all_of_them(tmp_path):
-    path = tmp_path / "r.h5"
-    save(full_tree(), path)
+def test_a_column_of_each_demand_is_chosen_by_its_heading_or_with_all_of_them(results):
     names = ["record", "block", "model"]
     one, every = "capacity_ratio[collapse]", ["capacity_ratio[damage]", "capacity_ratio[collapse]"]
-    assert results_table(path, columns=["pga", one]).columns.tolist() == [*names, "pga", one]
-    assert results_table(path, columns=["capacity_ratio"]).columns.tolist() == [*names, *every]
+    assert results_table(results, columns=["pga", one]).columns.tolist() == [*names, "pga", one]
+    assert results_table(results, columns=["capacity_ratio"]).columns.tolist() == [*names, *every]
 
 
 def test_unknown_groups_dimensions_and_columns_are_answered_with_the_known_ones(results):
@@ -162,6 +160,22 @@ def test_the_csv_reads_back_the_same(results, tmp_path, suffix):
     opened = gzip.open if suffix.endswith("gz") else open
     with opened(target, "rt") as lines:
         assert sum(1 for _ in lines) == 28  # a row is a line, whatever the texts
+
+
+@pytest.mark.parametrize("suffix", [".csv", ".csv.gz"])
+def test_a_table_for_spreadsheets_with_decimal_commas(results, tmp_path, suffix):
+    target, readme = written(results, tmp_path / f"t{suffix}", decimal_comma=True)
+    content = gzip.decompress(target.read_bytes()) if suffix.endswith("gz") else target.read_bytes()
+    assert content.startswith(b"\xef\xbb\xbfrecord;block;model;")
+    assert content.count(b"\xef\xbb\xbf") == 1
+    assert ";5,5574;" in content.decode()
+    told = readme.read_text(encoding="utf-8")
+    assert "UTF-8 with a byte order mark, semicolons between columns, decimal commas, one line" in told
+    options = eval(f"dict({told.partition('read_csv(name, ')[2].partition(')`')[0]})")
+    back, table = pd.read_csv(target, **options), results_table(results)
+    for name in table:
+        if table[name].dtype.kind == "f":
+            assert np.array_equal(back[name], table[name], equal_nan=True), name
 
 
 def test_parts_make_the_same_table_as_the_whole(results):

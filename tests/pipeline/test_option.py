@@ -79,6 +79,11 @@ def test_a_hint_is_given_only_where_a_word_is_close():
     assert hint("xyz", ["baseline", "order"]) == ""
 
 
+def test_what_there_is_stands_behind_the_hint_as_a_sentence():
+    assert hint("basline", ["baseline"], "there are: x") == '; did you mean "baseline"? There are: x'
+    assert hint("xyz", ["baseline"], "there are: x") == "; there are: x"
+
+
 @pytest.mark.parametrize(("value", "answer"), [(1, True), (1.5, True), (True, False), ("1", False), (math.inf, False)])
 def test_only_finite_numbers_are_numbers(value, answer):
     assert is_number(value) is answer

@@ -88,6 +88,8 @@ def test_an_unknown_name_variable_word_or_text_comparison_says_what_there_is(sum
         rows(summary, DIMS, where("outcom = rocks"))
     with pytest.raises(ResultsError, match=r"outcome: expected one of at_rest, rocks, overturns, unresolved"):
         rows(summary, DIMS, where("outcome = falls"))
+    with pytest.raises(ResultsError, match=r"unresolved, found 'rock'; did you mean \"rocks\"\?$"):
+        rows(summary, DIMS, where("outcome = rock"))
     with pytest.raises(ResultsError, match=r"pga: expected a number, found 'high'"):
         rows(summary, DIMS, where("pga > high"))
     with pytest.raises(ResultsError, match=r"source is a text: expected = or !=, found <"):

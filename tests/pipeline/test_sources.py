@@ -40,7 +40,7 @@ def folder(tmp_path):
     (tmp_path / "sub" / "a.VT2").write_bytes(VELOCITY)
     (tmp_path / "notes.txt").write_text("nothing to read here\n")
     for quiet in ["README.md", "site.toml", "XX.ABC.xml", "results.h5", ".hidden", "sub/.cache/c.AT2"]:
-        (tmp_path / quiet).write_bytes(ONE)
+        (tmp_path / quiet).write_bytes(b"<FDSNStationXML/>" if quiet.endswith(".xml") else ONE)
     return tmp_path
 
 
@@ -96,6 +96,35 @@ def test_what_may_be_a_record_in_an_unknown_format_is_told_apart_from_texts_besi
     assert ("no reader recognises the file" in failure.reason) == may_be
     assert failure.reason.endswith(f"{name}: no record") != may_be
     assert "no reader recognises the file" in named.reason
+
+
+STATION = b"<?xml version='1.0'?>\n<fsx:FDSNStationXML xmlns:fsx='x' schemaVersion='1.1'/>\n"
+EARTHQUAKE = b"<?xml version='1.0'?>\n<q:quakeml xmlns:q='x'/>\n"
+WAVE = b"<wave dt='0.01'>" + b"0.12 -0.34 " * 99 + b"</wave>\n"
+
+
+@pytest.mark.parametrize("packed", [False, True])
+def test_xml_of_stations_and_earthquakes_is_passed_over_and_other_xml_is_listed(tmp_path, packed):
+    files = {"a.AT2": ONE, "s.xml": STATION, "q.XML": EARTHQUAKE, "w.xml": WAVE, "empty.xml": b"", "b.xml": b"<a>b</a>"}
+    if packed:
+        make_zip(tmp_path / "all.zip", **files)
+    else:
+        for name, content in files.items():
+            (tmp_path / name).write_bytes(content)
+    for given in (tmp_path, str(tmp_path / "*")):
+        records, failures = read_all(given)
+        assert ids(records) == ["a.090"]
+        told = {failure.file.replace("!", "/").rpartition("/")[2]: failure for failure in failures}
+        assert sorted(told) == ["b.xml", "empty.xml", "w.xml"]
+        assert "no reader recognises the file" in told["w.xml"].reason
+        assert told["b.xml"].reason.endswith(": no record")
+        assert told["empty.xml"].kind == "failed"
+
+
+def test_a_pipe_that_is_called_xml_is_listed_and_not_waited_for(tmp_path):
+    os.mkfifo(tmp_path / "a.xml")
+    _, (failure,) = read_all(tmp_path)
+    assert "expected a regular file" in failure.reason
 
 
 def test_a_file_without_accelerations_tells_whose_they_would_be(tmp_path, samples):

@@ -53,7 +53,7 @@ def wait_for(condition, seconds):
     return condition()
 
 
-@pytest.mark.parametrize("workers", [0, 1, 2, 4])
+@pytest.mark.parametrize("workers", [0, 1, 2, pytest.param(4, marks=pytest.mark.slow)])
 def test_every_item_is_answered_once_whoever_works(workers):
     with Crew.local(workers) if workers else Crew.inline() as crew:
         assert crew.size == max(workers, 1)
@@ -65,7 +65,7 @@ def test_every_item_is_answered_once_whoever_works(workers):
 def test_results_come_in_order_of_completion(pair, tmp_path):
     go = tmp_path / "go"
     results = pair.run(toys.wait_for_file, [(0, go), (1, None), (2, None)])
-    assert [next(results)[1], next(results)[1]] == [1, 2]
+    assert {next(results)[1], next(results)[1]} == {1, 2}  # either first, where both are ready at once
     go.touch()
     assert [number for _, number in results] == [0]
 

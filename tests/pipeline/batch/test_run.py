@@ -188,11 +188,13 @@ def test_the_report_says_what_was_done(folder, tmp_path, caplog):
     assert caplog.text.count("the format does not say whether the record is processed") <= 7
 
 
-def test_nothing_assessed_writes_nothing_and_leaves_nothing(folder, tmp_path):
+def test_nothing_assessed_writes_nothing_and_leaves_nothing(folder, tmp_path, caplog):
+    caplog.set_level(logging.INFO, "rockpulse")
     output = tmp_path / "results.h5"
     report = assess_files([folder / "cut.AT2", tmp_path / "gone"], CONFIG, output, BatchOptions(workers=1))
     assert (report.path, report.records) == (None, 0)
     assert [row.stage for row in report.failures] == ["read", "find"]
+    assert f"{output}: nothing was written; left out: failed 2" in caplog.text
     with pytest.raises(RecordRefused, match="not one record could be calibrated"):
         calibrate_files(folder / "cut.AT2", SITE, output, BatchOptions(workers=1))
     assert list(tmp_path.iterdir()) == []

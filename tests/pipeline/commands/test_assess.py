@@ -1,12 +1,13 @@
 """``rockpulse assess`` from files to files: exit codes, tables, refusals, and what it leaves on the disk."""
 
+import io
 import re
+from contextlib import redirect_stderr, redirect_stdout
 from pathlib import Path
 
 import h5py
 import numpy as np
 import pytest
-import xarray as xr
 
 import rockpulse as rp
 from rockpulse.cli import main
@@ -49,18 +50,41 @@ def assess(*arguments):
     return main(["assess", *map(str, arguments), *BLOCKS])
 
 
+def values(path, name):
+    """A variable of /summary, or of another group that is named, by bare h5py."""
+    with h5py.File(path) as file:
+        found = file[name if "/" in name else f"summary/{name}"]
+        return (found.asstr() if found.dtype == object else found)[:].tolist()
+
+
+def configuration(path):
+    with h5py.File(path) as file:
+        return file.attrs["configuration"]
+
+
 @pytest.fixture(scope="module")
-def done(folder, tmp_path_factory):
-    """Two good records, assessed."""
+def told(folder, tmp_path_factory):
+    """The results of two good records, and what was printed on the way."""
     target = tmp_path_factory.mktemp("results") / "results.h5"
-    assert assess(folder / "strong.AT2", folder / "weak.AT2", "-o", target, "--quiet") == 0
-    return target
+    with redirect_stdout(io.StringIO()) as out, redirect_stderr(io.StringIO()) as err:
+        assert assess(folder / "strong.AT2", folder / "weak.AT2", "-o", target) == 0
+    return target, out.getvalue(), err.getvalue()
 
 
-def test_all_done_is_exit_code_zero_with_a_table(folder, tmp_path, capsys):
-    target = tmp_path / "results.h5"
-    assert assess(folder / "strong.AT2", folder / "weak.AT2", "-o", target) == 0
-    out, err = capsys.readouterr()
+@pytest.fixture(scope="module")
+def done(told):
+    """Two good records, assessed."""
+    return told[0]
+
+
+@pytest.fixture(scope="module")
+def tree(done):
+    """The same, loaded."""
+    return rp.load(done)
+
+
+def test_all_done_is_exit_code_zero_with_a_table(told):
+    target, out, err = told
     assert err == ""  # no progress bar where there is no terminal
     assert out.count("thin wall") >= 2
     assert "OVERTURNS" in out
@@ -76,8 +100,8 @@ def test_quiet_prints_nothing(folder, tmp_path, capsys):
     assert capsys.readouterr() == ("", "")
 
 
-def test_every_model_answers_for_every_record_and_block(done):
-    summary = rp.load(done)["summary"]
+def test_every_model_answers_for_every_record_and_block(tree):
+    summary = tree["summary"]
     assert dict(summary.sizes) == {"record": 2, "block": 2, "model": 5}
     assert summary["block"].values.tolist() == ["thin wall", "pier"]
     assert summary["width"].values.tolist() == [0.2, 1.0]
@@ -108,16 +132,16 @@ def test_bare_h5py_finds_unit_and_long_name_on_every_variable(done):
     assert len(seen) > 60
 
 
-def test_the_schema_names_every_variable(done):
+def test_the_schema_names_every_variable(tree):
     schema = SCHEMA.read_text(encoding="utf-8")
-    for node in rp.load(done).subtree:
+    for node in tree.subtree:
         for name in node.to_dataset(inherit=False).variables:
             assert f"`{name}`" in schema, f"{node.path}/{name}"
 
 
-def test_the_results_hold_the_configuration_that_was_resolved(done, tmp_path):
+def test_the_results_hold_the_configuration_that_was_resolved(tree, tmp_path):
     path = tmp_path / "resolved.toml"
-    path.write_text(rp.load(done).attrs["configuration"], encoding="utf-8")
+    path.write_text(tree.attrs["configuration"], encoding="utf-8")
     config = rp.load_config(path)
     assert [(block.name, block.width, block.height) for block in config.blocks] == [
         ("thin wall", 0.2, 2.2),
@@ -129,10 +153,10 @@ def test_the_results_hold_the_configuration_that_was_resolved(done, tmp_path):
 @pytest.mark.parametrize(
     ("given", "by_command_line"),
     [
-        (".", False),
         (".", True),
         ("*[gk].AT2", False),
-        ("../site [1]/strong.AT2", True),
+        pytest.param(".", False, marks=pytest.mark.slow),
+        pytest.param("../site [1]/strong.AT2", True, marks=pytest.mark.slow),
         pytest.param("*[gk].AT2", True, marks=pytest.mark.slow),
         pytest.param("../site [1]/strong.AT2", False, marks=pytest.mark.slow),
     ],
@@ -151,21 +175,18 @@ def test_the_stored_configuration_repeats_the_run_from_any_folder(
     monkeypatch.chdir(site)
     named = [given] if by_command_line else []
     assert main(["assess", *named, "--config", "site.toml", "-o", "first.h5", "--quiet"]) == 0
-    first = rp.load("first.h5")
+    first, second = site / "first.h5", elsewhere / "second.h5"
     monkeypatch.chdir(elsewhere)
-    Path("stored.toml").write_text(first.attrs["configuration"], encoding="utf-8")
+    Path("stored.toml").write_text(configuration(first), encoding="utf-8")
     assert main(["assess", "--config", "stored.toml", "-o", "second.h5", "--quiet"]) == 0
-    second = rp.load("second.h5")
-    assert second.attrs["configuration"] == first.attrs["configuration"]
-    assert second["summary"].sizes["record"] == (1 if "strong" in given else 2)
+    assert configuration(second) == configuration(first)
+    assert len(values(second, "record")) == (1 if "strong" in given else 2)
     for name in ("record", "source_sha256", "safety_factor"):
-        xr.testing.assert_equal(second["summary"][name], first["summary"][name])
+        np.testing.assert_array_equal(values(second, name), values(first, name))
 
 
-def test_what_inspect_shows_is_what_assess_showed(folder, tmp_path, capsys):
-    target = tmp_path / "results.h5"
-    assess(folder / "strong.AT2", "-o", target)
-    shown = capsys.readouterr().out
+def test_what_inspect_shows_is_what_assess_showed(told, capsys):
+    target, shown, _ = told
     assert main(["inspect", str(target)]) == 0
     assert shown.startswith(capsys.readouterr().out)
 
@@ -177,9 +198,8 @@ def test_a_folder_with_a_broken_record_is_exit_code_one_and_the_others_are_asses
     assert "failed: 1" in out
     assert re.search(r"cut\.AT2:\d+: ", out)
     assert "not records: notes.txt" in out
-    tree = rp.load(target)
-    assert tree["summary"].sizes["record"] == 2
-    assert sorted(tree["failures"]["kind"].values.tolist()) == ["failed", "skipped"]
+    assert len(values(target, "record")) == 2
+    assert sorted(values(target, "failures/kind")) == ["failed", "skipped"]
 
 
 def test_a_missing_file_named_explicitly_is_exit_code_one_and_the_others_are_assessed(folder, tmp_path, capsys):
@@ -188,7 +208,7 @@ def test_a_missing_file_named_explicitly_is_exit_code_one_and_the_others_are_ass
     captured = capsys.readouterr()
     assert captured.out == ""
     assert "absent.AT2: no such file" in captured.err
-    assert rp.load(target)["summary"].sizes["record"] == 1
+    assert len(values(target, "record")) == 1
 
 
 def test_skipped_and_duplicate_files_are_no_failure(folder, tmp_path, capsys):
@@ -231,9 +251,8 @@ def test_no_wrong_record_stops_the_others_or_shows_a_traceback(folder, tmp_path,
     out, err = capsys.readouterr()
     assert err == ""
     assert f"failed: {len(WRONG_FILES)}" in out
-    tree = rp.load(target)
-    assert tree["summary"].sizes["record"] == 1
-    told = dict(zip(tree["failures"]["file"].values, tree["failures"]["kind"].values, strict=True))
+    assert len(values(target, "record")) == 1
+    told = dict(zip(values(target, "failures/file"), values(target, "failures/kind"), strict=True))
     assert told == dict.fromkeys(map(str, wrong), "failed")
     for name in WRONG_FILES:
         assert name in out
@@ -256,16 +275,14 @@ def test_one_column_is_read_once_unit_and_interval_are_named(tmp_path, capsys):
     assert assess(path, "-o", target, "--units", "g") == 1
     assert "option dt" in capsys.readouterr().err
     assert assess(path, "-o", target, "--units", "g", "--dt", f"{DT}", "--quiet") == 0
-    tree = rp.load(target)
-    assert tree["summary"]["dt"].values.tolist() == [DT]
+    assert values(target, "dt") == [DT]
     config = tmp_path / "site.toml"
     config.write_text(f"[records]\nunits = 'g'\ndt = {2 * DT}\n")
     assert assess(path, "--config", config, "-o", target, "--overwrite", "--quiet") == 0
-    assert rp.load(target)["summary"]["dt"].values.tolist() == [2 * DT]
+    assert values(target, "dt") == [2 * DT]
     assert assess(path, "--config", config, "--dt", DT, "-o", target, "--overwrite", "--quiet") == 0
-    again = rp.load(target)
-    assert again["summary"]["dt"].values.tolist() == [DT]
-    assert f"\ndt = {DT}\n" in again.attrs["configuration"]
+    assert values(target, "dt") == [DT]
+    assert f"\ndt = {DT}\n" in configuration(target)
 
 
 def test_overwrite_spares_the_record_and_the_configuration(tmp_path, capsys):
@@ -292,7 +309,7 @@ def test_overwrite_replaces_it(folder, done, tmp_path):
     target = tmp_path / "results.h5"
     target.write_bytes(done.read_bytes())
     assert assess(folder / "weak.AT2", "-o", target, "--overwrite", "--quiet") == 0
-    assert rp.load(target)["summary"].sizes["record"] == 1
+    assert len(values(target, "record")) == 1
 
 
 def test_a_run_without_a_record_leaves_the_old_results(folder, done, tmp_path):
@@ -342,4 +359,4 @@ def test_a_file_name_in_an_odd_encoding_is_assessed(folder, tmp_path, capsys):
     except (OSError, UnicodeEncodeError):
         pytest.skip("this file system takes no name outside UTF-8")
     assert assess(odd, "-o", tmp_path / "results.h5") == 0
-    assert rp.load(tmp_path / "results.h5")["summary"]["source"].values[0].endswith("caf\ufffd.AT2")
+    assert values(tmp_path / "results.h5", "source")[0].endswith("caf\ufffd.AT2")

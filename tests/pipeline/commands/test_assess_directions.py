@@ -25,8 +25,12 @@ def swept(samples, tmp_path_factory):
     return target
 
 
-def test_a_sweep_is_written_and_read_back(swept):
-    tree = rp.load(swept)
+@pytest.fixture(scope="module")
+def tree(swept):
+    return rp.load(swept)
+
+
+def test_a_sweep_is_written_and_read_back(tree):
     found = tree["directions"]
     assert found["pair"].values.tolist() == ["CI.CLC..360-90@20190706T031608"]
     assert found.sizes["direction"] == 18
@@ -36,9 +40,9 @@ def test_a_sweep_is_written_and_read_back(swept):
     assert tree["summary"]["record"].values[2] == "CI.CLC..H020@20190706T031608"
 
 
-def test_the_schema_names_every_variable_of_a_sweep(swept):
+def test_the_schema_names_every_variable_of_a_sweep(tree):
     schema = SCHEMA.read_text(encoding="utf-8")
-    for name, variable in rp.load(swept)["directions"].to_dataset(inherit=False).variables.items():
+    for name, variable in tree["directions"].to_dataset(inherit=False).variables.items():
         assert f"`{name}`" in schema, name
         assert variable.attrs["units"]
         assert variable.attrs["long_name"]
@@ -55,11 +59,12 @@ def test_inspect_shows_the_directions(swept, capsys):
 def test_the_strongest_direction_is_one_record_with_its_exact_azimuth(samples, tmp_path, capsys):
     code, target = run(tmp_path, samples / "CICLC.v1", 'components = "strongest"')
     assert code == 0
-    summary = rp.load(target)["summary"]
+    tree = rp.load(target)
+    summary = tree["summary"]
     assert summary["record"].values.tolist() == ["CI.CLC..H160@20190706T031608"]
     assert summary["azimuth"].item() == pytest.approx(159.66, abs=0.011)
     assert "left out" in summary["warnings"].item()
-    assert "directions" not in rp.load(target).children
+    assert "directions" not in tree.children
     capsys.readouterr()
 
 

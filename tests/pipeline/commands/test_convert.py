@@ -10,6 +10,7 @@ from record_writers import at2, csmip_equal, pulse
 
 from rockpulse.cli import main
 from rockpulse.readers import read
+from rockpulse.readers.units import for_other_files
 
 
 @pytest.fixture
@@ -118,3 +119,14 @@ def test_of_what_is_skipped_the_first_few_are_listed(samples, tmp_path, capsys):
     lines = capsys.readouterr().err.splitlines()
     assert [line.split()[0] for line in lines] == ["skipped", "skipped", "skipped", "skipped:"]
     assert lines[-1] == "skipped: 5 more"
+
+
+def test_a_file_that_was_converted_as_advised_needs_no_option(tmp_path):
+    (tmp_path / "ours.txt").write_text("".join(f"{value:.6f}\n" for value in np.sin(np.arange(300))))
+    given = for_other_files("--units g --dt 0.01").partition("(rockpulse ")[2].rstrip(")")
+    arguments = (
+        given.replace("FILE.csv", str(tmp_path / "ours.csv")).replace("FILE", str(tmp_path / "ours.txt")).split()
+    )
+    assert main(arguments) == 0
+    (record,) = read(tmp_path / "ours.csv")
+    assert (record.dt, record.pga) == (0.01, pytest.approx(9.80665, rel=1e-3))

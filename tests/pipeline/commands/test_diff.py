@@ -1,7 +1,7 @@
 """``rockpulse diff``: exit codes and options."""
 
 import pytest
-from results_tree import results_tree
+from results_tree import results_bytes, results_tree
 
 from rockpulse.cli import main
 from rockpulse.store import save
@@ -11,12 +11,12 @@ from rockpulse.store import save
 def files(tmp_path_factory):
     """Results, and the same with a PGA that is larger by a millionth."""
     folder = tmp_path_factory.mktemp("results")
-    first, second = (str(folder / name) for name in ("a.h5", "b.h5"))
-    save(results_tree(), first)
+    first, second = folder / "a.h5", folder / "b.h5"
+    first.write_bytes(results_bytes())
     tree = results_tree()
     tree["summary"]["pga"].values[1] *= 1.0 + 1e-6
     save(tree, second)
-    return first, second
+    return str(first), str(second)
 
 
 def test_exit_code_zero_where_the_results_are_the_same(files, capsys):

@@ -2,7 +2,8 @@
 
 import pandas as pd
 import pytest
-from results_tree import RECORDS, results_tree
+import xarray as xr
+from results_tree import RECORDS, results_bytes, results_tree
 
 from rockpulse.cli import main
 from rockpulse.store import save
@@ -11,7 +12,7 @@ from rockpulse.store import save
 @pytest.fixture(scope="module")
 def results(tmp_path_factory):
     path = tmp_path_factory.mktemp("results") / "results.h5"
-    save(results_tree(), path)
+    path.write_bytes(results_bytes())
     return str(path)
 
 
@@ -67,3 +68,23 @@ def test_a_limit_is_a_whole_number_from_one(results, tmp_path, capsys, limit):
         main(["export", results, "-o", str(tmp_path / "t.csv"), "--limit", limit])
     assert end.value.code == 2
     assert "expected a whole number from 1" in capsys.readouterr().err
+
+
+def test_the_readme_has_the_demands_and_the_decimal_comma_is_an_option(tmp_path):
+    tree = results_tree()
+    summary = tree["summary"].to_dataset()
+    summary = summary.assign_coords(demand=("demand", ["SLD", "SLV"], {"units": "1", "long_name": "demand"}))
+    ratio = summary["safety_factor"].expand_dims(demand=2, axis=-1)
+    tree["summary"] = xr.DataTree(
+        summary.assign(
+            demand_acceleration=("demand", [1.0, 2.5], {"units": "m s-2", "long_name": "asked for"}),
+            capacity_ratio=(ratio.dims, ratio.values, {"units": "1", "long_name": "over demand"}),
+        )
+    )
+    save(tree, tmp_path / "r.h5")
+    target = tmp_path / "t.csv"
+    options = ["--model", "nonlinear", "--columns", "pga,outcome,capacity_ratio", "--decimal-comma"]
+    assert main(["export", str(tmp_path / "r.h5"), "-o", str(target), *options]) == 0
+    assert pd.read_csv(target, sep=";", decimal=",")["pga"].tolist()[:1] == [5.5574]
+    readme = (tmp_path / "t.README.md").read_text(encoding="utf-8")
+    assert "Demands (demand_acceleration): SLD 1 m s-2, SLV 2.5 m s-2." in readme

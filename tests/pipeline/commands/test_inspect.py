@@ -1,6 +1,5 @@
 """``rockpulse inspect`` on a tree that is known."""
 
-import shutil
 from pathlib import Path
 
 import h5py
@@ -8,7 +7,7 @@ import numpy as np
 import pandas as pd
 import pytest
 import xarray as xr
-from results_tree import RECORDS, results_tree
+from results_tree import RECORDS, results_bytes, results_tree
 
 import rockpulse as rp
 from rockpulse.calibration.rule import POINTS, Rule
@@ -24,17 +23,12 @@ from rockpulse.study.variables import STUDY
 from rockpulse.synthetic import synthetic_motion
 
 
-@pytest.fixture(scope="module")
-def saved(tmp_path_factory):
-    path = tmp_path_factory.mktemp("known") / "results.h5"
-    save(results_tree(), path)
-    return path
-
-
 @pytest.fixture
-def results(saved, tmp_path):
+def results(tmp_path):
     """A copy that may be changed."""
-    return str(shutil.copy(saved, tmp_path / "results.h5"))
+    path = tmp_path / "results.h5"
+    path.write_bytes(results_bytes())
+    return str(path)
 
 
 def test_the_overview_names_records_verdicts_and_what_was_left_out(results, capsys):
@@ -59,14 +53,6 @@ def test_record_block_and_failures_together(results, capsys):
     assert "interval dT" in out
     assert "restitution C" in out
     assert out.endswith("skipped (find) notes.txt: no record\n")
-
-
-def test_no_failures_are_told_as_such(tmp_path, capsys):
-    tree = results_tree()
-    tree["failures"] = tree["failures"].isel(failure=slice(0))
-    save(tree, tmp_path / "clean.h5")
-    assert main(["inspect", str(tmp_path / "clean.h5"), "--failures"]) == 0
-    assert capsys.readouterr().out == "nothing failed and nothing was skipped\n"
 
 
 @pytest.mark.parametrize("option", ["--record", "--block"])
@@ -157,24 +143,36 @@ def test_worst_does_not_go_with_another_order_or_list(results, capsys, beside):
 
 
 @pytest.mark.parametrize("gone", ["pga", "outcome", "record"])
-def test_answers_that_another_program_has_taken_out_are_named(tmp_path, capsys, gone):
-    save(results_tree(), tmp_path / "results.h5")
-    with h5py.File(tmp_path / "results.h5", "a") as file:
+def test_answers_that_another_program_has_taken_out_are_named(results, capsys, gone):
+    with h5py.File(results, "a") as file:
         del file["summary"][gone]
-    assert main(["inspect", str(tmp_path / "results.h5")]) == 2
+    assert main(["inspect", results]) == 2
     said = capsys.readouterr().err
     assert "verify' says what else" in said
     assert gone == "record" or f", {gone}," in said
 
 
-def test_names_of_several_lines_are_shown_in_one(tmp_path, capsys):
+@pytest.fixture(scope="module")
+def unusual(tmp_path_factory):
+    """Blocks with names of several lines, and nothing that failed."""
     tree = results_tree()
     names = xr.Variable("block", ["a\nb", "c\rd", "e\u2028f"], tree["summary"]["block"].attrs)
     tree["summary"] = xr.DataTree(tree["summary"].to_dataset().assign_coords(block=names))
-    save(tree, tmp_path / "names.h5")
-    assert main(["inspect", str(tmp_path / "names.h5"), "--blocks"]) == 0
+    tree["failures"] = tree["failures"].isel(failure=slice(0))
+    path = tmp_path_factory.mktemp("unusual") / "results.h5"
+    save(tree, path)
+    return str(path)
+
+
+def test_names_of_several_lines_are_shown_in_one(unusual, capsys):
+    assert main(["inspect", unusual, "--blocks"]) == 0
     out = capsys.readouterr().out
     assert all(name in out for name in ("a b ", "c d ", "e f "))
+
+
+def test_no_failures_are_told_as_such(unusual, capsys):
+    assert main(["inspect", unusual, "--failures"]) == 0
+    assert capsys.readouterr().out == "nothing failed and nothing was skipped\n"
 
 
 def test_an_order_without_a_variable_to_sort_by_is_refused(results, capsys):

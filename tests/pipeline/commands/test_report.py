@@ -1,14 +1,13 @@
 """``rockpulse report`` on a tree that is known."""
 
-from results_tree import results_tree
+from results_tree import results_bytes
 
 from rockpulse.cli import main
-from rockpulse.store import save
 
 
 def test_it_writes_the_page_and_says_where(tmp_path, capsys):
     results, report = tmp_path / "results.h5", tmp_path / "report.html"
-    save(results_tree(), results)
+    results.write_bytes(results_bytes())
     assert main(["report", str(results), "-o", str(report)]) == 0
     assert capsys.readouterr().out.startswith(f"report: {report} (0.")
     assert "boundary wall" in report.read_text(encoding="utf-8")

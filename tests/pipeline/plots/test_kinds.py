@@ -98,7 +98,7 @@ def test_the_tables_agree():
 
 
 def test_an_unknown_kind_is_refused_with_the_nearest(assessed):
-    with pytest.raises(ResultsError, match='did you mean "rotation-history"'):
+    with pytest.raises(ResultsError, match=r'did you mean "rotation-history"\? There are: '):
         draw(assessed, "rotations-history")
 
 

@@ -1,0 +1,73 @@
+"""Whether a file that no reader knows gets a line of its own: nothing that may be data is hidden."""
+
+import pytest
+
+from rockpulse.readers.no_record import advice, may_be_record
+from rockpulse.readers.source import HEAD, SourceFile
+
+VALUES = [-300.12, -299.87, 0.1132, -4821.02, 12.5, -0.5] * 20
+PROSE = "The strong-motion data are distributed by the agency as they are\n"
+
+
+def opened(name, content):
+    content = content.encode() if isinstance(content, str) else content
+    return SourceFile(name, content[:HEAD], lambda: content)
+
+
+def rows(template):
+    return "".join(template.format(t=0.01 * k, a=a) for k, a in enumerate(VALUES))
+
+
+@pytest.mark.parametrize(
+    "content",
+    [
+        "Station X\nUNITS CM/S/S\n" + "-300.12-299.87-411.32\n" * 30,  # columns that run together
+        "-300-299-411-123\n" * 30,
+        "date,acc\n" + rows("2019-07-06T03:19:{t:05.2f},{a}\n"),
+        rows("{t:.2f} {a}\n").replace("-", "\u2212"),
+        rows("{a}g\n"),
+        rows("t={t:.2f} s a={a} m/s2\n"),
+        rows('{{"time in seconds": {t:.2f}, "acceleration in gravity": {a}}},\n'),
+        rows("{t:.2f} 1,131.57\n"),
+        rows("sample {t:.0f} counts 4711\n"),
+        rows("{a:.5E}{a:.5E}\n").replace("E", "D"),
+        PROSE * 200 + "-300.12-299.87\n" * 12,  # a long heading
+        PROSE * 15 + "".join(f"{a:9.2f}" for a in VALUES * 3),  # all in one line
+        "\u0660\u0661 \u0662\u0663\n" * 50,  # digits of another script
+        bytes(range(256)),
+        b"\x01\x02abc def ghi",
+    ],
+)
+@pytest.mark.parametrize("name", ["noext", "a.txt", "a.csv", "b.zip!sub/a.json", "a.xml", "a.yaml"])
+def test_numbers_and_binary_data_may_be_a_record_whatever_they_are_called(content, name):
+    assert may_be_record(opened(name, content))
+
+
+@pytest.mark.parametrize(
+    ("name", "content"),
+    [
+        ("notes.txt", "hello world\nthis is prose\n"),
+        ("notes.txt", PROSE * 3 + "42\n" + PROSE * 3 + "version 1.2 of 2019\n\x1a"),
+        ("notes.txt", "Erdbeben f\u00fcr M\u00fcnchen\n".encode("latin-1")),
+        ("Readme.txt", "0.01 0.02\n" * 20),
+        ("z.zip!DISCLAIMER.TXT", PROSE),
+        ("_SearchResults.csv", "0.01,0.02,0.03\n" * 20),
+        ("costs.csv", "item,pieces,price\nanchor,4,120.5\nbolt,16,2.25\n"),  # a handful of numbers
+        ("guide.pdf", b"%PDF-1.4\x00\x01"),
+        ("plot.png", b"\x89PNG\r\n\x1a\n\x00\x00\x00\rIHDR"),
+        ("station.xml", "<a>\n<b>text</b>\n</a>\n"),
+    ],
+)
+def test_texts_and_pictures_are_no_records(name, content):
+    assert not may_be_record(opened(name, content))
+
+
+@pytest.mark.parametrize("name", ["readme.v2", "notes.AT2", "a.xls", "a.XLSX", "a.ods"])
+def test_the_suffix_of_a_record_or_a_spreadsheet_speaks_for_one(name):
+    assert may_be_record(opened(name, PROSE))
+
+
+@pytest.mark.parametrize("name", ["a.xls", "a.xlsx", "x.zip!a.ods"])
+def test_a_spreadsheet_is_to_be_saved_as_csv(name):
+    assert "save it as CSV" in advice(opened(name, b"\xd0\xcf\x11\xe0"))
+    assert "CSV" not in advice(opened("a.txt", "1"))
