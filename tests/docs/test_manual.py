@@ -140,6 +140,7 @@ def test_every_picture_of_a_page_is_drawn_by_that_page():
 
 
 def test_an_index_of_a_dotted_letter_stands_beside_it(monkeypatch):
+    pytest.importorskip("docutils", reason="no docutils: pip install -e '.[docs]'")
     monkeypatch.syspath_prepend(str(DOCS / "extensions"))
     translated = importlib.import_module("mathml").translated
     assert "munderover" not in translated(r"\dot{\theta}_i = C\,\dot{\theta}^{-}", as_block=True)

@@ -66,7 +66,7 @@ print(json.dumps([warm, compiled()]))
 
 @pytest.mark.parametrize(
     "kind",
-    ["everything", pytest.param("calibrate", marks=pytest.mark.slow), pytest.param("default", marks=pytest.mark.slow)],
+    ["default", pytest.param("calibrate", marks=pytest.mark.slow), pytest.param("everything", marks=pytest.mark.slow)],
 )
 def test_nothing_is_compiled_after_warming_up(kind, samples):
     run = subprocess.run(
