@@ -19,6 +19,7 @@ __all__ = [
     "capacities",
     "factor_cell",
     "factor_notes",
+    "passed_over",
     "search_limit",
     "short_factor_cell",
     "smallest_capacities",
@@ -124,6 +125,18 @@ def thin_margin(search_step: np.ndarray) -> np.ndarray:
     return np.fmax(THIN_MARGIN, 1.0 + THIN_STEPS * (np.asarray(search_step) - 1.0))
 
 
+def passed_over(missed: float) -> str:
+    """What the search for a safety factor may have missed, in words without a full stop.
+
+    Parameters
+    ----------
+    missed : float
+        Widest step of the search [-]: 0.015 for factors 1.5 % apart.
+    """
+    step = f"the step of the search (up to {missed:.1%})"
+    return f"Bands narrower than {step} may lie below it: do not read it to two digits"
+
+
 def factor_notes(summary: xr.Dataset, model: str, swept: bool = False) -> list[str]:
     """What the column SF of a table means; nothing where the model was not searched.
 
@@ -154,10 +167,7 @@ def factor_notes(summary: xr.Dataset, model: str, swept: bool = False) -> list[s
     missed = float(np.nanmax(found["search_step"])) - 1.0 if "search_step" in found else 0.0
     if missed > 0.0:
         key = "step" if model == "sequence" else "points"
-        notes[0] += (
-            f" Bands narrower than the step of the search (up to {missed:.1%}) may lie below it: do not read it "
-            f"to two digits ([search] {key})."
-        )
+        notes[0] += f" {passed_over(missed)} ([search] {key})."
     bound = found["factor_resolved"] == 0 if "factor_resolved" in found else np.zeros(factor.shape, dtype=bool)
     if bounds := np.count_nonzero(bound):
         notes.append(

@@ -14,10 +14,18 @@ from rockpulse.terminal import lower_bound, rough
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["BEYOND_CRITICAL", "MARKED", "beyond_critical", "verdict_notes"]
+__all__ = ["BEYOND_CRITICAL", "MARKED", "MARK_NOTES", "beyond_critical", "verdict_notes"]
 
 #: How a peak is shown that `auto` took from one of these.
 MARKED = {"impulsive": rough, "settled": lower_bound}
+
+#: What a mark at a peak means.
+MARK_NOTES = {
+    "*": "*: outside the range of this model (slenderness below 3, or a body unlike those of the rule's fit); read "
+    "with caution.",
+    "?": "?: not predictable: another answer when C or the record changes in the ninth digit.",
+    "~": "Peaks of auto: ~0.06 an estimate from impulses; >0.12 the peak so far, when the verdict was sure.",
+}
 
 #: What a rotation beyond the critical angle is, where it did not end in overturning.
 BEYOND_CRITICAL = (
@@ -50,19 +58,14 @@ def verdict_notes(summary: xr.Dataset, of_factors: list[str]) -> list[str]:
     if "resonance" in summary["model"].values:
         notes.append("resonance: an upper-bound type input (every main impulse at the worst moment), not a prediction.")
     if "applicable" in summary and (summary["applicable"] == 0).any():
-        notes.append(
-            "*: outside the range of this model (slenderness below 3, or a body unlike those of the rule's fit); read "
-            "with caution."
-        )
+        notes.append(MARK_NOTES["*"])
     if "predictable" in summary and (summary["predictable"] == 0).any():
-        notes.append("?: not predictable: another answer when C or the record changes in the ninth digit.")
+        notes.append(MARK_NOTES["?"])
     if "auto" in summary["model"].values:
         used = _models_used(summary)
         notes.append(f"auto: the cheapest model that answers, here {used}; the figures are those of that model.")
         if _any_marked(summary):
-            notes.append(
-                "Peaks of auto: ~0.06 an estimate from impulses; >0.12 the peak so far, when the verdict was sure."
-            )
+            notes.append(MARK_NOTES["~"])
     reasons = {int(code) for code in summary["reason"].values[summary["outcome"].values == Outcome.UNRESOLVED]}
     if reasons:
         words = ", ".join(Reason(code).name.lower().replace("_", " ") for code in sorted(reasons))

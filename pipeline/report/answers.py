@@ -13,7 +13,8 @@ from rockpulse.record_marks import doubts
 from rockpulse.report.motions import Motions
 from rockpulse.report.standing import GRADES, WORDS, Body, Standing, lanes, standings, why_unknown
 from rockpulse.report.tables import Cell, Column, Table, proportion
-from rockpulse.terminal import ABSENT, lower_bound, ratio, restitution, rough
+from rockpulse.terminal import ABSENT, ratio, restitution
+from rockpulse.verdict_notes import MARKED
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -25,9 +26,6 @@ UPPER_BOUND = "upper-bound type input"
 
 #: Demand of a record on a body.
 DEMANDS = ("uplift_ratio", "velocity_ratio", "impulse_ratio")
-
-#: How a peak is shown that `auto` took from one of these.
-_MARKED = {"impulsive": rough, "settled": lower_bound}
 
 _WORDS = {Outcome.AT_REST: "at rest", Outcome.OVERTURNS: "overturns", Outcome.UNRESOLVED: "unresolved"}
 
@@ -117,7 +115,7 @@ class Answers:
     def answer(self, model: str, record: int, lane: int) -> Cell:
         """What a model answers: the largest rotation over alpha_c, or a word."""
         outcome, peak, used, predictable, applicable = (table[record, lane] for table in self._of_model[model])
-        shown = _MARKED.get(str(used), ratio) if model == "auto" else ratio
+        shown = MARKED.get(str(used), ratio) if model == "auto" else ratio
         words = _WORDS.get(Outcome(int(outcome)), "") or shown(float(peak))
         marks = ("?" if predictable == 0 else "") + ("*" if applicable == 0 else "")
         return Cell(words + marks, _SORTED.get(Outcome(int(outcome)), float(peak)))
@@ -134,7 +132,7 @@ class Answers:
             found |= {"*"} if np.any(applicable == 0) else set()
         if "auto" in self._of_model:
             outcome, _, used, _, _ = self._of_model["auto"]
-            found |= {"~"} if np.any(np.isin(used, list(_MARKED)) & (outcome == Outcome.ROCKS)) else set()
+            found |= {"~"} if np.any(np.isin(used, list(MARKED)) & (outcome == Outcome.ROCKS)) else set()
         return found | ({"!"} if self._resolved is not None and np.any(self._resolved == 0) else set())
 
     def _answers_of(self, model: str) -> tuple[np.ndarray, ...]:

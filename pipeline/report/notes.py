@@ -6,18 +6,16 @@ import math
 
 import numpy as np
 
-from rockpulse.capacity_overview import BEYOND, factor_cell, search_limit
+from rockpulse.capacity_overview import BEYOND, factor_cell, passed_over, search_limit
 from rockpulse.record_marks import doubt_notes
 from rockpulse.report.answers import UPPER_BOUND, Answers
 from rockpulse.report.motions import Motions
-from rockpulse.verdict_notes import BEYOND_CRITICAL, beyond_critical
+from rockpulse.verdict_notes import BEYOND_CRITICAL, MARK_NOTES, beyond_critical
 
 __all__ = ["table_notes"]
 
 _MARKS = {
-    "*": "*: outside the range of this model (slenderness below 3, or a body unlike those of the rule's fit).",
-    "?": "?: not predictable: another answer when C or the record changes in the ninth digit.",
-    "~": "Peaks of auto: ~0.06 an estimate from impulses; >0.12 the peak so far, when the verdict was certain.",
+    **MARK_NOTES,
     "!": "!: from this factor on the model cannot answer, as in free flight: a lower bound; below it no overturning "
     "was found.",
 }
@@ -74,8 +72,5 @@ def _of_factors(answers: Answers, motions: Motions) -> list[str]:
         )
     missed = float(summary["search_step"].max()) - 1.0 if "search_step" in summary else 0.0
     if missed > 0.0:
-        words += (
-            f" Bands of overturning narrower than the step of the search (up to {missed:.1%}) may lie below it: do not "
-            "read SF to two digits."
-        )
+        words += f" {passed_over(missed)}."
     return [words]
