@@ -317,9 +317,13 @@ def _input(summary: xr.Dataset) -> str:
 
 
 def _worst(ratios: np.ndarray, directions: xr.Dataset) -> np.ndarray:
-    """Smallest over direction, (pair, demand), of ratios (record, demand); NaN where a direction has none."""
-    every = np.concatenate([ratios, np.full((1, ratios.shape[1]), np.nan)])
-    return np.asarray(every[directions["record_index"].values].min(axis=1))
+    """Smallest over direction, (pair, demand), of ratios (record, demand).
+
+    NaN where a direction has none, unless another fails the demand: then the pair does, whatever the missing one says.
+    """
+    every = np.concatenate([ratios, np.full((1, ratios.shape[1]), np.nan)])[directions["record_index"].values]
+    known = np.fmin.reduce(every, axis=1)
+    return np.where(known < 1.0, known, every.min(axis=1))
 
 
 def _number(factor: float | None, limit: float | None = None) -> str:

@@ -349,7 +349,11 @@ def test_the_overview_of_a_sweep_shows_the_smallest_factor_and_capacity_over_dir
     summary["factor_resolved"][int(np.argmin(summary["safety_factor"].values))] = 0
     marked = direction_table(summary, directions)
     assert next(line for line in marked.splitlines() if line.startswith("  wall")).split()[5] == f"{factor:.2f}!"
-    directions["record_index"][0, 0] = -1
+    lost = int(np.argmax(summary["capacity_ratio"].values[directions["record_index"].values[0]].ravel()))
+    directions["record_index"][0, lost] = -1
+    assert float(capacity) < 1.0
+    assert capacity in smallest_capacities(summary, "nonlinear", directions)  # fails whatever the lost one would say
+    summary["capacity_ratio"] = summary["capacity_ratio"] * 10.0
     assert "not known" in smallest_capacities(summary, "nonlinear", directions)
 
 
