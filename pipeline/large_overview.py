@@ -50,11 +50,9 @@ def large_overview(tree: xr.DataTree) -> str:
     model = fullest_model(summary)
     shown = worst_first(summary, model, Selection(limit=WORST))
     parts = [_strength(summary), _verdicts(summary), _blocks(summary, model)]
-    if "directions" in tree.children:
-        parts.append(_pairs(summary, tree["directions"].to_dataset(), model))
-    else:
-        parts.append(case_list(summary, shown))
-    parts.append(_capacities(summary, model))
+    directions = tree["directions"].to_dataset() if "directions" in tree.children else None
+    parts.append(case_list(summary, shown) if directions is None else _pairs(summary, directions, model))
+    parts.append(_capacities(summary, model, directions))
     return "\n\n".join(part for part in parts if part)
 
 
@@ -166,8 +164,8 @@ def _pairs(summary: xr.Dataset, directions: xr.Dataset, model: str) -> str:
     return f"{heading}:\n\n{direction_table(few, part)}"
 
 
-def _capacities(summary: xr.Dataset, model: str) -> str:
-    """Capacity over demand of the worst blocks."""
+def _capacities(summary: xr.Dataset, model: str, directions: xr.Dataset | None) -> str:
+    """Capacity over demand of the worst blocks; of a sweep over direction, every pair in its worst direction."""
     if "capacity_ratio" not in summary:
         return ""
     factor = answers(summary, "safety_factor", model)
@@ -176,7 +174,7 @@ def _capacities(summary: xr.Dataset, model: str) -> str:
     at = [str(label) for label in summary["model"].values].index(model)
     wanted = ("capacity_ratio", "factor_resolved", "safe_up_to", "pga", "restitution", "demand_acceleration")
     part = summary[[name for name in wanted if name in summary]].isel(model=[at], block=np.sort(order)).load()
-    return smallest_capacities(part, model)
+    return smallest_capacities(part, model, directions)
 
 
 def hints() -> str:

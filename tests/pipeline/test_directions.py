@@ -357,6 +357,29 @@ def test_the_overview_of_a_sweep_shows_the_smallest_factor_and_capacity_over_dir
     assert "not known" in smallest_capacities(summary, "nonlinear", directions)
 
 
+def capacity_part(text):
+    """The table of capacities over demand in an overview, as far as the blank line behind its note."""
+    return text[text.index("Capacity (safety factor x PGA") :].split("\n\n")[:3]
+
+
+def test_both_overviews_of_a_sweep_tell_the_same_capacities(monkeypatch):
+    """Two pairs of different strength: over all rotated records instead of over the pairs the median would be another."""
+    records = [channel(azimuth, f"S{k}", across=(1.0 - 0.3 * k) * ACROSS) for k in range(2) for azimuth in (90.0, 0.0)]
+    records = [replace(r, acceleration=r.acceleration * (0.7 if r.station == "S1" else 1.0)) for r in records]
+    options = config("sweep", (WALL, TOWER), ModelSettings(use=("linear", "nonlinear")), azimuth_step=45.0)
+    tree = assess(records, replace(options, demands=(DemandSettings(name="collapse", acceleration=2.5),)))
+    ratios = tree["summary"]["capacity_ratio"].sel(model="nonlinear", block="wall").values.ravel()
+    pairs = ratios[tree["directions"]["record_index"].values].min(axis=1)
+    assert f"{np.median(ratios):.2f}" != f"{np.median(pairs):.2f}"
+    whole = overview(tree)
+    assert f"{pairs.min():.2f}, {np.median(pairs):.2f}" in " ".join(whole.split())
+    monkeypatch.setattr(large_overview, "WHOLE", 1)
+    large = overview(tree)
+    assert "Verdicts, " in large
+    assert "Verdicts, " not in whole
+    assert capacity_part(large) == capacity_part(whole)
+
+
 INF, NAN = np.inf, np.nan
 
 
