@@ -1,7 +1,6 @@
 # `make help` lists the targets. PYTHON is the interpreter of the environment in use.
 PYTHON ?= .venv/bin/python
-# Numba's cache sees only a kernel's own file: a folder keyed by all of them never serves stale code.
-export NUMBA_CACHE_DIR ?= $(CURDIR)/.numba_cache/$(shell cat models/*.py | sha256sum | cut -c1-16)
+export NUMBA_CACHE_DIR ?= $(shell python3 tests/kernel_cache.py)
 
 # The kernels' own tests, less those of many samples or calls, which take plain Python minutes.
 KERNEL_TESTS := $(patsubst %,tests/models/test_%.py,recorded linear nonlinear finish polynomial ground hard_cases \
@@ -9,7 +8,7 @@ KERNEL_TESTS := $(patsubst %,tests/models/test_%.py,recorded linear nonlinear fi
 	sequence_lanes)
 LONG_IN_PYTHON := test_quarter_period or from_housners_threshold or more_half_cycles_than or same_without_compilation or slow_hops
 
-.PHONY: help install run test test-slow test-python samples fuzz lint types doctest wheel docs docs-test docs-pictures clean
+.PHONY: help install run test test-slow test-python samples fuzz kernel-cache lint types doctest wheel docs docs-test docs-pictures clean
 
 help:  ## list the targets
 	@grep -hE '^[a-z-]+: .*##' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):[^#]*## (.*)/  \1\t\2/' | expand -t 16
@@ -36,6 +35,9 @@ test-python:  ## the kernels' tests with the kernels as plain Python (under 2 mi
 samples:  ## write data/samples/formats: a small file of every format that is read
 	$(PYTHON) tests/make_format_samples.py
 
+kernel-cache:  ## the folder of the compiled kernels, one for each state of their sources
+	@echo $(NUMBA_CACHE_DIR)
+
 MINUTES ?= 60
 FIRST ?= 100000
 fuzz:  ## damage to every sample on every reader, MINUTES=60 long, from the seed FIRST=100000 on
@@ -45,20 +47,11 @@ lint:  ## ruff: format and rules
 	$(PYTHON) -m ruff format --check .
 	$(PYTHON) -m ruff check .
 
-# mypy and doctest need the package under its own name: a wheel, built in a copy that is thrown away.
-types: PACKAGE := $(shell mktemp -d)
-types:  ## mypy on the package
-	cp -r pyproject.toml README.md LICENSE pipeline models $(PACKAGE)
-	$(PYTHON) -m pip install -q --no-deps --target $(PACKAGE)/installed $(PACKAGE)
-	MYPYPATH=$(PACKAGE)/installed $(PYTHON) -m mypy -p rockpulse
-	rm -rf $(PACKAGE)
+types:  ## mypy on both packages
+	$(PYTHON) -m mypy
 
-doctest: PACKAGE := $(shell mktemp -d)
 doctest:  ## the examples in the docstrings
-	cp -r pyproject.toml README.md LICENSE pipeline models $(PACKAGE)
-	$(PYTHON) -m pip install -q --no-deps --target $(PACKAGE)/installed $(PACKAGE)
-	cd $(PACKAGE) && PYTHONPATH=$(PACKAGE)/installed $(abspath $(shell command -v $(PYTHON))) -m pytest -q --doctest-modules --pyargs rockpulse -p no:cacheprovider
-	rm -rf $(PACKAGE)
+	$(PYTHON) -m pytest -q --doctest-modules pipeline models
 
 # obspy finds its plugins in the metadata of what is installed: only a wheel, away from this folder, shows what users get.
 wheel: PACKAGE := $(shell mktemp -d)

@@ -18,14 +18,14 @@ from typing import Any
 
 import numpy as np
 
-from rockpulse.conditioning import condition
-from rockpulse.half_wave import HalfWaves, half_waves
-from rockpulse.models.block import Block
-from rockpulse.models.fidelity import Rung, choose_response
-from rockpulse.models.recorded import recorded_response
-from rockpulse.models.response import Outcome, Response
-from rockpulse.record import Record
-from rockpulse.sources import read_all
+from rocking.block import Block
+from rocking.fidelity import Rung, choose_response
+from rocking.recorded import recorded_response
+from rocking.response import Outcome, Response
+from rockpulse.readers.folders import read_all
+from rockpulse.record.conditioning import condition
+from rockpulse.record.half_wave import HalfWaves, half_waves
+from rockpulse.record.record import Record
 
 SAMPLES = Path(__file__).parents[1] / "data" / "samples" / "records"
 FACTORS = np.array([0.5, 1.0, 2.0])

@@ -1,4 +1,4 @@
-"""What a user writes today: scipy's ``solve_ivp`` with impact events (:mod:`rockpulse.baseline`), timed.
+"""What a user writes today: scipy's ``solve_ivp`` with impact events (``baseline``), timed.
 
 ``python benchmarks/baseline_solve_ivp.py`` times it on cases of the stored reference and prints its error beside it.
 """
@@ -9,8 +9,8 @@ import argparse
 import statistics
 import time
 
-from rockpulse.baseline import response
-from rockpulse.reference import load_reference, motion_of
+from rockpulse.studies.accuracy.baseline import response
+from rockpulse.studies.accuracy.reference import load_reference, motion_of
 
 
 def main() -> None:

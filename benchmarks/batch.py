@@ -29,14 +29,14 @@ sys.path.append(str(Path(__file__).parents[1] / "tests"))
 
 from record_writers import at2
 
+from rocking.threads import available_cores
 from rockpulse.batch.options import BatchOptions
 from rockpulse.batch.run import BatchReport, assess_files
-from rockpulse.body import BlockSettings
 from rockpulse.cli import main as rockpulse
-from rockpulse.config import Config
-from rockpulse.models.threads import available_cores
-from rockpulse.settings import ModelSettings, SearchSettings
-from rockpulse.synthetic import synthetic_motion
+from rockpulse.config.block_settings import BlockSettings
+from rockpulse.config.configuration import Config
+from rockpulse.config.settings import ModelSettings, SearchSettings
+from rockpulse.record.synthetic import synthetic_motion
 
 SAMPLES = 6000
 DT = 0.01  # s

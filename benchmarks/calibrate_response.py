@@ -17,13 +17,13 @@ from pathlib import Path
 import numpy as np
 from scipy.optimize import differential_evolution
 
-from rockpulse.calibration.response_calibration import ResponseCalibration, calibrate_response
+from rocking.sequence import ImpulseSequence, sequence_response
+from rockpulse.calibration.response import ResponseCalibration, calibrate_response
 from rockpulse.calibration.response_likelihood import log_likelihood
 from rockpulse.calibration.response_search import search_space
-from rockpulse.conditioning import condition
-from rockpulse.models.sequence import ImpulseSequence, sequence_response
-from rockpulse.record import Record
-from rockpulse.sources import read_all
+from rockpulse.readers.folders import read_all
+from rockpulse.record.conditioning import condition
+from rockpulse.record.record import Record
 
 SAMPLES = Path(__file__).parents[1] / "data" / "samples" / "records"
 

@@ -17,7 +17,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from rockpulse.half_wave import half_waves
+from rocking.capacity import POINTS, uplift_scale
 from rockpulse.models import (
     Block,
     ImpulseSequence,
@@ -29,9 +29,9 @@ from rockpulse.models import (
     resonance_critical_scale,
     sequence_critical_scale,
 )
-from rockpulse.models.capacity import POINTS, uplift_scale
-from rockpulse.record import Record
-from rockpulse.synthetic import synthetic_lanes, synthetic_motion
+from rockpulse.record.half_wave import half_waves
+from rockpulse.record.record import Record
+from rockpulse.record.synthetic import synthetic_lanes, synthetic_motion
 
 DT = 0.01  # s
 FACTOR_MAX = 10.0

@@ -19,14 +19,14 @@ from pathlib import Path
 
 import numpy as np
 
+from rocking.effective_impulse import effective_impulse_response
 from rockpulse import read
-from rockpulse.conditioning import condition
 from rockpulse.errors import RockpulseError
-from rockpulse.half_wave import half_waves
 from rockpulse.models import Block, Outcome, Response, impulsive_response, recorded_response
-from rockpulse.models.effective_impulse import effective_impulse_response
-from rockpulse.record import STANDARD_GRAVITY, Record
-from rockpulse.synthetic import synthetic_motion
+from rockpulse.record.conditioning import condition
+from rockpulse.record.half_wave import half_waves
+from rockpulse.record.record import STANDARD_GRAVITY, Record
+from rockpulse.record.synthetic import synthetic_motion
 
 SLENDERNESS = np.array([4.0, 6.0, 8.0, 12.0])
 RADIUS = np.array([1.0, 2.0, 4.0])

@@ -20,12 +20,12 @@ from typing import Any
 
 import numpy as np
 
-from rockpulse.half_wave import half_waves
+from rocking.effective_impulse import effective_impulse_response
+from rocking.sequence_safety import sequence_critical_scale
 from rockpulse.models import Block, ImpulseSequence, impulsive_response, recorded_response, sequence_response
-from rockpulse.models.effective_impulse import effective_impulse_response
-from rockpulse.models.sequence_safety import sequence_critical_scale
-from rockpulse.record import Record
-from rockpulse.synthetic import synthetic_motion
+from rockpulse.record.half_wave import half_waves
+from rockpulse.record.record import Record
+from rockpulse.record.synthetic import synthetic_motion
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "models"))
 from impulsive_march import march

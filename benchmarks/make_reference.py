@@ -4,7 +4,7 @@ Every case is answered by :mod:`precise_rocking` three times: as it is, with C l
 the record scaled by 1 + 1e-13, so that how well a case is conditioned is known from the table itself.
 
 Cases: synthetic motions under synthetic lanes, and the sample records of ``data/samples`` (conditioned with the default
-options, rounded as in :func:`rockpulse.reference.sample_motion`) under the bodies of ``site.toml`` and some more.
+options, rounded as in ``sample_motion``) under the bodies of ``site.toml`` and some more.
 """
 
 from __future__ import annotations
@@ -21,13 +21,13 @@ from typing import NamedTuple
 import numpy as np
 from precise_rocking import BITS, LONGEST_STEP, ONE, TERM, Real, respond
 
-from rockpulse.conditioning import condition
-from rockpulse.config import load_config
-from rockpulse.models.block import Block
+from rocking.block import Block
+from rockpulse.config.configuration import load_config
 from rockpulse.readers import read
-from rockpulse.record import STANDARD_GRAVITY
-from rockpulse.reference import COLUMNS, SYNTHETIC, TABLE, motion_sha256, sample_motion
-from rockpulse.synthetic import synthetic_lanes, synthetic_motion
+from rockpulse.record.conditioning import condition
+from rockpulse.record.record import STANDARD_GRAVITY
+from rockpulse.record.synthetic import synthetic_lanes, synthetic_motion
+from rockpulse.studies.accuracy.reference import COLUMNS, SYNTHETIC, TABLE, motion_sha256, sample_motion
 
 TOP = Path(__file__).parents[1]
 PERTURBATION = ONE / 10**13

@@ -21,17 +21,17 @@ from typing import NamedTuple
 
 import numpy as np
 
-from rockpulse.conditioning import condition
-from rockpulse.half_wave import half_waves
-from rockpulse.models import fidelity
-from rockpulse.models.block import Block
-from rockpulse.models.demand import SETTLED, ground_demand
-from rockpulse.models.impulsive import impulsive_response
-from rockpulse.models.recorded import recorded_response
-from rockpulse.models.response import Outcome
-from rockpulse.record import STANDARD_GRAVITY, Record
-from rockpulse.sources import read_all
-from rockpulse.synthetic import synthetic_motion
+from rocking import fidelity
+from rocking.block import Block
+from rocking.demand import SETTLED, ground_demand
+from rocking.impulsive import impulsive_response
+from rocking.recorded import recorded_response
+from rocking.response import Outcome
+from rockpulse.readers.folders import read_all
+from rockpulse.record.conditioning import condition
+from rockpulse.record.half_wave import half_waves
+from rockpulse.record.record import STANDARD_GRAVITY, Record
+from rockpulse.record.synthetic import synthetic_motion
 
 SAMPLES = Path(__file__).parents[1] / "data" / "samples" / "records"
 PEAKS = STANDARD_GRAVITY * np.array([0.1, 0.2, 0.35, 0.5, 0.8, 1.2])

@@ -16,15 +16,15 @@ import argparse
 import numpy as np
 
 from rockpulse import Config, calibrate_site, condition, read_all
-from rockpulse.calibration import site_design
-from rockpulse.calibration.site_coverage import coverage_of, leave_one_event_out
-from rockpulse.calibration.site_design import BEYOND, SiteSample, covered, design_sequence
-from rockpulse.calibration.site_record import rotation_to_cover
-from rockpulse.components import select_horizontal
+from rockpulse.config.settings import CalibrationSettings, ConditioningSettings
 from rockpulse.errors import RecordRefused, RockpulseError
 from rockpulse.models import Block, ImpulseSequence, sequence_response
-from rockpulse.record import STANDARD_GRAVITY, Record
-from rockpulse.settings import CalibrationSettings, ConditioningSettings
+from rockpulse.record.components import select_horizontal
+from rockpulse.record.record import STANDARD_GRAVITY, Record
+from rockpulse.studies.site import design as site_design
+from rockpulse.studies.site.coverage import coverage_of, leave_one_event_out
+from rockpulse.studies.site.design import BEYOND, SiteSample, covered, design_sequence
+from rockpulse.studies.site.record import rotation_to_cover
 
 CONDITIONING = ConditioningSettings(baseline="mean", highpass_hz=0.1)
 QUANTILES = (0.5, 0.84)

@@ -21,10 +21,10 @@ from collections.abc import Callable
 import numpy as np
 from numba import njit
 
-from rockpulse.baseline import response as solve_ivp_response
+from rocking.threads import available_cores
 from rockpulse.models import Block, Outcome, recorded_response
-from rockpulse.models.threads import available_cores
-from rockpulse.synthetic import synthetic_lanes, synthetic_motion
+from rockpulse.record.synthetic import synthetic_lanes, synthetic_motion
+from rockpulse.studies.accuracy.baseline import response as solve_ivp_response
 
 EQUATIONS = ("linear", "nonlinear")
 DT = 0.01  # s

@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
-import hashlib
 import os
 from pathlib import Path
 
 import pytest
+from kernel_cache import kernel_cache
+
+import rocking
 
 TOP = Path(__file__).parents[1]
 
-# Numba's cache sees only a kernel's own file: one folder for each state of all of them. Set before numba is imported.
-STATE = hashlib.sha256(b"".join(path.read_bytes() for path in sorted((TOP / "models").glob("*.py"))))
-os.environ.setdefault("NUMBA_CACHE_DIR", str(TOP / ".numba_cache" / STATE.hexdigest()[:16]))
+# Set before numba is imported.
+os.environ.setdefault("NUMBA_CACHE_DIR", str(kernel_cache(Path(rocking.__file__).parent)))
 
 
 @pytest.fixture(scope="session")

@@ -30,7 +30,7 @@ from rockpulse.errors import RockpulseError
 from rockpulse.readers import FORMATS, read_source
 from rockpulse.readers.format import ReadOptions
 from rockpulse.readers.source import HEAD, SourceFile
-from rockpulse.record import Record
+from rockpulse.record.record import Record
 
 #: A case that takes longer [s], or lets the process grow by more [bytes], is a failure.
 TIME_LIMIT, MEMORY_LIMIT = 2.0, 256 * 1024**2

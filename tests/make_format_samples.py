@@ -19,7 +19,7 @@ from typing import Any
 import record_writers
 
 from rockpulse.readers import read
-from rockpulse.record import STANDARD_GRAVITY, Record
+from rockpulse.record.record import STANDARD_GRAVITY, Record
 
 SAMPLES = Path(__file__).parents[1] / "data" / "samples"
 FORMATS = SAMPLES / "formats"

@@ -4,7 +4,7 @@ import numpy as np
 import xarray as xr
 
 from rockpulse.models import Block
-from rockpulse.variables import ANSWER, BLOCK, CASE, DEMAND, FAILURE, OVERTURNING, RECORD, WAVES, described
+from rockpulse.storage.variables import ANSWER, BLOCK, CASE, DEMAND, FAILURE, OVERTURNING, RECORD, WAVES, described
 
 MODELS = ["resonance", "sequence", "impulsive", "linear", "nonlinear"]
 FLAGS = {

@@ -3,10 +3,10 @@
 import numpy as np
 import xarray as xr
 
-from rockpulse.models.response import Outcome
-from rockpulse.report.motions import Motions
-from rockpulse.report.standing import bodies_of
-from rockpulse.report.verdict import verdicts
+from rocking.response import Outcome
+from rockpulse.views.report.motions import Motions
+from rockpulse.views.report.standing import bodies_of
+from rockpulse.views.report.verdict import verdicts
 
 OF = ("record", "block", "model")
 

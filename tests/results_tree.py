@@ -119,7 +119,7 @@ def results_tree(cases=None):
 @cache
 def results_bytes(title="Borgo"):
     """The file of the tree, saved once and for all tests."""
-    from rockpulse.store import save
+    from rockpulse.storage.save_load import save
 
     tree = results_tree()
     tree.attrs["title"] = title

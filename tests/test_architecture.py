@@ -1,4 +1,4 @@
-"""The shape of the house, read from the source text: three rings, imports that point inward, docstrings, packages.
+"""The shape of the house, read from the source text: rooms in one order, no circle, docstrings, nothing passed over.
 
 Each rule is one test over all sources, which names every offender.
 """
@@ -7,30 +7,46 @@ import ast
 import sys
 import tomllib
 from functools import cache
+from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
 
 ROOT = Path(__file__).parents[1]
-PIPELINE, MODELS = ROOT / "pipeline", ROOT / "models"
-PIPELINE_FILES, MODEL_FILES = sorted(PIPELINE.rglob("*.py")), sorted(MODELS.rglob("*.py"))
-SOURCES = [*PIPELINE_FILES, *MODEL_FILES]
-READERS = [path for path in PIPELINE_FILES if path.is_relative_to(PIPELINE / "readers")]
+TOPS = [ROOT / "models", ROOT / "pipeline"]
+SOURCES = [path for top in TOPS for path in sorted(top.rglob("*.py"))]
 
-#: The outer ring of the package: files in, files and text out. What is not named here is the middle ring.
-EDGE = {"readers", "sources", "store", "cli", "commands", "overview", "details", "terminal", "__main__"}
-EDGE |= {"capacity_overview", "direction_overview", "failure_overview"}
-EDGE |= {"fragility_overview"}
-EDGE |= {"conversion", "obspy_plugin", "obspy_trace", "writers"}
-EDGE |= {"accuracy_overview", "accuracy_files", "plots"}
-EDGE |= {"design_file", "rule_overview", "site_overview"}
-EDGE |= {"study_overview"}
-EDGE |= {"checksums", "input_files", "target_file", "tree_writer", "verification"}
-EDGE |= {"report"}
-EDGE |= {"batch"}
-EDGE |= {"results_file", "selection", "long_table", "table_files", "answer_lists", "large_overview"}
-EDGE |= {"answer_changes", "differences", "difference_overview", "row_matching"}
-EDGE |= {"record_marks", "verdict_notes"}
-#: The face of the package, which names everything.
-FACE = {"__init__"}
+#: The rooms from the ground up, those of one line side by side: a module imports from its own room and from the lines
+#: above its own. A room is the longest of these names that a module's dotted name begins with.
+ROOMS = """
+rocking
+rockpulse.version rockpulse.failures
+rockpulse.errors
+rockpulse.option rockpulse.file_set
+rockpulse.record
+rockpulse.config
+rockpulse.readers
+rockpulse.calibration
+rockpulse.storage
+rockpulse.assessment
+rockpulse.studies.accuracy
+rockpulse.studies.site
+rockpulse.studies.rule
+rockpulse.studies.fragility
+rockpulse.studies.paper
+rockpulse.batch
+rockpulse.views.shared
+rockpulse.views.text
+rockpulse.views.plots
+rockpulse.views.diff
+rockpulse.views.report
+rockpulse.commands
+rockpulse.cli
+rockpulse.__main__
+rockpulse.models rockpulse.plots rockpulse.study
+rockpulse
+"""
+LEVEL = {room: level for level, line in enumerate(ROOMS.split("\n")) for room in line.split()}
+#: Packages that hold rooms and nothing else.
+HALLS = {"rockpulse.studies", "rockpulse.views"}
 
 
 @cache
@@ -53,57 +69,106 @@ def imports(paths):
                 yield from ((place(path, node), path, f"{module}.{alias.name}") for alias in node.names)
 
 
+def dotted(path):
+    top = next(top for top in TOPS if path.is_relative_to(top))
+    return ".".join(path.relative_to(top).with_suffix("").parts).removesuffix(".__init__")
+
+
+def room_of(module):
+    """The room of a module; empty for one that is in none."""
+    names = module.split(".")
+    lines = (".".join(names[:count]) for count in range(len(names), 0, -1))
+    # The face is a room of one module: what is in no other room is not in it either.
+    return next((name for name in lines if name in LEVEL and (name != "rockpulse" or module == name)), "")
+
+
+def module_graph(sources):
+    """The modules that each module imports, anywhere in its text and also where only types are checked.
+
+    ``sources`` maps dotted names to syntax trees. An import from a package counts as one of the submodule of that name,
+    where there is one.
+    """
+    graph = {name: set() for name in sources}
+    for name, tree in sources.items():
+        for node in ast.walk(tree):
+            if isinstance(node, ast.Import):
+                graph[name] |= {alias.name for alias in node.names} & set(sources)
+            elif isinstance(node, ast.ImportFrom) and node.module in sources:
+                inside = {f"{node.module}.{alias.name}" for alias in node.names}
+                graph[name] |= (inside & set(sources)) or {node.module}
+    return graph
+
+
+def upward(graph):
+    """The imports that lead to a line below the importer's own in the list of rooms, or to another room of its line."""
+    found = []
+    for name, imported in sorted(graph.items()):
+        for other in sorted(imported):
+            here, there = room_of(name), room_of(other)
+            if here != there and here and there and LEVEL[there] >= LEVEL[here]:
+                found.append(f"{name} -> {other}")
+    return found
+
+
+def circle(graph):
+    """The modules of a circle of imports; empty where there is none."""
+    try:
+        TopologicalSorter(graph).prepare()
+    except CycleError as found:
+        return found.args[1]
+    return []
+
+
+GRAPH = module_graph({dotted(path): parsed(path) for path in SOURCES})
+
+
 def test_no_import_is_relative():
     assert [f"{where}: {name}" for where, _, name in imports(SOURCES) if name.startswith(".")] == []
 
 
-def test_models_import_only_numerics_and_themselves():
-    allowed = set(sys.stdlib_module_names) | {"numpy", "scipy", "numba"}
+def test_rocking_imports_only_numerics_and_itself():
+    allowed = set(sys.stdlib_module_names) | {"numpy", "scipy", "numba", "rocking"}
     offenders = []
-    for where, path, name in imports(MODEL_FILES):
-        inside = name.startswith("rockpulse.models.")
-        # The face of the models needs the lazy loader and nothing else.
+    for where, path, name in imports(path for path in SOURCES if path.is_relative_to(TOPS[0])):
+        # The face needs the lazy loader and nothing else.
         face = path.name == "__init__.py" and name.startswith("lazy_loader")
-        if not (inside or face or name.split(".")[0] in allowed):
+        if not (face or name.split(".")[0] in allowed):
             offenders.append(f"{where}: {name}")
     assert offenders == []
 
 
-def ring_member(path):
-    return path.relative_to(PIPELINE).parts[0].removesuffix(".py")
+def test_every_module_has_a_room_and_every_room_a_module():
+    homeless = [name for name in GRAPH if not room_of(name)]
+    assert set(homeless) == HALLS
+    assert {room_of(name) for name in GRAPH} - {""} == set(LEVEL)
 
 
-MIDDLE = [path for path in PIPELINE_FILES if ring_member(path) not in EDGE | FACE]
+def test_no_import_leads_upward():
+    assert upward(GRAPH) == []
 
 
-def test_the_middle_ring_imports_neither_the_edge_nor_the_face():
-    # Of the face, which is `rockpulse` itself, the submodule is to be imported.
-    ours = [(where, name.split(".")) for where, _, name in imports(MIDDLE) if name.split(".")[0] == "rockpulse"]
-    assert [f"{where}: {'.'.join(parts)}" for where, parts in ours if len(parts) == 1 or parts[1] in EDGE] == []
+def test_no_modules_import_each_other_in_a_circle():
+    assert circle(GRAPH) == []
 
 
-def test_readers_know_nothing_of_the_assessment():
-    allowed = {"readers", "record", "errors"}
-    ours = [(where, name.split(".")) for where, _, name in imports(READERS) if name.split(".")[0] == "rockpulse"]
-    assert [f"{where}: {'.'.join(parts)}" for where, parts in ours if not allowed.intersection(parts[1:2])] == []
+def test_a_wrong_import_is_seen():
+    wrong = {"rockpulse.record.record": "from rockpulse.views.text import overview", "rockpulse.views.text": "pass"}
+    assert upward(module_graph({name: ast.parse(text) for name, text in wrong.items()})) == [
+        "rockpulse.record.record -> rockpulse.views.text"
+    ]
+    face = {"rockpulse.storage.selection": "def f():\n    import rockpulse", "rockpulse": "pass"}
+    assert len(upward(module_graph({name: ast.parse(text) for name, text in face.items()}))) == 1
+    types = "from typing import TYPE_CHECKING\nif TYPE_CHECKING:\n    from rockpulse.config.bodies import Bodies"
+    round_about = {"rockpulse.config.bodies": "import rockpulse.config.settings", "rockpulse.config.settings": types}
+    assert set(circle(module_graph({name: ast.parse(text) for name, text in round_about.items()}))) == set(round_about)
 
 
-def test_the_rings_hold_every_module_they_name():
-    names = {ring_member(path) for path in PIPELINE_FILES}
-    assert names >= EDGE | FACE
-    assert {"record", "assessment", "config", "accuracy", "reference", "synthetic"} <= {
-        ring_member(path) for path in MIDDLE
-    }
-
-
-def test_the_packages_of_the_distribution_are_the_folders():
-    setuptools = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["tool"]["setuptools"]
-    folders = {"rockpulse"}
-    for top, name in ((PIPELINE, "rockpulse"), (MODELS, "rockpulse.models")):
-        for path in top.rglob("*.py"):
-            folders.add(".".join([name, *path.parent.relative_to(top).parts]))
-    assert set(setuptools["packages"]) == folders
-    assert setuptools["package-dir"] == {"rockpulse": "pipeline", "rockpulse.models": "models"}
+def test_the_build_takes_the_two_packages_and_installs_them_in_place():
+    build = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["tool"]["hatch"]["build"]
+    assert build["targets"]["wheel"]["packages"] == ["pipeline/rockpulse", "models/rocking"]
+    assert build["dev-mode-dirs"] == ["pipeline", "models"]
+    packages = {dotted(path) for top in TOPS for path in top.glob("*/__init__.py")}
+    assert packages == {"rockpulse", "rocking"}
 
 
 def test_every_module_and_every_public_function_has_a_docstring():
@@ -138,12 +203,28 @@ def test_no_error_is_caught_bare_or_passed_over():
 
 
 def test_the_public_names_are_there():
+    import rocking
     import rockpulse
-    from rockpulse import models
+    from rockpulse.studies import paper
+    from rockpulse.views import plots
 
-    for package, stub in ((rockpulse, PIPELINE / "__init__.pyi"), (models, MODELS / "__init__.pyi")):
-        tree = ast.parse(stub.read_text(encoding="utf-8"))
+    for package in (rockpulse, rocking, plots, paper):
+        tree = ast.parse(Path(package.__file__).with_suffix(".pyi").read_text(encoding="utf-8"))
         named = {alias.asname for node in tree.body if isinstance(node, ast.ImportFrom) for alias in node.names}
         assert named
         assert named <= set(package.__all__)
         assert all(getattr(package, name) is not None for name in named)
+
+
+def test_the_short_names_are_the_packages_themselves():
+    import rocking
+    import rockpulse
+    from rockpulse import models
+    from rockpulse.studies import paper
+    from rockpulse.views import plots
+
+    for short, package in ((models, rocking), (rockpulse.plots, plots), (rockpulse.study, paper)):
+        assert short.__all__ == package.__all__
+        assert set(dir(short)) >= set(package.__all__)
+        assert all(getattr(short, name) is getattr(package, name) for name in package.__all__)
+    assert not hasattr(models, "no_such_name")

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from results_tree import results_bytes
 
-READERS = Path(__file__).parents[1] / "pipeline" / "readers"
+READERS = Path(__file__).parents[1] / "pipeline" / "rockpulse" / "readers"
 HEAVY = ("numba", "xarray", "h5py", "pandas", "scipy.signal", "obspy", "matplotlib", "jinja2")
 
 
@@ -58,7 +58,7 @@ def test_help_and_small_verbs_load_nothing_heavy():
 def test_no_reader_loads_anything_heavy():
     names = [f"rockpulse.readers.{path.stem}" for path in sorted(READERS.glob("*.py")) if path.stem != "__init__"]
     assert len(names) > 20
-    assert loaded(none_of(f"import {name}" for name in ["rockpulse.readers", *names, "rockpulse.obspy_plugin"])) == []
+    assert loaded(none_of(f"import {name}" for name in ["rockpulse.readers", *names])) == []
 
 
 def test_the_faces_and_the_configuration_load_nothing_heavy():

@@ -9,12 +9,11 @@ import numpy as np
 import pytest
 
 import rockpulse as rp
-from rockpulse.body import BlockSettings
-from rockpulse.calibration import site_variables
-from rockpulse.settings import DemandSettings, ModelSettings, RecordSettings
-from rockpulse.study import variables as study_variables
-from rockpulse.synthetic import synthetic_motion
-from rockpulse.variables import FAILURE
+from rockpulse.config.block_settings import BlockSettings
+from rockpulse.config.settings import DemandSettings, ModelSettings, RecordSettings
+from rockpulse.record.synthetic import synthetic_motion
+from rockpulse.storage import site_variables, study_variables
+from rockpulse.storage.variables import FAILURE
 
 SCHEMA = (Path(__file__).parents[1] / "docs" / "schema.md").read_text(encoding="utf-8")
 EXAMPLES = re.findall(r"```python\n(.*?)```", SCHEMA, re.DOTALL)

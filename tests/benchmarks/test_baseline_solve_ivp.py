@@ -8,7 +8,7 @@ from recorded_cases import EQUATIONS, G, synthetic
 from rocking_reference import block_of
 
 from rockpulse.models import Outcome, recorded_response
-from rockpulse.synthetic import synthetic_lanes, synthetic_motion
+from rockpulse.record.synthetic import synthetic_lanes, synthetic_motion
 
 
 def answer(baseline, block, ground, dt, equation, **options):

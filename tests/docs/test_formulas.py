@@ -10,7 +10,7 @@ import pytest
 
 import rockpulse as rp
 from rockpulse import models
-from rockpulse.components import Pair
+from rockpulse.record.components import Pair
 
 G = 9.81
 

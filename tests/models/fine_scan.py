@@ -4,8 +4,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from rockpulse.models import Block, Outcome, critical_scale, recorded_response
-from rockpulse.synthetic import synthetic_lanes, synthetic_motion
+from rocking import Block, Outcome, critical_scale, recorded_response
+from rockpulse.record.synthetic import synthetic_lanes, synthetic_motion
 
 #: Factors of the search, and steps of the fine scan in one of its steps.
 POINTS, FINER = 64, 20

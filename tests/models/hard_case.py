@@ -17,7 +17,7 @@ import numpy as np
 import pytest
 from recorded_cases import EQUATIONS
 
-from rockpulse.models import Block, Outcome, Reason, recorded_response
+from rocking import Block, Outcome, Reason, recorded_response
 
 SCRIPT = Path(__file__).parents[2] / "benchmarks" / "precise_rocking.py"
 SPEC = importlib.util.spec_from_file_location("precise_rocking", SCRIPT)

@@ -8,8 +8,8 @@ from __future__ import annotations
 
 import math
 
-from rockpulse.models.block import Block
-from rockpulse.models.response import Outcome
+from rocking.block import Block
+from rocking.response import Outcome
 
 GAINS = {
     "paper": math.cos,

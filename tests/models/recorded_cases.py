@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from rockpulse.models import Block
+from rocking import Block
 
 G = 9.81  # VALIDATION: all numbers are for this value; blocks A and B have R = 2 m and R = 4 m
 EQUATIONS = ["linear", "nonlinear"]

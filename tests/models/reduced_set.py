@@ -8,7 +8,7 @@ import logging
 
 import numpy as np
 
-from rockpulse.models import (
+from rocking import (
     Block,
     ImpulseSequence,
     effective_impulse_response,
@@ -16,8 +16,8 @@ from rockpulse.models import (
     recorded_response,
     sequence_response,
 )
-from rockpulse.models.sequence import scaled_outcomes
-from rockpulse.synthetic import synthetic_motion
+from rocking.sequence import scaled_outcomes
+from rockpulse.record.synthetic import synthetic_motion
 
 DT = 0.02
 MOTION = synthetic_motion(3, duration=3.0, dt=DT, pga=5.0)

@@ -28,8 +28,8 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 from scipy.signal import butter, sosfilt
 
-from rockpulse.models.block import Block
-from rockpulse.models.response import IMPACT_CUTOFF, Outcome
+from rocking.block import Block
+from rocking.response import IMPACT_CUTOFF, Outcome
 
 RTOL, ATOL = 5e-14, 1e-17
 #: Longest piece of one integration, times p.

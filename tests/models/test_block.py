@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from rockpulse.models.block import STANDARD_GRAVITY, Block
+from rocking.block import STANDARD_GRAVITY, Block
 
 
 def block(radius, **options):

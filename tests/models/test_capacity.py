@@ -4,7 +4,7 @@ import fine_scan
 import numpy as np
 import pytest
 
-from rockpulse.models import (
+from rocking import (
     Block,
     Outcome,
     critical_scale,
@@ -13,7 +13,7 @@ from rockpulse.models import (
     recorded_response,
     resonance_safety,
 )
-from rockpulse.models.capacity import uplift_scale
+from rocking.capacity import uplift_scale
 
 G = 9.81
 PULSED = Block.from_parameters(p=2.0, alpha=0.1, restitution=0.9, gravity=G)

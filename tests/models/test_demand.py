@@ -7,8 +7,8 @@ from hypothesis import strategies as st
 from recorded_cases import synthetic
 from scipy.integrate import quad
 
-from rockpulse.models import Block, ground_demand
-from rockpulse.models.demand import LOBES
+from rocking import Block, ground_demand
+from rocking.demand import LOBES
 
 
 def demand(ground, dt=0.01, p=(2.0,), alpha=0.1, c=0.9):

@@ -7,11 +7,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from rockpulse.models.block import Block
-from rockpulse.models.effective_impulse import FORCES, effective_impulse_response
-from rockpulse.models.impulsive import impulsive_response
-from rockpulse.models.recorded import recorded_response
-from rockpulse.models.response import Outcome, Reason
+from rocking.block import Block
+from rocking.effective_impulse import FORCES, effective_impulse_response
+from rocking.impulsive import impulsive_response
+from rocking.recorded import recorded_response
+from rocking.response import Outcome, Reason
 
 G = 9.81
 PROPERTY = settings(derandomize=True, deadline=None, max_examples=40)

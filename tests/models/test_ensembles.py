@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 from recorded_cases import EQUATIONS
 
-from rockpulse.models import Block, Outcome, recorded_response
-from rockpulse.synthetic import synthetic_motion
+from rocking import Block, Outcome, recorded_response
+from rockpulse.record.synthetic import synthetic_motion
 
 MOTIONS = 120
 DT = 0.01

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from recorded_cases import block_a, synthetic
 
-from rockpulse.models import Block, Outcome, Rung, choose_response, recorded_response
-from rockpulse.models.fidelity import MEASURED_RANGE, SAFE_BUILD_UP
+from rocking import Block, Outcome, Rung, choose_response, recorded_response
+from rocking.fidelity import MEASURED_RANGE, SAFE_BUILD_UP
 
 DT = 0.01
 FACTORS = np.array([0.1, 0.3, 0.6, 1.0])

@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from rockpulse.models import slots as row
-from rockpulse.models.finish import IMPACT, LOOK_CLOSER, NOTHING, finish_steps
-from rockpulse.models.nonlinear import nonlinear_steps
-from rockpulse.models.polynomial import ORDER, first_impact, value, velocity
+from rocking import slots as row
+from rocking.finish import IMPACT, LOOK_CLOSER, NOTHING, finish_steps
+from rocking.nonlinear import nonlinear_steps
+from rocking.polynomial import ORDER, first_impact, value, velocity
 
 
 def steps(seed):

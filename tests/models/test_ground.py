@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from rockpulse.models.ground import extremes, largest_left, next_exceedance
+from rocking.ground import extremes, largest_left, next_exceedance
 
 NONE = np.empty(0)
 

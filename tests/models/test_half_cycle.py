@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from rockpulse.models.half_cycle import (
+from rocking.half_cycle import (
     CONTINUOUS,
     END,
     MIDDLE,
@@ -15,8 +15,8 @@ from rockpulse.models.half_cycle import (
     impact_speed_after,
     stays_bounded,
 )
-from rockpulse.models.impulse_sequence import SPACINGS
-from rockpulse.models.march import first_return, peak_and_lowest
+from rocking.impulse_sequence import SPACINGS
+from rocking.march import first_return, peak_and_lowest
 
 PROPERTY = settings(derandomize=True, deadline=None, max_examples=150)
 CASES = [END, MIDDLE, START, OPEN]

@@ -5,8 +5,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from rockpulse.models import Block, critical_scale, ground_demand
-from rockpulse.models.half_wave_demand import COPIES, SEED, SPREAD, demand_of_half_waves, impulse_lobes
+from rocking import Block, critical_scale, ground_demand
+from rocking.half_wave_demand import COPIES, SEED, SPREAD, demand_of_half_waves, impulse_lobes
 
 G = 9.80665
 BLOCK = Block.from_parameters(p=[1.0, 2.0, 4.0], alpha=[0.1, 0.15, 0.2], restitution=[0.95, 0.9, 0.9])

@@ -14,7 +14,7 @@ from hard_case import ACCURACY, answer, assert_right, exact, sines
 from recorded_cases import EQUATIONS, G
 from rocking_reference import block_of, shaking
 
-from rockpulse.models import (
+from rocking import (
     Block,
     ImpulseSequence,
     Outcome,
@@ -24,9 +24,9 @@ from rockpulse.models import (
     resonance,
     sequence_response,
 )
-from rockpulse.models.main_sequence import critical_impulse_at
-from rockpulse.models.motion import CRITICAL_TOLERANCE
-from rockpulse.models.recorded_event import SLOW_IMPACTS
+from rocking.main_sequence import critical_impulse_at
+from rocking.motion import CRITICAL_TOLERANCE
+from rocking.recorded_event import SLOW_IMPACTS
 
 ROUNDING = 1e-12
 NEAR = 1e-12  # how near to critical

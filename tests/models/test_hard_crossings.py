@@ -13,7 +13,7 @@ import pytest
 from hard_case import ACCURACY, answer, assert_right, exact, precise
 from recorded_cases import EQUATIONS
 
-from rockpulse.models import Block, Outcome
+from rocking import Block, Outcome
 
 # Powers of two, so that g alpha is exact and the linear threshold is 2 m/s2 to the last bit.
 EXACT_BLOCK = {"p": 2.0, "alpha": 0.25, "restitution": 0.5, "gravity": 8.0}

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from rockpulse.models.sequence import ImpulseSequence
+from rocking.sequence import ImpulseSequence
 
 
 def test_scaling_keeps_the_ratio_and_the_counts():

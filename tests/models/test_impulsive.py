@@ -8,10 +8,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
-from rockpulse.models.block import Block
-from rockpulse.models.impulsive import GAINS, impulsive_response
-from rockpulse.models.recorded import recorded_response
-from rockpulse.models.response import IMPACT_CUTOFF, Outcome, Reason
+from rocking.block import Block
+from rocking.impulsive import GAINS, impulsive_response
+from rocking.recorded import recorded_response
+from rocking.response import IMPACT_CUTOFF, Outcome, Reason
 
 PROPERTY = settings(derandomize=True, deadline=None, max_examples=60)
 G = 9.81

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from impulsive_march import GAINS, march
 
-from rockpulse.models.block import Block
-from rockpulse.models.impulsive import impulsive_response
-from rockpulse.models.response import Outcome, Reason
+from rocking.block import Block
+from rocking.impulsive import impulsive_response
+from rocking.response import Outcome, Reason
 
 G = 9.81
 FIELDS = ("peak_rotation_ratio", "outcome", "reason", "overturning_time", "overturning_half_cycle", "impacts")

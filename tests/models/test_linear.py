@@ -4,8 +4,8 @@ import mpmath
 import numpy as np
 import pytest
 
-from rockpulse.models import slots as row
-from rockpulse.models.linear import hyperbolic, linear_steps
+from rocking import slots as row
+from rocking.linear import hyperbolic, linear_steps
 
 
 @pytest.mark.parametrize("h", [1e-12, 1e-3, 0.04, 0.3])

@@ -5,16 +5,16 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from rockpulse.models.block import Block
-from rockpulse.models.main_sequence import (
+from rocking.block import Block
+from rocking.main_sequence import (
     critical_impulse_at,
     critical_impulse_ratio,
     overturning_half_cycle,
     resonance,
     resonance_safety,
 )
-from rockpulse.models.motion import hop
-from rockpulse.models.response import IMPACT_CUTOFF, Outcome, Reason
+from rocking.motion import hop
+from rocking.response import IMPACT_CUTOFF, Outcome, Reason
 
 PROPERTY = settings(derandomize=True, deadline=None, max_examples=60)
 

@@ -4,8 +4,8 @@ import math
 
 import pytest
 
-from rockpulse.models.half_cycle import END, MIDDLE, OPEN, START
-from rockpulse.models.march import first_return
+from rocking.half_cycle import END, MIDDLE, OPEN, START
+from rocking.march import first_return
 
 FIRST_WAIT = {START: 0.0, MIDDLE: 0.5, END: 1.0, OPEN: 1.0}
 

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from rockpulse.models import motion
+from rocking import motion
 
 PROPERTY = settings(derandomize=True, deadline=None, max_examples=200)
 HOUSNER_A = 0.90625  # VALIDATION V1, block A

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from scipy.integrate import quad, solve_ivp
 
-from rockpulse.models.finish import speed_of, value_of
-from rockpulse.models.nonlinear import flight_time, nonlinear_after, nonlinear_rates, top_rotation
+from rocking.finish import speed_of, value_of
+from rocking.nonlinear import flight_time, nonlinear_after, nonlinear_rates, top_rotation
 
 ALPHA = 0.25
 

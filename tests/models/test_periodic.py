@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from rockpulse.models.block import Block
-from rockpulse.models.periodic import steady_state
-from rockpulse.models.sequence import ImpulseSequence, sequence_response
+from rocking.block import Block
+from rocking.periodic import steady_state
+from rocking.sequence import ImpulseSequence, sequence_response
 
 
 def block(restitution):

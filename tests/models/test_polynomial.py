@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from numpy.polynomial import polynomial as P
 
-from rockpulse.models.polynomial import ORDER, first_impact, value, velocity
+from rocking.polynomial import ORDER, first_impact, value, velocity
 
 
 def coefficients(*roots, factor=1.0):

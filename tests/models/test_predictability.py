@@ -8,7 +8,7 @@ import pytest
 from recorded_cases import block_a, synthetic
 
 import rockpulse as rp
-from rockpulse.models import Block, Outcome, impulsive_response, predictable, recorded_response
+from rocking import Block, Outcome, impulsive_response, predictable, recorded_response
 
 DT = 0.01
 SAMPLES = Path(__file__).parents[2] / "data" / "samples" / "records"

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from rockpulse.models import Block, Outcome, ground_demand, recorded_response
+from rocking import Block, Outcome, ground_demand, recorded_response
 
 G = 9.81
 SAMPLES = 8000  # a cycle: the error of the piecewise-linear sine is of second order, 5e-8
@@ -65,7 +65,7 @@ def test_verdict_alone_is_that_of_the_whole_motion_and_costs_less():
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        ({"verdict": "x"}, "verdict: expected a rockpulse.models.Demand"),
+        ({"verdict": "x"}, "verdict: expected a rocking.Demand"),
         ({"equation": "linear"}, "verdict: expected the nonlinear equation"),
         ({"history": True}, "verdict: expected the nonlinear equation"),
         ({"initial_rotation": 0.1}, "verdict: expected a block at rest"),

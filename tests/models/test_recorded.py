@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 from recorded_cases import EQUATIONS, G, block_a, block_b, synthetic
 
-from rockpulse.models import Block, Outcome, Reason, recorded_response
+from rocking import Block, Outcome, Reason, recorded_response
 
 
 def first_crossing(response):

@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from recorded_cases import EQUATIONS, G, block_b, synthetic
 
-from rockpulse.models import Block, Outcome, recorded_response
+from rocking import Block, Outcome, recorded_response
 
 
 @pytest.mark.parametrize("equation", EQUATIONS)

@@ -12,8 +12,8 @@ import pytest
 import rocking_reference
 from rocking_reference import block_of, reference, shaking
 
-from rockpulse.models.recorded import recorded_response
-from rockpulse.models.response import Outcome
+from rocking.recorded import recorded_response
+from rocking.response import Outcome
 from rockpulse.readers import read
 
 SAMPLES = Path(__file__).parents[2] / "data" / "samples" / "records"

@@ -9,8 +9,8 @@ import pytest
 import rocking_reference
 from rocking_reference import block_of, reference, shaking
 
-from rockpulse.models.block import Block
-from rockpulse.models.response import Outcome
+from rocking.block import Block
+from rocking.response import Outcome
 
 BLOCK_A = Block(half_width=0.5, half_height=math.sqrt(3.75), gravity=9.81)
 BLOCK_B = Block(half_width=0.5, half_height=math.sqrt(15.75), gravity=9.81)

@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from rockpulse.models import exceedance_intervals
-from rockpulse.models.scale_search import CASES_AT_ONCE
+from rocking import exceedance_intervals
+from rocking.scale_search import CASES_AT_ONCE
 
 
 def bands(*edges):

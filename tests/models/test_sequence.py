@@ -9,13 +9,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from rockpulse.models.block import Block
-from rockpulse.models.impulse_sequence import SPACINGS
-from rockpulse.models.impulsive import impulsive_response
-from rockpulse.models.main_sequence import resonance
-from rockpulse.models.march import first_return
-from rockpulse.models.response import Outcome, Reason
-from rockpulse.models.sequence import ImpulseSequence, impulse_train, sequence_response
+from rocking.block import Block
+from rocking.impulse_sequence import SPACINGS
+from rocking.impulsive import impulsive_response
+from rocking.main_sequence import resonance
+from rocking.march import first_return
+from rocking.response import Outcome, Reason
+from rocking.sequence import ImpulseSequence, impulse_train, sequence_response
 
 PROPERTY = settings(derandomize=True, deadline=None, max_examples=60)
 
@@ -338,10 +338,10 @@ def test_interval_that_cannot_be_told_from_the_limit_is_refused():
 def test_kernels_give_the_same_without_compilation():
     code = (
         "import numpy as np\n"
-        "from rockpulse.models.block import Block\n"
-        "from rockpulse.models.impulsive import impulsive_response\n"
-        "from rockpulse.models.main_sequence import resonance, resonance_safety\n"
-        "from rockpulse.models.sequence import ImpulseSequence, impulse_train, sequence_response\n"
+        "from rocking.block import Block\n"
+        "from rocking.impulsive import impulsive_response\n"
+        "from rocking.main_sequence import resonance, resonance_safety\n"
+        "from rocking.sequence import ImpulseSequence, impulse_train, sequence_response\n"
         "body = Block(0.5, [2.0, 4.0], restitution=[0.6, 0.9], gravity=9.81)\n"
         "found = []\n"
         "for spacing in ('end', 'middle', 'start', 'open', 'continuous'):\n"

@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from rockpulse.models.block import Block
-from rockpulse.models.impulse_sequence import SPACINGS, ImpulseSequence
-from rockpulse.models.main_sequence import critical_impulse_at, resonance, resonance_safety
-from rockpulse.models.response import Outcome, Reason
-from rockpulse.models.sequence import scaled_outcomes, sequence_response
+from rocking.block import Block
+from rocking.impulse_sequence import SPACINGS, ImpulseSequence
+from rocking.main_sequence import critical_impulse_at, resonance, resonance_safety
+from rocking.response import Outcome, Reason
+from rocking.sequence import scaled_outcomes, sequence_response
 
 G = 9.81
 FIELDS = ("peak_rotation_ratio", "outcome", "reason", "overturning_time", "overturning_half_cycle", "impacts")

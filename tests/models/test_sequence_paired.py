@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from test_sequence_lanes import FIELDS, bodies, one, sequences
 
-from rockpulse.models.sequence import sequence_response
+from rocking.sequence import sequence_response
 
 
 @pytest.mark.parametrize("spacing", ["end", "continuous"])

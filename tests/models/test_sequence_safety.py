@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from rockpulse.models import (
+from rocking import (
     Block,
     ImpulseSequence,
     Outcome,
@@ -16,7 +16,7 @@ from rockpulse.models import (
     sequence_critical_scale,
     sequence_response,
 )
-from rockpulse.models.sequence import scaled_outcomes
+from rocking.sequence import scaled_outcomes
 
 BLOCKS = Block(half_width=[0.25, 0.5, 0.8], half_height=[2.0, 2.0, 3.0], restitution=0.9, gravity=9.81)
 UNIT = Block.from_parameters(p=1.0, alpha=0.1, restitution=0.6, gravity=9.81)

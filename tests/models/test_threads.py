@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from recorded_cases import synthetic
 
-from rockpulse.models import Block, recorded_response
-from rockpulse.models.threads import available_cores, split_lanes, thread_limit
+from rocking import Block, recorded_response
+from rocking.threads import available_cores, split_lanes, thread_limit
 
 
 @pytest.mark.parametrize("threads", [None, 1, 2, 5])
@@ -45,9 +45,9 @@ def test_number_of_threads_is_a_whole_number_of_at_least_one(threads):
 
 def threads_used(threads, monkeypatch):
     """How many threads one call asks for on a machine of six cores."""
-    monkeypatch.setattr("rockpulse.models.threads.available_cores", lambda: 6)
+    monkeypatch.setattr("rocking.threads.available_cores", lambda: 6)
     asked = []
-    monkeypatch.setattr("rockpulse.models.threads.ThreadPoolExecutor", lambda n: asked.append(n) or Pool(n))
+    monkeypatch.setattr("rocking.threads.ThreadPoolExecutor", lambda n: asked.append(n) or Pool(n))
     split_lanes(lambda first, last: None, 1000, threads)
     return asked[0] if asked else 1
 

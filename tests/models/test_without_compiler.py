@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 import reduced_set
 
-from rockpulse.models import Outcome, Reason
+from rocking import Outcome, Reason
 
 TOLERANCE = 1e-9
 

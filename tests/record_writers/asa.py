@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from record_writers._shared import NOTE
-from rockpulse.record import Record
+from rockpulse.record.record import Record
 
 _RULE, _DASHES = "=" * 80, "---------+" * 8
 

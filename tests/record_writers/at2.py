@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from record_writers._shared import NOTE, rows
-from rockpulse.record import STANDARD_GRAVITY, Record
+from rockpulse.record.record import STANDARD_GRAVITY, Record
 
 
 def at2(

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from record_writers._shared import NOTE
-from rockpulse.record import STANDARD_GRAVITY, Record
+from rockpulse.record.record import STANDARD_GRAVITY, Record
 
 #: What the files do not say.
 OPTIONS = {

@@ -8,7 +8,7 @@ from datetime import UTC, datetime
 import numpy as np
 
 from record_writers._shared import NOTE, rows
-from rockpulse.record import STANDARD_GRAVITY, Record
+from rockpulse.record.record import STANDARD_GRAVITY, Record
 
 NULL = -999
 _START = datetime(2018, 8, 29, 2, 33, 7, 250000, tzinfo=UTC)

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from record_writers._shared import NOTE, rows
-from rockpulse.record import STANDARD_GRAVITY, Record
+from rockpulse.record.record import STANDARD_GRAVITY, Record
 
 
 def _csmip_header(

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from record_writers._shared import NOTE, rows
-from rockpulse.record import Record
+from rockpulse.record.record import Record
 
 
 def fortran(value: float, width: int = 10, decimals: int = 3) -> str:

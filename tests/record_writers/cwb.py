@@ -8,7 +8,7 @@ from datetime import timedelta
 import numpy as np
 
 from record_writers._shared import NOTE
-from rockpulse.record import Record
+from rockpulse.record.record import Record
 
 EAST_OF_GREENWICH = timedelta(hours=8)
 

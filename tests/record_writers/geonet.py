@@ -9,7 +9,7 @@ import numpy as np
 
 from record_writers._shared import NOTE, rows
 from rockpulse.readers.facing import direction
-from rockpulse.record import Record
+from rockpulse.record.record import Record
 
 START = datetime(2016, 11, 13, 11, 2, 20, tzinfo=UTC)
 ORIGIN = datetime(2016, 11, 13, 11, 2, 56, tzinfo=UTC)

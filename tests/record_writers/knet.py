@@ -8,7 +8,7 @@ from datetime import timedelta
 import numpy as np
 
 from record_writers._shared import NOTE, rows
-from rockpulse.record import Record
+from rockpulse.record.record import Record
 
 
 def knet(

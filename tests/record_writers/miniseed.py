@@ -8,7 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from record_writers._shared import NOTE
-from rockpulse.record import Record
+from rockpulse.record.record import Record
 
 #: Counts per m/s2 of the samples.
 GAIN = 2.0e5

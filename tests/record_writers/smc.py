@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from record_writers._shared import NOTE, rows
-from rockpulse.record import Record
+from rockpulse.record.record import Record
 
 
 def _smc_field(value: float) -> str:

@@ -8,7 +8,7 @@ import numpy as np
 
 from record_writers._shared import NOTE, rows
 from record_writers.csmip_v2 import correction_lines, fortran, integral, number_lines
-from rockpulse.record import Record
+from rockpulse.record.record import Record
 
 
 def _text(

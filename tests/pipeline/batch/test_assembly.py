@@ -14,20 +14,20 @@ import numpy as np
 import pytest
 from file_contents import assert_contents, contents
 
-from rockpulse.assessment import assess_planned
+from rockpulse.assessment.assessment import assess_planned
+from rockpulse.assessment.directions import plan_motions, swept_directions
+from rockpulse.assessment.tree import build_tree, record_part, template
 from rockpulse.batch import assembly
 from rockpulse.batch.assembly import JournalParts, assemble, is_assembled
 from rockpulse.batch.journal import Journal
 from rockpulse.batch.packing import pack
 from rockpulse.batch.tasks import Done
-from rockpulse.bodies import gather_bodies
-from rockpulse.config import load_config
-from rockpulse.directions import plan_motions, swept_directions
+from rockpulse.config.bodies import gather_bodies
+from rockpulse.config.configuration import load_config
 from rockpulse.errors import ResultsError
 from rockpulse.failures import Failure
-from rockpulse.results import build_tree, record_part, template
-from rockpulse.store import save
-from rockpulse.verification import verify
+from rockpulse.storage.save_load import save
+from rockpulse.storage.verification import verify
 
 BLOCKS = '[[block]]\nname = "wall"\nwidth = 0.5\nheight = 4.0\n[[block]]\nname = "pier"\nwidth = 0.3\nheight = 1.5\n'
 CASES = BLOCKS.replace("width", "restitution = [0.9, 0.95]\nwidth")
@@ -199,9 +199,9 @@ def test_a_kill_while_assembling_leaves_old_file_and_journal(assessed, tmp_path,
         import rockpulse as rp
         from rockpulse.batch.assembly import JournalParts, assemble
         from rockpulse.batch.journal import Journal
-        from rockpulse.bodies import gather_bodies
-        from rockpulse.results import template
-        from rockpulse.tree_writer import TreeWriter
+        from rockpulse.config.bodies import gather_bodies
+        from rockpulse.assessment.tree import template
+        from rockpulse.storage.hdf5_writer import TreeWriter
         config = rp.load_config({str(tmp_path / "site.toml")!r})
         setattr(TreeWriter, {step!r}, lambda *args: os.kill(os.getpid(), signal.SIGKILL))
         with Journal.open({str(target)!r}, resume=True) as journal:

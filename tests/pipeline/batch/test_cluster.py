@@ -10,12 +10,12 @@ import pytest
 import xarray as xr
 from dask_cluster import dask_cluster, wait_for_workers
 
-import rockpulse
 import rockpulse as rp
+from rockpulse.batch import cluster
 from rockpulse.batch.crew import Crew, WorkerLost
-from rockpulse.body import BlockSettings
+from rockpulse.config.block_settings import BlockSettings
+from rockpulse.config.settings import ModelSettings, SearchSettings
 from rockpulse.errors import ConfigError
-from rockpulse.settings import ModelSettings, SearchSettings
 
 SQUARES = [(number, number**2) for number in range(40)]
 
@@ -56,7 +56,7 @@ def test_two_workers_answer_like_one_process_and_one_that_is_killed_half_way_cha
             wait_for_workers(crew, 1)
         with Crew.scheduler(address, timeout=300.0) as crew:  # the cluster is still there for the next
             assert sorted(crew.run(toys.square, range(40))) == SQUARES
-        monkeypatch.setattr(rockpulse, "__version__", "99.0")
+        monkeypatch.setattr(cluster, "__version__", "99.0")
         with pytest.raises(ConfigError, match=r"dask worker tcp://.* expected rockpulse 99\.0, found '\d"):
             Crew.scheduler(address, timeout=300.0)
 

@@ -12,7 +12,7 @@ from batch_runs import RECORDS, command, names
 from file_contents import assert_contents
 
 from rockpulse.batch.journal import Journal, journal_path
-from rockpulse.tree_writer import TreeWriter
+from rockpulse.storage.hdf5_writer import TreeWriter
 
 
 def test_a_disk_that_fills_up_keeps_what_is_finished(folder, tmpfs, undisturbed, capsys):

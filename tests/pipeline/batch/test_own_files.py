@@ -11,10 +11,10 @@ from record_writers import at2, pulse
 from rockpulse.batch.journal import _holder, journal_path
 from rockpulse.batch.options import BatchOptions
 from rockpulse.batch.run import assess_files
-from rockpulse.body import BlockSettings
-from rockpulse.config import Config
+from rockpulse.config.block_settings import BlockSettings
+from rockpulse.config.configuration import Config
+from rockpulse.config.settings import ModelSettings, SearchSettings
 from rockpulse.errors import StoppedAtFailure
-from rockpulse.settings import ModelSettings, SearchSettings
 
 CONFIG = Config(
     models=ModelSettings(use=("resonance",)),

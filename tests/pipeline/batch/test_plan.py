@@ -9,12 +9,12 @@ from dataclasses import replace
 import pytest
 from record_writers import at2, pulse
 
+from rockpulse.assessment.directions import ground_motions
 from rockpulse.batch.plan import configuration_fingerprint, plan, read_options
 from rockpulse.batch.survey import find, gather, survey_file
-from rockpulse.body import BlockSettings
-from rockpulse.config import Config
-from rockpulse.directions import ground_motions
-from rockpulse.settings import (
+from rockpulse.config.block_settings import BlockSettings
+from rockpulse.config.configuration import Config
+from rockpulse.config.settings import (
     CalibrationSettings,
     ConditioningSettings,
     DemandSettings,
@@ -28,7 +28,7 @@ from rockpulse.settings import (
     SequenceSettings,
     SiteSettings,
 )
-from rockpulse.sources import read_all
+from rockpulse.readers.folders import read_all
 
 WALL = BlockSettings(name="wall", width=0.4, height=3.0)
 WAYS = {
@@ -192,20 +192,22 @@ def test_the_fingerprint_of_the_configuration_knows_verb_version_program_and_sch
     assert len(seen) == 5
 
 
-def test_the_program_is_known_by_its_sources(monkeypatch, tmp_path):
+@pytest.mark.parametrize("package", ["rocking", "rockpulse"])
+def test_the_program_is_known_by_its_sources(monkeypatch, tmp_path, package):
     from rockpulse.batch import plan as module
 
-    (tmp_path / "models").mkdir()
-    for name in ("__init__.py", "models/__init__.py"):
-        (tmp_path / name).write_text("")
-    monkeypatch.setattr(module.rockpulse, "__file__", str(tmp_path / "__init__.py"))
-    monkeypatch.setattr(module.models, "__file__", str(tmp_path / "models" / "__init__.py"))
+    for name in ("rocking/kernels/march.py", "rockpulse/batch/plan.py", "rocking/__init__.py"):
+        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / name).write_text("x = 1\n")
+    monkeypatch.setattr(module.rocking, "__file__", str(tmp_path / "rocking" / "__init__.py"))
+    monkeypatch.setattr(module, "__file__", str(tmp_path / "rockpulse" / "batch" / "plan.py"))
     digest = module.program_digest.__wrapped__
-    first = digest()
-    (tmp_path / "models" / "rocking.py").write_text("x = 1\n")
-    second = digest()
-    (tmp_path / "models" / "rocking.py").write_text("x = 2\n")
-    assert len({first, second, digest(), module.program_digest.__wrapped__()}) == 3
+    seen = {digest()}
+    changed = next((tmp_path / package).glob("*/*.py"))
+    for text in ("x = 2\n", "x = 3\n"):
+        changed.write_text(text)
+        seen.add(digest())
+    assert len(seen) == 3
 
 
 def test_a_fingerprint_changes_with_the_configuration(samples):

@@ -17,11 +17,11 @@ from rockpulse.batch import run, survey, tasks
 from rockpulse.batch.journal import journal_path
 from rockpulse.batch.options import BatchOptions
 from rockpulse.batch.run import BatchReport, assess_files, calibrate_files
-from rockpulse.body import BlockSettings
-from rockpulse.config import Config
+from rockpulse.config.block_settings import BlockSettings
+from rockpulse.config.configuration import Config
+from rockpulse.config.settings import CalibrationSettings, ModelSettings, SearchSettings
 from rockpulse.errors import ResultsError
-from rockpulse.settings import CalibrationSettings, ModelSettings, SearchSettings
-from rockpulse.sources import read_all
+from rockpulse.readers.folders import read_all
 
 CONFIG = Config(
     models=ModelSettings(use=("sequence",)),

@@ -17,11 +17,11 @@ import rockpulse as rp
 from rockpulse.batch import run, tasks
 from rockpulse.batch.options import BatchOptions
 from rockpulse.batch.run import assess_files, calibrate_files
-from rockpulse.body import BlockSettings
-from rockpulse.config import Config
+from rockpulse.config.block_settings import BlockSettings
+from rockpulse.config.configuration import Config
+from rockpulse.config.settings import CalibrationSettings, ModelSettings, RecordSettings, SearchSettings
 from rockpulse.errors import ConfigError, RecordRefused, ResultsError, StoppedAtFailure
-from rockpulse.settings import CalibrationSettings, ModelSettings, RecordSettings, SearchSettings
-from rockpulse.sources import read_all
+from rockpulse.readers.folders import read_all
 
 CONFIG = Config(
     models=ModelSettings(use=("sequence", "impulsive", "linear", "nonlinear")),

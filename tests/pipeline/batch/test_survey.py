@@ -18,8 +18,8 @@ from rockpulse.batch.survey import find, gather, survey_file
 from rockpulse.errors import RecordRefused
 from rockpulse.readers import ReadOptions
 from rockpulse.readers.archive import Archive
-from rockpulse.record import Record
-from rockpulse.sources import read_all
+from rockpulse.readers.folders import read_all
+from rockpulse.record.record import Record
 
 OPTIONS = ReadOptions()
 

@@ -10,19 +10,17 @@ import numpy as np
 import pytest
 from record_writers import at2, pulse
 
-from rockpulse.assessment import assess
+from rockpulse.assessment.assessment import assess
+from rockpulse.assessment.tree import joined_parts
 from rockpulse.batch import tasks as module
 from rockpulse.batch.journal import unpack
 from rockpulse.batch.plan import plan, read_options
 from rockpulse.batch.survey import find, gather, survey_file
 from rockpulse.batch.tasks import UNFINISHED, Done, Job, assess_task, calibrate_task
-from rockpulse.bodies import gather_bodies
-from rockpulse.body import BlockSettings
-from rockpulse.calibration.site_calibration import calibrate_site, prepare_site, site_results
-from rockpulse.calibration.site_part import unpack_site_record
-from rockpulse.config import Config
-from rockpulse.results import joined_parts
-from rockpulse.settings import (
+from rockpulse.config.block_settings import BlockSettings
+from rockpulse.config.bodies import gather_bodies
+from rockpulse.config.configuration import Config
+from rockpulse.config.settings import (
     CalibrationSettings,
     ConditioningSettings,
     DemandSettings,
@@ -31,7 +29,9 @@ from rockpulse.settings import (
     RecordSettings,
     SearchSettings,
 )
-from rockpulse.sources import read_all
+from rockpulse.readers.folders import read_all
+from rockpulse.studies.site.calibration import calibrate_site, prepare_site, site_results
+from rockpulse.studies.site.part import unpack_site_record
 
 WALL = BlockSettings(name="wall", width=0.4, height=3.0)
 TOWER = BlockSettings(name="tower", width=1.0, height=5.0, restitution=(0.9, 0.95))

@@ -16,18 +16,18 @@ from pathlib import Path
 
 import rockpulse as rp
 from rockpulse.batch.warm import warm_up
-from rockpulse.calibration.site_record import site_record
-from rockpulse.directions import Motion
-from rockpulse.settings import ModelSettings, RecordSettings, SearchSettings
+from rockpulse.studies.site.record import site_record
+from rockpulse.assessment.directions import Motion
+from rockpulse.config.settings import ModelSettings, RecordSettings, SearchSettings
 
-KERNELS = [path.stem for path in Path(import_module("rockpulse.models").__file__).parent.glob("[a-z]*.py")]
+KERNELS = [path.stem for path in Path(import_module("rocking").__file__).parent.glob("[a-z]*.py")]
 BLOCKS = [rp.models.Block(half_width=0.2 + 0.2 * i, half_height=1.0 + i) for i in range(3)]
 
 
 def compiled():
     found = {}
     for module in KERNELS:
-        for name, value in vars(import_module(f"rockpulse.models.{module}")).items():
+        for name, value in vars(import_module(f"rocking.{module}")).items():
             if hasattr(value, "nopython_signatures"):
                 found[name] = len(value.signatures)
     return found

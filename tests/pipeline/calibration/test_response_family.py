@@ -5,11 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from rocking.recorded import recorded_response
 from rockpulse.calibration.response_family import describe_family, motion_family, recorded_family
 from rockpulse.errors import RecordRefused
 from rockpulse.models import ImpulseSequence, Outcome, sequence_response
-from rockpulse.models.recorded import recorded_response
-from rockpulse.record import Record
+from rockpulse.record.record import Record
 
 
 def motion(main, main_count=1, ratio=0.0):

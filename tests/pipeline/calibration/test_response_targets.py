@@ -6,7 +6,7 @@ import pytest
 from rockpulse.calibration.response_targets import ResponseTargets, block_family, recorded_targets
 from rockpulse.errors import ConfigError, RecordRefused
 from rockpulse.models import Block, Outcome, recorded_response
-from rockpulse.record import Record
+from rockpulse.record.record import Record
 
 NUMBERS = [0.1, 0.2, 0.3, 0.4, 0.5, 0.6]
 

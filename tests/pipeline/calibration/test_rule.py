@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import rockpulse as rp
+from rocking.half_wave_demand import HalfWaveDemand
 from rockpulse.calibration.rule import (
     POINTS,
     Rule,
@@ -20,8 +21,7 @@ from rockpulse.calibration.rule import (
 )
 from rockpulse.errors import ConfigError
 from rockpulse.models import Block, Outcome, sequence_response
-from rockpulse.models.half_wave_demand import HalfWaveDemand
-from rockpulse.synthetic import synthetic_motion
+from rockpulse.record.synthetic import synthetic_motion
 
 RULE = Rule("balanced", 1.0)
 
@@ -130,7 +130,7 @@ def test_a_file_that_holds_no_rule_is_refused(tmp_path, text, words):
 
 
 def test_the_range_is_that_of_the_bodies_of_the_fit():
-    from rockpulse.model_form import blocks
+    from rockpulse.studies.accuracy.model_form import blocks
 
     rule = load_rule()
     assert rule_applicable(blocks(), rule).all()

@@ -10,9 +10,9 @@ import pytest
 import xarray as xr
 from results_tree import results_bytes
 
-import rockpulse.accuracy
-from rockpulse.accuracy_variables import TABLES
 from rockpulse.cli import main
+from rockpulse.storage.accuracy_variables import TABLES
+from rockpulse.studies.accuracy import measurement
 
 CSV_TABLES = {"work_precision", "synthetic_grid", "convergence", "model_form", "classifiers"}
 SCHEMA = Path(__file__).parents[3] / "docs" / "schema.md"
@@ -85,7 +85,7 @@ def test_a_report_is_not_written_over_results_nor_results_over_a_report(done, sa
     results.write_bytes(results_bytes())
     report.write_bytes((done / "report.h5").read_bytes())
     before = results.read_bytes(), report.read_bytes()
-    monkeypatch.setattr(rockpulse.accuracy, "accuracy", lambda *given, **options: pytest.fail("measured"))
+    monkeypatch.setattr(measurement, "accuracy", lambda *given, **options: pytest.fail("measured"))
     assert run("-o", results, "--overwrite") == 2
     assert "expected an accuracy report of rockpulse, found an assessment" in capsys.readouterr().err
     given = [samples / "CICCC.RAW", "--config", samples.parent / "site.toml", "-o", report, "--overwrite"]
@@ -165,7 +165,7 @@ def report(done):
 @pytest.fixture
 def measured(monkeypatch, report):
     """That report in place of a new measurement."""
-    monkeypatch.setattr(rockpulse.accuracy, "accuracy", lambda *given, **options: report)
+    monkeypatch.setattr(measurement, "accuracy", lambda *given, **options: report)
 
 
 def test_the_tables_are_printed_with_error_beside_cost(measured, tmp_path, capsys):
@@ -194,7 +194,7 @@ def test_what_exists_is_refused_before_anything_is_measured(existing, arguments,
     monkeypatch.chdir(tmp_path)
     (tmp_path / "tables").mkdir()
     (tmp_path / existing).write_text("precious")
-    monkeypatch.setattr(rockpulse.accuracy, "accuracy", lambda *given, **options: pytest.fail("measured"))
+    monkeypatch.setattr(measurement, "accuracy", lambda *given, **options: pytest.fail("measured"))
     assert run("-o", "report.h5", *arguments) == 2
     assert existing in capsys.readouterr().err
     assert (tmp_path / existing).read_text() == "precious"
@@ -237,7 +237,7 @@ def test_an_interrupted_run_leaves_nothing(tmp_path, monkeypatch):
     def interrupted(*given, **options):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(rockpulse.accuracy, "work_precision", interrupted)
+    monkeypatch.setattr(measurement, "work_precision", interrupted)
     assert run("-o", tmp_path / "report.h5", "--csv", tmp_path / "tables", "--quick") == 130
     assert list(tmp_path.iterdir()) == []
 

@@ -4,7 +4,7 @@ import pytest
 from results_tree import results_bytes, results_tree
 
 from rockpulse.cli import main
-from rockpulse.store import save
+from rockpulse.storage.save_load import save
 
 
 @pytest.fixture(scope="module")

@@ -1,7 +1,7 @@
 """``rockpulse init-config``."""
 
 from rockpulse.cli import main
-from rockpulse.config import load_config
+from rockpulse.config.configuration import load_config
 
 
 def test_the_template_is_printed(capsys):

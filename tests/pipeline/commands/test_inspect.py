@@ -11,16 +11,16 @@ from results_tree import RECORDS, results_bytes, results_tree
 
 import rockpulse as rp
 from rockpulse.calibration.rule import POINTS, Rule
-from rockpulse.calibration.rule_judgement import judge_rules
-from rockpulse.calibration.rule_variables import RULE_KIND
-from rockpulse.calibration.site_variables import SITE_KIND
 from rockpulse.cli import main
-from rockpulse.fragility.variables import FRAGILITY
-from rockpulse.settings import CalibrationSettings
-from rockpulse.store import ASSESSMENT, KINDS, save
-from rockpulse.study.parametric_analysis import figure4
-from rockpulse.study.variables import STUDY
-from rockpulse.synthetic import synthetic_motion
+from rockpulse.config.settings import CalibrationSettings
+from rockpulse.record.synthetic import synthetic_motion
+from rockpulse.storage.fragility_variables import FRAGILITY
+from rockpulse.storage.rule_variables import RULE_KIND
+from rockpulse.storage.save_load import ASSESSMENT, KINDS, save
+from rockpulse.storage.site_variables import SITE_KIND
+from rockpulse.storage.study_variables import STUDY
+from rockpulse.studies.paper.parametric_analysis import figure4
+from rockpulse.studies.rule.judgement import judge_rules
 
 
 @pytest.fixture

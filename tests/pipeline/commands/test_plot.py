@@ -8,8 +8,8 @@ import pytest
 
 import rockpulse as rp
 from rockpulse.cli import main
-from rockpulse.config import Config
-from rockpulse.settings import ModelSettings, SearchSettings
+from rockpulse.config.configuration import Config
+from rockpulse.config.settings import ModelSettings, SearchSettings
 
 
 @pytest.fixture(scope="module")

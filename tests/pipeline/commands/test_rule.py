@@ -6,9 +6,9 @@ import tomllib
 import pytest
 
 import rockpulse as rp
-from rockpulse import store
 from rockpulse.cli import main
-from rockpulse.synthetic import synthetic_motion
+from rockpulse.record.synthetic import synthetic_motion
+from rockpulse.storage import save_load as store
 
 
 @pytest.fixture(scope="module")
@@ -82,6 +82,6 @@ def test_a_file_that_exists_is_kept(samples, tmp_path, capsys):
 
 
 def test_verdicts_are_a_kind_of_their_own():
-    from rockpulse.calibration.rule_variables import RULE_KIND
+    from rockpulse.storage.rule_variables import RULE_KIND
 
     assert store.KINDS[RULE_KIND] == "rates"

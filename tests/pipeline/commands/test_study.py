@@ -10,11 +10,11 @@ import xarray as xr
 from results_tree import results_bytes
 
 from rockpulse.cli import main
-from rockpulse.store import load
-from rockpulse.study.paper_blocks import DURATION, RESTITUTIONS
-from rockpulse.study.parametric_analysis import COUNTS, IMPULSE_RATIOS
-from rockpulse.study.time_histories import INTERVAL, SCAN, STEP, STUDIED_RATIOS
-from rockpulse.study.variables import AXES, FIGURE4, FIGURE5, INTERVALS, STATEMENTS
+from rockpulse.storage.save_load import load
+from rockpulse.storage.study_variables import AXES, FIGURE4, FIGURE5, INTERVALS, STATEMENTS
+from rockpulse.studies.paper.paper_blocks import DURATION, RESTITUTIONS
+from rockpulse.studies.paper.parametric_analysis import COUNTS, IMPULSE_RATIOS
+from rockpulse.studies.paper.time_histories import INTERVAL, SCAN, STEP, STUDIED_RATIOS
 
 SCHEMA = Path(__file__).parents[3] / "docs" / "schema.md"
 

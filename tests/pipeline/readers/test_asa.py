@@ -12,7 +12,7 @@ from record_writers.asa import asa, samples
 
 from rockpulse.errors import RecordFormatError, UnitError
 from rockpulse.readers import read
-from rockpulse.record import STANDARD_GRAVITY
+from rockpulse.record.record import STANDARD_GRAVITY
 
 TABLE = np.round(np.column_stack([pulse(400, 5.0), pulse(400, -12.0), pulse(400, 9.0)]), 3)
 TITLE = b"ARCHIVO ESTANDAR DE ACELERACION"

@@ -11,7 +11,7 @@ from record_writers import at2, pulse
 from rockpulse.errors import RecordFormatError, UnitError
 from rockpulse.readers import read
 from rockpulse.readers.source import NotAcceleration
-from rockpulse.record import STANDARD_GRAVITY
+from rockpulse.record.record import STANDARD_GRAVITY
 
 
 @pytest.fixture

@@ -12,7 +12,7 @@ from record_writers.bhrc import bhrc, exponent, samples
 
 from rockpulse.errors import RecordFormatError, UnitError
 from rockpulse.readers import read
-from rockpulse.record import STANDARD_GRAVITY, Record
+from rockpulse.record.record import STANDARD_GRAVITY, Record
 
 TENTH = STANDARD_GRAVITY / 10.0
 THREE = tuple(pulse(403, peak, dt=0.005) for peak in (1.9, 1.0, 2.6))

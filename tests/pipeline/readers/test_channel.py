@@ -12,7 +12,7 @@ from record_writers import pulse
 from rockpulse.errors import RecordFormatError
 from rockpulse.readers.channel import build_record
 from rockpulse.readers.source import SourceFile
-from rockpulse.record import STANDARD_GRAVITY as G
+from rockpulse.record.record import STANDARD_GRAVITY as G
 
 FILE = SourceFile("a.V1", b"x", lambda: b"x")
 

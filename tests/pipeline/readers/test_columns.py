@@ -9,7 +9,7 @@ from record_writers import pulse
 from rockpulse.errors import RecordFormatError, UnitError
 from rockpulse.readers import read
 from rockpulse.readers.source import NotAcceleration
-from rockpulse.record import STANDARD_GRAVITY
+from rockpulse.record.record import STANDARD_GRAVITY
 
 VALUES = np.round(pulse(200, peak=3.0), 6)
 TIMES = np.arange(200) * 0.01

@@ -12,9 +12,9 @@ from record_writers.cosmos import cosmos, counts, samples, series
 
 from rockpulse.errors import RecordFormatError, RecordRefused, UnitError
 from rockpulse.readers import read
+from rockpulse.readers.folders import read_all
 from rockpulse.readers.source import NotAcceleration
-from rockpulse.record import STANDARD_GRAVITY
-from rockpulse.sources import read_all
+from rockpulse.record.record import STANDARD_GRAVITY
 
 G = STANDARD_GRAVITY
 CM = {"what": "acceleration", "unit": "cm/sec2", "code": "(04),", "layout": "(8F10.5)", "field": "{:10.5f}"}

@@ -12,7 +12,7 @@ from rockpulse.errors import RecordFormatError, UnitError
 from rockpulse.readers import read
 from rockpulse.readers.csmip_v1 import is_csmip_v1
 from rockpulse.readers.source import NotAcceleration
-from rockpulse.record import STANDARD_GRAVITY
+from rockpulse.record.record import STANDARD_GRAVITY
 
 # npts and PGA [g] as measured independently on the same files.
 SAMPLES = {

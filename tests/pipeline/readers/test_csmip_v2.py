@@ -11,9 +11,9 @@ from record_writers.csmip_v2 import NEW, OLD, csmip_v2
 
 from rockpulse.errors import RecordFormatError, UnitError
 from rockpulse.readers import read
+from rockpulse.readers.folders import read_all
 from rockpulse.readers.source import NotAcceleration
-from rockpulse.record import STANDARD_GRAVITY
-from rockpulse.sources import read_all
+from rockpulse.record.record import STANDARD_GRAVITY
 
 MOTION = np.round(pulse(403, peak=250.0), 3)
 

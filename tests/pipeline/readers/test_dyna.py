@@ -14,7 +14,7 @@ from record_writers.dyna import CORRECTED, dyna, samples
 from rockpulse.errors import RecordFormatError, UnitError
 from rockpulse.readers import read
 from rockpulse.readers.source import NotAcceleration
-from rockpulse.record import STANDARD_GRAVITY, Record
+from rockpulse.record.record import STANDARD_GRAVITY, Record
 
 VALUES = np.round(pulse(300, peak=98.0), 6)
 START = "DATE_TIME_FIRST_SAMPLE_YYYYMMDD_HHMMSS"

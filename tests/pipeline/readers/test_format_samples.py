@@ -11,7 +11,7 @@ from make_format_samples import FORMATS, SAMPLES, format_samples, read_options, 
 from rockpulse.readers import FORMATS as READERS
 from rockpulse.readers import read
 from rockpulse.readers.source import HEAD
-from rockpulse.record import STANDARD_GRAVITY
+from rockpulse.record.record import STANDARD_GRAVITY
 
 #: obspy may write these in other bytes one day; their content is compared instead.
 BY_OBSPY = (".mseed", ".sac")

@@ -13,7 +13,7 @@ from record_writers.geonet import START, geonet, samples
 
 from rockpulse.errors import RecordFormatError, UnitError
 from rockpulse.readers import read
-from rockpulse.record import STANDARD_GRAVITY, Record
+from rockpulse.record.record import STANDARD_GRAVITY, Record
 
 THREE = tuple(np.round(pulse(203, peak, dt=0.005), 1) for peak in (2394.8, 2584.4, 1589.9))
 

@@ -11,7 +11,7 @@ from rockpulse.errors import RecordFormatError, RecordRefused
 from rockpulse.readers import read
 from rockpulse.readers.instrument import pass_band, without_response
 from rockpulse.readers.source import NotAcceleration
-from rockpulse.record import STANDARD_GRAVITY
+from rockpulse.record.record import STANDARD_GRAVITY
 
 pytestmark = pytest.mark.filterwarnings("ignore:ObsPy can not map unit", "ignore:The unit .* is not known to ObsPy")
 

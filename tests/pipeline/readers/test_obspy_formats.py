@@ -14,7 +14,7 @@ from rockpulse.errors import RecordFormatError, RecordRefused, UnitError
 from rockpulse.readers import read
 from rockpulse.readers.obspy_bridge import obspy_notes, seed_direction
 from rockpulse.readers.source import NotAcceleration
-from rockpulse.record import STANDARD_GRAVITY
+from rockpulse.record.record import STANDARD_GRAVITY
 
 COUNTS = np.round(pulse(1000, peak=500_000.0)).astype(np.int32)
 START = "2020-01-02T03:04:05.5"

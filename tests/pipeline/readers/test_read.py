@@ -15,9 +15,9 @@ from record_writers import at2, pulse
 
 from rockpulse.errors import ConfigError, RecordFormatError, RecordRefused, RockpulseError, UnitError
 from rockpulse.readers import FORMATS, read
+from rockpulse.readers.folders import read_all
 from rockpulse.readers.source import NotAcceleration, Unrecognised
-from rockpulse.record import STANDARD_GRAVITY
-from rockpulse.sources import read_all
+from rockpulse.record.record import STANDARD_GRAVITY
 
 
 def write(folder, content: bytes, name: str):
@@ -36,7 +36,7 @@ def read_or_message(path, **options):
 
 def test_importing_the_readers_loads_no_heavy_package():
     code = (
-        "import sys, rockpulse.readers, rockpulse.sources; "
+        "import sys, rockpulse.readers, rockpulse.readers.folders; "
         "print([name for name in ('obspy', 'numba', 'xarray', 'pandas', 'scipy') if name in sys.modules])"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)

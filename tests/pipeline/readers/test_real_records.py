@@ -14,9 +14,9 @@ from make_format_samples import SAMPLES
 from rockpulse.errors import RecordRefused, UnitError
 from rockpulse.readers import FORMATS, read
 from rockpulse.readers.archive import members
+from rockpulse.readers.folders import read_all
 from rockpulse.readers.source import HEAD, NotAcceleration
-from rockpulse.record import STANDARD_GRAVITY
-from rockpulse.sources import read_all
+from rockpulse.record.record import STANDARD_GRAVITY
 
 FOLDER = os.environ.get("ROCKPULSE_RECORDS")
 MANIFEST = Path(FOLDER, "MANIFEST.tsv") if FOLDER else None

@@ -15,9 +15,9 @@ from record_writers.renadic import renadic, samples
 
 from rockpulse.errors import RecordFormatError, RecordRefused
 from rockpulse.readers import read
+from rockpulse.readers.folders import read_all
 from rockpulse.readers.renadic import Part
-from rockpulse.record import STANDARD_GRAVITY, Record
-from rockpulse.sources import read_all
+from rockpulse.record.record import STANDARD_GRAVITY, Record
 
 TENTH = STANDARD_GRAVITY / 10.0
 THREE = tuple(np.round(pulse(400, peak), 3) for peak in (1.5, 0.8, 1.2))

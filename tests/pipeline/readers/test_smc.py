@@ -12,7 +12,7 @@ from record_writers import pulse, smc
 from rockpulse.errors import RecordFormatError
 from rockpulse.readers import read
 from rockpulse.readers.source import NotAcceleration
-from rockpulse.record import STANDARD_GRAVITY
+from rockpulse.record.record import STANDARD_GRAVITY
 
 
 @pytest.fixture

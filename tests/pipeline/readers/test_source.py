@@ -18,7 +18,7 @@ from record_writers import at2, pulse
 
 from rockpulse.errors import RecordFormatError, RecordRefused
 from rockpulse.readers import read, source
-from rockpulse.sources import read_all
+from rockpulse.readers.folders import read_all
 
 ONE = at2(pulse())
 OPTIONS = read_options()
@@ -142,7 +142,7 @@ def test_what_is_no_binary_file_is_the_caller_s_mistake(tmp_path):
         read(stream)
     with pytest.raises(TypeError, match="expected a path or an open binary file, found bytes"):
         read(ONE)
-    with pytest.raises(IsADirectoryError, match=r"a folder; read it with rockpulse.sources.read_all"):
+    with pytest.raises(IsADirectoryError, match=r"a folder; read it with rockpulse.readers.folders.read_all"):
         read(tmp_path)
 
 

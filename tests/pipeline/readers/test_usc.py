@@ -10,7 +10,7 @@ from record_writers.usc import usc_v1, usc_v2
 from rockpulse.errors import RecordFormatError, UnitError
 from rockpulse.readers import FORMATS, read
 from rockpulse.readers.source import NotAcceleration
-from rockpulse.record import STANDARD_GRAVITY
+from rockpulse.record.record import STANDARD_GRAVITY
 
 TENTH = STANDARD_GRAVITY / 10.0
 TIMES = np.round(0.005 * np.arange(203), 3)

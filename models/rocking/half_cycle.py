@@ -1,0 +1,179 @@
+"""One half-cycle with intermediate impulses in closed form (Casapulla & Maione 2017, section 3.2).
+
+.. note:: Units of alpha_c and 1/p as in :mod:`rocking.motion`. The half-cycle starts on the ground with the
+   velocity u. The secondary impulses change the velocity by -a, +a, -a, ... with a = u_1 I_s/I, n of them, n even.
+
+With t = T/2, s = a/2 and v = u - s the condition x(T) = 0 for a half-cycle of duration T is F(t) = target:
+
+=========  ==================  ================================  ======
+spacing    impulses            F(t)                              target
+=========  ==================  ================================  ======
+end        k dT, T = n dT      tanh t (1 - s tanh(t/n))          v
+middle     (k - 1/2) dT        tanh t + s/cosh(t/n)              u
+start      (k - 1) dT          tanh t (1 + s tanh(t/n))          v
+open       k dT, T = (n+1) dT  tanh t - s tanh(t/(n+1))/tanh t   v
+limit      n -> infinity       tanh t                            v
+=========  ==================  ================================  ======
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numba import njit
+
+from rocking.motion import CRITICAL_TOLERANCE
+
+__all__ = [
+    "CONTINUOUS",
+    "END",
+    "MIDDLE",
+    "OPEN",
+    "START",
+    "corrected_duration",
+    "impact_speed_after",
+    "stays_bounded",
+]
+
+END, MIDDLE, START, OPEN, CONTINUOUS = range(5)
+
+_NEWTON_LIMIT = 200
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _condition(half, count, spacing, s):
+    """F(t) of the table above, and its derivative."""
+    tanh = math.tanh(half)
+    slope = (1.0 - tanh) * (1.0 + tanh)
+    divisor = count + 1 if spacing == OPEN else count
+    inner = math.tanh(half / divisor)
+    inner_slope = (1.0 - inner) * (1.0 + inner) / divisor
+    if spacing == MIDDLE:
+        sech = 1.0 / math.cosh(min(half / divisor, 700.0))
+        return tanh + s * sech, slope - s * sech * inner / divisor
+    if spacing == OPEN:
+        ratio = inner / tanh
+        return tanh - s * ratio, slope - s * (inner_slope - ratio * slope) / tanh
+    sign = -1.0 if spacing == END else 1.0
+    return tanh * (1.0 + sign * s * inner), slope * (1.0 + sign * s * inner) + sign * s * tanh * inner_slope
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def corrected_duration(velocity, secondary, count, spacing):
+    """Smallest T with x(T) = 0 for a given number of intermediate impulses.
+
+    Parameters
+    ----------
+    velocity : float
+        Start velocity u [-].
+    secondary : float
+        a = u_1 I_s/I, velocity change of a secondary impulse [-], 0 <= a <= u.
+    count : int
+        n, even [-]; not used for the continuous limit.
+    spacing : int
+        Code of the spacing.
+
+    Returns
+    -------
+    duration : float
+        T times p [-]; inf where there is no root: the block overturns.
+
+    Notes
+    -----
+    The root of the continuous limit, atanh(v), is a lower bound for "end", "middle" and "open", so none of them has a
+    root without it. Their F rises, concave, to one maximum and falls after it: Newton's iteration from the lower bound
+    climbs monotonically to the smaller root and steps over the maximum, where F' <= 0, iff there is none. For "start"
+    F rises for ever, to 1 + s; there the root is bracketed.
+    """
+    s = 0.5 * secondary
+    target = velocity - s
+    if target <= 0.0:
+        return 0.0
+    if spacing == START and secondary > 0.0:
+        return 2.0 * _bracketed(target, count, s)
+    if target >= 1.0 - CRITICAL_TOLERANCE:
+        return np.inf
+    half = 0.5 * math.log1p(2.0 * target / (1.0 - target))
+    if spacing == CONTINUOUS or secondary == 0.0:
+        return 2.0 * half
+    if spacing == MIDDLE:
+        target = velocity
+    for _ in range(_NEWTON_LIMIT):
+        value, slope = _condition(half, count, spacing, s)
+        if slope <= 0.0:
+            return np.inf
+        step = (target - value) / slope
+        half += step
+        if step <= 1e-16 * half:
+            return 2.0 * half
+    return 2.0 * half
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _bracketed(target, count, s):
+    """Half the duration for "start": Newton's iteration inside a bracket that each step tightens."""
+    if target >= 1.0 + s - CRITICAL_TOLERANCE:
+        return np.inf
+    low = 0.0
+    if target < 1.0:
+        high = 0.5 * math.log1p(2.0 * target / (1.0 - target))
+    else:
+        high = 1.0
+        while _condition(high, count, START, s)[0] < target:
+            # tanh has reached one in floating point for every factor: the root lies beyond representable velocities.
+            if high > 40.0 * count:
+                return np.inf
+            low, high = high, 2.0 * high
+    half = high
+    for _ in range(_NEWTON_LIMIT):
+        value, slope = _condition(half, count, START, s)
+        if value >= target:
+            high = half
+        else:
+            low = half
+        step = (target - value) / slope if slope > 0.0 else np.inf
+        trial = half + step
+        if not low <= trial <= high:
+            trial = 0.5 * (low + high)
+        if abs(trial - half) <= 1e-16 * half:
+            return trial
+        half = trial
+    return half
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def impact_speed_after(velocity, secondary, time, count, spacing):
+    """Speed u_r right before the impact that ends the half-cycle [-], last secondary impulse included."""
+    if spacing == MIDDLE and secondary > 0.0:
+        return max(velocity - secondary / math.cosh(0.5 * time / count), 0.0)
+    if spacing == OPEN and secondary > 0.0:
+        return max(velocity - secondary * (1.0 - math.tanh(0.5 * time / (count + 1)) / math.tanh(0.5 * time)), 0.0)
+    return max(velocity - secondary, 0.0)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def stays_bounded(main, ratio, restitution):
+    """Whether a main sequence without end never overturns the block.
+
+    Parameters
+    ----------
+    main : float
+        u_1 [-].
+    ratio : float
+        I_s/I of the continuous secondary sequence [-]; 0 for the main sequence alone.
+    restitution : float
+        C [-].
+
+    Returns
+    -------
+    bounded : bool
+        v* = u_1 (1 - (1 + C) I_s/(2 I))/(1 - C) <= 1 (F2, F4). Equality is bounded, because the limit is not reached;
+        the rounding of u_1 and of C, which moves 1 - C, must not decide it.
+    """
+    if main * (1.0 - 0.5 * ratio) >= 1.0 - CRITICAL_TOLERANCE:
+        return False
+    limit = main * (1.0 - 0.5 * ratio * (1.0 + restitution))
+    if restitution == 1.0:
+        return limit <= 0.0
+    return limit * (1.0 - CRITICAL_TOLERANCE) <= 1.0 - restitution + 2.3e-16

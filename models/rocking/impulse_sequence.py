@@ -1,0 +1,178 @@
+"""The limit accelerogram: a main sequence at the impacts, a secondary one between them (Casapulla & Maione 2017).
+
+.. note:: Every main impulse acts right after an impact and speeds the block up. Between two of them an even number of
+   secondary impulses acts at equal intervals with alternate signs; the first one opposes the main impulse before it.
+"""
+
+from __future__ import annotations
+
+import operator
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from rocking.half_cycle import CONTINUOUS, END, MIDDLE, OPEN, START
+
+__all__ = ["SPACINGS", "ImpulseSequence"]
+
+#: Where the intermediate impulses stand in the half-cycle: t_k = (k - phi) dT with T = n dT for "end" (phi = 0),
+#: "middle" (1/2) and "start" (1); "open": t_k = k dT with T = (n + 1) dT; "continuous": the limit of infinitely many.
+#: The numbers are the kernels' codes.
+SPACINGS = {"end": END, "middle": MIDDLE, "start": START, "open": OPEN, "continuous": CONTINUOUS}
+
+
+@dataclass(frozen=True, eq=False)
+class ImpulseSequence:
+    """A main and a secondary sequence of impulses, or an array of them: the fields broadcast to one shape (q,), or ().
+
+    Parameters
+    ----------
+    main : float or (q,) array_like
+        I, size of a main impulse [m/s], not negative.
+    secondary : float or (q,) array_like
+        I_s, size of a secondary impulse [m/s], 0 <= I_s <= I.
+    interval : float or (q,) array_like
+        Trial interval dT of the secondary impulses [s], positive; NaN is allowed where it has no meaning (spacing
+        "continuous", or `intermediate_count` given).
+    duration : float or (q,) array_like
+        Main impulses act in half-cycles that start before this time [s], positive; inf for ever.
+    main_count : int or (q,) array_like of int, optional
+        Largest number of main impulses [-], at least 1; None for no limit.
+    intermediate_count : int, optional
+        Number n of secondary impulses in every half-cycle, even and at least 2; None takes n from the trial interval.
+    spacing : {"end", "middle", "start", "open", "continuous"}
+        See :data:`SPACINGS`.
+
+    Attributes
+    ----------
+    shape : tuple of int
+        Shape of the lanes: () or (q,).
+
+    Raises
+    ------
+    ValueError
+        For a field outside its range, naming the field.
+
+    References
+    ----------
+    Casapulla, C., Maione, A. (2017), COMPDYN 2017, section 3.2, doi:10.7712/120117.5612.17190.
+
+    Examples
+    --------
+    >>> sequence = ImpulseSequence(main=0.7, secondary=0.28, interval=0.1, duration=20.0)
+    >>> sequence.scaled(2.0).secondary
+    0.56
+    """
+
+    main: Any
+    secondary: Any
+    interval: Any
+    duration: Any
+    main_count: Any = None
+    intermediate_count: int | None = None
+    spacing: str = "end"
+
+    def __post_init__(self) -> None:
+        if self.spacing not in SPACINGS:
+            raise ValueError(f"spacing: expected one of {', '.join(SPACINGS)}, got {self.spacing!r}")
+        main = _numbers("main", self.main)
+        secondary = _numbers("secondary", self.secondary)
+        interval = _numbers("interval", self.interval)
+        duration = _numbers("duration", self.duration)
+        _require(
+            np.isfinite(main) & (main >= 0.0), "main: expected a finite impulse [m/s] that is not negative", self.main
+        )
+        _require(
+            (secondary >= 0.0) & (secondary <= main),
+            "secondary: expected an impulse [m/s] between 0 and the main impulse",
+            self.secondary,
+        )
+        unused = np.isnan(interval) & (self.spacing == "continuous" or self.intermediate_count is not None)
+        _require(
+            (np.isfinite(interval) & (interval > 0.0)) | unused,
+            "interval: expected a positive, finite time [s]",
+            self.interval,
+        )
+        _require(duration > 0.0, "duration: expected a positive time [s], or inf", self.duration)
+        limit = _counts("main_count", self.main_count, least=1)
+        try:
+            lanes = np.broadcast_shapes(main.shape, secondary.shape, interval.shape, duration.shape, np.shape(limit))
+        except ValueError:
+            raise ValueError(
+                "main, secondary, interval, duration and main_count: expected numbers or arrays of one length, "
+                f"got shapes {main.shape}, {secondary.shape}, {interval.shape}, {duration.shape}, {np.shape(limit)}"
+            ) from None
+        for name, value in (("main", main), ("secondary", secondary), ("interval", interval), ("duration", duration)):
+            array = np.array(np.broadcast_to(value, lanes))
+            array.setflags(write=False)
+            object.__setattr__(self, name, array.item() if array.ndim == 0 else array)
+        if isinstance(limit, np.ndarray):
+            limit = np.array(np.broadcast_to(limit, lanes))
+            limit.setflags(write=False)
+        object.__setattr__(self, "main_count", limit)
+        count = _count("intermediate_count", self.intermediate_count, least=2)
+        if count is not None and count % 2:
+            raise ValueError(
+                f"intermediate_count: expected an even number, so that the impulses sum to zero, got {count}"
+            )
+        object.__setattr__(self, "intermediate_count", count)
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Shape of the lanes: () for one sequence, (q,) for several."""
+        return np.shape(self.main)
+
+    def scaled(self, factor: Any) -> ImpulseSequence:
+        """The same sequence with both impulses multiplied; I_s/I, times and counts are kept.
+
+        Parameters
+        ----------
+        factor : float or (q,) array_like
+            Factor [-], finite and not negative.
+
+        Returns
+        -------
+        ImpulseSequence
+            Of shape (q,) where the factor or the sequence is an array.
+        """
+        factor = _numbers("factor", factor)
+        _require(np.isfinite(factor) & (factor >= 0.0), "factor: expected a finite number that is not negative", factor)
+        return replace(self, main=factor * self.main, secondary=factor * self.secondary)
+
+
+def _numbers(name: str, value: Any) -> np.ndarray:
+    try:
+        array = np.asarray(value, dtype=float)
+    except (TypeError, ValueError):
+        raise ValueError(f"{name}: expected a number or a (q,) array, got {value!r}") from None
+    if array.ndim > 1:
+        raise ValueError(f"{name}: expected a number or a (q,) array, got shape {array.shape}")
+    return array
+
+
+def _require(valid: np.ndarray, expected: str, value: Any) -> None:
+    if not np.all(valid):
+        raise ValueError(f"{expected}; got {value!r}")
+
+
+def _counts(name: str, value: Any, least: int) -> Any:
+    array = np.asarray(value)
+    if array.ndim == 0:
+        return _count(name, value, least)
+    if array.ndim > 1 or not np.issubdtype(array.dtype, np.integer):
+        raise ValueError(f"{name}: expected a whole number, a (q,) array of them or None, got {value!r}")
+    _require(array >= least, f"{name}: expected at least {least}", value)
+    return array.astype(np.int64)
+
+
+def _count(name: str, value: Any, least: int) -> int | None:
+    if value is None:
+        return None
+    try:
+        count = operator.index(value)
+    except TypeError:
+        raise ValueError(f"{name}: expected a whole number or None, got {value!r}") from None
+    if count < least:
+        raise ValueError(f"{name}: expected at least {least}, got {count}")
+    return count

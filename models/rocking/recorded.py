@@ -1,0 +1,288 @@
+"""Response to a sampled accelerogram, linear or nonlinear, over blocks and scale factors.
+
+.. note:: theta > 0 rocks about the right-hand corner; the ground acceleration is linear between samples and zero after
+   the last one. The kernel is :mod:`rocking.recorded_kernel`.
+"""
+
+from __future__ import annotations
+
+from typing import Any, Literal
+
+import numpy as np
+
+from rocking import slots as row
+from rocking.block import Block, numbers
+from rocking.demand import Demand
+from rocking.ground import extremes
+from rocking.polynomial import ORDER
+from rocking.recorded_event import LINEAR, NONLINEAR
+from rocking.recorded_kernel import march_lanes
+from rocking.response import Response, drop_axes, with_history
+from rocking.threads import split_lanes
+
+__all__ = ["recorded_response"]
+
+#: Largest acceleration over gravity that is taken for a record [-].
+STRONGEST = 1e7
+
+EQUATIONS = {"linear": LINEAR, "nonlinear": NONLINEAR}
+
+#: Largest last term of the Taylor series of a step, over alpha_c [-]; a longer step is halved.
+LAST_TERM = 1e-14
+
+#: Smallest one that may be asked for: below it rounding decides.
+SMALLEST_LAST_TERM = 1e-17
+
+#: Longest sample [-], as p dt, and fastest start, as theta'/p [rad], that are taken for a block under a record.
+LONGEST_SAMPLE, FASTEST_START = 1e4, 1e3
+
+#: Longest step that may be asked for, as p dt [-].
+LONGEST_STEP = 0.3
+
+
+def recorded_response(
+    block: Block,
+    acceleration: Any,
+    dt: float,
+    equation: Literal["nonlinear", "linear"] = "nonlinear",
+    scale: Any = 1.0,
+    vertical: Any = None,
+    initial_rotation: Any = 0.0,
+    initial_velocity: Any = 0.0,
+    history: bool = False,
+    gain: Literal["linear", "tangent"] = "linear",
+    block_scale: Any = 1.0,
+    verdict: Demand | None = None,
+    step: float = 0.08,
+    last_term: float = LAST_TERM,
+    threads: int | None = None,
+) -> Response:
+    """Rocking response of a block to a recorded ground acceleration.
+
+    Parameters
+    ----------
+    block : Block
+        One block or (m,) of them.
+    acceleration : (n,) array_like
+        Horizontal ground acceleration a_g [m/s2], n >= 2, linear between samples; zero after the last one.
+    dt : float
+        Sampling interval [s].
+    equation : {"nonlinear", "linear"}
+        The full equation, or its limit for slender blocks and small rotations (Eq. 1).
+    scale : float or (q,) array_like
+        Factor on the record, horizontal and vertical, not negative [-].
+    vertical : (n,) array_like, optional
+        Vertical ground acceleration a_v [m/s2], positive up, on the same samples; nonlinear equation only.
+    initial_rotation : float or (m,) array_like
+        theta at the first sample [rad]; positive about the right-hand corner.
+    initial_velocity : float or (m,) array_like
+        theta' at the first sample [rad/s].
+    history : bool
+        Also return time, rotation and velocity at the samples.
+    gain : {"linear", "tangent"}
+        Linear equation only. "linear": lifted at g alpha_c, as Eq. 1 stands. "tangent": the record times alpha_c/tan
+        alpha_c, so that the block is lifted at g tan(alpha_c) as by the nonlinear equation; most of the difference
+        between the two is the instant of uplift (docs/decisions/008).
+    block_scale : float or (m,) array_like
+        Factor on the record for each block, on top of `scale`, not negative [-].
+    verdict : Demand, optional
+        Demand of the same ground on the same blocks (:func:`rocking.ground_demand`), where nothing but the
+        outcome of a block that starts at rest is wanted: a lane ends as soon as that is settled, by a bound where it
+        overturns and by a measured margin where it rocks (docs/decisions/007), with the peak so far and -1 impacts
+        then. The overturning time is that of the angle of no return. Nonlinear equation without vertical
+        acceleration and histories only.
+    step : float
+        Longest step as p dt [-], at most 0.3; a sample is divided where its own p dt is larger.
+    last_term : float
+        Largest last term of the Taylor series of a step of the nonlinear equation, over alpha_c [-]: a step with a
+        larger one is halved. inf for no such control.
+    threads : int, optional
+        Threads among which the lanes are split; all available cores without. The answer does not depend on it.
+
+    Returns
+    -------
+    Response
+        Arrays (q, m), without the axes whose argument was a scalar; histories (q, m, n) likewise, NaN
+        after overturning.
+
+    Raises
+    ------
+    ValueError
+        For NaN or infinite samples, fewer than two, dt <= 0, a negative scale, an unknown equation, a vertical record
+        of other length or with the linear equation, a step out of range.
+
+    Notes
+    -----
+    theta'' = -p^2 [(1 + a_v/g) sin(s alpha - theta) + (a_g/g) cos(s alpha - theta)], s = sgn theta, or linear
+    theta'' = p^2 (theta - s alpha - a_g/g). The block lifts off strictly above (g + a_v) tan(alpha), or g alpha,
+    towards theta > 0 when a_g is negative. At an impact theta' becomes C theta'. A nonlinear lane overturns at
+    abs(theta) = pi/2; a linear one when its growing mode y = s theta/alpha - 1 + s theta'/(p alpha) exceeds the
+    largest abs(a_g)/(g alpha) that is left, looked at after every step and impact. After the record the motion is
+    followed in closed form.
+
+    References
+    ----------
+    Housner, G. W. (1963), Bull. Seismol. Soc. Am. 53(2), 403-417.
+    Yim, C.-S., Chopra, A. K., Penzien, J. (1980), Earthq. Eng. Struct. Dyn. 8(6), 565-587, doi:10.1002/eqe.4290080606.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from rockpulse import models
+    >>> block = models.Block(half_width=0.5, half_height=1.9365)
+    >>> sine = 3.0 * np.sin(2.0 * np.pi * np.arange(0.0, 1.005, 0.01))
+    >>> response = models.recorded_response(block, sine, 0.01)
+    >>> models.Outcome(response.outcome).name
+    'ROCKS'
+    """
+    record = _samples("acceleration", acceleration)
+    if not isinstance(equation, str) or equation not in EQUATIONS:
+        raise ValueError(f"equation: expected one of {sorted(EQUATIONS)}, got {equation!r}")
+    if not isinstance(block, Block):
+        raise ValueError(f"block: expected a rocking.Block, got {block!r}")
+    dt = float(numbers("dt", dt, "a positive sampling interval in s", lanes=False))
+    if dt <= 0.0:
+        raise ValueError(f"dt: expected a positive sampling interval in s, got {dt!r}")
+    if gain not in ("linear", "tangent") or (gain == "tangent" and equation != "linear"):
+        raise ValueError(f"gain: expected 'linear', or 'tangent' with equation='linear', got {gain!r}")
+    if vertical is not None and equation == "linear":
+        raise ValueError(
+            "vertical: the linear equation has no vertical acceleration; use equation='nonlinear' or drop it"
+        )
+    up = _read_only(np.empty(0)) if vertical is None else _samples("vertical", vertical)
+    if vertical is not None and up.size != record.size:
+        raise ValueError(f"vertical: expected {record.size} samples as in acceleration, got {up.size}")
+    if verdict is not None and not isinstance(verdict, Demand):
+        raise ValueError(f"verdict: expected a rocking.Demand, got {verdict!r:.80}")
+    if verdict is not None and (equation != "nonlinear" or vertical is not None or history):
+        raise ValueError("verdict: expected the nonlinear equation without vertical acceleration and history")
+    if verdict is not None and (np.any(initial_rotation) or np.any(initial_velocity)):
+        raise ValueError("verdict: expected a block at rest, got an initial rotation or velocity")
+    step = float(numbers("step", step, "a positive p dt", lanes=False))
+    if not 0.0 < step <= LONGEST_STEP:
+        raise ValueError(f"step: expected a positive p dt of at most {LONGEST_STEP}, got {step!r}")
+    if not (isinstance(last_term, int | float | np.floating) and last_term >= SMALLEST_LAST_TERM):
+        raise ValueError(
+            f"last_term: expected a share of alpha_c of at least {SMALLEST_LAST_TERM:g}, or inf, got {last_term!r}"
+        )
+    factors = numbers("scale", scale, "a factor >= 0")
+    if np.any(factors < 0.0):
+        raise ValueError(f"scale: expected a factor >= 0 or a (q,) array of them, got {scale!r}")
+    own = numbers("block_scale", block_scale, "a factor >= 0")
+    if np.any(own < 0.0) or own.shape not in ((), block.shape):
+        raise ValueError(
+            f"block_scale: expected a factor >= 0, or one for each of the blocks {block.shape}, got {block_scale!r:.80}"
+        )
+    strongest = (
+        max(np.max(record), -np.min(record), np.max(up, initial=0.0), -np.min(up, initial=0.0))
+        * np.max(factors, initial=0.0)
+        * max(np.max(own, initial=0.0), 1.0)
+        / block.gravity
+    )
+    if not strongest <= STRONGEST:
+        raise ValueError(
+            f"acceleration, scale: expected at most {STRONGEST:g} times gravity, got {strongest:g}; "
+            "is the record in m/s2, and the scale a factor?"
+        )
+    start = [
+        numbers("initial_rotation", initial_rotation, "an angle in rad"),
+        numbers("initial_velocity", initial_velocity, "an angular velocity in rad/s"),
+    ]
+    try:
+        lanes = np.broadcast_shapes(block.shape, *(values.shape for values in start))
+    except ValueError:
+        raise ValueError(
+            f"initial_rotation, initial_velocity: expected one value, or one for each of the blocks {block.shape}, "
+            f"got shapes {start[0].shape} and {start[1].shape}"
+        ) from None
+    alpha, p, restitution, rotation, spin = (
+        _read_only(np.ascontiguousarray(np.broadcast_to(np.asarray(values, dtype=float), lanes).reshape(-1)))
+        for values in (block.alpha_c, block.p, block.restitution, *start)
+    )
+    if np.max(p, initial=0.0) * dt > LONGEST_SAMPLE:
+        raise ValueError(f"dt: expected p dt of at most {LONGEST_SAMPLE:g}, got {np.max(p) * dt:g}; is dt in s?")
+    if np.any(np.abs(spin) > FASTEST_START * p):
+        raise ValueError(
+            f"initial_velocity: expected at most {FASTEST_START:g} p, got {np.max(np.abs(spin) / p):g} p; "
+            "is it in rad/s?"
+        )
+    if verdict is not None and (verdict.samples, verdict.levels.shape[0]) != (record.size, alpha.size):
+        raise ValueError("verdict: expected the demand of this record on these blocks")
+    gains = np.broadcast_to(own, lanes).reshape(-1) * (alpha / np.tan(alpha) if gain == "tangent" else 1.0)
+    shape = (factors.size, alpha.size)
+    total = factors.size * alpha.size
+    answers: tuple[np.ndarray, ...] = (
+        np.empty(total),
+        np.empty(total, dtype=np.int8),
+        np.empty(total, dtype=np.int8),
+        np.empty(total),
+        *(np.empty(total, dtype=np.int64) for _ in range(3)),
+    )
+    samples = record.size if history else 0
+    motion: np.ndarray = np.zeros((total, samples, 2))
+    found = extremes(record, up)
+    levels, above = np.empty((alpha.size, 0)), np.empty((alpha.size, 0), dtype=np.int64)
+    if verdict is not None:
+        levels, above = verdict.levels * float(block.gravity), verdict.last
+
+    def march(first: int, last: int) -> None:
+        f = np.zeros(row.FLOAT_ROWS * row.WIDTH)
+        i = np.zeros(row.INT_ROWS * row.WIDTH, dtype=np.int64)
+        i[row.LANE : row.LANE + row.WIDTH] = -1
+        f[row.ALPHA : row.ALPHA + row.WIDTH] = 0.1
+        c = np.zeros(ORDER + 1)
+        march_lanes(
+            EQUATIONS[equation],
+            first,
+            last,
+            record,
+            up,
+            found,
+            dt,
+            factors.reshape(-1) / float(block.gravity),
+            gains,
+            alpha,
+            p,
+            restitution,
+            rotation,
+            spin,
+            step,
+            float(last_term),
+            levels,
+            above,
+            0.0 if verdict is None else float(verdict.settled),
+            *answers,
+            motion,
+            f,
+            i,
+            c,
+        )
+
+    split_lanes(march, total, threads)
+    drop = (factors.ndim == 0, lanes == ())
+    peak, outcome, reason, time, half_cycle, impacts, active = (values.reshape(shape) for values in answers)
+    response = drop_axes(Response(peak, outcome, reason, time, half_cycle, impacts, active_samples=active), 2, drop)
+    if not history:
+        return response
+    motion = motion.reshape(*shape, samples, 2)
+    return with_history(response, dt * np.arange(samples), motion[..., 0], motion[..., 1], drop)
+
+
+def _samples(name: str, values: Any) -> np.ndarray:
+    try:
+        array = np.ascontiguousarray(values, dtype=float)
+    except (TypeError, ValueError):
+        raise ValueError(f"{name}: expected a (n,) array of numbers in m/s2, got {values!r:.80}") from None
+    if array.ndim != 1 or array.size < 2:
+        raise ValueError(f"{name}: expected a (n,) array of at least 2 samples in m/s2, got shape {array.shape}")
+    if not (np.isfinite(np.min(array)) and np.isfinite(np.max(array))):  # NaN is the smallest: no copy is made
+        first = int(np.flatnonzero(~np.isfinite(array))[0])
+        raise ValueError(f"{name}: sample {first} is {array[first]}; NaN and infinite samples must be mended first")
+    return _read_only(array)
+
+
+def _read_only(array: np.ndarray) -> np.ndarray:
+    """The array, not to be written to: of one type whoever gives it, so that the kernel is compiled once for all."""
+    view = array.view()
+    view.flags.writeable = False
+    return view

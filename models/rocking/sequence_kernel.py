@@ -1,0 +1,169 @@
+"""The half-cycles of a main and a secondary sequence one after the other, lane by lane, on bare arrays."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numba import njit
+
+from rocking.half_cycle import CONTINUOUS, OPEN, corrected_duration, impact_speed_after, stays_bounded
+from rocking.march import first_return, peak_and_lowest
+from rocking.motion import CRITICAL_TOLERANCE, hop, impacts_above
+from rocking.response import Outcome, Reason
+
+__all__ = ["COLUMNS", "HALF_CYCLE_LIMIT", "UNLIMITED", "repetitions", "sequence_lanes"]
+
+#: Half-cycles followed in one lane before it is UNRESOLVED.
+HALF_CYCLE_LIMIT = 50_000
+
+#: A half-cycle that starts with the velocity of an earlier one, to this share of it, closes a cycle.
+CYCLE_TOLERANCE = 1e-13
+
+#: A number of main impulses that is no limit.
+UNLIMITED = 2**62
+
+#: Columns of the table: u_i, peak, duration, n_i, dT_i (times in s), u_r.
+COLUMNS = 6
+
+_AT_REST, _ROCKS, _OVERTURNS, _UNRESOLVED = (int(outcome) for outcome in Outcome)
+_HALF_CYCLE_LIMIT_REASON = int(Reason.HALF_CYCLE_LIMIT)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _half_cycle(velocity, secondary, interval, fixed_count, spacing, bounded):
+    """Peak, duration, n, dT, impact speed and lowest rotation of one half-cycle; duration inf where it overturns."""
+    if secondary == 0.0 or spacing == CONTINUOUS:
+        count = 0 if secondary == 0.0 else -1
+        effective = velocity - 0.5 * secondary
+        if bounded:
+            # A bounded motion tends to its limit velocity from below; rounding must not let it arrive.
+            effective = min(effective, 1.0 - 2.0**-53)
+        elif effective >= 1.0 - CRITICAL_TOLERANCE:
+            return np.inf, np.inf, count, np.nan, np.nan, np.inf
+        peak, time = hop(effective)
+        return peak, time, count, np.nan, max(velocity - secondary, 0.0), np.inf
+    count = fixed_count
+    if count == 0:
+        trial = first_return(velocity, secondary, interval, spacing)
+        if trial == np.inf:
+            trial = corrected_duration(velocity, secondary, 0, CONTINUOUS)
+            if trial == np.inf:
+                return np.inf, np.inf, -1, np.nan, np.nan, np.inf
+        count = max(2, 2 * math.floor(trial / (2.0 * interval) + 0.5))
+    time = corrected_duration(velocity, secondary, count, spacing)
+    if time == np.inf:
+        return np.inf, np.inf, count, np.nan, np.nan, np.inf
+    peak, lowest = peak_and_lowest(velocity, secondary, time, count, spacing)
+    corrected = time / (count + 1 if spacing == OPEN else count)
+    return peak, time, count, corrected, impact_speed_after(velocity, secondary, time, count, spacing), lowest
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def repetitions(start, time, duration, main_count):
+    """Number of half-cycles of one length that still start before the end of the main sequence; -1 without end."""
+    left = (duration - start) / time
+    if left == np.inf:
+        return -1 if main_count > UNLIMITED // 2 else main_count
+    return min(main_count, math.ceil(min(left, 1e18)))
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def sequence_lanes(
+    first_lane,
+    last_lane,
+    table,
+    floats,
+    integers,
+    main,
+    secondary,
+    p,
+    restitution,
+    interval,
+    duration,
+    main_count,
+    fixed_count,
+    spacing,
+    cutoff,
+):
+    """Response of the lanes first_lane:last_lane; writes into the three arrays after them.
+
+    Parameters
+    ----------
+    first_lane, last_lane : int
+        Lanes to work on.
+    table : (COLUMNS, h, n) ndarray
+        Receives the first h half-cycles.
+    floats : (3, n) ndarray
+        Receives peak [-], time of overturning [s], smallest x inside a half-cycle [-].
+    integers : (5, n) ndarray of int
+        Receives outcome, reason, half-cycle of overturning, impacts, number of half-cycles before the motion repeats
+        itself.
+    main, secondary : (n,) ndarray
+        u_1 and a = u_1 I_s/I of each lane [-].
+    p, restitution, interval, duration : (n,) ndarray
+        Frequency parameter [1/s], C [-], trial dT [s], end of the main sequence [s].
+    main_count : (n,) ndarray of int
+        Largest number of main impulses.
+    fixed_count : int
+        Given number of intermediate impulses, or 0 for the trial march.
+    spacing : int
+        Code of the spacing.
+    cutoff : float
+        Speed above which an impact is counted [-].
+    """
+    rows = table.shape[1]
+    for lane in range(first_lane, last_lane):
+        u1, a, c, rate, most = main[lane], secondary[lane], restitution[lane], p[lane], main_count[lane]
+        outcome, reason, overturned, impacts = _AT_REST, 0, -1, 0
+        peak, overturning_time, lowest = 0.0, np.nan, np.inf
+        bounded = u1 > 0.0 and (a == 0.0 or spacing == CONTINUOUS) and stays_bounded(u1, a / u1, c)
+        endless = duration[lane] == np.inf and most > UNLIMITED // 2
+        velocity, start, index, used = u1, 0.0, 0, 0
+        mark, next_mark = np.nan, 1
+        while u1 > 0.0:
+            if index == HALF_CYCLE_LIMIT:
+                outcome, reason, peak, impacts = _UNRESOLVED, _HALF_CYCLE_LIMIT_REASON, np.nan, -1
+                break
+            outcome = _ROCKS
+            highest, time, count, corrected, speed, inside = _half_cycle(
+                velocity, a, rate * interval[lane], fixed_count, spacing, bounded
+            )
+            if index < rows:
+                table[0, index, lane], table[1, index, lane], table[2, index, lane] = velocity, highest, time / rate
+                table[3, index, lane], table[4, index, lane], table[5, index, lane] = count, corrected / rate, speed
+            index += 1
+            used = index
+            peak, lowest = max(peak, highest), min(lowest, inside)
+            if time == np.inf:
+                outcome, overturned, overturning_time = _OVERTURNS, index, start
+                break
+            counted = 1 if speed > cutoff else 0
+            impacts += counted
+            start += time / rate
+            following = c * speed + u1
+            if start < duration[lane] and index < most:
+                if endless and abs(following - mark) <= CYCLE_TOLERANCE * mark:
+                    impacts = -1  # a cycle of several half-cycles, all of which have been followed
+                    break
+                if abs(following - velocity) > 4e-16 * velocity:
+                    velocity = following
+                    if index == next_mark:
+                        mark, next_mark = velocity, 2 * index
+                    continue
+                # The motion repeats itself: the half-cycles that are left are counted, not followed.
+                repeated = repetitions(start, time / rate, duration[lane], most - index)
+                if repeated < 0:
+                    impacts = -1 if counted else 0
+                    break
+                impacts += repeated * counted
+                index += repeated
+                start += repeated * time / rate
+            # An impact speed is below one (x(T) = 0 has a root only where it is), so a free decay does not overturn.
+            peak = max(peak, hop(c * speed)[0])
+            later = impacts_above(c * speed, c, cutoff)
+            impacts = -1 if later < 0 else impacts + later
+            break
+        floats[0, lane], floats[1, lane], floats[2, lane] = peak, overturning_time, lowest
+        integers[0, lane], integers[1, lane], integers[2, lane] = outcome, reason, overturned
+        integers[3, lane], integers[4, lane] = impacts, used

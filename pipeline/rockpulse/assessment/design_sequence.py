@@ -1,0 +1,140 @@
+"""Bodies under a sequence of impulses in place of a record: the design sequence of a site."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from rocking.block import Block
+from rocking.sequence import ImpulseSequence
+from rockpulse.assessment.assessment import RecordAssessment, assess_scene
+from rockpulse.assessment.scene import Scene
+from rockpulse.assessment.tree import build_tree
+from rockpulse.config.block_settings import BlockSettings
+from rockpulse.config.bodies import gather_bodies
+from rockpulse.config.configuration import Config
+from rockpulse.errors import ConfigError
+from rockpulse.record.half_wave import HalfWaves
+from rockpulse.record.intensity import IntensePhase
+from rockpulse.record.record import Record
+from rockpulse.storage.variables import NOT_COMPARED, RECORD
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = ["SEQUENCE_MODELS", "assess_sequence"]
+
+#: Models whose input is a sequence; the others need the accelerogram or its half-waves.
+SEQUENCE_MODELS = ("resonance", "sequence")
+
+#: What is absent, by type. The flag `pgv_drift` has no value for it: no PGV drifts.
+ABSENT: dict[type, Any] = {float: math.nan, int: -1, str: "", np.int8: 0}
+
+
+def assess_sequence(
+    sequence: ImpulseSequence,
+    config: Config | None = None,
+    blocks: Mapping[str, Block] | Sequence[BlockSettings] | None = None,
+    name: str = "design sequence",
+    source: str = "",
+) -> xr.DataTree:
+    """Assess bodies under one sequence of impulses.
+
+    Parameters
+    ----------
+    sequence : ImpulseSequence
+        One sequence, such as :func:`rockpulse.load_design` reads.
+    config : Config, optional
+        Sections site, models, search and the bodies are used; a [[demand]] is one on the PGA, which a sequence has not.
+    blocks : mapping of str to Block, or sequence of BlockSettings, optional
+        The bodies, in place of those of the configuration.
+    name : str
+        Id of the row that stands where a record would.
+    source : str
+        File that the sequence comes from.
+
+    Returns
+    -------
+    xarray.DataTree
+        As :func:`rockpulse.assess` returns it, with one row whose columns of a record are empty. The models that need a
+        record (impulsive, linear, nonlinear, auto) are left out, and a warning of the row says so.
+
+    Raises
+    ------
+    ConfigError
+        Without a body, for several sequences or one that ends by no limit, or where ``[models] use`` names none of the
+        sequence models.
+
+    Examples
+    --------
+    >>> import rockpulse as rp
+    >>> sequence = rp.models.ImpulseSequence(0.5, 0.1, interval=0.1, duration=10.0, main_count=3)
+    >>> tree = rp.assess_sequence(sequence, blocks={"pier": rp.models.Block(half_width=0.5, half_height=1.9365)})
+    >>> tree["summary"]["model"].values.tolist()
+    ['resonance', 'sequence']
+    """
+    asked_for = config or Config()
+    if sequence.shape:
+        raise ConfigError(f"sequence: expected one sequence, found {sequence.shape[0]}")
+    asked = asked_for.models.answering
+    use = tuple(model for model in asked_for.models.use if model in SEQUENCE_MODELS)
+    if not use:
+        raise ConfigError(
+            f"[models] use: {', '.join(asked)} need a record; a sequence is answered by {' and '.join(SEQUENCE_MODELS)}"
+        )
+    if "resonance" in use and sequence.main_count is None and math.isinf(sequence.duration):
+        raise ConfigError(
+            "sequence: without main_count and duration the resonance model has no end; give one of them, or leave the "
+            "model out of [models] use"
+        )
+    dropped = [model for model in asked if model not in use]
+    config = replace(
+        asked_for,
+        models=replace(asked_for.models, use=use, auto=False, predictability=False, histories=False),
+        records=replace(asked_for.records, components="horizontal", azimuth=None, store="none"),
+        sequence=replace(asked_for.sequence, spacing=sequence.spacing),
+        demands=(),
+    )
+    bodies = gather_bodies(config.blocks if blocks is None else blocks)
+    # The ground is at rest: the models in use take the sequence and nothing else.
+    rest = Record(np.zeros(2), dt=1.0, id=name, source=source)
+    nothing = np.zeros(0)
+    scene = Scene(
+        record=rest,
+        vertical=None,
+        waves=HalfWaves(nothing, nothing, nothing, nothing, nothing, nothing, dt=rest.dt, record_id=name),
+        phase=IntensePhase(0.0, sequence.duration),
+        sequence=sequence,
+        config=config,
+    )
+    done = _without_record(assess_scene(scene, bodies), sequence)
+    warnings = [done.record["warnings"]]
+    if dropped:
+        verb = "is" if len(dropped) == 1 else "are"
+        warnings.append(f"a sequence, not a record: {', '.join(dropped)} cannot answer it and {verb} left out")
+    if asked_for.demands:
+        warnings.append(NOT_COMPARED)
+    done.record["warnings"] = "\n".join(filter(None, warnings))
+    tree = build_tree([done], bodies, config, [])
+    tree.attrs["title"] = config.site.name or "Rocking response of rigid blocks to a sequence of impulses"
+    return tree
+
+
+def _without_record(done: RecordAssessment, sequence: ImpulseSequence) -> RecordAssessment:
+    """The assessment with the columns that describe a record, and what follows from them, empty."""
+    stated = {
+        "source": done.record["source"],
+        "main_impulse": float(sequence.main),
+        "secondary_impulse": float(sequence.secondary),
+        "secondary_interval": float(sequence.interval),
+        "sequence_duration": float(sequence.duration),
+        "main_count": -1 if sequence.main_count is None else int(sequence.main_count),
+        "warnings": done.record["warnings"],
+    }
+    record = {name: stated.get(name, ABSENT[kind]) for name, (kind, _, _) in RECORD.items()}
+    unknown = {name: np.full_like(done.per_block[name], math.nan) for name in ("uplift_ratio", "velocity_ratio")}
+    return replace(done, record=record, per_block=done.per_block | unknown)

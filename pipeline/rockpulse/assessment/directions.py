@@ -1,0 +1,306 @@
+"""The motions that are assessed: channels as recorded, or pairs of them rotated.
+
+.. note:: What is assessed follows from what the records say of themselves (:func:`plan_motions`); their samples are
+   asked for when that is carried out (:func:`motions_of`). So thousands of records can be planned without them.
+"""
+
+from __future__ import annotations
+
+import logging
+import math
+from collections import defaultdict
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, replace
+
+from rockpulse.config.configuration import Config
+from rockpulse.failures import Failure
+from rockpulse.record.components import Neighbours, Pair, find_pairs, matching_vertical, select_horizontal
+from rockpulse.record.pair_conditioning import condition_pair
+from rockpulse.record.record import Record
+from rockpulse.record.rotation import pair_id, rotate, rotated_id, strongest_azimuth
+
+__all__ = [
+    "DIRECTIONS",
+    "Motion",
+    "PlannedMotion",
+    "ground_motions",
+    "motions_of",
+    "plan_motions",
+    "planned_ids",
+    "rotation_failures",
+    "sweep_azimuths",
+    "swept_directions",
+]
+
+logger = logging.getLogger("rockpulse")
+
+#: A channel that faces the direction asked for within this stands for it without a partner [degrees].
+FACING_WITHIN = 1.0
+
+
+@dataclass(frozen=True, eq=False)
+class PlannedMotion:
+    """A channel, or a pair of channels to be rotated, and what acts with it.
+
+    Attributes
+    ----------
+    name : str
+        Id of the channel, or name of the pair; no two are the same.
+    channels : tuple of Record
+        One, or the two of a pair, as read.
+    vertical : Record or None
+        The vertical channel that acts too, as read.
+    remark : str
+        A warning for every motion that comes of it; empty without.
+    copy : int
+        Pairs whose rotated records would have one id are numbered from 1 on.
+    """
+
+    name: str
+    channels: tuple[Record, ...]
+    vertical: Record | None = None
+    remark: str = ""
+    copy: int = 1
+
+    @property
+    def rotated(self) -> bool:
+        """Whether it is a pair."""
+        return len(self.channels) > 1
+
+    def direction_id(self, azimuth: float) -> str:
+        """Id of the pair's motion in one direction [degrees]."""
+        name = rotated_id(self.channels[0], azimuth)
+        return name if self.copy == 1 else f"{name}~{self.copy}"
+
+
+@dataclass(frozen=True, eq=False)
+class Motion:
+    """A horizontal motion that is assessed.
+
+    Attributes
+    ----------
+    record : Record
+        A channel as read, or a rotated pair, which is conditioned already.
+    channels : tuple of Record
+        The channels behind it, as read.
+    pair : str
+        Name of the pair that was rotated; empty for a channel as recorded.
+    vertical : Record or None
+        The vertical channel that acts too, as read.
+    """
+
+    record: Record
+    channels: tuple[Record, ...]
+    pair: str = ""
+    vertical: Record | None = None
+
+
+def plan_motions(records: Sequence[Record], config: Config) -> tuple[list[PlannedMotion], list[Failure]]:
+    """What is to be assessed, as section [records] asks for it.
+
+    Parameters
+    ----------
+    records : sequence of Record
+        All channels, with different ids; of the samples nothing but their number is asked.
+    config : Config
+        Section records is used.
+
+    Returns
+    -------
+    planned : list of PlannedMotion
+        In the order of the (first) channels.
+    failures : list of Failure
+        A row for each channel that is no horizontal one, or has no partner where pairs are asked for. One that was
+        recorded within :data:`FACING_WITHIN` of the azimuth asked for, or against it, needs none.
+    """
+    horizontal, failures = select_horizontal(records, config.records.structural)
+    if config.records.components == "horizontal":
+        planned = [PlannedMotion(record.id, (record,)) for record in horizontal]
+    else:
+        pairs, alone = find_pairs(horizontal)
+        paired = {id(channel) for pair in pairs for channel in pair.channels}
+        lone = [record for record in horizontal if id(record) not in paired]
+        facing = [_facing(record, config.records.azimuth) for record in lone]
+        failures += [row for row, one in zip(alone, facing, strict=True) if one is None]
+        names = _copies([pair_id(pair) for pair in pairs])
+        rotated = _copies([rotated_id(pair.first, 0.0) for pair in pairs])
+        planned = [
+            PlannedMotion(f"{name}~{number}" if number > 1 else name, pair.channels, copy=copy)
+            for pair, (name, number), (_, copy) in zip(pairs, names, rotated, strict=True)
+        ]
+        planned = _in_order([*planned, *(one for one in facing if one is not None)], horizontal)
+    if not config.records.include_vertical:
+        return planned, failures
+    verticals = Neighbours([record for record in records if record.orientation == "vertical"])
+    return [_with_vertical(one, verticals) for one in planned], failures
+
+
+def motions_of(planned: PlannedMotion, config: Config) -> list[Motion]:
+    """The motions to assess: the channel, or the pair in every direction that is asked for.
+
+    Parameters
+    ----------
+    planned : PlannedMotion
+        With the samples of its channels.
+    config : Config
+        Sections records, conditioning and half_waves are used.
+
+    Raises
+    ------
+    RockpulseError
+        Where a pair cannot be rotated.
+    """
+    if not planned.rotated:
+        turned = [planned.channels[0]]
+    else:
+        pair = condition_pair(Pair(*planned.channels), **config.conditioning)
+        azimuths = DIRECTIONS[config.records.components](pair, config)
+        turned = [replace(rotate(pair, azimuth), id=planned.direction_id(azimuth)) for azimuth in azimuths]
+    if planned.remark:
+        turned = [record.with_warning(planned.remark) for record in turned]
+    name = planned.name if planned.rotated else ""
+    return [Motion(record, planned.channels, name, planned.vertical) for record in turned]
+
+
+def rotation_failures(planned: PlannedMotion, error: Exception) -> list[Failure]:
+    """The rows for a pair that cannot be rotated, one for each channel.
+
+    Parameters
+    ----------
+    planned : PlannedMotion
+        The pair.
+    error : Exception
+        Why.
+    """
+    logger.error("%s: %s", planned.name, error)
+    return [Failure(channel.source, "rotate", str(error), "failed") for channel in planned.channels]
+
+
+def ground_motions(records: Sequence[Record], config: Config) -> tuple[list[Motion], list[Failure]]:
+    """The motions to assess, all at once.
+
+    Parameters
+    ----------
+    records : sequence of Record
+        All channels, with their samples.
+    config : Config
+        Sections records, conditioning and half_waves are used.
+
+    Returns
+    -------
+    motions : list of Motion
+        With different ids; those of a pair one after the other.
+    failures : list of Failure
+        Those of :func:`plan_motions`, then a row for each channel of a pair that cannot be rotated.
+    """
+    planned, failures = plan_motions(records, config)
+    motions = []
+    for one in planned:
+        try:
+            motions += motions_of(one, config)
+        except ValueError as error:
+            failures += rotation_failures(one, error)
+    return motions, failures
+
+
+def planned_ids(planned: PlannedMotion, config: Config) -> list[str]:
+    """Ids of the motions that come of a plan; none for the strongest direction, which only the samples tell.
+
+    Parameters
+    ----------
+    planned : PlannedMotion
+        With or without the samples of its channels.
+    config : Config
+        Section records is used.
+    """
+    if not planned.rotated:
+        return [planned.name]
+    if config.records.components == "strongest":
+        return []
+    return [planned.direction_id(azimuth) for azimuth in DIRECTIONS[config.records.components](None, config)]
+
+
+def swept_directions(planned: Iterable[PlannedMotion], config: Config) -> dict[str, list[str]] | None:
+    """Name of each pair of a sweep over direction, and the ids of its motions; None where there is no sweep.
+
+    Parameters
+    ----------
+    planned : iterable of PlannedMotion
+        What is assessed.
+    config : Config
+        Section records is used.
+    """
+    if config.records.components != "sweep":
+        return None
+    return {one.name: planned_ids(one, config) for one in planned}
+
+
+def _facing(record: Record, azimuth: float | None) -> PlannedMotion | None:
+    """A channel without a partner that was recorded in the direction asked for, or against it; else None."""
+    if azimuth is None or not abs(math.remainder(record.azimuth - azimuth, 180.0)) <= FACING_WITHIN:
+        return None
+    against = abs(math.remainder(record.azimuth - azimuth, 360.0)) > FACING_WITHIN
+    mirrored = ", the mirror image, which is the same for a body that rocks to both sides" if against else ""
+    remark = f"no pair: as recorded, at {record.azimuth:g} degrees, for the azimuth {azimuth:g}{mirrored}"
+    return PlannedMotion(record.id, (record,), remark=remark)
+
+
+def _in_order(planned: Sequence[PlannedMotion], horizontal: Sequence[Record]) -> list[PlannedMotion]:
+    place = {id(record): number for number, record in enumerate(horizontal)}
+    return sorted(planned, key=lambda one: place[id(one.channels[0])])
+
+
+def _with_vertical(planned: PlannedMotion, verticals: Neighbours) -> PlannedMotion:
+    found = (matching_vertical(channel, verticals.of(channel)) for channel in planned.channels)
+    vertical = next((one for one in found if one is not None), None)
+    remark = ""
+    if vertical is None:
+        remark = "no vertical channel of this station overlaps: taken as zero"
+    elif vertical.start_time is None and vertical.source not in [channel.source for channel in planned.channels]:
+        remark = "vertical channel: taken to start with this one, no times are known"
+    return replace(planned, vertical=vertical, remark="; ".join(filter(None, (planned.remark, remark))))
+
+
+def sweep_azimuths(step: float) -> list[float]:
+    """Directions from 0 up to 180 degrees, which are all: the motion in the opposite direction is the mirror image.
+
+    Parameters
+    ----------
+    step : float
+        A whole part of 180 degrees.
+    """
+    count = round(180.0 / step)
+    return [180.0 * number / count for number in range(count)]
+
+
+def _given(pair: Pair | None, config: Config) -> list[float]:
+    assert config.records.azimuth is not None
+    return [config.records.azimuth]
+
+
+def _strongest(pair: Pair | None, config: Config) -> list[float]:
+    assert pair is not None
+    return [strongest_azimuth(pair, **config.half_waves)[0]]
+
+
+def _sweep(pair: Pair | None, config: Config) -> list[float]:
+    return sweep_azimuths(config.records.azimuth_step)
+
+
+#: The directions in which a conditioned pair is assessed, by the word of ``[records] components``; only the strongest
+#: one cannot be told without the pair.
+DIRECTIONS: dict[str, Callable[[Pair | None, Config], list[float]]] = {
+    "azimuth": _given,
+    "strongest": _strongest,
+    "sweep": _sweep,
+}
+
+
+def _copies(names: Iterable[str]) -> list[tuple[str, int]]:
+    """Each name, and which of those that are the same it is, from 1."""
+    seen: dict[str, int] = defaultdict(int)
+    result = []
+    for name in names:
+        seen[name] += 1
+        result.append((name, seen[name]))
+    return result

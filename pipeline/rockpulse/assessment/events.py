@@ -1,0 +1,279 @@
+"""Which records are of one earthquake: what is left out together, and resampled together, in every statistic.
+
+.. note:: Channels of one earthquake are no independent observations. Agencies name events in their own words or not at
+   all, and their clocks differ by minutes, so records are joined by name and by time; a table of the user's own decides
+   where that is not right. In doubt records are joined: fewer events mean wider intervals, never narrower ones. So
+   records that state neither an earthquake nor a time count as one earthquake.
+"""
+
+from __future__ import annotations
+
+import re
+from collections import Counter, defaultdict
+from collections.abc import Hashable, Iterable, Iterator, Mapping, Sequence
+from datetime import timedelta
+from itertools import combinations, pairwise
+
+from rockpulse.assessment.site_tables import read_event_table
+from rockpulse.config.configuration import Config, located
+from rockpulse.errors import ConfigError
+from rockpulse.failures import Failure
+from rockpulse.record.record import Record
+
+__all__ = ["JOINED_WITHIN_S", "UNKNOWN", "event_table", "events_by_id", "group_events"]
+
+#: Label of all records together of which neither the files nor the user's table tell the earthquake.
+UNKNOWN = "unknown: neither name nor time stated, counted as one"
+
+#: Records that start within this of one another are of one earthquake [s]; so are those of one name, unless their times
+#: are known to lie further apart.
+JOINED_WITHIN_S = 600.0
+
+#: A clock may be off by its time zone, never by more than this [s].
+CLOCK_S = 86400.0
+
+_GENERIC = (
+    "EARTHQUAKE EQ EVENT MAINSHOCK MAIN SHOCK RECORD RCRD RECORDED OF THE UNKNOWN UNNAMED NONE NA NULL MAG MAGNITUDE "
+    "MW ML MS MB MD MC MA ME JAN FEB MAR APR MAY JUN JUL AUG SEP OCT NOV DEC JANUARY FEBRUARY MARCH APRIL JUNE JULY "
+    "AUGUST SEPTEMBER OCTOBER NOVEMBER DECEMBER MON TUE WED THU FRI SAT SUN GMT UTC UT PST PDT MST MDT CST CDT EST "
+    "EDT HST AKST AKDT JST NZST NZDT AVOL CA"
+)
+
+#: Words of event titles that name no earthquake.
+GENERIC = frozenset(_GENERIC.split())
+
+#: Dates with their year at the end or the start: 10/15/1979, 01/16/95, 2010-02-27.
+_DATE = re.compile(
+    r"\b\d{1,2}[/.-]\d{1,2}[/.-](\d{4})\b|\b\d{1,2}[/-]\d{1,2}[/-](\d\d)\b|\b(\d{4})[/.-]\d{1,2}[/.-]\d{1,2}\b"
+)
+_YEAR = re.compile(r"\b((?:19|20)\d\d)\b")
+
+#: Two-digit years from this on are of the twentieth century.
+_CENTURY = 30
+
+#: The number of an earthquake in its sequence, as NGA writes it: Imperial Valley-06.
+_NUMBER = re.compile(r"[A-Za-z]-(\d\d)\b")
+
+
+def group_events(records: Sequence[Record], named: Mapping[str, str] | None = None) -> list[str]:
+    """The earthquake of every record, as a label that records of one earthquake share.
+
+    Parameters
+    ----------
+    records : sequence of Record
+        As read; `event`, `start_time` and `source` are looked at.
+    named : mapping of str to str, optional
+        Label by record id, in place of what the files say. Records that are not in it are grouped among themselves;
+        those whose group has the same label belong to it.
+
+    Returns
+    -------
+    list of str
+        One label a record: the user's, else the title that most of the group have, else its earliest start time, else
+        :data:`UNKNOWN`. Of groups with the same title each has its time (or file) behind it.
+
+    Raises
+    ------
+    ConfigError
+        Where `named` holds an id that no record has, or an empty label.
+
+    Notes
+    -----
+    Two records are joined when they come from one file, start within :data:`JOINED_WITHIN_S` of each other, or have
+    titles with the same words once dates, numbers and general words are taken out, unless their times lie more than a
+    day apart, their titles name other years, or other numbers in a sequence ("Imperial Valley-02", "-06"). Joining is
+    transitive: a title that tells less, as "Imperial Valley" does, may join them after all. Records that state neither
+    a title nor a time, as plain columns do, may all be of one earthquake, and are counted so.
+
+    Examples
+    --------
+    >>> at = [Record([0.0, 1.0], dt=0.01, id=name, event=name) for name in ("KOBE 01/16/95 2046", "Kobe", "Maule 2010")]
+    >>> group_events(at)
+    ['KOBE 01/16/95 2046', 'KOBE 01/16/95 2046', 'Maule 2010']
+    """
+    named = dict(named or {})
+    ids = [record.id for record in records]
+    if unknown := sorted(set(named) - set(ids)):
+        raise ConfigError(
+            f"[records] events: no record has the id {_some(unknown, 5)}; expected ids of channels as they were "
+            f"read, such as {_some(ids, 3)}"
+        )
+    if empty := sorted(name for name, label in named.items() if not label.strip()):
+        raise ConfigError(f"events: expected a label for {', '.join(empty[:5])}, got an empty one")
+    free = [index for index, record in enumerate(records) if record.id not in named]
+    parent = {index: index for index in free}
+
+    def root(index: int) -> int:
+        while parent[index] != index:
+            parent[index] = parent[parent[index]]
+            index = parent[index]
+        return index
+
+    for one, other in _pairs(records, free):
+        first, second = sorted((root(one), root(other)))
+        parent[second] = first
+    groups: dict[int, list[int]] = defaultdict(list)
+    for index in free:
+        groups[root(index)].append(index)
+    told = {top: [records[index] for index in members] for top, members in groups.items()}
+    known = {
+        top: members for top, members in told.items() if any(_name(one.event) or one.start_time for one in members)
+    }
+    titles = dict.fromkeys(told, UNKNOWN) | _distinct(known)
+    return [named[record.id] if record.id in named else titles[root(index)] for index, record in enumerate(records)]
+
+
+def event_table(config: Config) -> dict[str, str]:
+    """The user's own table of events, ``[records] events``: event by record id; empty where there is none.
+
+    Parameters
+    ----------
+    config : Config
+        Options.
+
+    Raises
+    ------
+    ConfigError
+        For a file that is not there, or no such table.
+    OSError
+        Where it cannot be opened.
+    """
+    if config.records.events is None:
+        return {}
+    path = located(config.records.events, config.folder)
+    if not path.exists():
+        raise ConfigError(
+            f"[records] events: {path}: no such file; expected a CSV table with the columns record, event"
+        )
+    return read_event_table(path)
+
+
+def events_by_id(
+    records: Sequence[Record], named: Mapping[str, str], failures: Iterable[Failure] = ()
+) -> tuple[dict[str, str], list[Failure]]:
+    """The earthquake that every record is counted to, the same in every verb.
+
+    Parameters
+    ----------
+    records : sequence of Record
+        All channels, vertical ones too, with different ids.
+    named : mapping of str to str
+        From :func:`event_table`.
+    failures : iterable of Failure
+        What was left out while reading.
+
+    Returns
+    -------
+    events : dict of str to str
+        Label by record id (:func:`group_events`).
+    unread : list of Failure
+        A row where the table names records that may be those of files that could not be read.
+
+    Raises
+    ------
+    ConfigError
+        As :func:`group_events`, where every file was read.
+    """
+    ids = [record.id for record in records]
+    failed = any(row.kind == "failed" and row.stage in ("find", "read") for row in failures)
+    unknown = sorted(set(named) - set(ids)) if failed else []
+    labels = group_events(records, {name: label for name, label in named.items() if name not in unknown})
+    reason = (
+        f"[records] events names records that were not read: {_some(unknown, 5)}; the records read are such as "
+        f"{_some(ids, 3)}: if these are no records of the files that failed, correct the names"
+    )
+    unread = [Failure("[records] events", "events", reason, "failed")] if unknown else []
+    return dict(zip(ids, labels, strict=True)), unread
+
+
+def _some(names: Sequence[str], count: int) -> str:
+    """The first of some names, and how many more there are."""
+    more = f" and {len(names) - count} more" if len(names) > count else ""
+    return (", ".join(names[:count]) or "none") + more
+
+
+def _pairs(records: Sequence[Record], free: Sequence[int]) -> Iterator[tuple[int, int]]:
+    """Pairs of records of one earthquake, enough of them to connect each group."""
+    by_file: dict[str, list[int]] = defaultdict(list)
+    by_name: dict[Hashable, list[int]] = defaultdict(list)
+    for index in free:
+        record = records[index]
+        if record.source:
+            by_file[record.source].append(index)
+        if name := _name(record.event):
+            by_name[name].append(index)
+    for members in by_file.values():
+        yield from pairwise(members)
+    timed = [(start, index) for index in free if (start := records[index].start_time) is not None]
+    for (earlier, one), (later, other) in pairwise(sorted(timed)):
+        if (later - earlier).total_seconds() <= JOINED_WITHIN_S:
+            yield one, other
+    for members in by_name.values():
+        # One of all that say the same stands for them.
+        alike = defaultdict(list)
+        for index in members:
+            alike[records[index].event.strip(), records[index].start_time].append(index)
+        for same in alike.values():
+            yield from pairwise(same)
+        for one, other in combinations([same[0] for same in alike.values()], 2):
+            if _agree(records[one], records[other]):
+                yield one, other
+
+
+def _agree(one: Record, other: Record) -> bool:
+    """Whether nothing says that two records with the same name are of different earthquakes."""
+    if one.start_time is not None and other.start_time is not None:
+        return abs((one.start_time - other.start_time).total_seconds()) <= CLOCK_S
+    numbers = [set(_NUMBER.findall(record.event)) for record in (one, other)]
+    years = [_years(record) for record in (one, other)]
+    return all(not first or not second or bool(first & second) for first, second in (numbers, years))
+
+
+def _years(record: Record) -> set[int]:
+    """The years that a title or, where it names none, the clock tells; near New Year a clock tells two."""
+    found = ["".join(years) for years in _DATE.findall(record.event)] or _YEAR.findall(record.event)
+    if not found and record.start_time is not None:
+        slack = timedelta(seconds=CLOCK_S)
+        return {(record.start_time - slack).year, (record.start_time + slack).year}
+    return {int(text) + (0 if len(text) == 4 else 1900 if int(text) >= _CENTURY else 2000) for text in found}
+
+
+def _words(title: str) -> frozenset[str]:
+    return frozenset(re.findall(r"[^\W\d_]{2,}", title.upper())) - GENERIC
+
+
+def _name(title: str) -> frozenset[str] | str:
+    """What titles of one earthquake have in common: their words or, without any, the title if it holds a number."""
+    return _words(title) or (title.strip() if any(character.isdigit() for character in title) else "")
+
+
+def _distinct(groups: Mapping[int, Sequence[Record]]) -> dict[int, str]:
+    """A label for each group, no two the same."""
+    labels = {top: _title(members) or _time_or_file(members) for top, members in groups.items()}
+    often = {label for label, count in Counter(labels.values()).items() if count > 1}
+    taken: set[str] = set()
+    for top in sorted(labels, key=lambda top: _order(groups[top])):
+        label = labels[top]
+        if label in often:
+            label = f"{label} ({_time_or_file(groups[top])})"
+        plain, number = label, 2
+        while label in taken:
+            label, number = f"{plain} ~{number}", number + 1
+        taken.add(label)
+        labels[top] = label
+    return labels
+
+
+def _title(members: Sequence[Record]) -> str:
+    """The title that most records have, the first in the alphabet of several; titles with words come first."""
+    counts = Counter(record.event.strip() for record in members if _name(record.event))
+    return min(counts, key=lambda title: (not _words(title), -counts[title], title), default="")
+
+
+def _time_or_file(members: Sequence[Record]) -> str:
+    starts = [record.start_time for record in members if record.start_time is not None]
+    return f"{min(starts):%Y-%m-%d %H:%M}" if starts else min(record.source or record.id for record in members)
+
+
+def _order(members: Sequence[Record]) -> tuple[str, str]:
+    return _time_or_file(members), min(record.id for record in members)

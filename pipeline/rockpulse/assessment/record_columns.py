@@ -1,0 +1,72 @@
+"""What the results say of a record, apart from the answers of the models."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from rockpulse.assessment.scene import Scene
+from rockpulse.record.conditioning import DRIFT
+from rockpulse.record.intensity import arias_intensity, pgv
+
+__all__ = ["main_impulse", "record_scalars"]
+
+
+def main_impulse(scene: Scene) -> float:
+    """Main impulse of the calibrated sequence [m/s]; NaN where the record gave no sequence.
+
+    Parameters
+    ----------
+    scene : Scene
+        The record and what was extracted from it.
+    """
+    return np.nan if scene.sequence is None else float(scene.sequence.main)
+
+
+def record_scalars(scene: Scene) -> dict[str, Any]:
+    """The columns of a record, by the names of docs/schema.md.
+
+    Parameters
+    ----------
+    scene : Scene
+        The conditioned record and what was extracted from it.
+
+    Returns
+    -------
+    dict of str to object
+        The earthquake, `event`, is empty: all records together tell it.
+    """
+    record, sequence = scene.record, scene.sequence
+    count = -1
+    if sequence is not None and sequence.main_count is not None:
+        count = int(sequence.main_count)
+    return {
+        "source": record.source,
+        "source_sha256": record.source_sha256,
+        "format": record.format,
+        "event": "",
+        "event_title": record.event,
+        "network": record.network,
+        "station": record.station,
+        "station_name": record.station_name,
+        "component": record.component,
+        "azimuth": record.azimuth,
+        "start_time": "" if record.start_time is None else record.start_time.isoformat(),
+        "npts": record.npts,
+        "dt": record.dt,
+        "pga": record.pga,
+        "pgv": pgv(record),
+        "pgv_drift": int(any(warning.startswith(DRIFT) for warning in record.warnings)),
+        "arias_intensity": arias_intensity(record),
+        "intense_start": scene.phase.start,
+        "intense_end": scene.phase.end,
+        "main_impulse": main_impulse(scene),
+        "secondary_impulse": np.nan if sequence is None else float(sequence.secondary),
+        "secondary_interval": np.nan if sequence is None else float(sequence.interval),
+        "sequence_duration": np.nan if sequence is None else float(sequence.duration),
+        "main_count": count,
+        "half_wave_count": int(scene.waves.impulse.size),
+        "warnings": "\n".join(record.warnings),
+        "processing": "\n".join(record.processing),
+    }

@@ -1,0 +1,258 @@
+"""The results file put together from the parts of the records, in bounded memory, whole or not at all."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import chain
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from rockpulse.assessment.direction_statistics import direction_statistics
+from rockpulse.assessment.tree import failure_table, joined_parts
+from rockpulse.batch.journal import Journal
+from rockpulse.batch.packing import unpack
+from rockpulse.errors import ResultsError
+from rockpulse.failures import Failure
+from rockpulse.storage.hdf5_writer import TreeWriter, add_dataset
+from rockpulse.storage.save_load import check_described, provenance, replacing
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = ["RUN_ID", "JournalParts", "assemble", "is_assembled"]
+
+#: Attribute of the root: the run that wrote the file, as its journal names it.
+RUN_ID = "run_id"
+
+#: Values that are put together before they are written [bytes].
+CHUNK = 32 * 1024**2
+
+#: Bytes that each text takes in the file beyond its letters.
+PER_TEXT = 32
+
+Part = Mapping[str, np.ndarray]
+
+#: What /directions is made of, in /summary: of the record, and of its answers.
+SWEPT_RECORD = ("record", "pga", "main_impulse")
+SWEPT_ANSWER = ("peak_rotation_ratio", "outcome", "overturning_time", "safety_factor")
+
+
+@dataclass(frozen=True)
+class JournalParts:
+    """The parts of some tasks in a journal, in that order, as often as they are asked for.
+
+    Attributes
+    ----------
+    journal : Journal
+        Open.
+    keys : sequence of str
+        Of finished tasks.
+    events : mapping of str to str
+        By key the earthquake of its records, which all records together tell, and no task.
+    """
+
+    journal: Journal
+    keys: Sequence[str]
+    events: Mapping[str, str]
+
+    def __iter__(self) -> Iterator[dict[str, np.ndarray]]:
+        """Unpack one part after the other."""
+        for key in self.keys:
+            event = {"/summary/event": np.array([self.events[key]])}
+            for part in self.journal.parts(key):
+                yield unpack(part) | event
+
+
+def assemble(
+    path: str | os.PathLike[str],
+    template: xr.DataTree,
+    parts: Iterable[Part],
+    failures: Sequence[Failure] = (),
+    swept: Mapping[str, Sequence[str]] | None = None,
+    overwrite: bool = False,
+    run_id: str = "",
+    chunk: int = CHUNK,
+) -> int:
+    """Write the results file that :func:`rockpulse.save` would write of the whole tree.
+
+    Parameters
+    ----------
+    path : str or Path
+        File to write.
+    template : xarray.DataTree
+        The tree without a record (:func:`rockpulse.assessment.tree.template`).
+    parts : iterable of mapping
+        What each record adds (``record_part``), in the order of the rows. They are gone through
+        twice, for their sizes first; an iterator, which can be gone through once, is refused.
+    failures : sequence of Failure
+        The rows of /failures.
+    swept : mapping of str to sequence of str, optional
+        As :func:`rockpulse.assessment.tree.build_tree` takes it.
+    overwrite : bool
+        Whether results that exist may be replaced.
+    run_id : str
+        Stored with the file, so that :func:`is_assembled` knows it.
+    chunk : int
+        Values that are put together before they are written [bytes]; together with the largest part it bounds the
+        memory.
+
+    Returns
+    -------
+    int
+        Records written.
+
+    Raises
+    ------
+    ResultsError
+        Where the file exists or cannot be written, as on a full disk; an old file stays.
+    """
+    if iter(parts) is parts:
+        raise TypeError("parts: expected what can be iterated twice (a list, JournalParts), found an iterator")
+    measured = _measure(parts)
+    pairs = _present(swept or {}, measured.records)
+    check_described(template, path)
+    attrs = provenance(template.attrs) | ({RUN_ID: run_id} if run_id else {})
+    size = _size(measured, template, len(pairs))
+    with replacing(path, overwrite, attrs["kind"], size) as target, TreeWriter(target, attrs) as writer:
+        _lay_out(writer, template, measured.sizes, failures, len(pairs))
+        _write_parts(writer, parts, chunk)
+        if "directions" in template.children:
+            _write_directions(writer, template["directions"].to_dataset(), pairs, measured.records, chunk)
+    return len(measured.records)
+
+
+def is_assembled(path: str | os.PathLike[str], run_id: str) -> bool:
+    """Whether a run has written this file, and was stopped before it removed its journal or kept it for what broke off.
+
+    Parameters
+    ----------
+    path : str or Path
+        The output; it need not exist.
+    run_id : str
+        Of the run (:attr:`rockpulse.batch.journal.Journal.run_id`).
+    """
+    import h5py
+
+    if not Path(path).is_file() or not h5py.is_hdf5(path):
+        return False
+    try:
+        with h5py.File(path, "r") as file:
+            return bool(file.attrs.get(RUN_ID) == run_id)
+    except (OSError, RuntimeError) as error:
+        raise ResultsError(
+            f"{path}: the file is damaged ({error}); remove it by hand, or give --overwrite together with --resume"
+        ) from error
+
+
+@dataclass(frozen=True)
+class _Measured:
+    """Ids of the records, (group, dimension number) sizes, and bytes of all parts."""
+
+    records: list[str]
+    sizes: dict[str, int]
+    content: int
+
+
+def _measure(parts: Iterable[Part]) -> _Measured:
+    records: list[str] = []
+    sizes: dict[str, int] = {}
+    content = 0
+    for part in parts:
+        records += part["/summary/record"].tolist()
+        for path, values in part.items():
+            sizes[path] = sizes.get(path, 0) + len(values)
+            content += _stored_bytes(values)
+    return _Measured(records, sizes, content)
+
+
+def _stored_bytes(values: np.ndarray) -> int:
+    if values.dtype.kind != "U":
+        return values.nbytes
+    return sum(PER_TEXT + len(text.encode("utf-8", "surrogateescape")) for text in values.ravel().tolist())
+
+
+def _present(swept: Mapping[str, Sequence[str]], records: Sequence[str]) -> dict[str, Sequence[str]]:
+    """The pairs of which at least one direction is a record."""
+    known = set(records)
+    return {pair: ids for pair, ids in swept.items() if not known.isdisjoint(ids)}
+
+
+def _size(measured: _Measured, template: xr.DataTree, pairs: int) -> int:
+    """What the values take in the file, about [bytes]."""
+    if not pairs:
+        return measured.content
+    swept = template["directions"].to_dataset().variables.values()
+    return measured.content + pairs * sum(
+        variable.dtype.itemsize * int(np.prod(variable.shape[1:])) for variable in swept if variable.dims[0] == "pair"
+    )
+
+
+def _lay_out(
+    writer: TreeWriter, template: xr.DataTree, totals: Mapping[str, int], failures: Sequence[Failure], pairs: int
+) -> None:
+    """Every group and variable in its size, and the values of those that do not grow."""
+    for node in template.subtree:
+        dataset = node.to_dataset(inherit=False)
+        if node.path == "/":
+            continue
+        if node.path == "/failures":
+            dataset = failure_table(failures)
+        sizes = {"pair": pairs} if node.path == "/directions" else {}
+        growing = [name for name in dataset.variables if f"{node.path}/{name}" in totals]
+        sizes |= {str(dataset[name].dims[0]): totals[f"{node.path}/{name}"] for name in growing}
+        add_dataset(writer, node.path, dataset, dataset.attrs, sizes)
+        for name, variable in dataset.variables.items():
+            if name not in growing and variable.dims[:1] != ("pair",):
+                writer.append(f"{node.path}/{name}", variable.values)
+
+
+def _write_parts(writer: TreeWriter, parts: Iterable[Part], chunk: int) -> None:
+    gathered: list[Part] = []
+    size = before = 0
+    for part in chain(parts, [None]):
+        if part is not None:
+            gathered.append(part)
+            size += sum(values.nbytes for values in part.values())
+        if gathered and (part is None or size >= chunk):
+            for path, values in joined_parts(gathered, before).items():
+                writer.append(path, values)
+            before += sum(len(one["/summary/record"]) for one in gathered)
+            gathered, size = [], 0
+
+
+def _write_directions(
+    writer: TreeWriter,
+    empty: xr.Dataset,
+    pairs: Mapping[str, Sequence[str]],
+    records: Sequence[str],
+    chunk: int,
+) -> None:
+    """The statistics over direction, some pairs at a time."""
+    import xarray as xr
+
+    place = {record: number for number, record in enumerate(records)}
+    azimuths = empty["direction_azimuth"].values.tolist()
+    answers = empty["median_rotation_ratio"]
+    per_pair = len(SWEPT_ANSWER) * 8 * len(azimuths) * int(np.prod(answers.shape[1:]))
+    at_once = max(1, chunk // per_pair)
+    dims = dict.fromkeys(SWEPT_RECORD, ("record",)) | dict.fromkeys(SWEPT_ANSWER, ("record", *answers.dims[1:]))
+    names = list(pairs)
+    for start in range(0, len(names), at_once):
+        some = {name: pairs[name] for name in names[start : start + at_once]}
+        rows = [place[record] for ids in some.values() for record in ids if record in place]
+        begin, end = min(rows), max(rows) + 1
+        summary = xr.Dataset(
+            {name: (dims[name], writer.read(f"/summary/{name}", begin, end)) for name in dims},
+            {name: empty[name].variable for name in ("block", "model")},
+        )
+        found = direction_statistics(summary, azimuths, some)
+        for name, variable in found.variables.items():
+            if variable.dims[:1] == ("pair",):
+                values: Any = variable.values
+                if name == "record_index":
+                    values = np.where(values < 0, -1, values + begin)
+                writer.append(f"/directions/{name}", values)

@@ -1,0 +1,94 @@
+"""A dask.distributed cluster as an executor."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Callable
+from concurrent.futures import Executor, Future
+from typing import Any
+
+from rockpulse.batch.worker import version
+from rockpulse.errors import ConfigError
+from rockpulse.version import __version__
+
+__all__ = ["Cluster"]
+
+logger = logging.getLogger("rockpulse")
+
+
+class Cluster(Executor):
+    """The workers of a running cluster; the cluster itself stays as it is.
+
+    Parameters
+    ----------
+    address : str
+        Of the scheduler, such as ``tcp://10.0.0.1:8786``.
+    timeout : float
+        How long to wait for it [s].
+
+    Attributes
+    ----------
+    deaths : tuple of type
+        What a future raises whose workers died, all of those that the scheduler tried it on.
+
+    Raises
+    ------
+    ConfigError
+        Without the package ``distributed``, where no scheduler answers, or where a worker has no rockpulse of this
+        version.
+    """
+
+    def __init__(self, address: str, timeout: float) -> None:
+        try:
+            from distributed import Client, KilledWorker
+        except ImportError as error:
+            raise ConfigError(
+                f"--scheduler {address}: the package distributed is not installed ({error}): "
+                'pip install "rockpulse[distributed]"'
+            ) from error
+        self.deaths, self._address = (KilledWorker,), address
+        try:
+            self._client = Client(address, timeout=timeout, name="rockpulse", set_as_default=False)
+        except (OSError, ValueError) as error:
+            raise ConfigError(
+                f"--scheduler {address}: expected the address of a running dask scheduler, such as "
+                f"tcp://10.0.0.1:8786, but none answers within {timeout:g} s ({error}); start one:  dask scheduler  "
+                "and its workers:  dask worker ADDRESS --nthreads 1"
+            ) from error
+        try:
+            self._check_versions()
+        except BaseException:
+            self._client.close()
+            raise
+        # Two calls with equal arguments are two calls: without pure=False they would be one.
+        self._executor = self._client.get_executor(pure=False)
+
+    def size(self) -> int:
+        """Threads of all workers that are there now; 1 while there is none, so that one call waits for the first."""
+        try:
+            return max(sum(self._client.nthreads().values()), 1)
+        except OSError as error:
+            raise ConnectionError(
+                f"the dask scheduler at {self._address} does not answer any more ({error})"
+            ) from error
+
+    def submit(self, fn: Callable[..., Any], /, *args: Any, **kwargs: Any) -> Future[Any]:
+        """Have a worker of the cluster call ``fn(*args, **kwargs)``."""
+        future: Future[Any] = self._executor.submit(fn, *args, **kwargs)
+        return future
+
+    def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:
+        """Drop what is not done and leave the cluster."""
+        self._executor.shutdown(wait=False)
+        self._client.close()
+
+    def _check_versions(self) -> None:
+        found_on = self._client.run(version, on_error="return")
+        if not found_on:
+            logger.warning("the dask scheduler at %s has no workers yet: waiting for the first", self._address)
+        for worker, found in found_on.items():
+            if found != __version__:
+                raise ConfigError(
+                    f"dask worker {worker}: expected rockpulse {__version__}, found {found!r}; "
+                    "install the same version in the environment of every worker"
+                )

@@ -1,0 +1,320 @@
+"""A batch from paths to its file: survey, plan, work, assembly; what is finished stays finished, whatever happens."""
+
+from __future__ import annotations
+
+import logging
+import os
+from collections import Counter
+from collections.abc import Callable, Iterable, Sequence
+from contextlib import ExitStack
+from dataclasses import dataclass, field
+from functools import partial
+from pathlib import Path
+
+from rocking.threads import available_cores, thread_limit
+from rockpulse.batch.assembly import is_assembled
+from rockpulse.batch.crew import Crew, WorkerLost
+from rockpulse.batch.journal import Journal, JournalError, journal_path
+from rockpulse.batch.kept import finished, kept, worth
+from rockpulse.batch.located import Located
+from rockpulse.batch.options import BatchOptions
+from rockpulse.batch.plan import Plan, Task, plan, read_options
+from rockpulse.batch.survey import find, gather, survey_file
+from rockpulse.batch.tasks import UNFINISHED, Done
+from rockpulse.batch.verbs import Assessment, Calibration, Verb
+from rockpulse.batch.warm import warm_up
+from rockpulse.config.configuration import Config
+from rockpulse.errors import RecordRefused, ResultsError, StoppedAtFailure
+from rockpulse.failures import Failure
+from rockpulse.readers.folders import Found
+from rockpulse.storage.save_load import check_target, remove_parts
+from rockpulse.storage.site_variables import SITE_KIND
+
+__all__ = ["BatchReport", "Interrupted", "assess_files", "calibrate_files"]
+
+logger = logging.getLogger("rockpulse")
+
+PathLike = str | os.PathLike[str]
+
+#: Files or records that make one more process worth its start; below, the threads of this one share the bodies of each.
+ITEMS_PER_WORKER = 8
+
+
+class Interrupted(KeyboardInterrupt):
+    """Ctrl-C during a batch; the message says what is kept and how to go on."""
+
+
+@dataclass
+class BatchReport:
+    """What a batch has done.
+
+    Attributes
+    ----------
+    path : Path or None
+        The file that was written; None where not one record gave a result.
+    records : int
+        Motions in it.
+    resumed : int
+        Tasks that an earlier run had finished.
+    failures : list of Failure
+        The rows of /failures.
+    broken_off : int
+        Files and records among them that were left undone and are tried again by a run that resumes this one.
+    seconds : dict of str to float
+        Time that all workers together have spent on each step [s]: "read", "condition", "solve", "pack".
+    """
+
+    path: Path | None = None
+    records: int = 0
+    resumed: int = 0
+    failures: list[Failure] = field(default_factory=list)
+    broken_off: int = 0
+    seconds: dict[str, float] = field(default_factory=dict)
+
+
+def assess_files(
+    paths: PathLike | Iterable[PathLike], config: Config, output: PathLike, options: BatchOptions | None = None
+) -> BatchReport:
+    """Assess bodies under all records of some files, and write the results.
+
+    The results are those of :func:`rockpulse.assess` on all records of the paths, but samples and answers of a few
+    records only are in memory at a time, and each finished record is on the disk, in ``<output>.journal``, before
+    others are waited for.
+
+    Parameters
+    ----------
+    paths : path or iterable of paths
+        Files, folders, globs and zip archives, as `rockpulse.readers.folders.read_all` takes them.
+    config : Config
+        Options and bodies.
+    output : path
+        The results file to write.
+    options : BatchOptions, optional
+        Who works, and what happens to what is there already.
+
+    Returns
+    -------
+    BatchReport
+
+    Raises
+    ------
+    ConfigError
+        For bodies or a scheduler that cannot be, or a table of events that does not fit.
+    ResultsError
+        Where the output exists, cannot be written, or another process is writing it.
+    StoppedAtFailure
+        With ``options.strict``, at the first file or record that fails.
+    Interrupted
+        At Ctrl-C.
+    """
+    options = options or BatchOptions()
+    return _run(Assessment(config, output, options.tell), paths, options)
+
+
+def calibrate_files(
+    paths: PathLike | Iterable[PathLike], config: Config, output: PathLike, options: BatchOptions | None = None
+) -> BatchReport:
+    """Calibrate the design sequence of a site on all records of some files, and write the site file.
+
+    The site is that of :func:`rockpulse.calibrate_site` on all records of the paths.
+
+    Parameters
+    ----------
+    paths, config, output, options
+        As for :func:`assess_files`.
+
+    Returns
+    -------
+    BatchReport
+
+    Raises
+    ------
+    ConfigError, ResultsError, StoppedAtFailure, Interrupted
+        As :func:`assess_files`; ConfigError also for tables of events or weights that do not fit.
+    RecordRefused
+        As :func:`rockpulse.calibrate_site`.
+    """
+    return _run(Calibration(config, output), paths, options or BatchOptions())
+
+
+def _run(verb: Verb, paths: PathLike | Iterable[PathLike], options: BatchOptions) -> BatchReport:
+    output = verb.output
+    check_target(output, options.overwrite or options.resume, verb.kind)  # resumed: what is there may be its own
+    if options.scheduler is not None:  # its workers stand in folders of their own
+        given = [paths] if isinstance(paths, str | os.PathLike) else paths
+        paths = [os.path.abspath(path) for path in given]  # noqa: PTH100 - links stay what they are
+    journal_file = journal_path(output)
+    found, failures = find(paths, (output, journal_file, f"{journal_file}-journal", *options.written))
+    with Journal.open(output, options.resume, options.overwrite) as journal, ExitStack() as hired:
+        remove_parts(output)  # of runs that were killed
+        made = Plan((), [], None)
+        try:
+            replace = options.overwrite or (options.resume and is_assembled(output, journal.run_id))
+            check_target(output, replace, verb.kind)
+            crew = _hired(hired, options, verb, len(found))
+            every, failures, unread = _surveyed(crew, found, failures, verb, options)
+            made = plan(every, failures, verb.config, verb.name)
+            for row in made.failures:
+                if row.kind == "failed":
+                    logger.error("%s", row.reason)
+            _stop_at(made.failures, options)
+            work = verb.work(every, made)
+            missing = _missing(journal, made, verb, options)
+            crew = _hired(hired, options, verb, len(missing), crew)
+            report = _worked(crew, journal, made, missing, work, verb, options)
+            report.broken_off = unread + len(made.tasks) - len(finished(journal, made))
+            report.records = verb.write(journal, made, report.failures, replace)
+        except RecordRefused:  # the records make no site
+            _without_output(journal, made, options)
+            raise
+        except BaseException as error:
+            left = kept(journal, made)
+            if isinstance(error, StoppedAtFailure) and "--resume" in left:
+                left += ", past this failure without --strict"
+            logger.error("%s; %s", str(error) or type(error).__name__, left)
+            if isinstance(error, KeyboardInterrupt):
+                raise Interrupted(f"interrupted; {left}") from None
+            if isinstance(error, StoppedAtFailure | ConnectionError) or _to_be_resumed(error):
+                raise type(error)(f"{error}; {left}") from error
+            raise
+        if not report.records:
+            _without_output(journal, made, options)
+        elif report.broken_off:
+            again = f"the same command with --resume tries them again, for which {journal.path} is kept"
+            _tell_all(f"{_counted(report.broken_off)} broke off: {again}", options)
+        else:
+            journal.remove()
+    report.path = Path(output) if report.records else None
+    kinds = Counter(row.kind for row in report.failures)
+    left_out = ", ".join(f"{kind} {count}" for kind, count in sorted(kinds.items())) or "nothing"
+    written = f"{report.records} records" if report.records else "nothing was written"
+    logger.info("%s: %s; left out: %s", output, written, left_out)
+    return report
+
+
+def _to_be_resumed(error: BaseException) -> bool:
+    """Whether an error says neither what becomes of the journal nor how to go on."""
+    return isinstance(error, ResultsError) and not isinstance(error, JournalError) and "--resume" not in str(error)
+
+
+def _counted(broken_off: int) -> str:
+    return "1 file or record" if broken_off == 1 else f"{broken_off} files or records"
+
+
+def _without_output(journal: Journal, made: Plan, options: BatchOptions) -> None:
+    """Leave a journal whose records give nothing to write: removed, unless some are of other files or broke off."""
+    others = worth(journal) - {task.key for task in made.tasks}
+    if others:
+        are = f"{journal.path} keeps {len(others)} finished records of other files"
+        _tell_all(f"{are}: give --resume with the paths of these", options)
+    elif 0 < len(finished(journal, made)) < len(made.tasks):
+        _tell_all(kept(journal, made), options)
+    else:
+        journal.remove()
+
+
+def _tell_all(text: str, options: BatchOptions) -> None:
+    logger.warning("%s", text)
+    options.tell(text)
+
+
+def _hired(hired: ExitStack, options: BatchOptions, verb: Verb, items: int, before: Crew | None = None) -> Crew:
+    """Those who see to so many items, with kernels that are compiled; those `before` stay where they are enough."""
+    if options.executor is not None:
+        return before or hired.enter_context(Crew.through(options.executor))
+    if options.scheduler is not None:
+        return before or hired.enter_context(Crew.scheduler(options.scheduler))
+    workers = verb.config.run.workers if options.workers is None else options.workers
+    if workers == "all":
+        workers = max(1, min(available_cores(), items // ITEMS_PER_WORKER))
+    elif workers == 1 and before is None:
+        hired.enter_context(thread_limit(1))
+    if before is not None and before.size >= int(workers):
+        return before
+    if workers == 1:
+        return hired.enter_context(Crew.inline())
+    hired.close()  # of those before
+    warm_up(verb.config, calibration=verb.kind == SITE_KIND)  # once, here, not once in every worker
+    return hired.enter_context(Crew.local(int(workers)))
+
+
+def _surveyed(
+    crew: Crew, found: Sequence[Found], failures: Sequence[Failure], verb: Verb, options: BatchOptions
+) -> tuple[list[Located], list[Failure], int]:
+    """All channels without their samples, what was left out, and how much of that may be read another time."""
+    look = partial(survey_file, options=read_options(verb.config))
+    surveys, rows, unread = [], list(failures), 0
+    _stop_at(rows, options)
+    logger.info("reading %d files", len(found))
+    with options.bar(total=len(found), initial=0, desc="reading", unit=" files") as bar:
+        for one, survey in crew.run(look, found):
+            if isinstance(survey, WorkerLost):
+                rows.append(Failure(str(one.path), "read", f"{one.path}: {survey.reason}", "failed"))
+                unread += 1
+                _stop_at(rows, options)
+            else:
+                surveys.append((one, survey))
+                unread += survey.broken_off
+                _log(survey.messages)
+                _stop_at(survey.failures, options)
+            bar.update(1)
+    return *gather(found, surveys, rows), unread
+
+
+def _missing(journal: Journal, made: Plan, verb: Verb, options: BatchOptions) -> list[Task]:
+    """The tasks that are to be done; what was refused before is a failure to stop at like any other."""
+    before = journal.finished()
+    missing = [task for task in made.tasks if before.get(task.key) != task.fingerprint]
+    resumed = len(made.tasks) - len(missing)
+    stale = sum(before.get(task.key, UNFINISHED) != UNFINISHED for task in missing)
+    logger.info("%s %d records; finished before: %d, of another state: %d", verb.doing, len(missing), resumed, stale)
+    if options.resume:
+        again = f"; {stale} are done again, for they, the options or the version of rockpulse have changed"
+        options.tell(f"{resumed} of {len(made.tasks)} records were finished before{again if stale else ''}")
+    rows = journal.failures()
+    for key in finished(journal, made):
+        _stop_at(rows.get(key, ()), options)
+    return missing
+
+
+def _worked(
+    crew: Crew,
+    journal: Journal,
+    made: Plan,
+    missing: Sequence[Task],
+    work: Callable[[Task], Done],
+    verb: Verb,
+    options: BatchOptions,
+) -> BatchReport:
+    """Every missing task, into the journal; a task whose worker is lost is a row of its own."""
+    report = BatchReport(resumed=len(made.tasks) - len(missing))
+    lost: dict[str, Failure] = {}
+    with options.bar(total=len(made.tasks), initial=report.resumed, desc=verb.doing, unit=" records") as bar:
+        for task, done in crew.run(work, missing):
+            if isinstance(done, WorkerLost):
+                reason = f"{task.key}: {done.reason}, each time it was tried; if memory ran out, use fewer workers"
+                lost[task.key] = Failure(task.source, verb.name, reason, "failed")
+                logger.error("%s", reason)
+                _stop_at([lost[task.key]], options)
+            else:
+                journal.add(done)
+                _log(done.messages)
+                for step, seconds in done.seconds.items():
+                    report.seconds[step] = report.seconds.get(step, 0.0) + seconds
+                _stop_at(done.failures, options)
+            bar.update(1)
+    rows = {key: list(failures) for key, failures in journal.failures().items()}
+    rows |= {key: [failure] for key, failure in lost.items()}
+    report.failures = [*made.failures, *(row for task in made.tasks for row in rows.get(task.key, ()))]
+    return report
+
+
+def _stop_at(failures: Iterable[Failure], options: BatchOptions) -> None:
+    failed = [row for row in failures if row.kind == "failed"] if options.strict else []
+    if failed:
+        raise StoppedAtFailure(f"stopped at the first failure (--strict): {failed[0].reason}")
+
+
+def _log(messages: Iterable[tuple[int, str]]) -> None:
+    for level, text in messages:
+        logger.log(level, text)

@@ -1,0 +1,164 @@
+"""The first look at every file: what is in it, without its samples."""
+
+from __future__ import annotations
+
+import logging
+import os
+import traceback
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+
+from rockpulse.batch.located import Located, Place
+from rockpulse.errors import RockpulseError
+from rockpulse.failures import Failure
+from rockpulse.readers import ReadOptions
+from rockpulse.readers.folders import (
+    Found,
+    find_files,
+    in_order,
+    open_files,
+    read_failure,
+    read_opened,
+    sample_digest,
+    settled,
+)
+from rockpulse.readers.source import folder_station_files
+from rockpulse.record.record import Record
+
+__all__ = ["FileSurvey", "find", "gather", "survey_file", "unexpected"]
+
+PathLike = str | os.PathLike[str]
+
+
+@dataclass(frozen=True)
+class FileSurvey:
+    """What a file, or an archive, holds.
+
+    Attributes
+    ----------
+    located : tuple of Located
+        Its channels, in the order of the file.
+    failures : tuple of Failure
+        The file or the members that gave none.
+    messages : tuple of (int, str)
+        Level and text of what is to be logged.
+    broken_off : int
+        Files and members that gave none for want of the file system or of memory: they may be read another time.
+    """
+
+    located: tuple[Located, ...] = ()
+    failures: tuple[Failure, ...] = ()
+    messages: tuple[tuple[int, str], ...] = ()
+    broken_off: int = 0
+
+
+def find(
+    paths: PathLike | Iterable[PathLike], passed_over: Iterable[PathLike] = ()
+) -> tuple[list[Found], list[Failure]]:
+    """The files behind the paths.
+
+    Parameters
+    ----------
+    paths : path or iterable of paths
+        As in `rockpulse.read_all`.
+    passed_over : iterable of paths
+        Files of the run itself, as in `rockpulse.readers.folders.find_files`.
+
+    Returns
+    -------
+    found : list of Found
+        Files and zip archives, to be given to :func:`survey_file` one by one; sorted.
+    failures : list of Failure
+        A row for each path behind which nothing is.
+    """
+    return find_files(paths, passed_over)
+
+
+def survey_file(found: Found, options: ReadOptions) -> FileSurvey:
+    """Read a file, or every member of an archive one after the other, and keep all but the samples.
+
+    Parameters
+    ----------
+    found : Found
+        What to read.
+    options : ReadOptions
+        What the caller knows.
+
+    Returns
+    -------
+    FileSurvey
+        Whatever is wrong with the file is a row, a fault of the program too.
+    """
+    located: list[Located] = []
+    failures: list[Failure] = []
+    messages: list[tuple[int, str]] = []
+    broken_off: list[str] = []
+
+    def leave_out(name: str, fault: Exception) -> None:
+        if isinstance(fault, MemoryError) or (isinstance(fault, OSError) and fault.errno is not None):
+            broken_off.append(name)  # an OSError without a number is about what is in the file
+        if not isinstance(fault, RockpulseError | OSError):
+            messages.append((logging.ERROR, f"{name}: {traceback.format_exc()}"))
+            fault = unexpected(fault)
+        failures.append(read_failure(found, name, fault))
+
+    name = str(found.path)
+    try:
+        for opened in open_files(found, folder_station_files):
+            try:
+                for channel, record in enumerate(read_opened(opened, options)):
+                    place = Place(name, opened.member, channel, record.source_sha256, sample_digest(record))
+                    located.append(Located(record.without_samples(), (place,)))
+            except Exception as fault:
+                leave_out(opened.name, fault)
+    except Exception as fault:
+        leave_out(name, fault)
+    return FileSurvey(tuple(located), tuple(failures), tuple(messages), len(broken_off))
+
+
+def unexpected(fault: BaseException) -> RuntimeError:
+    """What is said of a fault that no input should cause.
+
+    Parameters
+    ----------
+    fault : BaseException
+        Anything but the errors that are raised on purpose.
+    """
+    if isinstance(fault, MemoryError):
+        return RuntimeError("out of memory; use fewer workers, or a machine with more of it")
+    return RuntimeError(f"unexpected {type(fault).__name__}: {fault}; please report it with this file")
+
+
+def gather(
+    found: Sequence[Found], surveys: Iterable[tuple[Found, FileSurvey]], failures: Iterable[Failure]
+) -> tuple[list[Located], list[Failure]]:
+    """What all files together hold: each content once, cut records joined, distinct ids.
+
+    Parameters
+    ----------
+    found : sequence of Found
+        From :func:`find`.
+    surveys : iterable of (Found, FileSurvey)
+        In any order; a file may be missing whose worker was lost and which is among the failures.
+    failures : iterable of Failure
+        From :func:`find`, and what the crew lost.
+
+    Returns
+    -------
+    located : list of Located
+        The records of ``read_all`` without their samples, in the same order, with the same ids.
+    failures : list of Failure
+        The same rows, in the same order.
+    """
+    by_file = {str(one.path): survey for one, survey in surveys}
+    ordered = [by_file[str(one.path)] for one in found if str(one.path) in by_file]
+    every = [one for survey in ordered for one in survey.located]
+    places = {id(one.record): one for one in every}
+    rows = [*failures, *(row for survey in ordered for row in survey.failures)]
+    whole, duplicates = settled([one.record for one in every], lambda record: places[id(record)].digest)
+    located = [_joined(record, [places[id(piece)] for piece in pieces]) for record, pieces in whole]
+    return located, sorted([*rows, *duplicates], key=in_order)
+
+
+def _joined(record: Record, pieces: Sequence[Located]) -> Located:
+    return Located(record.without_samples(), tuple(part for piece in pieces for part in piece.parts))

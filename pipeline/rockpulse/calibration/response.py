@@ -1,0 +1,279 @@
+"""The sequence whose responses are those of a recorded motion: the calibration the paper left open (section 5).
+
+.. note:: The statistical estimate (:func:`rockpulse.calibrate`) looks at the half-waves of a record; this one looks at
+   what the record does to a family of blocks, and asks for the (I, I_s/I, dT, number of main impulses) that does the
+   same. The duration of the sequence stays that of the statistical estimate.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from rocking.block import Block
+from rocking.sequence import SPACINGS, ImpulseSequence, sequence_response
+from rockpulse.calibration.estimators import calibrate
+from rockpulse.calibration.response_envelope import enveloping_main
+from rockpulse.calibration.response_family import describe_family, recorded_family
+from rockpulse.calibration.response_independence import independent_share
+from rockpulse.calibration.response_posterior import sample_posterior
+from rockpulse.calibration.response_profile import (
+    PARAMETERS,
+    correlations,
+    deviance_threshold,
+    flat_ends,
+    intervals,
+    main_counts,
+    parameter_values,
+    profiles,
+)
+from rockpulse.calibration.response_remarks import remarks
+from rockpulse.calibration.response_result import ResponseCalibration
+from rockpulse.calibration.response_search import explore, search_space, start_point
+from rockpulse.calibration.response_targets import SMALL, ResponseTargets, recorded_targets
+from rockpulse.errors import ConfigError
+from rockpulse.record.half_wave import half_waves
+from rockpulse.record.intensity import intense_phase
+from rockpulse.record.record import Record
+
+__all__ = ["FORMS", "calibrate_response", "envelope", "fit_sequence"]
+
+#: What is asked of the sequence.
+FORMS = ("fit", "enveloping")
+
+
+def calibrate_response(
+    record: Record,
+    blocks: Block | None = None,
+    *,
+    vertical: Any = None,
+    start: ImpulseSequence | None = None,
+    form: str = "fit",
+    share: float = 0.84,
+    spacing: str = "end",
+    smallest: float = SMALL,
+    confidence: float = 0.9,
+    seed: int = 0,
+    threads: int | None = None,
+) -> ResponseCalibration:
+    """Impulse sequence that reproduces the peak rotations of a family of blocks under a record.
+
+    Parameters
+    ----------
+    record : Record
+        Conditioned.
+    blocks : Block, optional
+        (m,) blocks, the site's own. Without, 100 of engineering size about the edge at which this motion overturns
+        (:func:`rockpulse.calibration.response_family.motion_family`); a remark names their ranges.
+    vertical : (n,) array_like, optional
+        Vertical ground acceleration on the samples of the record [m/s2], positive up; it acts on the blocks whose
+        rotations are the targets.
+    start : ImpulseSequence, optional
+        Start of the search; it also gives the duration. The statistical estimate on the intense phase without.
+    form : {"fit", "enveloping"}
+        "fit": the likeliest sequence. "enveloping": with I_s/I, dT and main count of the fit, the smallest main
+        impulse whose response is not below the recorded one for `share` of the blocks that the record moves.
+    share : float
+        Of "enveloping", above 0 and at most 1 [-].
+    spacing : {"end", "middle", "start", "open", "continuous"}
+        Where the secondary impulses stand in a half-cycle.
+    smallest : float
+        Peaks below this are known to be small only [-].
+    confidence : float
+        Level of the intervals [-].
+    seed : int
+        Seed of the search; the record's id is part of the key.
+    threads : int, optional
+        Threads that share the work; None for all available cores. The answer does not depend on it.
+
+    Returns
+    -------
+    ResponseCalibration
+        The sequence with intervals, profiles and remarks.
+
+    Raises
+    ------
+    ConfigError
+        For an unknown form or spacing, or a share or level out of range.
+    RecordRefused
+        Where no block moves, fewer than 6 rock without overturning, or too few half-waves are left for a start.
+
+    Notes
+    -----
+    The targets are theta_max/alpha_c of the nonlinear equation. ln(target/peak) is taken as normal with an estimated
+    spread; blocks that overturn are known to reach at least 1 only, blocks that hardly move to stay below `smallest`,
+    and blocks at rest say nothing (:mod:`rockpulse.calibration.response_targets`).
+
+    References
+    ----------
+    Casapulla, C., Maione, A. (2017), COMPDYN 2017, section 5, doi:10.7712/120117.5612.17190.
+    """
+    _check(form, share, spacing, confidence)
+    given = blocks is not None
+    if blocks is None:
+        blocks = recorded_family(record, threads, vertical)
+    targets = recorded_targets(record, blocks, smallest, threads, vertical)
+    if start is None:
+        start = calibrate(half_waves(record), phase=intense_phase(record), spacing=spacing)
+    key = np.random.SeedSequence([seed, *record.id.encode()])
+    fit = _fit(targets, start, spacing, confidence, np.random.default_rng(key), threads, record.id)
+    if not given:
+        fit = replace(fit, remarks=(describe_family(blocks), *fit.remarks))
+    return envelope(fit, share, threads) if form == "enveloping" else fit
+
+
+def fit_sequence(
+    blocks: Block,
+    peaks: Any,
+    outcomes: Any,
+    *,
+    start: ImpulseSequence | None = None,
+    spacing: str = "end",
+    smallest: float = SMALL,
+    confidence: float = 0.9,
+    seed: int = 0,
+    threads: int | None = None,
+    name: str = "",
+) -> ResponseCalibration:
+    """Impulse sequence that reproduces given peak rotations, of a test or of another model.
+
+    Parameters
+    ----------
+    blocks : Block
+        (m,) blocks.
+    peaks : (m,) array_like
+        theta_max/alpha_c [-]; not looked at where a block overturns or stays at rest.
+    outcomes : (m,) array_like of int
+        :class:`rocking.Outcome`.
+    start : ImpulseSequence, optional
+        Start of the search; without it main impulses are limited by their number only.
+    spacing, smallest, confidence, seed, threads
+        As in :func:`calibrate_response`.
+    name : str
+        For the answer.
+
+    Returns
+    -------
+    ResponseCalibration
+        Of the form "fit".
+
+    Raises
+    ------
+    ConfigError, RecordRefused
+        As in :func:`calibrate_response`; also for arrays that do not go together.
+    """
+    _check("fit", 1.0, spacing, confidence)
+    targets = ResponseTargets(blocks, peaks, outcomes, smallest)
+    return _fit(targets, start, spacing, confidence, np.random.default_rng(seed), threads, name)
+
+
+def envelope(fit: ResponseCalibration, share: float = 0.84, threads: int | None = None) -> ResponseCalibration:
+    """The calibration with the smallest main impulse that covers a share of the family.
+
+    Parameters
+    ----------
+    fit : ResponseCalibration
+        Of the form "fit"; I_s/I, dT, main count and duration are kept.
+    share : float
+        Share of the blocks that the motion moves, above 0 and at most 1 [-].
+    threads : int, optional
+        Threads that share the work; None for all available cores.
+
+    Returns
+    -------
+    ResponseCalibration
+        Of the form "enveloping"; intervals and profiles stay those of the fit.
+
+    Raises
+    ------
+    ConfigError
+        For a share out of range.
+    """
+    _check("enveloping", share, fit.sequence.spacing, fit.confidence)
+    factor, again = enveloping_main(fit.targets, fit.sequence, share, threads)
+    sequence = fit.sequence.scaled(factor)
+    peaks = _peaks(fit.targets, sequence, threads)
+    said = f"the enveloping main impulse is {factor:.3g} times the fitted one and covers {share:.0%} of the blocks"
+    if again:
+        said += "; between larger impulses that do, some do not: cover is not monotonic in the impulse"
+    return replace(
+        fit,
+        form="enveloping",
+        sequence=sequence,
+        parameters={**fit.parameters, "main": float(sequence.main)},
+        misfit=float(fit.targets.misfit(peaks)[0]),
+        unsafe_share=float(fit.targets.short_of(peaks)[0]),
+        peaks=peaks[0],
+        remarks=(*fit.remarks, said),
+    )
+
+
+def _fit(
+    targets: ResponseTargets,
+    start: ImpulseSequence | None,
+    spacing: str,
+    confidence: float,
+    rng: np.random.Generator,
+    threads: int | None,
+    name: str,
+) -> ResponseCalibration:
+    space = search_space(targets, start, spacing)
+    point = None if start is None or start.main == 0.0 else start_point(space, start)
+    threshold = deviance_threshold(int(np.count_nonzero(targets.number)), confidence)
+    explored = explore(targets, space, point, 4.0 * threshold, rng, threads)
+    likeliest = explored.points[np.argmax(explored.likelihood)]
+    independent, correlation = independent_share(targets, explored.peaks(likeliest[np.newaxis])[0])
+    posterior = sample_posterior(explored, rng, independent)
+    limits = intervals(space, posterior, confidence)
+    ends = flat_ends(explored, threshold, independent)
+    curves = profiles(explored, independent)
+    flat = tuple(name for name, (low, high) in ends.items() if low and high and np.all(curves[name][1] <= threshold))
+    best = explored.best(limits, parameter_values(space, explored.points))
+    sequence = space.sequence(explored.points[best])
+    values = parameter_values(space, explored.points[best : best + 1])
+    peaks = _peaks(targets, sequence, threads)
+    of_start = None if start is None else _peaks(targets, start, threads)
+    calibration = ResponseCalibration(
+        record_id=name,
+        form="fit",
+        sequence=sequence,
+        parameters={name: float(values[name][0]) for name in PARAMETERS},
+        intervals=limits,
+        main_counts=main_counts(posterior),
+        profiles=curves,
+        flat=flat,
+        correlations=correlations(space, posterior),
+        misfit=float(targets.misfit(peaks)[0]),
+        unsafe_share=float(targets.short_of(peaks)[0]),
+        spread=float(explored.spread[best]),
+        targets=targets,
+        peaks=peaks[0],
+        start=start,
+        start_misfit=np.nan if of_start is None else float(targets.misfit(of_start)[0]),
+        start_unsafe_share=np.nan if of_start is None else float(targets.short_of(of_start)[0]),
+        confidence=confidence,
+        effective_samples=posterior.effective,
+        candidates=len(explored.likelihood),
+        independent_share=independent,
+        neighbour_correlation=correlation,
+        remarks=(),
+    )
+    return replace(calibration, remarks=remarks(calibration, space, ends))
+
+
+def _peaks(targets: ResponseTargets, sequence: ImpulseSequence, threads: int | None) -> np.ndarray:
+    """(1, m) peaks of one sequence [-]."""
+    response = sequence_response(targets.blocks, sequence, table_rows=0, threads=threads)
+    return np.asarray(response.peak_rotation_ratio)[np.newaxis]
+
+
+def _check(form: str, share: float, spacing: str, confidence: float) -> None:
+    for name, value, known in (("form", form, FORMS), ("spacing", spacing, tuple(SPACINGS))):
+        if value not in known:
+            raise ConfigError(f"calibrate_response: {name}: expected one of {', '.join(known)}, got {value!r}")
+    if not 0.0 < share <= 1.0:
+        raise ConfigError(f"calibrate_response: share: expected a share above 0 and at most 1, got {share!r}")
+    if not 0.0 < confidence < 1.0:
+        raise ConfigError(f"calibrate_response: confidence: expected a level between 0 and 1, got {confidence!r}")

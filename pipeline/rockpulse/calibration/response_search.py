@@ -1,0 +1,312 @@
+"""The search for the sequence of a set of targets, and the exploration of everything that is about as likely.
+
+.. note:: The likelihood is only piecewise smooth: the number n of secondary impulses jumps with dT and I, and blocks
+   overturn. So nothing here takes a derivative. Differential evolution, with the number of main impulses an integer
+   among its parameters, and a survey of the whole space begin; then candidates are bred from the best of every cell of
+   the space, in rounds that look ever closer at what is likely. Every candidate is kept: profiles are their edges.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.optimize import differential_evolution
+from scipy.stats import qmc
+
+from rocking.sequence import ImpulseSequence, sequence_response
+from rockpulse.calibration.response_likelihood import log_likelihood
+from rockpulse.calibration.response_targets import ResponseTargets
+
+__all__ = ["INTERVAL", "MAIN_COUNT", "OFFSET", "RATIO", "Explored", "SearchSpace", "explore", "search_space"]
+
+#: Columns of a point: ln of I over what the targets ask for, I_s/I [-], ln dT [s], number of main impulses.
+OFFSET, RATIO, INTERVAL, MAIN_COUNT = range(4)
+
+#: Largest number of main impulses, unless the start has more [-].
+MOST_MAIN = 20
+
+#: Secondary intervals that are searched [s], widened to the start: half-waves of 10 Hz to 0.25 Hz.
+INTERVALS = (0.05, 2.0)
+
+#: Largest I_s/I by spacing: above it the closed form stands for no motion of the block (ground contact).
+LARGEST_RATIO = {"start": 2.0 / 3.0, "middle": 6.0 / 7.0}
+
+#: How far I is searched beyond what the targets ask for, as ln.
+OFFSETS = (-1.0, 1.0)
+
+#: Differential evolution: candidates a generation for each parameter, most generations, spread of ln L to stop at.
+POPULATION, GENERATIONS, SETTLED = 10, 15, 0.05
+
+#: Candidates of the survey of the whole space, of each later round, and rounds.
+SURVEY, CANDIDATES, ROUNDS = 512, 256, 20
+
+#: Parents of the first round: points less likely than the best by this deviance; it falls in equal ratios to the last.
+WIDEST = 300.0
+
+#: Cells of the space in which the best candidate is kept as a parent: of offset, I_s/I and dT, for each main count.
+CELLS = (1.0, 16.0, 12.0, 0.0)
+
+#: Steps of a candidate from its parent, as shares of the difference of two other points and of the likely range.
+STEPS = (0.1, 0.3, 1.0)
+
+
+@dataclass(frozen=True, eq=False)
+class SearchSpace:
+    """Which sequences are searched.
+
+    Attributes
+    ----------
+    low, high : (4,) ndarray
+        Limits of a point.
+    duration : float
+        That of every sequence [s].
+    spacing : str
+        That of every sequence.
+    demands : (k,) ndarray
+        v I_1c of the blocks whose peak is a number [m/s].
+    restitutions : (k,) ndarray
+        C of the same blocks [-].
+    """
+
+    low: np.ndarray
+    high: np.ndarray
+    duration: float
+    spacing: str
+    demands: np.ndarray
+    restitutions: np.ndarray
+
+    def asked_for(self, points: np.ndarray) -> np.ndarray:
+        """I that the targets ask for at the I_s/I and main count of (q, 4) points, in closed form: (q,) [m/s].
+
+        Notes
+        -----
+        Many secondary impulses let the N-th half-cycle peak as if it had started with v = (I/I_1c) [1 - sigma/2 + (1 -
+        sigma) (C + ... + C^(N-1))] (F4 of the sequence's limit), so a target v I_1c asks for that I; here their median.
+        """
+        ratio, count = points[:, RATIO, np.newaxis], points[:, MAIN_COUNT, np.newaxis]
+        c = np.minimum(self.restitutions, 1.0 - 1e-9)
+        powers = c * (1.0 - c ** (count - 1.0)) / (1.0 - c)
+        return np.exp(np.median(np.log(self.demands / (1.0 - 0.5 * ratio + (1.0 - ratio) * powers)), axis=1))
+
+    def main(self, points: np.ndarray) -> np.ndarray:
+        """(q,) I [m/s] of (q, 4) points."""
+        return np.asarray(np.exp(points[:, OFFSET]) * self.asked_for(points))
+
+    def sequences(self, points: np.ndarray) -> ImpulseSequence:
+        """(q,) sequences of (q, 4) points."""
+        main = self.main(points)
+        return ImpulseSequence(
+            main=main,
+            secondary=np.minimum(points[:, RATIO] * main, main),
+            interval=np.nan if self.spacing == "continuous" else np.exp(points[:, INTERVAL]),
+            duration=self.duration,
+            main_count=np.rint(points[:, MAIN_COUNT]).astype(np.int64),
+            spacing=self.spacing,
+        )
+
+    def sequence(self, point: np.ndarray) -> ImpulseSequence:
+        """One sequence of a (4,) point."""
+        many = self.sequences(point[np.newaxis])
+        return ImpulseSequence(
+            main=float(many.main[0]),
+            secondary=float(many.secondary[0]),
+            interval=float(many.interval[0]),
+            duration=self.duration,
+            main_count=int(many.main_count[0]),
+            spacing=self.spacing,
+        )
+
+    def point(self, main: float, ratio: float, interval: float, main_count: int) -> np.ndarray:
+        """The (4,) point of a sequence."""
+        point = np.array([0.0, ratio, np.log(interval), main_count], dtype=float)
+        point[OFFSET] = np.log(main / self.asked_for(point[np.newaxis])[0])
+        return point
+
+
+def search_space(targets: ResponseTargets, start: ImpulseSequence | None, spacing: str) -> SearchSpace:
+    """The space for a set of targets.
+
+    Parameters
+    ----------
+    targets : ResponseTargets
+        I is searched around what they ask for.
+    start : ImpulseSequence or None
+        Its duration is that of all sequences, without it main impulses are limited by their number only; its other
+        parameters widen the limits.
+    spacing : str
+        Spacing of all sequences.
+
+    Notes
+    -----
+    A peak x is reached by the velocity v = sqrt(1 - (1 - x)^2) (Eq. 6), so the demand on a block is v I_1c.
+    """
+    peak = np.minimum(targets.peaks[targets.number], 1.0)
+    demands = np.sqrt(1.0 - (1.0 - peak) ** 2) * np.asarray(targets.blocks.critical_impulse)[targets.number]
+    shortest, longest = INTERVALS
+    most = MOST_MAIN
+    if start is not None:
+        if np.isfinite(start.interval):
+            shortest, longest = min(shortest, start.interval), max(longest, start.interval)
+        most = max(most, start.main_count or 0)
+    low = np.array([OFFSETS[0], 0.0, np.log(shortest), 1.0])
+    high = np.array([OFFSETS[1], LARGEST_RATIO.get(spacing, 1.0), np.log(longest), float(most)])
+    if spacing == "continuous":
+        low[INTERVAL] = high[INTERVAL] = 0.0
+    duration = np.inf if start is None else start.duration
+    restitutions = np.asarray(targets.blocks.restitution)[targets.number]
+    space = SearchSpace(low, high, duration, spacing, demands, restitutions)
+    if start is not None and start.main > 0.0:
+        offset = start_point(space, start)[OFFSET]
+        low[OFFSET], high[OFFSET] = min(low[OFFSET], offset), max(high[OFFSET], offset)
+    return space
+
+
+def start_point(space: SearchSpace, start: ImpulseSequence) -> np.ndarray:
+    """The point nearest to a start: without a main count it has the largest, without an interval the middle one."""
+    ratio = min(start.secondary / start.main, space.high[RATIO])
+    middle = float(np.exp(0.5 * (space.low[INTERVAL] + space.high[INTERVAL])))
+    known = np.isfinite(start.interval) and space.spacing != "continuous"
+    interval = start.interval if known else middle
+    return space.point(start.main, ratio, interval, start.main_count or int(space.high[MAIN_COUNT]))
+
+
+class Explored:
+    """All candidates that were tried, with their likelihood.
+
+    Parameters
+    ----------
+    targets : ResponseTargets
+        What they are held against.
+    space : SearchSpace
+        What they are taken from.
+    threads : int or None
+        Threads that share the lanes.
+    """
+
+    def __init__(self, targets: ResponseTargets, space: SearchSpace, threads: int | None) -> None:
+        self.targets, self.space, self.threads = targets, space, threads
+        self._points: list[np.ndarray] = []
+        self._likelihood: list[np.ndarray] = []
+        self._spread: list[np.ndarray] = []
+
+    def peaks(self, points: np.ndarray) -> np.ndarray:
+        """(q, m) peaks of (q, 4) points [-]."""
+        sequences = self.space.sequences(points)
+        response = sequence_response(self.targets.blocks, sequences, table_rows=0, threads=self.threads)
+        return np.asarray(response.peak_rotation_ratio)
+
+    def try_points(self, points: np.ndarray) -> np.ndarray:
+        """(q,) log-likelihoods of (q, 4) points, which are kept."""
+        likelihood, spread = log_likelihood(self.peaks(points), self.targets)
+        self._points.append(points)
+        self._likelihood.append(likelihood)
+        self._spread.append(spread)
+        return likelihood
+
+    @property
+    def points(self) -> np.ndarray:
+        """(k, 4) all points."""
+        return np.concatenate(self._points)
+
+    @property
+    def likelihood(self) -> np.ndarray:
+        """(k,) their log-likelihoods."""
+        return np.concatenate(self._likelihood)
+
+    def best(self, limits: dict[str, tuple[float, float]], values: dict[str, np.ndarray]) -> int:
+        """Index of the likeliest candidate within limits, or of the first one, the start, where that is likelier."""
+        inside = np.ones(len(self.likelihood), dtype=bool)
+        for name, (low, high) in limits.items():
+            inside &= np.isnan(values[name]) | ((values[name] >= low) & (values[name] <= high))
+        inside[0] = True
+        return int(np.argmax(np.where(inside, self.likelihood, -np.inf)))
+
+    @property
+    def spread(self) -> np.ndarray:
+        """(k,) their most likely spreads [-]."""
+        return np.concatenate(self._spread)
+
+
+def explore(
+    targets: ResponseTargets,
+    space: SearchSpace,
+    start: np.ndarray | None,
+    enough: float,
+    rng: np.random.Generator,
+    threads: int | None = None,
+) -> Explored:
+    """Find the likeliest sequence and fill the region of those that are about as likely.
+
+    Parameters
+    ----------
+    targets : ResponseTargets
+        (m,) targets.
+    space : SearchSpace
+        Limits.
+    start : (4,) ndarray or None
+        A point that is among the candidates from the first.
+    enough : float
+        Deviance of the last round: less likely points have no more offspring.
+    rng : numpy.random.Generator
+        Source of all that is random.
+    threads : int, optional
+        Threads that share the lanes; None for all available cores. The answer does not depend on it.
+
+    Returns
+    -------
+    Explored
+        Everything that was tried.
+    """
+    explored = Explored(targets, space, threads)
+    # The start itself first: differential evolution maps it to the unit cube and back, which costs a bit.
+    if start is not None:
+        explored.try_points(start[np.newaxis])
+    differential_evolution(
+        lambda columns: -explored.try_points(np.ascontiguousarray(columns.T)),
+        list(zip(space.low, space.high, strict=True)),
+        x0=None if start is None else np.clip(start, space.low, space.high),
+        integrality=[False, False, False, True],
+        popsize=POPULATION,
+        maxiter=GENERATIONS,
+        tol=0.0,
+        atol=SETTLED,
+        mutation=(0.4, 0.9),
+        recombination=0.9,
+        polish=False,
+        updating="deferred",
+        vectorized=True,
+        rng=rng,
+    )
+    survey = space.low + qmc.Sobol(4, rng=rng).random(SURVEY) * (space.high - space.low)
+    # Few main impulses differ more from one another than many do: equal shares of the logarithm.
+    share = (survey[:, MAIN_COUNT] - 1.0) / (space.high[MAIN_COUNT] - 1.0)
+    survey[:, MAIN_COUNT] = np.minimum(np.floor((space.high[MAIN_COUNT] + 1.0) ** share), space.high[MAIN_COUNT])
+    explored.try_points(survey)
+    for cut in np.geomspace(WIDEST, enough, ROUNDS):
+        explored.try_points(_offspring(explored, cut, rng))
+    return explored
+
+
+def _offspring(explored: Explored, cut: float, rng: np.random.Generator) -> np.ndarray:
+    space = explored.space
+    points, likelihood = explored.points, explored.likelihood
+    deviance = 2.0 * (likelihood.max() - likelihood)
+    order = np.argsort(deviance, kind="stable")
+    order = order[: max(np.count_nonzero(deviance <= cut), 24)]
+    points = points[order]
+    # The best of every cell of the space, and as many of all that are likely: the whole likely region has parents.
+    width = np.where(space.high > space.low, space.high - space.low, 1.0) * (1.0 + 1e-12)
+    cells = np.floor((points - space.low) / width * CELLS)
+    cells[:, MAIN_COUNT] = points[:, MAIN_COUNT]
+    _, firsts = np.unique(cells, axis=0, return_index=True)
+    parents = np.concatenate([rng.choice(firsts, CANDIDATES // 2), rng.integers(len(points), size=CANDIDATES // 2)])
+    one, other = rng.integers(len(points), size=(2, CANDIDATES))
+    step = rng.choice(STEPS, size=(CANDIDATES, 1))
+    drawn = points[parents] + step * (points[one] - points[other])
+    drawn += step * 0.1 * np.std(points, axis=0) * rng.standard_normal(drawn.shape)
+    drawn[:, MAIN_COUNT] = points[parents, MAIN_COUNT] + rng.choice([-1, 0, 0, 0, 1], size=CANDIDATES)
+    # What leaves the space comes back from its edge.
+    drawn = np.where(drawn < space.low, 2.0 * space.low - drawn, drawn)
+    drawn = np.where(drawn > space.high, 2.0 * space.high - drawn, drawn)
+    return np.clip(drawn, space.low, space.high)

@@ -1,0 +1,296 @@
+"""From a record's own half-waves to an impulse sequence whose verdict on a block is a prediction of the record's.
+
+.. note:: The demand D = factor x march, but no more than PGA/(g tan alpha), for without uplift nothing overturns. The
+   march is that of :func:`rockpulse.models.demand_of_half_waves`; the factor is fitted on an ensemble and belongs to a
+   working point. The sequence has as many main impulses, and as large a ratio I_s/I, as the motion has lobes on the
+   block's time scale, and the main impulse is D times the critical one of that sequence. So it overturns iff D >= 1,
+   its peak is 1 - sqrt(1 - D^2), and its safety factor is 1/D: D is proportional to a factor on the record, but for
+   single copies of the march that flip by rounding on noisy or drifting records (0.7 to 1.4 % of D where one does).
+"""
+
+from __future__ import annotations
+
+import math
+import tomllib
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from functools import lru_cache
+from importlib.resources import files
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from rocking.block import Block
+from rocking.half_wave_demand import HalfWaveDemand, demand_of_half_waves
+from rocking.main_sequence_kernel import effective_amplification
+from rocking.sequence import ImpulseSequence
+from rockpulse.errors import ConfigError
+from rockpulse.record.half_wave import HalfWaves
+
+__all__ = [
+    "POINTS",
+    "Rule",
+    "load_rule",
+    "rule_applicable",
+    "rule_demand",
+    "rule_safety_factor",
+    "rule_sequence",
+    "sequence_of",
+    "traits",
+]
+
+#: Working points, and the share of overturnings that each may miss on the ensemble that it is fitted on [-].
+POINTS = {"balanced": 0.05, "conservative": 0.01}
+
+#: The rule that comes with the package.
+SHIPPED = "rule.toml"
+
+#: What the range of validity is stated in: unit and words of each of :func:`traits`.
+TRAITS = {
+    "p": "p {} to {} 1/s",
+    "radius": "R {} to {} m",
+    "slenderness": "slenderness {} to {}",
+    "restitution_ratio": "C {} to {} times Housner's",
+}
+
+#: Bodies count as inside the fitted range up to this far beyond its ends [-]: figures rounded to two digits.
+SLACK = 0.01
+
+
+@dataclass(frozen=True)
+class Rule:
+    """One working point of the rule.
+
+    Attributes
+    ----------
+    point : str
+        "balanced" or "conservative".
+    factor : float
+        Demand over march [-], positive.
+    within : dict of str to (float, float)
+        Least and most of each of :func:`traits` over the bodies that it was fitted on; what is not named has no bounds.
+    """
+
+    point: str
+    factor: float
+    within: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        if self.point not in POINTS:
+            raise ConfigError(f"rule: expected a working point of {', '.join(POINTS)}, got {self.point!r}")
+        if not (math.isfinite(self.factor) and self.factor > 0.0):
+            raise ConfigError(f"rule: [{self.point}] factor: expected a positive number, got {self.factor!r}")
+
+
+def load_rule(point: str = "balanced", path: str | Path | None = None) -> Rule:
+    """A working point of a fitted rule.
+
+    Parameters
+    ----------
+    point : {"balanced", "conservative"}
+        Which one.
+    path : str or Path, optional
+        File that ``rockpulse rule fit`` wrote; that of the package without.
+
+    Returns
+    -------
+    Rule
+
+    Raises
+    ------
+    ConfigError
+        For an unknown point, or a file that holds no rule.
+    OSError
+        Where the file cannot be read.
+
+    Examples
+    --------
+    >>> load_rule("balanced").factor < load_rule("conservative").factor
+    True
+    """
+    if point not in POINTS:
+        raise ConfigError(f"rule: expected a working point of {', '.join(POINTS)}, got {point!r}")
+    source = files("rockpulse.calibration").joinpath(SHIPPED) if path is None else Path(path)
+    try:
+        table: Mapping[str, Any] = tomllib.loads(source.read_text(encoding="utf-8"))
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise ConfigError(f"{source}: no TOML ({error}); expected a file that `rockpulse rule fit` wrote") from None
+    section = table.get(point)
+    factor = section.get("factor") if isinstance(section, Mapping) else None
+    if not isinstance(factor, (int, float)) or isinstance(factor, bool):
+        raise ConfigError(f"{source}: expected [{point}] factor, a number; `rockpulse rule fit` writes such a file")
+    return replace(Rule(point, float(factor)), within=_range(table, str(source)))
+
+
+def _range(table: Mapping[str, Any], source: str) -> dict[str, tuple[float, float]]:
+    section = table.get("range")
+    if not isinstance(section, Mapping) or not section or not set(section) <= set(TRAITS):
+        raise ConfigError(
+            f"{source}: expected [range] with some of {', '.join(TRAITS)}; `rockpulse rule fit` writes it"
+        )
+    for name, ends in section.items():
+        numeric = isinstance(ends, list) and [type(end) for end in ends] in ([float, float], [int, int])
+        if not numeric or not ends[0] <= ends[1]:
+            raise ConfigError(f"{source}: [range] {name}: expected [least, most], got {ends!r}")
+    return {name: (float(least), float(most)) for name, (least, most) in section.items()}
+
+
+def traits(block: Block) -> dict[str, np.ndarray]:
+    """What the range of validity of a rule is stated in: p [1/s], R [m], a/b [-], C over Housner's [-], each (m,)."""
+    alpha = np.atleast_1d(block.alpha_c)
+    housner = 1.0 - 1.5 * np.sin(alpha) ** 2
+    ratio = np.divide(block.restitution, housner, out=np.full(alpha.shape, np.inf), where=housner > 0.0)
+    return {
+        "p": np.atleast_1d(block.p),
+        "radius": np.atleast_1d(block.radius),
+        "slenderness": np.atleast_1d(block.slenderness),
+        "restitution_ratio": ratio,
+    }
+
+
+def rule_applicable(block: Block, rule: Rule) -> np.ndarray:
+    """Which bodies are like those that the rule was fitted on: inside its range, or no more than 1 % beyond.
+
+    Parameters
+    ----------
+    block : Block
+        One block, which counts as (1,), or (m,) of them.
+    rule : Rule
+        Working point.
+
+    Returns
+    -------
+    (m,) ndarray of bool
+
+    Examples
+    --------
+    >>> rule_applicable(Block(half_width=[0.1, 0.3], half_height=[0.3, 1.8]), load_rule()).tolist()
+    [False, True]
+    """
+    values = traits(block)
+    inside = np.full(values["p"].shape, True)
+    for name, (least, most) in rule.within.items():
+        inside &= (values[name] >= least * (1.0 - SLACK)) & (values[name] <= most * (1.0 + SLACK))
+    return inside
+
+
+def range_text(rule: Rule) -> str:
+    """The range of validity in words."""
+    return ", ".join(_bounds(name, f"{low:.3g}", f"{high:.3g}") for name, (low, high) in rule.within.items())
+
+
+def _bounds(name: str, least: str, most: str) -> str:
+    if name == "restitution_ratio" and least == most == "1":
+        return "Housner's C"
+    return TRAITS[name].format(least, most)
+
+
+def rule_demand(waves: HalfWaves, block: Block, rule: Rule) -> np.ndarray:
+    """Demand of a record on blocks: the rule says that those overturn on which it is at least 1.
+
+    Parameters
+    ----------
+    waves : HalfWaves
+        All half-waves of the record.
+    block : Block
+        One block, which counts as (1,), or (m,) of them.
+    rule : Rule
+        Working point.
+
+    Returns
+    -------
+    (m,) ndarray
+        D [-], proportional to a factor on the record up to flips of single copies by rounding.
+    """
+    return _demand(waves, block, rule, _of(waves, block))
+
+
+def rule_safety_factor(waves: HalfWaves, block: Block, rule: Rule) -> np.ndarray:
+    """Factor on the record at which the rule's sequence overturns each block: 1/D, in closed form.
+
+    Parameters
+    ----------
+    waves, block, rule
+        As in :func:`rule_demand`.
+
+    Returns
+    -------
+    (m,) ndarray
+        Factor [-]; inf for a record of zeros.
+    """
+    demand = rule_demand(waves, block, rule)
+    return np.divide(1.0, demand, out=np.full(demand.shape, np.inf), where=demand > 0.0)
+
+
+def rule_sequence(waves: HalfWaves, block: Block, rule: Rule) -> ImpulseSequence:
+    """The impulse sequence that stands for a record, block by block.
+
+    Parameters
+    ----------
+    waves : HalfWaves
+        All half-waves of the record.
+    block : Block
+        One block, which counts as (1,), or (m,) of them.
+    rule : Rule
+        Working point.
+
+    Returns
+    -------
+    ImpulseSequence
+        (m,), spacing "continuous", to be used with ``sequence_response(..., paired=True)``. A block that the record
+        does not lift has the main impulse zero.
+
+    Notes
+    -----
+    In the limit n -> infinity (VALIDATION F4) half-cycle i is decided by v_i = u_1 [(1 - sigma) S_i + sigma/2], S_i =
+    (1 - C^i)/(1 - C), which grows with i. So N main impulses overturn iff v_N >= 1, and I = D I_1c/[(1 - sigma) S_N +
+    sigma/2] makes v_N = D.
+    """
+    asked = _of(waves, block)
+    return sequence_of(_demand(waves, block, rule, asked), asked, block, _uplift(waves, block) > 1.0)
+
+
+def sequence_of(demand: np.ndarray, asked: HalfWaveDemand, block: Block, lifted: np.ndarray) -> ImpulseSequence:
+    """The sequences whose last main impulse brings each block to v_N = D.
+
+    Parameters
+    ----------
+    demand : (m,) ndarray
+        D [-].
+    asked : HalfWaveDemand
+        Where number, ratio and interval come from.
+    block : Block
+        The blocks.
+    lifted : (m,) ndarray of bool
+        Which of them the record lifts.
+    """
+    restitution, critical = (np.broadcast_to(v, demand.shape) for v in (block.restitution, block.critical_impulse))
+    reached = [
+        effective_amplification(c, ratio, count)
+        for c, ratio, count in zip(restitution, asked.ratio, asked.main_count, strict=True)
+    ]
+    main = np.where(lifted, demand * critical / np.array(reached), 0.0)
+    return ImpulseSequence(
+        main=main,
+        secondary=asked.ratio * main,
+        interval=asked.interval,
+        duration=np.full(demand.shape, np.inf),
+        main_count=asked.main_count,
+        spacing="continuous",
+    )
+
+
+@lru_cache(maxsize=2)
+def _of(waves: HalfWaves, block: Block) -> HalfWaveDemand:
+    """Both working points, sequence and safety factor ask for the same; waves and blocks never change."""
+    return demand_of_half_waves(block, waves.start, waves.centroid, waves.end, waves.impulse, waves.dt)
+
+
+def _uplift(waves: HalfWaves, block: Block) -> np.ndarray:
+    """PGA/(g tan alpha) of each block [-]."""
+    return np.max(np.abs(waves.peak), initial=0.0) / (block.gravity * np.tan(np.atleast_1d(block.alpha_c)))
+
+
+def _demand(waves: HalfWaves, block: Block, rule: Rule, asked: HalfWaveDemand) -> np.ndarray:
+    return np.minimum(rule.factor * asked.march, _uplift(waves, block))

@@ -1,0 +1,112 @@
+"""The command line: one module per verb under :mod:`rockpulse.commands`.
+
+Exit codes: 0 all done, 1 some records failed, 2 wrong usage, configuration or results file.
+"""
+
+from __future__ import annotations
+
+import argparse
+import io
+import logging
+import os
+import sys
+from collections.abc import Sequence
+
+from rockpulse.commands import VERBS
+from rockpulse.commands.file_fault import file_fault
+from rockpulse.commands.parser import Parser
+from rockpulse.commands.telling import forsake, tell
+from rockpulse.errors import ConfigError, RockpulseError, StoppedAtFailure
+from rockpulse.version import __version__
+
+__all__ = ["build_parser", "main"]
+
+FAILED = 1
+USAGE = 2
+INTERRUPTED = 130
+
+EPILOG = """\
+first steps, for a wall 0.3 m wide and 2.4 m high:
+  rockpulse assess records/ --block wall=0.3x2.4 -o results.h5
+  rockpulse inspect results.h5
+  rockpulse report results.h5 -o report.html
+bodies and options in a file, for --config site.toml:
+  rockpulse init-config -o site.toml
+what a verb takes, with examples:
+  rockpulse VERB --help
+
+Exit codes: 0 all done, 1 some records failed or, of diff and verify, something
+differs, 2 wrong usage, configuration or results file."""
+
+
+def build_parser() -> argparse.ArgumentParser:
+    """The parser with all verbs; building it imports neither numba nor xarray."""
+    parser: argparse.ArgumentParser = Parser(
+        prog="rockpulse",
+        description="From recorded strong-motion files to the overturning safety of large slender rigid blocks.",
+        epilog=EPILOG,
+    )
+    parser.add_argument("--version", action="version", version=f"rockpulse {__version__}")
+    subparsers = parser.add_subparsers(title="verbs", required=True, metavar="VERB")
+    for verb in VERBS:
+        verb.add_to(subparsers)
+    return parser
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Parse the arguments and run one verb.
+
+    Parameters
+    ----------
+    argv : sequence of str, optional
+        Arguments without the name of the program; those of the process by default.
+
+    Returns
+    -------
+    int
+        Exit code.
+    """
+    # Warnings are stored and shown in the overview; Python's last-resort handler would tear the progress bar.
+    logging.getLogger("rockpulse").addHandler(logging.NullHandler())
+    for name in ("stdout", "stderr"):
+        if getattr(sys, name) is None:  # closed, as by `>&-`; the results file must not get its number
+            setattr(sys, name, open(os.devnull, "w", encoding="utf-8"))  # noqa: PTH123, SIM115
+    if isinstance(sys.stdout, io.TextIOWrapper):
+        sys.stdout.reconfigure(errors="replace")  # a terminal may lack the letters of a file or block name
+    parser = build_parser()
+    given = sys.argv[1:] if argv is None else argv
+    if not given:
+        parser.exit(USAGE, parser.format_help())
+    args = argparse.Namespace()
+    try:
+        parser.parse_args(given, args)
+        if getattr(args, "output", None) == "":
+            raise ConfigError("--output: expected the name of a file, found nothing; is a variable of the shell unset?")
+        code = args.run(args)
+        sys.stdout.flush()
+        return code
+    except StoppedAtFailure as error:
+        return _ended(str(error), FAILED)
+    except RockpulseError as error:
+        return _ended(str(error), USAGE)
+    except OSError as error:
+        if isinstance(error, BrokenPipeError) and _reader_has_left():  # as in `rockpulse ... | head`
+            return 0
+        return _ended(file_fault(error, args), USAGE)
+    except KeyboardInterrupt as error:
+        return _ended(str(error) or "interrupted", INTERRUPTED)
+
+
+def _ended(why: str, code: int) -> int:
+    tell(f"rockpulse: {why}", sys.stderr)
+    return code
+
+
+def _reader_has_left() -> bool:
+    """Whether it is standard output that nobody reads, and not a pipe of the work itself; what is left is dropped."""
+    try:
+        print(flush=True)  # what could not be written before may have been dropped already
+    except BrokenPipeError:
+        forsake(sys.stdout)
+        return True
+    return False

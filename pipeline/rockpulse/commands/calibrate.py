@@ -1,0 +1,57 @@
+"""``rockpulse calibrate``: the records of a site in, its design sequence and what is known of it out."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+
+from rockpulse.commands.batch_input import add_batch_arguments, batch_options, recorded
+from rockpulse.commands.record_input import add_record_arguments, resolved
+from rockpulse.commands.telling import tell
+from rockpulse.commands.verb import Verb
+
+__all__ = ["VERB"]
+
+
+def _add_arguments(parser: argparse.ArgumentParser) -> None:
+    add_record_arguments(parser, "SITE")
+    add_batch_arguments(parser)
+
+
+def _run(args: argparse.Namespace) -> int:
+    config, paths = resolved(args)
+
+    from rockpulse.batch.run import calibrate_files
+    from rockpulse.errors import RecordRefused
+    from rockpulse.storage.save_load import load
+    from rockpulse.views.text.left_out import failure_list
+    from rockpulse.views.text.site import site_overview
+
+    try:
+        with recorded(args):
+            calibrate_files(paths, config, args.output, batch_options(args))
+    except RecordRefused as error:
+        tell(f"rockpulse: {error}\nrockpulse: nothing was written", sys.stderr)
+        return 1
+    tree = load(args.output)
+    failed = failure_list(tree, kinds=("failed",))
+    if not args.quiet:
+        tell(f"{site_overview(tree)}\n\nsite: {args.output}")
+    elif failed:
+        tell(failed, sys.stderr)
+    return 1 if failed else 0
+
+
+VERB = Verb(
+    name="calibrate",
+    summary="calibrate the design sequence of a site on its records",
+    description="Read the records of a site, calibrate the impulse sequence of each, describe their distribution with "
+    "intervals clustered by event, choose the design sequence at a quantile, and judge it on events left out. "
+    "Without blocks the rotations to be covered are those of a family of 100.",
+    add_arguments=_add_arguments,
+    run=_run,
+    examples=(
+        "rockpulse calibrate records/ -o design.h5",
+        "rockpulse calibrate records/ --config site.toml -o design.h5",
+    ),
+)

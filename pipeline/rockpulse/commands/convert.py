@@ -1,0 +1,104 @@
+"""``rockpulse convert``: records of any format in, AT2, CSV or miniSEED out."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Sequence
+
+from rockpulse.commands.progress import progress_bars
+from rockpulse.commands.record_input import add_reading_arguments, reading_options
+from rockpulse.commands.verb import Verb
+from rockpulse.failures import Failure
+
+__all__ = ["VERB"]
+
+#: Rows of a kind that is no failure.
+LISTED = 3
+
+
+def _add_arguments(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("paths", nargs="+", metavar="PATHS", help="files, folders, zips or globs of records")
+    parser.add_argument(
+        "-o",
+        "--output",
+        required=True,
+        metavar="OUT",
+        help="a file (.AT2, .csv, .mseed), or a folder for one AT2 or CSV file per channel; several channels in one "
+        "AT2 or CSV name become OUT.CHANNEL.AT2",
+    )
+    parser.add_argument("--format", choices=("at2", "csv", "mseed"), help="format of OUT; default: its suffix tells")
+    add_reading_arguments(parser)
+    parser.add_argument(
+        "--response",
+        choices=("sensitivity", "remove"),
+        default="sensitivity",
+        help="how counts with a StationXML become m/s2: divided by the sensitivity, or the full response removed; "
+        "default: sensitivity",
+    )
+    parser.add_argument(
+        "--overwrite", action="store_true", help="replace files that exist; never one that a record came from"
+    )
+    parser.add_argument("--quiet", action="store_true", help="print nothing but what failed")
+
+
+def _run(args: argparse.Namespace) -> int:
+    from rockpulse.readers.conversion import check_output, write
+    from rockpulse.readers.folders import read_all
+    from rockpulse.record.record import STANDARD_GRAVITY
+    from rockpulse.views.shared.terminal import paragraph
+
+    options = reading_options(args)
+    writer = check_output(args.output, args.format)  # a name that tells no format is better known before the reading
+    with progress_bars(args.quiet)(desc="reading", unit=" files") as bar:
+        records, failures = read_all(
+            args.paths, options.units, on_file=lambda *_: bar.update(), dt=options.dt, response=args.response
+        )
+    _print_failures(failures, args.quiet)
+    if not records:
+        print("rockpulse: not one record could be read, nothing was written", file=sys.stderr)
+        return 1
+    files = write(records, args.output, args.format, args.overwrite)
+    if not args.quiet:
+        known = {record.id: record for record in records}
+        for file in files:
+            for name, code in file.records:
+                record = known[name]
+                size = f"{record.npts} samples at {record.dt:g} s, PGA {record.pga / STANDARD_GRAVITY:.4g} g"
+                unsaid = record.orientation == "structural" and not writer.structure
+                place = f", on a structure, which {file.path.name} cannot say" if unsaid else ""
+                print(f"{file.path}: {name}{f' as {code}' if code else ''}: {size}{place}")
+                for warning in record.warnings:
+                    print(paragraph(warning, "      ", "    warning: "))
+        print("\n" + paragraph(writer.lost + ".", "  ", ""))
+    return 1 if any(row.kind == "failed" for row in failures) else 0
+
+
+def _print_failures(failures: Sequence[Failure], quiet: bool) -> None:
+    """What failed, and of what was skipped, the first few of each kind."""
+    by_kind: dict[str, list[Failure]] = {}
+    for row in failures:
+        by_kind.setdefault(row.kind, []).append(row)
+    for kind, rows in by_kind.items():
+        if quiet and kind != "failed":
+            continue
+        shown = rows if kind == "failed" else rows[:LISTED]
+        for row in shown:
+            print(f"{row.kind} ({row.stage}) {row.reason}", file=sys.stderr)
+        if len(shown) < len(rows):
+            print(f"{kind}: {len(rows) - len(shown)} more", file=sys.stderr)
+
+
+VERB = Verb(
+    name="convert",
+    summary="write records as AT2, CSV or miniSEED",
+    description="Read records of any format and write them in one that other programs read. Samples are written as "
+    "they were read, in m/s2 or g: nothing is corrected or filtered; traces of unequal steps were resampled when they "
+    "were read. The warnings of each record, and what the new format cannot hold, are printed.",
+    add_arguments=_add_arguments,
+    run=_run,
+    examples=(
+        "rockpulse convert CICLC.v1 -o clc.AT2",
+        "rockpulse convert records/ -o converted/ --format csv",
+    ),
+)

@@ -1,0 +1,81 @@
+"""``rockpulse diff``: what changed between two results files."""
+
+from __future__ import annotations
+
+import argparse
+import math
+
+from rockpulse.commands.selection_input import count
+from rockpulse.commands.verb import Verb
+
+__all__ = ["VERB"]
+
+
+def _add_arguments(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("first", metavar="BEFORE", help="results file")
+    parser.add_argument("second", metavar="AFTER", help="results file of the same kind")
+    parser.add_argument(
+        "--rtol",
+        type=_tolerance,
+        default=1e-9,
+        metavar="R",
+        help="numbers may differ by R times the larger; default: %(default)g",
+    )
+    parser.add_argument(
+        "--atol",
+        type=_tolerance,
+        default=0.0,
+        metavar="A",
+        help="and by A, in the unit of each variable; default: %(default)g",
+    )
+    parser.add_argument(
+        "--ignore",
+        action="append",
+        default=[],
+        metavar="VARIABLE",
+        help="do not compare this variable, named as it is or as in the output (/summary/pga); repeatable",
+    )
+    parser.add_argument(
+        "--limit",
+        type=count,
+        default=20,
+        metavar="N",
+        help="most flipped verdicts, factors and capacities that crossed 1, that are named; default: %(default)s",
+    )
+
+
+def _run(args: argparse.Namespace) -> int:
+    from rockpulse.storage.hdf5_reader import open_results
+    from rockpulse.views.diff.differences import compare_results
+    from rockpulse.views.diff.overview import difference_overview
+
+    with open_results(args.first) as first, open_results(args.second) as second:
+        found = compare_results(first, second, args.rtol, args.atol, args.ignore, args.limit)
+        tolerance = f"rtol {args.rtol:g}" + (f", atol {args.atol:g}" if args.atol else "")
+        print(difference_overview(found, first, second, tolerance))
+    return 0 if found.same else 1
+
+
+def _tolerance(words: str) -> float:
+    try:
+        value = float(words)
+    except ValueError:
+        value = math.nan
+    if not (math.isfinite(value) and value >= 0.0):
+        raise argparse.ArgumentTypeError(f"expected a number from 0, found {words!r}")
+    return value
+
+
+VERB = Verb(
+    name="diff",
+    summary="what changed between two results files",
+    description="Compare two results files: versions and configuration, records, blocks and models that only one has, "
+    "verdicts that flipped, safety factors and capacities over demand that crossed 1, and variables beyond a "
+    "tolerance. The bodies, and what comes first in every list, are by the nonlinear model where it answered. Rows are "
+    "matched by name. "
+    "Exit code 0 where the results are the same, 1 where they differ; versions and configuration are told and do not "
+    "count.",
+    add_arguments=_add_arguments,
+    run=_run,
+    examples=("rockpulse diff before.h5 after.h5", "rockpulse diff before.h5 after.h5 --rtol 1e-6 --ignore warnings"),
+)

@@ -1,0 +1,107 @@
+"""``rockpulse export``: answers of a results file as a CSV table, with a README of its columns."""
+
+from __future__ import annotations
+
+import argparse
+from typing import TYPE_CHECKING
+
+from rockpulse.commands.progress import progress_bars
+from rockpulse.commands.selection_input import add_selection, read_selection
+from rockpulse.commands.verb import Verb
+
+if TYPE_CHECKING:
+    from rockpulse.storage.hdf5_reader import ResultsFile
+    from rockpulse.storage.long_table import LongTable
+
+__all__ = ["VERB"]
+
+
+def _add_arguments(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("results", metavar="RESULTS", help="results file of any kind")
+    parser.add_argument(
+        "-o",
+        "--output",
+        required=True,
+        metavar="TABLE",
+        help="name.csv or name.csv.gz; name.README.md beside it says what the columns mean",
+    )
+    parser.add_argument(
+        "--group",
+        metavar="NAME",
+        help="group of the file: half_cycles, overturning_intervals, directions, failures, records ...; default: "
+        "the one with the answers (summary)",
+    )
+    parser.add_argument(
+        "--rows",
+        metavar="DIM[,DIM]",
+        help="one row per what: record, or record,block ...; default: one per answer (record,block,model)",
+    )
+    parser.add_argument("--columns", metavar="NAME[,NAME]", help="only these variables beside the names; default: all")
+    parser.add_argument(
+        "--record", action="append", metavar="ID", help="only this record; * and ? stand for any letters; repeatable"
+    )
+    parser.add_argument(
+        "--block", action="append", metavar="NAME", help="only this block; * and ? stand for any letters; repeatable"
+    )
+    add_selection(parser)
+    parser.add_argument(
+        "--decimal-comma",
+        action="store_true",
+        help="for a spreadsheet whose decimal sign is the comma (Italian, French, German ...): semicolons between the "
+        "columns, decimal commas; default: commas, decimal points",
+    )
+    parser.add_argument("--overwrite", action="store_true", help="replace a table and a README that exist")
+
+
+def _run(args: argparse.Namespace) -> int:
+    from rockpulse.storage.csv_table import check_table_target, write_table
+    from rockpulse.storage.hdf5_reader import open_results
+    from rockpulse.storage.long_table import long_table
+
+    selection = read_selection(args)
+    check_table_target(args.output, args.overwrite)
+    with open_results(args.results) as file, file.reading():
+        table = long_table(file, args.group, _names(args.rows), selection, _names(args.columns))
+        history = str(file.attrs.get("history", "")).splitlines()
+        chosen = f" Selection: {'; '.join(selection.words)}." if selection.words else ""
+        about = (
+            f"From `{file.path.name}` ({file.attrs.get('title', '')}; {history[-1] if history else 'no date'}).{chosen}"
+            f"{_demands(file, table)}"
+        )
+        with progress_bars(quiet=False)(total=len(table), desc="writing", unit=" rows") as bar:
+            written, readme = write_table(table, args.output, about, args.overwrite, bar.update, args.decimal_comma)
+    limited = f" of {table.found}" if table.found > len(table) else ""
+    print(f"{written}: {len(table)}{limited} rows{table.per}, {len(table.columns)} columns")
+    print(f"{readme}: what the columns mean")
+    return 0
+
+
+def _demands(file: ResultsFile, table: LongTable) -> str:
+    """The demands behind `capacity_ratio`, which lie along a dimension of their own and have no column then."""
+    if "demand_acceleration" not in table.left_out:
+        return ""
+    demands = file.dataset(table.group)["demand_acceleration"]
+    each = zip(demands["demand"].values.tolist(), demands.values.tolist(), strict=True)
+    units = demands.attrs["units"]
+    return f" Demands (demand_acceleration): {', '.join(f'{name} {value:.6g} {units}' for name, value in each)}."
+
+
+def _names(joined: str | None) -> list[str] | None:
+    return None if joined is None else [name.strip() for name in joined.split(",") if name.strip()]
+
+
+VERB = Verb(
+    name="export",
+    summary="write answers of a results file as a table",
+    description="Write a group of a results file as a long CSV table, one row per answer and one column per variable, "
+    "and a README that gives every column its unit and meaning. Flags are written as words.",
+    add_arguments=_add_arguments,
+    run=_run,
+    examples=(
+        "rockpulse export results.h5 -o table.csv",
+        "rockpulse export results.h5 -o worst.csv --where 'safety_factor < 1' --sort safety_factor --limit 100",
+        "rockpulse export results.h5 -o answers.csv --model nonlinear --columns pga,outcome,safety_factor "
+        "--decimal-comma",
+        "rockpulse export results.h5 -o records.csv --rows record --columns pga,pgv,main_impulse",
+    ),
+)

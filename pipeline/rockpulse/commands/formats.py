@@ -1,0 +1,67 @@
+"""``rockpulse formats``: which files are read, and by what they are known."""
+
+from __future__ import annotations
+
+import argparse
+
+from rockpulse.commands.verb import Verb
+
+__all__ = ["VERB"]
+
+#: Columns of the terminal that the list stays within.
+WIDTH = 100
+#: Further lines of a format begin here.
+_INDENT = "    "
+
+
+def _run(args: argparse.Namespace) -> int:
+    from textwrap import fill
+
+    from rockpulse.readers import FORMATS, UNITS
+    from rockpulse.readers.archive import MEMBER_LIMIT, TOTAL_LIMIT
+    from rockpulse.readers.source import FILE_LIMIT, RATIO_LIMIT
+    from rockpulse.views.shared.terminal import ABSENT
+
+    def wrapped(words: str, first: str = "", indent: str = "") -> str:
+        return fill(words, WIDTH, initial_indent=first, subsequent_indent=indent, break_on_hyphens=False)
+
+    read = [row for row in FORMATS if row.unit != ABSENT]
+    refused = [row for row in FORMATS if row.unit == ABSENT]
+    for row in read:
+        print(wrapped(f"{row.name} - {row.what}", "", _INDENT))
+        print(wrapped(f"recognised by: {row.recognised}", _INDENT, 2 * _INDENT))
+        print(wrapped(f"unit: {row.unit}; corrected: {row.processed}; such as {row.example}", _INDENT, 2 * _INDENT))
+    if refused:
+        print("\nKnown at sight and refused with the reason:")
+        for row in refused:
+            print(wrapped(f"{row.name} - {row.what}, such as {row.example}", "  ", 2 * _INDENT))
+    print()
+    print(
+        wrapped(
+            "Every file may be compressed with gzip or lie in a zip archive: files and members up to "
+            f"{_mebibytes(FILE_LIMIT)}, compressed up to {RATIO_LIMIT} times; archives up to {MEMBER_LIMIT} members "
+            f"and {_mebibytes(TOTAL_LIMIT)}, without archives in them."
+        )
+    )
+    print(
+        wrapped(
+            "obspy.read takes them too, in m/s2 with calib 1; K-NET, miniSEED and SAC it reads in its own way, in "
+            "counts, and columns with format='COLUMNS', units='g' and, without times, dt=0.01."
+        )
+    )
+    print(f"Units: {', '.join(UNITS)}.")
+    return 0
+
+
+def _mebibytes(count: int) -> str:
+    return f"{count // 1024**2} MiB"
+
+
+VERB = Verb(
+    name="formats",
+    summary="list the file formats",
+    description="List the formats that are read, how they are recognised, their unit, whether they are corrected "
+    "volumes, and the units that can be named for those that state none.",
+    add_arguments=lambda parser: None,
+    run=_run,
+)

@@ -1,0 +1,181 @@
+"""``rockpulse inspect``: what is in a results file."""
+
+from __future__ import annotations
+
+import argparse
+from importlib import import_module
+from typing import TYPE_CHECKING
+
+from rockpulse.commands.selection_input import add_selection, count, read_selection
+from rockpulse.commands.verb import Verb
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from rockpulse.storage.hdf5_reader import ResultsFile
+
+__all__ = ["VERB"]
+
+#: Files of other verbs by the group that tells them: what they are, and the module and function of their text.
+SHOWN_WHOLE = {
+    "site": ("this is a site file", "site"),
+    "fragility": ("this is a fragility file", "fragility"),
+    "statements": ("this is a study", "study"),
+    "rates": ("these are verdicts of the rule", "rule"),
+}
+
+#: Options that ask for a list of cases.
+OF_CASES = ("model", "outcome", "where", "sort", "limit", "worst")
+
+#: Options that say in another way which cases come first, or how many, or ask for another list.
+BESIDE_WORST = ("sort", "limit", "records", "blocks")
+
+#: Cases in a list unless more are asked for.
+CASES = 20
+
+NOTHING = "nothing failed and nothing was skipped"
+
+
+def _add_arguments(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "results", metavar="RESULTS", help="file of rockpulse assess, calibrate, fragility, rule judge or study"
+    )
+    parser.add_argument(
+        "--record",
+        action="append",
+        metavar="ID",
+        help="one record in detail; a pattern such as '*CCC*' (* and ? stand for any letters) lists cases; repeatable",
+    )
+    parser.add_argument(
+        "--block", action="append", metavar="NAME", help="one block in detail, or a pattern likewise; repeatable"
+    )
+    parser.add_argument("--failures", action="store_true", help="what failed or was skipped, and why")
+    parser.add_argument("--records", action="store_true", help="list the records")
+    parser.add_argument("--blocks", action="store_true", help="list the blocks")
+    parser.add_argument("--worst", type=count, metavar="N", help="the N cases of smallest safety factor")
+    add_selection(parser)
+
+
+def _run(args: argparse.Namespace) -> int:
+    from rockpulse.errors import ResultsError
+    from rockpulse.storage.hdf5_reader import open_results
+
+    with open_results(args.results) as file, file.reading():
+        for group in SHOWN_WHOLE:
+            if group in file.groups:
+                return _inspect_whole(file, group, args)
+        try:
+            parts = _parts(file, args)
+        except (KeyError, TypeError, AssertionError) as error:
+            gone = _incomplete(file)
+            if not gone:
+                raise
+            raise ResultsError(
+                f"{file.path}: the answers lack {gone}; 'rockpulse verify' says what else is not as it was written"
+            ) from error
+        print("\n\n".join(parts))
+    return 0
+
+
+def _parts(file: ResultsFile, args: argparse.Namespace) -> list[str]:
+    """What the options ask for, in the order of the help; the overview where they ask for nothing."""
+    from rockpulse.views.text.left_out import failure_list
+    from rockpulse.views.text.lists import block_list, record_list
+    from rockpulse.views.text.overview import overview
+
+    _check_worst(args)
+    selection = read_selection(args)
+    summary = file.dataset("summary")
+    parts = []
+    if args.records or args.blocks:
+        parts += [record_list(summary, selection)] if args.records else []
+        parts += [block_list(summary, selection)] if args.blocks else []
+    elif any(getattr(args, name) for name in OF_CASES):
+        parts.append(_cases(summary, args))
+    else:
+        parts += _details(summary, args)
+    if args.failures:
+        parts.append(failure_list(file.tree("failures")) or NOTHING)
+    return parts or [overview(file.tree("summary", "directions", "failures"))]
+
+
+def _check_worst(args: argparse.Namespace) -> None:
+    from rockpulse.errors import ResultsError
+
+    beside = [f"--{name}" for name in BESIDE_WORST if args.worst and getattr(args, name)]
+    if beside:
+        raise ResultsError(
+            f"--worst lists so many cases by their safety factor and does not go with {', '.join(beside)}; take --sort "
+            "VARIABLE --limit N instead"
+        )
+
+
+def _incomplete(file: ResultsFile) -> str:
+    """What another program has taken out of the answers; nothing where all is there that this version writes."""
+    from rockpulse.storage.variables import ANSWER, BLOCK, CASE, RECORD
+
+    there = file.dataset("summary").variables
+    return ", ".join(name for name in (*RECORD, *BLOCK, *CASE, *ANSWER) if name not in there)
+
+
+def _details(summary: xr.Dataset, args: argparse.Namespace) -> list[str]:
+    """Records and blocks one by one; a list of cases where a pattern names several."""
+    from rockpulse.storage.selection import chosen
+    from rockpulse.views.text.details import block_details, record_details
+
+    pages = []
+    for dim, details in (("record", record_details), ("block", block_details)):
+        known = [str(label) for label in summary[dim].values]
+        for pattern in getattr(args, dim) or ():
+            found = chosen(known, [pattern], dim)
+            if found.size > 1:
+                return [_cases(summary, args)]
+            pages.append(details(summary, known[int(found[0])]))
+    return pages
+
+
+def _cases(summary: xr.Dataset, args: argparse.Namespace) -> str:
+    from dataclasses import replace
+
+    from rockpulse.views.text.lists import case_list, worst_first
+    from rockpulse.views.text.overview import fullest_model
+
+    selection = read_selection(args)
+    if args.worst or selection.sort is None:
+        selection = worst_first(summary, fullest_model(summary), selection)
+    return case_list(summary, replace(selection, limit=args.worst or selection.limit or CASES))
+
+
+def _inspect_whole(file: ResultsFile, group: str, args: argparse.Namespace) -> int:
+    from rockpulse.errors import ResultsError
+    from rockpulse.storage.save_load import load
+    from rockpulse.views.text.left_out import failure_list
+
+    said, name = SHOWN_WHOLE[group]
+    listed = "failures" in file.groups
+    asked = [option for option in ("record", "block", "records", "blocks", *OF_CASES) if getattr(args, option)]
+    if asked or (args.failures and not listed):
+        options = ", ".join(f"--{option}" for option in asked or ["failures"])
+        raise ResultsError(
+            f"{args.results}: {options}: for results of 'rockpulse assess'; {said}, which inspect shows whole"
+        )
+    if args.failures:
+        print(failure_list(file.tree("failures")) or NOTHING)
+    else:
+        print(getattr(import_module(f"rockpulse.views.text.{name}"), f"{name}_overview")(load(args.results)))
+    return 0
+
+
+VERB = Verb(
+    name="inspect",
+    summary="show a results file",
+    description="Show the verdicts of a results file, of many records the counts and the worst cases; one record or "
+    "block in detail; the cases that meet a condition; or what was not assessed.",
+    add_arguments=_add_arguments,
+    run=_run,
+    examples=(
+        "rockpulse inspect results.h5",
+        "rockpulse inspect results.h5 --record '*CCC*' --model nonlinear",
+        "rockpulse inspect results.h5 --outcome overturns --sort safety_factor --limit 20",
+    ),
+)

@@ -1,0 +1,153 @@
+"""What the verbs that read records have in common: their arguments, and the configuration that follows."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from rockpulse.config.configuration import Config
+    from rockpulse.config.settings import RecordSettings
+
+__all__ = ["add_reading_arguments", "add_record_arguments", "configured", "reading_options", "resolved"]
+
+
+def add_reading_arguments(parser: argparse.ArgumentParser) -> None:
+    """What files may not say of themselves: units and sampling interval.
+
+    Parameters
+    ----------
+    parser : argparse.ArgumentParser
+        That of the verb.
+    """
+    parser.add_argument("--units", metavar="UNIT", help='unit of files that do not state theirs: "g", "cm/s2", ...')
+    parser.add_argument(
+        "--dt", type=float, metavar="SECONDS", help="sampling interval of columns without times, in s; such as 0.01"
+    )
+
+
+def reading_options(args: argparse.Namespace, settings: RecordSettings | None = None) -> RecordSettings:
+    """The section [records] with what :func:`add_reading_arguments` has added, checked.
+
+    Parameters
+    ----------
+    args : argparse.Namespace
+        With `units` and `dt`.
+    settings : RecordSettings, optional
+        Of the configuration; the defaults without.
+
+    Raises
+    ------
+    ConfigError, UnitError
+        For an interval or a unit that cannot be.
+    """
+    from dataclasses import replace
+
+    from rockpulse.config.settings import RecordSettings
+    from rockpulse.errors import ConfigError
+    from rockpulse.readers.units import canonical_unit
+
+    records = settings or RecordSettings()
+    if args.units is not None:
+        canonical_unit(args.units, "option --units")
+        records = replace(records, units=args.units)
+    elif records.units is not None:
+        canonical_unit(records.units, f"option [records] units of {args.config}")
+    if args.dt is not None:
+        try:
+            records = replace(records, dt=args.dt)
+        except ConfigError as error:
+            raise ConfigError(f"--dt: {str(error).removeprefix('[records] dt: ')}") from None
+    return records
+
+
+def add_record_arguments(parser: argparse.ArgumentParser, output: str) -> None:
+    """Paths, output, configuration, blocks, units.
+
+    Parameters
+    ----------
+    parser : argparse.ArgumentParser
+        That of the verb.
+    output : str
+        What the output is called: RESULTS, SITE.
+    """
+    parser.add_argument(
+        "paths",
+        nargs="*",
+        metavar="PATHS",
+        help="files, folders, zips or globs; they replace the paths of the configuration",
+    )
+    parser.add_argument("-o", "--output", required=True, metavar=output, help="file to write (HDF5)")
+    parser.add_argument(
+        "--config",
+        metavar="FILE",
+        help="configuration (TOML) on the template of rockpulse init-config; default: every key as there, no blocks",
+    )
+    parser.add_argument(
+        "--block",
+        action="append",
+        default=[],
+        metavar="NAME=WIDTHxHEIGHT",
+        help="a block by its full width and height in m, beside those of the configuration; repeatable",
+    )
+    add_reading_arguments(parser)
+    parser.add_argument("--overwrite", action="store_true", help="replace results that exist; never any other file")
+    parser.add_argument("--quiet", action="store_true", help="print nothing but what failed")
+
+
+def configured(args: argparse.Namespace) -> Config:
+    """The configuration with the blocks that the command line adds, its tables named absolutely.
+
+    Parameters
+    ----------
+    args : argparse.Namespace
+        With `config` and `block`.
+
+    Raises
+    ------
+    ConfigError
+        For a configuration or block that cannot be understood.
+    """
+    from dataclasses import replace
+
+    from rockpulse.config.block_settings import parse_block_option
+    from rockpulse.config.configuration import Config, load_config, located
+    from rockpulse.config.settings import WEIGHTS
+
+    config = load_config(args.config) if args.config is not None else Config()
+    records, calibration = config.records, config.calibration
+    if records.events is not None:
+        records = replace(records, events=str(located(records.events, config.folder).resolve()))
+    if calibration.weights not in WEIGHTS:
+        calibration = replace(calibration, weights=str(located(calibration.weights, config.folder).resolve()))
+    blocks = (*config.blocks, *(parse_block_option(option) for option in args.block))
+    return replace(config, records=records, calibration=calibration, blocks=blocks)
+
+
+def resolved(args: argparse.Namespace) -> tuple[Config, list[str]]:
+    """The configuration with what the command line adds, and the paths to read, as the user wrote them.
+
+    The configuration itself, which is stored, names files absolutely, so that it repeats the run from any folder.
+
+    Parameters
+    ----------
+    args : argparse.Namespace
+        What :func:`add_record_arguments` has added.
+
+    Raises
+    ------
+    ConfigError
+        Without records, and for options that cannot be understood.
+    """
+    from dataclasses import replace
+
+    from rockpulse.config.configuration import located
+    from rockpulse.errors import ConfigError
+
+    config = configured(args)
+    paths = args.paths or [str(path) for path in config.record_paths()]
+    if not paths:
+        raise ConfigError("no records: name files, folders, zips or globs, or give paths in the [records] section")
+    where = tuple(str(located(path, Path.cwd())) for path in paths)
+    return replace(config, records=replace(reading_options(args, config.records), paths=where)), paths

@@ -1,0 +1,151 @@
+"""``rockpulse rule``: fit the rule that makes sequences of half-waves, and judge it on records."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections import Counter
+from typing import TYPE_CHECKING
+
+from rockpulse.commands.progress import compiling_told, progress_bars
+from rockpulse.commands.record_input import add_reading_arguments, reading_options
+from rockpulse.commands.verb import Verb
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+    from rockpulse.failures import Failure
+
+__all__ = ["VERB"]
+
+
+#: Why there is no configuration.
+PROTOCOL = (
+    "The protocol is fixed, so that verdicts can be compared, and takes no configuration: channels above 0.15 g, "
+    "band-passed from 0.1 to 25 Hz, at factors 0.5 and 1 on twelve bodies of its own (slenderness 4 to 12, R 1 to 4 m)."
+)
+
+
+def _add_arguments(parser: argparse.ArgumentParser) -> None:
+    actions = parser.add_subparsers(title="actions", dest="action", required=True, metavar="ACTION")
+    fit = actions.add_parser(
+        "fit",
+        help="fit the working points on records and write them (TOML)",
+        description=f"Fit the working points of the rule on records and write them as TOML. {PROTOCOL}",
+    )
+    judge = actions.add_parser(
+        "judge",
+        help="compare the rule with the nonlinear model and p PGV/(g tan alpha)",
+        description=f"Missed overturnings and false alarms of the rule, on earthquakes left out. {PROTOCOL}",
+    )
+    for action, output, kind in ((fit, "RULE", "TOML"), (judge, "VERDICTS", "HDF5")):
+        action.add_argument("paths", nargs="+", metavar="PATHS", help="files, folders, zips or globs of records")
+        action.add_argument("-o", "--output", required=True, metavar=output, help=f"file to write ({kind})")
+        if action is judge:
+            action.add_argument(
+                "--rule", metavar="RULE", help="rule to judge, of rockpulse rule fit; default: the shipped one"
+            )
+        add_reading_arguments(action)
+        action.add_argument("--seed", type=int, default=0, metavar="N", help="seed of the bootstrap; default: 0")
+        action.add_argument("--overwrite", action="store_true", help="replace a file that exists")
+        action.add_argument("--quiet", action="store_true", help="print nothing but what failed")
+
+
+def _run(args: argparse.Namespace) -> int:
+    from rockpulse.errors import ConfigError
+
+    if args.seed < 0:
+        raise ConfigError(f"--seed: expected a whole number from 0, got {args.seed}")
+    return _fit(args) if args.action == "fit" else _judge(args)
+
+
+def _fit(args: argparse.Namespace) -> int:
+    from datetime import UTC, datetime
+
+    from rockpulse.file_set import FileSet
+    from rockpulse.studies.rule.cases import PROCESSING
+    from rockpulse.studies.rule.judgement import fit_rules, judge_rules
+    from rockpulse.version import __version__
+    from rockpulse.views.plots.accuracy_files import check_file
+    from rockpulse.views.text.rule import rule_overview, rule_text
+
+    target = check_file(args.output, args.overwrite, (".toml",))
+    cases, failures = _cases(args)
+    if cases.empty:
+        return _nothing_strong(failures)
+    rules = fit_rules(cases)
+    tree = judge_rules(cases, rules, failures, args.seed)
+    provenance = {
+        "date": datetime.now(UTC).date().isoformat(),
+        "version": __version__,
+        "command": "rockpulse rule fit",
+        "channels": int(cases["record"].nunique()),
+        "earthquakes": int(cases["event"].nunique()),
+        "cases": len(cases),
+        "overturnings": int(cases["overturns"].sum()),
+        "processing": PROCESSING,
+        "records": sorted(cases["record"].unique()),
+    }
+    text = rule_text(rules, tree, provenance)
+    with FileSet() as written:
+        written.add(target, text.encode())
+        written.commit()
+    return _report(args, failures, f"{rule_overview(tree)}\n\nrule: {args.output}")
+
+
+def _judge(args: argparse.Namespace) -> int:
+    from rockpulse.calibration.rule import POINTS, load_rule
+    from rockpulse.storage.rule_variables import RULE_KIND
+    from rockpulse.storage.save_load import check_target, save
+    from rockpulse.studies.rule.judgement import judge_rules
+    from rockpulse.views.text.rule import rule_overview
+
+    check_target(args.output, args.overwrite, RULE_KIND)
+    given = {point: load_rule(point, args.rule) for point in POINTS}
+    cases, failures = _cases(args)
+    if cases.empty:
+        return _nothing_strong(failures)
+    tree = judge_rules(cases, given, failures, args.seed)
+    save(tree, args.output, overwrite=args.overwrite)
+    return _report(args, failures, f"{rule_overview(tree)}\n\nverdicts: {args.output}")
+
+
+def _cases(args: argparse.Namespace) -> tuple[pd.DataFrame, list[Failure]]:
+    from rockpulse.readers.folders import read_all
+    from rockpulse.studies.rule.cases import rule_cases, strong_motions
+
+    options = reading_options(args)
+    bars = progress_bars(args.quiet)
+    records, failures = read_all(args.paths, options.units, dt=options.dt)
+    motions, left_out = strong_motions(records)
+    with compiling_told(args.quiet):
+        cases, refused = rule_cases(motions, progress=lambda every: bars(every, desc="judging", unit=" channels"))
+    return cases, [*failures, *left_out, *refused]
+
+
+def _nothing_strong(failures: list[Failure]) -> int:
+    reasons = "".join(f"\n  {failure.reason}" for failure in failures if failure.kind != "vertical")
+    print(f"rockpulse: no strong channel among the records, nothing was written{reasons}", file=sys.stderr)
+    return 1
+
+
+def _report(args: argparse.Namespace, failures: list[Failure], text: str) -> int:
+    failed = [failure for failure in failures if failure.kind == "failed"]
+    for failure in failed:
+        print(f"failed ({failure.stage}) {failure.reason}", file=sys.stderr)
+    if not args.quiet:
+        others = Counter(failure.kind for failure in failures if failure.kind not in ("failed", "vertical"))
+        not_used = ", ".join(f"{count} {kind}" for kind, count in sorted(others.items()))
+        print(f"not used: {not_used} (group /failures)\n\n{text}" if not_used else text)
+    return 1 if failed else 0
+
+
+VERB = Verb(
+    name="rule",
+    summary="fit or judge the rule from half-waves to sequences",
+    description="Fit the rule that turns the half-waves of a record into an impulse sequence, or judge its verdicts on "
+    "records against the nonlinear model, with p PGV/(g tan alpha) beside it.",
+    add_arguments=_add_arguments,
+    run=_run,
+    examples=("rockpulse rule judge records/ -o verdicts.h5", "rockpulse rule fit records/ -o rule.toml"),
+)

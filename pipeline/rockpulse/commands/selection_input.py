@@ -1,0 +1,91 @@
+"""The options by which inspect and export take a part of a results file."""
+
+from __future__ import annotations
+
+import argparse
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from rockpulse.storage.selection import Selection
+
+__all__ = ["add_selection", "count", "read_selection"]
+
+
+def add_selection(parser: argparse.ArgumentParser) -> None:
+    """Add the options to a parser.
+
+    Parameters
+    ----------
+    parser : argparse.ArgumentParser
+        Of a verb that has ``--record`` and ``--block`` already.
+    """
+    parser.add_argument(
+        "--model", action="append", metavar="NAME", help="only this model; * and ? stand for any letters; repeatable"
+    )
+    parser.add_argument(
+        "--outcome",
+        action="append",
+        metavar="WORD",
+        help="only this outcome: at_rest, rocks, overturns or unresolved; repeatable",
+    )
+    parser.add_argument(
+        "--where",
+        action="append",
+        default=[],
+        metavar="CONDITION",
+        help="only where a variable is so: 'safety_factor < 1', 'predictable = no', 'source = *.AT2'; repeatable, "
+        "all have to hold",
+    )
+    parser.add_argument("--sort", metavar="VARIABLE", help="by this variable, smallest first; what is not known last")
+    parser.add_argument("--descending", action="store_true", help="with --sort: largest first")
+    parser.add_argument("--limit", type=count, metavar="N", help="at most so many rows")
+
+
+def read_selection(args: argparse.Namespace) -> Selection:
+    """The selection that the options ask for.
+
+    Parameters
+    ----------
+    args : argparse.Namespace
+        With ``record`` and ``block`` (lists or None) beside the options of :func:`add_selection`.
+
+    Raises
+    ------
+    ResultsError
+        For a condition that is none.
+    """
+    from rockpulse.errors import ResultsError
+    from rockpulse.storage.selection import Condition, Selection
+
+    if args.descending and args.sort is None:
+        raise ResultsError("--descending goes with --sort VARIABLE")
+    names = {dim: tuple(getattr(args, dim) or ()) for dim in ("record", "block", "model")}
+    conditions = [Condition.parse(words) for words in args.where]
+    if args.outcome:
+        conditions.append(Condition("outcome", "=", "|".join(args.outcome)))
+    return Selection(
+        {dim: patterns for dim, patterns in names.items() if patterns},
+        tuple(conditions),
+        args.sort,
+        args.descending,
+        args.limit,
+    )
+
+
+def count(words: str) -> int:
+    """A whole number from 1, as an argument.
+
+    Parameters
+    ----------
+    words : str
+        What was given.
+
+    Raises
+    ------
+    argparse.ArgumentTypeError
+        For anything else.
+    """
+    number = int(words) if words.isdecimal() else 0
+    if number < 1:
+        raise argparse.ArgumentTypeError(f"expected a whole number from 1, found {words!r}")
+    return number

@@ -1,0 +1,56 @@
+"""``rockpulse verify``: whether a results file, and the records that it rests on, are what they were."""
+
+from __future__ import annotations
+
+import argparse
+
+from rockpulse.commands.progress import progress_bars
+from rockpulse.commands.verb import Verb
+
+__all__ = ["VERB"]
+
+#: Input files that are named where they are not found.
+LISTED = 5
+
+
+def _add_arguments(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("results", metavar="RESULTS", help="file that rockpulse wrote, of any verb")
+    parser.add_argument(
+        "--inputs",
+        action=argparse.BooleanOptionalAction,
+        default=True,
+        help="read the record files again as well, as far as they are where they were; default: yes",
+    )
+    parser.add_argument("--quiet", action="store_true", help="print nothing but what differs")
+
+
+def _run(args: argparse.Namespace) -> int:
+    from rockpulse.storage.verification import verify
+
+    bars = progress_bars(args.quiet)
+    found = verify(args.results, args.inputs, lambda items: bars(items, desc="verifying", leave=False))
+    for difference in found.differences:
+        print(f"{args.results}: {difference}")
+    if not args.quiet:
+        count = len(found.differences)
+        verdict = f"{count} difference{'s' * (count != 1)}" if count else "as it was written"
+        print(f"{args.results}: {found.kind}, schema {found.schema}, {found.variables} variables: {verdict}")
+        if args.inputs:
+            print(f"input files read again: {found.inputs}, not where they were: {len(found.absent)}")
+            for name in found.absent[:LISTED]:
+                print(f"  {name}")
+            if len(found.absent) > LISTED:
+                print(f"  and {len(found.absent) - LISTED} more")
+    return 1 if found.differences else 0
+
+
+VERB = Verb(
+    name="verify",
+    summary="check that a results file and its inputs are unchanged",
+    description="Compare every variable and all attributes of a results file with the checksums stored when it was "
+    "written, the file with its schema, and the record files with the SHA-256 of what was read. Exit code 0: all as it "
+    "was, 1: something differs, 2: no results file, or one that cannot be opened.",
+    add_arguments=_add_arguments,
+    run=_run,
+    examples=("rockpulse verify results.h5",),
+)

@@ -1,0 +1,1 @@
+"""The configuration: sections and keys, bodies, and the annotated template."""

@@ -1,0 +1,223 @@
+"""The configuration of an assessment: a strict TOML file, or the same sections built in Python.
+
+Unknown sections and keys, wrong types and wrong words are errors that name file, key, what was found and what is
+allowed. TOML has no null: an omitted key whose default is "none" is None.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import os
+import tomllib
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from glob import escape, has_magic
+from pathlib import Path
+from typing import Any
+
+from rockpulse.config.block_settings import BlockSettings
+from rockpulse.config.settings import (
+    SECTIONS,
+    CalibrationSettings,
+    ConditioningSettings,
+    DemandSettings,
+    FragilitySettings,
+    HalfWaveSettings,
+    IntensePhaseSettings,
+    ModelSettings,
+    RecordSettings,
+    RunSettings,
+    SearchSettings,
+    SequenceSettings,
+    SiteSettings,
+)
+from rockpulse.errors import ConfigError
+from rockpulse.option import Section, hint
+
+__all__ = ["Config", "load_config", "located"]
+
+
+@dataclass(frozen=True)
+class Config:
+    """Everything an assessment needs beside the records.
+
+    Attributes
+    ----------
+    site, records, conditioning, half_waves, intense_phase, sequence, models, search : Section
+    calibration, fragility, run : Section
+        One dataclass per section of the TOML file, each usable as keyword arguments:
+        ``condition(record, **config.conditioning)``.
+    blocks : tuple of BlockSettings
+        The bodies ([[block]]), in the order of the file.
+    demands : tuple of DemandSettings
+        What the site asks for ([[demand]]), in the order of the file.
+    folder : Path
+        What ``records.paths`` is relative to: the folder of the file. Not part of the comparison or of the text.
+
+    Raises
+    ------
+    ConfigError
+        For two blocks or two demands of one name, restitution lists of different lengths, or histories that would not
+        be stored.
+
+    Examples
+    --------
+    >>> Config().sequence.main
+    'largest'
+    """
+
+    site: SiteSettings = field(default_factory=SiteSettings)
+    records: RecordSettings = field(default_factory=RecordSettings)
+    conditioning: ConditioningSettings = field(default_factory=ConditioningSettings)
+    half_waves: HalfWaveSettings = field(default_factory=HalfWaveSettings)
+    intense_phase: IntensePhaseSettings = field(default_factory=IntensePhaseSettings)
+    sequence: SequenceSettings = field(default_factory=SequenceSettings)
+    models: ModelSettings = field(default_factory=ModelSettings)
+    search: SearchSettings = field(default_factory=SearchSettings)
+    calibration: CalibrationSettings = field(default_factory=CalibrationSettings)
+    fragility: FragilitySettings = field(default_factory=FragilitySettings)
+    run: RunSettings = field(default_factory=RunSettings)
+    blocks: tuple[BlockSettings, ...] = ()
+    demands: tuple[DemandSettings, ...] = ()
+    folder: Path = field(default=Path(), compare=False)
+
+    def __post_init__(self) -> None:
+        _require_different("[[block]]", [block.name for block in self.blocks])
+        _require_different("[[demand]]", [demand.name for demand in self.demands])
+        lists = {b.name: len(b.restitution) for b in self.blocks if isinstance(b.restitution, tuple)}
+        if len(set(lists.values())) > 1:
+            found = ", ".join(f'{length} in "{name}"' for name, length in lists.items())
+            raise ConfigError(f"[[block]] restitution: expected lists of one length in all blocks, found {found}")
+        if self.models.histories and self.records.store == "none":
+            raise ConfigError(
+                '[models] histories: true, but [records] store = "none" leaves them out of the results; '
+                'set store = "half_waves" or "all", or histories = false'
+            )
+
+    def record_paths(self) -> list[Path]:
+        """``records.paths`` as they are found from the current folder."""
+        return [located(path, self.folder) for path in self.records.paths]
+
+    def as_text(self) -> str:
+        """The resolved configuration as TOML; it loads back to an equal Config."""
+        parts = [_as_toml(f"[{name}]", getattr(self, name)) for name in SECTIONS]
+        parts += [_as_toml(entry.heading, entry) for entry in (*self.blocks, *self.demands)]
+        return "\n".join(parts)
+
+
+def _require_different(heading: str, names: list[str]) -> None:
+    for name in names:
+        if names.count(name) > 1:
+            raise ConfigError(f'{heading} name: "{name}" is given {names.count(name)} times; names must differ')
+
+
+def located(path: str, folder: Path) -> Path:
+    """A path or pattern that counts from a folder, as it is found from elsewhere.
+
+    Parameters
+    ----------
+    path : str
+        File, folder or glob; an absolute one stays as it is.
+    folder : Path
+        Where it counts from. Its own name is no pattern, whatever characters it holds.
+
+    Examples
+    --------
+    >>> located("*.AT2", Path("site [old]")).as_posix()
+    'site [[]old]/*.AT2'
+    """
+    found = folder / path
+    return Path(escape(str(folder))) / path if has_magic(path) and not os.path.lexists(found) else found
+
+
+def load_config(path: str | Path) -> Config:
+    """Read and check a TOML configuration.
+
+    Parameters
+    ----------
+    path : str or Path
+        The file; relative ``records.paths`` in it count from its folder.
+
+    Returns
+    -------
+    Config
+
+    Raises
+    ------
+    ConfigError
+        For a file that is no TOML, an unknown section or key, a wrong type or a value that is not allowed.
+    OSError
+        Where the file cannot be opened.
+    """
+    path = Path(path)
+    try:
+        document = tomllib.loads(path.read_bytes().decode("utf-8-sig"))
+    except UnicodeDecodeError as error:
+        raise ConfigError(f"{path}: expected a TOML file in UTF-8, found byte {error.start} outside it") from None
+    except tomllib.TOMLDecodeError as error:
+        raise ConfigError(f"{path}: not valid TOML: {error}") from None
+    try:
+        return _build(document, path.parent)
+    except ConfigError as error:
+        raise ConfigError(f"{path}: {error}") from None
+
+
+def _build(document: Mapping[str, Any], folder: Path) -> Config:
+    known = [*SECTIONS, "block", "demand"]
+    for name in document:
+        if name not in known:
+            told = f"known are {', '.join(known)}"
+            raise ConfigError(f"[{name}]: unknown section{hint(name, known, told)}")
+    sections: dict[str, Any] = {
+        name: _section(cls, document[name]) for name, cls in SECTIONS.items() if name in document
+    }
+    blocks = _sections(BlockSettings, document, "block", "body")
+    demands = _sections(DemandSettings, document, "demand", "limit state")
+    return Config(**sections, blocks=blocks, demands=demands, folder=folder)
+
+
+def _sections(cls: type[Section], document: Mapping[str, Any], name: str, what: str) -> tuple[Any, ...]:
+    entries = document.get(name, [])
+    if not isinstance(entries, list):
+        raise ConfigError(
+            f"[{name}]: expected {cls.heading} with double brackets, one for each {what}, found a single section"
+        )
+    return tuple(_section(cls, entry) for entry in entries)
+
+
+def _section(cls: type[Section], values: Any) -> Any:
+    if not isinstance(values, Mapping):
+        raise ConfigError(f"{cls.heading}: expected a section with keys, found {values!r}")
+    fields = dataclasses.fields(cls)  # type: ignore[arg-type]
+    known = [item.name for item in fields]
+    for key in values:
+        if key not in known:
+            told = f"known are {', '.join(known)}"
+            raise ConfigError(f"{cls.heading} {key}: unknown key{hint(key, known, told)}")
+    for item in fields:
+        if item.default is dataclasses.MISSING and item.name not in values:
+            raise ConfigError(
+                f"{cls.heading} {item.name}: this key is needed, found only {', '.join(values) or 'nothing'}"
+            )
+    return cls(**values)
+
+
+def _as_toml(heading: str, section: Section) -> str:
+    lines = [f"{key} = {_value(section[key])}" for key in section.keys() if section[key] is not None]  # noqa: SIM118
+    return "\n".join([heading, *lines, ""])
+
+
+def _value(value: Any) -> str:
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, str):
+        return '"' + "".join(_character(character) for character in value) + '"'
+    if isinstance(value, tuple):
+        return "[" + ", ".join(_value(item) for item in value) + "]"
+    return repr(value)
+
+
+def _character(character: str) -> str:
+    if character in '"\\':
+        return "\\" + character
+    return character if character >= " " and character != "\x7f" else f"\\u{ord(character):04x}"

@@ -1,0 +1,269 @@
+"""The sections of the configuration: their keys, defaults and allowed values, one dataclass a section."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import MISSING, dataclass
+
+from rockpulse.config.fragility_settings import FragilitySettings
+from rockpulse.errors import ConfigError
+from rockpulse.option import Kind, Section, choice, choices, count, flag, key, number, text, texts
+
+__all__ = [
+    "SECTIONS",
+    "CalibrationSettings",
+    "ConditioningSettings",
+    "DemandSettings",
+    "FragilitySettings",
+    "HalfWaveSettings",
+    "IntensePhaseSettings",
+    "ModelSettings",
+    "RecordSettings",
+    "RunSettings",
+    "SearchSettings",
+    "SequenceSettings",
+    "SiteSettings",
+]
+
+#: The words a key knows. The modules that act on them import numba or scipy, so they are stated here once more; a test
+#: compares these with theirs.
+COMPONENTS = ("horizontal", "azimuth", "strongest", "sweep")
+RESPONSES = ("sensitivity", "remove")
+STORES = ("all", "half_waves", "none")
+BASELINES = ("auto", "none", "mean", "pre-event", "linear", "quadratic")
+PHASES = ("D5-95", "D5-75", "bracketed", "window")
+MAINS = ("largest", "mean-largest", "quantile")
+SECONDARIES = ("rms", "median", "mean")
+INTERVALS = ("median", "mean")
+MAIN_COUNTS = ("half-largest", "none")
+SPACINGS = ("end", "middle", "start", "open", "continuous")
+MODELS = ("resonance", "sequence", "balanced", "conservative", "impulsive", "linear", "nonlinear")
+GAINS = ("paper", "linear", "exact")
+OUTPUTS = ("outcome", "peak")
+METHODS = ("response", "statistics")
+#: Words of `weights`, which also takes the name of a table.
+WEIGHTS = ("equal", "event")
+SCALES = ("none", "pga", "pgv", "impulse")
+FAMILIES = ("default", "blocks")
+DESIGNS = ("response", "parameters")
+WORKERS = ("all",)
+
+
+@dataclass(frozen=True)
+class SiteSettings(Section):
+    """What the study is about; free text that goes into the results."""
+
+    heading = "[site]"
+    name: str = text()
+    description: str = text()
+
+
+@dataclass(frozen=True)
+class RecordSettings(Section):
+    """Which records are read, in which unit where the file does not say, and what of them is stored.
+
+    The azimuth is the direction in which the body rocks: for a wall or façade the one perpendicular to its plane, 45
+    degrees for a façade that looks north-east. 45 and 225 are the same for a body that rocks to both sides.
+    """
+
+    heading = "[records]"
+    paths: tuple[str, ...] = texts()
+    components: str = choice("horizontal", COMPONENTS)
+    azimuth: float | None = number(None, low=0.0, high=360.0, unit="degrees")
+    azimuth_step: float = number(10.0, low=1.0, high=90.0, unit="degrees")
+    structural: bool = flag(False)
+    units: str | None = text(None)
+    dt: float | None = number(None, low=0.0, above=True, unit="s")
+    response: str = choice("sensitivity", RESPONSES)
+    include_vertical: bool = flag(False)
+    events: str | None = text(None)
+    store: str = choice("all", STORES)
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.components == "azimuth" and self.azimuth is None:
+            raise ConfigError(
+                '[records] components: "azimuth" needs the direction in which the body rocks, for a wall or façade '
+                "that perpendicular to its plane; give azimuth, in degrees clockwise from north (a façade looking "
+                "north-east: 45)"
+            )
+        if self.components != "azimuth" and self.azimuth is not None:
+            raise ConfigError(
+                f'[records] azimuth: it belongs to components = "azimuth", found components = "{self.components}"; '
+                "drop it or change components"
+            )
+        if not math.isclose(180.0 / self.azimuth_step, round(180.0 / self.azimuth_step), rel_tol=1e-9):
+            raise ConfigError(
+                f"[records] azimuth_step: expected a whole part of 180 degrees, found {self.azimuth_step:g}; "
+                "take 5, 10, 15, 22.5, 30 or 45"
+            )
+
+
+@dataclass(frozen=True)
+class ConditioningSettings(Section):
+    """Baseline, filter and sampling; keyword arguments of :func:`rockpulse.condition`."""
+
+    heading = "[conditioning]"
+    baseline: str = choice("auto", BASELINES)
+    highpass_hz: float | None = number(None, low=0.0, above=True, unit="Hz")
+    lowpass_hz: float | None = number(None, low=0.0, above=True, unit="Hz")
+    order: int = count(2, low=1, high=10)
+    taper_s: float | None = number(None, low=0.0, unit="s")
+    resample_s: float | None = number(None, low=0.0, above=True, unit="s")
+    pre_event_s: float | None = number(None, low=0.0, above=True, unit="s")
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.highpass_hz is not None and self.lowpass_hz is not None and self.highpass_hz >= self.lowpass_hz:
+            raise ConfigError(
+                f"[conditioning] highpass_hz: expected a corner below lowpass_hz = {self.lowpass_hz:g} Hz, "
+                f"found {self.highpass_hz:g}; nothing would be left of the record"
+            )
+
+
+@dataclass(frozen=True)
+class HalfWaveSettings(Section):
+    """Which lobes count as half-waves; keyword arguments of :func:`rockpulse.half_waves`."""
+
+    heading = "[half_waves]"
+    threshold: float = number(0.0, low=0.0, high=1.0)
+    min_duration_s: float = number(0.0, low=0.0, unit="s")
+    merge: bool = flag(True)
+
+
+@dataclass(frozen=True)
+class IntensePhaseSettings(Section):
+    """The part of the record that is calibrated on; keyword arguments of :func:`rockpulse.intense_phase`."""
+
+    heading = "[intense_phase]"
+    method: str = choice("D5-95", PHASES)
+    start_s: float | None = number(None, low=0.0, unit="s")
+    end_s: float | None = number(None, low=0.0, unit="s")
+    level: float | None = number(None, low=0.0, above=True, unit="m/s2")
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.method != "window" and (self.start_s is not None or self.end_s is not None):
+            raise ConfigError(
+                f'[intense_phase] start_s, end_s: they belong to method = "window", found method = "{self.method}"; '
+                "drop them or change the method"
+            )
+        if self.end_s is not None and (self.start_s is None or self.start_s >= self.end_s):
+            raise ConfigError(
+                f"[intense_phase] end_s: expected a time after start_s = {self.start_s}, found {self.end_s:g}"
+            )
+        if self.level is not None and self.method != "bracketed":
+            raise ConfigError(
+                f'[intense_phase] level: it belongs to method = "bracketed", found method = "{self.method}"; '
+                "drop it or change the method"
+            )
+
+
+@dataclass(frozen=True)
+class SequenceSettings(Section):
+    """How a record becomes an impulse sequence; keyword arguments of :func:`rockpulse.calibrate`."""
+
+    heading = "[sequence]"
+    main: str = choice("largest", MAINS)
+    secondary: str = choice("rms", SECONDARIES)
+    interval: str = choice("median", INTERVALS)
+    main_count: str | int = choice("half-largest", MAIN_COUNTS, or_count=True)
+    spacing: str = choice("end", SPACINGS)
+    duration_s: float | None = number(None, low=0.0, above=True, unit="s")
+    m: int = count(3, low=1)
+    quantile: float = number(0.95, low=0.0, high=1.0)
+
+
+@dataclass(frozen=True)
+class ModelSettings(Section):
+    """Which models answer, and how exactly."""
+
+    heading = "[models]"
+    use: tuple[str, ...] = choices(("resonance", "sequence", "impulsive", "linear", "nonlinear"), MODELS)
+    auto: bool = flag(False)
+    output: str = choice("outcome", OUTPUTS)
+    tolerance: float = number(1e-4, low=0.0, above=True)
+    predictability: bool = flag(False)
+    gain: str = choice("paper", GAINS)
+    histories: bool = flag(False)
+
+    @property
+    def answering(self) -> tuple[str, ...]:
+        """The models of the results: those in use, and `auto` where it is asked for."""
+        return (*self.use, "auto") if self.auto else self.use
+
+
+@dataclass(frozen=True)
+class SearchSettings(Section):
+    """The grid of factors on which overturning is searched."""
+
+    heading = "[search]"
+    models: tuple[str, ...] = choices(MODELS, MODELS, empty=True)
+    factor_max: float = number(10.0, low=1.0, high=1e6)
+    points: int = count(256, low=2, high=100_000)
+    step: float = number(1.005, low=1.0001)
+
+
+@dataclass(frozen=True)
+class DemandSettings(Section):
+    """What the site asks for in one limit state: the capacity of every body is compared with it."""
+
+    heading = "[[demand]]"
+    name: str = key(MISSING, Kind("a text that is not empty", lambda name: isinstance(name, str) and bool(name), str))
+    acceleration: float = number(MISSING, low=0.0, above=True, unit="m/s2")
+    limit_state: str = text()
+
+
+@dataclass(frozen=True)
+class CalibrationSettings(Section):
+    """How the records of a site become its design sequence (:func:`rockpulse.calibrate_site`)."""
+
+    heading = "[calibration]"
+    method: str = choice("response", METHODS)
+    family: str = choice("default", FAMILIES)
+    weights: str = text("equal")
+    scale_to: str = choice("none", SCALES)
+    target: float | None = number(None, low=0.0, above=True, unit="m/s2 (pga) or m/s (pgv, impulse)")
+    design: str = choice("response", DESIGNS)
+    quantile: float = number(0.84, low=0.01, high=0.99)
+    confidence: float = number(0.9, low=0.5, high=0.99)
+    bootstrap: int = count(1000, low=100)
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if not self.weights.strip():
+            raise ConfigError(
+                '[calibration] weights: expected "equal", "event" or the name of a CSV table, found nothing'
+            )
+        if self.scale_to != "none" and self.target is None:
+            raise ConfigError(f'[calibration] scale_to: "{self.scale_to}" needs the value to scale to; give target')
+        if self.scale_to == "none" and self.target is not None:
+            raise ConfigError(
+                '[calibration] target: it belongs to scale_to = "pga", "pgv" or "impulse", found scale_to = "none"; '
+                "drop it or say what is scaled to it"
+            )
+
+
+@dataclass(frozen=True)
+class RunSettings(Section):
+    """How the work is carried out."""
+
+    heading = "[run]"
+    workers: str | int = choice("all", WORKERS, or_count=True)
+    seed: int = count(0, low=0)
+
+
+#: Sections by their name in the file, in the order of the template.
+SECTIONS: dict[str, type[Section]] = {
+    "site": SiteSettings,
+    "records": RecordSettings,
+    "conditioning": ConditioningSettings,
+    "half_waves": HalfWaveSettings,
+    "intense_phase": IntensePhaseSettings,
+    "sequence": SequenceSettings,
+    "models": ModelSettings,
+    "search": SearchSettings,
+    "calibration": CalibrationSettings,
+    "fragility": FragilitySettings,
+    "run": RunSettings,
+}

@@ -1,0 +1,1 @@
+from rocking import *

@@ -1,0 +1,1 @@
+from rockpulse.views.plots import *

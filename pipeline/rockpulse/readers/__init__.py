@@ -1,0 +1,135 @@
+"""Readers of strong-motion files: one file per family, one table of formats, one function.
+
+Importing this package loads neither obspy, pandas, numba nor xarray, so that it may serve as a reader plugin.
+"""
+
+from __future__ import annotations
+
+import os
+from dataclasses import replace
+from pathlib import Path
+from typing import BinaryIO
+
+from rockpulse.readers import (
+    asa,
+    at2,
+    bhrc,
+    columns,
+    cosmos,
+    csmip_v1,
+    csmip_v2,
+    csmnc,
+    cwb,
+    dyna,
+    geonet,
+    knet,
+    miniseed,
+    nsmn,
+    refused,
+    renadic,
+    sac,
+    smc,
+    usc,
+)
+from rockpulse.readers.format import Format, ReadOptions
+from rockpulse.readers.no_record import advice, may_be_record
+from rockpulse.readers.source import NoRecord, SourceFile, Unrecognised, open_source, open_stream
+from rockpulse.readers.units import UNITS
+from rockpulse.record.record import Record, distinct_ids
+
+__all__ = ["FORMATS", "UNITS", "Format", "ReadOptions", "read", "read_source"]
+
+#: Formats that are known by what stands in their files.
+_SPECIFIC: tuple[Format, ...] = (
+    csmip_v1.FORMAT,
+    csmip_v2.FORMAT,
+    *usc.FORMATS,
+    renadic.FORMAT,
+    bhrc.FORMAT,
+    geonet.FORMAT,
+    dyna.FORMAT,
+    cwb.FORMAT,
+    cosmos.FORMAT,
+    nsmn.FORMAT,
+    asa.FORMAT,
+    csmnc.FORMAT,
+    smc.FORMAT,
+    at2.FORMAT,
+    knet.FORMAT,
+    miniseed.FORMAT,
+    sac.FORMAT,
+    *refused.FORMATS,
+)
+
+
+def _is_nothing_but_columns(head: bytes, name: str) -> bool:
+    return columns.is_columns(head, name) and not any(row.detect(head, name) for row in _SPECIFIC)
+
+
+#: Tried from top to bottom; the first that recognises the file reads it. The least specific comes last.
+FORMATS: tuple[Format, ...] = (*_SPECIFIC, replace(columns.FORMAT, detect=_is_nothing_but_columns))
+
+
+def read_source(file: SourceFile, options: ReadOptions = ReadOptions()) -> list[Record]:  # noqa: B008
+    """Every channel of an opened file; see `read`."""
+    for row in FORMATS:
+        if row.detect(file.head, file.name):
+            return distinct_ids(row.parse(file, options))
+    tried = ", ".join(row.name for row in FORMATS)
+    kind = Unrecognised if may_be_record(file) else NoRecord
+    raise kind(f"{file.name}: no reader recognises the file (formats tried: {tried}); {advice(file)}")
+
+
+def read(
+    path: str | os.PathLike[str] | BinaryIO,
+    units: str | None = None,
+    dt: float | None = None,
+    response: str = "sensitivity",
+    stationxml: str | os.PathLike[str] | BinaryIO | None = None,
+) -> list[Record]:
+    """Read every channel of a strong-motion file.
+
+    Parameters
+    ----------
+    path : str, path or binary file
+        A file, plain or compressed with gzip, or an open one (``open(path, "rb")``, ``io.BytesIO``), which is read
+        from where it stands. For folders and zip archives see `rockpulse.readers.folders.read_all`.
+    units : str, optional
+        Unit of the accelerations, a key of `UNITS`, for the formats that do not state one (columns, SAC). Files that
+        state their unit keep it.
+    dt : float, optional
+        Sampling interval [s] for columns without a time column.
+    response : {"sensitivity", "remove"}
+        How counts with a StationXML become m/s2; see `ReadOptions`.
+    stationxml : str, path or binary file, optional
+        Station metadata of miniSEED. Without it the StationXML files beside the file are searched; an open file without
+        a name has none beside it.
+
+    Returns
+    -------
+    list of Record
+        In m/s2, in the order of the file.
+
+    Raises
+    ------
+    RecordFormatError
+        No reader recognises the file, or it breaks the rules of its format.
+    RecordRefused
+        A sound file without usable acceleration: velocity, spectra, counts without a gain, gaps.
+    UnitError
+        The unit is missing or unknown.
+    ConfigError
+        `dt` or `response` is none that can be.
+    OSError
+        The file cannot be opened.
+    """
+    options = ReadOptions(units, dt, response)
+    file = _open(path)
+    if stationxml is not None:
+        metadata = _open(stationxml)
+        file = replace(file, station_files=lambda: [(metadata.name, metadata.content)], chosen=True)
+    return read_source(file, options)
+
+
+def _open(path: str | os.PathLike[str] | BinaryIO) -> SourceFile:
+    return open_source(Path(path)) if isinstance(path, str | os.PathLike) else open_stream(path)

@@ -1,0 +1,246 @@
+"""PEER AT2 files: a few header lines, then the acceleration in g, equally spaced.
+
+Velocity (VT2) and displacement (DT2) files look the same; the word on the units line tells them apart.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+
+import numpy as np
+
+from rockpulse.errors import RecordFormatError, UnitError
+from rockpulse.readers.channel import build_record
+from rockpulse.readers.facing import direction
+from rockpulse.readers.fields import check_count, fixed_width, free_numbers, text_lines
+from rockpulse.readers.format import Format, ReadOptions
+from rockpulse.readers.source import NotAcceleration, SourceFile
+from rockpulse.readers.units import canonical_unit
+from rockpulse.record.record import Record
+
+__all__ = ["FORMAT", "is_at2", "read_at2"]
+
+_HEADER_LIMIT = 10
+#: No line of the header is longer; a damaged one may be.
+_LONGEST_LINE = 200
+# 5,000 is five thousand; 1/200 is no number.
+_COUNT = r"(?P<count>\d{1,3}(?:,\d{3})+(?![\d.])|\d+)"
+_STEP = r"(?P<step>[+-]?(?:\d+\.?\d*|\.\d+)(?:[ED][+-]?\d+)?)(?![\d.ED]|\s*/\s*\d)"
+_NPTS, _DT = r"(?:NPTS|(?:NUMBER|NO\.?) OF POINTS)", r"(?:\bDT|TIME STEP)"
+_BOTH = rf"{_NPTS}\s*[,;&]?\s*{_DT}\b(?:\s*\(\w+\))?"
+#: The spellings of the line with number of points and interval.
+_COUNT_AND_STEP = [
+    re.compile(rf"{_NPTS}\s*[=:]\s*{_COUNT}.*?{_DT}\s*(?:\(\w+\))?\s*[=:]\s*{_STEP}", re.IGNORECASE | re.ASCII),
+    re.compile(rf"{_DT}\s*(?:\(\w+\))?\s*[=:]\s*{_STEP}.*?{_NPTS}\s*[=:]\s*{_COUNT}", re.IGNORECASE | re.ASCII),
+    re.compile(rf"^\s*{_COUNT}[\s,]+{_STEP}[\s,]+(?:SEC\w*[\s,]+)?{_BOTH}", re.IGNORECASE | re.ASCII),
+    re.compile(rf"{_BOTH}\s*[=:]?\s*{_COUNT}[\s,]+{_STEP}", re.IGNORECASE | re.ASCII),
+]
+#: The same without any word, below the line that names the unit.
+_BARE = re.compile(rf"\s*(?P<count>[1-9]\d{{1,8}})[\s,]+{_STEP}\s*(?:SEC\w*)?\s*", re.IGNORECASE | re.ASCII)
+_NAMES_BOTH = [re.compile(words, re.IGNORECASE) for words in (_NPTS, rf"{_DT}\b")]
+_MILLISECONDS = re.compile(r"(?<![a-z])m(?:illi)?s(?:ec\w*)?\b", re.IGNORECASE)
+_UNIT = re.compile(r"UNITS?\s*(?:OF|ARE|IN|IS|[:=])\s*[(\[]?([^\s)\],;]+)", re.IGNORECASE)
+_SERIES = re.compile(
+    r"\b(ACCELERATION|VELOCITY|DISPLACEMENT|(?:ACC(?:EL)?|VEL|DISPL?)(?=\.?\s+(?:TIME|HIST)))\b", re.IGNORECASE
+)
+#: What follows the name of the series where the word UNITS is missing: (G), IN G, CM/SEC/SEC; other words are none.
+_WITHOUT_WORD = re.compile(
+    r"\.?S?(?:\s+(?:TIME|SERIES|HISTORY|DATA|RECORD|VALUES))*[\s,:-]*"
+    r"(?:[(\[]\s*(?P<bracket>%?\s*G|MG|GALS?|(?:MM|CM|M|IN|FT)\s*(?:/|PER\b|S)[^)\]]*)[)\]]"
+    r"|IN\s+(?P<named>%?G|MG|GALS?)\b|(?:IN\s+)?(?P<bare>(?:MM|CM|M|IN|FT)/[^\s,;]+))",
+    re.IGNORECASE,
+)
+_DATE = re.compile(r"\d+[/-]\d+[/-]\d+.*")
+#: First line of the files that rockpulse writes, and of those of PEER, all of them corrected.
+_WRITTEN = re.compile(r"(\w+) RECORD( ON A STRUCTURE)?, WRITTEN BY ROCKPULSE")
+_PEER = re.compile(r"\bPEER\b|\bNGA\b|\bSTRONG[\s-]MOTION DATA(?:BASE)?\b", re.IGNORECASE)
+_VALUE = re.compile(r"\s*[+-]?\.?\d")
+_WIDTHS = (15, 10, 16, 12, 8)
+
+
+def _header_end(lines: Sequence[str]) -> int | None:
+    """Index of the line with number of points and interval."""
+    for index, line in enumerate(lines[:_HEADER_LIMIT]):
+        line = line[:_LONGEST_LINE]
+        if _NAMES_BOTH[0].search(line):
+            return index
+        above = lines[index - 1][:_LONGEST_LINE] if index else ""
+        if _BARE.fullmatch(line) and _SERIES.search(above) and _UNIT.search(above):
+            return index
+    return None
+
+
+def is_at2(head: bytes, name: str) -> bool:
+    """Whether one of the first lines of a text names NPTS and DT."""
+    lines = text_lines(head[:2000])
+    end = _header_end(lines)
+    return end is not None and _names_both(lines[: end + 1])
+
+
+def _names_both(header: Sequence[str]) -> bool:
+    """Whether the last line of a header of text names NPTS and DT, or holds both without a word."""
+    last = header[-1][:_LONGEST_LINE]
+    named = all(word.search(last) for word in _NAMES_BOTH) or bool(_BARE.fullmatch(last))
+    return "\x00" not in "".join(header) and named
+
+
+def read_at2(file: SourceFile, options: ReadOptions) -> list[Record]:
+    """Read the one channel of the file.
+
+    Parameters
+    ----------
+    file : SourceFile
+        The file.
+    options : ReadOptions
+        `units` is used only if the header does not state one.
+
+    Raises
+    ------
+    NotAcceleration
+        For velocity and displacement.
+    UnitError
+        No unit in the header and none given, or an unknown one.
+    RecordFormatError
+        With file and line, what was found and what was expected.
+    """
+    lines = text_lines(file.content)
+    end = _header_end(lines)
+    if end is None or not _names_both(lines[: end + 1]):
+        raise RecordFormatError(
+            f"{file.name}: expected NPTS and DT in one of the first {_HEADER_LIMIT} lines, found none; is it AT2?"
+        )
+    header = [line[:_LONGEST_LINE] for line in lines[: end + 1]]
+    title = [part.strip() for part in header[1].split(",")] if end > 1 else [""]
+    # Names of events have commas too: "Chi-Chi, Taiwan, 9/20/1999, CHY101, E".
+    dated = [index for index, part in enumerate(title[1:-1], 1) if _DATE.fullmatch(part)]
+    event = dated[0] + 1 if dated else 1
+    station = ", ".join(title[event:-1])
+    unit = _unit(file.name, header, station, options.units)
+    matches = (pattern.search(header[end]) for pattern in _COUNT_AND_STEP)
+    match = next((match for match in matches if match), None) or _BARE.fullmatch(header[end])
+    if match is None:
+        raise RecordFormatError(
+            f"{file.name}:{end + 1}: expected 'NPTS= n, DT= s SEC' or 'n s NPTS, DT', found {header[end].strip()!r}; "
+            "write the line in one of these ways"
+        )
+    count, step = int(match["count"].replace(",", "")), float(re.sub("[dD]", "e", match["step"]))
+    if not (np.isfinite(step) and step > 0.0) or _MILLISECONDS.search(header[end]):
+        raise RecordFormatError(f"{file.name}:{end + 1}: expected a positive DT in s, found {header[end].strip()!r}")
+    samples, warnings = _samples(file.name, lines, _first_value(lines, end + 1), count)
+    component = re.sub(r"\s*\(.*?\)\s*$", "", title[-1]) if len(title) > 1 else ""
+    written = _WRITTEN.match(header[0])
+    return [
+        build_record(
+            file,
+            1,
+            samples,
+            step,
+            unit,
+            format="at2",
+            processed=_processed(header[0]),
+            structural=bool(written and written[2]),
+            component=component,
+            # PEER drops leading zeros: 9 is an azimuth here, elsewhere the number of a channel.
+            facing=direction(component.zfill(3)) if component.isdecimal() else None,
+            station_name=station,
+            event=", ".join(title[:event]),
+            warnings=warnings,
+        )
+    ]
+
+
+def _first_value(lines: Sequence[str], after: int) -> int:
+    """Index of the first row of numbers; a few words, such as the Fortran format, may stand before it."""
+    rows = range(after, min(len(lines), after + _HEADER_LIMIT))
+    return next((index for index in rows if _VALUE.match(lines[index])), after)
+
+
+def _processed(first_line: str) -> bool | None:
+    """Whether the record is corrected: those of PEER are, rockpulse writes what it knows, others may be anything."""
+    written = _WRITTEN.match(first_line)
+    if written:
+        return {"CORRECTED": True, "UNCORRECTED": False}.get(written[1])
+    return True if _PEER.search(first_line) else None
+
+
+def _unit(name: str, header: Sequence[str], station: str, given: str | None) -> str:
+    for index, line in enumerate(header):
+        series = _SERIES.search(line)
+        unit = _UNIT.search(line)
+        if not (series or unit):
+            continue
+        if series and not series[1].upper().startswith("ACC"):
+            of = f" of station {station}" if station else ""
+            raise NotAcceleration(
+                f"{name}:{index + 1}: expected an acceleration series{of}, found {line.strip()!r}; read the AT2 file "
+                "of the same record"
+            )
+        if unit:
+            return canonical_unit(unit[1], f"{name}:{index + 1}")
+        behind = _WITHOUT_WORD.match(line, series.end()) if series else None
+        if behind:
+            return canonical_unit(behind[behind.lastgroup or 0], f"{name}:{index + 1}")
+    if given is None:
+        raise UnitError(
+            f"{name}: expected a header line 'ACCELERATION TIME SERIES IN UNITS OF G', found none; give the unit with "
+            "the option units, such as units='g'"
+        )
+    return canonical_unit(given, "option units")
+
+
+def _samples(name: str, lines: Sequence[str], first: int, count: int) -> tuple[np.ndarray, list[str]]:
+    """Values between blanks; where fields touch (fewer numbers than declared, or none that can be read) by width."""
+    block = lines[first:]
+    try:
+        values = free_numbers(block, first + 1, name)
+        fault = None
+    except RecordFormatError as error:
+        values, fault = np.empty(0), error
+    if values.size < count and block:
+        touching = _by_width(name, block, first, count)
+        if touching is not None:
+            return touching, []
+    if fault is not None:
+        raise fault
+    check_count(f"{name}:{len(lines)}", count, values.size)
+    surplus, row = values.size - count, len(block[0].split())
+    rows = sum(1 for line in block if line.strip())
+    if row > 1 and rows == count:
+        raise RecordFormatError(
+            f"{name}:{first + 1}: expected {count} numbers (NPTS), found {rows} rows of {row}: columns, such as time "
+            "and acceleration, and not one series; remove the lines above the numbers and read the file as columns, or "
+            "keep the column of acceleration"
+        )
+    if surplus > row:
+        raise RecordFormatError(
+            f"{name}:{first + 1}: expected {count} numbers (NPTS), found {values.size}, more than a row too many; "
+            "find out which is right and repair the header"
+        )
+    notes = [f"{surplus} values beyond the NPTS= {count} of the header were left out"] if surplus else []
+    return values[:count], notes
+
+
+def _by_width(name: str, block: Sequence[str], first: int, count: int) -> np.ndarray | None:
+    """Values in the one width that divides the first row and makes every field a number."""
+    length = len(block[0].rstrip())
+    for width in _WIDTHS:
+        if length < width or length % width or -(-count // (length // width)) != len(block):
+            continue
+        try:
+            return fixed_width(block, first + 1, width, length // width, count, name)
+        except RecordFormatError:
+            continue  # another width may fit; if none does, the caller reports the first fault
+    return None
+
+
+FORMAT = Format(
+    name="at2",
+    what="PEER AT2",
+    recognised="a line with NPTS and DT near the top, or with both numbers below the line of units",
+    unit="g, from the header",
+    processed="by title",
+    example="RSN763_LOMAP_GIL067.AT2",
+    detect=is_at2,
+    parse=read_at2,
+)

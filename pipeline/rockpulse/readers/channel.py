@@ -1,0 +1,216 @@
+"""From the numbers of one channel to a `Record`: unit, sign, time, and the checks that every format shares."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import replace
+from datetime import UTC, datetime, timedelta
+
+import numpy as np
+
+from rockpulse.errors import RecordFormatError, RecordRefused
+from rockpulse.readers.clipping import clipping_warning
+from rockpulse.readers.facing import Direction, direction
+from rockpulse.readers.source import NotAcceleration, SourceFile
+from rockpulse.readers.units import UNITS, other_readings
+from rockpulse.record.record import STANDARD_GRAVITY, Record, record_id
+
+__all__ = ["DEAD", "build_record", "clock_fault", "usable_channels"]
+
+#: Warning of a channel without motion.
+DEAD = "all samples are zero: a dead channel"
+
+#: A stated peak further from the data than this, and than its own rounding, is reported.
+PEAK_TOLERANCE = 0.02
+#: Peaks outside these bounds [g] are reported with the readings in other units.
+CREDIBLE_PEAK_G = (1e-6, 5.0)
+#: A longer interval [s] is reported; accelerographs take 40 to 1000 samples a second.
+CREDIBLE_INTERVAL = 0.1
+
+# From the first of the blanks on only, or a line of blanks would cost the square of its length.
+_DEGREES = re.compile(r"(?<!\s)\s*DEG(?:REES)?$", re.IGNORECASE)
+
+# Earlier than the first accelerogram of a strong earthquake (Long Beach, 11 March 1933 UTC) only a clock is wrong.
+_FIRST_YEAR = 1933
+# Where clocks begin that were never set (Unix, PC, GPS). The first hour only: on 1 January 1980, at 16:42 UTC, the
+# Azores had a strong earthquake.
+_CLOCK_ORIGINS = tuple(datetime(*day, tzinfo=UTC) for day in ((1970, 1, 1), (1980, 1, 1), (1980, 1, 6)))
+_CLOCK_RUN = timedelta(hours=1)
+
+
+def clock_fault(moment: datetime) -> str:
+    """Why a stated start time [UTC, or the zone of the file] can be none; empty where nothing speaks against it."""
+    if moment.year < _FIRST_YEAR:
+        return f"the start time {moment:%Y-%m-%d %H:%M:%S} lies before the first accelerograms; it was left out"
+    if any(origin <= moment < origin + _CLOCK_RUN for origin in _CLOCK_ORIGINS):
+        return f"the start time {moment:%Y-%m-%d %H:%M:%S} is that of a clock that was never set; it was left out"
+    return ""
+
+
+def _peak_warnings(
+    peak: float, unit: str, factor: float, header_peak: float, rounding: float, samples_peak: float
+) -> list[str]:
+    if peak == 0.0:
+        return [DEAD]
+    warnings = []
+    g = STANDARD_GRAVITY
+    gap = abs(abs(header_peak) - peak)
+    if gap > PEAK_TOLERANCE * max(peak, abs(header_peak)) and gap > rounding:
+        warnings.append(
+            f"the header states a peak of {abs(header_peak) / g:.4g} g, the data have {peak / g:.4g} g; check the "
+            "unit and that the file is whole"
+        )
+    low, high = CREDIBLE_PEAK_G
+    if not low <= peak / g <= high:
+        named = unit if unit in UNITS else f"{unit} x {abs(factor):.4g} m/s2"
+        warnings.append(
+            f"peak {peak / g:.3g} g in the unit {named}; the values would be {other_readings(samples_peak, unit)}"
+        )
+    return warnings
+
+
+def build_record(
+    file: SourceFile,
+    number: int,
+    samples: np.ndarray,
+    dt: float,
+    unit: str,
+    *,
+    format: str,
+    processed: bool | None,
+    factor: float | None = None,
+    component: str = "",
+    facing: Direction | None = None,
+    structural: bool = False,
+    channel: str = "",
+    network: str = "",
+    station: str = "",
+    location: str = "",
+    station_name: str = "",
+    event: str = "",
+    start_time: datetime | None = None,
+    header_peak: float = float("nan"),
+    peak_rounding: float = 0.0,
+    original_peak: float | None = None,
+    warnings: Sequence[str] = (),
+    processing: Sequence[str] = (),
+) -> Record:
+    """Make the record of one channel and check it.
+
+    Parameters
+    ----------
+    file : SourceFile
+        Where it comes from.
+    number : int
+        Number of the channel in the file, from 1.
+    samples : (n,) ndarray
+        Values as the file holds them [unit].
+    dt : float
+        Sampling interval [s].
+    unit : str
+        A key of `UNITS`, or "counts" with a `factor`.
+    factor : float, optional
+        m/s2 per file unit, where `UNITS` does not say.
+    facing : Direction, optional
+        Where the format knows more than the wording of `component`.
+    header_peak, peak_rounding : float
+        Peak that the header states and half a unit of its last digit [m/s2].
+    original_peak : float, optional
+        Largest absolute value before resampling [unit]; it is what the header describes.
+    start_time : datetime, optional
+        UTC; left out with a warning where `clock_fault` speaks against it.
+
+    Returns
+    -------
+    Record
+        In m/s2. A channel that is positive downwards changes its sign, so that vertical motion is positive up.
+
+    Raises
+    ------
+    RecordFormatError
+        Fewer than two samples, values that are not finite, dt <= 0.
+    """
+    facing = facing or direction(component)
+    factor = UNITS[unit] if factor is None else factor
+    if not (np.isfinite(dt) and dt > 0.0):
+        raise RecordFormatError(
+            f"{file.name}: channel {number}: expected a positive sampling interval in s, found {dt!r}"
+        )
+    if samples.size < 2:
+        raise RecordFormatError(
+            f"{file.name}: channel {number}: expected at least 2 samples, found {samples.size}; the file may be "
+            "truncated: download it again"
+        )
+    samples_peak = float(np.max(np.abs(samples))) if original_peak is None else original_peak
+    # A reader that filters the samples has looked at them before; the words are the same.
+    clipped = [] if processed else [note for note in clipping_warning(samples, unit) if note not in warnings]
+    notes = [*warnings, *clipped]
+    notes += _peak_warnings(samples_peak * abs(factor), unit, factor, header_peak, peak_rounding, samples_peak)
+    if dt > CREDIBLE_INTERVAL:
+        notes.append(f"a sampling interval of {dt:g} s is long for an accelerogram; is it in s?")
+    fault = clock_fault(start_time) if start_time is not None else ""
+    if fault:
+        start_time = None
+    notes += [note for note in (fault, facing.note) if note]
+    if facing.sign < 0.0:
+        notes.append("positive downwards in the file; the sign is changed so that upwards is positive")
+    factor *= facing.sign
+    code = channel or _DEGREES.sub("", component.strip())
+    with np.errstate(over="ignore"):  # Record refuses what is not finite
+        acceleration = samples * factor
+    return Record(
+        acceleration=acceleration,
+        dt=dt,
+        id=record_id(network, station, location, code, start_time, file.path.stem, number),
+        network=network,
+        station=station,
+        location=location,
+        channel=code or str(number),
+        component=component.strip(),
+        orientation="structural" if structural else facing.orientation,
+        azimuth=facing.azimuth,
+        start_time=start_time,
+        station_name=station_name,
+        source=file.name,
+        source_sha256=file.sha256,
+        format=format,
+        source_unit=unit,
+        unit_factor=factor,
+        processed=processed,
+        header_peak=abs(header_peak),
+        event=event,
+        warnings=tuple(notes),
+        processing=tuple(processing),
+    )
+
+
+def usable_channels(channels: Iterable[Callable[[], Record]], notes: Sequence[str] = ()) -> list[Record]:
+    """The channels of a file that can be used; each of them says which others were left out, and why.
+
+    Parameters
+    ----------
+    channels : iterable of callable
+        Reads one channel of the file each.
+    notes : sequence of str
+        Warnings that belong to all of them.
+
+    Raises
+    ------
+    RecordRefused
+        If there is none; `NotAcceleration` only if there is no acceleration at all, because that is skipped in a
+        folder, and an acceleration that cannot be used is worth an error.
+    RecordFormatError
+        For the first damaged channel.
+    """
+    records: list[Record] = []
+    refusals: list[RecordRefused] = []
+    for read_channel in channels:
+        try:
+            records.append(read_channel())
+        except RecordRefused as refusal:
+            refusals.append(refusal)
+    if not records:
+        raise next((refusal for refusal in refusals if not isinstance(refusal, NotAcceleration)), refusals[0])
+    notes = (*notes, *(f"another channel of the file is left out: {refusal}" for refusal in refusals))
+    return [replace(record, warnings=(*record.warnings, *notes)) if notes else record for record in records]

@@ -1,0 +1,320 @@
+"""Plain columns of numbers (CSV, TXT): one or more accelerations, with or without a time column.
+
+Nothing is guessed. What the header says of motion, unit, interval and number of samples is believed, and held against
+what the caller says; where they differ, or where the columns cannot be told apart, the file is refused.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from rockpulse.errors import RecordFormatError, UnitError
+from rockpulse.readers.channel import build_record
+from rockpulse.readers.column_headings import Heading, column_headings
+from rockpulse.readers.facing import BRACKET, heading_direction
+from rockpulse.readers.fields import check_count, text_lines
+from rockpulse.readers.format import Format, ReadOptions
+from rockpulse.readers.header_words import stated_counts, stated_kinds, stated_steps, stated_units
+from rockpulse.readers.number_lines import Numbered, number_lines
+from rockpulse.readers.source import NotAcceleration, SourceFile
+from rockpulse.readers.table_layout import Layout, find_layout, row_width, split_row
+from rockpulse.readers.table_numbers import check_decimals, read_table
+from rockpulse.readers.time_column import agreed_step, climbs, counts_rows, names_time, time_column_step
+from rockpulse.readers.units import UNITS, canonical_unit, for_other_files
+from rockpulse.record.record import Record
+
+__all__ = ["FORMAT", "is_columns", "read_columns"]
+
+#: Rows of the table that decide whether it is one.
+_LOOK_AT = 500
+#: Columns beside the time that pass for the components of a station without headings.
+_COMPONENTS = 3
+#: Correlation at which a column is the integral of the one before it, and no other component.
+_INTEGRAL = 0.95
+#: Characters of a list in a message.
+_LISTED = 200
+_NAME_THEM = "name the columns in the line above the numbers, such as 'time acc_NS acc_EW'"
+
+
+@dataclass(frozen=True)
+class _Columns:
+    """The numbers, one column for each heading if there are headings."""
+
+    table: np.ndarray
+    headings: tuple[Heading, ...]
+    warnings: tuple[str, ...] = ()
+
+    def picked(self, order: Sequence[int], *warnings: str) -> _Columns:
+        """Some of the columns, in this order."""
+        headings = tuple(self.headings[index] for index in order) if self.headings else ()
+        return _Columns(self.table[:, order], headings, (*self.warnings, *warnings))
+
+
+def is_columns(head: bytes, name: str) -> bool:
+    """Whether rows of numbers, all with the same number of columns, follow a short header."""
+    if b"\x00" in head:
+        return False
+    lines = text_lines(head)
+    layout = find_layout(lines)
+    if layout is None:
+        return False
+    rows = [line for line in lines[layout.start :] if line.strip()][:_LOOK_AT]
+    # Prose may end in a number; a table with a few damaged rows is still a table.
+    return 2 * sum(row_width(row, layout.delimiter) == layout.width for row in rows) >= len(rows)
+
+
+def read_columns(file: SourceFile, options: ReadOptions) -> list[Record]:
+    """Read every column of accelerations.
+
+    Headings, and a row of units below them, tell what the columns are. Without headings, one column is read, or up to
+    three beside a time column. A series that is wrapped into rows is read if the header states its number of values.
+
+    Parameters
+    ----------
+    file : SourceFile
+        The file.
+    options : ReadOptions
+        `units`, a key of `UNITS`, is needed unless every column states its unit in its heading, in brackets or below
+        it; the prose of a header, which may speak of something else, only has to agree. `dt` where neither a time
+        column, a line ``N dt`` nor words such as ``dt = 0.005`` or ``sampling rate 200 Hz`` give the interval.
+
+    Raises
+    ------
+    UnitError
+        No unit given, an unknown one, or one that contradicts the header.
+    NotAcceleration
+        A header that names velocity, displacement or a spectrum only.
+    RecordFormatError
+        With file and line, what was found and what was expected; columns that cannot be told apart.
+    """
+    lines = text_lines(file.content)
+    layout = find_layout(lines)
+    if layout is None:
+        raise RecordFormatError(
+            f"{file.name}: expected rows of numbers, all with the same number of columns, found none"
+        )
+    headings, end = column_headings(lines[: layout.start], layout)
+    prose = lines[:end]
+    numbered = number_lines(file.name, lines, layout, names_time(headings))
+    where = f"{file.name}:{numbered.start + 1}"
+    columns = _columns(file.name, lines, layout, headings, numbered, prose)
+    if columns.table.shape[1] > 1 and counts_rows(columns.table, columns.headings):
+        rest = range(1, columns.table.shape[1])
+        columns = columns.picked(rest, "the first column counts the rows; it was left out")
+    if _titled(columns):
+        columns, prose = replace(columns, headings=()), lines[: layout.start]
+    columns = _time_first(columns)
+    _check_abscissa(where, columns)
+    steps = {f"line {said.line}: {said.wording!r}": said.value for said in stated_steps(lines[: layout.start])}
+    declared = next((step for step in (options.dt, numbered.step, *steps.values()) if step is not None), None)
+    step = time_column_step(file.name, columns.table, columns.headings, numbered.start, declared)
+    if step is not None:
+        first = columns.headings[0] if columns.headings else Heading("")
+        if first.kind in ("acceleration", "velocity", "displacement"):
+            raise RecordFormatError(
+                f"{where}: expected {first.kind} in the column {first.name!r}, found that it runs like time; "
+                f"{_NAME_THEM}"
+            )
+        columns = columns.picked(range(1, columns.table.shape[1]))
+    _check_apart(where, columns, step is not None)
+    columns = _accelerations(file.name, columns, prose)
+    units = _units(file.name, columns.headings or [Heading("")] * columns.table.shape[1], prose, options.units)
+    sources = {"time column": step, "first line": numbered.step, **steps, "option dt": options.dt}
+    return _channels(file, columns, agreed_step(file.name, sources), units)
+
+
+def _columns(
+    name: str,
+    lines: Sequence[str],
+    layout: Layout,
+    headings: tuple[Heading, ...],
+    numbered: Numbered,
+    prose: Sequence[str],
+) -> _Columns:
+    """The table of the file, or the one series that is wrapped into its rows."""
+    first = numbered.start + 1
+    rows = lines[numbered.start :]
+    check_decimals(name, rows, layout, first, bool(headings))
+    filled = [index for index, row in enumerate(rows) if row.strip()]
+    last = split_row(rows[filled[-1]], layout.delimiter)
+    values = (len(filled) - 1) * layout.width + len(last)
+    said = {round(count.value) for count in stated_counts(prose)}
+    if layout.width > 1 and values in {numbered.count, *said} and len(filled) not in {numbered.count, *said}:
+        body = read_table(name, rows[: filled[-1]], layout, first)
+        end = read_table(name, rows[filled[-1] : filled[-1] + 1], replace(layout, width=len(last)), first + filled[-1])
+        return _Columns(np.concatenate([body.ravel(), end.ravel()])[:, None], ())
+    if numbered.count > values:
+        available, unit = (values, "values") if layout.width > 2 else (len(filled), "rows")
+        check_count(f"{name}:{len(lines)}", numbered.count, available, unit)
+    if layout.width > len(last) and not headings and layout.width > 2:
+        raise _wrapped(
+            f"{name}:{first + filled[-1]}", layout.width, f"a last row of {len(last)} below rows of {layout.width}"
+        )
+    table = read_table(name, rows, layout, first)
+    warnings = []
+    if numbered.step is not None:
+        check_count(f"{name}:{len(lines)}", numbered.count, len(table), "rows")
+        if len(table) > numbered.count:
+            surplus = len(table) - numbered.count
+            warnings.append(f"{surplus} rows beyond the {numbered.count} of the first line were left out")
+        table = table[: numbered.count]
+    elif said and min(said) > len(table):
+        warnings.append(f"the header speaks of {min(said)} samples, the file has {len(table)} rows; is it whole?")
+    return _Columns(table, headings, tuple(warnings))
+
+
+def _wrapped(where: str, width: int, found: str) -> RecordFormatError:
+    return RecordFormatError(
+        f"{where}: expected a time column, headings, or one column, found {found}: channels side by side, or one "
+        f"series in rows of {width}? Write one value to a line, state the number of values in the header "
+        f"(NPTS = ...), or {_NAME_THEM}"
+    )
+
+
+def _titled(columns: _Columns) -> bool:
+    """Whether what looks like headings is a title, "Acceleration (g) vs Time (s)": another column runs like time."""
+    kinds = [heading.kind for heading in columns.headings]
+    at = kinds.index("time") if "time" in kinds else 0
+    return at > 0 and climbs(columns.table[:, 0]) and not climbs(columns.table[:, at])
+
+
+def _time_first(columns: _Columns) -> _Columns:
+    """The column that is headed as time, wherever it stands, before the others."""
+    kinds = [heading.kind for heading in columns.headings]
+    if "time" not in kinds:
+        return columns
+    at = kinds.index("time")
+    return columns.picked([at, *(index for index in range(len(kinds)) if index != at)])
+
+
+def _check_abscissa(where: str, columns: _Columns) -> None:
+    """Refuse what runs over periods or frequencies, however its other columns are called."""
+    first = columns.headings[0] if columns.headings else Heading("")
+    steps = np.diff(columns.table[:, 0])
+    if first.kind == "spectrum" and columns.table.shape[1] > 1 and (np.all(steps > 0.0) or np.all(steps < 0.0)):
+        raise NotAcceleration(
+            f"{where}: expected accelerations over time, found columns over {first.name!r}, a spectrum; "
+            "read the acceleration file of the same record"
+        )
+
+
+def _check_apart(where: str, columns: _Columns, timed: bool) -> None:
+    """Refuse columns of which nothing tells what they are."""
+    width = columns.table.shape[1]
+    late = [index for index in range(width) if climbs(columns.table[:, index])]
+    if late:
+        raise RecordFormatError(
+            f"{where}: expected accelerations, found that column {late[0] + 1 + timed} runs like time; write the "
+            "times as the first column"
+        )
+    if columns.headings or width == 1:
+        return
+    if not timed or width > _COMPONENTS:
+        raise _wrapped(where, width, f"{width} columns of numbers")
+    for before in range(width - 1):
+        if _integrates(columns.table[:, before], columns.table[:, before + 1]):
+            raise RecordFormatError(
+                f"{where}: expected accelerations in all columns, found that column {before + 3} is the integral of "
+                f"column {before + 2}, like velocity after acceleration; {_NAME_THEM}"
+            )
+
+
+def _integrates(rate: np.ndarray, series: np.ndarray) -> bool:
+    """Whether a series grows by what another one says, sample by sample."""
+    with np.errstate(all="ignore"):
+        growth, mean = np.diff(series), rate[1:] / 2.0 + rate[:-1] / 2.0
+        return bool(growth.size > 2 and abs(np.corrcoef(growth, mean)[0, 1]) > _INTEGRAL)
+
+
+def _accelerations(name: str, columns: _Columns, prose: Sequence[str]) -> _Columns:
+    """The columns that are accelerations, by their headings or else by the words above them."""
+    headings = columns.headings or (Heading(""),) * columns.table.shape[1]
+    named = any(heading.kind == "acceleration" for heading in headings)
+    kept = [
+        index
+        for index, heading in enumerate(headings)
+        if heading.kind == "acceleration" or (not heading.kind and (heading.known or not named))
+    ]
+    left = ", ".join(heading.name for index, heading in enumerate(headings) if index not in kept)[:_LISTED]
+    if not kept:
+        raise NotAcceleration(
+            f"{name}:{len(prose) + 1}: expected an acceleration column, found {left} only; "
+            "read the acceleration file of the same record"
+        )
+    said = stated_kinds(prose)
+    others = [kind for kind in said if kind != "acceleration"]
+    if others and not all(headings[index].kind for index in kept):
+        line, listed = said[others[0]], " and ".join(others)
+        if "acceleration" not in said and "spectrum" not in said:
+            raise NotAcceleration(
+                f"{name}:{line}: expected accelerations, the header speaks of {listed} only; "
+                "read the acceleration file of the same record"
+            )
+        raise RecordFormatError(
+            f"{name}:{line}: expected to know which columns are accelerations, found a header that speaks of "
+            f"{listed}; {_NAME_THEM}"
+        )
+    return columns.picked(kept, f"columns left out, no acceleration: {left}") if left else columns
+
+
+def _units(name: str, headings: Sequence[Heading], prose: Sequence[str], given: str | None) -> list[str]:
+    """A unit for each column: what the caller says, held against the header, or what the heading states."""
+    units = []
+    said = [(canonical_unit(unit.wording, f"{name}:{unit.line}"), unit) for unit in stated_units(prose)]
+    asked = None if given is None else canonical_unit(given, "option units")
+    for heading in headings:
+        stated = canonical_unit(heading.unit, f"{name}: column {heading.name!r}") if heading.unit else None
+        if stated is None and asked is None:
+            found = f"; line {said[0][1].line} of its header speaks of {said[0][1].wording!r}" if said else ""
+            raise UnitError(
+                f"{name}: plain columns do not state their unit{found}; give it "
+                f"with the option units, one of {', '.join(UNITS)}: --units g on the command line, units = 'g' under "
+                "[records] of the configuration, or read(path, units='g')"
+            )
+        if stated and asked and UNITS[stated] != UNITS[asked]:
+            raise UnitError(
+                f"{name}: the column {heading.name!r} is headed {stated}, the option units says {asked}; "
+                + for_other_files(f"--units {asked}")
+            )
+        if asked and not stated and said and all(UNITS[unit] != UNITS[asked] for unit, _ in said):
+            raise UnitError(
+                f"{name}:{said[0][1].line}: the header says {said[0][1].wording!r}, the option units says {asked}; "
+                + for_other_files(f"--units {asked}")
+            )
+        units.append(asked or stated or "")
+    return units
+
+
+def _channels(file: SourceFile, columns: _Columns, step: float, units: Sequence[str]) -> list[Record]:
+    headings = columns.headings or [Heading("")] * columns.table.shape[1]
+    return [
+        build_record(
+            file,
+            number,
+            samples,
+            step,
+            unit,
+            format="columns",
+            processed=None,
+            component=heading.name,
+            facing=heading_direction(heading.name),
+            channel=BRACKET.sub("", heading.name).strip() or str(number),
+            warnings=columns.warnings,
+        )
+        for number, (samples, heading, unit) in enumerate(zip(columns.table.T, headings, units, strict=True), 1)
+    ]
+
+
+FORMAT = Format(
+    name="columns",
+    what="columns of numbers (CSV, TXT), with or without time",
+    recognised="rows of numbers after a short header",
+    unit="asked for (units), or in the headings",
+    processed="unknown",
+    example="record.csv",
+    detect=is_columns,
+    parse=read_columns,
+)

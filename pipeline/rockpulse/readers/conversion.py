@@ -1,0 +1,352 @@
+"""Records into files that other programs read: where they go, nothing replaced unasked, written whole or not at all."""
+
+from __future__ import annotations
+
+import logging
+import os
+import re
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import ExitStack
+from dataclasses import dataclass
+from itertools import combinations
+from pathlib import Path
+
+import numpy as np
+
+from rockpulse.errors import ConfigError, RecordFormatError, RecordRefused, RockpulseError
+from rockpulse.file_set import FileSet
+from rockpulse.readers import ReadOptions, read_source
+from rockpulse.readers.miniseed import is_miniseed
+from rockpulse.readers.source import HEAD, SourceFile, check_link, folder_station_files, open_source
+from rockpulse.readers.writers import at2_bytes, azimuth_of, csv_bytes, miniseed_bytes, orientation_of
+from rockpulse.record.record import Record
+
+__all__ = ["WRITERS", "Writer", "Written", "check_output", "write"]
+
+logger = logging.getLogger("rockpulse")
+
+#: What a number of few digits may lose near zero [m/s2].
+_UNDERFLOW = 1e-97
+#: Largest share by which an interval may come back otherwise: miniSEED keeps the rate in single precision.
+_STEP_TOLERANCE = 1e-7
+#: Degrees by which an azimuth may come back otherwise.
+_AZIMUTH_TOLERANCE = 1e-4
+
+
+@dataclass(frozen=True)
+class Writer:
+    """A format that records are written in.
+
+    Attributes
+    ----------
+    suffix : str
+        Of the files it writes.
+    suffixes : tuple of str
+        Lower-case suffixes by which it is known.
+    lost : str
+        What the files cannot hold.
+    digits : float
+        Half a unit of the last digit over the value, at most; 0 where samples come back bit by bit.
+    whole : bool
+        Whether every azimuth and state of processing comes back; elsewhere they may be missing, never wrong.
+    structure : bool
+        Whether a file says that its channel is on a structure.
+    one : callable or None
+        From a record to the content of a file of its own; None where all go into one file.
+    """
+
+    suffix: str
+    suffixes: tuple[str, ...]
+    lost: str
+    digits: float
+    whole: bool
+    structure: bool
+    one: Callable[[Record], bytes] | None
+
+
+#: By the name that ``rockpulse convert --format`` takes.
+WRITERS = {
+    "at2": Writer(
+        ".AT2",
+        (".at2",),
+        "AT2 keeps 8 digits in g, event, date, station and direction; not the start time, the codes, "
+        "the processing and the warnings",
+        0.51e-7,
+        True,
+        True,
+        at2_bytes,
+    ),
+    "csv": Writer(
+        ".csv",
+        (".csv",),
+        "CSV keeps every digit in m/s2, the interval and a direction in whole degrees; nothing else",
+        0.0,
+        False,
+        False,
+        csv_bytes,
+    ),
+    "mseed": Writer(
+        ".mseed",
+        (".mseed", ".miniseed", ".ms"),
+        "miniSEED keeps every digit in m/s2, start times and codes as far as SEED has room; its StationXML, of the "
+        "same name, the directions and whether a record is raw; not the event, the processing and the warnings",
+        0.0,
+        True,
+        False,
+        None,
+    ),
+}
+
+
+@dataclass(frozen=True)
+class Written:
+    """A file that was written.
+
+    Attributes
+    ----------
+    path : Path
+        The file.
+    records : tuple of (str, str)
+        Id of each record in it, and the name the record has there (empty where it is that of the file).
+    """
+
+    path: Path
+    records: tuple[tuple[str, str], ...]
+
+
+def write(
+    records: Record | Sequence[Record],
+    out: str | os.PathLike[str],
+    format: str | None = None,
+    overwrite: bool = False,
+) -> list[Written]:
+    """Write records as AT2, CSV or miniSEED.
+
+    Parameters
+    ----------
+    records : Record or sequence of Record
+        What to write, at least one, ids distinct. Samples are written as they are: a raw record stays raw.
+    out : path
+        A file, whose suffix tells the format, or for AT2 and CSV a folder. AT2 and CSV hold one record: several are
+        written to ``out`` with the channel before the suffix (the id, where channels are not distinct); in a folder
+        the name is the id. miniSEED holds all, with a StationXML of the same name beside it, which serves that file
+        alone; where another StationXML in the folder tells something else of the same codes (gain, direction, state of
+        processing) at an overlapping time, a record gets the next free location code, as `Written` tells.
+    format : {"at2", "csv", "mseed"}, optional
+        Needed for a folder; otherwise the suffix tells.
+    overwrite : bool
+        Whether files that exist may be replaced; a StationXML only if rockpulse wrote it, and never a file that one of
+        the records came from. A symbolic link stays: its target is replaced.
+
+    Returns
+    -------
+    list of Written
+        The files in the order of the records. Only AT2 tells that a channel is on a structure; with the others it is
+        logged as a warning.
+
+    Raises
+    ------
+    ConfigError
+        No record, an unknown format, a file that exists, a folder that does not.
+    RecordRefused
+        A record that would not come back from the file as it is. Nothing has been written then.
+    OSError
+        As the operating system says. The files are then as they were.
+    """
+    records = [records] if isinstance(records, Record) else list(records)
+    if not records:
+        raise ConfigError(f"{out}: no record to write")
+    writer, folder = _format(Path(out), format)
+    targets = _targets(records, Path(out), writer, folder)
+    parent = Path(out).absolute().parent
+    if not parent.is_dir():
+        raise ConfigError(f"{out}: there is no folder {parent}; create it first")
+    _check_targets([*targets, *_companions(targets, writer)], _sources(records), overwrite)
+    with ExitStack() as made, FileSet() as files:
+        if folder and not Path(out).is_dir():
+            Path(out).mkdir()
+            made.callback(_remove_empty, Path(out))
+        written = []
+        for path, items in targets.items():
+            contents, names = _contents(path, items, writer)
+            for target, content in contents.items():
+                files.add(target, content)
+            _check_comes_back(path, contents, dict(zip(names, items, strict=True)), writer)
+            written.append(Written(path, tuple((record.id, code) for record, code in zip(items, names, strict=True))))
+        files.commit()
+    for record in records:
+        if record.orientation == "structural" and not writer.structure:
+            logger.warning("%s: on a structure, which %s files cannot say", record.id, writer.suffix)
+    return written
+
+
+def _sources(records: Sequence[Record]) -> set[str]:
+    """Every file that the records may have come from, as `Record.source` words them."""
+    sources = set()
+    for text in {record.source for record in records if record.source}:
+        # Joined records name several files, archives stand before a "!"; both marks may also be part of a name.
+        parts = text.split("; ")
+        for first, last in combinations(range(len(parts) + 1), 2):
+            name = "; ".join(parts[first:last])
+            ends = [*(match.start() for match in re.finditer("!", name)), len(name)]
+            sources |= {os.path.realpath(name[:end]) for end in ends if end}
+    return sources
+
+
+def check_output(out: str | os.PathLike[str], format: str | None = None) -> Writer:
+    """The writer that a name or a format means, asked before any work is done; raises ConfigError as `write` does."""
+    return _format(Path(out), format)[0]
+
+
+def _format(out: Path, name: str | None) -> tuple[Writer, bool]:
+    """The writer of the format, and whether `out` is a folder."""
+    told = next((key for key, row in WRITERS.items() if out.suffix.lower() in row.suffixes), None)
+    folder = out.is_dir() or told is None
+    key = name or (None if out.is_dir() else told)
+    if key not in WRITERS:
+        raise ConfigError(
+            f"{out}: expected a format, one of {', '.join(WRITERS)}, found {name or out.suffix or 'none'!r}; "
+            "name it (--format), or end the name in one of "
+            f"{', '.join(suffix for row in WRITERS.values() for suffix in row.suffixes)}"
+        )
+    if told is None and out.suffix and not out.is_dir():
+        raise ConfigError(
+            f"{out}: a file of the format {key} ends in {WRITERS[key].suffix}, found {out.suffix!r}; "
+            "correct the name, or create the folder first if it is to be one"
+        )
+    if not folder and told != key:
+        raise ConfigError(f"{out}: the name says {told}, the format {key}; correct the wrong one")
+    if folder and out.exists() and not out.is_dir():
+        raise ConfigError(
+            f"{out}: expected a folder, or a name that ends in {WRITERS[key].suffix}, found a file; choose another name"
+        )
+    if folder and WRITERS[key].one is None:
+        raise ConfigError(f"{out}: miniSEED holds all records in one file; name it, such as {out / 'records.mseed'}")
+    return WRITERS[key], folder
+
+
+def _targets(records: Sequence[Record], out: Path, writer: Writer, folder: bool) -> dict[Path, list[Record]]:
+    """Files to write and the records that go into them."""
+    if writer.one is None or (len(records) == 1 and not folder):
+        return {out: list(records)}
+    ids = [record.id.lstrip(".") for record in records]  # a file that begins with a point is hidden
+    if len({name.lower() for name in ids}) < len(ids):
+        raise ConfigError(f"{out}: expected records of different ids, found {', '.join(ids)}; write fewer at a time")
+    if folder:
+        return {out / f"{name}{writer.suffix}": [record] for name, record in zip(ids, records, strict=True)}
+    channels = [re.sub(r"[^A-Za-z0-9_~-]+", "_", record.channel) for record in records]
+    distinct = len({channel.lower() for channel in channels}) == len(records) and all(channels)
+    labels = channels if distinct else ids
+    return {
+        out.with_name(f"{out.stem}.{label}{out.suffix}"): [record]
+        for label, record in zip(labels, records, strict=True)
+    }
+
+
+def _companions(targets: dict[Path, list[Record]], writer: Writer) -> Iterator[Path]:
+    """The StationXML of each file; refused where it would serve another miniSEED file as well."""
+    if writer.one is not None:
+        return
+    for path in targets:
+        twin = next((other for other in path.parent.iterdir() if _shares_station_file(other, path)), None)
+        if twin is not None:
+            raise ConfigError(
+                f"{path}: its StationXML, {path.with_suffix('.xml').name}, would serve {twin.name} as well; "
+                "choose another name"
+            )
+        yield path.with_suffix(".xml")
+
+
+def _shares_station_file(other: Path, path: Path) -> bool:
+    """Whether another file is miniSEED, compressed or not, with the stem of a file."""
+    if SourceFile(other.name, b"", bytes).path.stem != path.stem or not other.is_file():
+        return False
+    if path.exists() and other.samefile(path):
+        return False
+    try:
+        return is_miniseed(open_source(other).head, other.name)
+    except RockpulseError:  # empty, an archive, damaged: no miniSEED
+        return False
+
+
+def _check_targets(paths: Sequence[Path], sources: set[str], overwrite: bool) -> None:
+    """Refuse what may not be replaced before anything is written."""
+    for path in paths:
+        check_link(path)
+        if os.path.realpath(path) in sources:
+            raise ConfigError(f"{path}: a record comes from this file; choose another name")
+        if path.exists() and not path.is_file():
+            raise ConfigError(f"{path}: expected the name of a file, found something that is no regular file")
+        if path.exists() and not overwrite:
+            raise ConfigError(f"{path}: the file exists; choose another name, or allow it to be replaced (--overwrite)")
+        if path.exists() and path.suffix == ".xml" and b"<Source>rockpulse" not in path.read_bytes()[:HEAD]:
+            raise ConfigError(
+                f"{path}: a StationXML that rockpulse did not write is never replaced; choose another name"
+            )
+
+
+def _remove_empty(folder: Path) -> None:
+    if not any(folder.iterdir()):
+        folder.rmdir()
+
+
+def _contents(path: Path, records: Sequence[Record], writer: Writer) -> tuple[dict[Path, bytes], list[str]]:
+    """Content of a file and of what belongs to it, and the names of the records inside."""
+    if writer.one is not None:
+        return {path: writer.one(records[0])}, [""]
+    own = path.with_suffix(".xml")
+    beside = [(name, content) for name, content in folder_station_files(path.parent) if name != str(own)]
+    try:
+        content, metadata, names = miniseed_bytes(records, beside)
+    except RecordFormatError as fault:
+        raise RecordRefused(f"{path}: a StationXML in its folder is damaged ({fault}); mend or remove it") from fault
+    return {path: content, own: metadata}, names
+
+
+def _check_comes_back(path: Path, contents: dict[Path, bytes], records: dict[str, Record], writer: Writer) -> None:
+    """Read the file as a user of rockpulse would, among the station metadata that lie in its folder."""
+
+    def station_files() -> list[tuple[str, bytes]]:
+        own = {str(name): content for name, content in contents.items() if name != path}
+        others = [(name, content) for name, content in folder_station_files(path.parent) if name not in own]
+        return [*others, *own.items()]
+
+    content = contents[path]
+    try:
+        back = read_source(SourceFile(str(path), content[:HEAD], lambda: content, station_files), ReadOptions("m/s2"))
+    except RockpulseError as fault:
+        raise RecordRefused(
+            f"{path}: would not be read again ({fault}); nothing was kept, write into another folder"
+        ) from fault
+    if len(back) != len(records):
+        raise RecordRefused(f"{path}: {len(records)} records were written, {len(back)} come back; nothing was kept")
+    for again in back:
+        # One record has the name of its file.
+        code = f"{again.network}.{again.station}.{again.location}.{again.channel}"
+        record = records[code if writer.one is None else ""]
+        tolerance = writer.digits * np.abs(record.acceleration) + (_UNDERFLOW if writer.digits else 0.0)
+        if again.npts != record.npts or np.any(np.abs(again.acceleration - record.acceleration) > tolerance):
+            raise RecordRefused(f"{path}: the samples of {record.id} do not come back as written; nothing was kept")
+        if abs(again.dt / record.dt - 1.0) > _STEP_TOLERANCE:
+            raise RecordRefused(
+                f"{path}: the interval of {record.id}, {record.dt!r} s, comes back as {again.dt!r} s; use another "
+                "format, or resample the record"
+            )
+        lost = _wrong(record, again, writer.whole)
+        if lost:
+            raise RecordRefused(f"{path}: {record.id}: {lost}; nothing was kept, use another format")
+
+
+def _wrong(record: Record, again: Record, whole: bool) -> str:
+    """What comes back wrongly: direction, raw or corrected; where `whole`, also what is missing."""
+    if again.orientation not in (orientation_of(record), record.orientation, "unknown"):
+        return f"the orientation comes back as {again.orientation!r} instead of {orientation_of(record)!r}"
+    azimuth, back = azimuth_of(record), again.azimuth
+    known = record.orientation != "vertical" and np.isfinite(azimuth)
+    off = abs((back - azimuth + 180.0) % 360.0 - 180.0) if known else np.nan
+    missing = not np.isfinite(back)
+    if (missing and known and whole) or not (missing or off <= _AZIMUTH_TOLERANCE):
+        return f"the azimuth comes back as {back:g} instead of {azimuth:g}"
+    if again.processed != record.processed and (whole or again.processed is not None):
+        return f"processed comes back as {again.processed} instead of {record.processed}"
+    return ""

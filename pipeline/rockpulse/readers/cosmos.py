@@ -1,0 +1,311 @@
+"""COSMOS strong-motion data format, version 1.20 (V0, V1, V2, V1c, V2c).
+
+Each channel has 13 lines of text, integers, reals and comments, then one or more series, each behind a line such as
+``13400 acceleration pts, approx  67 secs, units=g.     (02)Format=(8f9.6)``. A line ``End-of-data`` or ``/&`` ends it.
+
+Of the integers are used 2 (quantity), 8 (station), 19 (station type), 40 to 46 (start of the record, quality of the
+clock), 52 (sensor) and 54 (azimuth); of the reals 22, 42, 43, 44 and 47 (gain), 30 (seconds of the start), 34 and 62
+(interval of the raw record [s] and of the series [ms]), 63 (length of the series [s]) and 64 (peak).
+
+.. note:: Counts become m/s2 only where the header states every factor: one count is real 22 [microvolts], the sensor
+   gives real 42 [V/g] times its gain, real 47, hence 1e-6 r22 / (r42 r47) g per count. Full-scale output and range of
+   the sensor, reals 43 [V] and 44 [g], must confirm r42 r47 where they are stated, and always where r47 is not 1,
+   because programs differ in whether it is part of r42.
+
+Reference: COSMOS Strong Motion Programs Board (2001), COSMOS Strong Motion Data Format, version 1.20.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import partial
+
+import numpy as np
+
+from rockpulse.errors import RecordFormatError, RecordRefused, UnitError
+from rockpulse.readers.channel import PEAK_TOLERANCE, build_record, usable_channels
+from rockpulse.readers.channel_count import Counted, completeness
+from rockpulse.readers.cosmos_header import TITLE, Header, fortran_layout, read_header
+from rockpulse.readers.fields import check_count, fixed_width, printed_number, text_lines
+from rockpulse.readers.format import Format, ReadOptions
+from rockpulse.readers.source import NotAcceleration, SourceFile
+from rockpulse.readers.units import UNITS, canonical_unit
+from rockpulse.record.record import STANDARD_GRAVITY, Record
+
+__all__ = ["FORMAT", "is_cosmos", "read_cosmos"]
+
+_SERIES = re.compile(
+    r"\s*(\d{1,9})\s+(\D{0,40}?)\s*pts\b.{0,60}?units\s*=\s*([^\s(,]{0,20}?)\s*(?=[\s(,]|Format)(?:\(\s*(\d{1,3})\s*\))?",
+    re.ASCII | re.IGNORECASE,
+)
+_END = re.compile(r"\s*(?:end-of-data|/&)", re.IGNORECASE)
+#: Units that only this format has [m/s2].
+_UNITS = UNITS | {"in/s2": 0.0254, "mg": 1e-3 * STANDARD_GRAVITY, "ug": 1e-6 * STANDARD_GRAVITY, "counts": 1.0}
+_CODES = {2: "g", 4: "cm/s2", 7: "in/s2", 10: "gal", 11: "mg", 12: "ug", 50: "counts"}
+_FACTORS = {
+    22: "microvolts per count",
+    42: "sensor sensitivity, V/g",
+    47: "sensor gain",
+}
+#: Integer 2 of what is no acceleration along a line.
+_OTHER_QUANTITIES = {2: "velocity", 3: "displacement", 10: "angular acceleration", 11: "angular velocity"}
+#: The closing line may have lines of blanks behind it.
+_CLOSING = 3
+#: Nominal and calibrated sensitivities differ by some percent, a wrong factor by 2 or more.
+_SENSITIVITY_TOLERANCE = 0.1
+#: No factor of a gain is smaller, in any of its units.
+_LEAST_FACTOR = 1e-9
+_VELOCITY_SENSORS = range(1001, 2000)
+
+
+@dataclass(frozen=True)
+class _Series:
+    """One heading of a channel: index of its line, number of samples, what they are, unit and its code."""
+
+    at: int
+    count: int
+    kind: str
+    unit: str
+    code: int | None
+
+
+def is_cosmos(head: bytes, name: str) -> bool:
+    """Whether the first line states the format and its number of text lines."""
+    return bool(TITLE.match(head[:200].decode("latin-1")))
+
+
+def read_cosmos(file: SourceFile, options: ReadOptions) -> list[Record]:
+    """Read the acceleration of every channel; velocity and displacement beside it are passed over.
+
+    Parameters
+    ----------
+    file : SourceFile
+        The file.
+    options : ReadOptions
+        Not used: the format states everything.
+
+    Raises
+    ------
+    NotAcceleration
+        If no channel holds acceleration.
+    RecordRefused
+        Counts without a gain, missing samples.
+    RecordFormatError, UnitError
+        With file and line, what was found and what was expected.
+    """
+    lines = text_lines(file.content)
+    starts = [index for index, line in enumerate(lines) if " text lines)" in line and TITLE.match(line[:200])]
+    if not starts or starts[0] != 0:
+        raise RecordFormatError(
+            f"{file.name}:1: expected '(Format v01.20 with 13 text lines)', found {lines[0][:60]!r}"
+        )
+    ends = [*starts[1:], len(lines)]
+    headers = [read_header(file.name, lines, start, end) for start, end in zip(starts, ends, strict=True)]
+    return usable_channels(
+        (
+            partial(_channel, file, lines, header, end, number)
+            for number, (header, end) in enumerate(zip(headers, ends, strict=True), start=1)
+        ),
+        _missing(file.name, lines, headers),
+    )
+
+
+def _missing(name: str, lines: Sequence[str], headers: Sequence[Header]) -> tuple[str, ...]:
+    """Warnings for channels that the headers count and the file lacks."""
+    closed = any(_END.match(line) for line in lines[-_CLOSING:])
+    counts = (
+        Counted(header.start + 1, header.text[6], *header.number_and_count(), kind=header.kind.lower())
+        for header in headers
+    )
+    return completeness(name, counts, closed=closed)
+
+
+def _channel(file: SourceFile, lines: Sequence[str], header: Header, end: int, number: int) -> Record:
+    kind = header.kind.lower()
+    code = header.integer(2)
+    if code in _OTHER_QUANTITIES and "accel" in kind:
+        raise RecordFormatError(
+            f"{file.name}:{header.start + 1}: the title says {header.kind!r}, integer header 2 says {code}, "
+            f"{_OTHER_QUANTITIES[code]}; find out which is right and repair the header"
+        )
+    if "accel" not in kind:
+        raise NotAcceleration(
+            f"{file.name}:{header.start + 1}: expected acceleration, found {header.kind!r}; "
+            "read the acceleration file of the same record"
+        )
+    series = _acceleration(file.name, lines, header, end)
+    where, first = f"{file.name}:{series.at + 1}", series.at + 1
+    unit = _unit(series, where)
+    per_row, width = fortran_layout(lines[series.at], where)
+    check_count(where, series.count, series.count if first < end else 0)
+    samples = fixed_width(lines[first:end], first + 1, width, per_row, series.count, file.name)
+    step, notes = _interval(header, series.count, file.name)
+    notes += _surplus(lines, first + -(-series.count // per_row), end)
+    if unit == "counts":
+        factor = _per_count(header, where)
+    else:
+        factor = _UNITS[unit]
+        _check_whole(samples, header.unknown, where)
+    network, station, location, seed = header.codes()
+    channel, component, place = header.channel()
+    start_time, time_notes = header.start_time()
+    structural = header.structural()
+    peak, rounding = _peak(header, factor)
+    return build_record(
+        file,
+        number,
+        samples,
+        step,
+        unit,
+        factor=factor,
+        format="cosmos",
+        # "Raw", "Uncorrected" and "Corrected acceleration".
+        processed=kind.startswith("corrected"),
+        component=f"{component} ({place})" if place else component,
+        facing=header.facing(),
+        structural=structural,
+        channel=seed or (channel if structural or place else ""),
+        network=network,
+        station=station,
+        location=location,
+        station_name=header.text[4][40:].strip(),
+        event=re.sub(r"^(?:rcrd|record) of\s+", "", " ".join(header.text[1].split()), flags=re.IGNORECASE),
+        start_time=start_time,
+        header_peak=peak,
+        peak_rounding=rounding,
+        warnings=[*notes, *header.site_notes(), *time_notes],
+    )
+
+
+def _acceleration(name: str, lines: Sequence[str], header: Header, end: int) -> _Series:
+    """The series of the channel that is an acceleration."""
+    found = []
+    for at in range(header.end, end):
+        match = _SERIES.match(lines[at][:200]) if "pts" in lines[at].lower() else None
+        if match:
+            code = int(match[4]) if match[4] else None
+            found.append(_Series(at, int(match[1]), match[2].lower(), match[3], code))
+    if not found or found[0].at != header.end:
+        line = repr(lines[header.end].strip()[:60]) if header.end < end else "the end of the channel"
+        raise RecordFormatError(
+            f"{name}:{header.end + 1}: expected a line such as '13400 acceleration pts, approx  67 secs, units=g. (02)"
+            f"Format=(8f9.6)', found {line}; the file is damaged or cut off: download it again"
+        )
+    for series in found:
+        if "accel" in series.kind and "ang" not in series.kind:
+            return series
+    raise NotAcceleration(
+        f"{name}:{header.end + 1}: expected acceleration, found {found[0].kind!r}; read the acceleration file"
+    )
+
+
+def _unit(series: _Series, where: str) -> str:
+    """The unit that words and code of the heading agree on."""
+    word = series.unit.lower().rstrip(".").replace("sec", "s")
+    named = "" if not word else word if word in _UNITS else canonical_unit(series.unit, where)
+    if series.code is None and named:
+        return named
+    coded = _CODES.get(series.code or 0)
+    if coded is None or (named and (_UNITS[named] != _UNITS[coded] or (named == "counts") != (coded == "counts"))):
+        known = ", ".join(f"{unit} ({code:02d})" for code, unit in _CODES.items())
+        raise UnitError(
+            f"{where}: the unit is named {series.unit!r} and coded {series.code}, expected one of {known}; "
+            "find out which is right and repair the line"
+        )
+    return named or coded
+
+
+def _peak(header: Header, factor: float) -> tuple[float, float]:
+    """Peak that the header states and half a unit of its last digit [m/s2].
+
+    Real 64 has the unit of the samples; the text has its own, and counts where the two contradict each other.
+    """
+    coded, (number, unit) = header.real(64) * factor, header.peak()
+    own = _UNITS.get(re.sub(r"sec\b|sec(?=\d)", "s", unit.lower()).replace("/s/s", "/s2"))
+    if own is None or own == _UNITS["counts"] or not number:
+        return coded, 0.0
+    value, rounding = printed_number(number)
+    gap = abs(abs(value * own) - abs(coded))
+    if gap <= max(1.01 * rounding * own, PEAK_TOLERANCE * abs(coded)):
+        return coded, 0.0
+    return value * own, rounding * own
+
+
+def _per_count(header: Header, where: str) -> float:
+    """m/s2 of one count, from the header; see the note of the module."""
+    if header.integer(52) in _VELOCITY_SENSORS:
+        raise NotAcceleration(f"{where}: counts of a velocity sensor (integer header 52 is {header.integer(52)})")
+    missing = [f"{number} ({what})" for number, what in _FACTORS.items() if not header.real(number) >= _LEAST_FACTOR]
+    advice = "read the V1 or V2 file of the record, or fill in the header"
+    if missing:
+        raise RecordRefused(f"{where}: counts without a gain: the header lacks real {', '.join(missing)}; {advice}")
+    gain = header.real(47)
+    sensitivity = header.real(42) * gain
+    nominal = header.real(43) / header.real(44) if header.real(44) > 0.0 else float("nan")
+    if (gain != 1.0 or np.isfinite(nominal)) and not abs(nominal - sensitivity) <= _SENSITIVITY_TOLERANCE * sensitivity:
+        raise RecordRefused(
+            f"{where}: counts without a sure gain: sensitivity times gain (reals 42, 47) is {sensitivity:g} V/g, range "
+            f"and output of the sensor (reals 43, 44) give {nominal:g} V/g; {advice}"
+        )
+    return 1e-6 * header.real(22) / sensitivity * STANDARD_GRAVITY
+
+
+def _check_whole(samples: np.ndarray, unknown: float, where: str) -> None:
+    missing = np.flatnonzero(samples == unknown)
+    if missing.size:
+        raise RecordRefused(
+            f"{where}: {missing.size} of {samples.size} samples, the first number {missing[0] + 1}, are {unknown:g}, "
+            "which stands for unknown; cut the record there or get a whole one"
+        )
+
+
+def _interval(header: Header, count: int, name: str) -> tuple[float, list[str]]:
+    """Sampling interval of the series [s]: real 62, else real 34; where they differ, the stated length decides."""
+    raw, series, length = header.real(34), 1e-3 * header.real(62), header.real(63)
+    stated = [step for step in (series, raw) if step > 0.0]
+    if not stated:
+        raise RecordFormatError(
+            f"{name}:{header.start + 1}: expected a sampling interval above 0 (real 34 [s] or 62 [ms]), found none; "
+            "the header is damaged: download the file again"
+        )
+    # Some agencies count the steps between the samples, some the samples.
+    fitting = [step for step in stated if abs(count * step - length) <= 0.005 * length + 1.5 * step]
+    if max(stated) - min(stated) <= 1e-3 * max(stated):
+        if np.isnan(length) or fitting:
+            return stated[0], []
+        return stated[0], [
+            f"the header states {length:g} s, {count} samples at {stated[0]:g} s last {count * stated[0]:g} s"
+        ]
+    if len(fitting) != 1:
+        raise RecordFormatError(
+            f"{name}:{header.start + 1}: reals 34 and 62 state sampling intervals of {raw:g} and {series:g} s, and the "
+            f"length, real 63, {length:g} s for {count} samples, fits not just one; find out which is right"
+        )
+    return fitting[0], [
+        f"real headers 34 and 62 state intervals of {raw:g} and {series:g} s (raw record, series); "
+        f"{fitting[0]:g} s is that of the stated length of {length:g} s"
+    ]
+
+
+def _surplus(lines: Sequence[str], at: int, end: int) -> list[str]:
+    """A warning for rows between the declared samples and the end of the series."""
+    rows = 0
+    for line in lines[at:end]:
+        if _END.match(line) or _SERIES.match(line[:200]):
+            break
+        rows += bool(line.strip())
+    return [f"line {at + 1}: {rows} rows beyond the declared count were left out"] if rows else []
+
+
+FORMAT = Format(
+    name="cosmos",
+    what="COSMOS 1.20 V0, V1, V2",
+    recognised="first line '(Format v01.20 with 13 text lines)'",
+    unit="by the series: cm/s2, g, gal, counts with gain",
+    processed="by title",
+    example="CE23837.V1C",
+    detect=is_cosmos,
+    parse=read_cosmos,
+)

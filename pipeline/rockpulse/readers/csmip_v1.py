@@ -1,0 +1,158 @@
+"""CSMIP volume 1 files of the California Geological Survey (and the networks that write the same layout).
+
+Each channel has 13 lines of text, 100 integers (16I5), 50 reals (8F10) and then, on newer files, a heading line that
+names count, rate, unit and Fortran format of the accelerations. Older files have no heading: pairs of time [s] and
+acceleration [g/10] with unequal steps follow. A line ``/&`` ends the channel; channels differ in length.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+
+from rockpulse.errors import RecordFormatError
+from rockpulse.readers.csmip_layout import (
+    HEADER_LINES,
+    LONGEST_LINE,
+    Header,
+    channels,
+    equal_block,
+    heading_at,
+    missing_channels,
+    read_header,
+)
+from rockpulse.readers.fields import check_count, printed_number
+from rockpulse.readers.format import Format, ReadOptions
+from rockpulse.readers.pairs import Block, declared_points, pair_block, pair_unit
+from rockpulse.readers.source import NotAcceleration, SourceFile
+from rockpulse.record.record import STANDARD_GRAVITY, Record
+
+__all__ = ["FORMAT", "is_csmip_v1", "read_csmip_v1", "read_uncorrected"]
+
+_TITLE = re.compile(r"\s?uncorrected accelerogram data\b", re.IGNORECASE)
+_PEAK = re.compile(r"max\s*=\s*(-?\d*\.\d+)\s*g\b", re.IGNORECASE)
+_POINTS = re.compile(r"no\. of points\s*=\s*(\d{1,15})\b", re.IGNORECASE)
+_RATE = re.compile(r"\bat\s+(\d{1,6}(?:\.\d{0,6})?)\s*samples/sec", re.IGNORECASE)
+_LENGTH = re.compile(r"record length\s*=\s*(\d{0,6}\.\d{1,6})\s*sec", re.IGNORECASE)
+_RATE_TOLERANCE, _LENGTH_TOLERANCE = 1e-3, 5e-3
+#: Bytes that hold the 13 lines of text.
+_OPENING = 1500
+
+
+def is_csmip_v1(head: bytes, name: str) -> bool:
+    """Whether the first line is the title of an uncorrected volume, and the network is not RENADIC."""
+    opening = head[:_OPENING].decode("latin-1")
+    return bool(_TITLE.match(opening)) and "renadic" not in opening.lower()
+
+
+def read_csmip_v1(file: SourceFile, options: ReadOptions) -> list[Record]:
+    """Read every channel.
+
+    Parameters
+    ----------
+    file : SourceFile
+        The file.
+    options : ReadOptions
+        Not used: the format states everything.
+
+    Raises
+    ------
+    RecordFormatError, UnitError, NotAcceleration
+        With file and line, what was found and what was expected.
+    """
+    return read_uncorrected(file, FORMAT.name)
+
+
+def read_uncorrected(file: SourceFile, format: str) -> list[Record]:
+    """Read every channel of a file in this layout, whichever network wrote it.
+
+    Parameters
+    ----------
+    file : SourceFile
+        The file; its first line is 'Uncorrected Accelerogram Data'.
+    format : str
+        `Record.format`.
+
+    Raises
+    ------
+    RecordFormatError, UnitError, NotAcceleration
+        With file and line, what was found and what was expected.
+    """
+    lines, spans = channels(file, _TITLE, "Uncorrected Accelerogram Data")
+    headers = []
+    for number, (start, end) in enumerate(spans, 1):
+        check_count(f"{file.name}:{end}", HEADER_LINES, end - start, f"header lines of channel {number}")
+        headers.append(read_header(lines[start : start + HEADER_LINES]))
+    notes = missing_channels(file.name, lines, spans, headers)
+    return [
+        _channel(file, lines, span, number, header.noting(*notes), format)
+        for number, (span, header) in enumerate(zip(spans, headers, strict=True), 1)
+    ]
+
+
+def _channel(
+    file: SourceFile, lines: Sequence[str], span: tuple[int, int], number: int, header: Header, format: str
+) -> Record:
+    start, end = span
+    match = _PEAK.search(lines[start + 11][:LONGEST_LINE])
+    peak, rounding = printed_number(match[1]) if match else (float("nan"), 0.0)
+    return header.record(
+        file,
+        number,
+        _block(file.name, lines, start, end),
+        format=format,
+        processed=False,
+        peak=(peak * STANDARD_GRAVITY, rounding * STANDARD_GRAVITY),
+    )
+
+
+def _block(name: str, lines: Sequence[str], start: int, end: int) -> Block:
+    first = start + HEADER_LINES
+    heading = heading_at(lines, first) if first < end else None
+    if not heading:
+        count = declared_points(lines[start + 10], f"{name}:{start + 11}")
+        unit = pair_unit(lines[start + 11], f"{name}:{start + 12}")
+        return pair_block(name, lines, first, end, count, unit)
+    if heading.kind != "acceleration":
+        raise NotAcceleration(
+            f"{name}:{first + 1}: expected points of acceleration, found {heading.kind}; "
+            "read the acceleration file of the same record"
+        )
+    block = equal_block(name, lines, heading, end, heading.unit)
+    return block.noting(*_check_text(lines[start + 10][:LONGEST_LINE], block, f"{name}:{first + 1}"))
+
+
+def _check_text(line: str, block: Block, where: str) -> list[str]:
+    """Hold number, rate and length in the text of the channel against the heading; a length alone is but a warning."""
+    points, rate, length = _POINTS.search(line), _RATE.search(line), _LENGTH.search(line)
+    count, step = block.samples.size, block.dt
+    if points and int(points[1]) != count:
+        raise RecordFormatError(
+            f"{where}: expected {int(points[1])} points (text of the channel), found a heading with {count}; "
+            "the file is damaged: download it again"
+        )
+    if rate:
+        number, rounding = printed_number(rate[1])
+        if not abs(1.0 / step - number) <= max(1.01 * rounding, _RATE_TOLERANCE * number):
+            raise RecordFormatError(
+                f"{where}: expected {number:g} samples/sec (text of the channel), found a heading with {1.0 / step:g}; "
+                "the file is damaged: download it again"
+            )
+    if length:
+        number, rounding = printed_number(length[1])
+        # Some count the steps between the samples, some the samples.
+        if not abs(count * step - number) <= 2.0 * step + rounding + _LENGTH_TOLERANCE * number:
+            return [f"the header states {number:g} s, {count} samples at {step:g} s last {count * step:g} s"]
+    return []
+
+
+FORMAT = Format(
+    name="csmip_v1",
+    what="CSMIP volume 1, both layouts",
+    recognised="first line 'Uncorrected Accelerogram Data'",
+    unit="g or g/10, from the header",
+    processed="no",
+    example="CICLC.v1",
+    detect=is_csmip_v1,
+    parse=read_csmip_v1,
+)

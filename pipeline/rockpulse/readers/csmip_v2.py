@@ -1,0 +1,216 @@
+"""CSMIP volume 2: corrected acceleration, velocity and displacement, of which the acceleration is read.
+
+Each channel has a title, the 13 lines of text of volume 1, 11 more about the correction, integers (16I5), reals (8F10)
+and up to three blocks. Each block begins with a heading, as in ``3251 POINTS OF ACCEL DATA EQUALLY SPACED AT .020
+SEC.  (UNITS: CM/SEC/SEC)``; newer ones name the Fortran format, USC's no unit. Channels differ in length.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+
+from rockpulse.errors import RecordFormatError, UnitError
+from rockpulse.readers.csmip_layout import (
+    LONGEST_LINE,
+    TEXT_LINES,
+    Header,
+    Heading,
+    channels,
+    equal_block,
+    heading_at,
+    missing_channels,
+    read_header,
+)
+from rockpulse.readers.fields import check_count, printed_number
+from rockpulse.readers.format import Format, ReadOptions
+from rockpulse.readers.pairs import Block
+from rockpulse.readers.source import NotAcceleration, SourceFile
+from rockpulse.readers.units import UNITS, canonical_unit
+from rockpulse.record.record import Record
+
+__all__ = ["FORMAT", "is_csmip_v2", "read_corrected", "read_csmip_v2"]
+
+_TITLE = re.compile(r"\s?corrected accelerogram\b", re.IGNORECASE)
+_OPENING = re.compile(r"\s?corrected accelerogram\b[^\r\n]*[\r\n]+\s?uncorrected accelerogram data\b", re.IGNORECASE)
+#: The title, the lines of volume 1, and those about the correction.
+_CORRECTION = 1 + TEXT_LINES
+_ALL_TEXT = _CORRECTION + 11
+
+_FILTER = re.compile(r"\s*accelerogram\s+(?:is\s+)?(.*\bfiltered\b.*?)[\s.]*$", re.IGNORECASE)
+_DECLARED = re.compile(r"\s*(\d{1,15})\s+(?:points of\s+)?(instrument.*corrected)\b", re.IGNORECASE)
+_INTERVAL = re.compile(r"\s*at equally-spaced intervals of\s+(\d*\.?\d+)\s*sec", re.IGNORECASE)
+_PEAK = re.compile(r"\s*peak acceleration\s*=\s*(-?\d*\.?\d+)\s*(?!at\b)([a-z][a-z/]*)", re.IGNORECASE)
+
+
+def is_csmip_v2(head: bytes, name: str) -> bool:
+    """Whether the first two lines are the titles of a corrected and of its uncorrected volume."""
+    return bool(_OPENING.match(head[:1000].decode("latin-1")))
+
+
+def read_csmip_v2(file: SourceFile, options: ReadOptions) -> list[Record]:
+    """Read the acceleration of every channel.
+
+    Parameters
+    ----------
+    file : SourceFile
+        The file.
+    options : ReadOptions
+        Not used: the format states everything.
+
+    Raises
+    ------
+    NotAcceleration
+        Only velocity or displacement.
+    RecordFormatError, UnitError
+        With file and line, what was found and what was expected.
+    """
+    return read_corrected(file, FORMAT.name, read_header)
+
+
+def read_corrected(file: SourceFile, format: str, header: Callable[[Sequence[str]], Header]) -> list[Record]:
+    """Read a volume 2, whichever network wrote it.
+
+    Parameters
+    ----------
+    file : SourceFile
+        The file; its first line is 'Corrected accelerogram'.
+    format : str
+        `Record.format`.
+    header : callable
+        Reads the 13 lines of text of volume 1.
+
+    Returns
+    -------
+    list of Record
+        A channel without acceleration is left out, with a warning on the others.
+
+    Raises
+    ------
+    NotAcceleration
+        No channel has acceleration.
+    RecordFormatError, UnitError
+        With file and line, what was found and what was expected.
+    """
+    lines, spans = channels(file, _TITLE, "Corrected accelerogram")
+    records, left_out, headers = [], [], []
+    for number, (start, end) in enumerate(spans, 1):
+        check_count(f"{file.name}:{end}", _ALL_TEXT, end - start, f"header lines of channel {number}")
+        headers.append(header(lines[start + 1 : min(start + _ALL_TEXT + 1, end)]))
+        heading, behind = _acceleration(file.name, lines, start, end)
+        if heading.kind != "acceleration":
+            left_out.append((number, heading))
+            continue
+        text = [line[:LONGEST_LINE] for line in lines[start : start + _ALL_TEXT]]
+        unit, peak = _unit_and_peak(text, heading, file.name, start + 1)
+        block = equal_block(file.name, lines, heading, behind, unit)
+        _check_correction(text, block, f"{file.name}:{heading.at + 1}")
+        records.append(
+            headers[-1].record(
+                file,
+                number,
+                block,
+                format=format,
+                processed=True,
+                peak=peak,
+                processing=_correction(text[_CORRECTION:]),
+            )
+        )
+    if not records:
+        _, heading = left_out[0]
+        raise NotAcceleration(
+            f"{file.name}:{heading.at + 1}: expected points of acceleration, found {heading.kind}; "
+            "read the file with the acceleration of the same record"
+        )
+    notes = missing_channels(file.name, lines, spans, headers) + tuple(
+        f"line {heading.at + 1}: channel {number} holds {heading.kind} but no acceleration; it was left out"
+        for number, heading in left_out
+    )
+    return [replace(record, warnings=record.warnings + notes) for record in records]
+
+
+def _acceleration(name: str, lines: Sequence[str], start: int, end: int) -> tuple[Heading, int]:
+    """Heading of the acceleration, else of what stands first instead, and the index of the line behind the block.
+
+    Raises RecordFormatError where a block is missing, cut short or there twice.
+    """
+    found = [heading for at in range(start + _ALL_TEXT, end) if (heading := heading_at(lines, at))]
+    if not found:
+        raise RecordFormatError(
+            f"{name}:{end}: expected a line 'N points of accel data equally spaced at ...' in the channel that begins "
+            f"at line {start + 1}, found none; the file may be truncated: download it again"
+        )
+    ends = [*(heading.at for heading in found), end][1:]
+    for heading, behind in zip(found, ends, strict=True):
+        per_row = heading.layout[0] if heading.layout else 8
+        rows = -(-heading.count // per_row) if per_row else 0
+        if behind - heading.at - 1 < rows:
+            check_count(f"{name}:{behind}", rows, behind - heading.at - 1, f"rows of {heading.kind}")
+    accelerations = [pair for pair in zip(found, ends, strict=True) if pair[0].kind == "acceleration"]
+    if len(accelerations) > 1:
+        raise RecordFormatError(
+            f"{name}:{accelerations[1][0].at + 1}: expected the end of the channel that begins at line {start + 1}, "
+            "found a second block of acceleration; the file is damaged: download it again"
+        )
+    return accelerations[0] if accelerations else (found[0], ends[0])
+
+
+def _first(pattern: re.Pattern[str], lines: Sequence[str]) -> re.Match[str] | None:
+    return next((match for line in lines if (match := pattern.match(line))), None)
+
+
+def _unit_and_peak(text: Sequence[str], heading: Heading, where: str, line: int) -> tuple[str, tuple[float, float]]:
+    """Unit as worded by the heading, else by the peak; the peak and half a unit of its last digit [m/s2].
+
+    `where` is the name of the file, `line` the number of the first of the text.
+    """
+    found = next(((at, match) for at, words in enumerate(text, line) if (match := _PEAK.match(words))), None)
+    if found:
+        at, match = found
+        # USC writes CMS/SEC/SEC.
+        stated = canonical_unit(re.sub(r"^cms\b", "cm", match[2], flags=re.IGNORECASE), f"{where}:{at}")
+        value, rounding = printed_number(match[1])
+        return heading.unit or stated, (value * UNITS[stated], rounding * UNITS[stated])
+    if not heading.unit:
+        raise UnitError(
+            f"{where}:{heading.at + 1}: expected the unit of acceleration in the heading or behind "
+            "'Peak acceleration = N', found none; repair the header or download the file again"
+        )
+    return heading.unit, (float("nan"), 0.0)
+
+
+def _check_correction(text: Sequence[str], block: Block, where: str) -> None:
+    """Hold the count and the interval in the text of the channel against those of the heading."""
+    declared, interval = _first(_DECLARED, text), _first(_INTERVAL, text)
+    if declared and int(declared[1]) != block.samples.size:
+        raise RecordFormatError(
+            f"{where}: expected {int(declared[1])} points (text of the channel), found a heading with "
+            f"{block.samples.size}; the file is damaged: download it again"
+        )
+    if interval:
+        step, rounding = printed_number(interval[1])
+        if not abs(block.dt - step) <= 1.01 * rounding:
+            raise RecordFormatError(
+                f"{where}: expected an interval of {step:g} s (text of the channel), found a heading with "
+                f"{block.dt:g} s; the file is damaged: download it again"
+            )
+
+
+def _correction(correction: Sequence[str]) -> list[str]:
+    """What the agency did to the record, in its own words."""
+    filtered, corrected = _first(_FILTER, correction), _first(_DECLARED, correction)
+    steps = [match[group] for match, group in ((corrected, 2), (filtered, 1)) if match]
+    return [f"by the agency: {' '.join((words.lower() if words.isupper() else words).split())}" for words in steps]
+
+
+FORMAT = Format(
+    name="csmip_v2",
+    what="CSMIP volume 2, the acceleration of each channel",
+    recognised="first lines 'Corrected accelerogram' and 'Uncorrected Accelerogram Data'",
+    unit="cm/s2, from the heading of the block",
+    processed="yes",
+    example="CE58667.V2",
+    detect=is_csmip_v2,
+    parse=read_csmip_v2,
+)

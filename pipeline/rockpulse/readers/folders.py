@@ -1,0 +1,399 @@
+"""From paths to records: files, folders, globs and zip archives; what fails becomes a row, not a crash.
+
+Left out without a row, in folders and archives: hidden files and folders, and files that cannot be records by their
+name (notes, configurations, results), and StationXML and QuakeML. Everything else that is no record is "skipped".
+"""
+
+from __future__ import annotations
+
+import glob
+import hashlib
+import os
+from collections import defaultdict
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from functools import lru_cache, partial
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from rockpulse.errors import RecordFormatError, RockpulseError
+from rockpulse.failures import NO_RECORD, Failure
+from rockpulse.readers import ReadOptions, read_source
+from rockpulse.readers.archive import Archive, is_archive
+from rockpulse.readers.channel import DEAD
+from rockpulse.readers.no_record import is_quiet
+from rockpulse.readers.renadic import whole_records
+from rockpulse.readers.source import (
+    NoRecord,
+    NotAcceleration,
+    SourceFile,
+    Unrecognised,
+    check_link,
+    folder_station_files,
+    open_source,
+)
+from rockpulse.record.record import Record, distinct_ids
+
+__all__ = [
+    "Found",
+    "Opened",
+    "find_files",
+    "in_order",
+    "open_files",
+    "read_all",
+    "read_failure",
+    "read_opened",
+    "sample_digest",
+    "settled",
+]
+
+PathLike = str | os.PathLike[str]
+
+
+@dataclass(frozen=True)
+class Found:
+    """A file to read.
+
+    Attributes
+    ----------
+    path : Path
+        A file or a zip archive.
+    named : bool
+        Whether the user gave its very name.
+    """
+
+    path: Path
+    named: bool
+
+
+class Opened(NamedTuple):
+    """A file, or a member of an archive, on its way to the readers.
+
+    Attributes
+    ----------
+    name : str
+        As in `Record.source`.
+    file : SourceFile, RockpulseError or OSError
+        The file, or why it cannot be opened.
+    member : int or None
+        Its place in the archive, see `rockpulse.readers.archive.Archive`; None for a file.
+    """
+
+    name: str
+    file: SourceFile | RockpulseError | OSError
+    member: int | None = None
+
+
+def read_all(
+    paths: PathLike | Iterable[PathLike],
+    units: str | None = None,
+    on_file: Callable[[str], None] | None = None,
+    dt: float | None = None,
+    response: str = "sensitivity",
+) -> tuple[list[Record], list[Failure]]:
+    """Read every record under some paths.
+
+    Parameters
+    ----------
+    paths : path or iterable of paths
+        Files, folders (searched to any depth; links to folders are not followed), globs (``**`` for any depth; a
+        folder that matches is searched) and zip archives. A path that exists is never taken as a glob.
+    units : str, optional
+        Unit of the accelerations for files that do not state one; see `rockpulse.read`.
+    on_file : callable, optional
+        Called with the path of each file after it was read.
+    dt : float, optional
+        Sampling interval [s] for columns without a time column.
+    response : {"sensitivity", "remove"}
+        How counts with a StationXML become m/s2; see `rockpulse.readers.ReadOptions`.
+
+    Returns
+    -------
+    records : list of Record
+        Sorted by path and channel, with distinct ids: the second of two records with one id and different content
+        has ``~2`` appended. A record that its agency cut into files is one; see
+        `rockpulse.readers.renadic.join_parts`.
+    failures : list of Failure
+        Sorted by file. A file that is no acceleration record "failed" if it was named and is "skipped" if it was met
+        in a folder, a glob or an archive; one that is a record and cannot be read failed in any case, and so did an
+        empty one. A record whose samples and interval another file has is a "duplicate", unless the two say that they
+        face different directions; the one stays that knows most of direction, time and event.
+
+    Raises
+    ------
+    UnitError
+        If `units` is none of the accepted ones. No file raises anything.
+    ConfigError
+        If `response` is.
+    """
+    options = ReadOptions(units, dt, response)
+    found, failures = find_files(paths)
+    # One look at a folder's station metadata serves all its records.
+    station_files = lru_cache(maxsize=16)(folder_station_files)
+    records: list[Record] = []
+    for item in found:
+        for opened in open_files(item, station_files):
+            try:
+                records += read_opened(opened, options)
+            except (RockpulseError, OSError) as fault:
+                failures.append(read_failure(item, opened.name, fault))
+        if on_file is not None:
+            on_file(str(item.path))
+    whole, duplicates = settled(records, sample_digest)
+    return [record for record, _ in whole], sorted(failures + duplicates, key=in_order)
+
+
+def settled(
+    records: Sequence[Record], digest: Callable[[Record], str]
+) -> tuple[list[tuple[Record, tuple[Record, ...]]], list[Failure]]:
+    """What all files together hold: each content once, cut records joined, sorted by path and channel, distinct ids.
+
+    Parameters
+    ----------
+    records : sequence of Record
+        Those of all files, in the order of the files; of the samples nothing but their number is asked.
+    digest : callable
+        What is the same for two records of the same samples: :func:`sample_digest` where they are at hand.
+
+    Returns
+    -------
+    records : list of (Record, tuple of Record)
+        Each record and those of the given ones that it is made of; several where parts were joined.
+    duplicates : list of Failure
+        A row for each record whose content another one has.
+    """
+    kept, duplicates = _without_duplicates(sorted(records, key=_place), digest)
+    whole = sorted(whole_records(kept), key=lambda item: _place(item[0]))
+    named = distinct_ids([record for record, _ in whole])
+    return [(record, pieces) for record, (_, pieces) in zip(named, whole, strict=True)], duplicates
+
+
+def sample_digest(record: Record) -> str:
+    """SHA-256 of the samples and the interval of a record.
+
+    Parameters
+    ----------
+    record : Record
+        As read.
+    """
+    digest = hashlib.sha256(record.acceleration.tobytes())
+    digest.update(f"{record.dt:.9g}".encode())
+    return digest.hexdigest()
+
+
+def in_order(row: Failure) -> tuple[str, str]:
+    """Key that sorts what was left out while reading: by file and reason."""
+    return row.file, row.reason
+
+
+def _place(record: Record) -> tuple[str, str]:
+    return record.source, record.channel
+
+
+def find_files(
+    paths: PathLike | Iterable[PathLike], passed_over: Iterable[PathLike] = ()
+) -> tuple[list[Found], list[Failure]]:
+    """Files behind the paths, each once, sorted; a file that is named and also lies in a folder counts as named.
+
+    Parameters
+    ----------
+    paths : path or iterable of paths
+        As in :func:`read_all`.
+    passed_over : iterable of paths
+        Files that are no input whatever leads to them, a link or their own name: those that the run writes. To open
+        and close one that this process has locked would give up the lock.
+
+    Returns
+    -------
+    found : list of Found
+        Nothing was opened but XML, to pass over what tells of stations and earthquakes.
+    failures : list of Failure
+        A row for each path behind which nothing is, and each folder that cannot be listed.
+    """
+    found: dict[str, Found] = {}
+    failures = []
+    for given in [paths] if isinstance(paths, str | os.PathLike) else paths:
+        text = os.fspath(given)
+        path = Path(text)
+        if not text:
+            failures.append(
+                Failure(text, "find", "an empty path was given; is a variable of the shell unset?", "failed")
+            )
+            continue
+        if path.is_dir():
+            items, faults = _walk(path)
+            failures += faults
+            if not items and not faults:
+                failures.append(Failure(text, "find", f"{text}: no file to read in the folder; check it", "failed"))
+        elif os.path.lexists(path):
+            items = [Found(path, True)]
+        elif glob.has_magic(text):
+            items = []
+            for hit in map(Path, glob.glob(text, recursive=True)):  # noqa: PTH207 - takes absolute patterns
+                inside, faults = _walk(hit) if hit.is_dir() else ([] if _quiet_file(hit) else [Found(hit, False)], [])
+                items += inside
+                failures += faults
+            if not items:
+                failures.append(Failure(text, "find", f"{text}: the pattern matches no file; check it", "failed"))
+        else:
+            failures.append(Failure(text, "find", f"{text}: no such file or folder; check the path", "failed"))
+            continue
+        for item in items:
+            key = os.path.abspath(item.path)  # noqa: PTH100 - links stay what they are
+            if key not in found or item.named:
+                found[key] = item
+    own = {identity for path in passed_over if (identity := _identity(path)) is not None}
+    kept = [item for item in found.values() if not own or _identity(item.path) not in own]
+    return sorted(kept, key=lambda item: str(item.path)), failures
+
+
+def _identity(path: PathLike) -> tuple[int, int] | None:
+    """The same for all names and links of a file; None where none is."""
+    try:
+        state = os.stat(path)  # noqa: PTH116 - takes any path
+    except (OSError, ValueError):  # whoever opens it says why
+        return None
+    return state.st_dev, state.st_ino
+
+
+def _walk(folder: Path) -> tuple[list[Found], list[Failure]]:
+    """Files below a folder, and a row for each folder that cannot be listed."""
+    faults: list[OSError] = []
+    items = []
+    for parent, folders, files in os.walk(folder, onerror=faults.append):
+        folders[:] = [name for name in folders if not name.startswith(".")]
+        paths = [Path(parent, name) for name in files if not name.startswith(".")]
+        items += [Found(path, False) for path in paths if not _quiet_file(path)]
+    return items, [Failure(str(fault.filename), "find", str(fault), "failed") for fault in faults]
+
+
+def _quiet_file(path: Path) -> bool:
+    readable = path.suffix.lower() != ".xml" or path.is_file()  # to open a pipe would wait for its writer
+    return readable and is_quiet(str(path), partial(open_source, path))
+
+
+def open_files(found: Found, station_files: Callable[[Path], list[tuple[str, bytes]]]) -> Iterator[Opened]:
+    """The file, or the members of the archive, or the fault that kept them from being opened.
+
+    Parameters
+    ----------
+    found : Found
+        What to open.
+    station_files : callable
+        Gives (name, bytes) of the StationXML files in a folder.
+    """
+    path = found.path
+    try:
+        check_link(path)
+        if path.exists() and not path.is_file():
+            raise OSError(f"{path}: expected a regular file, found a device, socket or pipe")
+        if not is_archive(path):
+            yield Opened(str(path), open_source(path, partial(station_files, path.parent)))
+            return
+        count = 0
+        with Archive(path) as archive:
+            for number, name in enumerate(archive.names):
+                if not is_quiet(name, partial(archive.member, number)):
+                    count += 1
+                    yield Opened(name, _member(archive, number), number)
+        if not count:
+            raise RecordFormatError(f"{path}: no file to read in the archive; check it")
+    except (RockpulseError, OSError) as fault:
+        yield Opened(str(path), fault)
+
+
+def read_opened(opened: Opened, options: ReadOptions) -> list[Record]:
+    """Every channel of a file that was opened.
+
+    Parameters
+    ----------
+    opened : Opened
+        From :func:`open_files`.
+    options : ReadOptions
+        What the caller knows.
+
+    Raises
+    ------
+    RockpulseError, OSError
+        Where it could not be opened, or is not read.
+    """
+    if isinstance(opened.file, Exception):
+        raise opened.file
+    return read_source(opened.file, options)
+
+
+def read_failure(found: Found, name: str, fault: Exception) -> Failure:
+    """The row for a file, or member of an archive, that gave no record.
+
+    Parameters
+    ----------
+    found : Found
+        The file or archive.
+    name : str
+        `Opened.name`.
+    fault : Exception
+        Why.
+    """
+    named = found.named and name == str(found.path)
+    if isinstance(fault, NoRecord) and not named:
+        return Failure(name, "read", f"{name}: {NO_RECORD}", "skipped")
+    no_record = isinstance(fault, Unrecognised | NotAcceleration)
+    reason = str(fault) if name in str(fault) else f"{name}: {fault}"
+    return Failure(name, "read", reason, "skipped" if no_record and not named else "failed")
+
+
+def _member(archive: Archive, number: int) -> SourceFile | RockpulseError:
+    try:
+        return archive.member(number)
+    except RockpulseError as fault:
+        return fault
+
+
+def _without_duplicates(
+    records: Sequence[Record], digest: Callable[[Record], str]
+) -> tuple[list[Record], list[Failure]]:
+    """Each content once; of several the one that knows its direction, else its time and event, else the first."""
+    alike: dict[str, list[Record]] = defaultdict(list)
+    for record in records:
+        alike[digest(record)].append(record)
+    first_of: dict[int, Record] = {}
+    for group in alike.values():
+        kept: list[Record] = []
+        for record in sorted(group, key=_unknown):
+            first = next((one for one in kept if _same_motion(one, record)), None)
+            if first is None:
+                kept.append(record)
+            else:
+                first_of[id(record)] = first
+    failures = [
+        Failure(
+            record.source,
+            "read",
+            f"channel {record.channel}: same samples and interval as {first.id} of {first.source}",
+            "duplicate",
+        )
+        for record in records
+        if (first := first_of.get(id(record))) is not None
+    ]
+    return [record for record in records if id(record) not in first_of], failures
+
+
+def _unknown(record: Record) -> tuple[bool, ...]:
+    return record.orientation == "unknown", record.start_time is None, not record.event
+
+
+def _same_motion(one: Record, other: Record) -> bool:
+    """Whether two records with the same samples are one motion, whatever their files call it.
+
+    Channels of one file, and those that a file says to be dead, may be alike and are told apart by their component.
+    """
+    if one.component == other.component:
+        return True
+    if one.source == other.source or any(DEAD in record.warnings for record in (one, other)):
+        return False
+    if "unknown" in (one.orientation, other.orientation):
+        return True
+    same = np.array_equal(one.azimuth, other.azimuth, equal_nan=True)
+    return one.orientation == other.orientation and same

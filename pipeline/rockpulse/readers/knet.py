@@ -1,0 +1,137 @@
+"""K-NET and KiK-net ASCII files of NIED (Japan), through obspy.
+
+obspy gives counts with an offset and the factor in ``stats.calib``, and has already turned Japanese time into UTC and
+taken off the 15 s that the logger adds to the record time. Scale and offset are applied here, once.
+"""
+
+from __future__ import annotations
+
+import re
+
+import numpy as np
+
+from rockpulse.errors import RecordFormatError
+from rockpulse.readers.channel import build_record
+from rockpulse.readers.clipping import clipping_warning
+from rockpulse.readers.fields import check_count, free_numbers, printed_number, text_lines
+from rockpulse.readers.format import Format, ReadOptions
+from rockpulse.readers.obspy_bridge import obspy_stream, utc_time
+from rockpulse.readers.source import SourceFile
+from rockpulse.readers.units import UNITS
+from rockpulse.record.record import Record
+
+__all__ = ["FORMAT", "is_knet", "read_knet"]
+
+_SCALE = re.compile(r"Scale Factor\s+(\d+\.?\d*)\s*\(gal\)\s*/\s*(\d+\.?\d*)", re.IGNORECASE)
+_PEAK = re.compile(r"Max\. Acc\. \(gal\)\s+(-?\d+\.?\d*)", re.IGNORECASE)
+_HEADER_LINES = 17
+#: No line of the header is longer; a damaged one may be.
+_LONGEST_LINE = 200
+_DIRECTIONS = re.compile(r"\.(EW|NS|UD)([12]?)$", re.IGNORECASE)
+
+
+def is_knet(head: bytes, name: str) -> bool:
+    """Whether the file begins with the origin time, as these files do."""
+    return head.startswith(b"Origin Time")
+
+
+def read_knet(file: SourceFile, options: ReadOptions) -> list[Record]:
+    """Read the one channel of the file; its mean over the whole record is the offset.
+
+    Parameters
+    ----------
+    file : SourceFile
+        The file.
+    options : ReadOptions
+        Not used: the format states everything.
+
+    Raises
+    ------
+    RecordFormatError
+        With file and line, what was found and what was expected.
+    """
+    lines = text_lines(file.content)
+    check_count(f"{file.name}:{len(lines)}", _HEADER_LINES, len(lines), "header lines")
+    header = [line[:_LONGEST_LINE] for line in lines[:_HEADER_LINES]]
+    scale = _SCALE.match(header[13])
+    if not scale or float(scale[1]) == 0.0 or float(scale[2]) == 0.0:
+        raise RecordFormatError(
+            f"{file.name}:14: expected 'Scale Factor' as 2000(gal)/8388608, found {header[13].strip()!r}; "
+            "the header is damaged: download the file again"
+        )
+    # Names the line of a damaged number, which obspy does not.
+    free_numbers(lines[_HEADER_LINES:], _HEADER_LINES + 1, file.name)
+    # obspy takes ASCII and LF only.
+    (trace,), notes = obspy_stream(
+        file, "KNET", "\n".join([*header, *lines[_HEADER_LINES:], ""]).encode("ascii", errors="replace")
+    )
+    stats = trace.stats
+    expected = float(stats.knet.duration) * float(stats.sampling_rate)
+    if not 0.0 < expected < len(file.content):
+        raise RecordFormatError(
+            f"{file.name}:11: expected a sampling frequency and a duration that fit the file, found "
+            f"{stats.sampling_rate} Hz and {stats.knet.duration} s; the header is damaged: download the file again"
+        )
+    declared = round(expected)
+    check_count(f"{file.name}:{len(lines)}", declared, int(stats.npts))
+    if stats.npts > expected + stats.sampling_rate:
+        raise RecordFormatError(
+            f"{file.name}:{len(lines)}: expected {declared} samples (duration and sampling frequency), found "
+            f"{stats.npts}; the file holds more than one record: download it again"
+        )
+    counts = np.asarray(trace.data, dtype=float)
+    offset = float(np.mean(counts))
+    factor = UNITS["gal"] * float(scale[1]) / float(scale[2])
+    peak = _PEAK.match(header[14])
+    stated, rounding = printed_number(peak[1]) if peak else (float("nan"), 0.0)
+    component, warnings = _component(file, stats.channel)
+    return [
+        build_record(
+            file,
+            1,
+            counts - offset,
+            float(stats.delta),
+            "counts",
+            factor=factor,
+            format="knet",
+            processed=False,
+            component=component.rstrip("12"),
+            channel=component,
+            network=stats.network,
+            station=stats.station,
+            location=stats.location,
+            start_time=utc_time(file, stats.starttime),
+            header_peak=stated * UNITS["gal"],
+            peak_rounding=rounding * UNITS["gal"],
+            event=f"{utc_time(file, stats.knet.evot):%Y-%m-%d %H:%M:%S} UTC M{stats.knet.mag:g}",
+            warnings=[*notes, *warnings, *clipping_warning(counts)],
+            processing=[f"recorder offset removed: mean of the record, {offset * factor:.6g} m/s2"],
+        )
+    ]
+
+
+def _component(file: SourceFile, channel: str) -> tuple[str, list[str]]:
+    """Channel code and warnings; the extension of the file is safer than the header's direction."""
+    named = _DIRECTIONS.search(file.path.name)
+    if named is None:
+        component, warnings = channel, []
+    else:
+        component = named[1].upper() + named[2]
+        warnings = [f"the header says {channel}, the file name {component}: the name counts"]
+        if component == channel:
+            warnings = []
+    if component.endswith("1"):
+        warnings.append("KiK-net borehole sensor: motion at depth, not at the ground surface")
+    return component, warnings
+
+
+FORMAT = Format(
+    name="knet",
+    what="K-NET, KiK-net ASCII",
+    recognised="first words 'Origin Time'",
+    unit="counts, scale in the header",
+    processed="no",
+    example="AKT0139608110312.EW",
+    detect=is_knet,
+    parse=read_knet,
+)

@@ -1,0 +1,151 @@
+"""(time, acceleration) pairs of digitised traces: the block, and the header words for its length and its unit.
+
+The volume 1 files of CSMIP, USC and RENADIC hold five pairs in a row, in fields of equal width that may touch.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from rockpulse.errors import RecordFormatError
+from rockpulse.readers.fields import check_count, fixed_width
+from rockpulse.readers.spacing import make_even
+from rockpulse.readers.units import UNITS, canonical_unit
+from rockpulse.record.record import STANDARD_GRAVITY
+
+__all__ = ["PAIRS_PER_ROW", "Block", "declared_points", "pair_block", "pair_unit", "surplus"]
+
+PAIRS_PER_ROW = 5
+_POINTS = re.compile(r"no\. of points\s*=\s*(\d{1,15})\b", re.IGNORECASE)
+_UNIT = re.compile(r"units (?:of uncor (?:accel|data) )?(?:is|are)\s+(?:sec(?:onds)?\s+and\s+)?(\S+)", re.IGNORECASE)
+
+
+@dataclass(frozen=True)
+class Block:
+    """Samples of one channel.
+
+    Attributes
+    ----------
+    samples : (n,) ndarray
+        Equally spaced accelerations [unit].
+    dt : float
+        Sampling interval [s].
+    unit : str
+        A key of `rockpulse.readers.units.UNITS`.
+    peak : float
+        Largest absolute value as the file holds it, before any resampling [unit].
+    warnings : tuple of str
+        What the user should know.
+    """
+
+    samples: np.ndarray
+    dt: float
+    unit: str
+    peak: float
+    warnings: tuple[str, ...] = ()
+
+    def noting(self, *warnings: str) -> Block:
+        """The same samples with further warnings."""
+        return replace(self, warnings=(*self.warnings, *warnings))
+
+
+def declared_points(line: str, where: str) -> int:
+    """The number in a header line ``No. of Points = 11999``.
+
+    Parameters
+    ----------
+    line : str
+        Line of the header.
+    where : str
+        ``file:line`` for the message.
+
+    Raises
+    ------
+    RecordFormatError
+        If the line does not say.
+    """
+    match = _POINTS.search(line)
+    if not match:
+        raise RecordFormatError(
+            f"{where}: expected 'No. of Points = N', found {line[:60].strip()!r}; "
+            "the header is damaged: download the file again"
+        )
+    return int(match[1])
+
+
+def pair_unit(line: str, where: str) -> str:
+    """The unit of acceleration in a header line ``Units are sec and g/10``, a key of `UNITS`.
+
+    Parameters
+    ----------
+    line : str
+        Line of the header.
+    where : str
+        ``file:line`` for the message.
+
+    Raises
+    ------
+    UnitError
+        If the line names none, or one that is not known.
+    """
+    match = _UNIT.search(line)
+    return canonical_unit((match[1] if match else line)[:60].strip(), where)
+
+
+def surplus(lines: Sequence[str], first: int, end: int) -> tuple[str, ...]:
+    """A warning for rows between the declared samples and the end of the channel.
+
+    Parameters
+    ----------
+    lines : sequence of str
+        All lines of the file.
+    first, end : int
+        Index of the first row behind the samples, and of the end of the channel.
+    """
+    rows = sum(1 for line in lines[first:end] if line.strip())
+    return (f"line {first + 1}: {rows} rows beyond the declared count were left out",) if rows else ()
+
+
+def pair_block(name: str, lines: Sequence[str], first: int, end: int, count: int, unit: str) -> Block:
+    """Read the pairs of one channel and make their spacing equal.
+
+    Parameters
+    ----------
+    name : str
+        Name of the file, for messages.
+    lines : sequence of str
+        All lines of the file.
+    first, end : int
+        Index of the first row of pairs, and of the end of the channel.
+    count : int
+        Pairs that the header declares.
+    unit : str
+        Unit of the accelerations, a key of `UNITS`.
+
+    Returns
+    -------
+    Block
+        The samples; see `rockpulse.readers.spacing.make_even` for unequal steps.
+
+    Raises
+    ------
+    RecordFormatError
+        Too few pairs, a damaged row, times that do not increase, a gap.
+    """
+    check_count(f"{name}:{end}", count, PAIRS_PER_ROW * max(end - first, 0), "pairs")
+    rows = -(-count // PAIRS_PER_ROW)
+    block = lines[first : first + rows]
+    fields = 2 * min(PAIRS_PER_ROW, count)
+    width, rest = divmod(len(block[0].rstrip()), fields)
+    if rest == 1 and all(row.startswith(" ") for row in block):
+        # Carriage control of a line printer in front of every row.
+        block = [row[1:] for row in block]
+    pairs = fixed_width(block, first + 1, width or 1, 2 * PAIRS_PER_ROW, 2 * count, name).reshape(-1, 2)
+    peak = float(np.max(np.abs(pairs[:, 1])))
+    gravity = UNITS[unit] / STANDARD_GRAVITY
+    samples, dt, notes = make_even(pairs[:, 0], pairs[:, 1], name, first + 1, PAIRS_PER_ROW, gravity)
+    return Block(samples, dt, unit, peak, (*surplus(lines, first + rows, end), *notes))

@@ -1,0 +1,137 @@
+"""SAC binary files; the unit is not in the header."""
+
+from __future__ import annotations
+
+import struct
+
+import numpy as np
+
+from rockpulse.errors import RecordFormatError, UnitError
+from rockpulse.readers.channel import build_record
+from rockpulse.readers.format import Format, ReadOptions
+from rockpulse.readers.obspy_bridge import obspy_stream, seed_direction, utc_time
+from rockpulse.readers.source import NotAcceleration, SourceFile
+from rockpulse.readers.units import UNITS, canonical_unit
+from rockpulse.record.record import Record
+
+__all__ = ["FORMAT", "is_sac", "read_sac"]
+
+#: Length of the header and offsets of the words NPTS and NVHDR [bytes].
+_HEADER, _NPTS, _NVHDR = 632, 4 * 79, 4 * 76
+#: Values of IDEP that exclude acceleration.
+_UNDEFINED = -12345.0
+_COORDINATES = {"STLA": 31, "STLO": 32, "EVLA": 35, "EVLO": 36}
+_SERIES = {6: "displacement", 7: "velocity"}
+
+
+def _byte_order(head: bytes) -> str | None:
+    """Byte order in which the header version is one that exists."""
+    if len(head) < _HEADER:
+        return None
+    orders = (order for order in "<>" if struct.unpack_from(order + "i", head, _NVHDR)[0] in (6, 7))
+    return next(orders, None)
+
+
+def is_sac(head: bytes, name: str) -> bool:
+    """Whether the header version of a binary SAC file stands where it belongs."""
+    return _byte_order(head) is not None
+
+
+def read_sac(file: SourceFile, options: ReadOptions) -> list[Record]:
+    """Read the one channel of a SAC file.
+
+    Parameters
+    ----------
+    file : SourceFile
+        The file.
+    options : ReadOptions
+        `units` is needed, a key of `UNITS`: the header does not tell the unit.
+
+    Raises
+    ------
+    NotAcceleration
+        If the header declares velocity or displacement.
+    UnitError
+        No unit given.
+    RecordFormatError
+        Unequal spacing, fewer samples than declared, damaged bytes.
+    """
+    order = _byte_order(file.head)
+    if order is None:
+        raise RecordFormatError(f"{file.name}: expected a SAC header of version 6 or 7, found none; is it a SAC file?")
+    declared = struct.unpack_from(f"{order}i", file.content, _NPTS)[0]
+    available = (len(file.content) - _HEADER) // 4
+    if not 1 <= declared <= available:
+        raise RecordFormatError(
+            f"{file.name}: expected {declared} samples (header NPTS), found room for {available}; "
+            "the file may be truncated: download it again"
+        )
+    _check_coordinates(file, order)
+    (trace,), notes = obspy_stream(file, "SAC")
+    stats = trace.stats
+    header = stats.sac
+    if header.get("iftype", 1) != 1 or not header.get("leven", 1):
+        raise RecordFormatError(
+            f"{file.name}: expected an equally spaced time series (IFTYPE 1, LEVEN true), found IFTYPE "
+            f"{header.get('iftype')}, LEVEN {header.get('leven')}; export the record again"
+        )
+    series = _SERIES.get(int(header.get("idep", 5)))
+    if series:
+        raise NotAcceleration(f"{file.name}: expected an acceleration, the header (IDEP) says {series}")
+    if options.units is None:
+        raise UnitError(
+            f"{file.name}: a SAC header does not state the unit of acceleration; give it with the option units, one of "
+            f"{', '.join(UNITS)}: read(path, units='cm/s2'), or units under [records] of the configuration"
+        )
+    unit = canonical_unit(options.units, "option units")
+    inclination, azimuth = header.get("cmpinc"), header.get("cmpaz")
+    dip = None if inclination is None else float(inclination) - 90.0
+    with np.errstate(invalid="ignore"):  # a signalling NaN; Record names it
+        values = np.asarray(trace.data, dtype=float)
+    scale = float(header.get("scale", 1.0))
+    if scale != 1.0:
+        notes.append(f"the header word SCALE = {scale:g} is not applied")
+    return [
+        build_record(
+            file,
+            1,
+            values,
+            # The header holds dt as float32: 0.01 would come as 0.00999999977648.
+            float(f"{stats.delta:.7g}"),
+            unit,
+            format="sac",
+            processed=None,
+            component=stats.channel,
+            facing=seed_direction(stats.channel, None if azimuth is None else float(azimuth), dip),
+            channel=stats.channel,
+            network=stats.network,
+            station=stats.station,
+            location=stats.location,
+            event=str(header.get("kevnm", "")).strip(),
+            start_time=utc_time(file, stats.starttime) if "nzyear" in header else None,
+            warnings=notes,
+        )
+    ]
+
+
+def _check_coordinates(file: SourceFile, order: str) -> None:
+    """Obspy brings a longitude into its range by turns of 360 degrees, one by one: an absurd one never ends."""
+    for name, word in _COORDINATES.items():
+        value = struct.unpack_from(f"{order}f", file.content, 4 * word)[0]
+        if value != _UNDEFINED and not abs(value) <= 360.0:
+            raise RecordFormatError(
+                f"{file.name}: expected degrees in the header word {name}, found {value:g}; the file may be damaged: "
+                "download it again"
+            )
+
+
+FORMAT = Format(
+    name="sac",
+    what="SAC, binary",
+    recognised="header version",
+    unit="asked for (units)",
+    processed="unknown",
+    example="T001230.HNE.sac",
+    detect=is_sac,
+    parse=read_sac,
+)

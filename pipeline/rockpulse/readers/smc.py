@@ -1,0 +1,222 @@
+"""SMC files of the USGS National Strong-Motion Project.
+
+11 lines of text, 48 integers (8I10), 50 reals (5E15.7), comment lines that begin with ``|``, then the values in cm/s2,
+8 fields of 10 characters that touch. The digit in front of the first line tells what the values are.
+Layout: https://escweb.wr.usgs.gov/nsmp-data/smcfmt.html
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from datetime import datetime
+
+import numpy as np
+
+from rockpulse.errors import RecordFormatError
+from rockpulse.readers.channel import build_record
+from rockpulse.readers.clock import instant, later, near_event
+from rockpulse.readers.facing import Direction, direction, on_structure
+from rockpulse.readers.fields import check_count, fixed_width, printed_number, text_lines
+from rockpulse.readers.format import Format, ReadOptions
+from rockpulse.readers.source import NotAcceleration, SourceFile
+from rockpulse.readers.spacing import make_even
+from rockpulse.readers.units import UNITS
+from rockpulse.record.record import STANDARD_GRAVITY, Record
+
+__all__ = ["FORMAT", "is_smc", "read_smc"]
+
+#: Series of types 1 to 6, in this order.
+_KINDS = (
+    "UNCORRECTED ACCELEROGRAM",
+    "CORRECTED ACCELEROGRAM",
+    "VELOCITY",
+    "DISPLACEMENT",
+    "RESPONSE SPECTRA",
+    "FOURIER",
+)
+_TITLE = re.compile(rf"\s?([1-6])\s+({'|'.join(_KINDS)})", re.IGNORECASE)
+_TEXT_LINES, _INTEGER_LINES, _REAL_LINES = 11, 6, 10
+#: No line of text is longer; a damaged one may be.
+_LONGEST_LINE = 200
+_STATION = re.compile(r"station\s*=\s*(.*?)\s*component\s*=\s*(.*)", re.IGNORECASE)
+_PEAK = re.compile(r"pk acc\s*=\s*(-?\d+\.?\d*(?:E[+-]?\d+)?)", re.IGNORECASE)
+_EVENT = re.compile(r"\s*(\d{4})\s+(\d+)\s+(\d+)\s+(\d+)\s+(.*)", re.ASCII)
+#: Some files carry a nonsense rate; no accelerograph reaches this one [1/s].
+_RATE_LIMIT = 10_000.0
+_UNIT = "cm/s2"
+#: Integer 19: building, bridge, dam, other structures; integers 27 and 28 are 0 on the free field of a bridge or dam.
+_STRUCTURES = (1, 2, 3, 4)
+_FREE_FIELD_AT = {2: 27, 3: 28}
+
+
+def is_smc(head: bytes, name: str) -> bool:
+    """Whether the first line is a digit and the kind of series it stands for, and the integers follow."""
+    lines = text_lines(head[:4000])
+    return bool(lines and _TITLE.match(lines[0])) and (
+        len(lines) <= _TEXT_LINES or bool(re.fullmatch(r"[\s\d-]+", lines[_TEXT_LINES]))
+    )
+
+
+def read_smc(file: SourceFile, options: ReadOptions) -> list[Record]:
+    """Read the one channel of the file.
+
+    Parameters
+    ----------
+    file : SourceFile
+        The file.
+    options : ReadOptions
+        Not used: the format states everything.
+
+    Raises
+    ------
+    NotAcceleration
+        For velocity, displacement and spectra.
+    RecordFormatError
+        With file and line, what was found and what was expected.
+    """
+    lines = text_lines(file.content)
+    title = _TITLE.match(lines[0])
+    if title is None:
+        raise RecordFormatError(
+            f"{file.name}:1: expected the kind of series, '2 CORRECTED ACCELEROGRAM' and the like, found "
+            f"{lines[0][:40]!r}; is it an SMC file?"
+        )
+    kind = title[1]
+    if kind not in "12":
+        raise NotAcceleration(
+            f"{file.name}:1: expected an accelerogram (type 1 or 2), found type {kind}, {title[2].lower()}; "
+            "read the acceleration file of the same record"
+        )
+    first_value = _TEXT_LINES + _INTEGER_LINES + _REAL_LINES
+    check_count(f"{file.name}:{len(lines)}", first_value, len(lines), "header lines")
+    integers = fixed_width(lines[_TEXT_LINES:], _TEXT_LINES + 1, 10, 8, 48, file.name)
+    real_line = _TEXT_LINES + _INTEGER_LINES
+    reals = fixed_width(lines[real_line:], real_line + 1, 15, 5, 50, file.name)
+    integers = np.where(integers == integers[0], np.nan, integers)
+    reals = np.where(reals >= 0.99 * reals[0], np.nan, reals)
+    comments = 0 if np.isnan(integers[15]) else int(integers[15])
+    if comments < 0:
+        raise RecordFormatError(
+            f"{file.name}:{_TEXT_LINES + 2}: expected a number of comment lines (integer 16), found {comments}; "
+            "the header is damaged: download the file again"
+        )
+    first = first_value + comments
+    for index in range(first_value, min(first, len(lines))):
+        if not lines[index].startswith("|"):
+            raise RecordFormatError(
+                f"{file.name}:{index + 1}: expected comment {index - first_value + 1} of {comments}, a line that "
+                f"begins with '|', found {lines[index][:40]!r}; the header is damaged: download the file again"
+            )
+    samples, step, peak, warnings = _values(file.name, lines, first, integers, reals, raw=kind == "1")
+    text = [line[:_LONGEST_LINE] for line in lines[:_TEXT_LINES]]
+    station = _STATION.search(text[5])
+    name, component = (station[1], station[2].strip()) if station else ("", "")
+    stated = _PEAK.search(text[6])
+    header_peak, rounding = printed_number(stated[1]) if stated else (float("nan"), 0.0)
+    event = _EVENT.match(text[3])
+    start_time, notes = _start_time(integers, event)
+    if integers[17] > 0.0:
+        notes.append("the agency flags a problem of this record (integer 18 of the header)")
+    return [
+        build_record(
+            file,
+            1,
+            samples,
+            step,
+            _UNIT,
+            format="smc",
+            processed=kind == "2",
+            component=component,
+            facing=_facing(component, integers),
+            structural=_structural(name, integers),
+            station="" if np.isnan(integers[29]) else str(int(integers[29])),
+            station_name=name,
+            event=" ".join(event[5].split()) if event else "",
+            start_time=start_time,
+            header_peak=header_peak * UNITS[_UNIT],
+            peak_rounding=rounding * UNITS[_UNIT],
+            original_peak=peak,
+            warnings=[*warnings, *notes],
+        )
+    ]
+
+
+def _values(
+    name: str, lines: Sequence[str], first: int, integers: np.ndarray, reals: np.ndarray, raw: bool
+) -> tuple[np.ndarray, float, float, list[str]]:
+    """Samples, interval, peak as in the file, warnings; unequal steps of a raw digitised trace are resampled."""
+    count = 0 if np.isnan(integers[16]) else int(integers[16])
+    rate = reals[1]
+    where = f"{name}:{_TEXT_LINES + _INTEGER_LINES + 1}"
+    pairs = raw and np.isnan(rate)
+    if not pairs and not 0.0 < rate <= _RATE_LIMIT:
+        raise RecordFormatError(
+            f"{where}: expected a sampling rate (second real of the header) above 0 and at most {_RATE_LIMIT:g} per s, "
+            f"found {'none' if np.isnan(rate) else rate}; the header is damaged: download the file again"
+        )
+    values = fixed_width(lines[first:], first + 1, 10, 8, count, name)
+    used = first + -(-count // 8)
+    rows = sum(1 for line in lines[used:] if line.strip())
+    warnings = [f"line {used + 1}: {rows} rows beyond the declared count were left out"] if rows else []
+    if not pairs:
+        return values, 1.0 / rate, float(np.max(np.abs(values))), warnings
+    if count % 2:
+        raise RecordFormatError(
+            f"{name}:{_TEXT_LINES + 3}: expected an even number of values for (time, acceleration) pairs, found {count}"
+        )
+    times, samples = values[::2], values[1::2]
+    peak = float(np.max(np.abs(samples)))
+    even, step, notes = make_even(times, samples, name, first + 1, 4, UNITS[_UNIT] / STANDARD_GRAVITY)
+    return even, step, peak, warnings + notes
+
+
+def _facing(component: str, integers: np.ndarray) -> Direction:
+    """The wording decides; integers 13 and 14 (angle from the upward vertical, azimuth) where it says nothing."""
+    facing = direction(component)
+    if facing.orientation != "unknown":
+        return facing
+    if integers[12] in (0.0, 180.0):
+        return Direction("vertical", sign=1.0 if integers[12] == 0.0 else -1.0)
+    if 0.0 <= integers[13] <= 360.0:
+        return Direction("horizontal", float(integers[13]) % 360.0)
+    return facing
+
+
+def _structural(name: str, integers: np.ndarray) -> bool:
+    """Whether the sensor is on a structure: integers 19, 27 and 28, or 25 (floor); else the name of the station."""
+    kind = integers[18]
+    if kind in _STRUCTURES:
+        return int(kind) not in _FREE_FIELD_AT or integers[_FREE_FIELD_AT[int(kind)] - 1] != 0.0
+    return not np.isnan(integers[24]) or on_structure(name)
+
+
+def _start_time(integers: np.ndarray, event: re.Match[str] | None) -> tuple[datetime | None, list[str]]:
+    """UTC time of the first sample (integers 2 to 7), held against that of the earthquake, line 4.
+
+    Without milliseconds the header repeats the minute of the earthquake, which is no time of the record.
+    """
+    moment = integers[1:7]
+    if np.any(np.isnan(moment)):
+        return None, []
+    year, day, hour, minute, second, millisecond = (int(value) for value in moment)
+    start = later(instant((year, 1, 1), (hour, minute, second)), 86_400.0 * (day - 1) + 1e-3 * millisecond)
+    if start is None or start.year != year or not 0 <= millisecond < 1000:
+        words = " ".join(f"{value:.0f}" for value in moment)
+        return None, [f"{words} (integers 2 to 7: year, day, hour, minute, second, millisecond) is no start time"]
+    if event is None:
+        return start, []
+    year, month, day, time = (int(event[group]) for group in range(1, 5))
+    return near_event(start, instant((year, month, day), (time // 100, time % 100, 0)))
+
+
+FORMAT = Format(
+    name="smc",
+    what="USGS SMC accelerogram",
+    recognised="first line '1 UNCORRECTED' or '2 CORRECTED ACCELEROGRAM'",
+    unit="cm/s2",
+    processed="by type",
+    example="2516b_a.smc",
+    detect=is_smc,
+    parse=read_smc,
+)

@@ -1,0 +1,285 @@
+"""The bytes of one record file and what lies beside it, wherever it comes from."""
+
+from __future__ import annotations
+
+import codecs
+import gzip
+import hashlib
+import io
+import zlib
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path, PurePosixPath
+from typing import BinaryIO
+
+from rockpulse.errors import RecordFormatError, RecordRefused
+
+__all__ = [
+    "FILE_LIMIT",
+    "HEAD",
+    "RATIO_LIMIT",
+    "NoRecord",
+    "NotAcceleration",
+    "SourceFile",
+    "Unrecognised",
+    "archive_kind",
+    "check_link",
+    "folder_station_files",
+    "open_source",
+    "open_stream",
+]
+
+#: Bytes from the start of a file that decide its format.
+HEAD = 65536
+#: Largest file, or member of an archive, that is read [bytes]; a day of one channel at 200/s as text is half of it.
+FILE_LIMIT = 256 * 1024**2
+#: What was compressed more than this is refused; text of numbers reaches 10, a silent channel 100.
+RATIO_LIMIT = 500
+
+_GZIP = b"\x1f\x8b\x08"
+#: First bytes of what holds other files.
+_ARCHIVES = {
+    "a zip archive": (b"PK\x03\x04", b"PK\x05\x06"),
+    "a gzip file": (_GZIP,),
+    "a bzip2 file": (b"BZh",),
+    "an xz file": (b"\xfd7zXZ\x00",),
+    "a 7z archive": (b"7z\xbc\xaf\x27\x1c",),
+    "a rar archive": (b"Rar!\x1a\x07",),
+    "a zstd file": (b"\x28\xb5\x2f\xfd",),
+}
+_TAR_MARK = 257
+#: First members of office documents, which are zip archives of no records.
+_DOCUMENTS = (b"[Content_Types].xml", b"mimetype")
+_FIRST_NAME = 30
+
+StationFiles = Callable[[], list[tuple[str, bytes]]]
+
+
+class Unrecognised(RecordFormatError):
+    """No reader knows the file: skipped in a folder, an error where it was named."""
+
+
+class NoRecord(Unrecognised):
+    """Nothing speaks for a record either: a text, a table, a picture."""
+
+
+class NotAcceleration(RecordRefused):
+    """A velocity, displacement or spectrum: skipped in a folder, an error where it was named."""
+
+
+@dataclass(frozen=True)
+class SourceFile:
+    """A file to be read.
+
+    Text with a byte-order mark (UTF-8, UTF-16) reaches the readers as UTF-8 without one; the digest is of the bytes.
+
+    Attributes
+    ----------
+    name : str
+        Path, or ``archive.zip!member``, as messages and `Record.source` show it.
+    head : bytes
+        The first `HEAD` bytes.
+    load : callable
+        Returns all bytes, decompressed; called once, after a reader has recognised `head`.
+    station_files : callable
+        Returns (name, bytes) of the StationXML files in the same folder.
+    chosen : bool
+        Whether the caller named the StationXML files, so that their names do not matter.
+    """
+
+    name: str
+    head: bytes
+    load: Callable[[], bytes]
+    station_files: StationFiles = list
+    chosen: bool = False
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "head", _plain_text(self.head, self._coding))
+
+    @cached_property
+    def _coding(self) -> str:
+        """The encoding that a byte-order mark tells, or nothing."""
+        return _marked_coding(self.head)
+
+    @cached_property
+    def _bytes(self) -> bytes:
+        return self.load()
+
+    @cached_property
+    def content(self) -> bytes:
+        """All bytes as the readers want them."""
+        return _plain_text(self._bytes, self._coding)
+
+    @cached_property
+    def sha256(self) -> str:
+        """SHA-256 of the file, decompressed."""
+        return hashlib.sha256(self._bytes).hexdigest()
+
+    @property
+    def path(self) -> PurePosixPath:
+        """The last part of the name as a path, without ``.gz``."""
+        path = PurePosixPath(self.name.replace("\\", "/").rpartition("!")[2])
+        return path.with_suffix("") if path.suffix.lower() == ".gz" and path.stem else path
+
+
+def _marked_coding(head: bytes) -> str:
+    """The encoding that a byte-order mark at the beginning tells; binary data that begin like one are no text."""
+    if head.startswith(codecs.BOM_UTF8):
+        return "utf-8-sig"
+    if not head.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
+        return ""
+    try:
+        text = codecs.getincrementaldecoder("utf-16")().decode(head)
+    except UnicodeDecodeError:
+        return ""
+    return "" if "\x00" in text else "utf-16"
+
+
+def _plain_text(content: bytes, coding: str) -> bytes:
+    return content.decode(coding, errors="replace").encode() if coding else content
+
+
+def archive_kind(head: bytes) -> str:
+    """What the first bytes show, "a zip archive" and the like; empty where they are no archive's."""
+    if head.startswith(_DOCUMENTS, _FIRST_NAME):
+        return ""
+    if head[_TAR_MARK : _TAR_MARK + 5] == b"ustar":
+        return "a tar archive"
+    return next((kind for kind, marks in _ARCHIVES.items() if head.startswith(marks)), "")
+
+
+def _refuse_archive(name: str, head: bytes, inside: str = "") -> None:
+    kind = archive_kind(head)
+    if kind == "a zip archive" and not inside:
+        raise RecordRefused(
+            f"{name}: a zip archive may hold many records; read it with rockpulse.read_all, or give it to "
+            "'rockpulse assess' or 'rockpulse convert'"
+        )
+    if kind:
+        raise RecordRefused(f"{name}: {kind}{inside}; unpack it first")
+
+
+def _unpack(name: str, packed: BinaryIO, size: int, count: int) -> bytes:
+    """The first `count` bytes of a gzip file of `size` bytes."""
+    most = RATIO_LIMIT * max(size, 1)
+    try:
+        with gzip.open(packed, "rb") as stream:
+            content = stream.read(min(count, most + 1))
+    except (gzip.BadGzipFile, zlib.error, EOFError) as fault:
+        raise RecordFormatError(f"{name}: damaged gzip file ({fault}); download it again") from fault
+    if len(content) > most:
+        raise RecordRefused(
+            f"{name}: compressed more than {RATIO_LIMIT} times, the limit; unpack it by hand if it is a record"
+        )
+    return content
+
+
+def _check_size(name: str, content: bytes) -> bytes:
+    if len(content) > FILE_LIMIT:
+        raise RecordRefused(f"{name}: larger than {FILE_LIMIT} bytes, the most that is read; cut the record")
+    return content
+
+
+def folder_station_files(folder: Path) -> list[tuple[str, bytes]]:
+    """(name, bytes) of the XML files in a folder, sorted by name."""
+    paths = sorted(path for path in folder.iterdir() if path.suffix.lower() == ".xml" and path.is_file())
+    return [(str(path), path.read_bytes()) for path in paths if path.stat().st_size <= FILE_LIMIT]
+
+
+def check_link(path: Path) -> None:
+    """Refuse a symbolic link whose target does not exist; the operating system would only say that `path` does not.
+
+    Raises
+    ------
+    FileNotFoundError
+        With the target.
+    """
+    if path.is_symlink() and not path.exists():
+        raise FileNotFoundError(
+            f"{path}: the symbolic link points nowhere, {path.readlink()} does not exist; mend the link or remove it"
+        )
+
+
+def open_source(path: Path, station_files: StationFiles | None = None) -> SourceFile:
+    """Open a file on disk, plain or compressed with gzip, which its first bytes show.
+
+    Parameters
+    ----------
+    path : Path
+        File to read.
+    station_files : callable, optional
+        As in `SourceFile`; by default the folder of `path` is searched.
+
+    Raises
+    ------
+    RecordFormatError
+        If the file is empty, or is no sound gzip file though it begins like one.
+    RecordRefused
+        If it is an archive, larger than `FILE_LIMIT` (compressed or not; when the content is asked for), or compressed
+        more than `RATIO_LIMIT` times.
+    OSError
+        As the operating system says.
+    """
+    name = str(path)
+    check_link(path)
+    if path.is_dir():
+        raise IsADirectoryError(
+            f"{name}: a folder; read it with rockpulse.readers.folders.read_all, or name a file in it"
+        )
+    with path.open("rb") as stream:
+        compressed = stream.read(len(_GZIP)) == _GZIP
+
+    def take(count: int) -> bytes:
+        with path.open("rb") as stream:
+            return _unpack(name, stream, path.stat().st_size, count) if compressed else stream.read(count)
+
+    head = take(HEAD)
+    if not head:
+        raise RecordFormatError(f"{name}: the file is empty; download it again")
+    _refuse_archive(name, head, " in a gzip file" if compressed else "")
+    beside = station_files or (lambda: folder_station_files(path.parent))
+    return SourceFile(name, head, lambda: _check_size(name, take(FILE_LIMIT + 1)), beside)
+
+
+def open_stream(stream: BinaryIO) -> SourceFile:
+    """An open binary file, or bytes in memory, plain or compressed with gzip, read from where it stands.
+
+    Parameters
+    ----------
+    stream : binary file
+        ``open(path, "rb")``, ``io.BytesIO`` and the like; its ``name``, where it is that of a file, tells where
+        StationXML files may lie.
+
+    Raises
+    ------
+    TypeError
+        If it is no binary file.
+    RecordFormatError
+        If nothing is left to read, or a gzip file is damaged.
+    RecordRefused
+        If more than `FILE_LIMIT` bytes are left, or they are an archive.
+    """
+    if not hasattr(stream, "read"):
+        raise TypeError(f"expected a path or an open binary file, found {type(stream).__name__}")
+    name = getattr(stream, "name", None)
+    name = name if isinstance(name, str) else "stream"
+    content = b""
+    while len(content) <= FILE_LIMIT:  # a pipe gives what it has
+        part = stream.read(FILE_LIMIT + 1 - len(content))
+        if not isinstance(part, bytes):
+            raise TypeError(
+                f"{name}: expected a file opened in binary mode, open(path, 'rb'), found one that gives "
+                f"{type(part).__name__}"
+            )
+        if not part:
+            break
+        content += part
+    compressed = _check_size(name, content).startswith(_GZIP)
+    if compressed:
+        content = _check_size(name, _unpack(name, io.BytesIO(content), len(content), FILE_LIMIT + 1))
+    if not content:
+        raise RecordFormatError(f"{name}: nothing left to read; is the stream at its end, or the file empty?")
+    _refuse_archive(name, content[:HEAD], " in a gzip file" if compressed else "")
+    beside: StationFiles = (lambda: folder_station_files(Path(name).parent)) if Path(name).is_file() else list
+    return SourceFile(name, content[:HEAD], lambda: content, beside)

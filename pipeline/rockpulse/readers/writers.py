@@ -1,0 +1,247 @@
+"""Records as the bytes of common files: PEER AT2, two columns as CSV, miniSEED with a StationXML beside it."""
+
+from __future__ import annotations
+
+import io
+import re
+from collections.abc import Sequence
+from datetime import timedelta
+from decimal import Decimal
+from typing import Any
+
+import numpy as np
+
+from rockpulse.errors import RecordRefused
+from rockpulse.readers.facing import BRACKET, direction
+from rockpulse.readers.station_xml import PROCESSED, told_otherwise
+from rockpulse.record.record import STANDARD_GRAVITY, Orientation, Record
+from rockpulse.version import __version__
+
+__all__ = ["at2_bytes", "azimuth_of", "csv_bytes", "miniseed_bytes", "orientation_of", "seed_codes"]
+
+#: Words by which a reader of AT2 tells the lines of a header; text of a record that holds one is left out.
+_TELLING = re.compile(
+    r"NPTS|UNITS?\s*(?:OF|ARE|IN|IS|[:=])|\b(?:ACC(?:EL(?:ERATION)?)?|VEL(?:OCITY)?|DISPL?(?:ACEMENT)?)\b",
+    re.IGNORECASE,
+)
+_DATED = re.compile(r"[^,]*,\s*\d+[/-]\d+[/-]\d+[^,]*")
+_STATE = {True: "CORRECTED", False: "UNCORRECTED", None: "ACCELERATION"}
+#: Smaller values [g] have an exponent of three digits, which no field of 15 characters has room for.
+_SMALLEST = 1e-99
+_SEED_CHANNEL = re.compile(r"[A-Z][HLGMN][A-Z0-9]", re.ASCII)
+#: Degrees by which a sensor called N or E may be off, by the rules of SEED.
+_SEED_OFF = 5.0
+_NOWHERE = {"latitude": 0.0, "longitude": 0.0, "elevation": 0.0}
+
+
+def _text(words: str) -> str:
+    """Free text on one line; nothing where a reader would take it for something else."""
+    return "" if _TELLING.search(words) else " ".join(_printable(words).split())
+
+
+def azimuth_of(record: Record) -> float:
+    """Azimuth in [0, 360) degrees, as the readers give it; NaN where it is unknown."""
+    return record.azimuth % 360.0 % 360.0  # the rest of a tiny negative one is 360
+
+
+def orientation_of(record: Record) -> Orientation:
+    """The orientation that a format without a word for structures can tell."""
+    if record.orientation == "vertical":
+        return "vertical"
+    if np.isfinite(record.azimuth):
+        return "horizontal"
+    if record.orientation == "structural":
+        return direction(BRACKET.sub(" ", record.component)).orientation  # the place stands in brackets
+    return record.orientation
+
+
+def _facing(record: Record) -> str:
+    """The direction in a word that the readers understand: ``UP``, ``005``, ``092.5``, or the file's own.
+
+    A word of the file that would be read as another direction is left out.
+    """
+    if orientation_of(record) == "vertical":
+        return "UP"
+    if np.isfinite(record.azimuth):
+        return f"{azimuth_of(record):09.5f}".rstrip("0").rstrip(".")
+    word = _text(record.component).replace(",", ";")
+    read_as = direction(word.zfill(3) if word.isdecimal() else word)  # as AT2 reads digits
+    wrong = np.isfinite(read_as.azimuth) or read_as.orientation not in ("unknown", orientation_of(record))
+    return "" if wrong else word
+
+
+def at2_bytes(record: Record) -> bytes:
+    """One record as PEER AT2, in g, five numbers of eight digits in a row.
+
+    The title is ``event, date, station, component``; the date is that of the event, or of the first sample where the
+    event has none.
+    """
+    event = _text(record.event)
+    if not _DATED.fullmatch(event):
+        event = event.replace(",", ";")
+        if event and record.start_time is not None:
+            moment = record.start_time
+            event = f"{event}, {moment.month}/{moment.day}/{moment.year}"
+    station = _text(record.station_name or ".".join(filter(None, (record.network, record.station))))
+    values = record.acceleration / STANDARD_GRAVITY
+    fields = np.char.mod("%15.7E", np.where(np.abs(values) < _SMALLEST, 0.0, values)).tolist()
+    place = " ON A STRUCTURE" if record.orientation == "structural" else ""
+    lines = [
+        f"{_STATE[record.processed]} RECORD{place}, WRITTEN BY ROCKPULSE {__version__}: {_text(record.id)}",
+        ", ".join((event, station, _facing(record))),
+        "ACCELERATION TIME SERIES IN UNITS OF G",
+        f"NPTS= {record.npts:6d}, DT= {record.dt!r} SEC,",
+        *("".join(fields[first : first + 5]) for first in range(0, record.npts, 5)),
+    ]
+    return ("\n".join(lines) + "\n").encode("utf-8", "replace")
+
+
+def csv_bytes(record: Record) -> bytes:
+    """One record as two columns, time [s] and acceleration [m/s2] with all its digits, under one line of headings."""
+    facing = ""
+    if orientation_of(record) == "vertical":
+        facing = "up"
+    elif azimuth_of(record).is_integer():
+        facing = f"{_facing(record)} deg"
+    heading = " ".join(filter(None, ("time [s],acceleration", facing, "[m/s2]")))
+    step = Decimal(repr(record.dt))  # multiples without the noise of binary fractions
+    rows = (f"{step * index:f},{value!r}" for index, value in enumerate(record.acceleration.tolist()))
+    return ("\n".join((heading, *rows)) + "\n").encode()
+
+
+def miniseed_bytes(
+    records: Sequence[Record], beside: Sequence[tuple[str, bytes]] = ()
+) -> tuple[bytes, bytes, list[str]]:
+    """Records as one miniSEED file of float64 in m/s2, and its StationXML with a sensitivity of 1.
+
+    Parameters
+    ----------
+    records : sequence of Record
+        At least one.
+    beside : sequence of (name, bytes)
+        Other StationXML files in the folder; see `seed_codes`.
+
+    Returns
+    -------
+    miniseed, station_xml : bytes
+        The files.
+    ids : list of str
+        ``NET.STA.LOC.CHA`` of each record in the file.
+    """
+    import obspy
+
+    codes = seed_codes(records, beside)
+    stream = obspy.Stream()
+    for record, (network, station, location, channel) in zip(records, codes, strict=True):
+        header: dict[str, Any] = {"network": network, "station": station, "location": location, "channel": channel}
+        header |= {"delta": record.dt, "starttime": obspy.UTCDateTime(record.start_time or 0)}
+        stream.append(obspy.Trace(np.array(record.acceleration), header))
+    content, metadata = io.BytesIO(), io.BytesIO()
+    stream.write(content, format="MSEED", encoding="FLOAT64")
+    _inventory(records, codes).write(metadata, format="STATIONXML")
+    return content.getvalue(), metadata.getvalue(), [".".join(code) for code in codes]
+
+
+def seed_codes(records: Sequence[Record], beside: Sequence[tuple[str, bytes]] = ()) -> list[tuple[str, str, str, str]]:
+    """Network, station, location and channel codes as SEED has room for, each set of four once.
+
+    A channel without a code of SEED, or with one that tells another direction than the record, gets one by its rate
+    and direction. Where codes would meet, in the file or with a StationXML `beside` it that tells something else of
+    them at an overlapping time, the location counts.
+    """
+    taken: set[tuple[str, str, str, str]] = set()
+    result = []
+    for record in records:
+        network, station, location = (_code(code) for code in (record.network, record.station, record.location))
+        station = (station or _code(record.id) or "NONE")[:5]
+        network, location = (code if len(code) <= 2 else "" for code in (network, location))
+        tries = [(network, station, location, channel) for channel in _channel_codes(record)]
+        tries += [(network, station, f"{number:02d}", tries[0][3]) for number in range(100)]
+        free = next(
+            (
+                code
+                for code in tries
+                if code not in taken and not told_otherwise(beside, *code[:2], _station_channel(record, *code[2:]))
+            ),
+            None,
+        )
+        if free is None:
+            raise RecordRefused(
+                f"{record.id}: more than 100 records share the codes {network}.{station}..{tries[0][3]} of miniSEED; "
+                "convert fewer at a time, or into another folder"
+            )
+        taken.add(free)
+        result.append(free)
+    return result
+
+
+def _code(text: str) -> str:
+    return re.sub(r"[^A-Z0-9]", "", text.upper())
+
+
+def _channel_codes(record: Record) -> list[str]:
+    """SEED codes for the channel, the best first."""
+    lies, azimuth = orientation_of(record), azimuth_of(record)
+    if _SEED_CHANNEL.fullmatch(record.channel):
+        named = direction(record.channel)
+        # Without an azimuth beside it, N or E would be read as one.
+        told = np.isfinite(azimuth) or not np.isfinite(named.azimuth)
+        if named.orientation == "unknown" or (named.orientation == lies and told):
+            return [record.channel]
+    rate = 1.0 / record.dt
+    band = next(
+        letter for letter, least in (("C", 250.0), ("H", 80.0), ("B", 10.0), ("M", 1.0), ("L", 0.0)) if rate >= least
+    )
+    if lies == "vertical":
+        return [f"{band}NZ"]
+    for letter, axis in (("N", 0.0), ("E", 90.0)):
+        if abs((azimuth - axis + 180.0) % 360.0 - 180.0) <= _SEED_OFF:
+            return [f"{band}N{letter}"]
+    # Three stands for a direction that is not known to be horizontal.
+    return [f"{band}N3"] if lies == "unknown" else [f"{band}N1", f"{band}N2"]
+
+
+def _station_channel(record: Record, location: str, channel: str) -> Any:
+    """Station metadata of one channel: sensitivity 1, direction, raw or corrected."""
+    from obspy import UTCDateTime
+    from obspy.core.inventory import Channel
+    from obspy.core.inventory.response import InstrumentSensitivity, Response
+
+    lies, azimuth, start = orientation_of(record), azimuth_of(record), record.start_time
+    # A second after the end: the time of the last sample is not exact in the binary fractions of a rate.
+    ends = None if start is None else start + timedelta(seconds=record.duration + 1.0)
+    gain = InstrumentSensitivity(1.0, 1.0, input_units="M/S**2", output_units="COUNTS")
+    return Channel(
+        channel,
+        location,
+        **_NOWHERE,
+        depth=0.0,
+        azimuth=0.0 if lies == "vertical" else azimuth if lies == "horizontal" and np.isfinite(azimuth) else None,
+        dip={"vertical": -90.0, "horizontal": 0.0}.get(lies),
+        sample_rate=1.0 / record.dt,
+        start_date=None if start is None else UTCDateTime(start),
+        end_date=None if ends is None else UTCDateTime(ends),
+        description={processed: words for words, processed in PROCESSED.items()}[record.processed],
+        response=Response(instrument_sensitivity=gain),
+    )
+
+
+def _inventory(records: Sequence[Record], codes: Sequence[tuple[str, str, str, str]]) -> Any:
+    """Station metadata of all records; coordinates are not known and written as 0."""
+    from obspy.core.inventory import Inventory, Network, Site, Station
+
+    networks: dict[str, dict[str, Any]] = {}
+    for record, (network, station, location, channel) in zip(records, codes, strict=True):
+        stations = networks.setdefault(network, {})
+        if station not in stations:
+            stations[station] = Station(station, **_NOWHERE, site=Site(_printable(record.station_name) or station))
+        stations[station].channels.append(_station_channel(record, location, channel))
+    return Inventory(
+        [Network(code, stations=list(stations.values())) for code, stations in networks.items()],
+        source=f"rockpulse {__version__}; coordinates are not known and written as 0",
+    )
+
+
+def _printable(text: str) -> str:
+    """Text with blanks for control characters, which XML has no way to write and readers take for binary files."""
+    return "".join(letter if letter.isprintable() else " " for letter in text)

@@ -1,0 +1,333 @@
+"""Which channels are assessed, which two are a pair of horizontal ones, and which vertical one belongs to them."""
+
+from __future__ import annotations
+
+import re
+from bisect import bisect_left
+from collections import defaultdict
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from pathlib import PurePath
+
+import numpy as np
+
+from rockpulse.failures import Failure
+from rockpulse.record.record import Record
+
+__all__ = [
+    "VERTICAL_NOTE",
+    "Neighbours",
+    "Pair",
+    "align",
+    "find_pairs",
+    "matching_vertical",
+    "offset",
+    "select_horizontal",
+    "uncovered",
+]
+
+#: How the processing of a record names the vertical channel that acts with it.
+VERTICAL_NOTE = "vertical acceleration: "
+
+_REASONS = {
+    "vertical": "vertical channel: read, not assessed as horizontal",
+    "structural": "channel on a structure: read, not assessed as ground motion ([records] structural = true does that)",
+}
+_UPWARDS = "channel on a structure, vertical or in an unknown direction: read, not assessed as horizontal"
+_INSTEAD = 'components = "horizontal" assesses it as it was recorded'
+_BOTH_IN_ONE = "put both directions into one file with headings such as 'time [s],acc N [g],acc E [g]'"
+
+#: SEED codes of one sensor differ in the last letter only; the second letter is the kind of instrument.
+_SEED = re.compile(r"([FGDCESHBMLV])([HLMGN])[ENZ123]")
+#: KiK-net records at the bottom of a borehole (1) and at the surface (2).
+_DEPTH = re.compile(r"(?:EW|NS|UD)([12])")
+#: Where a channel on a structure is, as the readers put it behind its direction.
+_PLACE = re.compile(r"\((.*)\)")
+#: A pair shares at least this part of the shorter of its channels; triggers that follow each other may touch.
+OVERLAP_SHARE = 0.5
+
+
+@dataclass(frozen=True, eq=False)
+class Pair:
+    """Two horizontal channels of one instrument.
+
+    Attributes
+    ----------
+    first, second : Record
+        The channels, their azimuths known.
+    """
+
+    first: Record
+    second: Record
+
+    @property
+    def channels(self) -> tuple[Record, Record]:
+        """Both."""
+        return self.first, self.second
+
+
+class Neighbours:
+    """Channels among which those that may have been recorded together with another one are found without trying all.
+
+    Parameters
+    ----------
+    records : sequence of Record
+        Thousands, as the case may be.
+    """
+
+    def __init__(self, records: Sequence[Record]) -> None:
+        self._records = records
+        timed = [
+            (record.start_time.timestamp(), place)
+            for place, record in enumerate(records)
+            if record.start_time is not None
+        ]
+        self._timed = sorted(timed)
+        self._longest = max((records[place].duration for _, place in timed), default=0.0)
+        self._of_source: dict[str, list[int]] = defaultdict(list)
+        self._of_event: dict[tuple[object, ...], list[int]] = defaultdict(list)
+        for place, record in enumerate(records):
+            self._of_source[record.source].append(place)
+            if record.start_time is None:
+                self._of_event[_occasion(record)].append(place)
+
+    def of(self, record: Record) -> list[Record]:
+        """Those from the same file, from the same time or, where no times are known, with the same event and folder.
+
+        Parameters
+        ----------
+        record : Record
+            One of the channels, or another.
+
+        Returns
+        -------
+        list of Record
+            In the order in which they were given.
+        """
+        if record.start_time is None:
+            places = set(self._of_event.get(_occasion(record), ()))
+        else:
+            start = record.start_time.timestamp()
+            # One sampling interval for the rounding of the stamps.
+            first = bisect_left(self._timed, (start - self._longest - record.dt, 0))
+            last = bisect_left(self._timed, (start + record.duration + record.dt, 0))
+            places = {place for _, place in self._timed[first:last]}
+        places.update(self._of_source.get(record.source, ()))
+        return [self._records[place] for place in sorted(places)]
+
+
+def select_horizontal(records: Iterable[Record], structural: bool = False) -> tuple[list[Record], list[Failure]]:
+    """Keep the channels that are assessed as horizontal ground motion.
+
+    Parameters
+    ----------
+    records : iterable of Record
+        Records of any orientation.
+    structural : bool
+        Whether the channels on structures are among them whose azimuth is known; the others are vertical or may be.
+
+    Returns
+    -------
+    horizontal : list of Record
+        Horizontal channels, and with a warning those of unknown orientation and those on structures, in the order
+        given.
+    failures : list of Failure
+        A row for each of the others, kind "vertical" or "structural".
+    """
+    horizontal, failures = [], []
+    for record in records:
+        kind = record.orientation
+        if kind == "structural" and structural and np.isfinite(record.azimuth):
+            horizontal.append(record.with_warning("on a structure, assessed as if this were ground motion"))
+        elif kind == "vertical" or kind == "structural":
+            reason = _UPWARDS if kind == "structural" and structural else _REASONS[kind]
+            failures.append(Failure(record.source, "select", f"{record.id}: {reason}", kind))
+        elif kind == "unknown":
+            horizontal.append(record.with_warning("the orientation is unknown; assessed as horizontal"))
+        else:
+            horizontal.append(record)
+    return horizontal, failures
+
+
+def find_pairs(horizontal: Sequence[Record]) -> tuple[list[Pair], list[Failure]]:
+    """The pairs of channels that were recorded together, in two known directions.
+
+    Two channels are partners if they have the same format, state of processing, network, station, location and SEED
+    sensor (the first two letters of a SEED channel; the depth of KiK-net), are both on the ground or at one place of a
+    structure, have at least half of the shorter one in common in time, and come
+
+    - from one file, or
+    - from files with station codes and start times, or
+    - from files in one folder that know no start time, but the same event, name of the station and sampling interval
+      (PEER AT2, CSMNC).
+
+    Partners in the same file come before others. Only two channels that have no other partner than each other are a
+    pair: of three channels nobody knows which two belong together.
+
+    Parameters
+    ----------
+    horizontal : sequence of Record
+        Horizontal channels.
+
+    Returns
+    -------
+    pairs : list of Pair
+        In the order of their first channels.
+    failures : list of Failure
+        A row for each channel without a known azimuth, without a partner, or with several.
+    """
+    groups: dict[tuple[object, ...], list[Record]] = defaultdict(list)
+    for record in horizontal:
+        groups[_instrument(record)].append(record)
+    known = {id(record): np.isfinite(record.azimuth) for record in horizontal}
+    partners = {}
+    for group in groups.values():
+        neighbours = Neighbours([record for record in group if known[id(record)]])
+        for record in group:
+            partners[id(record)] = _partners(record, [one for one in neighbours.of(record) if one is not record])
+    pairs, failures = [], []
+    taken: set[int] = set()
+    for record in horizontal:
+        found = partners[id(record)] if known[id(record)] else []
+        mutual = len(found) == 1 and [record] == partners[id(found[0])]
+        if not mutual:
+            reason = f"{record.id}: {_no_pair(record, found, partners)}; {_INSTEAD}"
+            failures.append(Failure(record.source, "pair", reason, "failed"))
+        elif id(record) not in taken:
+            pairs.append(Pair(record, found[0]))
+            taken |= {id(record), id(found[0])}
+    return pairs, failures
+
+
+def matching_vertical(record: Record, verticals: Iterable[Record]) -> Record | None:
+    """The vertical channel that was recorded together with a horizontal one.
+
+    Parameters
+    ----------
+    record : Record
+        Horizontal channel.
+    verticals : iterable of Record
+        Vertical channels to choose from.
+
+    Returns
+    -------
+    Record or None
+        Recorded together as :func:`find_pairs` has it, whatever its format and however short the common time, by the
+        same kind of instrument. The same state of processing comes first, then the same SEED band, the same file, the
+        longest overlap. None if there is none, and for a channel on a structure: the vertical one may be on another
+        floor.
+    """
+    if record.orientation == "structural":
+        return None
+    together = [one for one in verticals if _together(record, one) and _seed(record)[1] == _seed(one)[1]]
+
+    def nearness(one: Record) -> tuple[bool, bool, bool, float]:
+        band = _seed(record)[0] == _seed(one)[0]
+        return one.processed == record.processed, band, one.source == record.source, _overlap(record, one)
+
+    return max(together, key=nearness, default=None)
+
+
+def align(vertical: Record, record: Record) -> np.ndarray:
+    """Acceleration of a vertical channel at the samples of a horizontal one.
+
+    Parameters
+    ----------
+    vertical, record : Record
+        The two channels, conditioned.
+
+    Returns
+    -------
+    (n,) ndarray
+        a_v [m/s2], positive up, on absolute time where both channels know it, else from the first sample on; linear
+        between its samples, zero where the vertical channel does not reach.
+    """
+    start = offset(record, vertical)
+    return np.interp(record.time, vertical.time + start, vertical.acceleration, left=0.0, right=0.0)
+
+
+def uncovered(vertical: Record, record: Record) -> float:
+    """How much of a record its vertical channel does not reach [s]."""
+    return max(0.0, record.duration - _overlap(record, vertical))
+
+
+def offset(record: Record, other: Record) -> float:
+    """Start of another record after that of a record [s]; 0 where one of them is not known."""
+    if record.start_time is None or other.start_time is None:
+        return 0.0
+    return (other.start_time - record.start_time).total_seconds()
+
+
+def _instrument(record: Record) -> tuple[object, ...]:
+    """What the channels of one instrument have in common."""
+    codes = (record.network, record.station, record.location)
+    place = "" if record.station else record.station_name or record.source
+    on_structure = record.orientation == "structural"
+    if on_structure:
+        told = _PLACE.search(record.component)
+        place = told[1].upper() if told else record.source
+    return *codes, place, record.format, record.processed, on_structure, _seed(record)
+
+
+def _seed(record: Record) -> tuple[str, str]:
+    """Band and instrument of a SEED channel; empty for others."""
+    seed = _SEED.fullmatch(record.channel)
+    return (seed[1], seed[2]) if seed else ("", "")
+
+
+def _depth(record: Record) -> str:
+    depth = _DEPTH.fullmatch(record.channel)
+    return depth[1] if depth else ""
+
+
+def _partners(record: Record, others: Sequence[Record]) -> list[Record]:
+    together = [
+        other
+        for other in others
+        if _together(record, other) and _overlap(record, other) >= OVERLAP_SHARE * min(record.duration, other.duration)
+    ]
+    return [other for other in together if other.source == record.source] or together
+
+
+def _no_pair(record: Record, found: Sequence[Record], partners: dict[int, list[Record]]) -> str:
+    if not np.isfinite(record.azimuth):
+        how = f"; {_BOTH_IN_ONE}" if record.format == "columns" else ""
+        return f"its azimuth is unknown, so that it cannot be rotated{how}"
+    if not found:
+        how = f" (files of columns tell neither station nor time: {_BOTH_IN_ONE})" if record.format == "columns" else ""
+        return f"no second horizontal channel with a known azimuth was recorded together with it{how}"
+    if len(found) == 1:
+        rivals = [other for other in partners[id(found[0])] if other is not record]
+        return f"{found[0].id} was recorded together with it, but also with {_listed(rivals)}: which two are a pair?"
+    return f"expected one other horizontal channel recorded together with it, found {len(found)}: {_listed(found)}"
+
+
+def _listed(records: Sequence[Record], most: int = 4) -> str:
+    names = ", ".join(record.id for record in records[:most])
+    return names if len(records) <= most else f"{names} and {len(records) - most} more"
+
+
+def _together(record: Record, other: Record) -> bool:
+    if _overlap(record, other) <= 0.0 or record.station != other.station or _depth(record) != _depth(other):
+        return False
+    codes = (record.network, record.location) == (other.network, other.location)
+    timed = record.start_time is not None and other.start_time is not None
+    by_code = codes and (record.source == other.source or (bool(record.station) and timed))
+    return by_code or _by_name(record, other)
+
+
+def _by_name(record: Record, other: Record) -> bool:
+    """Whether two files that know no time are parts of one recording."""
+    untimed = record.start_time is None and other.start_time is None
+    named = bool(record.event and (record.station or record.station_name))
+    return untimed and named and _occasion(record) == _occasion(other)
+
+
+def _occasion(record: Record) -> tuple[object, ...]:
+    """What the files of one recording have in common that know no time."""
+    return record.event, record.station_name, record.dt, PurePath(record.source).parent
+
+
+def _overlap(record: Record, other: Record) -> float:
+    start = offset(record, other)
+    return min(record.duration, start + other.duration) - max(0.0, start)

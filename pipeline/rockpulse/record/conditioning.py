@@ -1,0 +1,360 @@
+"""Conditioning of a record: baseline, zero-phase filter, sampling interval; every step asked for and written down.
+
+.. note:: By default a processed volume is left as it is, and no record is filtered: a high-pass takes away part of the
+   one-sided impulses near the fault, which overturn blocks. Where a filter is applied, the PGV and the largest
+   half-wave impulse before and after stand in ``Record.processing``.
+"""
+
+from __future__ import annotations
+
+import logging
+import math
+from collections.abc import Callable
+from dataclasses import replace
+from fractions import Fraction
+from typing import Any
+
+import numpy as np
+
+from rockpulse.errors import ConfigError
+from rockpulse.record.half_wave import half_waves
+from rockpulse.record.intensity import pgv
+from rockpulse.record.record import Record
+
+__all__ = ["BASELINES", "QUIET_LENGTH", "condition", "quiet_length"]
+
+#: The pre-event window ends where the energy about its own mean reaches this share of the whole record's.
+QUIET_SHARE = 1e-6
+
+#: Shortest pre-event window that is found without being given [s].
+QUIET_LENGTH = 1.0
+
+#: A record whose velocity ends at more than this share of the PGV gets the warning that begins with this word.
+DRIFT_SHARE = 0.1
+DRIFT = "baseline drift"
+
+#: The default taper is at most this share of the record at each end.
+TAPER_SHARE = 0.05
+
+#: Length of each pad: this times the order of a pass, in periods of the lowest corner (Boore 2005).
+PAD_PERIODS = 1.5
+
+#: Longest pad [samples]: a corner that asks for more is no filter of a record.
+LONGEST_PAD = 10_000_000
+
+#: Anti-alias filter of the resampling: ripple and stop band [dB], transition up to the lower Nyquist frequency as a
+#: share of it.
+RESAMPLING_ATTENUATION = 100.0
+RESAMPLING_TRANSITION = 0.2
+
+#: Largest numerator and denominator of a resampling ratio.
+RESAMPLING_LIMIT = 1000
+
+logger = logging.getLogger("rockpulse")
+
+
+def condition(
+    record: Record,
+    baseline: str = "auto",
+    highpass_hz: float | None = None,
+    lowpass_hz: float | None = None,
+    order: int = 2,
+    taper_s: float | None = None,
+    resample_s: float | None = None,
+    pre_event_s: float | None = None,
+) -> Record:
+    """A conditioned copy of a record: baseline removed, then tapered and filtered, then resampled.
+
+    Parameters
+    ----------
+    record : Record
+        Ground acceleration, (n,) [m/s2].
+    baseline : {"auto", "none", "mean", "pre-event", "linear", "quadratic"}
+        What is subtracted. "mean", "linear", "quadratic": the least-squares polynomial through all samples.
+        "pre-event": the mean of the pre-event window, or that of all samples where no window is found. "auto": nothing
+        from a processed volume, "pre-event" from a raw one, "mean" with a warning where the format does not say.
+    highpass_hz, lowpass_hz : float, optional
+        Corners of the Butterworth filters [Hz]; none is applied unless given.
+    order : int
+        Order of one pass of each filter, 1 to 10. The filter runs forwards and backwards, so that the effective order
+        is twice this, the phase zero, and the gain 1/(1 + (fc/f)^(2 order)), which is 1/2 at the corner.
+    taper_s : float, optional
+        Length of the cosine taper at each end [s]. By default none without a filter, else one period of the lowest
+        corner but no more than 5 % of the record. 0 switches it off.
+    resample_s : float, optional
+        New sampling interval [s].
+    pre_event_s : float, optional
+        Length of the pre-event window from the first sample [s], wherever a pre-event mean is taken; by default it is
+        found.
+
+    Returns
+    -------
+    Record
+        With the steps, in words and numbers, added to ``processing``, and a warning where the baseline is a guess or
+        the ground velocity ends at more than 10 % of the PGV.
+
+    Raises
+    ------
+    ConfigError
+        For an unknown baseline, corners that are negative, in the wrong order or not below the Nyquist frequency,
+        tapers that overlap, a pre-event window outside the record, or a new interval that is in no ratio of integers up
+        to 1000 to the old one.
+
+    Notes
+    -----
+    *Pre-event window.* S(T) is the energy of the first T seconds about their own mean, which never falls with T. The
+    window ends where S reaches 1e-6 of its value for the whole record, and is refused below 1 s. Shaking that fills
+    less than half of it moves its mean by at most sqrt(S/T): against a strong phase as long as the window, 0.1 % of the
+    rms acceleration.
+
+    *Filter.* The record is tapered, padded with zeros at both ends and cut to its old length afterwards. The pads are
+    1.5 n/f long (Boore 2005; n the order of a pass, f the lowest corner): by then the slowest pole, which decays as
+    exp(-2 pi f sin(pi/(2 n)) t), is below 1e-4 for n = 1 and below 2e-6 for n = 2 to 10. The filtered motion in the
+    pads is lost with them: the cut record starts from zero velocity, while the padded one has by then the velocity that
+    the note states.
+
+    *Resampling.* Polyphase, with a Kaiser low-pass of 100 dB that passes up to 0.8 of the lower one of the two Nyquist
+    frequencies and stops from it on, so that a coarser record has no aliases. The first sample keeps its time. The line
+    between the first and the last sample is left out of the filter, so that an offset makes no steps at the ends.
+
+    References
+    ----------
+    Boore, D. M. (2005), On pads and filters, Bull. Seismol. Soc. Am. 95(2), 745-750, doi:10.1785/0120040160.
+
+    Examples
+    --------
+    >>> raw = Record([2.0, 1.0, 3.0, 2.0], dt=0.01, id="raw", processed=False)
+    >>> shifted = condition(raw, baseline="mean")
+    >>> shifted.acceleration.tolist(), shifted.processing
+    ([0.0, -1.0, 1.0, 0.0], ('baseline: mean of all samples, 2 m/s2, subtracted',))
+    """
+    _check(record, baseline, highpass_hz, lowpass_hz, order, taper_s, resample_s, pre_event_s)
+    record = BASELINES[baseline](record, pre_event_s)
+    if taper_s is None:
+        taper_s = _default_taper(record, highpass_hz, lowpass_hz)
+    unfiltered = record
+    if taper_s > 0.0:
+        record = _taper(record, taper_s)
+    if highpass_hz is not None or lowpass_hz is not None:
+        record = _filter(record, highpass_hz, lowpass_hz, order, unfiltered)
+    if resample_s is not None and not math.isclose(resample_s, record.dt, rel_tol=1e-9):
+        record = _resample(record, resample_s)
+    return _watched(record)
+
+
+def _check(
+    record: Record,
+    baseline: str,
+    highpass: float | None,
+    lowpass: float | None,
+    order: int,
+    taper: float | None,
+    resample: float | None,
+    pre_event: float | None,
+) -> None:
+    if baseline not in BASELINES:
+        raise ConfigError(f"condition: baseline: expected one of {', '.join(BASELINES)}, got {baseline!r}")
+    nyquist = 0.5 / record.dt
+    for name, corner in (("highpass_hz", highpass), ("lowpass_hz", lowpass)):
+        if corner is not None and not 0.0 < corner < nyquist:
+            raise ConfigError(
+                f"condition: {name}: expected a frequency above 0 and below the Nyquist frequency {nyquist:g} Hz "
+                f"of {record.id}, got {corner!r}"
+            )
+    if highpass is not None and lowpass is not None and highpass >= lowpass:
+        raise ConfigError(f"condition: expected highpass_hz below lowpass_hz, got {highpass!r} and {lowpass!r}")
+    if isinstance(order, bool) or not isinstance(order, int) or not 1 <= order <= 10:
+        raise ConfigError(f"condition: order: expected a whole number from 1 to 10, got {order!r}")
+    if taper is not None and not 0.0 <= taper <= 0.5 * record.duration:
+        raise ConfigError(
+            f"condition: taper_s: expected 0 to {0.5 * record.duration:g} s, half the length of {record.id}, "
+            f"got {taper!r}"
+        )
+    if resample is not None and not (math.isfinite(resample) and 0.0 < resample <= record.duration):
+        raise ConfigError(
+            f"condition: resample_s: expected a positive interval in s, no longer than {record.id} "
+            f"({record.duration:g} s), got {resample!r}"
+        )
+    if pre_event is not None:
+        if baseline not in ("auto", "pre-event"):
+            raise ConfigError(
+                f"condition: pre_event_s belongs to baseline 'pre-event' or 'auto', not to {baseline!r}: leave it out"
+            )
+        if not record.dt <= pre_event <= record.duration:
+            raise ConfigError(
+                f"condition: pre_event_s: expected a window of at least two samples inside {record.id}, "
+                f"{record.dt:g} to {record.duration:g} s, got {pre_event!r}"
+            )
+
+
+def _watched(record: Record) -> Record:
+    """The record with a warning where its velocity does not come back to zero, in place of an earlier one."""
+    final = record.dt * float(np.sum(record.acceleration) - 0.5 * (record.acceleration[0] + record.acceleration[-1]))
+    peak = pgv(record)
+    warnings = tuple(warning for warning in record.warnings if not warning.startswith(DRIFT))
+    if abs(final) > DRIFT_SHARE * peak:
+        warning = (
+            f"{DRIFT}: the ground velocity ends at {final:.3g} m/s, the PGV of {peak:.3g} m/s may be off by as much; "
+            "compare with another baseline or a high-pass"
+        )
+        logger.warning("%s: %s", record.id, warning)
+        warnings = (*warnings, warning)
+    return record if warnings == record.warnings else replace(record, warnings=warnings)
+
+
+def _noted(record: Record, acceleration: np.ndarray, note: str) -> Record:
+    return replace(record, acceleration=acceleration, processing=(*record.processing, note))
+
+
+def _untouched(record: Record, pre_event: float | None) -> Record:
+    return record
+
+
+def _polynomial(degree: int, name: str) -> Callable[[Record, float | None], Record]:
+    def subtract(record: Record, pre_event: float | None) -> Record:
+        # On [-1, 1] and in Legendre polynomials the fit is well conditioned for any length of record.
+        place = np.linspace(-1.0, 1.0, record.npts)
+        fitted = np.polynomial.legendre.legfit(place, record.acceleration, min(degree, record.npts - 1))
+        line = np.polynomial.legendre.legval(place, fitted)
+        values = f"{line[0]:.4g} m/s2" if degree == 0 else f"{line[0]:.4g} m/s2 at the start, {line[-1]:.4g} at the end"
+        return _noted(record, record.acceleration - line, f"baseline: {name} of all samples, {values}, subtracted")
+
+    return subtract
+
+
+def _pre_event(record: Record, pre_event: float | None) -> Record:
+    count = _quiet_samples(record) if pre_event is None else math.floor(pre_event / record.dt * (1.0 + 1e-12)) + 1
+    length = (count - 1) * record.dt
+    if pre_event is None and length < QUIET_LENGTH:
+        conditioned = BASELINES["mean"](record, None)
+        note = (
+            f"baseline: no pre-event window, the record is quiet for {max(length, 0.0):.4g} s only "
+            f"(needed: {QUIET_LENGTH:g} s): mean of all samples instead"
+        )
+        return replace(conditioned, processing=(*record.processing, note, conditioned.processing[-1]))
+    mean = float(np.mean(record.acceleration[:count]))
+    found = "found" if pre_event is None else "given"
+    note = f"baseline: mean of the pre-event window 0 to {length:.4g} s ({found}), {mean:.4g} m/s2, subtracted"
+    return _noted(record, record.acceleration - mean, note)
+
+
+def quiet_length(record: Record) -> float:
+    """Length of the pre-event window that is found in a record [s]; below `QUIET_LENGTH` it is not used.
+
+    Parameters
+    ----------
+    record : Record
+        Ground acceleration, (n,) [m/s2].
+    """
+    return max(_quiet_samples(record) - 1, 0) * record.dt
+
+
+def _quiet_samples(record: Record) -> int:
+    # From the first sample, not from zero: an offset would drown the energy of the noise.
+    shifted = record.acceleration - record.acceleration[0]
+    number = np.arange(1, record.npts + 1)
+    energy = np.cumsum(shifted**2) - np.cumsum(shifted) ** 2 / number
+    beyond = energy > QUIET_SHARE * energy[-1]
+    return int(np.argmax(beyond)) if beyond[-1] else record.npts
+
+
+def _auto(record: Record, pre_event: float | None) -> Record:
+    if record.processed:
+        return _noted(record, record.acceleration, "baseline: left as it is, a processed volume")
+    if record.processed is False:
+        return _pre_event(record, pre_event)
+    warning = (
+        "the format does not say whether the record is processed: the mean was subtracted; "
+        "choose a baseline to keep or correct it"
+    )
+    record = BASELINES["mean"](record, None)
+    if warning in record.warnings:
+        return record
+    logger.warning("%s: %s", record.id, warning)
+    return replace(record, warnings=(*record.warnings, warning))
+
+
+#: What is subtracted from the record, by name.
+BASELINES: dict[str, Callable[[Record, float | None], Record]] = {
+    "auto": _auto,
+    "none": _untouched,
+    "mean": _polynomial(0, "mean"),
+    "pre-event": _pre_event,
+    "linear": _polynomial(1, "line"),
+    "quadratic": _polynomial(2, "parabola"),
+}
+
+
+def _default_taper(record: Record, highpass: float | None, lowpass: float | None) -> float:
+    corner = highpass or lowpass
+    return 0.0 if corner is None else min(1.0 / corner, TAPER_SHARE * record.duration)
+
+
+def _taper(record: Record, length: float) -> Record:
+    edge = np.minimum(record.time, record.time[::-1])
+    window = 0.5 * (1.0 - np.cos(np.pi * np.minimum(edge / length, 1.0)))
+    tapered = record.acceleration * window
+    before, after = np.sum(record.acceleration**2), np.sum(tapered**2)
+    lost = 0.0 if before == 0.0 else 100.0 * (1.0 - after / before)
+    return _noted(record, tapered, f"taper: cosine, {length:.4g} s at each end, took {lost:.2g} % of the energy")
+
+
+def _filter(record: Record, highpass: float | None, lowpass: float | None, order: int, unfiltered: Record) -> Record:
+    from scipy import signal  # takes as long to import as all else, and by default nothing is filtered
+
+    rate = 1.0 / record.dt
+    sections, words = [], []
+    if highpass is not None:
+        sections.append(signal.butter(order, highpass, "highpass", fs=rate, output="sos"))
+        words.append(f"high-pass {highpass:g} Hz")
+    if lowpass is not None:
+        sections.append(signal.butter(order, lowpass, "lowpass", fs=rate, output="sos"))
+        words.append(f"low-pass {lowpass:g} Hz")
+    pad = math.ceil(PAD_PERIODS * order / (highpass or lowpass or rate) * rate)
+    if pad > LONGEST_PAD:
+        raise ConfigError(
+            f"condition: corner {highpass or lowpass:g} Hz: pads of {pad:.3g} samples, expected at most "
+            f"{LONGEST_PAD:g}; take a higher corner, {record.id} is {record.duration:g} s long"
+        )
+    filtered = signal.sosfiltfilt(np.concatenate(sections), np.pad(record.acceleration, pad), padtype=None)
+    cut = replace(record, acceleration=filtered[pad : pad + record.npts])
+    # Trapezoids up to the first sample that is kept, where the integration of the cut record begins.
+    lead = record.dt * float(np.sum(filtered[:pad]) + 0.5 * filtered[pad])
+    note = (
+        f"filter: Butterworth {' and '.join(words)}, zero phase, order {order} each way (effective {2 * order}), "
+        f"pads of {pad * record.dt:.4g} s cut off again with a velocity of {lead:.3g} m/s; "
+        f"PGV {pgv(unfiltered):.4g} -> {pgv(cut):.4g} m/s, "
+        f"largest half-wave impulse {_largest(unfiltered):.4g} -> {_largest(cut):.4g} m/s"
+    )
+    return _noted(record, cut.acceleration, note)
+
+
+def _largest(record: Record) -> float:
+    return float(np.max(np.abs(half_waves(record).impulse), initial=0.0))
+
+
+def _resample(record: Record, interval: float) -> Record:
+    from scipy import signal
+
+    ratio = Fraction(record.dt / interval).limit_denominator(RESAMPLING_LIMIT)
+    up, down = ratio.numerator, ratio.denominator
+    if up == 0 or up > RESAMPLING_LIMIT or not math.isclose(up / down, record.dt / interval, rel_tol=1e-9):
+        raise ConfigError(
+            f"condition: resample_s: {interval!r} s is in no ratio of whole numbers up to {RESAMPLING_LIMIT} to the "
+            f"{record.dt!r} s of {record.id}; choose a simpler interval"
+        )
+    lower = 1.0 / max(up, down)  # the lower Nyquist frequency, as a share of that of the interpolated series
+    taps, beta = signal.kaiserord(RESAMPLING_ATTENUATION, RESAMPLING_TRANSITION * lower)
+    kernel: Any = signal.firwin(taps | 1, (1.0 - 0.5 * RESAMPLING_TRANSITION) * lower, window=("kaiser", beta))
+    kept = (record.npts - 1) * up // down + 1
+    first, last = record.acceleration[[0, -1]]
+    slope = (last - first) / record.duration
+    departure = record.acceleration - (first + slope * record.time)
+    resampled = signal.resample_poly(departure, up, down, window=kernel)[:kept]
+    changed = replace(record, acceleration=resampled + (first + slope * interval * np.arange(kept)), dt=interval)
+    note = (
+        f"resampled: {record.dt:g} -> {interval:g} s (polyphase {up}/{down}, passes up to "
+        f"{0.5 * (1.0 - RESAMPLING_TRANSITION) / max(record.dt, interval):.4g} Hz); "
+        f"PGA {record.pga:.4g} -> {changed.pga:.4g} m/s2"
+    )
+    return replace(changed, processing=(*record.processing, note))

@@ -1,0 +1,252 @@
+"""Measures of a record, and its intense phase (Arias 1970; Trifunac & Brady 1975; Bolt 1973).
+
+.. note:: The record is linear between its samples, and every integral, extremum and crossing here is exact for that
+   record. Velocities start from zero at the first sample and take the baseline as the record has it: condition the
+   record first.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from rockpulse.errors import ConfigError, RecordRefused
+from rockpulse.record.record import STANDARD_GRAVITY, Record
+
+__all__ = ["INTENSE_PHASES", "IntensePhase", "arias_intensity", "intense_phase", "pgv"]
+
+#: Length of the intense phase in section 4 of Casapulla & Maione (2017) [s].
+WINDOW_LENGTH = 20.0
+
+#: Default level of the bracketed duration [m/s2] (Bolt 1973).
+BRACKET_LEVEL = 0.05 * STANDARD_GRAVITY
+
+
+@dataclass(frozen=True)
+class IntensePhase:
+    """The stretch of a record that a calibration looks at.
+
+    Attributes
+    ----------
+    start, end : float
+        Limits [s] from the first sample.
+    """
+
+    start: float
+    end: float
+
+    @property
+    def duration(self) -> float:
+        """Length of the phase [s]."""
+        return self.end - self.start
+
+
+def arias_intensity(record: Record) -> float:
+    """Arias intensity pi/(2 g) times the integral of the squared acceleration [m/s].
+
+    Parameters
+    ----------
+    record : Record
+        Ground acceleration, (n,) [m/s2]; g is standard gravity.
+
+    Examples
+    --------
+    >>> round(arias_intensity(Record([0.0, 3.0, 0.0], dt=1.0, id="triangle")), 6)
+    0.96106
+    """
+    return float(math.pi / (2.0 * STANDARD_GRAVITY) * _energy(record)[-1])
+
+
+def pgv(record: Record) -> float:
+    """Largest absolute ground velocity [m/s], at a sample or at a zero crossing of the acceleration between two.
+
+    Parameters
+    ----------
+    record : Record
+        Ground acceleration, (n,) [m/s2].
+
+    Examples
+    --------
+    >>> pgv(Record([2.0, -2.0], dt=1.0, id="crossing"))     # 0 at both samples
+    0.5
+    """
+    left, right = record.acceleration[:-1], record.acceleration[1:]
+    velocity = np.concatenate(([0.0], np.cumsum(0.5 * record.dt * (left + right))))
+    crossing = np.flatnonzero(np.sign(left) * np.sign(right) < 0.0)
+    before, after = left[crossing], right[crossing]
+    interior = velocity[crossing] + 0.5 * record.dt * before * (before / (before - after))
+    return float(max(np.max(np.abs(velocity)), np.max(np.abs(interior), initial=0.0)))
+
+
+def intense_phase(
+    record: Record,
+    method: str = "D5-95",
+    start_s: float | None = None,
+    end_s: float | None = None,
+    level: float | None = None,
+) -> IntensePhase:
+    """The intense phase of a record.
+
+    Parameters
+    ----------
+    record : Record
+        Ground acceleration, (n,) [m/s2].
+    method : {"D5-95", "D5-75", "bracketed", "window"}
+        "D5-95", "D5-75": between these percentages of the Arias intensity. "bracketed": from the first to the last time
+        the absolute acceleration exceeds `level`. "window": from `start_s` to `end_s`; 20 s (the paper's limit) from
+        `start_s` where that alone is given; with neither, the 20 s with the largest Arias intensity among those that
+        begin at a sample, the first of equal ones. A window ends with the record at the latest.
+    start_s, end_s : float, optional
+        Limits of the window [s] from the first sample.
+    level : float, optional
+        Bracket [m/s2], by default 0.05 g.
+
+    Returns
+    -------
+    IntensePhase
+        Limits interpolated inside the sampling interval, by the inverse of the cubic that the Arias intensity follows
+        there.
+
+    Raises
+    ------
+    ConfigError
+        For an unknown method, or an argument that does not belong to it or makes no sense.
+    RecordRefused
+        Where the record is zero throughout, never exceeds the bracket, or ends before the window begins.
+
+    References
+    ----------
+    Trifunac, M. D., Brady, A. G. (1975), Bull. Seismol. Soc. Am. 65(3), 581-626.
+    Bolt, B. A. (1973), Duration of strong ground motion, Proc. 5th World Conf. Earthquake Eng., Rome.
+    Casapulla, C., Maione, A. (2017), COMPDYN 2017, section 4, doi:10.7712/120117.5612.17190.
+
+    Examples
+    --------
+    >>> phase = intense_phase(Record([2.0, 2.0, 2.0], dt=5.0, id="constant"))
+    >>> round(phase.start, 6), round(phase.end, 6)
+    (0.5, 9.5)
+    """
+    if method not in INTENSE_PHASES:
+        raise ConfigError(f"intense_phase: method: expected one of {', '.join(INTENSE_PHASES)}, got {method!r}")
+    if method != "window" and (start_s is not None or end_s is not None):
+        raise ConfigError(
+            f"intense_phase: start_s and end_s belong to method 'window', not to {method!r}: "
+            "leave them out or change the method"
+        )
+    if method != "bracketed" and level is not None:
+        raise ConfigError(f"intense_phase: level belongs to method 'bracketed', not to {method!r}: leave it out")
+    return INTENSE_PHASES[method](record, start_s, end_s, level)
+
+
+def _energy(record: Record) -> np.ndarray:
+    """Integral of the squared acceleration from the first sample to each sample, (n,) [m2/s3]."""
+    left, right = record.acceleration[:-1], record.acceleration[1:]
+    return np.concatenate(([0.0], np.cumsum(record.dt / 3.0 * (left * left + left * right + right * right))))
+
+
+def _nonzero_energy(record: Record) -> np.ndarray:
+    energy = _energy(record)
+    if energy[-1] <= 0.0:
+        raise RecordRefused(
+            f"{record.id}: the acceleration is zero throughout: there is no intense phase; leave the record out"
+        )
+    return energy
+
+
+def _time_of(record: Record, energy: np.ndarray, level: float) -> float:
+    """First time at which the integral reaches a level between 0 and its last value [s]."""
+    after = int(np.clip(np.searchsorted(energy, level, side="left"), 1, energy.size - 1))
+    before = after - 1
+    left, right = record.acceleration[before : after + 1].tolist()
+    scale = max(abs(left), abs(right))
+    missing = max(level - energy[before], 0.0)
+    if missing == 0.0:
+        return before * record.dt
+    # In units of the larger end the value reached is b = cbrt(a^3 + 3 s E), s the slope; (b - a)/s = 3 E/(a^2 + a b +
+    # b^2) is the time without the cancellation at small s.
+    left, slope, missing = left / scale, (right - left) / scale / record.dt, missing / scale**2
+    reached = float(np.cbrt(left**3 + 3.0 * slope * missing))
+    return float(
+        before * record.dt + min(3.0 * missing / (left * left + left * reached + reached * reached), record.dt)
+    )
+
+
+def _significant(upper: float) -> Callable[..., IntensePhase]:
+    def phase(record: Record, *_: float | None) -> IntensePhase:
+        energy = _nonzero_energy(record)
+        return IntensePhase(*(_time_of(record, energy, share * energy[-1]) for share in (0.05, upper)))
+
+    return phase
+
+
+def _bracketed(record: Record, start_s: float | None, end_s: float | None, level: float | None) -> IntensePhase:
+    bracket = BRACKET_LEVEL if level is None else level
+    if not (math.isfinite(bracket) and bracket > 0.0):
+        raise ConfigError(f"intense_phase: level: expected a positive acceleration in m/s2, got {level!r}")
+    magnitude = np.abs(record.acceleration)
+    above = np.flatnonzero(magnitude > bracket)
+    if above.size == 0:
+        raise RecordRefused(
+            f"{record.id}: never exceeds the bracket of {bracket:.4g} m/s2, its PGA is {record.pga:.4g} m/s2; "
+            "give a lower level or choose method 'D5-95'"
+        )
+    return IntensePhase(
+        _bracket_time(record, int(above[0]), int(above[0]) - 1, bracket),
+        _bracket_time(record, int(above[-1]), int(above[-1]) + 1, bracket),
+    )
+
+
+def _bracket_time(record: Record, inside: int, outside: int, bracket: float) -> float:
+    if not 0 <= outside < record.npts:
+        return inside * record.dt
+    high, low = record.acceleration[inside], record.acceleration[outside]
+    fraction = (high - math.copysign(bracket, high)) / (high - low)
+    return float((inside + (outside - inside) * fraction) * record.dt)
+
+
+def _window(record: Record, start_s: float | None, end_s: float | None, level: float | None) -> IntensePhase:
+    if start_s is None:
+        if end_s is not None:
+            raise ConfigError("intense_phase: end_s needs start_s; give both, start_s alone, or neither")
+        return _strongest_window(record)
+    end = start_s + WINDOW_LENGTH if end_s is None else end_s
+    if not (math.isfinite(start_s) and math.isfinite(end) and 0.0 <= start_s < end):
+        raise ConfigError(
+            f"intense_phase: expected 0 <= start_s < end_s in s, got start_s {start_s!r} and end_s {end_s!r}"
+        )
+    if start_s >= record.duration:
+        raise RecordRefused(
+            f"{record.id}: the window begins at {start_s:g} s, after the end of the record ({record.duration:g} s); "
+            "give an earlier start_s"
+        )
+    return IntensePhase(float(start_s), min(float(end), record.duration))
+
+
+def _strongest_window(record: Record) -> IntensePhase:
+    energy = _nonzero_energy(record)
+    if record.duration <= WINDOW_LENGTH:
+        return IntensePhase(0.0, record.duration)
+    # A window that begins at sample i ends `part` of an interval after sample i + whole.
+    whole, part = divmod(WINDOW_LENGTH / record.dt, 1.0)
+    starts = np.arange(math.floor((record.duration - WINDOW_LENGTH) / record.dt * (1.0 + 1e-12)) + 1)
+    ends = np.minimum(starts + int(whole), record.npts - 1)
+    left = record.acceleration[ends]
+    step = record.acceleration[np.minimum(ends + 1, record.npts - 1)] - left
+    inside = record.dt * part * (left * left + part * left * step + part * part * step * step / 3.0)
+    content = energy[ends] + inside - energy[starts]
+    # Equal windows differ in their last digits: the first within rounding of the largest, so that the choice is not
+    # left to chance.
+    start = record.dt * int(np.argmax(content >= np.max(content) * (1.0 - 1e-12)))
+    return IntensePhase(start, min(start + WINDOW_LENGTH, record.duration))
+
+
+#: How to find an intense phase, by name.
+INTENSE_PHASES: dict[str, Callable[..., IntensePhase]] = {
+    "D5-95": _significant(0.95),
+    "D5-75": _significant(0.75),
+    "bracketed": _bracketed,
+    "window": _window,
+}

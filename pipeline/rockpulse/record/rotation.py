@@ -1,0 +1,230 @@
+"""The motion of a pair of horizontal channels in any direction, and the direction of its largest half-wave impulse.
+
+.. note:: Azimuths are in degrees, clockwise from north. The ground acceleration is a vector x; a channel that faces the
+   azimuth z records x . u(z), u = (cos z, sin z) to the north and east. Two channels that are not parallel give x, and
+   with it the motion in the direction psi:
+
+       a(psi) = [a_1 sin(z_2 - psi) + a_2 sin(psi - z_1)]/sin(z_2 - z_1)
+
+   which is exact for any angle between them. a(psi + 180) = -a(psi): a half circle has all directions.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from itertools import pairwise
+
+import numpy as np
+
+from rockpulse.errors import RecordRefused
+from rockpulse.record.components import Pair
+from rockpulse.record.conditioning import DRIFT, condition
+from rockpulse.record.half_wave import half_waves
+from rockpulse.record.record import Record, record_id
+
+__all__ = ["check_angle", "pair_id", "rotate", "rotated_id", "strongest_azimuth"]
+
+#: Two channels need at least this sine between them: below it (10 degrees) their noise is multiplied by more than 6.
+SMALLEST_SINE = 0.17
+
+#: The search for the strongest direction: steps one after the other [degrees]; how many maxima of the first are looked
+#: into, and from which share of the highest on.
+STEPS = (1.0, 0.1, 0.01)
+MAXIMA = 5
+MAXIMA_SHARE = 0.9
+
+
+def rotate(pair: Pair, azimuth: float) -> Record:
+    """The motion of a pair in one direction.
+
+    Parameters
+    ----------
+    pair : Pair
+        Two channels with the same samples in time, as ``condition_pair`` returns them.
+    azimuth : float
+        Direction, clockwise from north [degrees].
+
+    Returns
+    -------
+    Record
+        With the direction in the channel code of its id (``H045``), the sources, notes and warnings of both channels,
+        and the formula. In the direction of a channel its samples are those of that channel.
+
+    Raises
+    ------
+    RecordRefused
+        For channels that face almost the same way or do not have the same samples.
+
+    Examples
+    --------
+    >>> east = Record([0.0, 1.0, 0.0], dt=0.01, id="x.E", azimuth=90.0)
+    >>> north = Record([0.0, 1.0, 1.0], dt=0.01, id="x.N", azimuth=0.0)
+    >>> rotate(Pair(east, north), 30.0).acceleration.round(6).tolist()
+    [0.0, 1.366025, 0.866025]
+    """
+    first, second = pair.channels
+    check_angle(pair)
+    if first.npts != second.npts or not math.isclose(first.dt, second.dt, rel_tol=1e-9):
+        raise RecordRefused(
+            f"{first.id}, {second.id}: expected the same samples in both, found {first.npts} at {first.dt:g} s and "
+            f"{second.npts} at {second.dt:g} s; take condition_pair"
+        )
+    one, other = _weights(first.azimuth, second.azimuth, azimuth)
+    note = (
+        f"rotated to {azimuth:g} degrees: {one:.6g} x {first.id} ({first.azimuth:g} degrees) {other:+.6g} x "
+        f"{second.id} ({second.azimuth:g} degrees), a = [a1 sin(z2 - psi) + a2 sin(psi - z1)]/sin(z2 - z1)"
+    )
+    same_unit = (first.source_unit, first.unit_factor) == (second.source_unit, second.unit_factor)
+    rotated = replace(
+        first,
+        acceleration=one * first.acceleration + other * second.acceleration,
+        id=rotated_id(first, azimuth),
+        channel=_code(azimuth),
+        component=f"{azimuth:g} degrees, rotated",
+        azimuth=float(azimuth),
+        orientation="structural" if first.orientation == "structural" else "horizontal",
+        source=_joined(first.source, second.source),
+        source_sha256=_joined(first.source_sha256, second.source_sha256),
+        source_unit=first.source_unit if same_unit else "",
+        unit_factor=first.unit_factor if same_unit else float("nan"),
+        header_peak=float("nan"),
+        # Whether the velocity drifts is a matter of the direction.
+        warnings=tuple(text for text in _of_both(first, second, "warnings") if DRIFT not in text),
+        processing=(*_of_both(first, second, "processing"), note),
+    )
+    return condition(rotated, baseline="none")  # looks whether the velocity of this direction drifts
+
+
+def pair_id(pair: Pair) -> str:
+    """Name of a pair: the id of a record with both channel codes in it.
+
+    Parameters
+    ----------
+    pair : Pair
+        The channels.
+    """
+    return _name(pair.first, f"{pair.first.channel}-{pair.second.channel}")
+
+
+def rotated_id(record: Record, azimuth: float) -> str:
+    """Id of the motion of a pair in one direction.
+
+    Parameters
+    ----------
+    record : Record
+        The first channel of the pair.
+    azimuth : float
+        Direction, clockwise from north [degrees].
+    """
+    return _name(record, _code(azimuth))
+
+
+def strongest_azimuth(
+    pair: Pair, threshold: float = 0.0, min_duration_s: float = 0.0, merge: bool = True
+) -> tuple[float, float]:
+    """The direction in which the largest half-wave impulse of a pair is largest.
+
+    Parameters
+    ----------
+    pair : Pair
+        Two channels with the same samples in time.
+    threshold, min_duration_s, merge
+        Options of :func:`rockpulse.half_waves`.
+
+    Returns
+    -------
+    azimuth : float
+        Direction [degrees], 0 to below 180, to 0.01; the first of equal ones.
+    impulse : float
+        The largest absolute half-wave impulse in that direction [m/s].
+
+    Notes
+    -----
+    The impulse jumps where a lobe touches zero and breaks in two, or noise is merged: there is no formula for its
+    maximum. Every degree is tried, then the surroundings of the five highest local maxima, as far as they are above
+    0.9 of the highest, in steps of 0.1 and 0.01: some 250 extractions.
+    """
+    first, second = pair.channels
+    check_angle(pair)
+    found: dict[float, float] = {}
+
+    def impulse(azimuth: float) -> float:
+        azimuth = round(azimuth % 180.0, 6) % 180.0
+        if azimuth not in found:
+            one, other = _weights(first.azimuth, second.azimuth, azimuth)
+            turned = Record(one * first.acceleration + other * second.acceleration, first.dt, id=first.id)
+            waves = half_waves(turned, threshold, min_duration_s, merge)
+            found[azimuth] = float(np.max(np.abs(waves.impulse), initial=0.0))
+        return found[azimuth]
+
+    coarse = STEPS[0] * np.arange(round(180.0 / STEPS[0]))
+    values = np.array([impulse(azimuth) for azimuth in coarse])
+    high = (values >= np.roll(values, 1)) & (values >= np.roll(values, -1)) & (values >= MAXIMA_SHARE * values.max())
+    maxima = np.flatnonzero(high)
+    for azimuth in coarse[maxima[np.argsort(-values[maxima], kind="stable")[:MAXIMA]]].tolist():
+        for wide, narrow in pairwise(STEPS):
+            steps = round(wide / narrow)
+            around = [azimuth + narrow * step for step in range(-steps, steps + 1)]
+            azimuth = max(around, key=impulse)
+    largest = max(found.values())
+    # Equal directions differ in their last digits.
+    return min(azimuth for azimuth, value in found.items() if value >= largest * (1.0 - 1e-12)), largest
+
+
+def _weights(first: float, second: float, azimuth: float) -> tuple[float, float]:
+    between = _sine(second - first)
+    return _sine(second - azimuth) / between, _sine(azimuth - first) / between
+
+
+def _sine(degrees: float) -> float:
+    """Sine that is exact at multiples of 90 degrees and odd about 0 and 180."""
+    turn = math.remainder(degrees, 360.0)
+    folded = math.copysign(180.0, turn) - turn if abs(turn) > 90.0 else turn
+    return math.sin(math.radians(folded))
+
+
+def check_angle(pair: Pair) -> None:
+    """Refuse channels that face almost the same way.
+
+    Parameters
+    ----------
+    pair : Pair
+        The channels.
+
+    Raises
+    ------
+    RecordRefused
+        Where the sine of the angle between them is below 0.17, or an azimuth is not known.
+    """
+    first, second = pair.channels
+    if not abs(_sine(second.azimuth - first.azimuth)) >= SMALLEST_SINE:
+        raise RecordRefused(
+            f"{first.id}, {second.id}: expected azimuths at least {math.degrees(math.asin(SMALLEST_SINE)):.3g} degrees "
+            f"from parallel, found {first.azimuth:g} and {second.azimuth:g} degrees: they are no horizontal pair; "
+            'components = "horizontal" assesses them as they were recorded'
+        )
+
+
+def _code(azimuth: float) -> str:
+    return f"H{math.floor(azimuth + 0.5):03d}"
+
+
+def _name(record: Record, code: str) -> str:
+    stem = record.id.removesuffix(f".{record.channel}")
+    return record_id(record.network, record.station, record.location, code, record.start_time, stem, 0)
+
+
+def _joined(first: str, second: str) -> str:
+    return "; ".join(dict.fromkeys(text for text in (first, second) if text))
+
+
+def _of_both(first: Record, second: Record, what: str) -> tuple[str, ...]:
+    """Texts of both channels: once where both have it, else with the channel before it."""
+    mine, others = getattr(first, what), getattr(second, what)
+    return tuple(
+        text if text in mine and text in others else f"{record.channel}: {text}"
+        for record, texts in ((first, mine), (second, others))
+        for text in texts
+        if record is first or text not in mine
+    )

@@ -1,0 +1,171 @@
+"""Seeded synthetic strong motions and lanes of blocks: an ensemble that anybody can make again, sample for sample.
+
+.. note:: Synthetic motions are for measuring solvers (speed, error, verdicts), not for assessing a site.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from rockpulse.errors import ConfigError
+from rockpulse.record.record import STANDARD_GRAVITY
+
+__all__ = ["SyntheticLanes", "synthetic_lanes", "synthetic_motion"]
+
+#: Samples are whole multiples of this [m/s2]: the last bits of an FFT differ between machines, these digits do not.
+QUANTUM = 1e-6
+
+#: Multiples of the quantum in 1 m/s2; dividing a whole number by it is rounded correctly everywhere.
+PER_UNIT = 1e6
+
+
+class SyntheticLanes(NamedTuple):
+    """One block and one strength of shaking per lane."""
+
+    p: np.ndarray  #: (count,) frequency parameter [1/s]
+    alpha: np.ndarray  #: (count,) critical angle [rad]
+    restitution: np.ndarray  #: (count,) velocity ratio C [-]
+    pga: np.ndarray  #: (count,) peak ground acceleration that the lane asks for [m/s2]
+
+
+def synthetic_motion(seed: int, duration: float = 60.0, dt: float = 0.01, pga: float = 3.0) -> np.ndarray:
+    """Synthetic accelerogram: Gaussian noise with the Kanai-Tajimi spectrum under a rise-strong-decay envelope.
+
+    Parameters
+    ----------
+    seed : int
+        0 to 2**32 - 1. It draws the noise, the ground frequency (0.5 to 5 Hz, log-uniform) and damping (0.3 to 0.7),
+        and the times of the envelope.
+    duration : float
+        Time from the first to the last sample, at least 1 s [s].
+    dt : float
+        Sampling interval, at most 0.1 s [s].
+    pga : float
+        Largest absolute sample [m/s2], from 0.001 to 1000.
+
+    Returns
+    -------
+    (n,) ndarray
+        Ground acceleration [m/s2], n = round(duration/dt) + 1, whole multiples of 1e-6 m/s2. The first and the last
+        sample are zero, and so is the velocity after the last one: in units of 1e-6 the samples sum to 0 exactly.
+
+    Raises
+    ------
+    ConfigError
+        For a seed, duration, interval or peak outside these ranges.
+
+    Notes
+    -----
+    Spectrum, with r = f/f_g (Kanai-Tajimi) and q = f/f_h, f_h = 0.1 f_g (the second filter of Clough & Penzien, damping
+    0.6, which takes away what would drift):
+
+    S(f) = (1 + 4 z^2 r^2)/((1 - r^2)^2 + 4 z^2 r^2) x q^4/((1 - q^2)^2 + 4 0.6^2 q^2)
+
+    Envelope (Amin & Ang; Jennings, Housner & Tsai): (t/t_1)^2, then 1 up to t_2, then exp(-k (t - t_2)). t_1 is 3 to
+    15 % of the duration, the strong phase t_2 - t_1 3 to 35 %, and k leaves 1e-6 to 0.03 (log-uniform) at the end.
+
+    ``numpy.random.RandomState`` is used because its stream is frozen: newer generators may change theirs between
+    versions of numpy.
+
+    References
+    ----------
+    Tajimi, H. (1960), Proc. 2nd World Conf. Earthq. Eng., Tokyo, 2, 781-797.
+    Clough, R. W., Penzien, J. (1975), Dynamics of Structures, McGraw-Hill.
+    Amin, M., Ang, A. H.-S. (1968), J. Eng. Mech. Div. ASCE 94(2), 559-583.
+    Jennings, P. C., Housner, G. W., Tsai, N. C. (1968), Simulated earthquake motions, EERL, Caltech.
+
+    Examples
+    --------
+    >>> motion = synthetic_motion(1, duration=20.0)
+    >>> motion.size, float(abs(motion).max())
+    (2001, 3.0)
+    """
+    if not 1.0 <= duration <= 1e5:
+        raise ConfigError(f"duration: expected 1 to 1e5 s, got {duration!r}")
+    if not 1e-4 <= dt <= 0.1:
+        raise ConfigError(f"dt: expected a sampling interval of 0.0001 to 0.1 s, got {dt!r}")
+    if not 1e-3 <= pga <= 1e3:
+        raise ConfigError(f"pga: expected 0.001 to 1000 m/s2, got {pga!r}")
+    random = _frozen_stream(seed)
+    ground_hz = 0.5 * 10.0 ** random.uniform(0.0, 1.0)
+    damping = random.uniform(0.3, 0.7)
+    rise, strong = random.uniform(0.03, 0.15), random.uniform(0.03, 0.35)
+    left = 10.0 ** random.uniform(-6.0, -1.5)
+    n = round(duration / dt) + 1
+    noise = np.fft.rfft(random.standard_normal(n))
+
+    frequency = np.fft.rfftfreq(n, dt)
+    r, q = (frequency / ground_hz) ** 2, (frequency / (0.1 * ground_hz)) ** 2
+    kanai_tajimi = (1.0 + 4.0 * damping**2 * r) / ((1.0 - r) ** 2 + 4.0 * damping**2 * r)
+    no_drift = q**2 / ((1.0 - q) ** 2 + 4.0 * 0.6**2 * q)
+    stationary = np.fft.irfft(noise * np.sqrt(kanai_tajimi * no_drift), n)
+
+    t = np.arange(n) / (n - 1)
+    decay = np.exp(np.log(left) * np.maximum(t - rise - strong, 0.0) / (1.0 - rise - strong))
+    envelope = np.minimum((t / rise) ** 2, 1.0) * decay
+    envelope[-1] = 0.0
+    motion = stationary * envelope
+    motion -= envelope * (np.sum(motion) / np.sum(envelope))
+    whole = np.rint(motion * (pga * PER_UNIT / np.max(np.abs(motion)))).astype(np.int64)
+    return _balanced(whole) / PER_UNIT
+
+
+def _frozen_stream(seed: int) -> np.random.RandomState:
+    if not 0 <= seed < 2**32:
+        raise ConfigError(f"seed: expected a whole number from 0 to 2**32 - 1, got {seed!r}")
+    return np.random.RandomState(seed)
+
+
+def _balanced(whole: np.ndarray) -> np.ndarray:
+    """Whole numbers that sum to zero: what rounding left over is taken from small samples, one each, evenly spread."""
+    rest = int(whole.sum())
+    if rest == 0:
+        return whole
+    inner = np.arange(1, whole.size - 1)
+    small = inner[np.abs(whole[inner]) <= np.median(np.abs(whole))]
+    chosen = small[np.linspace(0, small.size - 1, abs(rest)).astype(np.int64)]
+    np.subtract.at(whole, chosen, int(np.sign(rest)))
+    return whole
+
+
+def synthetic_lanes(seed: int, count: int, restitution: float = 0.9) -> SyntheticLanes:
+    """Blocks and peak accelerations, drawn lane by lane.
+
+    Parameters
+    ----------
+    seed : int
+        0 to 2**32 - 1.
+    count : int
+        Number of lanes, at least 1.
+    restitution : float
+        Velocity ratio C of all lanes [-].
+
+    Returns
+    -------
+    SyntheticLanes
+        (count,) each: p from 1 to 8 1/s (log-uniform), alpha from 0.05 to 0.3 rad, PGA from 0.2 to 0.4 g of 9.80665
+        m/s2 (uniform), rounded to 1e-6 so that they are the same numbers everywhere. The first lanes of a longer call
+        are those of a shorter one.
+
+    Raises
+    ------
+    ConfigError
+        For a count below 1 or a seed outside its range.
+
+    Examples
+    --------
+    >>> lanes = synthetic_lanes(0, 3)
+    >>> bool((lanes.p >= 1.0).all() and (lanes.p <= 8.0).all()), lanes.restitution.tolist()
+    (True, [0.9, 0.9, 0.9])
+    """
+    if count < 1:
+        raise ConfigError(f"count: expected at least one lane, got {count!r}")
+    share = _frozen_stream(seed).uniform(size=(count, 3))
+    p, alpha, pga = 8.0 ** share[:, 0], 0.05 + 0.25 * share[:, 1], (0.2 + 0.2 * share[:, 2]) * STANDARD_GRAVITY
+    return SyntheticLanes(_rounded(p), _rounded(alpha), np.full(count, float(restitution)), _rounded(pga))
+
+
+def _rounded(values: np.ndarray) -> np.ndarray:
+    return np.rint(values * PER_UNIT) / PER_UNIT

@@ -1,0 +1,187 @@
+"""A long table as CSV, with a README of its columns beside it."""
+
+from __future__ import annotations
+
+import gzip
+import secrets
+from collections.abc import Callable
+from contextlib import suppress
+from pathlib import Path
+from typing import TYPE_CHECKING, TextIO
+
+from rockpulse.errors import ResultsError
+from rockpulse.storage.long_table import LongTable
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+__all__ = ["check_table_target", "readme_of", "write_table"]
+
+#: Suffixes of tables; the second is compressed.
+SUFFIXES = (".csv", ".csv.gz")
+
+#: What stands for the end of a line inside a text, and every way in which one ends.
+LINE = " | "
+LINE_ENDS = "\r\n|[\n\r\v\f\x1c-\x1e\x85\u2028\u2029]"
+
+
+def readme_of(path: Path) -> Path:
+    """The README that belongs to a table.
+
+    Parameters
+    ----------
+    path : Path
+        The table.
+
+    Examples
+    --------
+    >>> readme_of(Path("out/table.csv")).name
+    'table.README.md'
+    """
+    return path.with_name(f"{path.name.removesuffix('.gz').removesuffix('.csv')}.README.md")
+
+
+def check_table_target(path: str | Path, overwrite: bool = False) -> Path:
+    """Whether a table and its README can be written here.
+
+    Parameters
+    ----------
+    path : str or Path
+        Name of the table.
+    overwrite : bool
+        Whether files of these names are replaced.
+
+    Raises
+    ------
+    ResultsError
+        For another suffix, a folder that does not exist, or a file that does.
+    """
+    target = Path(path)
+    if not target.name.endswith(SUFFIXES):
+        raise ResultsError(f"{path}: expected a name that ends in {' or '.join(SUFFIXES)}")
+    if not target.parent.is_dir():
+        raise ResultsError(f"{path}: there is no folder {target.parent}; create it first")
+    for file in (target, readme_of(target)):
+        if file.exists() and not file.is_file():
+            raise ResultsError(f"{file}: expected the name of a file, found something that is no regular file")
+        if file.exists() and not overwrite:
+            raise ResultsError(
+                f"{file}: the file exists; choose another name, or allow it to be replaced (--overwrite)"
+            )
+    return target
+
+
+def write_table(
+    table: LongTable,
+    path: str | Path,
+    about: str,
+    overwrite: bool = False,
+    on_rows: Callable[[int], object] | None = None,
+    decimal_comma: bool = False,
+) -> tuple[Path, Path]:
+    """Write a table and its README, each whole or not at all, in bounded memory.
+
+    Parameters
+    ----------
+    table : LongTable
+        Of a file that is open.
+    path : str or Path
+        Name of the table, ``.csv`` or ``.csv.gz``.
+    about : str
+        Where the table comes from, for the README.
+    overwrite : bool
+        Whether files of these names are replaced.
+    on_rows : callable, optional
+        Called with the number of rows that were written since.
+    decimal_comma : bool
+        Semicolons between the columns, decimal commas and a byte order mark, as spreadsheets expect them where the
+        decimal sign is a comma.
+
+    Returns
+    -------
+    tuple of Path
+        The table and its README.
+
+    Raises
+    ------
+    ResultsError
+        As :func:`check_table_target`, and where the table cannot be written.
+    OSError, RuntimeError
+        Where the results cannot be read, as HDF5 says it.
+    """
+    target = check_table_target(path, overwrite)
+    readme = readme_of(target)
+    empty = {column.name: 0 for column in table.columns}
+    parts = [file.with_name(f".{file.name}.{secrets.token_hex(4)}.part") for file in (target, readme)]
+    try:
+        sep, decimal = (";", ",") if decimal_comma else (",", ".")
+        with _opened(parts[0], target.name.endswith(".gz"), "utf-8-sig" if decimal_comma else "utf-8") as file:
+            for number, frame in enumerate(table.frames()):
+                for name in empty:
+                    empty[name] += int((frame[name].isna() | (frame[name].astype(object) == "")).sum())
+                _one_line(frame).to_csv(file, index=False, header=number == 0, sep=sep, decimal=decimal)
+                if on_rows is not None:
+                    on_rows(len(frame))
+        parts[1].write_text(_readme(table, target.name, about, empty, decimal_comma), encoding="utf-8")
+        for part, file_ in zip(parts, (target, readme), strict=True):
+            part.replace(file_)
+    except OSError as error:
+        if error.errno is None:  # of HDF5, from which the rows are read meanwhile
+            raise
+        raise ResultsError(f"{path}: cannot write the table: {error.strerror or error}") from error
+    finally:
+        for part in parts:
+            with suppress(FileNotFoundError):
+                part.unlink()
+    return target, readme
+
+
+def _opened(path: Path, compressed: bool, encoding: str) -> TextIO:
+    if compressed:
+        return gzip.open(path, "wt", encoding=encoding, newline="", compresslevel=4)
+    return Path(path).open("w", encoding=encoding, newline="")
+
+
+def _one_line(frame: pd.DataFrame) -> pd.DataFrame:
+    """Texts of several lines in one, so that a line of the file is a row."""
+    for name in frame.columns:
+        texts = frame[name]
+        if texts.dtype.kind in "OU" or str(texts.dtype) == "str":
+            frame[name] = texts.str.replace(LINE_ENDS, LINE, regex=True)
+    return frame
+
+
+def _readme(table: LongTable, name: str, about: str, empty: dict[str, int], decimal_comma: bool) -> str:
+    written, options = "UTF-8, comma-separated", ""
+    if decimal_comma:
+        written = "UTF-8 with a byte order mark, semicolons between columns, decimal commas"
+        options = 'sep=";", decimal=",", '
+    lines = [
+        f"# {name}",
+        "",
+        f"{about} Group `/{table.group}`, {len(table)} rows{table.per}.",
+        "",
+        f"{written}, one line of headings, SI units, numbers with all their digits. An empty cell: not "
+        "known or not computed, or no text; how many a column has is counted below. `inf`: without limit, such as the "
+        "safety factor of a block that no factor tried overturns, or the peak of one that overturned. -1 in whole "
+        f"numbers: none, or not known, as the meaning says. `{LINE.strip()}` stands between the lines of a text.",
+        "",
+        f'In pandas: `pandas.read_csv(name, {options}keep_default_na=False, na_values=[""])`, so that a network "NA" '
+        "stays one.",
+        "",
+        f"| column | unit | empty cells of {len(table)} | meaning |",
+        "|---|---|---|---|",
+    ]
+    for column in table.columns:
+        meaning = column.long_name
+        if column.words:
+            meaning += f" ({', '.join(column.words.values())})"
+        unit = "" if column.units == "1" else column.units
+        lines.append(f"| `{column.name}` | {unit} | {empty[column.name]} | {meaning.replace('|', '/')} |")
+    if table.left_out:
+        names = ", ".join(f"`{name}`" for name in table.left_out)
+        lines += [
+            "",
+            f"Not in this table, because their dimensions are others: {names} (`--rows` takes other dimensions).",
+        ]
+    return "\n".join(lines) + "\n"

@@ -1,0 +1,214 @@
+"""A results file opened without reading it: what is asked for is read, and nothing else.
+
+:func:`rockpulse.load` takes a whole file into memory; a table of the worst twenty of two million answers needs a few
+variables, which are read when their values are.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from rockpulse.errors import ResultsError
+from rockpulse.option import hint
+from rockpulse.storage.save_load import check_schema
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = ["ResultsFile", "flag_words", "open_results", "pointwise", "slab", "worded"]
+
+
+@dataclass(frozen=True, eq=False)
+class ResultsFile:
+    """The groups of a file that is open.
+
+    Attributes
+    ----------
+    path : Path
+        The file.
+    kind : str
+        What it holds, as the root attribute `kind` says.
+    attrs : dict
+        Attributes of the root.
+    groups : tuple of str
+        Names of the groups, without the leading slash.
+    """
+
+    path: Path
+    kind: str
+    attrs: dict[str, Any]
+    groups: tuple[str, ...]
+    _stack: ExitStack = field(repr=False)
+    _opened: dict[str, xr.Dataset] = field(default_factory=dict, repr=False)
+
+    def dataset(self, group: str) -> xr.Dataset:
+        """A group, its values not yet read.
+
+        Parameters
+        ----------
+        group : str
+            Its name.
+
+        Raises
+        ------
+        ResultsError
+            Where the file has no such group, or it is damaged.
+        """
+        import xarray as xr
+
+        if group not in self.groups:
+            raise ResultsError(
+                f"{self.path}: there is no group {group!r}{hint(group, self.groups)} (there are "
+                f"{', '.join(self.groups)})"
+            )
+        if group not in self._opened:
+            try:
+                with self.reading():
+                    # Nothing is encoded: texts are texts, NaN is NaN.
+                    dataset = xr.open_dataset(self.path, group=group, engine="h5netcdf", decode_cf=False, cache=False)
+            except (KeyError, ValueError) as error:  # a dimension is gone, or a variable came without any
+                raise ResultsError(
+                    f"{self.path}: /{group} is not as it was written ({error}); 'rockpulse verify' says what else, run "
+                    "the assessment again"
+                ) from error
+            self._opened[group] = self._stack.enter_context(dataset)
+        return self._opened[group]
+
+    def tree(self, *groups: str) -> xr.DataTree:
+        """Some groups as a tree whose values are not yet read; all by default.
+
+        Parameters
+        ----------
+        *groups : str
+            Names of groups; those that the file lacks are passed over.
+        """
+        import xarray as xr
+
+        chosen = [name for name in groups or self.groups if name in self.groups]
+        return xr.DataTree.from_dict(
+            {"/": xr.Dataset(attrs=self.attrs), **{f"/{name}": self.dataset(name) for name in chosen}}
+        )
+
+    @contextmanager
+    def reading(self) -> Iterator[None]:
+        """Within it, what HDF5 says of a damaged file becomes a ResultsError."""
+        try:
+            yield
+        except (OSError, RuntimeError) as error:
+            if getattr(error, "errno", None) is not None:  # of the file system, not of HDF5
+                raise
+            raise ResultsError(
+                f"{self.path}: the results file is damaged ({error}); run the assessment again"
+            ) from error
+
+
+@contextmanager
+def open_results(path: str | Path) -> Iterator[ResultsFile]:
+    """Open a file of results for reading what is needed of it.
+
+    Parameters
+    ----------
+    path : str or Path
+        File written by :func:`rockpulse.save`.
+
+    Raises
+    ------
+    ResultsError, OSError
+        As :func:`rockpulse.load`.
+    """
+    import h5py
+
+    kind = check_schema(path)
+    with ExitStack() as stack:
+        with h5py.File(path, "r") as hdf5:
+            groups = tuple(name for name, item in hdf5.items() if isinstance(item, h5py.Group))
+            attrs = {
+                name: value.item() if isinstance(value, np.generic) else value for name, value in hdf5.attrs.items()
+            }
+        yield ResultsFile(Path(path), kind, attrs, groups, stack)
+
+
+def slab(variable: xr.Variable, positions: dict[Any, Any]) -> np.ndarray:
+    """Values at positions along each dimension, by reading the box around them.
+
+    HDF5 reads a box at the speed of the disk and scattered positions one by one.
+
+    Parameters
+    ----------
+    variable : xarray.Variable
+        Read or not yet read.
+    positions : dict
+        Positions (integers, any order) or a slice along the dimensions; the whole of those that are not named. Names
+        of dimensions that the variable lacks are passed over.
+    """
+    box: list[slice] = []
+    inside: list[Any] = []
+    for dim, size in variable.sizes.items():
+        wanted = positions.get(dim, slice(None))
+        if isinstance(wanted, slice):
+            box.append(wanted)
+            inside.append(np.arange(len(range(*wanted.indices(size)))))
+        else:
+            start, stop = (int(wanted.min()), int(wanted.max()) + 1) if wanted.size else (0, 0)
+            box.append(slice(start, stop))
+            inside.append(wanted - start)
+    values = variable[tuple(box)].values
+    if all(isinstance(positions.get(dim, slice(None)), slice) for dim in variable.dims):
+        return values
+    return values[np.ix_(*inside)]
+
+
+def pointwise(variable: xr.Variable, places: dict[str, np.ndarray]) -> np.ndarray:
+    """One value for each of some places, by reading the box around them.
+
+    Parameters
+    ----------
+    variable : xarray.Variable
+        Read or not yet read.
+    places : dict of str to (r,) ndarray of int
+        Position of each place along the dimensions; names that the variable lacks are passed over.
+    """
+    starts = {dim: int(places[dim].min()) if places[dim].size else 0 for dim in map(str, variable.dims)}
+    stops = {dim: int(places[dim].max()) + 1 if places[dim].size else 0 for dim in starts}
+    values = variable[tuple(slice(starts[dim], stops[dim]) for dim in starts)].values
+    return np.asarray(values[tuple(places[dim] - starts[dim] for dim in starts)])
+
+
+def flag_words(variable: xr.Variable | xr.DataArray) -> dict[int, str]:
+    """Names of the values of a flag; empty for what is none.
+
+    Parameters
+    ----------
+    variable : xarray.Variable or xarray.DataArray
+        Any variable of the results.
+    """
+    if "flag_meanings" not in variable.attrs:
+        return {}
+    values = np.atleast_1d(variable.attrs["flag_values"]).tolist()
+    return dict(zip(values, str(variable.attrs["flag_meanings"]).split(), strict=True))
+
+
+def worded(values: np.ndarray, words: dict[int, str]) -> np.ndarray:
+    """Values of a flag as words; a number that has none stays as it is.
+
+    Parameters
+    ----------
+    values : ndarray of int
+        Of a flag.
+    words : dict of int to str
+        Of :func:`flag_words`.
+
+    Examples
+    --------
+    >>> worded(np.array([1, 0, 7]), {0: "no", 1: "yes"}).tolist()
+    ['yes', 'no', '7']
+    """
+    codes, inverse = np.unique(values, return_inverse=True)
+    names = np.array([words.get(code, str(code)) for code in codes.tolist()], dtype=object)
+    return names[inverse].reshape(values.shape) if codes.size else values.astype(object)

@@ -1,0 +1,228 @@
+"""The results file: an xarray tree written whole or not at all, with its provenance, and read back the same."""
+
+from __future__ import annotations
+
+import os
+import platform
+from collections.abc import Iterator, Mapping
+from datetime import UTC, datetime
+from functools import cache
+from importlib.metadata import version
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from rockpulse.errors import ResultsError
+from rockpulse.storage.accuracy_variables import REPORT
+from rockpulse.storage.atomic_file import ASSESSMENT, check_target, named, remove_parts, replacing
+from rockpulse.storage.checksums import CHECKSUM, CHECKSUM_OF_ATTRIBUTES
+from rockpulse.storage.fragility_variables import FRAGILITY
+from rockpulse.storage.rule_variables import RULE_KIND
+from rockpulse.storage.site_variables import SITE_KIND
+from rockpulse.storage.study_variables import STUDY
+from rockpulse.version import __version__
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = [
+    "ASSESSMENT",
+    "SCHEMA_VERSION",
+    "check_described",
+    "check_schema",
+    "check_target",
+    "load",
+    "named",
+    "provenance",
+    "remove_parts",
+    "replacing",
+    "save",
+]
+
+#: MAJOR.MINOR of the layout described in docs/schema.md; another MAJOR is refused.
+SCHEMA_VERSION = "1.0"
+
+#: Kinds of files that are read back, and the group that each of them has.
+KINDS = {ASSESSMENT: "summary", SITE_KIND: "site", FRAGILITY: "fragility", RULE_KIND: "rates", STUDY: "statements"}
+
+CONVENTIONS = "CF-1.11"
+PACKAGES = ("numpy", "numba", "scipy", "xarray", "h5netcdf", "h5py", "obspy")
+
+
+def save(tree: xr.DataTree, path: str | os.PathLike[str], overwrite: bool = False) -> None:
+    """Write results to one HDF5 file, atomically.
+
+    Parameters
+    ----------
+    tree : xarray.DataTree
+        Results as :func:`rockpulse.assess` returns them (docs/schema.md); every variable has `units` and `long_name`.
+        The attribute `kind` says what they are, an assessment without.
+    path : str or Path
+        File to write.
+    overwrite : bool
+        Whether results that exist may be replaced (:func:`check_target`). Until the new file is complete the old one
+        stays as it is.
+
+    Raises
+    ------
+    ResultsError
+        Where the target exists or cannot be written, or a variable lacks its unit or long name.
+
+    See Also
+    --------
+    load : the way back.
+    """
+    from rockpulse.storage.hdf5_writer import write_tree
+
+    check_described(tree, path)
+    with replacing(path, overwrite, tree.attrs.get("kind", ASSESSMENT), tree.nbytes) as part:
+        write_tree(tree, part, provenance(tree.attrs))
+
+
+def check_described(tree: xr.DataTree, path: str | os.PathLike[str]) -> None:
+    """Whether every variable has a unit and a name.
+
+    Parameters
+    ----------
+    tree : xarray.DataTree
+        What is to be written.
+    path : str or Path
+        Where; for the message.
+
+    Raises
+    ------
+    ResultsError
+        Where one has not.
+    """
+    for name, variable in _variables(tree):
+        for attribute in ("units", "long_name"):
+            if not isinstance(variable.attrs.get(attribute), str):
+                raise ResultsError(f"{path}: the variable {name} has no {attribute!r}; set it before saving")
+
+
+def load(path: str | os.PathLike[str]) -> xr.DataTree:
+    """Read results into memory; the file is closed afterwards.
+
+    Parameters
+    ----------
+    path : str or Path
+        File written by :func:`save`.
+
+    Returns
+    -------
+    xarray.DataTree
+        The tree that was saved, with the provenance in its attributes.
+
+    Raises
+    ------
+    ResultsError
+        For a file that is no HDF5, is damaged, was not written by rockpulse, is an accuracy report, or has another
+        major schema version.
+    OSError
+        Where the file cannot be opened.
+    """
+    import xarray as xr
+
+    check_schema(path)
+    try:
+        # Times are plain seconds and stay so, whatever units xarray may take for time deltas.
+        with xr.open_datatree(path, engine="h5netcdf", decode_times=False, decode_timedelta=False) as opened:
+            tree = opened.load()
+    except (OSError, RuntimeError, ValueError, KeyError) as error:
+        raise ResultsError(f"{path}: the results file is damaged ({error}); run the assessment again") from error
+    return tree.map_over_datasets(_as_saved)
+
+
+def check_schema(path: str | os.PathLike[str], reports: bool = False) -> str:
+    """Whether this version can read a file of results.
+
+    Parameters
+    ----------
+    path : str or Path
+        The file.
+    reports : bool
+        Whether an accuracy report, which is not read back, will do.
+
+    Returns
+    -------
+    str
+        What it holds: a key of `KINDS`, or `REPORT`.
+
+    Raises
+    ------
+    ResultsError, OSError
+        As :func:`load`.
+    """
+    import h5py
+
+    with Path(path).open("rb"):
+        pass
+    try:
+        with h5py.File(path, "r") as file:
+            found = file.attrs.get("schema_version")
+            kind = str(file.attrs.get("kind", ASSESSMENT))
+            known = (kind == REPORT or KINDS.get(kind, "?") in file) and isinstance(found, str)
+    except (OSError, RuntimeError, KeyError) as error:
+        raise ResultsError(
+            f"{path}: expected a results file of rockpulse (HDF5), found something else or a truncated file ({error}); "
+            "records are assessed with 'rockpulse assess'"
+        ) from error
+    if kind == REPORT and not reports:
+        raise ResultsError(
+            f"{path}: expected results of 'rockpulse assess'; this is an accuracy report: open it with xarray or h5py, "
+            "see docs/schema.md"
+        )
+    if not known:
+        raise ResultsError(
+            f"{path}: an HDF5 file, not written by rockpulse (or of a kind that this version does not know): attribute "
+            f"'schema_version' or group '{KINDS.get(kind, KINDS[ASSESSMENT])}' is missing"
+        )
+    if found.split(".")[0] != SCHEMA_VERSION.split(".")[0]:
+        raise ResultsError(
+            f"{path}: expected schema version {SCHEMA_VERSION.split('.')[0]}.x, found {found}; run the assessment "
+            "again with this version, or open the file with the version of rockpulse named in it"
+        )
+    return kind
+
+
+def _variables(tree: xr.DataTree) -> Iterator[tuple[str, Any]]:
+    for node in tree.subtree:
+        for name, variable in node.to_dataset(inherit=False).variables.items():
+            yield f"{node.path.rstrip('/')}/{name}", variable
+
+
+def provenance(attrs: Mapping[Any, Any]) -> dict[str, Any]:
+    """What the root of a file tells of where it comes from; what is there already (a title, versions) stays.
+
+    Parameters
+    ----------
+    attrs : mapping
+        Attributes of the root of the tree.
+    """
+    stamp = f"{datetime.now(UTC):%Y-%m-%dT%H:%M:%SZ} written by rockpulse {__version__}"
+    before = attrs.get("history")
+    return {
+        "Conventions": CONVENTIONS,
+        "kind": ASSESSMENT,
+        "title": "Overturning safety of rigid blocks under recorded ground motion",
+        "rockpulse_version": __version__,
+        "python_version": platform.python_version(),
+        **_versions(),
+        **attrs,
+        "schema_version": SCHEMA_VERSION,
+        "history": f"{before}\n{stamp}" if before else stamp,
+    }
+
+
+@cache  # each costs a search of the installed files
+def _versions() -> dict[str, str]:
+    return {f"{package}_version": version(package) for package in PACKAGES}
+
+
+def _as_saved(dataset: xr.Dataset) -> xr.Dataset:
+    """Strings come back as objects; the encoding would tie a copy to the old file; checksums are of the file."""
+    strings = {name: variable.astype(str) for name, variable in dataset.variables.items() if variable.dtype == object}
+    plain = dataset.assign(strings).drop_encoding()
+    for attrs in (plain.attrs, *(variable.attrs for variable in plain.variables.values())):
+        for checksum in (CHECKSUM, CHECKSUM_OF_ATTRIBUTES):
+            attrs.pop(checksum, None)
+    return plain

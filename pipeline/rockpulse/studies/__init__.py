@@ -1,0 +1,1 @@
+"""Questions asked of many records: a site, the accuracy of models, the rule, fragility, and the study of the paper."""

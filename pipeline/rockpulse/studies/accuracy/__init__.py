@@ -1,0 +1,1 @@
+"""Speed against error: solvers against a stored reference, models against the nonlinear response."""

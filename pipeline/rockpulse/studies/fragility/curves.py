@@ -1,0 +1,330 @@
+"""One fragility curve: what is known of the capacities, the fit, and its band over events.
+
+.. note:: A curve is P(x) = F(a + b ln x): the median is exp(-a/b), the dispersion beta the standard deviation of ln
+   capacity. Records of one event are no independent observations, so a band comes from leaving out one event after
+   the other (docs/decisions/015). Where the data do not say what a curve needs, there is a statement and no number.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from scipy.special import stdtrit
+
+from rockpulse.errors import ConfigError
+from rockpulse.studies.fragility.likelihood import FAMILIES, Family, maximise
+from rockpulse.studies.fragility.observations import ABOVE, EXACT, NOT_ABOVE, Observations
+from rockpulse.studies.fragility.statements import (
+    FEWEST_EVENTS,
+    STATEMENTS,
+    Band,
+    Extrapolated,
+    Status,
+    band_statement,
+    extrapolated,
+    extrapolation_statement,
+    missing,
+)
+
+__all__ = [
+    "Curve",
+    "fit_capacities",
+    "fit_curve",
+    "fit_stripes",
+    "half_width",
+    "jackknife_error",
+    "standardised",
+]
+
+
+@dataclass(frozen=True, eq=False)
+class Curve:
+    """A fragility curve, or the statement why there is none.
+
+    Attributes
+    ----------
+    status, band : Status, Band
+        What there is.
+    extrapolated : Extrapolated
+        Whether the median lies beyond every level looked at.
+    statement : str
+        The same in words; empty where curve and band are given and the median lies among the levels.
+    records, events, observations, reached : int
+        Number of records, of events, of rows, and of rows whose capacity is known or not above the level.
+    median : float
+        Measure at which the limit state is reached with probability 1/2, in the unit of the measure; NaN without.
+    beta : float
+        Standard deviation of ln capacity [-]; NaN without a curve, 0 where all capacities are the same.
+    median_low, median_high, beta_low, beta_high : float
+        Confidence limits; NaN without.
+    confidence : float
+        Their probability [-].
+    """
+
+    status: Status
+    band: Band
+    extrapolated: Extrapolated
+    statement: str
+    records: int
+    events: int
+    observations: int
+    reached: int
+    median: float
+    beta: float
+    median_low: float
+    median_high: float
+    beta_low: float
+    beta_high: float
+    confidence: float
+    _family: Family
+    _theta: np.ndarray
+    _centre: float
+    _spread: float
+
+    def probability(self, levels: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """The curve and its pointwise band.
+
+        Parameters
+        ----------
+        levels : (k,) array_like
+            Values of the measure, positive.
+
+        Returns
+        -------
+        probability, low, high : (k,) ndarray
+            [-]; NaN where there is no curve, or no band.
+        """
+        levels = np.asarray(levels, dtype=float)
+        if self.status == Status.STEP:
+            nothing = np.full(levels.shape, np.nan)
+            return np.where(levels >= self.median, 1.0, 0.0), nothing, nothing
+        u = (np.log(levels) - self._centre) / self._spread
+        eta = self._theta[:, :1] + self._theta[:, 1:2] * u
+        half = self._half_width(eta)
+        return self._family.cdf(eta[0]), self._family.cdf(eta[0] - half), self._family.cdf(eta[0] + half)
+
+    def _half_width(self, estimates: np.ndarray) -> Any:
+        return half_width(estimates, self.confidence) if self.band == Band.GIVEN else np.nan
+
+    @cached_property
+    def log_beta(self) -> np.ndarray:
+        """ln beta of all rows, then without each event: (1 + events,); what dispersions are compared by."""
+        with np.errstate(invalid="ignore"):  # a set without one event may fall instead of rise
+            return np.asarray(np.log(self._family.deviation * self._spread / self._theta[:, 1]))
+
+
+def fit_capacities(
+    capacities: Any,
+    clusters: Any = None,
+    limits: Any = None,
+    records: Any = None,
+    model: str = "lognormal",
+    confidence: float = 0.9,
+) -> Curve:
+    """Fragility curve from the capacities that an incremental dynamic analysis gives, truncated or not.
+
+    Parameters
+    ----------
+    capacities : (n,) array_like
+        Smallest value of the measure at which the limit state is reached; inf where it was not.
+    clusters, records : (n,) sequence, optional
+        Labels of event and record; every row is one of its own without.
+    limits : (n,) array_like, optional
+        Value of the measure up to which was looked; needed where a capacity is inf.
+    model : {"lognormal", "logistic"}
+        Distribution of ln capacity: normal or logistic.
+    confidence : float
+        Of the bands, between 0 and 1 [-].
+
+    Returns
+    -------
+    Curve
+
+    Raises
+    ------
+    ConfigError
+        For capacities or limits that are not positive, or options out of range.
+
+    References
+    ----------
+    Baker, J. W. (2015), Earthq. Spectra 31(1), 579-599, doi:10.1193/021113EQS025M.
+
+    Examples
+    --------
+    >>> curve = fit_capacities([0.5, 1.0, 2.0])
+    >>> round(curve.median, 6), round(curve.beta, 6)          # exp of the mean, standard deviation of the logarithms
+    (1.0, 0.565952)
+    >>> fit_capacities([np.inf, np.inf], limits=[2.0, 3.0]).statement
+    'no curve: none of 2 records reached the limit state, looked at up to 2 to 3'
+    """
+    capacities = np.asarray(capacities, dtype=float)
+    open_ended = np.isposinf(capacities)
+    if limits is None and np.any(open_ended):
+        raise ConfigError("fragility: capacities that are inf need limits: the measure up to which was looked")
+    levels = np.where(open_ended, capacities if limits is None else np.asarray(limits, dtype=float), capacities)
+    rows = Observations.of(levels, np.where(open_ended, ABOVE, EXACT), clusters, records)
+    return fit_curve(rows, model, confidence)
+
+
+def fit_stripes(
+    measure: Any,
+    exceeded: Any,
+    clusters: Any = None,
+    records: Any = None,
+    model: str = "lognormal",
+    confidence: float = 0.9,
+) -> Curve:
+    """Fragility curve from motions that reached a limit state or did not: stripes, or records as they are.
+
+    Parameters
+    ----------
+    measure : (n,) array_like
+        Value of the measure of each motion, positive.
+    exceeded : (n,) array_like of bool
+        Whether the limit state was reached.
+    clusters, records, model, confidence
+        As in :func:`fit_capacities`; a record stands in several rows where it was scaled to several levels.
+
+    Returns
+    -------
+    Curve
+        Of largest binomial likelihood: probit or logit in the logarithm of the measure.
+
+    Raises
+    ------
+    ConfigError
+        As in :func:`fit_capacities`.
+
+    Examples
+    --------
+    >>> measure, exceeded = np.repeat([0.5, 1.0, 2.0], 4), [0, 0, 0, 1, 0, 0, 1, 1, 0, 1, 1, 1]
+    >>> round(fit_stripes(measure, exceeded).median, 6)
+    1.0
+    """
+    rows = Observations.of(measure, np.where(np.asarray(exceeded, dtype=bool), NOT_ABOVE, ABOVE), clusters, records)
+    return fit_curve(rows, model, confidence)
+
+
+def fit_curve(rows: Observations, model: str = "lognormal", confidence: float = 0.9) -> Curve:
+    """Fragility curve of any observations.
+
+    Parameters
+    ----------
+    rows : Observations
+        What is known.
+    model, confidence
+        As in :func:`fit_capacities`.
+
+    Returns
+    -------
+    Curve
+
+    Raises
+    ------
+    ConfigError
+        For options out of range.
+
+    Notes
+    -----
+    The band of eta = a + b ln x, of ln median and of ln beta is the estimate plus or minus Student's t with K - 1
+    degrees of freedom times the jackknife error over the K events, s^2 = (K - 1)/K sum (estimate without event k -
+    estimate)^2 (MacKinnon, Nielsen & Webb 2023, arXiv:2301.04527).
+    """
+    if model not in FAMILIES:
+        raise ConfigError(f"fragility: model: expected one of {', '.join(FAMILIES)}, got {model!r}")
+    if not 0.0 < confidence < 1.0:
+        raise ConfigError(f"fragility: confidence: expected a probability between 0 and 1, got {confidence!r}")
+    family, events = FAMILIES[model], len(rows.events)
+    status, theta = missing(rows), np.full((1 + events, 2), np.nan)
+    centre, spread = 0.0, 1.0
+    if status == Status.FITTED:
+        u, centre, spread = standardised(np.log(rows.level))
+        theta = maximise(family, np.stack([np.ones(u.size), u], axis=1), rows.kind, rows.without_each_event())
+        if not np.isfinite(theta[0, 1]):
+            status = Status.NO_MAXIMUM
+        elif theta[0, 1] <= 0.0:
+            status = Status.NOT_INCREASING
+        if status != Status.FITTED:
+            theta[:] = np.nan
+    band = _band(status, events, theta)
+    a, b = theta.T
+    with np.errstate(invalid="ignore"):
+        estimates = np.stack([centre - a / b * spread, np.log(family.deviation * spread / b)], axis=1)
+    half = half_width(estimates, confidence) if band == Band.GIVEN else np.full(2, np.nan)
+    with np.errstate(over="ignore"):  # a limit beyond the largest number is inf
+        median, low, high = (np.exp(values) for values in (estimates[0], estimates[0] - half, estimates[0] + half))
+    if status == Status.STEP:
+        median = np.array([rows.level[rows.kind == EXACT][0], 0.0])
+    if status == Status.FITTED:
+        remarks = [band_statement(band, rows, theta[:, 1]), extrapolation_statement(median[0], rows)]
+    else:
+        remarks = [STATEMENTS[status](rows)]
+    return Curve(
+        status=status,
+        band=band,
+        extrapolated=extrapolated(median[0], rows) if status == Status.FITTED else Extrapolated.NO,
+        statement="; ".join(remark for remark in remarks if remark),
+        records=rows.records,
+        events=events,
+        observations=rows.level.size,
+        reached=int(np.count_nonzero(rows.kind != ABOVE)),
+        median=float(median[0]),
+        beta=float(median[1]),
+        median_low=float(low[0]),
+        median_high=float(high[0]),
+        beta_low=float(low[1]),
+        beta_high=float(high[1]),
+        confidence=confidence,
+        _family=family,
+        _theta=theta,
+        _centre=centre,
+        _spread=spread,
+    )
+
+
+def standardised(values: np.ndarray) -> tuple[np.ndarray, float, float]:
+    """Values with mean zero and standard deviation one, and what was taken out.
+
+    Parameters
+    ----------
+    values : (n,) ndarray
+        Not all equal.
+    """
+    centre, spread = float(np.mean(values)), float(np.std(values))
+    return (values - centre) / spread, centre, spread
+
+
+def half_width(estimates: np.ndarray, confidence: float) -> np.ndarray:
+    """Half the width of the confidence interval of each of k estimates.
+
+    Parameters
+    ----------
+    estimates : (1 + K, k) ndarray
+        Of all data, then without each of K events.
+    confidence : float
+        Probability of the interval [-].
+    """
+    return np.asarray(stdtrit(estimates.shape[0] - 2, 0.5 + 0.5 * confidence) * jackknife_error(estimates))
+
+
+def jackknife_error(estimates: np.ndarray) -> np.ndarray:
+    """Standard error of each of k estimates over K events.
+
+    Parameters
+    ----------
+    estimates : (1 + K, k) ndarray
+        Of all data, then without each of K events.
+    """
+    events = estimates.shape[0] - 1
+    return np.asarray(np.sqrt((events - 1) / events * np.sum((estimates[1:] - estimates[0]) ** 2, axis=0)))
+
+
+def _band(status: Status, events: int, theta: np.ndarray) -> Band:
+    if status != Status.FITTED:
+        return Band.NO_CURVE
+    if events < FEWEST_EVENTS:
+        return Band.ONE_EVENT if events == 1 else Band.FEW_EVENTS
+    return Band.GIVEN if np.all(theta[:, 1] > 0.0) else Band.RESTS_ON_ONE_EVENT

@@ -1,0 +1,93 @@
+"""Which intensity measure says most about capacity: efficiency and sufficiency.
+
+.. note:: A measure is efficient where the capacities of the records in it scatter little (beta), and sufficient where
+   they depend on nothing else of the record (Luco & Cornell 2007, doi:10.1193/1.2723158). The likelihood is that of
+   the curve with one covariate more, z = a + b ln x + c ln u, so that capacities that are not known count too.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.special import stdtr
+
+from rockpulse.studies.fragility.curves import Curve, half_width, jackknife_error, standardised
+from rockpulse.studies.fragility.likelihood import FAMILIES, maximise
+from rockpulse.studies.fragility.observations import Observations
+from rockpulse.studies.fragility.statements import FEWEST_EVENTS
+
+__all__ = ["Sufficiency", "dispersion_ratio", "sufficiency"]
+
+
+@dataclass(frozen=True)
+class Sufficiency:
+    """How capacity depends on a quality of the record beside the measure.
+
+    Attributes
+    ----------
+    slope : float
+        d ln median/d ln u [-]; NaN where there is no fit.
+    p_value : float
+        Of a slope of zero, two-sided, by the jackknife over events; NaN with too few of them.
+    """
+
+    slope: float
+    p_value: float
+
+
+def dispersion_ratio(curve: Curve, reference: Curve) -> tuple[float, float, float]:
+    """Dispersion over that of another measure for the same capacities, with its confidence limits.
+
+    Parameters
+    ----------
+    curve, reference : Curve
+        Fits of the same records in two measures.
+
+    Returns
+    -------
+    ratio, low, high : float
+        beta/beta of the reference [-]; NaN where one of them is, limits also where one has no band.
+
+    Notes
+    -----
+    Both are jackknifed over the same events, so that what they have in common cancels.
+    """
+    difference = (curve.log_beta - reference.log_beta)[:, None]
+    half = np.full(1, np.nan) if curve.events < FEWEST_EVENTS else half_width(difference, curve.confidence)
+    ratio, low, high = np.exp(difference[0, 0] + np.array([0.0, -half[0], half[0]]))
+    return float(ratio), float(low), float(high)
+
+
+def sufficiency(rows: Observations, column: int, model: str = "lognormal") -> Sufficiency:
+    """Whether capacity in a measure depends on a quality of the record.
+
+    Parameters
+    ----------
+    rows : Observations
+        For which there is a curve.
+    column : int
+        Which of their qualities.
+    model : {"lognormal", "logistic"}
+        Distribution of ln capacity.
+
+    Returns
+    -------
+    Sufficiency
+    """
+    nothing = Sufficiency(np.nan, np.nan)
+    u = np.log(rows.qualities[:, column])
+    if not np.all(np.isfinite(u)) or np.ptp(u) == 0.0 or np.ptp(rows.level) == 0.0:
+        return nothing
+    x, _, spread = standardised(np.log(rows.level))
+    quality, _, quality_spread = standardised(u)
+    design = np.stack([np.ones(x.size), x, quality], axis=1)
+    theta = maximise(FAMILIES[model], design, rows.kind, rows.without_each_event())
+    slopes = (-theta[:, 2] / theta[:, 1] * spread / quality_spread)[:, None]
+    if not theta[0, 1] > 0.0:
+        return nothing
+    events = len(rows.events)
+    if events < FEWEST_EVENTS or not np.all(theta[:, 1] > 0.0):
+        return Sufficiency(float(slopes[0, 0]), np.nan)
+    statistic = abs(slopes[0, 0]) / jackknife_error(slopes)[0]
+    return Sufficiency(float(slopes[0, 0]), float(2.0 * stdtr(events - 1, -statistic)))

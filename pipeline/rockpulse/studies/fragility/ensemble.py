@@ -1,0 +1,156 @@
+"""The capacities of all records and bodies as arrays, and the curves fitted to them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from rockpulse.config.configuration import Config
+from rockpulse.config.fragility_settings import OVERTURNING
+from rockpulse.studies.fragility.capacity import RecordCapacity
+from rockpulse.studies.fragility.curves import fit_curve
+from rockpulse.studies.fragility.efficiency import sufficiency
+from rockpulse.studies.fragility.limit_states import NOT_KNOWN
+from rockpulse.studies.fragility.measures import MEASURES, QUALITIES
+from rockpulse.studies.fragility.observations import ABOVE, EXACT, NOT_ABOVE, Observations
+from rockpulse.studies.fragility.statements import Status
+
+__all__ = ["Ensemble", "Fits", "fit_ensemble", "gather"]
+
+
+@dataclass(frozen=True, eq=False)
+class Ensemble:
+    """Capacities of n records and m lanes, in k measures, for s limit states.
+
+    Attributes
+    ----------
+    ids, clusters : list of str, length n
+        Id and event of each record.
+    measures : (n, k, m) ndarray
+        Of the records as they are.
+    qualities : (n, c) ndarray
+        In the order of :data:`rockpulse.studies.fragility.measures.QUALITIES`.
+    factors : (n, s, m) or (n, r, m) ndarray
+        First factor that reaches each limit state, inf where none does; or the r factors that were looked at [-].
+    step : (n, m) ndarray or None
+        Ratio of neighbouring factors of the scan [-]; None where `factors` are not capacities.
+    reached : (n, s, r, m) ndarray of int or None
+        Whether the limit state was reached at them; None where `factors` are capacities.
+    config : Config
+        The options.
+    """
+
+    ids: list[str]
+    clusters: list[str]
+    measures: np.ndarray
+    qualities: np.ndarray
+    factors: np.ndarray
+    step: np.ndarray | None
+    reached: np.ndarray | None
+    config: Config
+
+    def observations(self, state: int, measure: int, lanes: Sequence[int]) -> Observations:
+        """Rows of one limit state in one measure, of one lane or of several put together.
+
+        Parameters
+        ----------
+        state, measure : int
+            Which.
+        lanes : sequence of int
+            Bodies.
+        """
+        if self.reached is None:
+            factor = self.factors[:, state, None][:, :, lanes]
+            kind = np.where(np.isinf(factor), ABOVE, EXACT)
+            factor = np.minimum(factor, self.config.search.factor_max)
+        else:
+            factor, reached = self.factors[:, :, lanes], self.reached[:, state][:, :, lanes]
+            kind = np.select([reached == NOT_KNOWN, reached == 1], [NOT_KNOWN, NOT_ABOVE], ABOVE)
+        own = np.broadcast_to(self.measures[:, measure, None][:, :, lanes], factor.shape)
+        known = (kind != NOT_KNOWN) & (factor * own > 0.0)
+        record = np.broadcast_to(np.arange(len(self.ids))[:, None, None], factor.shape)[known]
+        return Observations.of(
+            (factor * own)[known],
+            kind[known],
+            np.array(self.clusters, dtype=str)[record],
+            np.array(self.ids, dtype=str)[record],
+            np.column_stack([self.qualities[record], own[known]]),
+        )
+
+
+def gather(done: Sequence[RecordCapacity], clusters: Sequence[str], lanes: int, config: Config) -> Ensemble:
+    """Line up the records.
+
+    Parameters
+    ----------
+    done : sequence of RecordCapacity
+        One a record; there may be none.
+    clusters : sequence of str
+        Event of each.
+    lanes : int
+        Number of bodies.
+    config : Config
+        The options.
+    """
+    settings = config.fragility
+    ida, states = settings.data == "ida", len(settings.limit_states)
+    stripes = len(settings.stripe_levels) if settings.data == "stripes" else 1
+    return Ensemble(
+        ids=[one.record_id for one in done],
+        clusters=list(clusters),
+        measures=np.array([one.measures for one in done]).reshape(-1, len(settings.measures), lanes),
+        qualities=np.array([[one.qualities[name] for name in QUALITIES] for one in done]).reshape(-1, len(QUALITIES)),
+        factors=np.array([one.factors for one in done]).reshape(-1, states if ida else stripes, lanes),
+        step=np.array([one.step for one in done], dtype=float).reshape(-1, lanes) if ida else None,
+        reached=None if ida else np.array([one.reached for one in done]).reshape(-1, states, stripes, lanes),
+        config=config,
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class Fits:
+    """Curves (g, s, k) of g sets of lanes, with slopes and p-values (g, s, k, 1 + c)."""
+
+    curves: np.ndarray
+    slope: np.ndarray
+    p_value: np.ndarray
+
+    def of(self, attribute: str) -> np.ndarray:
+        """One attribute of every curve: (g, s, k).
+
+        Parameters
+        ----------
+        attribute : str
+            Of :class:`rockpulse.studies.fragility.curves.Curve`.
+        """
+        return np.vectorize(lambda curve: getattr(curve, attribute), otypes=[object])(self.curves)
+
+
+def fit_ensemble(ensemble: Ensemble, groups: Sequence[Sequence[int]]) -> Fits:
+    """Curves of all limit states in all measures, and whether the measures are sufficient.
+
+    Parameters
+    ----------
+    ensemble : Ensemble
+        The records.
+    groups : sequence of sequence of int
+        Lanes that are fitted together; where there are several, in dimensionless measures only, which alone bring
+        bodies of different size to one scale.
+    """
+    settings = ensemble.config.fragility
+    shape = (len(groups), len(settings.limit_states), len(settings.measures))
+    curves = np.empty(shape, dtype=object)
+    slope, p_value = (np.full((*shape, len(QUALITIES) + 1), np.nan) for _ in range(2))
+    for place in np.ndindex(shape):
+        group, state, measure = place
+        common = len(groups[group]) == 1 or MEASURES[settings.measures[measure]].dimensionless
+        rows = ensemble.observations(state, measure, groups[group] if common else [])
+        model = settings.overturning_model if settings.limit_states[state] == OVERTURNING else settings.model
+        curve = curves[place] = fit_curve(rows, model, settings.confidence)
+        if curve.status == Status.FITTED:
+            for quality in range(len(QUALITIES) + 1):
+                found = sufficiency(rows, quality, model)
+                slope[(*place, quality)], p_value[(*place, quality)] = found.slope, found.p_value
+    return Fits(curves, slope, p_value)

@@ -1,0 +1,148 @@
+"""Limit states of a block, and whether a scaled record reaches them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Literal, cast
+
+import numpy as np
+
+from rocking.block import Block
+from rocking.capacity import critical_scale, uplift_scale
+from rocking.recorded import recorded_response
+from rocking.response import Outcome
+from rockpulse.assessment.scene import Scene
+from rockpulse.config.fragility_settings import OVERTURNING, UPLIFT
+
+__all__ = ["NOT_KNOWN", "Capacities", "limit_state_names", "reached_at", "scale_capacities"]
+
+#: Stands for a motion that the model cannot resolve.
+NOT_KNOWN = -1
+
+
+@dataclass(frozen=True, eq=False)
+class Capacities:
+    """What an incremental dynamic analysis of one record finds.
+
+    Attributes
+    ----------
+    factors : (s, m) ndarray
+        First factor on the record found to reach each limit state [-]; inf where none does up to the end of the search.
+        Rotation need not grow with the factor: above the first one the limit state may be left again.
+    step : (m,) ndarray
+        Ratio of neighbouring factors of the scan [-]: where a limit state is reached in a narrower interval only, the
+        factor is one that lies higher. One where nothing can be missed: uplift alone, or uplift beyond the search.
+    """
+
+    factors: np.ndarray
+    step: np.ndarray
+
+
+def limit_state_names(states: Sequence[str | float]) -> list[str]:
+    """How limit states are called in the results.
+
+    Parameters
+    ----------
+    states : sequence of str or float
+        As in ``[fragility] limit_states``.
+
+    Examples
+    --------
+    >>> limit_state_names(["uplift", 0.1, 1.0, "overturning"])
+    ['uplift', '0.1', '1', 'overturning']
+    """
+    return [state if isinstance(state, str) else f"{state:g}" for state in states]
+
+
+def scale_capacities(
+    scene: Scene, block: Block, states: Sequence[str | float], equation: str, factor_max: float, points: int
+) -> Capacities:
+    """Incremental dynamic analysis of one record: the first factor at which each limit state is reached.
+
+    Parameters
+    ----------
+    scene : Scene
+        The record made ready.
+    block : Block
+        (m,) lanes.
+    states : sequence of str or float
+        Limit states, s of them: "uplift", theta_max/alpha_c, "overturning".
+    equation : {"nonlinear", "linear"}
+        Equation of motion.
+    factor_max : float
+        End of the search [-].
+    points : int
+        Factors of the scan of each lane.
+
+    Returns
+    -------
+    Capacities
+
+    Notes
+    -----
+    Uplift is known in closed form. A factor that the model cannot resolve (free flight) counts as reached.
+    """
+    record, vertical = scene.record, _vertical(scene, equation)
+    capacities, step = np.empty((len(states), *block.shape)), np.ones(block.shape)
+    for row, state in enumerate(states):
+        if state == UPLIFT:
+            factor = uplift_scale(block, record.acceleration, equation, vertical)
+        else:
+            found = critical_scale(
+                block,
+                record.acceleration,
+                record.dt,
+                equation=cast(Literal["nonlinear", "linear"], equation),
+                vertical=vertical,
+                level=None if state == OVERTURNING else float(state),
+                factor_max=factor_max,
+                points=points,
+            )
+            factor, step = found.safety_factor, found.step
+        capacities[row] = np.where(factor <= factor_max, factor, np.inf)
+    return Capacities(capacities, step)
+
+
+def reached_at(
+    scene: Scene, block: Block, states: Sequence[str | float], equation: str, factors: np.ndarray
+) -> np.ndarray:
+    """Which limit states a record reaches at given factors.
+
+    Parameters
+    ----------
+    scene, block, states, equation
+        As in :func:`scale_capacities`.
+    factors : (r, m) ndarray
+        Factors on the record, r for each lane [-].
+
+    Returns
+    -------
+    (s, r, m) ndarray of int
+        1 reached, 0 not, :data:`NOT_KNOWN` where the model cannot say.
+    """
+    record, vertical = scene.record, _vertical(scene, equation)
+    lifted = uplift_scale(block, record.acceleration, equation, vertical)
+    reached = np.empty((len(states), *factors.shape), dtype=np.int8)
+    for column, own in enumerate(factors):
+        response = recorded_response(
+            block,
+            record.acceleration,
+            record.dt,
+            equation=cast(Literal["nonlinear", "linear"], equation),
+            vertical=vertical,
+            block_scale=own,
+        )
+        overturned = np.equal(response.outcome, Outcome.OVERTURNS)
+        known = np.not_equal(response.outcome, Outcome.UNRESOLVED)
+        for row, state in enumerate(states):
+            if state == UPLIFT:
+                reached[row, column] = own > lifted
+            else:
+                over = overturned if state == OVERTURNING else np.asarray(response.peak_rotation_ratio) >= float(state)
+                reached[row, column] = np.where(known, over, NOT_KNOWN)
+    return reached
+
+
+def _vertical(scene: Scene, equation: str) -> np.ndarray | None:
+    return scene.vertical if equation == "nonlinear" else None

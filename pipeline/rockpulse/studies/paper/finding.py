@@ -1,0 +1,143 @@
+"""A statement of the paper, where it holds, and the figures that show it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+import xarray as xr
+
+from rockpulse.storage.study_variables import STATEMENTS, VERDICTS, described_set
+
+__all__ = ["Finding", "Statement", "examine", "interval_ranges", "statement_table"]
+
+
+@dataclass(frozen=True, eq=False)
+class Finding:
+    """What came out.
+
+    Attributes
+    ----------
+    held : DataArray of bool
+        Whether the statement holds, case by case.
+    numbers : str
+        Figures that show it.
+    valid : DataArray of bool, optional
+        Which cases say anything; all by default.
+    conditions : mapping of str to DataArray of bool
+        Under which it may hold throughout, in the order in which they are tried.
+    """
+
+    held: xr.DataArray
+    numbers: str
+    valid: xr.DataArray | None = None
+    conditions: Mapping[str, xr.DataArray] = field(default_factory=dict)
+
+    @property
+    def cases(self) -> int:
+        """Number of cases that say anything."""
+        return int(np.size(self.held) if self.valid is None else self._valid().sum())
+
+    @property
+    def count(self) -> int:
+        """Number of cases in which it holds."""
+        return int((self.held & self._valid()).sum())
+
+    @property
+    def where(self) -> str:
+        """Where it holds, in words."""
+        if self.count in (0, self.cases):
+            return "everywhere" if self.count else "nowhere"
+        if "interval" in self.held.dims:
+            return interval_ranges(self.held)
+        for words, mask in self.conditions.items():
+            cases = self._valid() & mask
+            if bool(cases.any()) and bool(self.held.where(cases, True).all()):
+                return f"{words} ({int(cases.sum())} of the cases, all of them)"
+        return "only case by case"
+
+    @property
+    def verdict(self) -> str:
+        """One of :data:`~rockpulse.storage.study_variables.VERDICTS`."""
+        if not self.cases:
+            return "not_examined"
+        return "holds" if self.count == self.cases else "holds_in_part" if self.count else "fails"
+
+    def _valid(self) -> xr.DataArray:
+        return xr.ones_like(self.held, dtype=bool) if self.valid is None else self.valid
+
+
+@dataclass(frozen=True)
+class Statement:
+    """One sentence of section 4.
+
+    Attributes
+    ----------
+    name : str
+        What it is called in the file.
+    words : str
+        What the paper says.
+    check : callable
+        From the dataset of the figure to the finding.
+    """
+
+    name: str
+    words: str
+    check: Callable[[xr.Dataset], Finding]
+
+
+def examine(figure: xr.Dataset, statements: Iterable[Statement]) -> dict[Statement, Finding]:
+    """What comes out for each statement about a figure, in their order."""
+    return {statement: statement.check(figure) for statement in statements}
+
+
+def statement_table(findings: Mapping[Statement, Finding]) -> xr.Dataset:
+    """The verdict on every statement as a table (docs/schema.md).
+
+    Parameters
+    ----------
+    findings : mapping of Statement to Finding
+        As :func:`examine` returns them.
+    """
+    found = findings.values()
+    columns = {
+        "words": [statement.words for statement in findings],
+        "verdict": [VERDICTS.index(finding.verdict) for finding in found],
+        "cases": [finding.cases for finding in found],
+        "held": [finding.count for finding in found],
+        "where": [finding.where if finding.cases else "" for finding in found],
+        "numbers": [finding.numbers for finding in found],
+    }
+    variables = {name: (("statement",), values) for name, values in columns.items()}
+    return described_set(variables, {"statement": [statement.name for statement in findings]}, STATEMENTS)
+
+
+def interval_ranges(held: xr.DataArray) -> str:
+    """The intervals with which something holds, spacing by spacing, to the step of the scan.
+
+    Parameters
+    ----------
+    held : DataArray of bool
+        Over interval, or over spacing and interval.
+
+    Examples
+    --------
+    >>> held = xr.DataArray([[True, True, False, True]], {"spacing": ["end"], "interval": [0.1, 0.2, 0.3, 0.4]})
+    >>> interval_ranges(held)
+    'end: dT 0.1 to 0.2, 0.4 s'
+    """
+    if "spacing" not in held.dims:
+        return _ranges(held)
+    parts = {str(name): _ranges(held.sel(spacing=name)) for name in held["spacing"].values}
+    return "; ".join(f"{name}: {words}" for name, words in parts.items() if words) or "nowhere"
+
+
+def _ranges(held: xr.DataArray) -> str:
+    flags, intervals = held.values.astype(bool), held["interval"].values
+    if flags.all():
+        return "every dT"
+    edges = np.flatnonzero(np.diff(np.concatenate(([0], flags.astype(int), [0]))))
+    runs = [(intervals[first], intervals[last - 1]) for first, last in edges.reshape(-1, 2)]
+    words = [f"{low:.4g} to {high:.4g}" if high > low else f"{low:.4g}" for low, high in runs]
+    return f"dT {', '.join(words)} s" if words else ""

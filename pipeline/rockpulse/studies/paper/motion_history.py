@@ -1,0 +1,115 @@
+"""The motion under the limit accelerogram instant by instant, from the table of its half-cycles.
+
+.. note:: Rotations are in units of alpha_c and velocities u = theta'/(p alpha_c). Each half-cycle starts from its own
+   row of the table, so that nothing is carried over from one to the next. The first main impulse is positive: the block
+   starts to rock about its left-hand corner, theta < 0, as in :func:`~rocking.sequence.impulse_train`.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from rocking.motion import CRITICAL_TOLERANCE, state
+
+__all__ = ["HalfCycle", "rotation_history", "secondary_impulses"]
+
+#: phi of t_k = (k - phi) dT; for "open" the count of intervals is n + 1.
+_PHASE = {"end": 0.0, "middle": 0.5, "start": 1.0, "open": 0.0}
+
+
+class HalfCycle(NamedTuple):
+    """One row of the table: start velocity u_i [-], duration [s] (inf: overturns), n_i [-], dT_i [s]."""
+
+    start_velocity: float
+    duration: float
+    impulse_count: int
+    interval: float
+
+
+class _Piece(NamedTuple):
+    """Natural motion from an instant on: time [s], x and x' [-], side."""
+
+    start: float
+    rotation: float
+    velocity: float
+    side: float
+
+
+def secondary_impulses(cycle: HalfCycle, secondary: float, spacing: str) -> tuple[np.ndarray, np.ndarray]:
+    """Times and velocity changes of the secondary impulses in a half-cycle.
+
+    Parameters
+    ----------
+    cycle : HalfCycle
+        One that comes back.
+    secondary : float
+        a = u_1 I_s/I, change of velocity of one of them [-].
+    spacing : str
+        One of :data:`~rocking.impulse_sequence.SPACINGS`.
+
+    Returns
+    -------
+    times : (n,) ndarray
+        After the main impulse [s].
+    changes : (n,) ndarray
+        Of the velocity away from the ground [-]; the first one is negative. Infinitely many act like half of one at the
+        start and half of one at the end.
+    """
+    if secondary == 0.0:
+        return np.zeros(0), np.zeros(0)
+    if spacing == "continuous":
+        return np.array([0.0, cycle.duration]), np.array([-0.5, 0.5]) * secondary
+    order = np.arange(1, cycle.impulse_count + 1)
+    return (order - _PHASE[spacing]) * cycle.interval, np.where(order % 2, -secondary, secondary)
+
+
+def rotation_history(
+    cycles: list[HalfCycle], p: float, secondary: float, spacing: str, times: np.ndarray
+) -> np.ndarray:
+    """Signed rotation at given instants.
+
+    Parameters
+    ----------
+    cycles : list of HalfCycle
+        In their order; an overturning one comes last.
+    p : float
+        Frequency parameter [1/s].
+    secondary : float
+        a = u_1 I_s/I [-].
+    spacing : str
+        One of :data:`~rocking.impulse_sequence.SPACINGS`.
+    times : (n,) ndarray
+        Instants from the first main impulse [s], increasing, within the half-cycles.
+
+    Returns
+    -------
+    (n,) ndarray
+        theta/alpha_c [-]. In the half-cycle that overturns the main impulse alone is followed, as in
+        :func:`~rocking.sequence.impulse_train`, up to alpha_c; NaN from there on. A block that was given just
+        the critical velocity creeps up to alpha_c for ever.
+    """
+    pieces: list[_Piece] = []
+    start, side = 0.0, -1.0
+    for cycle in cycles:
+        pieces.append(_Piece(start, 0.0, cycle.start_velocity, side))
+        if not math.isfinite(cycle.duration):
+            break
+        offsets, changes = secondary_impulses(cycle, secondary, spacing)
+        for offset, change in zip(offsets.tolist(), changes.tolist(), strict=True):
+            last = pieces[-1]
+            rotation, velocity = state(last.rotation, last.velocity, p * (start + offset - last.start))
+            pieces.append(_Piece(start + offset, rotation, velocity + change, side))
+        start, side = start + cycle.duration, -side
+    table = np.array(pieces)
+    of = np.searchsorted(table[:, 0], times, side="right") - 1
+    begin, rotation, velocity, sides = table[of].T
+    elapsed = p * (times - begin)
+    growing = rotation - 1.0 + velocity
+    growing = np.where(np.abs(growing) <= CRITICAL_TOLERANCE, 0.0, growing)
+    decaying = rotation - 1.0 - velocity
+    x = 1.0 + 0.5 * (growing * np.exp(np.minimum(elapsed, 700.0)) + decaying * np.exp(-elapsed))
+    overturned = (of == len(pieces) - 1) & (not math.isfinite(cycles[-1].duration)) & (x > 1.0)
+    return np.where(overturned, np.nan, sides * x)

@@ -1,0 +1,1 @@
+"""The design sequence of a site, from the sequences of its records."""

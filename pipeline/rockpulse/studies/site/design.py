@@ -1,0 +1,353 @@
+"""The design sequence of a site: one sequence out of the distribution of its records' sequences.
+
+.. note:: A sequence has a shape (I_s/I, dT, number of main impulses, duration) and a size I. The parameters do not
+   order sequences by what they do: a larger I_s/I takes speed away, more main impulses add some, and dT acts either way
+   (Casapulla & Maione 2017, section 4). What does order them is the rotation they cause. Hence the design "response":
+   the shape of the medians, and the smallest I at which the sequence covers the quantile of the recorded rotations of
+   the blocks that it leaves standing. The design "parameters", the quantile of I with the conditional medians of the
+   others given it, is there for comparison; the coverage of records left out judges both.
+
+   Blocks that the design overturns are covered whatever the records do. Counted with the others they buy the quantile
+   for blocks that the design calls safe, which it then does not cover (docs/decisions/014).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.stats import norm
+
+from rocking.block import Block
+from rocking.sequence import ImpulseSequence, sequence_response
+from rockpulse.errors import RecordRefused
+from rockpulse.studies.site.statistics import ROUNDING, bootstrap_interval, correlation, log_moments, weighted_quantile
+
+__all__ = [
+    "BEYOND",
+    "DESIGN",
+    "PARAMETERS",
+    "SiteSample",
+    "covered",
+    "design_sequence",
+    "main_impulse_interval",
+    "overturning_limit",
+]
+
+#: Parameters of a sequence, in the order of the tables.
+PARAMETERS = ("main", "ratio", "interval", "main_count", "duration")
+
+#: Mark of a recorded rotation on a block that the sequence overturns, beside 1 covered and 0 not.
+BEYOND = 2.0
+
+#: Main impulses tried at once, from the weakest to one that overturns every block by itself, and rounds of refinement.
+GRID, REFINED, ROUNDS = 256, 17, 3
+
+#: The weakest main impulse tried, over the smallest I_1c of the blocks: peaks of about 1e-8 alpha_c.
+WEAKEST = 1e-4
+
+
+@dataclass(frozen=True, eq=False)
+class SiteSample:
+    """What n records say: their sequences and what their motions do to m blocks.
+
+    Attributes
+    ----------
+    values : (n, 5) ndarray
+        Parameters of the records' sequences, in the order and unit of :data:`PARAMETERS`; NaN for a number of main
+        impulses or a duration without limit, or an interval without meaning.
+    peaks : (n, m) ndarray
+        theta_max/alpha_c [-] to be covered, inf where overturned or unresolved; NaN where it does not count: a block at
+        rest is covered by any sequence.
+    weights : (n,) ndarray
+        Not negative, not all zero.
+    events : (n,) ndarray of int
+        Number of each record's event.
+    blocks : Block
+        (m,) blocks.
+    spacing : str
+        Of all sequences.
+    """
+
+    values: np.ndarray
+    peaks: np.ndarray
+    weights: np.ndarray
+    events: np.ndarray
+    blocks: Block
+    spacing: str
+
+    @property
+    def logarithms(self) -> np.ndarray:
+        """(n, 5) Logarithms of the values; NaN where there is none, a secondary impulse of zero included."""
+        with np.errstate(divide="ignore"):
+            logarithms = np.log(self.values)
+        return np.where(np.isfinite(logarithms), logarithms, np.nan)
+
+    def part(self, kept: np.ndarray) -> SiteSample:
+        """The sample of some records.
+
+        Parameters
+        ----------
+        kept : (n,) ndarray of bool
+            Which.
+        """
+        return replace(
+            self,
+            values=self.values[kept],
+            peaks=self.peaks[kept],
+            weights=self.weights[kept],
+            events=np.unique(self.events[kept], return_inverse=True)[1],
+        )
+
+
+def design_sequence(sample: SiteSample, quantile: float, design: str) -> ImpulseSequence:
+    """The design sequence of a sample.
+
+    Parameters
+    ----------
+    sample : SiteSample
+        Records' sequences and recorded rotations.
+    quantile : float
+        Share that the design is to cover [-], above 0 and below 1.
+    design : {"response", "parameters"}
+        See the note of the module.
+
+    Raises
+    ------
+    RecordRefused
+        Where the sample cannot say: no record lifts a block ("response"), or a single one has no dispersion
+        ("parameters").
+    """
+    return DESIGN[design](sample, quantile)
+
+
+def _by_response(sample: SiteSample, quantile: float) -> ImpulseSequence:
+    shape = _sequence(_medians(sample), sample)
+    if not np.any(_counted(sample)):
+        raise RecordRefused(
+            "no record sets any block rocking, so there is no rotation to cover: take other blocks or scale the records"
+        )
+    low, high = _range(sample)
+    for number in (GRID, *[REFINED] * ROUNDS):
+        mains = np.geomspace(low, high, number)
+        reached = _reached(sample, shape, mains)
+        hits, total = _event_sums(sample, reached, ~np.isinf(reached))
+        short = np.flatnonzero(_falls_short(hits.sum(axis=0), total.sum(axis=0), quantile))
+        # The response is not monotonic in I: no larger main impulse of the grid covers less than the quantile.
+        if short.size == 0:
+            high = float(mains[0])
+            break
+        if short[-1] == mains.size - 1:
+            raise RecordRefused(
+                f"no main impulse up to {high:.3g} m/s covers the quantile {quantile:g} of the recorded rotations with "
+                f"I_s/I = {shape.secondary / shape.main:.3g} and spacing {sample.spacing!r}: take another spacing"
+            )
+        low, high = float(mains[short[-1]]), float(mains[short[-1] + 1])
+    return _resized(shape, high)
+
+
+def _by_parameters(sample: SiteSample, quantile: float) -> ImpulseSequence:
+    dispersion = _moments(sample)[1]
+    if not np.isfinite(dispersion[0]):
+        raise RecordRefused(
+            'a quantile of the parameters needs at least two records; take design = "response" or more records'
+        )
+    slope = np.nan_to_num(correlation(sample.logarithms, sample.weights)[0])
+    slope[0] = 1.0
+    values = _medians(sample) * np.exp(norm.ppf(quantile) * slope * np.nan_to_num(dispersion))
+    values[3] = np.floor(values[3] + 0.5)
+    return _sequence(values, sample)
+
+
+#: How the design sequence is chosen, by the word of ``[calibration] design``.
+DESIGN: dict[str, Callable[[SiteSample, float], ImpulseSequence]] = {
+    "response": _by_response,
+    "parameters": _by_parameters,
+}
+
+
+def _moments(sample: SiteSample) -> tuple[np.ndarray, np.ndarray]:
+    """(5,) Mean and dispersion of the logarithms."""
+    once = np.ones((1, int(sample.events.max()) + 1), dtype=int)
+    mean, dispersion = log_moments(sample.logarithms, sample.weights, sample.events, once)
+    return mean[0], dispersion[0]
+
+
+def _medians(sample: SiteSample) -> np.ndarray:
+    """(5,) Lognormal medians; of the number of main impulses, a whole number, the weighted median itself."""
+    medians = np.exp(_moments(sample)[0])
+    medians[3] = weighted_quantile(sample.values[:, 3], 0.5, sample.weights)
+    if not np.isfinite(medians[1]):
+        medians[1] = 0.0  # not one record has secondary impulses
+    return medians
+
+
+def _sequence(values: np.ndarray, sample: SiteSample) -> ImpulseSequence:
+    main, ratio, interval, count, duration = values.tolist()
+    return ImpulseSequence(
+        main=main,
+        secondary=min(ratio, 1.0) * main,
+        interval=interval,
+        duration=duration if math.isfinite(duration) else math.inf,
+        main_count=max(int(count), 1) if math.isfinite(count) else None,
+        spacing=sample.spacing,
+    )
+
+
+def _resized(shape: ImpulseSequence, main: float) -> ImpulseSequence:
+    return replace(shape, main=main, secondary=min(shape.secondary / shape.main * main, main))
+
+
+def _range(sample: SiteSample) -> tuple[float, float]:
+    """From the weakest main impulse that is tried to one that overturns every block in its first half-cycle.
+
+    Secondary impulses take at most half of its speed away, but for those that act at the same instant ("start").
+    """
+    critical = np.atleast_1d(sample.blocks.critical_impulse)
+    return WEAKEST * float(critical.min()), 4.0 * float(critical.max())
+
+
+def _counted(sample: SiteSample) -> np.ndarray:
+    return ~np.isnan(sample.peaks) & (sample.weights[:, np.newaxis] > 0.0)
+
+
+def covered(sample: SiteSample, sequence: ImpulseSequence) -> np.ndarray:
+    """Which recorded rotations a sequence reaches.
+
+    Parameters
+    ----------
+    sample : SiteSample
+        n records, m blocks.
+    sequence : ImpulseSequence
+        One sequence.
+
+    Returns
+    -------
+    (n, m) ndarray
+        1 covered, 0 not, :data:`BEYOND` where the sequence overturns the block; NaN where the pair does not count. A
+        sequence without an answer covers nothing.
+    """
+    reached = np.atleast_1d(sequence_response(sample.blocks, sequence, table_rows=0).peak_rotation_ratio)
+    marks = np.where(np.isinf(reached), BEYOND, sample.peaks <= reached)
+    return np.where(np.isnan(sample.peaks), np.nan, marks)
+
+
+def _reached(sample: SiteSample, shape: ImpulseSequence, mains: np.ndarray) -> np.ndarray:
+    """(q, m) Peaks of the blocks under sequences of one shape."""
+    sequences = shape.scaled(mains / shape.main)
+    return np.asarray(sequence_response(sample.blocks, sequences, table_rows=0).peak_rotation_ratio)
+
+
+def _event_sums(sample: SiteSample, reached: np.ndarray, stands: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Weight covered and weight counted of every event, (g, q), under q sequences with the peaks (q, m) of the blocks.
+
+    A pair is covered by the sequences whose peak on the block is at least the recorded one; the blocks that count with
+    each sequence are those that stand, (q, m).
+    """
+    counted = _counted(sample)
+    hits, total = np.zeros((2, int(sample.events.max()) + 1, reached.shape[0]))
+    for record, event in enumerate(sample.events):
+        of = counted[record]
+        covers = sample.peaks[record, of] <= reached[:, of]
+        hits[event] += sample.weights[record] * np.count_nonzero(covers & stands[:, of], axis=1)
+        total[event] += sample.weights[record] * np.count_nonzero(stands[:, of], axis=1)
+    return hits, total
+
+
+def _falls_short(hits: np.ndarray, total: np.ndarray, quantile: float) -> np.ndarray:
+    """Where the share covered is below the quantile; nowhere where nothing is left standing."""
+    return np.asarray(hits < (quantile - ROUNDING) * total)
+
+
+def overturning_limit(sample: SiteSample, sequence: ImpulseSequence, quantile: float) -> tuple[np.ndarray, float]:
+    """Blocks whose overturning sets the main impulse of a design "response".
+
+    Parameters
+    ----------
+    sample : SiteSample
+        What the design was made of.
+    sequence : ImpulseSequence
+        The design.
+    quantile : float
+        As in :func:`design_sequence`.
+
+    Returns
+    -------
+    fallen : (m,) ndarray of bool
+        Those that stand just below I and no longer at it, where the quantile is reached by their leaving the count and
+        not by larger rotations; else none.
+    below : float
+        Share covered of the rotations of the blocks left standing just below I [-].
+    """
+    low, high = _range(sample)
+    bracket = math.log(high / low) / (GRID - 1) / (REFINED - 1) ** ROUNDS
+    reached = _reached(sample, sequence, sequence.main * np.array([1.0 - 2.0 * bracket, 1.0]))
+    stands = ~np.isinf(reached)
+    fallen = stands[0] & ~stands[1] & _counted(sample).any(axis=0)
+    hits, total = (sums.sum() for sums in _event_sums(sample, reached[:1], stands[:1]))
+    kept_hits, kept = (sums.sum() for sums in _event_sums(sample, reached[:1], stands.all(axis=0, keepdims=True)))
+    limits = _falls_short(hits, total, quantile) and not _falls_short(kept_hits, kept, quantile)
+    return fallen & limits, float(hits / total) if total > 0.0 else math.nan
+
+
+def main_impulse_interval(
+    sample: SiteSample, sequence: ImpulseSequence, quantile: float, design: str, draws: np.ndarray, confidence: float
+) -> tuple[float, float]:
+    """Event-clustered bootstrap interval of the main impulse of a design sequence, its shape kept.
+
+    Parameters
+    ----------
+    sample : SiteSample
+        What the design was made of.
+    sequence : ImpulseSequence
+        The design.
+    quantile, design
+        As in :func:`design_sequence`.
+    draws : (b, g) ndarray
+        Resamples of events.
+    confidence : float
+        Of the interval [-].
+
+    Returns
+    -------
+    lower, upper : float
+        [m/s]; NaN with a single event. The upper end is inf where more resamples than the interval leaves out above
+        overturn every block. Where the design does, or most resamples stop at the overturning of one block, the spread
+        is that of the block and not of the records: NaN and inf.
+
+    Notes
+    -----
+    The resamples know I on a grid of about 2 % (:data:`GRID`); no end is closer to the design than a step of it.
+    """
+    middle = math.log(sequence.main)
+    if design == "parameters":
+        mean, dispersion = log_moments(sample.logarithms[:, :1], sample.weights, sample.events, draws)
+        resampled = (mean + norm.ppf(quantile) * dispersion)[:, 0]
+        sizes = np.bincount(sample.events, sample.weights)
+        lower, upper = bootstrap_interval(middle, resampled, sizes, confidence)
+        return math.exp(lower), math.exp(upper)
+    mains = np.geomspace(*_range(sample), GRID * 2)
+    reached = _reached(sample, sequence, mains)
+    stands = ~np.isinf(reached)
+    hits, total = _event_sums(sample, reached, stands)
+    sizes, rows, last = total.max(axis=1), np.arange(draws.shape[0]), mains.size - 1
+    if np.count_nonzero(sizes) < 2:
+        return math.nan, math.nan
+    counted = draws @ total
+    short = _falls_short(draws @ hits, counted, quantile)
+    step = np.where(short.any(axis=1), mains.size - np.argmax(short[:, ::-1], axis=1), 0)
+    # Short of the quantile one step below, but not on the blocks that stand at the next too: an overturning ends it.
+    kept_hits, kept = _event_sums(sample, reached[:-1], stands[:-1] & stands[1:])
+    enough = ~_falls_short(draws @ kept_hits, draws @ kept, quantile)
+    limited = (step > 0) & (step <= last) & enough[rows, np.clip(step - 1, 0, last - 1)]
+    most = np.bincount(step[limited], minlength=1).max() / rows.size
+    if most > 0.5 or not np.any(covered(sample, sequence)[_counted(sample)] != BEYOND):
+        return math.nan, math.inf
+    bounded = (step <= last) & (counted[rows, np.minimum(step, last)] > 0.0)
+    resampled = np.where(bounded, np.log(mains)[np.minimum(step, last)], math.inf)
+    resampled[draws @ sizes == 0.0] = math.nan
+    lower, upper = bootstrap_interval(middle, resampled, sizes, confidence)
+    grid = math.log(mains[1] / mains[0])
+    return math.exp(np.minimum(lower, middle - grid)), math.exp(np.maximum(upper, middle + grid))

@@ -1,0 +1,258 @@
+"""The site file put together: distributions, design sequence, coverage, and what is to be said of them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from rocking.block import Block
+from rocking.sequence import ImpulseSequence, sequence_response
+from rockpulse.config.configuration import Config
+from rockpulse.failures import Failure
+from rockpulse.storage.site_variables import (
+    BLOCK,
+    EVENT,
+    PAIR,
+    PARAMETER,
+    PARAMETER_MEANING,
+    PER_PARAMETER,
+    RECORD,
+    SITE,
+    SITE_KIND,
+)
+from rockpulse.storage.variables import FAILURE, described
+from rockpulse.studies.site.coverage import coverage_of, judged, leave_one_event_out, unjudged_events
+from rockpulse.studies.site.design import (
+    BEYOND,
+    PARAMETERS,
+    SiteSample,
+    covered,
+    design_sequence,
+    main_impulse_interval,
+    overturning_limit,
+)
+from rockpulse.studies.site.record import SiteRecord, rotation_to_cover
+from rockpulse.studies.site.remarks import site_remarks
+from rockpulse.studies.site.statistics import correlation, event_draws, fit_lognormal, weighted_quantile
+
+__all__ = ["build_site_tree"]
+
+#: Mark of a pair that does not count.
+NOT_COUNTED = -1
+
+
+def build_site_tree(
+    done: Sequence[SiteRecord],
+    events: Sequence[str],
+    weights: np.ndarray,
+    block_names: Sequence[str],
+    blocks: Block,
+    config: Config,
+    failures: Sequence[Failure],
+    remarks: Sequence[str],
+) -> xr.DataTree:
+    """Fit, design, judge, and put everything into one tree.
+
+    Parameters
+    ----------
+    done : sequence of SiteRecord, length n
+        In the order of the rows.
+    events : sequence of str, length n
+        Event of each.
+    weights : (n,) ndarray
+        Of mean one.
+    block_names : sequence of str, length m
+        Names of the blocks.
+    blocks : Block
+        (m,) blocks.
+    config : Config
+        Sections site, calibration, sequence and run are used; its text becomes an attribute.
+    failures : sequence of Failure
+        What was left out.
+    remarks : sequence of str
+        What is to be said already.
+
+    Raises
+    ------
+    RecordRefused
+        Where the records make no design sequence.
+    """
+    settings = config.calibration
+    names, numbers = np.unique(np.array(events, dtype=str), return_inverse=True)
+    peaks = np.array([one.peaks for one in done])
+    sample = SiteSample(
+        values=np.array([one.values for one in done]),
+        peaks=rotation_to_cover(peaks),
+        weights=weights,
+        events=numbers,
+        blocks=blocks,
+        spacing=config.sequence.spacing,
+    )
+    # Records of no weight are shown and judged by nobody; the statistics are those of the others.
+    fitted = sample.part(weights > 0.0)
+    draws = event_draws(int(fitted.events.max()) + 1, settings.bootstrap, config.run.seed)
+    design = design_sequence(fitted, settings.quantile, settings.design)
+    left_out = leave_one_event_out(sample, settings.quantile, settings.design)
+    marks = left_out.covered
+    coverage = coverage_of(marks, sample, settings.confidence)
+    in_sample = covered(fitted, design)
+    per_parameter = _per_parameter(fitted, design, draws, config)
+    counted, rests = ~np.isnan(fitted.peaks), judged(marks, sample)
+    fallen, below = np.zeros(len(block_names), dtype=bool), math.nan
+    if settings.design == "response":
+        fallen, below = overturning_limit(fitted, design, settings.quantile)
+    site: dict[str, Any] = {
+        "quantile": settings.quantile,
+        "confidence": settings.confidence,
+        "resamples": settings.bootstrap,
+        "record_count": fitted.weights.size,
+        "event_count": draws.shape[1],
+        "lifting_events": np.unique(fitted.events[counted.any(axis=1)]).size,
+        "lifted_share": _weighted_share(counted, np.ones_like(counted), fitted.weights),
+        "unresolved_share": _weighted_share(np.isnan(peaks[weights > 0.0]), np.ones_like(counted), fitted.weights),
+        "design_set_by": ", ".join(np.array(block_names, dtype=str)[fallen].tolist()),
+        "coverage": coverage[0],
+        "coverage_lower": coverage[1],
+        "coverage_upper": coverage[2],
+        "judged_pairs": np.count_nonzero(rests),
+        "judged_events": np.unique(numbers[rests.any(axis=1)]).size,
+        "coverage_in_sample": coverage_of(in_sample, fitted, settings.confidence)[0],
+        "coverage_all": coverage_of(marks, sample, settings.confidence, standing=False)[0],
+        "standing_share": _weighted_share((in_sample != BEYOND) & counted, counted, fitted.weights),
+    }
+    unjudged = {str(names[event]): reason for event, reason in unjudged_events(left_out, sample).items()}
+    told = site | {"share_below": below, "design_upper": per_parameter["design_upper"][0]}
+    site["remarks"] = "\n".join([*remarks, *site_remarks(told, done, events, weights, unjudged)])
+    variables = {name: described((), site[name], meaning) for name, meaning in SITE.items()}
+    variables |= {
+        name: described(("parameter",), per_parameter[name], meaning) for name, meaning in PER_PARAMETER.items()
+    }
+    variables |= _records(done, events, weights, left_out.main)
+    variables |= _blocks(sample, design, marks)
+    variables["event_records"] = described(("site_event",), np.bincount(numbers), EVENT["event_records"])
+    of_events = [coverage_of(marks[numbers == one], sample.part(numbers == one), 0.9)[0] for one in range(names.size)]
+    variables["event_coverage"] = described(("site_event",), of_events, EVENT["event_coverage"])
+    variables["correlation"] = described(
+        ("parameter", "other_parameter"),
+        correlation(fitted.logarithms, fitted.weights),
+        (float, "1", "weighted correlation of the logarithms; NaN where one of the two does not vary"),
+    )
+    variables["rotation_ratio"] = described(("record", "block"), peaks, PAIR["rotation_ratio"])
+    flags = np.where(np.isnan(marks), NOT_COUNTED, marks)
+    variables["covered"] = described(("record", "block"), flags, PAIR["covered"])
+    variables["covered"].attrs["flag_values"] = np.array([NOT_COUNTED, 0, 1, BEYOND], dtype=np.int8)
+    variables["covered"].attrs["flag_meanings"] = "not_counted not_covered covered overturned_by_the_design"
+    dataset = xr.Dataset(variables, _coordinates([one.record.id for one in done], block_names, names))
+    dataset.attrs |= {
+        "method": settings.method,
+        "design": settings.design,
+        "spacing": config.sequence.spacing,
+        "scaled_to": settings.scale_to if settings.target is None else f"{settings.scale_to} {settings.target:g}",
+        "weights": settings.weights,
+    }
+    table = {name: [getattr(row, name) for row in failures] for name in FAILURE}
+    rows = xr.Dataset({name: described(("failure",), table[name], FAILURE[name]) for name in FAILURE})
+    tree = xr.DataTree.from_dict({"/site": dataset, "/failures": rows})
+    tree.attrs["kind"] = SITE_KIND
+    tree.attrs["title"] = config.site.name or "Design sequence of impulses of a site"
+    tree.attrs["site_description"] = config.site.description
+    tree.attrs["configuration"] = config.as_text()
+    return tree
+
+
+def _weighted_share(part: np.ndarray, whole: np.ndarray, weights: np.ndarray) -> float:
+    total = float(weights @ whole.sum(axis=1))
+    return float(weights @ part.sum(axis=1)) / total if total > 0.0 else math.nan
+
+
+def _per_parameter(
+    sample: SiteSample, design: ImpulseSequence, draws: np.ndarray, config: Config
+) -> dict[str, np.ndarray]:
+    settings = config.calibration
+    fit = fit_lognormal(sample.logarithms, sample.weights, sample.events, draws, settings.confidence)
+    ends = main_impulse_interval(sample, design, settings.quantile, settings.design, draws, settings.confidence)
+    nothing = np.full(len(PARAMETERS) - 1, math.nan)
+    table = {
+        "median": fit.median,
+        "median_lower": fit.median_interval[0],
+        "median_upper": fit.median_interval[1],
+        "dispersion": fit.dispersion,
+        "dispersion_lower": fit.dispersion_interval[0],
+        "dispersion_upper": fit.dispersion_interval[1],
+        "design": np.array(
+            [
+                design.main,
+                design.secondary / design.main,
+                design.interval,
+                math.nan if design.main_count is None else design.main_count,
+                design.duration if math.isfinite(design.duration) else math.nan,
+            ]
+        ),
+        "design_lower": np.concatenate([[ends[0]], nothing]),
+        "design_upper": np.concatenate([[ends[1]], nothing]),
+    }
+    for percent in (16, 50, 84):
+        table[f"quantile_{percent}"] = np.array(
+            [weighted_quantile(column, percent / 100.0, sample.weights) for column in sample.values.T]
+        )
+    return table
+
+
+def _records(
+    done: Sequence[SiteRecord], events: Sequence[str], weights: np.ndarray, mains: np.ndarray
+) -> dict[str, xr.Variable]:
+    columns = {
+        "source": [one.record.source for one in done],
+        "source_sha256": [one.record.source_sha256 for one in done],
+        "event": list(events),
+        "weight": weights,
+        "scale_factor": [one.factor for one in done],
+        "pga": [one.pga for one in done],
+        "pgv": [one.pgv for one in done],
+        "largest_impulse": [one.impulse for one in done],
+        "misfit": [one.misfit for one in done],
+        "unsafe_share": [one.unsafe_share for one in done],
+        "left_out_main": mains,
+        "calibration_remarks": ["\n".join(one.remarks) for one in done],
+        "warnings": ["\n".join(one.record.warnings) for one in done],
+        "processing": ["\n".join(one.record.processing) for one in done],
+    }
+    variables = {name: described(("record",), columns[name], meaning) for name, meaning in RECORD.items()}
+    for name, values, what in (
+        ("value", [one.values for one in done], "parameter of the record's own sequence"),
+        ("value_lower", [one.ends(0) for one in done], "lower end of its interval, where the method gives one"),
+        ("value_upper", [one.ends(1) for one in done], "upper end of its interval, where the method gives one"),
+    ):
+        variables[name] = described(("record", "parameter"), values, (float, "parameter_unit", what))
+    return variables
+
+
+def _blocks(sample: SiteSample, design: ImpulseSequence, marks: np.ndarray) -> dict[str, xr.Variable]:
+    blocks = sample.blocks
+    shares = [coverage_of(marks[:, [place]], sample, 0.9, standing=False)[0] for place in range(marks.shape[1])]
+    columns = {
+        **{name: getattr(blocks, name) for name in ("alpha_c", "p", "restitution", "critical_impulse")},
+        "design_rotation_ratio": np.atleast_1d(sequence_response(blocks, design, table_rows=0).peak_rotation_ratio),
+        "block_coverage": shares,
+    }
+    return {name: described(("block",), columns[name], meaning) for name, meaning in BLOCK.items()}
+
+
+def _coordinates(ids: Sequence[str], blocks: Sequence[str], events: np.ndarray) -> dict[str, xr.Variable]:
+    return {
+        "record": described(("record",), ids, (str, "1", "record id")),
+        "block": described(("block",), list(blocks), (str, "1", "name of the body")),
+        "site_event": described(("site_event",), events, (str, "1", "event")),
+        "parameter": described(("parameter",), list(PARAMETERS), (str, "1", "parameter of the impulse sequence")),
+        "other_parameter": described(("other_parameter",), list(PARAMETERS), (str, "1", "the other one of a pair")),
+        "parameter_unit": described(
+            ("parameter",), [PARAMETER[name][0] for name in PARAMETERS], PARAMETER_MEANING["parameter_unit"]
+        ),
+        "parameter_name": described(
+            ("parameter",), [PARAMETER[name][1] for name in PARAMETERS], PARAMETER_MEANING["parameter_name"]
+        ),
+    }

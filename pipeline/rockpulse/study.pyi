@@ -1,0 +1,1 @@
+from rockpulse.studies.paper import *

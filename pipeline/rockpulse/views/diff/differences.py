@@ -1,0 +1,381 @@
+"""What changed between two results files: rows only one of them has, values beyond a tolerance, verdicts that flipped.
+
+Rows are matched by their names (records, blocks, models), not by their place; in tables that point at them, such as the
+half-cycles, by what they point at. All values of both files are read and compared, part by part: stored checksums say
+what was written, not what is there now (``rockpulse verify`` checks them).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from difflib import get_close_matches, unified_diff
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from rockpulse.errors import ResultsError
+from rockpulse.storage.hdf5_reader import ResultsFile, flag_words, slab
+from rockpulse.storage.long_table import POINTS_AT
+from rockpulse.views.diff.answer_changes import Changes, Flip, body_changes, leading_model
+from rockpulse.views.diff.row_matching import Matched, OnlyIn, RowMatcher, only_in
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = ["Differences", "OnlyIn", "VariableDifference", "compare_results"]
+
+#: Largest part of a variable that is read at once; larger ones are slower, for their memory is new each time.
+PART = 1_000_000
+
+#: Variables whose changes are named one by one: of the first all, of the others those from one side of 1 to the other.
+OUTCOME = "/summary/outcome"
+SAFETY = "/summary/safety_factor"
+CAPACITY = "/summary/capacity_ratio"
+
+#: Names of variables in a message, where none is close.
+LISTED = 8
+
+#: Root attributes that say where a file comes from; their change alone makes no other results.
+ABOUT = ("title", "site_description")
+APART = ("history", "configuration", "kind", "Conventions", "run_id", *ABOUT)
+
+
+@dataclass(frozen=True)
+class VariableDifference:
+    """How a variable differs.
+
+    Attributes
+    ----------
+    name : str
+        Group and variable.
+    differing, compared : int
+        Values beyond the tolerance, of how many.
+    largest : float
+        Largest relative difference; inf between a number and NaN or inf; NaN for texts and flags.
+    place : tuple of str
+        Where that is (of texts and flags: the first): record, block, model, or what else names it.
+    before, after : str
+        The values there.
+    """
+
+    name: str
+    differing: int
+    compared: int
+    largest: float
+    place: tuple[str, ...]
+    before: str
+    after: str
+
+
+@dataclass
+class Differences:
+    """What changed between two files.
+
+    Attributes
+    ----------
+    about : list of (str, str, str)
+        Versions, title and other attributes of the root that differ: name, before, after.
+    configuration : list of str
+        Lines of the configuration with the section, or the block, that they are of; those that went with "-", those
+        that came with "+".
+    only : list of OnlyIn
+        Groups, rows and variables that only one file has.
+    others : list of str
+        Other differences in words: attributes, units, rows that could not be matched.
+    variables : list of VariableDifference
+        Those with values beyond the tolerance.
+    model : str
+        The fullest that both have, whose changes come first; empty without one.
+    bodies : list of str
+        How the margins of the bodies changed by that model.
+    sides : dict of str to Changes
+        Verdicts that flipped, and ratios that were below one and are not, or the other way round; by variable.
+    compared : int
+        Values in all.
+    """
+
+    about: list[tuple[str, str, str]] = field(default_factory=list)
+    configuration: list[str] = field(default_factory=list)
+    only: list[OnlyIn] = field(default_factory=list)
+    others: list[str] = field(default_factory=list)
+    variables: list[VariableDifference] = field(default_factory=list)
+    model: str = ""
+    bodies: list[str] = field(default_factory=list)
+    sides: dict[str, Changes] = field(default_factory=dict)
+    compared: int = 0
+
+    @property
+    def same(self) -> bool:
+        """Whether the results are the same; versions and configuration may differ."""
+        return not (self.only or self.others or self.variables)
+
+
+def compare_results(
+    first: ResultsFile,
+    second: ResultsFile,
+    rtol: float = 1e-9,
+    atol: float = 0.0,
+    ignore: Sequence[str] = (),
+    listed: int = 20,
+) -> Differences:
+    """Compare two open results files of the same kind.
+
+    Two numbers are the same where they differ by at most `atol` + `rtol` times the larger one, or are both NaN or the
+    same infinity; texts, whole numbers and flags where they are equal.
+
+    Parameters
+    ----------
+    first, second : ResultsFile
+        Before and after.
+    rtol, atol : float
+        Tolerance.
+    ignore : sequence of str
+        Variables that are not compared: their names, or ``/group/name`` for that of one group.
+    listed : int
+        Most verdicts, and most ratios that crossed one, that are named.
+
+    Raises
+    ------
+    ResultsError
+        For files of different kinds, and a variable to ignore that neither has.
+    """
+    if first.kind != second.kind:
+        raise ResultsError(
+            f"expected two files of one kind, found {first.path} ({first.kind}) and {second.path} ({second.kind})"
+        )
+    _check_ignored(ignore, first, second)
+    found = Differences(sides={name: Changes(listed) for name in (OUTCOME, SAFETY, CAPACITY)})
+    _compare_attributes(found, first.attrs, second.attrs)
+    _only(found, "groups", first.groups, second.groups)
+    named: dict[str, Matched] = {}
+    for group in sorted(set(first.groups) & set(second.groups), key=lambda name: (name != "summary", name)):
+        with first.reading(), second.reading():
+            one, other = first.dataset(group), second.dataset(group)
+            if group == "failures":
+                _compare_failures(found, one, other)
+                continue
+            if group == "summary":
+                found.model = leading_model(one, other)
+            _Group(found, group, one, other, named, rtol, atol).compare(ignore)
+            if group == "summary" and found.model and {"record", "block"} <= set(named):
+                found.bodies = body_changes(one, other, named, found.model, ignore)
+    return found
+
+
+def _check_ignored(ignore: Sequence[str], *files: ResultsFile) -> None:
+    if not ignore:
+        return
+    known = {f"/{group}/{name}" for file in files for group in file.groups for name in file.dataset(group).data_vars}
+    spelt = known | {path.rpartition("/")[2] for path in known}
+    for name in ignore:
+        if name not in spelt:
+            close = get_close_matches(name, sorted(spelt), n=5) or sorted(known)[:LISTED]
+            raise ResultsError(f"no variable {name!r} in these results; among those that there are: {', '.join(close)}")
+
+
+def _compare_attributes(found: Differences, first: Mapping[str, Any], second: Mapping[str, Any]) -> None:
+    before, after = (_placed(str(attrs.get("configuration", ""))) for attrs in (first, second))
+    changes = list(unified_diff(before, after, n=0, lineterm=""))[2:]
+    found.configuration = [line for line in changes if not line.startswith("@@")]
+    for name in sorted(set(first) | set(second)):
+        old, new = (str(attrs.get(name, "absent")) for attrs in (first, second))
+        if old != new and (name.endswith("_version") or name in ABOUT):
+            found.about.append((name, old, new))
+        elif old != new and name not in APART and "sha256" not in name:
+            found.others.append(f"attribute {name}: {old} in the first, {new} in the second")
+
+
+def _placed(configuration: str) -> list[str]:
+    """Lines of a configuration, each behind its section; of a block or demand with its name, which is no line then."""
+    where, lines = "", []
+    for line in configuration.splitlines():
+        if line.startswith("["):
+            where = line
+        elif where.startswith("[[") and line.startswith("name = "):
+            where = f"{where} {line.removeprefix('name = ')}"
+        elif line:
+            lines.append(f"{where} {line}".strip())
+    return lines
+
+
+def _only(found: Differences, what: str, first: Iterable[Any], second: Iterable[Any]) -> None:
+    only = only_in(what, first, second)
+    if only is not None and only not in found.only:
+        found.only.append(only)
+
+
+def _compare_failures(found: Differences, one: xr.Dataset, other: xr.Dataset) -> None:
+    """As sets: a failure has no name but all that it says."""
+
+    def told(dataset: xr.Dataset) -> list[str]:
+        columns = [dataset[name].values for name in ("kind", "stage", "file", "reason")]
+        return [f"{kind} ({stage}) {file}: {reason}" for kind, stage, file, reason in zip(*columns, strict=True)]
+
+    _only(found, "failures", dict.fromkeys(told(one)), dict.fromkeys(told(other)))
+    found.compared += one.sizes["failure"]
+
+
+@dataclass
+class _Group:
+    """One group of both files."""
+
+    found: Differences
+    group: str
+    one: xr.Dataset
+    other: xr.Dataset
+    named: dict[str, Matched]
+    rtol: float
+    atol: float
+
+    def __post_init__(self) -> None:
+        self.rows = RowMatcher(self.group, self.one, self.other, self.named)
+
+    def compare(self, ignore: Sequence[str]) -> None:
+        """Match the rows, then compare the variables that both have."""
+        for name in sorted(set(self.one.attrs) | set(self.other.attrs)):
+            old, new = (str(dataset.attrs.get(name, "absent")) for dataset in (self.one, self.other))
+            if old != new:
+                self.found.others.append(f"attribute {name} of /{self.group}: {old} in the first, {new} in the second")
+        names, others = (
+            [str(name) for name in dataset.data_vars if not {str(name), f"/{self.group}/{name}"} & set(ignore)]
+            for dataset in (self.one, self.other)
+        )
+        _only(self.found, f"variables of /{self.group}", names, others)
+        for name in names:
+            if name in others:
+                self._variable(name)
+        self.found.only += [one for one in self.rows.only if one not in self.found.only]
+        self.found.others += self.rows.remarks
+
+    def _variable(self, name: str) -> None:
+        before, after = self.one.variables[name], self.other.variables[name]
+        title = f"/{self.group}/{name}"
+        for what in ("units", "flag_meanings"):
+            if str(before.attrs.get(what)) != str(after.attrs.get(what)):
+                self.found.others.append(f"{title}: {what} {before.attrs.get(what)!r}, then {after.attrs.get(what)!r}")
+                return
+        if before.dims != after.dims or (before.dtype.kind in "OU") != (after.dtype.kind in "OU"):
+            self.found.others.append(
+                f"{title}: {' x '.join(map(str, before.dims))} {before.dtype}, then "
+                f"{' x '.join(map(str, after.dims))} {after.dtype}"
+            )
+            return
+        if name in POINTS_AT or "sample_dimension" in before.attrs:
+            return  # by these the rows are matched
+        rows = [self.rows.of(str(dim)) for dim in before.dims]
+        if any(row is None for row in rows):
+            return  # said once, where the rows were matched
+        self._values(title, before, after, [row for row in rows if row is not None])
+
+    def _values(self, title: str, before: xr.Variable, after: xr.Variable, rows: list[Matched]) -> None:
+        words = flag_words(before)
+        differing = compared = 0
+        largest, worst = -1.0, None
+        for start, old, new in self._parts(before, after, rows):
+            compared += old.size
+            apart = _apart(old, new, self.rtol, self.atol)
+            if title in self.found.sides and "model" in before.dims:
+                changed = apart if title == OUTCOME else _crossed(apart, old, new)
+                axis = before.dims.index("model")
+                self._sides(self.found.sides[title], changed, old, new, words, rows, start, axis)
+            if not apart.size:
+                continue
+            differing += apart.size
+            sizes = _relative(old.reshape(-1)[apart], new.reshape(-1)[apart])
+            at = int(sizes.argmax())
+            if sizes[at] > largest:
+                largest = float(sizes[at])
+                place = np.unravel_index(apart[at], old.shape)
+                worst = (self._place(rows, start, place), _shown(old[place], words), _shown(new[place], words))
+        self.found.compared += compared
+        if worst is not None:
+            size = largest if before.dtype.kind == "f" else math.nan
+            self.found.variables.append(VariableDifference(title, differing, compared, size, *worst))
+
+    def _sides(
+        self,
+        told: Changes,
+        places: np.ndarray,
+        old: np.ndarray,
+        new: np.ndarray,
+        words: dict[int, str],
+        rows: list[Matched],
+        start: int,
+        axis: int,
+    ) -> None:
+        """Count and name the answers at flat places."""
+        leads = np.array([rows[axis].names(k)[0] == self.found.model for k in range(old.shape[axis])], dtype=bool)
+        told.compared += old.size
+        told.compared_by_model += old.size // max(leads.size, 1) * int(leads.sum())
+
+        def named(at: int) -> Flip:
+            place = np.unravel_index(at, old.shape)
+            return Flip(self._place(rows, start, place), _shown(old[place], words), _shown(new[place], words))
+
+        told.add(places, leads[np.unravel_index(places, old.shape)[axis]], named)
+
+    @staticmethod
+    def _parts(
+        before: xr.Variable, after: xr.Variable, rows: list[Matched]
+    ) -> Iterator[tuple[int, np.ndarray, np.ndarray]]:
+        """Start along the first dimension, and the values of both files from there on."""
+        if not rows:
+            yield 0, np.asarray(before.values), np.asarray(after.values)
+            return
+        rest = int(np.prod([row.first.size for row in rows[1:]]))
+        step = max(1, PART // max(rest, 1))
+        for start in range(0, rows[0].first.size, step):
+            pair = []
+            for variable, side in ((before, "first"), (after, "second")):
+                where: dict[Any, Any] = {}
+                for number, (dim, row) in enumerate(zip(variable.dims, rows, strict=True)):
+                    at = getattr(row, side)
+                    at = at[start : start + step] if number == 0 else at
+                    run = row.whole or bool((np.diff(at) == 1).all())
+                    where[dim] = slice(int(at[0]), int(at[-1]) + 1) if run and at.size else at
+                pair.append(slab(variable, where))
+            yield start, pair[0], pair[1]
+
+    def _place(self, rows: list[Matched], start: int, place: tuple[Any, ...]) -> tuple[str, ...]:
+        at = [int(k) + (start if number == 0 else 0) for number, k in enumerate(place)]
+        return tuple(name for row, k in zip(rows, at, strict=True) for name in row.names(k))
+
+
+def _apart(old: np.ndarray, new: np.ndarray, rtol: float, atol: float) -> np.ndarray:
+    """Flat places at which two arrays differ by more than the tolerance."""
+    if old.dtype == new.dtype and old.dtype.kind in "biuf":
+        bits = f"u{old.dtype.itemsize}"
+        if np.array_equal(old.view(bits), new.view(bits)):  # NaN too, several times as fast as what follows
+            return np.zeros(0, dtype=int)
+    places = np.flatnonzero(old != new)
+    if old.dtype.kind != "f" or new.dtype.kind != "f" or not places.size:
+        return places
+    one, other = old.reshape(-1)[places], new.reshape(-1)[places]
+    with np.errstate(invalid="ignore"):
+        close = np.abs(one - other) <= atol + rtol * np.maximum(np.abs(one), np.abs(other))
+    close &= np.isfinite(one) & np.isfinite(other)
+    close |= np.isnan(one) & np.isnan(other)
+    return places[~close]
+
+
+def _crossed(places: np.ndarray, old: np.ndarray, new: np.ndarray) -> np.ndarray:
+    """Those of some flat places at which a ratio was below one and is not, or the other way round."""
+    one, other = old.reshape(-1)[places], new.reshape(-1)[places]
+    return places[((one < 1.0) != (other < 1.0)) & ~np.isnan(one) & ~np.isnan(other)]
+
+
+def _relative(old: np.ndarray, new: np.ndarray) -> np.ndarray:
+    """Relative difference of numbers, inf where only one is finite; one for texts and whole numbers."""
+    if old.dtype.kind != "f" or new.dtype.kind != "f":
+        return np.ones(old.shape)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        size = np.abs(old - new) / np.maximum(np.abs(old), np.abs(new))
+    return np.where(np.isfinite(old) & np.isfinite(new), size, np.inf)
+
+
+def _shown(value: Any, words: dict[int, str]) -> str:
+    if words:
+        return words.get(int(value), str(value))
+    return f"{value:.9g}" if isinstance(value, float) else str(value)

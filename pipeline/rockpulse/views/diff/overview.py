@@ -1,0 +1,175 @@
+"""What changed between two results files as text."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+from rockpulse.storage.hdf5_reader import ResultsFile
+from rockpulse.views.diff.answer_changes import Changes
+from rockpulse.views.diff.differences import CAPACITY, OUTCOME, SAFETY, Differences, OnlyIn
+from rockpulse.views.shared.terminal import ABSENT, aligned, paragraph, shortened
+
+__all__ = ["difference_overview"]
+
+#: Names that are listed of what only one file has, and lines of the configuration.
+LISTED = 12
+
+#: Longest place and text in a table, and name in a place.
+PLACE_WIDTH = 44
+TEXT_WIDTH = 20
+NAME_WIDTH = 34
+
+#: What is said of ratios that crossed one.
+CROSSED = {
+    SAFETY: "Safety factors that crossed 1 (below it a weaker copy of the record overturns)",
+    CAPACITY: "Capacities over demand that crossed 1 (below it the record overturns before it reaches the demand)",
+}
+
+
+def difference_overview(found: Differences, first: ResultsFile, second: ResultsFile, tolerance: str) -> str:
+    """Files, bodies, verdicts that flipped, ratios that crossed one, what only one file has, all other differences.
+
+    Parameters
+    ----------
+    found : Differences
+        What was compared.
+    first, second : ResultsFile
+        The files.
+    tolerance : str
+        In words.
+    """
+    parts = [_files(first, second), _bodies(found), _flips(found)]
+    parts += [_crossings(found, name, title) for name, title in CROSSED.items()]
+    parts += [_about(found), _configuration(found)]
+    parts += [_only(one) for one in found.only]
+    if found.others:
+        parts.append("\n".join(["Other differences:", *(paragraph(line, "    ", "  ") for line in found.others)]))
+    parts.append(_variables(found, tolerance))
+    same = f"The results are the same: {found.compared} values within {tolerance}."
+    apart = f"The results differ ({found.compared} values compared within {tolerance})."
+    return "\n\n".join([*(part for part in parts if part), same if found.same else apart])
+
+
+def _files(first: ResultsFile, second: ResultsFile) -> str:
+    lines = []
+    for mark, file in (("-", first), ("+", second)):
+        sizes = file.dataset("summary").sizes if "summary" in file.groups else {}
+        counts = ", ".join(f"{sizes[dim]} {dim}s" for dim in ("record", "block", "model") if dim in sizes)
+        history = str(file.attrs.get("history", "")).splitlines()
+        lines += [f"{mark} {file.path}", f"    {counts or file.kind}; {history[-1] if history else ''}"]
+    return "\n".join(lines)
+
+
+def _about(found: Differences) -> str:
+    return "\n".join(f"  {name}: {old} -> {new}" for name, old, new in found.about)
+
+
+def _configuration(found: Differences) -> str:
+    if not found.configuration:
+        return ""
+    shown = [paragraph(line[1:], "      ", f"  {line[0]} ") for line in found.configuration[: 2 * LISTED]]
+    more = len(found.configuration) - len(shown)
+    return "\n".join(["Configuration:", *shown, *([f"  and {more} more lines"] if more else [])])
+
+
+def _only(one: OnlyIn) -> str:
+    lines = []
+    for mark, names in (("-", one.first), ("+", one.second)):
+        if names:
+            lines.append(f"{one.what} only in the {'first' if mark == '-' else 'second'} file: {len(names)}")
+            lines += [paragraph(name, "      ", f"  {mark} ") for name in names[:LISTED]]
+            lines += [f"  and {len(names) - LISTED} more"] if len(names) > LISTED else []
+    return "\n".join(lines)
+
+
+def _bodies(found: Differences) -> str:
+    if found.same or not found.bodies:
+        return ""
+    lines = [paragraph(line, "      ", "  ") for line in found.bodies[: 2 * LISTED]]
+    more = len(found.bodies) - len(lines)
+    title = f"Bodies whose margin changed (by the {found.model} model): {len(found.bodies)}"
+    return "\n".join([title, *lines, *([f"  and {more} more"] if more else [])])
+
+
+def _flips(found: Differences) -> str:
+    flips = found.sides[OUTCOME]
+    if not flips.compared:
+        return ""
+    if not flips.count:
+        return f"No verdict of {flips.compared} flipped."
+    by_model = f"{flips.count_by_model} of {flips.compared_by_model}"
+    return _changes(f"Verdicts that flipped: {flips.count} of {flips.compared}", by_model, found.model, flips)
+
+
+def _crossings(found: Differences, name: str, title: str) -> str:
+    crossed = found.sides[name]
+    if not crossed.count:
+        return ""
+    return _changes(f"{title}: {crossed.count}", str(crossed.count_by_model), found.model, crossed)
+
+
+def _changes(title: str, by_model: str, model: str, changes: Changes) -> str:
+    """The title, then a line for each change that is listed, and how many more there are."""
+    rows = [
+        [*(shortened(name, NAME_WIDTH) for name in change.place), f"{change.before} -> {change.after}"]
+        for change in changes.named
+    ]
+    more = [f"  and {changes.count - len(rows)} more (--limit)"] if changes.count > len(rows) else []
+    heading = paragraph(f"{title} ({by_model} by the {model} model)" if model else title, "    ", "")
+    return "\n".join([heading, *("  " + line for line in aligned(rows, left=len(rows[0]))), *more])
+
+
+def _variables(found: Differences, tolerance: str) -> str:
+    if not found.variables:
+        return ""
+    rows = [["variable", "differ", "of", "largest", "  where", "  before -> after"]]
+    for one in found.variables:
+        size = ABSENT if math.isnan(one.largest) else f"{one.largest:.1e}"
+        change = f"{_text(one.before)} -> {_text(one.after)}"
+        rows.append(
+            [
+                one.name,
+                str(one.differing),
+                str(one.compared),
+                size,
+                f"  {_place(one.place)}",
+                f"  {change}",
+            ]
+        )
+    widths = [max(len(cell) for cell in column) for column in zip(*rows, strict=True)]
+    # Numbers flush right between names flush left.
+    made = [
+        [row[0], *(cell.rjust(width) for cell, width in zip(row[1:4], widths[1:4], strict=True)), *row[4:]]
+        for row in rows
+    ]
+    note = "largest: relative difference (inf: one is no finite number), and where it is; of texts and flags the first."
+    return "\n".join(
+        [
+            f"Variables beyond {tolerance}:",
+            *("  " + line for line in aligned(made, left=6, gap="  ")),
+            paragraph(note, "  "),
+        ]
+    )
+
+
+def _place(names: Sequence[str]) -> str:
+    """Names in one line, each cut as far as the longest of them have to be."""
+    room = PLACE_WIDTH - 2 * (len(names) - 1)
+    width = max(map(len, names), default=0)
+    while sum(min(len(name), width) for name in names) > room:
+        width -= 1
+    return ", ".join(_cut(name, width) for name in names)
+
+
+def _cut(name: str, width: int) -> str:
+    """The end of a record id is its time: what stands before it tells more, and is kept where it can be."""
+    channel, at, start = name.partition("@")
+    room = width - len(channel) - len("@…")
+    if len(name) > width and at and room > 0:
+        return f"{channel}@…{start[-room:]}"
+    return shortened(name, width)
+
+
+def _text(value: str) -> str:
+    return shortened(value.replace("\n", " | "), TEXT_WIDTH) or "(empty)"

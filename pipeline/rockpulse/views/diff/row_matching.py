@@ -1,0 +1,244 @@
+"""Which rows of two results files are the same: by name, by owner, or by what they point at."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from rockpulse.storage.long_table import POINTS_AT
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = ["Matched", "OnlyIn", "RowMatcher", "only_in"]
+
+
+@dataclass(frozen=True)
+class OnlyIn:
+    """What one file has and the other has not.
+
+    Attributes
+    ----------
+    what : str
+        Groups, variables, records, blocks, failures ...
+    first, second : tuple of str
+        What only the first, and only the second file has.
+    """
+
+    what: str
+    first: tuple[str, ...]
+    second: tuple[str, ...]
+
+
+def only_in(what: str, first: Iterable[Any], second: Iterable[Any]) -> OnlyIn | None:
+    """What only one of two lists has; None where they have the same.
+
+    Parameters
+    ----------
+    what : str
+        What they list.
+    first, second : iterable
+        Names.
+
+    Examples
+    --------
+    >>> only_in("records", ["a", "b"], ["b", "c"])
+    OnlyIn(what='records', first=('a',), second=('c',))
+    """
+    before, after = dict.fromkeys(map(str, first)), dict.fromkeys(map(str, second))
+    gone = tuple(name for name in before if name not in after)
+    new = tuple(name for name in after if name not in before)
+    return OnlyIn(what, gone, new) if gone or new else None
+
+
+@dataclass(frozen=True, eq=False)
+class Matched:
+    """Rows along one dimension that both files have.
+
+    Attributes
+    ----------
+    first, second : (n,) ndarray of int
+        Their positions.
+    names : callable
+        What names the k-th of them: a label, or labels and a number.
+    whole : bool
+        Whether they are all rows of both files, in the same order.
+    """
+
+    first: np.ndarray
+    second: np.ndarray
+    names: Callable[[int], tuple[str, ...]]
+    whole: bool
+
+
+@dataclass
+class RowMatcher:
+    """The rows of one group of two files.
+
+    Attributes
+    ----------
+    group : str
+        Name of the group.
+    one, other : xarray.Dataset
+        It in both files.
+    named : dict of str to Matched
+        Rows of /summary by dimension, which other groups point at; filled by the group summary.
+    only : list of OnlyIn
+        Names that only one file has.
+    remarks : list of str
+        What could not be matched.
+    """
+
+    group: str
+    one: xr.Dataset
+    other: xr.Dataset
+    named: dict[str, Matched]
+    only: list[OnlyIn] = field(default_factory=list)
+    remarks: list[str] = field(default_factory=list)
+    _matched: dict[str, Matched | None] = field(default_factory=dict)
+
+    def of(self, dim: str) -> Matched | None:
+        """Rows along a dimension that both files have; None where they cannot be matched.
+
+        Parameters
+        ----------
+        dim : str
+            A dimension of the group.
+        """
+        if dim not in self._matched:
+            self._matched[dim] = self._match(dim)
+        return self._matched[dim]
+
+    def _match(self, dim: str) -> Matched | None:
+        if dim in self.one.coords and dim in self.other.coords:
+            return self._by_label(dim)
+        for name in self.one.data_vars:
+            if self.one[name].attrs.get("sample_dimension") == dim and name in self.other:
+                return self._by_owner(dim, str(name))
+        if any(name in self.one and self.one[name].dims == (dim,) for name in POINTS_AT):
+            return self._by_pointers(dim)
+        size = self.one.sizes[dim]
+        if size != self.other.sizes[dim]:
+            self.remarks.append(
+                f"/{self.group}: {size} along {dim}, then {self.other.sizes[dim]}: what lies along it was not compared"
+            )
+            return None
+        every = np.arange(size)
+        return Matched(every, every, lambda k: (f"{dim} {k}",), True)
+
+    def _by_label(self, dim: str) -> Matched:
+        old, new = ([str(label) for label in dataset[dim].values] for dataset in (self.one, self.other))
+        only = only_in(f"{dim}s", old, new)
+        self.only += [] if only is None else [only]
+        place = {label: k for k, label in enumerate(new)}
+        first = np.array([k for k, label in enumerate(old) if label in place], dtype=int)
+        second = np.array([place[old[k]] for k in first.tolist()], dtype=int)
+        matched = Matched(first, second, lambda k: (old[int(first[k])],), old == new)
+        if self.group == "summary":
+            self.named[dim] = matched
+        return matched
+
+    def _by_owner(self, dim: str, sizes: str) -> Matched | None:
+        """Samples of a ragged array, of the owners that have as many in both."""
+        owner = self.of(str(self.one[sizes].dims[0]))
+        if owner is None:
+            return None
+        old, new = self.one[sizes].values, self.other[sizes].values
+        alike = old[owner.first] == new[owner.second]
+        if not alike.all():
+            self.remarks.append(
+                f"/{self.group}: {int((~alike).sum())} of {alike.size} have another number along {dim}, which was not "
+                f"compared (the first is {', '.join(owner.names(int(np.flatnonzero(~alike)[0])))})"
+            )
+        kept = np.flatnonzero(alike)
+        counts = old[owner.first[kept]]
+        ends = np.cumsum(counts)
+        within = np.arange(int(counts.sum())) - np.repeat(ends - counts, counts)
+        first, second = (
+            np.repeat((np.cumsum(all_) - all_)[places[kept]], counts) + within
+            for all_, places in ((old, owner.first), (new, owner.second))
+        )
+
+        def name(k: int) -> tuple[str, ...]:
+            at = int(np.searchsorted(ends, k, side="right"))
+            return (*owner.names(int(kept[at])), f"{dim} {int(within[k])}")
+
+        return Matched(first, second, name, owner.whole and bool(alike.all()))
+
+    def _by_pointers(self, dim: str) -> Matched | None:
+        """Rows that point at the same record, block, case and model, in their order."""
+        pointers = [name for name in POINTS_AT if name in self.one and self.one[name].dims == (dim,)]
+        if self._alike(pointers) and all(matched.whole for matched in self.named.values()):
+            every = np.arange(self.one.sizes[dim])
+            return Matched(every, every, self._names(dim, pointers, every), True)
+        sides = ((self.one, "first"), (self.other, "second"))
+        columns = [
+            [self._common(dataset[name].values, POINTS_AT[name], side) for name in pointers] for dataset, side in sides
+        ]
+        keys = [np.zeros(dataset.sizes[dim], dtype=np.int64) for dataset, _ in sides]
+        for old, new in zip(*columns, strict=True):
+            radix = int(max(old.max(initial=0), new.max(initial=0))) + 1
+            for key, pointed in zip(keys, (old, new), strict=True):
+                key *= radix
+                key += pointed
+        first, second, apart, whole = _in_order(
+            *keys, *(np.all([column >= 0 for column in side], axis=0) for side in columns)
+        )
+        if apart:
+            self.remarks.append(
+                f"/{self.group}: {apart} combinations of record, block and model have another number of rows, "
+                "which were not compared"
+            )
+
+        return Matched(first, second, self._names(dim, pointers, first), whole)
+
+    def _alike(self, names: list[str]) -> bool:
+        """Whether variables are the same in both files."""
+        pairs = ((self.one[name].values, self.other[name].values) for name in names)
+        return all(np.array_equal(one, other) for one, other in pairs)
+
+    def _names(self, dim: str, pointers: list[str], first: np.ndarray) -> Callable[[int], tuple[str, ...]]:
+        """What the k-th row points at, and its number in the first file."""
+
+        def name(k: int) -> tuple[str, ...]:
+            at = int(first[k])
+            told: list[str] = []
+            for pointer in pointers:
+                label = POINTS_AT[pointer]
+                if label in self.named:
+                    pointed = self.one.variables[pointer][at : at + 1].values
+                    told.extend(self.named[label].names(int(self._common(pointed, label, "first")[0])))
+            return (*told, f"{dim} {at}")
+
+        return name
+
+    def _common(self, pointed: np.ndarray, at: str, side: str) -> np.ndarray:
+        """What rows point at, counted in the names that both files have; -1 for others."""
+        if at not in self.named:
+            return pointed.astype(np.int64)
+        place = getattr(self.named[at], side)
+        number = np.full(int(max(pointed.max(initial=-1), place.max(initial=-1))) + 2, -1, dtype=np.int64)
+        number[place] = np.arange(place.size)
+        return np.asarray(number[pointed])
+
+
+def _in_order(
+    first_key: np.ndarray, second_key: np.ndarray, first_known: np.ndarray, second_known: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, int, bool]:
+    """Rows, sorted by key, whose keys occur as often in both; how many keys do not; whether these are all rows."""
+    if np.array_equal(first_key, second_key) and first_known.all() and second_known.all():
+        return np.arange(first_key.size), np.arange(first_key.size), 0, True
+    rows = []
+    for key, known in ((first_key, first_known), (second_key, second_known)):
+        kept = np.flatnonzero(known)
+        rows.append(kept[np.argsort(key[kept], kind="stable")])
+    (old, old_count), (new, new_count) = (
+        np.unique(key[row], return_counts=True) for key, row in zip((first_key, second_key), rows, strict=True)
+    )
+    common, one, other = np.intersect1d(old, new, assume_unique=True, return_indices=True)
+    alike = common[old_count[one] == new_count[other]]
+    first, second = (row[np.isin(key[row], alike)] for key, row in zip((first_key, second_key), rows, strict=True))
+    return first, second, int(np.union1d(old, new).size - alike.size), False

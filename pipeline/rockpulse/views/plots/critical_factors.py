@@ -1,0 +1,368 @@
+"""How much stronger a record may get: intervals of overturning, and the critical scale of every record."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from rockpulse.config.settings import SearchSettings
+from rockpulse.errors import ResultsError
+from rockpulse.views.plots.demand_marks import demand_ticks, demands_over_pga, least, tick_notes
+from rockpulse.views.plots.selection import chosen, chosen_case, named_body, setting
+from rockpulse.views.plots.style import (
+    BLACK,
+    GREEN,
+    GREY,
+    PALE,
+    RED,
+    SMALL,
+    caption,
+    legend_above,
+    look,
+    one_axes,
+    title,
+)
+from rockpulse.views.plots.words import counted, label, plain, wrapped
+from rockpulse.views.shared.terminal import shortened
+from rockpulse.views.text.overview import fullest_model
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from matplotlib.axes import Axes
+
+__all__ = ["critical_scale", "overturning_map"]
+
+#: Rows on a page; of more the lowest factors are shown.
+ROWS = 60
+
+#: Height of a row [in]: 60 of them fit on a page.
+_ROW = 0.155
+
+#: Longest name beside a row.
+_NAME = 34
+
+#: A window in which the block stands again: hatched, and light in grey where it is too narrow for that.
+_AGAIN: dict[str, Any] = {"fc": "#BBDDF3", "ec": BLACK, "lw": 0.0, "hatch": "////", "hatch_linewidth": 0.6}
+
+#: Half the height of a bar.
+_HALF = 0.33
+
+#: Intervals that are narrower are drawn so wide [pt], over the windows beside them: they are what matters.
+_THINNEST = 1.0
+
+#: Factors below the smallest one that is of interest, as a ratio of it.
+_BELOW = 0.7
+
+#: Places of those without a factor beyond the end of the search, one for each model, as a ratio of it.
+_NONE = 1.09
+
+#: Place of the arrow beside a mark, as a ratio of it.
+_ARROW = 1.06
+
+#: Models whose input is a calibrated sequence.
+_ON_IMPULSES = ("resonance", "sequence")
+
+_SEARCH = "assess again with the model in [search] models"
+
+
+def overturning_map(
+    tree: xr.DataTree,
+    record: str | None = None,
+    block: str | None = None,
+    model: str | None = None,
+    ax: Axes | None = None,
+) -> Axes:
+    """Factors on the input at which blocks overturn, and the windows between them in which they stand.
+
+    Parameters
+    ----------
+    tree : xarray.DataTree
+        Results of an assessment.
+    record, block : str, optional
+        One of them: a row for every block (and restitution) under the record, or for every record on the block.
+        Neither where there is one record only.
+    model : str, optional
+        By default the fullest of the results.
+    ax : matplotlib Axes, optional
+        Where to draw; by default on a figure of its own, as high as its rows.
+
+    Returns
+    -------
+    matplotlib Axes
+        Bars with the labels "stands", "overturns", "stands again", "cannot answer", each interval at least a point
+        wide; a dot with the label "smallest factor"; a line at factor 1 and, where the results have a demand, a tick
+        at what it asks of each record.
+
+    Raises
+    ------
+    ResultsError
+        For a name that is not there, or a model that was not searched.
+    """
+    summary = tree["summary"].to_dataset()
+    model = fullest_model(summary) if model is None else chosen(summary, "model", model)
+    if record is not None and block is not None:
+        blocks, records = [chosen(summary, "block", block)], [chosen(summary, "record", record)]
+    elif block is not None:
+        blocks, records = [chosen(summary, "block", block)], [str(name) for name in summary["record"].values]
+    else:
+        records, blocks = [chosen(summary, "record", record)], [str(name) for name in summary["block"].values]
+    rows = [
+        (one, body, case) for one in records for body in blocks for case in range(1, summary.sizes.get("case", 1) + 1)
+    ]
+    factors, resolved = (
+        _of_rows(summary, name, records, blocks, model) for name in ("safety_factor", "factor_resolved")
+    )
+    if np.all(np.isnan(factors)):
+        raise ResultsError(f"{model}: no factors in these results: {_SEARCH}")
+    kept = np.arange(len(rows))
+    if len(records) > 1 or len(rows) > ROWS:  # the weakest for the block on top
+        kept = np.argsort(factors, kind="stable")[:ROWS]
+    note = f"The {ROWS} smallest factors of {len(rows)}. " if len(rows) > ROWS else ""
+    steps, inside = (_of_rows(summary, name, records, blocks, model)[kept] for name in ("search_step", "applicable"))
+    rows, factors, bound = [rows[place] for place in kept], factors[kept], resolved[kept] == 0
+    end = float(setting(tree, "search", "factor_max", SearchSettings().factor_max))
+    ax = one_axes(ax, height=1.5 + _ROW * max(len(rows), 3))
+    table = tree["overturning_intervals"].to_dataset()
+    needed = demands_over_pga(summary, summary["pga"].sel(record=[one for one, _, _ in rows]).values, end)
+    lowest = least(needed, float(np.nanmin(np.where(factors > 0.0, factors, np.nan), initial=1.0)))
+    begin = _BELOW * lowest
+    for place, (one, body, case) in enumerate(rows):
+        if np.isnan(factors[place]):
+            ax.text(1.0, place, " not searched", fontsize=SMALL, color=GREY, va="center")
+            continue
+        at_end = not any(ticks[place] > np.sqrt(end) for ticks in needed.values())  # else under the words
+        _bars(ax, place, _intervals(summary, table, one, body, case, model), begin, end, at_end)
+    _smallest(ax, factors, bound)
+    demand_ticks(ax, needed)
+    names = [_row_name(summary, row, len(records) > 1) for row in rows]
+    _rows(ax, names, begin, end)
+    ax.set_xlabel(f"factor on the {_input(model)} [-]")
+    legend_rows = _once(ax, columns=4)
+    heading = plain(records[0]) if len(records) == 1 else plain(blocks[0])
+    title(ax, f"{heading}: {look(model).label} model", rows=legend_rows)
+    outside = [body for (_, body, _), within in zip(rows, inside, strict=True) if within == 0]
+    words = _map_notes(model, end, float(np.nanmax(steps, initial=1.0)), outside, bool(np.any(bound)))
+    caption(ax, " ".join([note + words, *tick_notes(needed)]))
+    return ax
+
+
+def critical_scale(
+    tree: xr.DataTree,
+    block: str | None = None,
+    models: Sequence[str] | None = None,
+    case: int = 1,
+    ax: Axes | None = None,
+) -> Axes:
+    """The smallest factor on every record at which a block overturns, by each model.
+
+    Parameters
+    ----------
+    tree : xarray.DataTree
+        Results of an assessment.
+    block : str, optional
+        Name; none where there is one only.
+    models : sequence of str, optional
+        By default all that were searched.
+    case : int
+        Number of the restitution, from 1.
+    ax : matplotlib Axes, optional
+        Where to draw; by default on a figure of its own, as high as its rows.
+
+    Returns
+    -------
+    matplotlib Axes
+        A row for every record, the weakest for the block on top, in the order of the fullest model; markers of each
+        model; a line at factor 1 and, where the results have a demand, what it asks of each record.
+
+    Raises
+    ------
+    ResultsError
+        For a name that is not there, or where no model was searched.
+    """
+    summary = tree["summary"].to_dataset()
+    block = chosen(summary, "block", block)
+    own = summary.sel(block=block).isel(chosen_case(summary, case))
+    known = [str(name) for name in summary["model"].values]
+    asked = None if models is None else [chosen(summary, "model", name) for name in models]
+    searched = [name for name in asked or known if bool(own["safety_factor"].sel(model=name).notnull().any())]
+    if asked is None and {"auto", "nonlinear"} <= set(searched):
+        searched.remove("auto")  # its factors are those of nonlinear
+    if not searched:
+        raise ResultsError(f"{block}: no factors in these results: {_SEARCH}")
+    full = fullest_model(summary)
+    leading = full if full in searched else searched[-1]
+    factor = own["safety_factor"].sel(model=leading).values
+    order = np.argsort(factor, kind="stable")[:ROWS]
+    end = float(setting(tree, "search", "factor_max", SearchSettings().factor_max))
+    ax = one_axes(ax, height=1.6 + _ROW * max(order.size, 4))
+    shown = own.isel(record=order)
+    lowest = 1.0
+    for place, name in enumerate(searched):
+        lowest = min(lowest, _markers(ax, shown.sel(model=name), name, end * _NONE ** (1 + place)))
+    needed = demands_over_pga(shown, shown["pga"].values, end)
+    demand_ticks(ax, needed)
+    lowest = least(needed, lowest)
+    _rows(ax, [str(name) for name in shown["record"].values], _BELOW * lowest, end, end * _NONE ** (len(searched) + 1))
+    ax.set_xlabel(wrapped(label(own["safety_factor"].attrs), 64))
+    legend_rows = _once(ax, columns=3)
+    title(ax, f"{plain(named_body(summary, block, case))}: critical scale of each record", rows=legend_rows)
+    caption(ax, " ".join([_scale_notes(own, shown, searched, leading, end), *tick_notes(needed)]))
+    return ax
+
+
+def _row_name(summary: xr.Dataset, row: tuple[str, str, int], by_record: bool) -> str:
+    record, block, case = row
+    if not by_record:
+        return named_body(summary, block, case)
+    c = named_body(summary, block, case).removeprefix(block)  # ", C = 0.98" where there are several
+    return shortened(record, _NAME - len(c)) + c
+
+
+def _of_rows(summary: xr.Dataset, name: str, records: list[str], blocks: list[str], model: str) -> np.ndarray:
+    """A variable for every record, block and restitution, the last running fastest; NaN where the file lacks it."""
+    count = len(records) * len(blocks) * summary.sizes.get("case", 1)
+    if name not in summary:
+        return np.full(count, np.nan)
+    own = summary[name].sel(record=records, block=blocks, model=model)
+    order = ("record", "block", *(dim for dim in own.dims if dim == "case"))
+    return np.asarray(own.transpose(*order).values.ravel(), dtype=float)
+
+
+def _input(model: str) -> str:
+    return "impulses of the sequence" if model in _ON_IMPULSES else "record"
+
+
+def _intervals(
+    summary: xr.Dataset, table: xr.Dataset, record: str, block: str, case: int, model: str
+) -> dict[str, np.ndarray]:
+    rows = table["case_index"].values == case - 1
+    for dimension, name in (("record", record), ("block", block), ("model", model)):
+        rows &= table[f"{dimension}_index"].values == summary.get_index(dimension).get_loc(name)
+    return {name: table[name].values[rows] for name in ("lower", "upper", "open", "resolved")}
+
+
+def _bars(ax: Axes, place: int, found: dict[str, np.ndarray], begin: float, end: float, at_end: bool) -> None:
+    lower, upper = found["lower"], found["upper"]
+    first = float(lower[0]) if lower.size else end
+    _bar(ax, place, begin, first, "stands", fc="#E8F3EF", ec=GREEN, lw=0.4)
+    if not lower.size:
+        words, (where, side) = f"  none up to {end:g}  ", (end, "right") if at_end else (1.0, "left")
+        ax.text(where, place, words, fontsize=SMALL - 0.5, color=BLACK, ha=side, va="center")
+    for low, high, resolved in zip(lower, upper, found["resolved"], strict=True):
+        if resolved:
+            _bar(ax, place, low, high, "overturns", fc=RED, ec=RED, lw=0.4)
+        else:
+            _bar(
+                ax, place, low, high, "cannot answer: counts as overturning", fc="white", ec=GREY, lw=0.4, hatch="xxxx"
+            )
+    for answered, color in ((found["resolved"] != 0, RED), (found["resolved"] == 0, GREY)):
+        middle = np.sqrt(lower * upper)[answered]
+        ax.vlines(middle, place - _HALF, place + _HALF, color=color, lw=_THINNEST, zorder=1.5)
+    for low, high in zip(upper[:-1], lower[1:], strict=True):
+        _bar(ax, place, low, high, "stands again", **_AGAIN)
+    if lower.size and upper[-1] < end:
+        _bar(ax, place, float(upper[-1]), end, "stands again", **_AGAIN)
+
+
+def _bar(ax: Axes, place: int, low: float, high: float, words: str, **style: Any) -> None:
+    ax.barh(place, high - low, left=low, height=2.0 * _HALF, label=words, **style)
+
+
+def _smallest(ax: Axes, factors: np.ndarray, bound: np.ndarray) -> None:
+    """A dot at the smallest factor of every row, hollow where it is a lower bound."""
+    for rows, face in ((~bound, BLACK), (bound, "white")):
+        shown = rows & np.isfinite(factors)
+        if np.any(shown):
+            dots: dict[str, Any] = {
+                "ls": "none",
+                "marker": "o",
+                "ms": 3.6,
+                "mfc": face,
+                "mec": BLACK,
+                "mew": 0.7,
+                "zorder": 3,
+            }
+            ax.plot(factors[shown], np.flatnonzero(shown), label="smallest factor", **dots)
+
+
+def _rows(ax: Axes, names: Sequence[str], begin: float, end: float, last: float | None = None) -> None:
+    """Names beside the rows, the factor along a logarithmic axis, and room beyond it for what has none."""
+    from matplotlib.ticker import FixedLocator, FuncFormatter, NullLocator
+
+    ax.set_xscale("log")
+    ax.set_xlim(begin, end if last is None else last)
+    if last is not None:
+        ax.axvspan(end, last, color=PALE, alpha=0.5, lw=0)
+        ax.text(np.sqrt(end * last), -0.75, f">{end:g}", fontsize=SMALL, ha="center", va="bottom", color=GREY)
+    ticks = [tick for tick in (0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50, 100) if begin <= tick <= end]
+    ax.xaxis.set_major_locator(FixedLocator(ticks))
+    ax.xaxis.set_minor_locator(NullLocator())
+    ax.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+    ax.axvline(1.0, color=BLACK, lw=1.0, ls=(0, (6, 3)))
+    ax.set_yticks(range(len(names)), [plain(shortened(name, _NAME)) for name in names], fontsize=SMALL)
+    ax.set_ylim(len(names) - 0.4, -0.6)
+    ax.grid(axis="y", visible=False)
+
+
+def _once(ax: Axes, columns: int) -> int:
+    """Every label once; the rows that it takes."""
+    found = dict(
+        zip(reversed(ax.get_legend_handles_labels()[1]), reversed(ax.get_legend_handles_labels()[0]), strict=True)
+    )
+    names = sorted(found, key=ax.get_legend_handles_labels()[1].index)
+    legend_above(ax, columns, across=True, handles=[found[name] for name in names], labels=names)
+    return -(-len(names) // columns)
+
+
+def _markers(ax: Axes, answers: xr.Dataset, model: str, none_at: float) -> float:
+    """The factors of one model; the smallest."""
+    style, factor = look(model), answers["safety_factor"].values
+    places = np.arange(factor.size)
+    inside = answers["applicable"].values != 0 if "applicable" in answers else np.ones(factor.size, dtype=bool)
+    bound = (
+        answers["factor_resolved"].values == 0 if "factor_resolved" in answers else np.zeros(factor.size, dtype=bool)
+    )
+    finite, none = np.isfinite(factor), np.isinf(factor)
+    common: dict[str, Any] = {"ls": "none", "color": style.color, "mec": style.color, "mew": 0.9, "zorder": 3}
+    ax.plot([], [], marker=style.marker, ms=4.5, label=style.label, **common)
+    for chosen_rows, face in ((finite & inside, style.color), (finite & ~inside, "white")):
+        ax.plot(factor[chosen_rows], places[chosen_rows], marker=style.marker, ms=4.5, mfc=face, **common)
+    arrow = {**common, "mew": 0.2}
+    ax.plot(_ARROW * factor[finite & bound], places[finite & bound], marker=r"$\rightarrow$", ms=8, **arrow)
+    ax.plot(np.full(int(none.sum()), none_at), places[none], marker=style.marker, ms=3.2, mfc="none", **common)
+    return float(np.min(factor[finite], initial=1.0))
+
+
+def _map_notes(model: str, end: float, step: float, outside: Sequence[str], bound: bool) -> str:
+    as_it_is = "sequence as it was calibrated" if model in _ON_IMPULSES else "record as it is"
+    missing = f"; intervals narrower than {100.0 * (step - 1.0):.2g} % may be missing" if step > 1.0 else ""
+    words = [f"Dashed: the {as_it_is}. Searched up to a factor of {end:g}{missing}."]
+    words.append(f"An interval is drawn at least {_THINNEST:g} pt wide.")
+    if bound:
+        words.append("Hollow: a lower bound, from there on the model cannot answer.")
+    if outside:
+        words.append(f"Outside the range of the model: {plain(counted(dict.fromkeys(outside)))}.")
+    if model == "resonance":
+        words.append("Resonance is an upper-bound type input, not a prediction.")
+    return " ".join(words)
+
+
+def _scale_notes(own: xr.Dataset, shown: xr.Dataset, searched: Sequence[str], leading: str, end: float) -> str:
+    words = []
+    if shown.sizes["record"] < own.sizes["record"]:
+        words.append(f"The {shown.sizes['record']} smallest factors of {own.sizes['record']} records.")
+    words.append(f"Ordered by the {leading} model. Dashed: the record, or its sequence, as it is.")
+    values = shown["safety_factor"].sel(model=list(searched))
+    if bool(np.isinf(values).any()):
+        words.append(f">{end:g}: none found up to there.")
+    if "applicable" in shown and bool((shown["applicable"].sel(model=list(searched)) == 0).any()):
+        words.append("Hollow: outside the range of the model.")
+    if "factor_resolved" in shown and bool((shown["factor_resolved"].sel(model=list(searched)) == 0).any()):
+        words.append("Arrow: a lower bound, from there on the model cannot answer.")
+    if bool(values.isnull().any()):
+        words.append(f"Without a mark: not computed ({int(values.isnull().sum())}).")
+    if "resonance" in searched:
+        words.append("Resonance is an upper-bound type input, not a prediction.")
+    return " ".join(words)

@@ -1,0 +1,96 @@
+"""What the demands of a site ask of each record, as ticks in the rows of a picture of factors."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from rockpulse.views.plots.style import BLACK
+from rockpulse.views.plots.words import plain
+from rockpulse.views.shared.terminal import shortened
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from matplotlib.axes import Axes
+
+__all__ = ["demand_ticks", "demands_over_pga", "least", "tick_notes"]
+
+#: Longest name of a demand in the legend.
+_NAME = 24
+
+
+def demands_over_pga(summary: xr.Dataset, pga: np.ndarray, end: float) -> dict[str, np.ndarray]:
+    """Factors that bring the records of the rows to each demand.
+
+    Parameters
+    ----------
+    summary : xarray.Dataset
+        The node /summary.
+    pga : (rows,) ndarray
+        Of the record of each row [m/s2].
+    end : float
+        End of the search [-].
+
+    Returns
+    -------
+    dict of str to (rows,) ndarray
+        By demand; NaN beyond the end of the search. Empty where the results have no demand.
+    """
+    if "demand_acceleration" not in summary:
+        return {}
+    every = zip(summary["demand"].values, summary["demand_acceleration"].values, strict=True)
+    return {str(name): np.where(demand <= end * pga, demand / pga, np.nan) for name, demand in every}
+
+
+def least(needed: dict[str, np.ndarray], otherwise: float) -> float:
+    """The smallest of them and of another number.
+
+    Parameters
+    ----------
+    needed : dict of str to (rows,) ndarray
+        Of :func:`demands_over_pga`.
+    otherwise : float
+        The other number.
+    """
+    return min([otherwise, *(float(np.nanmin(factors, initial=otherwise)) for factors in needed.values())])
+
+
+def demand_ticks(ax: Axes, needed: dict[str, np.ndarray]) -> None:
+    """A tick in every row, shorter from demand to demand.
+
+    Parameters
+    ----------
+    ax : matplotlib Axes
+        Rows at 0, 1, ...
+    needed : dict of str to (rows,) ndarray
+        Of :func:`demands_over_pga`.
+    """
+    for place, (name, factors) in enumerate(needed.items()):
+        ax.plot(
+            factors,
+            np.arange(factors.size),
+            ls="none",
+            marker="|",
+            ms=9 - 2 * min(place, 2),
+            mew=1.6,
+            color=BLACK,
+            zorder=4,
+            label=f"demand over PGA: {plain(shortened(name, _NAME))}",
+        )
+
+
+def tick_notes(needed: dict[str, np.ndarray]) -> list[str]:
+    """What the ticks mean, for the caption.
+
+    Parameters
+    ----------
+    needed : dict of str to (rows,) ndarray
+        Of :func:`demands_over_pga`.
+    """
+    if not needed:
+        return []
+    words = ["Tick: demand over PGA; with its smallest factor right of the tick the block stands at the demand."]
+    if any(np.isnan(factors).any() for factors in needed.values()):
+        words.append("No tick: the demand lies beyond the search.")
+    return words

@@ -1,0 +1,152 @@
+"""From a results file and what was chosen of it to the figure of each kind."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from rockpulse.assessment.spectrum import ALPHAS, P
+from rockpulse.assessment.spectrum import rocking_spectrum as compute_spectrum
+from rockpulse.errors import ConfigError, ResultsError
+from rockpulse.studies.accuracy.measurement import table_of
+from rockpulse.views.plots.critical_factors import critical_scale, overturning_map
+from rockpulse.views.plots.fragility_curves import fragility
+from rockpulse.views.plots.ground_motion import accelerogram
+from rockpulse.views.plots.impulse_sequences import limit_accelerogram
+from rockpulse.views.plots.model_histories import histories
+from rockpulse.views.plots.motion import had_vertical, stored_motion, stored_record
+from rockpulse.views.plots.paper import figure4, figure5
+from rockpulse.views.plots.rotation import rotation_history
+from rockpulse.views.plots.selection import block_of, chosen, named_body, sequence_of
+from rockpulse.views.plots.site import calibration
+from rockpulse.views.plots.spectrum_map import rocking_spectrum
+from rockpulse.views.plots.words import plain
+from rockpulse.views.plots.work_precision_diagram import work_precision
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+__all__ = ["DRAWERS"]
+
+
+def _figure(ax: Axes) -> Figure:
+    figure = ax.get_figure(root=True)
+    assert figure is not None
+    return figure
+
+
+def _accelerogram(tree: xr.DataTree, record: str | None = None) -> Figure:
+    return _figure(accelerogram(stored_motion(tree, chosen(tree["summary"].to_dataset(), "record", record)))[0])
+
+
+def _limit_accelerogram(
+    tree: xr.DataTree, record: str | None = None, block: str | None = None, case: int = 1
+) -> Figure:
+    summary = tree["summary"].to_dataset()
+    record, block = chosen(summary, "record", record), chosen(summary, "block", block)
+    body = block_of(summary, block, case)
+    name = f"{plain(record)}, {plain(named_body(summary, block, case))}"
+    try:
+        return _figure(limit_accelerogram(body, sequence_of(tree, record, block, case), name=name)[0])
+    except ResultsError:
+        raise
+    except ValueError as error:
+        raise ResultsError(f"{record}, {block}: the sequence has no limit accelerogram: {error}") from error
+
+
+def _rotation_history(
+    tree: xr.DataTree,
+    record: str | None = None,
+    block: str | None = None,
+    models: Sequence[str] | None = None,
+    case: int = 1,
+) -> Figure:
+    summary = tree["summary"].to_dataset()
+    record, block = chosen(summary, "record", record), chosen(summary, "block", block)
+    name = f"{plain(record)}, {plain(named_body(summary, block, case))}"
+    return _figure(rotation_history(histories(tree, record, block, models, case), title=name)[0])
+
+
+def _rocking_spectrum(tree: xr.DataTree, record: str | None = None, restitution: float | str = "housner") -> Figure:
+    summary = tree["summary"].to_dataset()
+    record = chosen(summary, "record", record)
+    names = [str(name) for name in summary["block"].values]
+    own = {name: summary.sel(block=name) for name in names}
+    bodies = {name: (float(one["p"]), float(one["alpha_c"])) for name, one in own.items()}
+    p = _reaching(P, [rate for rate, _ in bodies.values()])
+    alpha = _reaching(ALPHAS, [angle for _, angle in bodies.values()])
+    if restitution != "housner" and not 0.0 <= float(restitution) <= 1.0:
+        raise ConfigError(f'restitution: expected a number from 0 to 1 or "housner", got {restitution}')
+    c: Any = restitution if restitution == "housner" else float(restitution)
+    spectrum = compute_spectrum(
+        stored_record(tree, record), p, alpha, restitution=c, gravity=block_of(summary, names[0]).gravity
+    )
+    note = ""
+    if had_vertical(summary, record):
+        note = "Without the vertical channel, which acted on the verdicts of the file and is not stored."
+    return _figure(rocking_spectrum(spectrum, bodies=bodies, note=note))
+
+
+def _reaching(values: Sequence[float], marked: Sequence[float]) -> list[float]:
+    """Equally spaced values over the same range, wider where something marked lies outside."""
+    low, high = min(values[0], 0.9 * min(marked)), max(values[-1], 1.1 * max(marked))
+    return np.linspace(low, high, len(values)).tolist()
+
+
+def _overturning_map(
+    tree: xr.DataTree, record: str | None = None, block: str | None = None, models: Sequence[str] | None = None
+) -> Figure:
+    if models is not None and len(models) != 1:
+        raise ResultsError(f"overturning-map: expected one model, got {', '.join(models)}")
+    return _figure(overturning_map(tree, record, block, None if models is None else models[0]))
+
+
+def _critical_scale(
+    tree: xr.DataTree, block: str | None = None, models: Sequence[str] | None = None, case: int = 1
+) -> Figure:
+    return _figure(critical_scale(tree, block, models, case))
+
+
+def _fragility(
+    tree: xr.DataTree,
+    block: str | None = None,
+    measure: str | None = None,
+    limit_states: Sequence[str] | None = None,
+) -> Figure:
+    return _figure(fragility(tree, block, measure, limit_states))
+
+
+def _calibration(tree: xr.DataTree) -> Figure:
+    return _figure(calibration(tree)[0])
+
+
+def _figure4(tree: xr.DataTree, spacing: str | None = None, count: float = np.inf) -> Figure:
+    return _figure(figure4(tree, spacing=spacing, count=count)[0])
+
+
+def _figure5(tree: xr.DataTree, spacing: str | None = None) -> Figure:
+    return _figure(figure5(tree, spacing=spacing)[0, 0])
+
+
+def _work_precision(tree: xr.DataTree) -> Figure:
+    return _figure(work_precision(table_of(tree, "work_precision"))[0])
+
+
+#: By the names of :data:`rockpulse.views.plots.kinds.KINDS`.
+DRAWERS: dict[str, Callable[..., Figure]] = {
+    "accelerogram": _accelerogram,
+    "limit-accelerogram": _limit_accelerogram,
+    "rotation-history": _rotation_history,
+    "rocking-spectrum": _rocking_spectrum,
+    "overturning-map": _overturning_map,
+    "critical-scale": _critical_scale,
+    "fragility": _fragility,
+    "calibration": _calibration,
+    "figure4": _figure4,
+    "figure5": _figure5,
+    "work-precision": _work_precision,
+}

@@ -1,0 +1,238 @@
+"""Fragility curves of a block, one of them with its band."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from rockpulse.config.fragility_settings import OVERTURNING, UPLIFT
+from rockpulse.views.plots.selection import chosen
+from rockpulse.views.plots.style import Look, caption, legend_above, looks, one_axes, title
+from rockpulse.views.plots.words import label, plain, wrapped
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from matplotlib.axes import Axes
+
+__all__ = ["fragility"]
+
+#: The measure that is drawn where none is asked for: it puts bodies of all sizes on one scale.
+SHOWN = "velocity_ratio"
+
+#: Probabilities below this, and above one less it, are not looked at when the range of the axis is chosen.
+_TAIL = 0.002
+
+#: Limit states whose single capacities are drawn beside the curves: more of them hide each other.
+_POINTS = 3
+
+#: A band that is wider than this [-] at most of the levels of the picture says nothing.
+_WIDE = 0.8
+
+#: A curve that lies above that of a milder limit state by more than this [-] is told of.
+_ABOVE = 0.01
+
+#: Points of a curve between two levels of the file.
+_BETWEEN = 8
+
+#: Remarks that are given one by one.
+_REMARKS = 4
+
+
+def fragility(
+    tree: xr.DataTree,
+    block: str | None = None,
+    measure: str | None = None,
+    limit_states: Sequence[str] | None = None,
+    ax: Axes | None = None,
+) -> Axes:
+    """Probability of reaching each limit state over a measure of intensity, and the confidence band of one of them.
+
+    Parameters
+    ----------
+    tree : xarray.DataTree
+        As :func:`rockpulse.fragility_curves` returns it.
+    block : str, optional
+        Name; none where there is one only.
+    measure : str, optional
+        By default p PGV/(g tan alpha_c), or the first of the file.
+    limit_states : sequence of str, optional
+        Some of the file; all by default. The band is that of the first of them that has one; by default that of
+        overturning, else of the last one: several would hide each other.
+    ax : matplotlib Axes, optional
+        Where to draw; by default on a figure of its own.
+
+    Returns
+    -------
+    matplotlib Axes
+        A line for every fitted curve, one filled band unless it spans practically 0 to 1, and, of up to three limit
+        states, the single capacities (a mark each) where every record was scaled.
+
+    Raises
+    ------
+    ResultsError
+        For a name that is not there.
+    """
+    curves = tree["fragility"].to_dataset()
+    block = chosen(curves, "block", block)
+    known = [str(name) for name in curves["measure"].values]
+    measure = chosen(curves, "measure", measure or (SHOWN if SHOWN in known else known[0]))
+    states = [chosen(curves, "limit_state", str(name)) for name in limit_states or curves["limit_state"].values]
+    own = curves.sel(block=block, measure=measure)
+    ax = one_axes(ax, height=4.0)
+    level = own["level"].values
+    shown = _shown(own.sel(limit_state=states))
+    remarks: dict[str, list[str]] = {}
+    gravest = [*(state for state in states if state == OVERTURNING), *states[::-1]]
+    banded = _banded(own, states if limit_states else gravest)
+    for state, style in zip(states, looks([_named(state) for state in states]), strict=True):
+        one = own.sel(limit_state=state)
+        if str(one["statement"].item()):
+            remarks.setdefault(str(one["statement"].item()), []).append(style.label)
+        if not bool(one["probability"].notnull().any()):
+            ax.plot([], [], color=style.color, ls=style.line, label=f"{style.label}: no curve")
+            continue
+        words = style.label + (" (extrapolated)" if int(one["extrapolated"]) else "")
+        ax.plot(*_curve(one, "probability"), color=style.color, ls=style.line, lw=1.4, label=words)
+        if state == banded and not _says_nothing(one, shown):
+            _band(ax, one, style)
+        if len(states) <= _POINTS and tree.attrs.get("data") == "ida":
+            capacities = tree["capacities"].to_dataset()
+            _capacities(ax, capacities, block, state, measure, style, float(capacities.attrs["factor_max"]))
+    ax.set_xscale("log")
+    ax.set_xlim(float(level[shown].min()), float(level[shown].max()))
+    ax.set_ylim(-0.01, 1.01)
+    attrs = {"long_name": str(own["measure_long_name"].item())}
+    ax.set_xlabel(wrapped(label(attrs, units=str(own["measure_units"].item())), 90))
+    ax.set_ylabel(label(own["probability"].attrs))
+    _readable_ticks(ax)
+    legend_above(ax, 3, across=True)
+    title(ax, plain(block), rows=-(-len(states) // 3))
+    notes = [_counts(tree, own), *_band_notes(tree, own, banded, shown)]
+    if _crossing(own.isel(limit_state=own["limit_state"].isin(states)), shown):
+        notes.append("Fitted one by one: where a curve lies above that of a milder limit state it says nothing.")
+    if len(states) <= _POINTS and tree.attrs["data"] == "ida":
+        notes.append("Marks: records one by one, at the first factor that reaches the limit state (Kaplan-Meier).")
+    caption(ax, " ".join(notes + _told(remarks, len(states))))
+    return ax
+
+
+def _named(state: str) -> str:
+    if state == UPLIFT:
+        return "uplift"
+    return "overturning" if state == OVERTURNING else rf"$\theta_{{max}}/\alpha_c \geq$ {state}"
+
+
+def _capacities(
+    ax: Axes, capacities: xr.Dataset, block: str, state: str, measure: str, style: Look, end: float
+) -> None:
+    """Capacity of every record at its share (Kaplan-Meier): one that does not reach the state is known to be above."""
+    from scipy.stats import CensoredData, ecdf
+
+    own = capacities.sel(block=block)
+    factor = own["factor"].sel(limit_state=state).values
+    value = own["measure_value"].sel(measure=measure).values
+    reached = np.isfinite(factor)
+    if not np.any(reached):
+        return
+    found = ecdf(CensoredData(uncensored=(factor * value)[reached], right=end * value[~reached])).cdf
+    risen = np.diff(found.probabilities, prepend=0.0)
+    ax.plot(
+        found.quantiles[risen > 0.0],
+        (found.probabilities - 0.5 * risen)[risen > 0.0],
+        ls="none",
+        marker=style.marker,
+        ms=3.2,
+        mfc="white",
+        mec=style.color,
+        mew=0.6,
+        zorder=2.5,
+    )
+
+
+def _readable_ticks(ax: Axes) -> None:
+    """Numbers as they are, not powers of ten, and enough of them."""
+    from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
+
+    low, high = ax.get_xlim()
+    ax.xaxis.set_major_locator(LogLocator(subs=(1.0,) if high / low > 200.0 else (1.0, 2.0, 5.0)))
+    ax.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+    ax.xaxis.set_minor_formatter(NullFormatter())
+
+
+def _banded(own: xr.Dataset, states: Sequence[str]) -> str | None:
+    """The first of some limit states that has a band."""
+    there = own["probability_low"].notnull().any("point")
+    return next((state for state in states if bool(there.sel(limit_state=state))), None)
+
+
+def _shown(own: xr.Dataset) -> np.ndarray:
+    """Levels at which a curve is on its way from 0 to 1, and those between; all where there is none."""
+    probability = own["probability"].transpose("limit_state", "point").values
+    rising = np.flatnonzero(np.any((probability > _TAIL) & (probability < 1.0 - _TAIL), axis=0))
+    every = np.ones(probability.shape[1], dtype=bool)
+    if rising.size > 1:
+        every[: rising[0]] = every[rising[-1] + 1 :] = False
+    return every
+
+
+def _crossing(own: xr.Dataset, shown: np.ndarray) -> bool:
+    """Whether a curve lies above that of a limit state before it, a milder one: each is fitted without the others."""
+    probability = own["probability"].transpose("limit_state", "point").values[:, shown]
+    probability = probability[~np.isnan(probability).any(axis=1)]  # no curve
+    return bool(np.any(probability[1:] > np.minimum.accumulate(probability[:-1]) + _ABOVE))
+
+
+def _curve(one: xr.Dataset, name: str) -> tuple[np.ndarray, np.ndarray]:
+    """A probability at the levels of the file, and smoothly between them; a step where it is one."""
+    from scipy.interpolate import PchipInterpolator
+
+    level, values = one["level"].values, one[name].values
+    if float(one["beta"]) == 0.0:
+        step = float(one["median"])
+        return np.array([level[0], step, step, level[-1]]), np.array([0.0, 0.0, 1.0, 1.0])
+    places = np.linspace(0.0, level.size - 1.0, _BETWEEN * (level.size - 1) + 1)
+    fine = np.interp(places, np.arange(level.size), np.log(level))
+    return np.exp(fine), PchipInterpolator(np.log(level), values)(fine)
+
+
+def _says_nothing(one: xr.Dataset, shown: np.ndarray) -> bool:
+    return bool(np.median((one["probability_high"] - one["probability_low"]).values[shown]) > _WIDE)
+
+
+def _band(ax: Axes, one: xr.Dataset, style: Look) -> None:
+    (level, low), (_, high) = _curve(one, "probability_low"), _curve(one, "probability_high")
+    ax.fill_between(level, low, high, color=style.color, alpha=0.16, lw=0)
+    for edge in (low, high):
+        ax.plot(level, edge, color=style.color, ls=style.line, lw=0.5, alpha=0.7)
+
+
+def _counts(tree: xr.DataTree, own: xr.Dataset) -> str:
+    records, events = int(own["records"].max()), int(own["events"].max())
+    found = f"{records} record{'s' * (records != 1)} of {events} earthquake{'s' * (events != 1)}"
+    return f"{found}, data: {tree.attrs['data']}."
+
+
+def _band_notes(tree: xr.DataTree, own: xr.Dataset, banded: str | None, shown: np.ndarray) -> list[str]:
+    if banded is None:
+        return []
+    one = own.sel(limit_state=banded)
+    if _says_nothing(one, shown):
+        events = int(one["events"])
+        return [
+            f"Band of the curve of {_named(banded)}: nearly 0 to 1 at most levels, not drawn ({events} earthquakes are "
+            "too few)."
+        ]
+    confidence = 100.0 * float(tree.attrs["confidence"])
+    return [f"Band of the curve of {_named(banded)}: {confidence:g} %, over earthquakes, at each level."]
+
+
+def _told(remarks: dict[str, list[str]], states: int) -> list[str]:
+    """Every remark once, with the limit states that it is of."""
+    words = [
+        f"{', '.join(names) if len(names) < states else 'All' if states > 1 else names[0]}: {remark}."
+        for remark, names in remarks.items()
+    ]
+    more = len(words) - _REMARKS
+    return words if more <= 0 else [*words[:_REMARKS], f"{more} more remarks in the file."]

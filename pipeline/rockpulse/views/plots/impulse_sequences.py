@@ -1,0 +1,180 @@
+"""The limit accelerogram and its secondary sequence (Casapulla & Maione 2017, Figures 1 and 2)."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from rocking.block import Block
+from rocking.impulse_sequence import ImpulseSequence
+from rocking.response import Outcome
+from rocking.sequence import impulse_train, sequence_response
+from rockpulse.views.plots.style import (
+    BLACK,
+    BLUE,
+    GREY,
+    ORANGE,
+    RED,
+    SMALL,
+    caption,
+    legend_above,
+    panel_title,
+    several_axes,
+    title,
+)
+
+__all__ = ["LIMIT_PANELS", "limit_accelerogram"]
+
+#: Number of panels of :func:`limit_accelerogram`.
+LIMIT_PANELS = 2
+
+#: Longest stretch that is shown, in main impulses: more of them are the same again.
+_MAIN_SHOWN = 12
+
+#: Half-cycles shorter than this part of the picture have no room for their peak.
+_NAMED = 0.07
+
+_TITLES = (
+    "(a) main impulses $I$ right after each impact (resonance: an upper-bound type input)",
+    "(b) with the secondary sequence: impulses $I_s$ of alternating sign, the first against $I$",
+)
+
+
+def limit_accelerogram(block: Block, sequence: ImpulseSequence, axes: Any = None, name: str = "") -> np.ndarray:
+    """Impulses of the limit accelerogram of a block, without and with the secondary sequence.
+
+    Parameters
+    ----------
+    block : Block
+        One block: its half-cycles set the times of the main impulses.
+    sequence : ImpulseSequence
+        One sequence that ends.
+    axes : array_like of two matplotlib Axes, optional
+        Where to draw; by default on a figure of their own, with a common time.
+    name : str
+        Stands above: the record and the block.
+
+    Returns
+    -------
+    (2,) ndarray of Axes
+        The main sequence alone (Figure 1 of the paper), and with the secondary one (Figure 2). The last of ``lines``
+        of each is the half-cycles of the block, abs(theta)/alpha_c at their peaks.
+
+    Raises
+    ------
+    ValueError
+        For arrays of blocks or sequences, or a sequence without end.
+    """
+    panels = several_axes(axes, LIMIT_PANELS, height=5.0, sharex=True, sharey=True)[:, 0]
+    last, cycles = 0.0, []
+    for ax, words, own in zip(panels, _TITLES, (replace(sequence, secondary=0.0), sequence), strict=True):
+        times, impulses = impulse_train(block, own)
+        main = np.isclose(np.abs(impulses), own.main)
+        if own.secondary > 0.0 and math.isclose(own.secondary, own.main):
+            main = _main_places(block, own, times)
+        starts = times[main][:_MAIN_SHOWN]
+        shown = times <= (starts[-1] if starts.size else 0.0)
+        _draw(ax, times[shown & main], impulses[shown & main], BLUE, "^", f"main impulses, $I$ = {own.main:.3g} m/s")
+        if own.secondary > 0.0:
+            _secondary(ax, own, times[shown & ~main], impulses[shown & ~main])
+        ax.axhline(0.0, color=BLACK, lw=0.6)
+        ax.set_ylabel("impulse of the ground [m/s]")
+        panel_title(ax, words, rows=1)
+        durations, peaks = _half_cycles(block, own, starts.size)
+        cycles.append((starts, durations, peaks))
+        last = max(last, float(np.max(starts + np.where(np.isfinite(durations), durations, 0.0), initial=0.0)))
+    room = max(last, 1.0 / float(block.p))
+    panels[0].set_xlim(-0.04 * room, 1.12 * room)
+    for ax, bars in zip(panels, cycles, strict=True):
+        _bars(ax, -1.12 * float(sequence.main), room, *bars)
+    limit = 1.2 * max(float(sequence.main), 1e-12)
+    panels[0].set_ylim(-1.12 * limit, limit)
+    for ax in panels:
+        legend_above(ax, 3)
+    panels[-1].set_xlabel("time from the first main impulse [s]")
+    if name:
+        title(panels[0], name, rows=1)
+    caption(panels[-1], _remarks(block, sequence))
+    return panels
+
+
+def _main_places(block: Block, sequence: ImpulseSequence, times: np.ndarray) -> np.ndarray:
+    """Where I_s = I a main impulse is known by its place: n secondary ones follow each."""
+    table = sequence_response(block, sequence).half_cycles
+    assert table is not None
+    places: list[int] = []
+    at = 0
+    while at < times.size:
+        row = min(len(places), table.impulse_count.size - 1)
+        places.append(at)
+        at += 1 + (2 if sequence.spacing == "continuous" else max(int(table.impulse_count[row]), 0))
+    return np.isin(np.arange(times.size), places)
+
+
+def _draw(ax: Any, times: np.ndarray, sizes: np.ndarray, color: str, marker: str, words: str) -> None:
+    """Impulses as arrows: a line with a head that points away from zero."""
+    ax.vlines(times, 0.0, sizes, color=color, lw=1.6 if marker == "^" else 1.0)
+    up = sizes > 0.0
+    ax.plot(times[up], sizes[up], ls="none", marker="^", ms=4.5 if marker == "^" else 2.8, color=color, label=words)
+    ax.plot(times[~up], sizes[~up], ls="none", marker="v", ms=4.5 if marker == "^" else 2.8, color=color)
+
+
+def _secondary(ax: Any, sequence: ImpulseSequence, times: np.ndarray, sizes: np.ndarray) -> None:
+    words = f"secondary impulses, $I_s$ = {sequence.secondary:.3g} m/s"
+    if sequence.spacing == "continuous":
+        words = r"limit of infinitely many secondary impulses: $I_s/2$ at either end"
+    _draw(ax, times, sizes, ORANGE, "|", words)
+
+
+def _half_cycles(block: Block, sequence: ImpulseSequence, count: int) -> tuple[np.ndarray, np.ndarray]:
+    """Durations and peaks of the first half-cycles; where the table ends, its last row repeats itself."""
+    table = sequence_response(block, sequence).half_cycles
+    assert table is not None
+    rows = np.minimum(np.arange(count), max(table.duration.size - 1, 0))
+    return table.duration[rows], table.peak[rows]
+
+
+def _bars(ax: Any, low: float, room: float, starts: np.ndarray, durations: np.ndarray, peaks: np.ndarray) -> None:
+    """Half-cycles as bars along the bottom: their length is what sets the next main impulse."""
+    for start, duration, peak in zip(starts, durations, peaks, strict=True):
+        if not math.isfinite(duration):
+            ax.plot(start, low, marker="x", color=RED, ms=5, mew=1.5, ls="none", label="overturning")
+            _text(ax, "overturns", (start, low), (7, 0), ha="left", va="center", color=RED)
+            continue
+        ax.plot([start, start + duration], [low, low], color=GREY, lw=1.0, marker="|", ms=6)
+        if duration > _NAMED * room:
+            words = f"{peak:.2f}" if peak >= 0.095 else f"{peak:.1g}"
+            _text(ax, words, (start + 0.5 * duration, low), (0, 3), ha="center", va="bottom", color="#333333")
+
+
+def _text(ax: Any, words: str, place: tuple[float, float], offset: tuple[float, float], **style: Any) -> None:
+    ax.annotate(words, place, offset, textcoords="offset points", fontsize=SMALL - 0.5, **style)
+
+
+def _remarks(block: Block, sequence: ImpulseSequence) -> str:
+    found = [sequence_response(block, own) for own in (replace(sequence, secondary=0.0), sequence)]
+    words = r"Below each: half-cycles of the block with their peak $\theta/\alpha_c$."
+    count = [_main_count(one, sequence) for one in found]
+    if max(count) > _MAIN_SHOWN:
+        words += f" Shown: the first {_MAIN_SHOWN} main impulses of {' and '.join(map(str, count))}."
+    if sequence.secondary > 0.0:
+        words += f' Trial interval $\\Delta T$ = {sequence.interval:.3g} s, spacing "{sequence.spacing}".'
+    if found[1].ground_contact:
+        words += (
+            " The corrected march passes through the ground inside a half-cycle: the closed form stands for no motion."
+        )
+    return words
+
+
+def _main_count(response: Any, sequence: ImpulseSequence) -> int:
+    durations = response.half_cycles.duration
+    if durations.size == 0:
+        return 0
+    if response.outcome == Outcome.OVERTURNS:
+        return int(response.overturning_half_cycle)
+    left = max(math.ceil((sequence.duration - float(np.sum(durations))) / float(durations[-1])), 0)
+    most = math.inf if sequence.main_count is None else sequence.main_count
+    return int(min(durations.size + left, most))

@@ -1,0 +1,193 @@
+"""The kinds of pictures: what each shows, which file it is drawn from, and what may be chosen."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from rockpulse.errors import ResultsError
+from rockpulse.option import hint
+from rockpulse.storage.accuracy_variables import REPORT
+from rockpulse.storage.fragility_variables import FRAGILITY
+from rockpulse.storage.save_load import ASSESSMENT, named
+from rockpulse.storage.site_variables import SITE_KIND
+from rockpulse.storage.study_variables import STUDY
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from matplotlib.figure import Figure
+
+__all__ = ["KINDS", "Kind", "draw", "kind_list"]
+
+
+@dataclass(frozen=True)
+class Kind:
+    """One kind of picture.
+
+    Attributes
+    ----------
+    summary : str
+        What it shows.
+    file : str
+        Kind of the file that it is drawn from.
+    command : str
+        What makes such a file.
+    options : tuple of str
+        What may be chosen, by the names of the keywords of :func:`draw`.
+    group : str
+        Group that the file must have, where files of one kind differ.
+    """
+
+    summary: str
+    file: str
+    command: str
+    options: tuple[str, ...]
+    group: str = ""
+
+
+_ASSESS, _STORED = "rockpulse assess", 'rockpulse assess with [records] store = "all"'
+
+KINDS = {
+    "accelerogram": Kind(
+        "accelerogram, its half-waves as impulses at their centroids, the intense phase",
+        ASSESSMENT,
+        _STORED,
+        ("record",),
+    ),
+    "limit-accelerogram": Kind(
+        "limit accelerogram of a block and its secondary sequence (the paper's Figures 1 and 2)",
+        ASSESSMENT,
+        _ASSESS,
+        ("record", "block", "case"),
+    ),
+    "rotation-history": Kind(
+        "rotation of a block under a record by several models, impacts and overturning",
+        ASSESSMENT,
+        _STORED,
+        ("record", "block", "models", "case"),
+    ),
+    "rocking-spectrum": Kind(
+        "largest rotation under a record over p and alpha_c, with the bodies of the file",
+        ASSESSMENT,
+        _STORED,
+        ("record", "restitution"),
+    ),
+    "overturning-map": Kind(
+        "factors on the input that overturn, of all blocks under a record or all records on a block",
+        ASSESSMENT,
+        _ASSESS,
+        ("record", "block", "models"),
+    ),
+    "critical-scale": Kind(
+        "smallest factor on every record that overturns a block, by each model",
+        ASSESSMENT,
+        _ASSESS,
+        ("block", "models", "case"),
+    ),
+    "fragility": Kind(
+        "fragility curves of a block, and the band of one of them",
+        FRAGILITY,
+        "rockpulse fragility",
+        ("block", "measure", "limit_states"),
+    ),
+    "calibration": Kind(
+        "distribution of the records of a site over the parameters of the sequence, and the design",
+        SITE_KIND,
+        "rockpulse calibrate",
+        (),
+    ),
+    "figure4": Kind(
+        "Figure 4 of the paper: largest rotation against I_s/I",
+        STUDY,
+        "rockpulse study figure4",
+        ("spacing", "count"),
+        "figure4",
+    ),
+    "figure5": Kind(
+        "Figure 5 of the paper: time histories of two blocks", STUDY, "rockpulse study figure5", ("spacing",), "figure5"
+    ),
+    "work-precision": Kind("error against cost of the solvers", REPORT, "rockpulse accuracy", ()),
+}
+
+
+def draw(tree: xr.DataTree, kind: str, **options: Any) -> Figure:
+    """A picture of a results file.
+
+    Parameters
+    ----------
+    tree : xarray.DataTree
+        As :func:`rockpulse.plots.open_results` reads it, or as the functions that compute it return it.
+    kind : str
+        One of :data:`KINDS`.
+    **options
+        What is chosen, those of the kind: `record`, `block`, `measure`, `spacing` (names), `models`, `limit_states`
+        (sequences of names), `case` (number of the restitution, from 1), `count` (n, or inf), `restitution` (a number
+        or "housner"). None stands for the default. A record or a block may be left out where there is one only; for a
+        name of the file a pattern (* and ?) does that no other name meets.
+
+    Returns
+    -------
+    matplotlib Figure
+        Bound to no window; :func:`rockpulse.plots.svg` and ``savefig`` make text and files of it.
+
+    Raises
+    ------
+    ResultsError
+        For an unknown kind, option or name, a file of another kind, or one that does not hold what the picture needs.
+
+    Examples
+    --------
+    >>> import rockpulse as rp
+    >>> figure = rp.plots.draw(rp.study.figure5(intervals=[0.5]), "figure5", spacing="end")
+    >>> len(figure.axes)
+    4
+    """
+    if kind not in KINDS:
+        told = f"there are: {', '.join(KINDS)}"
+        raise ResultsError(f'no kind of picture "{kind}"{hint(kind, KINDS, told)}')
+    row = KINDS[kind]
+    found = str(tree.attrs.get("kind", ASSESSMENT))
+    if found != row.file or (row.group and row.group not in tree.children):
+        without = f" without the group {row.group}" if found == row.file else ""
+        raise ResultsError(f"{kind}: expected a file of '{row.command}', found {named(found)} file{without}")
+    given = {name: value for name, value in options.items() if value is not None}
+    for name in given:
+        if name not in row.options:
+            flags = ", ".join(OPTIONS[option] for option in row.options)
+            takes = f"it takes {', '.join(row.options)} ({flags})" if flags else "the picture is always the same"
+            raise ResultsError(f"{kind}: there is no {name} to choose; {takes}")
+    from rockpulse.views.plots.drawing import DRAWERS
+
+    return DRAWERS[kind](tree, **given)
+
+
+def kind_list() -> str:
+    """The kinds, what each shows, the command that makes its file and its options, as text."""
+    from rockpulse.views.shared.terminal import paragraph
+
+    lines = []
+    for name, row in KINDS.items():
+        options = ", ".join(OPTIONS[option] for option in row.options) or "none"
+        lines += [name, paragraph(row.summary, "    ", "    ")]
+        lines.append(paragraph(f"from: {row.command}; options: {options}", "    ", "    "))
+    lines.append(
+        paragraph(
+            "A record or a block may be left out where the file has one only. Instead of a name a pattern does, with * "
+            "and ? for any letters, if one name only meets it."
+        )
+    )
+    return "\n".join(lines)
+
+
+#: Options of the command line by the keywords of :func:`draw`.
+OPTIONS = {
+    "record": "--record",
+    "block": "--block",
+    "models": "--model",
+    "case": "--case",
+    "measure": "--measure",
+    "limit_states": "--limit-state",
+    "spacing": "--spacing",
+    "count": "--count",
+    "restitution": "--restitution",
+}

@@ -1,0 +1,170 @@
+"""The ground motion of one record as a small dataset that the pictures take, from results or from a record itself."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from rocking.impulse_sequence import ImpulseSequence
+from rockpulse.calibration.estimators import calibrate
+from rockpulse.errors import RecordRefused, ResultsError
+from rockpulse.record.components import VERTICAL_NOTE
+from rockpulse.record.half_wave import HalfWaves, half_waves
+from rockpulse.record.intensity import IntensePhase, intense_phase
+from rockpulse.record.record import Record
+from rockpulse.storage.variables import RECORD, WAVES, described
+from rockpulse.views.plots.selection import ragged
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = ["STORE", "had_vertical", "motion_of_record", "stored_motion", "stored_record"]
+
+#: What to do where the samples of a record are not in the file.
+STORE = 'the file does not hold the accelerograms: assess again with [records] store = "all"'
+
+#: Scalars of a motion, by their names in /summary.
+_SCALARS = ("dt", "intense_start", "intense_end", "main_impulse", "secondary_impulse")
+
+
+def stored_motion(tree: xr.DataTree, record: str) -> xr.Dataset:
+    """Accelerogram, half-waves and calibrated impulses of a record of the results.
+
+    Parameters
+    ----------
+    tree : xarray.DataTree
+        Results of an assessment.
+    record : str
+        Id.
+
+    Returns
+    -------
+    xarray.Dataset
+        As :func:`motion_of_record` makes it, with the attributes of the results.
+
+    Raises
+    ------
+    ResultsError
+        Where the file does not hold the accelerogram.
+    """
+    import xarray as xr
+
+    own = tree["summary"].to_dataset().sel(record=record)
+    samples = ragged(tree, "row_size", ["acceleration"], record)
+    waves = ragged(tree, "half_wave_row_size", [f"half_wave_{name}" for name in WAVES], record)
+    if samples is None or waves is None:
+        raise ResultsError(f"{record}: {_missing(own)}")
+    motion = xr.Dataset(
+        {
+            **samples,
+            **{name.removeprefix("half_wave_"): variable for name, variable in waves.items()},
+            **{name: own[name].variable for name in _SCALARS},
+        }
+    )
+    motion["time"] = described(
+        ("sample",), float(own["dt"]) * np.arange(motion.sizes["sample"]), (float, "s", "time from the first sample")
+    )
+    motion.attrs["record"] = record
+    return motion
+
+
+def motion_of_record(
+    record: Record,
+    waves: HalfWaves | None = None,
+    phase: IntensePhase | None = None,
+    sequence: ImpulseSequence | None = None,
+) -> xr.Dataset:
+    """The same of a record that was read and conditioned.
+
+    Parameters
+    ----------
+    record : Record
+        Conditioned.
+    waves : HalfWaves, optional
+        By default those of :func:`rockpulse.half_waves`.
+    phase : IntensePhase, optional
+        By default that of :func:`rockpulse.intense_phase`.
+    sequence : ImpulseSequence, optional
+        By default that of :func:`rockpulse.calibrate`; none where the phase holds too few half-waves.
+
+    Returns
+    -------
+    xarray.Dataset
+        `acceleration`, `time` (sample), `impulse`, `centroid`, `start`, `end`, `peak` (wave), and the scalars `dt`,
+        `intense_start`, `intense_end`, `main_impulse`, `secondary_impulse`, each with `units` and `long_name`.
+
+    Examples
+    --------
+    >>> from rockpulse.record.record import Record
+    >>> motion = motion_of_record(Record([0.0, 3.0, -3.0, 0.0, 1.0, 0.0], dt=0.1, id="three triangles"))
+    >>> motion["impulse"].values.round(3).tolist(), motion["impulse"].attrs["units"]
+    ([0.225, -0.225, 0.1], 'm s-1')
+    """
+    import xarray as xr
+
+    waves = half_waves(record) if waves is None else waves
+    phase = intense_phase(record) if phase is None else phase
+    if sequence is None:
+        try:
+            sequence = calibrate(waves, phase=phase)
+        except RecordRefused:
+            sequence = None
+    scalars = {
+        "dt": record.dt,
+        "intense_start": phase.start,
+        "intense_end": phase.end,
+        "main_impulse": np.nan if sequence is None else sequence.main,
+        "secondary_impulse": np.nan if sequence is None else sequence.secondary,
+    }
+    motion = xr.Dataset(
+        {
+            "acceleration": described(("sample",), record.acceleration, (float, "m s-2", "ground acceleration")),
+            "time": described(("sample",), record.time, (float, "s", "time from the first sample")),
+            **{name: described(("wave",), getattr(waves, name), meaning) for name, meaning in WAVES.items()},
+            **{name: described((), value, RECORD[name]) for name, value in scalars.items()},
+        }
+    )
+    motion.attrs["record"] = record.id
+    return motion
+
+
+def stored_record(tree: xr.DataTree, record: str) -> Record:
+    """The conditioned record of the results, as the models take it.
+
+    Parameters
+    ----------
+    tree : xarray.DataTree
+        Results of an assessment.
+    record : str
+        Id.
+
+    Raises
+    ------
+    ResultsError
+        Where the file does not hold the accelerogram.
+    """
+    samples = ragged(tree, "row_size", ["acceleration"], record)
+    own = tree["summary"].to_dataset().sel(record=record)
+    if samples is None:
+        raise ResultsError(f"{record}: {_missing(own)}")
+    dt = float(own["dt"])
+    return Record(samples["acceleration"].values, dt=dt, id=record)
+
+
+def _missing(own: xr.Dataset) -> str:
+    """Why there are no samples, and what to do."""
+    return STORE if int(own["npts"]) >= 0 else "a sequence of impulses, which has no accelerogram"
+
+
+def had_vertical(summary: xr.Dataset, record: str) -> bool:
+    """Whether the vertical channel, which is not stored, acted on the nonlinear model.
+
+    Parameters
+    ----------
+    summary : xarray.Dataset
+        The node /summary.
+    record : str
+        Id.
+    """
+    return VERTICAL_NOTE in str(summary["processing"].sel(record=record).item())

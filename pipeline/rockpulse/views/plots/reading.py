@@ -1,0 +1,46 @@
+"""Results of every kind that a picture is drawn from, the accuracy report too."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from rockpulse.storage.accuracy_variables import REPORT
+from rockpulse.storage.save_load import load
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = ["open_results"]
+
+
+def open_results(path: str | Path) -> xr.DataTree:
+    """Read the file of any verb into memory.
+
+    Parameters
+    ----------
+    path : str or Path
+        Written by rockpulse.
+
+    Returns
+    -------
+    xarray.DataTree
+        As :func:`rockpulse.load` returns it; an accuracy report, which that refuses, as it is stored.
+
+    Raises
+    ------
+    ResultsError
+        For a file that is none of rockpulse's.
+    OSError
+        Where the file cannot be opened.
+    """
+    import h5py
+    import xarray as xr
+
+    if h5py.is_hdf5(path):
+        with h5py.File(path, "r") as file:
+            report = file.attrs.get("kind") == REPORT
+        if report:
+            with xr.open_datatree(path, engine="h5netcdf", decode_times=False, decode_timedelta=False) as opened:
+                return opened.load()
+    return load(path)

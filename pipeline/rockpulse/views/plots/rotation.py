@@ -1,0 +1,175 @@
+"""Rotation histories of several models on one record, their impacts and overturning."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from rockpulse.views.plots.model_histories import History
+from rockpulse.views.plots.style import (
+    BLACK,
+    FONT,
+    SMALL,
+    caption,
+    dressed,
+    figure_of,
+    legend_above,
+    look,
+    several_axes,
+    thinned,
+)
+from rockpulse.views.plots.style import title as titled
+
+__all__ = ["rotation_history"]
+
+#: Motions that stay below this [-] are not looked at when the stretch of time is chosen.
+_MOVES = 0.02
+
+#: Models whose input is a sequence of impulses, with a time of its own.
+_ON_IMPULSES = ("sequence", "resonance")
+
+#: The model that is drawn thickest and on top: its motion is the one to judge the others by.
+_LEADING = "nonlinear"
+
+#: Of the stretch, left free before and after it.
+_AROUND = 0.06
+
+
+def rotation_history(histories: Sequence[History], axes: Any = None, title: str = "") -> np.ndarray:
+    """Rotation over alpha_c in time, and below it when each model has an impact.
+
+    Parameters
+    ----------
+    histories : sequence of History
+        As :func:`~rockpulse.plots.histories` returns them.
+    axes : array_like of two matplotlib Axes, optional
+        Where to draw; by default on a figure of their own, with a common time.
+    title : str
+        Stands above.
+
+    Returns
+    -------
+    (2,) ndarray of Axes
+        The rotations, the impacts.
+    """
+    if axes is None:
+        rows = 0.35 + 0.17 * len(histories)
+        figure = figure_of(height=3.4 + rows)
+        panels = np.array([dressed(ax) for ax in figure.subplots(2, 1, sharex=True, height_ratios=[2.9, rows])])
+    else:
+        panels = several_axes(axes, 2)[:, 0]
+    moving, below = panels
+    moving.axhline(0.0, color=BLACK, lw=0.5)
+    for level in (-1.0, 1.0):
+        moving.axhline(level, color=BLACK, lw=0.8, ls=(0, (6, 3)))
+    first, last = _stretch(histories)
+    for place, history in enumerate(histories):
+        style = look(history.model)
+        words = f"{style.label}: {_answer(history)}"
+        shown = (history.time >= first) & (history.time <= last)
+        curve = thinned(history.time[shown], history.rotation[shown])
+        leads = history.model == _LEADING
+        width, above = (1.7, 3.0) if leads else (1.0, 2.0)
+        moving.plot(*curve, color=style.color, ls=style.line, lw=width, zorder=above, label=words)
+        if np.isfinite(history.overturning):
+            _mark_overturning(moving, history)
+        below.plot(
+            history.impacts,
+            np.full(history.impacts.size, place),
+            ls="none",
+            marker="|",
+            ms=7,
+            mew=0.7,
+            color=style.color,
+        )
+    if {history.peak for history in histories} == {0.0}:
+        moving.text(0.5, 0.55, "at rest", transform=moving.transAxes, fontsize=FONT, ha="center")
+    names = [
+        history.model if history.impact_count < 0 else f"{history.model} ({history.impact_count})"
+        for history in histories
+    ]
+    below.set_yticks(range(len(histories)), names, fontsize=SMALL)
+    below.set_ylim(len(histories) - 0.4, -0.6)
+    below.set_ylabel("impacts")
+    alone = all(history.model in _ON_IMPULSES for history in histories)
+    below.set_xlabel(f"time from the first {'main impulse' if alone else 'sample'} [s]")
+    moving.set_ylabel(r"rotation $\theta/\alpha_c$ [-]")
+    moving.set_xlim(first, last)
+    moving.set_ylim(*_limits(histories))
+    moving.yaxis.set_major_formatter(lambda value, _: f"{value:g}")  # of small ones too, no power beside the axis
+    legend_above(moving, 2, across=True, lift=4.0)
+    titled(moving, title, rows=(len(histories) + 1) // 2)
+    caption(below, _remarks(histories))
+    return panels
+
+
+def _answer(history: History) -> str:
+    if history.remark.startswith("unresolved"):
+        return "unresolved"
+    if np.isinf(history.peak):
+        return "overturns" if np.isnan(history.overturning) else f"overturns by {history.overturning:.1f} s"
+    return "at rest" if history.peak == 0.0 else f"peak {history.peak:.3g}"
+
+
+def _mark_overturning(ax: Any, history: History) -> None:
+    style, seen = look(history.model), np.flatnonzero(np.isfinite(history.rotation))
+    # The last instant before the rotation leaves the picture.
+    inside = seen[np.abs(history.rotation[seen]) <= _TOP] if seen.size else seen
+    at = inside[-1] if inside.size else None
+    if at is not None:
+        ax.plot(
+            history.time[at],
+            history.rotation[at],
+            marker="X",
+            ms=8,
+            color=style.color,
+            mec="white",
+            mew=0.8,
+            ls="none",
+            zorder=5,
+        )
+
+
+#: Largest rotation that is shown: beyond it the block has fallen.
+_TOP = 1.5
+
+
+def _limits(histories: Sequence[History]) -> tuple[float, float]:
+    """Symmetric; a motion far below alpha_c is shown large."""
+    finite = [np.nanmax(np.abs(history.rotation)) for history in histories if np.any(np.isfinite(history.rotation))]
+    largest = max(finite, default=0.0)
+    if largest >= 0.3 or any(np.isinf(history.peak) for history in histories):
+        reach = min(max(1.15, 1.08 * largest), 1.08 * _TOP)
+    else:
+        reach = 1.3 * largest or 0.01
+    return -reach, reach
+
+
+def _stretch(histories: Sequence[History]) -> tuple[float, float]:
+    """From the first motion to the last."""
+    times = [np.zeros(1)]
+    for history in histories:
+        largest = min(np.nanmax(np.abs(history.rotation), initial=0.0), 1.0)
+        times.append(history.time[np.abs(history.rotation) > _MOVES * largest])
+    moving = np.concatenate(times[1:]) if len(times) > 1 else times[0]
+    if moving.size == 0:
+        ends = [float(history.time[-1]) for history in histories if history.time.size]
+        return 0.0, max(ends, default=1.0)
+    first, last = float(np.min(moving)), float(np.max(moving))
+    around = max(_AROUND * (last - first), 0.5)
+    return max(first - around, 0.0), last + around
+
+
+def _remarks(histories: Sequence[History]) -> str:
+    words = []
+    if _limits(histories)[1] > 1.0:
+        words.append(r"Dashed: $\theta = \pm\alpha_c$.")
+    words.append("Impacts: those between samples of the history; in parentheses the number that the model counts.")
+    if any(np.isfinite(history.overturning) for history in histories):
+        words.append("Cross: overturned (the curve ends where the model stops following the block).")
+    if 0 < sum(history.model in _ON_IMPULSES for history in histories) < len(histories):
+        words.append("The sequence models have a time of their own, which here begins with the intense phase.")
+    words += [f"{history.model}: {history.remark}." for history in histories if history.remark]
+    return " ".join(words)

@@ -1,0 +1,281 @@
+"""Which part of a results file is drawn: records, blocks and models by their names, and what is stored of them."""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Sequence
+from difflib import get_close_matches
+from fnmatch import fnmatchcase
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from rocking.block import Block
+from rocking.impulse_sequence import SPACINGS, ImpulseSequence
+from rocking.sequence import sequence_response
+from rockpulse.config.settings import ModelSettings, SequenceSettings
+from rockpulse.errors import ResultsError
+from rockpulse.views.shared.terminal import restitution
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = [
+    "block_of",
+    "chosen",
+    "chosen_case",
+    "gain_of",
+    "named_body",
+    "ragged",
+    "sequence_of",
+    "setting",
+    "table_of_pair",
+]
+
+#: Names listed in a message.
+LISTED = 20
+
+#: Names nearest to an unknown one, and how alike they are at least.
+NEAR = 3
+_SIMILAR = 0.4
+
+#: Digits of a gravity that is computed back from p and R.
+_DIGITS = 12
+
+#: Relative difference of half-cycles that belong to the same sequence.
+_SAME = 1e-6
+
+
+def chosen(dataset: xr.Dataset, dimension: str, name: str | None) -> str:
+    """The name along a dimension that was asked for, in full or by a pattern, or the only one there is.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        Such as the node /summary.
+    dimension : str
+        record, block, model, ...
+    name : str or None
+        What was asked for: a name, or a pattern (* and ? stand for any letters) that only one name meets.
+
+    Raises
+    ------
+    ResultsError
+        For a name that is not there, with the nearest ones, a pattern that several names meet, or none where there are
+        several.
+    """
+    known = [str(item) for item in dataset[dimension].values]
+    if name is None and len(known) == 1:
+        return known[0]
+    if name is None:
+        option = dimension.replace("_", "-")
+        raise ResultsError(f"expected one of {len(known)} {dimension}s, none was named (--{option}): {_listed(known)}")
+    if name in known:
+        return name
+    met = [label for label in known if fnmatchcase(label, name)]
+    if len(met) == 1:
+        return met[0]
+    if met:
+        raise ResultsError(
+            f'{dimension}: "{name}" is met by {len(met)} in these results, the picture is of one: {_listed(met)}'
+        )
+    near = get_close_matches(name, known, n=NEAR, cutoff=_SIMILAR)
+    nearest = f"the nearest: {_listed(near)}; " if near else ""
+    there = f"there are: {_listed(known)}"
+    if near and len(known) > LISTED:
+        there = f"there are {len(known)} (rockpulse inspect --{dimension}s)"
+    raise ResultsError(
+        f'no {dimension} "{name}" in these results (a pattern with * and ? does as well); {nearest}{there}'
+    )
+
+
+def _listed(names: Sequence[str]) -> str:
+    more = f" and {len(names) - LISTED} more" if len(names) > LISTED else ""
+    return ", ".join(names[:LISTED]) + more
+
+
+def chosen_case(summary: xr.Dataset, case: int) -> dict[str, int]:
+    """The place of a restitution of the blocks, to select it with.
+
+    Parameters
+    ----------
+    summary : xarray.Dataset
+        The node /summary.
+    case : int
+        Number of the restitution of a list, from 1.
+
+    Raises
+    ------
+    ResultsError
+        For a number that no block has.
+    """
+    count = summary.sizes.get("case", 1)
+    if not 1 <= case <= count:
+        raise ResultsError(f"case: expected the number of a restitution from 1 to {count}, got {case}")
+    return {"case": case - 1} if "case" in summary.dims else {}
+
+
+def setting(tree: xr.DataTree, section: str, name: str, otherwise: Any) -> Any:
+    """A key of the configuration that the results were made with.
+
+    Parameters
+    ----------
+    tree : xarray.DataTree
+        The results.
+    section, name : str
+        Section and key.
+    otherwise : object
+        Default of that key, for results without it.
+    """
+    return tomllib.loads(str(tree.attrs.get("configuration", ""))).get(section, {}).get(name, otherwise)
+
+
+def block_of(summary: xr.Dataset, block: str, case: int = 1) -> Block:
+    """A block of the results as the models take it.
+
+    Parameters
+    ----------
+    summary : xarray.Dataset
+        The node /summary.
+    block : str
+        Its name.
+    case : int
+        Number of its restitution, from 1.
+
+    Notes
+    -----
+    Gravity follows from p and R, which are those of a rectangle: g = 4 R p^2/3.
+    """
+    own = summary.sel(block=block).isel(chosen_case(summary, case))
+    p, radius = float(own["p"]), float(own["radius"])
+    gravity = float(f"{4.0 * radius * p * p / 3.0:.{_DIGITS}g}")
+    return Block.from_parameters(p, float(own["alpha_c"]), restitution=float(own["restitution"]), gravity=gravity)
+
+
+def named_body(summary: xr.Dataset, block: str, case: int = 1) -> str:
+    """The name of a block, with its restitution where it has several.
+
+    Parameters
+    ----------
+    summary : xarray.Dataset
+        The node /summary.
+    block : str
+        Its name.
+    case : int
+        Number of its restitution, from 1.
+    """
+    if "case" not in summary.dims:
+        return block
+    c = float(summary["restitution"].sel(block=block).isel(case=case - 1))
+    return f"{block}, C = {restitution(c)}"
+
+
+def ragged(tree: xr.DataTree, sizes: str, names: Sequence[str], record: str) -> dict[str, xr.Variable] | None:
+    """What /records holds of one record.
+
+    Parameters
+    ----------
+    tree : xarray.DataTree
+        Results of an assessment.
+    sizes : str
+        Variable with the number of values of each record.
+    names : sequence of str
+        Variables.
+    record : str
+        Id.
+
+    Returns
+    -------
+    dict of str to xarray.Variable or None
+        None where it was not stored.
+    """
+    if "records" not in tree.children or any(name not in tree["records"] for name in (sizes, *names)):
+        return None
+    stored = tree["records"].to_dataset()
+    place = stored.get_index("record").get_loc(record)
+    ends = np.cumsum(stored[sizes].values)
+    part = slice(int(ends[place]) - int(stored[sizes].values[place]), int(ends[place]))
+    return {name: stored[name].variable[part] for name in names}
+
+
+def table_of_pair(
+    tree: xr.DataTree, group: str, record: str, block: str, model: str, case: int = 1
+) -> dict[str, np.ndarray]:
+    """Rows of /half_cycles or /overturning_intervals of one answer.
+
+    Parameters
+    ----------
+    tree : xarray.DataTree
+        Results of an assessment.
+    group : {"half_cycles", "overturning_intervals"}
+        Which table.
+    record, block, model : str
+        Names of the answer.
+    case : int
+        Number of the restitution, from 1.
+    """
+    summary, table = tree["summary"].to_dataset(), tree[group].to_dataset()
+    place = {"record": record, "block": block, "model": model}
+    rows = table["case_index"].values == case - 1
+    for dimension, name in place.items():
+        rows &= table[f"{dimension}_index"].values == summary.get_index(dimension).get_loc(name)
+    return {str(name): variable.values[rows] for name, variable in table.data_vars.items()}
+
+
+def sequence_of(tree: xr.DataTree, record: str, block: str, case: int = 1) -> ImpulseSequence:
+    """The impulse sequence of a record, with the spacing that its half-cycles were computed with.
+
+    Parameters
+    ----------
+    tree : xarray.DataTree
+        Results of an assessment.
+    record, block : str
+        Names; the stored half-cycles of this block tell whether the spacing is right.
+    case : int
+        Number of the restitution, from 1.
+
+    Raises
+    ------
+    ResultsError
+        Where the record gave no sequence, or the stored half-cycles are those of no spacing.
+    """
+    summary = tree["summary"].to_dataset()
+    own = summary.sel(record=record)
+    numbers: dict[str, Any] = {
+        "main": float(own["main_impulse"]),
+        "secondary": float(own["secondary_impulse"]),
+        "interval": float(own["secondary_interval"]),
+        "duration": float(own["sequence_duration"]),
+    }
+    if not np.isfinite(numbers["main"]):
+        raise ResultsError(f"{record}: no impulse sequence: the intense phase of the record holds too few half-waves")
+    count = int(own["main_count"])
+    stated = str(setting(tree, "sequence", "spacing", SequenceSettings().spacing))
+    main_count = None if count < 0 else count
+    if "sequence" not in summary["model"].values:
+        return ImpulseSequence(**numbers, main_count=main_count, spacing=stated)
+    table = table_of_pair(tree, "half_cycles", record, block, "sequence", case)
+    body = block_of(summary, block, case)
+    # The design sequence of a site may have another spacing than the configuration it was assessed with.
+    for spacing in dict.fromkeys((stated, *SPACINGS)):
+        sequence = ImpulseSequence(**numbers, main_count=main_count, spacing=spacing)
+        found = sequence_response(body, sequence).half_cycles
+        assert found is not None
+        durations = found.duration[np.isfinite(found.start_velocity)]
+        if durations.shape == table["duration"].shape and np.allclose(durations, table["duration"], rtol=_SAME):
+            return sequence
+    raise ResultsError(
+        f"{record}, {block}: the half-cycles of the file are those of no spacing of its sequence; assess the record "
+        "again"
+    )
+
+
+def gain_of(tree: xr.DataTree) -> str:
+    """`[models] gain` of the results.
+
+    Parameters
+    ----------
+    tree : xarray.DataTree
+        Results of an assessment.
+    """
+    return str(setting(tree, "models", "gain", ModelSettings().gain))

@@ -1,0 +1,172 @@
+"""What the records of a site say of each parameter of its impulse sequence, and the design sequence."""
+
+from __future__ import annotations
+
+import textwrap
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from scipy.special import ndtr
+
+from rockpulse.views.plots.style import (
+    BLACK,
+    BLUE,
+    GREY,
+    ORANGE,
+    RED,
+    SKY,
+    SMALL,
+    caption,
+    panel_title,
+    several_axes,
+    title,
+)
+from rockpulse.views.plots.words import plain, readable, unit
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from matplotlib.axes import Axes
+
+__all__ = ["SITE_PANELS", "calibration"]
+
+#: Rows and columns of :func:`calibration`: one panel for each parameter, and the legend.
+SITE_PANELS = (3, 2)
+
+#: Range of the fitted curve, in dispersions on both sides of the median.
+_REACH = 2.6
+
+#: How far beyond the records, as a ratio, an interval or the design is followed.
+_NEAR = 3.0
+
+#: A remark longer than this is cut [characters].
+_REMARK = 230
+
+
+def calibration(tree: xr.DataTree, axes: Any = None) -> np.ndarray:
+    """Distribution of the records over each parameter, the lognormal fit, and the design sequence.
+
+    Parameters
+    ----------
+    tree : xarray.DataTree
+        As :func:`rockpulse.calibrate_site` returns it.
+    axes : array_like of six matplotlib Axes, optional
+        Where to draw; by default on a figure of their own.
+
+    Returns
+    -------
+    (6,) ndarray of Axes
+        Main impulse, I_s/I, interval, number of main impulses, duration; the last one holds the legend. Each step of a
+        distribution is a record, as high as its weight; where a record's own calibration gave an interval it is a
+        horizontal line.
+    """
+    site = tree["site"].to_dataset()
+    panels = several_axes(axes, *SITE_PANELS, height=7.2).ravel()
+    names = [str(name) for name in site["parameter"].values]
+    for ax, name in zip(panels, names, strict=False):
+        _parameter(ax, site.sel(parameter=name), site["weight"].values, float(site["confidence"]))
+    for ax in panels[0::2]:
+        ax.set_ylabel("share of the records [-]")
+    last = panels[-1]
+    last.set_axis_off()
+    handles, words = panels[0].get_legend_handles_labels()
+    last.legend(handles, words, loc="center left", fontsize=SMALL, frameon=False, handlelength=2.4, labelspacing=0.8)
+    records, events = int(site["record_count"]), int(site["event_count"])
+    heading = str(tree.attrs.get("title", ""))
+    counts = f"{records} record{'s' * (records != 1)} of {events} earthquake{'s' * (events != 1)}"
+    title(panels[0], f"{plain(heading)}: {counts}, by {tree['site'].attrs['method']}")
+    caption(panels[len(panels) - 2], _remarks(site))
+    return panels
+
+
+def _parameter(ax: Axes, own: xr.Dataset, weight: np.ndarray, confidence: float) -> None:
+    value = own["value"].values
+    known = np.isfinite(value) & (weight > 0.0)
+    units = str(own["parameter_unit"].item())
+    panel_title(ax, readable(str(own["parameter_name"].item())).replace(", $I_s/I$", ""), width=52)
+    ax.set_xlabel(f"{_SYMBOLS.get(str(own['parameter'].item()), '')} [{unit(units)}]".strip())
+    ax.set_ylim(0.0, 1.02)
+    ax.set_xscale("log")
+    if not np.any(known):
+        ax.text(0.5, 0.5, "no record has a value", transform=ax.transAxes, ha="center", fontsize=SMALL, color=GREY)
+        return
+    order = np.argsort(value[known], kind="stable")
+    ordered, share = value[known][order], np.cumsum(weight[known][order]) / np.sum(weight[known])
+    ax.step(np.r_[ordered[0], ordered], np.r_[0.0, share], where="post", color=BLACK, lw=0.9, label="records")
+    ax.plot(ordered, share, "o", color=BLACK, ms=2.6)
+    lower, upper = own["value_lower"].values[known][order], own["value_upper"].values[known][order]
+    bounded = np.isfinite(lower) & np.isfinite(upper)
+    if np.any(bounded):
+        ax.hlines(share[bounded], lower[bounded], upper[bounded], color=ORANGE, lw=1.0, label="interval of each record")
+    _fit(ax, own, confidence)
+    design, low, high = (float(own[name]) for name in ("design", "design_lower", "design_upper"))
+    if np.isfinite(design):
+        ax.axvline(design, color=RED, lw=1.3, ls=(0, (5, 1.5)), label="design sequence")
+        if np.isfinite(low) and np.isfinite(high):
+            ax.axvspan(
+                low, high, color=RED, alpha=0.13, lw=0, label=f"its {100.0 * confidence:g} % interval ($I$ alone)"
+            )
+    ax.set_xlim(_range(ordered, np.r_[lower[bounded], upper[bounded], design]))
+    _ticks(ax, whole=str(own["parameter"].item()) == "main_count")
+    missing = int(np.count_nonzero(~np.isfinite(value) & (weight > 0.0)))
+    if missing:
+        ax.text(0.02, 0.97, f"{missing} without a limit", transform=ax.transAxes, va="top", fontsize=SMALL, color=GREY)
+
+
+def _range(values: np.ndarray, others: np.ndarray) -> tuple[float, float]:
+    """What the records span, and of what else is drawn as much as lies near it."""
+    low, high = float(values[0]), float(values[-1])
+    near = others[np.isfinite(others) & (others >= low / _NEAR) & (others <= high * _NEAR)]
+    low, high = float(np.min(near, initial=low)), float(np.max(near, initial=high))
+    if low == high:
+        low, high = 0.7 * low, 1.4 * high
+    room = (high / low) ** 0.08
+    return low / room, high * room
+
+
+#: Letters of the parameters.
+_SYMBOLS = {"main": "$I$", "ratio": "$I_s/I$", "interval": r"$\Delta T$", "main_count": "number", "duration": "time"}
+
+
+def _fit(ax: Axes, own: xr.Dataset, confidence: float) -> None:
+    """The lognormal curve and the interval of its median."""
+    median, dispersion = float(own["median"]), float(own["dispersion"])
+    if np.isfinite(median) and np.isfinite(dispersion) and dispersion > 0.0:
+        values = median * np.exp(np.linspace(-_REACH, _REACH, 101) * dispersion)
+        ax.plot(
+            values,
+            ndtr(np.log(values / median) / dispersion),
+            color=BLUE,
+            lw=1.2,
+            ls=(0, (1.2, 1.2)),
+            label="lognormal fit",
+        )
+    low, high = float(own["median_lower"]), float(own["median_upper"])
+    if np.isfinite(low) and np.isfinite(high):
+        words = f"{100.0 * confidence:g} % interval of the median"
+        ax.plot([low, high], [0.5, 0.5], color=SKY, lw=4.0, solid_capstyle="butt", zorder=2.5, label=words)
+
+
+def _ticks(ax: Axes, whole: bool) -> None:
+    """Numbers as they are; whole ones for what is counted."""
+    from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullFormatter, NullLocator
+
+    low, high = ax.get_xlim()
+    if high / low < 6.0:  # within less than a decade the usual round numbers
+        ax.xaxis.set_major_locator(MaxNLocator(5, integer=whole))
+        ax.xaxis.set_minor_locator(NullLocator())
+    else:
+        ax.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0) if high / low < 100.0 else (1.0,)))
+    ax.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+    ax.xaxis.set_minor_formatter(NullFormatter())
+
+
+def _remarks(site: xr.Dataset) -> str:
+    """The gravest remark, which comes first."""
+    words = [f"Design: quantile {float(site['quantile']):g} by {site.attrs['design']}."]
+    remarks = [line for line in str(site["remarks"].item()).splitlines() if line]
+    if remarks:
+        first = textwrap.shorten(remarks[0][:1].upper() + remarks[0][1:], _REMARK, placeholder=" …")
+        words.append(plain(first if first.endswith("…") else f"{first}."))
+    if len(remarks) > 1:
+        words.append(f"{len(remarks) - 1} more remarks in the file.")
+    return " ".join(words)

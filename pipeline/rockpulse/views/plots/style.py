@@ -1,0 +1,377 @@
+"""One look for all pictures: sizes for a page of A4, and colours that hold for colour-blind eyes and in grey.
+
+Nothing here touches matplotlib's global settings: every size is set on the artist itself, so that pictures drawn side
+by side in one process, or in a user's own session, do not change each other.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+__all__ = [
+    "BLACK",
+    "BLUE",
+    "FONT",
+    "GREEN",
+    "GREY",
+    "ORANGE",
+    "PALE",
+    "PURPLE",
+    "RED",
+    "SKY",
+    "SMALL",
+    "WIDTH",
+    "Look",
+    "caption",
+    "dressed",
+    "figure_of",
+    "legend",
+    "legend_above",
+    "look",
+    "looks",
+    "one_axes",
+    "panel_title",
+    "ramp",
+    "several_axes",
+    "thinned",
+    "title",
+]
+
+#: Width of a picture: that of the text on a page of A4 with margins of 25 mm [in].
+WIDTH = 6.3
+
+#: Sizes of text [pt], at that width.
+FONT, SMALL = 8.5, 7.5
+
+#: Colours of Okabe & Ito (2008), told apart by colour-blind eyes.
+BLACK, BLUE, ORANGE, GREEN, RED, SKY, PURPLE = (
+    "#000000",
+    "#0072B2",
+    "#E69F00",
+    "#009E73",
+    "#D55E00",
+    "#56B4E9",
+    "#CC79A7",
+)
+GREY, PALE = "#666666", "#DDDDDD"
+
+#: Label of the figures that are made here.
+_OURS = "rockpulse"
+
+#: More instants than these cannot be told apart on the page.
+INSTANTS = 700
+
+
+class Look(NamedTuple):
+    """How a model, or any other of a few things side by side, is drawn: never by its colour alone."""
+
+    label: str
+    color: str
+    line: Any
+    marker: str
+
+
+#: From the upper-bound type input to the full equation of motion.
+MODELS = {
+    "resonance": Look("resonance (upper-bound type input)", PURPLE, (0, (1, 1.2)), "v"),
+    "sequence": Look("sequence", ORANGE, (0, (6, 1.5, 1, 1.5)), "s"),
+    "balanced": Look("balanced rule", SKY, (0, (3, 1, 1, 1, 1, 1)), "<"),
+    "conservative": Look("conservative rule", GREY, (0, (8, 2)), ">"),
+    "impulsive": Look("impulsive", GREEN, (0, (2, 1)), "^"),
+    "linear": Look("linear", RED, (0, (4, 1.2)), "D"),
+    "nonlinear": Look("nonlinear", BLUE, "-", "o"),
+    "auto": Look("auto", BLACK, "-", "P"),
+}
+
+#: For what is no model: limit states, curves of a family.
+_CYCLE = [
+    (BLUE, "-", "o"),
+    (RED, (0, (5, 1.3)), "s"),
+    (GREEN, (0, (1.2, 1.2)), "^"),
+    (ORANGE, (0, (6, 1.5, 1, 1.5)), "D"),
+    (PURPLE, (0, (3, 1, 1, 1, 1, 1)), "v"),
+    (BLACK, (0, (8, 2)), "P"),
+    (SKY, "-", "<"),
+    (GREY, (0, (5, 1.3)), ">"),
+]
+
+
+def look(model: str) -> Look:
+    """How a model is drawn.
+
+    Parameters
+    ----------
+    model : str
+        A model of the results.
+    """
+    return MODELS.get(model, Look(model, BLACK, "-", "x"))
+
+
+def looks(names: Sequence[str]) -> list[Look]:
+    """How things of one family are drawn, in their order; the colours that come again have other lines and markers.
+
+    Parameters
+    ----------
+    names : sequence of str
+        What the legend says of each.
+    """
+    found = []
+    for place, name in enumerate(names):
+        turn, at = divmod(place, len(_CYCLE))
+        _, line, marker = _CYCLE[(at + 2 * turn + 1) % len(_CYCLE)] if turn else _CYCLE[at]
+        found.append(Look(name, _CYCLE[at][0], line, marker))
+    return found
+
+
+def ramp(names: Sequence[str]) -> list[Look]:
+    """How the steps of one quantity are drawn, in their order: from dark to light, neighbours by other lines too.
+
+    Parameters
+    ----------
+    names : sequence of str
+        What the legend says of each.
+    """
+    from matplotlib import colormaps
+    from matplotlib.colors import to_hex
+
+    shades = colormaps["cividis"](np.linspace(0.0, 0.88, len(names)))
+    return [
+        Look(name, to_hex(shade), _CYCLE[place % 4][1], _CYCLE[place % 4][2])
+        for place, (name, shade) in enumerate(zip(names, shades, strict=True))
+    ]
+
+
+def figure_of(width: float = WIDTH, height: float = 3.4) -> Figure:
+    """A figure that belongs to no window and no global list.
+
+    Parameters
+    ----------
+    width, height : float
+        Size [in].
+    """
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(width, height), layout="constrained")
+    figure.set_label(_OURS)
+    return figure
+
+
+def one_axes(ax: Axes | None, height: float = 3.4) -> Axes:
+    """The Axes that were given, or new ones on a figure of their own, dressed.
+
+    Parameters
+    ----------
+    ax : matplotlib Axes or None
+        Where to draw.
+    height : float
+        Of a new figure [in].
+    """
+    return dressed(figure_of(height=height).subplots() if ax is None else ax)
+
+
+def several_axes(axes: Any, rows: int, columns: int = 1, height: float = 5.0, **options: Any) -> np.ndarray:
+    """As :func:`one_axes` for pictures of several panels.
+
+    Parameters
+    ----------
+    axes : array_like of matplotlib Axes or None
+        Where to draw: rows x columns of them.
+    rows, columns : int
+        Number of panels.
+    height : float
+        Of a new figure [in].
+    **options
+        For :meth:`matplotlib.figure.Figure.subplots`.
+
+    Returns
+    -------
+    (rows, columns) ndarray of Axes
+
+    Raises
+    ------
+    ValueError
+        For another number of Axes than the picture has panels.
+    """
+    if axes is None:
+        panels = figure_of(height=height).subplots(rows, columns, squeeze=False, **options)
+    else:
+        panels = np.asarray(axes, dtype=object)
+        if panels.size != rows * columns:
+            raise ValueError(f"axes: expected {rows} x {columns} of them, got {panels.size}")
+        panels = panels.reshape(rows, columns)
+    for ax in panels.flat:
+        dressed(ax)
+    return panels
+
+
+def dressed(ax: Axes) -> Axes:
+    """Axes with the sizes of this look.
+
+    Parameters
+    ----------
+    ax : matplotlib Axes
+        Any.
+    """
+    ax.tick_params(which="both", labelsize=SMALL, width=0.6, length=3)
+    ax.spines[["top", "right"]].set_visible(False)
+    ax.spines[["left", "bottom"]].set_linewidth(0.6)
+    ax.grid(color=PALE, lw=0.5)
+    ax.set_axisbelow(True)
+    for axis in (ax.xaxis, ax.yaxis):
+        axis.label.set_fontsize(FONT)
+        axis.get_offset_text().set_fontsize(SMALL)
+    return ax
+
+
+def legend(ax: Axes, **options: Any) -> None:
+    """The legend of what has a label, if anything has.
+
+    Parameters
+    ----------
+    ax : matplotlib Axes
+        Where.
+    **options
+        For :meth:`matplotlib.axes.Axes.legend`.
+    """
+    if options.get("handles") or ax.get_legend_handles_labels()[1]:
+        ax.legend(**{"fontsize": SMALL, "frameon": True, "framealpha": 0.85, "edgecolor": "none", **options})
+
+
+def legend_above(ax: Axes, ncols: int, across: bool = False, lift: float = 0.0, **options: Any) -> None:
+    """The legend in rows above the Axes, where it hides nothing.
+
+    Parameters
+    ----------
+    ax : matplotlib Axes
+        Where.
+    ncols : int
+        Entries side by side.
+    across : bool
+        From the left edge of a figure of our own, for Axes that leave room for long names beside them.
+    lift : float
+        Further up [pt], over what else stands above the Axes.
+    **options
+        For :meth:`matplotlib.axes.Axes.legend`.
+    """
+    from matplotlib.transforms import ScaledTranslation, blended_transform_factory
+
+    figure = ax.get_figure(root=True)
+    assert figure is not None
+    beside = across and figure.get_label() == _OURS
+    place = blended_transform_factory(figure.transFigure if beside else ax.transAxes, ax.transAxes)
+    style = {"frameon": False, "columnspacing": 1.2, "handlelength": 1.9, "borderaxespad": 0.0, "borderpad": 0.25}
+    legend(
+        ax,
+        loc="lower left",
+        bbox_to_anchor=(0.005 if beside else 0.0, 1.0),
+        bbox_transform=place + ScaledTranslation(0.0, lift / 72.0, figure.dpi_scale_trans),
+        ncols=ncols,
+        **style,
+        **options,
+    )
+
+
+def title(ax: Axes, words: str, rows: int = 0, width: int = 74) -> None:
+    """What the picture shows: above the whole of a figure of our own, else above the Axes and their own title.
+
+    Parameters
+    ----------
+    ax : matplotlib Axes
+        The uppermost of the picture.
+    words : str
+        The text; names of the user's as :func:`~rockpulse.views.plots.words.plain` gives them.
+    rows : int
+        Rows of a legend that stands above the Axes.
+    width : int
+        Longest line.
+    """
+    from rockpulse.views.plots.words import wrapped
+
+    figure = ax.get_figure(root=True)
+    if words and figure is not None and figure.get_label() == _OURS:
+        figure.suptitle(wrapped(words, width), x=0.01, ha="left", fontsize=FONT)
+    else:
+        panel_title(ax, "\n".join(line for line in (words, ax.get_title(loc="left")) if line), rows)
+
+
+def panel_title(ax: Axes, words: str, rows: int = 0, width: int = 92) -> None:
+    """The line above one of several panels.
+
+    Parameters
+    ----------
+    ax : matplotlib Axes
+        Where.
+    words : str
+        The text.
+    rows : int
+        Rows of a legend between the line and the Axes.
+    width : int
+        Longest line.
+    """
+    from rockpulse.views.plots.words import wrapped
+
+    ax.set_title(wrapped(words, width), loc="left", fontsize=FONT, pad=4.0 + 12.0 * rows)
+
+
+def caption(ax: Axes, words: str, width: int = 106) -> None:
+    """Small print below the label of the horizontal axis: what is uncertain, and what the signs mean.
+
+    Parameters
+    ----------
+    ax : matplotlib Axes
+        The lowest of the picture; its horizontal axis has a label.
+    words : str
+        The text; nothing for none.
+    width : int
+        Longest line, on a figure of our own.
+    """
+    from rockpulse.views.plots.words import wrapped
+
+    figure = ax.get_figure(root=True)
+    if not words or figure is None:
+        return
+    style: dict[str, Any] = {"fontsize": SMALL, "color": "#333333", "linespacing": 1.25}
+    if figure.get_label() == _OURS:
+        figure.supxlabel(wrapped(words, width), x=0.01, ha="left", **style)
+    else:  # somebody else's figure: its own labels stay, and there may be other pictures on it
+        below = ("axes fraction", ax.xaxis.label)
+        ax.annotate(
+            wrapped(words, width), (0.0, 0.0), (0.0, -5.0), below, "offset points", va="top", in_layout=False, **style
+        )
+
+
+def thinned(time: np.ndarray, values: np.ndarray, most: int = INSTANTS) -> tuple[np.ndarray, np.ndarray]:
+    """A long history by the extremes of each short stretch: the same picture from a few points.
+
+    Parameters
+    ----------
+    time, values : (n,) ndarray
+        The history.
+    most : int
+        Number of stretches; a history of twice as many instants or fewer is left alone.
+
+    Returns
+    -------
+    time, values : (m,) ndarray
+        Smallest and largest value of every stretch in the order in which they come. NaN stays where a stretch holds
+        nothing else.
+    """
+    if values.size <= 2 * most:
+        return time, values
+    edges = np.linspace(0, values.size, most + 1).astype(int)
+    kept = []
+    for first, last in itertools.pairwise(edges.tolist()):
+        stretch = values[first:last]
+        if np.all(np.isnan(stretch)):
+            kept.append(first)
+        else:
+            kept += sorted({first + int(np.nanargmin(stretch)), first + int(np.nanargmax(stretch))})
+    return time[kept], values[kept]

@@ -1,0 +1,125 @@
+"""The work-precision diagram: error of theta_max/alpha_c against the cost of an active sample."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from rockpulse.views.plots.style import BLACK, BLUE, GREY, RED, SKY, SMALL, Look, legend, panel_title, several_axes
+
+if TYPE_CHECKING:
+    import pandas as pd
+    from matplotlib.axes import Axes
+
+__all__ = ["work_precision"]
+
+#: Smaller errors are drawn here: no double holds them next to a rotation of alpha_c [-].
+FLOOR = 1e-16
+
+#: Steps with errors within this factor share one text.
+NEIGHBOURS = 2.5
+
+METHODS = {
+    ("rockpulse", "lanes"): Look("rockpulse by longest step p dt", BLUE, "-", "o"),
+    ("rockpulse", "single"): Look("rockpulse, one call a case", SKY, "-", "s"),
+    ("RK45", "single"): Look("solve_ivp RK45 by rtol", RED, "-", "^"),
+    ("DOP853", "single"): Look("solve_ivp DOP853 by rtol", BLACK, "-", "D"),
+}
+
+
+def work_precision(rows: pd.DataFrame, axes: Any = None) -> np.ndarray:
+    """Every equation side by side: a line per method, the median filled, the 90th percentile hollow.
+
+    The setting stands beside the median. Errors below 1e-16 are drawn there; the label of that tick says so.
+
+    Parameters
+    ----------
+    rows : DataFrame
+        The table /work_precision of an accuracy report.
+    axes : array_like of matplotlib Axes, optional
+        Where to draw, one for each equation; by default on a figure of their own.
+
+    Returns
+    -------
+    (e,) ndarray of Axes
+    """
+    equations = list(rows["equation"].unique())
+    panels = several_axes(axes, 1, len(equations), height=4.6, sharex=True, sharey=True)[0]
+    for equation, ax in zip(equations, panels, strict=True):
+        _draw_equation(rows[rows["equation"] == equation], ax)
+        panel_title(ax, _title(equation, rows[rows["equation"] == equation]), width=50)
+    panels[0].set_ylabel(r"error of $\theta_{max}/\alpha_c$ [-]")
+    handles, labels = panels[0].get_legend_handles_labels()
+    figure = panels[0].get_figure()
+    if axes is None and figure is not None:
+        figure.legend(
+            handles, labels, loc="outside lower center", ncols=2, frameon=False, fontsize=SMALL, columnspacing=1.2
+        )
+    else:
+        legend(panels[0], ncols=2)
+    return panels
+
+
+def _draw_equation(rows: pd.DataFrame, ax: Axes) -> None:
+    from matplotlib.ticker import LogLocator, NullLocator
+
+    for (method, call), style in METHODS.items():
+        points = rows[(rows["method"] == method) & (rows["call"] == call)].dropna(subset=["median"])
+        if points.empty:
+            continue
+        costs = points["ns_per_active_sample"].to_numpy()
+        median, p90 = (np.maximum(points[name].to_numpy(), FLOOR) for name in ("median", "p90"))
+        common: dict[str, Any] = {"color": style.color, "marker": style.marker, "ms": 4.5}
+        ax.plot(costs, median, lw=1.3, label=f"{style.label}: median", **common)
+        ax.plot(costs, p90, mfc="white", ls="--", lw=0.9, label=f"{style.label}: p90", **common)
+        if (method, call) != ("rockpulse", "single"):
+            _annotate(ax, str(points["option"].iloc[0]), points["setting"].to_numpy(), costs, median)
+    spread = rows.loc[rows["method"] == "reference", "p90"]
+    if spread.notna().any():
+        name = "reference under a change of 1e-13: p90"
+        ax.axhline(float(spread.iloc[0]), color=GREY, lw=1.0, ls=":", label=name)
+    ax.set(xscale="log", yscale="log", xlabel="cost [ns per active sample]")
+    ax.margins(x=0.22, y=0.06)
+    ax.yaxis.set_major_locator(LogLocator(base=100.0, numticks=30))  # the floor is an even power of ten
+    ax.yaxis.set_major_formatter(_power_of_ten)
+    ax.yaxis.set_minor_locator(NullLocator())
+
+
+def _title(equation: str, rows: pd.DataFrame) -> str:
+    integrators = rows.loc[rows["option"] == "rtol", "cases"]
+    beside = f",\n{integrators.max()} of them by solve_ivp" if integrators.size else ""
+    return f"{equation} equation: {rows['cases'].max()} cases{beside}"
+
+
+def _annotate(ax: Axes, option: str, settings: np.ndarray, costs: np.ndarray, errors: np.ndarray) -> None:
+    """The setting beside each point; steps of about the same error, and they cost about the same, share a text."""
+    order = np.argsort(errors)
+    apart = (np.diff(np.log(errors[order])) > np.log(NEIGHBOURS)) | (option == "rtol")
+    breaks = np.flatnonzero(apart) + 1
+    for same in np.split(order, breaks):
+        first, last = settings[same].min(), settings[same].max()
+        words = _power if option == "rtol" else "{:g}".format
+        ax.annotate(
+            words(first) if first == last else f"{words(first)}–{words(last)}",
+            (costs[same].min(), np.exp(np.mean(np.log(errors[same])))),
+            # Of two points of about the same error the dearer one has its text lower: side by side they would touch.
+            xytext=(-6, 0) if option != "rtol" or (settings.size > 1 and first == settings[0]) else (-3, -10),
+            textcoords="offset points",
+            ha="right",
+            va="center",
+            fontsize=SMALL - 1.0,
+            color="#333333",
+        )
+
+
+def _power_of_ten(value: float, place: float) -> str:
+    """Label of a tick of the errors; what is smaller than the floor stands there too."""
+    exponent = round(np.log10(value))
+    return rf"$\leq 10^{{{exponent}}}$" if exponent == round(np.log10(FLOOR)) else rf"$10^{{{exponent}}}$"
+
+
+def _power(value: float) -> str:
+    """1e-6 as a power of ten."""
+    mantissa, exponent = f"{value:.0e}".split("e")
+    return ("" if mantissa == "1" else rf"{mantissa}$\times$") + f"$10^{{{int(exponent)}}}$"

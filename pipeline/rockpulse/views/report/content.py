@@ -1,0 +1,172 @@
+"""Everything that the page shows, gathered from the results as plain data; the templates only lay it out."""
+
+from __future__ import annotations
+
+import tomllib
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from rockpulse.views.report.answers import Answers, answer_table, count_table
+from rockpulse.views.report.fragility_part import FragilityPart, describe_fragility
+from rockpulse.views.report.method import REFERENCE, assumptions, models_in_use, not_covered
+from rockpulse.views.report.motions import Motions, event_table, motions_of
+from rockpulse.views.report.notes import table_notes
+from rockpulse.views.report.pages import BodyPage, RecordPage, body_pages, record_pages
+from rockpulse.views.report.pairing import Paired
+from rockpulse.views.report.provenance import failure_table, input_table, versions, warning_table
+from rockpulse.views.report.remarks import Remark, remarks
+from rockpulse.views.report.site_part import SitePart, describe_site
+from rockpulse.views.report.standing import bodies_of
+from rockpulse.views.report.statements import counted_by, headline
+from rockpulse.views.report.tables import Fact, Table
+from rockpulse.views.report.verdict import BodyVerdict, verdicts
+from rockpulse.views.report.verdict_rows import verdict_table
+from rockpulse.views.text.overview import fullest_model
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = ["Content", "gather"]
+
+
+@dataclass(frozen=True)
+class Content:
+    """The page in data.
+
+    Attributes
+    ----------
+    title, description : str
+        Of the site, from the configuration.
+    history : tuple of str
+        When the results were written, and by what.
+    motions : Motions
+        What was counted.
+    found : tuple of BodyVerdict
+        Of all bodies.
+    headline : tuple of str
+        The verdict in sentences.
+    counted_by : str
+        What is counted as safe.
+    remarks : tuple of Remark
+        What the verdict does not say by itself.
+    verdict, counts, answers : Table
+        Bodies; overturnings by model; every answer.
+    notes : tuple of str
+        What the figures and marks mean.
+    site : SitePart or None
+        Calibration of the site.
+    fragility : FragilityPart or None
+        Fragility curves.
+    earthquakes : Table
+        How the motions are counted to earthquakes.
+    bodies : tuple of BodyPage
+        One a block.
+    records : tuple of RecordPage
+        One a record.
+    reference : str
+        The paper behind the method.
+    models, assumptions, not_covered : tuple of Fact
+        The method.
+    versions : tuple of Fact
+        Packages.
+    inputs, failures, warnings : Table
+        Files, what was left out, what was said of records and bodies.
+    configuration : str
+        TOML.
+    """
+
+    title: str
+    description: str
+    history: tuple[str, ...]
+    motions: Motions
+    found: tuple[BodyVerdict, ...]
+    headline: tuple[str, ...]
+    counted_by: str
+    remarks: tuple[Remark, ...]
+    verdict: Table
+    counts: Table
+    answers: Table
+    earthquakes: Table
+    notes: tuple[str, ...]
+    site: SitePart | None
+    fragility: FragilityPart | None
+    bodies: tuple[BodyPage, ...]
+    records: tuple[RecordPage, ...]
+    reference: str
+    models: tuple[Fact, ...]
+    assumptions: tuple[Fact, ...]
+    not_covered: tuple[Fact, ...]
+    versions: tuple[Fact, ...]
+    inputs: Table
+    failures: Table
+    warnings: Table
+    configuration: str
+
+
+def gather(tree: xr.DataTree, site: Paired | None = None, fragility: Paired | None = None) -> Content:
+    """The content of the report.
+
+    Parameters
+    ----------
+    tree : xarray.DataTree
+        Results of an assessment.
+    site, fragility : Paired, optional
+        A site calibration and fragility curves to show beside them.
+    """
+    summary = tree["summary"].to_dataset()
+    motions = motions_of(tree)
+    model = fullest_model(summary)
+    bodies = bodies_of(summary)
+    found = verdicts(summary, bodies, model, motions)
+    answers = Answers(summary, bodies, model)
+    every = _events_of_rows(motions, summary.sizes["record"])
+    assessed = 0 if motions.kind == "sequence" else summary.sizes["record"]
+    sections = tomllib.loads(str(tree.attrs.get("configuration", "")))
+    failures = failure_table(tree)
+    failed = sum(row[0].text == "failed" for row in failures.rows)
+    return Content(
+        title=str(tree.attrs.get("title", "")),
+        description=str(tree.attrs.get("site_description", "")),
+        history=tuple(str(tree.attrs.get("history", "")).splitlines()),
+        motions=motions,
+        found=tuple(found),
+        headline=tuple(headline(summary, found, motions, model)),
+        counted_by=counted_by(model, motions, "demand" in summary.dims),
+        remarks=tuple(
+            remarks(
+                summary,
+                found,
+                motions,
+                model,
+                failed,
+                None if site is None else site.tree["site"].to_dataset(),
+                str(sections.get("records", {}).get("components", "")),
+            )
+        ),
+        verdict=verdict_table(summary, found, motions, model),
+        counts=count_table(answers, motions),
+        answers=answer_table(answers),
+        earthquakes=event_table(motions),
+        notes=tuple(table_notes(answers, motions)),
+        site=None if site is None else describe_site(site, assessed),
+        fragility=None if fragility is None else describe_fragility(fragility, assessed, model),
+        bodies=tuple(body_pages(answers, found)),
+        records=tuple(record_pages(answers, every)),
+        reference=REFERENCE,
+        models=models_in_use(summary, model),
+        assumptions=assumptions(tree),
+        not_covered=not_covered(),
+        versions=versions(tree),
+        inputs=input_table(summary),
+        failures=failures,
+        warnings=warning_table(summary),
+        configuration=str(tree.attrs.get("configuration", "")),
+    )
+
+
+def _events_of_rows(motions: Motions, count: int) -> list[str]:
+    every = [""] * count
+    for event, rows in zip(motions.events, motions.rows, strict=True):
+        for row in rows:
+            every[row] = event
+    return every

@@ -1,0 +1,145 @@
+"""How the numbers come about, what is assumed, what is not covered; the same in every report but for what was used."""
+
+from __future__ import annotations
+
+import tomllib
+from typing import TYPE_CHECKING
+
+from rockpulse.record.components import VERTICAL_NOTE
+from rockpulse.views.report.answers import UPPER_BOUND
+from rockpulse.views.report.tables import Fact
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = ["REFERENCE", "assumptions", "models_in_use", "not_covered"]
+
+REFERENCE = (
+    "C. Casapulla, A. Maione (2017), Rocking resonance conditions of large and slender rigid blocks under the "
+    "intense phase of an earthquake, COMPDYN 2017, doi:10.7712/120117.5612.17190 (Eqs. 5 and 9 with their index "
+    "corrected)"
+)
+
+_MODELS = {
+    "resonance": f"{UPPER_BOUND}, no prediction: the main impulse of the record arrives at the worst moment of every "
+    "half-cycle (closed form). Its overturning says that the body may be unsafe, nothing more.",
+    "sequence": "main impulses at the start of each half-cycle and smaller ones of alternating sign between them, "
+    "calibrated on the half-waves of the record; between impulses the natural motion of the block.",
+    "balanced": "an impulse sequence for each record and body by a rule that was fitted to the verdicts of the "
+    "nonlinear model, missed and false alarms balanced.",
+    "conservative": "the same with a limit that misses few overturnings, at the price of false alarms.",
+    "impulsive": "every half-wave of the record as an impulse at its centroid; between them the natural motion of "
+    "the block. It knows no threshold of uplift.",
+    "linear": "the equation of motion for small rotations, under the accelerogram itself.",
+    "nonlinear": "the full equation of motion under the accelerogram itself: "
+    "θ″ = −p² [(1 + a_v/g) sin(±α_c − θ) + (a_g/g) cos(±α_c − θ)].",
+    "auto": "the cheapest model whose verdict is that of the nonlinear one. Peaks written ~0.06 are estimates from "
+    "impulses, those written >0.12 the peak so far when the verdict was certain.",
+}
+
+_ASSUMPTIONS = (
+    (
+        "The body",
+        "one symmetric rigid block that stands free on a rigid level base and rocks in that plane about its two "
+        "lower edges. Given by its size, or by p and α_c where it is no rectangle.",
+    ),
+    (
+        "Impact",
+        "instantaneous, without bouncing; it leaves the fraction C of the rotation speed. C is Housner's 1 − 1.5 "
+        "sin²α_c unless given; C of real masonry scatters.",
+    ),
+    (
+        "Ground motion",
+        "the accelerogram as conditioned, straight between its samples, at the foot of the body. After its end the "
+        "ground is at rest, and the motion is followed until rest or overturning is certain.",
+    ),
+    (
+        "Uplift",
+        "where the ground acceleration exceeds g tan α_c. Overturning is the fall to the ground, not the passing of "
+        "α_c alone.",
+    ),
+    (
+        "Strength",
+        "a factor scales the whole motion; its frequencies and duration stay. The search for the safety factor is on "
+        "a grid: bands of overturning narrower than its step may be missed.",
+    ),
+)
+
+_NOT_COVERED = (
+    (
+        "Sliding",
+        "friction is taken as sufficient; a body on a smooth or sloping base may slide before it rocks, or fall off.",
+    ),
+    (
+        "Flexible bodies",
+        "and weak ones: bending, cracking, crushing of the edges, separation of leaves. A masonry wall that is not "
+        "of one piece does not rock as a rigid block.",
+    ),
+    (
+        "One-sided walls",
+        "façades that lean on floors or cross walls rock to one side only, and bounce on what is behind them; nor "
+        "are ties, anchors and thrusts of vaults taken into account.",
+    ),
+    (
+        "Amplification up the building",
+        "the motion is that of the record: a parapet, a gable or equipment on a floor is shaken by the floor, more "
+        "strongly and near the building's own frequencies.",
+    ),
+    (
+        "Three-dimensional rocking",
+        "rolling on a corner, twisting, and the two horizontal components acting together; each direction is taken "
+        "by itself.",
+    ),
+    ("Soil and foundation", "compliance of the ground, tilting and uplift of a foundation, damage by earlier shocks."),
+    (
+        "Seismic hazard",
+        "how likely such ground motions are at the site. The records are those that were given; the verdict holds "
+        "for them.",
+    ),
+)
+
+
+def models_in_use(summary: xr.Dataset, model: str) -> tuple[Fact, ...]:
+    """The models of the results, with what each is.
+
+    Parameters
+    ----------
+    summary : xarray.Dataset
+        The node /summary.
+    model : str
+        The one that the verdict counts.
+    """
+    names = [str(name) for name in summary["model"].values]
+    return tuple(
+        Fact(name + (" (the verdict is this model's)" if name == model else ""), (_MODELS.get(name, ""),))
+        for name in names
+    )
+
+
+def assumptions(tree: xr.DataTree) -> tuple[Fact, ...]:
+    """What the numbers assume.
+
+    Parameters
+    ----------
+    tree : xarray.DataTree
+        The results.
+    """
+    facts = [Fact(head, (words,)) for head, words in _ASSUMPTIONS]
+    summary = tree["summary"].to_dataset()
+    acted = sum(VERTICAL_NOTE in str(text) for text in summary["processing"].values) if "processing" in summary else 0
+    vertical = (
+        f"acts on {acted} of {summary.sizes['record']} records (nonlinear model)." if acted else "is not applied."
+    )
+    facts.append(Fact("Vertical acceleration", (vertical,)))
+    section = tomllib.loads(str(tree.attrs.get("configuration", ""))).get("conditioning", {})
+    filters = [f"{name} = {section[name]}" for name in ("highpass_hz", "lowpass_hz") if name in section]
+    if filters:
+        facts.append(
+            Fact("Filters", (f"{', '.join(filters)}: a band-pass takes from the impulses of near-fault motions.",))
+        )
+    return tuple(facts)
+
+
+def not_covered() -> tuple[Fact, ...]:
+    """What the verdict says nothing of."""
+    return tuple(Fact(head, (words,)) for head, words in _NOT_COVERED)

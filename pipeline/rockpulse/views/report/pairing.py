@@ -1,0 +1,257 @@
+"""Whether the files of a report belong together: a curve of another body is never shown as this body's."""
+
+from __future__ import annotations
+
+import re
+import tomllib
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from rockpulse.errors import ResultsError
+from rockpulse.storage.fragility_variables import FRAGILITY
+from rockpulse.storage.site_variables import SITE_KIND
+from rockpulse.views.report.standing import Body, bodies_of
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = ["Paired", "listed", "paired"]
+
+#: The same configuration gives the same numbers to the last digit; a body written down with other digits is another.
+TOLERANCE = 1e-6
+
+#: What each kind of file is called, and the command that makes it again.
+_MADE_BY = {FRAGILITY: ("fragility file", "rockpulse fragility"), SITE_KIND: ("site file", "rockpulse calibrate")}
+
+#: How a body with several restitutions is called there.
+_WITH_RESTITUTION = re.compile(r"(?P<block>.+) C [0-9.e+-]+")
+
+#: Settings by which the same channel is another motion.
+_OF_THE_MOTION = {
+    "records": ("components", "azimuth", "azimuth_step", "units", "dt", "response", "include_vertical"),
+    "conditioning": None,
+}
+
+#: Names that are given one by one in a sentence.
+NAMED = 6
+
+
+@dataclass(frozen=True, eq=False)
+class Paired:
+    """Another file beside the results, and what they have in common.
+
+    Attributes
+    ----------
+    tree : xarray.DataTree
+        The file; of fragility curves those of bodies of the results only, each once.
+    missing, foreign : tuple of str
+        Bodies of the results only; of the other file only.
+    same : int
+        Records of both: of one id and one PGA, or of one id where the file does not hold the PGA.
+    unchecked : int
+        Those of them that are the same by their id alone.
+    changed : tuple of str
+        Records of one id whose PGA differs.
+    settings : tuple of str
+        Settings of the motions that differ: "[conditioning] order = 2, here 4".
+    """
+
+    tree: xr.DataTree
+    missing: tuple[str, ...]
+    foreign: tuple[str, ...]
+    same: int
+    unchecked: int
+    changed: tuple[str, ...]
+    settings: tuple[str, ...]
+
+    def other_motions(self, subject: str, assessed: int) -> list[str]:
+        """Sentences on the motions that the two do not have in common.
+
+        Parameters
+        ----------
+        subject : str
+            What the sentences are about: "The curves are".
+        assessed : int
+            Records of the results; 0 where a design sequence stands for them.
+        """
+        if not assessed:
+            return []
+        said = []
+        if not self.same:
+            of = f"{subject} of other ground motions than the verdict"
+            said.append(f"{of}: none of their records, as they are here, is among those assessed.")
+        if self.unchecked:
+            said.append("Their records were compared by name only: PGA is not among the measures of the file.")
+        if self.changed:
+            said.append(f"Another motion here than there, by its PGA, under the same name: {listed(self.changed)}.")
+        if self.settings:
+            said.append(f"The motions were made with other settings: {'; '.join(self.settings)}.")
+        return said
+
+
+def paired(results: xr.DataTree, other: xr.DataTree, kind: str, name: str) -> Paired:
+    """Compare a file with the results that it is to be shown beside.
+
+    Parameters
+    ----------
+    results : xarray.DataTree
+        Of an assessment.
+    other : xarray.DataTree
+        A site calibration or fragility curves.
+    kind : str
+        Which of them.
+    name : str
+        What it is called in a message.
+
+    Raises
+    ------
+    ResultsError
+        Where a body has the name of one of the results and another p, alpha_c or C; where fragility curves have no body
+        of the results; where a sequence that was assessed is not the design of the site.
+    """
+    summary = results["summary"].to_dataset()
+    kept, missing, foreign = _bodies(
+        summary, other["site" if kind == SITE_KIND else FRAGILITY].to_dataset(), kind, name
+    )
+    if kind == SITE_KIND:
+        site = other["site"].to_dataset()
+        if _is_sequence(summary):
+            _check_design(results, site, name)
+        ids, pga = site["record"].values, (site["pga"] / site["scale_factor"]).values
+    else:
+        if not kept:
+            raise ResultsError(
+                f"{name}: none of its bodies ({listed(foreign)}) is a body of the results ({listed(missing)}); run "
+                "'rockpulse fragility' with the configuration of these results"
+            )
+        groups = {place: node.to_dataset() for place, node in other.children.items()}
+        own = {place: one.isel(block=kept) if "block" in one.dims else one for place, one in groups.items()}
+        other = type(other).from_dict({"/": other.to_dataset(), **own})
+        ids, pga = _of_capacities(other["capacities"].to_dataset())
+    assessed = dict(zip(map(str, summary["record"].values), summary["pga"].values.tolist(), strict=True))
+    common = {str(record): float(peak) for record, peak in zip(ids, pga, strict=True) if str(record) in assessed}
+    changed = tuple(record for record, peak in common.items() if not _close((assessed[record],), (peak,)))
+    unchecked = sum(np.isnan(peak) for peak in common.values())
+    settings = _other_settings(results, other)
+    return Paired(other, missing, foreign, len(common) - len(changed), unchecked, changed, settings)
+
+
+def listed(names: Iterable[str]) -> str:
+    """Names in a sentence: the first ones, and how many more.
+
+    Parameters
+    ----------
+    names : iterable of str
+        At least one.
+
+    Examples
+    --------
+    >>> listed("abcdefgh")
+    'a, b, c, d, e, f and 2 more'
+    """
+    every = list(names)
+    more = f" and {len(every) - NAMED} more" if len(every) > NAMED else ""
+    return ", ".join(every[:NAMED]) + more
+
+
+def _bodies(
+    summary: xr.Dataset, other: xr.Dataset, kind: str, name: str
+) -> tuple[list[int], tuple[str, ...], tuple[str, ...]]:
+    """Places along `block` of the bodies of both files, and the names of the others: of the results, of the file."""
+    bodies = bodies_of(summary)
+    found: dict[Body, int] = {}
+    foreign = []
+    for place, label in enumerate(str(label) for label in other["block"].values):
+        numbers = tuple(float(other[key].values[place]) for key in ("p", "alpha_c", "restitution"))
+        own = [body for body in bodies if body.block == label]
+        named = None if own else _WITH_RESTITUTION.fullmatch(label)
+        if named:
+            own = [body for body in bodies if body.block == named["block"]]
+        every = {body: _numbers(summary, body) for body in own}
+        same = [body for body in own if _close(every[body], numbers)]
+        if same:
+            found.setdefault(same[0], place)
+        elif own and not (named and any(_close(one[:2], numbers[:2]) for one in every.values())):
+            words, verb = _MADE_BY[kind]
+            raise ResultsError(
+                f'{name}: this {words} has another body of the name "{own[0].block}": {_told(numbers)}; in the results '
+                f"it has {' or '.join(map(_told, every.values()))}; run '{verb}' again with the configuration of these "
+                "results, or give the other body another name"
+            )
+        elif label not in foreign:  # also a body of the results, in words, with another restitution
+            foreign.append(label)
+    missing = tuple(body.name for body in bodies if body not in found)
+    return sorted(found.values()), missing, tuple(foreign)
+
+
+def _of_capacities(capacities: xr.Dataset) -> tuple[np.ndarray, np.ndarray]:
+    """Records of a fragility file, and their PGA; NaN where that was none of the measures."""
+    ids = capacities["record"].values
+    if "pga" not in capacities["measure"].values or not capacities.sizes["block"]:
+        return ids, np.full(ids.size, np.nan)
+    return ids, capacities["measure_value"].sel(measure="pga").isel(block=0).values
+
+
+def _is_sequence(summary: xr.Dataset) -> bool:
+    """Whether a sequence was assessed in place of records."""
+    return "npts" in summary and summary.sizes["record"] == 1 and int(summary["npts"].values[0]) < 0
+
+
+def _check_design(results: xr.DataTree, site: xr.Dataset, name: str) -> None:
+    """Whether the sequence that was assessed is the design of a site; its limits are inf and -1, or NaN in the site."""
+    summary = results["summary"].to_dataset()
+    value = dict(zip(map(str, site["parameter"].values), site["design"].values.tolist(), strict=True))
+    secondary = min(value["ratio"] * value["main"], value["main"])
+    design = [value["main"], secondary, value["interval"], value["duration"], np.floor(value["main_count"])]
+    names = ("main_impulse", "secondary_impulse", "secondary_interval", "sequence_duration", "main_count")
+    assessed = [float(summary[key].values[0]) for key in names]
+    assessed[3:] = [np.nan if np.isinf(assessed[3]) else assessed[3], np.nan if assessed[4] < 0 else assessed[4]]
+    spacing = tomllib.loads(str(results.attrs.get("configuration", ""))).get("sequence", {}).get("spacing")
+    same = np.allclose(assessed, design, rtol=TOLERANCE, atol=0.0, equal_nan=True)
+    if not same or spacing != site.attrs["spacing"]:
+        raise ResultsError(
+            f"{name}: the sequence that was assessed is not the design of this site: {_sequence(assessed, spacing)} in "
+            f"the results, {_sequence(design, site.attrs['spacing'])} in the site file; run 'rockpulse assess "
+            "--sequence' with this site file, or give the one that it was run with"
+        )
+
+
+def _other_settings(results: xr.DataTree, other: xr.DataTree) -> tuple[str, ...]:
+    here, there = (tomllib.loads(str(one.attrs.get("configuration", ""))) for one in (results, other))
+    said = []
+    for section, keys in _OF_THE_MOTION.items():
+        own, others = here.get(section, {}), there.get(section, {})
+        for key in keys or sorted({*own, *others}):
+            if own.get(key) != others.get(key):
+                said.append(f"[{section}] {key} = {_set(others.get(key))}, here {_set(own.get(key))}")
+    own, others = ({block.get("gravity") for block in one.get("block", [])} for one in (here, there))
+    if own and others and own != others:
+        said.append(f"[[block]] gravity = {', '.join(map(_set, others))}, here {', '.join(map(_set, own))}")
+    return tuple(said)
+
+
+def _numbers(summary: xr.Dataset, body: Body) -> tuple[float, float, float]:
+    p, alpha = (float(summary[name].values[body.place]) for name in ("p", "alpha_c"))
+    return p, alpha, body.restitution
+
+
+def _close(one: tuple[float, ...], other: tuple[float, ...]) -> bool:
+    """Whether numbers are the same; what is not known on one side speaks against nothing."""
+    known = ~np.isnan(np.add(one, other))
+    return bool(np.allclose(np.array(one)[known], np.array(other)[known], rtol=TOLERANCE, atol=0.0))
+
+
+def _told(numbers: tuple[float, ...]) -> str:
+    return "p {:.7g} 1/s, alpha_c {:.7g} rad, C {:.7g}".format(*numbers)
+
+
+def _sequence(values: list[float], spacing: str | None) -> str:
+    numbers = "I {:.7g} m/s, I_s {:.7g} m/s, dT {:.7g} s, duration {:.7g} s, main impulses {:g}".format(*values)
+    return f'{numbers}, spacing "{spacing}"'
+
+
+def _set(value: Any) -> str:
+    return "not set" if value is None else str(value)

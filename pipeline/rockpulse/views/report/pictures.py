@@ -1,0 +1,234 @@
+"""The pictures of the page: drawn when the template asks for them, each with ids of its own."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from markupsafe import Markup
+
+from rockpulse.errors import ResultsError
+from rockpulse.views.report.fragility_part import shown_measure
+from rockpulse.views.report.record_strip import strip
+from rockpulse.views.text.overview import fullest_model
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from matplotlib.axes import Axes
+
+    from rockpulse.views.report.content import Content
+    from rockpulse.views.report.pairing import Paired
+
+__all__ = ["Picture", "Pictures"]
+
+#: Records that are drawn with their half-waves and impulses: all, or of more those that govern a body.
+IN_FULL = 20
+
+#: Records in the map of a body: those of the smallest factors.
+IN_A_MAP = 20
+
+#: What to do where the samples of the records are not in the file.
+STORE = 'The results do not hold the accelerogram ([records] store = "all").'
+
+
+@dataclass(frozen=True)
+class Picture:
+    """A picture, or why there is none.
+
+    Attributes
+    ----------
+    svg : Markup
+        An element `<svg>`; empty where there is none.
+    words : str
+        Its caption; without a picture, the reason.
+    """
+
+    svg: Markup
+    words: str
+
+
+class Pictures:
+    """The pictures of one report.
+
+    Parameters
+    ----------
+    tree : xarray.DataTree
+        The results.
+    site, fragility : Paired or None
+        The other files of the report.
+    content : Content
+        What the page says.
+    """
+
+    def __init__(self, tree: xr.DataTree, site: Paired | None, fragility: Paired | None, content: Content) -> None:
+        self._tree = tree
+        self._site, self._fragility = (None if other is None else other.tree for other in (site, fragility))
+        self._summary = tree["summary"].to_dataset()
+        stored = tree["records"].to_dataset() if "records" in tree.children else None
+        self._stored = None if stored is None or "acceleration" not in stored else stored
+        self._ends = None if self._stored is None else np.cumsum(self._stored["row_size"].values)
+        count = self._summary.sizes["record"]
+        self._found = content.found
+        governing = {one.governing for one in content.found if one.governing >= 0}
+        self._in_full = set(range(count)) if count <= IN_FULL else set(sorted(governing)[:IN_FULL])
+
+    def strip(self, record: int) -> Picture:
+        """The accelerogram of a record, small.
+
+        Parameters
+        ----------
+        record : int
+            Row of /summary.
+        """
+        if self._stored is None or self._ends is None:
+            return Picture(Markup(""), STORE)
+        end = int(self._ends[record])
+        acceleration = self._stored["acceleration"].values[end - int(self._stored["row_size"].values[record]) : end]
+        if acceleration.size < 2:
+            return Picture(Markup(""), STORE)
+        one = self._summary.isel(record=record)
+        drawn = strip(acceleration, float(one["dt"]), (float(one["intense_start"]), float(one["intense_end"])))
+        return Picture(Markup(drawn), "The accelerogram as it was assessed; its intense phase is shaded.")
+
+    def in_full(self, record: int) -> Picture | None:
+        """The accelerogram with half-waves and impulses; None for a record that is shown as a strip.
+
+        Parameters
+        ----------
+        record : int
+            Row of /summary.
+        """
+        if self._stored is None or record not in self._in_full:
+            return None
+        from rockpulse.views.plots.ground_motion import accelerogram
+        from rockpulse.views.plots.motion import stored_motion
+
+        name = str(self._summary["record"].values[record])
+        return _drawn(
+            lambda: accelerogram(stored_motion(self._tree, name))[0],
+            f"record{record}",
+            "The accelerogram as it was assessed, its strong half-waves, and the impulses at their centroids.",
+        )
+
+    def body(self, block: int) -> Picture:
+        """Factors on the records at which a body overturns, and the windows between them.
+
+        Parameters
+        ----------
+        block : int
+            Place along `block`.
+        """
+        if "overturning_intervals" not in self._tree.children:
+            return Picture(Markup(""), "The results hold no factors at which the body overturns.")
+        from rockpulse.views.plots.critical_factors import overturning_map
+
+        name = str(self._summary["block"].values[block])
+        factor = self._summary["safety_factor"].sel(block=name, model=fullest_model(self._summary))
+        lowest = factor.min("case").values if "case" in factor.dims else factor.values
+        rows = np.sort(np.argsort(np.where(np.isnan(lowest), np.inf, lowest), kind="stable")[:IN_A_MAP])
+        few = f" The {rows.size} records of smallest safety factor." if rows.size < lowest.size else ""
+        return _drawn(
+            lambda: overturning_map(_of_records(self._tree, rows), block=name),
+            f"body{block}",
+            "Factors on each record at which the body overturns. The line at 1 is the record as it is: a body that "
+            f"stands there, to the right of a bar of overturning, is not safe.{few}",
+        )
+
+    def motion(self, block: int) -> Picture | None:
+        """The rotation of a body in time under the record that comes nearest to overturning it, or beyond it.
+
+        By the model of the verdict alone: another one that overturns would hide it.
+
+        Parameters
+        ----------
+        block : int
+            Place along `block`.
+
+        Returns
+        -------
+        Picture or None
+            None where the accelerograms are not stored, for many bodies, where no record stands out, and where the
+            model of the verdict has no motion in time.
+        """
+        own = [one for one in self._found if one.body.place == block and one.governing >= 0]
+        from rockpulse.views.plots.model_histories import DRAWN, histories
+
+        model = fullest_model(self._summary)
+        if self._stored is None or not own or self._summary.sizes["block"] > IN_FULL or model not in DRAWN:
+            return None
+        from rockpulse.views.plots.rotation import rotation_history
+
+        worst = min(own, key=lambda one: one.smallest)
+        record, body = str(self._summary["record"].values[worst.governing]), worst.body
+
+        def draw() -> Axes:
+            found = histories(self._tree, record, body.block, [model], body.case + 1)
+            if not found[0].time.size:
+                raise ResultsError(f"{body.name} under {record}, {model} model: {found[0].remark}.")
+            ax: Axes = rotation_history(found)[0]
+            return ax
+
+        return _drawn(
+            draw,
+            f"motion{block}",
+            f"Rotation of {body.name} under {record}, as it is: the record of smallest safety factor; verdict's model: "
+            f"{model}.",
+        )
+
+    def site(self) -> Picture:
+        """The sequences of the records of the site, and its design; only asked for with a site."""
+        from rockpulse.views.plots.site import calibration
+
+        tree = self._site
+        assert tree is not None
+        return _drawn(
+            lambda: calibration(tree).flat[0],
+            "site",
+            "Parameters of the sequence of each record, and of the design sequence.",
+        )
+
+    def fragility(self, block: str) -> Picture:
+        """The curves of a body; only asked for with a fragility file.
+
+        Parameters
+        ----------
+        block : str
+            Name in that file.
+        """
+        from rockpulse.views.plots.fragility_curves import fragility
+
+        tree = self._fragility
+        assert tree is not None
+        curves = tree["fragility"].to_dataset()
+        place = curves.get_index("block").get_loc(block)
+        return _drawn(
+            lambda: fragility(tree, block=block, measure=shown_measure(curves)),
+            f"fragility{place}",
+            "Probability of reaching each limit state; the band of a curve, over earthquakes, where one can be given.",
+        )
+
+
+def _of_records(tree: xr.DataTree, rows: np.ndarray) -> xr.DataTree:
+    """What a map of overturning takes, of some records only."""
+    summary, intervals = (tree[name].to_dataset() for name in ("summary", "overturning_intervals"))
+    index = intervals["record_index"]
+    kept = np.isin(index.values, rows)
+    place = index[kept].copy(data=np.searchsorted(rows, index.values[kept]))
+    part = intervals.isel(interval=kept).assign(record_index=place)
+    found = type(tree).from_dict({"/summary": summary.isel(record=rows), "/overturning_intervals": part})
+    found.attrs = tree.attrs
+    return found
+
+
+def _drawn(draw: Callable[[], Axes], name: str, words: str) -> Picture:
+    """A picture of rockpulse.views.plots; what it refuses to draw is said in its place."""
+    from rockpulse.views.plots.picture import svg
+
+    try:
+        figure = draw().get_figure(root=True)
+    except ResultsError as reason:
+        return Picture(Markup(""), str(reason))
+    assert figure is not None
+    return Picture(Markup(svg(figure, name)), words)

@@ -1,0 +1,83 @@
+"""A record as a strip: its accelerogram in a few kilobytes of SVG, by the extremes in each column of pixels."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+import numpy as np
+
+from rockpulse.record.record import STANDARD_GRAVITY
+
+__all__ = ["strip"]
+
+#: Size of the drawing in its own units, about the pixels that it is shown in.
+WIDTH, HEIGHT = 700, 110
+
+#: Room for the numbers below and beside it.
+LEFT, BOTTOM, TOP = 52, 20, 8
+
+_STRIP = """<svg viewBox="0 0 {width} {height}" class="strip" role="img" aria-label="accelerogram">
+{shade}<path class="axis" d="M{left} {middle}H{width}"/><path class="trace" d="{path}"/>
+<text x="{text}" y="{upper}" text-anchor="end">{peak} g</text>
+<text x="{text}" y="{lower}" text-anchor="end">−{peak} g</text>
+<text x="{left}" y="{foot}">0</text><text x="{width}" y="{foot}" text-anchor="end">{end:.3g} s</text></svg>"""
+
+
+def strip(acceleration: np.ndarray, dt: float, intense: tuple[float, float]) -> str:
+    """The accelerogram from its first sample to its last, the intense phase shaded.
+
+    Parameters
+    ----------
+    acceleration : (n,) ndarray
+        [m/s2].
+    dt : float
+        Sampling interval [s].
+    intense : tuple of float
+        Start and end of the intense phase [s]; NaN where there is none.
+
+    Returns
+    -------
+    str
+        An element `<svg>` without ids; the vertical scale is that of the record's own PGA.
+    """
+    peak = float(np.max(np.abs(acceleration)))
+    end = dt * (acceleration.size - 1)
+    span, high = WIDTH - LEFT, HEIGHT - BOTTOM - TOP
+    middle = TOP + high / 2
+    x, y = _envelope(acceleration, span)
+    down = middle - y / (peak or 1.0) * high / 2
+    points = [f"{LEFT + place:.0f} {level:.1f}" for place, level in zip(x, down, strict=True)]
+    shade = ""
+    if np.all(np.isfinite(intense)):
+        start, stop = (LEFT + span * min(max(instant / end, 0.0), 1.0) for instant in intense)
+        shade = f'<rect class="intense" x="{start:.1f}" y="{TOP}" width="{stop - start:.1f}" height="{high}"/>\n'
+    return _STRIP.format(
+        width=WIDTH,
+        height=HEIGHT,
+        left=LEFT,
+        text=LEFT - 6,
+        shade=shade,
+        middle=f"{middle:.1f}",
+        upper=TOP + 9,
+        lower=TOP + high,
+        foot=HEIGHT - 4,
+        path="M" + "L".join(points),
+        peak=f"{peak / STANDARD_GRAVITY:.3g}",
+        end=end,
+    )
+
+
+def _envelope(acceleration: np.ndarray, columns: int) -> tuple[np.ndarray, np.ndarray]:
+    """Smallest and largest sample of every column, in the order in which they come."""
+    if acceleration.size <= 2 * columns:
+        return np.linspace(0.0, columns, acceleration.size), acceleration
+    edges = np.linspace(0, acceleration.size, columns + 1).astype(int)
+    places: list[int] = []
+    values: list[float] = []
+    for column, (first, last) in enumerate(pairwise(edges)):
+        own = acceleration[first:last]
+        lowest, highest = int(own.argmin()), int(own.argmax())
+        for place in sorted({lowest, highest}):
+            places.append(column)
+            values.append(float(own[place]))
+    return np.array(places, dtype=float), np.array(values)

@@ -1,0 +1,290 @@
+"""What has to be known before the numbers of a report are used: what the verdict does not say, loudly."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from rockpulse.storage.variables import NOT_COMPARED
+from rockpulse.views.report.answers import UPPER_BOUND
+from rockpulse.views.report.events import CONFIDENCE, FEWEST_EVENTS, largest_share
+from rockpulse.views.report.motions import Motions, several
+from rockpulse.views.report.pairing import listed
+from rockpulse.views.report.site_part import coverage_of
+from rockpulse.views.report.standing import Standing
+from rockpulse.views.report.statements import noun, of_bodies
+from rockpulse.views.report.tables import share
+from rockpulse.views.report.verdict import BodyVerdict, Grade
+from rockpulse.views.shared.record_marks import doubt_notes, doubts
+from rockpulse.views.shared.terminal import figure, ratio
+from rockpulse.views.text.capacity import thin_margin
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = ["Remark", "remarks"]
+
+#: Below this number of events the bound is said to rest on few.
+FEW_EVENTS = 10
+
+
+@dataclass(frozen=True)
+class Remark:
+    """Something to be known before the numbers are used.
+
+    Attributes
+    ----------
+    loud : bool
+        Whether it takes from the verdict, or only explains it.
+    head : str
+        In a few words.
+    text : str
+        In a sentence or two.
+    """
+
+    loud: bool
+    head: str
+    text: str
+
+
+def remarks(
+    summary: xr.Dataset,
+    found: Sequence[BodyVerdict],
+    motions: Motions,
+    model: str,
+    failed: int,
+    site: xr.Dataset | None = None,
+    components: str = "",
+) -> list[Remark]:
+    """What the verdict does not say by itself, the gravest first.
+
+    Parameters
+    ----------
+    summary : xarray.Dataset
+        The node /summary.
+    found : sequence of BodyVerdict
+        Of all bodies.
+    motions : Motions
+        Under what.
+    model : str
+        By which model.
+    failed : int
+        Files and channels that failed.
+    site : xarray.Dataset, optional
+        The node /site of a site file.
+    components : str
+        Which direction of a pair of channels was assessed; `[records] components`.
+    """
+    said: list[Remark | None] = [_doubtful(summary), _confidence(motions, found, site)]
+    if motions.kind == "sequence":
+        said += [_not_compared(summary), *([] if site is None else _of_design(site, found))]
+    if model == "resonance":
+        said.append(
+            Remark(
+                True,
+                f"Judged by an {UPPER_BOUND}",
+                "The resonance model lets every main impulse act at the worst moment. Its overturning says that a "
+                "body may be unsafe, nothing more; it is no prediction.",
+            )
+        )
+    elif motions.kind == "sequence":
+        said.append(Remark(False, f"Judged by the {model} model", "The equation of motion itself needs a record."))
+    elif model not in ("nonlinear", "auto"):
+        said.append(
+            Remark(
+                True,
+                f"Judged by the {model} model",
+                "The full equation of motion (nonlinear) was not among the models; its verdicts may differ.",
+            )
+        )
+    if failed:
+        said.append(
+            Remark(
+                True,
+                f"{failed} {'files or channels' if failed > 1 else 'file or channel'} failed",
+                "They are no part of this verdict; see below.",
+            )
+        )
+    said += [_doubt(kind, found, motions) for kind in (Standing.WEAKER_OVERTURNS, Standing.UNKNOWN, Standing.NO_MARGIN)]
+    said += [_thin(summary, found, model), _at_rest(found, motions), _drift(summary), _several_restitutions(found)]
+    if components == "horizontal" and motions.kind == "record":
+        said.append(
+            Remark(
+                False,
+                "Every channel is taken as it was recorded",
+                "Its direction need not be that in which a body can rock: for a wall or façade of known direction set "
+                '[records] components = "azimuth".',
+            )
+        )
+    return [one for one in said if one is not None]
+
+
+def _confidence(motions: Motions, found: Sequence[BodyVerdict], site: xr.Dataset | None) -> Remark:
+    events = motions.event_count
+    if motions.kind == "sequence":
+        return Remark(
+            True,
+            "The confidence is that of the site calibration",
+            "One design sequence says nothing of how often it is exceeded. "
+            + ("The coverage in the site file does (rockpulse report --site)." if site is None else coverage_of(site)),
+        )
+    if events < FEWEST_EVENTS:
+        return Remark(
+            True,
+            "No confidence statement can be made",
+            f"The motions come from {several(events, 'earthquake')}; records of one earthquake are no independent "
+            f"observations, and fewer than {FEWEST_EVENTS} earthquakes say nothing of others. The verdict describes "
+            f"these records, not the site.{motions.of_unknown_event()}",
+        )
+    best = share(largest_share(0, events))
+    spared = sum(one.events_hit == 0 for one in found)
+    least = (
+        f" That holds for {several(spared, 'body')}; the table has the bound of each."
+        if spared
+        else " Every body is overturned, or may be, by at least one of them: the table has the bound of each."
+    )
+    few = events < FEW_EVENTS
+    return Remark(
+        few,
+        f"With {CONFIDENCE:.0%} confidence" + (f", from {events} earthquakes only" if few else ""),
+        f"A body that none of {events} earthquakes overturns may still be overturned by up to {best} of earthquakes "
+        f"like these (upper bound, Clopper and Pearson), if they were drawn at random from those to be expected, which "
+        f"chosen records seldom are.{least}{motions.of_unknown_event()}",
+    )
+
+
+def _not_compared(summary: xr.Dataset) -> Remark | None:
+    """That the demand of the site was not asked for: a sequence has no PGA."""
+    if not any(NOT_COMPARED in str(text) for text in summary["warnings"].values):
+        return None
+    return Remark(True, "The demand of the site is not checked", f"{NOT_COMPARED[0].upper()}{NOT_COMPARED[1:]}.")
+
+
+def _of_design(site: xr.Dataset, found: Sequence[BodyVerdict]) -> list[Remark]:
+    """What speaks against a body that stands under the design sequence of its site."""
+    said = []
+    standing = [one for one in found if one.grade < Grade.NOT_KNOWN]
+    low, high = (float(site[f"design_{end}"].sel(parameter="main")) for end in ("lower", "upper"))
+    factor = high / float(site["design"].sel(parameter="main"))
+    within = [f"{one.body.name} (SF {ratio(one.smallest)})" for one in standing if one.smallest <= factor]
+    if within:
+        said.append(
+            Remark(
+                True,
+                f"Within the {float(site['confidence']):.0%} interval of the design's main impulse "
+                f"({figure(low)} to {figure(high, 'm/s')}) it overturns {listed(within)}",
+                f"Its upper end is {ratio(factor)} times the design.",
+            )
+        )
+    overturned = np.isinf(site["rotation_ratio"].transpose("block", "record").values).sum(axis=1)
+    fallen = [
+        f"{name} ({count} of {site.sizes['record']})"
+        for name, count in zip(map(str, site["block"].values), overturned.tolist(), strict=True)
+        if count
+    ]
+    if fallen:
+        said.append(
+            Remark(
+                True,
+                f"Records of the site, scaled as they were calibrated, overturn {listed(fallen)}",
+                "The design covers a share of the recorded rotations, not all; assess the records themselves too.",
+            )
+        )
+    return said
+
+
+def _doubt(kind: Standing, found: Sequence[BodyVerdict], motions: Motions) -> Remark | None:
+    count, total = sum(one.counts[kind] for one in found), len(found) * len(motions.names)
+    if not count:
+        return None
+    of = f"{count} of {total} cases ({noun(motions)} and body)"
+    if kind == Standing.WEAKER_OVERTURNS:
+        return Remark(
+            True,
+            f"In {of} the body survives the motion as it is, but a weaker copy overturns it",
+            "They are not counted as safe: the next record need not be as strong.",
+        )
+    if kind == Standing.UNKNOWN:
+        return Remark(
+            True,
+            f"In {of} the answer is not known",
+            "The model is unresolved or not predictable there, outside its range, or a weaker record may overturn the "
+            "body; not counted as safe. The table of answers says which.",
+        )
+    return Remark(
+        True,
+        f"In {of} the margin was not computed",
+        "No safety factor of the model was searched ([search] models): a weaker record may overturn the body.",
+    )
+
+
+def _thin(summary: xr.Dataset, found: Sequence[BodyVerdict], model: str) -> Remark | None:
+    """That the search may have passed over what would overturn a body."""
+    thin = sum(one.overall == Grade.THIN for one in found)
+    if not thin:
+        return None
+    steps = summary["search_step"].sel(model=model).values if "search_step" in summary else np.ones(1)
+    step, margin = float(np.nanmax(steps)), float(np.nanmax(thin_margin(steps)))
+    return Remark(
+        True,
+        f"{of_bodies(thin, len(found))} {'stands' if thin == 1 else 'stand'} with hardly a margin",
+        f"Factors were searched in steps of up to {step - 1.0:.1%}, and narrow bands of overturning lie between them: "
+        f"below {margin:.2g}, or where the search ended below that, a finer or longer one ([search] points, "
+        "factor_max) may find that the body is not safe.",
+    )
+
+
+def _at_rest(found: Sequence[BodyVerdict], motions: Motions) -> Remark | None:
+    idle, total = sum(one.at_rest for one in found), len(motions.names)
+    if not idle or motions.kind == "sequence":
+        return None
+    never = sum(one.never_lifted for one in found)
+    head = f"In {idle} of {len(found) * total} cases ({noun(motions)} and body) the body is not lifted"
+    text = "Such motions are too weak to test it; they count as standing and say little of stronger ones. "
+    if never:
+        head = f"{of_bodies(never, len(found))} {'is' if never == 1 else 'are'} lifted by none of these motions"
+        text = (
+            f"They are too weak to test it, and nothing else is said of such a body. In all, {idle} of "
+            f"{len(found) * total} cases ({noun(motions)} and body) count as standing because the body is not "
+            "lifted. "
+        )
+    searched = any(not np.isnan(one.smallest) for one in found)
+    stronger = "The safety factor says how much stronger the motions might be." if searched else ""
+    return Remark(bool(never), head, f"{text}{stronger}".rstrip())
+
+
+def _doubtful(summary: xr.Dataset) -> Remark | None:
+    """Records whose peak may be that of a wrong unit, or cut off."""
+    named = [name + mark for name, mark in doubts(summary).items() if mark]
+    if not named:
+        return None
+    return Remark(
+        True,
+        f"The peak of {several(len(named), 'record')} is doubtful",
+        f"{listed(named)}. {' '.join(doubt_notes(named))} Check them before this verdict is used.",
+    )
+
+
+def _drift(summary: xr.Dataset) -> Remark | None:
+    count = int(summary["pgv_drift"].sum()) if "pgv_drift" in summary else 0
+    if not count:
+        return None
+    return Remark(
+        False,
+        f"The baseline of {several(count, 'record')} drifts",
+        "The velocity does not come back to zero: PGV may be off by as much, and the longest impulses with it.",
+    )
+
+
+def _several_restitutions(found: Sequence[BodyVerdict]) -> Remark | None:
+    blocks = {one.body.block for one in found}
+    if len(blocks) == len(found):
+        return None
+    return Remark(
+        False,
+        f"{several(len(blocks), 'block')} {'counts' if len(blocks) == 1 else 'count'} as {len(found)} bodies",
+        "A block counts once for each restitution C that was given. Which holds is not known: judge it by the worst.",
+    )

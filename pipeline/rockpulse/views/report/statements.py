@@ -1,0 +1,210 @@
+"""The verdict in sentences: what is safe, by which model, under what, and what safe means."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+from rockpulse.views.report.answers import UPPER_BOUND
+from rockpulse.views.report.motions import Motions, several
+from rockpulse.views.report.pairing import listed
+from rockpulse.views.report.verdict import BodyVerdict, DemandVerdict, Grade
+from rockpulse.views.shared.terminal import figure, ratio
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = ["acceleration", "counted_by", "headline", "noun", "of_bodies"]
+
+#: Bodies that are named one by one in a sentence.
+NAMED = 6
+
+_HEADS = {
+    Grade.SAFE: ("is safe under {these}", "are safe under {these}"),
+    Grade.UNTESTED: (
+        "is lifted by none of these, so that they say nothing of it",
+        "are lifted by none of these, so that they say nothing of them",
+    ),
+    Grade.STANDS: ("stands under {these}", "stand under {these}"),
+    Grade.THIN: ("stands under {these}, but with hardly a margin", "stand under {these}, but with hardly a margin"),
+    Grade.NO_MARGIN: ("stands, by an unknown margin", "stand, by an unknown margin"),
+    Grade.NOT_KNOWN: (
+        "cannot be called safe, for an answer is missing",
+        "cannot be called safe, for answers are missing",
+    ),
+    Grade.NOT_SAFE: ("is not safe", "are not safe"),
+}
+
+_UNKNOWN_DEMAND = (
+    "a record has no answer, or is so weak that the search for the safety factor ended below the demand ([search] "
+    "factor_max)"
+)
+
+#: What is said in place of NOT_SAFE where an upper-bound type input overturns a body.
+_NOT_SHOWN = ("is not shown to be safe", "are not shown to be safe")
+
+
+def headline(summary: xr.Dataset, found: Sequence[BodyVerdict], motions: Motions, model: str) -> list[str]:
+    """One sentence for every grade that occurs, from worst to best; then one for every demand.
+
+    Parameters
+    ----------
+    summary : xarray.Dataset
+        The node /summary.
+    found : sequence of BodyVerdict
+        Of all bodies.
+    motions : Motions
+        Under what.
+    model : str
+        By which model.
+    """
+    searched = any(not math.isnan(one.smallest) for one in found)
+    how = "" if motions.kind == "sequence" else ", as recorded and weaker" if searched else ", as recorded"
+    under = f"under {motions.counted()}{how}"
+    sentences = []
+    for grade in sorted(_HEADS, reverse=True):
+        own = [one for one in found if one.overall == grade]
+        if own:
+            heads = _NOT_SHOWN if model == "resonance" and grade == Grade.NOT_SAFE else _HEADS[grade]
+            head = heads[len(own) != 1].format(these="it" if motions.kind == "sequence" else "these")
+            sentences.append(f"{of_bodies(len(own), len(found))} {head}: {_named(own)}.")
+    if not sentences:
+        return ["There is no body to judge."]
+    sentences[0] = f"By the {_model(model)}, {under}: {sentences[0][0].lower()}{sentences[0][1:]}"
+    of_demands = zip(*(one.demands for one in found), strict=True)
+    return [*sentences, *(_demand(summary, found, every, motions, model) for every in of_demands)]
+
+
+def _demand(
+    summary: xr.Dataset,
+    found: Sequence[BodyVerdict],
+    every: tuple[DemandVerdict, ...],
+    motions: Motions,
+    model: str,
+) -> str:
+    """How the bodies stand under motions as strong as one demand."""
+    name, total = every[0].name, len(every)
+    asked = summary.sel(demand=name)
+    strength = acceleration(float(asked["demand_acceleration"]))
+    state = str(asked["limit_state"].item()) if "limit_state" in summary else ""
+    met = sum(one.grade in (Grade.SAFE, Grade.THIN) for one in every)
+    failing = [
+        f"{one.body.name} ({ratio(against.smallest)})"
+        for one, against in zip(found, every, strict=True)
+        if against.grade == Grade.NOT_SAFE
+    ]
+    below = len(failing)
+    unknown = total - met - below
+    named = f": {listed(failing)}" if failing else ""
+    searched = any(not math.isnan(one.smallest) for one in found)
+    why = _UNKNOWN_DEMAND if searched else "no safety factor of this model was searched ([search] models)"
+    return (
+        f"Demand “{name}”, {strength}{f', {state}' if state else ''}: {met} of {several(total, 'body')} "
+        f"{'stands' if met == 1 else 'stand'} under every {noun(motions)} scaled to this PGA or below, "
+        f"{below} {'does' if below == 1 else 'do'} not{' for certain' if model == 'resonance' else ''}{named}"
+        + (f"; of {unknown} it is not known: {why}." if unknown else ".")
+    )
+
+
+def counted_by(model: str, motions: Motions, demanded: bool = False) -> str:
+    """What is counted as safe, in so many words.
+
+    Parameters
+    ----------
+    model : str
+        By which model.
+    motions : Motions
+        Under what.
+    demanded : bool
+        Whether capacities are compared with a demand.
+    """
+    if motions.kind == "sequence":
+        return (
+            f"Stands: by the {_model(model)} neither the design sequence nor a weaker one (main impulse smaller, I_s/I "
+            "kept) overturns the body. That is not called safe: a design sequence stands for the records of its site "
+            "and leaves some of their rotations uncovered. The safety factor is the smallest factor on the main "
+            "impulse at which the body overturns."
+        )
+    each = "record" if motions.kind == "record" else "pair of channels, in any of its directions,"
+    words = (
+        f"Counted as safe: a body that by the {_model(model)} is overturned neither by any {each} as it is nor by a "
+        "weaker copy of it: the safety factor (SF) is the smallest factor on the record at which the body overturns, "
+        "and 1 or more is asked for. A body that rocks under a record but has SF below 1 is not counted as safe: "
+        "rocking is not monotonic, a weaker record overturns it. Unresolved and unpredictable answers, and those "
+        "outside the range of the model, are not counted as safe either. A factor above 1 by less than a tenth, or "
+        "than seven steps of the search, is hardly a margin: a finer search may find a smaller one."
+    )
+    if demanded:
+        words += (
+            " Capacity over demand asks whether the body stands under each record brought to the PGA of the demand, "
+            "or below; a body that does not is not counted as safe either. It may meet a demand that is weaker than "
+            "the records, and not be safe under them."
+        )
+    return words
+
+
+def _named(own: Sequence[BodyVerdict]) -> str:
+    ordered = sorted(own, key=lambda one: math.inf if math.isnan(one.smallest) else one.smallest)
+    words = [f"{one.body.name} ({_margin(one)})" for one in ordered[:NAMED]]
+    more = [f"{len(own) - NAMED} more"] if len(own) > NAMED else []
+    return ", ".join(words) + "".join(f" and {rest}" for rest in more)
+
+
+def _margin(one: BodyVerdict) -> str:
+    if math.isnan(one.smallest):
+        return "no safety factor"
+    decisive = [demand for demand in one.demands if demand.grade == one.overall > one.grade]
+    if not decisive:
+        return _own_margin(one)
+    if one.overall == Grade.NOT_KNOWN:
+        return f"{_own_margin(one)}, but it is not known at the demand “{decisive[0].name}”"
+    worst = min(decisive, key=lambda demand: demand.smallest)
+    return f"{_own_margin(one)}, but capacity over demand {ratio(worst.smallest)}"
+
+
+def _own_margin(one: BodyVerdict) -> str:
+    if math.isinf(one.smallest):
+        found = "no overturning found" + ("" if math.isnan(one.limit) else f" up to a factor of {figure(one.limit)}")
+        return f"never lifted, {found}" if one.never_lifted else found
+    least = "at least " if one.smallest_bound else "at most " if one.smallest_open else ""
+    return f"{'never lifted, ' if one.never_lifted else ''}smallest SF {least}{ratio(one.smallest)}"
+
+
+def _model(model: str) -> str:
+    return f"{model} model ({UPPER_BOUND}, no prediction)" if model == "resonance" else f"{model} model"
+
+
+def of_bodies(count: int, total: int) -> str:
+    """So many of so many bodies.
+
+    Examples
+    --------
+    >>> of_bodies(1, 4)
+    '1 of 4 bodies'
+    """
+    return f"{count} of {several(total, 'body')}"
+
+
+def noun(motions: Motions) -> str:
+    """What a motion is called.
+
+    Parameters
+    ----------
+    motions : Motions
+        Of which kind.
+    """
+    return {"record": "record", "pair": "pair of channels", "sequence": "sequence"}[motions.kind]
+
+
+def acceleration(value: float) -> str:
+    """An acceleration in m/s2 and g.
+
+    Parameters
+    ----------
+    value : float
+        [m/s2].
+    """
+    from rockpulse.record.record import STANDARD_GRAVITY
+
+    return f"{figure(value, 'm/s²')} ({figure(value / STANDARD_GRAVITY, 'g')})"

@@ -1,0 +1,195 @@
+"""The report as a file: one page of HTML that asks nothing of a network."""
+
+from __future__ import annotations
+
+import base64
+import hashlib
+from datetime import UTC, datetime
+from importlib.resources import files
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from rockpulse.errors import ResultsError
+from rockpulse.file_set import FileSet
+from rockpulse.storage.fragility_variables import FRAGILITY
+from rockpulse.storage.save_load import ASSESSMENT, load, named
+from rockpulse.storage.site_variables import SITE_KIND
+from rockpulse.version import __version__
+from rockpulse.views.report.content import gather
+from rockpulse.views.report.pairing import paired
+from rockpulse.views.report.pictures import Pictures
+from rockpulse.views.report.provenance import hash_of
+from rockpulse.views.report.tables import Fact
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = ["check_report_target", "report_page", "write_report"]
+
+#: What the head of every report holds; a file without it is never replaced.
+MARK = '<meta name="generator" content="rockpulse report'
+
+#: Bytes of a file that are searched for the mark.
+HEAD = 4096
+
+
+def write_report(
+    results: xr.DataTree | str | Path,
+    path: str | Path,
+    site: xr.DataTree | str | Path | None = None,
+    fragility: xr.DataTree | str | Path | None = None,
+    overwrite: bool = False,
+) -> Path:
+    """Write the results of an assessment as one HTML page to hand over.
+
+    Parameters
+    ----------
+    results : xarray.DataTree or path
+        As :func:`rockpulse.assess` or :func:`rockpulse.assess_sequence` returns them, or a file of
+        ``rockpulse assess``.
+    path : str or Path
+        File to write.
+    site : xarray.DataTree or path, optional
+        A site calibration to show beside them (:func:`rockpulse.calibrate_site`).
+    fragility : xarray.DataTree or path, optional
+        Fragility curves to show beside them (:func:`rockpulse.fragility_curves`).
+    overwrite : bool
+        Whether a report that exists may be replaced; no other file ever is.
+
+    Returns
+    -------
+    Path
+        The file that was written.
+
+    Raises
+    ------
+    ResultsError
+        For results of another kind, a site or fragility file with another body of the same name
+        (:func:`rockpulse.views.report.pairing.paired`), or a target that exists and may not be replaced.
+    OSError
+        Where a file cannot be read or written.
+
+    Notes
+    -----
+    The page holds its style, its script and its pictures, and a policy that forbids every request.
+    """
+    target = check_report_target(path, overwrite)
+    page = report_page(results, site, fragility)
+    with FileSet() as parts:
+        parts.add(target, page.encode("utf-8", "replace"))
+        check_report_target(path, overwrite)  # somebody else may have written it in the meantime
+        parts.commit()
+    return target
+
+
+def check_report_target(path: str | Path, overwrite: bool = False) -> Path:
+    """Whether a report can be written here, asked before any work is done.
+
+    Parameters
+    ----------
+    path : str or Path
+        Where it is to go.
+    overwrite : bool
+        Whether a report that exists may be replaced.
+
+    Raises
+    ------
+    ResultsError
+        For a name of another kind of file, a file that exists and may not be replaced, or a folder that does not.
+    """
+    target = Path(path)
+    if target.suffix.lower() not in (".html", ".htm") and not target.is_dir():
+        raise ResultsError(f"{path}: expected a name that ends in .html; a browser prints the report to PDF")
+    if not target.parent.is_dir():
+        raise ResultsError(f"{path}: there is no folder {target.parent}; create it first")
+    if not target.exists():
+        return target
+    if not target.is_file():
+        raise ResultsError(f"{path}: expected the name of a report, found something that is no regular file")
+    if not overwrite:
+        raise ResultsError(f"{path}: the file exists; choose another name, or allow it to be replaced (--overwrite)")
+    with target.open("rb") as file:
+        if MARK.encode() not in file.read(HEAD):
+            raise ResultsError(
+                f"{path}: expected a report of rockpulse, found another file, which is not replaced even with "
+                "--overwrite; choose another name, or remove it by hand"
+            )
+    return target
+
+
+def report_page(
+    results: xr.DataTree | str | Path,
+    site: xr.DataTree | str | Path | None = None,
+    fragility: xr.DataTree | str | Path | None = None,
+) -> str:
+    """The same page as a text.
+
+    Parameters
+    ----------
+    results, site, fragility
+        As of :func:`write_report`.
+
+    Raises
+    ------
+    ResultsError
+        For results of another kind, or files that do not belong together.
+    OSError
+        Where a file cannot be read.
+    """
+    from jinja2 import Environment, PackageLoader, StrictUndefined
+    from markupsafe import Markup
+
+    given = {ASSESSMENT: results, SITE_KIND: site, FRAGILITY: fragility}
+    trees = {kind: _loaded(source, kind) for kind, source in given.items() if source is not None}
+    tree = trees[ASSESSMENT]
+    others = {
+        kind: paired(tree, trees[kind], kind, _name(given[kind])) for kind in (SITE_KIND, FRAGILITY) if kind in trees
+    }
+    content = gather(tree, others.get(SITE_KIND), others.get(FRAGILITY))
+    environment = Environment(
+        loader=PackageLoader("rockpulse.views.report"),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    script = _text("report.js")
+    return environment.get_template("report.html").render(
+        content=content,
+        pictures=Pictures(tree, others.get(SITE_KIND), others.get(FRAGILITY), content),
+        files=tuple(Fact(kind, _described(source)) for kind, source in given.items() if source is not None),
+        style=Markup(_text("report.css")),
+        script=Markup(script),
+        script_hash=base64.b64encode(hashlib.sha256(script.encode("utf-8")).digest()).decode("ascii"),
+        version=__version__,
+        written=f"{datetime.now(UTC):%Y-%m-%d %H:%M} UTC",
+    )
+
+
+def _loaded(source: xr.DataTree | str | Path, kind: str) -> xr.DataTree:
+    tree = load(source) if isinstance(source, str | Path) else source
+    found = str(tree.attrs.get("kind", _kind_by_group(tree)))
+    if found != kind:
+        raise ResultsError(f"{_name(source)}: expected {named(kind)} of rockpulse, found {named(found)}")
+    return tree
+
+
+def _name(source: xr.DataTree | str | Path | None) -> str:
+    return str(source) if isinstance(source, str | Path) else "the tree"
+
+
+def _kind_by_group(tree: xr.DataTree) -> str:
+    """Trees that were never saved may lack the attribute."""
+    return (
+        ASSESSMENT if "summary" in tree.children else SITE_KIND if "site" in tree.children else "tree of another kind"
+    )
+
+
+def _described(source: xr.DataTree | str | Path) -> tuple[str, ...]:
+    if isinstance(source, str | Path):
+        return str(source), f"SHA-256 {hash_of(source)}"
+    return ("given in memory",)
+
+
+def _text(name: str) -> str:
+    return files("rockpulse.views.report").joinpath("templates", name).read_text(encoding="utf-8")

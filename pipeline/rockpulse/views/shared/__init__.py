@@ -1,0 +1,1 @@
+"""What several views need: aligned text, marks and the notes that explain them."""

@@ -1,0 +1,100 @@
+"""What the figures and marks in a table of verdicts mean; only of those that are shown."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from rocking.response import Outcome, Reason
+from rockpulse.storage.hdf5_reader import flag_words
+from rockpulse.views.shared.record_marks import doubt_notes, doubts
+from rockpulse.views.shared.terminal import lower_bound, rough
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = ["BEYOND_CRITICAL", "MARKED", "MARK_NOTES", "beyond_critical", "verdict_notes"]
+
+#: How a peak is shown that `auto` took from one of these.
+MARKED = {"impulsive": rough, "settled": lower_bound}
+
+#: What a mark at a peak means.
+MARK_NOTES = {
+    "*": "*: outside the range of this model (slenderness below 3, or a body unlike those of the rule's fit); read "
+    "with caution.",
+    "?": "?: not predictable: another answer when C or the record changes in the ninth digit.",
+    "~": "Peaks of auto: ~0.06 an estimate from impulses; >0.12 the peak so far, when the verdict was sure.",
+}
+
+#: What a rotation beyond the critical angle is, where it did not end in overturning.
+BEYOND_CRITICAL = (
+    "Above 1: rocked beyond the critical angle and back, carried by the motion: it did not overturn, but came near."
+)
+
+
+def verdict_notes(summary: xr.Dataset, of_factors: list[str]) -> list[str]:
+    """Notes to a table of verdicts.
+
+    Parameters
+    ----------
+    summary : xarray.Dataset
+        The part of /summary that is shown.
+    of_factors : list of str
+        Notes on the column SF, which stand behind those on the figures.
+    """
+    notes = [
+        "Figures: largest rotation over the critical angle (theta_max/alpha_c). C: velocity ratio of an impact. "
+        "a/a_up: PGA over the acceleration of uplift. I/I_1c: main impulse over the one that overturns the block "
+        "alone.",
+        *([BEYOND_CRITICAL] if beyond_critical(summary) else []),
+        *of_factors,
+    ]
+    if "pgv_drift" in summary and summary["pgv_drift"].any():
+        notes.append(
+            "~ (drift): the record's baseline drifts: its velocity does not end at zero, and PGV may be off by as much."
+        )
+    notes += doubt_notes(doubts(summary).values())
+    if "resonance" in summary["model"].values:
+        notes.append("resonance: an upper-bound type input (every main impulse at the worst moment), not a prediction.")
+    if "applicable" in summary and (summary["applicable"] == 0).any():
+        notes.append(MARK_NOTES["*"])
+    if "predictable" in summary and (summary["predictable"] == 0).any():
+        notes.append(MARK_NOTES["?"])
+    if "auto" in summary["model"].values:
+        used = _models_used(summary)
+        notes.append(f"auto: the cheapest model that answers, here {used}; the figures are those of that model.")
+        if _any_marked(summary):
+            notes.append(MARK_NOTES["~"])
+    reasons = {int(code) for code in summary["reason"].values[summary["outcome"].values == Outcome.UNRESOLVED]}
+    if reasons:
+        words = ", ".join(Reason(code).name.lower().replace("_", " ") for code in sorted(reasons))
+        notes.append(f"unresolved: the model cannot say ({words}).")
+    return notes
+
+
+def beyond_critical(summary: xr.Dataset) -> bool:
+    """Whether a rotation beyond the critical angle did not end in overturning.
+
+    Parameters
+    ----------
+    summary : xarray.Dataset
+        The part of /summary that is shown.
+    """
+    return bool(((summary["outcome"] == Outcome.ROCKS) & (summary["peak_rotation_ratio"] > 1.0)).any())
+
+
+def _models_used(summary: xr.Dataset) -> str:
+    """How many answers of `auto` are whose: "static 12, nonlinear 4"."""
+    used = summary["model_used"].sel(model="auto")
+    codes, counts = np.unique(used.values, return_counts=True)
+    names = flag_words(used)
+    return ", ".join(f"{names[code].replace('_', ' ')} {count}" for code, count in zip(codes, counts, strict=True))
+
+
+def _any_marked(summary: xr.Dataset) -> bool:
+    """Whether a peak of `auto` is shown with a mark."""
+    used = summary["model_used"].sel(model="auto")
+    rocks = summary["outcome"].sel(model="auto") == Outcome.ROCKS
+    marked = [code for code, name in flag_words(used).items() if name in MARKED]
+    return bool((rocks & used.isin(marked)).any())

@@ -1,0 +1,137 @@
+"""A study as text: the curves or the half-cycles as a table, and the verdict on each statement of the paper."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from rocking.response import Outcome
+from rockpulse.storage.study_variables import VERDICTS
+from rockpulse.views.shared.terminal import aligned, figure, paragraph, ratio
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = ["study_overview"]
+
+#: Largest number of lines and columns of numbers in a table.
+_LINES, _COLUMNS = 11, 10
+
+#: From this factor on a table says that an input without end gives more.
+MORE = 1.01
+
+
+#: What the mark of a case says that is no result.
+NO_MOTION = "!: no motion of a block (through the ground, or a peak beyond alpha_c)"
+
+
+def study_overview(tree: xr.DataTree) -> str:
+    """What a study holds, for the terminal.
+
+    Parameters
+    ----------
+    tree : xarray.DataTree
+        As :func:`rockpulse.study.figure4` or :func:`rockpulse.study.figure5`
+        returns it, or as loaded.
+    """
+    parts = [tree.attrs["title"]]
+    if "figure4" in tree:
+        parts += _curves(tree["figure4"].to_dataset())
+    if "figure5" in tree:
+        parts += _histories(tree["figure5"].to_dataset())
+    if "intervals" in tree:
+        parts.append(paragraph(tree["intervals"].attrs["comment"]))
+    return "\n\n".join([*parts, _statements(tree["statements"].to_dataset())])
+
+
+def _curves(curves: xr.Dataset) -> list[str]:
+    """A table for each restitution: the largest n, the first spacing and the first p."""
+    count = float(curves["intermediate_count"].max())
+    shown = curves.sel(intermediate_count=count).isel(p=0, spacing=0)
+    shown = _thinned(_thinned(shown, "secondary_ratio", _LINES), "impulse_ratio", _COLUMNS)
+    place = "n -> infinity" if np.isinf(count) else f"n = {count:g}, {shown['spacing'].item()}"
+    parts = [paragraph(curves.attrs["comment"])]
+    for c in curves["restitution"].values:
+        peaks = shown.sel(restitution=c)
+        rows = [["I_s/I", *(f"I/I_1c {value:.4g}" for value in shown["impulse_ratio"].values)]]
+        for share in shown["secondary_ratio"].values:
+            line = peaks.sel(secondary_ratio=share)
+            rows.append(
+                [f"{share:.3g}", *(_peak(line.isel(impulse_ratio=k)) for k in range(line.sizes["impulse_ratio"]))]
+            )
+        parts.append(
+            f"theta_max/alpha_c, C = {c:g}, {place}, p = {figure(shown['p'].item(), '1/s')}\n"
+            + "\n".join("  " + line for line in aligned(rows))
+        )
+    parts.append(
+        f"(4): overturns in half-cycle 4.  *: an input without end gives more, by over {MORE - 1.0:.0%}\n{NO_MOTION}"
+    )
+    return parts
+
+
+def _peak(case: xr.Dataset) -> str:
+    if case["outcome"].item() == Outcome.OVERTURNS:
+        return f"({case['overturning_half_cycle'].item()})"
+    peak, endless = case["peak_rotation_ratio"].item(), case["endless_peak_rotation_ratio"].item()
+    return ratio(peak) + ("!" if case["no_motion"].item() else "*" if endless > MORE * peak else " ")
+
+
+def _histories(histories: xr.Dataset) -> list[str]:
+    """Impulses of the blocks, then a line for each block, restitution and ratio with all spacings."""
+    blocks = []
+    for name in histories["block"].values:
+        block = histories.sel(block=name)
+        impulses = ", ".join(
+            f"{figure(block['main_impulse'].sel(restitution=c).item(), 'm/s')} (C = {c:g})"
+            for c in histories["restitution"].values
+        )
+        blocks.append(
+            paragraph(
+                f"R = {figure(block['radius'].item(), 'm')}, slenderness {figure(block['slenderness'].item())}, "
+                f"p = {figure(block['p'].item(), '1/s')}, I_1c = {figure(block['critical_impulse'].item(), 'm/s')}, "
+                f"I = I_2c = {impulses}; double impulse V_c = {figure(block['double_impulse'].item(), 'm/s')}, t_0 = "
+                f"{figure(block['double_impulse_time'].item(), 's')} with Housner's "
+                f"C = {block['housner_restitution'].item():.3f}",
+                "         ",
+                f"block {name}: ",
+            )
+        )
+    rows = [["block", "C", "I_s/I", *map(str, histories["spacing"].values)]]
+    stacked = histories.stack(case=("block", "restitution", "secondary_ratio"))
+    for k, (name, c, share) in enumerate(stacked["case"].values.tolist()):
+        case = stacked.isel(case=k)
+        cells = [_ending(case.isel(spacing=i)) for i in range(case.sizes["spacing"])]
+        rows.append([str(name), f"{c:g}", f"{share:g}", *cells])
+    return [
+        "\n".join(blocks),
+        paragraph(histories.attrs["comment"]),
+        "\n".join("  " + line for line in aligned(rows, left=3)),
+        "(4) 3.1 s: overturns in half-cycle 4, which starts then.  14: 0.65: 14 half-cycles, largest theta/alpha_c.\n"
+        + NO_MOTION,
+    ]
+
+
+def _ending(case: xr.Dataset) -> str:
+    mark = "!" if case["no_motion"].item() else ""
+    if case["outcome"].item() == Outcome.OVERTURNS:
+        return f"({case['overturning_half_cycle'].item()}) {case['overturning_time'].item():.2f} s{mark}"
+    return f"{case['half_cycle_count'].item()}: {ratio(case['peak_rotation_ratio'].item())}{mark}"
+
+
+def _statements(statements: xr.Dataset) -> str:
+    lines = ["Statements of section 4:"]
+    for k in range(statements.sizes["statement"]):
+        row = {str(name): statements[name].values[k].item() for name in statements.variables}
+        verdict = VERDICTS[row["verdict"]].replace("_", " ")
+        lines.append(f"  {verdict.upper() if verdict == 'fails' else verdict}: {row['statement']}")
+        lines.append(paragraph(f'"{row["words"]}"', "      "))
+        details = [f"holds where: {row['where']}"] if verdict == "holds in part" else []
+        lines += [paragraph(words, "      ") for words in (*details, row["numbers"]) if words]
+    return "\n".join(lines)
+
+
+def _thinned(curves: xr.Dataset, dim: str, most: int) -> xr.Dataset:
+    size = curves.sizes[dim]
+    places = np.unique(np.round(np.linspace(0, size - 1, min(size, most))).astype(int))
+    return curves.isel({dim: places})

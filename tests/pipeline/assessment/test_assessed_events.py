@@ -1,0 +1,127 @@
+"""The earthquake of every record in an assessment, by the table, the title or the time, in memory and in a batch."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import rockpulse as rp
+from rockpulse.assessment.events import UNKNOWN
+from rockpulse.batch import survey
+from rockpulse.batch.journal import journal_path
+from rockpulse.batch.options import BatchOptions
+from rockpulse.batch.plan import configuration_fingerprint
+from rockpulse.cli import main
+from rockpulse.config.block_settings import BlockSettings
+from rockpulse.config.settings import ModelSettings, RecordSettings
+from rockpulse.errors import ConfigError
+from rockpulse.readers.folders import read_all
+from rockpulse.views.report.motions import motions_of
+
+CONFIG = rp.Config(
+    blocks=(BlockSettings(name="wall", width=0.3, height=2.4),),
+    models=ModelSettings(use=("resonance",), predictability=False),
+)
+TITLES = ("Kobe, 1/16/1995", "KOBE 01/16/95", "", "")
+
+
+@pytest.fixture
+def folder(tmp_path):
+    """Four files: two of one title, two that tell nothing."""
+    place = tmp_path / "records"
+    place.mkdir()
+    for number, title in enumerate(TITLES):
+        motion = (3.0 + number) * np.sin(2.0 * np.pi * np.arange(0.0, 4.0, 0.01))
+        rp.write(rp.Record(motion, dt=0.01, id=f"m{number}", event=title), place / f"m{number}.at2")
+    return place
+
+
+def with_table(tmp_path, text):
+    (tmp_path / "events.csv").write_text(text)
+    return replace(CONFIG, records=RecordSettings(events=str(tmp_path / "events.csv")))
+
+
+def events(tree):
+    return dict(zip(tree["summary"]["record"].values.tolist(), tree["summary"]["event"].values.tolist(), strict=True))
+
+
+def both(folder, config, target, options=None):
+    """Events by id, from memory and from a batch, which are the same."""
+    records, failures = read_all(folder)
+    found = events(rp.assess(records, config, failures=failures))
+    rp.assess_files(folder, config, target, options)
+    assert events(rp.load(target)) == found
+    return found
+
+
+def test_records_are_counted_by_title_and_those_that_tell_nothing_as_one(folder, tmp_path):
+    found = list(both(folder, CONFIG, tmp_path / "results.h5").values())
+    assert found[0] == found[1]
+    assert found[2:] == [UNKNOWN, UNKNOWN]
+    tree = rp.load(tmp_path / "results.h5")
+    assert tree["summary"]["event_title"].values.tolist() == list(TITLES)
+    motions = motions_of(tree)
+    assert motions.event_count == 1  # those that tell nothing add none
+    assert "2 motions whose earthquake neither" in motions.of_unknown_event()
+
+
+def test_the_table_decides(folder, tmp_path):
+    names = list(both(folder, CONFIG, tmp_path / "results.h5"))
+    config = with_table(tmp_path, f"record,event\n{names[1]},aftershock\n{names[3]},Maule\n")
+    assert list(both(folder, config, tmp_path / "told.h5").values())[1:] == ["aftershock", UNKNOWN, "Maule"]
+    assert motions_of(rp.load(tmp_path / "told.h5")).event_count == 3
+    known = "".join(f"{name},Maule\n" for name in names[2:])
+    assert both(folder, with_table(tmp_path, f"record,event\n{known}"), tmp_path / "all.h5")[names[2]] == "Maule"
+    assert motions_of(rp.load(tmp_path / "all.h5")).of_unknown_event() == ""
+
+
+def test_a_missing_or_wrong_table_is_refused_before_records_are_read(folder, tmp_path, monkeypatch):
+    def never(*args):
+        raise AssertionError("a record was read")
+
+    monkeypatch.setattr(survey, "read_opened", never)
+    config = replace(CONFIG, records=RecordSettings(events=str(tmp_path / "none.csv")))
+    for verb in (rp.assess_files, rp.calibrate_files):
+        with pytest.raises(ConfigError, match=r"\[records\] events: .*none\.csv: no such file"):
+            verb(folder, config, tmp_path / "x.h5")
+        with pytest.raises(ConfigError, match="no column event"):
+            verb(folder, with_table(tmp_path, "record,quake\nm0,Kobe\n"), tmp_path / "x.h5")
+    assert not journal_path(tmp_path / "x.h5").exists()
+    with pytest.raises(ConfigError, match=r"\[records\] events: .*none\.csv: no such file"):
+        rp.assess([], config)
+
+
+def test_unknown_ids_are_refused_or_told_where_a_file_was_not_read(folder, tmp_path):
+    config = with_table(tmp_path, "record,event\nelsewhere,Kobe\n")
+    with pytest.raises(ConfigError, match="no record has the id elsewhere"):
+        both(folder, config, tmp_path / "x.h5")
+    with pytest.raises(ConfigError, match="no record has the id elsewhere"):
+        rp.assess_files(folder, config, tmp_path / "x.h5")
+    (folder / "broken.at2").write_bytes((folder / "m0.at2").read_bytes()[:900])
+    told = []
+    both(folder, config, tmp_path / "y.h5", BatchOptions(tell=told.append))
+    said = "[records] events names records that were not read: elsewhere; the records read are such as m0"
+    assert [line.startswith(said) for line in told] == [True]
+    records, failures = read_all(folder)
+    for kept in (rp.load(tmp_path / "y.h5"), rp.fragility_curves(records[:1], config, failures=failures)):
+        reasons = kept["failures"]["reason"].values.tolist()
+        assert sum(reason.startswith(said) for reason in reasons) == 1
+
+
+@pytest.mark.parametrize("verb", ["assess", "calibrate"])
+def test_a_name_of_no_record_is_told_also_where_little_is(folder, tmp_path, capsys, verb):
+    (folder / "broken.at2").write_bytes((folder / "m0.at2").read_bytes()[:900])
+    (tmp_path / "events.csv").write_text("record,event\nelsewhere,Kobe\n")
+    (tmp_path / "site.toml").write_text(
+        '[records]\nevents = "events.csv"\n[models]\nuse = ["resonance"]\npredictability = false\n'
+        '[calibration]\nmethod = "statistics"\n'
+    )
+    options = ["--config", str(tmp_path / "site.toml"), "--block", "wall=0.3x2.4", "--quiet"]
+    assert main([verb, str(folder), *options, "-o", str(tmp_path / "x.h5")]) == 1
+    assert capsys.readouterr().err.count("[records] events names records that were not read: elsewhere; ") == 1
+
+
+def test_a_table_that_was_corrected_costs_no_record(tmp_path):
+    """A run that was stopped goes on with the table as it is: no task depends on it."""
+    told = with_table(tmp_path, "record,event\na,Kobe\n")
+    assert configuration_fingerprint(told, "assess") == configuration_fingerprint(CONFIG, "assess")

@@ -1,0 +1,399 @@
+"""From records and bodies to the tree."""
+
+from datetime import UTC, datetime, timedelta
+
+import numpy as np
+import pytest
+
+from rocking.sequence import SPACINGS
+from rockpulse.assessment.assessment import assess
+from rockpulse.assessment.scene import prepare
+from rockpulse.calibration.estimators import INTERVAL, MAIN, MAIN_COUNT, SECONDARY
+from rockpulse.config.block_settings import BlockSettings
+from rockpulse.config.configuration import Config
+from rockpulse.config.settings import (
+    ConditioningSettings,
+    DemandSettings,
+    ModelSettings,
+    RecordSettings,
+    SearchSettings,
+    SequenceSettings,
+)
+from rockpulse.errors import ConfigError
+from rockpulse.failures import Failure
+from rockpulse.models import Block, Outcome, Reason, recorded_response
+from rockpulse.record.intensity import pgv
+from rockpulse.record.record import Record
+
+DT = 0.01
+WALL = BlockSettings(name="wall", width=0.4, height=3.0)
+TOWER = BlockSettings(name="tower", width=3.0, height=9.0)
+
+
+def motion(seed=0, peak=4.0, n=1200):
+    rng = np.random.default_rng(seed)
+    t = DT * np.arange(n)
+    waves = sum(rng.normal() * np.sin(2 * np.pi * f * t + rng.uniform(0, 6)) for f in (0.7, 1.3, 2.1))
+    shaped = waves * np.exp(-(((t - 5.0) / 2.0) ** 2))
+    return peak * shaped / np.max(np.abs(shaped))
+
+
+def record(name, seed=0, peak=4.0, **options):
+    return Record(motion(seed, peak), DT, id=name, processed=True, source=f"{name}.txt", **options)
+
+
+@pytest.fixture(scope="module")
+def tree():
+    records = [record("one", orientation="horizontal"), record("two", 1, 1.0), record("up", 2, orientation="vertical")]
+    left_out = [Failure("notes.txt", "read", "no record", "skipped")]
+    return assess(records, Config(blocks=(WALL, TOWER)), failures=left_out)
+
+
+def test_every_record_block_and_model_has_an_answer(tree):
+    summary = tree["summary"]
+    assert dict(summary.sizes) == {"record": 2, "block": 2, "model": 5}
+    assert list(summary["record"].values) == ["one", "two"]
+    assert list(summary["model"].values) == ["resonance", "sequence", "impulsive", "linear", "nonlinear"]
+    assert not np.any(np.isnan(summary["peak_rotation_ratio"]))
+    assert np.all(summary["outcome"] != Outcome.UNRESOLVED)
+
+
+def test_answers_are_those_of_the_model_called_directly(tree):
+    direct = recorded_response(Block(0.2, 1.5), motion(0), DT)
+    cell = tree["summary"].sel(record="one", block="wall", model="nonlinear")
+    assert cell["peak_rotation_ratio"].item() == direct.peak_rotation_ratio
+    assert cell["impacts"].item() == direct.impacts
+
+
+def test_demand_ratios_follow_their_definitions(tree):
+    block = Block(0.2, 1.5)
+    cell = tree["summary"].sel(record="one", block="wall")
+    capacity = block.gravity * np.tan(block.alpha_c)
+    assert cell["pga"].item() == pytest.approx(4.0)
+    assert cell["uplift_ratio"].item() == pytest.approx(4.0 / capacity)
+    assert cell["velocity_ratio"].item() == pytest.approx(block.p * pgv(record("one")) / capacity)
+    assert cell["impulse_ratio"].item() == pytest.approx(cell["main_impulse"].item() / block.critical_impulse)
+
+
+def test_every_model_has_a_safety_factor_and_what_goes_with_it(tree):
+    summary = tree["summary"]
+    factor = summary["safety_factor"]
+    assert np.all(factor > 0.0)
+    assert np.all(summary["safe_up_to"] <= np.minimum(factor, 10.0))
+    assert np.all((summary["interval_count"] > 0) == np.isfinite(factor))
+    assert np.all(summary["factor_resolved"] == 1)
+    flag = summary["factor_resolved"].attrs
+    assert (flag["flag_meanings"], flag["flag_values"].tolist()) == ("not_computed no yes", [-1, 0, 1])
+    assert np.array_equal(
+        summary["capacity_pga"].where(np.isfinite(factor), 0.0),
+        (factor * summary["pga"]).where(np.isfinite(factor), 0.0),
+    )
+    assert np.all(summary["search_step"].sel(model="resonance") == 1.0)
+    assert np.all(summary["search_step"].sel(model="sequence") <= 1.005)
+    assert "search_step" in factor.attrs["comment"]
+
+
+def test_intervals_of_overturning_begin_with_the_safety_factor_and_hold_the_outcome(tree):
+    summary, table = tree["summary"], tree["overturning_intervals"]
+    shape = summary["safety_factor"].shape
+    place = [table[f"{name}_index"].values for name in ("record", "block", "model")]
+    smallest, over = np.full(shape, np.inf), np.zeros(shape, dtype=bool)
+    np.minimum.at(smallest, tuple(place), table["lower"].values)
+    np.logical_or.at(over, tuple(place), (table["lower"].values <= 1.0) & (table["upper"].values >= 1.0))
+    assert np.array_equal(smallest, summary["safety_factor"].values)
+    # The record as it is belongs to the factors that are tried.
+    assert np.array_equal(over, summary["outcome"].values == Outcome.OVERTURNS)
+    counts = np.zeros(shape, dtype=int)
+    np.add.at(counts, tuple(place), 1)
+    assert np.array_equal(counts, summary["interval_count"].values)
+    assert np.array_equal(table["open"].values == 1, table["upper"].values == 10.0)
+    assert np.all(table["resolved"] == 1)
+    assert np.all(table["case_index"] == 0)
+
+
+def test_models_left_out_of_the_search_have_no_factor():
+    config = Config(blocks=(WALL,), search=SearchSettings(models=()))
+    tree = assess([record("one")], config)
+    assert np.all(np.isnan(tree["summary"]["safety_factor"]))
+    assert np.all(np.isnan(tree["summary"]["capacity_pga"]))
+    assert np.all(tree["summary"]["interval_count"] == -1)
+    assert np.all(tree["summary"]["factor_resolved"] == -1)
+    assert np.all(np.isnan(tree["summary"]["search_step"]))
+    assert tree["overturning_intervals"].sizes["interval"] == 0
+    assert "demand" not in tree["summary"].dims
+
+
+@pytest.mark.parametrize("restitution", ["housner", (0.8, 0.9)])
+def test_capacity_is_compared_with_every_demand(restitution):
+    demands = (DemandSettings(name="damage", acceleration=1.0), DemandSettings("collapse", 2.5, "475 years"))
+    wall = BlockSettings(name="wall", width=0.4, height=3.0, restitution=restitution)
+    summary = assess([record("one")], Config(blocks=(wall,), demands=demands))["summary"]
+    assert list(summary["demand"].values) == ["damage", "collapse"]
+    assert list(summary["demand_acceleration"].values) == [1.0, 2.5]
+    assert list(summary["limit_state"].values) == ["", "475 years"]
+    assert summary["capacity_ratio"].dims == (*summary["capacity_pga"].dims, "demand")
+    assert np.array_equal(summary["capacity_ratio"].sel(demand="collapse"), summary["capacity_pga"] / 2.5)
+
+
+def test_a_sequence_that_overturns_has_a_factor_of_one_or_less(tree):
+    summary = tree["summary"].sel(model="resonance")
+    over = summary["outcome"].values == Outcome.OVERTURNS
+    assert over.any()
+    assert np.all(summary["safety_factor"].values[over] <= 1.0)
+    assert np.all(summary["safety_factor"].values[~over] > 1.0)
+
+
+def test_squat_block_is_marked_outside_the_range_of_the_linear_models(tree):
+    squat = assess([record("one")], blocks=[BlockSettings(name="chest", width=1.0, height=1.5)])["summary"]
+    applicable = squat["applicable"].squeeze().values
+    assert list(applicable) == [0, 0, 0, 0, 1]
+    assert np.all(tree["summary"]["applicable"] == 1)
+    assert "slenderness" in squat["block_warnings"].item()
+
+
+def test_vertical_channel_is_listed_and_not_assessed(tree):
+    failures = tree["failures"]
+    assert list(failures["kind"].values) == ["skipped", "vertical"]
+    assert "up" not in tree["summary"]["record"].values
+
+
+def test_half_cycles_belong_to_the_sequence_models(tree):
+    rows = tree["half_cycles"]
+    assert set(rows["model_index"].values) == {0, 1}
+    first = rows["half_cycle"].values == 1
+    assert first.sum() == 2 * 2 * 2
+    ratio = tree["summary"]["impulse_ratio"].values
+    resonant = first & (rows["model_index"].values == 0)
+    expected = ratio[rows["record_index"].values[resonant], rows["block_index"].values[resonant]]
+    assert rows["start_velocity"].values[resonant] == pytest.approx(expected)
+
+
+def test_records_are_kept_as_ragged_arrays(tree):
+    kept = tree["records"]
+    assert list(kept["row_size"].values) == [1200, 1200]
+    assert np.array_equal(kept["acceleration"].values[:1200], motion(0))
+    assert kept["half_wave_row_size"].sum() == kept.sizes["wave"]
+
+
+def test_store_none_keeps_no_records():
+    config = Config(blocks=(WALL,), records=RecordSettings(store="none"))
+    assert "records" not in assess([record("one")], config).children
+
+
+def test_histories_are_kept_where_asked_for():
+    config = Config(blocks=(WALL, TOWER), models=ModelSettings(use=("impulsive", "nonlinear"), histories=True))
+    kept = assess([record("two", 1, 1.5)], config)["records"]
+    assert list(kept["history_row_size"].values) == [1200, 1200]
+    direct = recorded_response(Block(0.2, 1.5), motion(1, 1.5), DT, history=True)
+    assert np.array_equal(kept["rotation"].values[:1200], direct.rotation, equal_nan=True)
+
+
+def test_restitution_list_adds_a_dimension():
+    several = BlockSettings(name="wall", width=0.4, height=3.0, restitution=[0.6, 0.9])
+    summary = assess([record("one", 0, 2.5)], blocks=[several, TOWER])["summary"]
+    assert summary["peak_rotation_ratio"].dims == ("record", "block", "case", "model")
+    assert list(summary["restitution"].sel(block="wall").values) == [0.6, 0.9]
+    low, high = (assess([record("one", 0, 2.5)], blocks={"wall": Block(0.2, 1.5, c)})["summary"] for c in (0.6, 0.9))
+    for case, single in enumerate((low, high)):
+        assert np.array_equal(
+            summary["peak_rotation_ratio"].sel(block="wall").values[0, case],
+            single["peak_rotation_ratio"].values[0, 0],
+        )
+
+
+def test_vertical_acceleration_serves_the_nonlinear_model_where_asked_for():
+    horizontal = record("one", 0, 2.5, station="S", orientation="horizontal")
+    up = record("one-up", 3, 3.0, station="S", orientation="vertical")
+    up = Record(up.acceleration, DT, id="up", station="S", orientation="vertical", source="one.txt", processed=True)
+    with_up = Config(blocks=(WALL,), records=RecordSettings(include_vertical=True))
+    without = Config(blocks=(WALL,), records=RecordSettings(include_vertical=False))
+    lifted = assess([horizontal, up], with_up)["summary"]["peak_rotation_ratio"].values[0, 0]
+    plain = assess([horizontal, up], without)["summary"]["peak_rotation_ratio"].values[0, 0]
+    direct = recorded_response(Block(0.2, 1.5), horizontal.acceleration, DT, vertical=up.acceleration)
+    assert lifted[4] == direct.peak_rotation_ratio
+    assert lifted[4] != plain[4]
+    assert np.array_equal(lifted[:4], plain[:4])
+
+
+def test_vertical_offset_is_removed_before_the_channel_is_cut_to_the_record():
+    start = datetime(2020, 1, 1, tzinfo=UTC)
+    common = {"station": "S", "processed": False, "source": "one.txt"}
+    horizontal = Record(motion(0, 2.5), DT, id="one", orientation="horizontal", start_time=start, **common)
+    late = Record(
+        motion(3, 3.0)[200:] + 0.5,
+        DT,
+        id="up",
+        orientation="vertical",
+        start_time=start + timedelta(seconds=2),
+        **common,
+    )
+    config = Config(records=RecordSettings(include_vertical=True), conditioning=ConditioningSettings(baseline="mean"))
+    scene = prepare(horizontal, config, late)
+    assert np.all(scene.vertical[:200] == 0.0)
+    assert scene.vertical[200:] == pytest.approx(late.acceleration - late.acceleration.mean())
+    assert any("up" in step for step in scene.record.processing)
+    assert any("taken as zero for 2 s" in warning for warning in scene.record.warnings)
+
+
+@pytest.mark.parametrize(
+    "options",
+    [
+        *({"main": word} for word in MAIN),
+        *({"secondary": word} for word in SECONDARY),
+        *({"interval": word} for word in INTERVAL),
+        *({"main_count": word} for word in (*MAIN_COUNT, "none", 3)),
+        *({"spacing": word} for word in SPACINGS),
+    ],
+    ids=str,
+)
+def test_every_estimator_gives_an_assessment_with_safety_factors(options):
+    config = Config(blocks=(WALL,), sequence=SequenceSettings(**options))
+    tree = assess([record("one")], config)
+    assert tree["failures"].sizes["failure"] == 0
+    assert np.all(tree["summary"]["safety_factor"] > 0.0)
+
+
+def test_body_beyond_the_reach_of_the_sequence_leaves_the_others_their_answers():
+    island = BlockSettings(name="island", width=1e9, height=1e10)
+    summary = assess([record("one")], Config(blocks=(WALL, island)))["summary"].sel(record="one")
+    assert summary["reason"].sel(block="island", model="sequence") == Reason.SHORT_INTERVAL
+    island = summary.sel(block="island", model="sequence")
+    assert (island["safety_factor"], island["interval_count"], island["search_step"]) == (np.inf, 0, 1.0)
+    assert summary["outcome"].sel(block="island", model="nonlinear") == Outcome.ROCKS
+    assert np.all(summary["outcome"].sel(block="wall") != Outcome.UNRESOLVED)
+
+
+def test_numbers_that_a_model_refuses_are_a_failed_row_and_the_others_go_on():
+    config = Config(blocks=(WALL,), sequence=SequenceSettings(spacing="end"))
+    strong = Record(2.5e7 * motion(0), DT, id="strong", processed=True, source="strong.txt")
+    tree = assess([strong, record("one")], config)
+    assert list(tree["summary"]["record"].values) == ["one"]
+    assert tree["failures"]["kind"].values.tolist() == ["failed"]
+    assert "is the record in m/s2" in tree["failures"]["reason"].values[0]
+
+
+def test_velocity_that_drifts_is_flagged():
+    drifting = Record(motion(0) + 0.05, DT, id="drift", processed=True)
+    summary = assess([record("one"), drifting], Config(blocks=(WALL,)))["summary"]
+    assert summary["pgv_drift"].values.tolist() == [0, 1]
+
+
+def test_record_without_a_sequence_is_still_assessed_and_says_so():
+    pulse = np.zeros(200)
+    pulse[50:80] = 3.0 * np.sin(np.pi * np.arange(30) / 30)
+    single = Record(pulse, DT, id="pulse", processed=True, orientation="horizontal")
+    tree = assess([single], Config(blocks=(WALL,)))
+    summary = tree["summary"].to_dataset().squeeze()
+    assert list(summary["outcome"].values[:2]) == [Outcome.UNRESOLVED] * 2
+    assert np.all(np.isfinite(summary["peak_rotation_ratio"].values[2:]) | np.isinf(summary["peak_rotation_ratio"][2:]))
+    assert "no impulse sequence" in summary["warnings"].item()
+    assert tree["failures"].sizes["failure"] == 0
+
+
+def test_record_that_cannot_be_assessed_is_a_row_and_the_others_go_on():
+    still = Record(np.zeros(300), DT, id="still", processed=True, source="still.txt")
+    tree = assess([still, record("one")], Config(blocks=(WALL,)))
+    assert list(tree["summary"]["record"].values) == ["one"]
+    failed = tree["failures"].isel(failure=0)
+    assert failed["kind"].item() == "failed"
+    assert failed["file"].item() == "still.txt"
+
+
+def test_no_record_at_all_gives_an_empty_tree():
+    tree = assess([], Config(blocks=(WALL,)))
+    assert tree["summary"].sizes["record"] == 0
+    assert tree["half_cycles"].sizes["row"] == 0
+
+
+def test_two_records_of_one_id_are_refused():
+    with pytest.raises(ConfigError, match="one"):
+        assess([record("one"), record("one")], Config(blocks=(WALL,)))
+
+
+def test_every_variable_has_a_unit_and_a_long_name(tree):
+    for node in tree.subtree:
+        for name, variable in node.variables.items():
+            assert isinstance(variable.attrs.get("units"), str), name
+            assert variable.attrs.get("long_name"), name
+
+
+AUTO = ModelSettings(use=("nonlinear",), auto=True)
+SPREAD = tuple(
+    BlockSettings(name=f"p {p} alpha {alpha}", p=p, alpha=alpha) for p in (1.0, 2.0, 4.0) for alpha in (0.06, 0.15, 0.3)
+)
+
+
+@pytest.fixture(scope="module")
+def chosen():
+    records = [record("one"), record("two", 1, 1.0), record("three", 3, 2.0)]
+    return assess(records, Config(blocks=SPREAD, models=AUTO))["summary"]
+
+
+def used(summary, model="auto"):
+    """Names of the models used, by the flags of the variable."""
+    variable = summary["model_used"].sel(model=model)
+    meanings = dict(zip(variable.attrs["flag_values"], variable.attrs["flag_meanings"].split(), strict=True))
+    return np.vectorize(meanings.get)(variable.values)
+
+
+def test_auto_is_one_more_model_with_the_outcomes_of_the_nonlinear_one(chosen):
+    assert list(chosen["model"].values) == ["nonlinear", "auto"]
+    outcome = chosen["outcome"]
+    assert np.array_equal(outcome.sel(model="auto"), outcome.sel(model="nonlinear"))
+    assert {"static", "impulsive", "nonlinear"} <= set(used(chosen).ravel())
+    assert set(used(chosen, "nonlinear").ravel()) == {"nonlinear"}
+    assert np.all(np.isfinite(chosen["peak_rotation_ratio"].values[outcome.values == Outcome.ROCKS]))
+    assert np.all((used(chosen) == "static") == (outcome.sel(model="auto").values == Outcome.AT_REST))
+
+
+def test_auto_with_a_tolerance_on_the_peak_gives_the_peaks():
+    models = ModelSettings(use=("nonlinear",), auto=True, output="peak", tolerance=1e-9)
+    summary = assess([record("two", 1, 1.0)], Config(blocks=SPREAD, models=models))["summary"]
+    peak = summary["peak_rotation_ratio"]
+    assert np.array_equal(peak.sel(model="auto"), peak.sel(model="nonlinear"))
+    assert set(used(summary).ravel()) <= {"static", "nonlinear"}
+
+
+def test_auto_leaves_histories_to_the_models_that_are_named():
+    models = ModelSettings(use=("nonlinear",), auto=True, histories=True)
+    kept = assess([record("two", 1, 1.0)], Config(blocks=(WALL,), models=models))["records"]
+    assert kept["history_model_index"].values.tolist() == [0]
+
+
+def test_predictability_is_checked_only_where_asked_for(tree):
+    assert np.all(tree["summary"]["predictable"] == -1)
+
+
+def test_predictability_marks_the_models_that_answer_for_the_record():
+    sharp = record("one", 5, 1.0)
+    blocks = [BlockSettings(name="calm", p=1.0, alpha=0.08), BlockSettings(name="edge", p=2.0, alpha=0.05)]
+    # The factor at which the second block just overturns is found by bisection: there the ninth digit decides.
+    low, high = 0.1, 4.0
+    edge = Block.from_parameters(2.0, 0.05, "housner")
+    for _ in range(60):
+        middle = 0.5 * (low + high)
+        fell = recorded_response(edge, middle * sharp.acceleration, DT).outcome == Outcome.OVERTURNS
+        low, high = (low, middle) if fell else (middle, high)
+    at_edge = Record(low * sharp.acceleration, DT, id="edge", processed=True)
+    models = ModelSettings(use=("resonance", "linear", "nonlinear"), auto=True, predictability=True)
+    summary = assess([at_edge], Config(blocks=tuple(blocks), models=models))["summary"].to_dataset().squeeze()
+    marks = summary["predictable"]
+    assert np.all(marks.sel(model="resonance") == -1)
+    assert np.all(marks.sel(model=["linear", "nonlinear", "auto"]) >= 0)
+    assert marks.sel(block="edge", model="nonlinear") == marks.sel(block="edge", model="auto") == 0
+    assert marks.attrs["flag_meanings"] == "not_checked no yes"
+    assert list(marks.attrs["flag_values"]) == [-1, 0, 1]
+
+
+def test_the_check_of_auto_is_about_what_it_was_asked_for():
+    # With a tolerance far below what the ninth digit moves every peak that is not zero fails; the verdicts stay.
+    marks = {}
+    for output in ("outcome", "peak"):
+        models = ModelSettings(use=("nonlinear",), auto=True, output=output, tolerance=1e-15, predictability=True)
+        summary = assess([record("two", 1, 1.0)], Config(blocks=SPREAD, models=models))["summary"].to_dataset()
+        rocks = (summary["outcome"].sel(model="nonlinear") == Outcome.ROCKS).values
+        assert rocks.any()
+        assert np.all(summary["predictable"].sel(model="nonlinear").values[rocks] == 0)
+        marks[output] = summary["predictable"].sel(model="auto").values[rocks]
+    assert np.all(marks["outcome"] == 1)
+    assert np.all(marks["peak"] == 0)

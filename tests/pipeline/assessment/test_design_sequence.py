@@ -1,0 +1,88 @@
+"""Bodies under a sequence in place of a record."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+import rockpulse as rp
+from rockpulse.config.configuration import Config
+from rockpulse.config.settings import ModelSettings
+from rockpulse.errors import ConfigError
+from rockpulse.models import Block, ImpulseSequence, resonance, resonance_safety, sequence_response
+
+SEQUENCE = ImpulseSequence(main=0.35, secondary=0.12, interval=0.15, duration=12.0, main_count=4)
+BLOCKS = {"wall": Block(0.15, 1.5), "pier": Block(0.4, 1.8), "column": Block(0.5, 4.0)}
+LANES = Block.stack([block.lanes(1) for block in BLOCKS.values()])
+
+
+@pytest.fixture(scope="module")
+def tree():
+    return rp.assess_sequence(SEQUENCE, blocks=BLOCKS, name="design sequence 0.84", source="site.h5")
+
+
+def test_the_answers_are_those_of_the_models(tree):
+    summary = tree["summary"].to_dataset().isel(record=0)
+    for model, response in {
+        "resonance": resonance(LANES, 0.35, 4, duration=12.0),
+        "sequence": sequence_response(LANES, SEQUENCE),
+    }.items():
+        of = summary.sel(model=model)
+        for name in ("peak_rotation_ratio", "outcome", "overturning_half_cycle", "impacts"):
+            np.testing.assert_array_equal(of[name], getattr(response, name), err_msg=f"{model} {name}")
+    np.testing.assert_allclose(summary["impulse_ratio"], 0.35 / LANES.critical_impulse)
+
+
+def test_safety_factors_are_on_the_sequence(tree):
+    summary = tree["summary"].to_dataset().isel(record=0)
+    np.testing.assert_allclose(
+        summary["safety_factor"].sel(model="resonance"), resonance_safety(LANES, 0.35, 4, 12.0), rtol=1e-9
+    )
+    factors = summary["safety_factor"].sel(model="sequence").values
+    for block, factor in zip(BLOCKS.values(), factors, strict=True):
+        assert sequence_response(block, SEQUENCE.scaled(factor)).outcome == 2
+        assert sequence_response(block, SEQUENCE.scaled((1.0 - 3e-6) * factor)).outcome != 2
+
+
+def test_what_describes_a_record_is_absent(tree):
+    summary = tree["summary"].to_dataset().isel(record=0)
+    assert summary["record"].item() == "design sequence 0.84"
+    assert summary["source"].item() == "site.h5"
+    for name in ("pga", "pgv", "arias_intensity", "intense_start", "dt", "azimuth", "uplift_ratio", "velocity_ratio"):
+        assert np.isnan(summary[name]).all(), name
+    assert np.isnan(summary["capacity_pga"]).all()
+    assert (summary["npts"].item(), summary["half_wave_count"].item()) == (-1, -1)
+    assert summary["station"].item() == summary["start_time"].item() == ""
+    names = ["main_impulse", "secondary_impulse", "secondary_interval", "sequence_duration", "main_count"]
+    assert [summary[name].item() for name in names] == [0.35, 0.12, 0.15, 12.0, 4]
+    assert "records" not in tree.children
+
+
+def test_models_that_need_a_record_are_left_out_in_words(tree):
+    assert tree["summary"]["model"].values.tolist() == ["resonance", "sequence"]
+    warnings = str(tree["summary"]["warnings"].values[0])
+    assert "cannot answer it and are left out" in warnings
+    assert all(model in warnings for model in ("impulsive", "linear", "nonlinear"))
+    quiet = rp.assess_sequence(SEQUENCE, Config(models=ModelSettings(use=["sequence"])), BLOCKS)
+    assert quiet["summary"]["warnings"].values.tolist() == [""]
+
+
+def test_a_configuration_without_a_sequence_model_is_refused():
+    with pytest.raises(ConfigError, match="nonlinear, auto need a record; a sequence is answered by resonance and seq"):
+        rp.assess_sequence(SEQUENCE, Config(models=ModelSettings(use=["nonlinear"], auto=True)), BLOCKS)
+
+
+def test_several_sequences_and_no_body_are_refused():
+    with pytest.raises(ConfigError, match="expected one sequence, found 2"):
+        rp.assess_sequence(SEQUENCE.scaled([1.0, 2.0]), blocks=BLOCKS)
+    with pytest.raises(ConfigError, match="no block to assess"):
+        rp.assess_sequence(SEQUENCE)
+
+
+def test_a_sequence_without_limits_is_told_as_such():
+    endless = dataclasses.replace(SEQUENCE, main=0.01, secondary=0.0, main_count=None, duration=np.inf)
+    with pytest.raises(ConfigError, match="without main_count and duration"):
+        rp.assess_sequence(endless, blocks=BLOCKS)
+    summary = rp.assess_sequence(endless, Config(models=ModelSettings(use=["sequence"])), BLOCKS)["summary"]
+    assert summary["main_count"].values.tolist() == [-1]
+    assert summary["sequence_duration"].values.tolist() == [np.inf]

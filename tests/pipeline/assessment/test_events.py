@@ -1,0 +1,243 @@
+"""Which records are of one earthquake: by file, time and name; the user's table; labels that keep events apart."""
+
+import random
+from datetime import UTC, datetime, timedelta
+
+import pytest
+
+from rockpulse.assessment.events import JOINED_WITHIN_S, UNKNOWN, event_table, events_by_id, group_events
+from rockpulse.config.configuration import Config, load_config
+from rockpulse.errors import ConfigError
+from rockpulse.failures import Failure
+from rockpulse.readers.folders import read_all
+from rockpulse.record.record import Record
+
+NOON = datetime(2016, 10, 30, 6, 40, tzinfo=UTC)
+
+
+def record(name, event="", start=None, source=None):
+    """A record with only what tells its earthquake; `start` in s after the origin of the test."""
+    time = start if start is None or isinstance(start, datetime) else NOON + timedelta(seconds=start)
+    return Record([0.0, 1.0], dt=0.01, id=name, event=event, start_time=time, source=source or f"{name}.txt")
+
+
+def partition(records, named=None):
+    """The groups as a set of sets of ids."""
+    groups = {}
+    for one, label in zip(records, group_events(records, named), strict=True):
+        groups.setdefault(label, set()).add(one.id)
+    return sorted(sorted(group) for group in groups.values())
+
+
+def by_titles(*titles):
+    """Groups of records without times, as lists of places."""
+    labels = group_events([record(f"r{place}", title) for place, title in enumerate(titles)])
+    return [labels.index(label) for label in labels]
+
+
+def test_no_records_are_no_events():
+    assert group_events([]) == []
+
+
+def test_records_of_one_file_are_of_one_earthquake():
+    records = [record("a", "Norcia", 0, "x.v1"), record("b", "Kobe", 1e6, "x.v1"), record("c", source="y.v1")]
+    assert partition(records) == [["a", "b"], ["c"]]
+
+
+@pytest.mark.parametrize(("apart", "together"), [(0.0, True), (JOINED_WITHIN_S, True), (JOINED_WITHIN_S + 1.0, False)])
+def test_untitled_records_are_joined_by_time(apart, together):
+    assert (partition([record("a", start=0), record("b", start=apart)]) == [["a", "b"]]) == together
+
+
+def test_joining_is_transitive():
+    chain = [record("a", start=0), record("b", start=1100), record("c", start=550), record("d", "Visso", 1100)]
+    chain += [record("e", "VISSO EARTHQUAKE"), record("f", source="e.txt"), record("g", start=5000)]
+    assert partition(chain) == [["a", "b", "c", "d", "e", "f"], ["g"]]
+
+
+@pytest.mark.parametrize(
+    ("one", "other"),
+    [
+        ("KOBE 01/16/95 2046", "Kobe"),
+        ("Loma Prieta, 10/18/1989", "Loma Prieta, CA"),
+        ("NORTHRIDGE EARTHQUAKE JAN 17, 1994 -1230 GMT", "NORTHRIDGE EARTHQUAKE"),
+        ("WHITTIER NARROWS, CA, EARTHQUAKE", "Whittier Narrows-01, 10/1/1987"),
+        ("El Mayor-Cucapah, 4/4/2010", "EL MAYOR CUCAPAH 2010"),
+        ("L'Aquila", "L'AQUILA MAINSHOCK"),
+        ("Düzce", "DÜZCE 12/11/1999"),
+        ("0911131", "0911131"),
+    ],
+)
+def test_titles_of_one_earthquake(one, other):
+    assert by_titles(one, other) == [0, 0]
+
+
+@pytest.mark.parametrize(
+    ("one", "other"),
+    [
+        ("Kobe", "Maule"),
+        ("Imperial Valley-06, 10/15/1979", "Imperial Valley-02, 5/19/1940"),
+        ("Chi-Chi, Taiwan-03, 9/20/1999", "Chi-Chi, Taiwan-06, 9/25/1999"),
+        ("IMPERIAL VALLEY 10/15/79 2319", "IMPERIAL VALLEY 05/19/40 0439"),
+        ("Central Italy 2009", "Central Italy 2016-10-30"),
+        ("2017/07/20 22:31:09 (GMT) M 6.5 Mw", "2019/09/26 10:59:26 (GMT) M 5.8 Mw"),
+        ("2004/01/01 23:58:02.7 Mb=5.2/Ms=5.8", "2003/01/22 02:06:34.0 Mb=6.1/Ms=7.6"),
+        ("Rcrd of Fri Jul 5, 2019 20:19:37.0 PDT", "Rcrd of Sun Aug 24, 2014 03:20:33.0 PDT"),
+        ("M 6.5", "M 6.6"),
+    ],
+)
+def test_titles_of_different_earthquakes(one, other):
+    assert by_titles(one, other) == [0, 1]
+
+
+@pytest.mark.parametrize("title", ["", "Unknown", "EARTHQUAKE"])
+def test_records_that_state_neither_name_nor_time_count_as_one_earthquake(title):
+    """They may all be of one: as many earthquakes as files would be a statement of confidence that nothing supports."""
+    records = [record("a", title), record("b", title), record("c", "Kobe"), record("d", title, 0), record("e")]
+    assert group_events(records) == [UNKNOWN, UNKNOWN, "Kobe", "2016-10-30 06:40", UNKNOWN]
+    assert group_events(records, {"a": "mine", "e": "mine"}) == ["mine", UNKNOWN, "Kobe", "2016-10-30 06:40", "mine"]
+
+
+def test_a_title_that_tells_less_joins_what_it_may_be():
+    """Fewer events are on the safe side; the user's table separates them."""
+    titles = ["Imperial Valley-06, 10/15/1979", "Imperial Valley-02, 5/19/1940", "IMPERIAL VALLEY"]
+    assert by_titles(*titles) == [0, 0, 0]
+    assert by_titles(*titles, "Imperial Valley, 1979") == [0, 0, 0, 0]
+    assert by_titles(*titles[:2], "Imperial Valley, 1979") == [0, 1, 0]
+
+
+@pytest.mark.parametrize(("hours", "together"), [(1, True), (13, True), (25, False), (24 * 365, False)])
+def test_a_clock_may_be_off_by_its_time_zone(hours, together):
+    records = [record("a", "Muisne", 0), record("b", "MUISNE EARTHQUAKE", 3600.0 * hours)]
+    assert (partition(records) == [["a", "b"]]) == together
+
+
+def test_different_names_at_one_time_are_one_earthquake():
+    assert partition([record("a", "Visso", 0), record("b", "NORCIA", 20)]) == [["a", "b"]]
+
+
+def test_a_title_without_time_joins_the_clock_of_its_year():
+    known = record("a", "Kaikoura", datetime(2016, 11, 13, 11, 2, 20, tzinfo=UTC))
+    assert partition([known, record("b", "Kaikoura 14/11/2016")]) == [["a", "b"]]
+    assert partition([known, record("b", "Kaikoura 1968")]) == [["a"], ["b"]]
+
+
+def test_new_year_in_another_time_zone():
+    known = record("a", "Samoa", datetime(2020, 1, 1, 3, 0, tzinfo=UTC))
+    assert partition([known, record("b", "SAMOA 31/12/2019")]) == [["a", "b"]]
+
+
+def test_earthquakes_with_one_title_have_labels_of_their_own():
+    """A region as the title: the records are kept apart by time, and so must their labels be."""
+    records = [
+        record("a", "GREECE", 0),
+        record("b", "GREECE", 10),
+        record("c", "GREECE", 3e6),
+        record("d", "ITALY", 9e6),
+    ]
+    assert group_events(records) == [
+        "GREECE (2016-10-30 06:40)",
+        "GREECE (2016-10-30 06:40)",
+        "GREECE (2016-12-04 00:00)",
+        "ITALY",
+    ]
+
+
+def test_records_of_the_same_minute_have_one_label():
+    same_minute = [record("a", start=0), record("b", start=0)]
+    assert len(set(group_events(same_minute))) == 1
+
+
+def test_the_label_is_the_title_that_most_records_have():
+    records = [record("a", "", 0), record("b", "NORCIA", 1), record("c", "Visso", 2), record("d", "Visso", 3)]
+    assert set(group_events(records)) == {"Visso"}
+    assert set(group_events([record("a", "2016103006", 0), record("b", "Visso", 1)])) == {"Visso"}
+    assert group_events([record("a", "", 0)]) == ["2016-10-30 06:40"]
+
+
+def test_the_order_of_the_records_does_not_matter():
+    records = [record("a", "GREECE", 0), record("b", "GREECE", 3e6), record("c", "Unknown"), record("d", "KOBE 1995")]
+    records += [record("e", "Kobe"), record("f", "", 30), record("g", "", 600), record("h", source="c.txt")]
+    expected = dict(zip([one.id for one in records], group_events(records), strict=True))
+    assert len(set(expected.values())) == 4, expected
+    for seed in range(20):
+        shuffled = random.Random(seed).sample(records, len(records))
+        assert dict(zip([one.id for one in shuffled], group_events(shuffled), strict=True)) == expected
+
+
+def test_the_table_of_the_user_decides():
+    records = [record("a", "Norcia", 0), record("b", "Norcia", 1), record("c", "Norcia", 2), record("d", "Kobe")]
+    assert group_events(records, {"b": "aftershock"}) == ["Norcia", "aftershock", "Norcia", "Kobe"]
+    assert group_events(records, {"a": "x", "d": "x"}) == ["x", "Norcia", "Norcia", "x"]
+
+
+def test_a_record_in_the_table_joins_nobody_else():
+    """Without b nothing connects a and c."""
+    records = [record("a", start=0), record("b", start=500), record("c", start=1000)]
+    assert partition(records) == [["a", "b", "c"]]
+    assert partition(records, {"b": "own"}) == [["a"], ["b"], ["c"]]
+
+
+def test_the_table_may_put_a_record_into_a_group_by_its_label():
+    records = [record("a", "Norcia", 0), record("b", "unknown")]
+    assert partition(records, {"b": "Norcia"}) == [["a", "b"]]
+
+
+def test_a_record_of_a_file_that_was_not_read_is_a_row_else_an_error():
+    records, named = [record("a", "Kobe"), record("b")], {"a": "mine", "x": "other"}
+    assert events_by_id(records, {"a": "mine"}) == ({"a": "mine", "b": UNKNOWN}, [])
+    unread = Failure("x.v1", "read", "damaged", "failed")
+    events, (row,) = events_by_id(records, named, [unread])
+    assert events == {"a": "mine", "b": UNKNOWN}
+    assert (row.stage, row.kind) == ("events", "failed")
+    said = "[records] events names records that were not read: x; the records read are such as a, b: "
+    assert row.reason.startswith(said)
+    _, (row,) = events_by_id(records, {f"x{number}": "e" for number in range(7)}, [unread])
+    assert "not read: x0, x1, x2, x3, x4 and 2 more; the records read" in row.reason
+    for kind in ("skipped", "duplicate"):
+        with pytest.raises(ConfigError, match=r"no record has the id x; .* such as a, b"):
+            events_by_id(records, named, [Failure("x.v1", "read", "no record", kind)])
+
+
+def test_the_table_of_a_configuration(tmp_path):
+    (tmp_path / "events.csv").write_text("record,event\na,Kobe\n")
+    (tmp_path / "site.toml").write_text('[records]\nevents = "events.csv"\n')
+    assert event_table(load_config(tmp_path / "site.toml")) == {"a": "Kobe"}
+    assert event_table(Config()) == {}
+
+
+@pytest.mark.parametrize(("named", "words"), [({"x": "e"}, "no record has the id x"), ({"a": " "}, "label for a")])
+def test_a_table_that_is_wrong_is_named(named, words):
+    with pytest.raises(ConfigError, match=words):
+        group_events([record("a")], named)
+
+
+def test_many_records_of_many_events_take_no_time():
+    """Five hundred stations of one event and as many events more."""
+    records = [record(f"s{k}", "Norcia", 0.01 * k) for k in range(500)]
+    records += [record(f"e{k}", f"Event {chr(97 + k % 26)}{chr(97 + k // 26)}", 1e6 + 1e4 * k) for k in range(676)]
+    labels = group_events(records)
+    assert len(set(labels[:500])) == 1
+    assert len(set(labels)) == 677
+
+
+def test_the_samples_are_one_earthquake_and_its_foreshock_minutes_before(ridgecrest):
+    assert len(set(group_events(ridgecrest))) == 1
+
+
+def test_real_records(records_folder):
+    """Every file of the folder, by what its name says of the earthquake."""
+    records, _ = read_all([str(records_folder)])
+    labels = group_events(records)
+    event_of = {one.source.rsplit("/", 1)[-1]: label for one, label in zip(records, labels, strict=True)}
+    assert len(set(labels)) > 20
+    same = [
+        {"RSN763_LOMAP_GIL067.AT2", "RSN763_LOMAP_GIL337.AT2", "891018_1.cra-1.0210j.smc"},
+        {"017m30lw.e0a", "LA116TH.RAW"},
+        {"274o42pv.s0a", "0165b_a.smc"},
+        {"20161113_110300_HSES_20.V1A", "20161113_110313_THZ_20.V2A"},
+    ]
+    for files in same:
+        assert len({event_of[name] for name in files}) == 1, files
+    different = [next(iter(sorted(files))) for files in same] + ["NIS090.AT2", "CE58667.V2", "2516b_a.smc"]
+    assert len({event_of[name] for name in different}) == len(different)

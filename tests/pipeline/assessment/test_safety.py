@@ -1,0 +1,129 @@
+"""Critical scales of a scene: which model is searched with what, and what a model cannot answer."""
+
+from datetime import UTC, datetime
+
+import numpy as np
+import pytest
+
+from rockpulse.assessment.assessment import assess
+from rockpulse.assessment.safety import SEARCHES, critical_scales
+from rockpulse.assessment.scene import MODELS, prepare
+from rockpulse.config.configuration import Config
+from rockpulse.config.settings import DemandSettings, ModelSettings, RecordSettings, SearchSettings
+from rockpulse.models import (
+    Block,
+    Outcome,
+    critical_scale,
+    impulsive_critical_scale,
+    resonance_critical_scale,
+    sequence_critical_scale,
+)
+from rockpulse.record.record import STANDARD_GRAVITY, Record
+from rockpulse.views.text.details import record_details
+from rockpulse.views.text.overview import overview
+
+BLOCKS = Block(half_width=[0.1, 0.2, 0.4], half_height=[1.0, 1.5, 3.0])
+T = np.arange(0.0, 12.0, 0.01)
+MOTION = 3.0 * np.sin(5.0 * T + 2.0 * np.sin(T)) * np.exp(-(((T - 5.0) / 2.0) ** 2))
+
+
+def scene(motion=MOTION, **options):
+    return prepare(Record(motion, 0.01, id="one", processed=True), Config(**options))
+
+
+def test_every_model_has_a_search():
+    assert list(SEARCHES) == list(MODELS)
+
+
+def test_each_model_is_searched_with_its_own_input():
+    one = scene(search=SearchSettings(factor_max=5.0, points=40, step=1.02))
+    found = critical_scales(BLOCKS, one)
+    record, waves = one.record, one.waves
+    expected = {
+        "resonance": resonance_critical_scale(BLOCKS, one.sequence, 5.0),
+        "sequence": sequence_critical_scale(BLOCKS, one.sequence, 5.0, 1.02),
+        "impulsive": impulsive_critical_scale(BLOCKS, waves.centroid, waves.impulse, "paper", 5.0, 40),
+        "linear": critical_scale(BLOCKS, record.acceleration, 0.01, "linear", factor_max=5.0, points=40),
+        "nonlinear": critical_scale(BLOCKS, record.acceleration, 0.01, factor_max=5.0, points=40),
+    }
+    assert list(found) == list(expected)
+    for model, scales in expected.items():
+        for name in ("safety_factor", "safe_up_to", "step", "lane", "lower", "upper", "open", "resolved"):
+            assert np.array_equal(getattr(found[model], name), getattr(scales, name)), (model, name)
+        assert np.any(np.isfinite(scales.safety_factor)), model
+
+
+def test_models_that_are_not_searched_have_no_factor():
+    found = critical_scales(BLOCKS, scene(search=SearchSettings(models=("linear",))))
+    for model, scales in found.items():
+        assert np.all(np.isnan(scales.safety_factor)) == np.all(np.isnan(scales.step)) == (model != "linear")
+        assert (scales.lane.size == 0) == (model != "linear")
+
+
+@pytest.mark.parametrize("use", [("nonlinear",), ("linear",)])
+def test_auto_has_the_factors_of_the_nonlinear_model(use):
+    record = Record(MOTION, 0.01, id="one", processed=True)
+    names = {f"block {k}": BLOCKS.lane(k) for k in range(3)}
+    config = Config(models=ModelSettings(use=use, auto=True))
+    summary = assess([record], config, names)["summary"]
+    known = critical_scale(BLOCKS, MOTION, 0.01, points=config.search.points).safety_factor
+    assert np.array_equal(summary["safety_factor"].sel(model="auto").values[0], known)
+
+
+def test_a_record_without_a_sequence_has_no_factors_of_the_sequences():
+    one = scene(np.concatenate((np.zeros(50), 0.5 * np.sin(np.linspace(0.0, np.pi, 50)), np.zeros(20))))
+    assert one.sequence is None
+    found = critical_scales(BLOCKS, one)
+    assert np.all(np.isnan(found["sequence"].safety_factor))
+    assert np.all(np.isnan(found["resonance"].safety_factor))
+    assert not np.any(np.isnan(found["nonlinear"].safety_factor))
+
+
+def with_free_flight(strength, up):
+    """A motion and a short vertical acceleration: beyond -g of it is free flight."""
+    vertical = np.where((T > 4.9) & (T < 4.96), up, 0.0)
+    motion = {"horizontal": strength * MOTION, "vertical": vertical}
+    stamp = {"network": "XX", "station": f"S{strength:g}", "start_time": datetime(2020, 1, 1, tzinfo=UTC)}
+    return [
+        Record(one, 0.01, id=f"{strength:g}.{way}", orientation=way, component=way, processed=True, **stamp)
+        for way, one in motion.items()
+    ]
+
+
+@pytest.fixture(scope="module")
+def flights():
+    """A strong record whose vertical reaches -g at 0.93 of its strength, a weak one without."""
+    config = Config(
+        records=RecordSettings(include_vertical=True),
+        models=ModelSettings(use=("nonlinear",), auto=True),
+        demands=(DemandSettings(name="collapse", acceleration=1.0),),
+    )
+    records = [*with_free_flight(1.0, -10.5), *with_free_flight(0.5, -1.0)]
+    return assess(records, config, {"tall": Block(0.5, 2.5), "tower": Block(3.0, 9.0)})
+
+
+def test_what_the_model_cannot_answer_keeps_the_lower_bound_of_the_search(flights):
+    summary = flights["summary"].sel(model="nonlinear")
+    strong, weak = (summary.sel(record=name) for name in ("1.horizontal", "0.5.horizontal"))
+    assert np.all(strong["outcome"] == Outcome.UNRESOLVED)
+    assert strong["safety_factor"].values == pytest.approx(STANDARD_GRAVITY / 10.5, rel=2e-6)
+    assert np.all(strong["safe_up_to"] < strong["safety_factor"])
+    assert np.all(strong["factor_resolved"] == 0)
+    assert np.all(strong["interval_count"] >= 1)
+    assert np.array_equal(strong["capacity_ratio"].squeeze(), strong["safety_factor"] * strong["pga"])
+    assert np.all(weak["outcome"] != Outcome.UNRESOLVED)
+    assert np.array_equal(weak["factor_resolved"] == 1, (weak["safety_factor"] < 9.3) | np.isinf(weak["safety_factor"]))
+    assert np.array_equal(flights["summary"]["factor_resolved"].sel(model="auto"), summary["factor_resolved"])
+
+
+def test_a_lower_bound_is_marked_and_does_not_drop_out_of_the_capacities(flights):
+    text = overview(flights)
+    rows = [line for line in text.splitlines() if line.startswith("  tall ")]
+    assert rows[0].split()[-2:] == ["unresolved", "0.93!"]
+    assert "!: from this factor on the model cannot answer, as in free flight" in " ".join(text.split())
+    bound = flights["summary"]["capacity_ratio"].sel(record="1.horizontal", block="tall", model="nonlinear").item()
+    assert f"{bound:.2f}!," in rows[-1]
+    assert "!: a lower bound" in " ".join(text.partition("Capacity")[2].split())
+    page = record_details(flights["summary"].to_dataset(), "1.horizontal")
+    assert f"{bound:.2f}!" in page
+    assert "0.93!" in page.partition("Safety factors:")[2]

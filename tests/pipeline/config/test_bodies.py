@@ -1,0 +1,56 @@
+"""Named bodies as lanes."""
+
+import numpy as np
+import pytest
+
+from rockpulse.config.block_settings import BlockSettings
+from rockpulse.config.bodies import gather_bodies
+from rockpulse.errors import ConfigError
+from rockpulse.models import Block
+
+WALL = BlockSettings(name="wall", width=0.4, height=3.0)
+STATUE = BlockSettings(name="statue", p=2.4, alpha=0.3, restitution=0.85)
+
+
+def test_lanes_stand_in_the_order_of_the_bodies():
+    bodies = gather_bodies([WALL, STATUE])
+    assert bodies.names == ("wall", "statue")
+    assert bodies.lanes.p == pytest.approx([WALL.block().p, 2.4])
+    assert bodies.lanes.restitution == pytest.approx([WALL.block().restitution, 0.85])
+    assert bodies.width == pytest.approx([0.4, np.nan], nan_ok=True)
+    assert bodies.cases == 1
+
+
+def test_restitution_list_makes_cases_and_repeats_single_values():
+    column = BlockSettings(name="column", width=1.0, height=6.0, restitution=[0.9, 0.95, 0.99])
+    bodies = gather_bodies([column, STATUE])
+    assert bodies.cases == 3
+    assert bodies.per_case(bodies.lanes.restitution) == pytest.approx(np.array([[0.9, 0.95, 0.99], [0.85] * 3]))
+
+
+def test_mapping_of_blocks_is_taken_as_it_is():
+    bodies = gather_bodies({"pier": Block(half_width=0.5, half_height=2.0)})
+    assert bodies.width == pytest.approx([1.0])
+    assert bodies.lanes.shape == (1,)
+
+
+def test_remarks_stay_with_their_body():
+    squat = BlockSettings(name="squat", width=1.0, height=2.0, restitution=0.95)
+    bodies = gather_bodies([WALL, squat])
+    assert bodies.warnings[0] == ""
+    assert "Housner" in bodies.warnings[1]
+    assert "slenderness 2" in bodies.warnings[1]
+
+
+@pytest.mark.parametrize(
+    ("blocks", "message"),
+    [
+        ({}, "no block to assess"),
+        ({"a": Block(0.5, 2.0, [0.8, 0.9]), "b": Block(0.5, 2.0, [0.7, 0.8, 0.9])}, "one length"),
+        ({"a": Block(0.5, 2.0), "b": Block(0.5, 2.0, gravity=9.81)}, "gravity"),
+        ({"a": Block([0.5, 0.6], 2.0)}, "restitution only"),
+    ],
+)
+def test_bodies_that_cannot_be_lined_up_are_refused(blocks, message):
+    with pytest.raises(ConfigError, match=message):
+        gather_bodies(blocks)

@@ -1,0 +1,288 @@
+"""The configuration: defaults, strictness, the words of its messages, and the way there and back."""
+
+import dataclasses
+import glob
+import math
+import pickle
+import re
+from pathlib import Path
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import rockpulse as rp
+from rockpulse.config.block_settings import BlockSettings
+from rockpulse.config.configuration import Config, load_config
+from rockpulse.config.settings import SECTIONS
+from rockpulse.errors import ConfigError
+
+TEMPLATE = Path(rp.__file__).parent / "config" / "template.toml"
+SITE = Path(__file__).parents[3] / "data" / "samples" / "site.toml"
+
+
+@pytest.fixture
+def load(tmp_path):
+    def load(text):
+        path = tmp_path / "site.toml"
+        path.write_text(text, encoding="utf-8")
+        return load_config(path)
+
+    return load
+
+
+def test_an_empty_file_gives_the_defaults(load):
+    assert load("") == Config()
+
+
+def test_defaults_are_those_of_the_template():
+    template = load_config(TEMPLATE)
+    assert dataclasses.replace(template, blocks=()) == Config()
+    assert template.blocks == (BlockSettings(name="block", width=0.6, height=2.4),)
+
+
+@pytest.mark.parametrize("path", [TEMPLATE, SITE], ids=["template", "site"])
+def test_every_key_is_shown_and_commented(path):
+    text = path.read_text(encoding="utf-8")
+    for name, section in {**SECTIONS, "block": BlockSettings}.items():
+        heading = "[[block]]" if name == "block" else f"[{name}]"
+        part = text.partition(heading)[2].partition("\n[")[0]
+        for field in dataclasses.fields(section):
+            assert re.search(rf"^(# )?{field.name} = .*#|^# {field.name} = ", part, re.M), (heading, field.name)
+
+
+@pytest.mark.parametrize("name", SECTIONS)
+def test_every_allowed_word_is_in_the_template(name):
+    part = TEMPLATE.read_text(encoding="utf-8").partition(f"[{name}]")[2].partition("\n[")[0]
+    for field in dataclasses.fields(SECTIONS[name]):
+        for word in field.metadata["kind"].words:
+            assert f'"{word}"' in part, (field.name, word)
+
+
+def test_the_sample_has_four_bodies_one_of_them_no_rectangle():
+    blocks = load_config(SITE).blocks
+    assert len(blocks) >= 4
+    assert any(block.p is not None for block in blocks)
+    for block in blocks:
+        assert block.block().slenderness > 1.0
+
+
+def test_paths_count_from_the_folder_of_the_file(load, tmp_path):
+    config = load('[records]\npaths = ["a/*.AT2", "/abs/b.smc"]')
+    assert config.record_paths() == [tmp_path / "a/*.AT2", Path("/abs/b.smc")]
+    assert str(tmp_path) not in config.as_text()
+
+
+def test_the_folder_of_the_file_is_no_pattern_whatever_its_name(tmp_path):
+    folder = tmp_path / "site [old]"
+    folder.mkdir()
+    for name in ("a.AT2", "b[1].AT2"):
+        (folder / name).touch()
+    (folder / "site.toml").write_text('[records]\npaths = ["*.AT2", "b[1].AT2"]')
+    pattern, file = load_config(folder / "site.toml").record_paths()
+    assert sorted(Path(hit).name for hit in glob.glob(str(pattern))) == ["a.AT2", "b[1].AT2"]  # noqa: PTH207
+    assert file == folder / "b[1].AT2"
+
+
+@pytest.mark.parametrize("store", ["half_waves", "all"])
+def test_histories_go_with_every_store_that_keeps_records(load, store):
+    assert load(f"[models]\nhistories = true\n[records]\nstore = '{store}'").models.histories
+
+
+def test_a_byte_order_mark_is_no_key(tmp_path):
+    path = tmp_path / "site.toml"
+    path.write_bytes(b"\xef\xbb\xbf[run]\nseed = 2\n")
+    assert load_config(path).run.seed == 2
+
+
+WRONG = [
+    ("[sitee]\nname = 'x'", r"\[sitee\]: unknown section; did you mean \"site\""),
+    ("[conditioning]\nbasline = 'mean'", r"\[conditioning\] basline: unknown key; did you mean \"baseline\""),
+    (
+        "[conditioning]\nbaseline = 'quadratc'",
+        r"baseline: expected one of .*found 'quadratc'; did you mean \"quadratic\"",
+    ),
+    ("[conditioning]\norder = 2.5", r"order: expected an integer >= 1 and <= 10, found 2.5"),
+    ("[conditioning]\norder = 0", r"order: expected an integer >= 1 and <= 10, found 0"),
+    ("[conditioning]\nhighpass_hz = 'low'", r"highpass_hz: expected a number in Hz > 0, found 'low'"),
+    ("[conditioning]\nhighpass_hz = -1", r"highpass_hz: expected a number in Hz > 0, found -1"),
+    ("[conditioning]\nhighpass_hz = inf", r"highpass_hz: expected a number in Hz > 0, found inf"),
+    ("[conditioning]\nhighpass_hz = 9\nlowpass_hz = 3", r"highpass_hz: expected a corner below"),
+    ("[half_waves]\nthreshold = 1.5", r"threshold: expected a number >= 0 and <= 1, found 1.5"),
+    ("[half_waves]\nmerge = 1", r"merge: expected true or false, found 1"),
+    ("[half_waves]\nthreshold = true", r"threshold: expected a number >= 0 and <= 1, found True"),
+    ("[intense_phase]\nmethod = 'window'\nend_s = 5", r"end_s: expected a time after start_s = None, found 5"),
+    ("[intense_phase]\nmethod = 'window'\nstart_s = 5\nend_s = 5", r"end_s: expected a time after start_s = 5"),
+    ("[intense_phase]\nstart_s = 5", r"they belong to method = \"window\""),
+    ("[intense_phase]\nlevel = 0.5", r"level: it belongs to method = \"bracketed\""),
+    ("[sequence]\nmain_count = 0", r"main_count: expected one of .* or an integer >= 1, found 0"),
+    ("[sequence]\nmain_count = true", r"main_count: expected .*, found True"),
+    ("[models]\nuse = []", r"use: expected a list of one or more of"),
+    ("[models]\nuse = ['linear', 'linear']", r"each once, found"),
+    ("[models]\nuse = ['nonlinaer']", r"use: .*did you mean \"nonlinear\""),
+    ("[models]\nuse = 'linear'", r"use: expected a list"),
+    ('[models]\noutput = "peaks"', r'output: expected one of .*did you mean "peak"'),
+    (
+        "[models]\nhistories = true\n[records]\nstore = 'none'",
+        r"\[models\] histories: .*\[records\] store = \"none\" leaves them out.*set store = .* or histories = false",
+    ),
+    ("[records]\ncomponents = 'strong'", r"components: expected one of .*did you mean \"strongest\""),
+    (
+        "[records]\ncomponents = 'azimuth'",
+        r"components: \"azimuth\" needs the direction in which the body rocks, .* give azimuth",
+    ),
+    ("[records]\nazimuth = 30", r"azimuth: it belongs to components = \"azimuth\", found components = \"horizontal\""),
+    (
+        "[records]\ncomponents = 'azimuth'\nazimuth = -5",
+        r"azimuth: expected a number in degrees >= 0 and <= 360, found -5",
+    ),
+    ("[records]\nazimuth_step = 7", r"azimuth_step: expected a whole part of 180 degrees, found 7; take 5, 10"),
+    ("[records]\nazimuth_step = 0.5", r"azimuth_step: expected a number in degrees >= 1 and <= 90, found 0.5"),
+    ("[records]\nresponse = 'removed'", r"response: expected one of .*did you mean \"remove\""),
+    ("[records]\ndt = 0", r"dt: expected a number in s > 0, found 0"),
+    ("[search]\nstep = 1.0", r"step: expected a number >= 1.0001, found 1.0"),
+    ("[search]\nfactor_max = 1e300", r"factor_max: expected a number >= 1 and <= 1e\+06, found 1e\+300"),
+    ("[search]\nfactor_max = 0.5", r"factor_max: expected a number >= 1 and <= 1e\+06, found 0.5"),
+    ("[search]\npoints = 100000000000", r"points: expected an integer >= 2 and <= 100000, found 100000000000"),
+    ("[search]\nfactor_max = 1" + 400 * "0", r"factor_max: expected a number"),
+    ("[run]\nworkers = 'al'", r"workers: expected one of \"all\" or an integer >= 1, found 'al'; did you mean \"all\""),
+    ("[run]\nworkers = 0", r"workers: expected one of \"all\" or an integer >= 1, found 0"),
+    ("site = 3", r"\[site\]: expected a section with keys, found 3"),
+    ("[records]\npaths = 'a.smc'", r"paths: expected a list of texts, found 'a.smc'"),
+    ("[records\n", r"not valid TOML: .*line 1"),
+    ("[block]\nname = 'a'", r"double brackets"),
+    ("[[block]]\nwidth = 1.0\nheight = 3.0", r"name: this key is needed"),
+    ("[[block]]\nname = 'a/b'\nwidth = 1.0\nheight = 3.0", r"name: expected a printable text without"),
+    ("[[block]]\nname = ' '\nwidth = 1.0\nheight = 3.0", r"name: expected a printable text"),
+    ("[[block]]\nname = 'a'", r"\"a\": expected width and height \[m\], or p \[1/s\] and alpha \[rad\]; found neither"),
+    ("[[block]]\nname = 'a'\nwidth = 1.0", r"found width"),
+    ("[[block]]\nname = 'a'\nwidth = 1\nheight = 3\np = 2", r"found height and p and width"),
+    ("[[block]]\nname = 'a'\nwidth = 0\nheight = 3", r"\"a\" width: expected a number in m > 0, found 0"),
+    ("[[block]]\nname = 'a'\nwidth = 1\nheight = -3", r"\"a\" height: expected a number in m > 0, found -3"),
+    (
+        "[[block]]\nname = 'a'\np = 2\nalpha = 14.0",
+        r"alpha: expected an angle below pi/2 rad, found 14; is it in degrees",
+    ),
+    ("[[block]]\nname = 'a'\nwidth = 1\nheight = 3\nrestitution = 1.2", r"restitution: expected a velocity ratio"),
+    ("[[block]]\nname = 'a'\nwidth = 1\nheight = 3\nrestitution = 'housener'", r"did you mean \"housner\""),
+    ("[[block]]\nname = 'a'\nwidth = 1\nheight = 3\nrestitution = []", r"restitution: expected"),
+    (
+        "[[block]]\nname='a'\nwidth=1\nheight=3\n[[block]]\nname='a'\nwidth=1\nheight=3",
+        r"name: \"a\" is given 2 times; names must differ",
+    ),
+    (
+        "[[block]]\nname='a'\nwidth=1\nheight=3\nrestitution=[0.8,0.9]\n[[block]]\nname='b'\nwidth=1\nheight=3\nrestitution=[0.8]",
+        r'one length in all blocks, found 2 in "a", 1 in "b"',
+    ),
+]
+
+
+@pytest.mark.parametrize(("text", "message"), WRONG, ids=[text.replace("\n", "|")[:50] for text, _ in WRONG])
+def test_a_wrong_file_is_refused_by_name(load, tmp_path, text, message):
+    with pytest.raises(ConfigError, match=message) as caught:
+        load(text)
+    assert str(caught.value).startswith(f"{tmp_path / 'site.toml'}: ")
+    assert pickle.loads(pickle.dumps(caught.value)).args == caught.value.args
+
+
+def test_a_file_in_another_encoding_is_refused(tmp_path):
+    path = tmp_path / "site.toml"
+    path.write_bytes('[site]\nname = "Città"'.encode("latin-1"))
+    with pytest.raises(ConfigError, match="UTF-8"):
+        load_config(path)
+
+
+def test_a_missing_file_stays_a_file_system_fault(tmp_path):
+    with pytest.raises(FileNotFoundError):
+        load_config(tmp_path / "none.toml")
+
+
+_numbers = st.floats(min_value=1e-6, max_value=1e6)
+_texts = st.text(st.characters(codec="utf-8"), max_size=12)
+_names = _texts.filter(lambda name: name.strip() and "/" not in name and name.isprintable())
+_ratios = st.floats(0.0, 1.0)
+_restitutions = st.one_of(st.just("housner"), _ratios, st.lists(_ratios, min_size=2, max_size=2).map(tuple))
+
+
+@st.composite
+def _configs(draw):
+    sections = {}
+    for name, section in SECTIONS.items():
+        values = {}
+        for field in dataclasses.fields(section):
+            kind = field.metadata["kind"]
+            pools = [st.just(field.default)]
+            if kind.words and isinstance(field.default, str):
+                pools.append(st.sampled_from(kind.words))
+            elif isinstance(field.default, str):
+                pools.append(_texts)
+            elif isinstance(field.default, float):
+                # What is out of range becomes the default: filters would throw most draws away.
+                numbers = st.one_of(st.floats(0.5, 0.99), _numbers)
+                pools.append(
+                    numbers.map(lambda value, kind=kind, own=field.default: value if kind.accepts(value) else own)
+                )
+            values[field.name] = draw(st.one_of(pools))
+        if values.get("method") == "window":
+            values.update(start_s=1.0, end_s=draw(st.floats(1.5, 1e3)))
+        if name == "records":
+            rotated = values["components"] == "azimuth"
+            values.update(azimuth=draw(st.floats(0.0, 360.0)) if rotated else None)
+            values.update(azimuth_step=180.0 / draw(st.integers(2, 180)))
+        if name == "calibration":
+            values.update(target=None if values["scale_to"] == "none" else draw(_numbers))
+            values.update(weights=draw(st.sampled_from(["equal", "event", "weights.csv"])))
+        sections[name] = section(**values)
+    names = draw(st.lists(_names, unique=True, max_size=3))
+    blocks = [
+        BlockSettings(name=name, width=draw(_numbers), height=draw(_numbers), restitution=draw(_restitutions))
+        for name in names
+    ]
+    return Config(**sections, blocks=tuple(blocks))
+
+
+@settings(derandomize=True, deadline=None, max_examples=60)
+@given(config=_configs())
+def test_the_text_of_a_configuration_loads_back_to_it(tmp_path_factory, config):
+    path = tmp_path_factory.mktemp("config") / "resolved.toml"
+    path.write_text(config.as_text(), encoding="utf-8", newline="")
+    assert load_config(path) == config
+
+
+def test_odd_characters_survive_the_way_through_toml(tmp_path):
+    config = Config(blocks=(BlockSettings(name='"\\ è 柱', p=1.0, alpha=math.pi / 8),))
+    path = tmp_path / "odd.toml"
+    path.write_text(config.as_text(), encoding="utf-8")
+    assert load_config(path) == config
+
+
+def test_demands_are_read_and_written(load):
+    text = '[[demand]]\nname = "ULS"\nacceleration = 2.45\n'
+    text += '[[demand]]\nname = "SLS"\nacceleration = 1\nlimit_state = "50 years"\n'
+    config = load(text)
+    assert [demand.name for demand in config.demands] == ["ULS", "SLS"]
+    assert [demand.acceleration for demand in config.demands] == [2.45, 1.0]
+    assert config.demands[1].limit_state == "50 years"
+    assert load(config.as_text()) == config
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ('[demand]\nname = "ULS"\nacceleration = 2.0', "double brackets, one for each limit state"),
+        ('[[demand]]\nname = "ULS"', "acceleration: this key is needed"),
+        ("[[demand]]\nacceleration = 2.0", "name: this key is needed"),
+        ('[[demand]]\nname = ""\nacceleration = 2.0', "expected a text that is not empty"),
+        ('[[demand]]\nname = "ULS"\nacceleration = 0.0', "expected a number in m/s2 > 0"),
+        ('[[demand]]\nname = "ULS"\nacceleration = 2.0\n' * 2, r"\[\[demand\]\] name: \"ULS\" is given 2 times"),
+        ('[search]\nmodels = ["linaer"]', 'did you mean "linear"'),
+        ("[search]\npoints = 1", "points: expected an integer >= 2"),
+    ],
+)
+def test_a_wrong_demand_or_search_is_refused(load, text, message):
+    with pytest.raises(ConfigError, match=message):
+        load(text)
+
+
+def test_no_model_may_be_searched(load):
+    assert load("[search]\nmodels = []").search.models == ()

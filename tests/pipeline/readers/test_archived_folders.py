@@ -1,0 +1,175 @@
+"""Zip archives as sources of records: read without unpacking, and refused where they are damaged or unsafe."""
+
+from __future__ import annotations
+
+import gzip
+import hashlib
+import zipfile
+
+import numpy as np
+import pytest
+from source_files import ONE, TWO, VELOCITY, ids, kinds, make_zip
+
+from rockpulse.readers import archive, source
+from rockpulse.readers.folders import read_all
+
+
+def test_an_archive_is_read_without_unpacking(tmp_path, monkeypatch):
+    path = make_zip(
+        tmp_path / "all.zip",
+        **{
+            "b.AT2": ONE,
+            "sub__a.AT2": TWO,
+            "sub__a.VT2": VELOCITY,
+            "README.md": b"x",
+            ".hidden": ONE,
+            "n.txt": b"text",
+        },
+    )
+    before = sorted(tmp_path.rglob("*"))
+    records, failures = read_all(path)
+    assert [record.source for record in records] == [f"{path}!b.AT2", f"{path}!sub/a.AT2"]
+    assert ids(records) == ["b.090", "a.090"]
+    assert records[0].source_sha256 == hashlib.sha256(ONE).hexdigest()
+    assert [(row.file, row.kind) for row in failures] == [
+        (f"{path}!n.txt", "skipped"),
+        (f"{path}!sub/a.VT2", "skipped"),
+    ]
+    assert sorted(tmp_path.rglob("*")) == before
+
+
+@pytest.mark.parametrize("name", ["../up.AT2", "/etc/abs.AT2", "a/../../up.AT2", "C:/win.AT2", "..\\up.AT2"])
+def test_a_member_whose_name_leaves_the_archive_is_refused(tmp_path, name):
+    with zipfile.ZipFile(tmp_path / "all.zip", "w") as target:
+        target.writestr(name, ONE)
+        target.writestr("good.AT2", TWO)
+    records, (failure,) = read_all(tmp_path / "all.zip")
+    assert ids(records) == ["good.090"]
+    assert failure.kind == "failed"
+    assert "leads out of the archive" in failure.reason
+
+
+@pytest.mark.parametrize("name", ["inner.zip", "inner.AT2.gz", "inner.tar"])
+def test_an_archive_in_an_archive_is_refused(tmp_path, name):
+    path = make_zip(tmp_path / "all.zip", **{name: ONE, "good.AT2": TWO})
+    records, (failure,) = read_all(path)
+    assert ids(records) == ["good.090"]
+    assert "inside the archive" in failure.reason
+
+
+@pytest.mark.parametrize("first", ["[Content_Types].xml", "mimetype"])
+def test_an_office_document_is_no_archive_of_records(tmp_path, first):
+    (tmp_path / "b.AT2").write_bytes(TWO)
+    with zipfile.ZipFile(tmp_path / "list.xlsx", "w") as target:
+        target.writestr(first, "x")
+        target.writestr("a.AT2", ONE)
+    records, failures = read_all(tmp_path)
+    assert ids(records) == ["b.090"]
+    assert ("list.xlsx", "skipped") in kinds(failures)
+
+
+def test_a_member_compressed_beyond_the_limit_is_refused(tmp_path):
+    path = make_zip(tmp_path / "all.zip", **{"bomb.AT2": bytes(5_000_000), "good.AT2": TWO})
+    records, (failure,) = read_all(path)
+    assert ids(records) == ["good.090"]
+    assert f"the limit is {archive.RATIO_LIMIT}" in failure.reason
+
+
+def test_a_member_or_file_beyond_the_size_limit_is_refused(tmp_path, monkeypatch):
+    limit = len(ONE) - 1
+    monkeypatch.setattr(archive, "FILE_LIMIT", limit)
+    monkeypatch.setattr(source, "FILE_LIMIT", limit)
+    make_zip(tmp_path / "all.zip", **{"big.AT2": ONE})
+    (tmp_path / "big.AT2").write_bytes(ONE)
+    (tmp_path / "big.AT2.gz").write_bytes(gzip.compress(ONE))
+    records, failures = read_all(tmp_path)
+    assert records == []
+    assert [failure.kind for failure in failures] == ["failed"] * 3
+    assert all(f"{limit}" in failure.reason for failure in failures)
+
+
+def test_an_archive_beyond_its_total_size_or_number_of_members_is_refused(tmp_path, monkeypatch):
+    path = make_zip(tmp_path / "all.zip", **{"a.AT2": ONE, "b.AT2": TWO})
+    for limit, value, words in [("TOTAL_LIMIT", len(ONE), f"is {len(ONE)}; split"), ("MEMBER_LIMIT", 1, "is 1; split")]:
+        with monkeypatch.context() as patch:
+            patch.setattr(archive, limit, value)
+            records, (failure,) = read_all(path)
+        assert records == []
+        assert (failure.file, failure.kind) == (str(path), "failed")
+        assert words in failure.reason
+
+
+def test_members_that_share_their_bytes_are_refused(tmp_path):
+    path = make_zip(tmp_path / "all.zip", **{"a.AT2": ONE, "b.AT2": TWO})
+    with zipfile.ZipFile(path) as source:
+        second = source.infolist()[1].header_offset
+    content = path.read_bytes()
+    central = content.rindex(b"PK\x01\x02")
+    where = central + 42  # offset of the local header
+    assert int.from_bytes(content[where : where + 4], "little") == second
+    path.write_bytes(content[:where] + bytes(4) + content[where + 4 :])
+    records, (failure,) = read_all(path)
+    assert records == []
+    assert "overlap in the archive" in failure.reason or "damaged" in failure.reason
+
+
+@pytest.mark.parametrize(
+    "content",
+    [b"PK\x03\x04 and more", gzip.compress(ONE), bytes(257) + b"ustar" + bytes(200)],
+    ids=["zip", "gz", "tar"],
+)
+def test_an_archive_in_an_archive_is_known_whatever_its_name(tmp_path, content):
+    path = tmp_path / "all.zip"
+    with zipfile.ZipFile(path, "w") as target:
+        target.writestr("inner.AT2", content)
+        target.writestr("good.AT2", TWO)
+    records, (failure,) = read_all(path)
+    assert ids(records) == ["good.090"]
+    assert "inside the archive; unpack the outer one first" in failure.reason
+
+
+def test_a_damaged_archive_and_a_damaged_member_are_rows(tmp_path):
+    (tmp_path / "bad.zip").write_bytes(b"PK\x03\x04 and no more")
+    path = make_zip(tmp_path / "half.zip", **{"a.AT2": ONE, "b.AT2": TWO})
+    content = bytearray(path.read_bytes())
+    content[200:210] = bytes(10)
+    path.write_bytes(content)
+    records, failures = read_all(tmp_path)
+    assert ids(records) == ["b.090"]
+    assert [failure.kind for failure in failures] == ["failed"] * 2
+    assert "damaged zip archive" in failures[0].reason
+    assert "half.zip!a.AT2" in failures[1].reason
+
+
+def test_an_encrypted_member_is_refused(tmp_path):
+    path = make_zip(tmp_path / "all.zip", **{"a.AT2": ONE})
+    content = path.read_bytes()
+    local, central = content.index(b"PK\x03\x04"), content.index(b"PK\x01\x02")
+    flagged = bytearray(content)
+    flagged[local + 6] |= 1
+    flagged[central + 8] |= 1
+    path.write_bytes(flagged)
+    _, (failure,) = read_all(path)
+    assert "encrypted" in failure.reason
+
+
+def test_any_damage_to_an_archive_is_a_row(tmp_path):
+    content = make_zip(tmp_path / "all.zip", **{"a.AT2": ONE[:600], "b.AT2": TWO[:600]}).read_bytes()
+    random = np.random.default_rng(3)
+    for _ in range(100):
+        damaged = bytearray(content)
+        for at in random.integers(0, len(damaged), 4):
+            damaged[at] = random.integers(0, 256)
+        (tmp_path / "all.zip").write_bytes(damaged)
+        records, failures = read_all(tmp_path)
+        assert records or failures
+
+
+def test_miniseed_in_an_archive_finds_its_station_file(tmp_path, records_folder):
+    beside = records_folder / "mseed_xml"
+    with zipfile.ZipFile(tmp_path / "all.zip", "w", zipfile.ZIP_DEFLATED) as target:
+        target.write(beside / "CI.WCS2..HNE.mseed", "data/CI.WCS2..HNE.mseed")
+        target.write(beside / "CI.WCS2.xml", "data/CI.WCS2.xml")
+    (record,), failures = read_all(tmp_path / "all.zip")
+    assert record.unit_factor == 1.0 / 213757.0
+    assert failures == []

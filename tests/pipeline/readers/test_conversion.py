@@ -1,0 +1,306 @@
+"""Where converted records go, and what is never touched."""
+
+from __future__ import annotations
+
+import errno
+import gzip
+from dataclasses import replace
+from datetime import UTC, datetime
+from pathlib import Path
+
+import numpy as np
+import pytest
+from record_writers import pulse
+
+import rockpulse as rp
+from rockpulse.errors import ConfigError, RecordRefused
+from rockpulse.record.record import Record
+
+EAST = Record(pulse(300, 2.0), 0.01, "CI.CLC..90", "CI", "CLC", channel="90", orientation="horizontal", azimuth=90.0)
+UP = replace(EAST, id="CI.CLC..Up", channel="Up", orientation="vertical", azimuth=float("nan"))
+
+
+def names(folder):
+    return sorted(path.name for path in folder.iterdir())
+
+
+def test_one_record_goes_where_it_was_told(tmp_path):
+    (written,) = rp.write([EAST], tmp_path / "out.AT2")
+    assert (written.path, written.records) == (tmp_path / "out.AT2", (("CI.CLC..90", ""),))
+    assert names(tmp_path) == ["out.AT2"]
+
+
+def test_several_records_have_their_channels_in_the_names(tmp_path):
+    rp.write([EAST, UP], tmp_path / "out.csv")
+    assert names(tmp_path) == ["out.90.csv", "out.Up.csv"]
+
+
+def test_records_of_several_stations_have_their_ids_in_the_names(tmp_path):
+    rp.write([EAST, replace(EAST, id=".X..90")], tmp_path / "out.csv")
+    assert names(tmp_path) == ["out.CI.CLC..90.csv", "out.X..90.csv"]
+
+
+def test_a_folder_is_filled_with_the_ids(tmp_path):
+    rp.write([EAST, replace(EAST, id=".X..90")], tmp_path / "new", format="at2")
+    assert names(tmp_path / "new") == ["CI.CLC..90.AT2", "X..90.AT2"]
+    rp.write([UP], tmp_path / "new", format="csv")
+    assert "CI.CLC..Up.csv" in names(tmp_path / "new")
+
+
+def test_miniseed_holds_all_and_has_a_station_file(tmp_path):
+    (written,) = rp.write([UP, EAST], tmp_path / "out.mseed")
+    assert written.records == (("CI.CLC..Up", "CI.CLC..HNZ"), ("CI.CLC..90", "CI.CLC..HNE"))
+    assert names(tmp_path) == ["out.mseed", "out.xml"]
+    back = {record.channel: record for record in rp.read(tmp_path / "out.mseed")}
+    assert back["HNE"].azimuth == 90.0
+    assert back["HNZ"].orientation == "vertical"
+    assert back["HNE"].start_time is None
+
+
+@pytest.mark.parametrize(
+    ("out", "format", "message"),
+    [
+        ("out", None, "expected a format, one of at2, csv, mseed, found 'none'"),
+        ("out.dat", None, r"found '\.dat'"),
+        ("out.dat", "xls", "found 'xls'"),
+        ("out.txt", "csv", r"a file of the format csv ends in \.csv, found '\.txt'"),
+        ("out.csv", "at2", "the name says csv, the format at2"),
+        ("new", "mseed", "miniSEED holds all records in one file; name it, such as"),
+        ("missing/new/out.csv", None, "there is no folder .*missing/new; create it first"),
+        ("missing/out.csv", None, "there is no folder .*missing; create it first"),
+        ("missing/new", "csv", "there is no folder .*missing; create it first"),
+    ],
+)
+def test_a_place_that_cannot_be_written_is_refused(tmp_path, out, format, message):
+    with pytest.raises(ConfigError, match=message):
+        rp.write([EAST], tmp_path / out, format)
+    assert not [path for path in tmp_path.rglob("*") if path.is_file()]
+
+
+def test_a_file_is_no_folder_to_write_into(tmp_path):
+    (tmp_path / "noext").write_text("mine")
+    with pytest.raises(ConfigError, match=r"noext: expected a folder, or a name that ends in \.csv, found a file"):
+        rp.write([EAST], tmp_path / "noext", "csv", overwrite=True)
+    assert (tmp_path / "noext").read_text() == "mine"
+
+
+def test_no_record_is_an_error(tmp_path):
+    with pytest.raises(ConfigError, match="no record to write"):
+        rp.write([], tmp_path / "out.csv")
+
+
+def test_a_file_that_exists_is_replaced_only_where_that_is_allowed(tmp_path):
+    rp.write([EAST], tmp_path / "out.AT2")
+    before = (tmp_path / "out.AT2").read_bytes()
+    with pytest.raises(ConfigError, match=r"out\.AT2: the file exists"):
+        rp.write([UP], tmp_path / "out.AT2")
+    assert (tmp_path / "out.AT2").read_bytes() == before
+    rp.write([UP], tmp_path / "out.AT2", overwrite=True)
+    assert (tmp_path / "out.AT2").read_bytes() != before
+    (tmp_path / "out.csv").mkdir()
+    with pytest.raises(ConfigError, match="expected a format"):
+        rp.write([UP], tmp_path / "out.csv", overwrite=True)
+
+
+def test_the_file_a_record_came_from_is_never_replaced(tmp_path):
+    rp.write([EAST], tmp_path / "in.AT2")
+    (record,) = rp.read(tmp_path / "in.AT2")
+    (tmp_path / "link.AT2").symlink_to("in.AT2")
+    for name in ("in.AT2", "link.AT2"):
+        with pytest.raises(ConfigError, match="a record comes from this file"):
+            rp.write([record], tmp_path / name, overwrite=True)
+
+
+def test_a_station_file_of_others_is_never_replaced(tmp_path):
+    (tmp_path / "out.xml").write_text("<FDSNStationXML/>")
+    with pytest.raises(ConfigError, match=r"out\.xml: a StationXML that rockpulse did not write is never replaced"):
+        rp.write([EAST], tmp_path / "out.mseed", overwrite=True)
+    (tmp_path / "out.xml").unlink()
+    rp.write([EAST], tmp_path / "out.mseed")
+    rp.write([EAST], tmp_path / "out.mseed", overwrite=True)
+
+
+def test_a_station_file_of_others_with_the_same_codes_leaves_another_location(tmp_path):
+    rp.write([EAST], tmp_path / "out.mseed")
+    own = (tmp_path / "out.xml").read_text()
+    other = own.replace("<Value>1.0<", "<Value>2.0<").replace("written by rockpulse", "of others")
+    (tmp_path / "agency.xml").write_text(other)
+    assert rp.read(tmp_path / "out.mseed")[0].unit_factor == 1.0  # the file of the same name comes first
+    (written,) = rp.write([EAST], tmp_path / "second.mseed")
+    assert written.records == (("CI.CLC..90", "CI.CLC.00.HNE"),)
+    assert np.array_equal(rp.read(tmp_path / "second.mseed")[0].acceleration, EAST.acceleration)
+
+
+def test_a_station_file_of_another_time_leaves_the_codes_alone(tmp_path):
+    early, late = (replace(EAST, start_time=datetime(year, 1, 2, tzinfo=UTC)) for year in (2001, 2002))
+    rp.write([early], tmp_path / "early.mseed")
+    for azimuth, code in ((90.0, "CI.CLC..HNE"), (91.0, "CI.CLC..HNE")):
+        (written,) = rp.write([replace(late, azimuth=azimuth)], tmp_path / f"{azimuth}.mseed")
+        assert written.records[0][1] == code
+        (tmp_path / f"{azimuth}.xml").unlink()
+    (written,) = rp.write([replace(early, azimuth=91.0)], tmp_path / "again.mseed")
+    assert written.records[0][1] == "CI.CLC.00.HNE"
+
+
+def test_a_damaged_station_file_in_the_folder_is_named_and_nothing_stays(tmp_path):
+    (tmp_path / "agency.xml").write_text("<FDSNStationXML> CLC")
+    with pytest.raises(RecordRefused, match=r"a StationXML in its folder is damaged .*agency\.xml: cannot be read"):
+        rp.write([EAST], tmp_path / "out.mseed")
+    assert names(tmp_path) == ["agency.xml"]
+
+
+def test_two_files_in_one_folder_keep_their_directions_and_states(tmp_path):
+    start = datetime(2020, 1, 2, 3, 4, 5, tzinfo=UTC)
+    first = replace(EAST, channel="060", azimuth=60.0, processed=False, start_time=start)
+    second = replace(first, channel="150", azimuth=150.0, processed=True)
+    (one,), (two,) = rp.write([first], tmp_path / "a.mseed"), rp.write([second], tmp_path / "b.mseed")
+    assert one.records[0][1] != two.records[0][1]
+    for name, record in (("a", first), ("b", second)):
+        (back,) = rp.read(tmp_path / f"{name}.mseed")
+        assert (back.azimuth, back.processed) == (record.azimuth, record.processed)
+
+
+def test_the_station_file_of_a_converted_record_serves_no_other_miniseed_file(tmp_path):
+    rp.write([EAST], tmp_path / "out.mseed")
+    (tmp_path / "counts.mseed").write_bytes((tmp_path / "out.mseed").read_bytes())
+    with pytest.raises(RecordRefused, match=r"out\.xml, which serves the miniSEED file of its own name only"):
+        rp.read(tmp_path / "counts.mseed")
+    # Unless that is asked for.
+    (record,) = rp.read(tmp_path / "counts.mseed", stationxml=tmp_path / "out.xml")
+    assert np.array_equal(record.acceleration, EAST.acceleration)
+
+
+@pytest.mark.parametrize("name", ["out.ms", "out.MSEED", "out.seed", "out", "out.mseed.gz"])
+def test_two_miniseed_files_that_would_share_a_station_file_are_refused(tmp_path, name):
+    rp.write([EAST], tmp_path / "other.mseed")
+    content = (tmp_path / "other.mseed").read_bytes()
+    (tmp_path / name).write_bytes(gzip.compress(content) if name.endswith(".gz") else content)
+    (tmp_path / "out.log").touch()
+    with pytest.raises(ConfigError, match=rf"its StationXML, out\.xml, would serve {name} as well"):
+        rp.write([UP], tmp_path / "out.mseed", overwrite=True)
+    assert not (tmp_path / "out.xml").exists()
+    (tmp_path / name).unlink()
+    rp.write([UP], tmp_path / "out.mseed")
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"azimuth": 80.0}, r"CI\.CLC\.\.90: the azimuth comes back as 80 instead of 90"),
+        ({"azimuth": float("nan"), "component": "UP"}, "the azimuth comes back as nan instead of 90"),
+        ({"azimuth": float("nan"), "orientation": "vertical"}, "comes back as 'vertical' instead of 'horizontal'"),
+        ({"processed": True}, "processed comes back as True instead of None"),
+    ],
+)
+def test_metadata_that_do_not_come_back_are_refused_and_nothing_stays(tmp_path, monkeypatch, changes, message):
+    from rockpulse.readers import conversion
+
+    wrong = replace(conversion.WRITERS["at2"], one=lambda record: conversion.at2_bytes(replace(record, **changes)))
+    monkeypatch.setitem(conversion.WRITERS, "at2", wrong)
+    with pytest.raises(RecordRefused, match=message):
+        rp.write([EAST], tmp_path / "out.AT2")
+    assert names(tmp_path) == []
+
+
+def test_a_channel_on_a_structure_is_logged(tmp_path, caplog):
+    rp.write([EAST, replace(UP, orientation="structural")], tmp_path / "out.csv")
+    assert caplog.messages == ["CI.CLC..Up: on a structure, which .csv files cannot say"]
+
+
+def test_at2_says_that_a_channel_is_on_a_structure(tmp_path, caplog):
+    places = [replace(EAST, orientation="structural"), replace(UP, orientation="structural", component="UP (ROOF)")]
+    for record, azimuth in zip(places, (90.0, np.nan), strict=True):
+        (written,) = rp.write(record, tmp_path / f"{record.channel}.AT2")
+        (again,) = rp.read(written.path)
+        assert (again.orientation, again.azimuth) == ("structural", pytest.approx(azimuth, nan_ok=True))
+    assert not caplog.messages
+
+
+@pytest.mark.parametrize("name", ["a!b/in.AT2", "a; b/in.AT2", "a; b!c; d.AT2", "plain.AT2"])
+def test_no_sign_in_a_path_uncovers_the_file_a_record_came_from(tmp_path, name):
+    path = tmp_path / name
+    path.parent.mkdir(exist_ok=True)
+    rp.write([EAST], path)
+    before = path.read_bytes()
+    (record,) = rp.read(path)
+    assert record.source == str(path)
+    for source in (record.source, f"{record.source}; {tmp_path}/other.AT2", f"other.zip!x; {record.source}!inside.AT2"):
+        with pytest.raises(ConfigError, match="a record comes from this file"):
+            rp.write([replace(record, source=source)], path, overwrite=True)
+    assert path.read_bytes() == before
+
+
+def test_a_symbolic_link_stays_and_its_target_is_replaced(tmp_path):
+    (tmp_path / "real").mkdir()
+    rp.write([EAST], tmp_path / "real" / "in.AT2")
+    (tmp_path / "link.AT2").symlink_to("real/in.AT2")
+    rp.write([UP], tmp_path / "link.AT2", overwrite=True)
+    assert (tmp_path / "link.AT2").is_symlink()
+    assert rp.read(tmp_path / "real" / "in.AT2")[0].orientation == "vertical"
+    assert names(tmp_path / "real") == ["in.AT2"]
+    (tmp_path / "nowhere.AT2").symlink_to("missing.AT2")
+    with pytest.raises(FileNotFoundError, match="the symbolic link points nowhere"):
+        rp.write([UP], tmp_path / "nowhere.AT2", overwrite=True)
+
+
+def test_a_disk_that_is_full_is_told_of_the_file_that_was_asked_for(tmp_path, monkeypatch):
+    def full(path, content):
+        raise OSError(errno.EFBIG, "File too large")
+
+    monkeypatch.setattr(Path, "write_bytes", full)
+    with pytest.raises(OSError, match="File too large") as fault:
+        rp.write([EAST], tmp_path / "out.csv")
+    assert fault.value.filename == str(tmp_path / "out.csv")
+    assert names(tmp_path) == []
+
+
+def test_where_one_file_cannot_be_placed_all_stay_as_they_were(tmp_path, monkeypatch):
+    rp.write([EAST], tmp_path / "out.90.csv")
+    before = (tmp_path / "out.90.csv").read_bytes()
+    place = Path.replace
+
+    def stubborn(path, target):
+        if target.name == "out.Up.csv" and path.suffix == ".part":
+            raise PermissionError(errno.EACCES, "Permission denied", str(path))
+        return place(path, target)
+
+    monkeypatch.setattr(Path, "replace", stubborn)
+    louder = replace(EAST, acceleration=2.0 * EAST.acceleration)
+    for records in ([louder, UP], [replace(louder, id="c", channel="c"), UP]):
+        with pytest.raises(PermissionError) as fault:
+            rp.write(records, tmp_path / "out.csv", overwrite=True)
+        assert fault.value.filename == str(tmp_path / "out.Up.csv")
+        assert names(tmp_path) == ["out.90.csv"]
+        assert (tmp_path / "out.90.csv").read_bytes() == before
+
+
+def test_an_interval_that_the_format_cannot_hold_is_refused_and_nothing_stays(tmp_path, monkeypatch):
+    monkeypatch.setattr("rockpulse.readers.conversion._STEP_TOLERANCE", -1.0)
+    with pytest.raises(RecordRefused, match=r"the interval of CI\.CLC\.\.90, 0\.01 s, comes back as 0\.01 s"):
+        rp.write([EAST], tmp_path / "new", format="csv")
+    assert names(tmp_path) == []
+
+
+def test_samples_that_do_not_come_back_are_refused_and_nothing_stays(tmp_path, monkeypatch):
+    from rockpulse.readers import conversion
+
+    wrong = replace(conversion.WRITERS["csv"], one=lambda record: conversion.csv_bytes(UP_HALF))
+    monkeypatch.setitem(conversion.WRITERS, "csv", wrong)
+    with pytest.raises(RecordRefused, match=r"the samples of CI\.CLC\.\.90 do not come back as written"):
+        rp.write([EAST], tmp_path / "out.csv")
+    assert names(tmp_path) == []
+
+
+UP_HALF = replace(UP, acceleration=0.5 * UP.acceleration)
+
+
+def test_ids_that_one_folder_cannot_hold_are_refused(tmp_path):
+    with pytest.raises(ConfigError, match="expected records of different ids"):
+        rp.write([EAST, replace(UP, id="ci.clc..90")], tmp_path, format="csv")
+
+
+def test_the_samples_are_written_as_they_are(tmp_path):
+    rp.write([EAST], tmp_path / "out.csv")
+    table = np.loadtxt(tmp_path / "out.csv", delimiter=",", skiprows=1)
+    assert np.array_equal(table[:, 1], EAST.acceleration)
+    assert table[:, 0] == pytest.approx(EAST.time, abs=1e-12)

@@ -1,0 +1,322 @@
+"""Which channels belong together: the vertical one to a horizontal one, and two horizontal ones as a pair."""
+
+from dataclasses import replace
+from datetime import UTC, datetime, timedelta
+
+import numpy as np
+import pytest
+
+from rockpulse.readers.folders import read_all
+from rockpulse.record import components
+from rockpulse.record.components import Neighbours, align, find_pairs, matching_vertical, select_horizontal, uncovered
+from rockpulse.record.record import Record
+
+START = datetime(2019, 7, 6, 3, 19, 53, tzinfo=UTC)
+
+
+def record(orientation, start=START, station="CCC", n=100, dt=0.01, source="a.v1", name=""):
+    return Record(
+        dt * np.arange(n),
+        dt,
+        id=name or f"{station}.{orientation}",
+        network="CI",
+        station=station,
+        orientation=orientation,
+        start_time=start,
+        source=source,
+    )
+
+
+def test_later_start_shifts_the_vertical_and_leaves_zeros_before_it():
+    up = align(record("vertical", START + timedelta(seconds=0.5)), record("horizontal"))
+    assert np.all(up[:50] == 0.0)
+    assert up[50:] == pytest.approx(0.01 * np.arange(50))
+
+
+def test_vertical_that_ends_early_is_followed_by_zeros():
+    short = record("vertical", n=40)
+    up = align(short, record("horizontal"))
+    assert np.all(up[40:] == 0.0)
+    assert up[39] == pytest.approx(0.39)
+    assert uncovered(short, record("horizontal")) == pytest.approx(0.6)
+
+
+def test_other_sampling_is_interpolated_as_the_piecewise_linear_record_it_is():
+    up = align(record("vertical", n=20, dt=0.05), record("horizontal"))
+    assert up[:96] == pytest.approx(0.01 * np.arange(96))
+
+
+def test_other_station_or_other_event_does_not_match():
+    later = record("vertical", START + timedelta(hours=1), source="b.v1")
+    assert matching_vertical(record("horizontal"), [record("vertical", station="CLC", source="c.v1"), later]) is None
+
+
+def test_same_file_comes_before_a_longer_overlap():
+    short = record("vertical", n=30, name="same file")
+    long = record("vertical", source="b.v1", name="other file")
+    assert matching_vertical(record("horizontal"), [long, short]).id == "same file"
+
+
+def test_longest_overlap_of_the_station_is_taken_from_other_files():
+    ups = [record("vertical", n=n, source=f"{n}.v1", name=str(n)) for n in (30, 90, 60)]
+    assert matching_vertical(record("horizontal"), ups).id == "90"
+
+
+def test_without_times_only_the_same_file_matches():
+    one = record("horizontal", start=None)
+    assert matching_vertical(one, [record("vertical", start=None, source="b.v1")]) is None
+    assert matching_vertical(one, [record("vertical", start=None)]) is not None
+
+
+def test_unknown_station_never_matches_another_file():
+    blank = record("horizontal", station="")
+    assert matching_vertical(blank, [record("vertical", station="", source="b.v1")]) is None
+
+
+def horizontal(azimuth, **options):
+    options = {
+        "source": "a.v1",
+        "station": "CCC",
+        "start_time": START,
+        "format": "csmip-v1",
+        "processed": True,
+    } | options
+    options = {"channel": f"{azimuth:g}", "id": f"{options['station']}.{azimuth:g}.{options['source']}"} | options
+    return Record(np.arange(100.0), 0.01, orientation="horizontal", network="CI", azimuth=azimuth, **options)
+
+
+def pairs_of(*records):
+    pairs, failures = find_pairs(records)
+    return [tuple(channel.id for channel in pair.channels) for pair in pairs], failures
+
+
+def test_two_channels_of_a_file_are_a_pair_and_files_do_not_mix():
+    found, failures = pairs_of(*(horizontal(z, source=s) for s in ("a.v1", "b.v1") for z in (90.0, 0.0)))
+    assert found == [("CCC.90.a.v1", "CCC.0.a.v1"), ("CCC.90.b.v1", "CCC.0.b.v1")]
+    assert not failures
+
+
+def test_two_files_of_a_station_that_overlap_in_time_are_a_pair():
+    later = START + timedelta(seconds=0.3)
+    found, _ = pairs_of(horizontal(90.0, source="e.smc"), horizontal(0.0, source="n.smc", start_time=later))
+    assert found == [("CCC.90.e.smc", "CCC.0.n.smc")]
+
+
+@pytest.mark.parametrize(
+    "other",
+    [
+        {"start_time": START + timedelta(seconds=1.5)},
+        {"start_time": None},
+        {"station": "CLC"},
+        {"location": "10"},
+        {"format": "smc"},
+        {"processed": False},
+    ],
+    ids=lambda other: next(iter(other)),
+)
+def test_what_was_not_recorded_together_is_no_pair(other):
+    found, failures = pairs_of(horizontal(90.0, source="e"), horizontal(0.0, source="n", **other))
+    assert not found
+    assert [failure.stage for failure in failures] == ["pair", "pair"]
+    assert all("no second horizontal channel" in failure.reason for failure in failures)
+    assert all('components = "horizontal" assesses it as it was recorded' in failure.reason for failure in failures)
+
+
+def test_sensors_of_one_station_keep_to_themselves():
+    codes = {"HNE": 90.0, "HNN": 0.0, "BNE": 90.0, "BNN": 0.0}
+    found, _ = pairs_of(*(horizontal(z, source=f"{c}.mseed", channel=c, id=c) for c, z in codes.items()))
+    assert found == [("HNE", "HNN"), ("BNE", "BNN")]
+
+
+def test_three_channels_of_a_building_are_no_pair_whatever_their_order():
+    roof = [horizontal(z, id=f"ch{n}", channel=str(n)) for n, z in enumerate((0.0, 90.0, 0.0), 1)]
+    for order in (roof, roof[::-1]):
+        found, failures = pairs_of(*order)
+        assert not found
+        assert sorted(failure.reason.split(":")[0] for failure in failures) == ["ch1", "ch2", "ch3"]
+        assert all("expected one other horizontal channel" in failure.reason for failure in failures)
+        assert all("found 2: " in failure.reason for failure in failures)
+
+
+def test_a_stray_file_beside_a_pair_does_not_part_it():
+    found, failures = pairs_of(horizontal(90.0), horizontal(0.0), horizontal(45.0, source="stray.v1"))
+    assert found == [("CCC.90.a.v1", "CCC.0.a.v1")]
+    assert "stray.v1: expected one other horizontal channel" in failures[0].reason
+
+
+def test_one_channel_cannot_serve_two():
+    """A long file of one direction, two short ones of the other, one after the other."""
+    short = [
+        horizontal(0.0, source=name, start_time=START + timedelta(seconds=wait))
+        for name, wait in (("n1", -0.3), ("n2", 0.3))
+    ]
+    found, failures = pairs_of(horizontal(90.0, source="e"), *short)
+    assert not found
+    assert len(failures) == 3
+    assert "recorded together with it, but also with CCC.0.n2: which two are a pair?" in failures[1].reason
+
+
+def test_an_unknown_azimuth_is_told_and_parts_no_pair():
+    unknown = horizontal(float("nan"))
+    found, failures = pairs_of(horizontal(90.0), unknown, horizontal(0.0))
+    assert found == [("CCC.90.a.v1", "CCC.0.a.v1")]
+    assert "its azimuth is unknown" in failures[0].reason
+
+
+def peer(azimuth, source, **options):
+    known = {"station": "", "start_time": None, "event": "Loma Prieta, 10/18/1989", "station_name": "Gilroy"}
+    return horizontal(azimuth, source=source, format="at2", **{**known, **options})
+
+
+def test_files_without_times_belong_together_by_folder_event_and_station():
+    found, _ = pairs_of(peer(67.0, "x/GIL067.AT2"), peer(337.0, "x/GIL337.AT2"))
+    assert found == [(".67.x/GIL067.AT2", ".337.x/GIL337.AT2")]
+    up = Record(np.arange(100.0), 0.01, id="up", source="x/GIL-UP.AT2", event="Loma Prieta, 10/18/1989",
+                station_name="Gilroy", orientation="vertical")  # fmt: skip
+    assert matching_vertical(peer(67.0, "x/GIL067.AT2"), [up]) is up
+
+
+@pytest.mark.parametrize(("azimuth", "words"), [(np.nan, "its azimuth is unknown"), (0.0, "no second horizontal")])
+def test_columns_without_a_partner_are_told_how_to_get_one(azimuth, words):
+    _, (row,) = find_pairs([Record([0.0, 1.0], 0.01, id="x.1", azimuth=azimuth, format="columns")])
+    assert words in row.reason
+    assert "put both directions into one file with headings such as 'time [s],acc N [g],acc E [g]'" in row.reason
+
+
+@pytest.mark.parametrize("other", [{"event": "Kobe"}, {"station_name": "Hollister"}, {"event": "", "station_name": ""}])
+def test_files_without_times_and_with_other_names_do_not(other):
+    assert not pairs_of(peer(67.0, "x/a.AT2", **other), peer(337.0, "x/b.AT2"))[0]
+    assert not pairs_of(peer(67.0, "x/a.AT2"), peer(337.0, "y/b.AT2"))[0]
+
+
+def test_files_without_times_pair_by_station_code_too(samples):
+    records, _ = read_all([samples.parent / "formats" / f"clc_csmnc.{name}.dat" for name in ("EW", "NS", "UD")])
+    pairs, failures = find_pairs([record for record in records if record.orientation == "horizontal"])
+    assert [[channel.azimuth for channel in pair.channels] for pair in pairs] == [[90.0, 0.0]]
+    assert not failures
+    assert matching_vertical(pairs[0].first, [record for record in records if record.orientation == "vertical"])
+
+
+@pytest.mark.parametrize(("azimuth", "kept"), [(90.0, True), (np.nan, False)])
+def test_structures_are_assessed_where_asked_for_but_not_what_may_be_vertical(azimuth, kept):
+    channel = Record(np.arange(100.0), 0.01, id="roof", orientation="structural", azimuth=azimuth, source="a")
+    (listed,) = select_horizontal([channel])[1]
+    assert listed.kind == "structural"
+    assert "[records] structural = true" in listed.reason
+    chosen, failures = select_horizontal([channel], structural=True)
+    assert len(chosen) == kept
+    assert all("as if this were ground motion" in one.warnings[0] for one in chosen)
+    assert all("vertical or in an unknown direction" in failure.reason for failure in failures)
+
+
+def test_a_channel_on_a_structure_takes_no_vertical_one_and_no_partner_on_the_ground():
+    roof = Record(np.arange(100.0), 0.01, id="roof", orientation="structural", azimuth=0.0, source="a.v1",
+                  network="CI", station="CCC", start_time=START, format="csmip-v1", processed=True)  # fmt: skip
+    assert matching_vertical(roof, [record("vertical")]) is None
+    assert not pairs_of(roof, horizontal(90.0))[0]
+
+
+def test_borehole_and_surface_of_kik_net_are_two_pairs_with_their_own_verticals():
+    known = {"format": "knet", "processed": False}
+    channels = [
+        horizontal(azimuth, channel=f"{word}{depth}", source=f"x.{word}{depth}", **known)
+        for word, azimuth in (("EW", 90.0), ("NS", 0.0))
+        for depth in "12"
+    ]
+    pairs, failures = find_pairs(channels)
+    assert [[one.channel for one in pair.channels] for pair in pairs] == [["EW1", "NS1"], ["EW2", "NS2"]]
+    assert not failures
+    ups = [
+        replace(one, channel=f"UD{depth}", orientation="vertical")
+        for one, depth in zip(channels[:2], "12", strict=True)
+    ]
+    assert [matching_vertical(one, ups).channel for one in channels] == ["UD1", "UD2", "UD1", "UD2"]
+
+
+def test_two_locations_in_one_file_are_two_instruments():
+    known = {"format": "miniseed", "processed": False, "source": "x.mseed"}
+    channels = [
+        horizontal(azimuth, channel=f"HN{letter}", location=location, **known)
+        for location in ("00", "10")
+        for letter, azimuth in (("E", 90.0), ("N", 0.0))
+    ]
+    pairs, failures = find_pairs(channels)
+    assert [[one.location for one in pair.channels] for pair in pairs] == [["00", "00"], ["10", "10"]]
+    assert not failures
+    ups = [replace(one, channel="HNZ", orientation="vertical") for one in channels[::2]]
+    assert matching_vertical(channels[3], ups).location == "10"
+    assert matching_vertical(channels[3], ups[:1]) is None
+
+
+@pytest.mark.parametrize(
+    ("others", "taken"),
+    [
+        ([("BNZ", True, "b"), ("HNZ", True, "c")], "c"),
+        ([("HNZ", False, "a.v1"), ("HNZ", True, "b")], "b"),
+        ([("BNZ", True, "b")], "b"),
+        ([("HHZ", True, "b")], ""),
+    ],
+)
+def test_the_vertical_of_the_same_volume_and_sensor_comes_first(others, taken):
+    one = horizontal(90.0, channel="HNE")
+    ups = [
+        replace(one, channel=channel, processed=processed, source=source, orientation="vertical")
+        for channel, processed, source in others
+    ]
+    found = matching_vertical(one, ups)
+    assert ("" if found is None else found.source) == taken
+
+
+def test_channels_at_two_places_of_a_structure_are_no_pair():
+    places = [("90 DEG (ROOF)", 90.0), ("0 DEG (FOOTING)", 0.0), ("0 DEG (roof)", 0.0)]
+    channels = [
+        replace(horizontal(azimuth), component=component, id=component, orientation="structural")
+        for component, azimuth in places
+    ]
+    assert not pairs_of(*channels[:2])[0]
+    assert pairs_of(*channels)[0] == [("90 DEG (ROOF)", "0 DEG (roof)")]
+
+
+def test_windows_that_hardly_overlap_are_no_pair():
+    first, second = (
+        [horizontal(azimuth, source=source, start_time=START + timedelta(seconds=wait)) for azimuth in (90.0, 0.0)]
+        for source, wait in (("a.v1", 0.0), ("b.v1", 0.9))
+    )
+    assert len(pairs_of(*first, *second)[0]) == 2
+    found, failures = pairs_of(first[0], second[1])
+    assert not found
+    assert len(failures) == 2
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_neighbours_hold_every_channel_that_was_recorded_together_with_one(seed):
+    draw = np.random.default_rng(seed)
+
+    def any_record(number):
+        known = draw.random() < 0.6
+        return replace(
+            record("horizontal", START + timedelta(seconds=float(draw.integers(0, 4))) if known else None),
+            acceleration=np.arange(float(draw.choice([3, 100, 400]))),
+            id=f"{number}",
+            station=str(draw.choice(["", "CCC"])),
+            station_name=str(draw.choice(["", "Christmas Canyon"])),
+            event=str(draw.choice(["", "Ridgecrest"])),
+            source=str(draw.choice(["a.v1", "b.v1", "sub/c.v1"])),
+        )
+
+    records = [any_record(number) for number in range(40)]
+    neighbours = Neighbours(records)
+    together = 0
+    for one in records:
+        near = neighbours.of(one)
+        assert [int(other.id) for other in near] == sorted(int(other.id) for other in near)
+        expected = {other.id for other in records if components._together(one, other)}
+        assert expected <= {other.id for other in near}
+        together += len(expected)
+    assert 40 < together < 40 * 40
+
+
+def test_among_thousands_of_channels_of_one_station_few_are_looked_at():
+    records = [record("horizontal", START + timedelta(minutes=number), source=f"{number}") for number in range(1000)]
+    neighbours = Neighbours(records)
+    assert max(len(neighbours.of(one)) for one in records) <= 3

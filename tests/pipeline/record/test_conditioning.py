@@ -1,0 +1,330 @@
+"""Conditioning: baselines, the filter's response and phase, resampling, and what is written down."""
+
+import logging
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from rockpulse.config import settings as configuration
+from rockpulse.errors import ConfigError
+from rockpulse.record.conditioning import BASELINES, condition
+from rockpulse.record.half_wave import half_waves
+from rockpulse.record.intensity import pgv
+from rockpulse.record.record import Record
+
+properties = settings(derandomize=True, deadline=None, max_examples=50)
+coefficients = st.tuples(*[st.floats(-5.0, 5.0)] * 3)
+
+
+def record(values, dt=0.01, processed=False):
+    return Record(values, dt=dt, id="test", processed=processed)
+
+
+def noise(count=2000, seed=1):
+    return np.random.default_rng(seed).normal(size=count)
+
+
+def event(offset=0.0, quiet=15.0, dt=0.01, length=60.0):
+    """Faint noise, then from `quiet` on [s] a 2 Hz shaking that begins and ends at rest, all on an offset."""
+    time = dt * np.arange(round(length / dt) + 1)
+    since = np.maximum(time - quiet, 0.0)
+    velocity = 0.1 * np.sin(4.0 * np.pi * since) * since * np.exp(-0.4 * since)
+    return record(offset + np.gradient(velocity, dt) + 1e-5 * noise(time.size), dt)
+
+
+def sine(frequency, dt=0.01, length=40.0, phase=0.3):
+    time = dt * np.arange(round(length / dt) + 1)
+    return record(np.sin(2.0 * np.pi * frequency * time + phase), dt)
+
+
+def amplitude_and_phase(motion, frequency, start=10.0, end=30.0):
+    """Least-squares sine of one frequency in the middle of a record."""
+    inside = (motion.time >= start) & (motion.time <= end)
+    angle = 2.0 * np.pi * frequency * motion.time[inside]
+    sine_part, cosine_part = np.linalg.lstsq(
+        np.column_stack((np.sin(angle), np.cos(angle))), motion.acceleration[inside], rcond=None
+    )[0]
+    return math.hypot(sine_part, cosine_part), math.atan2(cosine_part, sine_part)
+
+
+def test_baselines_are_those_of_the_configuration():
+    assert set(BASELINES) == set(configuration.BASELINES)
+
+
+@properties
+@given(coefficients, st.integers(3, 500))
+@pytest.mark.parametrize(("baseline", "degree"), [("mean", 0), ("linear", 1), ("quadratic", 2)])
+def test_polynomial_of_the_degree_is_removed_exactly(baseline, degree, chosen, count):
+    time = np.linspace(0.0, 3.0, count)
+    values = np.polynomial.polynomial.polyval(time, chosen[: degree + 1])
+    conditioned = condition(record(values), baseline=baseline)
+    assert np.max(np.abs(conditioned.acceleration)) <= 1e-12 * (1.0 + np.max(np.abs(values)))
+
+
+@pytest.mark.parametrize("baseline", [name for name in BASELINES if name != "none"])
+def test_baseline_removed_twice_is_removed_once(baseline):
+    once = condition(event(offset=0.7), baseline=baseline)
+    twice = condition(once, baseline=baseline)
+    np.testing.assert_allclose(twice.acceleration, once.acceleration, rtol=0, atol=1e-13)
+    assert len(twice.processing) == 2
+
+
+@pytest.mark.parametrize("baseline", BASELINES)
+def test_mirrored_record_is_conditioned_to_the_mirror_image(baseline):
+    motion = event(offset=0.2)
+    mirrored = replace(motion, acceleration=-motion.acceleration)
+    options = {"baseline": baseline, "highpass_hz": 0.1, "lowpass_hz": 20.0, "resample_s": 0.02}
+    np.testing.assert_array_equal(
+        condition(mirrored, **options).acceleration, -condition(motion, **options).acceleration
+    )
+
+
+def test_baseline_none_changes_nothing_and_says_nothing():
+    conditioned = condition(event(offset=0.7), baseline="none")
+    np.testing.assert_array_equal(conditioned.acceleration, event(offset=0.7).acceleration)
+    assert conditioned.processing == ()
+
+
+def test_auto_leaves_a_processed_volume_untouched():
+    motion = replace(event(offset=0.7), processed=True)
+    conditioned = condition(motion)
+    np.testing.assert_array_equal(conditioned.acceleration, motion.acceleration)
+    assert conditioned.processing == ("baseline: left as it is, a processed volume",)
+
+
+def test_auto_takes_the_pre_event_mean_from_a_raw_volume():
+    motion = event(offset=0.7)
+    conditioned = condition(motion)
+    assert conditioned.acceleration == pytest.approx(motion.acceleration - 0.7, abs=1e-5)
+    assert conditioned.processing == ("baseline: mean of the pre-event window 0 to 15 s (found), 0.7 m/s2, subtracted",)
+    assert conditioned.warnings == ()
+
+
+def test_auto_takes_the_mean_with_one_warning_where_nothing_is_known(caplog):
+    motion = replace(event(offset=0.7), processed=None)
+    with caplog.at_level(logging.WARNING, logger="rockpulse"):
+        conditioned = condition(condition(motion))
+    assert np.mean(conditioned.acceleration) == pytest.approx(0.0, abs=1e-13)
+    assert [warning.partition(":")[0] for warning in conditioned.warnings] == [
+        "the format does not say whether the record is processed"
+    ]
+    assert len(caplog.records) == 1
+
+
+def test_velocity_that_does_not_come_back_is_a_warning_until_it_does():
+    motion = event()
+    step = 0.001 * (motion.time > 30.0)
+    drifting = condition(condition(replace(motion, acceleration=motion.acceleration + step)))
+    assert len(drifting.warnings) == 1
+    stated = float(drifting.warnings[0].removeprefix("baseline drift: the ground velocity ends at ").split()[0])
+    assert stated == pytest.approx(0.03, rel=0.02)
+    assert condition(drifting, "linear").warnings == ()
+    assert condition(motion).warnings == ()
+
+
+@pytest.mark.parametrize("processed", [True, False, None])
+def test_nothing_is_filtered_or_tapered_unless_asked_for(processed):
+    motion = replace(event(), processed=processed)
+    difference = condition(motion).acceleration - motion.acceleration
+    assert np.ptp(difference) < 1e-15
+
+
+@pytest.mark.parametrize("offset", [0.0, 30.0])
+def test_pre_event_window_ends_at_the_onset_whatever_the_offset(offset):
+    note = condition(event(offset), baseline="pre-event").processing[0]
+    length = float(note.split(" s (found)")[0].split()[-1])
+    assert 14.9 < length < 15.2
+
+
+def test_pre_event_window_of_raw_records_ends_before_the_shaking(ridgecrest):
+    for motion in ridgecrest:
+        conditioned = condition(motion)
+        length = float(conditioned.processing[0].split(" s (found)")[0].split()[-1])
+        departure = np.abs(motion.acceleration - np.median(motion.acceleration[:500]))
+        shaking = motion.dt * np.argmax(departure > 0.01 * np.max(departure))
+        assert 10.0 < length < shaking
+        assert conditioned.pga == pytest.approx(abs(motion.header_peak), abs=0.01)
+
+
+def test_pre_event_window_too_short_takes_the_mean_and_says_so():
+    conditioned = condition(event(offset=0.7, quiet=0.3), baseline="pre-event")
+    assert np.mean(conditioned.acceleration) == pytest.approx(0.0, abs=1e-13)
+    assert "no pre-event window, the record is quiet for 0.3" in conditioned.processing[0]
+    assert conditioned.processing[1].startswith("baseline: mean of all samples")
+
+
+def test_constant_record_is_quiet_throughout():
+    conditioned = condition(record(np.full(500, 0.3)))
+    assert conditioned.acceleration == pytest.approx(np.zeros(500), abs=1e-15)
+    assert "pre-event window 0 to 4.99 s (found)" in conditioned.processing[0]
+
+
+def test_given_pre_event_window_is_taken():
+    values = np.concatenate((np.full(101, 2.0), np.full(400, 5.0)))
+    conditioned = condition(record(values), pre_event_s=1.0)
+    assert conditioned.acceleration[[0, -1]].tolist() == [0.0, 3.0]
+    assert conditioned.processing == ("baseline: mean of the pre-event window 0 to 1 s (given), 2 m/s2, subtracted",)
+
+
+@pytest.mark.parametrize("order", [1, 2, 4])
+@pytest.mark.parametrize("frequency", [0.25, 0.5, 1.0, 5.0, 10.0, 20.0])
+def test_filter_has_the_squared_butterworth_response_and_no_phase(order, frequency):
+    filtered = condition(sine(frequency), "none", highpass_hz=0.5, lowpass_hz=10.0, order=order)
+    amplitude, phase = amplitude_and_phase(filtered, frequency)
+    # The bilinear transform maps f to tan(pi f dt).
+    warped, low, high = (math.tan(math.pi * value * 0.01) for value in (frequency, 0.5, 10.0))
+    gain = 1.0 / (1.0 + (low / warped) ** (2 * order)) / (1.0 + (warped / high) ** (2 * order))
+    assert amplitude == pytest.approx(gain, rel=1e-3, abs=1e-6)
+    assert math.remainder(phase - 0.3, 2.0 * math.pi) == pytest.approx(0.0, abs=1e-3)
+
+
+@pytest.mark.parametrize(
+    "corners", [{"highpass_hz": 0.2}, {"lowpass_hz": 8.0}, {"highpass_hz": 0.2, "lowpass_hz": 8.0}]
+)
+def test_symmetric_pulse_stays_symmetric(corners):
+    time = 0.01 * np.arange(-2000, 2001)
+    filtered = condition(record(np.exp(-((time / 0.2) ** 2))), "none", order=3, **corners).acceleration
+    assert filtered == pytest.approx(filtered[::-1], abs=1e-6 * np.max(filtered))
+    assert np.argmax(filtered) == 2000
+
+
+def test_high_pass_takes_the_impulse_of_a_one_sided_pulse_and_the_note_says_so():
+    time = 0.01 * np.arange(4001)
+    motion = record(np.exp(-(((time - 20.0) / 0.5) ** 2)))
+    filtered = condition(motion, "none", highpass_hz=0.3)
+    before, after = (np.max(np.abs(half_waves(one).impulse)) for one in (motion, filtered))
+    assert after < 0.8 * before
+    assert f"PGV {pgv(motion):.4g} -> {pgv(filtered):.4g} m/s" in filtered.processing[-1]
+    assert f"largest half-wave impulse {before:.4g} -> {after:.4g} m/s" in filtered.processing[-1]
+
+
+def test_long_pads_would_not_change_the_filtered_record():
+    motion = event()
+    padded = replace(motion, acceleration=np.pad(motion.acceleration, 20000))
+    short, long = (condition(one, "none", highpass_hz=0.1, taper_s=0.0) for one in (motion, padded))
+    assert short.acceleration == pytest.approx(long.acceleration[20000:-20000], abs=2e-6 * motion.pga)
+
+
+def test_note_gives_the_velocity_that_is_cut_off_with_the_pad():
+    # A step at the first sample: the filter spreads it into the pad.
+    motion = record(np.ones(4001))
+    padded = replace(motion, acceleration=np.pad(motion.acceleration, 20000))
+    short, long = (condition(one, "none", highpass_hz=0.1, taper_s=0.0) for one in (motion, padded))
+    velocity = 0.01 * np.sum((long.acceleration[:20000] + long.acceleration[1:20001]) / 2.0)
+    stated = float(short.processing[-1].split("with a velocity of ")[1].split()[0])
+    assert stated == pytest.approx(velocity, rel=0.01)
+    assert abs(velocity) > 0.1
+
+
+def test_taper_is_a_cosine_that_leaves_the_middle_alone():
+    tapered = condition(record(np.ones(1001)), "none", taper_s=2.0).acceleration
+    assert tapered[[0, 50, 100, 150, 200, 500, 800, 900, 1000]] == pytest.approx(
+        [0.0, 0.5 - 0.125**0.5, 0.5, 0.5 + 0.125**0.5, 1.0, 1.0, 1.0, 0.5, 0.0]
+    )
+
+
+@pytest.mark.parametrize(("highpass", "length"), [(0.1, "2 s"), (1.0, "1 s")])
+def test_default_taper_is_one_period_of_the_corner_or_five_percent(highpass, length):
+    note = condition(sine(2.0), "none", highpass_hz=highpass).processing[0]
+    assert note.startswith(f"taper: cosine, {length} at each end")
+
+
+@pytest.mark.parametrize(("old", "new"), [(0.01, 0.005), (0.01, 0.02), (0.005, 0.02), (0.01, 0.004), (0.0025, 0.01)])
+@pytest.mark.parametrize("share", [0.1, 0.5, 0.79])
+def test_resampled_sine_keeps_amplitude_and_phase(old, new, share):
+    frequency = share * 0.5 / max(old, new)
+    resampled = condition(sine(frequency, old), "none", resample_s=new)
+    amplitude, phase = amplitude_and_phase(resampled, frequency)
+    assert resampled.dt == new
+    assert resampled.duration == pytest.approx(40.0, abs=new)
+    assert amplitude == pytest.approx(1.0, abs=1e-4)
+    assert phase == pytest.approx(0.3, abs=1e-4)
+
+
+def test_coarser_record_has_no_aliases():
+    resampled = condition(sine(26.0), "none", resample_s=0.02)  # Nyquist 25 Hz; the alias would be at 24 Hz
+    middle = (resampled.time > 5.0) & (resampled.time < 35.0)
+    assert np.max(np.abs(resampled.acceleration[middle])) < 1e-4
+
+
+def test_offset_makes_no_steps_at_the_ends_when_resampled():
+    resampled = condition(record(np.full(500, 7.0)), "none", resample_s=0.005)
+    assert resampled.acceleration == pytest.approx(np.full(999, 7.0), abs=1e-12)
+
+
+def test_resampling_there_and_back_keeps_a_smooth_record():
+    time = 0.01 * np.arange(3001)
+    motion = record(np.sin(2.0 * np.pi * time) * np.exp(-(((time - 15.0) / 3.0) ** 2)))
+    back = condition(condition(motion, "none", resample_s=0.004), "none", resample_s=0.01)
+    assert back.acceleration == pytest.approx(motion.acceleration, abs=5e-5)
+    assert len(back.processing) == 2
+
+
+def test_resampling_to_the_interval_it_has_does_nothing():
+    motion = event()
+    assert condition(motion, "none", resample_s=0.01) is motion
+
+
+def test_steps_are_written_down_in_their_order_and_the_rest_is_kept():
+    motion = replace(event(), station="ABC", processing=("earlier",))
+    conditioned = condition(motion, "linear", highpass_hz=0.1, lowpass_hz=20.0, order=3, taper_s=1.0, resample_s=0.02)
+    assert [step.partition(":")[0] for step in conditioned.processing] == [
+        "earlier",
+        "baseline",
+        "taper",
+        "filter",
+        "resampled",
+    ]
+    assert (
+        "high-pass 0.1 Hz and low-pass 20 Hz, zero phase, order 3 each way (effective 6), pads of 45 s"
+        in (conditioned.processing[3])
+    )
+    assert conditioned.station == "ABC"
+    assert motion.processing == ("earlier",)
+
+
+@pytest.mark.parametrize(
+    ("wrong", "message"),
+    [
+        ({"baseline": "median"}, "baseline: expected one of auto, none, mean"),
+        ({"highpass_hz": 0.0}, "highpass_hz: expected a frequency above 0"),
+        ({"highpass_hz": -1.0}, "highpass_hz: expected a frequency above 0"),
+        ({"lowpass_hz": 50.0}, "below the Nyquist frequency 50 Hz of test, got 50.0"),
+        ({"highpass_hz": 60.0}, "below the Nyquist frequency 50 Hz of test"),
+        ({"lowpass_hz": math.nan}, "lowpass_hz: expected a frequency"),
+        ({"highpass_hz": 5.0, "lowpass_hz": 5.0}, "expected highpass_hz below lowpass_hz"),
+        ({"order": 0}, "order: expected a whole number from 1 to 10"),
+        ({"order": 11}, "order: expected a whole number from 1 to 10"),
+        ({"order": 2.0}, "order: expected a whole number from 1 to 10"),
+        ({"order": True}, "order: expected a whole number from 1 to 10"),
+        ({"taper_s": -1.0}, "taper_s: expected 0 to 30 s"),
+        ({"taper_s": 30.1}, "taper_s: expected 0 to 30 s, half the length of test"),
+        ({"resample_s": 0.0}, "resample_s: expected a positive interval"),
+        ({"resample_s": -0.01}, "resample_s: expected a positive interval"),
+        ({"resample_s": math.nan}, "resample_s: expected a positive interval"),
+        ({"resample_s": 61.0}, "resample_s: expected a positive interval in s, no longer than test"),
+        ({"resample_s": 0.01 * math.sqrt(2.0)}, "in no ratio of whole numbers up to 1000"),
+        ({"resample_s": 1e-6}, "in no ratio of whole numbers up to 1000"),
+        ({"resample_s": 11.0}, "in no ratio of whole numbers up to 1000"),
+        ({"baseline": "mean", "pre_event_s": 2.0}, "pre_event_s belongs to baseline 'pre-event' or 'auto'"),
+        ({"pre_event_s": 0.001}, "pre_event_s: expected a window of at least two samples"),
+        ({"pre_event_s": 60.1}, "pre_event_s: expected a window"),
+    ],
+)
+def test_wrong_arguments_are_named(wrong, message):
+    with pytest.raises(ConfigError, match=message):
+        condition(event(), **wrong)
+
+
+def test_two_samples_can_be_conditioned():
+    conditioned = condition(record([1.0, 3.0]), "quadratic", highpass_hz=1.0, taper_s=0.0)
+    assert conditioned.acceleration == pytest.approx([0.0, 0.0], abs=1e-12)
+
+
+def test_corner_far_below_the_record_is_refused_before_its_pads_are_made():
+    with pytest.raises(ConfigError, match=r"pads of 3e\+14 samples, expected at most 1e\+07"):
+        condition(sine(1.0), "none", highpass_hz=1e-12)

@@ -1,0 +1,229 @@
+"""Arias intensity, PGV and intense phase: closed forms, and exactness for a record that is linear between samples."""
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import assume, given, settings
+from hypothesis import strategies as st
+
+from rockpulse.errors import ConfigError, RecordRefused
+from rockpulse.record.intensity import INTENSE_PHASES, IntensePhase, arias_intensity, intense_phase, pgv
+from rockpulse.record.record import STANDARD_GRAVITY, Record
+
+properties = settings(derandomize=True, deadline=None, max_examples=100)
+samples = st.lists(st.integers(-9, 9), min_size=2, max_size=40)
+
+
+def record(values, dt=1.0):
+    return Record(values, dt=dt, id="test")
+
+
+def sine(frequency, cycles, dt=0.01, amplitude=3.0):
+    count = round(cycles / frequency / dt)
+    return record(amplitude * np.sin(2.0 * np.pi * frequency * dt * np.arange(count + 1)), dt)
+
+
+def refined(values, parts):
+    """The same lines with more samples on them."""
+    fine = np.interp(np.arange((len(values) - 1) * parts + 1) / parts, np.arange(len(values)), values)
+    return record(fine, 1.0 / parts)
+
+
+@pytest.mark.parametrize(("frequency", "cycles"), [(0.5, 5), (1.0, 10), (2.5, 50)])
+def test_arias_intensity_of_a_sampled_sine(frequency, cycles):  # VALIDATION V17, D
+    motion = sine(frequency, cycles)
+    continuous = math.pi * 3.0**2 * (cycles / frequency) / (4.0 * STANDARD_GRAVITY)
+    chords = (2.0 + math.cos(2.0 * math.pi * frequency * motion.dt)) / 3.0
+    assert arias_intensity(motion) == pytest.approx(continuous * chords, rel=1e-12)
+
+
+@pytest.mark.parametrize(("frequency", "cycles"), [(0.5, 5), (1.0, 10), (2.5, 50)])
+def test_significant_duration_of_whole_sine_cycles(frequency, cycles):  # VALIDATION V17, D
+    phase = intense_phase(sine(frequency, cycles))
+    assert abs(phase.duration - 0.9 * cycles / frequency) < 0.5 / frequency
+    # 5 % of ten cycles is at a zero crossing, where the time is the cube root of the energy and its rounding.
+    assert phase.start + phase.end == pytest.approx(cycles / frequency, abs=1e-5)
+
+
+def test_significant_duration_of_a_constant_is_a_share_of_its_length():
+    assert intense_phase(record([2.0] * 11)) == IntensePhase(
+        pytest.approx(0.5, rel=1e-14), pytest.approx(9.5, rel=1e-14)
+    )
+    assert intense_phase(record([2.0] * 11), "D5-75").end == pytest.approx(7.5, rel=1e-14)
+
+
+@pytest.mark.parametrize("count", [2, 3, 101])
+def test_significant_duration_of_a_ramp_follows_its_cubic(count):
+    phase = intense_phase(record(np.linspace(0.0, 7.0, count), 10.0 / (count - 1)))
+    assert phase.start == pytest.approx(10.0 * 0.05 ** (1.0 / 3.0), rel=1e-12)
+    assert phase.end == pytest.approx(10.0 * 0.95 ** (1.0 / 3.0), rel=1e-12)
+
+
+def test_level_reached_beyond_a_zero_crossing_in_one_interval():
+    # a = 1 - 2 t: the energy (1 - (1 - 2 t)^3)/6 of 1/3 is at 95 % where (1 - 2 t)^3 = -0.9
+    phase = intense_phase(record([1.0, -1.0]))
+    assert phase.end == pytest.approx(0.5 * (1.0 + 0.9 ** (1.0 / 3.0)), rel=1e-12)
+    assert phase.start == pytest.approx(0.5 * (1.0 - 0.9 ** (1.0 / 3.0)), rel=1e-12)
+
+
+def test_nearly_constant_interval_keeps_its_digits():
+    phase = intense_phase(record([1.0, 1.0 + 1e-13]))
+    assert (phase.start, phase.end) == (pytest.approx(0.05, rel=1e-11), pytest.approx(0.95, rel=1e-11))
+
+
+@properties
+@given(samples, st.integers(2, 5), st.sampled_from(["D5-95", "D5-75"]))
+def test_more_samples_on_the_same_lines_change_nothing(values, parts, method):
+    assume(any(values))
+    coarse, fine = record(values), refined(values, parts)
+    assert arias_intensity(fine) == pytest.approx(arias_intensity(coarse), rel=1e-12)
+    assert pgv(fine) == pytest.approx(pgv(coarse), rel=1e-12)
+    # The time is as good as the cube root of the energy's rounding where the acceleration vanishes.
+    expected, found = intense_phase(coarse, method), intense_phase(fine, method)
+    assert (found.start, found.end) == (pytest.approx(expected.start, abs=1e-4), pytest.approx(expected.end, abs=1e-4))
+
+
+@properties
+@given(samples, st.floats(0.1, 8.9))
+def test_bracketed_phase_does_not_depend_on_the_sampling(values, level):
+    assume(max(map(abs, values)) > level)
+    coarse = intense_phase(record(values), "bracketed", level=level)
+    fine = intense_phase(refined(values, 4), "bracketed", level=level)
+    assert (fine.start, fine.end) == (pytest.approx(coarse.start, abs=1e-12), pytest.approx(coarse.end, abs=1e-12))
+
+
+@properties
+@given(samples, st.sampled_from(list(INTENSE_PHASES)))
+def test_mirrored_and_scaled_records_have_the_same_phase(values, method):
+    assume(max(map(abs, values)) >= 1)
+    phase = intense_phase(record(values), method)
+    assert intense_phase(record(np.negative(values)), method) == phase
+    scaled = intense_phase(
+        record(np.multiply(values, 4.0)), method, level=0.2 * STANDARD_GRAVITY if method == "bracketed" else None
+    )
+    assert (scaled.start, scaled.end) == (pytest.approx(phase.start, rel=1e-9), pytest.approx(phase.end, rel=1e-9))
+    assert arias_intensity(record(np.multiply(values, 4.0))) == pytest.approx(16.0 * arias_intensity(record(values)))
+    assert pgv(record(np.multiply(values, -4.0))) == pytest.approx(4.0 * pgv(record(values)))
+
+
+@pytest.mark.parametrize("method", ["D5-95", "D5-75", "bracketed"])
+def test_quiet_in_front_shifts_the_phase(method):
+    motion = sine(1.0, 10)
+    later = record(np.concatenate((np.zeros(300), motion.acceleration)), motion.dt)
+    phase, shifted = intense_phase(motion, method), intense_phase(later, method)
+    assert (shifted.start, shifted.end) == (pytest.approx(phase.start + 3.0), pytest.approx(phase.end + 3.0))
+    assert arias_intensity(later) == pytest.approx(arias_intensity(motion), rel=1e-14)
+    assert pgv(later) == pytest.approx(pgv(motion), rel=1e-14)
+
+
+def test_velocity_peaks_at_the_zero_crossing_inside_an_interval():
+    assert pgv(record([3.0, -1.0])) == pytest.approx(0.5 * 3.0 * 0.75)
+    assert pgv(record([-3.0, 1.0, 1.0, 1.0])) == pytest.approx(0.5 * 3.0 * 0.75)
+
+
+def test_velocity_of_a_sine_is_the_chords_half_wave():
+    assert pgv(sine(1.0, 4, amplitude=1.0)) == pytest.approx(0.01 / math.tan(0.01 * math.pi), rel=1e-12)
+
+
+def test_velocity_takes_the_baseline_as_it_is():
+    assert pgv(record([0.5] * 11)) == pytest.approx(5.0)
+
+
+def test_bracket_is_interpolated_at_both_ends():
+    assert intense_phase(record([0.0, 4.0, 0.0, -2.0, 0.0]), "bracketed", level=1.0) == IntensePhase(0.25, 3.5)
+
+
+def test_bracket_begins_and_ends_with_a_record_that_does():
+    assert intense_phase(record([4.0, 0.0, 4.0]), "bracketed", level=1.0) == IntensePhase(0.0, 2.0)
+
+
+def test_default_bracket_is_five_percent_of_gravity():
+    peak = 0.1 * STANDARD_GRAVITY
+    assert intense_phase(record([0.0, peak, 0.0]), "bracketed") == IntensePhase(pytest.approx(0.5), pytest.approx(1.5))
+
+
+def test_record_below_the_bracket_is_refused():
+    with pytest.raises(RecordRefused, match=r"test: never exceeds the bracket of 1 m/s2, its PGA is 1 m/s2"):
+        intense_phase(record([0.0, 1.0, 0.0]), "bracketed", level=1.0)
+
+
+@pytest.mark.parametrize("method", ["D5-95", "D5-75", "bracketed", "window"])
+def test_record_of_zeros_is_refused(method):
+    with pytest.raises(RecordRefused, match="test: "):
+        intense_phase(record(np.zeros(100)), method)
+
+
+def test_window_is_as_given():
+    assert intense_phase(sine(1.0, 60), "window", start_s=3.0, end_s=11.5) == IntensePhase(3.0, 11.5)
+
+
+def test_window_of_twenty_seconds_begins_where_it_is_told():
+    assert intense_phase(sine(1.0, 60), "window", start_s=3.0) == IntensePhase(3.0, 23.0)
+
+
+def test_window_ends_with_the_record():
+    assert intense_phase(sine(1.0, 10), "window", start_s=3.0) == IntensePhase(3.0, pytest.approx(10.0))
+
+
+def test_strongest_window_holds_the_strongest_part():
+    values = np.concatenate((np.full(1000, 0.1), np.full(2000, 1.0), np.full(3000, 0.1)))
+    phase = intense_phase(record(values, 0.01), "window")
+    assert phase.start == pytest.approx(9.99, abs=0.011)
+    assert phase.duration == pytest.approx(20.0)
+
+
+def test_strongest_window_is_the_best_of_all_that_begin_at_a_sample():
+    values = np.random.default_rng(4).normal(size=150) * np.hanning(150)
+    motion = record(values, 0.3)  # 20 s are 66.67 intervals
+
+    def content(start):
+        ends = np.concatenate(
+            ([start], motion.time[(motion.time > start) & (motion.time < start + 20.0)], [start + 20.0])
+        )
+        left, right = (np.interp(edge, motion.time, values) for edge in (ends[:-1], ends[1:]))
+        return np.sum(np.diff(ends) * (left**2 + left * right + right**2))
+
+    starts = [start for start in motion.time if start + 20.0 <= motion.duration]
+    assert intense_phase(motion, "window").start == pytest.approx(max(starts, key=content))
+
+
+def test_first_of_equal_windows_is_taken():
+    assert intense_phase(sine(1.0, 60), "window") == IntensePhase(0.0, 20.0)
+
+
+def test_record_shorter_than_the_window_is_all_intense():
+    assert intense_phase(sine(1.0, 10), "window") == IntensePhase(0.0, pytest.approx(10.0))
+
+
+def test_window_after_the_record_is_refused():
+    with pytest.raises(RecordRefused, match="after the end of the record"):
+        intense_phase(sine(1.0, 10), "window", start_s=10.0)
+
+
+@pytest.mark.parametrize(
+    ("wrong", "message"),
+    [
+        ({"method": "D5-50"}, "method: expected one of D5-95, D5-75, bracketed, window, got 'D5-50'"),
+        ({"method": "D5-95", "start_s": 1.0}, "belong to method 'window'"),
+        ({"method": "bracketed", "end_s": 1.0}, "belong to method 'window'"),
+        ({"method": "D5-75", "level": 1.0}, "level belongs to method 'bracketed'"),
+        ({"method": "window", "level": 1.0}, "level belongs to method 'bracketed'"),
+        ({"method": "bracketed", "level": 0.0}, "level: expected a positive acceleration"),
+        ({"method": "bracketed", "level": math.nan}, "level: expected a positive acceleration"),
+        ({"method": "window", "end_s": 3.0}, "end_s needs start_s"),
+        ({"method": "window", "start_s": -1.0}, "expected 0 <= start_s < end_s"),
+        ({"method": "window", "start_s": 3.0, "end_s": 3.0}, "expected 0 <= start_s < end_s"),
+        ({"method": "window", "start_s": math.nan}, "expected 0 <= start_s < end_s"),
+    ],
+)
+def test_wrong_arguments_are_named(wrong, message):
+    with pytest.raises(ConfigError, match=message):
+        intense_phase(sine(1.0, 10), **wrong)
+
+
+def test_significant_duration_of_a_real_record_holds_its_stated_peak(ccc):
+    phase = intense_phase(ccc[0])
+    assert phase.start < 39.410 < phase.end  # "Max  =  -.567 g, at   39.410 sec."
+    assert 5.0 < phase.duration < 30.0
+    assert np.abs(ccc[0].acceleration).argmax() * ccc[0].dt == pytest.approx(39.41)

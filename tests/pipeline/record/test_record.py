@@ -1,0 +1,127 @@
+"""Record: what it accepts, its derived numbers, its id."""
+
+from __future__ import annotations
+
+import pickle
+from dataclasses import FrozenInstanceError
+from datetime import UTC, datetime
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from rockpulse.errors import RecordFormatError
+from rockpulse.record.record import Record, distinct_ids, record_id
+
+START = datetime(2019, 7, 6, 3, 19, 53, tzinfo=UTC)
+
+
+def record(name="a", values=(0.0, 1.0, -2.0), **fields) -> Record:
+    return Record(acceleration=np.array(values), dt=0.01, id=name, **fields)
+
+
+def test_derived_numbers():
+    one = record()
+    assert (one.npts, one.duration, one.pga) == (3, 0.02, 2.0)
+    assert one.time == pytest.approx([0.0, 0.01, 0.02])
+
+
+def test_samples_beyond_any_ground_motion_are_refused():
+    with pytest.raises(RecordFormatError, match=r"sample 1 is -1e\+200 m/s2, no ground motion"):
+        record(values=(0.0, -1e200))
+
+
+def test_samples_are_a_read_only_copy():
+    values = np.array([0.0, 1.0, 2.0])
+    one = Record(acceleration=values, dt=0.01, id="a")
+    values[0] = 5.0
+    assert one.acceleration[0] == 0.0
+    with pytest.raises(ValueError, match="read-only"):
+        one.acceleration[0] = 1.0
+    with pytest.raises(FrozenInstanceError):
+        one.dt = 1.0  # type: ignore[misc]
+
+
+@pytest.mark.parametrize("values", [[], [1.0], [[1.0, 2.0], [3.0, 4.0]]])
+def test_fewer_than_two_samples_or_a_table_are_refused(values):
+    with pytest.raises(RecordFormatError, match="expected at least 2 samples in one row"):
+        record(values=values, source="file.txt")
+
+
+@pytest.mark.parametrize("bad", [np.nan, np.inf, -np.inf])
+def test_a_sample_that_is_not_finite_is_named_by_its_index(bad):
+    with pytest.raises(RecordFormatError, match=r"file.txt: 1 of 4 samples are NaN or infinite, the first at index 2"):
+        record(values=[0.0, 1.0, bad, 2.0], source="file.txt")
+
+
+@pytest.mark.parametrize("dt", [0.0, -0.01, np.nan, np.inf])
+def test_an_interval_that_is_not_positive_is_refused(dt):
+    with pytest.raises(RecordFormatError, match="expected a positive sampling interval"):
+        Record(acceleration=np.zeros(3), dt=dt, id="a")
+
+
+def test_a_record_survives_pickling():
+    one = pickle.loads(pickle.dumps(record(start_time=START, warnings=("x",))))
+    assert one.acceleration == pytest.approx([0.0, 1.0, -2.0])
+    assert (one.start_time, one.warnings) == (START, ("x",))
+
+
+@pytest.mark.parametrize(
+    ("codes", "start", "expected"),
+    [
+        (("CI", "CCC", "", "HNE"), START, "CI.CCC..HNE@20190706T031953"),
+        (("", "2555", "", "360"), START, ".2555..360@20190706T031953"),
+        (("CI", "CCC", "", ""), START, "CI.CCC..2@20190706T031953"),
+        (("CI", "CCC", "", "HNE"), None, "stem.HNE"),
+        (("", "", "", ""), START, "stem.2"),
+        (("", "", "", "a/b c°"), None, "stem.a_b_c_"),
+    ],
+)
+def test_id(codes, start, expected):
+    assert record_id(*codes, start, "stem", 2) == expected
+
+
+def test_letters_of_any_alphabet_stay_in_an_id():
+    """Also where a file system takes an accented letter apart."""
+    for stem in ("séisme 2", "se\u0301isme 2"):
+        assert record_id("", "", "", "Acceleration", None, stem, 1) == "séisme_2.Acceleration"
+    assert record_id("", "", "", "N", None, "Düzce/地震#1 \udcff", 1) == "Düzce_地震_1__.N"
+
+
+def test_an_id_taken_already_gets_a_number():
+    names = [one.id for one in distinct_ids([record("a"), record("b"), record("a"), record("a~2"), record("a")])]
+    assert names == ["a", "b", "a~2", "a~3", "a~4"]
+
+
+@given(st.lists(st.sampled_from(["a", "b", "a~2", "a~3"]), max_size=8))
+@settings(derandomize=True, deadline=None, max_examples=60)
+def test_ids_become_distinct_and_stay_so(names):
+    once = distinct_ids([record(name) for name in names])
+    assert len({one.id for one in once}) == len(names)
+    assert [one.id for one in distinct_ids(once)] == [one.id for one in once]
+
+
+def test_a_record_without_its_samples_takes_no_memory_and_keeps_everything_else():
+    full = Record(np.arange(100_000.0), dt=0.01, id="a", warnings=("x",))
+    empty = full.without_samples()
+    assert (empty.npts, empty.duration, empty.warnings) == (full.npts, full.duration, full.warnings)
+    small = pickle.dumps(empty.with_warning("y"))
+    assert len(small) < 2000
+    again = pickle.loads(small)
+    assert (again.npts, again.pga, again.warnings) == (100_000, 0.0, ("x", "y"))
+    assert all(one.acceleration.strides == (0,) and not one.acceleration.flags.writeable for one in (empty, again))
+
+
+def test_a_constant_is_kept_as_one_number_and_any_other_array_is_copied():
+    assert Record(np.broadcast_to(2.0, 5), dt=0.01, id="a").acceleration.tolist() == [2.0] * 5
+    values = np.zeros(5)
+    one = Record(values, dt=0.01, id="a")
+    values[:] = 1.0
+    assert one.pga == 0.0
+    with pytest.raises(RecordFormatError, match="samples are NaN"):
+        Record(np.broadcast_to(np.nan, 5), dt=0.01, id="a")
+
+
+def test_the_samples_are_read_only_after_pickling_too():
+    assert not pickle.loads(pickle.dumps(record())).acceleration.flags.writeable

@@ -1,0 +1,90 @@
+"""The synthetic ensemble: the same samples everywhere, no drift, and what was asked for."""
+
+import hashlib
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from rockpulse.errors import ConfigError
+from rockpulse.record.synthetic import synthetic_lanes, synthetic_motion
+
+SOME = settings(derandomize=True, deadline=None, max_examples=30)
+SEEDS = st.integers(0, 2**32 - 1)
+
+
+def test_motion_of_a_seed_never_changes():
+    """The samples are the ground of stored references: another numpy must make the same ones."""
+    digest = hashlib.sha256(np.rint(1e6 * synthetic_motion(0)).astype("<i8").tobytes()).hexdigest()
+    assert digest == "5e2bd8929891bd9ab025de1012d01469e13e620f79e4fd1e9ae936a9f8ef0b21"
+
+
+def test_lanes_of_a_seed_never_change():
+    lanes = synthetic_lanes(0, 2)
+    assert lanes.p.tolist() == [3.130603, 3.105121]
+    assert lanes.alpha.tolist() == [0.228797, 0.155914]
+    assert lanes.pga.tolist() == [3.143548, 3.228142]
+
+
+@SOME
+@given(SEEDS, st.floats(5.0, 80.0), st.sampled_from([0.005, 0.01, 0.02]), st.floats(0.5, 10.0))
+def test_motion_has_its_length_and_peak_and_ends_at_rest(seed, duration, dt, pga):
+    motion = synthetic_motion(seed, duration, dt, pga)
+    whole = np.rint(1e6 * motion).astype(np.int64)
+    assert motion.size == round(duration / dt) + 1
+    assert np.array_equal(motion, whole / 1e6)
+    assert np.max(np.abs(motion)) == pytest.approx(pga, abs=1.1e-6)
+    assert motion[0] == motion[-1] == 0.0
+    assert whole.sum() == 0  # the velocity after the last sample, by the trapezoidal rule
+
+
+def predominant(motion, dt):
+    """Frequency with half of the power on either side [Hz]."""
+    power = np.abs(np.fft.rfft(motion)) ** 2
+    return float(np.interp(0.5, np.cumsum(power) / power.sum(), np.fft.rfftfreq(motion.size, dt)))
+
+
+def test_seeds_differ_in_frequency_and_in_the_strong_phase():
+    motions = [synthetic_motion(seed) for seed in range(40)]
+    frequencies = [predominant(motion, 0.01) for motion in motions]
+    assert 0.4 < min(frequencies) < 1.2
+    assert 4.0 < max(frequencies) < 12.0
+    energy = [np.cumsum(motion**2) / np.sum(motion**2) for motion in motions]
+    lengths = [0.01 * (np.searchsorted(e, 0.95) - np.searchsorted(e, 0.05)) for e in energy]
+    assert 5.0 < min(lengths) < 16.0 < max(lengths) < 45.0
+
+
+def test_spectrum_falls_above_the_ground_frequency():
+    power = sum(np.abs(np.fft.rfft(synthetic_motion(seed))) ** 2 for seed in range(40))
+    frequency = np.fft.rfftfreq(6001, 0.01)
+    strong = power[(frequency > 0.5) & (frequency < 5.0)].mean()
+    assert power[frequency > 30.0].mean() < 0.02 * strong
+    assert power[(frequency > 0.0) & (frequency < 0.03)].mean() < 0.05 * strong
+
+
+@SOME
+@given(SEEDS, st.integers(1, 50))
+def test_lanes_are_in_their_ranges_and_those_of_a_longer_call(seed, count):
+    lanes = synthetic_lanes(seed, count, restitution=0.95)
+    assert np.all((lanes.p >= 1.0) & (lanes.p <= 8.0))
+    assert np.all((lanes.alpha >= 0.05) & (lanes.alpha <= 0.3))
+    assert np.all((lanes.pga >= 0.2 * 9.80665 - 1e-6) & (lanes.pga <= 0.4 * 9.80665 + 1e-6))
+    assert lanes.restitution.tolist() == [0.95] * count
+    longer = synthetic_lanes(seed, count + 7)
+    assert np.array_equal(longer.p[:count], lanes.p)
+    assert np.array_equal(longer.pga[:count], lanes.pga)
+
+
+@pytest.mark.parametrize(
+    "options", [{"duration": 0.5}, {"dt": 0.0}, {"dt": 0.5}, {"pga": 0.0}, {"pga": float("nan")}, {"seed": -1}]
+)
+def test_values_out_of_range_are_refused_by_name(options):
+    with pytest.raises(ConfigError, match=next(iter(options))):
+        synthetic_motion(**({"seed": 1} | options))
+
+
+@pytest.mark.parametrize(("seed", "count", "name"), [(0, 0, "count"), (2**32, 3, "seed")])
+def test_lanes_out_of_range_are_refused_by_name(seed, count, name):
+    with pytest.raises(ConfigError, match=name):
+        synthetic_lanes(seed, count)

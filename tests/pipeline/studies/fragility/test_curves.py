@@ -1,0 +1,230 @@
+"""One fragility curve: closed forms, and statements where there is no number."""
+
+import math
+import re
+
+import numpy as np
+import pytest
+
+from rockpulse.errors import ConfigError
+from rockpulse.studies.fragility.curves import fit_capacities, fit_stripes, half_width
+from rockpulse.studies.fragility.statements import Band, Extrapolated, Status
+
+EVENTS = np.repeat([f"event {k}" for k in range(6)], 3)
+CAPACITIES = np.exp(np.random.default_rng(5).normal(0.3, 0.5, EVENTS.size))
+
+
+def numbers(curve):
+    return [curve.median, curve.beta, curve.median_low, curve.median_high, curve.beta_low, curve.beta_high]
+
+
+def test_known_capacities_give_mean_and_deviation_of_their_logarithms():
+    curve = fit_capacities(CAPACITIES, EVENTS)
+    assert curve.median == pytest.approx(np.exp(np.mean(np.log(CAPACITIES))), rel=1e-12)
+    assert curve.beta == pytest.approx(np.std(np.log(CAPACITIES)), rel=1e-10)
+    assert (curve.status, curve.band, curve.statement) == (Status.FITTED, Band.GIVEN, "")
+
+
+def test_with_one_record_an_event_the_band_of_the_median_is_that_of_a_mean():
+    # The jackknife of a mean is its standard error; around it stands Student's t: the classical interval.
+    x = np.log(CAPACITIES)
+    curve = fit_capacities(CAPACITIES)
+    half = 1.7396067 * np.std(x, ddof=1) / math.sqrt(x.size)  # t at 0.95 with 17 degrees of freedom
+    np.testing.assert_allclose(
+        np.log([curve.median_low, curve.median_high]), [np.mean(x) - half, np.mean(x) + half], rtol=1e-6
+    )
+
+
+def test_symmetric_stripes_have_the_median_in_the_middle_and_the_slope_of_their_quantiles():
+    measure = np.repeat([0.5, 1.0, 2.0], 100)
+    exceeded = np.concatenate([np.arange(100) < share for share in (16, 50, 84)])
+    curve = fit_stripes(measure, exceeded)
+    assert curve.median == pytest.approx(1.0, rel=1e-9)
+    assert curve.beta == pytest.approx(math.log(2.0) / 0.9944579, rel=1e-6)  # the 84 % quantile of the normal
+    assert curve.probability([0.5, 1.0, 2.0])[0] == pytest.approx([0.16, 0.5, 0.84])
+
+
+def test_a_logistic_curve_states_the_deviation_of_its_logarithms():
+    measure = np.repeat([0.5, 1.0, 2.0], 100)
+    exceeded = np.concatenate([np.arange(100) < share for share in (20, 50, 80)])
+    curve = fit_stripes(measure, exceeded, model="logistic")
+    slope = math.log(4.0) / math.log(2.0)  # odds of 4 at twice the median
+    assert curve.beta == pytest.approx(math.pi / math.sqrt(3.0) / slope, rel=1e-9)
+
+
+def test_censoring_far_above_the_capacities_changes_nothing_and_within_them_little():
+    full = fit_capacities(CAPACITIES, EVENTS)
+    far = fit_capacities(CAPACITIES, EVENTS, limits=np.full(CAPACITIES.size, 1e6))
+    assert numbers(far) == numbers(full)
+    limit = np.quantile(CAPACITIES, 0.7)
+    beyond = np.greater(CAPACITIES, limit)
+    cut = fit_capacities(np.where(beyond, np.inf, CAPACITIES), EVENTS, np.full(CAPACITIES.size, limit))
+    assert cut.reached == cut.observations - np.count_nonzero(beyond) < cut.observations
+    assert cut.median == pytest.approx(full.median, rel=0.1)
+    assert cut.beta == pytest.approx(full.beta, rel=0.3)
+
+
+def test_the_unit_of_the_measure_scales_the_median_alone():
+    one, other = fit_capacities(CAPACITIES, EVENTS), fit_capacities(9.81 * CAPACITIES, EVENTS)
+    factors = [9.81, 1.0, 9.81, 9.81, 1.0, 1.0]
+    np.testing.assert_allclose(numbers(other), np.multiply(numbers(one), factors), rtol=1e-9)
+
+
+@pytest.mark.parametrize("model", ["lognormal", "logistic"])
+def test_the_order_of_the_rows_does_not_matter_to_the_last_digit(model):
+    order = np.random.default_rng(0).permutation(CAPACITIES.size)
+    here, there = (fit_capacities(CAPACITIES[o], EVENTS[o], model=model) for o in (slice(None), order))
+    assert numbers(here) == numbers(there)
+
+
+def test_the_band_of_the_curve_meets_that_of_the_median_in_the_middle():
+    curve = fit_capacities(CAPACITIES, EVENTS)
+    probability, low, high = curve.probability([curve.median, curve.median_low, curve.median_high])
+    assert probability[0] == pytest.approx(0.5)
+    assert low[0] < 0.5 < high[0]
+    assert np.all((low < probability) & (probability < high))
+    # Fieller and delta intervals of the median differ a little.
+    assert low[2] == pytest.approx(0.5, abs=0.05)
+    assert high[1] == pytest.approx(0.5, abs=0.05)
+
+
+def test_correlated_records_of_few_events_widen_the_band():
+    shared = np.repeat(np.exp([-0.6, -0.2, 0.1, 0.2, 0.5]), 8)
+    own = np.exp(np.random.default_rng(1).normal(0.0, 0.05, shared.size))
+    known, unknown = fit_capacities(shared * own, np.repeat(list("abcde"), 8)), fit_capacities(shared * own)
+    assert known.median == unknown.median
+    assert math.log(known.median_high / known.median) > 3.0 * math.log(unknown.median_high / unknown.median)
+
+
+def test_half_width_of_a_sum_over_events_is_exact():
+    values = np.array([1.0, 2.0, 4.0, 7.0])
+    estimates = np.array([values.mean(), *(np.delete(values, k).mean() for k in range(4))])[:, None]
+    assert half_width(estimates, 0.9)[0] == pytest.approx(2.3533634 * values.std(ddof=1) / 2.0)
+
+
+@pytest.mark.parametrize(
+    ("curve", "status", "words"),
+    [
+        (lambda: fit_capacities([]), Status.NO_RECORD, "no record"),
+        (lambda: fit_capacities([1.3]), Status.ONE_RECORD, "one record only, 1.3 reached"),
+        (lambda: fit_capacities([np.inf], limits=[3.0]), Status.ONE_RECORD, "one record only, 3 not reached"),
+        (
+            lambda: fit_capacities(np.full(4, np.inf), limits=[1.0, 2.0, 3.0, 2.5]),
+            Status.NOTHING_REACHED,
+            "none of 4 records reached the limit state, looked at up to 1 to 3",
+        ),
+        (
+            lambda: fit_capacities([1.2, np.inf, np.inf], limits=[5.0, 5.0, 5.0]),
+            Status.ONE_REACHED,
+            "one record only reached the limit state, at 1.2, of 3",
+        ),
+        (
+            lambda: fit_stripes([1, 2, 4] * 4, [0, 1, 1, *[0] * 9], records=np.repeat(list("abcd"), 3)),
+            Status.ONE_REACHED,
+            "one record only reached the limit state, at 2 to 4, of 4; a dispersion needs several",
+        ),
+        (
+            lambda: fit_capacities([1.0, 1.3, 1.7, *[np.inf] * 6], limits=[5.0] * 9, records=np.repeat(list("abc"), 3)),
+            Status.ONE_REACHED,
+            "one record only reached the limit state, at 1 to 1.7, of 3",
+        ),
+        (lambda: fit_stripes([1.0, 1.5, 2.0, 1.8], [0, 0, 0, 1]), Status.ONE_REACHED, "at 1.8, of 4"),
+        (lambda: fit_stripes([1.0, 2.0, 1.0, 2.0], [0, 0, 0, 0]), Status.NOTHING_REACHED, "up to 1 to 2"),
+        (
+            lambda: fit_stripes([1.0, 2.0, 1.0, 2.0], [1, 1, 1, 1]),
+            Status.EVERYTHING_REACHED,
+            "all of 4 records reached the limit state at every level, from 1; look at lower levels",
+        ),
+        (
+            lambda: fit_stripes([1.0, 1.5, 2.0, 3.0], [0, 0, 1, 1]),
+            Status.SEPARATED,
+            "no motion up to 1.5 and every motion from 2 reached",
+        ),
+        (
+            lambda: fit_stripes([1.0, 2.0, 2.0, 3.0], [0, 0, 1, 1]),
+            Status.SEPARATED,
+            "no motion below 2 and every motion above it reached",
+        ),
+        (lambda: fit_stripes([1.0, 1.5, 2.0, 3.0], [1, 1, 0, 0]), Status.SEPARATED, "are no stronger than the others"),
+        (lambda: fit_stripes([1.0, 1.0, 1.0], [1, 0, 1]), Status.SEPARATED, "all motions are of one level, 1"),
+        (lambda: fit_stripes([1, 2, 3, 4], [1, 0, 1, 0]), Status.NOT_INCREASING, "not reached more often"),
+        (
+            lambda: fit_stripes([1, 2, 3, 4], [0, 1, 0, 1], clusters=["a"] * 4, records=["r"] * 4),
+            Status.ONE_RECORD,
+            "one record only",
+        ),
+    ],
+)
+def test_what_makes_no_curve_is_said_and_no_number_is_given(curve, status, words):
+    found = curve()
+    assert found.status == status
+    assert words in found.statement
+    assert found.band == Band.NO_CURVE
+    assert np.all(np.isnan(numbers(found)))
+    assert np.all(np.isnan(found.probability([0.5, 1.0, 2.0])))
+
+
+@pytest.mark.parametrize(
+    ("curve", "side", "words"),
+    [
+        (
+            lambda: fit_capacities([0.9, 2.9, *[np.inf] * 20], limits=[3.0] * 22),
+            Extrapolated.ABOVE,
+            r"extrapolated: the median, [\d.]+, lies above every level looked at, up to 3; 2 records of 22 reached",
+        ),
+        (
+            lambda: fit_stripes(np.repeat([1.0, 2.0, 3.0], 8), [k % 8 < 5 + k // 8 for k in range(24)]),
+            Extrapolated.BELOW,
+            r"extrapolated: the median, 0\.[\d]+, lies below every level looked at, from 1; 18 records of 24 reached",
+        ),
+        (lambda: fit_capacities(CAPACITIES, EVENTS), Extrapolated.NO, "^$"),
+        (lambda: fit_capacities([np.inf] * 3, limits=[1.0] * 3), Extrapolated.NO, "none of 3 records"),
+    ],
+)
+def test_a_median_that_no_record_was_looked_at_is_extrapolated(curve, side, words):
+    found = curve()
+    assert found.extrapolated == side
+    assert re.search(words, found.statement)
+    assert (found.median > 3.0) == (side == Extrapolated.ABOVE)
+
+
+def test_equal_capacities_are_a_step_without_a_band():
+    curve = fit_capacities([2.0, 2.0 * (1.0 + 1e-15), np.inf], limits=[9.0, 9.0, 1.0])
+    assert curve.status == Status.STEP
+    assert (curve.median, curve.beta) == (pytest.approx(2.0), 0.0)
+    assert curve.statement == "a step at 2: all capacities that are known are the same, there is no dispersion"
+    assert curve.probability([1.9, 2.1])[0].tolist() == [0.0, 1.0]
+    assert math.isnan(curve.median_low)
+
+
+@pytest.mark.parametrize(("events", "band"), [(1, Band.ONE_EVENT), (2, Band.FEW_EVENTS), (3, Band.GIVEN)])
+def test_a_band_needs_three_events(events, band):
+    curve = fit_capacities(CAPACITIES, np.arange(CAPACITIES.size) % events)
+    assert curve.status == Status.FITTED
+    assert curve.band == band
+    assert math.isnan(curve.median_low) == (band != Band.GIVEN)
+    assert ("no band" in curve.statement) == (band != Band.GIVEN)
+
+
+def test_a_curve_that_rests_on_one_event_has_no_band():
+    measure, exceeded = [1.0, 1.5, 2.0, 3.0, 1.1, 2.8, 2.5, 1.2], [0, 0, 1, 1, 0, 1, 0, 1]
+    curve = fit_stripes(measure, exceeded, clusters=["a", "b", "c", "a", "b", "c", "odd", "odd"])
+    assert curve.status == Status.FITTED
+    assert curve.band == Band.RESTS_ON_ONE_EVENT
+    assert curve.statement == "no band: without the event odd there would be no curve"
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda: fit_capacities([1.0, -2.0]), "positive, finite levels"),
+        (lambda: fit_capacities([1.0, np.nan]), "positive, finite levels"),
+        (lambda: fit_capacities([1.0, np.inf]), "need limits"),
+        (lambda: fit_capacities([1.0, 2.0], ["a"]), "one level, kind, event and record a row"),
+        (lambda: fit_capacities([1.0, 2.0], model="normal"), "expected one of lognormal, logistic"),
+        (lambda: fit_capacities([1.0, 2.0], confidence=90.0), "between 0 and 1"),
+    ],
+)
+def test_bad_arguments_are_refused(call, message):
+    with pytest.raises(ConfigError, match=message):
+        call()

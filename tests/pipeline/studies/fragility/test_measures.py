@@ -1,0 +1,62 @@
+"""The table of intensity measures."""
+
+import numpy as np
+import pytest
+
+import rockpulse as rp
+from rocking.block import Block
+from rockpulse.assessment.scene import prepare
+from rockpulse.config.configuration import Config
+from rockpulse.config.fragility_settings import MEASURES as WORDS
+from rockpulse.studies.fragility.measures import MEASURES, record_measures, record_qualities
+
+BLOCKS = Block(half_width=[0.3, 0.5], half_height=[1.5, 1.9365])
+
+
+def scene(factor=1.0):
+    t = np.arange(0.0, 6.0, 0.01)
+    ground = factor * 2.0 * np.sin(2.0 * np.pi * t) * np.exp(-((t - 3.0) ** 2))
+    return prepare(rp.Record(ground, dt=0.01, id="pulse", processed=True), Config())
+
+
+def test_the_words_of_the_configuration_are_the_names_of_the_table():
+    assert tuple(MEASURES) == WORDS
+
+
+@pytest.mark.parametrize("name", MEASURES)
+def test_every_measure_is_proportional_to_the_factor(name):
+    one, three = (record_measures(scene(factor), BLOCKS, (name,)) for factor in (1.0, 3.0))
+    assert one.shape == (1, 2)
+    assert np.all(one > 0.0)
+    np.testing.assert_allclose(three, 3.0 * one, rtol=1e-9)
+
+
+def test_measures_against_their_definitions():
+    motion = scene()
+    value = dict(zip(MEASURES, record_measures(motion, BLOCKS, tuple(MEASURES)), strict=True))
+    capacity = BLOCKS.gravity * np.tan(BLOCKS.alpha_c)
+    np.testing.assert_allclose(value["uplift_ratio"], motion.record.pga / capacity)
+    np.testing.assert_allclose(value["velocity_ratio"], BLOCKS.p * value["pgv"] / capacity)
+    np.testing.assert_allclose(value["impulse"], np.max(np.abs(motion.waves.impulse)))
+    np.testing.assert_allclose(value["impulse_ratio"], value["impulse"] / BLOCKS.critical_impulse)
+    # The norms of the lobes lie in the order of norms: mean of six below the largest, sums above it.
+    assert np.all(value["demand_rms"] < value["demand_largest"])
+    assert np.all(value["demand_largest"] < value["demand_cubic"])
+    assert np.all(value["demand_cubic"] < value["demand_build_up"])
+
+
+def test_one_pulse_has_one_lobe_and_all_norms_agree():
+    motion = prepare(rp.Record(np.r_[np.full(21, 3.0), np.zeros(400)], dt=0.01, id="one", processed=True), Config())
+    names = ("demand_largest", "demand_rms", "demand_cubic", "demand_build_up")
+    largest, rms, cubic, build_up = record_measures(motion, BLOCKS, names)
+    np.testing.assert_allclose(cubic, largest)
+    np.testing.assert_allclose(build_up, largest)
+    np.testing.assert_allclose(rms, largest / np.sqrt(6.0))
+
+
+def test_qualities_of_a_sine():
+    t = np.arange(0.0, 10.005, 0.01)
+    found = record_qualities(prepare(rp.Record(np.sin(np.pi * t), dt=0.01, id="sine", processed=True), Config()))
+    assert found["duration"] == pytest.approx(9.0, abs=0.5)
+    assert found["period"] == pytest.approx(4.0, rel=0.01)  # the velocity of a sine from rest is (1 - cos)/pi
+    assert found["strong_half_waves"] == 10

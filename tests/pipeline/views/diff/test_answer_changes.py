@@ -1,0 +1,108 @@
+"""What decides between two assessments: margins of the bodies, ratios that crossed one."""
+
+from contextlib import nullcontext
+
+import numpy as np
+import pytest
+import xarray as xr
+from results_tree import RECORDS, results_tree
+
+from rockpulse.views.diff.differences import CAPACITY, compare_results
+from rockpulse.views.diff.overview import difference_overview
+
+
+class InMemory:
+    """A tree in place of an open file."""
+
+    kind, path = "assessment", "results.h5"
+
+    def __init__(self, made):
+        self.attrs, self.groups = made.attrs, ("summary",)
+        self.dataset = lambda group: made[group].to_dataset(inherit=False)
+        self.reading = nullcontext
+
+
+def compare(first, second, **options):
+    """The differences of two trees and their text."""
+    one, other = InMemory(first), InMemory(second)
+    found = compare_results(one, other, **options)
+    return found, difference_overview(found, one, other, "rtol 1e-09")
+
+
+def demanded(factors, outcomes=None, kept=(0, 1, 2)):
+    """With the factors of the nonlinear model (record, block), and demands of 1 and 5 m/s2."""
+    made = results_tree()
+    summary = made["summary"].to_dataset()
+    summary["safety_factor"].values[..., 2] = factors
+    if outcomes is not None:
+        summary["outcome"].values[..., 2] = outcomes
+    strength = summary["pga"].values[:, None, None, None] / np.array([1.0, 5.0])
+    ratio = summary["safety_factor"].values[..., None] * strength
+    summary = summary.assign_coords(demand=("demand", ["SLD", "SLV"])).assign(
+        safe_up_to=(("record", "block", "model"), np.full((3, 3, 3), 10.0)),
+        demand_acceleration=("demand", [1.0, 5.0]),
+        capacity_ratio=(("record", "block", "model", "demand"), ratio),
+    )
+    made["summary"] = xr.DataTree(summary.isel(record=list(kept)))
+    return made
+
+
+#: Capacities over 5 m/s2, with PGA 5.5574 and 4.619 m/s2: 1.41 of the column is 1.57, 1.01 is 1.12, 0.9 is 0.83.
+BEFORE = [[1.41, 2.0, np.inf], [3.0, 2.0, np.inf], [np.inf] * 3]
+AFTER = [[1.41, 1.01, np.inf], [3.0, 0.9, np.inf], [np.inf] * 3]
+
+
+def test_the_margin_of_every_body_that_changed_comes_first():
+    fallen = np.array([[0, 0, 0], [0, 2, 0], [0, 0, 0]])
+    _, text = compare(demanded(BEFORE, np.zeros((3, 3))), demanded(AFTER, fallen))
+    head = text.split("\n\n")[1]
+    assert " ".join(head.split()) == (
+        "Bodies whose margin changed (by the nonlinear model): 1 column: smallest SF 2.00 -> 0.90, smallest "
+        "capacity/demand SLD 9.24 -> 4.16, smallest capacity/demand SLV 1.85 -> 0.83, overturned 0 -> 1 of 3 records"
+    )
+    found, text = compare(demanded(BEFORE), demanded(AFTER, kept=[0, 2]))
+    assert [" ".join(line.split()) for line in found.bodies] == [
+        "column: smallest SF 2.00 -> 1.01, smallest capacity/demand SLD 11.1 -> 5.61, smallest capacity/demand SLV "
+        "2.22 -> 1.12, overturned 0 of the 2 records in both"
+    ]
+    assert "Bodies whose" not in compare(demanded(AFTER), demanded(AFTER))[1]
+    found, _ = compare(demanded(BEFORE), demanded(AFTER), ignore=["safety_factor", "capacity_ratio"])
+    assert found.bodies == []
+
+
+def test_capacities_over_demand_that_crossed_one_are_listed():
+    found, text = compare(demanded(BEFORE), demanded(AFTER))
+    (one,) = found.sides[CAPACITY].named
+    assert one.place == (RECORDS[1], "column", "nonlinear", "SLV")
+    assert [float(value) for value in (one.before, one.after)] == pytest.approx([2 * 4.619 / 5, 0.9 * 4.619 / 5])
+    told = " ".join(text.split())
+    assert (
+        "Capacities over demand that crossed 1 (below it the record overturns before it reaches the demand): 1" in told
+    )
+    assert max(map(len, text.splitlines())) <= 120
+
+
+def test_a_body_counts_with_its_worst_restitution_and_the_lower_bound_is_marked():
+    def made(factor):
+        found = results_tree(2)
+        summary = found["summary"].to_dataset()
+        summary["safety_factor"].values[:, 1, 2, 0] = 4.0
+        summary["safety_factor"].values[:, 1, 2, 1] = factor
+        resolved = xr.ones_like(summary["safety_factor"])
+        resolved.values[0, 1, 2, 1] = 0.0
+        found["summary"] = xr.DataTree(summary.assign(factor_resolved=resolved))
+        return found
+
+    found, _ = compare(made([1.5, 2.0, 3.0]), made([1.2, 2.0, np.inf]))
+    assert found.bodies == ["column: smallest SF 1.50! -> 1.20!, overturned 0 of 3 records"]
+
+
+def test_what_was_not_found_is_told_up_to_where_it_was_sought():
+    def made(limit):
+        found = demanded([[1.5, 2.0, np.inf], [3.0, 2.0, np.inf], [np.inf] * 3])
+        found["summary"]["safe_up_to"].values[:, 2] = limit
+        return found
+
+    found, _ = compare(made(4.0), made(10.0))
+    (line,) = found.bodies
+    assert line.startswith("cabinet: smallest SF >4 -> >10, smallest capacity/demand SLD >18.4 -> >46.1, ")

@@ -1,0 +1,361 @@
+"""What changed between two results files, on trees whose answers are known."""
+
+import shutil
+from contextlib import nullcontext
+
+import h5py
+import numpy as np
+import pytest
+import xarray as xr
+from results_tree import BLOCKS, RECORDS, results_tree
+
+from rockpulse.errors import ResultsError
+from rockpulse.storage.hdf5_reader import open_results
+from rockpulse.storage.save_load import save
+from rockpulse.storage.variables import HALF_CYCLE, WAVES, described
+from rockpulse.views.diff.differences import OUTCOME, SAFETY, compare_results
+from rockpulse.views.diff.overview import difference_overview
+from rockpulse.views.diff.row_matching import OnlyIn
+
+#: (record, block, model) that the rows of /half_cycles point at.
+POINTS = [(0, 0, 1), (0, 1, 1), (0, 1, 1), (1, 0, 2), (2, 2, 1)]
+
+
+def tree(cases=None):
+    """With half-cycles and half-waves."""
+    made = results_tree(cases)
+    index = dict(zip(("record_index", "block_index", "model_index"), np.transpose(POINTS), strict=True))
+    values = {name: index.get(name, np.arange(5.0) + 1) for name in HALF_CYCLE} | {"case_index": [0] * 5}
+    made["half_cycles"] = xr.DataTree(
+        xr.Dataset({name: described(("row",), values[name], HALF_CYCLE[name]) for name in HALF_CYCLE})
+    )
+    sizes = described(("record",), [2, 1, 3], (int, "1", "half-waves of each record"))
+    sizes.attrs["sample_dimension"] = "wave"
+    waves = {f"half_wave_{name}": described(("wave",), np.arange(6.0) + 1, WAVES[name]) for name in WAVES}
+    record = made["summary"]["record"].variable
+    made["records"] = xr.DataTree(xr.Dataset({"half_wave_row_size": sizes, **waves}, {"record": record}))
+    return made
+
+
+class InMemory:
+    """A tree in place of an open file."""
+
+    kind = "assessment"
+    path = "results.h5"
+
+    def __init__(self, made):
+        self.attrs, self.groups = made.attrs, tuple(made.children)
+        self.dataset = lambda group: made[group].to_dataset(inherit=False)
+        self.reading = nullcontext
+
+
+def compare(first, second, **options):
+    """The differences of two trees and their text."""
+    one, other = InMemory(first), InMemory(second)
+    found = compare_results(one, other, **options)
+    return found, difference_overview(found, one, other, "rtol 1e-09")
+
+
+@pytest.fixture(scope="module")
+def saved(tmp_path_factory):
+    """The tree in a file."""
+    path = tmp_path_factory.mktemp("saved") / "results.h5"
+    save(tree(), path)
+    return path
+
+
+@pytest.fixture
+def compare_files(tmp_path):
+    """The same of two files."""
+
+    def compared(first, second, **options):
+        save(first, tmp_path / "a.h5", overwrite=True)
+        save(second, tmp_path / "b.h5", overwrite=True)
+        with open_results(tmp_path / "a.h5") as one, open_results(tmp_path / "b.h5") as other:
+            found = compare_results(one, other, **options)
+            return found, difference_overview(found, one, other, "rtol 1e-09")
+
+    return compared
+
+
+def reordered(made, order):
+    """The same results with the records in another order, and everything that points at them."""
+    summary = made["summary"].to_dataset().isel(record=order)
+    place = np.argsort(order)
+    half = made["half_cycles"].to_dataset()
+    half = half.assign(record_index=("row", place[half["record_index"].values], half["record_index"].attrs))
+    half = half.isel(row=np.argsort(half["record_index"].values, kind="stable"))
+    records = made["records"].to_dataset()
+    ends = np.cumsum(records["half_wave_row_size"].values)
+    waves = np.concatenate([np.arange(ends[k] - records["half_wave_row_size"].values[k], ends[k]) for k in order])
+    for name, dataset in (
+        ("summary", summary),
+        ("half_cycles", half),
+        ("records", records.isel(record=order, wave=waves)),
+    ):
+        made[name] = xr.DataTree(dataset)
+    return made
+
+
+@pytest.mark.parametrize("cases", [None, 2])
+def test_the_same_results_are_the_same(cases):
+    found, text = compare(tree(cases), tree(cases))
+    assert found.same
+    assert found.sides[OUTCOME].compared == 27 * (cases or 1)
+    assert text.endswith(f"The results are the same: {found.compared} values within rtol 1e-09.")
+    assert "No verdict of" in text
+
+
+def test_the_order_of_the_records_does_not_matter():
+    found, text = compare(tree(), reordered(tree(), [2, 0, 1]))
+    assert found.same, text
+    assert found.compared == compare(tree(), tree())[0].compared
+
+
+@pytest.mark.parametrize("order", [[0, 1, 2], [2, 0, 1]])
+@pytest.mark.parametrize(
+    ("group", "name", "place", "value", "told"),
+    [
+        ("summary", "pga", (1,), 4.6191, RECORDS[1]),
+        ("summary", "source", (2,), "new.txt", "weak.1"),
+        ("summary", "safety_factor", (0, 1, 1), 1.70001, f"{RECORDS[0]}, column, sequence"),
+        ("summary", "safety_factor", (0, 0, 0), np.inf, f"{RECORDS[0]}, boundary wall, resonance"),
+        ("summary", "safety_factor", (0, 0, 2), 3.0, f"{RECORDS[0]}, boundary wall, nonlinear"),
+        ("half_cycles", "peak", (2,), 9.0, f"{RECORDS[0]}, column, sequence, row 2"),
+        ("records", "half_wave_start", (3,), 4.1, "weak.1, wave 0"),
+    ],
+)
+def test_a_changed_value_is_found_and_its_place_is_named(order, group, name, place, value, told):
+    changed = tree()
+    changed[group][name].values[place] = value
+    found, _ = compare(tree(), reordered(changed, order))
+    (one,) = found.variables
+    assert (one.name, one.differing, ", ".join(one.place)) == (f"/{group}/{name}", 1, told)
+    assert not found.same
+    number = not isinstance(value, str)
+    assert one.after == (f"{value:.9g}" if number else value)
+    assert np.isnan(one.largest) != number
+
+
+def test_files_are_compared_as_trees_are(compare_files):
+    changed = reordered(tree(), [1, 2, 0])
+    changed["summary"]["pga"].values[0] *= 1.0 + 1e-6
+    changed["half_cycles"]["peak"].values[3] *= 2.0
+    assert compare_files(tree(), changed)[0].variables == compare(tree(), changed)[0].variables
+    assert compare_files(tree(), tree())[0].same
+
+
+def test_tolerances_are_relative_to_the_larger_plus_absolute():
+    changed = tree()
+    changed["summary"]["pga"].values[0] *= 1.0 + 1e-6
+    found, _ = compare(tree(), changed)
+    assert found.variables[0].largest == pytest.approx(1e-6, rel=1e-3)
+    assert compare(tree(), changed, rtol=1.01e-6)[0].same
+    assert not compare(tree(), changed, rtol=0.99e-6)[0].same
+    assert compare(tree(), changed, rtol=0.0, atol=6e-6)[0].same
+    assert not compare(tree(), changed, rtol=0.0, atol=5e-6)[0].same
+    assert compare(tree(), changed, ignore=["pga"])[0].same
+
+
+def test_an_infinity_is_beyond_any_tolerance():
+    changed = tree()
+    changed["summary"]["safety_factor"].values[0, 0, 0] = np.inf
+    found, _ = compare(tree(), changed, rtol=1e9, atol=1e9)
+    assert found.variables[0].largest == np.inf
+
+
+def test_verdicts_that_flipped_are_named():
+    changed = tree()
+    changed["summary"]["outcome"].values[0, 1, 1:] = 2, 3
+    found, text = compare(tree(), changed)
+    flips = found.sides[OUTCOME]
+    assert (flips.count, flips.compared) == (2, 27)
+    assert [(flip.place, flip.before, flip.after) for flip in flips.named] == [
+        ((RECORDS[0], "column", "nonlinear"), "rocks", "unresolved"),  # the fullest model first
+        ((RECORDS[0], "column", "sequence"), "rocks", "overturns"),
+    ]
+    assert "\nVerdicts that flipped: 2 of 27 (1 of 9 by the nonlinear model)" in text
+    found, text = compare(tree(), changed, listed=1)
+    assert (found.sides[OUTCOME].count, found.sides[OUTCOME].named) == (2, flips.named[:1])
+    assert "and 1 more (--limit)" in text
+
+
+def test_safety_factors_that_crossed_one_are_a_group_above_all_other_differences():
+    changed = tree()
+    factors = changed["summary"]["safety_factor"].values
+    factors[0, 1, 1], factors[1, 0, 1], factors[0, 2, 1] = 0.98, np.inf, 1.6  # of 1.7, 0.5 and 1.7
+    found, text = compare(tree(), changed)
+    assert [(flip.place, flip.before, flip.after) for flip in found.sides[SAFETY].named] == [
+        ((RECORDS[0], "column", "sequence"), "1.7", "0.98"),
+        ((RECORDS[1], "boundary wall", "sequence"), "0.5", "inf"),
+    ]
+    assert text.index("Safety factors that crossed 1 (below it a weaker copy") < text.index("Variables beyond")
+    found, text = compare(tree(), changed, listed=1)
+    assert (found.sides[SAFETY].count, len(found.sides[SAFETY].named)) == (2, 1)
+    assert "and 1 more (--limit)" in text
+    assert "crossed 1" not in compare(tree(), tree())[1]
+
+
+def test_without_the_nonlinear_model_in_both_the_last_common_model_leads():
+    changed = tree()
+    changed["summary"] = xr.DataTree(changed["summary"].to_dataset().isel(model=[0, 1]))
+    changed["half_cycles"] = xr.DataTree(changed["half_cycles"].to_dataset().isel(row=[0, 1, 2, 4]))
+    changed["summary"]["outcome"].values[2, 0] = 1, 2
+    found, text = compare(tree(), changed)
+    assert found.model == "sequence"
+    assert "Verdicts that flipped: 2 of 18 (1 of 9 by the sequence model)" in text
+    assert [flip.place[2] for flip in found.sides[OUTCOME].named] == ["sequence", "resonance"]
+
+
+def test_a_long_place_keeps_what_tells_record_block_and_model():
+    changed = tree()
+    changed["summary"]["safety_factor"].values[0, 0, 1] = 0.6
+    (line,) = [line for line in compare(tree(), changed)[1].splitlines() if "/summary/safety_factor" in line]
+    for told in ("CI.CCC..HNE@…", "953, ", "boundary wall, sequence"):
+        assert told in line
+
+
+def without_a_record(made, gone):
+    """Results that were made without one of the records."""
+    kept = [k for k in range(3) if k != gone]
+    half = made["half_cycles"].to_dataset()
+    pointed = half["record_index"].values
+    half = half.isel(row=pointed != gone)
+    half = half.assign(record_index=half["record_index"] - (half["record_index"] > gone))
+    half["record_index"].attrs = made["half_cycles"]["record_index"].attrs
+    records = made["records"].to_dataset()
+    owner = np.repeat(np.arange(3), records["half_wave_row_size"].values)
+    made["summary"] = xr.DataTree(made["summary"].to_dataset().isel(record=kept))
+    made["half_cycles"] = xr.DataTree(half)
+    made["records"] = xr.DataTree(records.isel(record=kept, wave=owner != gone))
+    return made
+
+
+@pytest.mark.parametrize("gone", [0, 1, 2])
+def test_what_only_one_file_has_is_named_and_the_rest_compared(gone):
+    found, text = compare(tree(), without_a_record(tree(), gone))
+    assert found.only == [OnlyIn("records", (RECORDS[gone],), ())]
+    assert found.variables == []
+    assert found.others == []
+    assert found.sides[OUTCOME].compared == 18
+    assert f"records only in the first file: 1\n  - {RECORDS[gone]}" in text
+    assert not found.same
+
+
+def test_blocks_variables_groups_and_failures_of_one_file():
+    other = tree()
+    summary = other["summary"].to_dataset().isel(block=[0, 1]).drop_vars("pgv_drift")
+    other["summary"] = xr.DataTree(summary)
+    other["failures"] = xr.DataTree(other["failures"].to_dataset().isel(failure=[0, 1]))
+    del other["records"]
+    found, text = compare(other, tree())
+    assert found.only == [
+        OnlyIn("groups", (), ("records",)),
+        OnlyIn("variables of /summary", (), ("pgv_drift",)),
+        OnlyIn("blocks", (), (BLOCKS[2],)),
+        OnlyIn("failures", (), ("failed (read) cut.AT2: cut.AT2:4: expected 100 samples, found 3",)),
+    ] or {one.what for one in found.only} == {"groups", "variables of /summary", "blocks", "failures"}
+    assert "blocks only in the second file: 1\n  + cabinet" in text
+
+
+def test_another_number_of_rows_is_told_and_the_rest_compared():
+    other = tree()
+    other["half_cycles"] = xr.DataTree(other["half_cycles"].to_dataset().isel(row=[0, 1, 3, 4]))
+    records = other["records"].to_dataset().isel(wave=[0, 1, 2, 3, 4])
+    records["half_wave_row_size"].values[2] = 2
+    records["half_wave_peak"].values[0] = 7.0
+    other["records"] = xr.DataTree(records)
+    found, _ = compare(tree(), other)
+    assert len(found.others) == 2
+    assert "/half_cycles: 1 combinations of record, block and model have another number of rows" in found.others[0]
+    assert "/records: 1 of 3 have another number along wave" in found.others[1]
+    assert [one.name for one in found.variables] == ["/records/half_wave_peak"]
+
+
+def test_units_flags_dimensions_and_attributes_that_differ_are_told():
+    other = tree()
+    other["summary"]["pga"].attrs["units"] = "g"
+    other["summary"]["outcome"].attrs["flag_meanings"] = "at_rest rocks falls unresolved"
+    other.attrs["data"] = "ida"
+    other["summary"].attrs["method"] = "statistics"
+    found, _ = compare(tree(), other)
+    assert found.others == [
+        "attribute data: absent in the first, ida in the second",
+        "attribute method of /summary: absent in the first, statistics in the second",
+        "/summary/pga: units 'm/s2', then 'g'",
+        "/summary/outcome: flag_meanings 'at_rest rocks overturns unresolved', then 'at_rest rocks falls unresolved'",
+    ]
+    found, _ = compare(tree(), tree(2))
+    assert any(line.startswith("/summary/outcome: record x block x model int8, then record x block x") for line in
+               found.others)  # fmt: skip
+
+
+def test_versions_and_configuration_are_told_and_do_not_count():
+    other = tree()
+    block = '[[block]]\nname = "wall"\nwidth = 0.4\n'
+    other.attrs.update(numpy_version="1.0", configuration=f'[site]\nname = "Borgo"\n[run]\nworkers = 2\n{block}')
+    found, text = compare(tree(), other)
+    assert found.same
+    assert [name for name, *_ in found.about] == ["numpy_version"]
+    assert found.configuration == ["+[run] workers = 2", '+[[block]] "wall" width = 0.4']
+    assert '  + [[block]] "wall" width = 0.4' in text
+
+
+@pytest.mark.parametrize(
+    ("path", "place"),
+    [("summary/pga", 0), ("summary/outcome", (0, 0, 0)), ("half_cycles/peak", 3), ("summary/source", 1)],
+)
+def test_values_that_another_program_has_changed_are_found_though_the_checksums_are_equal(saved, tmp_path, path, place):
+    for name in ("a.h5", "b.h5"):
+        shutil.copy(saved, tmp_path / name)
+    with h5py.File(tmp_path / "b.h5", "a") as file:
+        file[path][place] = "other" if "source" in path else 0
+    with open_results(tmp_path / "a.h5") as one, open_results(tmp_path / "b.h5") as other:
+        found = compare_results(one, other)
+    assert [(one.name, one.differing) for one in found.variables] == [(f"/{path}", 1)]
+    assert found.sides[OUTCOME].compared == 27
+
+
+def test_a_pointer_that_another_program_has_changed_is_found(saved, tmp_path):
+    for name in ("a.h5", "b.h5"):
+        shutil.copy(saved, tmp_path / name)
+    with h5py.File(tmp_path / "b.h5", "a") as file:
+        file["half_cycles/record_index"][0] = 2
+    with open_results(tmp_path / "a.h5") as one, open_results(tmp_path / "b.h5") as other:
+        assert not compare_results(one, other).same
+
+
+def test_what_is_ignored_is_named_as_it_is_or_as_it_is_printed():
+    changed = tree()
+    changed["summary"]["pga"].values[0] *= 1.1
+    changed["summary"] = xr.DataTree(changed["summary"].to_dataset().drop_vars("pgv_drift"))
+    for spelling in ("pga", "/summary/pga"):
+        found, _ = compare(tree(), changed, ignore=[spelling, "pgv_drift"])
+        assert found.same
+    assert not compare(tree(), changed, ignore=["/half_cycles/peak", "pgv_drift"])[0].same
+    with pytest.raises(ResultsError, match=r"no variable 'pgaa' in these results; .*pga"):
+        compare(tree(), changed, ignore=["pgaa"])
+
+
+def test_parts_are_compared_as_the_whole(monkeypatch):
+    from rockpulse.views.diff import differences
+
+    changed = tree()
+    changed["summary"]["safety_factor"].values[2, 1, 0] = 1.0
+    changed["summary"]["safety_factor"].values[0, 0, 0] = 0.6
+    whole = compare(tree(), changed)[0].variables
+    monkeypatch.setattr(differences, "PART", 9)
+    assert compare(tree(), changed)[0].variables == whole
+
+
+def test_files_of_different_kinds_are_refused(saved, tmp_path):
+    shutil.copy(saved, tmp_path / "a.h5")
+    other = xr.DataTree.from_dict({"/site": xr.Dataset()})
+    other.attrs["kind"] = "site calibration"
+    save(other, tmp_path / "b.h5")
+    with (
+        open_results(tmp_path / "a.h5") as one,
+        open_results(tmp_path / "b.h5") as two,
+        pytest.raises(ResultsError, match=r"two files of one kind, found .*a\.h5 \(assessment\) and .*b\.h5 \(site"),
+    ):
+        compare_results(one, two)

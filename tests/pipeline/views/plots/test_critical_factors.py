@@ -1,0 +1,260 @@
+"""Maps of overturning show every interval and window; critical scales every record, model and mark of doubt."""
+
+import numpy as np
+import pytest
+import xarray as xr
+from matplotlib.colors import same_color
+
+import rockpulse as rp
+from rockpulse.config.configuration import Config
+from rockpulse.config.settings import ModelSettings
+from rockpulse.errors import ResultsError
+from rockpulse.models import Block
+from rockpulse.views.plots.critical_factors import ROWS, critical_scale, overturning_map
+from rockpulse.views.plots.style import RED
+
+
+@pytest.fixture(scope="module")
+def first(assessed):
+    return str(assessed["summary"]["record"].values[0])
+
+
+def bars(ax, words):
+    """(place, from, to) of the bars of one kind."""
+    found = []
+    for container in ax.containers:
+        if container.get_label() == words:
+            found += [
+                (bar.get_y() + bar.get_height() / 2, bar.get_x(), bar.get_x() + bar.get_width()) for bar in container
+            ]
+    return sorted((round(place), low, high) for place, low, high in found)
+
+
+def intervals(tree, record, block, model):
+    table, summary = tree["overturning_intervals"].to_dataset(), tree["summary"].to_dataset()
+    rows = np.ones(table.sizes["interval"], dtype=bool)
+    for name, label in (("record", record), ("block", block), ("model", model)):
+        rows &= table[f"{name}_index"].values == summary[name].values.tolist().index(label)
+    return table["lower"].values[rows], table["upper"].values[rows]
+
+
+def test_a_map_shows_the_stored_intervals_and_the_windows_between(assessed, first):
+    ax = overturning_map(assessed, record=first)
+    for place, block in enumerate(assessed["summary"]["block"].values):
+        lower, upper = intervals(assessed, first, block, "nonlinear")
+        assert [(low, high) for at, low, high in bars(ax, "overturns") if at == place] == [
+            (pytest.approx(low), pytest.approx(high)) for low, high in zip(lower, upper, strict=True)
+        ]
+        windows = [(low, high) for at, low, high in bars(ax, "stands again") if at == place]
+        assert windows == [
+            (pytest.approx(low), pytest.approx(high)) for low, high in zip(upper[:-1], lower[1:], strict=True)
+        ]
+        assert bars(ax, "stands")[place][2] == pytest.approx(lower[0])
+    assert ax.get_xscale() == "log"
+    assert ax.get_xlabel() == "factor on the record [-]"
+    assert [tick.get_text() for tick in ax.get_yticklabels()] == ["wall", r"column of \$one\$ piece"]
+    assert 1.0 in [line.get_xdata()[0] for line in ax.lines]
+    factor = assessed["summary"]["safety_factor"].sel(record=first, model="nonlinear").values
+    assert ax.get_xlim() == pytest.approx((0.7 * min(1.0, factor.min()), 10.0))
+    assert ax.get_ylim() == pytest.approx((1.6, -0.6))  # the first on top
+
+
+def test_the_narrowest_interval_is_seen(assessed, changed, first):
+    table = assessed["overturning_intervals"].to_dataset()
+    thin = table.assign(upper=table["upper"].copy(data=table["lower"].values * (1.0 + 1e-7)))
+    ax = overturning_map(changed({"/overturning_intervals": thin}), record=first)
+    for place, block in enumerate(assessed["summary"]["block"].values):
+        lower, _ = intervals(assessed, first, block, "nonlinear")
+        lines = [c for c in ax.collections if len(c.get_segments()) and round(c.get_segments()[0].mean(0)[1]) == place]
+        assert sorted(segment[0, 0] for line in lines for segment in line.get_segments()) == pytest.approx(lower)
+        assert {float(width) for line in lines for width in line.get_linewidths()} == {1.0}
+        assert all(same_color(line.get_colors()[0], RED) for line in lines)
+    assert "at least 1 pt wide" in ax.figure.get_supxlabel()
+
+
+def test_a_dot_stands_at_the_smallest_factor(assessed, changed, first):
+    factor = assessed["summary"]["safety_factor"].sel(record=first, model="nonlinear").values
+    (dots,) = (line for line in overturning_map(assessed, record=first).lines if line.get_label() == "smallest factor")
+    assert dots.get_xydata().tolist() == [[value, place] for place, value in enumerate(factor)]
+    bound = np.zeros(assessed["summary"]["safety_factor"].shape, np.int8)
+    ax = overturning_map(changed(factor_resolved=bound), record=first)
+    (dots,) = (line for line in ax.lines if line.get_label() == "smallest factor")
+    assert dots.get_markerfacecolor() == "white"
+    assert "Hollow: a lower bound" in ax.figure.get_supxlabel()
+
+
+def test_records_on_a_block_are_ordered_by_their_factor(assessed):
+    ax = overturning_map(assessed, block="wall")
+    factor = assessed["summary"]["safety_factor"].sel(block="wall", model="nonlinear")
+    expected = factor["record"].values[np.argsort(factor.values)].tolist()
+    assert [tick.get_text() for tick in ax.get_yticklabels()] == expected
+
+
+def test_every_restitution_has_a_row_of_its_own(clc):
+    settings = Config(models=ModelSettings(use=("resonance",)))
+    body = Block(half_width=0.125, half_height=1.1, restitution=[0.9, 0.98])
+    tree = rp.assess(clc, settings, blocks={"wall": body})
+    names = [tick.get_text() for tick in overturning_map(tree, record=clc[0].id).get_yticklabels()]
+    assert names == ["wall, C = 0.900", "wall, C = 0.980"]
+    rows = [tick.get_text() for tick in overturning_map(tree, block="wall").get_yticklabels()]
+    assert sorted(row.split(", ")[1] for row in rows) == ["C = 0.900"] * 2 + ["C = 0.980"] * 2
+    assert "C = 0.980" in critical_scale(tree, case=2).figure.get_suptitle()
+
+
+def test_what_the_model_cannot_answer_is_not_drawn_as_overturning(assessed, changed, first):
+    table = assessed["overturning_intervals"].to_dataset()
+    doubted = table.assign(resolved=table["resolved"].copy(data=np.zeros(table.sizes["interval"], np.int8)))
+    ax = overturning_map(changed({"/overturning_intervals": doubted}), record=first)
+    assert bars(ax, "overturns") == []
+    assert len(bars(ax, "cannot answer: counts as overturning")) > 1
+    for container in ax.containers:
+        if container.get_label().startswith("cannot answer"):
+            assert {(bar.get_facecolor(), bar.get_hatch()) for bar in container} == {((1.0, 1.0, 1.0, 1.0), "xxxx")}
+
+
+def test_resonance_is_named_an_upper_bound_type_input(assessed):
+    ax = overturning_map(assessed, block="wall", model="resonance")
+    assert "upper-bound type input" in ax.figure.get_suptitle()
+    assert "not a prediction" in ax.figure.get_supxlabel()
+    assert ax.get_xlabel() == "factor on the impulses of the sequence [-]"
+    assert "not a prediction" in critical_scale(assessed, block="wall").figure.get_supxlabel()
+
+
+def test_nothing_that_overturns_stands_to_the_end_of_the_search(assessed, changed, first):
+    none = assessed["overturning_intervals"].to_dataset().isel(interval=slice(0))
+    endless = np.full(assessed["summary"]["safety_factor"].shape, np.inf)
+    tree = changed({"/overturning_intervals": none}, safety_factor=endless)
+    ax = overturning_map(tree, record=first)
+    assert [high for _, _, high in bars(ax, "stands")] == pytest.approx([10.0, 10.0])
+    assert [text.get_text().strip() for text in ax.texts] == ["none up to 10"] * 2
+    assert "smallest factor" not in ax.get_legend_handles_labels()[1]
+    ax = critical_scale(tree, block="wall")
+    assert ax.get_xlim()[1] > 10.0
+    beside = [x for line in ax.lines if len(line.get_xdata()) == 2 for x in line.get_xdata() if x != 1.0]
+    assert len(beside) == 10  # five models on two records
+    assert min(beside) > 10.0
+    assert max(beside) < ax.get_xlim()[1]
+    assert [text.get_text() for text in ax.texts] == [">10"]
+    assert ">10: none found up to there." in " ".join(ax.figure.get_supxlabel().split())
+
+
+def test_a_body_that_was_not_searched_or_is_outside_the_range_is_named(assessed, changed, first):
+    factor = assessed["summary"]["safety_factor"].values.copy()
+    factor[:, 1] = np.nan
+    applicable = np.ones(factor.shape, np.int8)
+    applicable[:, 0] = 0
+    ax = overturning_map(changed(safety_factor=factor, applicable=applicable), record=first)
+    assert [(text.get_text().strip(), text.get_position()[1]) for text in ax.texts] == [("not searched", 1)]
+    assert "Outside the range of the model: wall." in ax.figure.get_supxlabel()
+
+
+def test_what_was_not_searched_is_refused(assessed, changed, first):
+    unknown = np.full(assessed["summary"]["safety_factor"].shape, np.nan)
+    for draw in (lambda tree: overturning_map(tree, record=first), lambda tree: critical_scale(tree, block="wall")):
+        with pytest.raises(ResultsError, match=r"\[search\] models"):
+            draw(changed(safety_factor=unknown))
+
+
+def marks(ax, label):
+    """Points of one model: filled, hollow."""
+    color = next(line.get_color() for line in ax.lines if line.get_label() == label)
+    return [line for line in ax.lines if line.get_color() == color and len(line.get_xdata())]
+
+
+def test_critical_scales_are_those_of_the_results(assessed):
+    ax = critical_scale(assessed, block="wall")
+    summary = assessed["summary"].to_dataset()
+    factor = summary["safety_factor"].sel(block="wall", model="nonlinear").values
+    (points,) = marks(ax, "nonlinear")
+    assert points.get_xdata().tolist() == sorted(factor)
+    words = [text.get_text() for text in ax.get_legend().get_texts()]
+    assert words == ["resonance (upper-bound type input)", "sequence", "impulsive", "linear", "nonlinear"]
+    assert len({line.get_marker() for line in ax.lines if line.get_label() in words}) == 5
+    assert ax.get_xlabel() == "smallest factor on the model's input that overturns [-]"
+
+
+def test_bounds_and_models_outside_their_range_are_marked(assessed, changed):
+    shape = assessed["summary"]["safety_factor"].shape
+    applicable, resolved = np.ones(shape, np.int8), np.ones(shape, np.int8)
+    applicable[..., 3] = 0
+    resolved[..., 4] = 0
+    ax = critical_scale(changed(applicable=applicable, factor_resolved=resolved), block="wall")
+    assert [line.get_markerfacecolor() for line in marks(ax, "linear")] == ["white"]
+    assert [line.get_marker() for line in marks(ax, "nonlinear")] == ["o", r"$\rightarrow$"]
+    assert "lower bound" in ax.figure.get_supxlabel()
+    assert "Hollow: outside the range" in ax.figure.get_supxlabel()
+
+
+def ticks(ax):
+    """Places of the demand "damage", row by row."""
+    (line,) = (line for line in ax.lines if line.get_label() == "demand over PGA: damage")
+    assert line.get_marker() == "|"
+    assert line.get_ydata().tolist() == list(range(len(line.get_xdata())))
+    return line.get_xdata()
+
+
+@pytest.fixture
+def asked_for(assessed, changed):
+    """The results with a demand [m/s2]."""
+
+    def with_demand(acceleration, **variables):
+        demand = xr.Variable("demand", [acceleration], {"units": "m s-2", "long_name": "demand"})
+        summary = assessed["summary"].to_dataset().assign_coords(demand=["damage"]).assign(demand_acceleration=demand)
+        return changed({"/summary": summary}, **variables)
+
+    return with_demand
+
+
+def test_a_demand_is_a_tick_on_every_record(assessed, asked_for, first):
+    summary, tree = assessed["summary"].to_dataset(), asked_for(2.94)
+    by_factor = np.argsort(summary["safety_factor"].sel(block="wall", model="nonlinear").values)
+    expected = 2.94 / summary["pga"].values[by_factor]
+    for ax in (critical_scale(tree, block="wall"), overturning_map(tree, block="wall")):
+        assert ticks(ax) == pytest.approx(expected)
+        words = " ".join(ax.figure.get_supxlabel().split())
+        assert "Dashed: the record" in words
+        assert words.endswith("with its smallest factor right of the tick the block stands at the demand.")
+    own = 2.94 / float(summary["pga"].sel(record=first))
+    assert ticks(overturning_map(tree, record=first)) == pytest.approx([own, own])  # of two blocks
+    weak = overturning_map(asked_for(0.1), block="wall")
+    assert weak.get_xlim()[0] < min(ticks(weak)) < 0.1
+    assert "Tick" not in overturning_map(assessed, block="wall").figure.get_supxlabel()
+
+
+def test_a_demand_beyond_the_search_has_no_tick_and_says_so(asked_for):
+    tree = asked_for(1e3)
+    for ax in (critical_scale(tree, block="wall"), overturning_map(tree, block="wall")):
+        assert np.isnan(ticks(ax)).all()
+        assert "No tick: the demand lies beyond the search." in " ".join(ax.figure.get_supxlabel().split())
+
+
+def test_a_tick_does_not_stand_in_the_words_of_its_row(assessed, asked_for, first):
+    none = assessed["overturning_intervals"].to_dataset().isel(interval=slice(0))
+    endless = np.full(assessed["summary"]["safety_factor"].shape, np.inf)
+    for demand in (1.05, 8.0):  # near the record as it is, near the end of the search
+        tree = asked_for(demand * float(assessed["summary"]["pga"].sel(record=first)), safety_factor=endless)
+        tree["overturning_intervals"] = xr.DataTree(none)
+        ax = overturning_map(tree, record=first)
+        ax.figure.draw_without_rendering()
+        (tick, _), pixel = ticks(ax), ax.transData
+        assert tick == pytest.approx(demand)
+        for words in ax.texts:
+            assert words.get_text().strip() == "none up to 10"
+            box = words.get_window_extent()
+            assert not box.x0 < pixel.transform((tick, 0.0))[0] < box.x1
+
+
+def test_of_many_records_those_of_the_smallest_factors_are_shown(assessed, changed):
+    summary = assessed["summary"].to_dataset()
+    many = summary.isel(record=np.zeros(70, dtype=int)).assign_coords(record=[f"record {k}" for k in range(70)])
+    factor = np.random.default_rng(0).uniform(0.2, 3.0, many["safety_factor"].shape)
+    many = many.assign(safety_factor=many["safety_factor"].copy(data=factor))
+    tree = changed({"/summary": many})
+    lowest = np.argsort(factor[:, 0, 4])[:ROWS]
+    ax = critical_scale(tree, block="wall")
+    assert [tick.get_text() for tick in ax.get_yticklabels()] == [f"record {k}" for k in lowest]
+    assert "The 60 smallest factors of 70 records" in ax.figure.get_supxlabel()
+    drawn = overturning_map(tree, block="wall")
+    assert len(drawn.get_yticks()) == ROWS
+    assert "The 60 smallest factors of 70" in drawn.figure.get_supxlabel()
+    assert max(one.figure.get_size_inches()[1] for one in (ax, drawn)) < 11.7  # a page of A4

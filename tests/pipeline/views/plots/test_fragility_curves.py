@@ -1,0 +1,162 @@
+"""Fragility curves show the fit, its band where there is one, and the records behind it."""
+
+import numpy as np
+import pytest
+from matplotlib.colors import same_color
+
+from rockpulse.errors import ResultsError
+from rockpulse.views.plots.fragility_curves import fragility
+from rockpulse.views.plots.style import looks
+
+
+def banded(tree, low=0.8, high=1.2):
+    """The same with bands, which one earthquake does not give."""
+    copy = tree.copy(deep=True)
+    curves = copy["fragility"].to_dataset()
+    probability = curves["probability"].values
+    filled = curves.assign(
+        probability_low=curves["probability_low"].copy(data=low * probability),
+        probability_high=curves["probability_high"].copy(data=np.minimum(1.0, high * probability)),
+    )
+    copy["fragility"] = type(tree)(filled)
+    return copy
+
+
+def test_every_limit_state_has_its_curve(fragility_tree):
+    ax = fragility(fragility_tree, block="wall")
+    own = fragility_tree["fragility"].to_dataset().sel(block="wall", measure="velocity_ratio")
+    words = ["uplift", r"$\theta_{max}/\alpha_c \geq$ 0.4", "overturning"]
+    lines = {line.get_label(): line for line in ax.lines}
+    for word, state in zip(words, own["limit_state"].values, strict=True):
+        line, stored = lines[word], own.sel(limit_state=state)
+        at = np.searchsorted(line.get_xdata(), stored["level"].values * (1.0 - 1e-9))
+        assert line.get_xdata()[at] == pytest.approx(stored["level"].values)
+        assert line.get_ydata()[at] == pytest.approx(stored["probability"].values, abs=1e-12)
+        assert np.all(np.diff(line.get_ydata()) >= -1e-12)
+    assert len({lines[word].get_marker() + str(lines[word]._dash_pattern) for word in words}) == 3
+    assert ax.get_xlabel() == r"p PGV/(g tan $\alpha_c$) [-]"
+    assert ax.get_ylabel() == "probability of reaching the limit state [-]"
+    assert ax.get_ylim() == pytest.approx((-0.01, 1.01))
+    assert ax.get_xscale() == "log"
+    level, probability = own["level"].values, own["probability"].values
+    rising = np.any((probability > 0.002) & (probability < 0.998), axis=own["probability"].dims.index("limit_state"))
+    assert ax.get_xlim() == pytest.approx((level[rising].min(), level[rising].max()))
+    assert ax.figure.get_suptitle() == "wall"
+    assert "2 records of 1 earthquake" in ax.figure.get_supxlabel()
+
+
+def test_the_records_stand_beside_the_curve(fragility_tree):
+    ax = fragility(fragility_tree, block="wall", limit_states=["overturning"])
+    capacities = fragility_tree["capacities"].to_dataset().sel(block="wall")
+    value = capacities["factor"].sel(limit_state="overturning") * capacities["measure_value"].sel(
+        measure="velocity_ratio"
+    )
+    points = [line for line in ax.lines if line.get_linestyle() == "None"]
+    assert np.sort(points[0].get_xdata()) == pytest.approx(np.sort(value.values))
+    assert points[0].get_ydata() == pytest.approx([0.25, 0.75])
+
+
+def test_a_record_that_never_reaches_the_state_is_not_counted_as_reaching_it(fragility_tree):
+    tree = fragility_tree.copy(deep=True)
+    tree["capacities"]["factor"].values[0] = np.inf
+    ax = fragility(tree, block="wall", limit_states=["overturning"])
+    points = next(line for line in ax.lines if line.get_linestyle() == "None")
+    assert len(points.get_xdata()) == 1
+
+
+def test_what_holds_for_all_limit_states_is_said_once(fragility_tree):
+    ax = fragility(fragility_tree, block="wall")
+    assert not ax.collections
+    assert ax.figure.get_supxlabel().count("no band") == 1
+    assert "All: no band" in ax.figure.get_supxlabel()
+
+
+@pytest.mark.parametrize(
+    ("asked", "expected"), [(None, "overturning"), (["0.4", "uplift"], "0.4"), (["uplift"], "uplift")]
+)
+def test_one_band_is_filled_and_said(fragility_tree, asked, expected):
+    tree = banded(fragility_tree)
+    ax = fragility(tree, block="wall", limit_states=asked)
+    (band,) = ax.collections
+    own = tree["fragility"].to_dataset().sel(block="wall", measure="velocity_ratio", limit_state=expected)
+    corners = band.get_paths()[0].vertices
+    for name in ("probability_low", "probability_high"):
+        for corner in zip(own["level"].values, own[name].values, strict=True):
+            assert np.min(np.abs(corners - corner)) < 1e-9
+    word = rf"$\theta_{{max}}/\alpha_c \geq$ {expected}" if expected == "0.4" else expected
+    assert f"Band of the curve of {word}: 90 %, over earthquakes" in ax.figure.get_supxlabel()
+    color = next(line.get_color() for line in ax.lines if line.get_label() == word)
+    assert same_color(band.get_facecolor()[0][:3], color)
+
+
+def test_a_band_from_0_to_1_is_not_drawn_and_said(fragility_tree):
+    tree = banded(fragility_tree)
+    tree["fragility"]["probability_low"].values[:] = 0.02
+    tree["fragility"]["probability_high"].values[:] = 0.99
+    ax = fragility(tree, block="wall")
+    assert not ax.collections
+    words = " ".join(ax.figure.get_supxlabel().split())
+    assert (
+        "Band of the curve of overturning: nearly 0 to 1 at most levels, not drawn (1 earthquakes are too few)."
+        in words
+    )
+
+
+def test_a_curve_above_that_of_a_milder_state_is_said(fragility_tree):
+    words = "Fitted one by one: where a curve lies above that of a milder limit state it says nothing."
+
+    def said(above, states=None):
+        tree = fragility_tree.copy(deep=True)
+        probability = tree["fragility"]["probability"].transpose("block", "measure", "limit_state", "point").values
+        probability[:] = np.clip(np.linspace(-0.1, 1.1, probability.shape[-1]), 0.0, 1.0)
+        probability[:, :, 2, probability.shape[-1] // 2] += above  # overturning
+        ax = fragility(tree, block="wall", limit_states=states)
+        return words in " ".join(ax.figure.get_supxlabel().split())
+
+    assert said(0.02)
+    assert said(0.02, ["overturning", "uplift"])
+    assert not said(0.009)
+    assert not said(-0.02)
+    assert not said(0.02, ["overturning"])
+    assert not said(0.02, ["uplift", "0.4"])
+
+
+def test_equal_capacities_are_a_step_at_the_median(fragility_tree):
+    ax = fragility(fragility_tree, block="wall", measure="pga", limit_states=["uplift"])
+    own = fragility_tree["fragility"].to_dataset().sel(block="wall", measure="pga", limit_state="uplift")
+    assert float(own["beta"]) == 0.0
+    (line,) = (line for line in ax.lines if line.get_label().startswith("uplift"))
+    assert line.get_xdata()[1:3].tolist() == [float(own["median"])] * 2
+    assert line.get_ydata().tolist() == [0.0, 0.0, 1.0, 1.0]
+
+
+def test_a_dozen_limit_states_are_told_apart_without_colour_alone():
+    drawn = looks([str(k) for k in range(16)])
+    assert len({(one.color, str(one.line)) for one in drawn}) == 16
+    assert len({(one.color, one.marker) for one in drawn}) == 16
+
+
+def test_a_measure_brings_its_own_unit(fragility_tree):
+    assert fragility(fragility_tree, block="wall", measure="pga").get_xlabel() == "PGA [m/s²]"
+
+
+def test_unknown_names_are_refused(fragility_tree):
+    with pytest.raises(ResultsError, match="the nearest: velocity_ratio; there are: pga, velocity_ratio"):
+        fragility(fragility_tree, measure="velocity")
+    with pytest.raises(ResultsError, match=r'no limit_state "0\.5"'):
+        fragility(fragility_tree, limit_states=["0.5"])
+
+
+def test_a_median_beyond_the_data_is_said(fragility_tree):
+    tree = fragility_tree.copy(deep=True)
+    tree["fragility"]["extrapolated"].values[:] = 1
+    words = fragility(tree, block="wall").get_legend_handles_labels()[1]
+    assert all(word.endswith("(extrapolated)") for word in words)
+    assert not any("extrapolated" in word for word in fragility(fragility_tree).get_legend_handles_labels()[1])
+
+
+def test_what_has_no_curve_says_so(fragility_tree):
+    tree = fragility_tree.copy(deep=True)
+    tree["fragility"]["probability"].values[:] = np.nan
+    ax = fragility(tree, block="wall")
+    assert next(line.get_label() for line in ax.lines if "no curve" in line.get_label()) == "uplift: no curve"

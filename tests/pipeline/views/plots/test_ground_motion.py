@@ -1,0 +1,114 @@
+"""The accelerogram shows the record, its strong half-waves, their impulses and the calibrated ones."""
+
+import numpy as np
+import pytest
+
+import rockpulse as rp
+from rockpulse.errors import ResultsError
+from rockpulse.record.record import Record
+from rockpulse.views.plots.ground_motion import accelerogram
+from rockpulse.views.plots.motion import motion_of_record, stored_motion
+
+
+@pytest.fixture(scope="module")
+def motion(assessed):
+    return stored_motion(assessed, str(assessed["summary"]["record"].values[0]))
+
+
+@pytest.fixture(scope="module")
+def panels(motion):
+    return accelerogram(motion)
+
+
+def labelled(ax):
+    handles, words = ax.get_legend_handles_labels()
+    return dict(zip(words, handles, strict=True))
+
+
+def test_the_intense_phase_is_shaded_in_every_panel(motion, panels):
+    phase = float(motion["intense_start"]), float(motion["intense_end"])
+    for ax in panels:
+        box = labelled(ax)["intense phase"].get_bbox() if ax is not None else None
+        assert (box.x0, box.x1) == pytest.approx(phase)
+    low, high = panels[1].get_xlim()
+    assert low < phase[0]
+    assert high > phase[1]
+    assert panels[2].get_xlim() == panels[1].get_xlim()
+
+
+def test_labels_have_readable_units(panels):
+    words = [ax.get_ylabel().replace("\n", " ") for ax in panels]
+    assert words == ["[m/s²]", "conditioned ground acceleration [m/s²]", "signed impulse of the half-wave [m/s]"]
+    assert panels[2].get_xlabel() == "time from the first sample [s]"
+
+
+def test_the_peak_of_the_whole_record_is_drawn(motion, panels):
+    drawn = panels[0].lines[1].get_ydata()  # after the zero line
+    acceleration = motion["acceleration"].values
+    strongest = int(np.argmax(np.abs(acceleration)))
+    assert np.max(np.abs(drawn)) == np.abs(acceleration[strongest])
+    assert len(drawn) < 2000 < motion.sizes["sample"]
+    assert panels[0].lines[2].get_xydata().tolist() == [[motion["time"].values[strongest], acceleration[strongest]]]
+    (words,) = (text.get_text() for text in panels[0].texts)
+    assert words == f"PGA {abs(acceleration[strongest]):.3g} m/s² at {motion['time'].values[strongest]:.2f} s"
+    assert panels[0].get_xlim() == (0.0, motion["time"].values[-1])
+
+
+def test_the_acceleration_of_the_phase_is_that_of_the_record(motion, panels):
+    time, acceleration = panels[1].lines[1].get_data()
+    assert np.interp(time, motion["time"].values, motion["acceleration"].values) == pytest.approx(acceleration)
+    low, high = panels[1].get_xlim()
+    assert (time[0], time[-1]) == pytest.approx((low, high), abs=0.1)
+
+
+def test_half_waves_above_half_the_largest_are_filled(motion, panels):
+    within = (motion["centroid"] >= motion["intense_start"]) & (motion["centroid"] <= motion["intense_end"])
+    size = np.abs(motion["impulse"].values[within.values])
+    assert len(panels[1].collections) == np.count_nonzero(size >= 0.5 * size.max()) > 0
+
+
+def test_impulses_stand_at_their_centroids(motion, panels):
+    stems = labelled(panels[2])["impulses"].get_xydata().reshape(-1, 3, 2)
+    assert np.all(np.isnan(stems[:, 2]))
+    where = np.searchsorted(motion["centroid"].values, stems[:, 1, 0])
+    assert np.array_equal(motion["impulse"].values[where], stems[:, 1, 1])
+    inside = (motion["centroid"].values >= panels[2].get_xlim()[0]) & (
+        motion["centroid"].values <= panels[2].get_xlim()[1]
+    )
+    size = np.abs(motion["impulse"].values)
+    assert len(stems) == np.count_nonzero(inside & (size > 0.01 * size.max()))
+    assert len(labelled(panels[2])["above half the largest"].get_xdata()) == len(panels[1].collections)
+    main = float(motion["main_impulse"])
+    assert any(words.startswith(r"$\pm I$ =") for words in labelled(panels[2]))
+    assert {main, -main} <= {line.get_ydata()[0] for line in panels[2].lines}
+
+
+def test_a_record_without_a_sequence_says_so():
+    record = Record(np.sin(np.linspace(0.0, np.pi, 50)), dt=0.02, id="one half-wave")
+    drawn = accelerogram(motion_of_record(record))
+    assert "No impulse sequence" in drawn[0].figure.get_supxlabel()
+    assert not any("pm I" in words for words in labelled(drawn[2]))
+
+
+def test_a_record_gives_the_motion_that_the_results_store(clc, motion):
+    fresh = motion_of_record(rp.condition(clc[0]))
+    for name in ("acceleration", "impulse", "centroid", "main_impulse", "intense_end"):
+        assert np.array_equal(fresh[name].values, motion[name].values)
+        assert fresh[name].attrs["units"] == motion[name].attrs["units"]
+
+
+def test_results_without_samples_say_what_to_switch_on(changed, assessed):
+    records = assessed["records"].to_dataset().drop_vars(["acceleration", "row_size"])
+    with pytest.raises(ResultsError, match=r'\[records\] store = "all"'):
+        stored_motion(changed({"/records": records}), str(assessed["summary"]["record"].values[0]))
+
+
+def test_axes_that_are_given_are_used(motion):
+    from matplotlib.figure import Figure
+
+    figure = Figure()
+    axes = figure.subplots(3, 1)
+    assert list(accelerogram(motion, axes)) == list(axes)
+    assert figure.get_supxlabel() == ""
+    with pytest.raises(ValueError, match="expected 3 x 1"):
+        accelerogram(motion, axes[:2])

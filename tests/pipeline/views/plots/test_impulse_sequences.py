@@ -1,0 +1,91 @@
+"""The limit accelerogram shows the impulses of the train at their times, and names resonance for what it is."""
+
+import numpy as np
+import pytest
+
+from rockpulse import models
+from rockpulse.views.plots.impulse_sequences import limit_accelerogram
+from rockpulse.views.plots.kinds import draw
+from rockpulse.views.plots.selection import block_of, sequence_of
+
+BLOCK = models.Block(half_width=0.5, half_height=1.936492, restitution=0.6, gravity=9.81)
+
+
+def sequence(**options):
+    given = {"main": 0.3, "secondary": 0.15, "interval": 0.1, "duration": 6.0}
+    return models.ImpulseSequence(**(given | options))
+
+
+def marks(ax):
+    """Times and sizes of the heads of the arrows."""
+    drawn = [line for line in ax.lines if line.get_linestyle() == "None" and line.get_marker() in "^v"]
+    return np.concatenate([line.get_xydata() for line in drawn])
+
+
+@pytest.mark.parametrize("spacing", ["end", "middle", "open", "continuous"])
+def test_every_impulse_is_an_arrow(spacing):
+    own = sequence(spacing=spacing)
+    alone, both = limit_accelerogram(BLOCK, own)
+    times, impulses = models.impulse_train(BLOCK, own)
+    drawn = marks(both)
+    shown = times <= drawn[:, 0].max()
+    expected = np.stack([times, impulses], axis=1)[shown]
+    for line in both.lines:
+        if line.get_marker() in ("^", "v") and line.get_linestyle() == "None" and len(line.get_ydata()):
+            assert np.all((line.get_ydata() > 0.0) == (line.get_marker() == "^"))  # heads point away from zero
+    assert np.allclose(drawn[np.lexsort(drawn.T)], expected[np.lexsort(expected.T)])
+    assert set(np.abs(marks(alone)[:, 1])) == {own.main}
+
+
+def test_main_impulses_come_with_the_half_cycles():
+    alone, _ = limit_accelerogram(BLOCK, sequence())
+    times = np.sort(marks(alone)[:, 0])
+    duration = models.sequence_response(BLOCK, sequence(secondary=0.0)).half_cycles.duration
+    assert np.allclose(np.diff(times), duration[: times.size - 1])
+    assert np.all(np.diff(duration[:3]) > 0.0)  # the critical timing increases
+
+
+def test_half_cycles_are_bars_from_impulse_to_impulse_with_their_peaks():
+    alone, _ = limit_accelerogram(BLOCK, sequence())
+    times = np.sort(marks(alone)[:, 0])
+    table = models.sequence_response(BLOCK, sequence(secondary=0.0)).half_cycles
+    bars = [line.get_xdata() for line in alone.lines if line.get_marker() == "|"]
+    assert np.allclose(bars, np.stack([times, times + table.duration[: times.size]], axis=1))
+    peaks = [float(text.get_text()) for text in alone.texts]
+    assert len(peaks) >= 3
+    places = [np.argmin(np.abs(times + 0.5 * table.duration[: times.size] - text.xy[0])) for text in alone.texts]
+    assert peaks == pytest.approx(table.peak[places], abs=0.0051)
+
+
+def test_equal_impulses_are_told_apart_by_their_place():
+    _, both = limit_accelerogram(BLOCK, sequence(secondary=0.3))
+    legend = [text.get_text() for text in both.get_legend().get_texts()]
+    assert any(words.startswith("main") for words in legend)
+    assert any(words.startswith("secondary") for words in legend)
+
+
+def test_resonance_is_named_an_upper_bound_type_input():
+    alone, both = limit_accelerogram(BLOCK, sequence())
+    assert "upper-bound type input" in alone.get_title(loc="left")
+    assert both.get_ylabel() == "impulse of the ground [m/s]"
+    assert both.get_xlabel() == "time from the first main impulse [s]"
+
+
+def test_an_overturning_half_cycle_is_marked():
+    panels = limit_accelerogram(BLOCK, sequence(main=2.0 * BLOCK.critical_impulse, secondary=0.0))
+    assert [line.get_marker() for line in panels[0].lines if line.get_label() == "overturning"] == ["x"]
+    assert marks(panels[0])[:, 0].tolist() == [0.0]
+
+
+def test_the_sequence_of_the_results_is_that_of_their_half_cycles(assessed, changed):
+    record, block = str(assessed["summary"]["record"].values[0]), "wall"
+    assert sequence_of(assessed, record, block).spacing == "end"
+    other = changed()
+    other.attrs["configuration"] = other.attrs["configuration"].replace('spacing = "end"', 'spacing = "middle"')
+    assert sequence_of(other, record, block).spacing == "end"  # the stored half-cycles say so
+    figure = draw(assessed, "limit-accelerogram", record=record, block=block)
+    assert record in figure.get_suptitle()
+
+
+def test_the_block_of_the_results_has_its_gravity(assessed):
+    assert block_of(assessed["summary"].to_dataset(), "wall").gravity == 9.80665

@@ -1,0 +1,154 @@
+"""Every kind is drawn from its file, and what does not fit is refused with what would."""
+
+import xml.etree.ElementTree as ET
+
+import numpy as np
+import pytest
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.text import Text
+
+from rockpulse.errors import ConfigError, ResultsError
+from rockpulse.storage.accuracy_variables import REPORT
+from rockpulse.storage.save_load import ASSESSMENT
+from rockpulse.views.plots.drawing import DRAWERS
+from rockpulse.views.plots.kinds import KINDS, OPTIONS, draw, kind_list
+from rockpulse.views.plots.picture import svg
+from rockpulse.views.plots.selection import chosen
+
+COLUMN = "column of $one$ piece"
+
+
+@pytest.mark.parametrize(
+    ("kind", "options"),
+    [
+        ("accelerogram", ("record",)),
+        ("limit-accelerogram", ("record", "block")),
+        ("rotation-history", ("record", "block")),
+        ("rocking-spectrum", ("record",)),
+        ("overturning-map", ("record",)),
+        ("critical-scale", ("block",)),
+    ],
+)
+def test_kinds_of_an_assessment(assessed, kind, options):
+    chosen = {"record": str(assessed["summary"]["record"].values[1]), "block": COLUMN}
+    figure = draw(assessed, kind, **{name: chosen[name] for name in options})
+    text = svg(figure)
+    ET.fromstring(text)
+    shown = chosen["record"] if "record" in options else COLUMN
+    assert shown in text
+    assert figure.get_size_inches()[0] == 6.3
+    for ax in figure.axes:
+        if ax.axison and ax.get_label() != "<colorbar>":
+            assert ax.get_xlabel() or ax.get_shared_x_axes().get_siblings(ax) != [ax] or kind == "accelerogram"
+
+
+@pytest.mark.parametrize("kind", [kind for kind, row in KINDS.items() if row.file == ASSESSMENT])
+def test_no_text_leaves_the_picture(assessed, changed, kind):
+    parts = {name: assessed[name].to_dataset() for name in ("summary", "records")}
+    names = {"record": [f"NETWORK_{k}.{'THE_LONG_NAME_OF_A_STATION_' * 5}.HNE@2019" for k in range(2)]}
+    blocks = {"block": ["wall of the church, NORTH TRANSEPT, upper part, after the works, variant A" * 2, COLUMN]}
+    summary = parts["summary"].assign_coords(names | blocks)
+    tree = changed({"/summary": summary, "/records": parts["records"].assign_coords(names)})
+    chosen = {"record": names["record"][0], "block": blocks["block"][0]}
+    options = {name: chosen[name] for name in KINDS[kind].options if name in chosen}
+    if kind == "overturning-map":
+        options.pop("block")
+    figure = draw(tree, kind, **options)
+    figure.draw_without_rendering()
+    page = figure.bbox.padded(2.0)
+    boxes = {text.get_text(): text.get_window_extent() for text in figure.findobj(Text) if text.get_text()}
+    outside = [text for text, box in boxes.items() if not (page.contains(*box.min) and page.contains(*box.max))]
+    assert [text for text in outside if text in _seen(figure)] == []
+
+
+def _seen(figure):
+    """Texts but those of ticks beyond the limits of their axis."""
+    hidden = set()
+    for ax in figure.findobj(Axes):
+        for axis, limits in ((ax.xaxis, ax.get_xlim()), (ax.yaxis, ax.get_ylim())):
+            low, high = min(limits), max(limits)
+            hidden |= {tick.label1.get_text() for tick in axis.get_major_ticks() if not low <= tick.get_loc() <= high}
+    return {text.get_text() for text in figure.findobj(Text) if text.get_visible()} - hidden
+
+
+def test_kinds_of_other_files(study4, study5, fragility_tree):
+    assert len(draw(study4, "figure4", spacing="end", count=2).axes) == 2
+    assert len(draw(study5, "figure5").axes) == 4
+    assert len(draw(fragility_tree, "fragility", block="wall").axes) == 1
+
+
+def test_an_accuracy_report_is_drawn(work_precision_rows):
+    from rockpulse.storage.accuracy_variables import TABLES
+
+    rows = work_precision_rows.assign(
+        **{name: np.nan for name in TABLES["work_precision"] if name not in work_precision_rows}
+    )
+    table = xr.Dataset.from_dataframe(rows.reset_index(drop=True).rename_axis("row"))
+    tree = xr.DataTree.from_dict({"/work_precision": table})
+    tree.attrs["kind"] = REPORT
+    assert len(draw(tree, "work-precision").axes) == 2
+
+
+def test_the_tables_agree():
+    assert DRAWERS.keys() == KINDS.keys()
+    assert {option for row in KINDS.values() for option in row.options} == OPTIONS.keys()
+    words = kind_list()
+    assert all(name in words and row.command in words for name, row in KINDS.items())
+
+
+def test_an_unknown_kind_is_refused_with_the_nearest(assessed):
+    with pytest.raises(ResultsError, match=r'did you mean "rotation-history"\? There are: '):
+        draw(assessed, "rotations-history")
+
+
+def test_another_file_is_refused_with_the_command_that_makes_it(assessed, study4):
+    with pytest.raises(ResultsError, match="expected a file of 'rockpulse fragility', found an assessment file"):
+        draw(assessed, "fragility")
+    with pytest.raises(ResultsError, match="'rockpulse study figure5', found a study file without the group figure5"):
+        draw(study4, "figure5")
+
+
+def test_an_option_of_another_kind_is_refused(assessed, study5):
+    with pytest.raises(ResultsError, match=r"no block to choose; it takes record \(--record\)"):
+        draw(assessed, "accelerogram", block="wall")
+    with pytest.raises(ResultsError, match="no count to choose; it takes spacing"):
+        draw(study5, "figure5", count=2)
+
+
+def test_unknown_names_are_refused_with_the_nearest(assessed):
+    record = str(assessed["summary"]["record"].values[0])
+    with pytest.raises(ResultsError, match=f"nearest: .*{record}"):
+        draw(assessed, "accelerogram", record=record[:-9])
+    with pytest.raises(ResultsError, match="expected one of 2 records, none was named"):
+        draw(assessed, "accelerogram")
+    with pytest.raises(ResultsError, match="there are: wall"):
+        draw(assessed, "critical-scale", block="xyz")
+    with pytest.raises(ResultsError, match="from 1 to 1, got 2"):
+        draw(assessed, "critical-scale", block="wall", case=2)
+    with pytest.raises(ResultsError, match="expected one model"):
+        draw(assessed, "overturning-map", block="wall", models=["linear", "nonlinear"])
+
+
+def test_a_pattern_does_that_one_name_meets(assessed):
+    first, second = (str(name) for name in assessed["summary"]["record"].values)
+    assert second in draw(assessed, "accelerogram", record=f"?{second[1:-7]}*").get_suptitle()
+    figure = draw(assessed, "critical-scale", block="wal?", models=["nonl*"])
+    assert [text.get_text() for text in figure.axes[0].get_legend().get_texts()] == ["nonlinear"]
+    with pytest.raises(ResultsError, match="is met by 2 in these results, the picture is of one: ") as refused:
+        draw(assessed, "accelerogram", record="CI.CLC*")
+    assert first in str(refused.value)
+    assert second in str(refused.value)
+
+
+def test_of_many_names_the_nearest_are_named_and_where_the_others_are(assessed):
+    summary = assessed["summary"].to_dataset()
+    many = summary.isel(record=np.zeros(30, dtype=int)).assign_coords(record=[f"record {k}" for k in range(30)])
+    with pytest.raises(ResultsError, match=r"nearest: record 17.*; there are 30 \(rockpulse inspect --records\)"):
+        chosen(many, "record", "recrd 17")
+    assert chosen(many.assign_coords(record=[f"a[{k}]*" for k in range(30)]), "record", "a[1]*") == "a[1]*"
+
+
+def test_a_restitution_that_no_block_has_is_refused(assessed):
+    with pytest.raises(ConfigError, match="from 0 to 1"):
+        draw(assessed, "rocking-spectrum", record=str(assessed["summary"]["record"].values[0]), restitution=1.5)

@@ -1,0 +1,178 @@
+"""Rotation histories show every model's motion, its impacts and its overturning; what cannot be shown says why."""
+
+import re
+
+import numpy as np
+import pytest
+
+import rockpulse as rp
+from rockpulse.errors import ResultsError
+from rockpulse.record.components import VERTICAL_NOTE
+from rockpulse.views.plots.kinds import draw
+from rockpulse.views.plots.model_histories import histories
+from rockpulse.views.plots.rotation import rotation_history
+
+COLUMN = "column of $one$ piece"
+
+
+@pytest.fixture(scope="module")
+def first(assessed):
+    return str(assessed["summary"]["record"].values[0])
+
+
+@pytest.fixture(scope="module")
+def drawn(assessed, first):
+    models = ["nonlinear", "linear", "impulsive", "sequence", "resonance"]
+    found = histories(assessed, first, "wall", models)
+    return found, rotation_history(found, title="wall")
+
+
+def curves(ax):
+    return [line for line in ax.lines if line.get_label() and not line.get_label().startswith("_")]
+
+
+def test_every_model_has_a_curve_of_its_own_look(drawn):
+    found, (moving, _) = drawn
+    assert len(curves(moving)) == len(found) == 5
+    assert len({(line.get_color(), line.get_linestyle()) for line in curves(moving)}) == 5
+    assert len({str(line._dash_pattern) for line in curves(moving)}) == 5  # not by colour alone
+
+
+def test_the_nonlinear_model_is_thickest_and_on_top(drawn):
+    leading, *others = curves(drawn[1][0])
+    assert leading.get_label().startswith("nonlinear")
+    assert leading.get_linewidth() > max(line.get_linewidth() for line in others)
+    assert leading.get_zorder() > max(line.get_zorder() for line in others)
+    assert list(drawn[1][0].texts) == []  # nothing is at rest
+
+
+def test_the_curves_are_the_histories(drawn):
+    found, (moving, _) = drawn
+    first, last = moving.get_xlim()
+    for history, line in zip(found, curves(moving), strict=True):
+        shown = (history.time >= first) & (history.time <= last)
+        assert np.nanmax(line.get_ydata()) == np.nanmax(history.rotation[shown])
+        assert np.nanmin(line.get_ydata()) == np.nanmin(history.rotation[shown])
+        assert np.isin(line.get_xdata(), history.time).all()
+        moves = history.time[np.abs(history.rotation) > 0.02]
+        assert first <= moves[0]
+        assert last >= moves[-1]
+    assert {line.get_ydata()[0] for line in moving.lines if len(set(line.get_ydata())) == 1} >= {-1.0, 0.0, 1.0}
+    low, high = moving.get_ylim()
+    assert low == -high < -1.0
+    assert moving.get_ylabel() == r"rotation $\theta/\alpha_c$ [-]"
+
+
+def test_the_legend_says_how_each_ends(drawn, assessed, first):
+    words = [line.get_label() for line in curves(drawn[1][0])]
+    assert words[3].startswith("sequence: overturns by")
+    assert words[4].startswith("resonance (upper-bound type input): overturns by")
+    peak = float(assessed["summary"]["peak_rotation_ratio"].sel(record=first, block="wall", model="linear"))
+    assert words[1] == f"linear: peak {peak:.3g}"
+
+
+def test_the_computed_history_reaches_the_stored_peak(assessed, first):
+    for history in histories(assessed, first, COLUMN, ["nonlinear", "linear", "impulsive"]):
+        assert np.nanmax(np.abs(history.rotation)) == pytest.approx(history.peak, rel=0.02)
+        assert history.remark == ""
+
+
+def test_impacts_are_ticks_in_a_row_of_each_model(drawn):
+    found, (_, below) = drawn
+    assert [line.get_xdata().tolist() for line in below.lines] == [history.impacts.tolist() for history in found]
+    assert [set(line.get_ydata()) <= {place} for place, line in enumerate(below.lines)] == [True] * 5
+    for history in found[:3]:  # between two samples of opposite sign
+        after = np.searchsorted(history.time, history.impacts)
+        assert np.all(history.rotation[after - 1] * history.rotation[after] <= 0.0)
+    assert all(line.get_marker() == "|" for line in below.lines)
+    assert [tick.get_text().split(" ")[0] for tick in below.get_yticklabels()] == [h.model for h in found]
+    assert found[1].impacts.size > 10
+
+
+def test_overturning_is_marked_where_the_curve_leaves(drawn):
+    found, (moving, _) = drawn
+    crosses = [line for line in moving.lines if line.get_marker() == "X"]
+    assert len(crosses) == sum(np.isfinite(history.overturning) for history in found) > 0
+    assert all(abs(line.get_ydata()[0]) <= 1.5 for line in crosses)
+
+
+def test_a_sequence_begins_with_the_intense_phase(drawn, assessed, first):
+    start = float(assessed["summary"]["intense_start"].sel(record=first))
+    assert drawn[0][3].time[0] == drawn[0][4].time[0] == start
+
+
+def test_stored_histories_are_those_computed_again(assessed, with_histories, first):
+    for stored, computed in zip(
+        histories(with_histories, first, COLUMN),
+        histories(assessed, first, COLUMN, ["nonlinear", "linear"]),
+        strict=True,
+    ):
+        assert np.array_equal(stored.rotation, computed.rotation)
+
+
+def test_what_the_model_could_not_say_is_in_the_legend(changed, assessed, first):
+    outcome = assessed["summary"]["outcome"].values.copy()
+    outcome[..., 3] = 3
+    found = histories(changed(outcome=outcome), first, "wall", ["nonlinear", "linear"])
+    moving, _ = rotation_history(found)
+    assert "linear: unresolved" in [line.get_label() for line in curves(moving)]
+
+
+def test_a_vertical_channel_that_is_not_stored_is_no_silent_change(changed, assessed, first):
+    tree = changed(processing=[f"{VERTICAL_NOTE}CI.CLC..Up"] * 2)
+    with pytest.raises(ResultsError, match=r"\[models\] histories = true"):
+        histories(tree, first, "wall", ["nonlinear"])
+    assert len(histories(tree, first, "wall", ["linear"])) == 1
+
+
+def test_a_peak_that_comes_out_otherwise_is_said(changed, assessed, first):
+    peak = assessed["summary"]["peak_rotation_ratio"].values.copy()
+    peak[..., 3] = 0.9
+    (found,) = histories(changed(peak_rotation_ratio=peak), first, COLUMN, ["linear"])
+    assert "stored is 0.9" in found.remark
+
+
+def test_a_design_sequence_has_its_own_time_and_no_accelerogram():
+    sequence = rp.models.ImpulseSequence(0.2, 0.05, interval=0.1, duration=5.0, main_count=3, spacing="middle")
+    tree = rp.assess_sequence(sequence, blocks={"wall": rp.models.Block(half_width=0.25, half_height=1.5)})
+    (spacing,) = re.findall(r'(?m)^spacing = "(\w+)"', tree.attrs["configuration"])
+    assert spacing == "middle"
+    found = histories(tree, None, None)
+    assert [history.model for history in found] == ["sequence", "resonance"]
+    assert found[0].time[0] == 0.0
+    peak = float(tree["summary"]["peak_rotation_ratio"].sel(model="sequence").squeeze())
+    assert np.nanmax(np.abs(found[0].rotation)) == pytest.approx(peak, rel=1e-3)
+    assert rotation_history(found)[1].get_xlabel() == "time from the first main impulse [s]"
+    with pytest.raises(ResultsError, match="a sequence of impulses, which has no accelerogram"):
+        draw(tree, "accelerogram")
+
+
+def test_models_without_a_motion_are_refused(assessed, first):
+    with pytest.raises(ResultsError, match="nearest: nonlinear"):
+        histories(assessed, first, "wall", ["nonlineer"])
+
+
+def test_a_motion_far_below_alpha_c_is_shown_large(assessed, first):
+    (found,) = histories(assessed, first, "wall", ["linear"])
+    faint = found._replace(rotation=1e-5 * found.rotation / np.nanmax(np.abs(found.rotation)), peak=1e-5)
+    moving, _ = rotation_history([faint._replace(overturning=np.nan)])
+    moving.figure.draw_without_rendering()
+    assert moving.get_ylim() == pytest.approx((-1.3e-5, 1.3e-5))
+    assert "1e-05" in [tick.get_text() for tick in moving.get_yticklabels()]
+
+
+def test_nothing_that_moves_is_drawn_too(changed, assessed, first):
+    shape = assessed["summary"]["outcome"].shape
+    still = assessed["records"].to_dataset()
+    still = still.assign(acceleration=still["acceleration"].copy(data=1e-3 * still["acceleration"].values))
+    tree = changed(
+        {"/records": still},
+        outcome=np.zeros(shape, np.int8),
+        peak_rotation_ratio=np.zeros(shape),
+        impacts=np.zeros(shape),
+    )
+    moving, below = rotation_history(histories(tree, first, "wall", ["nonlinear", "linear"]))
+    assert [line.get_label() for line in curves(moving)] == ["nonlinear: at rest", "linear: at rest"]
+    assert [text.get_text() for text in moving.texts] == ["at rest"]
+    assert moving.get_ylim() == (-0.01, 0.01)
+    assert all(len(line.get_xdata()) == 0 for line in below.lines)

@@ -1,0 +1,92 @@
+"""The distribution of the records of a site over every parameter, and the design sequence."""
+
+import numpy as np
+import pytest
+
+import rockpulse as rp
+from rockpulse.config.configuration import Config
+from rockpulse.config.settings import CalibrationSettings
+from rockpulse.views.plots.site import calibration
+
+
+@pytest.fixture(scope="module")
+def tree(ridgecrest):
+    settings = Config(calibration=CalibrationSettings(method="statistics", bootstrap=100, family="blocks"))
+    wall = rp.models.Block(half_width=0.2, half_height=1.0)
+    return rp.calibrate_site([one for one in ridgecrest if "Up" not in one.id], settings, blocks={"wall": wall})
+
+
+@pytest.fixture(scope="module")
+def panels(tree):
+    return calibration(tree)
+
+
+def labelled(ax):
+    return dict(zip(*reversed(ax.get_legend_handles_labels()), strict=True))
+
+
+def test_every_parameter_has_a_panel_with_its_unit(panels):
+    assert [ax.get_xlabel() for ax in panels[:5]] == [
+        "$I$ [m/s]",
+        "$I_s/I$ [-]",
+        r"$\Delta T$ [s]",
+        "number [-]",
+        "time [s]",
+    ]
+    assert panels[0].get_title(loc="left") == "main impulse I"
+    assert not panels[5].axison
+    assert [ax.get_ylabel() for ax in panels[:5]] == ["share of the records [-]", ""] * 2 + ["share of the records [-]"]
+
+
+def test_each_step_is_a_record(tree, panels):
+    site = tree["site"].to_dataset()
+    for ax, name in zip(panels, site["parameter"].values, strict=False):
+        value = np.sort(site["value"].sel(parameter=name).values)
+        steps = labelled(ax)["records"]
+        assert steps.get_xdata()[1:].tolist() == value.tolist()
+        assert steps.get_ydata()[-1] == pytest.approx(1.0)
+
+
+def test_the_design_sequence_is_a_line_in_every_panel(tree, panels):
+    site = tree["site"].to_dataset()
+    for ax, name in zip(panels, site["parameter"].values, strict=False):
+        assert labelled(ax)["design sequence"].get_xdata()[0] == float(site["design"].sel(parameter=name))
+
+
+def test_the_fit_and_the_intervals_are_those_of_the_file(tree):
+    copy = tree.copy(deep=True)
+    given = {"median": 0.2, "dispersion": 0.5, "median_lower": 0.15, "median_upper": 0.26}
+    for name, value in (given | {"design": 0.3, "design_lower": 0.25, "design_upper": 0.4}).items():
+        copy["site"][name].values[0] = value
+    value = np.array([0.1, 0.15, 0.2, 0.3, 0.35, 0.4])
+    copy["site"]["value"].values[:, 0] = value
+    copy["site"]["value_lower"].values[:, 0] = 0.9 * value
+    copy["site"]["value_upper"].values[:, 0] = 1.1 * value
+    ax = calibration(copy)[0]
+    shown = labelled(ax)
+    median, fit = shown["90 % interval of the median"], shown["lognormal fit"]
+    assert median.get_xydata().tolist() == [[0.15, 0.5], [0.26, 0.5]]
+    assert np.interp(0.2, *fit.get_data()) == pytest.approx(0.5)
+    assert np.interp(0.2 * np.exp(0.5), *fit.get_data()) == pytest.approx(0.8413, abs=1e-3)
+    ends = [segment[:, 0].tolist() for segment in shown["interval of each record"].get_segments()]
+    assert ends == [[0.9 * one, 1.1 * one] for one in value]
+    box = shown["its 90 % interval ($I$ alone)"].get_bbox()
+    assert (box.x0, box.x1) == pytest.approx((0.25, 0.4))
+    low, high = ax.get_xlim()
+    assert 0.05 < low < 0.09
+    assert 0.44 < high < 0.6
+    assert ax.get_xscale() == "log"
+
+
+def test_few_earthquakes_are_said(panels):
+    assert "ONE EVENT" in panels[0].figure.get_supxlabel()
+    assert "6 records of 1 earthquake" in panels[0].figure.get_suptitle()
+
+
+def test_records_without_a_limit_are_counted(tree):
+    copy = tree.copy(deep=True)
+    copy["site"]["value"].values[:2, 3] = np.nan
+    copy["site"]["value"].values[:, 4] = np.nan
+    panels = calibration(copy)
+    assert [text.get_text() for text in panels[3].texts] == ["2 without a limit"]
+    assert [text.get_text() for text in panels[4].texts] == ["no record has a value"]

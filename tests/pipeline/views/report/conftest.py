@@ -1,0 +1,81 @@
+"""Four bursts of four earthquakes on three bodies: assessed, calibrated, with fragility curves, once for all tests."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import rockpulse as rp
+from rockpulse.config.fragility_settings import FragilitySettings
+from rockpulse.config.settings import CalibrationSettings, SearchSettings
+from rockpulse.failures import Failure
+from rockpulse.models import Block
+from rockpulse.views.report.writing import report_page
+
+TIME = 0.02 * np.arange(500)
+
+#: Names that would be a part of the page, a formula or a path if they were not taken as text.
+HOSTILE = '<script>alert("1")</script>'
+HOSTILE_BLOCK = "pier <img src=x onerror=alert(2)> $\\frac{"
+
+
+@pytest.fixture(scope="session")
+def bursts():
+    """Records as they were read; the first is of a station with HTML in its name."""
+    every = [
+        rp.Record(
+            (2.0 + 0.4 * number)
+            * np.sin(2.0 * np.pi * TIME * (0.8 + 0.05 * number))
+            * np.exp(-(((TIME - 4) / 2) ** 2)),
+            dt=0.02,
+            id=f"burst{number}",
+            station=f"STA{number}",
+            event=f"Quake {'ABCD'[number] * 3}",
+            source=f"folder/burst{number}.AT2",
+            source_sha256=f"{number}" * 64,
+            processed=True,
+        )
+        for number in range(4)
+    ]
+    hostile = replace(every[0], station=HOSTILE, event=f"Quake {HOSTILE}", warnings=(f"warned of {HOSTILE}",))
+    return [hostile, *every[1:]]
+
+
+@pytest.fixture(scope="session")
+def bodies():
+    """One that every burst overturns, one of a hostile name, one that nothing lifts."""
+    return {"stele": Block(0.1, 1.5), HOSTILE_BLOCK: Block(0.5, 2.0), "plinth": Block(1.0, 1.2)}
+
+
+@pytest.fixture(scope="session")
+def config():
+    """Few factors, few resamples."""
+    return rp.Config(
+        search=SearchSettings(points=24),
+        calibration=CalibrationSettings(method="statistics", bootstrap=100),
+        fragility=FragilitySettings(limit_states=("uplift", "overturning"), measures=("pga", "velocity_ratio")),
+    )
+
+
+@pytest.fixture(scope="session")
+def results(bursts, bodies, config):
+    """The assessment, with a file that failed for a reason with HTML in it."""
+    return rp.assess(bursts, config, bodies, failures=[Failure("a.AT2", "read", f"why {HOSTILE}", "failed")])
+
+
+@pytest.fixture(scope="session")
+def site(bursts, bodies, config):
+    """Calibration on the same records."""
+    return rp.calibrate_site(bursts, config, bodies)
+
+
+@pytest.fixture(scope="session")
+def fragility(bursts, bodies, config):
+    """Curves of the same records."""
+    return rp.fragility_curves(bursts, config, bodies)
+
+
+@pytest.fixture(scope="session")
+def whole_page(results, site, fragility):
+    """The page with everything on it."""
+    return report_page(results, site, fragility)

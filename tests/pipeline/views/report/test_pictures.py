@@ -1,0 +1,48 @@
+"""The pictures of the report: of a motion the model of the verdict alone."""
+
+import re
+
+from rocking.response import Outcome
+from rockpulse.views.report.content import gather
+from rockpulse.views.report.pictures import Pictures
+
+
+def motion(tree, place=0):
+    return Pictures(tree, None, None, gather(tree)).motion(place)
+
+
+def labels(picture):
+    """Models of the rows of impacts."""
+    return re.findall(r">(\w+) \(\d+\)<", picture.svg)
+
+
+def test_a_motion_is_that_of_the_model_of_the_verdict(results):
+    found = motion(results)
+    assert labels(found) == ["nonlinear"]
+    assert found.words.endswith("the record of smallest safety factor; verdict's model: nonlinear.")
+    assert ">at rest<" not in found.svg
+
+
+def test_a_model_without_a_motion_has_no_picture(results):
+    by_auto = results.copy(deep=True)
+    names = [str(name).replace("nonlinear", "auto") for name in results["summary"]["model"].values]
+    by_auto["summary"] = type(results)(by_auto["summary"].to_dataset().assign_coords(model=names))
+    assert motion(by_auto) is None
+
+
+def test_a_body_at_rest_is_said_to_be(results):
+    still = results.copy(deep=True)
+    still["records"]["acceleration"].values[:] *= 1e-3
+    for name, value in (("outcome", Outcome.AT_REST), ("peak_rotation_ratio", 0.0), ("impacts", 0)):
+        still["summary"][name].values[:] = value
+    found = motion(still)
+    assert ">at rest<" in found.svg
+    assert "nonlinear: at rest" in found.svg
+
+
+def test_a_motion_that_the_model_could_not_follow_is_no_picture(results):
+    unresolved = results.copy(deep=True)
+    unresolved["summary"]["outcome"].values[:] = Outcome.UNRESOLVED
+    found = motion(unresolved)
+    assert not found.svg
+    assert found.words.endswith("nonlinear model: unresolved.")

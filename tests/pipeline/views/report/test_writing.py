@@ -1,0 +1,260 @@
+"""The page as text: what it says, that it asks nothing of anybody, and what it replaces."""
+
+import base64
+import hashlib
+import html
+import re
+from html.parser import HTMLParser
+
+import pytest
+import xarray as xr
+from results_tree import results_tree
+
+import rockpulse as rp
+from rockpulse.errors import ResultsError
+from rockpulse.views.report.content import gather
+from rockpulse.views.report.writing import report_page, write_report
+
+
+class Page(HTMLParser):
+    """Tags with their attributes, and the text of the page."""
+
+    def __init__(self, page):
+        super().__init__()
+        self.tags, self.words, self._inside = [], [], []
+        self.feed(page)
+
+    def handle_starttag(self, tag, attrs):
+        self.tags.append((tag, dict(attrs)))
+        if tag in ("script", "style"):
+            self._inside.append(tag)
+
+    def handle_endtag(self, tag):
+        if tag in ("script", "style"):
+            self._inside.pop()
+
+    def handle_data(self, data):
+        if not self._inside:
+            self.words.append(data)
+
+    @property
+    def text(self):
+        return " ".join(" ".join(self.words).split())
+
+
+@pytest.fixture(scope="module")
+def page(whole_page):
+    return whole_page
+
+
+@pytest.fixture(scope="module")
+def known():
+    """The page of a tree of which every answer is known."""
+    return report_page(results_tree())
+
+
+def test_nothing_in_the_page_asks_for_anything(page):
+    found = Page(page)
+    for tag, attrs in found.tags:
+        assert tag not in ("img", "link", "iframe", "object", "embed", "base", "form", "audio", "video", "source"), tag
+        assert not {name for name in attrs if name.startswith("on")}, (tag, attrs)
+        assert "src" not in attrs, (tag, attrs)
+        for name in ("href", "xlink:href"):
+            assert attrs.get(name, "#").startswith("#"), (tag, attrs)
+    assert not re.search(r"url\((?!#)|@import", page)
+    policy = next(attrs["content"] for tag, attrs in found.tags if attrs.get("http-equiv"))
+    assert policy.startswith("default-src 'none';")
+    script = re.search(r"<script>(.*?)</script>", page, re.S).group(1)
+    assert base64.b64encode(hashlib.sha256(script.encode()).digest()).decode() in policy
+
+
+def test_ids_are_unique_and_links_lead_somewhere(page):
+    found = Page(page)
+    ids = [attrs["id"] for _, attrs in found.tags if "id" in attrs]
+    assert len(ids) == len(set(ids))
+    links = {attrs[name][1:] for _, attrs in found.tags for name in ("href", "xlink:href") if name in attrs}
+    assert links <= set(ids)
+
+
+def test_names_with_html_or_mathematics_are_text(page, results):
+    from rocking.response import Outcome
+
+    found = Page(page)
+    assert sum(tag == "script" for tag, _ in found.tags) == 1
+    for words in ('Quake <script>alert("1")</script>', 'why <script>alert("1")</script>', "$\\frac{"):
+        assert words in found.text, words
+    assert int(results["summary"]["outcome"].max()) == Outcome.OVERTURNS
+
+
+def test_the_parts_come_in_their_order(page):
+    places = [page.index(f'<section id="{name}"') for name in ("verdict", "site", "fragility", "bodies", "records")]
+    places += [
+        page.index(words) for words in ("<h3>Not covered", "Assumptions", "Failures", "Versions", "Configuration")
+    ]
+    assert places == sorted(places)
+
+
+def test_the_verdict_names_what_is_counted(page, results):
+    words = Page(page).text
+    for expected in (
+        "By the nonlinear model, under 4 records of 4 earthquakes",
+        "1 of 3 bodies is not safe: stele (smallest SF",
+        "1 of 3 bodies stands under these, but with hardly a margin: pier",  # of a search of 24 factors
+        "Factors were searched in steps of up to",
+        "1 of 3 bodies is lifted by none of these, so that they say nothing of it: plinth (never lifted, no ",
+        "With 90% confidence",
+        "Clopper and Pearson",
+        "1 file or channel failed",
+        "upper-bound type input",
+        "the body is not lifted",
+    ):
+        assert expected in words, expected
+    for head in (
+        "Sliding",
+        "Flexible bodies",
+        "One-sided walls",
+        "Amplification up the building",
+        "Three-dimensional rocking",
+    ):
+        assert head in words, head
+    for digit in range(4):
+        assert f"burst{digit}" in words
+        assert f"{digit}" * 64 in words
+    assert not re.search(r"\b(nan|None)\b", words)
+
+
+def test_two_earthquakes_say_loudly_that_nothing_is_said_of_others(known):
+    words = Page(known).text
+    assert "No confidence statement can be made" in words
+    assert "of others, at most" not in words
+    assert re.search(r'class="remark loud"[^>]*><p><strong>No confidence', known)
+
+
+def test_without_factors_or_answers_a_body_is_not_called_safe(known):
+    words = Page(known).text
+    assert "safe under these" not in words.split("Verdict on each body")[0]
+    assert "free flight" in words
+    assert "margin was not computed" in words
+    assert "cut.AT2:4: expected 100 samples, found 3" in words
+
+
+def test_the_resonance_model_is_named_for_what_it_is_where_it_judges():
+    tree = results_tree()
+    summary = tree["summary"].to_dataset().sel(model=["resonance"])
+    words = Page(
+        report_page(
+            xr.DataTree.from_dict(
+                {"/": tree.to_dataset(), "/summary": summary, "/failures": tree["failures"].to_dataset()}
+            )
+        )
+    ).text
+    assert "resonance model (upper-bound type input, no prediction)" in words
+    assert "Judged by an upper-bound type input" in words
+    assert "3 of 3 bodies are not shown to be safe" in words
+    assert "not safe" not in words
+
+
+def test_cases_of_restitution_are_bodies_of_their_own():
+    words = Page(report_page(results_tree(cases=2))).text
+    assert "column, C = 0.830" in words
+
+
+def test_the_design_sequence_of_a_site(tmp_path, site, bodies):
+    rp.save(site, tmp_path / "site.h5")
+    sequence = rp.load_design(tmp_path / "site.h5")
+    words = Page(report_page(rp.assess_sequence(sequence, blocks=bodies), site)).text
+    assert "under one design sequence" in words
+    said = words[words.index("The confidence is that of the site calibration") :].split("Verdict on each body")[0]
+    assert "A design made without the event of a record covers" in said or "is not known" in said
+    assert "Design sequence (quantile 0.84" in words
+
+
+def changed(results, **values):
+    """A copy with other values of the first record."""
+    tree = results.copy()
+    summary = tree["summary"].to_dataset().copy(deep=True)
+    for name, value in values.items():
+        summary[name].values[0] = value
+    tree["summary"] = xr.DataTree(summary)
+    return tree
+
+
+def cells(table):
+    return [cell.text for row in table.rows for cell in row]
+
+
+def test_a_record_of_a_doubtful_peak_is_marked_and_said_first(results):
+    assert not any("peak?" in text for text in cells(gather(results).answers))
+    found = gather(changed(results, pga=98.1))
+    first = found.remarks[0]
+    assert (first.loud, first.head) == (True, "The peak of 1 record is doubtful")
+    assert first.text.startswith("burst0 (peak?). (peak?): a peak above 5 g")
+    assert "burst0 (peak?)" in cells(found.answers)
+    assert found.records[0].name == "burst0 (peak?)"
+    assert any("burst0 (peak?)" in cells(body.governing) for body in found.bodies)
+    assert any(note.startswith("(peak?): a peak above 5 g") for note in found.notes)
+
+
+def test_where_nothing_was_found_the_page_says_up_to_where(results):
+    found = gather(results)
+    assert ">10" in cells(found.answers)
+    assert "none" not in cells(found.answers)
+    assert any(">10: none found up to there, where the search ends" in note for note in found.notes)
+    assert "stands, not lifted" in cells(found.answers)
+    assert any("1 of 3 bodies is lifted by none of these motions" in remark.head for remark in found.remarks)
+
+
+def test_a_rotation_beyond_the_critical_angle_is_explained_where_there_is_one(results):
+    assert not any("Above 1" in note for note in gather(results).notes)
+    peaks = results["summary"]["peak_rotation_ratio"].values[0].copy()
+    body = list(results["summary"]["block"].values).index("stele")
+    outcome = results["summary"]["outcome"].values[0].copy()
+    outcome[body], peaks[body] = 1, 1.2
+    notes = gather(changed(results, outcome=outcome, peak_rotation_ratio=peaks)).notes
+    assert any("Above 1: rocked beyond the critical angle" in note for note in notes)
+
+
+def test_results_without_a_record_call_nothing_safe(results):
+    tree = results.copy()
+    tree["summary"] = xr.DataTree(tree["summary"].to_dataset().isel(record=[]))
+    found = gather(tree)
+    assert "3 of 3 bodies cannot be called safe" in found.headline[0]
+
+
+def test_the_file_is_written_and_only_a_report_is_replaced(tmp_path):
+    tree, path = results_tree(), tmp_path / "report.html"
+    assert write_report(tree, path) == path
+    first = path.read_text(encoding="utf-8")
+    assert first.startswith("<!DOCTYPE html>")
+    with pytest.raises(ResultsError, match="--overwrite"):
+        write_report(tree, path)
+    write_report(tree, path, overwrite=True)
+    other = tmp_path / "notes.html"
+    other.write_text("mine")
+    with pytest.raises(ResultsError, match="not replaced even with"):
+        write_report(tree, other, overwrite=True)
+    assert other.read_text() == "mine"
+    with pytest.raises(ResultsError, match="no folder"):
+        write_report(tree, tmp_path / "none" / "report.html")
+    with pytest.raises(ResultsError, match="no regular file"):
+        write_report(tree, tmp_path, overwrite=True)
+
+
+def test_files_of_another_kind_are_refused(tmp_path, results, site):
+    rp.save(site, tmp_path / "site.h5")
+    rp.save(results, tmp_path / "results.h5")
+    with pytest.raises(ResultsError, match="expected an assessment of rockpulse, found a site calibration"):
+        write_report(tmp_path / "site.h5", tmp_path / "report.html")
+    with pytest.raises(ResultsError, match="expected a fragility of rockpulse, found a site calibration"):
+        write_report(tmp_path / "results.h5", tmp_path / "report.html", fragility=tmp_path / "site.h5")
+    with pytest.raises(ResultsError, match="found a tree of another kind"):
+        report_page(xr.DataTree())
+    assert not (tmp_path / "report.html").exists()
+
+
+def test_the_files_are_named_with_their_hashes(tmp_path):
+    path = tmp_path / "results.h5"
+    rp.save(results_tree(), path)
+    page = report_page(path)
+    assert hashlib.sha256(path.read_bytes()).hexdigest() in page
+    assert html.escape(str(path)) in page

@@ -1,0 +1,43 @@
+"""Marks of doubtful peaks, made of what the readers really say."""
+
+import numpy as np
+
+from rockpulse.readers.channel import build_record
+from rockpulse.readers.source import SourceFile
+from rockpulse.views.shared.record_marks import doubt, doubt_notes
+
+
+def read(samples, unit="g", **header):
+    """A record as a reader makes it."""
+    return build_record(
+        SourceFile("a.txt", b"x", lambda: b"x"),
+        1,
+        np.asarray(samples),
+        0.01,
+        unit,
+        format="test",
+        processed=False,
+        **header,
+    )
+
+
+def test_the_words_of_the_readers_are_recognised():
+    wave = 0.3 * np.round(1000.0 * np.sin(0.2 * np.arange(100))) / 1000.0
+    for samples, header, expected in (
+        (wave, {}, ""),
+        (wave, {"header_peak": 0.4 * 9.80665}, " (peak?)"),
+        (np.minimum(wave, 0.21), {}, " (clipped?)"),
+        (1000.0 * wave, {}, " (peak?)"),
+        (1e-7 * wave, {}, " (peak?)"),
+    ):
+        record = read(samples, **header)
+        assert doubt(record.pga, "\n".join(record.warnings)) == expected, record.warnings
+
+
+def test_peaks_out_of_all_bounds_are_marked_and_explained_once():
+    found = [doubt(pga, None) for pga in (0.0, 5e-6, 2e-5, 49.0, 49.1, np.nan)]
+    assert found == [" (peak?)", " (peak?)", "", "", " (peak?)", ""]
+    both = "x\n9 samples in a row at the smallest value: the record may be clipped"
+    assert doubt(60.0, both) == " (peak?) (clipped?)"
+    assert len(doubt_notes(["a (peak?)", "b (peak?)"])) == 1
+    assert doubt_notes(["a", "b?"]) == []

@@ -1,0 +1,72 @@
+"""Columns, numbers and paragraphs for the terminal."""
+
+import math
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from rockpulse.views.shared.terminal import WIDTH, aligned, figure, lower_bound, paragraph, ratio, rough, shortened
+
+
+def test_the_first_columns_are_flush_left_and_the_others_flush_right():
+    assert aligned([["a", "b", "1"], ["long", "c", "22"]], left=2) == ["a     b   1", "long  c  22"]
+
+
+@pytest.mark.parametrize(
+    ("value", "text"),
+    [
+        (0.0, "0"),
+        (9.99e-4, "<0.001"),
+        (0.0999, "0.100"),
+        (0.1, "0.10"),
+        (9.99, "9.99"),
+        (10.04, "10.0"),
+        (-0.5, "-0.50"),
+    ],
+)
+def test_a_ratio_has_two_or_three_digits(value, text):
+    assert ratio(value) == text
+
+
+@settings(derandomize=True, deadline=None, max_examples=200)
+@given(value=st.floats(0.0, 30.0))
+def test_a_lower_bound_is_never_above_the_value_and_an_estimate_has_one_digit(value):
+    shown = lower_bound(value)
+    assert shown[0] == ">"
+    step = 0.001 if value < 0.1 else 0.01 if value < 10.0 else 0.1
+    assert value - 1.001 * step <= float(shown[1:]) <= value
+    about = rough(value)
+    assert about[0] == "~"
+    assert abs(float(about[1:]) - value) <= max(0.0005, 0.34 * value)
+    assert value > 9.0 or len(about[1:].strip("0.")) <= 1
+
+
+def test_what_is_absent_is_a_dash_without_a_unit():
+    assert ratio(math.nan) == figure(math.nan, "m/s") == "-"
+
+
+@settings(derandomize=True, deadline=None, max_examples=50)
+@given(value=st.floats(allow_nan=True, allow_infinity=True))
+def test_no_number_is_shown_as_nan(value):
+    assert "nan" not in ratio(value) + figure(value, "m")
+
+
+@settings(derandomize=True, deadline=None, max_examples=50)
+@given(words=st.text(max_size=60), width=st.integers(5, 40))
+def test_a_shortened_text_fits_and_keeps_both_ends(words, width):
+    short = shortened(words, width)
+    words = " ".join(words.splitlines())
+    assert len(short) <= width
+    assert short[0:1] == words[0:1]
+    assert short[-1:] == words[-1:]
+    assert short == words or "…" in short
+
+
+def test_a_paragraph_fits_and_breaks_no_path():
+    path = "/a/rather-long/path/" + "x" * WIDTH
+    lines = paragraph(f"{'word ' * 60}{path}", "    ", "  ").splitlines()
+    assert lines[0].startswith("  word")
+    assert lines[1].startswith("    word")
+    assert all(len(line) <= WIDTH for line in lines[:-1])
+    assert lines[-1].strip() == path

@@ -1,0 +1,143 @@
+"""One record, one block as text."""
+
+import numpy as np
+import pytest
+from results_tree import RECORDS, results_tree
+
+from rockpulse.errors import ResultsError
+from rockpulse.views.text.details import block_details, record_details
+
+
+@pytest.fixture
+def summary():
+    return results_tree()["summary"].to_dataset()
+
+
+def entries(text):
+    """First part of a page as (name, value) pairs."""
+    lines = text.split("\n\n")[0].splitlines()[1:]
+    return [tuple(line.strip().split("  ", 1)) for line in lines]
+
+
+def test_a_record_shows_its_measures_and_its_sequence(summary):
+    shown = {name: words.strip() for name, words in entries(record_details(summary, RECORDS[0]))}
+    assert shown["PGA"] == "5.56 m/s2 (0.567 g)"
+    assert shown["PGV"] == "0.71 m/s"
+    assert shown["Arias intensity"] == "5.2 m/s"
+    assert shown["intense phase"] == "10 s to 22 s"
+    assert shown["main impulse I"] == "0.62 m/s"
+    assert shown["secondary impulse I_s"] == "0.11 m/s"
+    assert shown["interval dT"] == "0.12 s"
+    assert shown["main impulses"] == "5"
+    assert shown["samples"] == "35430 at 0.01 s"
+    assert shown["processing"] == "baseline: mean"
+
+
+def test_a_peak_that_cannot_be_is_marked(summary):
+    summary["pga"][0] = 981.0
+    text = record_details(summary, RECORDS[0])
+    assert ("PGA", "981 m/s2 (100 g) (peak?)") in [(name, words.strip()) for name, words in entries(text)]
+    assert f"{RECORDS[0]} (peak?)" in text
+
+
+def test_a_velocity_that_is_drift_is_marked(summary):
+    assert ("PGV", "~0.43 m/s (drift)") in [
+        (name, words.strip()) for name, words in entries(record_details(summary, RECORDS[1]))
+    ]
+
+
+def test_every_warning_has_a_line(summary):
+    warnings = [words.strip() for name, words in entries(record_details(summary, RECORDS[0])) if name == "warning"]
+    assert warnings == ["mean removed", "direction unknown; check it"]
+
+
+def test_an_unlimited_number_of_main_impulses_is_no_minus_one(summary):
+    assert "as many as fit" in record_details(summary, RECORDS[1])
+    assert "-1" not in record_details(summary, RECORDS[1])
+
+
+def test_what_a_record_lacks_is_a_dash(summary):
+    text = record_details(summary, RECORDS[2])
+    assert "nan" not in text.replace("resonance", "")
+    assert ("secondary impulse I_s", "   -") in entries(text)
+
+
+def test_a_record_without_a_sequence_has_no_number_of_main_impulses(summary):
+    shown = {name: words.strip() for name, words in entries(record_details(summary, RECORDS[2]))}
+    assert shown["main impulses"] == "-"
+
+
+def test_a_record_shows_its_verdicts_and_safety_factors_only(summary):
+    text = record_details(summary, RECORDS[0])
+    assert text.count("boundary wall") == 2
+    assert RECORDS[1] not in text
+    assert "smallest factor" in text
+
+
+def test_capacities_over_the_demands_are_shown_for_the_record_and_for_the_block(summary):
+    assert "Capacity" not in record_details(summary, RECORDS[0])
+    cube = summary["safety_factor"].dims
+    ratio = np.full((*summary["safety_factor"].shape, 1), np.inf)
+    ratio[0, 0, 2], ratio[0, 1, 2] = 0.84, np.nan
+    summary = summary.assign(capacity_ratio=((*cube, "demand"), ratio), demand_acceleration=("demand", [2.94]))
+    summary = summary.assign_coords(demand=("demand", ["collapse"]))
+    of_record = record_details(summary, RECORDS[0]).partition("Capacity (safety factor x PGA) over demand")[2]
+    assert "collapse (2.94 m/s2)" in of_record
+    rows = [line.split() for line in of_record.splitlines()[2:5]]
+    assert [cells[-1] for cells in rows] == ["0.84", "-", "none"]
+    of_block = block_details(summary, "boundary wall").partition("Capacity (safety factor x PGA) over demand")[2]
+    assert [line.split()[0] for line in of_block.splitlines()[2:5]] == list(RECORDS)
+
+
+def test_a_block_shows_its_parameters_and_verdicts_only(summary):
+    text = block_details(summary, "boundary wall")
+    shown = {name: words.strip() for name, words in entries(text)}
+    assert shown["width, height"] == "0.25 m, 2.2 m"
+    assert shown["half the diagonal R"] == "1.11 m"
+    assert shown["critical angle alpha_c"] == "0.113 rad"
+    assert shown["frequency parameter p"] == "2.58 1/s"
+    assert shown["slenderness"] == "8.8"
+    assert shown["restitution C"] == "0.985"
+    assert shown["critical impulse I_1c"] == "0.43 m/s"
+    assert "column" not in text
+    assert all(record in text for record in RECORDS)
+
+
+def test_a_block_lists_its_restitutions_and_warnings():
+    text = block_details(results_tree(2)["summary"].to_dataset(), "cabinet")
+    shown = {name: words.strip() for name, words in entries(text)}
+    assert shown["restitution C"] == "0.790, 0.690"
+    assert shown["width, height"] == "-, -"
+    assert shown["half the diagonal R"] == "1.2 m (of the rectangle with this p)"
+    assert shown["warning"] == "slenderness 2.5 is below 3"
+
+
+@pytest.mark.parametrize("cases", [None, 2])
+def test_the_model_that_answered_for_auto_is_named_for_every_body_and_record(cases):
+    summary = results_tree(cases)["summary"].to_dataset()
+    assert "answered for auto" not in record_details(summary, RECORDS[0]) + block_details(summary, "column")
+    codes = np.zeros(summary["outcome"].shape, dtype=np.int8)
+    codes[0, 0, 2], codes[0, 1, 2], codes[1, 1, 2] = 2, 1, 2
+    flags = {"flag_values": np.arange(3, dtype=np.int8), "flag_meanings": "nonlinear impulsive settled"}
+    summary["model_used"] = (summary["outcome"].dims, codes, flags)
+    summary = summary.assign_coords(model=("model", ["impulsive", "nonlinear", "auto"]))
+
+    def answered(text):
+        part = text[text.index("The model that answered for auto:") :].split("\n\n")[0]
+        return [tuple(line.strip().rsplit(None, 3)) for line in part.splitlines()[1:]]
+
+    shown = [("boundary wall", "C", "0.900" if cases else "0.985", "settled"), ("column", "C", "0.930", "impulsive")]
+    shown += [("column", "C", "0.830", "impulsive")] if cases else []
+    assert answered(record_details(summary, RECORDS[0]))[: len(shown)] == shown
+    first = [line for line in answered(block_details(summary, "column")) if line[2] == "0.930"]
+    rungs = ["impulsive", "settled", "nonlinear"]
+    assert first == [(record, "C", "0.930", rung) for record, rung in zip(RECORDS, rungs, strict=True)]
+
+
+@pytest.mark.parametrize(
+    ("show", "wrong", "close"), [(record_details, "weak.2", "weak.1"), (block_details, "colum", "column")]
+)
+def test_an_unknown_name_is_answered_with_the_known_ones(summary, show, wrong, close):
+    with pytest.raises(ResultsError, match=rf'no \w+ "{wrong}" in these results; did you mean "{close}"') as caught:
+        show(summary, wrong)
+    assert f"\n  {close}" in str(caught.value)

@@ -1,0 +1,107 @@
+"""What was not assessed and what the records were warned of, as text."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import xarray as xr
+from results_tree import results_tree
+
+from rockpulse.assessment.tree import failure_table
+from rockpulse.failures import NO_RECORD, Failure
+from rockpulse.views.text.left_out import failure_list, left_out, not_used
+
+
+def test_left_out_lists_by_kind_with_the_failed_first():
+    lines = left_out(results_tree()).splitlines()
+    assert lines[0] == "failed: 1"
+    assert lines[1] == "  cut.AT2:4: expected 100 samples, found 3"
+    assert "read, not assessed (vertical): 1" in lines
+    assert "  CCC.RAW: vertical channel 2" in lines
+    assert [line for line in lines if line.startswith("records with warnings: 1 ")]
+
+
+def test_a_long_list_of_what_is_no_failure_is_cut_and_says_so():
+    tree = results_tree()
+    tree["failures"] = tree["failures"].isel(failure=[1] * 40 + [2] * 40)
+    lines = left_out(tree).splitlines()
+    assert lines.count("  cut.AT2:4: expected 100 samples, found 3") == 40
+    assert lines.count("  notes.txt: no record") == 12
+    assert "  and 28 more (rockpulse inspect RESULTS --failures shows them)" in lines
+
+
+def test_files_that_are_no_records_are_one_line_and_data_that_cannot_be_used_one_each():
+    names = ["DISCLAIMER.TXT", *(f"b{k}.zip!sub/n{k}.txt" for k in range(20))]
+    rows = [Failure(name, "read", f"{name}: {NO_RECORD}", "skipped") for name in names]
+    rows.append(Failure("a.V3", "read", "a.V3:1: expected an accelerogram of station 7, found spectra", "skipped"))
+    tree = results_tree()
+    told = xr.DataTree.from_dict({"/summary": tree["summary"].to_dataset(), "/failures": failure_table(rows)})
+    lines = left_out(told).splitlines()
+    at = lines.index("skipped, cannot be used: 1")
+    assert lines[at + 1] == "  a.V3:1: expected an accelerogram of station 7, found spectra"
+    assert lines[at + 2].startswith("not records: DISCLAIMER.TXT, n0.txt, n1.txt")
+    assert "and 9 more" in " ".join(lines[at + 2 : at + 4])
+    assert "not records: DISCLAIMER.TXT" in not_used(told)
+    assert len(failure_list(told).splitlines()) == 22
+
+
+def test_block_warnings_are_shown_with_their_block():
+    assert "cabinet: slenderness 2.5 is below 3" in left_out(results_tree())
+
+
+def test_failures_can_be_narrowed_to_a_kind():
+    tree = results_tree()
+    assert failure_list(tree, kinds=("failed",)) == "failed (read) cut.AT2:4: expected 100 samples, found 3"
+    assert failure_list(tree, kinds=("duplicate",)) == ""
+    assert len(failure_list(tree).splitlines()) == 3
+
+
+def warned(*texts):
+    """The tree with these remarks on its three records."""
+    tree = results_tree()
+    summary = tree["summary"].to_dataset()
+    summary["warnings"] = summary["warnings"].copy(data=np.array(texts))
+    return xr.DataTree.from_dict({"/summary": summary, "/failures": tree["failures"].to_dataset()})
+
+
+def test_one_warning_of_each_kind_is_shown_and_the_others_are_counted():
+    peak = "peak {} g in the unit g; the values would be {} g if it were cm/s2"
+    told = left_out(warned(peak.format(338, 0.344), f"{peak.format(415, 0.42)}\nclipped for 7 samples", ""))
+    assert "records with warnings: 2 " in told
+    flat = " ".join(told.split())
+    assert f"CI.CCC..HNE@20190706T031953: {peak.format(338, 0.344)}, and 1 more like it" in flat
+    assert "415" not in flat
+    assert "CI.CCC..HNN@20190706T031953: clipped for 7 samples" in flat
+
+
+def test_without_warnings_there_is_no_line_of_them():
+    assert "warnings" not in left_out(warned("", "", ""))
+
+
+@pytest.mark.parametrize(
+    ("note", "title"),
+    [
+        ("baseline: mean", "read, not assessed (vertical): 1"),
+        ("vertical acceleration: up", "vertical, acting on 2 records: 1"),
+    ],
+)
+def test_a_vertical_channel_that_acted_is_told(note, title):
+    tree = results_tree()
+    summary = tree["summary"].to_dataset()
+    summary["processing"] = summary["processing"].copy(data=np.array([note, f"baseline: mean\n{note}", ""]))
+    acted = xr.DataTree.from_dict({"/summary": summary, "/failures": tree["failures"].to_dataset()})
+    assert title in left_out(acted).splitlines()
+
+
+def test_what_was_not_used_is_listed_by_kind_and_long_lists_are_cut():
+    rows = {
+        "file": ["up", "bad", *[f"note {k}" for k in range(15)]],
+        "stage": ["assess", *["read"] * 16],
+        "reason": ["vertical channel", "truncated", *["no reader"] * 15],
+        "kind": ["vertical", "failed", *["skipped"] * 15],
+    }
+    text = not_used(xr.DataTree.from_dict({"/failures": xr.Dataset({k: ("failure", v) for k, v in rows.items()})}))
+    assert text.splitlines()[0] == "failed (read) bad: truncated"
+    assert text.count("skipped (read)") == 12
+    assert text.endswith("skipped: and 3 more (group /failures)")
+    assert "vertical" not in text

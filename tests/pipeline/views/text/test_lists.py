@@ -1,0 +1,221 @@
+"""Lists of cases, records and blocks, and the overview of results too large to be shown whole."""
+
+import numpy as np
+import pytest
+import xarray as xr
+from results_tree import RECORDS, results_tree
+
+from rockpulse.storage.selection import Condition, Selection
+from rockpulse.views.text import large_overview
+from rockpulse.views.text.details import block_details, record_details
+from rockpulse.views.text.left_out import left_out
+from rockpulse.views.text.lists import block_list, case_list, distinct, record_list, worst_first
+from rockpulse.views.text.overview import headline, overview
+
+
+@pytest.fixture
+def tree():
+    """The nonlinear model searched as well."""
+    tree = results_tree()
+    summary = tree["summary"].to_dataset()
+    summary["safety_factor"][:, :, 2] = [[0.42, 1.3, np.nan], [2.1, 3.0, 0.84], [np.inf, np.inf, np.inf]]
+    summary["capacity_pga"] = summary["safety_factor"] * summary["pga"]
+    summary["capacity_pga"].attrs.update(units="m s-2", long_name="capacity")
+    tree["summary"] = xr.DataTree(summary)
+    return tree
+
+
+@pytest.fixture
+def summary(tree):
+    return tree["summary"].to_dataset()
+
+
+def listed(text):
+    """Cells of the lines of the table."""
+    return [line.split() for line in text.split("\n\n")[1].splitlines()]
+
+
+def worst(summary, **options):
+    return case_list(summary, worst_first(summary, "nonlinear", Selection(**options)))
+
+
+def test_cases_are_listed_worst_first_by_the_fullest_model(summary):
+    text = worst(summary, limit=3)
+    assert text.startswith("9 cases with model nonlinear, smallest safety_factor first; 3 shown (--limit shows more)")
+    head, *lines = listed(text)
+    assert "nonlinear" in head
+    assert "model" not in head
+    assert " ".join(lines[0]) == f"{RECORDS[0]} boundary wall 0.985 0.57 2.50 1.44 OVERTURNS 0.42 0.24"
+    assert " ".join(lines[1]) == f"{RECORDS[1]} cabinet 0.790 0.47 2.50 0.40 0.41 0.84 0.40"
+    assert len(lines) == 3
+
+
+def test_what_a_condition_is_about_has_a_column(summary):
+    selection = Selection(conditions=(Condition.parse("arias_intensity > 4"),), sort="intense_end")
+    head, first, *_ = listed(case_list(summary, selection))
+    assert head[-2:] == ["arias_intensity", "intense_end"]
+    assert first[-2:] == ["5.2", "22"]
+
+
+def test_several_models_have_a_column(summary):
+    text = case_list(summary, Selection({"model": ("*",), "record": (RECORDS[0],), "block": ("cabinet",)}))
+    head, *lines = listed(text)
+    assert head[:3] == ["record", "block", "model"]
+    assert [line[2] for line in lines] == ["resonance", "sequence", "nonlinear"]
+    assert "OVERTURNS*" in lines[0]
+    assert lines[2][-3:] == ["unresolved", "-", "-"]
+    assert "*: outside the range" in text
+    assert "?" not in text
+
+
+def test_nothing_found_is_said_without_a_table(summary):
+    text = case_list(summary, Selection(conditions=(Condition.parse("pga > 100"),)))
+    assert text == "0 cases with model nonlinear; pga > 100"
+
+
+def test_without_a_search_the_worst_are_those_of_the_largest_rotation(summary):
+    summary["safety_factor"][:] = np.nan
+    text = worst(summary, limit=2)
+    assert "largest peak_rotation_ratio first" in text
+    assert listed(text)[1][0] == RECORDS[0]
+    assert "OVERTURNS" in listed(text)[1]
+
+
+def test_cases_that_are_all_the_same_are_listed_once():
+    summary = results_tree(2)["summary"].to_dataset()
+    assert distinct(summary).tolist() == [[True, False], [True, True], [True, True]]
+    assert worst(summary).startswith("15 cases")
+
+
+def test_records_say_what_they_overturn_and_their_worst_block(summary):
+    head, *lines = listed(record_list(summary, Selection()))
+    assert " ".join(lines[0]) == f"{RECORDS[0]} 0.57 0.71 5.20 0.62 2 1 of 3 0.42 boundary wall"
+    assert " ".join(lines[1]) == f"{RECORDS[1]} 0.47 ~0.43 3.10 0.35 0 of 3 0.84 cabinet"
+    assert " ".join(lines[2]) == "weak.1 0.001 0.002 0 - 0 of 3 none"
+    assert head[-3:] == ["overturns", "SF", "of"]
+    weakest = record_list(summary, Selection(sort="pga", limit=1))
+    assert weakest.startswith("1 of 3 records, smallest pga first")
+    assert listed(weakest)[1][0] == "weak.1"
+    falls = Selection(conditions=(Condition.parse("outcome = overturns"),))
+    assert record_list(summary, falls).startswith("1 record\n")
+    every = Selection({"model": ("resonance",)}, falls.conditions)
+    assert record_list(summary, every).startswith("2 records\n")
+    assert "by the resonance model" in record_list(summary, every)
+
+
+def test_blocks_say_which_records_overturn_them(summary):
+    _, *lines = listed(block_list(summary, Selection()))
+    assert lines[0] == f"boundary wall 0.25 2.20 0.11 2.58 0.43 0.985 1 of 3 0.42 {RECORDS[0]}".split()
+    assert lines[2] == f"cabinet - - 0.38 2.60 1.54 0.790 0 of 3 0.84 {RECORDS[1]}".split()
+    several = listed(block_list(results_tree(2)["summary"].to_dataset(), Selection({"block": ("column",)})))
+    assert several[1][6:9] == ["0.830", "to", "0.930"]
+
+
+def test_lists_say_how_far_was_searched_and_mark_doubtful_peaks(summary):
+    factor = summary["safety_factor"]
+    summary = summary.assign(safe_up_to=factor.where(np.isfinite(factor), 10.0))
+    summary["pga"][2] = 98.1
+    text = case_list(summary, Selection({"record": ("weak.1",), "block": ("column",)}))
+    assert listed(text)[1][:3] == ["weak.1", "(peak?)", "column"]
+    assert listed(text)[1][-2:] == [">10", ">100"]
+    assert ">: none found up to there" in text
+    assert "(peak?): a peak above 5 g" in text
+    records = record_list(summary, Selection())
+    assert listed(records)[3][:2] == ["weak.1", "(peak?)"]
+    assert listed(records)[3][-1] == ">10"
+    assert ">: none found up to there" in records
+    assert "(peak?): a peak above 5 g" in records
+    assert "Above 1" not in text
+    summary["peak_rotation_ratio"][0, 1, 2] = 1.2
+    assert "Above 1: rocked beyond" in case_list(summary, Selection({"record": (RECORDS[0],), "block": ("column",)}))
+
+
+def test_where_none_was_found_and_one_answer_is_unknown_the_smallest_factor_is_unknown(summary):
+    factor = summary["safety_factor"].copy()
+    factor[2, 1, 2] = np.nan
+    summary = summary.assign(safety_factor=factor, safe_up_to=factor.where(np.isfinite(factor), 10.0))
+    assert listed(record_list(summary, Selection()))[3][-1] == "-"
+    factor[:, 2, 2] = [np.inf, np.nan, np.inf]
+    summary = summary.assign(safety_factor=factor)
+    assert listed(block_list(summary, Selection()))[3][-1] == "-"
+    assert listed(block_list(summary, Selection()))[1][-2:] == ["0.42", RECORDS[0]]  # what is known
+
+
+def many(tree, copies=60):
+    """The same records many times over."""
+    summary = tree["summary"].to_dataset()
+    repeated = summary.isel(record=np.tile(np.arange(3), copies))
+    names = [f"{name}~{k}" for k in range(copies) for name in RECORDS]
+    repeated = repeated.assign_coords(record=("record", names, summary["record"].attrs))
+    tree["summary"] = xr.DataTree(repeated)
+    return tree
+
+
+def test_large_results_are_counted_and_their_worst_shown(tree):
+    text = overview(many(tree))
+    assert text.startswith("Borgo: 180 records, 3 blocks; resonance, sequence, nonlinear\n")
+    assert len(text.splitlines()) < 80
+    assert max(map(len, text.splitlines())) <= 120
+    line = next(line for line in text.splitlines() if line.startswith("  nonlinear"))
+    # at rest, rocks, overturns, share, unresolved, SF < 1
+    assert line.split()[1:7] == ["180", "240", "60", "11.1%", "60", "120"]
+    assert "not a prediction" in text
+    wall = next(line for line in text.splitlines() if line.startswith("  boundary wall"))
+    assert wall.split() == ["boundary", "wall", "0.985", "60", "of", "180", "33.3%", "2.10"]
+    assert sum(line.split()[1:5] == ["boundary", "wall", "0.985", "0.57"] for line in text.splitlines()) == 12
+    assert "PGV of 60 records may be off" in text
+    assert "--outcome overturns" in text
+
+
+def test_large_results_count_doubtful_peaks_and_say_how_far_was_searched(tree):
+    summary = tree["summary"].to_dataset()
+    summary["pga"][0] = 98.1
+    factor = xr.full_like(summary["safety_factor"], np.inf)
+    tree["summary"] = xr.DataTree(summary.assign(safety_factor=factor, safe_up_to=xr.full_like(factor, 10.0)))
+    text = overview(many(tree))
+    assert "60 with a doubtful peak" in text
+    wall = next(line for line in text.splitlines() if line.startswith("  boundary wall"))
+    assert wall.split()[-1] == ">10"
+
+
+def test_what_is_large_is_counted_in_verdicts_that_are_shown(tree, monkeypatch):
+    summary = results_tree(2)["summary"].to_dataset()
+    monkeypatch.setattr(large_overview, "WHOLE", 15)
+    assert not large_overview.is_large(summary)
+    monkeypatch.setattr(large_overview, "WHOLE", 14)
+    assert large_overview.is_large(summary)
+
+
+def test_capacities_are_compared_with_demands_in_a_large_overview_as_well(tree):
+    summary = tree["summary"].to_dataset()
+    summary = summary.assign_coords(demand=("demand", ["collapse"]))
+    summary["demand_acceleration"] = ("demand", [2.5])
+    summary["capacity_ratio"] = summary["capacity_pga"].expand_dims(demand=1, axis=-1) / 2.5
+    tree["summary"] = xr.DataTree(summary)
+    text = overview(many(tree))
+    assert "Capacity (safety factor x PGA, nonlinear model) over demand" in text
+    assert "collapse (2.5 m/s2)" in text
+
+
+def test_a_record_with_few_blocks_is_shown_whole_and_a_block_under_many_records_by_its_worst(tree):
+    summary = many(tree, 80)["summary"].to_dataset()
+    assert "Safety factors" in record_details(summary, f"{RECORDS[0]}~7")
+    text = block_details(summary, "column")
+    assert len(text.splitlines()) < 50
+    assert "240 verdicts by the nonlinear model: 80 at rest, 160 rocks, 0 overturns, 0 unresolved" in text
+    assert "240 cases with model nonlinear, smallest safety_factor first; 20 shown" in text
+
+
+def test_the_headline_counts_what_there_is(tree):
+    tree.attrs["site_description"] = "On rock."
+    assert headline(tree) == "Borgo: 3 records, 3 blocks; resonance, sequence, nonlinear\n  On rock."
+
+
+def test_what_was_left_out_is_brief_where_asked_for(tree):
+    failures = tree["failures"].to_dataset().isel(failure=[2] * 30 + [1] * 9)
+    tree["failures"] = xr.DataTree(failures)
+    assert left_out(tree).count("expected 100 samples") == 30
+    brief = left_out(tree, brief=True)
+    assert brief.count("expected 100 samples") == 12
+    assert brief.count("no record\n") == 3
+    assert "and 18 more" in brief

@@ -1,0 +1,379 @@
+"""The tables for the terminal, on a tree whose answers are known."""
+
+import numpy as np
+import pytest
+import xarray as xr
+from results_tree import BLOCKS, RECORDS, results_tree
+
+from rockpulse.views.text.capacity import smallest_capacities
+from rockpulse.views.text.left_out import failure_list
+from rockpulse.views.text.overview import factor_table, overturned, overview, value, verdict_table
+
+
+def row(text, label, after=""):
+    """Cells of the first line for a block below a heading."""
+    lines = text[text.index(after) :].splitlines()
+    line = next(line for line in lines if line.startswith(f"  {label}"))
+    return line[len(label) + 2 :].split()
+
+
+@pytest.fixture
+def summary():
+    return results_tree()["summary"].to_dataset()
+
+
+def test_every_verdict_is_a_word_or_a_figure(summary):
+    text = verdict_table(summary)
+    assert row(text, "boundary wall", RECORDS[0]) == ["0.985", "2.50", "1.44", "OVERTURNS", "OVERTURNS", "OVERTURNS"]
+    assert row(text, "column", RECORDS[0]) == ["0.930", "2.50", "0.63", "OVERTURNS", "0.41", "0.41"]
+    assert row(text, "column", RECORDS[2])[2:] == ["-", "at", "rest", "at", "rest", "at", "rest"]
+
+
+def test_a_velocity_that_is_drift_is_marked_and_explained(summary):
+    text = verdict_table(summary)
+    assert f"{RECORDS[0]}  PGA 0.567 g  PGV 0.71 m/s  I 0.62 m/s\n" in text
+    assert f"{RECORDS[1]}  PGA 0.471 g  PGV ~0.43 m/s (drift)  I 0.35 m/s\n" in text
+    assert "  ~ (drift): the record's baseline drifts" in text
+    assert "drift" not in verdict_table(summary, records=RECORDS[:1])
+    assert "drift" not in verdict_table(summary.drop_vars("pgv_drift"))
+
+
+def test_what_is_outside_the_range_of_a_model_is_marked_and_explained(summary):
+    text = verdict_table(summary)
+    assert row(text, "cabinet", RECORDS[0])[3:] == ["OVERTURNS*", "0.41*", "unresolved"]
+    assert "slenderness below 3" in text
+    summary["applicable"][:] = 1
+    assert "*" not in verdict_table(summary)
+
+
+def test_resonance_is_called_an_upper_bound_wherever_it_is_shown(summary):
+    assert "upper-bound type input" in verdict_table(summary)
+    assert "not a prediction" in verdict_table(summary)
+    assert "upper-bound" not in verdict_table(summary.sel(model=["nonlinear"]))
+
+
+def test_auto_says_which_models_answered(summary):
+    assert "auto" not in verdict_table(summary)
+    summary = summary.assign_coords(model=("model", ["resonance", "nonlinear", "auto"]))
+    codes = np.zeros(summary["outcome"].shape, dtype=np.int8)
+    codes[:2, :, 2], codes[2, :, 2] = 1, 2
+    flags = {"flag_values": np.arange(3, dtype=np.int8), "flag_meanings": "resonance settled static"}
+    summary["model_used"] = (("record", "block", "model"), codes, flags)
+    words = " ".join(verdict_table(summary).split())
+    assert "auto: the cheapest model that answers, here settled 6, static 3; the figures are" in words
+    assert "here static 1;" in verdict_table(summary, records=RECORDS[2:], blocks=BLOCKS[:1])
+    assert "What overturns (by the nonlinear model)" in overturned(summary)
+
+
+def with_auto(summary, names):
+    """The last model is `auto`, and these are the models that answered for it, (record, block)."""
+    meanings = ["nonlinear", "impulsive", "settled", "static"]
+    codes = np.zeros(summary["outcome"].shape, dtype=np.int8)
+    codes[..., 2] = [[meanings.index(name) for name in row] for row in names]
+    flags = {"flag_values": np.arange(4, dtype=np.int8), "flag_meanings": " ".join(meanings)}
+    summary = summary.assign_coords(model=("model", ["impulsive", "nonlinear", "auto"]))
+    summary["model_used"] = (("record", "block", "model"), codes, flags)
+    return summary
+
+
+def test_a_peak_of_auto_that_is_no_answer_is_marked_and_explained(summary):
+    rungs = [["settled", "impulsive", "settled"], ["settled", "nonlinear", "impulsive"], ["static"] * 3]
+    summary = with_auto(summary, rungs)
+    summary["peak_rotation_ratio"][0, 1] = 0.056  # of every model: only that of auto is marked
+    summary["peak_rotation_ratio"][1, 0] = 0.1279
+    text = verdict_table(summary)
+    assert row(text, "boundary wall", RECORDS[0])[-2] == "OVERTURNS"
+    assert row(text, "column", RECORDS[0])[-3:-1] == ["0.056", "~0.06"]
+    assert row(text, "boundary wall", RECORDS[1])[-2] == ">0.12"
+    assert row(text, "column", RECORDS[1])[-2] == "0.41"
+    assert row(text, "cabinet", RECORDS[1])[-2] == "~0.4"
+    assert row(text, "cabinet", RECORDS[2])[-3:-1] == ["at", "rest"]
+    note = [line for line in text.splitlines() if line.startswith("  Peaks of auto")]
+    assert len(note) == 1
+    assert "~0.06 an estimate from impulses" in note[0]
+    assert ">0.12 the peak so far" in note[0]
+    assert note[0].endswith(".")
+
+
+def test_marks_are_explained_only_where_one_is_shown(summary):
+    summary = with_auto(summary, [["settled"] * 3, ["nonlinear"] * 3, ["static"] * 3])
+    assert "Peaks of auto" in verdict_table(summary)
+    assert "Peaks of auto" not in verdict_table(summary, records=RECORDS[1:])
+    assert "Peaks of auto" not in verdict_table(summary, records=RECORDS[:1], blocks=BLOCKS[:1])  # it overturns
+    assert "Peaks of auto" not in verdict_table(results_tree()["summary"].to_dataset())
+
+
+def test_what_is_not_predictable_is_marked_and_explained(summary):
+    marks = np.full(summary["outcome"].shape, -1, dtype=np.int8)
+    marks[0, 0, 2], marks[0, 1, 2] = 0, 1
+    summary["predictable"] = (("record", "block", "model"), marks)
+    text = verdict_table(summary)
+    assert row(text, "boundary wall", RECORDS[0])[-1] == "OVERTURNS?"
+    assert row(text, "column", RECORDS[0])[-1] == "0.41"
+    assert "?: not predictable" in text
+    summary["predictable"][:] = -1
+    assert "?" not in verdict_table(summary)
+
+
+def test_an_unresolved_verdict_gives_its_reason(summary):
+    assert "unresolved: the model cannot say (free flight)" in verdict_table(summary)
+
+
+def test_nowhere_does_it_say_nan():
+    for cases in (None, 3):
+        tree = results_tree(cases)
+        text = overview(tree) + factor_table(tree["summary"].to_dataset()) + failure_list(tree)
+        assert "nan" not in text.lower().replace("resonance", "")
+
+
+def test_a_peak_that_a_model_did_not_give_is_a_dash(summary):
+    summary["outcome"][0, 0, 2] = -1
+    assert row(verdict_table(summary), "boundary wall", RECORDS[0])[-1] == "-"
+
+
+def test_restitution_cases_have_a_row_each_unless_they_are_all_the_same():
+    text = verdict_table(results_tree(2)["summary"].to_dataset(), records=RECORDS[:1])
+    assert [line.split()[1] for line in text.splitlines() if line.startswith("  column")] == ["0.930", "0.830"]
+    assert sum(line.startswith("  boundary wall") for line in text.splitlines()) == 1
+
+
+def test_seven_records_five_blocks_five_models_fit_into_120_columns():
+    models = ["resonance", "sequence", "impulsive", "linear", "nonlinear"]
+    summary = results_tree()["summary"].to_dataset()
+    summary = summary.isel(record=[0] * 7, block=[0, 1, 2, 0, 1], model=[0] * 5)
+    summary = summary.assign_coords(
+        record=("record", [f"CI.CCC..HN{k}@20190706T031953" for k in range(7)]),
+        block=("block", [f"a body with a rather long name, no. {k}" for k in range(5)]),
+        model=("model", models),
+    )
+    lines = verdict_table(summary).splitlines()
+    assert max(map(len, lines)) <= 120
+    assert sum("OVERTURNS" in line for line in lines) == 35
+
+
+def test_long_names_keep_both_their_ends(summary):
+    summary = summary.assign_coords(block=("block", ["north wall of the cemetery, strip 1", *BLOCKS[1:]]))
+    assert "north wall of t… strip 1" not in verdict_table(summary)
+    assert any(
+        line.startswith("  north wall of ") and "strip 1" in line for line in verdict_table(summary).splitlines()
+    )
+
+
+def test_factors_are_numbers_none_or_a_dash(summary):
+    text = factor_table(summary)
+    assert row(text, "column", RECORDS[0])[3:] == ["0.50", "1.70", "-"]
+    assert row(text, "column", RECORDS[2])[3:] == ["none", "none", "-"]
+    assert row(factor_table(summary.drop_vars("safety_factor")), "column")[3:] == ["-", "-", "-"]
+
+
+@pytest.fixture
+def searched(summary):
+    """The nonlinear model searched: the first record overturns the column in three intervals, and rocks it at one."""
+    factor, count = summary["safety_factor"], xr.full_like(summary["outcome"], 1, dtype=np.int64)
+    factor[:, :, 2], factor[0, 1, 2], factor[2, 0, 2], count[0, 1, 2] = 1.7, 0.84, np.inf, 3
+    return summary.assign(interval_count=count)
+
+
+def test_the_factor_of_the_fullest_model_stands_beside_the_verdicts(searched):
+    text = verdict_table(searched)
+    assert row(text, "column", RECORDS[0])[-2:] == ["0.41", "0.84+"]
+    assert row(text, "boundary wall", RECORDS[1])[-1] == "1.70"
+    assert row(text, "boundary wall", RECORDS[2])[-1] == "none"
+    words = " ".join(text.split())
+    assert "SF: smallest factor on the record" in words
+    assert "+: not monotonic" in words
+    assert "1 of 9, up to 3 intervals" in words
+    assert "1 with SF below 1 that rocks: a weaker record overturns it; do not count it as safe." in words
+    assert row(factor_table(searched), "column", RECORDS[0])[-2:] == ["0.84", "(3)"]
+
+
+def test_what_a_search_may_miss_is_said(searched):
+    assert "step of the search" not in verdict_table(searched)
+    searched["search_step"] = xr.full_like(searched["safety_factor"], 1.047)
+    assert "step of the search (up to 4.7%)" in " ".join(verdict_table(searched).split())
+
+
+def test_a_closed_form_misses_nothing_and_a_sequence_is_searched_in_steps(searched):
+    searched["search_step"] = xr.full_like(searched["safety_factor"], 1.0)
+    assert "Bands narrower" not in verdict_table(searched)
+    searched["search_step"][:] = 1.005
+    renamed = searched.assign_coords(model=("model", ["linear", "resonance", "sequence"]))
+    assert "(up to 0.5%) may lie below it: do not read it to two digits ([search] step)." in " ".join(
+        verdict_table(renamed).split()
+    )
+    assert "([search] points)." in " ".join(verdict_table(searched).split())
+
+
+def test_notes_count_what_is_shown(searched):
+    for shown, words in (({"records": RECORDS[:1]}, "(1 of 3, up to 3"), ({"blocks": BLOCKS[1:2]}, "(1 of 3, up to 3")):
+        text = " ".join(verdict_table(searched, **shown).split())
+        assert words in text
+        assert "1 with SF below 1 that rocks:" in text
+    text = " ".join(verdict_table(searched, records=RECORDS[1:]).split())
+    assert "SF: smallest" in text
+    assert "monotonic" not in text
+    assert "SF below 1" not in text
+    several = results_tree(2)["summary"].to_dataset()
+    several["safety_factor"][:] = 0.9
+    assert "7 with SF below 1 that rock:" in verdict_table(several.assign(interval_count=several["outcome"] * 0 + 1))
+
+
+def test_a_factor_at_which_the_model_cannot_answer_is_marked_and_explained(searched):
+    searched["factor_resolved"] = xr.full_like(searched["outcome"], 1)
+    assert "!" not in verdict_table(searched) + factor_table(searched)
+    searched["factor_resolved"][0, :2, 2] = 0
+    text = verdict_table(searched)
+    assert row(text, "boundary wall", RECORDS[0])[-1] == "1.70!"
+    assert row(text, "column", RECORDS[0])[-1] == "0.84!+"
+    assert "!: from this factor on the model cannot answer, as in free flight (2 of 9)" in " ".join(text.split())
+    assert "1 with SF below 1 that rocks: a weaker record overturns it, or may (!); do not count it" in " ".join(
+        text.split()
+    )
+    assert row(factor_table(searched), "column", RECORDS[0])[-2:] == ["0.84!", "(3)"]
+    assert "!: a lower bound" in factor_table(searched)
+    ends = {len(line.rstrip("!+")) for line in text.splitlines() if line.startswith(("  column", "  boundary wall"))}
+    assert len(ends) == 1  # the marks stand beyond the numbers
+
+
+def test_a_sequence_in_place_of_a_record_is_named(searched):
+    searched["npts"][:] = -1
+    assert "SF: smallest factor on the main impulse" in verdict_table(searched)
+
+
+def test_without_a_search_there_is_no_column_of_factors(summary):
+    assert "SF" not in verdict_table(summary)
+    assert "SF" not in verdict_table(summary.drop_vars("safety_factor"))
+
+
+def test_what_is_monotonic_and_monotonic_only_is_not_explained(searched):
+    text = verdict_table(searched.drop_vars("interval_count"))
+    assert row(text, "column", RECORDS[0])[-1] == "0.84"
+    assert "monotonic" not in text
+    searched["outcome"][0, 1, 2] = 2
+    assert "that rock" not in verdict_table(searched)
+
+
+def with_demands(summary):
+    """Two demands; the capacity of the first record is the smallest."""
+    cube = summary["safety_factor"].dims
+    capacity = np.ones(summary["safety_factor"].shape) * np.array([0.6, 1.5, 2.0])[:, None, None]
+    capacity[2, 0], capacity[:, 2] = np.inf, np.nan
+    ratio = capacity[..., None] / np.array([1.0, 2.5])
+    return summary.assign(
+        capacity_ratio=((*cube, "demand"), ratio), demand_acceleration=("demand", [1.0, 2.5])
+    ).assign_coords(demand=("demand", ["damage", "collapse"]))
+
+
+def test_capacities_are_compared_with_every_demand(searched):
+    assert smallest_capacities(searched, "nonlinear") == ""
+    text = smallest_capacities(with_demands(searched), "nonlinear")
+    assert "damage (1 m/s2)" in text
+    assert "collapse (2.5 m/s2)" in text
+    assert row(text, "boundary wall")[1:] == ["0.60,", "1.50", "0.24,", "0.60"]
+    assert row(text, "column")[1:] == ["0.60,", "1.50", "0.24,", "0.60"]
+    assert row(text, "cabinet")[1:] == ["-", "-"]
+
+
+def test_a_capacity_that_rests_on_a_lower_bound_is_marked(searched):
+    summary = with_demands(searched)
+    summary["factor_resolved"] = xr.full_like(summary["outcome"], 1)
+    summary["factor_resolved"][0, 0, 2], summary["factor_resolved"][1, 1, 2] = 0, 0
+    text = smallest_capacities(summary, "nonlinear")
+    assert row(text, "boundary wall")[1:] == ["0.60!,", "1.50!", "0.24!,", "0.60!"]  # of 0.6 or more, 1.5 and none
+    assert row(text, "column")[1:] == ["0.60,", "1.50!", "0.24,", "0.60!"]
+    assert "!: a lower bound" in " ".join(text.split())
+    assert "-: not known; left out where others are (3 of the records)" in " ".join(text.split())
+    summary["factor_resolved"][:] = 1
+    assert "!" not in smallest_capacities(summary, "nonlinear")
+
+
+def test_the_overview_shows_capacities_only_where_something_is_demanded(searched):
+    tree = results_tree()
+    assert "Capacity" not in overview(tree)
+    tree["summary"] = xr.DataTree(with_demands(searched))
+    assert "Capacity (safety factor x PGA, nonlinear model) over demand" in overview(tree)
+
+
+def test_what_a_weaker_copy_overturns_is_named_and_not_called_safe(summary):
+    assert "weaker copy" not in overturned(summary)
+    summary["safety_factor"].loc[{"record": RECORDS[1], "block": "column", "model": "nonlinear"}] = 0.82
+    text = overturned(summary)
+    assert "column: nothing as recorded does, but see below" in text
+    assert text.endswith(
+        "What rocks, but a weaker copy of the record overturns it (SF in brackets): not safe\n"
+        f"  column: {RECORDS[1]} (0.82)"
+    )
+
+
+def up_to_ten(summary):
+    """The search ended at a factor of 10."""
+    return summary.assign(safe_up_to=summary["safety_factor"].where(np.isfinite(summary["safety_factor"]), 10.0))
+
+
+def test_where_nothing_was_found_the_cell_says_up_to_where(searched):
+    searched = up_to_ten(searched)
+    text = verdict_table(searched)
+    assert row(text, "boundary wall", RECORDS[2])[-1] == ">10"
+    assert ">10: none found up to there, where the search ends ([search] factor_max)" in " ".join(text.split())
+    assert "none" not in text.replace("none found", "")
+    assert "none found" not in verdict_table(searched, records=RECORDS[:2])
+    factors = factor_table(searched)
+    assert row(factors, "column", RECORDS[2])[3:] == [">10", ">10", "1.70"]
+    assert ">: none found up to there" in factors
+    searched["safe_up_to"][2, 0, 2] = 12.37
+    assert row(verdict_table(searched), "boundary wall", RECORDS[2])[-1] == ">12.3"  # never more than was searched
+
+
+def test_a_capacity_that_was_not_found_names_how_far_it_was_searched(searched):
+    """The third record has a PGA of 0.01 m/s2: ten times it is far below any demand, and says nothing of it."""
+    summary = up_to_ten(with_demands(searched))
+    text = smallest_capacities(summary, "nonlinear")
+    assert row(text, "boundary wall")[1:] == ["0.60,", "1.05", "0.24,", "0.42"]  # the third is left out
+    assert "too weak for the search to reach the demand (up to 1 of the records)" in " ".join(text.split())
+    weak = summary.isel(record=[2])
+    text = smallest_capacities(weak, "nonlinear")
+    assert row(text, "boundary wall")[1:] == [">0.1,", ">0.1", ">0.04,", ">0.04"]
+    strong = summary.assign(pga=summary["pga"] * 100.0)
+    text = smallest_capacities(strong.isel(record=[2]), "nonlinear")
+    assert row(text, "boundary wall")[1:] == [">10,", ">10", ">4,", ">4"]
+    assert "too weak" not in text
+
+
+def test_a_record_of_a_doubtful_peak_is_marked_wherever_a_verdict_rests_on_it(summary):
+    assert "peak?" not in verdict_table(summary) + overturned(summary)
+    summary["pga"][0] = 981.0
+    clipped = "8 samples in a row at the largest value: the record may be clipped"
+    summary["warnings"] = ("record", ["", clipped, ""])
+    summary["safety_factor"].loc[{"record": RECORDS[1], "block": "column", "model": "nonlinear"}] = 0.82
+    text = verdict_table(summary)
+    assert f"{RECORDS[0]} (peak?)  PGA 100 g" in text
+    assert f"{RECORDS[1]} (clipped?)  PGA" in text
+    assert "(peak?): a peak above 5 g or below 1e-6 g" in text
+    assert "(clipped?): the record stays" in text
+    assert "peak?" not in verdict_table(summary, records=RECORDS[1:])
+    assert f"boundary wall: {RECORDS[0]} (peak?)\n" in overturned(summary)
+    assert f"column: {RECORDS[1]} (clipped?) (0.82)" in overturned(summary)
+
+
+def test_a_rotation_beyond_the_critical_angle_is_explained_where_there_is_one(summary):
+    assert "Above 1" not in verdict_table(summary)
+    summary["peak_rotation_ratio"][1, 1, 2] = 1.13
+    assert "Above 1: rocked beyond the critical angle and back" in verdict_table(summary)
+    assert "Above 1" not in verdict_table(summary, blocks=BLOCKS[:1])
+
+
+def test_what_overturns_is_named_by_the_fullest_model_and_counted_for_all(summary):
+    text = overturned(summary)
+    assert f"boundary wall: {RECORDS[0]}\n" in text
+    assert "column: nothing does" in text
+    counts = next(line for line in text.splitlines() if line.startswith("  boundary wall  "))
+    assert counts.split()[2:] == ["2", "of", "3", "2", "of", "3", "1", "of", "3"]
+
+
+def test_a_value_is_found_by_labels_whatever_the_order_of_dimensions(summary):
+    where = {"record": RECORDS[1], "block": "column", "model": "resonance", "case": 0}
+    assert value(summary, "pga", **where) == 4.619
+    assert value(summary, "outcome", **where) == value(summary.transpose(), "outcome", **where) == 1
+    assert value(summary, "width", **where) == 1.0
+    assert value(summary, "nothing", **where) is None
+    assert np.isnan(value(summary, "safety_factor", **{**where, "model": "nonlinear"}))

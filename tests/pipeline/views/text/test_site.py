@@ -1,0 +1,87 @@
+"""The text of a site file."""
+
+import re
+
+import numpy as np
+import pytest
+
+import rockpulse as rp
+from rockpulse.config.settings import CalibrationSettings
+from rockpulse.failures import Failure
+from rockpulse.models import Block
+from rockpulse.views.text.site import site_overview
+
+TIME = 0.01 * np.arange(900)
+
+
+@pytest.fixture(scope="module")
+def tree():
+    """Six bursts of six events, and a body that all of them overturn."""
+    config = rp.Config(calibration=CalibrationSettings(method="statistics", bootstrap=100))
+    records = [
+        rp.Record(
+            (2.0 + 0.4 * number)
+            * np.sin(2.0 * np.pi * TIME * (0.8 + 0.05 * number))
+            * np.exp(-(((TIME - 4) / 2) ** 2)),
+            dt=0.01,
+            id=f"burst{number}",
+            event=f"Quake {'ABCDEF'[number] * 3}",
+            processed=True,
+        )
+        for number in range(6)
+    ]
+    blocks = {"stele": Block(0.1, 1.5), "pier": Block(0.5, 2.0)}
+    return rp.calibrate_site(records, config, blocks, failures=[Failure("a.AT2", "read", "why", "failed")])
+
+
+def test_everything_is_there_and_nothing_is_nan(tree):
+    text = site_overview(tree)
+    site = tree["site"].to_dataset()
+    for words in (
+        "FEW RECORDS: 6",
+        "6 records of 6 events: Quake AAA (1)",
+        "main impulse I [m/s]",
+        "correlation of logarithms",
+        f"I = {float(site['design'][0]):.3g} m/s",
+        "nominal 84 %",
+        "stele",
+        "OVERTURNS",
+        "a.AT2: why",
+    ):
+        assert words in text, words
+    assert not re.search(r"\bnan\b", text, re.I)
+    assert max(map(len, text.splitlines())) <= 140
+
+
+def test_what_is_not_known_of_the_coverage_is_said_in_words(tree):
+    tree = tree.copy()
+    site = tree["site"].to_dataset()
+    gone = dict.fromkeys(("coverage", "coverage_lower", "coverage_upper", "coverage_all"), np.nan)
+    one = site.assign(**{name: site[name].copy(data=value) for name, value in gone.items()}, judged_pairs=0)
+    tree["site"] = one
+    text = " ".join(site_overview(tree).split())
+    assert "Coverage of other earthquakes: not known, for no event could be judged" in text
+    assert "covers -" not in text
+    assert "Judged" not in text
+    tree["site"] = one.isel(site_event=[0])
+    assert "not known, for with one event none can be left out" in " ".join(site_overview(tree).split())
+    tree["site"] = site.assign(**{name: site[name].copy(data=np.nan) for name in ("coverage_lower", "coverage_upper")})
+    assert "(one event: no interval) of the recorded rotations" in " ".join(site_overview(tree).split())
+
+
+@pytest.mark.parametrize("scaled", ["pga 4 m/s2", "pgv 0.5 m/s", "impulse 0.5 m/s"])
+def test_the_target_that_records_are_scaled_to_has_its_unit(tree, scaled):
+    tree = tree.copy()
+    site = tree["site"].to_dataset()
+    tree["site"] = site.assign_attrs(scaled_to=scaled.rpartition(" ")[0])
+    assert f", scaled to {scaled}." in " ".join(site_overview(tree).split())
+
+
+def test_many_blocks_are_told_by_their_extremes(tree):
+    site = tree["site"].to_dataset()
+    many = site.isel(block=[0, 1] * 10)
+    tree = tree.copy()
+    tree["site"] = many
+    text = site_overview(tree)
+    assert "The design overturns 10 of 20 blocks" in text
+    assert text.count("stele") <= 1
