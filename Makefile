@@ -56,7 +56,7 @@ doctest:  ## the examples in the docstrings
 # obspy finds its plugins in the metadata of what is installed: only a wheel, away from this folder, shows what users get.
 wheel: PACKAGE := $(shell mktemp -d)
 wheel:  ## the wheel alone in a fresh environment: obspy.read on every sample (a minute)
-	cp -r pyproject.toml README.md LICENSE pipeline models $(PACKAGE)
+	cp -r pyproject.toml hatch_build.py README.md LICENSE pipeline models $(PACKAGE)
 	mkdir $(PACKAGE)/tests $(PACKAGE)/elsewhere
 	cp -r tests/read_by_obspy.py tests/make_format_samples.py tests/record_writers $(PACKAGE)/tests
 	cp -r data/samples $(PACKAGE)

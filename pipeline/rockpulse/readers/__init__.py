@@ -1,4 +1,4 @@
-"""Readers of strong-motion files: one file per family, one table of formats, one function.
+"""Readers of strong-motion files: one file per family of formats (:mod:`rockpulse.readers.formats`), one function.
 
 Importing this package loads neither obspy, pandas, numba nor xarray, so that it may serve as a reader plugin.
 """
@@ -10,64 +10,14 @@ from dataclasses import replace
 from pathlib import Path
 from typing import BinaryIO
 
-from rockpulse.readers import (
-    asa,
-    at2,
-    bhrc,
-    columns,
-    cosmos,
-    csmip_v1,
-    csmip_v2,
-    csmnc,
-    cwb,
-    dyna,
-    geonet,
-    knet,
-    miniseed,
-    nsmn,
-    refused,
-    renadic,
-    sac,
-    smc,
-    usc,
-)
 from rockpulse.readers.format import Format, ReadOptions
+from rockpulse.readers.formats import FORMATS
 from rockpulse.readers.no_record import advice, may_be_record
 from rockpulse.readers.source import NoRecord, SourceFile, Unrecognised, open_source, open_stream
 from rockpulse.readers.units import UNITS
 from rockpulse.record.record import Record, distinct_ids
 
 __all__ = ["FORMATS", "UNITS", "Format", "ReadOptions", "read", "read_source"]
-
-#: Formats that are known by what stands in their files.
-_SPECIFIC: tuple[Format, ...] = (
-    csmip_v1.FORMAT,
-    csmip_v2.FORMAT,
-    *usc.FORMATS,
-    renadic.FORMAT,
-    bhrc.FORMAT,
-    geonet.FORMAT,
-    dyna.FORMAT,
-    cwb.FORMAT,
-    cosmos.FORMAT,
-    nsmn.FORMAT,
-    asa.FORMAT,
-    csmnc.FORMAT,
-    smc.FORMAT,
-    at2.FORMAT,
-    knet.FORMAT,
-    miniseed.FORMAT,
-    sac.FORMAT,
-    *refused.FORMATS,
-)
-
-
-def _is_nothing_but_columns(head: bytes, name: str) -> bool:
-    return columns.is_columns(head, name) and not any(row.detect(head, name) for row in _SPECIFIC)
-
-
-#: Tried from top to bottom; the first that recognises the file reads it. The least specific comes last.
-FORMATS: tuple[Format, ...] = (*_SPECIFIC, replace(columns.FORMAT, detect=_is_nothing_but_columns))
 
 
 def read_source(file: SourceFile, options: ReadOptions = ReadOptions()) -> list[Record]:  # noqa: B008

@@ -23,8 +23,8 @@ from rockpulse.failures import NO_RECORD, Failure
 from rockpulse.readers import ReadOptions, read_source
 from rockpulse.readers.archive import Archive, is_archive
 from rockpulse.readers.channel import DEAD
+from rockpulse.readers.formats.renadic import whole_records
 from rockpulse.readers.no_record import is_quiet
-from rockpulse.readers.renadic import whole_records
 from rockpulse.readers.source import (
     NoRecord,
     NotAcceleration,
@@ -114,7 +114,7 @@ def read_all(
     records : list of Record
         Sorted by path and channel, with distinct ids: the second of two records with one id and different content
         has ``~2`` appended. A record that its agency cut into files is one; see
-        `rockpulse.readers.renadic.join_parts`.
+        `rockpulse.readers.formats.renadic.join_parts`.
     failures : list of Failure
         Sorted by file. A file that is no acceleration record "failed" if it was named and is "skipped" if it was met
         in a folder, a glob or an archive; one that is a record and cannot be read failed in any case, and so did an

@@ -69,6 +69,8 @@ class Format:
         ``(head, name) -> bool``: cheap, never raises; `head` is the beginning of the file.
     parse : callable
         ``(file, options) -> list of Record``, in the order of the file; raises RockpulseError and nothing else.
+    obspy_reads : bool
+        Whether obspy reads these files itself: then they are no plugin of it.
     """
 
     name: str
@@ -79,3 +81,4 @@ class Format:
     example: str
     detect: Callable[[bytes, str], bool]
     parse: Callable[[SourceFile, ReadOptions], list[Record]]
+    obspy_reads: bool = False

@@ -26,8 +26,6 @@ __all__ = ["PLUGINS", "Plugin"]
 
 logger = logging.getLogger("rockpulse")
 
-#: Formats that obspy reads itself; its own plugins keep them.
-_OBSPY_S_OWN = frozenset({"knet", "miniseed", "sac"})
 #: Formats that are read where they are asked for by name and never claimed: any text file of numbers looks like one.
 _BY_NAME_ONLY = frozenset({"columns"})
 
@@ -127,7 +125,7 @@ class Plugin:
 
 
 #: By the name that obspy knows them by.
-PLUGINS = {row.name.upper(): Plugin(row) for row in FORMATS if row.unit != "-" and row.name not in _OBSPY_S_OWN}
+PLUGINS = {row.name.upper(): Plugin(row) for row in FORMATS if row.unit != "-" and not row.obspy_reads}
 
 
 def __getattr__(name: str) -> Plugin:

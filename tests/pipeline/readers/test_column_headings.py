@@ -12,8 +12,8 @@ from record_writers.columns import columns, wrapped
 
 from rockpulse.errors import RecordFormatError, RockpulseError, UnitError
 from rockpulse.readers import read
-from rockpulse.readers.columns import is_columns, read_columns
 from rockpulse.readers.format import ReadOptions
+from rockpulse.readers.formats.columns import is_columns, read_columns
 from rockpulse.readers.header_words import stated_counts, stated_kinds, stated_steps, stated_units
 from rockpulse.readers.source import NotAcceleration, SourceFile
 

@@ -6,7 +6,6 @@ import gzip
 import io
 import subprocess
 import sys
-import tomllib
 from importlib.metadata import distribution
 from pathlib import Path
 
@@ -20,36 +19,26 @@ from rockpulse.errors import RecordFormatError, UnitError
 from rockpulse.readers import FORMATS
 from rockpulse.readers.obspy_plugin import PLUGINS
 
-PROJECT = tomllib.loads((Path(__file__).parents[3] / "pyproject.toml").read_text(encoding="utf-8"))["project"]
-ENTRIES = PROJECT["entry-points"]
 GROUP = "obspy.plugin.waveform"
+INSTALLED = {name: distribution("rockpulse").entry_points.select(group=f"{GROUP}.{name}") for name in PLUGINS}
 #: Formats that obspy reads itself.
 OBSPY_S_OWN = {"KNET", "MINISEED", "SAC"}
 
 
 def test_every_format_that_is_read_is_a_plugin_and_nothing_else_is():
     wanted = {row.name.upper() for row in FORMATS if row.unit != "-"} - OBSPY_S_OWN
-    assert set(ENTRIES[GROUP]) == wanted, "two lines for each format in pyproject.toml"
-    assert {name.removeprefix(f"{GROUP}.") for name in ENTRIES} - {GROUP} == wanted
     assert set(PLUGINS) == wanted
+    installed = distribution("rockpulse").entry_points.select(group=GROUP)
+    assert {point.name for point in installed} == wanted, "the installation is older than the formats: make install"
+    assert {point.value for point in installed} == {"rockpulse.readers.obspy_plugin"}
 
 
-@pytest.mark.parametrize("name", ENTRIES[GROUP])
+@pytest.mark.parametrize("name", PLUGINS)
 def test_the_entry_points_name_what_is_there(name):
-    from rockpulse.readers import obspy_plugin
-
-    assert ENTRIES[GROUP][name] == "rockpulse.readers.obspy_plugin"
-    points = ENTRIES[f"{GROUP}.{name}"]
-    assert points == {method: f"rockpulse.readers.obspy_plugin:{name}.{word}" for method, word in METHODS.items()}
-    assert all(callable(getattr(getattr(obspy_plugin, name), word)) for word in METHODS.values())
-
-
-METHODS = {"isFormat": "is_format", "readFormat": "read_format"}
-
-
-def test_the_installed_package_has_the_entry_points_of_this_source():
-    installed = {point.name for point in distribution("rockpulse").entry_points if point.group == GROUP}
-    assert installed == set(ENTRIES[GROUP]), "the installation is older than pyproject.toml: make install"
+    points = {point.name: point for point in INSTALLED[name]}
+    assert set(points) == {"isFormat", "readFormat"}
+    assert points["isFormat"].load() == PLUGINS[name].is_format
+    assert points["readFormat"].load() == PLUGINS[name].read_format
 
 
 def test_an_unknown_name_is_no_attribute():

@@ -11,10 +11,10 @@ import re
 from collections.abc import Sequence
 
 from rockpulse.readers.csmip_layout import HEADER_LINES, TEXT_LINES, Header, channels
-from rockpulse.readers.csmip_v2 import read_corrected
 from rockpulse.readers.facing import on_structure
 from rockpulse.readers.fields import check_count
 from rockpulse.readers.format import Format, ReadOptions
+from rockpulse.readers.formats.csmip_v2 import read_corrected
 from rockpulse.readers.pairs import declared_points, pair_block, pair_unit
 from rockpulse.readers.source import SourceFile
 from rockpulse.record.record import Record

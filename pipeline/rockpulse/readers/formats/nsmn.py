@@ -20,7 +20,7 @@ from rockpulse.readers.source import SourceFile
 from rockpulse.readers.units import UNITS, canonical_unit
 from rockpulse.record.record import Record
 
-__all__ = ["FORMAT", "is_nsmn", "read_nsmn"]
+__all__ = ["FORMATS", "is_nsmn", "read_nsmn"]
 
 _TITLE = re.compile(rb"\s*STRONG GROUND MOTION RECORDS OF T", re.IGNORECASE)
 _COLUMNS = re.compile(r"\s*([NSEWUD]-[NSEWUD])\s+([NSEWUD]-[NSEWUD])\s+([NSEWUD]-[NSEWUD])\s*$", re.IGNORECASE)
@@ -149,13 +149,15 @@ def _start_time(entries: dict[str, tuple[str, str, int]]) -> tuple[datetime | No
     return near_event(start, _moment(entries.get("EARTHQUAKE DATE", ("",))[0])[0])
 
 
-FORMAT = Format(
-    name="nsmn",
-    what="NSMN (Turkey, before AFAD)",
-    recognised="first line 'STRONG GROUND MOTION RECORDS OF T...'",
-    unit="gal, from the header",
-    processed="no",
-    example="20170720223109_0921.txt",
-    detect=is_nsmn,
-    parse=read_nsmn,
+FORMATS = (
+    Format(
+        name="nsmn",
+        what="NSMN (Turkey, before AFAD)",
+        recognised="first line 'STRONG GROUND MOTION RECORDS OF T...'",
+        unit="gal, from the header",
+        processed="no",
+        example="20170720223109_0921.txt",
+        detect=is_nsmn,
+        parse=read_nsmn,
+    ),
 )

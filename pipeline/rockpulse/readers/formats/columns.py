@@ -26,7 +26,7 @@ from rockpulse.readers.time_column import agreed_step, climbs, counts_rows, name
 from rockpulse.readers.units import UNITS, canonical_unit, for_other_files
 from rockpulse.record.record import Record
 
-__all__ = ["FORMAT", "is_columns", "read_columns"]
+__all__ = ["FORMATS", "is_columns", "read_columns"]
 
 #: Rows of the table that decide whether it is one.
 _LOOK_AT = 500
@@ -308,13 +308,15 @@ def _channels(file: SourceFile, columns: _Columns, step: float, units: Sequence[
     ]
 
 
-FORMAT = Format(
-    name="columns",
-    what="columns of numbers (CSV, TXT), with or without time",
-    recognised="rows of numbers after a short header",
-    unit="asked for (units), or in the headings",
-    processed="unknown",
-    example="record.csv",
-    detect=is_columns,
-    parse=read_columns,
+FORMATS = (
+    Format(
+        name="columns",
+        what="columns of numbers (CSV, TXT), with or without time",
+        recognised="rows of numbers after a short header",
+        unit="asked for (units), or in the headings",
+        processed="unknown",
+        example="record.csv",
+        detect=is_columns,
+        parse=read_columns,
+    ),
 )

@@ -16,7 +16,7 @@ from record_writers.renadic import renadic, samples
 from rockpulse.errors import RecordFormatError, RecordRefused
 from rockpulse.readers import read
 from rockpulse.readers.folders import read_all
-from rockpulse.readers.renadic import Part
+from rockpulse.readers.formats.renadic import Part
 from rockpulse.record.record import STANDARD_GRAVITY, Record
 
 TENTH = STANDARD_GRAVITY / 10.0

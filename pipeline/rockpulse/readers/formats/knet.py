@@ -20,7 +20,7 @@ from rockpulse.readers.source import SourceFile
 from rockpulse.readers.units import UNITS
 from rockpulse.record.record import Record
 
-__all__ = ["FORMAT", "is_knet", "read_knet"]
+__all__ = ["FORMATS", "is_knet", "read_knet"]
 
 _SCALE = re.compile(r"Scale Factor\s+(\d+\.?\d*)\s*\(gal\)\s*/\s*(\d+\.?\d*)", re.IGNORECASE)
 _PEAK = re.compile(r"Max\. Acc\. \(gal\)\s+(-?\d+\.?\d*)", re.IGNORECASE)
@@ -125,13 +125,16 @@ def _component(file: SourceFile, channel: str) -> tuple[str, list[str]]:
     return component, warnings
 
 
-FORMAT = Format(
-    name="knet",
-    what="K-NET, KiK-net ASCII",
-    recognised="first words 'Origin Time'",
-    unit="counts, scale in the header",
-    processed="no",
-    example="AKT0139608110312.EW",
-    detect=is_knet,
-    parse=read_knet,
+FORMATS = (
+    Format(
+        name="knet",
+        what="K-NET, KiK-net ASCII",
+        recognised="first words 'Origin Time'",
+        unit="counts, scale in the header",
+        processed="no",
+        example="AKT0139608110312.EW",
+        detect=is_knet,
+        parse=read_knet,
+        obspy_reads=True,
+    ),
 )

@@ -16,12 +16,12 @@ import numpy as np
 from rockpulse.errors import RecordRefused
 from rockpulse.readers.clock import later
 from rockpulse.readers.csmip_layout import HEADER_LINES, channels
-from rockpulse.readers.csmip_v1 import read_uncorrected
 from rockpulse.readers.format import Format, ReadOptions
+from rockpulse.readers.formats.csmip_v1 import read_uncorrected
 from rockpulse.readers.source import SourceFile
 from rockpulse.record.record import Record, record_id
 
-__all__ = ["FORMAT", "Part", "is_renadic", "join_parts", "read_renadic", "whole_records"]
+__all__ = ["FORMATS", "Part", "is_renadic", "join_parts", "read_renadic", "whole_records"]
 
 _TITLE = re.compile(r"\s?uncorrected accelerogram data\b", re.IGNORECASE)
 #: Bytes that hold the 13 lines of text of the first channel.
@@ -78,7 +78,7 @@ def read_renadic(file: SourceFile, options: ReadOptions) -> list[Record]:
     RecordFormatError, UnitError
         With file and line, what was found and what was expected.
     """
-    records = read_uncorrected(file, FORMAT.name)
+    records = read_uncorrected(file, "renadic")
     alive = [record.acceleration.any() for record in records]
     if not any(alive):
         raise RecordRefused(f"{file.name}: all samples of all channels are zero: no sensor was connected")
@@ -197,13 +197,15 @@ def _joined(pieces: Sequence[Part]) -> Record:
     )
 
 
-FORMAT = Format(
-    name="renadic",
-    what="RENADIC (Chile) volume 1, parts joined",
-    recognised="first line 'Uncorrected Accelerogram Data', RENADIC in the header",
-    unit="g/10, from the header",
-    processed="no",
-    example="curico1002271parte1.v1",
-    detect=is_renadic,
-    parse=read_renadic,
+FORMATS = (
+    Format(
+        name="renadic",
+        what="RENADIC (Chile) volume 1, parts joined",
+        recognised="first line 'Uncorrected Accelerogram Data', RENADIC in the header",
+        unit="g/10, from the header",
+        processed="no",
+        example="curico1002271parte1.v1",
+        detect=is_renadic,
+        parse=read_renadic,
+    ),
 )

@@ -24,7 +24,7 @@ from rockpulse.readers.spacing import make_even
 from rockpulse.readers.units import UNITS
 from rockpulse.record.record import STANDARD_GRAVITY, Record
 
-__all__ = ["FORMAT", "is_smc", "read_smc"]
+__all__ = ["FORMATS", "is_smc", "read_smc"]
 
 #: Series of types 1 to 6, in this order.
 _KINDS = (
@@ -210,13 +210,15 @@ def _start_time(integers: np.ndarray, event: re.Match[str] | None) -> tuple[date
     return near_event(start, instant((year, month, day), (time // 100, time % 100, 0)))
 
 
-FORMAT = Format(
-    name="smc",
-    what="USGS SMC accelerogram",
-    recognised="first line '1 UNCORRECTED' or '2 CORRECTED ACCELEROGRAM'",
-    unit="cm/s2",
-    processed="by type",
-    example="2516b_a.smc",
-    detect=is_smc,
-    parse=read_smc,
+FORMATS = (
+    Format(
+        name="smc",
+        what="USGS SMC accelerogram",
+        recognised="first line '1 UNCORRECTED' or '2 CORRECTED ACCELEROGRAM'",
+        unit="cm/s2",
+        processed="by type",
+        example="2516b_a.smc",
+        detect=is_smc,
+        parse=read_smc,
+    ),
 )

@@ -26,7 +26,7 @@ from rockpulse.readers.spacing import printed_at
 from rockpulse.readers.units import UNITS, canonical_unit
 from rockpulse.record.record import Record
 
-__all__ = ["FORMAT", "is_cwb", "read_cwb"]
+__all__ = ["FORMATS", "is_cwb", "read_cwb"]
 
 _UNIT_LINE = re.compile(rb"#[^\0]{0,2000}?[\r\n]#\s*AmplitudeUnit\s*:", re.IGNORECASE)
 _ENTRY = re.compile(r"#\s*([^:(]+)(?:\(([^)]*)\))?\s*:(.*)")
@@ -203,13 +203,15 @@ def _facing(letter: str, sign: str) -> Direction:
     )
 
 
-FORMAT = Format(
-    name="cwb",
-    what="CWB or CWA free field (Taiwan)",
-    recognised="lines that begin with '#', one of them '#AmplitudeUnit:'",
-    unit="gal, from the header",
-    processed="no",
-    example="2-EGF.dat",
-    detect=is_cwb,
-    parse=read_cwb,
+FORMATS = (
+    Format(
+        name="cwb",
+        what="CWB or CWA free field (Taiwan)",
+        recognised="lines that begin with '#', one of them '#AmplitudeUnit:'",
+        unit="gal, from the header",
+        processed="no",
+        example="2-EGF.dat",
+        detect=is_cwb,
+        parse=read_cwb,
+    ),
 )

@@ -19,7 +19,7 @@ from rockpulse.readers.source import NotAcceleration, SourceFile
 from rockpulse.readers.units import canonical_unit
 from rockpulse.record.record import Record
 
-__all__ = ["FORMAT", "is_at2", "read_at2"]
+__all__ = ["FORMATS", "is_at2", "read_at2"]
 
 _HEADER_LIMIT = 10
 #: No line of the header is longer; a damaged one may be.
@@ -234,13 +234,15 @@ def _by_width(name: str, block: Sequence[str], first: int, count: int) -> np.nda
     return None
 
 
-FORMAT = Format(
-    name="at2",
-    what="PEER AT2",
-    recognised="a line with NPTS and DT near the top, or with both numbers below the line of units",
-    unit="g, from the header",
-    processed="by title",
-    example="RSN763_LOMAP_GIL067.AT2",
-    detect=is_at2,
-    parse=read_at2,
+FORMATS = (
+    Format(
+        name="at2",
+        what="PEER AT2",
+        recognised="a line with NPTS and DT near the top, or with both numbers below the line of units",
+        unit="g, from the header",
+        processed="by title",
+        example="RSN763_LOMAP_GIL067.AT2",
+        detect=is_at2,
+        parse=read_at2,
+    ),
 )

@@ -24,7 +24,7 @@ from rockpulse.readers.pairs import declared_points, pair_unit, surplus
 from rockpulse.readers.source import SourceFile
 from rockpulse.record.record import Record
 
-__all__ = ["FORMAT", "is_bhrc", "read_bhrc"]
+__all__ = ["FORMATS", "is_bhrc", "read_bhrc"]
 
 _TITLE = re.compile(r"\s*\*\s*vol1\w*\s+file\s*:", re.IGNORECASE)
 _WIDTH, _PER_ROW = 13, 10
@@ -118,13 +118,15 @@ def _facing(letter: str, station_line: str) -> Direction:
     return Direction("horizontal", float(np.mod(float(azimuth[1]), 360.0)))
 
 
-FORMAT = Format(
-    name="bhrc",
-    what="BHRC (Iran) volume 1",
-    recognised="first line '* VOL1DS FILE:'",
-    unit="g/10, from the header",
-    processed="no",
-    example="5520-1.V1",
-    detect=is_bhrc,
-    parse=read_bhrc,
+FORMATS = (
+    Format(
+        name="bhrc",
+        what="BHRC (Iran) volume 1",
+        recognised="first line '* VOL1DS FILE:'",
+        unit="g/10, from the header",
+        processed="no",
+        example="5520-1.V1",
+        detect=is_bhrc,
+        parse=read_bhrc,
+    ),
 )

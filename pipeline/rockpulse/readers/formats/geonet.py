@@ -25,7 +25,7 @@ from rockpulse.readers.source import SourceFile
 from rockpulse.readers.units import UNITS, canonical_unit
 from rockpulse.record.record import Record
 
-__all__ = ["FORMAT", "is_geonet", "read_geonet"]
+__all__ = ["FORMATS", "is_geonet", "read_geonet"]
 
 _TITLE = re.compile(r"(un)?corrected accelerogram\s+\d{8}_\d{6}_([^\W_]+)(?:_(\w+))?", re.IGNORECASE)
 _TEXT_LINES, _INTEGER_LINES, _REAL_LINES = 16, 4, 6
@@ -180,13 +180,15 @@ def _start_time(integers: np.ndarray) -> tuple[datetime | None, list[str]]:
     return near_event(instant(day, time), origin)
 
 
-FORMAT = Format(
-    name="geonet",
-    what="GeoNet (New Zealand) V1A and V2A, the accelerations",
-    recognised="first line 'Corrected' or 'Uncorrected accelerogram', date_time_site",
-    unit="mm/s2",
-    processed="by type",
-    example="20161113_110313_THZ_20.V2A",
-    detect=is_geonet,
-    parse=read_geonet,
+FORMATS = (
+    Format(
+        name="geonet",
+        what="GeoNet (New Zealand) V1A and V2A, the accelerations",
+        recognised="first line 'Corrected' or 'Uncorrected accelerogram', date_time_site",
+        unit="mm/s2",
+        processed="by type",
+        example="20161113_110313_THZ_20.V2A",
+        detect=is_geonet,
+        parse=read_geonet,
+    ),
 )

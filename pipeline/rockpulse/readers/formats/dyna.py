@@ -21,7 +21,7 @@ from rockpulse.readers.source import NotAcceleration, SourceFile
 from rockpulse.readers.units import UNITS, canonical_unit
 from rockpulse.record.record import Record
 
-__all__ = ["FORMAT", "is_dyna", "read_dyna"]
+__all__ = ["FORMATS", "is_dyna", "read_dyna"]
 
 _TITLE = re.compile(rb"(?:\xef\xbb\xbf)?EVENT_NAME:")
 _KEY = re.compile(r"([A-Z][A-Z0-9_/^]*):(.*)")
@@ -222,13 +222,15 @@ def _moment(text: str) -> datetime | None:
     return instant(day, (int(clock[1]), int(clock[3]), float(clock[4])))
 
 
-FORMAT = Format(
-    name="dyna",
-    what="DYNA 1.x (ESM, ITACA, AFAD)",
-    recognised="first line 'EVENT_NAME:'",
-    unit="cm/s2, from the header",
-    processed="by type",
-    example="HI.ARS1..HNE.D.20190728.160908.C.ACC.ASC",
-    detect=is_dyna,
-    parse=read_dyna,
+FORMATS = (
+    Format(
+        name="dyna",
+        what="DYNA 1.x (ESM, ITACA, AFAD)",
+        recognised="first line 'EVENT_NAME:'",
+        unit="cm/s2, from the header",
+        processed="by type",
+        example="HI.ARS1..HNE.D.20190728.160908.C.ACC.ASC",
+        detect=is_dyna,
+        parse=read_dyna,
+    ),
 )

@@ -14,7 +14,7 @@ from rockpulse.readers.source import NotAcceleration, SourceFile
 from rockpulse.readers.units import UNITS, canonical_unit
 from rockpulse.record.record import Record
 
-__all__ = ["FORMAT", "is_sac", "read_sac"]
+__all__ = ["FORMATS", "is_sac", "read_sac"]
 
 #: Length of the header and offsets of the words NPTS and NVHDR [bytes].
 _HEADER, _NPTS, _NVHDR = 632, 4 * 79, 4 * 76
@@ -125,13 +125,16 @@ def _check_coordinates(file: SourceFile, order: str) -> None:
             )
 
 
-FORMAT = Format(
-    name="sac",
-    what="SAC, binary",
-    recognised="header version",
-    unit="asked for (units)",
-    processed="unknown",
-    example="T001230.HNE.sac",
-    detect=is_sac,
-    parse=read_sac,
+FORMATS = (
+    Format(
+        name="sac",
+        what="SAC, binary",
+        recognised="header version",
+        unit="asked for (units)",
+        processed="unknown",
+        example="T001230.HNE.sac",
+        detect=is_sac,
+        parse=read_sac,
+        obspy_reads=True,
+    ),
 )

@@ -30,7 +30,7 @@ from rockpulse.readers.source import NotAcceleration, SourceFile
 from rockpulse.readers.units import UNITS, canonical_unit
 from rockpulse.record.record import Record
 
-__all__ = ["FORMAT", "is_csmip_v2", "read_corrected", "read_csmip_v2"]
+__all__ = ["FORMATS", "is_csmip_v2", "read_corrected", "read_csmip_v2"]
 
 _TITLE = re.compile(r"\s?corrected accelerogram\b", re.IGNORECASE)
 _OPENING = re.compile(r"\s?corrected accelerogram\b[^\r\n]*[\r\n]+\s?uncorrected accelerogram data\b", re.IGNORECASE)
@@ -66,7 +66,7 @@ def read_csmip_v2(file: SourceFile, options: ReadOptions) -> list[Record]:
     RecordFormatError, UnitError
         With file and line, what was found and what was expected.
     """
-    return read_corrected(file, FORMAT.name, read_header)
+    return read_corrected(file, "csmip_v2", read_header)
 
 
 def read_corrected(file: SourceFile, format: str, header: Callable[[Sequence[str]], Header]) -> list[Record]:
@@ -204,13 +204,15 @@ def _correction(correction: Sequence[str]) -> list[str]:
     return [f"by the agency: {' '.join((words.lower() if words.isupper() else words).split())}" for words in steps]
 
 
-FORMAT = Format(
-    name="csmip_v2",
-    what="CSMIP volume 2, the acceleration of each channel",
-    recognised="first lines 'Corrected accelerogram' and 'Uncorrected Accelerogram Data'",
-    unit="cm/s2, from the heading of the block",
-    processed="yes",
-    example="CE58667.V2",
-    detect=is_csmip_v2,
-    parse=read_csmip_v2,
+FORMATS = (
+    Format(
+        name="csmip_v2",
+        what="CSMIP volume 2, the acceleration of each channel",
+        recognised="first lines 'Corrected accelerogram' and 'Uncorrected Accelerogram Data'",
+        unit="cm/s2, from the heading of the block",
+        processed="yes",
+        example="CE58667.V2",
+        detect=is_csmip_v2,
+        parse=read_csmip_v2,
+    ),
 )

@@ -135,7 +135,7 @@ def test_the_samples_hold_the_channels(tmp_path):
 
 
 def test_only_these_files_are_claimed(records_folder):
-    from rockpulse.readers import csmnc as reader
+    from rockpulse.readers.formats import csmnc as reader
 
     for path in records_folder.rglob("*"):
         assert not (path.is_file() and reader.is_csmnc(path.read_bytes()[:65536], path.name)), path

@@ -17,7 +17,7 @@ from rockpulse.readers.source import SourceFile
 from rockpulse.readers.station_xml import PROCESSED, station_channel
 from rockpulse.record.record import Record
 
-__all__ = ["FORMAT", "is_miniseed", "read_miniseed"]
+__all__ = ["FORMATS", "is_miniseed", "read_miniseed"]
 
 
 def is_miniseed(head: bytes, name: str) -> bool:
@@ -107,13 +107,16 @@ def _miniseed_channel(file: SourceFile, traces: list[Any], number: int, options:
     )
 
 
-FORMAT = Format(
-    name="miniseed",
-    what="miniSEED with StationXML in the same folder",
-    recognised="record header",
-    unit="counts, gain from StationXML",
-    processed="no",
-    example="CI.WCS2..HNE.mseed",
-    detect=is_miniseed,
-    parse=read_miniseed,
+FORMATS = (
+    Format(
+        name="miniseed",
+        what="miniSEED with StationXML in the same folder",
+        recognised="record header",
+        unit="counts, gain from StationXML",
+        processed="no",
+        example="CI.WCS2..HNE.mseed",
+        detect=is_miniseed,
+        parse=read_miniseed,
+        obspy_reads=True,
+    ),
 )

@@ -41,7 +41,7 @@ from rockpulse.readers.source import NotAcceleration, SourceFile
 from rockpulse.readers.units import UNITS, canonical_unit
 from rockpulse.record.record import Record
 
-__all__ = ["FORMAT", "is_csmnc", "read_csmnc"]
+__all__ = ["FORMATS", "is_csmnc", "read_csmnc"]
 
 _STEP = re.compile(r"EQUALLY SPACED INTERVALS? OF\s*:\s*(\d{0,3}\.?\d{1,9})\s*SEC", re.ASCII | re.IGNORECASE)
 _COUNT = re.compile(r"NO\. OF POINTS\s*:\s*(\d{1,9})\b", re.ASCII | re.IGNORECASE)
@@ -183,13 +183,15 @@ def _origin(match: re.Match[str]) -> str:
     return f"{moment:%Y-%m-%d %H:%M:%S} UTC" if moment else ""
 
 
-FORMAT = Format(
-    name="csmnc",
-    what="CSMNC (China)",
-    recognised="'EQUALLY SPACED INTERVALS OF:' in the header",
-    unit="cm/s2, from the header",
-    processed="by title",
-    example="051WCW080512142801.EW.dat",
-    detect=is_csmnc,
-    parse=read_csmnc,
+FORMATS = (
+    Format(
+        name="csmnc",
+        what="CSMNC (China)",
+        recognised="'EQUALLY SPACED INTERVALS OF:' in the header",
+        unit="cm/s2, from the header",
+        processed="by title",
+        example="051WCW080512142801.EW.dat",
+        detect=is_csmnc,
+        parse=read_csmnc,
+    ),
 )

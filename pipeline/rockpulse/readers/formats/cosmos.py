@@ -34,7 +34,7 @@ from rockpulse.readers.source import NotAcceleration, SourceFile
 from rockpulse.readers.units import UNITS, canonical_unit
 from rockpulse.record.record import STANDARD_GRAVITY, Record
 
-__all__ = ["FORMAT", "is_cosmos", "read_cosmos"]
+__all__ = ["FORMATS", "is_cosmos", "read_cosmos"]
 
 _SERIES = re.compile(
     r"\s*(\d{1,9})\s+(\D{0,40}?)\s*pts\b.{0,60}?units\s*=\s*([^\s(,]{0,20}?)\s*(?=[\s(,]|Format)(?:\(\s*(\d{1,3})\s*\))?",
@@ -299,13 +299,15 @@ def _surplus(lines: Sequence[str], at: int, end: int) -> list[str]:
     return [f"line {at + 1}: {rows} rows beyond the declared count were left out"] if rows else []
 
 
-FORMAT = Format(
-    name="cosmos",
-    what="COSMOS 1.20 V0, V1, V2",
-    recognised="first line '(Format v01.20 with 13 text lines)'",
-    unit="by the series: cm/s2, g, gal, counts with gain",
-    processed="by title",
-    example="CE23837.V1C",
-    detect=is_cosmos,
-    parse=read_cosmos,
+FORMATS = (
+    Format(
+        name="cosmos",
+        what="COSMOS 1.20 V0, V1, V2",
+        recognised="first line '(Format v01.20 with 13 text lines)'",
+        unit="by the series: cm/s2, g, gal, counts with gain",
+        processed="by title",
+        example="CE23837.V1C",
+        detect=is_cosmos,
+        parse=read_cosmos,
+    ),
 )

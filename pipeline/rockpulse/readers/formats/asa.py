@@ -24,7 +24,7 @@ from rockpulse.readers.source import SourceFile
 from rockpulse.readers.units import UNITS, canonical_unit
 from rockpulse.record.record import Record
 
-__all__ = ["FORMAT", "is_asa", "read_asa"]
+__all__ = ["FORMATS", "is_asa", "read_asa"]
 
 # The accents come in one byte, in two, or not at all.
 _TITLE = re.compile(rb"[^\0]{0,2000}?ARCHIVO EST.{0,2}NDAR DE ACELERACI", re.IGNORECASE)
@@ -298,13 +298,15 @@ def _start_time(header: _Header) -> tuple[datetime | None, list[str]]:
     return near_event(start, origin)
 
 
-FORMAT = Format(
-    name="asa",
-    what="ASA 2.0 (Mexico: UNAM, CIRES)",
-    recognised="'ARCHIVO ESTANDAR DE ACELERACION' in the header",
-    unit="gal, from the header",
-    processed="no",
-    example="CUP50401.012",
-    detect=is_asa,
-    parse=read_asa,
+FORMATS = (
+    Format(
+        name="asa",
+        what="ASA 2.0 (Mexico: UNAM, CIRES)",
+        recognised="'ARCHIVO ESTANDAR DE ACELERACION' in the header",
+        unit="gal, from the header",
+        processed="no",
+        example="CUP50401.012",
+        detect=is_asa,
+        parse=read_asa,
+    ),
 )

@@ -27,7 +27,7 @@ from rockpulse.readers.pairs import Block, declared_points, pair_block, pair_uni
 from rockpulse.readers.source import NotAcceleration, SourceFile
 from rockpulse.record.record import STANDARD_GRAVITY, Record
 
-__all__ = ["FORMAT", "is_csmip_v1", "read_csmip_v1", "read_uncorrected"]
+__all__ = ["FORMATS", "is_csmip_v1", "read_csmip_v1", "read_uncorrected"]
 
 _TITLE = re.compile(r"\s?uncorrected accelerogram data\b", re.IGNORECASE)
 _PEAK = re.compile(r"max\s*=\s*(-?\d*\.\d+)\s*g\b", re.IGNORECASE)
@@ -60,7 +60,7 @@ def read_csmip_v1(file: SourceFile, options: ReadOptions) -> list[Record]:
     RecordFormatError, UnitError, NotAcceleration
         With file and line, what was found and what was expected.
     """
-    return read_uncorrected(file, FORMAT.name)
+    return read_uncorrected(file, "csmip_v1")
 
 
 def read_uncorrected(file: SourceFile, format: str) -> list[Record]:
@@ -146,13 +146,15 @@ def _check_text(line: str, block: Block, where: str) -> list[str]:
     return []
 
 
-FORMAT = Format(
-    name="csmip_v1",
-    what="CSMIP volume 1, both layouts",
-    recognised="first line 'Uncorrected Accelerogram Data'",
-    unit="g or g/10, from the header",
-    processed="no",
-    example="CICLC.v1",
-    detect=is_csmip_v1,
-    parse=read_csmip_v1,
+FORMATS = (
+    Format(
+        name="csmip_v1",
+        what="CSMIP volume 1, both layouts",
+        recognised="first line 'Uncorrected Accelerogram Data'",
+        unit="g or g/10, from the header",
+        processed="no",
+        example="CICLC.v1",
+        detect=is_csmip_v1,
+        parse=read_csmip_v1,
+    ),
 )

@@ -1,0 +1,34 @@
+"""The formats: each module of this package reads one family of files and lists it in its ``FORMATS``.
+
+A new module is found by itself, also by obspy: the build makes the plugins from the same lists (``hatch_build.py``).
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from importlib import import_module
+from pkgutil import iter_modules
+
+from rockpulse.readers.format import Format
+from rockpulse.readers.formats import columns
+
+__all__ = ["FORMATS"]
+
+#: Each recognises its own files only, by what stands in them.
+_SPECIFIC: tuple[Format, ...] = tuple(
+    row
+    for module in iter_modules(__path__)
+    if module.name != "columns"
+    for row in import_module(f"{__name__}.{module.name}").FORMATS
+)
+
+
+def _is_nothing_but_columns(head: bytes, name: str) -> bool:
+    return columns.is_columns(head, name) and not any(row.detect(head, name) for row in _SPECIFIC)
+
+
+#: Tried from the first to the last; the first that recognises a file reads it. The least specific one comes last.
+FORMATS: tuple[Format, ...] = (
+    *_SPECIFIC,
+    *(replace(row, detect=_is_nothing_but_columns) for row in columns.FORMATS),
+)
