@@ -21,7 +21,7 @@ __all__ = ["FORMATS", "UNITS", "Format", "ReadOptions", "read", "read_source"]
 
 
 def read_source(file: SourceFile, options: ReadOptions = ReadOptions()) -> list[Record]:  # noqa: B008
-    """Every channel of an opened file; see `read`."""
+    """Read every channel of an opened file, as `read` does for a path."""
     for row in FORMATS:
         if row.detect(file.head, file.name):
             return distinct_ids(row.parse(file, options))

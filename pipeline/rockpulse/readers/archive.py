@@ -35,26 +35,11 @@ def is_archive(path: Path) -> bool:
 
 
 class Archive:
-    """An open zip archive of records; close it, or use it as a context manager.
+    """An open zip archive of records, to be closed or used as a context manager.
 
-    Parameters
-    ----------
-    path : Path
-        A zip archive.
-
-    Attributes
-    ----------
-    names : list of str
-        ``archive.zip!member`` of its files, sorted; hidden ones are left out.
-
-    Raises
-    ------
-    RecordFormatError
-        If the archive itself cannot be opened.
-    RecordRefused
-        More than `MEMBER_LIMIT` members or `TOTAL_LIMIT` bytes, or members that share their bytes.
-    OSError
-        As the operating system says.
+    Opening raises RecordFormatError for a file that is no sound archive, and RecordRefused for more than `MEMBER_LIMIT`
+    members or `TOTAL_LIMIT` bytes, and for members that share their bytes. `names` are ``archive.zip!member``, sorted,
+    without hidden files.
     """
 
     def __init__(self, path: Path) -> None:
@@ -84,20 +69,11 @@ class Archive:
         self._archive.close()
 
     def member(self, number: int) -> SourceFile:
-        """A file of the archive, unpacked in memory.
+        """Unpack in memory the file at place `number` of `names`.
 
-        Parameters
-        ----------
-        number : int
-            Its place in `names`.
-
-        Raises
-        ------
-        RecordFormatError
-            If it is damaged or empty.
-        RecordRefused
-            A name that leads out of the archive, an archive in the archive, a member larger than `FILE_LIMIT` or
-            compressed more than `RATIO_LIMIT` times, encryption.
+        Raises RecordFormatError for a damaged or empty file, and RecordRefused for a name that leads out of the
+        archive, an archive in the archive, encryption, a file larger than `FILE_LIMIT` or compressed more than
+        `RATIO_LIMIT` times.
         """
         entry, name = self._entries[number], self.names[number]
         content = _content(self._archive, entry, name)
@@ -106,24 +82,9 @@ class Archive:
 
 
 def members(path: Path) -> Iterator[tuple[str, SourceFile | RockpulseError]]:
-    """The record files of an archive, in order of their names.
+    """Yield name and content of each file of an archive, in order of their names ``archive.zip!member``.
 
-    Parameters
-    ----------
-    path : Path
-        A zip archive.
-
-    Yields
-    ------
-    name : str
-        ``archive.zip!member``.
-    file : SourceFile or RockpulseError
-        The member, or why it is not read; see :meth:`Archive.member`.
-
-    Raises
-    ------
-    RecordFormatError, RecordRefused, OSError
-        As :class:`Archive`.
+    In place of the file stands the error that :meth:`Archive.member` raised for it; opening raises as :class:`Archive`.
     """
     with Archive(path) as archive:
         for number, name in enumerate(archive.names):
@@ -136,7 +97,7 @@ def members(path: Path) -> Iterator[tuple[str, SourceFile | RockpulseError]]:
 
 
 def _check_entries(path: str, entries: list[zipfile.ZipInfo]) -> None:
-    """Refuse what no archive of records is: too much of it, or members that share their bytes, which costs nothing."""
+    """Refuse too many members or bytes, and members that share their bytes (a small archive may unpack to much)."""
     if len(entries) > MEMBER_LIMIT:
         raise RecordRefused(f"{path}: {len(entries)} members, the most that is read is {MEMBER_LIMIT}; split it")
     total = sum(entry.file_size for entry in entries)
@@ -197,7 +158,7 @@ def _content(archive: zipfile.ZipFile, entry: zipfile.ZipInfo, name: str) -> byt
 def _station_files(
     archive: zipfile.ZipFile, entries: list[zipfile.ZipInfo], folder: PurePosixPath
 ) -> list[tuple[str, bytes]]:
-    """(name, bytes) of the XML members of one folder."""
+    """Name and bytes of each XML member of one folder."""
     beside = (
         entry
         for entry in entries

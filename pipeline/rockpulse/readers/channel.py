@@ -40,7 +40,7 @@ _CLOCK_RUN = timedelta(hours=1)
 
 
 def clock_fault(moment: datetime) -> str:
-    """Why a stated start time [UTC, or the zone of the file] can be none; empty where nothing speaks against it."""
+    """The reason why a start time [UTC, or the zone of the file] cannot be right; empty if it can."""
     if moment.year < _FIRST_YEAR:
         return f"the start time {moment:%Y-%m-%d %H:%M:%S} lies before the first accelerograms; it was left out"
     if any(origin <= moment < origin + _CLOCK_RUN for origin in _CLOCK_ORIGINS):
@@ -96,40 +96,16 @@ def build_record(
     warnings: Sequence[str] = (),
     processing: Sequence[str] = (),
 ) -> Record:
-    """Make the record of one channel and check it.
+    """Make the record of one channel, in m/s2, and check it.
 
-    Parameters
-    ----------
-    file : SourceFile
-        Where it comes from.
-    number : int
-        Number of the channel in the file, from 1.
-    samples : (n,) ndarray
-        Values as the file holds them [unit].
-    dt : float
-        Sampling interval [s].
-    unit : str
-        A key of `UNITS`, or "counts" with a `factor`.
-    factor : float, optional
-        m/s2 per file unit, where `UNITS` does not say.
-    facing : Direction, optional
-        Where the format knows more than the wording of `component`.
-    header_peak, peak_rounding : float
-        Peak that the header states and half a unit of its last digit [m/s2].
-    original_peak : float, optional
-        Largest absolute value before resampling [unit]; it is what the header describes.
-    start_time : datetime, optional
-        UTC; left out with a warning where `clock_fault` speaks against it.
+    `samples` are in the file's `unit`: a key of `UNITS`, or "counts" with a `factor` [m/s2 per count]. `facing` is
+    given where the format knows more than the wording of `component`. `header_peak` and half a unit of its last digit,
+    `peak_rounding`, are in m/s2; the header describes `original_peak`, the largest absolute value before resampling
+    [unit], where that is given. `number` counts the channels of the file from 1. A start time [UTC] that `clock_fault`
+    rejects is left out with a warning. A channel that is positive downwards changes its sign, so that vertical motion
+    is positive up.
 
-    Returns
-    -------
-    Record
-        In m/s2. A channel that is positive downwards changes its sign, so that vertical motion is positive up.
-
-    Raises
-    ------
-    RecordFormatError
-        Fewer than two samples, values that are not finite, dt <= 0.
+    Raises RecordFormatError for fewer than two samples, values that are not finite, and dt <= 0.
     """
     facing = facing or direction(component)
     factor = UNITS[unit] if factor is None else factor
@@ -186,22 +162,11 @@ def build_record(
 
 
 def usable_channels(channels: Iterable[Callable[[], Record]], notes: Sequence[str] = ()) -> list[Record]:
-    """The channels of a file that can be used; each of them says which others were left out, and why.
+    """Read the channels of a file, each by its callable, and keep the usable ones; each names those left out, and why.
 
-    Parameters
-    ----------
-    channels : iterable of callable
-        Reads one channel of the file each.
-    notes : sequence of str
-        Warnings that belong to all of them.
-
-    Raises
-    ------
-    RecordRefused
-        If there is none; `NotAcceleration` only if there is no acceleration at all, because that is skipped in a
-        folder, and an acceleration that cannot be used is worth an error.
-    RecordFormatError
-        For the first damaged channel.
+    `notes` are warnings for all of them. Raises RecordFormatError for the first damaged channel and RecordRefused if no
+    channel is usable: `NotAcceleration`, which is skipped in a folder, only if none is an acceleration, because an
+    acceleration that cannot be used is worth an error.
     """
     records: list[Record] = []
     refusals: list[RecordRefused] = []

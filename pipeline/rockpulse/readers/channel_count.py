@@ -1,4 +1,4 @@
-"""Whether a file holds the channels that it should: none twice, as many of each recorder as its header counts."""
+"""Completeness of a file: no channel twice, and as many of each recorder as its header counts."""
 
 from __future__ import annotations
 
@@ -12,27 +12,13 @@ __all__ = ["Counted", "completeness"]
 
 @dataclass(frozen=True)
 class Counted:
-    """What one channel of a file says about the channels.
+    """The statements of one channel of a file about its recorder, by which channels are counted."""
 
-    Attributes
-    ----------
-    line : int
-        Where it begins, from 1.
-    recorder : str
-        What tells its recorder from others.
-    number : str
-        What tells the channel from the others of the recorder; empty where the file does not say.
-    counted : int
-        Channels of the recorder; 0 where the file does not say.
-    kind : str
-        Acceleration, velocity, ... where a file may hold each of them as a channel of its own.
-    """
-
-    line: int
-    recorder: str
-    number: str
-    counted: int
-    kind: str = ""
+    line: int  # where the channel begins, from 1
+    recorder: str  # words or number that tell the recorder from others
+    number: str  # tells the channel from others of the recorder; empty where the file does not say
+    counted: int  # channels of the recorder; 0 where the file does not say
+    kind: str = ""  # acceleration, velocity, ... where a file may hold each of them as a channel of its own
 
 
 def completeness(
@@ -40,22 +26,9 @@ def completeness(
 ) -> tuple[str, ...]:
     """A warning for each recorder of which the file holds fewer channels than it should.
 
-    Parameters
-    ----------
-    name : str
-        Name of the file.
-    channels : iterable of Counted
-        All channels of the file.
-    whose : str
-        Who counts the channels.
-    closed : bool
-        Whether the file ends as its format asks for. If it does, one channel is enough: agencies cut the records of
-        structures into such files.
-
-    Raises
-    ------
-    RecordFormatError
-        For a channel that is there twice, with both lines.
+    `whose` says in the message who counts the channels. If the file is `closed`, that is, ends as its format asks for,
+    one channel is enough: agencies cut the records of structures into such files. Raises RecordFormatError for a
+    channel that is there twice, with both lines.
     """
     first: dict[tuple[str, str, str], int] = {}
     held: dict[str, set[str | int]] = {}

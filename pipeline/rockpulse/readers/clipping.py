@@ -1,4 +1,4 @@
-"""Whether a recorder stayed at the end of its range."""
+"""Clipping: whether a recorder stayed at the end of its range."""
 
 from __future__ import annotations
 
@@ -27,19 +27,9 @@ def _longest_run(at: np.ndarray) -> tuple[int, int]:
 
 
 def clipping_warning(samples: np.ndarray, unit: str = "counts") -> list[str]:
-    """A warning where a raw record stays at its largest or smallest value, or comes to the end of 24 bits.
+    """A warning where a raw record stays at its largest or smallest value, or reaches the end of 24 bits.
 
-    Parameters
-    ----------
-    samples : (n,) ndarray
-        Values as recorded, before any filter.
-    unit : str
-        Their unit; "counts" are measured against the range of a recorder.
-
-    Returns
-    -------
-    list of str
-        What was found; empty for most records.
+    The samples are those before any filter. Only values in the unit "counts" are compared with the range of a recorder.
 
     Examples
     --------

@@ -12,16 +12,9 @@ NEAR = timedelta(hours=1)
 
 
 def instant(day: Sequence[float], time: Sequence[float], zone_hours: float = 0.0) -> datetime | None:
-    """UTC time from the numbers of a header; None where they are no date or no time of day.
+    """UTC time from year, month, day and hour, minute, second; None where they are no date or no time of day.
 
-    Parameters
-    ----------
-    day : (3,) sequence of float
-        Year, month, day.
-    time : (3,) sequence of float
-        Hour, minute, second; the second may have a fraction, and be a leap second.
-    zone_hours : float
-        What the clock of the header is ahead of UTC [h].
+    The second may have a fraction, and be a leap second; the clock of the header is `zone_hours` ahead of UTC.
 
     Examples
     --------
@@ -41,7 +34,7 @@ def instant(day: Sequence[float], time: Sequence[float], zone_hours: float = 0.0
 
 
 def later(moment: datetime | None, seconds: float) -> datetime | None:
-    """The time so many seconds later [s]; None where the first is unknown or no calendar reaches the second."""
+    """The time `seconds` after `moment`; None where the moment is unknown or the result beyond the calendar."""
     try:
         return None if moment is None else moment + timedelta(seconds=seconds)
     except OverflowError:
@@ -49,13 +42,7 @@ def later(moment: datetime | None, seconds: float) -> datetime | None:
 
 
 def near_event(start: datetime | None, origin: datetime | None) -> tuple[datetime | None, list[str]]:
-    """The start time, or None and a warning where it lies further than `NEAR` from the earthquake.
-
-    Parameters
-    ----------
-    start, origin : datetime or None
-        UTC times of the first sample and of the earthquake.
-    """
+    """The start time [UTC], or None and a warning where it is further than `NEAR` from the origin of the earthquake."""
     if start is None or origin is None or abs(start - origin) <= NEAR:
         return start, []
     return None, [

@@ -32,45 +32,24 @@ _LETTERS = {"a": "acceleration", "v": "velocity", "d": "displacement", "u": "dis
 
 @dataclass(frozen=True)
 class Heading:
-    """What stands above one column.
+    """The words above one column."""
 
-    Attributes
-    ----------
-    name : str
-        As written.
-    kind : str
-        "time", "acceleration", "velocity", "displacement", "spectrum"; empty where neither name nor unit tells.
-    unit : str
-        As written; empty where none is.
-    """
-
-    name: str
+    name: str  # as written
+    # "time", "acceleration", "velocity", "displacement", "spectrum"; empty where neither name nor unit tells
     kind: str = ""
-    unit: str = ""
+    unit: str = ""  # as written; empty where none is
 
     @property
     def known(self) -> bool:
-        """Whether the words mean a motion, a direction or the number of a channel, rather than being prose."""
+        """Whether the words name a motion, a direction or the number of a channel; otherwise they may be prose."""
         facing = len(self.name.split()) <= _SHORT and heading_direction(self.name).orientation != "unknown"
         return bool(self.kind or quantity_of(self.unit) or facing or _LABEL.fullmatch(self.name))
 
 
 def column_headings(header: Sequence[str], layout: Layout) -> tuple[tuple[Heading, ...], int]:
-    """What the columns are called.
+    """The heading of each column, and the number of lines of the header above the headings.
 
-    Parameters
-    ----------
-    header : sequence of str
-        Lines above the numbers.
-    layout : Layout
-        How the numbers are written; `width` headings are looked for.
-
-    Returns
-    -------
-    headings : tuple of Heading
-        One for each column; empty where the last words above the numbers are prose.
-    prose : int
-        How many lines of the header stand above the headings.
+    There are as many headings as the layout has columns, or none where the last words above the numbers are prose.
     """
     rows = [index for index, line in enumerate(header) if _is_heading(line)]
     units: Sequence[str] = [""] * layout.width
@@ -95,7 +74,7 @@ def column_headings(header: Sequence[str], layout: Layout) -> tuple[tuple[Headin
 
 
 def _names_a_column(line: str) -> bool:
-    """Whether words above a single column are its heading rather than a title, which may speak of anything."""
+    """Whether the words above a single column are its heading rather than a title, which may speak of anything."""
     words = BRACKET.sub(" ", line)
     in_brackets = any(quantity_of(text) == "acceleration" for text in BRACKET.findall(line))
     return len(words.split()) <= _SHORT and not re.search(r"[=:]", words) and (in_brackets or bool(kinds_of(words)))
@@ -108,7 +87,7 @@ def _is_heading(line: str) -> bool:
 
 
 def _splits(line: str, layout: Layout) -> Iterator[tuple[list[str], bool]]:
-    """Ways to split a heading, and whether it is that of the rows, from the clearest to the least clear."""
+    """Ways to split a line into headings, the clearest first; True marks the way in which the rows are split."""
     text = line.strip(_COMMENT) if "\t" not in line else line.strip("\r\n").lstrip("#%!*/ ")
     for delimiter in dict.fromkeys((layout.delimiter or "\t", "\t", ";", ",")):
         if delimiter in text:
@@ -145,7 +124,7 @@ def _headings(names: Sequence[str], units: Sequence[str]) -> tuple[Heading, ...]
 
 
 def _heading(name: str, unit: str) -> Heading:
-    """The kind is what the words say, else what the unit measures; a unit in brackets may be any, also a wrong one."""
+    """Heading with the kind that its words tell, or else its unit; a unit in brackets may be any, also a wrong one."""
     kinds = kinds_of(BRACKET.sub(" ", name))
     kind = kinds[0] if kinds else ""
     if not unit:
@@ -169,7 +148,7 @@ def _is_label(text: str) -> bool:
 
 
 def _are_headings(headings: Sequence[Heading], own: bool) -> bool:
-    """Whether the pieces of a line are headings rather than prose; `own` if they are split as the rows are."""
+    """Whether the pieces of a line are headings rather than prose; `own` tells that they are split as the rows are."""
     if any(heading.name.isdecimal() and int(heading.name[:9]) > _LARGEST_AZIMUTH for heading in headings):
         return False
     names = [heading.name for heading in headings]

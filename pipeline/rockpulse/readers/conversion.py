@@ -1,4 +1,4 @@
-"""Records into files that other programs read: where they go, nothing replaced unasked, written whole or not at all."""
+"""Write records into files for other programs: nothing is replaced unasked, all is written whole or not at all."""
 
 from __future__ import annotations
 
@@ -35,32 +35,15 @@ _AZIMUTH_TOLERANCE = 1e-4
 
 @dataclass(frozen=True)
 class Writer:
-    """A format that records are written in.
+    """A format in which records are written."""
 
-    Attributes
-    ----------
-    suffix : str
-        Of the files it writes.
-    suffixes : tuple of str
-        Lower-case suffixes by which it is known.
-    lost : str
-        What the files cannot hold.
-    digits : float
-        Half a unit of the last digit over the value, at most; 0 where samples come back bit by bit.
-    whole : bool
-        Whether every azimuth and state of processing comes back; elsewhere they may be missing, never wrong.
-    structure : bool
-        Whether a file says that its channel is on a structure.
-    one : callable or None
-        From a record to the content of a file of its own; None where all go into one file.
-    """
-
-    suffix: str
-    suffixes: tuple[str, ...]
-    lost: str
-    digits: float
-    whole: bool
-    structure: bool
+    suffix: str  # of the files that it writes
+    suffixes: tuple[str, ...]  # lower-case suffixes by which it is recognised
+    lost: str  # words for the properties of a record that the files cannot hold
+    digits: float  # half a unit of the last digit over the value, at most; 0 where samples come back bit by bit
+    whole: bool  # whether every azimuth and state of processing comes back; elsewhere they may be missing, never wrong
+    structure: bool  # whether a file says that its channel is on a structure
+    # from a record to the content of its own file; None where all records go into one file
     one: Callable[[Record], bytes] | None
 
 
@@ -100,17 +83,10 @@ WRITERS = {
 
 @dataclass(frozen=True)
 class Written:
-    """A file that was written.
+    """A file that was written."""
 
-    Attributes
-    ----------
-    path : Path
-        The file.
-    records : tuple of (str, str)
-        Id of each record in it, and the name the record has there (empty where it is that of the file).
-    """
-
-    path: Path
+    path: Path  # of the file
+    # id of each record in it, and its name there (empty where it is that of the file)
     records: tuple[tuple[str, str], ...]
 
 
@@ -181,7 +157,7 @@ def write(
 
 
 def _sources(records: Sequence[Record]) -> set[str]:
-    """Every file that the records may have come from, as `Record.source` words them."""
+    """Paths of all files that the records may have come from, by `Record.source`."""
     sources = set()
     for text in {record.source for record in records if record.source}:
         # Joined records name several files, archives stand before a "!"; both marks may also be part of a name.
@@ -194,7 +170,7 @@ def _sources(records: Sequence[Record]) -> set[str]:
 
 
 def check_output(out: str | os.PathLike[str], format: str | None = None) -> Writer:
-    """The writer that a name or a format means, asked before any work is done; raises ConfigError as `write` does."""
+    """The writer for a path or a format name, checked before any work; raises ConfigError as `write` does."""
     return _format(Path(out), format)[0]
 
 
@@ -244,7 +220,7 @@ def _targets(records: Sequence[Record], out: Path, writer: Writer, folder: bool)
 
 
 def _companions(targets: dict[Path, list[Record]], writer: Writer) -> Iterator[Path]:
-    """The StationXML of each file; refused where it would serve another miniSEED file as well."""
+    """The path of the StationXML of each file; refused where it would serve another miniSEED file as well."""
     if writer.one is not None:
         return
     for path in targets:
@@ -258,7 +234,7 @@ def _companions(targets: dict[Path, list[Record]], writer: Writer) -> Iterator[P
 
 
 def _shares_station_file(other: Path, path: Path) -> bool:
-    """Whether another file is miniSEED, compressed or not, with the stem of a file."""
+    """Whether `other` is a miniSEED file, compressed or not, with the stem of `path`."""
     if SourceFile(other.name, b"", bytes).path.stem != path.stem or not other.is_file():
         return False
     if path.exists() and other.samefile(path):
@@ -270,7 +246,7 @@ def _shares_station_file(other: Path, path: Path) -> bool:
 
 
 def _check_targets(paths: Sequence[Path], sources: set[str], overwrite: bool) -> None:
-    """Refuse what may not be replaced before anything is written."""
+    """Refuse to replace files that exist, or that records came from, before anything is written."""
     for path in paths:
         check_link(path)
         if os.path.realpath(path) in sources:
@@ -291,7 +267,7 @@ def _remove_empty(folder: Path) -> None:
 
 
 def _contents(path: Path, records: Sequence[Record], writer: Writer) -> tuple[dict[Path, bytes], list[str]]:
-    """Content of a file and of what belongs to it, and the names of the records inside."""
+    """Content of a file and of its companions by path, and the names of the records inside."""
     if writer.one is not None:
         return {path: writer.one(records[0])}, [""]
     own = path.with_suffix(".xml")
@@ -304,7 +280,7 @@ def _contents(path: Path, records: Sequence[Record], writer: Writer) -> tuple[di
 
 
 def _check_comes_back(path: Path, contents: dict[Path, bytes], records: dict[str, Record], writer: Writer) -> None:
-    """Read the file as a user of rockpulse would, among the station metadata that lie in its folder."""
+    """Read a file back as a user would, with the StationXML of its folder, and refuse a record that differs."""
 
     def station_files() -> list[tuple[str, bytes]]:
         own = {str(name): content for name, content in contents.items() if name != path}
@@ -338,7 +314,7 @@ def _check_comes_back(path: Path, contents: dict[Path, bytes], records: dict[str
 
 
 def _wrong(record: Record, again: Record, whole: bool) -> str:
-    """What comes back wrongly: direction, raw or corrected; where `whole`, also what is missing."""
+    """The property that comes back wrong: direction, or raw or corrected; with `whole`, also one that is missing."""
     if again.orientation not in (orientation_of(record), record.orientation, "unknown"):
         return f"the orientation comes back as {again.orientation!r} instead of {orientation_of(record)!r}"
     azimuth, back = azimuth_of(record), again.azimuth

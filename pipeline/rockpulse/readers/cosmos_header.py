@@ -1,4 +1,4 @@
-"""The header of one channel of a COSMOS file: text, integers, reals, comments, each behind a line that says how many.
+"""The header of one channel of a COSMOS file: text, integers, reals, comments, each behind a line that states how many.
 
 Integers and reals are counted from 1, as in the description of the format. Those that stand for "unknown" are NaN.
 """
@@ -52,32 +52,16 @@ _DEPTHS = {9: "underground observatory", 14: "tunnel", 50: "geotechnical array"}
 
 @dataclass(frozen=True)
 class Header:
-    """Everything in front of the samples of one channel.
+    """All lines in front of the samples of one channel."""
 
-    Attributes
-    ----------
-    kind : str
-        First words of the title, "Uncorrected acceleration".
-    text : list of str
-        At least 13 lines.
-    integers, reals : (n,) ndarray
-        NaN where unknown.
-    unknown : float
-        What stands for "unknown" among the reals and the samples.
-    comments : sequence of str
-        Comment lines.
-    start, end : int
-        Indices of the title and of the first line behind the comments.
-    """
-
-    kind: str
-    text: Sequence[str]
-    integers: np.ndarray
-    reals: np.ndarray
-    unknown: float
+    kind: str  # first words of the title, "Uncorrected acceleration"
+    text: Sequence[str]  # at least 13 lines
+    integers: np.ndarray  # (n,), NaN where unknown
+    reals: np.ndarray  # (n,), NaN where unknown
+    unknown: float  # the number that stands for "unknown" among the reals and the samples
     comments: Sequence[str]
-    start: int
-    end: int
+    start: int  # index of the title
+    end: int  # index of the first line behind the comments
 
     def integer(self, number: int) -> int | None:
         """Integer `number`, from 1; None where unknown or missing."""
@@ -105,7 +89,7 @@ class Header:
         return (match[1], match[2], match[3] or "") if match else ("", "", "")
 
     def number_and_count(self) -> tuple[str, int]:
-        """Number of the channel at the station (empty) and channels of the recorder (0) where the text says none."""
+        """Number of the channel at the station, and count of channels of its recorder; empty and 0 if not stated."""
         counted = _COUNTED.search(self.text[6])
         return self.channel()[0], int(counted[1]) if counted else 0
 
@@ -164,10 +148,7 @@ class Header:
 def fortran_layout(line: str, where: str) -> tuple[int, int]:
     """Fields in a row and characters in a field, from ``Format=(8F9.6)`` at the end of a heading.
 
-    Raises
-    ------
-    RecordFormatError
-        If there is no such format.
+    Raises RecordFormatError if there is no such format.
     """
     layout = _LAYOUT.search(line[:_LONGEST_LINE])
     if not layout or int(layout[1]) < 1 or int(layout[2]) < 1:
@@ -179,22 +160,7 @@ def fortran_layout(line: str, where: str) -> tuple[int, int]:
 
 
 def read_header(name: str, lines: Sequence[str], start: int, end: int) -> Header:
-    """Read the header of the channel in ``lines[start:end]``.
-
-    Parameters
-    ----------
-    name : str
-        Name of the file.
-    lines : sequence of str
-        All lines of the file.
-    start, end : int
-        Index of the title of the channel, and of the line behind the channel.
-
-    Raises
-    ------
-    RecordFormatError
-        With file and line, what was found and what was expected.
-    """
+    """Read the header of the channel in ``lines[start:end]``, from its title to the line behind the channel."""
     title = TITLE.match(lines[start])
     assert title is not None
     # More lines of text than the 13 of the format are allowed, fewer are not.

@@ -1,4 +1,4 @@
-"""What volumes 1 and 2 of CSMIP, USC and RENADIC share: channels in a file, their header, blocks of equal steps.
+"""The common layout of volumes 1 and 2 of CSMIP, USC and RENADIC: channels in a file, their header, equal steps.
 
 A channel begins with 13 lines of text (volume 2: a title before them and 11 lines behind them), integers (16I5) and
 reals (8F10). A line ``/&`` or the next title ends it.
@@ -70,32 +70,12 @@ _ZONES = {"UTC": 0, "GMT": 0, "PST": -8, "PDT": -7}
 
 @dataclass(frozen=True)
 class Header:
-    """What the text of one channel says, apart from its samples.
+    """The text of one channel, without its samples; fields without a comment are those of `Record`."""
 
-    Attributes
-    ----------
-    component, place : str
-        Direction, and location of the sensor where the file names one.
-    channel : str
-        Number of the channel where a direction does not tell the channels of a station apart.
-    structural : bool
-        Whether the sensor is on a structure.
-    network, station, location, station_name, event, start_time
-        As in `Record`.
-    warnings : tuple of str
-        What is doubtful.
-    recorder : str
-        Line that names the recorder.
-    number : str
-        Numbers of the channel on the recorder and at the station; empty where the file numbers none.
-    counted : int
-        Channels of the recorder; 0 where the file does not say.
-    """
-
-    component: str
-    place: str = ""
-    channel: str = ""
-    structural: bool = False
+    component: str  # direction of the sensor
+    place: str = ""  # location of the sensor, where the file names one
+    channel: str = ""  # number of the channel, where a direction does not tell the channels of a station apart
+    structural: bool = False  # whether the sensor is on a structure
     network: str = ""
     station: str = ""
     location: str = ""
@@ -103,12 +83,12 @@ class Header:
     event: str = ""
     start_time: datetime | None = None
     warnings: tuple[str, ...] = ()
-    recorder: str = ""
-    number: str = ""
-    counted: int = 0
+    recorder: str = ""  # line that names the recorder
+    number: str = ""  # numbers of the channel on the recorder and at the station; empty where the file numbers none
+    counted: int = 0  # channels of the recorder; 0 where the file does not say
 
     def noting(self, *warnings: str) -> Header:
-        """The same with further warnings."""
+        """The same header with further warnings."""
         return replace(self, warnings=(*self.warnings, *warnings))
 
     def record(
@@ -122,16 +102,9 @@ class Header:
         peak: tuple[float, float] = (float("nan"), 0.0),
         processing: Sequence[str] = (),
     ) -> Record:
-        """The record of this channel; see `build_record`.
+        """The record of this channel with the samples of `block`; see `build_record`.
 
-        Parameters
-        ----------
-        file, number, format, processed, processing
-            As in `build_record`.
-        block : Block
-            The samples.
-        peak : tuple of float
-            Peak that the header states, and half a unit of its last digit [m/s2].
+        `peak` is the peak that the header states, and half a unit of its last digit [m/s2].
         """
         return build_record(
             file,
@@ -161,24 +134,12 @@ class Header:
 
 @dataclass(frozen=True)
 class Heading:
-    """The line in front of a block of equally spaced values.
+    """The line in front of a block of equally spaced values."""
 
-    Attributes
-    ----------
-    at : int
-        Index of the line.
-    kind : str
-        "acceleration", "velocity" or "displacement".
-    count : int
-        Values that it declares.
-    words : str
-        The rest of the line.
-    """
-
-    at: int
-    kind: str
-    count: int
-    words: str
+    at: int  # index of the line
+    kind: str  # "acceleration", "velocity" or "displacement"
+    count: int  # number of values that it declares
+    words: str  # the rest of the line
 
     @property
     def layout(self) -> tuple[int, int] | None:
@@ -194,28 +155,10 @@ class Heading:
 
 
 def channels(file: SourceFile, title: re.Pattern[str], wording: str) -> tuple[list[str], list[tuple[int, int]]]:
-    """Split a file into its channels.
+    """The lines of a file without the carriage control of a line printer, and the span of each channel in them.
 
-    Parameters
-    ----------
-    file : SourceFile
-        The file; its first line is a title.
-    title : pattern
-        What the first line of a channel matches.
-    wording : str
-        The same in words, for messages.
-
-    Returns
-    -------
-    lines : list of str
-        Lines of the file, without the carriage control of a line printer.
-    spans : list of (int, int)
-        Index of the first line of each channel and of the line behind its last.
-
-    Raises
-    ------
-    RecordFormatError
-        Something else stands where a channel should begin.
+    A span is the index of the first line of a channel and of the line behind its last. The first line of each channel
+    must match `title`, which `wording` describes in messages; raises RecordFormatError where another line stands there.
     """
     lines = text_lines(file.content)
     if lines[0].startswith(" ") and all(line.startswith(" ") for line in lines if line):
@@ -238,15 +181,7 @@ def channels(file: SourceFile, title: re.Pattern[str], wording: str) -> tuple[li
 
 
 def heading_at(lines: Sequence[str], at: int) -> Heading | None:
-    """The heading at one line of a file, if it is one.
-
-    Parameters
-    ----------
-    lines : sequence of str
-        All lines of the file.
-    at : int
-        Index of the line; it may lie behind the last.
-    """
+    """The heading at index `at` of the lines of a file; None if the line is no heading or behind the last."""
     match = _HEADING.match(lines[at][:LONGEST_LINE]) if at < len(lines) else None
     if not match:
         return None
@@ -268,27 +203,9 @@ def _interval(heading: Heading, where: str) -> float:
 
 
 def equal_block(name: str, lines: Sequence[str], heading: Heading, end: int, unit: str) -> Block:
-    """Read the accelerations below a heading.
+    """Read the accelerations below a heading, up to the line at index `end`; `unit` is as the file words it.
 
-    Parameters
-    ----------
-    name : str
-        Name of the file, for messages.
-    lines : sequence of str
-        All lines of the file.
-    heading : Heading
-        Of this block.
-    end : int
-        Index of the line behind the block.
-    unit : str
-        Unit as the file words it.
-
-    Raises
-    ------
-    RecordFormatError
-        No interval, an impossible format, too few numbers, a damaged row.
-    UnitError
-        A unit that is none of the accepted ones.
+    Raises RecordFormatError for no interval, an impossible format, too few numbers or a damaged row; UnitError.
     """
     where = f"{name}:{heading.at + 1}"
     dt = _interval(heading, where)
@@ -305,12 +222,9 @@ def equal_block(name: str, lines: Sequence[str], heading: Heading, end: int, uni
 
 
 def read_header(lines: Sequence[str]) -> Header:
-    """Read the 13 lines of text of a CSMIP channel, volume 1 or 2, or of RENADIC.
+    """Read the at least `TEXT_LINES` (13) lines of text of a CSMIP channel, volume 1 or 2, or of RENADIC.
 
-    Parameters
-    ----------
-    lines : sequence of str
-        From 'Uncorrected Accelerogram Data' to the first row of integers or further, at least `TEXT_LINES` of them.
+    The lines begin with 'Uncorrected Accelerogram Data' and may go on behind the text.
     """
     text = [line[:LONGEST_LINE] for line in lines[:TEXT_LINES]]
     match = _CHANNEL.match(text[6])
@@ -350,7 +264,7 @@ def _counted(recorder: str, behind: Sequence[str]) -> int:
 def missing_channels(
     name: str, lines: Sequence[str], spans: Sequence[tuple[int, int]], headers: Sequence[Header]
 ) -> tuple[str, ...]:
-    """See `completeness`; `spans` is what `channels` gives for the `lines` of the file, `headers` their headers."""
+    """Warnings for missing channels, see `completeness`; `spans` and `headers` belong to the channels in `lines`."""
     counts = (
         Counted(start + 1, header.recorder, header.number, header.counted)
         for (start, _), header in zip(spans, headers, strict=True)

@@ -1,4 +1,4 @@
-"""What the wording of a component or a place means: up, an azimuth, a structure."""
+"""The meaning of the words for a component or a place: vertical, an azimuth, a structure."""
 
 from __future__ import annotations
 
@@ -49,24 +49,12 @@ _FREE_FIELD = re.compile(
 
 @dataclass(frozen=True)
 class Direction:
-    """What the wording of a component means.
+    """The direction that the words for a component mean."""
 
-    Attributes
-    ----------
-    orientation : {"horizontal", "vertical", "unknown"}
-        As in `Record`.
-    azimuth : float
-        Clockwise from north [degrees]; NaN where unknown or not horizontal.
-    sign : float
-        -1 for a channel that is positive downwards, else 1.
-    note : str
-        What is doubtful, for the warnings of the record.
-    """
-
-    orientation: Orientation = "unknown"
-    azimuth: float = float("nan")
-    sign: float = 1.0
-    note: str = ""
+    orientation: Orientation = "unknown"  # as in `Record`
+    azimuth: float = float("nan")  # clockwise from north [degrees]; NaN where unknown or not horizontal
+    sign: float = 1.0  # -1 for a channel that is positive downwards, else 1
+    note: str = ""  # a doubt about the direction, for the warnings of the record
 
 
 def direction(wording: str) -> Direction:
@@ -120,14 +108,9 @@ def heading_direction(name: str) -> Direction:
 
 
 def on_structure(place: str, stated: bool = False) -> bool:
-    """Whether the wording of a place means a structure rather than the ground beside it.
+    """Whether the words for a place mean a structure rather than the ground beside it.
 
-    Parameters
-    ----------
-    place : str
-        Location of a channel, or name of a station.
-    stated : bool
-        True for a field that only instrumented structures have, where anything but the free field counts.
+    `stated` is True for a field that only instrumented structures have, where anything but the free field counts.
     """
     if not place.strip() or _FREE_FIELD.search(place.strip()):
         return False

@@ -55,10 +55,7 @@ def printed_number(text: str) -> tuple[float, float]:
 def check_count(where: str, declared: int, available: int, unit: str = "samples") -> None:
     """Compare a declared count with what the file can hold, before anything is allocated.
 
-    Raises
-    ------
-    RecordFormatError
-        If fewer are there than declared, or none is declared.
+    Raises RecordFormatError if fewer are available than declared, or none is declared.
     """
     if declared < 1:
         raise RecordFormatError(f"{where}: expected a positive number of {unit} in the header, found {declared}")
@@ -70,7 +67,7 @@ def check_count(where: str, declared: int, available: int, unit: str = "samples"
 
 
 def _to_float(fields: Sequence[bytes] | np.ndarray, where: str, located: Iterator[tuple[int, str]]) -> np.ndarray:
-    """Convert all fields at once; only when that fails look for the one to blame."""
+    """Convert all fields at once, and look for the damaged one only if that fails."""
     try:
         values = np.asarray(fields).astype(float) if isinstance(fields, np.ndarray) else np.array(fields, dtype=float)
     except ValueError:
@@ -87,35 +84,15 @@ def _to_float(fields: Sequence[bytes] | np.ndarray, where: str, located: Iterato
 
 
 def _plain_ascii(text: str) -> bytes:
-    """The text as bytes, one for each character, where nothing that is no ASCII can pass for part of a number."""
+    """The text as bytes, one for each character; a character beyond ASCII cannot become part of a number."""
     return text.encode("ascii", errors="replace")
 
 
 def fixed_width(lines: Sequence[str], first: int, width: int, per_row: int, count: int, where: str) -> np.ndarray:
-    """Numbers in columns of equal width, touching or not.
+    """The first `count` numbers in columns of equal width, touching or not; surplus rows are left alone.
 
-    Parameters
-    ----------
-    lines : sequence of str
-        Rows that may belong to the block; surplus rows are left alone.
-    first : int
-        Number of ``lines[0]`` in the file, from 1, for messages.
-    width, per_row : int
-        Characters of a field, fields of a full row.
-    count : int
-        Numbers to read.
-    where : str
-        Name of the file.
-
-    Returns
-    -------
-    (count,) ndarray
-        The numbers.
-
-    Raises
-    ------
-    RecordFormatError
-        Too few numbers, a row of another length, a field that is no finite number.
+    `lines[0]` is line `first` of the file `where`, from 1. Raises RecordFormatError for too few numbers, a row of
+    another length, or a field that is no finite number.
     """
     if width < 1 or per_row < 1:
         raise RecordFormatError(
@@ -139,7 +116,7 @@ def fixed_width(lines: Sequence[str], first: int, width: int, per_row: int, coun
 
 
 def _check_rows(block: Sequence[str], first: int, width: int, per_row: int, count: int, where: str) -> None:
-    """Blame a row of another length than its fields, or their number; rows come without blanks at the end."""
+    """Report a row whose length does not fit its fields or their number; rows come without blanks at the end."""
     rows = -(-count // per_row)
     full = width * per_row
     for index, row in enumerate(block):
@@ -159,26 +136,9 @@ def _check_rows(block: Sequence[str], first: int, width: int, per_row: int, coun
 
 
 def free_numbers(lines: Sequence[str], first: int, where: str) -> np.ndarray:
-    """Numbers separated by blanks, any count per row.
+    """Numbers separated by blanks, any count per row, as one array (n,); RecordFormatError for a field that is none.
 
-    Parameters
-    ----------
-    lines : sequence of str
-        Rows of the block.
-    first : int
-        Number of ``lines[0]`` in the file, from 1, for messages.
-    where : str
-        Name of the file.
-
-    Returns
-    -------
-    (n,) ndarray
-        The numbers.
-
-    Raises
-    ------
-    RecordFormatError
-        A field that is no finite number.
+    `lines[0]` is line `first` of the file `where`, from 1.
     """
     joined = _plain_ascii("\n".join(lines))
     located = ((first + index, field) for index, line in enumerate(lines) for field in line.split())
@@ -188,24 +148,9 @@ def free_numbers(lines: Sequence[str], first: int, where: str) -> np.ndarray:
 
 
 def free_rows(lines: Sequence[str], first: int, columns: int, where: str) -> np.ndarray:
-    """Rows of numbers separated by blanks, the same count in each.
+    """Rows of numbers separated by blanks as an array (rows, columns).
 
-    Parameters
-    ----------
-    lines, first, where
-        As in `free_numbers`.
-    columns : int
-        Numbers in a row.
-
-    Returns
-    -------
-    (rows, columns) ndarray
-        The numbers.
-
-    Raises
-    ------
-    RecordFormatError
-        A row of another length, a field that is no finite number.
+    Raises RecordFormatError for a row of another length and a field that is no finite number.
     """
     counts = [len(line.split()) for line in lines]
     if counts.count(columns) != len(counts):

@@ -1,4 +1,4 @@
-"""From paths to records: files, folders, globs and zip archives; what fails becomes a row, not a crash.
+"""From paths to records: files, folders, globs and zip archives; a file that fails becomes a row, not a crash.
 
 Left out without a row, in folders and archives: hidden files and folders, and files that cannot be records by their
 name (notes, configurations, results), and StationXML and QuakeML. Everything else that is no record is "skipped".
@@ -54,36 +54,18 @@ PathLike = str | os.PathLike[str]
 
 @dataclass(frozen=True)
 class Found:
-    """A file to read.
-
-    Attributes
-    ----------
-    path : Path
-        A file or a zip archive.
-    named : bool
-        Whether the user gave its very name.
-    """
+    """A file or a zip archive to read; `named` tells that the user gave its very name."""
 
     path: Path
     named: bool
 
 
 class Opened(NamedTuple):
-    """A file, or a member of an archive, on its way to the readers.
+    """A file, or a member of an archive, on its way to the readers."""
 
-    Attributes
-    ----------
-    name : str
-        As in `Record.source`.
-    file : SourceFile, RockpulseError or OSError
-        The file, or why it cannot be opened.
-    member : int or None
-        Its place in the archive, see `rockpulse.readers.archive.Archive`; None for a file.
-    """
-
-    name: str
-    file: SourceFile | RockpulseError | OSError
-    member: int | None = None
+    name: str  # as in `Record.source`
+    file: SourceFile | RockpulseError | OSError  # the file, or the reason why it cannot be opened
+    member: int | None = None  # its place in `Archive.names`; None for a file that is no member of an archive
 
 
 def read_all(
@@ -148,21 +130,11 @@ def read_all(
 def settled(
     records: Sequence[Record], digest: Callable[[Record], str]
 ) -> tuple[list[tuple[Record, tuple[Record, ...]]], list[Failure]]:
-    """What all files together hold: each content once, cut records joined, sorted by path and channel, distinct ids.
+    """The records of all files: each content once, cut records joined, sorted by path and channel, ids distinct.
 
-    Parameters
-    ----------
-    records : sequence of Record
-        Those of all files, in the order of the files; of the samples nothing but their number is asked.
-    digest : callable
-        What is the same for two records of the same samples: :func:`sample_digest` where they are at hand.
-
-    Returns
-    -------
-    records : list of (Record, tuple of Record)
-        Each record and those of the given ones that it is made of; several where parts were joined.
-    duplicates : list of Failure
-        A row for each record whose content another one has.
+    `digest` gives equal texts for records of equal samples: :func:`sample_digest` where the samples are at hand; only
+    the number of samples is used here. Returned are each record with the given records that it is made of (several
+    where parts were joined), and a row for each record whose content another one has.
     """
     kept, duplicates = _without_duplicates(sorted(records, key=_place), digest)
     whole = sorted(whole_records(kept), key=lambda item: _place(item[0]))
@@ -171,20 +143,14 @@ def settled(
 
 
 def sample_digest(record: Record) -> str:
-    """SHA-256 of the samples and the interval of a record.
-
-    Parameters
-    ----------
-    record : Record
-        As read.
-    """
+    """SHA-256 of the samples and the interval of a record as read."""
     digest = hashlib.sha256(record.acceleration.tobytes())
     digest.update(f"{record.dt:.9g}".encode())
     return digest.hexdigest()
 
 
 def in_order(row: Failure) -> tuple[str, str]:
-    """Key that sorts what was left out while reading: by file and reason."""
+    """Key that sorts the rows of files that gave no record: by file and reason."""
     return row.file, row.reason
 
 
@@ -195,22 +161,11 @@ def _place(record: Record) -> tuple[str, str]:
 def find_files(
     paths: PathLike | Iterable[PathLike], passed_over: Iterable[PathLike] = ()
 ) -> tuple[list[Found], list[Failure]]:
-    """Files behind the paths, each once, sorted; a file that is named and also lies in a folder counts as named.
+    """Files behind the paths of :func:`read_all`, each once, sorted; one that is named once counts as named.
 
-    Parameters
-    ----------
-    paths : path or iterable of paths
-        As in :func:`read_all`.
-    passed_over : iterable of paths
-        Files that are no input whatever leads to them, a link or their own name: those that the run writes. To open
-        and close one that this process has locked would give up the lock.
-
-    Returns
-    -------
-    found : list of Found
-        Nothing was opened but XML, to pass over what tells of stations and earthquakes.
-    failures : list of Failure
-        A row for each path behind which nothing is, and each folder that cannot be listed.
+    `passed_over` are the files that the run writes, no input whatever link or name leads to them: to open and close one
+    that this process has locked would give up the lock. Nothing is opened but XML, to pass over metadata of stations
+    and earthquakes. Each path behind which there is nothing, and each folder that cannot be listed, gives a row.
     """
     found: dict[str, Found] = {}
     failures = []
@@ -250,7 +205,7 @@ def find_files(
 
 
 def _identity(path: PathLike) -> tuple[int, int] | None:
-    """The same for all names and links of a file; None where none is."""
+    """Device and inode, equal for all names and links of a file; None where there is no file."""
     try:
         state = os.stat(path)  # noqa: PTH116 - takes any path
     except (OSError, ValueError):  # whoever opens it says why
@@ -275,14 +230,9 @@ def _quiet_file(path: Path) -> bool:
 
 
 def open_files(found: Found, station_files: Callable[[Path], list[tuple[str, bytes]]]) -> Iterator[Opened]:
-    """The file, or the members of the archive, or the fault that kept them from being opened.
+    """Open a file, or each member of an archive; the error that prevented it stands in its place.
 
-    Parameters
-    ----------
-    found : Found
-        What to open.
-    station_files : callable
-        Gives (name, bytes) of the StationXML files in a folder.
+    `station_files` gives name and bytes of the StationXML files in a folder.
     """
     path = found.path
     try:
@@ -305,37 +255,14 @@ def open_files(found: Found, station_files: Callable[[Path], list[tuple[str, byt
 
 
 def read_opened(opened: Opened, options: ReadOptions) -> list[Record]:
-    """Every channel of a file that was opened.
-
-    Parameters
-    ----------
-    opened : Opened
-        From :func:`open_files`.
-    options : ReadOptions
-        What the caller knows.
-
-    Raises
-    ------
-    RockpulseError, OSError
-        Where it could not be opened, or is not read.
-    """
+    """Every channel of a file that was opened; raises the error that kept it from being opened or read."""
     if isinstance(opened.file, Exception):
         raise opened.file
     return read_source(opened.file, options)
 
 
 def read_failure(found: Found, name: str, fault: Exception) -> Failure:
-    """The row for a file, or member of an archive, that gave no record.
-
-    Parameters
-    ----------
-    found : Found
-        The file or archive.
-    name : str
-        `Opened.name`.
-    fault : Exception
-        Why.
-    """
+    """The row for a file, or a member of an archive, called `name`, that gave no record because of `fault`."""
     named = found.named and name == str(found.path)
     if isinstance(fault, NoRecord) and not named:
         return Failure(name, "read", f"{name}: {NO_RECORD}", "skipped")
@@ -354,7 +281,7 @@ def _member(archive: Archive, number: int) -> SourceFile | RockpulseError:
 def _without_duplicates(
     records: Sequence[Record], digest: Callable[[Record], str]
 ) -> tuple[list[Record], list[Failure]]:
-    """Each content once; of several the one that knows its direction, else its time and event, else the first."""
+    """Each content once, and rows for the others; kept is the record that knows its direction, else time and event."""
     alike: dict[str, list[Record]] = defaultdict(list)
     for record in records:
         alike[digest(record)].append(record)

@@ -1,4 +1,4 @@
-"""What every reader offers: one row of the table of formats."""
+"""One row of the table of formats, as every reader offers it, and the options of reading."""
 
 from __future__ import annotations
 
@@ -19,23 +19,14 @@ RESPONSES = ("sensitivity", "remove")
 
 @dataclass(frozen=True)
 class ReadOptions:
-    """What the caller knows and the file may not say; see `rockpulse.read`.
+    """Properties that the caller knows and the file may not state; see `rockpulse.read`.
 
     Raises UnitError or ConfigError for a value that is none of the accepted ones.
-
-    Attributes
-    ----------
-    units : str or None
-        Unit of the accelerations, for formats that do not state one.
-    dt : float or None
-        Sampling interval [s], for columns without a time column.
-    response : {"sensitivity", "remove"}
-        How counts with a StationXML become m/s2: divided by the sensitivity, or with the full instrument response
-        removed.
     """
 
-    units: str | None = None
-    dt: float | None = None
+    units: str | None = None  # unit of the accelerations, for formats that do not state one
+    dt: float | None = None  # sampling interval [s], for columns without a time column
+    # "sensitivity": counts are divided by it; "remove": the full instrument response is removed
     response: str = "sensitivity"
 
     def __post_init__(self) -> None:
@@ -49,36 +40,15 @@ class ReadOptions:
 
 @dataclass(frozen=True)
 class Format:
-    """One row of the table of formats.
+    """One row of the table of formats."""
 
-    Attributes
-    ----------
-    name : str
-        Short name, `Record.format`.
-    what : str
-        What the files are.
-    recognised : str
-        By what the format is known.
-    unit : str
-        Unit of the values and where it comes from; "-" where nothing is read.
-    processed : str
-        "yes" for corrected volumes, "no" for raw ones, "by type", "unknown"; "-" where nothing is read.
-    example : str
-        A typical file name.
-    detect : callable
-        ``(head, name) -> bool``: cheap, never raises; `head` is the beginning of the file.
-    parse : callable
-        ``(file, options) -> list of Record``, in the order of the file; raises RockpulseError and nothing else.
-    obspy_reads : bool
-        Whether obspy reads these files itself: then they are no plugin of it.
-    """
-
-    name: str
-    what: str
-    recognised: str
-    unit: str
-    processed: str
-    example: str
-    detect: Callable[[bytes, str], bool]
+    name: str  # short name, `Record.format`
+    what: str  # the files, in words
+    recognised: str  # by which signs the format is known
+    unit: str  # unit of the values and where it comes from; "-" where nothing is read
+    processed: str  # "yes" for corrected volumes, "no" for raw ones, "by type", "unknown"; "-" where nothing is read
+    example: str  # a typical file name
+    detect: Callable[[bytes, str], bool]  # (head, name): cheap, never raises; the head is the beginning of the file
+    # channels in the order of the file; raises RockpulseError and nothing else
     parse: Callable[[SourceFile, ReadOptions], list[Record]]
-    obspy_reads: bool = False
+    obspy_reads: bool = False  # whether obspy reads these files itself: then they are no plugin of it

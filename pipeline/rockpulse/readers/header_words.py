@@ -1,4 +1,4 @@
-"""What the header of plain columns says in its own words: kind of motion, unit, interval, number of samples."""
+"""Statements in the prose above plain columns: kind of motion, unit, interval, number of samples."""
 
 from __future__ import annotations
 
@@ -71,21 +71,11 @@ _ONE_UNIT = re.compile(r"[^\s,;)\]]{1,12}")
 
 @dataclass(frozen=True)
 class Statement:
-    """What a line of the header says.
+    """A statement in a line of the header."""
 
-    Attributes
-    ----------
-    line : int
-        Number of the line, from 1.
-    wording : str
-        As written.
-    value : float
-        Interval [s] or count; 0 for a unit.
-    """
-
-    line: int
-    wording: str
-    value: float = 0.0
+    line: int  # number of the line, from 1
+    wording: str  # as written
+    value: float = 0.0  # interval [s] or count; 0 for a unit
 
 
 def _plain(text: str) -> str:

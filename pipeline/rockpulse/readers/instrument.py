@@ -45,35 +45,16 @@ _LOOKS = 400
 
 @dataclass(frozen=True)
 class Removed:
-    """Samples without the response of the instrument.
+    """Samples without the response of the instrument."""
 
-    Attributes
-    ----------
-    samples : (n,) ndarray
-        Acceleration over `factor` [counts].
-    factor : float
-        m/s2 per count at the frequency of the sensitivity; the samples carry the rest of the response.
-    note : str
-        What was done, for the processing of the record.
-    warnings : tuple of str
-        What is doubtful.
-    """
-
-    samples: np.ndarray
-    factor: float
-    note: str
+    samples: np.ndarray  # (n,) acceleration over `factor` [counts]
+    factor: float  # m/s2 per count at the frequency of the sensitivity; the samples carry the rest of the response
+    note: str  # the method, for the processing of the record
     warnings: tuple[str, ...]
 
 
 def sensitivity_factor(where: str, response: Any) -> float:
-    """m/s2 per count from the overall sensitivity of an accelerometer.
-
-    Parameters
-    ----------
-    where : str
-        File and channel, for messages.
-    response : obspy Response
-        The response.
+    """m/s2 per count from the overall sensitivity of an accelerometer; `where` names file and channel in messages.
 
     Raises
     ------
@@ -95,7 +76,7 @@ def sensitivity_factor(where: str, response: Any) -> float:
 
 
 def _measured(where: str, unit: Any) -> tuple[str, float]:
-    """What the input unit of a response measures, and SI units per unit."""
+    """The quantity that the input unit of a response measures, and SI units per unit."""
     word = re.sub(r"SEC(OND)?S?", "S", re.sub(r"[\s^*().]", "", str(unit).upper()))
     word = re.sub(r"(/S/S|S-2)$", "/S2", re.sub(r"(?<!/)S-1$", "/S", word))
     if word in _NO_MOTION:
@@ -109,23 +90,11 @@ def _measured(where: str, unit: Any) -> tuple[str, float]:
 
 
 def without_response(where: str, counts: np.ndarray, dt: float, response: Any) -> Removed:
-    """Remove the full response of an instrument in the frequency domain, down to acceleration.
+    """Remove the full response of an instrument from counts (n,) in the frequency domain, down to acceleration.
 
-    Parameters
-    ----------
-    where : str
-        File and channel, for messages.
-    counts : (n,) ndarray
-        Samples [counts].
-    dt : float
-        Sampling interval [s].
-    response : obspy Response
-        With its stages, from ground acceleration, velocity or displacement to counts.
-
-    Returns
-    -------
-    Removed
-        The acceleration and how it was made.
+    The response must lead from ground acceleration, velocity or displacement to counts. The method is
+    ``Trace.remove_response(output="ACC")`` with the mean removed before, no taper in time (it would eat a pulse near
+    the ends), no water level (it would distort what `pass_band` lets through), and a cosine taper in frequency.
 
     Raises
     ------
@@ -135,11 +104,6 @@ def without_response(where: str, counts: np.ndarray, dt: float, response: Any) -
         If the response has no stages, is a polynomial, or begins with an unknown unit.
     RecordFormatError
         If obspy cannot evaluate it.
-
-    Notes
-    -----
-    ``Trace.remove_response(output="ACC")`` with the mean removed before, no taper in time (it would eat a pulse near
-    the ends), no water level (it would distort what `pass_band` lets through), and a cosine taper in frequency.
     """
     import obspy
 
@@ -183,7 +147,7 @@ def without_response(where: str, counts: np.ndarray, dt: float, response: Any) -
 
 
 def _input_unit(where: str, response: Any) -> tuple[str, str, float]:
-    """Unit that a response begins with, what it measures, SI units per unit; refused where it cannot be removed."""
+    """Input unit of a response, the quantity it measures, SI units per unit; refused where it cannot be removed."""
     from obspy.core.inventory.response import PolynomialResponseStage
 
     stages = response.response_stages
@@ -204,7 +168,7 @@ def _first_stage(response: Any) -> Any:
 
 
 def _in_si(response: Any, unit: str) -> Any:
-    """The response as if its first stage began with an SI unit: counts per unit of the file, whatever that is."""
+    """The response with an SI unit at the input of its first stage, in counts per unit of the file."""
     first = _first_stage(response)
     renamed = copy.copy(first)
     renamed.input_units = unit
@@ -214,7 +178,7 @@ def _in_si(response: Any, unit: str) -> Any:
 
 
 def _disagreement(where: str, response: Any, size: float, quantity: str, scale: float) -> list[str]:
-    """What speaks against the stages: their `size`, counts per unit, is not that of the stated sensitivity."""
+    """A warning where the stages, with `size` counts per unit, contradict the stated sensitivity."""
     sensitivity = response.instrument_sensitivity
     if np.isnan(size):
         return []
@@ -230,22 +194,10 @@ def _disagreement(where: str, response: Any, size: float, quantity: str, scale: 
 def pass_band(response: Any, dt: float, count: int) -> tuple[float, float, float, float]:
     """Corners of the cosine taper in frequency [Hz]: zero below the first, one from the second to the third.
 
-    Parameters
-    ----------
-    response : obspy Response
-        The response, to whatever the instrument records.
-    dt : float
-        Sampling interval [s].
-    count : int
-        Samples of the record.
-
-    Returns
-    -------
-    tuple of four floats
-        Where the instrument answers at zero frequency (accelerometers) nothing is cut below, so that the impulse of
-        a near-fault pulse stays whole: the first two are negative. Else the second is one cycle in the record, or
-        where the response falls to `RESPONSE_FLOOR` of its largest value if that is higher, and the first half of
-        it. The others are `UPPER_TAPER` of the Nyquist frequency, or of where the response falls below the same floor.
+    Where the instrument answers at zero frequency (accelerometers) nothing is cut below, so that the impulse of a
+    near-fault pulse stays whole: the first two are negative. Else the second is one cycle in the record of `count`
+    samples, or where the response falls to `RESPONSE_FLOOR` of its largest value if that is higher, and the first half
+    of it. The others are `UPPER_TAPER` of the Nyquist frequency, or of where the response falls below the same floor.
     """
     nyquist, cycle = 0.5 / dt, 1.0 / (count * dt)
     looks = np.concatenate([[0.0], np.geomspace(min(0.1 * cycle, 0.01 * nyquist), nyquist, _LOOKS)])

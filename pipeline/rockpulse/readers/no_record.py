@@ -1,7 +1,7 @@
-"""Whether a file that no reader knows may hold a record all the same, or is a text or a picture that lies beside one.
+"""Tell a file that may hold a record, though no reader knows it, from a text or a picture beside the records.
 
-A file that is taken for no record is told in two words among others, so what may be data must never be: doubt speaks
-for a record.
+A file that is taken for no record gets but a short row among others, so a file that may hold data must never be taken
+for one: in doubt it is a record.
 """
 
 from __future__ import annotations
@@ -47,14 +47,9 @@ _RUN = 10
 
 
 def is_quiet(name: str, opened: Callable[[], SourceFile]) -> bool:
-    """Whether a file that nobody named is passed over without a row: its name tells, of XML its beginning.
+    """Whether a file that nobody named is passed over without a row, by its name or, for XML, by its beginning.
 
-    Parameters
-    ----------
-    name : str
-        Path, or ``archive.zip!member``.
-    opened : callable
-        Returns the file; called for XML only.
+    The name is a path or ``archive.zip!member``; `opened` returns the file and is called for XML only.
     """
     suffix = PurePath(name).suffix.lower()
     if suffix != ".xml":
@@ -66,14 +61,10 @@ def is_quiet(name: str, opened: Callable[[], SourceFile]) -> bool:
 
 
 def may_be_record(file: SourceFile) -> bool:
-    """Whether something speaks for a record: the suffix, binary data, or numbers.
+    """Whether a sign speaks for a record in a file that no reader has recognised: the suffix, binary data, or numbers.
 
-    Numbers that are half of the rows, ten rows together, or half of all letters and digits, and no mere handful.
-
-    Parameters
-    ----------
-    file : SourceFile
-        A file that no reader has recognised; its first bytes are looked at.
+    Numbers count that are half of the rows, ten rows together, or half of all letters and digits, and no mere handful;
+    only the first bytes of the file are looked at.
     """
     suffix = file.path.suffix.lower()
     if _RECORDS.fullmatch(suffix):
@@ -92,18 +83,12 @@ def may_be_record(file: SourceFile) -> bool:
 
 
 def _of_numbers(line: str) -> bool:
-    """Whether a line has a decimal, or as many numbers as words: also columns without a gap, dates, labels, units."""
+    """Whether a line has a decimal, or as many numbers as words: columns without a gap, dates, labels, units too."""
     return bool(_DECIMAL.search(line)) or len(_DIGITS.findall(line)) >= len(_LETTERS.findall(line))
 
 
 def advice(file: SourceFile) -> str:
-    """What to do with a file that no reader recognises.
-
-    Parameters
-    ----------
-    file : SourceFile
-        As for :func:`may_be_record`.
-    """
+    """The advice in the message about a file that no reader recognises."""
     if file.path.suffix.lower() in _SPREADSHEETS:
         return "it is a spreadsheet: save it as CSV, columns of time and acceleration, and give the unit"
     return "convert it to columns of time and acceleration, and give the unit"

@@ -20,47 +20,20 @@ _LOOK_AT = 50
 
 @dataclass(frozen=True)
 class Numbered:
-    """Where the samples begin, and what the lines of numbers before them say.
+    """The statements of the lines of numbers in front of the samples."""
 
-    Attributes
-    ----------
-    start : int
-        Index of the first row of samples.
-    count : int
-        Rows, or values of a series in rows; 0 where no line says so.
-    step : float or None
-        Sampling interval [s].
-    line : int
-        Number of the line, from 1, that holds them.
-    """
-
-    start: int
-    count: int = 0
-    step: float | None = None
-    line: int = 0
+    start: int  # index of the first row of samples
+    count: int = 0  # rows, or values of a series in rows; 0 where no line says so
+    step: float | None = None  # sampling interval [s]
+    line: int = 0  # number of the line with the count, from 1
 
 
 def number_lines(name: str, lines: Sequence[str], layout: Layout, timed: bool) -> Numbered:
     """Read ``N dt`` on one line (the DEEPSOIL layout) or two, in either order, or ``N`` alone.
 
     With one or two columns such a line looks like data. Of one column, the first value is the count if as many rows
-    follow; of two, it is a heading if the time would run backwards after it.
-
-    Parameters
-    ----------
-    name : str
-        Name of the file.
-    lines : sequence of str
-        All lines.
-    layout : Layout
-        Where the numbers begin.
-    timed : bool
-        Whether the first column is headed as time; all rows are data then.
-
-    Raises
-    ------
-    RecordFormatError
-        A count that stands above fewer samples.
+    follow; of two, it is a heading if the time would run backwards after it. If the first column is headed as time
+    (`timed`), all rows are data. Raises RecordFormatError for a count above fewer samples.
     """
     row = layout.start
     if timed:
@@ -87,7 +60,7 @@ def number_lines(name: str, lines: Sequence[str], layout: Layout, timed: bool) -
 
 
 def _count_and_step(fields: Sequence[str]) -> tuple[int, float | None]:
-    """Count and interval of one or two fields, in either order; 0 and None where they are something else."""
+    """Count and interval from one or two fields, in either order; 0 and None where they are no such numbers."""
     counts = [field for field in fields if _COUNT.fullmatch(field)]
     steps = [field for field in fields if _STEP.fullmatch(field)]
     if len(counts) > 1 or len(steps) > 1 or len(counts) + len(steps) != len(fields):

@@ -1,4 +1,4 @@
-"""What the readers that lean on obspy share; obspy is imported only when a file needs it."""
+"""Helpers of the readers that lean on obspy, which is imported only when a file needs it."""
 
 from __future__ import annotations
 
@@ -33,9 +33,9 @@ _OFF_AXIS = 45.0
 
 @contextmanager
 def obspy_notes(terminal: bool = False) -> Iterator[list[str]]:
-    """A list that holds, once the block has ended, what obspy warned of in it; one thread at a time.
+    """A list that, once the block has ended, holds the warnings that obspy gave in it; one thread at a time.
 
-    With `terminal` also what its C libraries print on the standard error of the process.
+    With `terminal` also the lines that its C libraries print on the standard error of the process.
     """
     notes: list[str] = []
     with _ALONE, python_warnings.catch_warnings(record=True) as caught:
@@ -48,7 +48,7 @@ def obspy_notes(terminal: bool = False) -> Iterator[list[str]]:
 
 @contextmanager
 def _standard_error(wanted: bool) -> Iterator[list[str]]:
-    """Lines that are written to file descriptor 2 meanwhile, if `wanted`."""
+    """Collect the lines that are written to file descriptor 2 within the block, if `wanted`."""
     lines: list[str] = []
     if not wanted:
         yield lines
@@ -68,7 +68,7 @@ def _standard_error(wanted: bool) -> Iterator[list[str]]:
 
 @contextmanager
 def _unraisable() -> Iterator[list[str]]:
-    """Errors that a callback of a C library could not raise, such as a message in no encoding."""
+    """Collect the errors that a callback of a C library could not raise, such as a message in no encoding."""
     lines: list[str] = []
     before = sys.unraisablehook
     sys.unraisablehook = lambda lost: lines.append(f"a message of its C library is lost ({lost.exc_value})")
@@ -79,9 +79,9 @@ def _unraisable() -> Iterator[list[str]]:
 
 
 def obspy_stream(file: SourceFile, format: str, content: bytes | None = None) -> tuple[Any, list[str]]:
-    """The obspy Stream of a file and obspy's warnings; whatever it raises becomes a `RecordFormatError`.
+    """The obspy Stream of a file and obspy's warnings; any exception of obspy becomes a `RecordFormatError`.
 
-    `content`, where given, is what obspy gets to see in place of the bytes of the file.
+    `content`, where given, is handed to obspy in place of the bytes of the file.
     """
     import obspy
 
@@ -116,14 +116,7 @@ def utc_time(file: SourceFile, moment: Any) -> datetime:
 def seed_direction(code: str, azimuth: float | None, dip: float | None) -> Direction:
     """Direction from SEED's azimuth and dip where known, else from the channel code; unknown where they contradict.
 
-    Parameters
-    ----------
-    code : str
-        Channel code, ``HNZ``.
-    azimuth : float or None
-        Clockwise from north [degrees].
-    dip : float or None
-        Down from the horizontal [degrees]: -90 is up, 90 is down.
+    The azimuth is clockwise from north, the dip down from the horizontal [degrees]: -90 is up, 90 is down.
     """
     azimuth = None if azimuth is None or not math.isfinite(azimuth) else float(azimuth) % 360.0
     dip = None if dip is None or not math.isfinite(dip) else float(dip)

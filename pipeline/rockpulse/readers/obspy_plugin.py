@@ -32,12 +32,12 @@ _BY_NAME_ONLY = frozenset({"columns"})
 
 @lru_cache(maxsize=1)
 def _recognised(head: bytes, name: str) -> str:
-    """Name of the format that `rockpulse.read` would take, or nothing; obspy asks every plugin in turn."""
+    """Name of the format that `rockpulse.read` would take, or an empty text; obspy asks every plugin in turn."""
     return next((row.name for row in FORMATS if row.detect(head, name)), "")
 
 
 def _head(file: str | BinaryIO) -> tuple[bytes, str]:
-    """The first bytes of a path or of an open file, which stays where it is, and its name."""
+    """The first bytes and the name of a path or an open file; the position in an open file does not change."""
     if isinstance(file, str | os.PathLike):
         source = open_source(Path(file))
         return source.head, source.name
@@ -50,13 +50,7 @@ def _head(file: str | BinaryIO) -> tuple[bytes, str]:
 
 @dataclass(frozen=True)
 class Plugin:
-    """What obspy wants of one format.
-
-    Attributes
-    ----------
-    row : Format
-        The row of the table of formats.
-    """
+    """The two functions that obspy wants of one format, for its row of the table of formats."""
 
     row: Format
 
@@ -82,30 +76,11 @@ class Plugin:
         response: str = "sensitivity",
         **others: Any,
     ) -> obspy.Stream:
-        """Read every channel of a file.
+        """Read every channel of a file into an obspy Stream in m/s2; see `rockpulse.to_trace`.
 
-        Parameters
-        ----------
-        file : str or binary file
-            What obspy was given.
-        headonly : bool
-            Leave the samples out.
-        starttime, endtime, nearest_sample
-            Used by obspy afterwards.
-        units, dt, response
-            As in `rockpulse.read`.
-        **others
-            Options of other formats (``details``, ``byteorder``): ignored, as obspy's own readers do, and logged.
-
-        Returns
-        -------
-        obspy.Stream
-            In m/s2; see `rockpulse.to_trace`.
-
-        Raises
-        ------
-        RockpulseError
-            As `rockpulse.read` does.
+        `headonly` leaves the samples out; obspy itself applies `starttime`, `endtime` and `nearest_sample` afterwards;
+        `units`, `dt` and `response` are those of `rockpulse.read`, whose errors are raised. Options of other formats
+        (``details``, ``byteorder``) are ignored, as obspy's own readers do, and logged.
         """
         import obspy
 
@@ -129,7 +104,7 @@ PLUGINS = {row.name.upper(): Plugin(row) for row in FORMATS if row.unit != "-" a
 
 
 def __getattr__(name: str) -> Plugin:
-    """``obspy_plugin.AT2`` and so on, as the entry points name them."""
+    """The plugin of a format under its name in upper case, ``obspy_plugin.AT2``, as the entry points name it."""
     if name not in PLUGINS:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     return PLUGINS[name]

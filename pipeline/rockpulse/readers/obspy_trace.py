@@ -1,7 +1,7 @@
 """Records as `obspy.Trace` and back.
 
-What a Trace has no place for travels in ``trace.stats.rockpulse``, so that the way there and back loses nothing. Only
-copies in memory and obspy's PICKLE keep it; the files of other formats do not.
+Fields that a Trace has no place for travel in ``trace.stats.rockpulse``, so that the way there and back loses nothing.
+Only copies in memory and obspy's PICKLE keep it; the files of other formats do not.
 """
 
 from __future__ import annotations
@@ -145,7 +145,7 @@ def from_trace(
 
 
 def _changes_unit(step: str) -> bool:
-    """Whether a line of ``stats.processing``, ``ObsPy 1.5.1: integrate(method='cumtrapz')``, is such a method."""
+    """Whether a line of ``stats.processing`` names a method that changes the unit, ``ObsPy 1.5.1: integrate(...)``."""
     method = re.search(r":\s*(\w+)\(", step)
     return bool(method and method[1] in _CHANGES_UNIT)
 
@@ -155,7 +155,7 @@ def _steps(stats: Any) -> tuple[str, ...]:
 
 
 def _restored(where: str, trace: Any, kept: Any, azimuth: float | None) -> Record:
-    """The record that a trace with ``stats.rockpulse`` was made from, with what was done to it since."""
+    """The record that a trace with ``stats.rockpulse`` was made from, with the processing since then."""
     missing = [field.name for field in _KEPT if field.default is MISSING and field.name not in kept]
     if missing:
         raise RecordFormatError(
@@ -181,7 +181,7 @@ def _restored(where: str, trace: Any, kept: Any, azimuth: float | None) -> Recor
 
 
 def _renamed(record: Record, before: dict[str, str] | None, undirected: bool) -> Record:
-    """The record without what its codes told before they were changed; `undirected`: nobody says where it points."""
+    """The record without the fields that its former codes told; `undirected` if nobody says where it points."""
     stem = SourceFile(record.source, b"", bytes).path.stem or record.station_name or "trace"
     codes = (record.network, record.station, record.location, record.channel)
     record = replace(record, id=record_id(*codes, record.start_time, stem, 1))
@@ -197,7 +197,7 @@ def _renamed(record: Record, before: dict[str, str] | None, undirected: bool) ->
 def _new(
     where: str, trace: Any, units: str | None, factor: float | None, options: ReadOptions, azimuth: float | None
 ) -> Record:
-    """A record from a trace of which obspy's own fields are all that is known."""
+    """A record from a trace of which only obspy's own fields are known."""
     stats = trace.stats
     if units is None:
         raise UnitError(

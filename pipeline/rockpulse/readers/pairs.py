@@ -26,26 +26,12 @@ _UNIT = re.compile(r"units (?:of uncor (?:accel|data) )?(?:is|are)\s+(?:sec(?:on
 
 @dataclass(frozen=True)
 class Block:
-    """Samples of one channel.
+    """Samples of one channel."""
 
-    Attributes
-    ----------
-    samples : (n,) ndarray
-        Equally spaced accelerations [unit].
-    dt : float
-        Sampling interval [s].
-    unit : str
-        A key of `rockpulse.readers.units.UNITS`.
-    peak : float
-        Largest absolute value as the file holds it, before any resampling [unit].
-    warnings : tuple of str
-        What the user should know.
-    """
-
-    samples: np.ndarray
-    dt: float
-    unit: str
-    peak: float
+    samples: np.ndarray  # (n,) equally spaced accelerations [unit]
+    dt: float  # sampling interval [s]
+    unit: str  # a key of `UNITS`
+    peak: float  # largest absolute value as the file holds it, before any resampling [unit]
     warnings: tuple[str, ...] = ()
 
     def noting(self, *warnings: str) -> Block:
@@ -54,20 +40,7 @@ class Block:
 
 
 def declared_points(line: str, where: str) -> int:
-    """The number in a header line ``No. of Points = 11999``.
-
-    Parameters
-    ----------
-    line : str
-        Line of the header.
-    where : str
-        ``file:line`` for the message.
-
-    Raises
-    ------
-    RecordFormatError
-        If the line does not say.
-    """
+    """The number in a header line ``No. of Points = 11999``; RecordFormatError, with `where`, if there is none."""
     match = _POINTS.search(line)
     if not match:
         raise RecordFormatError(
@@ -78,63 +51,21 @@ def declared_points(line: str, where: str) -> int:
 
 
 def pair_unit(line: str, where: str) -> str:
-    """The unit of acceleration in a header line ``Units are sec and g/10``, a key of `UNITS`.
-
-    Parameters
-    ----------
-    line : str
-        Line of the header.
-    where : str
-        ``file:line`` for the message.
-
-    Raises
-    ------
-    UnitError
-        If the line names none, or one that is not known.
-    """
+    """The key of `UNITS` in a header line ``Units are sec and g/10``; UnitError, with `where`, if there is none."""
     match = _UNIT.search(line)
     return canonical_unit((match[1] if match else line)[:60].strip(), where)
 
 
 def surplus(lines: Sequence[str], first: int, end: int) -> tuple[str, ...]:
-    """A warning for rows between the declared samples and the end of the channel.
-
-    Parameters
-    ----------
-    lines : sequence of str
-        All lines of the file.
-    first, end : int
-        Index of the first row behind the samples, and of the end of the channel.
-    """
+    """A warning for rows between the declared samples (index `first`) and the end of the channel (index `end`)."""
     rows = sum(1 for line in lines[first:end] if line.strip())
     return (f"line {first + 1}: {rows} rows beyond the declared count were left out",) if rows else ()
 
 
 def pair_block(name: str, lines: Sequence[str], first: int, end: int, count: int, unit: str) -> Block:
-    """Read the pairs of one channel and make their spacing equal.
+    """Read the `count` pairs of one channel in ``lines[first:end]`` and make their spacing equal, see `make_even`.
 
-    Parameters
-    ----------
-    name : str
-        Name of the file, for messages.
-    lines : sequence of str
-        All lines of the file.
-    first, end : int
-        Index of the first row of pairs, and of the end of the channel.
-    count : int
-        Pairs that the header declares.
-    unit : str
-        Unit of the accelerations, a key of `UNITS`.
-
-    Returns
-    -------
-    Block
-        The samples; see `rockpulse.readers.spacing.make_even` for unequal steps.
-
-    Raises
-    ------
-    RecordFormatError
-        Too few pairs, a damaged row, times that do not increase, a gap.
+    Raises RecordFormatError for too few pairs, a damaged row, times that do not increase, and a gap.
     """
     check_count(f"{name}:{end}", count, PAIRS_PER_ROW * max(end - first, 0), "pairs")
     rows = -(-count // PAIRS_PER_ROW)

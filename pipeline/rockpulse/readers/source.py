@@ -1,4 +1,4 @@
-"""The bytes of one record file and what lies beside it, wherever it comes from."""
+"""The bytes of one record file and the station metadata beside it, from a disk, an archive or a stream."""
 
 from __future__ import annotations
 
@@ -61,7 +61,7 @@ class Unrecognised(RecordFormatError):
 
 
 class NoRecord(Unrecognised):
-    """Nothing speaks for a record either: a text, a table, a picture."""
+    """The file shows no sign of a record either: it is a text, a table, a picture."""
 
 
 class NotAcceleration(RecordRefused):
@@ -73,33 +73,20 @@ class SourceFile:
     """A file to be read.
 
     Text with a byte-order mark (UTF-8, UTF-16) reaches the readers as UTF-8 without one; the digest is of the bytes.
-
-    Attributes
-    ----------
-    name : str
-        Path, or ``archive.zip!member``, as messages and `Record.source` show it.
-    head : bytes
-        The first `HEAD` bytes.
-    load : callable
-        Returns all bytes, decompressed; called once, after a reader has recognised `head`.
-    station_files : callable
-        Returns (name, bytes) of the StationXML files in the same folder.
-    chosen : bool
-        Whether the caller named the StationXML files, so that their names do not matter.
     """
 
-    name: str
-    head: bytes
-    load: Callable[[], bytes]
-    station_files: StationFiles = list
-    chosen: bool = False
+    name: str  # path, or archive.zip!member, as messages and `Record.source` show it
+    head: bytes  # the first `HEAD` bytes
+    load: Callable[[], bytes]  # returns all bytes, decompressed; called once, after a reader has recognised `head`
+    station_files: StationFiles = list  # returns name and bytes of the StationXML files in the same folder
+    chosen: bool = False  # whether the caller named the StationXML files, so that their names do not matter
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "head", _plain_text(self.head, self._coding))
 
     @cached_property
     def _coding(self) -> str:
-        """The encoding that a byte-order mark tells, or nothing."""
+        """The encoding that a byte-order mark tells, or an empty text."""
         return _marked_coding(self.head)
 
     @cached_property
@@ -108,7 +95,7 @@ class SourceFile:
 
     @cached_property
     def content(self) -> bytes:
-        """All bytes as the readers want them."""
+        """All bytes, with text of a known encoding turned into UTF-8."""
         return _plain_text(self._bytes, self._coding)
 
     @cached_property
@@ -141,7 +128,7 @@ def _plain_text(content: bytes, coding: str) -> bytes:
 
 
 def archive_kind(head: bytes) -> str:
-    """What the first bytes show, "a zip archive" and the like; empty where they are no archive's."""
+    """The kind of archive that the first bytes show, "a zip archive" and the like; empty where they show none."""
     if head.startswith(_DOCUMENTS, _FIRST_NAME):
         return ""
     if head[_TAR_MARK : _TAR_MARK + 5] == b"ustar":
@@ -182,19 +169,13 @@ def _check_size(name: str, content: bytes) -> bytes:
 
 
 def folder_station_files(folder: Path) -> list[tuple[str, bytes]]:
-    """(name, bytes) of the XML files in a folder, sorted by name."""
+    """Name and bytes of each XML file in a folder, sorted by name."""
     paths = sorted(path for path in folder.iterdir() if path.suffix.lower() == ".xml" and path.is_file())
     return [(str(path), path.read_bytes()) for path in paths if path.stat().st_size <= FILE_LIMIT]
 
 
 def check_link(path: Path) -> None:
-    """Refuse a symbolic link whose target does not exist; the operating system would only say that `path` does not.
-
-    Raises
-    ------
-    FileNotFoundError
-        With the target.
-    """
+    """Raise FileNotFoundError with the missing target of a symbolic link; the system would only name the link."""
     if path.is_symlink() and not path.exists():
         raise FileNotFoundError(
             f"{path}: the symbolic link points nowhere, {path.readlink()} does not exist; mend the link or remove it"
@@ -204,12 +185,7 @@ def check_link(path: Path) -> None:
 def open_source(path: Path, station_files: StationFiles | None = None) -> SourceFile:
     """Open a file on disk, plain or compressed with gzip, which its first bytes show.
 
-    Parameters
-    ----------
-    path : Path
-        File to read.
-    station_files : callable, optional
-        As in `SourceFile`; by default the folder of `path` is searched.
+    `station_files` is as in `SourceFile`; by default the folder of `path` is searched.
 
     Raises
     ------
@@ -218,8 +194,6 @@ def open_source(path: Path, station_files: StationFiles | None = None) -> Source
     RecordRefused
         If it is an archive, larger than `FILE_LIMIT` (compressed or not; when the content is asked for), or compressed
         more than `RATIO_LIMIT` times.
-    OSError
-        As the operating system says.
     """
     name = str(path)
     check_link(path)
@@ -243,22 +217,11 @@ def open_source(path: Path, station_files: StationFiles | None = None) -> Source
 
 
 def open_stream(stream: BinaryIO) -> SourceFile:
-    """An open binary file, or bytes in memory, plain or compressed with gzip, read from where it stands.
+    """An open binary file, or bytes in memory, plain or compressed with gzip, read from the current position.
 
-    Parameters
-    ----------
-    stream : binary file
-        ``open(path, "rb")``, ``io.BytesIO`` and the like; its ``name``, where it is that of a file, tells where
-        StationXML files may lie.
-
-    Raises
-    ------
-    TypeError
-        If it is no binary file.
-    RecordFormatError
-        If nothing is left to read, or a gzip file is damaged.
-    RecordRefused
-        If more than `FILE_LIMIT` bytes are left, or they are an archive.
+    The ``name`` of the stream, where it is that of a file, tells where StationXML files may lie. Raises TypeError for a
+    stream of text, RecordFormatError if nothing is left to read or a gzip file is damaged, and RecordRefused for an
+    archive or more than `FILE_LIMIT` bytes.
     """
     if not hasattr(stream, "read"):
         raise TypeError(f"expected a path or an open binary file, found {type(stream).__name__}")

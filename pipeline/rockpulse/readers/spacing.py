@@ -27,18 +27,11 @@ def _half_digit(times: np.ndarray) -> float:
 
 
 def even_step(times: np.ndarray) -> float | None:
-    """Sampling interval of equally spaced times.
+    """Sampling interval [s] of equally spaced times, rounded as printed; None if they are unequal.
 
-    Parameters
-    ----------
-    times : (n,) ndarray
-        Strictly increasing times [s], n >= 2, rounded as printed.
-
-    Returns
-    -------
-    float or None
-        The interval [s]; a round interval or rate is preferred where the printed digits allow it. None if a time is
-        off the grid by more than its rounding (at most `ROUNDING_SHARE` of the interval) and 1 % of the interval.
+    The times (n,) increase strictly, n >= 2. A round interval or rate is preferred where the printed digits allow it.
+    Times are unequal if one is off the grid by more than its rounding (at most `ROUNDING_SHARE` of the interval) and 1
+    % of the interval.
 
     Examples
     --------
@@ -69,23 +62,10 @@ def _fitted_step(times: np.ndarray, rounding: float) -> float | None:
 
 
 def printed_at(times: np.ndarray, dt: float) -> bool:
-    """Whether times are those of samples at a known interval, as they look after rounding, however coarse.
+    """Whether times (n,) that never decrease are those of samples at interval `dt` after rounding, however coarse.
 
-    Parameters
-    ----------
-    times : (n,) ndarray
-        Times that never decrease [s].
-    dt : float
-        The interval that the caller or the file states [s].
-
-    Returns
-    -------
-    bool
-        True if samples at this interval, whatever the first time, round to these times.
-
-    Notes
-    -----
-    Where times are printed more coarsely than `dt`, a missing row may hide in the rounding; a stated count shows it.
+    The first time may be any. Where times are printed more coarsely than `dt` [s], a missing row may hide in the
+    rounding; a stated count shows it.
 
     Examples
     --------
@@ -105,12 +85,9 @@ def printed_at(times: np.ndarray, dt: float) -> bool:
 
 
 def long_step(times: np.ndarray) -> int | None:
-    """Index of the first step that is a gap: the series is equally spaced once the long steps are closed.
+    """Index of the first step that is a gap: the series is equally spaced once the long steps are closed; None if none.
 
-    Parameters
-    ----------
-    times : (n,) ndarray
-        Strictly increasing times [s], n >= 2. Those of a digitised trace, which wander, have long steps but no gaps.
+    The times (n,) increase strictly, n >= 2. Those of a digitised trace, which wander, have long steps but no gaps.
     """
     if _beyond(times).any():
         return None
@@ -130,34 +107,12 @@ def long_step(times: np.ndarray) -> int | None:
 def make_even(
     times: np.ndarray, samples: np.ndarray, name: str, first: int, per_row: int, gravity_per_unit: float
 ) -> tuple[np.ndarray, float, list[str]]:
-    """Equally spaced samples from (time, acceleration) pairs of a digitised trace.
+    """Equally spaced samples, the interval [s] and warnings, from (time, acceleration) pairs of a digitised trace.
 
-    Parameters
-    ----------
-    times : (n,) ndarray
-        Times [s].
-    samples : (n,) ndarray
-        Accelerations [file unit]; linear in between.
-    name : str
-        Name of the file, for messages.
-    first, per_row : int
-        Line of the first pair, from 1, and pairs in a row, for messages.
-    gravity_per_unit : float
-        g per file unit, for the warning.
-
-    Returns
-    -------
-    samples : (k,) ndarray
-        The samples themselves if they are equally spaced, else interpolated linearly at the median interval.
-    dt : float
-        Sampling interval [s].
-    warnings : list of str
-        What was done.
-
-    Raises
-    ------
-    RecordFormatError
-        Times that do not increase, a gap among equal steps, or a jump that would need far more samples than there are.
+    The samples stay as they are if they are equally spaced, else they are interpolated linearly at the median interval.
+    For messages: line `first` of `name`, from 1, holds the first pair, a row `per_row` pairs, and a unit of the file is
+    `gravity_per_unit` g. Raises RecordFormatError for times that do not increase, a gap among equal steps, or a jump
+    that would need far more samples than there are.
     """
     if times.size < 2:
         raise RecordFormatError(

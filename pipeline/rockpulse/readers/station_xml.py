@@ -1,4 +1,4 @@
-"""StationXML beside miniSEED: which channel of which file tells the gain and the direction of a record."""
+"""StationXML beside miniSEED: the channel, in one of several files, that tells gain and direction of a record."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ def _inventory(name: str, content: bytes) -> tuple[Any, list[str]]:
 def _channels(
     name: str, content: bytes, network: str, station: str, location: str, channel: str
 ) -> Iterator[tuple[Any, str]]:
-    """The channels of these codes that have a sensitivity, with the name of their station."""
+    """The channels of these codes that have a sensitivity, each with the name of its station."""
     if station.encode() not in content:
         return
     for net in _inventory(name, content)[0].select(network, station, location, channel):
@@ -58,18 +58,11 @@ def _is_of(name: str, file: SourceFile) -> bool:
 
 
 def station_channel(file: SourceFile, trace: Any, full: bool) -> tuple[Any, str, list[str]]:
-    """The one StationXML channel whose epoch holds the whole record, with its response; the name of its station, and
-    what obspy warned of.
+    """The one StationXML channel whose epoch holds the whole record, the name of its station, and obspy's warnings.
 
     A file with the stem of the miniSEED file comes first, and one that rockpulse wrote serves no other. Several
-    channels are one if they tell the same: sensitivity (where `full`, response), direction, raw or corrected.
-
-    Raises
-    ------
-    RecordRefused
-        If there is none, or if several tell different things.
-    RecordFormatError
-        If a file of the station is damaged.
+    channels are one if they tell the same: sensitivity (where `full`, response), direction, raw or corrected. Raises
+    RecordRefused if there is none, or if several differ, and RecordFormatError if a file of the station is damaged.
     """
     stats = trace.stats
     files = [(name, content) for name, content in file.station_files() if stats.station.encode() in content]
@@ -112,7 +105,7 @@ def station_channel(file: SourceFile, trace: Any, full: bool) -> tuple[Any, str,
 
 
 def told_otherwise(files: Files, network: str, station: str, channel: Any) -> bool:
-    """Whether a StationXML tells something else of the codes of a channel, at a time that overlaps its epoch."""
+    """Whether a StationXML contradicts a channel of the same codes at a time that overlaps its epoch."""
     return any(
         _overlap(channel, other) and _gap(channel, other, full=False)
         for name, content in files
@@ -134,7 +127,7 @@ def _overlap(one: Any, other: Any) -> bool:
 
 
 def _gap(one: Any, other: Any, full: bool) -> tuple[str, str] | None:
-    """In what two channels differ, and the two values; None where they tell the same."""
+    """Name of the property in which two channels differ, and its two values; None where they tell the same."""
     if full and one.response != other.response:
         return "responses", ""
     pairs = (

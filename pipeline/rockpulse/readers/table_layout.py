@@ -1,4 +1,4 @@
-"""How a table of numbers is written: where it begins, what separates the columns, what marks the decimals."""
+"""The layout of a table of numbers: where it begins, how columns are separated, and the decimal mark."""
 
 from __future__ import annotations
 
@@ -19,24 +19,12 @@ _COMMA_DECIMAL = re.compile(r"[+-]?\d++(?:,\d++)?(?:[eEdD][+-]?\d++)?", re.ASCII
 
 @dataclass(frozen=True)
 class Layout:
-    """Where the numbers begin and how they are separated.
+    """The beginning of the numbers and their separators."""
 
-    Attributes
-    ----------
-    start : int
-        Index of the first row of numbers.
-    delimiter : str or None
-        Between the columns; None for blanks and tabs.
-    decimal : {".", ","}
-        Decimal mark.
-    width : int
-        Number of columns.
-    """
-
-    start: int
-    delimiter: str | None
-    decimal: str
-    width: int
+    start: int  # index of the first row of numbers
+    delimiter: str | None  # between the columns; None for blanks and tabs
+    decimal: str  # mark, "." or ","
+    width: int  # number of columns
 
 
 def split_row(line: str, delimiter: str | None) -> list[str]:
@@ -48,7 +36,7 @@ def split_row(line: str, delimiter: str | None) -> list[str]:
 
 
 def _find_delimiter(rows: Sequence[str]) -> str | None:
-    """What separates the columns of rows of numbers; commas mark decimals if blanks separate whole fields with them."""
+    """The separator of the columns in rows of numbers; commas are decimal marks if blanks separate whole fields."""
     if any(";" in row for row in rows):
         return ";"
     return "," if any("," in row and not _comma_decimals(row) for row in rows) else None

@@ -24,20 +24,10 @@ def as_float(text: str) -> float:
 
 
 def check_decimals(name: str, rows: Sequence[str], layout: Layout, first: int, named: bool) -> None:
-    """Refuse commas that may be separators as well as decimal marks.
+    """Refuse commas that may be separators as well as decimal marks; blank rows are allowed.
 
-    Parameters
-    ----------
-    name : str
-        Name of the file.
-    rows : sequence of str
-        Rows of the table, blank ones included.
-    layout : Layout
-        How the rows are written.
-    first : int
-        Number of ``rows[0]`` in the file, from 1.
-    named : bool
-        Whether there is a heading for each column, which tells that commas are separators.
+    `rows[0]` is line `first` of the file `name`, from 1; `named` tells that there is a heading for each column, which
+    shows that commas are separators.
     """
     points = any("." in row for row in rows)
     if layout.delimiter == "," and layout.width > 1 and not points and (layout.width == 2 or not named):
@@ -55,17 +45,9 @@ def check_decimals(name: str, rows: Sequence[str], layout: Layout, first: int, n
 
 
 def read_table(name: str, rows: Sequence[str], layout: Layout, first: int) -> np.ndarray:
-    """(n, columns) numbers of the rows, in which blank rows and separators at the end of a row do no harm.
+    """The numbers (n, columns) of the rows; blank rows and separators at the end of a row do no harm.
 
-    Parameters
-    ----------
-    name, rows, layout, first
-        As in `check_decimals`.
-
-    Raises
-    ------
-    RecordFormatError
-        With the line of the first row that is not `width` finite numbers.
+    Raises RecordFormatError with the line of the first row that is not `width` finite numbers.
     """
     table = _numbers(rows, layout)
     if table is not None:
@@ -86,7 +68,7 @@ def _bare(row: str, layout: Layout) -> str:
 
 
 def _blamed(name: str, rows: Sequence[str], layout: Layout, first: int) -> RecordFormatError:
-    """The first row that is not `width` finite numbers."""
+    """The error for the first row that is not `width` finite numbers."""
     other = {",": ".", ".": ","}[layout.decimal]
     for index, line in enumerate(rows):
         row = _bare(line, layout)
@@ -104,7 +86,7 @@ def _blamed(name: str, rows: Sequence[str], layout: Layout, first: int) -> Recor
 
 
 def _numbers(rows: Sequence[str], layout: Layout) -> np.ndarray | None:
-    """(n, columns) All rows at once; None unless every row has its separators and its numbers."""
+    """All rows at once, (n, columns); None unless every row has its separators and its numbers."""
     if any(len(row) > LINE_LIMIT for row in rows):
         return None
     text = "\n".join(rows).replace('"', " ")

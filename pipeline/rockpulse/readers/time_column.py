@@ -1,4 +1,4 @@
-"""The sampling interval of plain columns: from the first column, a heading, or the caller, and all of one mind."""
+"""The sampling interval of plain columns: first column, heading and caller must agree on it."""
 
 from __future__ import annotations
 
@@ -96,7 +96,7 @@ def climbs(column: np.ndarray) -> bool:
 
 
 def agreed_step(name: str, steps: dict[str, float | None]) -> float:
-    """The one interval [s] that the sources, by name, give; refused where there is none or they differ."""
+    """The one interval [s] that all sources, by name, give; refused where there is none or they differ."""
     known = {source: step for source, step in steps.items() if step is not None}
     if not known:
         raise RecordFormatError(

@@ -43,20 +43,9 @@ _CREDIBLE_PGA_G = (1e-3, 3.0)
 
 
 def canonical_unit(text: str, where: str) -> str:
-    """The key of `UNITS` that a spelling means.
+    """The key of `UNITS` that a spelling means; UnitError, with `where` (``file:line`` or an option), if there is none.
 
-    Parameters
-    ----------
-    text : str
-        Unit as written: case, blanks, a final dot, ``^``, ``**``, ``sec``, ``/s/s``, ``s-2`` and a raised 2 make no
-        difference.
-    where : str
-        ``file:line`` or the name of the option, for the message.
-
-    Raises
-    ------
-    UnitError
-        If it is none of the accepted ones.
+    Case, blanks, a final dot, ``^``, ``**``, ``sec``, ``/s/s``, ``s-2`` and a raised 2 make no difference.
 
     Examples
     --------
@@ -76,12 +65,7 @@ def canonical_unit(text: str, where: str) -> str:
 
 
 def for_other_files(option: str) -> str:
-    """What to do where an option contradicts what a file states.
-
-    Parameters
-    ----------
-    option : str
-        As on the command line.
+    """The advice where an option of the command line contradicts a statement in a file.
 
     Examples
     --------
@@ -105,12 +89,9 @@ def _accepted(text: str) -> str:
 
 
 def quantity_of(text: str) -> str:
-    """What a unit, with nothing beside it, measures.
+    """The quantity that a unit alone measures; empty where the text is no unit.
 
-    Returns
-    -------
-    str
-        "acceleration", "velocity", "displacement", "time", "frequency"; empty where the text is no unit.
+    One of "acceleration", "velocity", "displacement", "time", "frequency".
 
     Examples
     --------
@@ -123,10 +104,7 @@ def quantity_of(text: str) -> str:
 def mentioned_units(text: str) -> Iterator[tuple[str, str, int]]:
     """Units of acceleration and velocity in running text, such as ``acc_cm_s2`` or ``acceleration in gal``.
 
-    Yields
-    ------
-    tuple of (str, str, int)
-        "acceleration" or "velocity", the unit as written, and where it begins.
+    Yields "acceleration" or "velocity", the unit as written, and the index where it begins.
     """
     for match in _MENTIONED.finditer(text.lower().translate(_RAISED).replace("_", "/")):
         squared = match["again"] or match["squared"] or match["other"]
@@ -137,12 +115,7 @@ def mentioned_units(text: str) -> Iterator[tuple[str, str, int]]:
 def other_readings(peak: float, unit: str = "") -> str:
     """The units, in words, in which a peak in file units would be an ordinary acceleration, else the nearest to it.
 
-    Parameters
-    ----------
-    peak : float
-        Largest absolute value as the file holds it [file unit].
-    unit : str
-        The file unit, which is left out.
+    The file unit itself is left out.
     """
     low, high = _CREDIBLE_PGA_G
     own = UNITS.get(unit)

@@ -35,7 +35,7 @@ _NOWHERE = {"latitude": 0.0, "longitude": 0.0, "elevation": 0.0}
 
 
 def _text(words: str) -> str:
-    """Free text on one line; nothing where a reader would take it for something else."""
+    """Free text on one line; empty where a reader would take it for another statement."""
     return "" if _TELLING.search(words) else " ".join(_printable(words).split())
 
 
@@ -112,21 +112,9 @@ def csv_bytes(record: Record) -> bytes:
 def miniseed_bytes(
     records: Sequence[Record], beside: Sequence[tuple[str, bytes]] = ()
 ) -> tuple[bytes, bytes, list[str]]:
-    """Records as one miniSEED file of float64 in m/s2, and its StationXML with a sensitivity of 1.
+    """Records as one miniSEED file of float64 in m/s2, its StationXML with a sensitivity of 1, and the ids in the file.
 
-    Parameters
-    ----------
-    records : sequence of Record
-        At least one.
-    beside : sequence of (name, bytes)
-        Other StationXML files in the folder; see `seed_codes`.
-
-    Returns
-    -------
-    miniseed, station_xml : bytes
-        The files.
-    ids : list of str
-        ``NET.STA.LOC.CHA`` of each record in the file.
+    There is at least one record; an id is ``NET.STA.LOC.CHA``; for the StationXML files `beside` see `seed_codes`.
     """
     import obspy
 
@@ -145,9 +133,9 @@ def miniseed_bytes(
 def seed_codes(records: Sequence[Record], beside: Sequence[tuple[str, bytes]] = ()) -> list[tuple[str, str, str, str]]:
     """Network, station, location and channel codes as SEED has room for, each set of four once.
 
-    A channel without a code of SEED, or with one that tells another direction than the record, gets one by its rate
-    and direction. Where codes would meet, in the file or with a StationXML `beside` it that tells something else of
-    them at an overlapping time, the location counts.
+    A channel without a code of SEED, or with one that tells another direction than the record, gets one by its rate and
+    direction. Where codes would meet, in the file or with a StationXML `beside` it that contradicts them at an
+    overlapping time, the location counts up.
     """
     taken: set[tuple[str, str, str, str]] = set()
     result = []

@@ -43,14 +43,14 @@ _LONGEST_HEADER, _LONGEST_LINE = 300, 200
 
 @dataclass(frozen=True)
 class _Entry:
-    """Key and value of a header line, and its number."""
+    """Key, value and line number of one line of the header."""
 
     key: str = ""
     value: str = ""
     line: int = 1
 
     def items(self) -> list[str]:
-        """The parts of ``/V/N90E/N00E``."""
+        """The parts of a value such as ``/V/N90E/N00E``."""
         parts = [part.strip() for part in self.value.split("/")]
         return parts[1:] if self.value.startswith("/") else [part for part in parts if part]
 
@@ -64,16 +64,16 @@ class _Header:
     lines: Sequence[str]
 
     def entry(self, key: str) -> _Entry:
-        """The line whose key begins like this, whatever became of its accents; an empty one if there is none."""
+        """The line whose key begins with `key`, with or without accents; an empty entry if there is no such line."""
         wanted = _consonants(key)
         return next((entry for entry in self.entries if _consonants(entry.key).startswith(wanted)), _Entry())
 
     def per_channel(self, key: str) -> list[str]:
-        """The list of channels 1 to 6 and of 7 to 12."""
+        """The values of a list in the header, those of channels 1 to 6 followed by those of 7 to 12."""
         return [item for part in ("C1-C6", "C7-C12") for item in self.entry(f"{key} {part}").items()]
 
     def numbers(self, key: str) -> list[str]:
-        """As `per_channel`, blank where there is no number."""
+        """The values of `per_channel`, blank where a value is no number."""
         return [item if _NUMBER.fullmatch(item) else "" for item in self.per_channel(key)]
 
     def below(self, title: str) -> str:
@@ -89,7 +89,7 @@ class _Header:
 
 
 def _consonants(text: str) -> str:
-    """What no accent and no encoding touches: consonants and digits."""
+    """The consonants and digits of a text, which no accent and no encoding changes."""
     return re.sub(r"[^B-DF-HJ-NP-TV-Z0-9]", "", text[:80].upper())
 
 
@@ -99,20 +99,7 @@ def is_asa(head: bytes, name: str) -> bool:
 
 
 def read_asa(file: SourceFile, options: ReadOptions) -> list[Record]:
-    """Read every channel.
-
-    Parameters
-    ----------
-    file : SourceFile
-        The file.
-    options : ReadOptions
-        Not used: the format states everything.
-
-    Raises
-    ------
-    RecordFormatError, UnitError
-        With file and line, what was found and what was expected.
-    """
+    """Read every channel; the options are not used, because the format states everything."""
     lines = text_lines(file.content)
     header, numbers, words, first = _header(file.name, lines)
     stated = header.entry("UNIDADES DE LOS DATOS")
@@ -160,7 +147,7 @@ def read_asa(file: SourceFile, options: ReadOptions) -> list[Record]:
 
 
 def _header(name: str, lines: Sequence[str]) -> tuple[_Header, list[int], list[str], int]:
-    """Header, numbers and directions of the channels, index of the first row of values."""
+    """The header, the numbers and the directions of the channels, and the index of the first row of values."""
     head = [line[:_LONGEST_LINE] for line in lines[:_LONGEST_HEADER]]
     title = next((i for i, line in enumerate(head) if _VALUES.match(line)), len(head))
     at = next((i for i in range(title + 1, min(title + 4, len(head))) if _CHANNELS.search(head[i])), 0)
@@ -189,7 +176,7 @@ def _header(name: str, lines: Sequence[str]) -> tuple[_Header, list[int], list[s
 
 
 def _each(header: _Header, key: str, numbers: Sequence[int], required: bool = False) -> list[str]:
-    """What a list of the header says about each channel; blank where it says nothing."""
+    """The value that a list of the header gives for each channel; blank where it gives none."""
     listed = header.per_channel(key) if key == "ORIENTACION" else header.numbers(key)
     found = [listed[number - 1] if 1 <= number <= len(listed) else "" for number in numbers]
     if required and not all(text and float(text) > 0.0 for text in found):
@@ -204,7 +191,7 @@ def _each(header: _Header, key: str, numbers: Sequence[int], required: bool = Fa
 def _columns(
     name: str, lines: Sequence[str], first: int, width: int, counts: Sequence[int]
 ) -> tuple[list[np.ndarray], list[str]]:
-    """Samples of each channel; where channels differ in length, what follows the end of one is padding."""
+    """Samples of each channel, and warnings; the rows after the end of a shorter channel are padding."""
     rows = len(lines) - first
     check_count(f"{name}:{len(lines)}", max(counts), rows, "rows")
     if len(set(counts)) == 1:
@@ -221,7 +208,7 @@ def _columns(
 
 
 def _steps(header: _Header, numbers: Sequence[int]) -> list[float]:
-    """Sampling interval of each channel [s]; the rates must say the same."""
+    """Sampling interval of each channel [s]; the stated sampling rates must agree with it."""
     steps = [float(text or "nan") for text in _each(header, "INTERVALO DE MUESTREO,", numbers)]
     rates = [float(text or "nan") for text in _each(header, "VEL. DE MUESTREO,", numbers)]
     entry = header.entry("INTERVALO DE MUESTREO, C1-C6")
@@ -241,7 +228,7 @@ def _base(word: str) -> str:
 
 
 def _facing(word: str) -> Direction:
-    """``N00E;-`` and ``V;-`` are positive the other way."""
+    """Direction of a channel; ``N00E;-`` and ``V;-`` are positive in the opposite sense."""
     base, sense = _base(word), word.partition(";")[2].strip()
     facing = direction(base)
     if sense in ("", "+"):

@@ -60,7 +60,7 @@ _WIDTHS = (15, 10, 16, 12, 8)
 
 
 def _header_end(lines: Sequence[str]) -> int | None:
-    """Index of the line with number of points and interval."""
+    """Index of the line that holds the number of points and the interval."""
     for index, line in enumerate(lines[:_HEADER_LIMIT]):
         line = line[:_LONGEST_LINE]
         if _NAMES_BOTH[0].search(line):
@@ -79,30 +79,16 @@ def is_at2(head: bytes, name: str) -> bool:
 
 
 def _names_both(header: Sequence[str]) -> bool:
-    """Whether the last line of a header of text names NPTS and DT, or holds both without a word."""
+    """Whether the last line of the header names NPTS and DT, or holds both numbers without their names."""
     last = header[-1][:_LONGEST_LINE]
     named = all(word.search(last) for word in _NAMES_BOTH) or bool(_BARE.fullmatch(last))
     return "\x00" not in "".join(header) and named
 
 
 def read_at2(file: SourceFile, options: ReadOptions) -> list[Record]:
-    """Read the one channel of the file.
+    """Read the one channel of the file; the unit of `options` is used only if the header states none.
 
-    Parameters
-    ----------
-    file : SourceFile
-        The file.
-    options : ReadOptions
-        `units` is used only if the header does not state one.
-
-    Raises
-    ------
-    NotAcceleration
-        For velocity and displacement.
-    UnitError
-        No unit in the header and none given, or an unknown one.
-    RecordFormatError
-        With file and line, what was found and what was expected.
+    Raises NotAcceleration for velocity and displacement, UnitError for an unknown unit or none at all.
     """
     lines = text_lines(file.content)
     end = _header_end(lines)
@@ -157,7 +143,7 @@ def _first_value(lines: Sequence[str], after: int) -> int:
 
 
 def _processed(first_line: str) -> bool | None:
-    """Whether the record is corrected: those of PEER are, rockpulse writes what it knows, others may be anything."""
+    """Whether the record is corrected: PEER records are, rockpulse writes it into the title, others do not tell."""
     written = _WRITTEN.match(first_line)
     if written:
         return {"CORRECTED": True, "UNCORRECTED": False}.get(written[1])
@@ -190,7 +176,10 @@ def _unit(name: str, header: Sequence[str], station: str, given: str | None) -> 
 
 
 def _samples(name: str, lines: Sequence[str], first: int, count: int) -> tuple[np.ndarray, list[str]]:
-    """Values between blanks; where fields touch (fewer numbers than declared, or none that can be read) by width."""
+    """Samples and warnings; numbers are split at blanks, and by width where fields touch.
+
+    Fields touch where there are fewer numbers than declared, or one that cannot be read.
+    """
     block = lines[first:]
     try:
         values = free_numbers(block, first + 1, name)
@@ -222,7 +211,7 @@ def _samples(name: str, lines: Sequence[str], first: int, count: int) -> tuple[n
 
 
 def _by_width(name: str, block: Sequence[str], first: int, count: int) -> np.ndarray | None:
-    """Values in the one width that divides the first row and makes every field a number."""
+    """Samples by the first field width that divides the first row and makes every field a number; else None."""
     length = len(block[0].rstrip())
     for width in _WIDTHS:
         if length < width or length % width or -(-count // (length // width)) != len(block):

@@ -44,20 +44,7 @@ def is_bhrc(head: bytes, name: str) -> bool:
 
 
 def read_bhrc(file: SourceFile, options: ReadOptions) -> list[Record]:
-    """Read every channel.
-
-    Parameters
-    ----------
-    file : SourceFile
-        The file.
-    options : ReadOptions
-        Not used: the format states everything.
-
-    Raises
-    ------
-    RecordFormatError, UnitError
-        With file and line, what was found and what was expected.
-    """
+    """Read every channel; the options are not used, because the format states everything."""
     lines, spans = channels(file, _TITLE, "* VOL1DS FILE:")
     records = [_channel(file, lines, start, end, number) for number, (start, end) in enumerate(spans, start=1)]
     counts = (

@@ -48,7 +48,7 @@ class _Columns:
     warnings: tuple[str, ...] = ()
 
     def picked(self, order: Sequence[int], *warnings: str) -> _Columns:
-        """Some of the columns, in this order."""
+        """The columns at these places, in this order, with further warnings."""
         headings = tuple(self.headings[index] for index in order) if self.headings else ()
         return _Columns(self.table[:, order], headings, (*self.warnings, *warnings))
 
@@ -72,14 +72,9 @@ def read_columns(file: SourceFile, options: ReadOptions) -> list[Record]:
     Headings, and a row of units below them, tell what the columns are. Without headings, one column is read, or up to
     three beside a time column. A series that is wrapped into rows is read if the header states its number of values.
 
-    Parameters
-    ----------
-    file : SourceFile
-        The file.
-    options : ReadOptions
-        `units`, a key of `UNITS`, is needed unless every column states its unit in its heading, in brackets or below
-        it; the prose of a header, which may speak of something else, only has to agree. `dt` where neither a time
-        column, a line ``N dt`` nor words such as ``dt = 0.005`` or ``sampling rate 200 Hz`` give the interval.
+    `options.units` is needed unless every column states its unit in its heading, in brackets or below it; the prose of
+    a header, which may speak of something else, only has to agree. `options.dt` is needed where neither a time column,
+    a line ``N dt`` nor words such as ``dt = 0.005`` or ``sampling rate 200 Hz`` give the interval.
 
     Raises
     ------
@@ -175,14 +170,17 @@ def _wrapped(where: str, width: int, found: str) -> RecordFormatError:
 
 
 def _titled(columns: _Columns) -> bool:
-    """Whether what looks like headings is a title, "Acceleration (g) vs Time (s)": another column runs like time."""
+    """Whether the supposed headings are a title, such as "Acceleration (g) vs Time (s)".
+
+    The first column then runs like time, and the column that would be headed as time does not.
+    """
     kinds = [heading.kind for heading in columns.headings]
     at = kinds.index("time") if "time" in kinds else 0
     return at > 0 and climbs(columns.table[:, 0]) and not climbs(columns.table[:, at])
 
 
 def _time_first(columns: _Columns) -> _Columns:
-    """The column that is headed as time, wherever it stands, before the others."""
+    """The columns with the one that is headed as time in front."""
     kinds = [heading.kind for heading in columns.headings]
     if "time" not in kinds:
         return columns
@@ -191,7 +189,7 @@ def _time_first(columns: _Columns) -> _Columns:
 
 
 def _check_abscissa(where: str, columns: _Columns) -> None:
-    """Refuse what runs over periods or frequencies, however its other columns are called."""
+    """Refuse a table over periods or frequencies, whatever its other columns are called."""
     first = columns.headings[0] if columns.headings else Heading("")
     steps = np.diff(columns.table[:, 0])
     if first.kind == "spectrum" and columns.table.shape[1] > 1 and (np.all(steps > 0.0) or np.all(steps < 0.0)):
@@ -202,7 +200,7 @@ def _check_abscissa(where: str, columns: _Columns) -> None:
 
 
 def _check_apart(where: str, columns: _Columns, timed: bool) -> None:
-    """Refuse columns of which nothing tells what they are."""
+    """Refuse columns if nothing tells which quantity each of them holds."""
     width = columns.table.shape[1]
     late = [index for index in range(width) if climbs(columns.table[:, index])]
     if late:
@@ -223,14 +221,14 @@ def _check_apart(where: str, columns: _Columns, timed: bool) -> None:
 
 
 def _integrates(rate: np.ndarray, series: np.ndarray) -> bool:
-    """Whether a series grows by what another one says, sample by sample."""
+    """Whether one series is the integral of another, sample by sample."""
     with np.errstate(all="ignore"):
         growth, mean = np.diff(series), rate[1:] / 2.0 + rate[:-1] / 2.0
         return bool(growth.size > 2 and abs(np.corrcoef(growth, mean)[0, 1]) > _INTEGRAL)
 
 
 def _accelerations(name: str, columns: _Columns, prose: Sequence[str]) -> _Columns:
-    """The columns that are accelerations, by their headings or else by the words above them."""
+    """The columns that are accelerations, by their headings or else by the prose above the table."""
     headings = columns.headings or (Heading(""),) * columns.table.shape[1]
     named = any(heading.kind == "acceleration" for heading in headings)
     kept = [
@@ -261,7 +259,7 @@ def _accelerations(name: str, columns: _Columns, prose: Sequence[str]) -> _Colum
 
 
 def _units(name: str, headings: Sequence[Heading], prose: Sequence[str], given: str | None) -> list[str]:
-    """A unit for each column: what the caller says, held against the header, or what the heading states."""
+    """The unit of each column: the one that the caller gives, checked against the header, or the one in the heading."""
     units = []
     said = [(canonical_unit(unit.wording, f"{name}:{unit.line}"), unit) for unit in stated_units(prose)]
     asked = None if given is None else canonical_unit(given, "option units")

@@ -62,13 +62,13 @@ _VELOCITY_SENSORS = range(1001, 2000)
 
 @dataclass(frozen=True)
 class _Series:
-    """One heading of a channel: index of its line, number of samples, what they are, unit and its code."""
+    """One series of a channel, by its heading."""
 
-    at: int
-    count: int
-    kind: str
-    unit: str
-    code: int | None
+    at: int  # index of the line of the heading
+    count: int  # number of samples
+    kind: str  # of motion, in the words of the heading
+    unit: str  # in the words of the heading
+    code: int | None  # of the unit
 
 
 def is_cosmos(head: bytes, name: str) -> bool:
@@ -79,21 +79,8 @@ def is_cosmos(head: bytes, name: str) -> bool:
 def read_cosmos(file: SourceFile, options: ReadOptions) -> list[Record]:
     """Read the acceleration of every channel; velocity and displacement beside it are passed over.
 
-    Parameters
-    ----------
-    file : SourceFile
-        The file.
-    options : ReadOptions
-        Not used: the format states everything.
-
-    Raises
-    ------
-    NotAcceleration
-        If no channel holds acceleration.
-    RecordRefused
-        Counts without a gain, missing samples.
-    RecordFormatError, UnitError
-        With file and line, what was found and what was expected.
+    Raises NotAcceleration if no channel holds acceleration, RecordRefused for counts without a gain and for missing
+    samples. The options are not used, because the format states everything.
     """
     lines = text_lines(file.content)
     starts = [index for index, line in enumerate(lines) if " text lines)" in line and TITLE.match(line[:200])]
@@ -113,7 +100,7 @@ def read_cosmos(file: SourceFile, options: ReadOptions) -> list[Record]:
 
 
 def _missing(name: str, lines: Sequence[str], headers: Sequence[Header]) -> tuple[str, ...]:
-    """Warnings for channels that the headers count and the file lacks."""
+    """Warnings for channels that the headers count and the file does not hold."""
     closed = any(_END.match(line) for line in lines[-_CLOSING:])
     counts = (
         Counted(header.start + 1, header.text[6], *header.number_and_count(), kind=header.kind.lower())
@@ -202,7 +189,7 @@ def _acceleration(name: str, lines: Sequence[str], header: Header, end: int) -> 
 
 
 def _unit(series: _Series, where: str) -> str:
-    """The unit that words and code of the heading agree on."""
+    """The unit of the series, on which the words and the code of its heading must agree."""
     word = series.unit.lower().rstrip(".").replace("sec", "s")
     named = "" if not word else word if word in _UNITS else canonical_unit(series.unit, where)
     if series.code is None and named:

@@ -46,37 +46,15 @@ def is_csmip_v1(head: bytes, name: str) -> bool:
 
 
 def read_csmip_v1(file: SourceFile, options: ReadOptions) -> list[Record]:
-    """Read every channel.
-
-    Parameters
-    ----------
-    file : SourceFile
-        The file.
-    options : ReadOptions
-        Not used: the format states everything.
-
-    Raises
-    ------
-    RecordFormatError, UnitError, NotAcceleration
-        With file and line, what was found and what was expected.
-    """
+    """Read every channel; the options are not used, because the format states everything."""
     return read_uncorrected(file, "csmip_v1")
 
 
 def read_uncorrected(file: SourceFile, format: str) -> list[Record]:
-    """Read every channel of a file in this layout, whichever network wrote it.
+    """Read every channel of a file in this layout, whichever network wrote it; `format` becomes `Record.format`.
 
-    Parameters
-    ----------
-    file : SourceFile
-        The file; its first line is 'Uncorrected Accelerogram Data'.
-    format : str
-        `Record.format`.
-
-    Raises
-    ------
-    RecordFormatError, UnitError, NotAcceleration
-        With file and line, what was found and what was expected.
+    The first line of the file is 'Uncorrected Accelerogram Data'. Raises RecordFormatError, UnitError or
+    NotAcceleration.
     """
     lines, spans = channels(file, _TITLE, "Uncorrected Accelerogram Data")
     headers = []
@@ -123,7 +101,7 @@ def _block(name: str, lines: Sequence[str], start: int, end: int) -> Block:
 
 
 def _check_text(line: str, block: Block, where: str) -> list[str]:
-    """Hold number, rate and length in the text of the channel against the heading; a length alone is but a warning."""
+    """Check number, rate and length in the text against the heading; a wrong length alone is but a warning."""
     points, rate, length = _POINTS.search(line), _RATE.search(line), _LENGTH.search(line)
     count, step = block.samples.size, block.dt
     if points and int(points[1]) != count:

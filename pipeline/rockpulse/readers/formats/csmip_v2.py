@@ -50,48 +50,15 @@ def is_csmip_v2(head: bytes, name: str) -> bool:
 
 
 def read_csmip_v2(file: SourceFile, options: ReadOptions) -> list[Record]:
-    """Read the acceleration of every channel.
-
-    Parameters
-    ----------
-    file : SourceFile
-        The file.
-    options : ReadOptions
-        Not used: the format states everything.
-
-    Raises
-    ------
-    NotAcceleration
-        Only velocity or displacement.
-    RecordFormatError, UnitError
-        With file and line, what was found and what was expected.
-    """
+    """Read the acceleration of every channel; raises NotAcceleration for a file of velocity or displacement only."""
     return read_corrected(file, "csmip_v2", read_header)
 
 
 def read_corrected(file: SourceFile, format: str, header: Callable[[Sequence[str]], Header]) -> list[Record]:
-    """Read a volume 2, whichever network wrote it.
+    """Read a volume 2, whichever network wrote it; `header` reads the 13 lines of text of volume 1.
 
-    Parameters
-    ----------
-    file : SourceFile
-        The file; its first line is 'Corrected accelerogram'.
-    format : str
-        `Record.format`.
-    header : callable
-        Reads the 13 lines of text of volume 1.
-
-    Returns
-    -------
-    list of Record
-        A channel without acceleration is left out, with a warning on the others.
-
-    Raises
-    ------
-    NotAcceleration
-        No channel has acceleration.
-    RecordFormatError, UnitError
-        With file and line, what was found and what was expected.
+    The first line of the file is 'Corrected accelerogram'. A channel without acceleration is left out, with a warning
+    on the others; NotAcceleration if none has acceleration. `format` becomes `Record.format`.
     """
     lines, spans = channels(file, _TITLE, "Corrected accelerogram")
     records, left_out, headers = [], [], []
@@ -131,7 +98,7 @@ def read_corrected(file: SourceFile, format: str, header: Callable[[Sequence[str
 
 
 def _acceleration(name: str, lines: Sequence[str], start: int, end: int) -> tuple[Heading, int]:
-    """Heading of the acceleration, else of what stands first instead, and the index of the line behind the block.
+    """Heading of the acceleration (or else of the first series), and the index of the line behind its block.
 
     Raises RecordFormatError where a block is missing, cut short or there twice.
     """
@@ -163,7 +130,7 @@ def _first(pattern: re.Pattern[str], lines: Sequence[str]) -> re.Match[str] | No
 def _unit_and_peak(text: Sequence[str], heading: Heading, where: str, line: int) -> tuple[str, tuple[float, float]]:
     """Unit as worded by the heading, else by the peak; the peak and half a unit of its last digit [m/s2].
 
-    `where` is the name of the file, `line` the number of the first of the text.
+    For messages, `where` is the name of the file and `line` the number of the first line of text.
     """
     found = next(((at, match) for at, words in enumerate(text, line) if (match := _PEAK.match(words))), None)
     if found:
@@ -181,7 +148,7 @@ def _unit_and_peak(text: Sequence[str], heading: Heading, where: str, line: int)
 
 
 def _check_correction(text: Sequence[str], block: Block, where: str) -> None:
-    """Hold the count and the interval in the text of the channel against those of the heading."""
+    """Check the count and the interval in the text of the channel against those of the heading."""
     declared, interval = _first(_DECLARED, text), _first(_INTERVAL, text)
     if declared and int(declared[1]) != block.samples.size:
         raise RecordFormatError(
@@ -198,7 +165,7 @@ def _check_correction(text: Sequence[str], block: Block, where: str) -> None:
 
 
 def _correction(correction: Sequence[str]) -> list[str]:
-    """What the agency did to the record, in its own words."""
+    """The agency's own words for the correction of the record."""
     filtered, corrected = _first(_FILTER, correction), _first(_DECLARED, correction)
     steps = [match[group] for match, group in ((corrected, 2), (filtered, 1)) if match]
     return [f"by the agency: {' '.join((words.lower() if words.isupper() else words).split())}" for words in steps]

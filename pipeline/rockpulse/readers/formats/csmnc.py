@@ -67,22 +67,7 @@ def is_csmnc(head: bytes, name: str) -> bool:
 
 
 def read_csmnc(file: SourceFile, options: ReadOptions) -> list[Record]:
-    """Read the one channel of the file.
-
-    Parameters
-    ----------
-    file : SourceFile
-        The file.
-    options : ReadOptions
-        Not used: the format states everything.
-
-    Raises
-    ------
-    NotAcceleration
-        For velocity and displacement.
-    RecordFormatError, UnitError
-        With file and line, what was found and what was expected.
-    """
+    """Read the one channel of the file; raises NotAcceleration for velocity and displacement."""
     lines = [line.rstrip().rstrip("$") for line in text_lines(file.content)]
     head = lines[:_LONGEST_HEADER]
     kind_at, kind = _find(file.name, head, _KIND, "UNCORRECTED ACCELERATION  UNIT: CM/SEC/SEC")
@@ -139,7 +124,7 @@ def _first(head: Sequence[str], pattern: re.Pattern[str]) -> str:
 
 
 def _samples(name: str, lines: Sequence[str], first: int, count: int) -> tuple[np.ndarray, int]:
-    """Rows of equal length, the last one with what is left, and the index of the line behind them."""
+    """Samples in rows of equal length but for the last, which holds the rest, and the index of the line behind them."""
     per_row = len(lines[first].split()) if first < len(lines) else 1
     check_count(f"{name}:{len(lines)}", count, per_row * (len(lines) - first))
     full, rest = divmod(count, per_row)
@@ -152,7 +137,7 @@ def _samples(name: str, lines: Sequence[str], first: int, count: int) -> tuple[n
 
 
 def _direction(file: SourceFile, head: Sequence[str]) -> tuple[str, Direction, list[str]]:
-    """Component and direction from the header; from the name of the file where the header says nothing."""
+    """Component, direction and warnings from the header, or from the name of the file where the header has none."""
     word, named = _first(head, _COMPONENT), _NAMED.search(file.path.name)
     if not word:
         word = named[1].upper() if named else ""

@@ -42,11 +42,11 @@ _ZONE = re.compile(r"GMT\s*([+-]\s*\d{1,2})", re.ASCII | re.IGNORECASE)
 
 @dataclass(frozen=True)
 class _Entry:
-    """What stands behind the colon of a header line, in the parentheses of its key, and the line."""
+    """One line of the header."""
 
-    value: str = ""
-    aside: str = ""
-    line: int = 1
+    value: str = ""  # text behind the colon
+    aside: str = ""  # text in the parentheses of the key
+    line: int = 1  # number of the line
 
 
 def is_cwb(head: bytes, name: str) -> bool:
@@ -55,20 +55,7 @@ def is_cwb(head: bytes, name: str) -> bool:
 
 
 def read_cwb(file: SourceFile, options: ReadOptions) -> list[Record]:
-    """Read every channel.
-
-    Parameters
-    ----------
-    file : SourceFile
-        The file.
-    options : ReadOptions
-        Not used: the format states everything.
-
-    Raises
-    ------
-    RecordFormatError, UnitError
-        With file and line, what was found and what was expected.
-    """
+    """Read every channel; the options are not used, because the format states everything."""
     lines = text_lines(file.content)
     first = next((i for i, line in enumerate(lines) if line.strip() and not line.startswith("#")), len(lines))
     header = _header(lines[:first])
@@ -124,7 +111,7 @@ def read_cwb(file: SourceFile, options: ReadOptions) -> list[Record]:
 
 
 def _header(lines: Sequence[str]) -> dict[str, _Entry]:
-    """Entries by the letters of their keys, lower case, without what stands in parentheses."""
+    """Entries by the letters of their keys, lower case, without the text in parentheses."""
     matches = ((line, _ENTRY.match(text[:LONGEST_LINE])) for line, text in enumerate(lines, start=1))
     return {
         re.sub(r"[\W_]", "", match[1]).lower(): _Entry(match[3].strip(), match[2] or "", line)
@@ -159,7 +146,7 @@ def _check_times(name: str, first: int, times: np.ndarray, rate: float) -> None:
 
 
 def _start_time(header: dict[str, _Entry], first: float) -> tuple[datetime | None, list[str]]:
-    """UTC time of the first sample, which stands at `first` seconds, and what is doubtful about it."""
+    """UTC time of the first sample, which stands at `first` seconds of the time column, and warnings about it."""
     entry = header.get("starttime", _Entry())
     if not entry.value:
         return None, []
@@ -192,7 +179,7 @@ def _peak(header: dict[str, _Entry], letter: str) -> tuple[float, float]:
 
 
 def _facing(letter: str, sign: str) -> Direction:
-    """U, N, E and the like, positive the other way round where the sign is a minus."""
+    """Direction of a channel by its letter, U, N, E and so on, in the opposite sense where `sign` is a minus."""
     facing = direction(letter)
     if sign == "+":
         return facing

@@ -63,22 +63,7 @@ def is_dyna(head: bytes, name: str) -> bool:
 
 
 def read_dyna(file: SourceFile, options: ReadOptions) -> list[Record]:
-    """Read the one channel of the file.
-
-    Parameters
-    ----------
-    file : SourceFile
-        The file.
-    options : ReadOptions
-        Not used: the format states everything.
-
-    Raises
-    ------
-    NotAcceleration
-        For velocity, displacement and spectra.
-    RecordFormatError, UnitError
-        With file and line, what was found and what was expected.
-    """
+    """Read the one channel of the file; raises NotAcceleration for velocity, displacement and spectra."""
     lines = text_lines(file.content)
     header = _header(file.name, lines)
     kind = header.text("DATA_TYPE")
@@ -177,7 +162,7 @@ def _processed(header: _Header) -> tuple[bool | None, list[str]]:
 
 
 def _remarks(header: _Header, step: float, count: int) -> list[str]:
-    """What the header says against the record."""
+    """Warnings where the header contradicts the samples."""
     notes = []
     if header.text("LATE/NORMAL_TRIGGERED").upper().startswith("L"):
         notes.append("late triggered (header): the beginning of the motion is missing")
@@ -192,7 +177,7 @@ def _remarks(header: _Header, step: float, count: int) -> list[str]:
 
 
 def _start_time(header: _Header) -> tuple[datetime | None, list[str]]:
-    """UTC time of the first sample, and what is doubtful about it."""
+    """UTC time of the first sample, and warnings about it."""
     stated = header.text("DATE_TIME_FIRST_SAMPLE_YYYYMMDD_HHMMSS")
     if not stated:
         return None, []

@@ -45,20 +45,7 @@ def is_geonet(head: bytes, name: str) -> bool:
 
 
 def read_geonet(file: SourceFile, options: ReadOptions) -> list[Record]:
-    """Read the accelerations of every component.
-
-    Parameters
-    ----------
-    file : SourceFile
-        The file.
-    options : ReadOptions
-        Not used: the format states everything.
-
-    Raises
-    ------
-    RecordFormatError, UnitError
-        With file and line, what was found and what was expected.
-    """
+    """Read the accelerations of every component; the options are not used, because the format states everything."""
     lines = text_lines(file.content)
     records: list[Record] = []
     counts: list[Counted] = []
@@ -81,7 +68,7 @@ def read_geonet(file: SourceFile, options: ReadOptions) -> list[Record]:
 
 
 def _component(file: SourceFile, lines: Sequence[str], first: int, number: int) -> tuple[Record, int]:
-    """One component, which begins at line `first` of the file, and the number of its rows of values."""
+    """The component that begins at line `first` of the file, and the number of its rows of values."""
     check_count(
         f"{file.name}:{first + len(lines) - 1}", _HEADER_LINES, len(lines), f"header lines of component {number}"
     )
@@ -130,7 +117,7 @@ def _component(file: SourceFile, lines: Sequence[str], first: int, number: int) 
 
 
 def _counts(name: str, lines: Sequence[str], first: int, integers: np.ndarray) -> tuple[int, int]:
-    """Accelerations, and rows of all blocks: the text and integers 34 to 36 must agree."""
+    """Number of accelerations, and of rows of all blocks, on which the text and integers 34 to 36 must agree."""
     points = _POINTS.match(lines[9])
     blocks = [int(value) for value in integers[33:36]]
     if not points or int(points[1]) != blocks[0]:

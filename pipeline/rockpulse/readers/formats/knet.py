@@ -36,20 +36,7 @@ def is_knet(head: bytes, name: str) -> bool:
 
 
 def read_knet(file: SourceFile, options: ReadOptions) -> list[Record]:
-    """Read the one channel of the file; its mean over the whole record is the offset.
-
-    Parameters
-    ----------
-    file : SourceFile
-        The file.
-    options : ReadOptions
-        Not used: the format states everything.
-
-    Raises
-    ------
-    RecordFormatError
-        With file and line, what was found and what was expected.
-    """
+    """Read the one channel of the file; its mean over the whole record is the offset."""
     lines = text_lines(file.content)
     check_count(f"{file.name}:{len(lines)}", _HEADER_LINES, len(lines), "header lines")
     header = [line[:_LONGEST_LINE] for line in lines[:_HEADER_LINES]]

@@ -32,17 +32,10 @@ def read_miniseed(file: SourceFile, options: ReadOptions) -> list[Record]:
 
     A StationXML with the stem of the miniSEED file comes before the others.
 
-    Parameters
-    ----------
-    file : SourceFile
-        The file.
-    options : ReadOptions
-        `response` tells how counts become m/s2.
-
     Raises
     ------
     NotAcceleration
-        If all channels record velocity or displacement, and `response` is not "remove".
+        If all channels record velocity or displacement, and `options.response` is not "remove".
     RecordRefused
         Gaps, overlaps, counts without a gain or with several.
     RecordFormatError

@@ -40,20 +40,7 @@ def is_nsmn(head: bytes, name: str) -> bool:
 
 
 def read_nsmn(file: SourceFile, options: ReadOptions) -> list[Record]:
-    """Read the three channels.
-
-    Parameters
-    ----------
-    file : SourceFile
-        The file.
-    options : ReadOptions
-        Not used: the format states everything.
-
-    Raises
-    ------
-    RecordFormatError, UnitError
-        With file and line, what was found and what was expected.
-    """
+    """Read the three channels; the options are not used, because the format states everything."""
     lines = text_lines(file.content)
     first = next((i + 1 for i, line in enumerate(lines[:_LONGEST_HEADER]) if _COLUMNS.match(line[:_LONGEST_LINE])), 0)
     columns = _COLUMNS.match(lines[first - 1][:_LONGEST_LINE]) if first else None
@@ -113,7 +100,7 @@ def _number(name: str, entries: dict[str, tuple[str, str, int]], key: str, first
 
 
 def _turkish(text: str) -> str:
-    """The text as ISO-8859-9, which differs from Latin-1 in six letters."""
+    """The text decoded anew as ISO-8859-9, which differs from Latin-1 in six letters."""
     try:
         return text.encode("latin-1").decode("iso8859-9")
     except UnicodeEncodeError:
@@ -126,7 +113,7 @@ def _event(entries: dict[str, tuple[str, str, int]]) -> str:
 
 
 def _moment(text: str) -> tuple[datetime | None, str]:
-    """UTC time, or the zone that is not UTC."""
+    """UTC time and an empty text, or None and the name of the zone that is not UTC."""
     match = _YEAR_FIRST.match(text) or _DAY_FIRST.match(text)
     if not match:
         return None, ""
@@ -138,7 +125,7 @@ def _moment(text: str) -> tuple[datetime | None, str]:
 
 
 def _start_time(entries: dict[str, tuple[str, str, int]]) -> tuple[datetime | None, list[str]]:
-    """UTC time of the first sample, and what is doubtful about it."""
+    """UTC time of the first sample, and warnings about it."""
     text = entries.get("RECORD TIME", ("",))[0]
     if not text:
         return None, []

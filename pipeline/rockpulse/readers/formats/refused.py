@@ -1,4 +1,4 @@
-"""Files without an accelerogram that are known at sight: the message names them, no other reader mistakes them."""
+"""Formats without an accelerogram that are recognised, so that messages name them and no reader takes them."""
 
 from __future__ import annotations
 
@@ -20,20 +20,12 @@ _STATION = re.compile(r"^\s?station no\.?\s+(\w+)\b[^\r\n]*[\r\n]+(\S[^\r\n]*?)(
 
 @dataclass(frozen=True)
 class _Refused:
-    """A format that is recognised by its first lines and refused.
-
-    Attributes
-    ----------
-    name, what, example : str
-        As in `Format`.
-    opening : str
-        Regular expression that matches from the start of the file, case does not matter.
-    """
+    """A format that is recognised by its first lines and refused."""
 
     name: str
     what: str
     example: str
-    opening: str
+    opening: str  # regular expression that matches from the start of the file; case does not matter
 
     def detect(self, head: bytes, name: str) -> bool:
         """Whether the file begins like this format."""

@@ -34,24 +34,14 @@ _STEP_SHARE = 0.25
 
 @dataclass(frozen=True, eq=False)
 class Part(Record):
-    """One channel of one part of a record.
+    """One channel of one part of a record."""
 
-    Attributes
-    ----------
-    whole : str
-        Name of the file without what numbers the part.
-    part : int
-        Number of the part, from 1.
-    first_time : float
-        Time of the first sample in the file's own column of times [s].
-    """
-
-    whole: str = ""
-    part: int = 1
-    first_time: float = 0.0
+    whole: str = ""  # name of the file without the number of the part
+    part: int = 1  # number of the part, from 1
+    first_time: float = 0.0  # time of the first sample in the file's own column of times [s]
 
     def plain(self) -> Record:
-        """The same channel without what makes it a part."""
+        """The same channel as a whole record."""
         return Record(**{field.name: getattr(self, field.name) for field in fields(Record)})
 
 
@@ -62,21 +52,9 @@ def is_renadic(head: bytes, name: str) -> bool:
 
 
 def read_renadic(file: SourceFile, options: ReadOptions) -> list[Record]:
-    """Read every channel but dead ones.
+    """Read every channel but dead ones; raises RecordRefused if all are dead.
 
-    Parameters
-    ----------
-    file : SourceFile
-        The file. Where its name says that it is a part, the records are `Part`; see `join_parts`.
-    options : ReadOptions
-        Not used: the format states everything.
-
-    Raises
-    ------
-    RecordRefused
-        If all channels are dead.
-    RecordFormatError, UnitError
-        With file and line, what was found and what was expected.
+    Where the name of the file says that it is a part, the records are `Part`; see `join_parts`.
     """
     records = read_uncorrected(file, "renadic")
     alive = [record.acceleration.any() for record in records]
@@ -98,7 +76,7 @@ def read_renadic(file: SourceFile, options: ReadOptions) -> list[Record]:
 
 
 def _cut(part: int) -> str:
-    """The warning on a part; it goes where the parts are joined."""
+    """The warning on a part of a record, which is removed where the parts are joined."""
     return f"part {part} of a record that is cut into files: give all of them together"
 
 
@@ -113,31 +91,20 @@ def _part(record: Record, row: str, stem: str, name: re.Match[str]) -> Part:
 
 
 def join_parts(records: Sequence[Record]) -> list[Record]:
-    """Join the parts of records that were cut into files.
+    """Join the parts of records that were cut into files; the records are of any format, duplicates removed.
 
-    Parameters
-    ----------
-    records : sequence of Record
-        Records of any format, duplicates removed.
-
-    Returns
-    -------
-    list of Record
-        The others as they were, then the parts: joined where parts 1, 2, ... of one file name and station hold the
-        same channels and each begins one step behind the last sample of the one before, by the files' columns of times
-        or by their clocks; `source` and `source_sha256` name all of them. Else they stay apart, with a warning that
-        says why. A part alone stays as it was.
+    Returned are the others as they were, then the parts: joined where parts 1, 2, ... of one file name and station hold
+    the same channels and each begins one step behind the last sample of the one before, by the files' columns of times
+    or by their clocks; `source` and `source_sha256` name all of them. Else they stay apart, with a warning that says
+    why. A part alone stays as it was.
     """
     return [record for record, _ in whole_records(records)]
 
 
 def whole_records(records: Sequence[Record]) -> list[tuple[Record, tuple[Record, ...]]]:
-    """What :func:`join_parts` returns, each record with those of the given ones that it is made of, in their order.
+    """The records of :func:`join_parts`, each with the given records that it is made of, in their order.
 
-    Parameters
-    ----------
-    records : sequence of Record
-        As in :func:`join_parts`; nothing but the number of samples is asked of their accelerations.
+    Only the number of samples is used, not the samples.
     """
     result: list[tuple[Record, tuple[Record, ...]]] = [
         (record, (record,)) for record in records if not isinstance(record, Part)
@@ -158,7 +125,7 @@ def whole_records(records: Sequence[Record]) -> list[tuple[Record, tuple[Record,
 
 
 def _fault(parts: Sequence[Sequence[Part]]) -> str:
-    """Why the parts do not make one record; empty if they do, or if there is only one."""
+    """The reason why the parts do not make one record; empty if they do, or if there is only one."""
     if len(parts) < 2:
         return ""
     numbers = [part[0].part for part in parts]
@@ -181,7 +148,7 @@ def _fault(parts: Sequence[Sequence[Part]]) -> str:
 
 
 def _joined(pieces: Sequence[Part]) -> Record:
-    """One channel of the whole record, with what is known of its first part."""
+    """One channel of the whole record, with the metadata of its first part."""
     first, cuts = pieces[0], {_cut(piece.part) for piece in pieces}
     codes = (first.network, first.station, first.location, first.channel)
     notes = dict.fromkeys(note for piece in pieces for note in piece.warnings if note not in cuts)

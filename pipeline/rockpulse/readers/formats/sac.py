@@ -38,23 +38,10 @@ def is_sac(head: bytes, name: str) -> bool:
 
 
 def read_sac(file: SourceFile, options: ReadOptions) -> list[Record]:
-    """Read the one channel of a SAC file.
+    """Read the one channel of a SAC file; `options.units` is needed, because the header does not tell the unit.
 
-    Parameters
-    ----------
-    file : SourceFile
-        The file.
-    options : ReadOptions
-        `units` is needed, a key of `UNITS`: the header does not tell the unit.
-
-    Raises
-    ------
-    NotAcceleration
-        If the header declares velocity or displacement.
-    UnitError
-        No unit given.
-    RecordFormatError
-        Unequal spacing, fewer samples than declared, damaged bytes.
+    Raises NotAcceleration if the header declares velocity or displacement, UnitError without a unit, RecordFormatError
+    for unequal spacing, fewer samples than declared, or damaged bytes.
     """
     order = _byte_order(file.head)
     if order is None:
@@ -115,7 +102,7 @@ def read_sac(file: SourceFile, options: ReadOptions) -> list[Record]:
 
 
 def _check_coordinates(file: SourceFile, order: str) -> None:
-    """Obspy brings a longitude into its range by turns of 360 degrees, one by one: an absurd one never ends."""
+    """Refuse absurd longitudes: obspy brings them into range by turns of 360 degrees, one by one, and never ends."""
     for name, word in _COORDINATES.items():
         value = struct.unpack_from(f"{order}f", file.content, 4 * word)[0]
         if value != _UNDEFINED and not abs(value) <= 360.0:

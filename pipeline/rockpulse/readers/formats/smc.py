@@ -59,22 +59,7 @@ def is_smc(head: bytes, name: str) -> bool:
 
 
 def read_smc(file: SourceFile, options: ReadOptions) -> list[Record]:
-    """Read the one channel of the file.
-
-    Parameters
-    ----------
-    file : SourceFile
-        The file.
-    options : ReadOptions
-        Not used: the format states everything.
-
-    Raises
-    ------
-    NotAcceleration
-        For velocity, displacement and spectra.
-    RecordFormatError
-        With file and line, what was found and what was expected.
-    """
+    """Read the one channel of the file; raises NotAcceleration for velocity, displacement and spectra."""
     lines = text_lines(file.content)
     title = _TITLE.match(lines[0])
     if title is None:
@@ -145,7 +130,7 @@ def read_smc(file: SourceFile, options: ReadOptions) -> list[Record]:
 def _values(
     name: str, lines: Sequence[str], first: int, integers: np.ndarray, reals: np.ndarray, raw: bool
 ) -> tuple[np.ndarray, float, float, list[str]]:
-    """Samples, interval, peak as in the file, warnings; unequal steps of a raw digitised trace are resampled."""
+    """Samples, interval, peak as in the file, warnings; a raw digitised trace of unequal steps is resampled."""
     count = 0 if np.isnan(integers[16]) else int(integers[16])
     rate = reals[1]
     where = f"{name}:{_TEXT_LINES + _INTEGER_LINES + 1}"

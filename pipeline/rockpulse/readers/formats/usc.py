@@ -40,20 +40,7 @@ def is_usc_v2(head: bytes, name: str) -> bool:
 
 
 def read_usc_v1(file: SourceFile, options: ReadOptions) -> list[Record]:
-    """Read every channel.
-
-    Parameters
-    ----------
-    file : SourceFile
-        The file.
-    options : ReadOptions
-        Not used: the format states everything.
-
-    Raises
-    ------
-    RecordFormatError, UnitError
-        With file and line, what was found and what was expected.
-    """
+    """Read every channel; the options are not used, because the format states everything."""
     lines, spans = channels(file, _TITLE, "FILE N OF UNCORRECTED ACCELEROGRAM DATA")
     records = []
     for number, (start, end) in enumerate(spans, 1):
@@ -68,27 +55,12 @@ def read_usc_v1(file: SourceFile, options: ReadOptions) -> list[Record]:
 
 
 def read_usc_v2(file: SourceFile, options: ReadOptions) -> list[Record]:
-    """Read the acceleration of every channel.
-
-    Parameters
-    ----------
-    file : SourceFile
-        The file.
-    options : ReadOptions
-        Not used: the format states everything.
-
-    Raises
-    ------
-    NotAcceleration
-        Only velocity or displacement.
-    RecordFormatError, UnitError
-        With file and line, what was found and what was expected.
-    """
+    """Read the acceleration of every channel; raises NotAcceleration for a file of velocity or displacement only."""
     return read_corrected(file, "usc_v2", _header)
 
 
 def _header(lines: Sequence[str]) -> Header:
-    """What the 13 lines of text say."""
+    """The header from the 13 lines of text."""
     text = [line[:_WORDS].strip() for line in lines[:TEXT_LINES]]
     component, station = _COMPONENT.match(text[6]), _STATION.match(text[4])
     return Header(
