@@ -10,8 +10,8 @@ import numpy as np
 from rocking.response import Outcome
 from rockpulse.views.report.motions import Motions
 from rockpulse.views.report.standing import GRADES, WORDS, Body, Standing, lanes, standings, why_unknown
-from rockpulse.views.report.tables import Cell, Column, Table, proportion
 from rockpulse.views.shared.record_marks import doubts
+from rockpulse.views.shared.table import Cell, Heading, Table, number
 from rockpulse.views.shared.terminal import ABSENT, ratio, restitution
 from rockpulse.views.shared.verdict_notes import MARKED
 from rockpulse.views.text.capacity import factor_cell
@@ -33,15 +33,15 @@ _WORDS = {Outcome.AT_REST: "at rest", Outcome.OVERTURNS: "overturns", Outcome.UN
 _SORTED = {Outcome.AT_REST: 0.0, Outcome.OVERTURNS: math.inf, Outcome.UNRESOLVED: math.nan}
 
 
-def model_column(model: str) -> Column:
-    """The head of a column of a model.
+def model_column(model: str) -> Heading:
+    """The heading of a column of a model.
 
     Parameters
     ----------
     model : str
         Its name.
     """
-    return Column(model, note=UPPER_BOUND if model == "resonance" else "", numeric=True)
+    return Heading(model, note=UPPER_BOUND if model == "resonance" else "")
 
 
 class Answers:
@@ -110,7 +110,7 @@ class Answers:
     def demand(self, name: str, record: int, lane: int) -> Cell:
         """One of :data:`DEMANDS`."""
         table = self._demand[name]
-        return proportion(None if table is None else float(table[record, lane]))
+        return number(None if table is None else float(table[record, lane]), ratio)
 
     def answer(self, model: str, record: int, lane: int) -> Cell:
         """What a model answers: the largest rotation over alpha_c, or a word."""
@@ -161,16 +161,16 @@ def answer_table(answers: Answers) -> Table:
         The cells.
     """
     demands = [str(name) for name in answers.summary["demand"].values] if "demand" in answers.summary.dims else []
-    columns = (
-        Column("record"),
-        Column("body"),
-        Column("C", numeric=True),
-        Column("verdict", answers.model, numeric=True, words=True),
-        Column("SF", "safety factor", numeric=True),
-        *(Column("capacity/ demand", name, numeric=True) for name in demands),
-        Column("a/a_up", "PGA over uplift", numeric=True),
-        Column("p PGV/ (g tan α)", numeric=True),
-        Column("I/I_1c", numeric=True),
+    headings = (
+        Heading("record"),
+        Heading("body"),
+        Heading("C"),
+        Heading("verdict", note=answers.model),
+        Heading("SF", note="safety factor"),
+        *(Heading("capacity/ demand", note=name) for name in demands),
+        Heading("a/a_up", note="PGA over uplift"),
+        Heading("p PGV/ (g tan α)"),
+        Heading("I/I_1c"),
         *(model_column(model) for model in answers.models),
     )
     rows = []
@@ -189,7 +189,7 @@ def answer_table(answers: Answers) -> Table:
                 )
             )
     caption = "Every record on every body: largest rotation over the critical angle, by model"
-    return Table("answers", caption, columns, tuple(rows), searched=True)
+    return Table("answers", caption, headings, tuple(rows), searched=0)
 
 
 def count_table(answers: Answers, motions: Motions) -> Table:
@@ -202,10 +202,7 @@ def count_table(answers: Answers, motions: Motions) -> Table:
     motions : Motions
         What is counted: a motion overturns where one of its directions does.
     """
-    columns = (
-        Column("body"),
-        *(Column(head.title, head.note, numeric=True) for head in map(model_column, answers.models)),
-    )
+    headings = (Heading("body"), *map(model_column, answers.models))
     total = len(motions.names)
     rows = []
     for lane, body in enumerate(answers.bodies):
@@ -218,7 +215,7 @@ def count_table(answers: Answers, motions: Motions) -> Table:
             cells.append(Cell(f"{fallen} of {total}{more}", float(fallen)))
         rows.append(tuple(cells))
     caption = "How many overturn the body as they are, by each model"
-    return Table("counts", caption, columns, tuple(rows))
+    return Table("counts", caption, headings, tuple(rows))
 
 
 def record_table(answers: Answers, record: int) -> Table:
@@ -231,13 +228,13 @@ def record_table(answers: Answers, record: int) -> Table:
     record : int
         Row of /summary.
     """
-    columns = (
-        Column("body"),
-        Column("C", "restitution", numeric=True),
-        Column("a/a_up", "PGA over uplift", numeric=True),
-        Column("peak", f"θ_max/α_c, {answers.model}", numeric=True),
-        Column("SF", "safety factor", numeric=True),
-        Column("verdict", answers.model, numeric=True, words=True),
+    headings = (
+        Heading("body"),
+        Heading("C", note="restitution"),
+        Heading("a/a_up", note="PGA over uplift"),
+        Heading("peak", note=f"θ_max/α_c, {answers.model}"),
+        Heading("SF", note="safety factor"),
+        Heading("verdict", note=answers.model),
     )
     rows = tuple(
         (
@@ -250,4 +247,4 @@ def record_table(answers: Answers, record: int) -> Table:
         )
         for lane, body in enumerate(answers.bodies)
     )
-    return Table(f"record-{record}-bodies", "The bodies under this record", columns, rows)
+    return Table(f"record-{record}-bodies", "The bodies under this record", headings, rows)

@@ -18,9 +18,9 @@ from rockpulse.views.report.remarks import Remark, remarks
 from rockpulse.views.report.site_part import SitePart, describe_site
 from rockpulse.views.report.standing import bodies_of
 from rockpulse.views.report.statements import counted_by, headline
-from rockpulse.views.report.tables import Fact, Table
 from rockpulse.views.report.verdict import BodyVerdict, verdicts
 from rockpulse.views.report.verdict_rows import verdict_table
+from rockpulse.views.shared.table import Fact, Table
 from rockpulse.views.text.overview import fullest_model
 
 if TYPE_CHECKING:

@@ -7,10 +7,9 @@ import tomllib
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from rockpulse.views.report.motions import several
 from rockpulse.views.report.pairing import Paired, listed
-from rockpulse.views.report.tables import Cell, Column, Table
-from rockpulse.views.shared.terminal import ABSENT, ratio
+from rockpulse.views.shared.table import Cell, Heading, Table
+from rockpulse.views.shared.terminal import ABSENT, ratio, several
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -117,16 +116,16 @@ def _differences(of: Paired, assessed: int, model: str) -> list[str]:
 
 
 def _medians(own: xr.Dataset, confidence: float) -> Table:
-    columns = (
-        Column("body"),
-        Column("limit state"),
-        Column("median", numeric=True),
-        Column("low", f"{confidence:.0%}", numeric=True),
-        Column("high", f"{confidence:.0%}", numeric=True),
-        Column("β", "of ln capacity", numeric=True),
-        Column("reached", "of the observations", numeric=True),
-        Column("records", numeric=True),
-        Column("earthquakes", numeric=True),
+    headings = (
+        Heading("body"),
+        Heading("limit state"),
+        Heading("median"),
+        Heading("low", note=f"{confidence:.0%}"),
+        Heading("high", note=f"{confidence:.0%}"),
+        Heading("β", note="of ln capacity"),
+        Heading("reached", note="of the observations"),
+        Heading("records"),
+        Heading("earthquakes"),
     )
     rows = []
     for block in own["block"].values:
@@ -147,7 +146,7 @@ def _medians(own: xr.Dataset, confidence: float) -> Table:
             )
     beyond = " !: extrapolated beyond every level looked at." if any("!" in row[2].text for row in rows) else ""
     caption = f"Median and dispersion; limits over earthquakes ({ABSENT}: not known, see the remarks).{beyond}"
-    return Table("fragility-medians", caption, columns, tuple(rows), searched=len(rows) > 20)
+    return Table("fragility-medians", caption, headings, tuple(rows))
 
 
 def _state(name: str) -> str:
@@ -164,5 +163,5 @@ def _remarks(own: xr.Dataset) -> Table:
             if said:
                 found.setdefault(said, []).append(_state(str(state)))
         rows += [(Cell(str(block)), Cell(", ".join(states)), Cell(said)) for said, states in found.items()]
-    columns = (Column("body"), Column("limit states"), Column("remark"))
-    return Table("fragility-remarks", "Remarks on the curves", columns, tuple(rows), searched=len(rows) > 20)
+    headings = (Heading("body"), Heading("limit states"), Heading("remark"))
+    return Table("fragility-remarks", "Remarks on the curves", headings, tuple(rows))

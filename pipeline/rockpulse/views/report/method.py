@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from rockpulse.record.components import VERTICAL_NOTE
 from rockpulse.views.report.answers import UPPER_BOUND
-from rockpulse.views.report.tables import Fact
+from rockpulse.views.shared.table import Fact
 
 if TYPE_CHECKING:
     import xarray as xr

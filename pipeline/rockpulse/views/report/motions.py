@@ -10,12 +10,13 @@ import numpy as np
 from rockpulse.assessment.events import UNKNOWN
 from rockpulse.views.report.events import events_of
 from rockpulse.views.report.standing import Standing
-from rockpulse.views.report.tables import Cell, Column, Table
+from rockpulse.views.shared.table import Cell, Heading, Table
+from rockpulse.views.shared.terminal import several
 
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["Motions", "event_table", "motions_of", "several"]
+__all__ = ["Motions", "event_table", "motions_of"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -125,29 +126,7 @@ def event_table(motions: Motions) -> Table:
         (Cell(event), Cell(str(len(names)), float(len(names))), Cell(", ".join(names)))
         for event, names in of_event.items()
     )
-    heads = (Column("earthquake"), Column("motions", numeric=True), Column("which"))
+    headings = (Heading("earthquake"), Heading("motions"), Heading("which"))
     return Table(
-        "earthquakes", "Earthquakes that the motions are counted to, by the table, by name and by time", heads, rows
+        "earthquakes", "Earthquakes that the motions are counted to, by the table, by name and by time", headings, rows
     )
-
-
-def several(count: int, noun: str) -> str:
-    """A number and what is counted.
-
-    Parameters
-    ----------
-    count : int
-        How many.
-    noun : str
-        Of what, in the singular.
-
-    Examples
-    --------
-    >>> several(1, "body"), several(2, "body"), several(0, "pair of channels"), several(2, "record")
-    ('1 body', '2 bodies', '0 pairs of channels', '2 records')
-    """
-    if count == 1:
-        return f"1 {noun}"
-    head, of, tail = noun.partition(" of ")
-    plural = f"{head[:-1]}ies" if head.endswith("y") else f"{head}s"
-    return f"{count} {plural}{of}{tail}"

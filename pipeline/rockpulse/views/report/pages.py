@@ -11,9 +11,9 @@ import numpy as np
 from rockpulse.views.report.answers import Answers, record_table
 from rockpulse.views.report.standing import Body
 from rockpulse.views.report.statements import acceleration
-from rockpulse.views.report.tables import Cell, Column, Fact, Table
 from rockpulse.views.report.verdict import BodyVerdict
 from rockpulse.views.report.verdict_rows import grade_cell
+from rockpulse.views.shared.table import Cell, Fact, Heading, Table
 from rockpulse.views.shared.terminal import ABSENT, figure, restitution
 from rockpulse.views.text.overview import peak_velocity, value
 
@@ -173,14 +173,14 @@ def _governing(answers: Answers, own: list[int], place: int) -> Table:
         known = math.inf if factor is None or math.isnan(factor) else factor
         return known, -float(answers.standing[pair])
 
-    columns = (
-        Column("record"),
-        *((Column("C", "restitution", numeric=True),) if len(own) > 1 else ()),
-        Column("PGA [g]", numeric=True),
-        Column("a/a_up", "PGA over uplift", numeric=True),
-        Column("peak", f"θ_max/α_c, {answers.model}", numeric=True),
-        Column("SF", "safety factor", numeric=True),
-        Column("verdict", answers.model, numeric=True, words=True),
+    headings = (
+        Heading("record"),
+        *((Heading("C", note="restitution"),) if len(own) > 1 else ()),
+        Heading("PGA [g]"),
+        Heading("a/a_up", note="PGA over uplift"),
+        Heading("peak", note=f"θ_max/α_c, {answers.model}"),
+        Heading("SF", note="safety factor"),
+        Heading("verdict", note=answers.model),
     )
     rows = []
     for record, lane in sorted(pairs, key=order)[:GOVERNING]:
@@ -198,7 +198,7 @@ def _governing(answers: Answers, own: list[int], place: int) -> Table:
             )
         )
     caption = "The records of smallest safety factor" if len(pairs) > GOVERNING else "The body under each record"
-    return Table(f"body-{place}-records", caption, columns, tuple(rows))
+    return Table(f"body-{place}-records", caption, headings, tuple(rows))
 
 
 def _of_record(summary: xr.Dataset, record: str, event: str) -> tuple[Fact, ...]:

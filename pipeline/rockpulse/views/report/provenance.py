@@ -6,7 +6,7 @@ import hashlib
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from rockpulse.views.report.tables import Cell, Column, Fact, Table
+from rockpulse.views.shared.table import Cell, Fact, Heading, Table
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -50,8 +50,8 @@ def input_table(summary: xr.Dataset) -> Table:
     for row in zip(*columns, strict=True):
         found[row] = found.get(row, 0) + 1
     rows = tuple((*(Cell(str(word)) for word in row), Cell(str(count), float(count))) for row, count in found.items())
-    heads = (Column("file"), Column("SHA-256"), Column("format"), Column("records", numeric=True))
-    return Table("inputs", "Files that were assessed", heads, rows, searched=len(rows) > 20)
+    headings = (Heading("file"), Heading("SHA-256"), Heading("format"), Heading("records"))
+    return Table("inputs", "Files that were assessed", headings, rows)
 
 
 def failure_table(tree: xr.DataTree) -> Table:
@@ -71,10 +71,8 @@ def failure_table(tree: xr.DataTree) -> Table:
         (Cell(kind, grade="bad" if kind == "failed" else ""), Cell(stage), Cell(file), Cell(reason))
         for kind, stage, file, reason in rows
     )
-    heads = (Column("kind"), Column("step"), Column("file"), Column("reason"))
-    return Table(
-        "failures", "Files and channels that are not part of the verdict", heads, cells, searched=len(cells) > 20
-    )
+    headings = (Heading("kind"), Heading("step"), Heading("file"), Heading("reason"))
+    return Table("failures", "Files and channels that are not part of the verdict", headings, cells)
 
 
 def warning_table(summary: xr.Dataset) -> Table:
@@ -92,8 +90,8 @@ def warning_table(summary: xr.Dataset) -> Table:
         for place, (label, text) in enumerate(zip(summary[kind].values, summary[name].values, strict=True)):
             key = f"{'body' if kind == 'block' else 'record'}-{place}"
             rows += [(Cell(str(label), link=key), Cell(line)) for line in str(text).splitlines() if line]
-    heads = (Column("of"), Column("warning"))
-    return Table("warnings", "Warnings", heads, tuple(rows), searched=len(rows) > 20)
+    headings = (Heading("of"), Heading("warning"))
+    return Table("warnings", "Warnings", headings, tuple(rows))
 
 
 def versions(tree: xr.DataTree) -> tuple[Fact, ...]:

@@ -11,15 +11,14 @@ import numpy as np
 from rockpulse.storage.variables import NOT_COMPARED
 from rockpulse.views.report.answers import UPPER_BOUND
 from rockpulse.views.report.events import CONFIDENCE, FEWEST_EVENTS, largest_share
-from rockpulse.views.report.motions import Motions, several
+from rockpulse.views.report.motions import Motions
 from rockpulse.views.report.pairing import listed
 from rockpulse.views.report.site_part import coverage_of
 from rockpulse.views.report.standing import Standing
 from rockpulse.views.report.statements import noun, of_bodies
-from rockpulse.views.report.tables import share
 from rockpulse.views.report.verdict import BodyVerdict, Grade
 from rockpulse.views.shared.record_marks import doubt_notes, doubts
-from rockpulse.views.shared.terminal import figure, ratio
+from rockpulse.views.shared.terminal import figure, ratio, several, share
 from rockpulse.views.text.capacity import thin_margin
 
 if TYPE_CHECKING:

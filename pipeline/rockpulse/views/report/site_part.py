@@ -6,10 +6,9 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from rockpulse.views.report.motions import several
 from rockpulse.views.report.pairing import Paired, listed
-from rockpulse.views.report.tables import Cell, Column, Table, number, share
-from rockpulse.views.shared.terminal import ABSENT, figure, ratio, restitution
+from rockpulse.views.shared.table import Cell, Heading, Table, number
+from rockpulse.views.shared.terminal import ABSENT, figure, ratio, restitution, several, share
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -120,13 +119,13 @@ def coverage_of(site: xr.Dataset) -> str:
 
 
 def _parameters(site: xr.Dataset) -> Table:
-    columns = (
-        Column("parameter"),
-        Column("unit"),
-        *(Column(title, numeric=True) for title in ("median", "median, low", "median, high")),
-        *(Column(title, "of the logarithm", numeric=True) for title in ("dispersion", "low", "high")),
-        *(Column(f"{percent} %", "of the records", numeric=True) for percent in (16, 50, 84)),
-        Column("design", numeric=True),
+    headings = (
+        Heading("parameter"),
+        Heading("unit"),
+        *(Heading(title) for title in ("median", "median, low", "median, high")),
+        *(Heading(title, note="of the logarithm") for title in ("dispersion", "low", "high")),
+        *(Heading(f"{percent} %", note="of the records") for percent in (16, 50, 84)),
+        Heading("design"),
     )
     names = ("median", "median_lower", "median_upper", "dispersion", "dispersion_lower", "dispersion_upper")
     rows = []
@@ -136,15 +135,15 @@ def _parameters(site: xr.Dataset) -> Table:
         unit = _UNITS.get(str(one["parameter_unit"].item()), str(one["parameter_unit"].item()))
         rows.append((Cell(str(one["parameter_name"].item()).split(";")[0]), Cell(unit), *map(number, values)))
     caption = f"Parameters of the sequence, lognormal; intervals of {float(site['confidence']):.0%}, clustered by event"
-    return Table("site-parameters", caption, columns, tuple(rows))
+    return Table("site-parameters", caption, headings, tuple(rows))
 
 
 def _blocks(site: xr.Dataset) -> Table:
-    columns = (
-        Column("block"),
-        Column("C", "restitution", numeric=True),
-        Column("under the design", "θ_max/α_c", numeric=True, words=True),
-        Column("coverage", "its event left out", numeric=True),
+    headings = (
+        Heading("block"),
+        Heading("C", note="restitution"),
+        Heading("under the design", note="θ_max/α_c"),
+        Heading("coverage", note="its event left out"),
     )
     rows = []
     for name in site["block"].values:
@@ -159,14 +158,14 @@ def _blocks(site: xr.Dataset) -> Table:
                 Cell(share(covered), covered),
             )
         )
-    return Table("site-blocks", "The blocks under the design sequence", columns, tuple(rows), searched=len(rows) > 20)
+    return Table("site-blocks", "The blocks under the design sequence", headings, tuple(rows))
 
 
 def _events(site: xr.Dataset) -> Table:
-    columns = (
-        Column("earthquake"),
-        Column("records", numeric=True),
-        Column("coverage", "by the design made without it", numeric=True),
+    headings = (
+        Heading("earthquake"),
+        Heading("records"),
+        Heading("coverage", note="by the design made without it"),
     )
     rows = [
         (Cell(str(name)), Cell(str(count), float(count)), Cell(share(float(covered)), float(covered)))
@@ -174,17 +173,17 @@ def _events(site: xr.Dataset) -> Table:
             site["site_event"].values, site["event_records"].values, site["event_coverage"].values, strict=True
         )
     ]
-    return Table("site-events", "Earthquakes of the calibration", columns, tuple(rows))
+    return Table("site-events", "Earthquakes of the calibration", headings, tuple(rows))
 
 
 def _every_record(site: xr.Dataset) -> Table:
-    columns = (
-        Column("record"),
-        Column("earthquake"),
-        *(Column(title, numeric=True) for title in ("weight", "factor", "PGA [m/s²]", "PGV [m/s]")),
-        *(Column(title, numeric=True) for title in ("I [m/s]", "I_s/I", "ΔT [s]", "main impulses", "duration [s]")),
-        Column("misfit", "ln, rms", numeric=True),
-        Column("below recorded", "share of blocks", numeric=True),
+    headings = (
+        Heading("record"),
+        Heading("earthquake"),
+        *(Heading(title) for title in ("weight", "factor", "PGA [m/s²]", "PGV [m/s]")),
+        *(Heading(title) for title in ("I [m/s]", "I_s/I", "ΔT [s]", "main impulses", "duration [s]")),
+        Heading("misfit", note="ln, rms"),
+        Heading("below recorded", note="share of blocks"),
     )
     rows = []
     for place, name in enumerate(site["record"].values):
@@ -201,7 +200,7 @@ def _every_record(site: xr.Dataset) -> Table:
             )
         )
     caption = "Records of the calibration and the sequence of each"
-    return Table("site-records", caption, columns, tuple(rows), searched=len(rows) > 20)
+    return Table("site-records", caption, headings, tuple(rows))
 
 
 def _number(value: float) -> str:

@@ -7,10 +7,10 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from rockpulse.views.report.answers import UPPER_BOUND
-from rockpulse.views.report.motions import Motions, several
+from rockpulse.views.report.motions import Motions
 from rockpulse.views.report.pairing import listed
 from rockpulse.views.report.verdict import BodyVerdict, DemandVerdict, Grade
-from rockpulse.views.shared.terminal import figure, ratio
+from rockpulse.views.shared.terminal import figure, ratio, several
 
 if TYPE_CHECKING:
     import xarray as xr

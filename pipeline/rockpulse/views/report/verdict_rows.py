@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING
 from rockpulse.views.report.events import CONFIDENCE, FEWEST_EVENTS
 from rockpulse.views.report.motions import Motions
 from rockpulse.views.report.standing import Standing
-from rockpulse.views.report.tables import Cell, Column, Table, share
 from rockpulse.views.report.verdict import BodyVerdict, DemandVerdict, Grade
 from rockpulse.views.shared.record_marks import doubts
-from rockpulse.views.shared.terminal import ABSENT, figure, restitution
+from rockpulse.views.shared.table import Cell, Heading, Table
+from rockpulse.views.shared.terminal import ABSENT, figure, restitution, share
 from rockpulse.views.text.capacity import factor_cell
 
 if TYPE_CHECKING:
@@ -80,18 +80,18 @@ def verdict_table(summary: xr.Dataset, found: Sequence[BodyVerdict], motions: Mo
     names = [name + mark for name, mark in doubts(summary).items()]
     with_events = motions.kind != "sequence"
     demands = [] if not found else [one.name for one in found[0].demands]
-    columns = (
-        Column("body"),
-        Column("C", numeric=True),
-        Column("verdict", model, numeric=True, words=True),
-        Column("smallest SF", "safety factor", numeric=True),
-        Column("under"),
-        Column("median SF", numeric=True),
-        *(Column(f"capacity/demand: {name}", _asked(summary, name), numeric=True, words=True) for name in demands),
-        Column("over\u00adturned", "as it is", numeric=True),
-        Column("by weaker", numeric=True),
-        Column("not known", numeric=True),
-        Column("not lifted", numeric=True),
+    headings = (
+        Heading("body"),
+        Heading("C"),
+        Heading("verdict", note=model),
+        Heading("smallest SF", note="safety factor"),
+        Heading("under"),
+        Heading("median SF"),
+        *(Heading(f"capacity/demand: {name}", note=_asked(summary, name)) for name in demands),
+        Heading("over\u00adturned", note="as it is"),
+        Heading("by weaker"),
+        Heading("not known"),
+        Heading("not lifted"),
         *(_event_columns(motions) if with_events else ()),
     )
     kinds = (Standing.OVERTURNS, Standing.WEAKER_OVERTURNS, Standing.UNKNOWN)
@@ -113,18 +113,18 @@ def verdict_table(summary: xr.Dataset, found: Sequence[BodyVerdict], motions: Mo
             )
         )
     caption = f"Verdict on each body under {motions.counted()}; counts are of {_plural(motions)}"
-    return Table("verdict-bodies", caption, columns, tuple(rows), searched=len(rows) > FEW)
+    return Table("verdict-bodies", caption, headings, tuple(rows), searched=FEW)
 
 
 def _plural(motions: Motions) -> str:
     return {"record": "records", "pair": "pairs of channels", "sequence": "sequences"}[motions.kind]
 
 
-def _event_columns(motions: Motions) -> tuple[Column, ...]:
-    hit = Column("earth\u00adquakes", "that do, or may", numeric=True)
+def _event_columns(motions: Motions) -> tuple[Heading, ...]:
+    hit = Heading("earth\u00adquakes", note="that do, or may")
     if motions.event_count < FEWEST_EVENTS:
         return (hit,)
-    return hit, Column("of others, at most", f"{CONFIDENCE:.0%} confidence", numeric=True)
+    return hit, Heading("of others, at most", note=f"{CONFIDENCE:.0%} confidence")
 
 
 def _event_cells(one: BodyVerdict, motions: Motions) -> tuple[Cell, ...]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import base64
 import hashlib
+import re
 from datetime import UTC, datetime
 from importlib.resources import files
 from pathlib import Path
@@ -19,7 +20,7 @@ from rockpulse.views.report.content import gather
 from rockpulse.views.report.pairing import paired
 from rockpulse.views.report.pictures import Pictures
 from rockpulse.views.report.provenance import hash_of
-from rockpulse.views.report.tables import Fact
+from rockpulse.views.shared.table import Fact
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -31,6 +32,17 @@ MARK = '<meta name="generator" content="rockpulse report'
 
 #: Bytes of a file that are searched for the mark.
 HEAD = 4096
+
+#: What a page shows for words of the terminal.
+LETTERS = {
+    "theta_max": "θ_max",
+    "alpha_c": "α_c",
+    "theta": "θ",
+    "alpha": "α",
+    "beta": "β",
+    "dT": "ΔT",
+    "m/s2": "m/s²",
+}
 
 
 def write_report(
@@ -153,6 +165,7 @@ def report_page(
         trim_blocks=True,
         lstrip_blocks=True,
     )
+    environment.filters["typeset"] = typeset
     script = _text("report.js")
     return environment.get_template("report.html").render(
         content=content,
@@ -164,6 +177,17 @@ def report_page(
         version=__version__,
         written=f"{datetime.now(UTC):%Y-%m-%d %H:%M} UTC",
     )
+
+
+def typeset(words: str) -> str:
+    """Words of the terminal with the Greek letters and the powers that a page can show.
+
+    Examples
+    --------
+    >>> typeset("theta_max/alpha_c, PGA [m/s2], dT [s]")
+    'θ_max/α_c, PGA [m/s²], ΔT [s]'
+    """
+    return re.sub(rf"\b({'|'.join(LETTERS)})\b", lambda found: LETTERS[found[0]], words)
 
 
 def _loaded(source: xr.DataTree | str | Path, kind: str) -> xr.DataTree:

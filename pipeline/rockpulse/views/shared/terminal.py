@@ -16,6 +16,8 @@ __all__ = [
     "ratio",
     "restitution",
     "rough",
+    "several",
+    "share",
     "shortened",
 ]
 
@@ -143,6 +145,32 @@ def figure(value: float, unit: str = "") -> str:
     if math.isnan(value):
         return ABSENT
     return f"{value:.3g} {unit}".rstrip()
+
+
+def share(value: float) -> str:
+    """A share in whole percent; a dash where it is not known.
+
+    Examples
+    --------
+    >>> share(0.5358), share(float("nan"))
+    ('54 %', '-')
+    """
+    return ABSENT if math.isnan(value) else f"{100.0 * value:.0f} %"
+
+
+def several(count: int, noun: str) -> str:
+    """A number and what is counted, the noun in the singular.
+
+    Examples
+    --------
+    >>> several(1, "body"), several(2, "body"), several(0, "pair of channels"), several(2, "record")
+    ('1 body', '2 bodies', '0 pairs of channels', '2 records')
+    """
+    if count == 1:
+        return f"1 {noun}"
+    head, of, tail = noun.partition(" of ")
+    plural = f"{head[:-1]}ies" if head.endswith("y") else f"{head}s"
+    return f"{count} {plural}{of}{tail}"
 
 
 def shortened(words: str, width: int) -> str:

@@ -10,11 +10,12 @@ from report_cases import motions, summary_of, verdict
 from rocking.response import Outcome
 from rockpulse.assessment.events import UNKNOWN
 from rockpulse.views.report.events import largest_share
-from rockpulse.views.report.motions import motions_of, several
+from rockpulse.views.report.motions import motions_of
 from rockpulse.views.report.standing import Standing
 from rockpulse.views.report.statements import headline
 from rockpulse.views.report.verdict import Grade
 from rockpulse.views.report.verdict_rows import grade_cell, verdict_table
+from rockpulse.views.shared.terminal import several
 
 
 def test_smallest_median_and_governing_record():

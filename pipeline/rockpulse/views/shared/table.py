@@ -1,0 +1,158 @@
+"""Tables as data: built once, and laid out for the terminal here and for HTML by the templates of the report."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+from typing import NamedTuple
+
+from rockpulse.views.shared.terminal import figure, paragraph, shortened
+
+__all__ = ["Cell", "Fact", "Heading", "Mark", "Table", "lines", "number", "text"]
+
+
+class Mark(NamedTuple):
+    """A sign at a cell, and the note below the table that says what the sign means.
+
+    The sign stands behind the text of the cell, or before it; a sign that is a word begins with a blank.
+    """
+
+    sign: str
+    note: str
+    before: bool = False
+
+
+class Cell(NamedTuple):
+    """What stands in a cell, without its marks; ``value`` is what the cell is sorted by, NaN comes last.
+
+    ``grade`` is one of "", "good", "fair", "unknown" and "bad"; a bad text is in capitals on the terminal. ``link`` is
+    the id of the part of the report that the cell leads to.
+    """
+
+    text: str
+    value: float | None = None
+    marks: tuple[Mark, ...] = ()
+    grade: str = ""
+    link: str = ""
+
+    @property
+    def before(self) -> str:
+        """The signs before the text."""
+        return "".join(mark.sign for mark in self.marks if mark.before)
+
+    @property
+    def after(self) -> str:
+        """The signs behind the text."""
+        return "".join(mark.sign for mark in self.marks if not mark.before)
+
+    @property
+    def marked(self) -> str:
+        """The text with its signs."""
+        return f"{self.before}{self.text}{self.after}"
+
+
+class Heading(NamedTuple):
+    """The heading of a column: small print below it in the report, longest text of its cells on the terminal."""
+
+    title: str
+    unit: str = ""
+    note: str = ""
+    width: int | None = None
+
+    @property
+    def label(self) -> str:
+        """Title and unit."""
+        return f"{self.title} [{self.unit}]" if self.unit else self.title
+
+
+@dataclass(frozen=True)
+class Table:
+    """Headings, rows of as many cells, and notes; ``key`` is the id of the table in the report.
+
+    A table of more than ``searched`` rows has a field in the report to filter them.
+    """
+
+    key: str
+    caption: str
+    headings: tuple[Heading, ...]
+    rows: tuple[tuple[Cell, ...], ...]
+    remarks: tuple[str, ...] = ()
+    searched: int = 20
+
+    def __post_init__(self) -> None:
+        wrong = [place for place, row in enumerate(self.rows) if len(row) != len(self.headings)]
+        if wrong:
+            raise ValueError(f"table {self.key}: row {wrong[0]} has not {len(self.headings)} cells")
+
+    @cached_property
+    def numeric(self) -> tuple[bool, ...]:
+        """Which columns are sorted by the values of their cells."""
+        return tuple(any(row[place].value is not None for row in self.rows) for place in range(len(self.headings)))
+
+    @cached_property
+    def flush_right(self) -> tuple[bool, ...]:
+        """Which columns of the report are numbers; those with grades are read as words, also where they are sorted."""
+        graded = (any(row[place].grade for row in self.rows) for place in range(len(self.headings)))
+        return tuple(numeric and not words for numeric, words in zip(self.numeric, graded, strict=True))
+
+    @cached_property
+    def notes(self) -> tuple[str, ...]:
+        """The remarks of the table, then what the marks mean that occur in it, in the order of their appearance."""
+        marks = dict.fromkeys(mark for row in self.rows for cell in row for mark in cell.marks)
+        return *self.remarks, *(mark.note for mark in marks)
+
+
+@dataclass(frozen=True)
+class Fact:
+    """A name and what is known under it, one line or several."""
+
+    name: str
+    lines: tuple[str, ...]
+
+
+def number(
+    value: float | None, show: Callable[[float], str] = figure, marks: tuple[Mark, ...] = (), link: str = ""
+) -> Cell:
+    """A cell of a number, with the marks only where the number is known.
+
+    Examples
+    --------
+    >>> number(5.5574).text, number(None).text, number(3, str).text
+    ('5.56', '-', '3')
+    """
+    known = math.nan if value is None else value
+    return Cell(show(known), known, () if math.isnan(known) else marks, link=link)
+
+
+def lines(table: Table) -> list[str]:
+    """The headings and the rows with aligned columns: numbers flush right, their marks hanging; words flush left.
+
+    Examples
+    --------
+    >>> far = Mark("!", "!: far")
+    >>> lines(Table("", "", (Heading("wall"), Heading("I", "m/s")), ((Cell("a"), number(0.4, marks=(far,))),)))
+    ['wall  I [m/s]', 'a         0.4!']
+    """
+    columns = []
+    for place, heading in enumerate(table.headings):
+        numeric = table.numeric[place]
+        cells = [row[place] for row in table.rows]
+        hanging = max((len(cell.after) for cell in cells), default=0) if numeric else 0
+        words = [cell.before + _plain(cell, heading.width) + cell.after.ljust(hanging) for cell in cells]
+        words.insert(0, heading.label.replace("\N{SOFT HYPHEN}", "") + " " * hanging)
+        width = max(map(len, words))
+        columns.append([word.rjust(width) if numeric else word.ljust(width) for word in words])
+    return ["  ".join(row).rstrip() for row in zip(*columns, strict=True)]
+
+
+def text(table: Table) -> str:
+    """The table for the terminal: caption, indented rows, notes."""
+    rows = ["  " + line for line in lines(table)]
+    return "\n".join([paragraph(f"{table.caption}:"), *rows, *(paragraph(note, "  ") for note in table.notes)])
+
+
+def _plain(cell: Cell, width: int | None) -> str:
+    shown = cell.text if width is None else shortened(cell.text, width)
+    return shown.upper() if cell.grade == "bad" else shown

@@ -1,0 +1,59 @@
+import math
+
+import pytest
+
+from rockpulse.views.shared.table import Cell, Heading, Mark, Table, lines, number, text
+from rockpulse.views.shared.terminal import ratio
+
+FAR = Mark("!", "!: beyond every level looked at.")
+LEAST = Mark(">", ">: at least so much.", before=True)
+ODD = Mark(" (odd)", "(odd): look at it.")
+HEADINGS = (Heading("wall", width=9), Heading("median", "m/s"), Heading("verdict"))
+
+
+def table(*rows, **more):
+    return Table("walls", "Every wall", HEADINGS, rows, **more)
+
+
+def test_numbers_are_flush_right_with_hanging_marks_and_words_flush_left():
+    made = table(
+        (Cell("a wall of a long name", marks=(ODD,)), number(0.412, ratio, (FAR,)), Cell("stands")),
+        (Cell("b"), number(24.6, ratio, (LEAST,)), Cell("overturns", 1.0, grade="bad")),
+    )
+    assert lines(made) == [
+        "wall             median [m/s]     verdict",
+        "a wa…name (odd)          0.41!     stands",
+        "b                       >24.6   OVERTURNS",
+    ]
+
+
+def test_only_marks_that_occur_are_explained_and_each_once_behind_the_remarks():
+    rows = (
+        (Cell("a"), number(0.4, ratio, (FAR,)), Cell("")),
+        (Cell("b", marks=(ODD,)), number(0.5, ratio, (FAR,)), Cell("")),
+    )
+    made = table(*rows, remarks=("Of the wall.",))
+    assert made.notes == ("Of the wall.", FAR.note, ODD.note)
+    assert text(made).splitlines()[0] == "Every wall:"
+    assert text(made).splitlines()[-3:] == ["  Of the wall.", f"  {FAR.note}", f"  {ODD.note}"]
+
+
+def test_an_absent_number_bears_no_mark_and_is_sorted_last():
+    absent = number(None, ratio, (FAR,))
+    assert (absent.text, absent.marks) == ("-", ())
+    assert math.isnan(absent.value)
+
+
+def test_columns_are_sorted_by_their_values_and_flush_right_without_grades():
+    made = table((Cell("a"), number(1.0), Cell("safe", 0.0, grade="good")))
+    assert made.numeric == (False, True, True)
+    assert made.flush_right == (False, True, False)
+
+
+def test_a_table_without_rows_shows_its_headings():
+    assert lines(table()) == ["wall  median [m/s]  verdict"]
+
+
+def test_rows_of_another_length_are_refused():
+    with pytest.raises(ValueError, match="table walls: row 1 has not 3 cells"):
+        table((Cell("a"), Cell("b"), Cell("c")), (Cell("a"),))
