@@ -9,16 +9,19 @@ import numpy as np
 from rockpulse.views.report.answers import UPPER_BOUND, Answers
 from rockpulse.views.report.motions import Motions
 from rockpulse.views.shared.record_marks import doubt_notes
-from rockpulse.views.shared.verdict_notes import BEYOND_CRITICAL, MARK_NOTES, beyond_critical
+from rockpulse.views.shared.verdict_notes import (
+    BEYOND_CRITICAL,
+    ESTIMATE,
+    NO_ANSWER,
+    OUTSIDE,
+    UNPREDICTABLE,
+    beyond_critical,
+)
 from rockpulse.views.text.capacity import BEYOND, factor_cell, passed_over, search_limit
 
 __all__ = ["table_notes"]
 
-_MARKS = {
-    **MARK_NOTES,
-    "!": "!: from this factor on the model cannot answer, as in free flight: a lower bound; below it no overturning "
-    "was found.",
-}
+_MARKS = (OUTSIDE, UNPREDICTABLE, ESTIMATE, NO_ANSWER)
 
 
 def table_notes(answers: Answers, motions: Motions) -> list[str]:
@@ -45,7 +48,7 @@ def table_notes(answers: Answers, motions: Motions) -> list[str]:
             "says that the body may be unsafe, nothing more."
         )
     marks = answers.marked()
-    notes += [words for mark, words in _MARKS.items() if mark in marks]
+    notes += [mark.note for mark in _MARKS if mark.sign in marks]
     if motions.kind == "pair":
         notes.append(
             "Every direction of a sweep is a record of the tables; the verdict takes each pair of channels once, in "

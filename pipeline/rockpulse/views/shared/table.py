@@ -14,7 +14,7 @@ __all__ = ["Cell", "Fact", "Heading", "Mark", "Table", "lines", "number", "text"
 
 
 class Mark(NamedTuple):
-    """A sign at a cell, and the note below the table that says what the sign means.
+    """A sign at a cell, and the note below the table that says what the sign means; empty where it is told elsewhere.
 
     The sign stands behind the text of the cell, or before it; a sign that is a word begins with a blank.
     """
@@ -100,8 +100,8 @@ class Table:
     @cached_property
     def notes(self) -> tuple[str, ...]:
         """The remarks of the table, then what the marks mean that occur in it, in the order of their appearance."""
-        marks = dict.fromkeys(mark for row in self.rows for cell in row for mark in cell.marks)
-        return *self.remarks, *(mark.note for mark in marks)
+        notes = dict.fromkeys(mark.note for row in self.rows for cell in row for mark in cell.marks if mark.note)
+        return *self.remarks, *notes
 
 
 @dataclass(frozen=True)

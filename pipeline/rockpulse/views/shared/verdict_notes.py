@@ -9,23 +9,48 @@ import numpy as np
 from rocking.response import Outcome, Reason
 from rockpulse.storage.hdf5_reader import flag_words
 from rockpulse.views.shared.record_marks import doubt_notes, doubts
+from rockpulse.views.shared.table import Mark
 from rockpulse.views.shared.terminal import lower_bound, rough
 
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["BEYOND_CRITICAL", "MARKED", "MARK_NOTES", "beyond_critical", "verdict_notes"]
+__all__ = [
+    "BEYOND_CRITICAL",
+    "ESTIMATE",
+    "MARKED",
+    "NONE_UP_TO",
+    "NO_ANSWER",
+    "OUTSIDE",
+    "SO_FAR",
+    "UNPREDICTABLE",
+    "beyond_critical",
+    "verdict_notes",
+]
 
 #: How a peak is shown that `auto` took from one of these.
 MARKED = {"impulsive": rough, "settled": lower_bound}
 
-#: What a mark at a peak means.
-MARK_NOTES = {
-    "*": "*: outside the range of this model (slenderness below 3, or a body unlike those of the rule's fit); read "
-    "with caution.",
-    "?": "?: not predictable: another answer when C or the record changes in the ninth digit.",
-    "~": "Peaks of auto: ~0.06 an estimate from impulses; >0.12 the peak so far, when the verdict was sure.",
-}
+#: Marks at a peak, at a safety factor, or at a capacity.
+OUTSIDE = Mark(
+    "*",
+    "*: outside the range of this model (slenderness below 3, or a body unlike those of the rule's fit); read with "
+    "caution.",
+)
+UNPREDICTABLE = Mark("?", "?: not predictable: another answer when C or the record changes in the ninth digit.")
+_OF_AUTO = "Peaks of auto: ~0.06 an estimate from impulses; >0.12 the peak so far, when the verdict was sure."
+ESTIMATE = Mark("~", _OF_AUTO, before=True)
+SO_FAR = Mark(">", _OF_AUTO, before=True)
+NO_ANSWER = Mark(
+    "!",
+    "!: from this factor on the model cannot answer, as in free flight: a lower bound; below it no overturning was "
+    "found.",
+)
+NONE_UP_TO = Mark(
+    ">",
+    ">: none found up to there, where the search ends ([search] factor_max): on a weak record that says little.",
+    before=True,
+)
 
 #: What a rotation beyond the critical angle is, where it did not end in overturning.
 BEYOND_CRITICAL = (
@@ -58,14 +83,14 @@ def verdict_notes(summary: xr.Dataset, of_factors: list[str]) -> list[str]:
     if "resonance" in summary["model"].values:
         notes.append("resonance: an upper-bound type input (every main impulse at the worst moment), not a prediction.")
     if "applicable" in summary and (summary["applicable"] == 0).any():
-        notes.append(MARK_NOTES["*"])
+        notes.append(OUTSIDE.note)
     if "predictable" in summary and (summary["predictable"] == 0).any():
-        notes.append(MARK_NOTES["?"])
+        notes.append(UNPREDICTABLE.note)
     if "auto" in summary["model"].values:
         used = _models_used(summary)
         notes.append(f"auto: the cheapest model that answers, here {used}; the figures are those of that model.")
         if _any_marked(summary):
-            notes.append(MARK_NOTES["~"])
+            notes.append(ESTIMATE.note)
     reasons = {int(code) for code in summary["reason"].values[summary["outcome"].values == Outcome.UNRESOLVED]}
     if reasons:
         words = ", ".join(Reason(code).name.lower().replace("_", " ") for code in sorted(reasons))
