@@ -75,7 +75,7 @@ def _run(args: argparse.Namespace) -> int:
 
 
 def _print_failures(failures: Sequence[Failure], quiet: bool) -> None:
-    """What failed, and of what was skipped, the first few of each kind."""
+    """Print the files that failed, and the first few of each kind that were skipped."""
     by_kind: dict[str, list[Failure]] = {}
     for row in failures:
         by_kind.setdefault(row.kind, []).append(row)

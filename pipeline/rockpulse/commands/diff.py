@@ -1,4 +1,4 @@
-"""``rockpulse diff``: what changed between two results files."""
+"""``rockpulse diff``: the changes between two results files."""
 
 from __future__ import annotations
 

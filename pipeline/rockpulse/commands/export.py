@@ -77,7 +77,7 @@ def _run(args: argparse.Namespace) -> int:
 
 
 def _demands(file: ResultsFile, table: LongTable) -> str:
-    """The demands behind `capacity_ratio`, which lie along a dimension of their own and have no column then."""
+    """The demands behind `capacity_ratio`, which have a dimension of their own and then no column in the table."""
     if "demand_acceleration" not in table.left_out:
         return ""
     demands = file.dataset(table.group)["demand_acceleration"]

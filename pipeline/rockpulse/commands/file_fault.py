@@ -29,15 +29,7 @@ BARE = ("results", "first", "second")
 
 
 def file_fault(error: OSError, args: argparse.Namespace) -> str:
-    """What is wrong with a file, which argument named it, and what to do.
-
-    Parameters
-    ----------
-    error : OSError
-        Of the file system.
-    args : argparse.Namespace
-        The arguments of the command.
-    """
+    """Describe the fault of a file, the argument that named it, and a remedy."""
     if not isinstance(error.filename, str | bytes | os.PathLike):
         return str(error.strerror or error)
     shown = os.fsdecode(error.filename)

@@ -1,4 +1,4 @@
-"""``rockpulse formats``: which files are read, and by what they are known."""
+"""``rockpulse formats``: the file formats that are read, and the signs by which they are recognised."""
 
 from __future__ import annotations
 

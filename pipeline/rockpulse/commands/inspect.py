@@ -1,4 +1,4 @@
-"""``rockpulse inspect``: what is in a results file."""
+"""``rockpulse inspect``: the contents of a results file."""
 
 from __future__ import annotations
 
@@ -78,7 +78,7 @@ def _run(args: argparse.Namespace) -> int:
 
 
 def _parts(file: ResultsFile, args: argparse.Namespace) -> list[str]:
-    """What the options ask for, in the order of the help; the overview where they ask for nothing."""
+    """The parts that the options ask for, in the order of the help; the overview where they ask for none."""
     from rockpulse.views.text.left_out import failure_list
     from rockpulse.views.text.lists import block_list, record_list
     from rockpulse.views.text.overview import overview
@@ -111,7 +111,7 @@ def _check_worst(args: argparse.Namespace) -> None:
 
 
 def _incomplete(file: ResultsFile) -> str:
-    """What another program has taken out of the answers; nothing where all is there that this version writes."""
+    """A message that names variables which another program has removed; empty if none is missing."""
     from rockpulse.storage.variables import ANSWER, BLOCK, CASE, RECORD
 
     there = file.dataset("summary").variables

@@ -1,4 +1,4 @@
-"""The parser of the command line: options by their full names, and advice where it does not know a word."""
+"""The parser of the command line: options by their full names, and advice for unknown words."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ __all__ = ["Parser"]
 
 
 class Parser(argparse.ArgumentParser):
-    """An ArgumentParser that takes no abbreviations, names what comes near, and keeps the lines of an epilog."""
+    """An ArgumentParser that takes no abbreviations, suggests known words, and keeps the lines of an epilog."""
 
     def __init__(self, **options: Any) -> None:
         super().__init__(formatter_class=argparse.RawDescriptionHelpFormatter, allow_abbrev=False, **options)
@@ -25,7 +25,7 @@ class Parser(argparse.ArgumentParser):
 
     # argparse types what it returns by an overload for each way of calling it.
     def parse_known_args(self, args: Sequence[str] | None = None, namespace: Any = None) -> Any:  # type: ignore[override]
-        """As of ArgumentParser, but a word that is left over is an error of this parser, which knows its options."""
+        """Parse as ArgumentParser does; a word left over is an error of this parser, which knows its options."""
         self._given = list(sys.argv[1:] if args is None else args)
         for word in self._given:
             meant = self._option_string_actions.get(f"-{word}")
@@ -39,13 +39,7 @@ class Parser(argparse.ArgumentParser):
         return found, left
 
     def error(self, message: str) -> NoReturn:
-        """As of ArgumentParser, with the known words that unknown ones come near.
-
-        Parameters
-        ----------
-        message : str
-            What is wrong.
-        """
+        """Leave as ArgumentParser does, with a message that suggests the known words closest to unknown ones."""
         super().error("".join([message, *self._hints(message)]))
 
     def _hints(self, message: str) -> Iterator[str]:

@@ -11,7 +11,7 @@ __all__ = ["VERB"]
 
 
 class _List(argparse.Action):
-    """Print the kinds and leave, as --version does."""
+    """Print the kinds of pictures and leave, as --version does."""
 
     def __init__(self, option_strings: Any, dest: str, **options: Any) -> None:
         super().__init__(option_strings, dest, nargs=0, **options)

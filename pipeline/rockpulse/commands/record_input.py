@@ -1,4 +1,4 @@
-"""What the verbs that read records have in common: their arguments, and the configuration that follows."""
+"""Common parts of the verbs that read records: their arguments, and the configuration that follows from them."""
 
 from __future__ import annotations
 
@@ -14,13 +14,7 @@ __all__ = ["add_reading_arguments", "add_record_arguments", "configured", "readi
 
 
 def add_reading_arguments(parser: argparse.ArgumentParser) -> None:
-    """What files may not say of themselves: units and sampling interval.
-
-    Parameters
-    ----------
-    parser : argparse.ArgumentParser
-        That of the verb.
-    """
+    """Add options for properties that a file may not state: units and sampling interval."""
     parser.add_argument("--units", metavar="UNIT", help='unit of files that do not state theirs: "g", "cm/s2", ...')
     parser.add_argument(
         "--dt", type=float, metavar="SECONDS", help="sampling interval of columns without times, in s; such as 0.01"
@@ -28,19 +22,9 @@ def add_reading_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def reading_options(args: argparse.Namespace, settings: RecordSettings | None = None) -> RecordSettings:
-    """The section [records] with what :func:`add_reading_arguments` has added, checked.
+    """The section [records], or its defaults, with the options of :func:`add_reading_arguments`, checked.
 
-    Parameters
-    ----------
-    args : argparse.Namespace
-        With `units` and `dt`.
-    settings : RecordSettings, optional
-        Of the configuration; the defaults without.
-
-    Raises
-    ------
-    ConfigError, UnitError
-        For an interval or a unit that cannot be.
+    Raises ConfigError or UnitError for an interval or a unit that cannot be.
     """
     from dataclasses import replace
 
@@ -63,15 +47,7 @@ def reading_options(args: argparse.Namespace, settings: RecordSettings | None = 
 
 
 def add_record_arguments(parser: argparse.ArgumentParser, output: str) -> None:
-    """Paths, output, configuration, blocks, units.
-
-    Parameters
-    ----------
-    parser : argparse.ArgumentParser
-        That of the verb.
-    output : str
-        What the output is called: RESULTS, SITE.
-    """
+    """Add the paths, the output (called RESULTS or SITE), the configuration, blocks and units."""
     parser.add_argument(
         "paths",
         nargs="*",
@@ -97,17 +73,9 @@ def add_record_arguments(parser: argparse.ArgumentParser, output: str) -> None:
 
 
 def configured(args: argparse.Namespace) -> Config:
-    """The configuration with the blocks that the command line adds, its tables named absolutely.
+    """The configuration with the blocks of the command line, its tables named absolutely.
 
-    Parameters
-    ----------
-    args : argparse.Namespace
-        With `config` and `block`.
-
-    Raises
-    ------
-    ConfigError
-        For a configuration or block that cannot be understood.
+    Raises ConfigError for a configuration or block that cannot be understood.
     """
     from dataclasses import replace
 
@@ -126,19 +94,10 @@ def configured(args: argparse.Namespace) -> Config:
 
 
 def resolved(args: argparse.Namespace) -> tuple[Config, list[str]]:
-    """The configuration with what the command line adds, and the paths to read, as the user wrote them.
+    """The configuration with the arguments of the command line, and the paths to read, as the user wrote them.
 
     The configuration itself, which is stored, names files absolutely, so that it repeats the run from any folder.
-
-    Parameters
-    ----------
-    args : argparse.Namespace
-        What :func:`add_record_arguments` has added.
-
-    Raises
-    ------
-    ConfigError
-        Without records, and for options that cannot be understood.
+    Raises ConfigError without records, and for options that cannot be understood.
     """
     from dataclasses import replace
 

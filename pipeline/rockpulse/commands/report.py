@@ -1,4 +1,4 @@
-"""``rockpulse report``: a results file in, one page of HTML to hand over out."""
+"""``rockpulse report``: make one page of HTML of a results file, to hand over."""
 
 from __future__ import annotations
 

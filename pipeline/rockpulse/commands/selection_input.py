@@ -12,13 +12,7 @@ __all__ = ["add_selection", "count", "read_selection"]
 
 
 def add_selection(parser: argparse.ArgumentParser) -> None:
-    """Add the options to a parser.
-
-    Parameters
-    ----------
-    parser : argparse.ArgumentParser
-        Of a verb that has ``--record`` and ``--block`` already.
-    """
+    """Add the options to the parser of a verb that already has ``--record`` and ``--block``."""
     parser.add_argument(
         "--model", action="append", metavar="NAME", help="only this model; * and ? stand for any letters; repeatable"
     )
@@ -42,17 +36,9 @@ def add_selection(parser: argparse.ArgumentParser) -> None:
 
 
 def read_selection(args: argparse.Namespace) -> Selection:
-    """The selection that the options ask for.
+    """The selection that the options of :func:`add_selection` and ``record`` and ``block`` (lists or None) ask for.
 
-    Parameters
-    ----------
-    args : argparse.Namespace
-        With ``record`` and ``block`` (lists or None) beside the options of :func:`add_selection`.
-
-    Raises
-    ------
-    ResultsError
-        For a condition that is none.
+    Raises ResultsError for a condition that cannot be understood.
     """
     from rockpulse.errors import ResultsError
     from rockpulse.storage.selection import Condition, Selection
@@ -73,18 +59,7 @@ def read_selection(args: argparse.Namespace) -> Selection:
 
 
 def count(words: str) -> int:
-    """A whole number from 1, as an argument.
-
-    Parameters
-    ----------
-    words : str
-        What was given.
-
-    Raises
-    ------
-    argparse.ArgumentTypeError
-        For anything else.
-    """
+    """Parse an argument as a whole number from 1; raises ArgumentTypeError for any other text."""
     number = int(words) if words.isdecimal() else 0
     if number < 1:
         raise argparse.ArgumentTypeError(f"expected a whole number from 1, found {words!r}")

@@ -1,4 +1,4 @@
-"""What the verbs have in common: a name, a help text, arguments, and what is done with them."""
+"""A verb of the command line: its name, help text, arguments, and the function that runs it."""
 
 from __future__ import annotations
 
@@ -11,39 +11,18 @@ __all__ = ["Verb"]
 
 @dataclass(frozen=True)
 class Verb:
-    """One verb of the command line.
+    """One verb of the command line."""
 
-    Attributes
-    ----------
-    name : str
-        The word that calls it.
-    summary : str
-        Its line in the list of verbs.
-    description : str
-        The head of its own help.
-    add_arguments : callable
-        Adds its arguments to its parser.
-    run : callable
-        From the parsed arguments to the exit code; raises RockpulseError or OSError for what the user can mend.
-    examples : tuple of str
-        Command lines that show how it is used.
-    """
-
-    name: str
-    summary: str
-    description: str
-    add_arguments: Callable[[argparse.ArgumentParser], None]
+    name: str  # the word that calls it
+    summary: str  # its line in the list of verbs
+    description: str  # the head of its own help
+    add_arguments: Callable[[argparse.ArgumentParser], None]  # adds its arguments to its parser
+    # returns the exit code; raises RockpulseError or OSError for faults that the user can mend
     run: Callable[[argparse.Namespace], int]
-    examples: tuple[str, ...] = ()
+    examples: tuple[str, ...] = ()  # command lines that show its use
 
     def add_to(self, subparsers: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
-        """Make the verb known to a parser.
-
-        Parameters
-        ----------
-        subparsers : argparse subparsers
-            What ``add_subparsers`` returned.
-        """
+        """Add a parser for the verb to the subparsers of the program."""
         epilog = "\n  ".join(["examples:", *self.examples]) if self.examples else None
         parser = subparsers.add_parser(self.name, help=self.summary, description=self.description, epilog=epilog)
         self.add_arguments(parser)

@@ -1,4 +1,4 @@
-"""``rockpulse verify``: whether a results file, and the records that it rests on, are what they were."""
+"""``rockpulse verify``: check that a results file, and the records behind it, are unchanged."""
 
 from __future__ import annotations
 
