@@ -22,21 +22,10 @@ PICTURES = (".svg", ".png", ".pdf")
 
 
 def csv_files(folder: str | Path, names: tuple[str, ...], overwrite: bool) -> dict[str, Path]:
-    """The CSV files of some tables, none of which may exist unless it may be replaced.
+    """The paths of the files `name.csv` of some tables in a folder, checked before any work.
 
-    Parameters
-    ----------
-    folder : str or Path
-        Where they go; it is made by :func:`write_csv` if its parent exists.
-    names : tuple of str
-        Tables; `name.csv` each.
-    overwrite : bool
-        Whether files that exist may be replaced.
-
-    Raises
-    ------
-    ResultsError
-        For a file that exists, or a folder that cannot be one.
+    :func:`write_csv` makes the folder if its parent exists. Raises ResultsError for a file that exists, unless it may
+    be overwritten, and for a folder that cannot be one.
     """
     folder = Path(folder)
     if not folder.is_dir():
@@ -49,26 +38,10 @@ def csv_files(folder: str | Path, names: tuple[str, ...], overwrite: bool) -> di
 
 
 def check_file(path: str | Path, overwrite: bool, suffixes: tuple[str, ...] = (".csv",)) -> Path:
-    """Whether a file can be written here.
+    """The path, if a file can be written there.
 
-    Parameters
-    ----------
-    path : str or Path
-        Where it is to go.
-    overwrite : bool
-        Whether a file that exists may be replaced.
-    suffixes : tuple of str
-        What its name may end in.
-
-    Returns
-    -------
-    Path
-        The same.
-
-    Raises
-    ------
-    ResultsError
-        For another suffix, a file that exists, or a folder that does not or that cannot be written to.
+    Raises ResultsError for another suffix, a file that exists (unless it may be overwritten), or a folder that does not
+    exist or cannot be written to.
     """
     target = Path(path)
     if target.suffix.lower() not in suffixes:
@@ -89,28 +62,14 @@ def check_file(path: str | Path, overwrite: bool, suffixes: tuple[str, ...] = ("
 
 
 def write_csv(tables: Mapping[Path, pd.DataFrame]) -> None:
-    """Write tables as CSV, one header line each, numbers with all their digits.
-
-    Parameters
-    ----------
-    tables : mapping of Path to DataFrame
-        File and table; a missing folder is made.
-    """
+    """Write tables as CSV into their files, one header line each, numbers with all digits; a missing folder is made."""
     for path, table in tables.items():
         path.parent.mkdir(exist_ok=True)
         _write(path, partial(table.to_csv, index=False))
 
 
 def write_picture(figure: Figure, path: Path) -> None:
-    """Write a figure in the format that its suffix names: the same bytes for the same figure.
-
-    Parameters
-    ----------
-    figure : matplotlib Figure
-        What to draw.
-    path : Path
-        File, one of :data:`PICTURES`.
-    """
+    """Write a figure in the format of the suffix, one of :data:`PICTURES`: the same bytes for the same figure."""
     from rockpulse.views.plots.picture import picture_bytes
 
     content = picture_bytes(figure, path.suffix[1:].lower())

@@ -1,4 +1,4 @@
-"""How much stronger a record may get: intervals of overturning, and the critical scale of every record."""
+"""Factors by which a record may get stronger: intervals of overturning, and the critical scale of every record."""
 
 from __future__ import annotations
 
@@ -288,7 +288,7 @@ def _smallest(ax: Axes, factors: np.ndarray, bound: np.ndarray) -> None:
 
 
 def _rows(ax: Axes, names: Sequence[str], begin: float, end: float, last: float | None = None) -> None:
-    """Names beside the rows, the factor along a logarithmic axis, and room beyond it for what has none."""
+    """Label the rows, draw the factor on a logarithmic axis, and leave room beyond it for rows without a factor."""
     from matplotlib.ticker import FixedLocator, FuncFormatter, NullLocator
 
     ax.set_xscale("log")
@@ -307,7 +307,7 @@ def _rows(ax: Axes, names: Sequence[str], begin: float, end: float, last: float 
 
 
 def _once(ax: Axes, columns: int) -> int:
-    """Every label once; the rows that it takes."""
+    """Draw a legend with every label once, and return the number of rows that it takes."""
     found = dict(
         zip(reversed(ax.get_legend_handles_labels()[1]), reversed(ax.get_legend_handles_labels()[0]), strict=True)
     )
@@ -317,7 +317,7 @@ def _once(ax: Axes, columns: int) -> int:
 
 
 def _markers(ax: Axes, answers: xr.Dataset, model: str, none_at: float) -> float:
-    """The factors of one model; the smallest."""
+    """Draw the factors of one model, and return the smallest."""
     style, factor = look(model), answers["safety_factor"].values
     places = np.arange(factor.size)
     inside = answers["applicable"].values != 0 if "applicable" in answers else np.ones(factor.size, dtype=bool)

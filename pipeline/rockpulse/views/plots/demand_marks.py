@@ -1,4 +1,4 @@
-"""What the demands of a site ask of each record, as ticks in the rows of a picture of factors."""
+"""The factors that the demands of a site ask of each record, as ticks in the rows of a picture of factors."""
 
 from __future__ import annotations
 
@@ -21,21 +21,9 @@ _NAME = 24
 
 
 def demands_over_pga(summary: xr.Dataset, pga: np.ndarray, end: float) -> dict[str, np.ndarray]:
-    """Factors that bring the records of the rows to each demand.
+    """Factors that bring the records of the rows, with these PGAs (rows,) [m/s2], to each demand: (rows,) by demand.
 
-    Parameters
-    ----------
-    summary : xarray.Dataset
-        The node /summary.
-    pga : (rows,) ndarray
-        Of the record of each row [m/s2].
-    end : float
-        End of the search [-].
-
-    Returns
-    -------
-    dict of str to (rows,) ndarray
-        By demand; NaN beyond the end of the search. Empty where the results have no demand.
+    NaN stands for a factor beyond the end of the search. Empty where the results have no demand.
     """
     if "demand_acceleration" not in summary:
         return {}
@@ -44,28 +32,12 @@ def demands_over_pga(summary: xr.Dataset, pga: np.ndarray, end: float) -> dict[s
 
 
 def least(needed: dict[str, np.ndarray], otherwise: float) -> float:
-    """The smallest of them and of another number.
-
-    Parameters
-    ----------
-    needed : dict of str to (rows,) ndarray
-        Of :func:`demands_over_pga`.
-    otherwise : float
-        The other number.
-    """
+    """The smallest of the factors of :func:`demands_over_pga` and of the number `otherwise`."""
     return min([otherwise, *(float(np.nanmin(factors, initial=otherwise)) for factors in needed.values())])
 
 
 def demand_ticks(ax: Axes, needed: dict[str, np.ndarray]) -> None:
-    """A tick in every row, shorter from demand to demand.
-
-    Parameters
-    ----------
-    ax : matplotlib Axes
-        Rows at 0, 1, ...
-    needed : dict of str to (rows,) ndarray
-        Of :func:`demands_over_pga`.
-    """
+    """Draw the factors of :func:`demands_over_pga` as ticks in the rows 0, 1, ..., shorter with every demand."""
     for place, (name, factors) in enumerate(needed.items()):
         ax.plot(
             factors,
@@ -81,13 +53,7 @@ def demand_ticks(ax: Axes, needed: dict[str, np.ndarray]) -> None:
 
 
 def tick_notes(needed: dict[str, np.ndarray]) -> list[str]:
-    """What the ticks mean, for the caption.
-
-    Parameters
-    ----------
-    needed : dict of str to (rows,) ndarray
-        Of :func:`demands_over_pga`.
-    """
+    """The meaning of the ticks, for the caption."""
     if not needed:
         return []
     words = ["Tick: demand over PGA; with its smallest factor right of the tick the block stands at the demand."]

@@ -1,4 +1,4 @@
-"""From a results file and what was chosen of it to the figure of each kind."""
+"""The figure of each kind of picture, from a results file and the selection of the user."""
 
 from __future__ import annotations
 
@@ -92,7 +92,7 @@ def _rocking_spectrum(tree: xr.DataTree, record: str | None = None, restitution:
 
 
 def _reaching(values: Sequence[float], marked: Sequence[float]) -> list[float]:
-    """Equally spaced values over the same range, wider where something marked lies outside."""
+    """Equally spaced values over the same range, widened to include every marked value."""
     low, high = min(values[0], 0.9 * min(marked)), max(values[-1], 1.1 * max(marked))
     return np.linspace(low, high, len(values)).tolist()
 

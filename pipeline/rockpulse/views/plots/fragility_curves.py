@@ -152,7 +152,7 @@ def _capacities(
 
 
 def _readable_ticks(ax: Axes) -> None:
-    """Numbers as they are, not powers of ten, and enough of them."""
+    """Label the ticks with plain numbers, not powers of ten, and set enough of them."""
     from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
     low, high = ax.get_xlim()
@@ -185,7 +185,7 @@ def _crossing(own: xr.Dataset, shown: np.ndarray) -> bool:
 
 
 def _curve(one: xr.Dataset, name: str) -> tuple[np.ndarray, np.ndarray]:
-    """A probability at the levels of the file, and smoothly between them; a step where it is one."""
+    """A probability at the levels of the file, and smoothly between them; a step function where the curve is a step."""
     from scipy.interpolate import PchipInterpolator
 
     level, values = one["level"].values, one[name].values
@@ -229,7 +229,7 @@ def _band_notes(tree: xr.DataTree, own: xr.Dataset, banded: str | None, shown: n
 
 
 def _told(remarks: dict[str, list[str]], states: int) -> list[str]:
-    """Every remark once, with the limit states that it is of."""
+    """Every remark once, with the limit states to which it applies."""
     words = [
         f"{', '.join(names) if len(names) < states else 'All' if states > 1 else names[0]}: {remark}."
         for remark, names in remarks.items()

@@ -102,7 +102,7 @@ def limit_accelerogram(block: Block, sequence: ImpulseSequence, axes: Any = None
 
 
 def _main_places(block: Block, sequence: ImpulseSequence, times: np.ndarray) -> np.ndarray:
-    """Where I_s = I a main impulse is known by its place: n secondary ones follow each."""
+    """Places of the main impulses in the train where I_s = I: n secondary ones follow each."""
     table = sequence_response(block, sequence).half_cycles
     assert table is not None
     places: list[int] = []
@@ -138,7 +138,7 @@ def _half_cycles(block: Block, sequence: ImpulseSequence, count: int) -> tuple[n
 
 
 def _bars(ax: Any, low: float, room: float, starts: np.ndarray, durations: np.ndarray, peaks: np.ndarray) -> None:
-    """Half-cycles as bars along the bottom: their length is what sets the next main impulse."""
+    """Draw the half-cycles as bars along the bottom: their length sets the time of the next main impulse."""
     for start, duration, peak in zip(starts, durations, peaks, strict=True):
         if not math.isfinite(duration):
             ax.plot(start, low, marker="x", color=RED, ms=5, mew=1.5, ls="none", label="overturning")

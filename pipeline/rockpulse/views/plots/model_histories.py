@@ -139,7 +139,7 @@ def _history(tree: xr.DataTree, record: str, block: str, model: str, case: int) 
 def _of_record(
     tree: xr.DataTree, record: str, block: str, body: Block, model: str, case: int
 ) -> tuple[np.ndarray, np.ndarray, float | None]:
-    """Time, theta/alpha_c, and the peak where the motion was computed again."""
+    """Time, theta/alpha_c, and the peak where the motion was computed again (else None)."""
     summary = tree["summary"].to_dataset()
     dt = float(summary["dt"].sel(record=record))
     stored = _stored(tree, record, block, model, case)
@@ -219,7 +219,7 @@ def _of_sequence(
 
 
 def _impacts(time: np.ndarray, rotation: np.ndarray, body: Block) -> np.ndarray:
-    """Where the rotation changes its sign faster than the impacts that are counted."""
+    """Times at which the rotation changes its sign faster than `IMPACT_CUTOFF`, at which impacts are counted."""
     before, after = rotation[:-1], rotation[1:]
     with np.errstate(invalid="ignore", divide="ignore"):
         crossed = before * after < 0.0

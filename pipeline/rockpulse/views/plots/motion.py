@@ -130,20 +130,7 @@ def motion_of_record(
 
 
 def stored_record(tree: xr.DataTree, record: str) -> Record:
-    """The conditioned record of the results, as the models take it.
-
-    Parameters
-    ----------
-    tree : xarray.DataTree
-        Results of an assessment.
-    record : str
-        Id.
-
-    Raises
-    ------
-    ResultsError
-        Where the file does not hold the accelerogram.
-    """
+    """The conditioned record stored in the results, for the models; ResultsError if the accelerogram is not stored."""
     samples = ragged(tree, "row_size", ["acceleration"], record)
     own = tree["summary"].to_dataset().sel(record=record)
     if samples is None:
@@ -153,18 +140,10 @@ def stored_record(tree: xr.DataTree, record: str) -> Record:
 
 
 def _missing(own: xr.Dataset) -> str:
-    """Why there are no samples, and what to do."""
+    """The reason why there are no samples, and a remedy."""
     return STORE if int(own["npts"]) >= 0 else "a sequence of impulses, which has no accelerogram"
 
 
 def had_vertical(summary: xr.Dataset, record: str) -> bool:
-    """Whether the vertical channel, which is not stored, acted on the nonlinear model.
-
-    Parameters
-    ----------
-    summary : xarray.Dataset
-        The node /summary.
-    record : str
-        Id.
-    """
+    """Whether the vertical channel, which is not stored, acted on the nonlinear model."""
     return VERTICAL_NOTE in str(summary["processing"].sel(record=record).item())

@@ -102,7 +102,7 @@ def figure4(tree: xr.DataTree, axes: Any = None, spacing: str | None = None, cou
 
 
 def _curve(ax: Axes, curve: xr.Dataset, style: Any) -> bool:
-    """One I/I_1c; whether something in it stands for no motion."""
+    """Draw the curve of one I/I_1c, and return whether the closed form stands for no motion somewhere in it."""
     ratio, peak = curve["secondary_ratio"].values, curve["peak_rotation_ratio"].values.copy()
     empty = curve["no_motion"].values == 1
     peak[np.isinf(peak) | empty] = np.nan

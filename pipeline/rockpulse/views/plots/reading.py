@@ -1,4 +1,4 @@
-"""Results of every kind that a picture is drawn from, the accuracy report too."""
+"""Open the results of every kind that a picture is drawn from, the accuracy report too."""
 
 from __future__ import annotations
 

@@ -137,7 +137,7 @@ _TOP = 1.5
 
 
 def _limits(histories: Sequence[History]) -> tuple[float, float]:
-    """Symmetric; a motion far below alpha_c is shown large."""
+    """Symmetric limits of the rotation axis, by which a motion far below alpha_c is shown large."""
     finite = [np.nanmax(np.abs(history.rotation)) for history in histories if np.any(np.isfinite(history.rotation))]
     largest = max(finite, default=0.0)
     if largest >= 0.3 or any(np.isinf(history.peak) for history in histories):
@@ -148,7 +148,7 @@ def _limits(histories: Sequence[History]) -> tuple[float, float]:
 
 
 def _stretch(histories: Sequence[History]) -> tuple[float, float]:
-    """From the first motion to the last."""
+    """Limits of the time axis about the first and the last motion [s]."""
     times = [np.zeros(1)]
     for history in histories:
         largest = min(np.nanmax(np.abs(history.rotation), initial=0.0), 1.0)

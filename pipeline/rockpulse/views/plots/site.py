@@ -1,4 +1,4 @@
-"""What the records of a site say of each parameter of its impulse sequence, and the design sequence."""
+"""The distribution of each parameter of the impulse sequence over the records of a site, and the design sequence."""
 
 from __future__ import annotations
 
@@ -113,7 +113,7 @@ def _parameter(ax: Axes, own: xr.Dataset, weight: np.ndarray, confidence: float)
 
 
 def _range(values: np.ndarray, others: np.ndarray) -> tuple[float, float]:
-    """What the records span, and of what else is drawn as much as lies near it."""
+    """Limits of the axis: the range of the records, extended to other drawn values that lie near it."""
     low, high = float(values[0]), float(values[-1])
     near = others[np.isfinite(others) & (others >= low / _NEAR) & (others <= high * _NEAR)]
     low, high = float(np.min(near, initial=low)), float(np.max(near, initial=high))
@@ -128,7 +128,7 @@ _SYMBOLS = {"main": "$I$", "ratio": "$I_s/I$", "interval": r"$\Delta T$", "main_
 
 
 def _fit(ax: Axes, own: xr.Dataset, confidence: float) -> None:
-    """The lognormal curve and the interval of its median."""
+    """Draw the lognormal curve and the interval of its median."""
     median, dispersion = float(own["median"]), float(own["dispersion"])
     if np.isfinite(median) and np.isfinite(dispersion) and dispersion > 0.0:
         values = median * np.exp(np.linspace(-_REACH, _REACH, 101) * dispersion)
@@ -147,7 +147,7 @@ def _fit(ax: Axes, own: xr.Dataset, confidence: float) -> None:
 
 
 def _ticks(ax: Axes, whole: bool) -> None:
-    """Numbers as they are; whole ones for what is counted."""
+    """Label the ticks with plain numbers, whole ones for counts."""
     from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullFormatter, NullLocator
 
     low, high = ax.get_xlim()

@@ -104,7 +104,7 @@ def rocking_spectrum(
 
 
 def _bodies(ax: Axes, bodies: dict[str, tuple[float, float]]) -> list[Any]:
-    """Numbers on the map, names in the legend."""
+    """Draw numbers on the map for the bodies, and list their names in the legend."""
     from matplotlib.lines import Line2D
 
     handles = []
@@ -128,14 +128,14 @@ def _bodies(ax: Axes, bodies: dict[str, tuple[float, float]]) -> list[Any]:
 
 
 def _edges(values: np.ndarray) -> tuple[float, float]:
-    """Of the outer cells."""
+    """The outer edges of the cells around the first and the last value."""
     first = values[1] - values[0] if values.size > 1 else 0.1 * values[0]
     last = values[-1] - values[-2] if values.size > 1 else 0.1 * values[0]
     return float(values[0] - 0.5 * first), float(values[-1] + 0.5 * last)
 
 
 def _sizes(ax: Axes, gravity: float) -> None:
-    """R of a rectangle along the top: p^2 = 3 g/(4 R)."""
+    """Draw a scale of R of a rectangle along the top: p^2 = 3 g/(4 R)."""
 
     def swapped(values: Any) -> np.ndarray:
         return 0.75 * gravity / np.maximum(np.asarray(values, dtype=float), 1e-6) ** 2

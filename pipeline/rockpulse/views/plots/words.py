@@ -1,4 +1,4 @@
-"""What a picture says in words: labels from the attributes of the data, and names of the user's as plain text."""
+"""The words of a picture: labels from the attributes of the data, and names given by users as plain text."""
 
 from __future__ import annotations
 
@@ -34,12 +34,7 @@ _PRIVATE = 0xE000
 
 
 def unit(units: str) -> str:
-    """A unit of the results as it is written.
-
-    Parameters
-    ----------
-    units : str
-        The attribute `units` (CF).
+    """The printed form of a unit in the results (attribute `units`, CF).
 
     Examples
     --------
@@ -50,32 +45,20 @@ def unit(units: str) -> str:
 
 
 def readable(long_name: str) -> str:
-    """A long name with its symbols as mathematics, without the remarks that follow a semicolon.
-
-    Parameters
-    ----------
-    long_name : str
-        The attribute `long_name`.
+    r"""A long name with its symbols as mathematics, without the remarks that follow a semicolon.
 
     Examples
     --------
     >>> readable("largest rotation over alpha_c; inf where the block overturns, 0 at rest")
-    'largest rotation over $\\\\alpha_c$'
+    'largest rotation over $\\alpha_c$'
     """
     return _SYMBOL.sub(lambda found: _SYMBOLS[found.group()], long_name.split(";")[0].strip())
 
 
 def label(attrs: Mapping[Any, Any], units: str | None = None, symbol: str = "") -> str:
-    """Text of an axis from the attributes of what is drawn along it.
+    """Text of an axis from the attributes `long_name` and `units`, with the letter of the quantity after its name.
 
-    Parameters
-    ----------
-    attrs : mapping
-        With `long_name` and `units`.
-    units : str, optional
-        Instead of the attribute, where that points elsewhere.
-    symbol : str
-        Letter of the quantity, after its name.
+    The argument `units`, if given, replaces the attribute, where that points elsewhere.
 
     Examples
     --------
@@ -87,35 +70,26 @@ def label(attrs: Mapping[Any, Any], units: str | None = None, symbol: str = "") 
 
 
 def plain(name: object) -> str:
-    """A name of the user's without the power to start mathematics.
-
-    Parameters
-    ----------
-    name : object
-        Id of a record, name of a block, a title.
+    r"""A name given by the user (record, block, title), escaped so that it cannot start mathematics.
 
     Examples
     --------
     >>> plain("wall $1$")
-    'wall \\\\$1\\\\$'
+    'wall \\$1\\$'
     """
     return str(name).replace("$", r"\$")
 
 
 def wrapped(words: str, width: int) -> str:
-    """Text broken into lines by what is seen of it: mathematics counts as long as it is drawn, and is never broken.
+    r"""Text broken into lines by its drawn length: mathematics counts as long as it is drawn, and is never broken.
 
-    Parameters
-    ----------
-    words : str
-        The text; line breaks in it stay.
-    width : int
-        Longest line in characters; longer words are cut, so that no id leaves the picture.
+    `width` is the longest line in characters; longer words are cut, so that no id leaves the picture. Line breaks in
+    the text stay.
 
     Examples
     --------
-    >>> wrapped("a row of $\\\\alpha_c$ and so on", 13)
-    'a row of $\\\\alpha_c$\\nand so on'
+    >>> wrapped("a row of $\\alpha_c$ and so on", 13)
+    'a row of $\\alpha_c$\nand so on'
     """
     pieces = _MATHEMATICS.findall(words)
     # Each piece is replaced by as many letters of its own as it shows.
@@ -130,14 +104,7 @@ def wrapped(words: str, width: int) -> str:
 
 
 def counted(names: Iterable[object], most: int = 3) -> str:
-    """A few names, and how many more.
-
-    Parameters
-    ----------
-    names : iterable
-        What is listed.
-    most : int
-        How many are named.
+    """The first few names, and the number of the others.
 
     Examples
     --------

@@ -93,7 +93,7 @@ def _title(equation: str, rows: pd.DataFrame) -> str:
 
 
 def _annotate(ax: Axes, option: str, settings: np.ndarray, costs: np.ndarray, errors: np.ndarray) -> None:
-    """The setting beside each point; steps of about the same error, and they cost about the same, share a text."""
+    """Write the setting beside each point; neighbours of about the same error, and hence cost, share a text."""
     order = np.argsort(errors)
     apart = (np.diff(np.log(errors[order])) > np.log(NEIGHBOURS)) | (option == "rtol")
     breaks = np.flatnonzero(apart) + 1
@@ -114,7 +114,7 @@ def _annotate(ax: Axes, option: str, settings: np.ndarray, costs: np.ndarray, er
 
 
 def _power_of_ten(value: float, place: float) -> str:
-    """Label of a tick of the errors; what is smaller than the floor stands there too."""
+    """Label of a tick of the errors; the tick at the floor also stands for all smaller ones."""
     exponent = round(np.log10(value))
     return rf"$\leq 10^{{{exponent}}}$" if exponent == round(np.log10(FLOOR)) else rf"$10^{{{exponent}}}$"
 
