@@ -1,4 +1,4 @@
-"""What section 4 says about Figure 4, sentence by sentence (Casapulla & Maione 2017)."""
+"""Statements of section 4 about Figure 4, sentence by sentence (Casapulla & Maione 2017)."""
 
 from __future__ import annotations
 
@@ -34,8 +34,9 @@ def peak_rises_with_the_main_impulse(figure: xr.Dataset) -> Finding:
 
 
 def larger_restitution_destabilises(figure: xr.Dataset) -> Finding:
-    """Neighbours along C: the larger one has a peak that is not smaller; they are equal where I_s = I stops the block
-    at each impact.
+    """Neighbours along C: the larger one has a peak that is not smaller.
+
+    They are equal where I_s = I stops the block at each impact.
     """
     return _steps(figure.sortby("restitution"), "restitution", sign=1.0, equal=True)
 

@@ -17,27 +17,13 @@ __all__ = ["critical_double_impulse"]
 
 
 def critical_double_impulse(block: Block) -> tuple[float, float]:
-    """Critical double impulse and the time between its two impulses.
+    """Critical double impulse V_c [m/s] of one block with its restitution, and the time t_0 [s] between its impulses.
 
-    Parameters
-    ----------
-    block : Block
-        One block, with the restitution that is to be used.
-
-    Returns
-    -------
-    impulse : float
-        V_c [m/s].
-    interval : float
-        t_0 [s].
-
-    Notes
-    -----
     Moment of momentum gives each impulse the rate w = p^2 cos(alpha_c) V/g; the rate 2 p sin(alpha_c/2) leads to
     unstable equilibrium; hence V_c = 2 g sin(alpha_c/2)/(p cos(alpha_c) (1 + C)). With phi = alpha_c - theta the motion
     is phi'' = p^2 sin(phi), whose first half-cycle lasts t_0 = (2/p) [K(m) - F(chi, m)] with m = cos^2(phi_m/2),
-    sin(chi) = cos(alpha_c/2)/cos(phi_m/2), phi_m the angle that is left at the top: cos(phi_m) = cos(alpha_c) +
-    w^2/(2 p^2).
+    sin(chi) = cos(alpha_c/2)/cos(phi_m/2), phi_m the angle that is left at the top: cos(phi_m) = cos(alpha_c) + w^2/(2
+    p^2).
 
     References
     ----------

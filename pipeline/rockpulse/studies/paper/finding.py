@@ -15,38 +15,27 @@ __all__ = ["Finding", "Statement", "examine", "interval_ranges", "statement_tabl
 
 @dataclass(frozen=True, eq=False)
 class Finding:
-    """What came out.
+    """The result of checking one statement."""
 
-    Attributes
-    ----------
-    held : DataArray of bool
-        Whether the statement holds, case by case.
-    numbers : str
-        Figures that show it.
-    valid : DataArray of bool, optional
-        Which cases say anything; all by default.
-    conditions : mapping of str to DataArray of bool
-        Under which it may hold throughout, in the order in which they are tried.
-    """
-
-    held: xr.DataArray
-    numbers: str
-    valid: xr.DataArray | None = None
+    held: xr.DataArray  # whether the statement holds, case by case
+    numbers: str  # figures that show it
+    valid: xr.DataArray | None = None  # cases that count; all by default
+    # under which the statement may hold throughout, in the order in which they are tried
     conditions: Mapping[str, xr.DataArray] = field(default_factory=dict)
 
     @property
     def cases(self) -> int:
-        """Number of cases that say anything."""
+        """Number of cases that count."""
         return int(np.size(self.held) if self.valid is None else self._valid().sum())
 
     @property
     def count(self) -> int:
-        """Number of cases in which it holds."""
+        """Number of cases in which the statement holds."""
         return int((self.held & self._valid()).sum())
 
     @property
     def where(self) -> str:
-        """Where it holds, in words."""
+        """The conditions under which the statement holds, in words."""
         if self.count in (0, self.cases):
             return "everywhere" if self.count else "nowhere"
         if "interval" in self.held.dims:
@@ -70,36 +59,20 @@ class Finding:
 
 @dataclass(frozen=True)
 class Statement:
-    """One sentence of section 4.
+    """One sentence of section 4."""
 
-    Attributes
-    ----------
-    name : str
-        What it is called in the file.
-    words : str
-        What the paper says.
-    check : callable
-        From the dataset of the figure to the finding.
-    """
-
-    name: str
-    words: str
-    check: Callable[[xr.Dataset], Finding]
+    name: str  # key in the file
+    words: str  # of the paper
+    check: Callable[[xr.Dataset], Finding]  # from the dataset of the figure to the finding
 
 
 def examine(figure: xr.Dataset, statements: Iterable[Statement]) -> dict[Statement, Finding]:
-    """What comes out for each statement about a figure, in their order."""
+    """The finding for each statement about a figure, in their order."""
     return {statement: statement.check(figure) for statement in statements}
 
 
 def statement_table(findings: Mapping[Statement, Finding]) -> xr.Dataset:
-    """The verdict on every statement as a table (docs/schema.md).
-
-    Parameters
-    ----------
-    findings : mapping of Statement to Finding
-        As :func:`examine` returns them.
-    """
+    """The verdict on every statement as a table (docs/schema.md)."""
     found = findings.values()
     columns = {
         "words": [statement.words for statement in findings],
@@ -114,12 +87,9 @@ def statement_table(findings: Mapping[Statement, Finding]) -> xr.Dataset:
 
 
 def interval_ranges(held: xr.DataArray) -> str:
-    """The intervals with which something holds, spacing by spacing, to the step of the scan.
+    """The intervals with which a statement holds, spacing by spacing, to the step of the scan.
 
-    Parameters
-    ----------
-    held : DataArray of bool
-        Over interval, or over spacing and interval.
+    `held` is over interval, or over spacing and interval.
 
     Examples
     --------

@@ -37,28 +37,11 @@ def half_cycle_tables(
     duration: float,
     threads: int | None = None,
 ) -> xr.Dataset:
-    """Both blocks under main impulses of I_2c each, for every combination of the rest.
+    """Both blocks under main impulses of I_2c each, for every C, I_s/I, spacing and trial interval dT [s].
 
-    Parameters
-    ----------
-    restitutions : sequence of float
-        C [-].
-    secondary_ratios : sequence of float
-        I_s/I [-].
-    spacings : sequence of str
-        Names of :data:`~rocking.impulse_sequence.SPACINGS`; the interval has no meaning for "continuous".
-    intervals : sequence of float
-        Trial intervals dT [s].
-    duration : float
-        Main impulses act in half-cycles that start before this time [s].
-    threads : int, optional
-        Threads that share the lanes; None for all available cores.
-
-    Returns
-    -------
-    Dataset
-        The variables of ``FIGURE5`` but for the histories; those of the lanes over
-        :data:`LANES`, the table with a further dimension half_cycle.
+    The interval has no meaning for the spacing "continuous". Main impulses act in half-cycles that start before
+    `duration` [s]. The answer has the variables of ``FIGURE5`` but for the histories; those of the lanes over
+    :data:`LANES`, the table with a further dimension half_cycle.
     """
     names, shape = list(RADII), (len(secondary_ratios), len(intervals))
     ratio, interval = (grid.ravel() for grid in np.meshgrid(secondary_ratios, intervals, indexing="ij"))
@@ -120,7 +103,7 @@ def _padded(column: np.ndarray, rows: int, variable: str) -> np.ndarray:
 def _block_variables(
     names: Sequence[str], restitutions: Sequence[float], blocks: dict[tuple[str, float], Block]
 ) -> dict[str, tuple[tuple[str, ...], np.ndarray]]:
-    """What is known of each block before it moves."""
+    """Properties of each block, and its critical and main impulses."""
     alone = [paper_block(name, "housner") for name in names]
     double = np.array([critical_double_impulse(block) for block in alone])
     main = np.array([[critical_impulse_at(blocks[name, c], 2) for c in restitutions] for name in names])

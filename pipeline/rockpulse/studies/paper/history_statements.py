@@ -1,4 +1,4 @@
-"""What section 4 says about Figure 5, sentence by sentence (Casapulla & Maione 2017).
+"""Statements of section 4 about Figure 5, sentence by sentence (Casapulla & Maione 2017).
 
 .. note:: Each statement is looked at for every spacing and common interval dT of a scan; the blocks, restitutions and
    ratios that it speaks of all have to agree. The more slender block is B.
@@ -115,7 +115,7 @@ def slender_block_has_shorter_half_cycles(figure: xr.Dataset) -> Finding:
 
 
 def smaller_impulse_saves_the_slender_block(figure: xr.Dataset) -> Finding:
-    """Measured by what overturns each block at once, the main impulse of B is smaller than that of A."""
+    """The main impulse of B is smaller than that of A in units of the impulse that overturns the block at once."""
     a, b = _blocks(figure["impulse_ratio"])
     numbers = "I/I_1c of A, B: " + _by_restitution(figure["impulse_ratio"])
     return Finding(b < a * (1.0 - 1e-12), numbers + ", so not the amplitude but n decides, by p dT")
@@ -268,12 +268,12 @@ def _restitutions(values: xr.DataArray) -> tuple[xr.DataArray, xr.DataArray]:
 
 
 def _everywhere(held: xr.DataArray) -> xr.DataArray:
-    """Whether something holds with each spacing and interval, whatever else there is."""
+    """Whether a statement holds for each spacing and interval, over all other dimensions."""
     return held.all([dim for dim in held.dims if dim not in _SCAN])
 
 
 def _smaller(low: xr.DataArray, high: xr.DataArray) -> xr.DataArray:
-    """Half-cycle by half-cycle, where both have one; two that overturn cannot be told apart."""
+    """Whether `low` is below `high` half-cycle by half-cycle; also True where one is missing or both overturn."""
     missing = low.isnull() | high.isnull()
     return missing | (low < high) | ((low == np.inf) & (high == np.inf))
 
@@ -296,7 +296,7 @@ def _with_restitution(figure: xr.Dataset, name: str) -> Finding:
 
 
 def _from(held: xr.DataArray) -> int:
-    """The half-cycle from which on something holds, whatever else there is."""
+    """The first half-cycle from which on a statement holds, over all other dimensions."""
     return int(held["half_cycle"].where(~held, 0).max()) + 1
 
 

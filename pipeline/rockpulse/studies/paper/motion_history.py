@@ -21,12 +21,12 @@ _PHASE = {"end": 0.0, "middle": 0.5, "start": 1.0, "open": 0.0}
 
 
 class HalfCycle(NamedTuple):
-    """One row of the table: start velocity u_i [-], duration [s] (inf: overturns), n_i [-], dT_i [s]."""
+    """One row of the table of half-cycles."""
 
-    start_velocity: float
-    duration: float
-    impulse_count: int
-    interval: float
+    start_velocity: float  # u_i [-]
+    duration: float  # [s], inf where the block overturns
+    impulse_count: int  # n_i [-]
+    interval: float  # dT_i [s]
 
 
 class _Piece(NamedTuple):
@@ -39,24 +39,12 @@ class _Piece(NamedTuple):
 
 
 def secondary_impulses(cycle: HalfCycle, secondary: float, spacing: str) -> tuple[np.ndarray, np.ndarray]:
-    """Times and velocity changes of the secondary impulses in a half-cycle.
+    """Times after the main impulse [s] and velocity changes [-] of the secondary impulses in a half-cycle.
 
-    Parameters
-    ----------
-    cycle : HalfCycle
-        One that comes back.
-    secondary : float
-        a = u_1 I_s/I, change of velocity of one of them [-].
-    spacing : str
-        One of :data:`~rocking.impulse_sequence.SPACINGS`.
+    The half-cycle is one that comes back.
 
-    Returns
-    -------
-    times : (n,) ndarray
-        After the main impulse [s].
-    changes : (n,) ndarray
-        Of the velocity away from the ground [-]; the first one is negative. Infinitely many act like half of one at the
-        start and half of one at the end.
+    `secondary` is a = u_1 I_s/I, the change of velocity of one of them [-]. The changes are of the velocity away from
+    the ground; the first one is negative. Infinitely many act like half of one at the start and half of one at the end.
     """
     if secondary == 0.0:
         return np.zeros(0), np.zeros(0)
@@ -69,27 +57,11 @@ def secondary_impulses(cycle: HalfCycle, secondary: float, spacing: str) -> tupl
 def rotation_history(
     cycles: list[HalfCycle], p: float, secondary: float, spacing: str, times: np.ndarray
 ) -> np.ndarray:
-    """Signed rotation at given instants.
+    """Signed rotation theta/alpha_c [-] at increasing instants from the first main impulse [s], within the half-cycles.
 
-    Parameters
-    ----------
-    cycles : list of HalfCycle
-        In their order; an overturning one comes last.
-    p : float
-        Frequency parameter [1/s].
-    secondary : float
-        a = u_1 I_s/I [-].
-    spacing : str
-        One of :data:`~rocking.impulse_sequence.SPACINGS`.
-    times : (n,) ndarray
-        Instants from the first main impulse [s], increasing, within the half-cycles.
-
-    Returns
-    -------
-    (n,) ndarray
-        theta/alpha_c [-]. In the half-cycle that overturns the main impulse alone is followed, as in
-        :func:`~rocking.sequence.impulse_train`, up to alpha_c; NaN from there on. A block that was given just
-        the critical velocity creeps up to alpha_c for ever.
+    An overturning half-cycle comes last; `p` is in 1/s and `secondary` is a = u_1 I_s/I [-]. In the half-cycle that
+    overturns the main impulse alone is followed, as in :func:`~rocking.sequence.impulse_train`, up to alpha_c; NaN from
+    there on. A block that was given just the critical velocity creeps up to alpha_c for ever.
     """
     pieces: list[_Piece] = []
     start, side = 0.0, -1.0

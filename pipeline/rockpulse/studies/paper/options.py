@@ -1,4 +1,4 @@
-"""The grids of a study as a user may give them."""
+"""The grids of a study as a user may give them, checked."""
 
 from __future__ import annotations
 
@@ -21,23 +21,9 @@ _LARGEST_SCAN = 100_000
 def axis(
     name: str, values: Sequence[float], low: float | None = None, high: float = math.inf, increasing: bool = False
 ) -> np.ndarray:
-    """The values of an axis, checked.
+    """The different, finite values of the axis `name`; raises ConfigError for any others.
 
-    Parameters
-    ----------
-    name : str
-        What they are, for the message.
-    values : sequence of float
-        Different, finite numbers.
-    low, high : float
-        Limits, both included; without a lower one they are positive.
-    increasing : bool
-        Whether they have to be in order.
-
-    Raises
-    ------
-    ConfigError
-        For anything else.
+    Both limits are included; without a lower one the values are positive. `increasing` values have to be in order.
     """
     array = np.array(values, dtype=float).reshape(-1)
     given = ", ".join(f"{value:g}" for value in array) or "none"
@@ -52,18 +38,7 @@ def axis(
 
 
 def even_counts(values: Sequence[float]) -> np.ndarray:
-    """Numbers of secondary impulses in a half-cycle: even, or inf for their limit.
-
-    Parameters
-    ----------
-    values : sequence of float
-        As given.
-
-    Raises
-    ------
-    ConfigError
-        For anything else.
-    """
+    """Numbers of secondary impulses in a half-cycle: even, or inf for their limit; raises ConfigError for others."""
     array = np.array(values, dtype=float).reshape(-1)
     finite = array[array != math.inf]
     even = np.all((finite >= 2.0) & (finite <= _LARGEST_COUNT) & (np.fmod(finite, 2.0) == 0.0))
@@ -76,17 +51,9 @@ def even_counts(values: Sequence[float]) -> np.ndarray:
 
 
 def scan_values(first: float, last: float, step: float) -> list[float]:
-    """Values from the first to the last one, both included, at a step.
+    """Positive values from the first to the last one, both included, at a step.
 
-    Parameters
-    ----------
-    first, last, step : float
-        Positive, the last one not below the first.
-
-    Raises
-    ------
-    ConfigError
-        For anything else, or more than 100 000 values.
+    Raises ConfigError for any other input, or more than 100 000 values.
 
     Examples
     --------

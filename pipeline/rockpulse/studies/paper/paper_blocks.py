@@ -1,4 +1,4 @@
-"""The two blocks of Figure 5, and how a motion under a limited input is counted."""
+"""The two blocks of Figure 5, and the count of half-cycles of a motion under a limited input."""
 
 from __future__ import annotations
 
@@ -29,14 +29,7 @@ DURATION = 20.0
 
 
 def paper_block(name: str, restitution: Any) -> Block:
-    """A block of Figure 5.
-
-    Parameters
-    ----------
-    name : {"A", "B"}
-        2b = 1 m with R = 2 m or 4 m.
-    restitution : float, (m,) array_like or "housner"
-        C [-].
+    """Block "A" or "B" of Figure 5: 2b = 1 m with R = 2 m or 4 m; the restitution is C [-] or "housner".
 
     Examples
     --------
@@ -49,20 +42,10 @@ def paper_block(name: str, restitution: Any) -> Block:
 
 
 def half_cycle_counts(response: Response, duration: float) -> np.ndarray:
-    """Half-cycles that a main impulse starts, of every lane.
+    """Number of half-cycles that a main impulse starts in every lane, up to and with the one that overturns.
 
-    Parameters
-    ----------
-    response : Response
-        Of :func:`~rocking.sequence.sequence_response`, with the whole table.
-    duration : float
-        Length of the input [s], finite.
-
-    Returns
-    -------
-    (lanes) ndarray of int
-        Up to and with the one that overturns. The table ends where the motion repeats itself; the half-cycles from
-        there on are as long as its last one.
+    The response has the whole table, and `duration` is the finite length of the input [s]. The table ends where the
+    motion repeats itself; the half-cycles from there on are as long as its last one.
     """
     assert response.half_cycles is not None
     durations = response.half_cycles.duration

@@ -130,7 +130,7 @@ def figure4(
 
 
 def _no_motions(figure: xr.Dataset) -> str:
-    """How many cases are no result, for the spacings that have some."""
+    """The number of cases without a result, for the spacings that have some."""
     words = []
     for name in figure["spacing"].values.tolist():
         own = figure.sel(spacing=name)

@@ -11,17 +11,8 @@ __all__ = ["study_tables"]
 def study_tables(tree: xr.DataTree) -> dict[str, pd.DataFrame]:
     """Tables of a study by name, coordinates first.
 
-    Parameters
-    ----------
-    tree : xarray.DataTree
-        As :func:`rockpulse.study.figure4` or :func:`rockpulse.study.figure5`
-        returns it.
-
-    Returns
-    -------
-    dict of str to DataFrame
-        Figure 4: "figure4". Figure 5: "histories" (one row an instant), "half_cycles" (one row each that there is),
-        "intervals" (one row a case of the scan). Both: "statements".
+    Figure 4: "figure4". Figure 5: "histories" (one row an instant), "half_cycles" (one row each), "intervals" (one row
+    a case of the scan). Both: "statements".
     """
     tables = {"statements": _flat(tree["statements"].to_dataset())}
     if "figure4" in tree:

@@ -156,7 +156,7 @@ def _with_histories(figure: xr.Dataset, duration: float, step: float) -> xr.Data
 
 
 def _intervals(scanned: xr.Dataset, findings: Mapping[Statement, Finding]) -> xr.Dataset:
-    """Half-cycles and times of overturning over the scan, and which statements hold where."""
+    """Half-cycles and times of overturning over the scan, and the cases in which each statement holds."""
     shape = {dim: scanned.sizes[dim] for dim in ("spacing", "interval")}
     holds = []
     for finding in findings.values():
