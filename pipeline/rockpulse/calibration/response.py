@@ -139,30 +139,10 @@ def fit_sequence(
 ) -> ResponseCalibration:
     """Impulse sequence that reproduces given peak rotations, of a test or of another model.
 
-    Parameters
-    ----------
-    blocks : Block
-        (m,) blocks.
-    peaks : (m,) array_like
-        theta_max/alpha_c [-]; not looked at where a block overturns or stays at rest.
-    outcomes : (m,) array_like of int
-        :class:`rocking.Outcome`.
-    start : ImpulseSequence, optional
-        Start of the search; without it main impulses are limited by their number only.
-    spacing, smallest, confidence, seed, threads
-        As in :func:`calibrate_response`.
-    name : str
-        For the answer.
-
-    Returns
-    -------
-    ResponseCalibration
-        Of the form "fit".
-
-    Raises
-    ------
-    ConfigError, RecordRefused
-        As in :func:`calibrate_response`; also for arrays that do not go together.
+    `peaks` (m,) are theta_max/alpha_c [-] of the (m,) blocks, ignored where a block overturns or stays at rest;
+    `outcomes` (m,) are :class:`rocking.Outcome`. Without `start` main impulses are limited by their number only. The
+    other options, and the errors, are those of :func:`calibrate_response`; errors also for arrays that do not go
+    together. The answer is of the form "fit" and carries `name`.
     """
     _check("fit", 1.0, spacing, confidence)
     targets = ResponseTargets(blocks, peaks, outcomes, smallest)
@@ -170,26 +150,10 @@ def fit_sequence(
 
 
 def envelope(fit: ResponseCalibration, share: float = 0.84, threads: int | None = None) -> ResponseCalibration:
-    """The calibration with the smallest main impulse that covers a share of the family.
+    """The calibration with the smallest main impulse that covers a share of the family, from one of the form "fit".
 
-    Parameters
-    ----------
-    fit : ResponseCalibration
-        Of the form "fit"; I_s/I, dT, main count and duration are kept.
-    share : float
-        Share of the blocks that the motion moves, above 0 and at most 1 [-].
-    threads : int, optional
-        Threads that share the work; None for all available cores.
-
-    Returns
-    -------
-    ResponseCalibration
-        Of the form "enveloping"; intervals and profiles stay those of the fit.
-
-    Raises
-    ------
-    ConfigError
-        For a share out of range.
+    I_s/I, dT, main count, duration, intervals and profiles stay those of the fit. `share` counts the blocks that the
+    motion moves, above 0 and at most 1 [-]; ConfigError otherwise.
     """
     _check("enveloping", share, fit.sequence.spacing, fit.confidence)
     factor, again = enveloping_main(fit.targets, fit.sequence, share, threads)

@@ -19,25 +19,10 @@ TOLERANCE = 1e-6
 def enveloping_main(
     targets: ResponseTargets, sequence: ImpulseSequence, share: float, threads: int | None = None
 ) -> tuple[float, bool]:
-    """Factor on both impulses of a sequence at which it first covers a share of the targets.
+    """The factor on both impulses of a sequence at which it first covers a share of the targets.
 
-    Parameters
-    ----------
-    targets : ResponseTargets
-        Silent ones do not count: they are covered by anything.
-    sequence : ImpulseSequence
-        One sequence; I_s/I, dT, main count and duration are kept.
-    share : float
-        Share to be covered [-].
-    threads : int, optional
-        Threads that share the lanes; None for all available cores.
-
-    Returns
-    -------
-    factor : float
-        Upper end of the first bracket [-].
-    again : bool
-        Whether a larger factor of the scan covers less than the share.
+    I_s/I, dT, main count and duration are kept. Silent targets do not count: they are covered by anything. Returned are
+    the upper end of the first bracket, and whether a larger factor of the scan covers less than the share.
 
     Notes
     -----

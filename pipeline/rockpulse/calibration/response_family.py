@@ -40,24 +40,12 @@ POOL, CHOSEN, POINTS = 10, 25, 8192
 
 
 def motion_family(answer: Callable[[Block], Response]) -> Block:
-    """The family of blocks for a motion: 100 of engineering size.
+    """The family of blocks for a motion: 100 of engineering size, 25 for each of four restitutions.
 
-    Parameters
-    ----------
-    answer : callable
-        The :class:`rocking.Response` of (m,) blocks to the motion.
-
-    Returns
-    -------
-    Block
-        (100,) blocks, 25 for each of four restitutions: evenly spread over (ln p, ln alpha_c) where I_1c is 0.8 to 3
-        times that of the edge of overturning, p 1 to 5 1/s, and the slenderness at most 12.5 and at least 3 and that of
-        the stockiest block which the motion moves.
-
-    Raises
-    ------
-    TooWeak
-        Where the motion moves no block of the pool.
+    They are evenly spread over (ln p, ln alpha_c) where I_1c is 0.8 to 3 times that of the edge of overturning, p 1 to
+    5 1/s, and the slenderness at most 12.5 and at least 3 and that of the stockiest block which the motion moves.
+    `answer` gives the :class:`rocking.Response` of (m,) blocks to the motion. Raises TooWeak where it moves no block of
+    the pool.
 
     Notes
     -----
@@ -97,21 +85,9 @@ def motion_family(answer: Callable[[Block], Response]) -> Block:
 
 
 def recorded_family(record: Record, threads: int | None = None, vertical: Any = None) -> Block:
-    """:func:`motion_family` of a conditioned record, under the nonlinear equation.
+    """:func:`motion_family` of a conditioned record, under the nonlinear equation; TooWeak names the record.
 
-    Parameters
-    ----------
-    record : Record
-        Conditioned.
-    threads : int, optional
-        Threads that share the blocks; None for all available cores.
-    vertical : (n,) array_like, optional
-        Vertical ground acceleration on its samples [m/s2], positive up.
-
-    Raises
-    ------
-    TooWeak
-        Where it moves no block of the pool, naming the record.
+    `vertical` is the vertical ground acceleration (n,) on its samples [m/s2], positive up.
     """
 
     def answer(blocks: Block) -> Response:
@@ -124,7 +100,7 @@ def recorded_family(record: Record, threads: int | None = None, vertical: Any = 
 
 
 def describe_family(blocks: Block) -> str:
-    """What was chosen, in words, as a remark."""
+    """A remark that names the ranges of the chosen blocks."""
     ranges = [
         (name, f"{np.min(values):.3g} to {np.max(values):.3g}{unit}")
         for name, values, unit in (

@@ -1,4 +1,4 @@
-"""How many independent observations the blocks of a family stand for.
+"""The number of independent observations for which the blocks of a family stand.
 
 .. note:: The response of a block to a record differs from that to a sequence in the same way as that of a similar
    block: residuals are alike along p, alpha_c and C, and a finer family adds peaks but no information. A likelihood
@@ -24,12 +24,7 @@ LARGEST = 0.9
 def independent_share(targets: ResponseTargets, peaks: np.ndarray) -> tuple[float, float]:
     """Share of the numbers that are independent observations, from the likeness of neighbours.
 
-    Parameters
-    ----------
-    targets : ResponseTargets
-        (m,) targets.
-    peaks : (m,) ndarray
-        theta_max/alpha_c of a sequence [-].
+    `peaks` (m,) are theta_max/alpha_c of a sequence on the blocks of the targets [-].
 
     Returns
     -------

@@ -27,26 +27,11 @@ ROUNDS = 12
 
 
 def log_likelihood(peaks: np.ndarray, targets: ResponseTargets) -> tuple[np.ndarray, np.ndarray]:
-    """Log-likelihood of sequences by their peaks, maximal over the spread.
+    """Log-likelihood (q,) of sequences by their peaks (q, m) [-], maximal over the spread s, and that spread (q,) [-].
 
-    Parameters
-    ----------
-    peaks : (q, m) ndarray
-        theta_max/alpha_c of q sequences on the m blocks, inf where overturned [-].
-    targets : ResponseTargets
-        Of the same blocks.
-
-    Returns
-    -------
-    likelihood : (q,) ndarray
-        ln of the likelihood.
-    spread : (q,) ndarray
-        The most likely s [-], at least :data:`SMALLEST_SPREAD`.
-
-    Notes
-    -----
-    Of a block that a sequence overturns only "at least 1" is known; a target takes the value from there up that suits
-    it best.
+    The peaks are theta_max/alpha_c on the m blocks of the targets, inf where overturned; s is at least
+    :data:`SMALLEST_SPREAD`. Of a block that a sequence overturns only "at least 1" is known; a target takes the value
+    from there up that suits it best.
 
     References
     ----------

@@ -1,4 +1,4 @@
-"""How likely every sequence is after the targets: weighted samples by adaptive importance sampling.
+"""The posterior probability of sequences given the targets: weighted samples by adaptive importance sampling.
 
 .. note:: The likelihood jumps wherever the number of secondary impulses of a block changes, so a deviance is not
    chi-squared distributed and the interval that it would cut off is too narrow (docs/decisions/013). The posterior
@@ -40,18 +40,10 @@ NARROWEST = 1e-4
 
 @dataclass(frozen=True, eq=False)
 class Posterior:
-    """Weighted samples of the posterior.
+    """Weighted samples of the posterior."""
 
-    Attributes
-    ----------
-    points : (k, 4) ndarray
-        As in :class:`rockpulse.calibration.response_search.SearchSpace`.
-    weights : (k,) ndarray
-        They sum to 1.
-    """
-
-    points: np.ndarray
-    weights: np.ndarray
+    points: np.ndarray  # (k, 4), as in :class:`rockpulse.calibration.response_search.SearchSpace`
+    weights: np.ndarray  # (k,) that sum to 1
 
     @property
     def effective(self) -> float:
@@ -112,21 +104,9 @@ class _Kernels:
 
 
 def sample_posterior(explored: Explored, rng: np.random.Generator, share: float = 1.0) -> Posterior:
-    """Sample the posterior, starting from what a search has explored; the samples are added to it.
+    """Sample the posterior, starting from a finished search; the samples are added to it.
 
-    Parameters
-    ----------
-    explored : Explored
-        A finished search.
-    rng : numpy.random.Generator
-        Source of all that is random.
-    share : float
-        Factor on ln of the likelihood [-].
-
-    Returns
-    -------
-    Posterior
-        The samples inside the space.
+    `share` is the factor on ln of the likelihood [-]. Only samples inside the space are returned.
 
     Notes
     -----

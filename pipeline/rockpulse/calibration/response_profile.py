@@ -1,8 +1,9 @@
-"""What the targets say of each parameter, and what they cannot tell.
+"""The profile and interval of each parameter of the sequence, and the parameters of which the targets tell nothing.
 
 .. note:: The profile of a parameter is the smallest deviance 2 (ln L_max - ln L) among all candidates that share its
    value, about; a parameter is flat where its profile stays below the threshold of the confidence level over all that
-   was searched. Intervals are of the posterior (:mod:`rockpulse.calibration.response_posterior`).
+   was searched. Intervals are of the posterior (:mod:`rockpulse.calibration.response_posterior`). `share` is the factor
+   on ln of the likelihood [-].
 """
 
 from __future__ import annotations
@@ -54,20 +55,10 @@ def parameter_values(space: SearchSpace, points: np.ndarray) -> dict[str, np.nda
 
 
 def deviance_threshold(count: int, confidence: float) -> float:
-    """Deviance within which one parameter is believed.
+    """Deviance within which one parameter is believed, for n peaks that are numbers and a confidence level [-].
 
-    Parameters
-    ----------
-    count : int
-        Number n of peaks that are numbers.
-    confidence : float
-        Level [-].
-
-    Returns
-    -------
-    float
-        n ln(1 + t^2/(n - 4)) with the two-sided t of n - 4 degrees of freedom: exact for a linear model of four
-        parameters with an estimated spread, the quantile of chi-squared with one degree of freedom for many blocks.
+    It is n ln(1 + t^2/(n - 4)) with the two-sided t of n - 4 degrees of freedom: exact for a linear model of four
+    parameters with an estimated spread, the quantile of chi-squared with one degree of freedom for many blocks.
 
     Examples
     --------
@@ -79,20 +70,9 @@ def deviance_threshold(count: int, confidence: float) -> float:
 
 
 def profiles(explored: Explored, share: float = 1.0) -> dict[str, tuple[np.ndarray, np.ndarray]]:
-    """The profile of each parameter.
+    """The profile of each parameter: values (k,), rising, and the smallest deviance (k,) found there [-].
 
-    Parameters
-    ----------
-    explored : Explored
-        Everything that was tried.
-    share : float
-        Factor on ln of the likelihood [-].
-
-    Returns
-    -------
-    dict of str to ((k,) ndarray, (k,) ndarray)
-        Values, rising, and the smallest deviance found there [-]. Each is that of a candidate: the true profile lies
-        at or below it.
+    Each deviance is that of a candidate: the true profile lies at or below it.
     """
     points, likelihood = explored.points, explored.likelihood
     deviance = 2.0 * share * (likelihood.max() - likelihood)
@@ -114,7 +94,10 @@ def profiles(explored: Explored, share: float = 1.0) -> dict[str, tuple[np.ndarr
 
 
 def intervals(space: SearchSpace, posterior: Posterior, confidence: float) -> dict[str, tuple[float, float]]:
-    """(low, high): central in the posterior, of the main count :func:`likeliest_counts`; NaN where there is no dT."""
+    """Central posterior interval (low, high) of each parameter; NaN without dT.
+
+    For the main count it is that of :func:`likeliest_counts`.
+    """
     levels = np.array([0.5 * (1.0 - confidence), 0.5 * (1.0 + confidence)])
     found = {}
     for name, values in parameter_values(space, posterior.points).items():
@@ -124,23 +107,10 @@ def intervals(space: SearchSpace, posterior: Posterior, confidence: float) -> di
 
 
 def likeliest_counts(shares: dict[int, float], confidence: float) -> tuple[float, float]:
-    """Lowest and highest of the likeliest numbers of main impulses whose probability is nearest to a level.
+    """Lowest and highest of the likeliest numbers of main impulses whose joint probability is nearest to a level.
 
-    Parameters
-    ----------
-    shares : dict of int to float
-        Probability of each number [-].
-    confidence : float
-        Level [-].
-
-    Returns
-    -------
-    (low, high) : (float, float)
-        Numbers of main impulses.
-
-    Notes
-    -----
-    No set of whole numbers holds just the level. Quantiles hold at least that, mostly far more, and cover too often.
+    `shares` is the probability of each number [-]. No set of whole numbers holds just the level. Quantiles hold at
+    least that, mostly far more, and cover too often.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""What the calibration of a sequence on responses comes to."""
+"""The result of calibrating a sequence on responses."""
 
 from __future__ import annotations
 

@@ -53,34 +53,18 @@ STEPS = (0.1, 0.3, 1.0)
 
 @dataclass(frozen=True, eq=False)
 class SearchSpace:
-    """Which sequences are searched.
+    """The space of the sequences that are searched."""
 
-    Attributes
-    ----------
-    low, high : (4,) ndarray
-        Limits of a point.
-    duration : float
-        That of every sequence [s].
-    spacing : str
-        That of every sequence.
-    demands : (k,) ndarray
-        v I_1c of the blocks whose peak is a number [m/s].
-    restitutions : (k,) ndarray
-        C of the same blocks [-].
-    """
-
-    low: np.ndarray
-    high: np.ndarray
-    duration: float
-    spacing: str
-    demands: np.ndarray
-    restitutions: np.ndarray
+    low: np.ndarray  # (4,) lower limits of a point
+    high: np.ndarray  # (4,) upper limits of a point
+    duration: float  # of every sequence [s]
+    spacing: str  # of every sequence
+    demands: np.ndarray  # (k,) v I_1c of the blocks whose peak is a number [m/s]
+    restitutions: np.ndarray  # (k,) C of the same blocks [-]
 
     def asked_for(self, points: np.ndarray) -> np.ndarray:
-        """I that the targets ask for at the I_s/I and main count of (q, 4) points, in closed form: (q,) [m/s].
+        """I (q,) [m/s] that the targets ask for at the I_s/I and main count of (q, 4) points, in closed form.
 
-        Notes
-        -----
         Many secondary impulses let the N-th half-cycle peak as if it had started with v = (I/I_1c) [1 - sigma/2 + (1 -
         sigma) (C + ... + C^(N-1))] (F4 of the sequence's limit), so a target v I_1c asks for that I; here their median.
         """
@@ -125,21 +109,11 @@ class SearchSpace:
 
 
 def search_space(targets: ResponseTargets, start: ImpulseSequence | None, spacing: str) -> SearchSpace:
-    """The space for a set of targets.
+    """The space for a set of targets, with I around the demands of the targets.
 
-    Parameters
-    ----------
-    targets : ResponseTargets
-        I is searched around what they ask for.
-    start : ImpulseSequence or None
-        Its duration is that of all sequences, without it main impulses are limited by their number only; its other
-        parameters widen the limits.
-    spacing : str
-        Spacing of all sequences.
-
-    Notes
-    -----
-    A peak x is reached by the velocity v = sqrt(1 - (1 - x)^2) (Eq. 6), so the demand on a block is v I_1c.
+    The duration of `start` is that of all sequences; without it main impulses are limited by their number only. Its
+    other parameters widen the limits. A peak x is reached by the velocity v = sqrt(1 - (1 - x)^2) (Eq. 6), so the
+    demand on a block is v I_1c.
     """
     peak = np.minimum(targets.peaks[targets.number], 1.0)
     demands = np.sqrt(1.0 - (1.0 - peak) ** 2) * np.asarray(targets.blocks.critical_impulse)[targets.number]
@@ -172,17 +146,7 @@ def start_point(space: SearchSpace, start: ImpulseSequence) -> np.ndarray:
 
 
 class Explored:
-    """All candidates that were tried, with their likelihood.
-
-    Parameters
-    ----------
-    targets : ResponseTargets
-        What they are held against.
-    space : SearchSpace
-        What they are taken from.
-    threads : int or None
-        Threads that share the lanes.
-    """
+    """All candidates of a space that were tried, with their likelihood under the targets."""
 
     def __init__(self, targets: ResponseTargets, space: SearchSpace, threads: int | None) -> None:
         self.targets, self.space, self.threads = targets, space, threads
@@ -238,25 +202,8 @@ def explore(
 ) -> Explored:
     """Find the likeliest sequence and fill the region of those that are about as likely.
 
-    Parameters
-    ----------
-    targets : ResponseTargets
-        (m,) targets.
-    space : SearchSpace
-        Limits.
-    start : (4,) ndarray or None
-        A point that is among the candidates from the first.
-    enough : float
-        Deviance of the last round: less likely points have no more offspring.
-    rng : numpy.random.Generator
-        Source of all that is random.
-    threads : int, optional
-        Threads that share the lanes; None for all available cores. The answer does not depend on it.
-
-    Returns
-    -------
-    Explored
-        Everything that was tried.
+    `start` (4,), if given, is among the candidates from the first. `enough` is the deviance of the last round: less
+    likely points have no more offspring. The answer does not depend on the number of threads.
     """
     explored = Explored(targets, space, threads)
     # The start itself first: differential evolution maps it to the unit cube and back, which costs a bit.

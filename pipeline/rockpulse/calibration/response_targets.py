@@ -1,4 +1,4 @@
-"""What a calibrated sequence has to reproduce: the peak rotations of a family of blocks, and which of them are numbers.
+"""The targets of a calibrated sequence: the peak rotations of a family of blocks, and which of them are numbers.
 
 .. note:: A peak is theta_max/alpha_c. Four kinds of target:
 
@@ -108,38 +108,22 @@ class ResponseTargets:
 
     @property
     def silent(self) -> np.ndarray:
-        """(m,) bool: without a say."""
+        """(m,) bool: nothing is known of the sequence's peak."""
         return ~(self.number | self.small | self.overturned)
 
     def short_of(self, peaks: np.ndarray) -> np.ndarray:
-        """Share of the blocks that the motion moves whose peak is below the target: the unsafe side.
+        """Share (q,) of the moved blocks whose peak (q, m) [-] is below the target: the unsafe side.
 
-        Parameters
-        ----------
-        peaks : (q, m) ndarray
-            Peaks of q sequences, inf where overturned [-].
-
-        Returns
-        -------
-        (q,) ndarray
-            Share [-]; an overturned target is reached by overturning only.
+        Peaks are inf where overturned; an overturned target is reached by overturning only.
         """
         speaks = ~self.silent
         target = np.where(self.overturned, np.inf, self.peaks)[speaks]
         return np.asarray(np.mean(peaks[:, speaks] < target, axis=1))
 
     def residuals(self, peaks: np.ndarray) -> np.ndarray:
-        """ln(target/peak) [-], its distance to the nearest value that agrees where one of the two is censored.
+        """ln(target/peak) (q, m) [-], or its distance to the nearest value that agrees where one is censored.
 
-        Parameters
-        ----------
-        peaks : (q, m) ndarray
-            Peaks of q sequences, inf where overturned [-].
-
-        Returns
-        -------
-        (q, m) ndarray
-            NaN for silent targets. A sequence that overturns a block is known to reach at least 1 there.
+        NaN for silent targets. A sequence that overturns a block (peak inf) is known to reach at least 1 there.
         """
         least = np.log(np.maximum(np.minimum(peaks, 1.0), 1e-300))
         beyond = np.isinf(peaks)
@@ -152,24 +136,18 @@ class ResponseTargets:
         return np.where(self.small, np.minimum(np.log(self.smallest) - least, 0.0), residual)
 
     def misfit(self, peaks: np.ndarray) -> np.ndarray:
-        """Root mean square of the residuals over the targets that have a say: (q,) for (q, m) peaks [-]."""
+        """Root mean square of the residuals over all targets but silent ones: (q,) for (q, m) peaks [-]."""
         return np.asarray(np.sqrt(np.nanmean(self.residuals(peaks) ** 2, axis=1)))
 
 
 def block_family() -> Block:
     """The default family: 100 blocks of engineering size.
 
-    Returns
-    -------
-    Block
-        (100,) blocks: p of 1 to 5 1/s (half-diagonals of 7.4 to 0.3 m), slenderness 12.5 to 3, five of each in equal
-        ratios, and Housner's restitution times 1, 0.9, 0.75 and 0.6.
-
-    Notes
-    -----
-    The restitution is what tells the parameters apart (docs/decisions/013): a block answers the N-th main impulse with
-    the velocity I [1 - sigma/2 + (1 - sigma) (C + ... + C^(N-1))]/I_1c, in which I, sigma = I_s/I and N act differently
-    at different C only. Measured restitutions are 0.95 to 0.97 of Housner's on concrete and 0.67 on rubber (ElGawady).
+    p of 1 to 5 1/s (half-diagonals of 7.4 to 0.3 m), slenderness 12.5 to 3, five of each in equal ratios, and Housner's
+    restitution times 1, 0.9, 0.75 and 0.6. The restitution is what tells the parameters apart (docs/decisions/013): a
+    block answers the N-th main impulse with the velocity I [1 - sigma/2 + (1 - sigma) (C + ... + C^(N-1))]/I_1c, in
+    which I, sigma = I_s/I and N act differently at different C only. Measured restitutions are 0.95 to 0.97 of
+    Housner's on concrete and 0.67 on rubber (ElGawady).
 
     Examples
     --------
@@ -187,25 +165,10 @@ def block_family() -> Block:
 def recorded_targets(
     record: Record, blocks: Block, smallest: float = SMALL, threads: int | None = None, vertical: Any = None
 ) -> ResponseTargets:
-    """The targets of a conditioned record: peaks under the nonlinear equation.
+    """The targets of a conditioned record: peaks of (m,) blocks under the nonlinear equation.
 
-    Parameters
-    ----------
-    record : Record
-        Conditioned.
-    blocks : Block
-        (m,) blocks.
-    smallest : float
-        Peaks below this are known to be small only [-].
-    threads : int, optional
-        Threads that share the blocks; None for all available cores.
-    vertical : (n,) array_like, optional
-        Vertical ground acceleration on the samples of the record [m/s2], positive up.
-
-    Raises
-    ------
-    RecordRefused
-        Where too few blocks rock, naming the record.
+    Peaks below `smallest` are known to be small only [-]; `vertical` (n,) is the vertical ground acceleration on the
+    samples of the record [m/s2], positive up. Raises RecordRefused, naming the record, where too few blocks rock.
     """
     response = recorded_response(blocks, record.acceleration, record.dt, vertical=vertical, threads=threads)
     try:
