@@ -1,4 +1,4 @@
-"""What a user writes today: scipy's ``solve_ivp`` with impact events and a restart after each impact.
+"""The usual method, against which the kernels are measured: scipy's ``solve_ivp``, restarted after each impact event.
 
 It is written with care, not to look slow: the record is indexed directly, the right-hand side works on plain floats,
 rest is jumped over to the next sample above the threshold, overturning stops the run, tiny hops start with a step of
@@ -20,7 +20,7 @@ MOST_HOPS = 100_000
 
 
 class Baseline(NamedTuple):
-    """What the baseline answers."""
+    """The answer of the baseline."""
 
     peak_rotation_ratio: float  #: theta_max/alpha [-], inf when overturned
     outcome: str  #: AT_REST, ROCKS, OVERTURNS or UNRESOLVED
@@ -41,31 +41,13 @@ def response(
     atol: float | None = None,
     rest_speed: float = 1e-4,
 ) -> Baseline:
-    """Rocking response of one block by ``solve_ivp``.
+    """Rocking response of one block to a record (n,) [m/s2] by ``solve_ivp``.
 
-    Parameters
-    ----------
-    p, alpha, restitution : float
-        Frequency parameter [1/s], critical angle [rad], velocity ratio C [-].
-    acceleration : (n,) ndarray
-        Ground acceleration [m/s2].
-    dt : float
-        Sampling interval [s].
-    equation : {"nonlinear", "linear"}
-        Equation of motion, as in `models.recorded_response`.
-    scale, gravity : float
-        Factor on the record [-], gravity [m/s2].
-    method : str
-        Method of ``solve_ivp``.
-    rtol, atol : float
-        Tolerances of ``solve_ivp``; atol [rad, rad/s] is rtol x alpha/1000 unless given.
-    rest_speed : float
-        The block rests after an impact slower than this times p alpha on ground below the threshold [-]. Such hops are
-        1e-8 of alpha high, below the error of RK45 at rtol 1e-6; a smaller value costs more.
-
-    Returns
-    -------
-    Baseline
+    `p` is the frequency parameter [1/s], `alpha` the critical angle [rad], `restitution` the velocity ratio C [-];
+    `equation` is "nonlinear" or "linear", as in `models.recorded_response`. `method` and the tolerances are those of
+    ``solve_ivp``; atol [rad, rad/s] is rtol x alpha/1000 unless given. The block rests after an impact slower than
+    `rest_speed` times p alpha on ground below the threshold [-]. Such hops are 1e-8 of alpha high, below the error of
+    RK45 at rtol 1e-6; a smaller value costs more.
     """
     linear = equation == "linear"
     threshold = alpha if linear else math.tan(alpha)

@@ -39,14 +39,8 @@ SMALLEST_PEAK = 0.01
 def convergence(seed: int, motions: int, divisions: Sequence[int] = DIVISIONS, repeats: int = 5) -> pd.DataFrame:
     """Error and cost of the nonlinear kernel by its step.
 
-    Parameters
-    ----------
-    seed, motions : int
-        First seed of the synthetic motions, and how many.
-    divisions : sequence of int
-        Steps per sample, rising.
-    repeats : int
-        Whole calls whose median is the cost, after one that is not counted.
+    `divisions` are the steps per sample, rising; `motions` synthetic motions are drawn from `seed` on; the cost is the
+    median of `repeats` whole calls, after one that is not counted.
 
     Returns
     -------

@@ -45,35 +45,14 @@ Progress = Callable[[Sequence[Any]], Iterable[Any]]
 
 @dataclass(frozen=True)
 class Effort:
-    """How much is computed.
+    """Amount of computing; ConfigError for less than one case or motion."""
 
-    Attributes
-    ----------
-    cases : int
-        Cases of each equation that solve_ivp computes as well, at least 1.
-    reference_cases : int
-        Most cases of the reference of each equation.
-    motions : int
-        Synthetic motions of the ensemble, at least 1.
-    repeats : int
-        Whole calls whose median is the cost of a kernel.
-    steps : tuple of float
-        Longest steps of the kernels, as p dt [-].
-    tolerances : tuple of (str, float)
-        Methods of solve_ivp with relative tolerances [-].
-
-    Raises
-    ------
-    ConfigError
-        For less than one case or motion.
-    """
-
-    cases: int = 6
-    reference_cases: int = 100_000
-    motions: int = 100
-    repeats: int = 5
-    steps: tuple[float, ...] = STEPS
-    tolerances: tuple[tuple[str, float], ...] = TOLERANCES
+    cases: int = 6  # cases of each equation that solve_ivp computes as well, at least 1
+    reference_cases: int = 100_000  # most cases of the reference of each equation
+    motions: int = 100  # synthetic motions of the ensemble, at least 1
+    repeats: int = 5  # whole calls whose median is the cost of a kernel
+    steps: tuple[float, ...] = STEPS  # longest steps of the kernels, as p dt [-]
+    tolerances: tuple[tuple[str, float], ...] = TOLERANCES  # methods of solve_ivp with relative tolerances [-]
 
     def __post_init__(self) -> None:
         for name in ("cases", "reference_cases", "motions", "repeats"):
@@ -105,12 +84,12 @@ def accuracy(
         As read. Their horizontal channels are an ensemble of their own, beside the synthetic one; those that the
         reference knows (the shipped samples) are cases of the first table too.
     failures : iterable of Failure
-        What reading has left out, to be stored with the results.
+        Rows for the files and channels left out by reading, to be stored with the results.
     seed : int
-        Of the first synthetic motion of the ensemble, 0 to 2**32 - 1 less their number. The cases of the reference are
-        fixed.
+        Seed of the first synthetic motion of the ensemble, 0 to 2**32 - 1 less their number; ConfigError otherwise. The
+        cases of the reference are fixed.
     effort : Effort
-        How much is computed.
+        Amount of computing.
     progress : callable, optional
         Wraps a list of jobs on its way into the loop, as ``tqdm.tqdm`` does.
 
@@ -119,11 +98,6 @@ def accuracy(
     xarray.DataTree
         One node per table of ``TABLES``: /work_precision, /synthetic_grid, /answers,
         /convergence, /model_form, /classifiers, /failures.
-
-    Raises
-    ------
-    ConfigError
-        For a seed out of range.
     """
     if not 0 <= seed <= 2**32 - effort.motions:
         raise ConfigError(f"seed: expected 0 to {2**32 - effort.motions}, got {seed}")
@@ -172,20 +146,12 @@ def accuracy(
 
 
 def table_of(tree: xr.DataTree, name: str) -> pd.DataFrame:
-    """One table of the report.
-
-    Parameters
-    ----------
-    tree : xarray.DataTree
-        As :func:`accuracy` returns it.
-    name : str
-        A key of :data:`rockpulse.storage.accuracy_variables.TABLES`.
-    """
+    """One table of the report, by its key in :data:`rockpulse.storage.accuracy_variables.TABLES`."""
     return tree[name].to_dataset().to_dataframe()[list(TABLES[name])]
 
 
 def _reference(records: Iterable[Record], effort: Effort) -> tuple[pd.DataFrame, Ground]:
-    """The cases whose motion is at hand, and where their ground motions come from."""
+    """The cases of the reference whose motions are available, and a function that gives the motion of a case."""
     table = load_reference()
     known, stored = set(table["motion"]), set(table["motion_sha256"])
     named = {}

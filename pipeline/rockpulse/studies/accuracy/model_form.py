@@ -1,4 +1,4 @@
-"""Model-form error: what the cheap models say against the nonlinear response to the record, over an ensemble.
+"""Model-form error: answers of the cheap models against the nonlinear response to the record, over an ensemble.
 
 .. note:: A lane is one (record, factor, block). Every model of an assessment can be looked at: a name in
    :data:`COMPARED` adds it. Errors are statistics of an ensemble, never those of one record: near overturning the
@@ -72,19 +72,9 @@ def blocks() -> Block:
 
 
 def synthetic_records(seed: int, count: int) -> list[Record]:
-    """Seeded synthetic motions as records of a processed volume.
+    """Synthetic motions of the seeds `seed`, seed + 1 and so on, as records of a processed volume.
 
-    Parameters
-    ----------
-    seed : int
-        Of the first; the others follow with seed + 1 and so on.
-    count : int
-        How many.
-
-    Returns
-    -------
-    list of Record
-        60 s at 0.01 s each, peak 3 m/s2; see :func:`rockpulse.record.synthetic.synthetic_motion`.
+    60 s at 0.01 s each, peak 3 m/s2; see :func:`rockpulse.record.synthetic.synthetic_motion`.
     """
     return [
         Record(synthetic_motion(number), dt=0.01, id=f"synthetic.{number}", orientation="horizontal", processed=True)
@@ -99,31 +89,12 @@ def model_form_lanes(
     scales: Sequence[float] = SCALES,
     models: Sequence[str] = COMPARED,
 ) -> pd.DataFrame:
-    """What every model says of every lane of a record.
+    """The answers of every model for every lane of a horizontal record as read, and of the nonlinear model.
 
-    Parameters
-    ----------
-    ensemble : str
-        Name of the ensemble that the record belongs to.
-    record : Record
-        A horizontal channel as read.
-    config : Config, optional
-        How it is conditioned, cut into half-waves and calibrated: the defaults of an assessment without.
-    scales : sequence of float
-        Factors on the record [-].
-    models : sequence of str
-        Names of `rockpulse.assessment.scene.MODELS`; the nonlinear one is added.
-
-    Returns
-    -------
-    DataFrame
-        One row per lane: ensemble, record, scale, slenderness, radius [m], every demand of :data:`DEMANDS` [-], and
-        for each model `peak <model>` (theta_max/alpha_c [-]) and `outcome <model>`.
-
-    Raises
-    ------
-    RockpulseError
-        Where the record cannot be conditioned or has no intense phase.
+    One row per lane: ensemble, record, scale, slenderness, radius [m], every demand of :data:`DEMANDS` [-], and for
+    each model `peak <model>` (theta_max/alpha_c [-]) and `outcome <model>`. The configuration, by default that of an
+    assessment, conditions and calibrates the record; `scales` are factors on it [-]. Raises RockpulseError where the
+    record cannot be conditioned or has no intense phase.
     """
     bodies, unscaled = blocks(), prepare(record, config or Config())
     frames = []
@@ -148,12 +119,7 @@ def model_form_lanes(
 def model_form_table(lanes: pd.DataFrame, models: Sequence[str] = COMPARED) -> pd.DataFrame:
     """Bias, dispersion, missed and false overturnings of each model by demand level.
 
-    Parameters
-    ----------
-    lanes : DataFrame
-        As :func:`model_form_lanes` gives them; several ensembles may stand below each other.
-    models : sequence of str
-        The models to judge.
+    The lanes are those of :func:`model_form_lanes`; several ensembles may stand below each other.
 
     Returns
     -------
@@ -176,12 +142,7 @@ def model_form_table(lanes: pd.DataFrame, models: Sequence[str] = COMPARED) -> p
 
 
 def classifier_table(lanes: pd.DataFrame) -> pd.DataFrame:
-    """Single numbers as classifiers of the nonlinear verdict.
-
-    Parameters
-    ----------
-    lanes : DataFrame
-        As :func:`model_form_lanes` gives them.
+    """Single numbers as classifiers of the nonlinear verdict, on lanes of :func:`model_form_lanes`.
 
     Returns
     -------

@@ -58,12 +58,7 @@ SAMPLE_DECIMALS = 9
 
 
 def load_reference(path: Path = TABLE) -> pd.DataFrame:
-    """The reference responses, one row a case.
-
-    Parameters
-    ----------
-    path : Path
-        Another table of the same form.
+    """The reference responses, one row a case; RockpulseError for a table with other columns.
 
     Returns
     -------
@@ -76,11 +71,6 @@ def load_reference(path: Path = TABLE) -> pd.DataFrame:
         text (peak_text, ...). spread is the larger distance of the two perturbed peaks from peak [-]: 0 where all
         three overturn, inf where an outcome flips.
         ``DataFrame.attrs["provenance"]`` has the head of the file.
-
-    Raises
-    ------
-    RockpulseError
-        For a table with other columns.
     """
     with path.open(encoding="utf-8") as file:
         head = [line[1:].strip() for line in file if line.startswith("#")]
@@ -103,26 +93,10 @@ def load_reference(path: Path = TABLE) -> pd.DataFrame:
 
 
 def motion_of(row: Any, records: Mapping[str, Record] | None = None) -> tuple[np.ndarray, float]:
-    """The ground motion of a row of the table, checked against the samples that the reference was computed with.
+    """Acceleration (n,) [m/s2] before the scale of the row, and interval [s], of a row of `load_reference`.
 
-    Parameters
-    ----------
-    row : pandas.Series or named tuple
-        A row of `load_reference`.
-    records : mapping of str to Record, optional
-        Sample records by id, conditioned with the default options; needed for rows that are not synthetic.
-
-    Returns
-    -------
-    acceleration : (n,) ndarray
-        Ground acceleration [m/s2], before the row's scale.
-    dt : float
-        Sampling interval [s].
-
-    Raises
-    ------
-    RockpulseError
-        For a record that is not given, or samples other than those of the reference.
+    `records` are the sample records by id, conditioned with the default options; they are needed for rows that are not
+    synthetic. Raises RockpulseError for a record that is not given, or samples other than those of the reference.
     """
     if not isinstance(row, pd.Series):
         row = pd.Series(row._asdict())
@@ -156,7 +130,7 @@ def motion_sha256(acceleration: np.ndarray) -> str:
 
 
 def _distance(table: pd.DataFrame, perturbed: str) -> np.ndarray:
-    """From the peak to a perturbed one, by the digits of the texts; inf where the outcomes differ."""
+    """Distance of the peak to a perturbed one, by the digits of the texts; inf where the outcomes differ."""
     pairs = zip(table["peak_text"], table[f"{perturbed}_peak_text"], strict=True)
     distance = [0.0 if exact == other else float(abs(Decimal(exact) - Decimal(other))) for exact, other in pairs]
     return np.where(table["outcome"] == table[f"{perturbed}_outcome"], distance, np.inf)

@@ -1,8 +1,12 @@
 """Error of answers against a reference, in numbers that a chaotic problem allows: quantiles and changed verdicts.
 
-.. note:: Errors are abs(theta_max/alpha_c - reference) over the cases that both call surviving. A verdict is the
+.. note:: Errors are abs(theta_max/alpha_c - reference) over the cases in which both survive. A verdict is the
    :class:`Outcome`; a flip is any other one than the reference's. Near overturning an answer means nothing beyond
    what the reference itself keeps when its input moves in the 13th digit: those moves stand beside the errors.
+
+   Answers and reference have a row for each case with `peak` (theta_max/alpha_c [-]) and `outcome` (name of an
+   Outcome), and a common index. `spread` of the reference is the larger move of the peak under its stored
+   perturbations [-]: 0 where the block overturns in any case, inf where a verdict flips.
 """
 
 from __future__ import annotations
@@ -36,20 +40,7 @@ PERCENTILES = {"median": 50.0, "p90": 90.0, "p99": 99.0, "max": 100.0}
 
 
 def answer_errors(answers: pd.DataFrame, reference: pd.DataFrame) -> pd.Series:
-    """Error of theta_max/alpha_c of each case.
-
-    Parameters
-    ----------
-    answers : DataFrame
-        `peak` (theta_max/alpha_c [-]) and `outcome` (name of an Outcome) of each case, with the index of `reference`.
-    reference : DataFrame
-        `peak` and `outcome` of the reference.
-
-    Returns
-    -------
-    Series
-        abs(peak - reference) [-] where both survive, else NaN.
-    """
+    """abs(peak - reference) [-] of each case where both survive, else NaN."""
     both = np.isfinite(answers["peak"]) & np.isfinite(reference["peak"])
     return (answers["peak"].where(both) - reference["peak"].where(both)).abs()
 
@@ -57,13 +48,6 @@ def answer_errors(answers: pd.DataFrame, reference: pd.DataFrame) -> pd.Series:
 def reference_under_perturbation(reference: pd.DataFrame) -> dict[str, float]:
     """The numbers of :func:`error_statistics` for the reference itself under its stored perturbations of 1e-13.
 
-    Parameters
-    ----------
-    reference : DataFrame
-        Cases with `spread`, the larger move of the peak under the two perturbations [-]; inf where a verdict flips.
-
-    Notes
-    -----
     An answer that is no worse is as good as the problem allows in double precision.
     """
     steady = np.isfinite(reference["spread"])
@@ -74,20 +58,12 @@ def reference_under_perturbation(reference: pd.DataFrame) -> dict[str, float]:
 def error_statistics(answers: pd.DataFrame, reference: pd.DataFrame) -> dict[str, float]:
     """Verdict flips, and quantiles of the error of theta_max/alpha_c.
 
-    Parameters
-    ----------
-    answers : DataFrame
-        `peak` (theta_max/alpha_c [-]) and `outcome` (name of an Outcome) of each case, with the index of `reference`.
-    reference : DataFrame
-        `peak`, `outcome`, and `spread`, the larger move of the peak under the stored perturbations [-]: 0 where the
-        block overturns in any case, inf where a verdict flips.
-
     Returns
     -------
     dict of str to float
         `cases`; `unresolved` answers; `flips`, other verdicts than the reference's, the unresolved ones included;
         `reference_flips`, cases whose verdict flips in the reference itself; `well_conditioned`, the share of cases
-        whose spread is below 1e-10 [-]; `compared`, cases that both call surviving, with `median`, `p90`, `p99`, `max`
+        whose spread is below 1e-10 [-]; `compared`, cases in which both survive, with `median`, `p90`, `p99`, `max`
         of their errors [-]; and the same names with `_well` for those of them that are well conditioned. NaN where
         there are none.
     """
@@ -100,17 +76,10 @@ def error_statistics(answers: pd.DataFrame, reference: pd.DataFrame) -> dict[str
 
 
 def grid_statistics(answers: pd.DataFrame, reference: pd.DataFrame, step: float) -> pd.DataFrame:
-    """The kernels at one step on the synthetic grid, C = 0.9, beside what a change of 1e-13 does to the reference.
+    """The kernels at one step (p dt [-]) on the synthetic grid, C = 0.9, beside the effect of 1e-13 on the reference.
 
-    Parameters
-    ----------
-    answers : DataFrame
-        `equation`, `method`, `setting`, `call`, `case`, `peak` and `outcome`, as
-        :class:`rockpulse.studies.accuracy.work_precision.WorkPrecision` has them.
-    reference : DataFrame
-        All cases, as :func:`rockpulse.studies.accuracy.reference.load_reference` gives them.
-    step : float
-        Longest step of the kernels, as p dt [-].
+    The answers are those of :class:`~rockpulse.studies.accuracy.work_precision.WorkPrecision`, the reference has all
+    cases.
 
     Returns
     -------
@@ -142,19 +111,11 @@ def grid_statistics(answers: pd.DataFrame, reference: pd.DataFrame, step: float)
 
 
 def observed_order(coarse: pd.DataFrame, fine: pd.DataFrame) -> tuple[float, int]:
-    """Order of convergence between two settings of a step.
+    """Order of convergence between two settings of a step, and the number of cases behind it.
 
-    Parameters
-    ----------
-    coarse, fine : DataFrame
-        `error` [-] and `step`, the step that was really taken, of the same cases (NaN errors are passed over).
-
-    Returns
-    -------
-    order : float
-        Median over the cases of log(error ratio)/log(step ratio) [-]; NaN without any case.
-    cases : int
-        How many had a say: those with different steps and both errors above rounding (1e-13).
+    Both tables have `error` [-] and `step`, the step that was really taken, of the same cases. The order is the median
+    of log(error ratio)/log(step ratio) [-] over the cases with different steps and both errors above rounding (1e-13);
+    NaN without any case.
     """
     usable = (coarse["error"] > ROUNDING) & (fine["error"] > ROUNDING) & (coarse["step"] > 1.01 * fine["step"])
     if not usable.any():

@@ -1,4 +1,4 @@
-"""Work against precision: what an answer of the recorded models costs, and how far it is from the stored reference.
+"""Work against precision: the cost of an answer of the recorded models, and its error against the stored reference.
 
 .. note:: Cost and error stand side by side. A case is one block, motion and factor. An active sample is one in which a
    block moves, neither at rest nor overturned. "lanes": the kernel's calls take all blocks and factors of a motion at
@@ -58,42 +58,30 @@ LANES, SINGLE = "lanes", "single"
 
 @dataclass(frozen=True)
 class Method:
-    """One way to answer, and its setting.
+    """A solver and its setting."""
 
-    Attributes
-    ----------
-    equation : {"linear", "nonlinear"}
-        Which equation of motion.
-    name : str
-        "rockpulse", or a method of ``scipy.integrate.solve_ivp``.
-    setting : float
-        Longest step as p dt [-], or relative tolerance [-].
-    call : {"lanes", "single"}
-        All cases with many lanes in a call, or the shared ones with one call each.
-    """
-
-    equation: Any
-    name: str
-    setting: float
-    call: str
+    equation: Any  # "linear" or "nonlinear"
+    name: str  # "rockpulse", or a method of ``scipy.integrate.solve_ivp``
+    setting: float  # longest step as p dt [-], or relative tolerance [-]
+    call: str  # "lanes": all cases with many lanes in a call; "single": the shared ones with one call each
 
     @property
     def option(self) -> str:
-        """What the setting sets."""
+        """The name of the option that the setting stands for."""
         return "step" if self.name == KERNEL else "rtol"
 
 
 @dataclass(frozen=True, eq=False)
 class WorkPrecision:
-    """What was measured.
+    """The measured costs and errors.
 
     Attributes
     ----------
     rows : DataFrame
         One row per method: the numbers of ``error_statistics`` beside `lanes`,
-        `active_samples` and `samples` (blocks times samples) of what was computed, `seconds`, `ns_per_active_sample`,
+        `active_samples` and `samples` (blocks times samples) of the whole work, `seconds`, `ns_per_active_sample`,
         `ns_per_sample`, and `times_faster`, the nanoseconds per active sample of RK45 at 1e-6 over those of this row.
-        Rows of method "reference" say what the stored perturbations do to the reference itself.
+        Rows of method "reference" hold the effect of the stored perturbations on the reference itself.
     answers : DataFrame
         One row per method and case: `equation`, `method`, `option`, `setting`, `call`, `case`, `peak`, `outcome`,
         `error` [-].
@@ -117,12 +105,7 @@ class _Group(NamedTuple):
 def shared_cases(reference: pd.DataFrame, count: int) -> pd.DataFrame:
     """The cases that solve_ivp computes as well: of each equation one that overturns for every two that rock.
 
-    Parameters
-    ----------
-    reference : DataFrame
-        All cases.
-    count : int
-        How many of each equation; fewer where there are fewer. They are evenly spread in the order of the table.
+    There are `count` of each equation, or fewer, evenly spread in the order of the table.
     """
     over = count // 3
     chosen = []
@@ -150,22 +133,10 @@ def work_precision(
 ) -> WorkPrecision:
     """Error and cost of every recorded model and setting, and of solve_ivp, against the reference.
 
-    Parameters
-    ----------
-    reference : DataFrame
-        Cases with their high-precision answers, as ``load_reference`` gives them.
-    ground : callable
-        From a row to its ground acceleration (n,) [m/s2] and sampling interval [s].
-    shared : DataFrame
-        Rows of `reference` that solve_ivp computes too; see :func:`shared_cases`.
-    steps : sequence of float
-        Longest steps of the kernels, as p dt [-].
-    tolerances : sequence of (str, float)
-        Methods of solve_ivp with relative tolerances [-].
-    repeats : int
-        Whole calls of the kernels whose median is their cost.
-    progress : callable, optional
-        Wraps the list of methods on its way into the loop, as ``tqdm.tqdm`` does.
+    `ground` gives the acceleration (n,) [m/s2] and sampling interval [s] for a row of the reference; `shared` are the
+    rows that solve_ivp computes too (:func:`shared_cases`); `steps` are the longest steps of the kernels, as p dt [-];
+    `tolerances` are methods of solve_ivp with relative tolerances [-]; the cost of a kernel is the median of `repeats`
+    whole calls; `progress` wraps the list of methods, as ``tqdm.tqdm`` does.
     """
     methods = []
     for equation in reference["equation"].unique():
@@ -194,7 +165,7 @@ def work_precision(
 def _measured(
     method: Method, cases: pd.DataFrame, ground: Ground, repeats: int
 ) -> tuple[pd.DataFrame, dict[str, float]]:
-    """Answers of one method, and what they cost."""
+    """Answers of one method, and their cost."""
     if method.name != KERNEL:
         return _by_solve_ivp(method, cases, ground)
     groups = _groups(cases, ground, method.call == SINGLE)

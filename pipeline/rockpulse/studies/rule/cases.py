@@ -75,37 +75,19 @@ logger = logging.getLogger("rockpulse")
 
 @dataclass(frozen=True, eq=False)
 class StrongMotion:
-    """A channel made ready.
+    """A channel made ready."""
 
-    Attributes
-    ----------
-    record : Record
-        The stretch that is judged, zeros included.
-    event : str
-        Label of its earthquake.
-    otherwise : dict of str to Record
-        The same stretch after another treatment of the ends of the record.
-    """
-
-    record: Record
-    event: str
+    record: Record  # the stretch that is judged, zeros included
+    event: str  # label of its earthquake
+    # the same stretch after another treatment of the ends of the record, by name
     otherwise: dict[str, Record] = field(default_factory=dict)
 
 
 def strong_motions(records: Iterable[Record]) -> tuple[list[StrongMotion], list[Failure]]:
-    """The strong horizontal ground channels among records.
+    """The strong horizontal ground channels among records as read, duplicates dropped, in the order given.
 
-    Parameters
-    ----------
-    records : iterable of Record
-        As read, duplicates dropped (:func:`rockpulse.read_all`).
-
-    Returns
-    -------
-    motions : list of StrongMotion
-        In the order given.
-    failures : list of Failure
-        Channels that are no horizontal ground motion or cannot be conditioned. Weak ones are not named.
+    The failures are the channels that are no horizontal ground motion or cannot be conditioned. Weak ones are not
+    named.
     """
     horizontal, failures = select_horizontal(records)
     found = []
@@ -153,29 +135,12 @@ def _stretch(record: Record) -> Record:
 
 
 def motion_cases(motion: StrongMotion, scales: Sequence[float] = SCALES, threads: int | None = None) -> pd.DataFrame:
-    """The cases of one motion.
+    """The cases of one motion under some factors [-], one row a case.
 
-    Parameters
-    ----------
-    motion : StrongMotion
-        The channel.
-    scales : sequence of float
-        Factors on it [-].
-    threads : int, optional
-        Threads that share the lanes; None for all available cores.
-
-    Returns
-    -------
-    DataFrame
-        One row a case: record, event, slenderness, radius [m], scale, the measures `march`, `build_up`, `uplift_ratio`
-        and `velocity_ratio` = p PGV/(g tan alpha) of the scaled motion [-], `overturns`, and `peak`, theta_max/alpha_c
-        of the nonlinear model. Cases that it cannot resolve are left out. Columns that begin with :data:`TRUTH` are
-        the verdicts of perturbed truths.
-
-    Raises
-    ------
-    ValueError
-        Where a model refuses the numbers of the record.
+    Columns: record, event, slenderness, radius [m], scale, the measures `march`, `build_up`, `uplift_ratio` and
+    `velocity_ratio` = p PGV/(g tan alpha) of the scaled motion [-], `overturns`, and `peak`, theta_max/alpha_c of the
+    nonlinear model. Cases that it cannot resolve are left out. Columns that begin with :data:`TRUTH` are the verdicts
+    of perturbed truths. Raises ValueError where a model refuses the numbers of the record.
     """
     bodies, record = blocks(), motion.record
     waves = half_waves(record)
@@ -206,14 +171,14 @@ def motion_cases(motion: StrongMotion, scales: Sequence[float] = SCALES, threads
 
 
 def fitted_range() -> dict[str, tuple[float, float]]:
-    """Least and most of what :func:`rockpulse.calibration.rule.rule_applicable` looks at, over the bodies here."""
+    """Smallest and largest value, over the bodies here, of each number that `rule_applicable` checks."""
     return {name: (float(values.min()), float(values.max())) for name, values in traits(blocks()).items()}
 
 
 def _perturbed_truths(
     bodies: Block, motion: StrongMotion, scales: Sequence[float], threads: int | None
 ) -> dict[str, np.ndarray]:
-    """Which cases overturn, (q, m), by the name of the perturbation; seeded by the id of the record."""
+    """Which cases (q, m) overturn, by the name of the perturbation; seeded by the id of the record."""
     random = np.random.default_rng(np.random.SeedSequence([*motion.record.id.encode()]))
     truths: dict[str, np.ndarray] = {}
     for draw in range(DRAWS):
@@ -240,23 +205,9 @@ def rule_cases(
     scales: Sequence[float] = SCALES,
     progress: Callable[[Sequence[StrongMotion]], Iterable[StrongMotion]] | None = None,
 ) -> tuple[pd.DataFrame, list[Failure]]:
-    """The cases of several motions, one below the other.
+    """The cases of several motions, as :func:`motion_cases` gives them, one below the other; empty without motions.
 
-    Parameters
-    ----------
-    motions : sequence of StrongMotion
-        The channels.
-    scales : sequence of float
-        Factors on them [-].
-    progress : callable, optional
-        Wraps the list of motions on its way into the loop, as ``tqdm.tqdm`` does.
-
-    Returns
-    -------
-    cases : DataFrame
-        As :func:`motion_cases`; empty without motions.
-    failures : list of Failure
-        Motions whose numbers a model refuses.
+    The failures are motions whose numbers a model refuses. `progress` wraps the list of motions, as ``tqdm.tqdm`` does.
     """
     frames, failures = [], []
     for motion in motions if progress is None else progress(motions):

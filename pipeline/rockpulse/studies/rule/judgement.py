@@ -60,13 +60,7 @@ SMALLEST_PEAK = 0.05
 
 
 def too_few(cases: pd.DataFrame) -> str:
-    """Why an ensemble says nothing about a rule; empty where it is large enough.
-
-    Parameters
-    ----------
-    cases : DataFrame
-        As :func:`rockpulse.studies.rule.cases.rule_cases` gives them.
-    """
+    """The reason why an ensemble, as :func:`rule_cases` gives it, is too small; empty if it is not."""
     over = cases["overturns"].to_numpy(dtype=bool)
     events, fallen = cases["event"].nunique(), cases["event"][over].nunique()
     if fallen >= FEWEST_EVENTS and over.sum() >= FEWEST_OVERTURNINGS and not over.all():
@@ -84,22 +78,10 @@ def _several(count: int, word: str) -> str:
 
 
 def fit_rules(cases: pd.DataFrame) -> dict[str, Rule]:
-    """The rule's working points: each misses no more than its share of the overturnings.
+    """The rule at each of its working points, where it misses no more than the stated share of overturnings.
 
-    Parameters
-    ----------
-    cases : DataFrame
-        As :func:`rockpulse.studies.rule.cases.rule_cases` gives them.
-
-    Returns
-    -------
-    dict of str to Rule
-        By the names of :data:`rockpulse.calibration.rule.POINTS`.
-
-    Raises
-    ------
-    ConfigError
-        For an ensemble that is too small (:func:`too_few`).
+    The points are :data:`rockpulse.calibration.rule.POINTS`, the cases those of
+    :func:`~rockpulse.studies.rule.cases.rule_cases`. Raises ConfigError where they are :func:`too_few`.
     """
     if reason := too_few(cases):
         raise ConfigError(f"rule fit: {reason}")
@@ -118,26 +100,12 @@ def judge_rules(
     seed: int = 0,
     resamples: int = RESAMPLES,
 ) -> xr.DataTree:
-    """How well the rule predicts the nonlinear verdict, in-sample, left out and as given.
+    """Judge how well the rule predicts the nonlinear verdict, in-sample, left out and as given.
 
-    Parameters
-    ----------
-    cases : DataFrame
-        As :func:`rockpulse.studies.rule.cases.rule_cases` gives them.
-    given : mapping of str to Rule
-        A stored rule, by working point.
-    failures : sequence of Failure
-        What was left out, to be stored.
-    seed : int
-        Of the bootstrap.
-    resamples : int
-        How many.
-
-    Returns
-    -------
-    xarray.DataTree
-        One node per table of :data:`rockpulse.storage.rule_variables.RULE_TABLES`. For an ensemble that is too
-        small all but the cases are empty, and the attribute `statement` says why.
+    The cases are those of :func:`~rockpulse.studies.rule.cases.rule_cases`; `given` is a stored rule, by working point;
+    `seed` and `resamples` are those of the bootstrap. The tree has one node per table of
+    :data:`rockpulse.storage.rule_variables.RULE_TABLES`, the failures among them. For an ensemble that is too small all
+    but the cases are empty, and the attribute `statement` says why.
     """
     import xarray as xr
 
@@ -217,7 +185,7 @@ def _margins(
 
 
 def _statistics(margins: Mapping[_Key, np.ndarray], over: np.ndarray) -> dict[tuple[Any, ...], float]:
-    """Rates, areas and false alarms at missed shares; NaN where a margin is."""
+    """Rates, areas, and false alarms at missed shares; NaN where a margin is NaN."""
     found: dict[tuple[Any, ...], float] = {}
     for key, margin in margins.items():
         known = not np.isnan(margin).any()
@@ -236,7 +204,7 @@ def _statistics(margins: Mapping[_Key, np.ndarray], over: np.ndarray) -> dict[tu
 def _compared(
     key: tuple[Any, ...], measured: Mapping[tuple[Any, ...], float], spread: Mapping[tuple[Any, ...], Resampled]
 ) -> dict[str, float]:
-    """A figure of each score, and that of the rule less the others', with intervals."""
+    """A statistic of each score, and its differences between the rule and the others, with intervals."""
     row = {score: measured[*key, score] for score in SCORES}
     for score, name in (("velocity_ratio", "difference"), ("velocity_alone", "difference_alone")):
         row[name] = row["march"] - row[score]
@@ -298,7 +266,7 @@ def _curve(score: str, kind: str, margin: np.ndarray, over: np.ndarray) -> pd.Da
 
 
 def _dataset(name: str, table: pd.DataFrame) -> xr.Dataset:
-    """A table with all its columns; what was not computed is NaN, -1 for integers and flags, empty for texts."""
+    """A table with all its columns; missing values are NaN, -1 for integers and flags, empty for texts."""
     import xarray as xr
 
     columns: dict[str, Any] = {}

@@ -1,8 +1,9 @@
-"""How good a score is that should tell overturning from survival: rates, curves, bounds, and events resampled.
+"""Quality of a score that should tell overturning from survival: rates, curves, bounds, and events resampled.
 
 .. note:: A case raises the alarm where its score is at or above a limit. `missed` is the share of the overturnings
    without an alarm, `false` the share of the survivors with one. Cases of one earthquake are no independent
-   observations, so confidence comes from resampling earthquakes.
+   observations, so confidence comes from resampling earthquakes. `scores` (n,), `over` (n,) bool, `events` (n,) are the
+   score of each case, whether it overturns, and the label of its earthquake.
 """
 
 from __future__ import annotations
@@ -33,14 +34,9 @@ RESAMPLES = 1000
 
 
 def limit(fallen: np.ndarray, share: float) -> float:
-    """The highest limit that misses no more than a share of the overturnings.
+    """The highest limit that misses no more than a share of the overturnings, from their scores (n,), n at least 1.
 
-    Parameters
-    ----------
-    fallen : (n,) ndarray
-        Scores of the overturnings, n at least 1.
-    share : float
-        Share that may be missed [-], 0 to 1, 1 excluded.
+    The share is 0 to 1, 1 excluded.
 
     Examples
     --------
@@ -62,23 +58,9 @@ def over_limit(scores: np.ndarray, lowest: float) -> np.ndarray:
 
 
 def left_out(scores: np.ndarray, over: np.ndarray, events: np.ndarray, share: float) -> np.ndarray:
-    """Scores over the limit that the cases of the other earthquakes give.
+    """Scores (n,) over the limit that the cases of the other earthquakes give: an alarm at 1 and above.
 
-    Parameters
-    ----------
-    scores : (n,) ndarray
-        Score of each case.
-    over : (n,) ndarray of bool
-        Which of them overturn, in at least two earthquakes.
-    events : (n,) ndarray
-        Label of the earthquake of each case.
-    share : float
-        Share that may be missed [-].
-
-    Returns
-    -------
-    (n,) ndarray
-        An alarm at 1 and above; NaN where the limit is 0 (:func:`over_limit`).
+    Cases overturn in at least two earthquakes. NaN where the limit is 0 (:func:`over_limit`).
 
     Examples
     --------
@@ -93,20 +75,7 @@ def left_out(scores: np.ndarray, over: np.ndarray, events: np.ndarray, share: fl
 
 
 def curve(scores: np.ndarray, over: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Missed and false shares as the limit falls through the overturnings, the highest score first.
-
-    Parameters
-    ----------
-    scores : (n,) ndarray
-        Score of each case.
-    over : (n,) ndarray of bool
-        Which of them overturn.
-
-    Returns
-    -------
-    missed, false : (k,) ndarray
-        One point for each overturning [-]; `missed` falls to 0.
-    """
+    """Missed and false shares (k,) [-] as the limit falls through the k overturnings; `missed` falls to 0."""
     fallen, stood = np.sort(scores[over])[::-1], np.sort(scores[~over])
     missed = 1.0 - np.searchsorted(-fallen, -fallen, side="right") / fallen.size
     return missed, 1.0 - np.searchsorted(stood, fallen, side="left") / stood.size
@@ -144,13 +113,7 @@ def missed_bound(missed: int, overturnings: int, confidence: float = 0.95) -> fl
 
 
 class Resampled:
-    """Values of a statistic over resamples of the earthquakes.
-
-    Attributes
-    ----------
-    values : (b,) ndarray
-        NaN where a resample says nothing.
-    """
+    """Values (b,) of a statistic over resamples of the earthquakes; NaN where a resample gives none."""
 
     def __init__(self, values: np.ndarray) -> None:
         self.values = values
@@ -181,19 +144,9 @@ def resampled(
 ) -> dict[K, Resampled]:
     """Statistics over resamples of the earthquakes, each with all its cases.
 
-    Parameters
-    ----------
-    events : (n,) ndarray
-        Label of the earthquake of each case.
-    over : (n,) ndarray of bool
-        Which cases overturn.
-    statistics : callable
-        From the numbers of the cases drawn, (k,) ndarray of int, to numbers by name. It is not asked about resamples
-        that hold no survivor or overturnings of fewer than two earthquakes: a copy of an earthquake is no other one.
-    seed : int
-        Seed of the run; everything with one seed sees the same resamples.
-    resamples : int
-        How many.
+    `statistics` takes the indices of the cases drawn, (k,) int, and returns numbers by name. It is not called for
+    resamples that hold no survivor or overturnings of fewer than two earthquakes: a copy of an earthquake is no other
+    one. All calls with one seed see the same resamples.
     """
     labels = np.unique(events)
     members = [np.flatnonzero(events == label) for label in labels]
