@@ -1,4 +1,4 @@
-"""One fragility curve: what is known of the capacities, the fit, and its band over events.
+"""One fragility curve: the observed capacities, the fit, and its band over events.
 
 .. note:: A curve is P(x) = F(a + b ln x): the median is exp(-a/b), the dispersion beta the standard deviation of ln
    capacity. Records of one event are no independent observations, so a band comes from leaving out one event after
@@ -111,7 +111,7 @@ class Curve:
 
     @cached_property
     def log_beta(self) -> np.ndarray:
-        """ln beta of all rows, then without each event: (1 + events,); what dispersions are compared by."""
+        """ln beta of all rows, then without each event, (1 + events,), by which dispersions are compared."""
         with np.errstate(invalid="ignore"):  # a set without one event may fall instead of rise
             return np.asarray(np.log(self._family.deviation * self._spread / self._theta[:, 1]))
 
@@ -209,26 +209,8 @@ def fit_stripes(
 
 
 def fit_curve(rows: Observations, model: str = "lognormal", confidence: float = 0.9) -> Curve:
-    """Fragility curve of any observations.
+    """Fragility curve of any observations; the options and errors are those of :func:`fit_capacities`.
 
-    Parameters
-    ----------
-    rows : Observations
-        What is known.
-    model, confidence
-        As in :func:`fit_capacities`.
-
-    Returns
-    -------
-    Curve
-
-    Raises
-    ------
-    ConfigError
-        For options out of range.
-
-    Notes
-    -----
     The band of eta = a + b ln x, of ln median and of ln beta is the estimate plus or minus Student's t with K - 1
     degrees of freedom times the jackknife error over the K events, s^2 = (K - 1)/K sum (estimate without event k -
     estimate)^2 (MacKinnon, Nielsen & Webb 2023, arXiv:2301.04527).
@@ -286,38 +268,18 @@ def fit_curve(rows: Observations, model: str = "lognormal", confidence: float = 
 
 
 def standardised(values: np.ndarray) -> tuple[np.ndarray, float, float]:
-    """Values with mean zero and standard deviation one, and what was taken out.
-
-    Parameters
-    ----------
-    values : (n,) ndarray
-        Not all equal.
-    """
+    """Values (n,), not all equal, brought to mean zero and standard deviation one; then that mean and deviation."""
     centre, spread = float(np.mean(values)), float(np.std(values))
     return (values - centre) / spread, centre, spread
 
 
 def half_width(estimates: np.ndarray, confidence: float) -> np.ndarray:
-    """Half the width of the confidence interval of each of k estimates.
-
-    Parameters
-    ----------
-    estimates : (1 + K, k) ndarray
-        Of all data, then without each of K events.
-    confidence : float
-        Probability of the interval [-].
-    """
+    """Half the width of the confidence interval of k estimates (1 + K, k): of all data, then without each event."""
     return np.asarray(stdtrit(estimates.shape[0] - 2, 0.5 + 0.5 * confidence) * jackknife_error(estimates))
 
 
 def jackknife_error(estimates: np.ndarray) -> np.ndarray:
-    """Standard error of each of k estimates over K events.
-
-    Parameters
-    ----------
-    estimates : (1 + K, k) ndarray
-        Of all data, then without each of K events.
-    """
+    """Standard error of each of k estimates (1 + K, k): of all data, then without each of K events."""
     events = estimates.shape[0] - 1
     return np.asarray(np.sqrt((events - 1) / events * np.sum((estimates[1:] - estimates[0]) ** 2, axis=0)))
 

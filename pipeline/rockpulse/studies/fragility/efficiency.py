@@ -1,4 +1,4 @@
-"""Which intensity measure says most about capacity: efficiency and sufficiency.
+"""Comparison of intensity measures by how much they say about capacity: efficiency and sufficiency.
 
 .. note:: A measure is efficient where the capacities of the records in it scatter little (beta), and sufficient where
    they depend on nothing else of the record (Luco & Cornell 2007, doi:10.1193/1.2723158). The likelihood is that of
@@ -22,36 +22,17 @@ __all__ = ["Sufficiency", "dispersion_ratio", "sufficiency"]
 
 @dataclass(frozen=True)
 class Sufficiency:
-    """How capacity depends on a quality of the record beside the measure.
+    """The dependence of capacity on a quality u of the record beside the measure."""
 
-    Attributes
-    ----------
-    slope : float
-        d ln median/d ln u [-]; NaN where there is no fit.
-    p_value : float
-        Of a slope of zero, two-sided, by the jackknife over events; NaN with too few of them.
-    """
-
-    slope: float
-    p_value: float
+    slope: float  # d ln median/d ln u [-]; NaN where there is no fit
+    p_value: float  # of a slope of zero, two-sided, by the jackknife over events; NaN with too few of them
 
 
 def dispersion_ratio(curve: Curve, reference: Curve) -> tuple[float, float, float]:
-    """Dispersion over that of another measure for the same capacities, with its confidence limits.
+    """beta over that of a reference measure for the same records [-], and its lower and upper confidence limit.
 
-    Parameters
-    ----------
-    curve, reference : Curve
-        Fits of the same records in two measures.
-
-    Returns
-    -------
-    ratio, low, high : float
-        beta/beta of the reference [-]; NaN where one of them is, limits also where one has no band.
-
-    Notes
-    -----
-    Both are jackknifed over the same events, so that what they have in common cancels.
+    NaN where one of the curves has no beta, limits also where one has no band. Both are jackknifed over the same
+    events, so that the scatter they have in common cancels.
     """
     difference = (curve.log_beta - reference.log_beta)[:, None]
     half = np.full(1, np.nan) if curve.events < FEWEST_EVENTS else half_width(difference, curve.confidence)
@@ -60,21 +41,7 @@ def dispersion_ratio(curve: Curve, reference: Curve) -> tuple[float, float, floa
 
 
 def sufficiency(rows: Observations, column: int, model: str = "lognormal") -> Sufficiency:
-    """Whether capacity in a measure depends on a quality of the record.
-
-    Parameters
-    ----------
-    rows : Observations
-        For which there is a curve.
-    column : int
-        Which of their qualities.
-    model : {"lognormal", "logistic"}
-        Distribution of ln capacity.
-
-    Returns
-    -------
-    Sufficiency
-    """
+    """The dependence of capacity in a measure on one of the record's qualities, for observations that have a curve."""
     nothing = Sufficiency(np.nan, np.nan)
     u = np.log(rows.qualities[:, column])
     if not np.all(np.isfinite(u)) or np.ptp(u) == 0.0 or np.ptp(rows.level) == 0.0:

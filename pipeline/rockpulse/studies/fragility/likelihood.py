@@ -27,22 +27,14 @@ ROUNDING, LARGEST_CONDITION = 1e-12, 1e14
 
 @dataclass(frozen=True)
 class Family:
-    """A symmetric distribution of the logarithm of capacity.
+    """A symmetric distribution of the logarithm of capacity."""
 
-    Attributes
-    ----------
-    cdf : callable
-        F(z).
-    log_density, log_cdf : callable
-        z -> value and first two derivatives of log f and log F; log (1 - F(z)) = log F(-z).
-    deviation : float
-        Standard deviation of z [-].
-    """
-
-    cdf: Callable[[np.ndarray], np.ndarray]
+    cdf: Callable[[np.ndarray], np.ndarray]  # F(z)
+    # z -> value and first two derivatives of log f
     log_density: Callable[[np.ndarray], tuple[np.ndarray, np.ndarray, np.ndarray]]
+    # z -> value and first two derivatives of log F; log (1 - F(z)) = log F(-z)
     log_cdf: Callable[[np.ndarray], tuple[np.ndarray, np.ndarray, np.ndarray]]
-    deviation: float
+    deviation: float  # standard deviation of z [-]
 
 
 def _normal_density(z: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -73,25 +65,12 @@ FAMILIES: dict[str, Family] = {
 
 
 def has_maximum(x: np.ndarray, kind: np.ndarray, weights: np.ndarray) -> np.ndarray:
-    """Whether the likelihood has a maximum at finite a, b: the data do not separate.
+    """Whether (q,) the likelihood has a maximum at finite a, b, that is, the data do not separate.
 
-    Parameters
-    ----------
-    x : (n,) ndarray
-        Logarithms of capacities or levels.
-    kind : (n,) ndarray of int
-        EXACT, ABOVE or NOT_ABOVE.
-    weights : (q, n) ndarray
-        How often each row counts, in q data sets.
-
-    Returns
-    -------
-    (q,) ndarray of bool
-
-    Notes
-    -----
-    Without exact capacities both kinds of rows have to overlap (Albert & Anderson 1984). With some, b grows without
-    limit only where they are all equal and no other row speaks against that value.
+    `x` (n,) are logarithms of capacities or levels, `kind` (n,) is EXACT, ABOVE or NOT_ABOVE, and `weights` (q, n) tell
+    how often each row counts, in q data sets. Without exact capacities both kinds of rows have to overlap (Albert &
+    Anderson 1984). With some, b grows without limit only where they are all equal and no other row speaks against that
+    value.
     """
 
     def extremes(of: int) -> tuple[np.ndarray, np.ndarray]:
@@ -108,22 +87,10 @@ def has_maximum(x: np.ndarray, kind: np.ndarray, weights: np.ndarray) -> np.ndar
 def scores(
     family: Family, design: np.ndarray, kind: np.ndarray, theta: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Log-likelihood of each row, and its first two derivatives by z (those of log b apart).
+    """Log-likelihood of each row, and its first two derivatives by z (those of log b apart), each (q, n).
 
-    Parameters
-    ----------
-    family : Family
-        The distribution.
-    design : (n, k) ndarray
-        Columns 1, ln x and any covariates: z = design @ theta.
-    kind : (n,) ndarray of int
-        EXACT, ABOVE or NOT_ABOVE.
-    theta : (q, k) ndarray
-        Parameters (a, b, ...) of q data sets; b > 0 where a row is EXACT.
-
-    Returns
-    -------
-    tuple of three (q, n) ndarray
+    `design` (n, k) has the columns 1, ln x and any covariates: z = design @ theta; `kind` (n,) is EXACT, ABOVE or
+    NOT_ABOVE; `theta` (q, k) are the parameters (a, b, ...) of q data sets, b > 0 where a row is EXACT.
     """
     z = theta @ design.T
     value, slope, bend = np.empty_like(z), np.empty_like(z), np.empty_like(z)
@@ -138,23 +105,10 @@ def scores(
 
 
 def maximise(family: Family, design: np.ndarray, kind: np.ndarray, weights: np.ndarray) -> np.ndarray:
-    """Parameters of largest likelihood for several weightings of the same rows.
+    """Parameters (q, k) of largest likelihood for q weightings (q, n) of the same rows; see :func:`scores`.
 
-    Parameters
-    ----------
-    family : Family
-        The distribution.
-    design : (n, k) ndarray
-        As in :func:`scores`; columns but the first centred, of the order of one.
-    kind : (n,) ndarray of int
-        As in :func:`scores`.
-    weights : (q, n) ndarray
-        How often each row counts, in q data sets.
-
-    Returns
-    -------
-    (q, k) ndarray
-        Parameters (a, b, ...); NaN where there is no maximum or the search did not find it.
+    The columns of the design but the first are centred, of the order of one. NaN where there is no maximum or the
+    search did not find it.
     """
     theta = np.zeros((weights.shape[0], design.shape[1]))
     theta[:, 1] = 1.0

@@ -23,16 +23,15 @@ NOT_KNOWN = -1
 
 @dataclass(frozen=True, eq=False)
 class Capacities:
-    """What an incremental dynamic analysis of one record finds.
+    """The result of an incremental dynamic analysis of one record.
 
-    Attributes
-    ----------
-    factors : (s, m) ndarray
-        First factor on the record found to reach each limit state [-]; inf where none does up to the end of the search.
-        Rotation need not grow with the factor: above the first one the limit state may be left again.
-    step : (m,) ndarray
-        Ratio of neighbouring factors of the scan [-]: where a limit state is reached in a narrower interval only, the
-        factor is one that lies higher. One where nothing can be missed: uplift alone, or uplift beyond the search.
+    `factors` (s, m) are the first factors on the record found to reach each limit state [-], inf where none does up to
+    the end of the search. Rotation need not grow with the factor: above the first one the limit state may be left
+    again.
+
+    `step` (m,) is the ratio of neighbouring factors of the scan [-]: where a limit state is reached in a narrower
+    interval only, the factor is one that lies higher. One where nothing can be missed: uplift alone, or uplift beyond
+    the search.
     """
 
     factors: np.ndarray
@@ -40,12 +39,7 @@ class Capacities:
 
 
 def limit_state_names(states: Sequence[str | float]) -> list[str]:
-    """How limit states are called in the results.
-
-    Parameters
-    ----------
-    states : sequence of str or float
-        As in ``[fragility] limit_states``.
+    """Names in the results of the limit states of ``[fragility] limit_states``.
 
     Examples
     --------
@@ -60,28 +54,9 @@ def scale_capacities(
 ) -> Capacities:
     """Incremental dynamic analysis of one record: the first factor at which each limit state is reached.
 
-    Parameters
-    ----------
-    scene : Scene
-        The record made ready.
-    block : Block
-        (m,) lanes.
-    states : sequence of str or float
-        Limit states, s of them: "uplift", theta_max/alpha_c, "overturning".
-    equation : {"nonlinear", "linear"}
-        Equation of motion.
-    factor_max : float
-        End of the search [-].
-    points : int
-        Factors of the scan of each lane.
-
-    Returns
-    -------
-    Capacities
-
-    Notes
-    -----
-    Uplift is known in closed form. A factor that the model cannot resolve (free flight) counts as reached.
+    The `states` are "uplift", values of theta_max/alpha_c, and "overturning"; `equation` is "nonlinear" or "linear";
+    each of the (m,) lanes of the block is scanned at `points` factors up to `factor_max`. Uplift is known in closed
+    form. A factor that the model cannot resolve (free flight) counts as reached.
     """
     record, vertical = scene.record, _vertical(scene, equation)
     capacities, step = np.empty((len(states), *block.shape)), np.ones(block.shape)
@@ -107,19 +82,9 @@ def scale_capacities(
 def reached_at(
     scene: Scene, block: Block, states: Sequence[str | float], equation: str, factors: np.ndarray
 ) -> np.ndarray:
-    """Which limit states a record reaches at given factors.
+    """Whether a record reaches the states of :func:`scale_capacities` at given factors (r, m), r for each lane.
 
-    Parameters
-    ----------
-    scene, block, states, equation
-        As in :func:`scale_capacities`.
-    factors : (r, m) ndarray
-        Factors on the record, r for each lane [-].
-
-    Returns
-    -------
-    (s, r, m) ndarray of int
-        1 reached, 0 not, :data:`NOT_KNOWN` where the model cannot say.
+    The answer (s, r, m) is 1 for reached, 0 for not, :data:`NOT_KNOWN` where the model cannot say.
     """
     record, vertical = scene.record, _vertical(scene, equation)
     lifted = uplift_scale(block, record.acceleration, equation, vertical)

@@ -27,14 +27,9 @@ STRONG_SHARE = 0.5
 
 @dataclass(frozen=True)
 class Measure:
-    """An intensity measure.
+    """An intensity measure, its unit and long name as in the results.
 
-    Attributes
-    ----------
-    units, long_name : str
-        As in the results.
-    value : callable
-        From a scene and (m,) blocks to a number or (m,) numbers.
+    `value` takes a scene and (m,) blocks and returns a number or (m,) numbers.
     """
 
     units: str
@@ -95,33 +90,12 @@ QUALITIES = ("duration", "period", "strong_half_waves")
 
 
 def record_measures(scene: Scene, block: Block, names: tuple[str, ...]) -> np.ndarray:
-    """Measures of a record as it is.
-
-    Parameters
-    ----------
-    scene : Scene
-        The record made ready.
-    block : Block
-        (m,) lanes.
-    names : tuple of str
-        Names of :data:`MEASURES`, k of them.
-
-    Returns
-    -------
-    (k, m) ndarray
-        In the unit of each.
-    """
+    """The k named measures of a record as it is, (k, m) in the unit of each, for (m,) lanes."""
     return np.stack([np.broadcast_to(MEASURES[name].value(scene, block), block.shape) for name in names])
 
 
 def record_qualities(scene: Scene) -> dict[str, float]:
-    """What a measure should not depend on, by the names of :data:`QUALITIES`.
-
-    Parameters
-    ----------
-    scene : Scene
-        The record made ready.
-    """
+    """Properties of a record on which a measure should not depend, by the names of :data:`QUALITIES`."""
     sizes = np.abs(scene.waves.between(scene.phase.start, scene.phase.end).impulse)
     return {
         "duration": scene.phase.duration,

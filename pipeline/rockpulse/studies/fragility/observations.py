@@ -1,4 +1,4 @@
-"""What is known of the capacities of a body: values, and levels that were reached or not."""
+"""Observations of the capacities of a body: values, and levels that were reached or not."""
 
 from __future__ import annotations
 
@@ -17,48 +17,22 @@ EXACT, ABOVE, NOT_ABOVE = 0, 1, 2
 
 @dataclass(frozen=True, eq=False)
 class Observations:
-    """What is known of capacities, in the unit of one intensity measure; the rows ascend.
+    """Observations of capacities, in the unit of one intensity measure; the rows ascend."""
 
-    Attributes
-    ----------
-    level : (n,) ndarray
-        A capacity, or the level that it is compared with, positive.
-    kind : (n,) ndarray of int
-        EXACT: the capacity is the level. ABOVE: it is above it. NOT_ABOVE: it is not.
-    cluster, record : (n,) ndarray of int
-        Number of the event and of the record of each row.
-    events : tuple of str
-        Labels of the events, sorted.
-    qualities : (n, c) ndarray
-        Positive numbers that capacity should not depend on; c may be 0.
-    """
-
-    level: np.ndarray
-    kind: np.ndarray
-    cluster: np.ndarray
-    record: np.ndarray
-    events: tuple[str, ...]
-    qualities: np.ndarray
+    level: np.ndarray  # (n,) a capacity, or the level that it is compared with, positive
+    kind: np.ndarray  # (n,) EXACT: the capacity is the level; ABOVE: it is above it; NOT_ABOVE: it is not
+    cluster: np.ndarray  # (n,) number of the event of each row
+    record: np.ndarray  # (n,) number of the record of each row
+    events: tuple[str, ...]  # labels of the events, sorted
+    qualities: np.ndarray  # (n, c) positive numbers that capacity should not depend on; c may be 0
 
     @classmethod
     def of(
         cls, level: Any, kind: Any, clusters: Any = None, records: Any = None, qualities: Any = None
     ) -> Observations:
-        """Rows with labels.
+        """Rows from levels, kinds and qualities; without labels every row is an event and a record of its own.
 
-        Parameters
-        ----------
-        level, kind : (n,) array_like
-            As the attributes.
-        clusters, records : (n,) sequence, optional
-            Labels of event and record; every row is one of its own without.
-        qualities : (n, c) array_like, optional
-            As the attribute.
-
-        Raises
-        ------
-        ConfigError
-            For levels that are not positive and finite, or arrays of different lengths.
+        Raises ConfigError for levels that are not positive and finite, or arrays of different lengths.
         """
         level, kind = np.asarray(level, dtype=float), np.asarray(kind, dtype=np.int64)
         if level.ndim != 1 or not np.all(np.isfinite(level) & (level > 0.0)):
