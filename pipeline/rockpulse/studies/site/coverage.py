@@ -1,4 +1,4 @@
-"""How well a design sequence serves records it has not seen: one event after the other left out."""
+"""Test of a design sequence on records it has not seen: one event after the other is left out."""
 
 from __future__ import annotations
 
@@ -18,13 +18,9 @@ __all__ = ["Coverage", "coverage_of", "judged", "leave_one_event_out", "unjudged
 class Coverage:
     """Coverage by designs that were fitted without the event they are judged on.
 
-    Attributes
-    ----------
-    covered : (n, m) ndarray
-        1 covered, 0 not, 2 where that design overturns the block; NaN where the pair does not count, or no design could
-        be made without its event.
-    main : (n,) ndarray
-        Main impulse of the design without the record's event [m/s]; NaN without a design.
+    `covered` (n, m) is 1 for covered, 0 for not, 2 where that design overturns the block; NaN where the pair does not
+    count, or no design could be made without its event. `main` (n,) is the main impulse of the design without the
+    record's event [m/s]; NaN without a design.
     """
 
     covered: np.ndarray
@@ -34,17 +30,8 @@ class Coverage:
 def leave_one_event_out(sample: SiteSample, quantile: float, design: str) -> Coverage:
     """Judge the design sequence of each set of all events but one on the records of that one.
 
-    Parameters
-    ----------
-    sample : SiteSample
-        n records, m blocks.
-    quantile, design
-        As in :func:`rockpulse.studies.site.design.design_sequence`.
-
-    Returns
-    -------
-    Coverage
-        NaN throughout for a single event: nothing can be left out.
+    The options are those of :func:`rockpulse.studies.site.design.design_sequence`. NaN throughout for a single event,
+    because no event can be left out then.
     """
     marks, mains = np.full(sample.peaks.shape, math.nan), np.full(sample.weights.size, math.nan)
     for event in np.unique(sample.events):
@@ -62,17 +49,7 @@ def leave_one_event_out(sample: SiteSample, quantile: float, design: str) -> Cov
 
 
 def judged(marks: np.ndarray, sample: SiteSample, standing: bool = True) -> np.ndarray:
-    """Pairs of record and block that a coverage rests on.
-
-    Parameters
-    ----------
-    marks, sample, standing
-        As in :func:`coverage_of`.
-
-    Returns
-    -------
-    (n, m) ndarray of bool
-    """
+    """Pairs (n, m) of record and block on which a coverage rests; the arguments are those of :func:`coverage_of`."""
     counted: np.ndarray = ~np.isnan(marks) & (sample.weights[:, np.newaxis] > 0.0)
     if standing:
         counted &= marks != BEYOND
@@ -82,23 +59,10 @@ def judged(marks: np.ndarray, sample: SiteSample, standing: bool = True) -> np.n
 def coverage_of(
     marks: np.ndarray, sample: SiteSample, confidence: float, standing: bool = True
 ) -> tuple[float, float, float]:
-    """Weighted share of covered pairs of record and block, with its event-clustered interval.
+    """Weighted share of covered pairs of record and block, with both ends of its event-clustered interval.
 
-    Parameters
-    ----------
-    marks : (n, m) ndarray
-        As :attr:`Coverage.covered`.
-    sample : SiteSample
-        Weights and events of the records.
-    confidence : float
-        Of the interval [-].
-    standing : bool
-        Of the blocks that the design leaves standing; else of all, those that it overturns being covered.
-
-    Returns
-    -------
-    share, lower, upper : float
-        NaN where nothing counts; the ends also with a single event.
+    `marks` are :attr:`Coverage.covered`. With `standing` only the blocks count that the design leaves standing; else
+    all, those that it overturns being covered. NaN where no pair counts; the ends also with a single event.
     """
     counted = judged(marks, sample, standing)
     rows = np.nonzero(counted)[0]
@@ -108,19 +72,9 @@ def coverage_of(
 
 
 def unjudged_events(found: Coverage, sample: SiteSample) -> dict[int, str]:
-    """Events of a weight above zero that the coverage of standing blocks does not rest on, and why.
+    """Events of a weight above zero on which the coverage of standing blocks does not rest, with the reason by number.
 
-    Parameters
-    ----------
-    found : Coverage
-        Of the sample.
-    sample : SiteSample
-        n records, m blocks.
-
-    Returns
-    -------
-    dict of int to str
-        Reason by number of the event, to stand behind its name.
+    The reason is worded to stand behind the name of the event.
     """
     rests = np.any(judged(found.covered, sample), axis=1)
     lifts = np.any(~np.isnan(sample.peaks), axis=1)

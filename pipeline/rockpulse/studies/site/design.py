@@ -51,7 +51,7 @@ WEAKEST = 1e-4
 
 @dataclass(frozen=True, eq=False)
 class SiteSample:
-    """What n records say: their sequences and what their motions do to m blocks.
+    """The sequences of n records, and the peaks of m blocks under their motions.
 
     Attributes
     ----------
@@ -86,13 +86,7 @@ class SiteSample:
         return np.where(np.isfinite(logarithms), logarithms, np.nan)
 
     def part(self, kept: np.ndarray) -> SiteSample:
-        """The sample of some records.
-
-        Parameters
-        ----------
-        kept : (n,) ndarray of bool
-            Which.
-        """
+        """The sample of some records, those of `kept` (n,) bool."""
         return replace(
             self,
             values=self.values[kept],
@@ -103,22 +97,10 @@ class SiteSample:
 
 
 def design_sequence(sample: SiteSample, quantile: float, design: str) -> ImpulseSequence:
-    """The design sequence of a sample.
+    """The design sequence of a sample that is to cover a share `quantile` of it [-], above 0 and below 1.
 
-    Parameters
-    ----------
-    sample : SiteSample
-        Records' sequences and recorded rotations.
-    quantile : float
-        Share that the design is to cover [-], above 0 and below 1.
-    design : {"response", "parameters"}
-        See the note of the module.
-
-    Raises
-    ------
-    RecordRefused
-        Where the sample cannot say: no record lifts a block ("response"), or a single one has no dispersion
-        ("parameters").
+    The designs "response" and "parameters" are described in the note of the module. Raises RecordRefused where the
+    sample cannot tell: no record lifts a block ("response"), or a single one has no dispersion ("parameters").
     """
     return DESIGN[design](sample, quantile)
 
@@ -201,7 +183,7 @@ def _resized(shape: ImpulseSequence, main: float) -> ImpulseSequence:
 
 
 def _range(sample: SiteSample) -> tuple[float, float]:
-    """From the weakest main impulse that is tried to one that overturns every block in its first half-cycle.
+    """Main impulses from the weakest that is tried to one that overturns every block in its first half-cycle.
 
     Secondary impulses take at most half of its speed away, but for those that act at the same instant ("start").
     """
@@ -214,20 +196,10 @@ def _counted(sample: SiteSample) -> np.ndarray:
 
 
 def covered(sample: SiteSample, sequence: ImpulseSequence) -> np.ndarray:
-    """Which recorded rotations a sequence reaches.
+    """Whether a sequence reaches the recorded rotations (n, m): 1 covered, 0 not.
 
-    Parameters
-    ----------
-    sample : SiteSample
-        n records, m blocks.
-    sequence : ImpulseSequence
-        One sequence.
-
-    Returns
-    -------
-    (n, m) ndarray
-        1 covered, 0 not, :data:`BEYOND` where the sequence overturns the block; NaN where the pair does not count. A
-        sequence without an answer covers nothing.
+    :data:`BEYOND` where the sequence overturns the block, NaN where the pair does not count. A sequence without an
+    answer covers nothing.
     """
     reached = np.atleast_1d(sequence_response(sample.blocks, sequence, table_rows=0).peak_rotation_ratio)
     marks = np.where(np.isinf(reached), BEYOND, sample.peaks <= reached)
@@ -262,24 +234,11 @@ def _falls_short(hits: np.ndarray, total: np.ndarray, quantile: float) -> np.nda
 
 
 def overturning_limit(sample: SiteSample, sequence: ImpulseSequence, quantile: float) -> tuple[np.ndarray, float]:
-    """Blocks whose overturning sets the main impulse of a design "response".
+    """Blocks (m,) whose overturning sets the main impulse of a design "response", and the share covered below it.
 
-    Parameters
-    ----------
-    sample : SiteSample
-        What the design was made of.
-    sequence : ImpulseSequence
-        The design.
-    quantile : float
-        As in :func:`design_sequence`.
-
-    Returns
-    -------
-    fallen : (m,) ndarray of bool
-        Those that stand just below I and no longer at it, where the quantile is reached by their leaving the count and
-        not by larger rotations; else none.
-    below : float
-        Share covered of the rotations of the blocks left standing just below I [-].
+    The blocks are those that stand just below I and no longer at it, where the quantile is reached by their leaving the
+    count and not by larger rotations; else none. The share [-] is that of the rotations of the blocks left standing
+    just below I.
     """
     low, high = _range(sample)
     bracket = math.log(high / low) / (GRID - 1) / (REFINED - 1) ** ROUNDS
@@ -295,31 +254,13 @@ def overturning_limit(sample: SiteSample, sequence: ImpulseSequence, quantile: f
 def main_impulse_interval(
     sample: SiteSample, sequence: ImpulseSequence, quantile: float, design: str, draws: np.ndarray, confidence: float
 ) -> tuple[float, float]:
-    """Event-clustered bootstrap interval of the main impulse of a design sequence, its shape kept.
+    """Event-clustered bootstrap interval [m/s] of the main impulse of the design of a sample, its shape kept.
 
-    Parameters
-    ----------
-    sample : SiteSample
-        What the design was made of.
-    sequence : ImpulseSequence
-        The design.
-    quantile, design
-        As in :func:`design_sequence`.
-    draws : (b, g) ndarray
-        Resamples of events.
-    confidence : float
-        Of the interval [-].
-
-    Returns
-    -------
-    lower, upper : float
-        [m/s]; NaN with a single event. The upper end is inf where more resamples than the interval leaves out above
-        overturn every block. Where the design does, or most resamples stop at the overturning of one block, the spread
-        is that of the block and not of the records: NaN and inf.
-
-    Notes
-    -----
-    The resamples know I on a grid of about 2 % (:data:`GRID`); no end is closer to the design than a step of it.
+    `draws` (b, g) are resamples of events; quantile and design are those of :func:`design_sequence`. NaN with a single
+    event. The upper end is inf where more resamples than the interval leaves out above overturn every block. Where the
+    design does, or most resamples stop at the overturning of one block, the spread is that of the block and not of the
+    records: NaN and inf. The resamples know I on a grid of about 2 % (:data:`GRID`); no end is closer to the design
+    than a step of it.
     """
     middle = math.log(sequence.main)
     if design == "parameters":

@@ -1,4 +1,4 @@
-"""Records scaled so that a measure of them reaches a target."""
+"""Scaling of records to a target value of one of their measures."""
 
 from __future__ import annotations
 
@@ -18,15 +18,7 @@ __all__ = ["MEASURE", "largest_impulse", "scale_factor", "scaled"]
 
 
 def largest_impulse(record: Record, config: Config) -> float:
-    """Largest half-wave impulse of a conditioned record [m/s], wherever in the record it is.
-
-    Parameters
-    ----------
-    record : Record
-        Conditioned.
-    config : Config
-        Section half_waves.
-    """
+    """Largest half-wave impulse of a conditioned record [m/s], wherever in the record it is."""
     impulses = half_waves(record, **config.half_waves).impulse
     return float(np.max(np.abs(impulses), initial=0.0))
 
@@ -40,19 +32,7 @@ MEASURE: dict[str, Callable[[Record, Config], float]] = {
 
 
 def scale_factor(record: Record, config: Config) -> float:
-    """Factor that takes a conditioned record to the target of the configuration [-].
-
-    Parameters
-    ----------
-    record : Record
-        Conditioned.
-    config : Config
-        Sections calibration and half_waves.
-
-    Raises
-    ------
-    RecordRefused
-        For a record that is zero throughout.
+    """Factor [-] that takes a conditioned record to the configured target; RecordRefused for a record of zeros.
 
     Examples
     --------
@@ -71,15 +51,7 @@ def scale_factor(record: Record, config: Config) -> float:
 
 
 def scaled(record: Record, factor: float) -> Record:
-    """A record times a factor, with a note of it.
-
-    Parameters
-    ----------
-    record : Record
-        Any.
-    factor : float
-        Positive [-].
-    """
+    """A record times a positive factor [-], with a note of it."""
     if factor == 1.0:
         return record
     return replace(record, acceleration=factor * record.acceleration).with_note(f"scaled by {factor:.6g}")

@@ -1,7 +1,8 @@
 """Distributions of the sequence parameters of a site, with intervals that know of common earthquakes.
 
 .. note:: Channels of one earthquake are no independent observations, so everything here is a function of sums over
-   events, and a resample draws whole events. Values are natural logarithms of parameters; weights need no norm.
+   events, and a resample draws whole events. Values are natural logarithms of parameters; weights (n,) are not negative
+   and need no norm; events (n,) are numbers from 0 to g - 1.
 """
 
 from __future__ import annotations
@@ -29,20 +30,12 @@ ROUNDING = 1e-9
 
 @dataclass(frozen=True, eq=False)
 class Lognormal:
-    """Weighted lognormal fit of p parameters.
+    """Weighted lognormal fit of p parameters."""
 
-    Attributes
-    ----------
-    median, dispersion : (p,) ndarray
-        exp of the mean, and standard deviation, of the logarithms; NaN where there is nothing to tell it from.
-    median_interval, dispersion_interval : (2, p) ndarray
-        Lower and upper ends; NaN for a single event.
-    """
-
-    median: np.ndarray
-    dispersion: np.ndarray
-    median_interval: np.ndarray
-    dispersion_interval: np.ndarray
+    median: np.ndarray  # (p,) exp of the mean of the logarithms; NaN without a value
+    dispersion: np.ndarray  # (p,) standard deviation of the logarithms; NaN with too few values
+    median_interval: np.ndarray  # (2, p) lower and upper ends; NaN for a single event
+    dispersion_interval: np.ndarray  # (2, p) lower and upper ends; NaN for a single event
 
 
 def fit_lognormal(
@@ -50,22 +43,8 @@ def fit_lognormal(
 ) -> Lognormal:
     """Median and dispersion of lognormal parameters with event-clustered bootstrap intervals.
 
-    Parameters
-    ----------
-    logarithms : (n, p) ndarray
-        Natural logarithms; NaN where a record does not have the parameter.
-    weights : (n,) ndarray
-        Not negative.
-    events : (n,) ndarray of int
-        Number of each record's event, 0 to g - 1.
-    draws : (b, g) ndarray
-        How often each event is in each resample (:func:`event_draws`).
-    confidence : float
-        Of the intervals [-].
-
-    Returns
-    -------
-    Lognormal
+    `logarithms` (n, p) are NaN where a record does not have the parameter; `draws` (b, g) tell how often each event is
+    in each resample (:func:`event_draws`).
 
     Notes
     -----
@@ -95,17 +74,10 @@ def fit_lognormal(
 def log_moments(
     logarithms: np.ndarray, weights: np.ndarray, events: np.ndarray, draws: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Mean and dispersion of logarithms in resamples of events.
+    """Mean and dispersion (b, p) of logarithms in resamples of events; arguments as of :func:`fit_lognormal`.
 
-    Parameters
-    ----------
-    logarithms, weights, events, draws
-        As in :func:`fit_lognormal`; a row of ones among the draws stands for the sample itself.
-
-    Returns
-    -------
-    mean, dispersion : (b, p) ndarray
-        NaN where a resample holds no value, or too few for a dispersion.
+    A row of ones among the draws stands for the sample itself. NaN where a resample holds no value, or too few for a
+    dispersion.
     """
     known = np.isfinite(logarithms)
     values, share = np.where(known, logarithms, 0.0), weights[:, np.newaxis] * known
@@ -131,24 +103,11 @@ def log_moments(
 def bootstrap_interval(
     estimate: float, resampled: np.ndarray, sizes: np.ndarray, confidence: float
 ) -> tuple[float, float]:
-    """Interval of an estimate from what resamples of events make of it.
+    """Lower and upper end of the interval of an estimate, from its values (b,) in resamples of events.
 
-    Parameters
-    ----------
-    estimate : float
-        From all records.
-    resampled : (b,) ndarray
-        From the resamples; NaN where one holds no value, inf where it has no bound.
-    sizes : (g,) ndarray
-        Weight of the records of each event.
-    confidence : float
-        Of the interval [-].
-
-    Returns
-    -------
-    lower, upper : float
-        NaN where the estimate is not finite, and with a single event. The upper end is inf where more resamples are
-        than the interval leaves out above.
+    A value is NaN where a resample holds none, inf where it has no bound; `sizes` (g,) is the weight of the records of
+    each event. NaN where the estimate is not finite, and with a single event. The upper end is inf where more resamples
+    are than the interval leaves out above.
 
     Notes
     -----
@@ -168,7 +127,7 @@ def bootstrap_interval(
 
 
 def _few_events(sizes: np.ndarray, confidence: float) -> tuple[float, float]:
-    """Factor on a bootstrap variance, and Student's t for not knowing it; NaN for a single event."""
+    """Factor on a bootstrap variance, and Student's t for the doubt about it; NaN for a single event."""
     shares = sizes[sizes > 0.0] / np.sum(sizes)
     if shares.size < 2:
         return float("nan"), float("nan")
@@ -201,31 +160,17 @@ def _dispersion_interval(
 def event_draws(events: int, resamples: int, seed: int) -> np.ndarray:
     """How often each of g events is in each of b resamples: (b, g) whole numbers whose rows sum to g.
 
-    Parameters
-    ----------
-    events, resamples : int
-        g and b.
-    seed : int
-        Of the run; the draws depend on it and on g and b alone.
+    The draws depend on the seed of the run and on g and b alone.
     """
     generator = np.random.default_rng(np.random.SeedSequence([seed, *b"site"]))
     return generator.multinomial(events, np.full(events, 1.0 / events), size=resamples)
 
 
 def correlation(logarithms: np.ndarray, weights: np.ndarray) -> np.ndarray:
-    """Weighted correlation of the logarithms of p parameters, over the records that have both.
+    """Weighted correlation (p, p) of logarithms (n, p), over the records that have both parameters.
 
-    Parameters
-    ----------
-    logarithms : (n, p) ndarray
-        NaN where a record does not have the parameter.
-    weights : (n,) ndarray
-        Not negative.
-
-    Returns
-    -------
-    (p, p) ndarray
-        NaN where one of the two does not vary.
+    The logarithms are NaN where a record does not have the parameter, the correlation where one of the two does not
+    vary.
 
     Examples
     --------
@@ -250,14 +195,9 @@ def correlation(logarithms: np.ndarray, weights: np.ndarray) -> np.ndarray:
 
 
 def weighted_quantile(values: np.ndarray, level: float, weights: np.ndarray) -> float:
-    """Smallest value that has at least this share of the weight at or below it; NaN without any.
+    """Smallest of the values (n,) with at least a share `level` of the weight at or below it; NaN without any.
 
-    Parameters
-    ----------
-    values, weights : (n,) ndarray
-        NaN values are left out.
-    level : float
-        From 0 to 1.
+    NaN values are left out.
 
     Examples
     --------
@@ -275,21 +215,9 @@ def weighted_quantile(values: np.ndarray, level: float, weights: np.ndarray) -> 
 def share_interval(
     hits: np.ndarray, weights: np.ndarray, events: np.ndarray, confidence: float
 ) -> tuple[float, float, float]:
-    """A weighted share with its event-clustered interval.
+    """A weighted share of hits (n,), from 0 to 1 each, with both ends of its event-clustered interval; n at least 1.
 
-    Parameters
-    ----------
-    hits, weights : (n,) ndarray
-        What is counted, from 0 to 1, and its weight; n at least 1.
-    events : (n,) ndarray of int
-        Event of each.
-    confidence : float
-        Of the interval [-].
-
-    Returns
-    -------
-    share, lower, upper : float
-        The ends are NaN for a single event.
+    The ends are NaN for a single event.
 
     Notes
     -----
