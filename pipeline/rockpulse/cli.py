@@ -54,18 +54,7 @@ def build_parser() -> argparse.ArgumentParser:
 
 
 def main(argv: Sequence[str] | None = None) -> int:
-    """Parse the arguments and run one verb.
-
-    Parameters
-    ----------
-    argv : sequence of str, optional
-        Arguments without the name of the program; those of the process by default.
-
-    Returns
-    -------
-    int
-        Exit code.
-    """
+    """Parse the arguments (by default those of the process), run one verb, and return the exit code."""
     # Warnings are stored and shown in the overview; Python's last-resort handler would tear the progress bar.
     logging.getLogger("rockpulse").addHandler(logging.NullHandler())
     for name in ("stdout", "stderr"):
@@ -103,7 +92,7 @@ def _ended(why: str, code: int) -> int:
 
 
 def _reader_has_left() -> bool:
-    """Whether it is standard output that nobody reads, and not a pipe of the work itself; what is left is dropped."""
+    """Whether standard output, and not a pipe of the work itself, has lost its reader; unwritten output is dropped."""
     try:
         print(flush=True)  # what could not be written before may have been dropped already
     except BrokenPipeError:

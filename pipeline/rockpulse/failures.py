@@ -1,4 +1,4 @@
-"""What did not become an assessed record, and why."""
+"""Rows for files and channels that did not become an assessed record, with the reason."""
 
 from __future__ import annotations
 
@@ -22,12 +22,12 @@ class Failure:
     file : str
         Path of the file; ``archive.zip!member`` for a member of an archive.
     stage : str
-        Where it happened: "find", "read", "events", "select", "pair", "rotate", "assess", "calibrate", "fragility".
+        Step that left it out: "find", "read", "events", "select", "pair", "rotate", "assess", "calibrate", "fragility".
     reason : str
         The message for the user.
     kind : {"failed", "skipped", "duplicate", "vertical", "structural"}
         "failed" needs attention. "skipped": no acceleration record, met in a folder, glob or zip, or one that is too
-        weak for what is asked of it. "duplicate": the same content was read already. "vertical", "structural": read,
+        weak for the purpose. "duplicate": the same content was read already. "vertical", "structural": read,
         but not assessed as horizontal ground motion.
     """
 

@@ -20,7 +20,7 @@ def _hidden(target: Path) -> Path:
 
 @contextmanager
 def _named(path: Path) -> Iterator[None]:
-    """Faults of the operating system name the file that was asked for."""
+    """Give errors of the operating system the name of the file that was asked for."""
     try:
         yield
     except OSError as fault:
@@ -47,13 +47,7 @@ class FileSet:
         self._parts.close()
 
     def add(self, target: Path, content: bytes) -> None:
-        """Write the content of a file, not yet in its place.
-
-        Raises
-        ------
-        OSError
-            As the operating system says, with the name of `target`.
-        """
+        """Write the content of a file, not yet in its place; an OSError carries the name of `target`."""
         place = Path(os.path.realpath(target))
         part = _hidden(place)
         self._parts.callback(part.unlink, missing_ok=True)
@@ -62,13 +56,7 @@ class FileSet:
         self._moves.append((target, part, place))
 
     def commit(self) -> None:
-        """Put every file in its place; if one fails, all that was there before comes back.
-
-        Raises
-        ------
-        OSError
-            As the operating system says.
-        """
+        """Put every file in its place; if one fails, all that was there before comes back and the OSError is raised."""
         with ExitStack() as copies, ExitStack() as undo:
             for target, part, place in self._moves:
                 with _named(target):

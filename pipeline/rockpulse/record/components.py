@@ -1,4 +1,4 @@
-"""Which channels are assessed, which two are a pair of horizontal ones, and which vertical one belongs to them."""
+"""The choice of channels that are assessed, of horizontal pairs, and of the vertical channel beside them."""
 
 from __future__ import annotations
 
@@ -67,13 +67,7 @@ class Pair:
 
 
 class Neighbours:
-    """Channels among which those that may have been recorded together with another one are found without trying all.
-
-    Parameters
-    ----------
-    records : sequence of Record
-        Thousands, as the case may be.
-    """
+    """Channels, thousands as the case may be, indexed so that those recorded together are found without trying all."""
 
     def __init__(self, records: Sequence[Record]) -> None:
         self._records = records
@@ -92,17 +86,9 @@ class Neighbours:
                 self._of_event[_occasion(record)].append(place)
 
     def of(self, record: Record) -> list[Record]:
-        """Those from the same file, from the same time or, where no times are known, with the same event and folder.
+        """Channels from the same file, from the same time or, where no times are known, with the same event and folder.
 
-        Parameters
-        ----------
-        record : Record
-            One of the channels, or another.
-
-        Returns
-        -------
-        list of Record
-            In the order in which they were given.
+        They come in the order in which they were given; `record` need not be one of them.
         """
         if record.start_time is None:
             places = set(self._of_event.get(_occasion(record), ()))
@@ -117,22 +103,11 @@ class Neighbours:
 
 
 def select_horizontal(records: Iterable[Record], structural: bool = False) -> tuple[list[Record], list[Failure]]:
-    """Keep the channels that are assessed as horizontal ground motion.
+    """Keep the channels that are assessed as horizontal ground motion, in the order given.
 
-    Parameters
-    ----------
-    records : iterable of Record
-        Records of any orientation.
-    structural : bool
-        Whether the channels on structures are among them whose azimuth is known; the others are vertical or may be.
-
-    Returns
-    -------
-    horizontal : list of Record
-        Horizontal channels, and with a warning those of unknown orientation and those on structures, in the order
-        given.
-    failures : list of Failure
-        A row for each of the others, kind "vertical" or "structural".
+    Channels of unknown orientation and, if `structural`, those on structures whose azimuth is known are kept with a
+    warning (the others on structures are vertical or may be). Each channel left out gives a row of kind "vertical" or
+    "structural".
     """
     horizontal, failures = [], []
     for record in records:
@@ -200,22 +175,11 @@ def find_pairs(horizontal: Sequence[Record]) -> tuple[list[Pair], list[Failure]]
 
 
 def matching_vertical(record: Record, verticals: Iterable[Record]) -> Record | None:
-    """The vertical channel that was recorded together with a horizontal one.
+    """The vertical channel that was recorded together with a horizontal one; None if there is none.
 
-    Parameters
-    ----------
-    record : Record
-        Horizontal channel.
-    verticals : iterable of Record
-        Vertical channels to choose from.
-
-    Returns
-    -------
-    Record or None
-        Recorded together as :func:`find_pairs` has it, whatever its format and however short the common time, by the
-        same kind of instrument. The same state of processing comes first, then the same SEED band, the same file, the
-        longest overlap. None if there is none, and for a channel on a structure: the vertical one may be on another
-        floor.
+    Recorded together as :func:`find_pairs` has it, whatever its format and however short the common time, by the same
+    kind of instrument. The same state of processing comes first, then the same SEED band, the same file, the longest
+    overlap. None for a channel on a structure: the vertical one may be on another floor.
     """
     if record.orientation == "structural":
         return None
@@ -229,25 +193,17 @@ def matching_vertical(record: Record, verticals: Iterable[Record]) -> Record | N
 
 
 def align(vertical: Record, record: Record) -> np.ndarray:
-    """Acceleration of a vertical channel at the samples of a horizontal one.
+    """Vertical acceleration a_v (n,) [m/s2], positive up, at the samples of a horizontal channel, both conditioned.
 
-    Parameters
-    ----------
-    vertical, record : Record
-        The two channels, conditioned.
-
-    Returns
-    -------
-    (n,) ndarray
-        a_v [m/s2], positive up, on absolute time where both channels know it, else from the first sample on; linear
-        between its samples, zero where the vertical channel does not reach.
+    On absolute time where both channels know it, else from the first sample on; linear between its samples, zero where
+    the vertical channel does not reach.
     """
     start = offset(record, vertical)
     return np.interp(record.time, vertical.time + start, vertical.acceleration, left=0.0, right=0.0)
 
 
 def uncovered(vertical: Record, record: Record) -> float:
-    """How much of a record its vertical channel does not reach [s]."""
+    """Length of the part of a record that its vertical channel does not reach [s]."""
     return max(0.0, record.duration - _overlap(record, vertical))
 
 
@@ -259,7 +215,7 @@ def offset(record: Record, other: Record) -> float:
 
 
 def _instrument(record: Record) -> tuple[object, ...]:
-    """What the channels of one instrument have in common."""
+    """The properties that the channels of one instrument have in common."""
     codes = (record.network, record.station, record.location)
     place = "" if record.station else record.station_name or record.source
     on_structure = record.orientation == "structural"
@@ -324,7 +280,7 @@ def _by_name(record: Record, other: Record) -> bool:
 
 
 def _occasion(record: Record) -> tuple[object, ...]:
-    """What the files of one recording have in common that know no time."""
+    """The properties that the files of one recording have in common, where they know no time."""
     return record.event, record.station_name, record.dt, PurePath(record.source).parent
 
 

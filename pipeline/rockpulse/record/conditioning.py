@@ -239,13 +239,7 @@ def _pre_event(record: Record, pre_event: float | None) -> Record:
 
 
 def quiet_length(record: Record) -> float:
-    """Length of the pre-event window that is found in a record [s]; below `QUIET_LENGTH` it is not used.
-
-    Parameters
-    ----------
-    record : Record
-        Ground acceleration, (n,) [m/s2].
-    """
+    """Length of the pre-event window that is found in a record [s]; below `QUIET_LENGTH` it is not used."""
     return max(_quiet_samples(record) - 1, 0) * record.dt
 
 

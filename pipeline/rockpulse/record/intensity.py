@@ -27,16 +27,10 @@ BRACKET_LEVEL = 0.05 * STANDARD_GRAVITY
 
 @dataclass(frozen=True)
 class IntensePhase:
-    """The stretch of a record that a calibration looks at.
+    """The stretch of a record that a calibration looks at, in seconds from the first sample."""
 
-    Attributes
-    ----------
-    start, end : float
-        Limits [s] from the first sample.
-    """
-
-    start: float
-    end: float
+    start: float  # [s]
+    end: float  # [s]
 
     @property
     def duration(self) -> float:
@@ -45,12 +39,7 @@ class IntensePhase:
 
 
 def arias_intensity(record: Record) -> float:
-    """Arias intensity pi/(2 g) times the integral of the squared acceleration [m/s].
-
-    Parameters
-    ----------
-    record : Record
-        Ground acceleration, (n,) [m/s2]; g is standard gravity.
+    """Arias intensity pi/(2 g) times the integral of the squared acceleration [m/s]; g is standard gravity.
 
     Examples
     --------
@@ -62,11 +51,6 @@ def arias_intensity(record: Record) -> float:
 
 def pgv(record: Record) -> float:
     """Largest absolute ground velocity [m/s], at a sample or at a zero crossing of the acceleration between two.
-
-    Parameters
-    ----------
-    record : Record
-        Ground acceleration, (n,) [m/s2].
 
     Examples
     --------

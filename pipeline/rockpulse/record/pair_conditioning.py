@@ -101,7 +101,7 @@ def _cut(channel: Record, other: Record) -> Record:
 
 
 def _with_common_window(pair: Pair, options: dict[str, Any]) -> tuple[dict[str, Any], str]:
-    """The options for both channels, and what is to be said of them."""
+    """The conditioning options for both channels, and the note on their pre-event window."""
     baseline = options.get("baseline", "auto")
     searched = baseline == "pre-event" or (baseline == "auto" and pair.first.processed is False)
     if not searched or options.get("pre_event_s") is not None:

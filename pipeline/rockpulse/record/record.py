@@ -1,4 +1,4 @@
-"""One channel of ground acceleration with everything that was known about it."""
+"""One channel of ground acceleration with its metadata."""
 
 from __future__ import annotations
 
@@ -166,7 +166,7 @@ class Record:
 
 
 def _spread(acceleration: np.ndarray) -> bool:
-    """Whether these are n samples in the memory of one."""
+    """Whether the array is one number in memory, spread over n samples."""
     return (
         isinstance(acceleration, np.ndarray)
         and acceleration.dtype == float
@@ -180,18 +180,9 @@ def record_id(
 ) -> str:
     """``NET.STA.LOC.CHA@YYYYMMDDTHHMMSS``, or ``<stem>.<channel>`` where station or time is unknown.
 
-    Letters and digits of any alphabet stay, and ``_ . @ ~ -``; everything else becomes ``_``.
-
-    Parameters
-    ----------
-    network, station, location, channel : str
-        Codes; all but `station` may be empty.
-    start_time : datetime or None
-        UTC time of the first sample.
-    stem : str
-        File name without its last extension.
-    number : int
-        Number of the channel in the file, from 1; stands in for an empty `channel`.
+    Letters and digits of any alphabet stay, and ``_ . @ ~ -``; everything else becomes ``_``. All codes but `station`
+    may be empty; `number` of the channel in the file, from 1, stands in for an empty `channel`. The stem is the name of
+    the file without its last extension.
     """
     if station and start_time is not None:
         text = f"{network}.{station}.{location}.{channel or number}@{start_time:%Y%m%dT%H%M%S}"
@@ -203,10 +194,7 @@ def record_id(
 def distinct_ids(records: Sequence[Record]) -> list[Record]:
     """The records in the same order, those whose id was taken already renamed to ``id~2``, ``id~3``...
 
-    Parameters
-    ----------
-    records : sequence of Record
-        Records of different content, in the order that decides who keeps the plain id.
+    The records are of different content; the first of equal ids keeps it.
     """
     taken: set[str] = set()
     result = []

@@ -97,26 +97,12 @@ def rotate(pair: Pair, azimuth: float) -> Record:
 
 
 def pair_id(pair: Pair) -> str:
-    """Name of a pair: the id of a record with both channel codes in it.
-
-    Parameters
-    ----------
-    pair : Pair
-        The channels.
-    """
+    """Name of a pair: the id of a record with both channel codes in it."""
     return _name(pair.first, f"{pair.first.channel}-{pair.second.channel}")
 
 
 def rotated_id(record: Record, azimuth: float) -> str:
-    """Id of the motion of a pair in one direction.
-
-    Parameters
-    ----------
-    record : Record
-        The first channel of the pair.
-    azimuth : float
-        Direction, clockwise from north [degrees].
-    """
+    """Id of the motion of a pair in one direction, clockwise from north [degrees], from its first channel."""
     return _name(record, _code(azimuth))
 
 
@@ -185,17 +171,9 @@ def _sine(degrees: float) -> float:
 
 
 def check_angle(pair: Pair) -> None:
-    """Refuse channels that face almost the same way.
+    """Refuse channels that face almost the same way, or whose azimuth is not known.
 
-    Parameters
-    ----------
-    pair : Pair
-        The channels.
-
-    Raises
-    ------
-    RecordRefused
-        Where the sine of the angle between them is below 0.17, or an azimuth is not known.
+    Raises RecordRefused where the sine of the angle between them is below 0.17.
     """
     first, second = pair.channels
     if not abs(_sine(second.azimuth - first.azimuth)) >= SMALLEST_SINE:
@@ -220,7 +198,7 @@ def _joined(first: str, second: str) -> str:
 
 
 def _of_both(first: Record, second: Record, what: str) -> tuple[str, ...]:
-    """Texts of both channels: once where both have it, else with the channel before it."""
+    """Texts of both channels: once where both have it, else with the name of the channel in front."""
     mine, others = getattr(first, what), getattr(second, what)
     return tuple(
         text if text in mine and text in others else f"{record.channel}: {text}"

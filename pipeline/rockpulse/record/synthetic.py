@@ -119,7 +119,7 @@ def _frozen_stream(seed: int) -> np.random.RandomState:
 
 
 def _balanced(whole: np.ndarray) -> np.ndarray:
-    """Whole numbers that sum to zero: what rounding left over is taken from small samples, one each, evenly spread."""
+    """Whole numbers that sum to zero: what rounding left over is taken from small samples, evenly spread."""
     rest = int(whole.sum())
     if rest == 0:
         return whole
@@ -131,28 +131,12 @@ def _balanced(whole: np.ndarray) -> np.ndarray:
 
 
 def synthetic_lanes(seed: int, count: int, restitution: float = 0.9) -> SyntheticLanes:
-    """Blocks and peak accelerations, drawn lane by lane.
+    """Blocks and peak accelerations (count,), drawn lane by lane from a seed of 0 to 2**32 - 1.
 
-    Parameters
-    ----------
-    seed : int
-        0 to 2**32 - 1.
-    count : int
-        Number of lanes, at least 1.
-    restitution : float
-        Velocity ratio C of all lanes [-].
-
-    Returns
-    -------
-    SyntheticLanes
-        (count,) each: p from 1 to 8 1/s (log-uniform), alpha from 0.05 to 0.3 rad, PGA from 0.2 to 0.4 g of 9.80665
-        m/s2 (uniform), rounded to 1e-6 so that they are the same numbers everywhere. The first lanes of a longer call
-        are those of a shorter one.
-
-    Raises
-    ------
-    ConfigError
-        For a count below 1 or a seed outside its range.
+    p from 1 to 8 1/s (log-uniform), alpha from 0.05 to 0.3 rad, PGA from 0.2 to 0.4 g of 9.80665 m/s2 (uniform),
+    rounded to 1e-6 so that they are the same numbers everywhere; the velocity ratio C is that of all lanes. The first
+    lanes of a longer call are those of a shorter one. Raises ConfigError for a count below 1 or a seed outside its
+    range.
 
     Examples
     --------
