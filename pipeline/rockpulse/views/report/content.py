@@ -7,15 +7,14 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from rockpulse.views.report.answers import Answers, answer_table, count_table
-from rockpulse.views.report.fragility_part import FragilityPart, describe_fragility
 from rockpulse.views.report.method import REFERENCE, assumptions, models_in_use, not_covered
 from rockpulse.views.report.motions import Motions, event_table, motions_of
 from rockpulse.views.report.notes import table_notes
 from rockpulse.views.report.pages import BodyPage, RecordPage, body_pages, record_pages
 from rockpulse.views.report.pairing import Paired
+from rockpulse.views.report.parts import Part, describe_fragility, describe_site
 from rockpulse.views.report.provenance import failure_table, input_table, versions, warning_table
 from rockpulse.views.report.remarks import Remark, remarks
-from rockpulse.views.report.site_part import SitePart, describe_site
 from rockpulse.views.report.standing import bodies_of
 from rockpulse.views.report.statements import counted_by, headline
 from rockpulse.views.report.verdict import BodyVerdict, verdicts
@@ -53,9 +52,9 @@ class Content:
         Bodies; overturnings by model; every answer.
     notes : tuple of str
         What the figures and marks mean.
-    site : SitePart or None
+    site : Part or None
         Calibration of the site.
-    fragility : FragilityPart or None
+    fragility : Part or None
         Fragility curves.
     earthquakes : Table
         How the motions are counted to earthquakes.
@@ -88,8 +87,8 @@ class Content:
     answers: Table
     earthquakes: Table
     notes: tuple[str, ...]
-    site: SitePart | None
-    fragility: FragilityPart | None
+    site: Part | None
+    fragility: Part | None
     bodies: tuple[BodyPage, ...]
     records: tuple[RecordPage, ...]
     reference: str

@@ -10,8 +10,8 @@ import numpy as np
 from markupsafe import Markup
 
 from rockpulse.errors import ResultsError
-from rockpulse.views.report.fragility_part import shown_measure
 from rockpulse.views.report.record_strip import strip
+from rockpulse.views.text.fragility import shown_measure
 from rockpulse.views.text.overview import fullest_model
 
 if TYPE_CHECKING:

@@ -13,13 +13,13 @@ from rockpulse.views.report.answers import UPPER_BOUND
 from rockpulse.views.report.events import CONFIDENCE, FEWEST_EVENTS, largest_share
 from rockpulse.views.report.motions import Motions
 from rockpulse.views.report.pairing import listed
-from rockpulse.views.report.site_part import coverage_of
 from rockpulse.views.report.standing import Standing
 from rockpulse.views.report.statements import noun, of_bodies
 from rockpulse.views.report.verdict import BodyVerdict, Grade
 from rockpulse.views.shared.record_marks import doubt_notes, doubts
 from rockpulse.views.shared.terminal import figure, ratio, several, share
 from rockpulse.views.text.capacity import thin_margin
+from rockpulse.views.text.site import coverage
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -128,7 +128,7 @@ def _confidence(motions: Motions, found: Sequence[BodyVerdict], site: xr.Dataset
             True,
             "The confidence is that of the site calibration",
             "One design sequence says nothing of how often it is exceeded. "
-            + ("The coverage in the site file does (rockpulse report --site)." if site is None else coverage_of(site)),
+            + ("The coverage in the site file does (rockpulse report --site)." if site is None else coverage(site)),
         )
     if events < FEWEST_EVENTS:
         return Remark(

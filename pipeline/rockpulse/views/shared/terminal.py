@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import math
 import textwrap
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 __all__ = [
     "ABSENT",
     "WIDTH",
     "aligned",
+    "between",
     "figure",
+    "fixed",
     "lower_bound",
     "paragraph",
     "ratio",
@@ -145,6 +147,30 @@ def figure(value: float, unit: str = "") -> str:
     if math.isnan(value):
         return ABSENT
     return f"{value:.3g} {unit}".rstrip()
+
+
+def fixed(value: float, places: int = 2) -> str:
+    """A number with so many decimals; a dash where it is not known.
+
+    Examples
+    --------
+    >>> fixed(0.4151), fixed(0.4151, 3), fixed(math.nan)
+    ('0.42', '0.415', '-')
+    """
+    return ABSENT if math.isnan(value) else f"{value:.{places}f}"
+
+
+def between(low: float, high: float, show: Callable[[float], str] = figure) -> str:
+    """An interval; a dash where neither end is known.
+
+    Examples
+    --------
+    >>> between(0.5, 1.5), between(0.5, math.inf), between(math.nan, math.nan)
+    ('0.5 to 1.5', '0.5 to no limit', '-')
+    """
+    if math.isnan(low) and math.isnan(high):
+        return ABSENT
+    return f"{show(low)} to {'no limit' if math.isinf(high) else show(high)}"
 
 
 def share(value: float) -> str:

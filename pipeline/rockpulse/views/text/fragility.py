@@ -9,51 +9,37 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from rockpulse.assessment.events import UNKNOWN
-from rockpulse.views.shared.terminal import ABSENT, aligned, paragraph, ratio, shortened
+from rockpulse.views.shared.table import Cell, Heading, Mark, Table, number, text
+from rockpulse.views.shared.terminal import ABSENT, between, paragraph, ratio, several
 
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["fragility_overview"]
-
-#: Longest name of a body in a table.
-NAME_WIDTH = 30
+__all__ = ["STATES", "fragility_overview", "median_table", "records_words", "shown_measure"]
 
 #: The measure that the curves are shown in, where it is there: it puts bodies of all sizes on one scale.
 SHOWN = "velocity_ratio"
 
-#: Marks a median that no record was looked at.
-BEYOND = "!"
+#: At a median that no record was looked at.
+BEYOND = Mark("!", "!: beyond every level looked at, extrapolated.")
+
+#: At the smallest dispersion of a limit state.
+SMALLEST = Mark("*", "*: smallest.")
+
+#: What the name of a limit state may be.
+STATES = "Limit states: uplift, largest theta_max/alpha_c, overturning."
 
 #: Level of the tests of sufficiency.
 LEVEL = 0.05
 
 
 def fragility_overview(tree: xr.DataTree) -> str:
-    """What a fragility file says, on a screen or two.
-
-    Parameters
-    ----------
-    tree : xarray.DataTree
-        As :func:`rockpulse.fragility_curves` returns it.
-    """
-    curves = tree["fragility"].to_dataset()
-    efficiency = tree["efficiency"].to_dataset()
-    capacities = tree["capacities"].to_dataset()
-    events = np.unique(capacities["event"].values).size
-    measures = [str(name) for name in curves["measure"].values]
-    shown = SHOWN if SHOWN in measures else measures[0]
-    found = [
-        _several(capacities.sizes["record"], "record", "records")
-        + " of "
-        + _several(events, "earthquake", "earthquakes")
-        + (" (records of unknown earthquake count as one)" if UNKNOWN in capacities["event"].values else ""),
-        _several(curves.sizes["block"], "body", "bodies"),
-        f"data: {tree.attrs['data']}",
-    ]
+    """What the tree of :func:`rockpulse.fragility_curves` says, on a screen or two."""
+    curves, efficiency = tree["fragility"].to_dataset(), tree["efficiency"].to_dataset()
+    found = [records_words(tree), several(curves.sizes["block"], "body"), f"data: {tree.attrs['data']}"]
     parts = [
         f"{tree.attrs['title']}: {', '.join(found)}",
-        _medians(curves, shown, float(tree.attrs["confidence"]), str(tree.attrs["data"])),
+        text(median_table(tree)),
         _pooled(curves, efficiency),
         _sufficiency(efficiency),
         _statements(curves),
@@ -61,39 +47,58 @@ def fragility_overview(tree: xr.DataTree) -> str:
     return "\n\n".join(part for part in parts if part)
 
 
-def _medians(curves: xr.Dataset, measure: str, confidence: float, data: str) -> str:
-    states = [str(state) for state in curves["limit_state"].values]
-    own = curves.sel(measure=measure)
-    rows = [["", *states]]
-    for block in own["block"].values:
-        cells, bands = [], []
-        for state in states:
+def shown_measure(curves: xr.Dataset) -> str:
+    """The intensity measure that is shown, of the node /fragility."""
+    measures = [str(name) for name in curves["measure"].values]
+    return SHOWN if SHOWN in measures else measures[0]
+
+
+def records_words(tree: xr.DataTree) -> str:
+    """How many records of how many earthquakes the curves rest on."""
+    event = tree["capacities"].to_dataset()["event"].values
+    counts = f"{several(event.size, 'record')} of {several(np.unique(event).size, 'earthquake')}"
+    return counts + (" (records of unknown earthquake count as one)" if UNKNOWN in event else "")
+
+
+def median_table(tree: xr.DataTree) -> Table:
+    """Median and dispersion of every body and limit state in the measure that is shown."""
+    curves = tree["fragility"].to_dataset()
+    own = curves.sel(measure=shown_measure(curves))
+    level = f"{100.0 * float(tree.attrs['confidence']):g} %"
+    rows = []
+    for block in own["block"].values.tolist():
+        for state in own["limit_state"].values.tolist():
             one = own.sel(block=block, limit_state=state)
-            median, beta = float(one["median"]), float(one["beta"])
-            mark = BEYOND if one["extrapolated"].item() else ""
-            cells.append(ABSENT if math.isnan(median) else f"{ratio(median)}{mark}, {ratio(beta)}")
-            low, high = float(one["median_low"]), float(one["median_high"])
-            bands.append("" if math.isnan(low) else f"{ratio(low)}..{ratio(high)}")
-        rows.append([shortened(str(block), NAME_WIDTH), *cells])
-        if any(bands):
-            rows.append(["", *bands])
-    words, units = (str(own[name].values) for name in ("measure_long_name", "measure_units"))
-    unit = "" if units == "1" else f" [{units}]"
+            median, low, high, beta = (float(one[name]) for name in ("median", "median_low", "median_high", "beta"))
+            reached, of, records, events = (int(one[name]) for name in ("reached", "observations", "records", "events"))
+            rows.append(
+                (
+                    Cell(block),
+                    Cell(state),
+                    number(median, ratio, (BEYOND,) if int(one["extrapolated"]) else ()),
+                    Cell(between(low, high, ratio), low),
+                    number(beta, ratio),
+                    Cell(f"{reached} of {of}", reached),
+                    number(records, str),
+                    number(events, str),
+                )
+            )
+    heads = ("limit state", "median", level, "beta", "reached", "records", "earthquakes")
     note = (
-        f"Median and dispersion beta of {words}{unit} at which a limit state is reached (uplift, theta_max/alpha_c, "
-        "overturning)"
+        f"{level}: band of the median, over earthquakes ({ABSENT}: not known, see the remarks). beta: dispersion of ln "
+        "capacity. reached: of the observations."
     )
-    if bool(own["median_low"].notnull().any()):
-        note += f"; below them the {100.0 * confidence:g} % band of the median, over earthquakes"
-    note += f". {ABSENT}: see the remarks."
-    if bool(own["extrapolated"].any()):
-        note += f" {BEYOND}: beyond every level looked at, extrapolated."
-    if data == "ida":
+    if tree.attrs["data"] == "ida":
         note += (
-            " Capacity is the first factor that reaches the limit state; above it a block may stand again, so these "
-            'medians lie below those of data = "stripes".'
+            " Capacity is the first factor that reaches the limit state; above it a block may stand again: a curve is "
+            "the probability of reaching the limit state at or below a level, and these medians lie below those of "
+            'data = "stripes".'
         )
-    return "\n".join([*aligned(rows, gap="   "), "", paragraph(note, "  ")])
+    words, units = (str(own[name].item()) for name in ("measure_long_name", "measure_units"))
+    measure = words if units == "1" else f"{words} [{units}]"
+    caption = f"Median and dispersion of {measure} at which a limit state is reached"
+    headings = (Heading("body", width=30), *map(Heading, heads))
+    return Table("fragility-medians", caption, headings, tuple(rows), (STATES, note))
 
 
 def _pooled(curves: xr.Dataset, efficiency: xr.Dataset) -> str:
@@ -104,31 +109,34 @@ def _pooled(curves: xr.Dataset, efficiency: xr.Dataset) -> str:
         return ""
     table = beta.sel(measure=kept).transpose("measure", "limit_state").values
     smallest = np.min(np.where(np.isnan(table), np.inf, table), axis=0)
-    last = str(beta["limit_state"].values[-1])
-    compared = [efficiency[f"pooled_beta_ratio{end}"].sel(limit_state=last) for end in ("", "_low", "_high")]
-    rows = [["", *(f"{state} " for state in beta["limit_state"].values), f"{last}, ratio"]]
+    states = [str(state) for state in beta["limit_state"].values]
+    compared = [efficiency[f"pooled_beta_ratio{end}"].sel(limit_state=states[-1]) for end in ("", "_low", "_high")]
+    rows = []
     for name, line in zip(kept, table, strict=True):
-        marks = (f"{ratio(value)}{'*' if value == best else ' '}" for value, best in zip(line, smallest, strict=True))
+        cells = [number(x, ratio, (SMALLEST,) if x == best else ()) for x, best in zip(line, smallest, strict=True)]
         value, low, high = (float(limit.sel(measure=name)) for limit in compared)
         band = ratio(value) if math.isnan(low) else f"{ratio(value)} ({ratio(low)}..{ratio(high)})"
-        rows.append([name, *marks, band])
-    words = [f"{name}: {curves['measure_long_name'].sel(measure=name).values}" for name in kept]
-    head = f"Efficiency: dispersion beta of capacity, all bodies together (*: smallest), and over that in {SHOWN}"
+        rows.append((Cell(name), *cells, Cell(band, value)))
+    headings = tuple(map(Heading, ("", *states, f"{states[-1]}, ratio")))
+    head = f"Efficiency: dispersion beta of capacity, all bodies together, and over that in {SHOWN}"
     if bool(compared[1].sel(measure=kept).notnull().any()):
         head += " with its band"
-    return "\n".join([head, *aligned(rows), "", *(paragraph(line, "      ", "  ") for line in words)])
+    words = [f"{name}: {curves['measure_long_name'].sel(measure=name).values}" for name in kept]
+    return text(Table("", head, headings, tuple(rows), tuple(words)))
 
 
 def _sufficiency(efficiency: xr.Dataset) -> str:
+    """How often the capacity depends on a quality of the record beside the measure."""
     p_value = efficiency["pooled_p_value"].transpose("measure", "quality", "limit_state")
     tests = int(np.count_nonzero(np.isfinite(p_value)))
     if tests == 0:
         return ""
-    rows = [["", *(str(quality) for quality in p_value["quality"].values)]]
-    for name, own in zip(p_value["measure"].values, p_value.values, strict=True):
+    rows = []
+    for name, own in zip(p_value["measure"].values.tolist(), p_value.values, strict=True):
         if np.any(np.isfinite(own)):
-            counts = (f"{np.count_nonzero(found < LEVEL)} of {np.count_nonzero(np.isfinite(found))}" for found in own)
-            rows.append([str(name), *counts])
+            counts = [(int(np.sum(found < LEVEL)), int(np.sum(np.isfinite(found)))) for found in own]
+            rows.append((Cell(name), *(Cell(f"{few} of {every}", few) for few, every in counts)))
+    headings = tuple(map(Heading, ("", *p_value["quality"].values.tolist())))
     head = (
         "Sufficiency: limit states in which capacity depends on a quality of the record beside the measure "
         f"(p-value below {LEVEL:g}), all bodies together"
@@ -138,31 +146,22 @@ def _sufficiency(efficiency: xr.Dataset) -> str:
         "before it was scaled; duration: of the intense phase; period: 2 pi PGV/PGA; strong_half_waves: above half the "
         "largest."
     )
-    return "\n".join([head, *aligned(rows), "", paragraph(note, "  ")])
+    return text(Table("", head, headings, tuple(rows), (note,)))
 
 
 def _statements(curves: xr.Dataset) -> str:
-    """Every different remark once, with how often it is made."""
+    """Every different remark once, numbers aside, with how often it is made."""
     found: dict[str, list[str]] = {}
     for place in np.ndindex(curves["statement"].shape):
-        text = str(curves["statement"].values[place])
-        if text:
+        words = str(curves["statement"].values[place])
+        if words:
             dims = curves["statement"].dims
             labels = [str(curves[dim].values[index]) for dim, index in zip(dims, place, strict=True)]
-            found.setdefault(_kind(text), []).append(f"{', '.join(labels)}: {text}")
+            found.setdefault(re.sub(r"\d\S*", "#", words), []).append(f"{', '.join(labels)}: {words}")
     if not found:
         return ""
-    lines = ["remarks"]
+    said = ["remarks"]
     for entries in found.values():
         more = "" if len(entries) == 1 else f" (and {len(entries) - 1} more like it)"
-        lines.append(paragraph(entries[0] + more, "      ", "  "))
-    return "\n".join(lines)
-
-
-def _kind(text: str) -> str:
-    """The remark without its numbers."""
-    return re.sub(r"\d\S*", "#", text)
-
-
-def _several(count: int, one: str, many: str) -> str:
-    return f"{count} {one if count == 1 else many}"
+        said.append(paragraph(entries[0] + more, "      ", "  "))
+    return "\n".join(said)

@@ -1,26 +1,35 @@
-"""A site file as text: what it cannot tell first, then the parameters, the design sequence and its coverage."""
+"""A site file as text: its remarks first, then the parameters, the design sequence and the coverage."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from rockpulse.views.shared.terminal import ABSENT, aligned, figure, paragraph, ratio, shortened
+from rockpulse.views.shared.table import Cell, Heading, Table, lines, number, text
+from rockpulse.views.shared.terminal import (
+    ABSENT,
+    between,
+    figure,
+    fixed,
+    paragraph,
+    ratio,
+    restitution,
+    several,
+    share,
+)
 from rockpulse.views.text.left_out import not_used
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     import xarray as xr
 
-__all__ = ["site_overview"]
+__all__ = ["about_records", "block_table", "coverage", "design", "parameter_table", "remarks", "site_overview"]
 
 #: Rows of a table of blocks, and names of events, that are listed one by one.
 LISTED = 12
-
-#: Longest name in a table.
-NAME_WIDTH = 34
 
 _PARAMETERS = {
     "main": "main impulse I",
@@ -33,123 +42,88 @@ _UNITS = {"m s-1": "m/s", "s": "s", "1": ""}
 
 
 def site_overview(tree: xr.DataTree) -> str:
-    """Remarks, parameters, correlation, design sequence, coverage, and what was left out.
-
-    Parameters
-    ----------
-    tree : xarray.DataTree
-        As :func:`rockpulse.calibrate_site` returns it.
-    """
+    """What the tree of :func:`rockpulse.calibrate_site` holds, for the terminal."""
     site = tree["site"].to_dataset()
-    parts = [_remarks(site), _records(site), _parameters(site), _correlation(site), _design(site), _coverage(site)]
-    parts += [_warnings(site), not_used(tree)]
+    parts = [
+        "\n".join(paragraph(line, "  ", "! ") for line in remarks(site)),
+        "\n".join(paragraph(line, "  ", "") for line in about_records(site)),
+        text(parameter_table(site)),
+        "\n".join("  " + line for line in lines(_correlation(site))),
+        paragraph(design(site), "  ", ""),
+        _coverage(site),
+        _warnings(site),
+        not_used(tree),
+    ]
     return "\n\n".join(part for part in parts if part)
 
 
-def _number(site: xr.Dataset, name: str) -> float:
-    return float(site[name])
+def remarks(site: xr.Dataset) -> list[str]:
+    """What the calibration cannot tell, the gravest first."""
+    return [line for line in str(site["remarks"].item()).splitlines() if line]
 
 
-def _remarks(site: xr.Dataset) -> str:
-    remarks = [line for line in str(site["remarks"].item()).splitlines() if line]
-    return "\n".join(paragraph(line, "  ", "! ") for line in remarks)
-
-
-def _scaled(words: str) -> str:
-    """Measure and value, with the unit that the target has."""
-    return f"{words} {'m/s2' if words.startswith('pga') else 'm/s'}"
-
-
-def _records(site: xr.Dataset) -> str:
-    counts = dict(zip(site["site_event"].values.tolist(), site["event_records"].values.tolist(), strict=True))
-    listed = [f"{name} ({count})" for name, count in list(counts.items())[:LISTED]]
-    more = f", and {len(counts) - LISTED} more" if len(counts) > LISTED else ""
-    attributes = site.attrs
-    scaled = "" if attributes["scaled_to"] == "none" else f", scaled to {_scaled(attributes['scaled_to'])}"
-    lines = [
-        f"{_count(site.sizes['record'], 'record')} of {_count(len(counts), 'event')}: {', '.join(listed)}{more}",
-        f"Sequence of each record by {attributes['method']}; weights: {attributes['weights']}{scaled}. Its misfit "
-        f"(ln, median over records) is {figure(_median(site['misfit']))}; its rotation is below the recorded one for "
-        f"{_percent(_median(site['unsafe_share']))} of the blocks (median).",
+def about_records(site: xr.Dataset) -> list[str]:
+    """The records and their events, and how a sequence was made of each."""
+    events = site["site_event"].values.tolist()
+    counted = zip(events, site["event_records"].values.tolist(), strict=True)
+    listed = [f"{name} ({count})" for name, count in list(counted)[:LISTED]]
+    more = f", and {len(events) - LISTED} more" if len(events) > LISTED else ""
+    scaled = str(site.attrs["scaled_to"])
+    unit = "m/s2" if scaled.startswith("pga") else "m/s"
+    return [
+        f"{several(site.sizes['record'], 'record')} of {several(len(events), 'event')}: {', '.join(listed)}{more}",
+        f"Sequence of each record by {site.attrs['method']}; weights: {site.attrs['weights']}"
+        f"{'' if scaled == 'none' else f', scaled to {scaled} {unit}'}. Its misfit (ln, median over records) is "
+        f"{figure(_median(site['misfit']))}; its rotation is below the recorded one for "
+        f"{share(_median(site['unsafe_share']))} of the blocks (median).",
     ]
-    return "\n".join(paragraph(line, "  ", "") for line in lines)
 
 
-def _parameters(site: xr.Dataset) -> str:
+def parameter_table(site: xr.Dataset) -> Table:
+    """The parameters of the sequences of all records: lognormal, with intervals where they are known."""
     level = f"{_number(site, 'confidence'):.0%}"
-    rows = [["parameter", "median", level, "dispersion", level, "16", "50", "84 % of records", "design"]]
+    heads = ("median", level, "dispersion", level, "16 %", "50 %", "84 %", "design")
+    rows = []
     for name in site["parameter"].values.tolist():
         one = site.sel(parameter=name)
         unit = _UNITS[str(one["parameter_unit"].item())]
         rows.append(
-            [
-                f"{_PARAMETERS[name]} [{unit}]" if unit else _PARAMETERS[name],
-                figure(_number(one, "median")),
-                _range(one, "median"),
-                figure(_number(one, "dispersion")),
-                _range(one, "dispersion"),
-                *(figure(_number(one, f"quantile_{percent}")) for percent in (16, 50, 84)),
-                figure(_number(one, "design")),
-            ]
+            (
+                Cell(Heading(_PARAMETERS[name], unit).label),
+                *(
+                    cell
+                    for key in ("median", "dispersion")
+                    for cell in (number(_number(one, key)), Cell(_range(one, key), _number(one, f"{key}_lower")))
+                ),
+                *(number(_number(one, f"quantile_{percent}")) for percent in (16, 50, 84)),
+                number(_number(one, "design")),
+            )
         )
-    note = f"  Dispersion: of the logarithm. {level}: interval clustered by event; -: not known."
-    return "\n".join(["Parameters (lognormal):", *("  " + line for line in aligned(rows)), note])
+    note = (
+        f"Dispersion: of the logarithm. {level}: interval clustered by event; {ABSENT}: not known. "
+        "16, 50, 84 %: of the records."
+    )
+    headings = (Heading("parameter"), *map(Heading, heads))
+    return Table("site-parameters", "Parameters (lognormal)", headings, tuple(rows), (note,))
 
 
-def _correlation(site: xr.Dataset) -> str:
-    names = site["parameter"].values.tolist()
-    rows = [["correlation of logarithms", *names[:-1]]]
-    for place, name in enumerate(names[1:], start=1):
-        found = site["correlation"].values[place, :place].tolist()
-        cells = [ABSENT if math.isnan(value) else f"{value:.2f}" for value in found]
-        rows.append([name, *cells, *[""] * (len(names) - 1 - place)])
-    return "\n".join("  " + line for line in aligned(rows))
-
-
-def _design(site: xr.Dataset) -> str:
+def design(site: xr.Dataset) -> str:
+    """The design sequence in a sentence."""
     value = dict(zip(site["parameter"].values.tolist(), site["design"].values.tolist(), strict=True))
     count = "main impulses without limit" if math.isnan(value["main_count"]) else f"{value['main_count']:.0f} main"
     within = "for ever" if math.isnan(value["duration"]) else f"within {figure(value['duration'], 's')}"
-    main = site.sel(parameter="main")
-    words = (
+    return (
         f"Design sequence, quantile {_number(site, 'quantile'):g} by {site.attrs['design']}: "
-        f"I = {figure(value['main'], 'm/s')} ({_number(site, 'confidence'):.0%}: {_range(main, 'design')}), "
+        f"I = {figure(value['main'], 'm/s')} "
+        f"({_number(site, 'confidence'):.0%}: {_range(site.sel(parameter='main'), 'design')}), "
         f"I_s = {figure(value['ratio'] * value['main'], 'm/s')}, dT = {figure(value['interval'], 's')}, {count} "
         f'impulses {within}, spacing "{site.attrs["spacing"]}".'
     )
-    return paragraph(words, "  ", "")
 
 
-def _coverage(site: xr.Dataset) -> str:
-    lines = [
-        _shares(site),
-        f"{_percent(_number(site, 'lifted_share'))} of the pairs of record and block count (the record lifts the "
-        f"block), {_percent(_number(site, 'standing_share'))} of these on blocks that the design leaves standing.",
-    ]
-    lines = [paragraph(line, "  ", "") for line in lines]
-    shares = site["block_coverage"]
-    if site.sizes["block"] <= LISTED:
-        rows = [["block", "design", "coverage"]]
-        for name in site["block"].values.tolist():
-            one = site.sel(block=name)
-            peak = _number(one, "design_rotation_ratio")
-            verdict = "OVERTURNS" if math.isinf(peak) else ratio(peak)
-            rows.append([shortened(name, NAME_WIDTH), verdict, _percent(_number(one, "block_coverage"))])
-        lines += ["  " + line for line in aligned(rows)]
-        lines.append("  design: theta_max/alpha_c under the design sequence.")
-    elif shares.notnull().any():
-        worst = str(shares.idxmin().item())
-        fallen = int(np.isinf(site["design_rotation_ratio"].values).sum())
-        lines.append(
-            f"  By block: from {_percent(float(shares.min()))} ({worst}) over {_percent(_median(shares))} (median) to "
-            f"{_percent(float(shares.max()))}. The design overturns {fallen} of {site.sizes['block']} blocks."
-        )
-    return "\n".join(lines)
-
-
-def _shares(site: xr.Dataset) -> str:
-    """What the design covers, in words where it is not known."""
-    in_sample, nominal = (_percent(_number(site, name)) for name in ("coverage_in_sample", "quantile"))
+def coverage(site: xr.Dataset) -> str:
+    """Which share of the recorded rotations the design covers, of events that it does not know."""
+    in_sample, nominal = (share(_number(site, name)) for name in ("coverage_in_sample", "quantile"))
     if math.isnan(_number(site, "coverage")):
         why = (
             "with one event none can be left out"
@@ -161,49 +135,91 @@ def _shares(site: xr.Dataset) -> str:
             f"rotations that it was made from, of blocks that it leaves standing; nominal {nominal}."
         )
     else:
-        interval = _range(site, "coverage", _percent)
+        interval = _range(site, "coverage", share)
         level = f"{_number(site, 'confidence'):.0%}: {interval}" if interval != ABSENT else "one event: no interval"
         words = (
-            f"Coverage: a design made without the event of a record covers {_percent(_number(site, 'coverage'))} "
+            f"Coverage: a design made without the event of a record covers {share(_number(site, 'coverage'))} "
             f"({level}) of the recorded rotations of the blocks that it leaves standing; nominal {nominal}; the design "
             f"of all records {in_sample}."
         )
     if not math.isnan(_number(site, "coverage_all")):
         words += (
             " With the blocks that it overturns, which are covered whatever the records do: "
-            f"{_percent(_number(site, 'coverage_all'))}."
+            f"{share(_number(site, 'coverage_all'))}."
         )
-    judged = int(site["judged_pairs"])
-    if judged:
+    if judged := int(site["judged_pairs"]):
         words += (
-            f" Judged: {_count(judged, 'pair')} of record and block of {_count(int(site['judged_events']), 'event')}."
+            f" Judged: {several(judged, 'pair')} of record and block of {several(int(site['judged_events']), 'event')}."
         )
     return words
 
 
+def block_table(site: xr.Dataset) -> Table:
+    """The blocks under the design sequence."""
+    rows = []
+    for name in site["block"].values.tolist():
+        one = site.sel(block=name)
+        peak = _number(one, "design_rotation_ratio")
+        verdict = Cell("overturns", peak, grade="bad") if math.isinf(peak) else number(peak, ratio)
+        c, covered = _number(one, "restitution"), _number(one, "block_coverage")
+        rows.append((Cell(name), number(c, restitution), verdict, number(covered, share)))
+    headings = (Heading("block", width=34), Heading("C"), Heading("design"), Heading("coverage"))
+    note = (
+        "C: restitution. design: theta_max/alpha_c under the design sequence. coverage: by designs made without the "
+        "event of a record."
+    )
+    return Table("site-blocks", "The blocks under the design sequence", headings, tuple(rows), (note,))
+
+
+def _number(site: xr.Dataset, name: str) -> float:
+    return float(site[name])
+
+
+def _range(one: xr.Dataset, name: str, show: Callable[[float], str] = figure) -> str:
+    return between(_number(one, f"{name}_lower"), _number(one, f"{name}_upper"), show)
+
+
+def _correlation(site: xr.Dataset) -> Table:
+    names = site["parameter"].values.tolist()
+    rows = [
+        (Cell(name), *(number(value, fixed) if k < place else Cell("") for k, value in enumerate(line[:-1])))
+        for place, (name, line) in enumerate(zip(names, site["correlation"].values.tolist(), strict=True))
+    ]
+    headings = (Heading("correlation of logarithms"), *map(Heading, names[:-1]))
+    return Table("site-correlation", "", headings, tuple(rows[1:]))
+
+
+def _coverage(site: xr.Dataset) -> str:
+    """Coverage over all blocks, then block by block or, of many, the extremes."""
+    told = [
+        coverage(site),
+        f"{share(_number(site, 'lifted_share'))} of the pairs of record and block count (the record lifts the "
+        f"block), {share(_number(site, 'standing_share'))} of these on blocks that the design leaves standing.",
+    ]
+    parts = [paragraph(line, "  ", "") for line in told]
+    shares = site["block_coverage"]
+    if site.sizes["block"] <= LISTED:
+        parts.append(text(block_table(site)))
+    elif shares.notnull().any():
+        worst = str(shares.idxmin().item())
+        fallen = int(np.isinf(site["design_rotation_ratio"].values).sum())
+        parts.append(
+            f"  By block: from {share(float(shares.min()))} ({worst}) over {share(_median(shares))} (median) to "
+            f"{share(float(shares.max()))}. The design overturns {fallen} of {site.sizes['block']} blocks."
+        )
+    return "\n".join(parts)
+
+
 def _warnings(site: xr.Dataset) -> str:
-    texts = [str(text) for text in site["warnings"].values]
-    warned = [(str(name), text) for name, text in zip(site["record"].values, texts, strict=True) if text]
+    texts = [str(words) for words in site["warnings"].values]
+    warned = [(str(name), words) for name, words in zip(site["record"].values, texts, strict=True) if words]
     if not warned:
         return ""
-    lines = [f"records with warnings: {len(warned)} (variable warnings of /site holds all of them)"]
-    lines += [paragraph(text.splitlines()[0], "      ", f"  {name}: ") for name, text in warned[:LISTED]]
-    return "\n".join(lines)
-
-
-def _range(one: xr.Dataset, name: str, shown: Callable[[float], str] = figure) -> str:
-    low, high = _number(one, f"{name}_lower"), _number(one, f"{name}_upper")
-    return ABSENT if math.isnan(low) and math.isnan(high) else f"{shown(low)} to {shown(high)}"
-
-
-def _count(number: int, what: str) -> str:
-    return f"{number} {what}" if number == 1 else f"{number} {what}s"
+    said = [f"records with warnings: {len(warned)} (variable warnings of /site holds all of them)"]
+    said += [paragraph(words.splitlines()[0], "      ", f"  {name}: ") for name, words in warned[:LISTED]]
+    return "\n".join(said)
 
 
 def _median(values: xr.DataArray) -> float:
     known = values.values[~np.isnan(values.values)]
     return float(np.median(known)) if known.size else math.nan
-
-
-def _percent(value: float) -> str:
-    return ABSENT if math.isnan(value) else f"{100.0 * value:.0f} %"

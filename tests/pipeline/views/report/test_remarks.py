@@ -13,7 +13,8 @@ from rockpulse.views.report.remarks import remarks
 def site(peaks, design=0.2, upper=0.3):
     """A site of one block, with the rotations that its records gave."""
     peaks = np.atleast_2d(peaks)
-    scalars = dict.fromkeys(("coverage", "coverage_lower", "coverage_upper"), np.nan)
+    coverage = ("coverage", "coverage_lower", "coverage_upper", "coverage_in_sample", "coverage_all")
+    scalars = dict.fromkeys(coverage, np.nan)
     of_parameter = {"design": design, "design_lower": 0.1, "design_upper": upper}
     variables = {
         **scalars,
@@ -24,7 +25,9 @@ def site(peaks, design=0.2, upper=0.3):
         **{name: (("parameter",), [value]) for name, value in of_parameter.items()},
         "rotation_ratio": (("record", "block"), peaks.T),
     }
-    return xr.Dataset(variables, {"parameter": ["main"], "block": ["b"], "record": np.arange(peaks.shape[1])})
+    return xr.Dataset(
+        variables, {"parameter": ["main"], "block": ["b"], "record": np.arange(peaks.shape[1]), "site_event": ["e"]}
+    )
 
 
 def heads(summary, kind="sequence", **options):
