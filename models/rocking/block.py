@@ -37,8 +37,9 @@ logger = logging.getLogger("rockpulse")
 
 @dataclass(frozen=True, eq=False)
 class Block:
-    """A free-standing rigid block, or an array of them: the fields broadcast to one shape (m,), or () for a single
-    block.
+    """A free-standing rigid block, or an array of them.
+
+    The fields broadcast to one shape (m,), or () for a single block.
 
     Parameters
     ----------

@@ -47,7 +47,15 @@ RESTITUTIONS = np.array([0.85, 0.875, 0.9, 0.925, 0.95, 0.975, 1.0])
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _lobes(ground, dt, rates, ratios, levels, largest, last):
+def _lobes(
+    ground: np.ndarray,
+    dt: float,
+    rates: np.ndarray,
+    ratios: np.ndarray,
+    levels: np.ndarray,
+    largest: np.ndarray,
+    last: np.ndarray,
+) -> None:
     """Largest abs(E) of the lobes of E(t0), descending, and the last sample with more than each level left.
 
     E is exact for a piecewise linear ground and found by one backward pass. What is left at a sample is the build-up of

@@ -95,7 +95,7 @@ class HalfWaveDemand:
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _weighted_impulse(times, ground, rate):
+def _weighted_impulse(times: np.ndarray, ground: np.ndarray, rate: float) -> np.ndarray:
     """E at the points of a piecewise linear ground, exact, by one backward pass."""
     weighted = np.zeros(times.shape[0])
     for i in range(times.shape[0] - 2, -1, -1):

@@ -69,11 +69,11 @@ def with_slope(c, order, tau):
 
 @njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
 def bracketed_root(c, order, shift, left, right, guess):
-    """Root in [left, right] of the order-th derivative of phi less `shift`, of opposite signs at the two ends (order
-    <= 1: monotone).
+    """Root in [left, right] of the order-th derivative of phi less `shift`.
 
-    Newton steps, replaced by bisection where they leave the bracket; the stop is relative to the distance from the
-    start of the step, so that a hop of 1e-12 keeps its digits.
+    Its signs at the two ends are opposite, and for order <= 1 it is monotone between them. Newton steps are replaced by
+    bisection where they leave the bracket; the stop is relative to the distance from the start of the step, so that a
+    hop of 1e-12 keeps its digits.
     """
     rising = with_slope(c, order, right)[0] - shift > 0.0
     tau = guess if left < guess < right else 0.5 * (left + right)

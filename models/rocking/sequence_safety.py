@@ -177,7 +177,9 @@ def _bands(block: Block, sequence: ImpulseSequence, factor_max: float) -> ScaleI
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _bands_of(main, ratio, restitution, end, main_count, factor_max):
+def _bands_of(
+    main: float, ratio: float, restitution: float, end: float, main_count: int, factor_max: float
+) -> np.ndarray:
     """Lower and upper factors (2, k) of the bands of one lane, ascending, up to `factor_max`.
 
     Parameters

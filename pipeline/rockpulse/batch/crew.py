@@ -61,7 +61,7 @@ class Crew:
 
     @classmethod
     def inline(cls) -> Crew:
-        """This process, with all its threads."""
+        """The crew that is this process, with all its threads."""
         return cls(None, lambda: 1)
 
     @classmethod

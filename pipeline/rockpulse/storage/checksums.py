@@ -27,7 +27,7 @@ CHECKSUM_OF_ATTRIBUTES = "attributes_sha256"
 
 
 class VariableChecksum:
-    """The checksum of a variable whose values come piece by piece.
+    r"""The checksum of a variable whose values come piece by piece.
 
     Parameters
     ----------
@@ -41,7 +41,7 @@ class VariableChecksum:
     >>> whole = VariableChecksum(np.dtype(float), (3,))
     >>> whole.add(np.array([1.0, 2.0]))
     >>> whole.add(np.array([3.0]))
-    >>> whole.hexdigest() == hashlib.sha256(b"float64 3\\n" + np.array([1.0, 2.0, 3.0]).tobytes()).hexdigest()
+    >>> whole.hexdigest() == hashlib.sha256(b"float64 3\n" + np.array([1.0, 2.0, 3.0]).tobytes()).hexdigest()
     True
     """
 

@@ -65,20 +65,20 @@ def response(
         k = int(place)
         return record[k] + (record[k + 1] - record[k]) * (place - k)
 
-    def rate(t, y, side, reach):
+    def rate(t: float, y: np.ndarray, side: int, reach: float) -> tuple[float, float]:
         theta, speed = y.tolist()
         if linear:
             return speed, square * (theta - side * alpha - ground(t))
         angle = side * alpha - theta
         return speed, -square * (math.sin(angle) + ground(t) * math.cos(angle))
 
-    def impact(t, y, side, reach):
+    def impact(t: float, y: np.ndarray, side: int, reach: float) -> float:
         return side * y[0]
 
-    def turn(t, y, side, reach):
+    def turn(t: float, y: np.ndarray, side: int, reach: float) -> float:
         return side * y[1]
 
-    def overturned(t, y, side, reach):
+    def overturned(t: float, y: np.ndarray, side: int, reach: float) -> float:
         if linear:
             return side * (y[0] + y[1] / p) / alpha - 1.0 - reach
         return side * y[0] - 0.5 * math.pi

@@ -250,8 +250,10 @@ def _with_model(summary: xr.Dataset, selection: Selection) -> tuple[Selection, s
 
 
 def _by(summary: xr.Dataset, model: str, axis: int) -> tuple[np.ndarray, np.ndarray, np.ndarray, float]:
-    """How many overturn along an axis, the smallest known safety factor along it, where it is, and up to where the
-    search went; NaN where none was found and not all are known."""
+    """Along an axis: how many overturn, the smallest known safety factor, its index, and the end of the search.
+
+    The factor is NaN where none was found and not all are known.
+    """
     names = ("outcome", "safety_factor", "safe_up_to")
     outcome, factor, searched = (answers(summary, name, model) for name in names)
     assert outcome is not None

@@ -196,13 +196,10 @@ def fullest_model(summary: xr.Dataset) -> str:
 
 
 def overturned(summary: xr.Dataset) -> str:
-    """What overturns: per block, the records that do it, by the fullest model in use; the count of every model; and
-    what rocks under a record but is overturned by a weaker copy of it, which is no safer.
+    """The part of the overview on overturning: the records that overturn each block, by the fullest model in use.
 
-    Parameters
-    ----------
-    summary : xarray.Dataset
-        The node /summary.
+    Below stand the counts of every model, and the pairs in which a block rocks under a record but is overturned by a
+    weaker copy of it, which is no safer.
     """
     models = [str(model) for model in summary["model"].values]
     records = [str(record) for record in summary["record"].values]
