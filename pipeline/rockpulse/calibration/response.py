@@ -40,7 +40,7 @@ from rockpulse.record.record import Record
 
 __all__ = ["FORMS", "calibrate_response", "envelope", "fit_sequence"]
 
-#: What is asked of the sequence.
+#: Forms of the calibration: the likeliest sequence, or one that covers a share of the blocks.
 FORMS = ("fit", "enveloping")
 
 

@@ -50,7 +50,7 @@ def independent_share(targets: ResponseTargets, peaks: np.ndarray) -> tuple[floa
     deviation = np.std(place, axis=0)
     place = place / np.where(deviation > 0.0, deviation, 1.0)
     _, order = cKDTree(place).query(place, k=2)
-    # Of blocks in one place either may come first.
+    # Where two blocks lie in one place, either may be found as the nearest to itself.
     itself = np.arange(len(place))
     neighbour = np.where(order[:, 0] == itself, order[:, 1], order[:, 0])
     near = residuals[neighbour]

@@ -32,7 +32,7 @@ INTERVALS = (0.05, 2.0)
 #: Largest I_s/I by spacing: above it the closed form stands for no motion of the block (ground contact).
 LARGEST_RATIO = {"start": 2.0 / 3.0, "middle": 6.0 / 7.0}
 
-#: How far I is searched beyond what the targets ask for, as ln.
+#: Range in which I is searched about the value that the targets ask for, as ln.
 OFFSETS = (-1.0, 1.0)
 
 #: Differential evolution: candidates a generation for each parameter, most generations, spread of ln L to stop at.
@@ -253,7 +253,7 @@ def _offspring(explored: Explored, cut: float, rng: np.random.Generator) -> np.n
     drawn = points[parents] + step * (points[one] - points[other])
     drawn += step * 0.1 * np.std(points, axis=0) * rng.standard_normal(drawn.shape)
     drawn[:, MAIN_COUNT] = points[parents, MAIN_COUNT] + rng.choice([-1, 0, 0, 0, 1], size=CANDIDATES)
-    # What leaves the space comes back from its edge.
+    # Points that leave the space are reflected at its edge.
     drawn = np.where(drawn < space.low, 2.0 * space.low - drawn, drawn)
     drawn = np.where(drawn > space.high, 2.0 * space.high - drawn, drawn)
     return np.clip(drawn, space.low, space.high)

@@ -1,4 +1,4 @@
-"""``rockpulse accuracy``: how fast the solvers are, how large their error is, and what the cheap models miss."""
+"""``rockpulse accuracy``: the speed and the error of the solvers, and the model-form error of the cheap models."""
 
 from __future__ import annotations
 

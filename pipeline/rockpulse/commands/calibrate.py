@@ -1,4 +1,4 @@
-"""``rockpulse calibrate``: the records of a site in, its design sequence and what is known of it out."""
+"""``rockpulse calibrate``: make the design sequence of a site from its records, and show its uncertainty."""
 
 from __future__ import annotations
 

@@ -9,7 +9,7 @@ from pathlib import Path
 
 __all__ = ["file_fault"]
 
-#: Where a file that is not there would come from, by the argument that names it.
+#: The command that would make a missing file, by the argument that names the file.
 MISSING = {
     "config": "rockpulse init-config -o FILE writes one to fill in",
     "sequence": "rockpulse calibrate writes one",

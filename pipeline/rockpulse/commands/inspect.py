@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 __all__ = ["VERB"]
 
-#: Files of other verbs by the group that tells them: what they are, and the module and function of their text.
+#: Files of other verbs by their characteristic group: words for the file, and the module of its text.
 SHOWN_WHOLE = {
     "site": ("this is a site file", "site"),
     "fragility": ("this is a fragility file", "fragility"),

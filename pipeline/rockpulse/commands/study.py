@@ -9,7 +9,7 @@ from rockpulse.commands.verb import Verb
 
 __all__ = ["VERB"]
 
-#: What --csv writes of each figure.
+#: Tables that --csv writes of each figure.
 TABLES = {"figure4": ("figure4", "statements"), "figure5": ("histories", "half_cycles", "intervals", "statements")}
 
 

@@ -33,7 +33,7 @@ _DEGREES = re.compile(r"(?<!\s)\s*DEG(?:REES)?$", re.IGNORECASE)
 
 # Earlier than the first accelerogram of a strong earthquake (Long Beach, 11 March 1933 UTC) only a clock is wrong.
 _FIRST_YEAR = 1933
-# Where clocks begin that were never set (Unix, PC, GPS). The first hour only: on 1 January 1980, at 16:42 UTC, the
+# Times from which clocks start that nobody set (Unix, PC, GPS). The first hour only: on 1 January 1980, 16:42 UTC, the
 # Azores had a strong earthquake.
 _CLOCK_ORIGINS = tuple(datetime(*day, tzinfo=UTC) for day in ((1970, 1, 1), (1980, 1, 1), (1980, 1, 6)))
 _CLOCK_RUN = timedelta(hours=1)

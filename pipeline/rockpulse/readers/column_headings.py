@@ -20,13 +20,13 @@ _SHORT = 3
 _COMMENT = " \t#%!*/"
 _IN_G = re.compile(r"(?<![a-z])g$", re.IGNORECASE)
 _TIME_UNIT = re.compile(r"(?:^|[\W_])(m(?:illi)?s(?:ec\w*)?|us|µs|min(?:s|ut\w*)?)(?=$|[\W_])", re.IGNORECASE)
-#: What may stand in one column of a heading that names no motion.
+#: Labels that may stand in one column of a heading and name no motion.
 _LABEL = re.compile(
     r"(?:ch|chan|channel|sensor|sta|station|col|column|comp|no|nr|n|index|sample|row|[a-z#]|h)\.?[\s_]*\d{0,4}",
     re.IGNORECASE,
 )
 _LARGEST_AZIMUTH = 360
-#: Where an acceleration is named by its letter, these are what follows from it.
+#: Quantities by their letters, which mean them where an acceleration is named by its letter.
 _LETTERS = {"a": "acceleration", "v": "velocity", "d": "displacement", "u": "displacement"}
 
 

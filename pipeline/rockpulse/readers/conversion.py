@@ -25,7 +25,7 @@ __all__ = ["WRITERS", "Writer", "Written", "check_output", "write"]
 
 logger = logging.getLogger("rockpulse")
 
-#: What a number of few digits may lose near zero [m/s2].
+#: Largest value that a number of few digits may lose near zero [m/s2].
 _UNDERFLOW = 1e-97
 #: Largest share by which an interval may come back otherwise: miniSEED keeps the rate in single precision.
 _STEP_TOLERANCE = 1e-7

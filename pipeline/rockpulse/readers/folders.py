@@ -312,7 +312,7 @@ def _unknown(record: Record) -> tuple[bool, ...]:
 
 
 def _same_motion(one: Record, other: Record) -> bool:
-    """Whether two records with the same samples are one motion, whatever their files call it.
+    """Whether two records with the same samples are one motion, under any name of the file and channel.
 
     Channels of one file, and those that a file says to be dead, may be alike and are told apart by their component.
     """

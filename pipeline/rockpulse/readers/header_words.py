@@ -29,11 +29,11 @@ _KINDS = {
 _WORDS = {kind: re.compile(words) for kind, words in _KINDS.items()}
 #: In prose a period or a frequency is one of many things; so is the velocity of shear waves or in a pulse.
 _PROSE_SPECTRUM = re.compile(r"ps[av]|spectr(?:um|a|es|e)|espectros?|spettr[oi]|spektr(?:um|en)|fourier")
-#: Beside these words a spectrum is what an accelerogram was made for.
+#: Beside these words a spectrum is the target for which an accelerogram was made.
 _MATCHED = re.compile(
     r"match|compatib|compativ|target|design|accelero|artificial|synthetic|simulat|filter|uyumlu|angepas"
 )
-#: What a line says of the past of a record.
+#: Words for the past of a record, whose numbers are not those of the file.
 _PAST = re.compile(r"\b(?:convert|resampl|original|decimat|interpolat)")
 _SHEAR_WAVES = re.compile(r"wave[s ]{1,2}velocit\w{1,3}|velocity[- ]pulses?\b|\bvs_?30\b")
 _PEAK = re.compile(r"\b(?:pg[avd]|peaks?|max\w{0,6}|pic[co]o?)\b")

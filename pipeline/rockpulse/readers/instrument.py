@@ -16,10 +16,10 @@ from rockpulse.record.record import STANDARD_GRAVITY
 
 __all__ = ["Removed", "pass_band", "sensitivity_factor", "without_response"]
 
-#: What a unit without its prefix measures, and SI units per prefix.
+#: Quantity that a unit without its prefix measures, and SI units per prefix.
 _QUANTITIES = {"M": "displacement", "M/S": "velocity", "M/S2": "acceleration"}
 _PREFIXES = {"": 1.0, "C": 1e-2, "M": 1e-3, "U": 1e-6, "N": 1e-9}
-#: Input units that a response may have: spelling without signs of powers, what it measures, SI units per unit.
+#: Input units that a response may have: spelling without signs of powers, quantity, SI units per unit.
 _MOTION = {
     prefix + word: (quantity, scale) for word, quantity in _QUANTITIES.items() for prefix, scale in _PREFIXES.items()
 }
@@ -31,7 +31,7 @@ _OBSPY_UNITS = {"displacement": "M", "velocity": "M/S", "acceleration": "M/S**2"
 
 #: The response is removed where it is above this share of its largest value: noise grows at most by its inverse.
 RESPONSE_FLOOR = 0.01
-#: Where the upper taper begins and ends, as shares of the highest frequency of the pass band.
+#: Begin and end of the upper taper, as shares of the highest frequency of the pass band.
 UPPER_TAPER = (0.8, 0.95)
 #: The stages of a response and its stated sensitivity may differ by this share before it is reported.
 _GAIN_TOLERANCE = 0.05

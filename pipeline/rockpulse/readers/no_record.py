@@ -18,7 +18,7 @@ __all__ = ["advice", "is_quiet", "may_be_record"]
 
 #: Suffixes of files that lie beside records and are passed over without a row unless they are named explicitly.
 _QUIET = frozenset({".md", ".toml", ".h5", ".journal", ".journal-journal", ".part", ".html", ".pdf", ".png"})
-#: What XML files of a station or an earthquake begin with; others may hold samples.
+#: First element of XML files of a station or an earthquake; other XML files may hold samples.
 _METADATA = re.compile(rb"<(?:\w+:)?(?:FDSNStationXML|quakeml)\b", re.IGNORECASE)
 
 #: Names of files that agencies put beside their records, in lower letters and without suffix; PEER's list of what was

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 __all__ = ["from_trace", "to_trace"]
 
 _CODES = ("network", "station", "location", "channel")
-#: What travels in ``stats.rockpulse``: every field of a Record that a Trace has no place of its own for.
+#: Fields that travel in ``stats.rockpulse``: all of a Record for which a Trace has no place of its own.
 _KEPT = tuple(field for field in fields(Record) if field.name not in {*_CODES, "acceleration", "start_time"})
 #: Methods of a Trace after which its data are no acceleration in the unit they had before.
 _CHANGES_UNIT = {"integrate", "differentiate", "normalize", "remove_response", "remove_sensitivity", "simulate"}

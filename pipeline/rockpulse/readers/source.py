@@ -34,11 +34,11 @@ __all__ = [
 HEAD = 65536
 #: Largest file, or member of an archive, that is read [bytes]; a day of one channel at 200/s as text is half of it.
 FILE_LIMIT = 256 * 1024**2
-#: What was compressed more than this is refused; text of numbers reaches 10, a silent channel 100.
+#: Files compressed by more than this ratio are refused; text of numbers reaches 10, a silent channel 100.
 RATIO_LIMIT = 500
 
 _GZIP = b"\x1f\x8b\x08"
-#: First bytes of what holds other files.
+#: First bytes of files that hold other files.
 _ARCHIVES = {
     "a zip archive": (b"PK\x03\x04", b"PK\x05\x06"),
     "a gzip file": (_GZIP,),

@@ -97,7 +97,7 @@ def long_step(times: np.ndarray) -> int | None:
     if not gaps.any():
         return None
     step, rounding = float(np.mean(steps[~gaps])), _half_digit(times)
-    # What the rounding of its ends adds to a gap of whole steps belongs to the rows behind it; a gap need not be one.
+    # The rounding of the ends of a gap of whole steps belongs to the rows behind it; but a gap need not be whole steps.
     left = np.clip(steps - step * np.round(steps / step), -2.0 * rounding, 2.0 * rounding)
     closed = (np.cumsum(np.where(gaps, step + rest, steps)) for rest in (left, 0.0))
     found = any(_fitted_step(np.concatenate([[0.0], series]), rounding) is not None for series in closed)

@@ -29,7 +29,7 @@ _MENTIONED = re.compile(
     rf"(?:mm|cm|m)(?:/|p| per |/per/){_SECOND}(?P<again>[ /]?(?:\^|\*\*)?2| ?squared|[ /]{_SECOND})?|"
     rf"(?P<other>gals?|milli-?g|%g|(?:in|ft)/{_SECOND}(?:(?:\^|\*\*)?2|/{_SECOND}))|kines?)(?![a-z0-9])"
 )
-#: Spellings, as `_squeezed` leaves them, of what may head a column that is no acceleration.
+#: Spellings, as `_squeezed` leaves them, of the units that may head a column that is no acceleration.
 _QUANTITIES = {
     "time": "s ms us µs min seg segundos sek sekunden secondi secondes sn saniye millis minutes minuten minuti",
     "velocity": "m/s cm/s mm/s in/s ft/s ms-1 cms-1 mms-1 m.s-1 cm.s-1 kine kines",

@@ -1,1 +1,1 @@
-"""One record and what is made of it: conditioning, components, rotation, half-waves, intensity."""
+"""One record and its processing: conditioning, components, rotation, half-waves, intensity."""

@@ -26,7 +26,7 @@ __all__ = [
     "uncovered",
 ]
 
-#: How the processing of a record names the vertical channel that acts with it.
+#: Words in the processing of a record before the vertical channel that acts with it.
 VERTICAL_NOTE = "vertical acceleration: "
 
 _REASONS = {
@@ -41,7 +41,7 @@ _BOTH_IN_ONE = "put both directions into one file with headings such as 'time [s
 _SEED = re.compile(r"([FGDCESHBMLV])([HLMGN])[ENZ123]")
 #: KiK-net records at the bottom of a borehole (1) and at the surface (2).
 _DEPTH = re.compile(r"(?:EW|NS|UD)([12])")
-#: Where a channel on a structure is, as the readers put it behind its direction.
+#: Place of a channel on a structure, which the readers write behind its direction.
 _PLACE = re.compile(r"\((.*)\)")
 #: A pair shares at least this part of the shorter of its channels; triggers that follow each other may touch.
 OVERLAP_SHARE = 0.5
@@ -62,7 +62,7 @@ class Pair:
 
     @property
     def channels(self) -> tuple[Record, Record]:
-        """Both."""
+        """Both channels, the first and the second."""
         return self.first, self.second
 
 

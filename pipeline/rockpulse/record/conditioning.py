@@ -268,7 +268,7 @@ def _auto(record: Record, pre_event: float | None) -> Record:
     return replace(record, warnings=(*record.warnings, warning))
 
 
-#: What is subtracted from the record, by name.
+#: Functions that subtract the baseline of a record, by name.
 BASELINES: dict[str, Callable[[Record, float | None], Record]] = {
     "auto": _auto,
     "none": _untouched,

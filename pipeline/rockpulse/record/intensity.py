@@ -227,7 +227,7 @@ def _strongest_window(record: Record) -> IntensePhase:
     return IntensePhase(start, min(start + WINDOW_LENGTH, record.duration))
 
 
-#: How to find an intense phase, by name.
+#: Methods that find an intense phase, by name.
 INTENSE_PHASES: dict[str, Callable[..., IntensePhase]] = {
     "D5-95": _significant(0.95),
     "D5-75": _significant(0.75),

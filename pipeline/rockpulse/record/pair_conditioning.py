@@ -82,7 +82,7 @@ def _check_overlap(channel: Record, other: Record, samples: int) -> None:
 
 
 def _cut(channel: Record, other: Record) -> Record:
-    """The channel within the time of the other one, widened to whole samples; with a warning of what is left out."""
+    """The channel within the time of the other one, widened to whole samples; a warning names the part left out."""
     start = offset(channel, other)
     share = CLOCK_SHARE
     begin = max(0, math.floor(start / channel.dt + share))

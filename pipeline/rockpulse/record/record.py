@@ -15,7 +15,7 @@ from rockpulse.errors import RecordFormatError
 
 __all__ = ["STANDARD_GRAVITY", "Orientation", "Record", "distinct_ids", "record_id"]
 
-#: What the file unit "g" means, always [m/s2].
+#: The file unit "g", always this value [m/s2].
 STANDARD_GRAVITY = 9.80665
 
 #: Largest sample that is taken for an acceleration [m/s2]; the squares of larger ones may overflow.

@@ -14,7 +14,7 @@ from rockpulse.readers.formats import columns
 
 __all__ = ["FORMATS"]
 
-#: Each recognises its own files only, by what stands in them.
+#: Formats of which each recognises its own files only, by their content.
 _SPECIFIC: tuple[Format, ...] = tuple(
     row
     for module in iter_modules(__path__)

@@ -36,7 +36,7 @@ _COUNT_AND_STEP = [
     re.compile(rf"^\s*{_COUNT}[\s,]+{_STEP}[\s,]+(?:SEC\w*[\s,]+)?{_BOTH}", re.IGNORECASE | re.ASCII),
     re.compile(rf"{_BOTH}\s*[=:]?\s*{_COUNT}[\s,]+{_STEP}", re.IGNORECASE | re.ASCII),
 ]
-#: The same without any word, below the line that names the unit.
+#: Number of points and interval without any word, below the line that names the unit.
 _BARE = re.compile(rf"\s*(?P<count>[1-9]\d{{1,8}})[\s,]+{_STEP}\s*(?:SEC\w*)?\s*", re.IGNORECASE | re.ASCII)
 _NAMES_BOTH = [re.compile(words, re.IGNORECASE) for words in (_NPTS, rf"{_DT}\b")]
 _MILLISECONDS = re.compile(r"(?<![a-z])m(?:illi)?s(?:ec\w*)?\b", re.IGNORECASE)
@@ -44,7 +44,7 @@ _UNIT = re.compile(r"UNITS?\s*(?:OF|ARE|IN|IS|[:=])\s*[(\[]?([^\s)\],;]+)", re.I
 _SERIES = re.compile(
     r"\b(ACCELERATION|VELOCITY|DISPLACEMENT|(?:ACC(?:EL)?|VEL|DISPL?)(?=\.?\s+(?:TIME|HIST)))\b", re.IGNORECASE
 )
-#: What follows the name of the series where the word UNITS is missing: (G), IN G, CM/SEC/SEC; other words are none.
+#: The unit behind the name of the series where the word UNITS is missing: (G), IN G, CM/SEC/SEC; no other words.
 _WITHOUT_WORD = re.compile(
     r"\.?S?(?:\s+(?:TIME|SERIES|HISTORY|DATA|RECORD|VALUES))*[\s,:-]*"
     r"(?:[(\[]\s*(?P<bracket>%?\s*G|MG|GALS?|(?:MM|CM|M|IN|FT)\s*(?:/|PER\b|S)[^)\]]*)[)\]]"

@@ -49,7 +49,7 @@ _FACTORS = {
     42: "sensor sensitivity, V/g",
     47: "sensor gain",
 }
-#: Integer 2 of what is no acceleration along a line.
+#: Integer 2 of quantities other than an acceleration along a line.
 _OTHER_QUANTITIES = {2: "velocity", 3: "displacement", 10: "angular acceleration", 11: "angular velocity"}
 #: The closing line may have lines of blanks behind it.
 _CLOSING = 3

@@ -28,7 +28,7 @@ _TITLE = re.compile(r"\s?uncorrected accelerogram data\b", re.IGNORECASE)
 _OPENING = 1500
 _PART = re.compile(r"(.*?)[\s_-]*parte?[\s_-]*(\d{1,2})", re.IGNORECASE | re.ASCII)
 _FIRST_TIME = re.compile(r"\s*(-?\d{0,6}\.\d{1,9})", re.ASCII)
-#: What is missing or too much between two parts, at most, in steps; printed times are rounded.
+#: Largest gap or overlap between two parts, in steps; printed times are rounded.
 _STEP_SHARE = 0.25
 
 

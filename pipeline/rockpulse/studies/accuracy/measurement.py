@@ -60,7 +60,7 @@ class Effort:
                 raise ConfigError(f"{name}: expected at least 1, got {getattr(self, name)}")
 
 
-#: What the report takes unless asked otherwise: some minutes.
+#: The default effort of the report: some minutes.
 FULL = Effort()
 
 #: Seconds: shows that everything works, measures little.

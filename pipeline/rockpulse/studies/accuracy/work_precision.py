@@ -43,7 +43,7 @@ DEFAULT_STEP = 0.08
 #: Methods of ``scipy.integrate.solve_ivp`` with their relative tolerances [-].
 TOLERANCES = (("RK45", 1e-3), ("RK45", 1e-6), ("RK45", 1e-9), ("DOP853", 1e-12))
 
-#: What costs are compared with: the solver that a user would write.
+#: The method to whose cost all others are compared: the solver that a user would write.
 BASELINE = ("RK45", 1e-6)
 
 #: Whole calls whose median is the cost of a kernel, after one that is not counted.
@@ -92,7 +92,7 @@ class WorkPrecision:
 
 
 class _Group(NamedTuple):
-    """One call of the kernel: blocks and factors of one motion, and where the cases are among the lanes."""
+    """One call of the kernel: blocks and factors of one motion, and the places of the cases among the lanes."""
 
     block: Block
     scales: np.ndarray

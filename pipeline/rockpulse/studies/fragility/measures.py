@@ -85,7 +85,7 @@ MEASURES: dict[str, Measure] = {
     ),
 }
 
-#: What a set of records offers beside intensity. The files know no magnitude and no distance.
+#: Qualities of a record beside its intensity. The files know no magnitude and no distance.
 QUALITIES = ("duration", "period", "strong_half_waves")
 
 

@@ -11,7 +11,7 @@ from rockpulse.errors import ConfigError
 
 __all__ = ["ABOVE", "EXACT", "NOT_ABOVE", "Observations"]
 
-#: What is known of a capacity: its value, that it is above a level, that it is not.
+#: Kinds of knowledge about a capacity: its value, that it is above a level, that it is not.
 EXACT, ABOVE, NOT_ABOVE = 0, 1, 2
 
 

@@ -24,25 +24,25 @@ ROUNDING = 1e-12
 
 
 def peak_falls_with_secondary_impulses(figure: xr.Dataset) -> Finding:
-    """Neighbours along I_s/I at fixed I/I_1c: the larger ratio has the smaller peak, or keeps from overturning."""
+    """Between neighbours along I_s/I at fixed I/I_1c, the larger ratio has the smaller peak or prevents overturning."""
     return _steps(figure, "secondary_ratio", sign=-1.0)
 
 
 def peak_rises_with_the_main_impulse(figure: xr.Dataset) -> Finding:
-    """Neighbours along I/I_1c at fixed I_s/I: the larger impulse has the larger peak, or overturns."""
+    """Between neighbours along I/I_1c at fixed I_s/I, the larger impulse has the larger peak, or overturns."""
     return _steps(figure, "impulse_ratio", sign=1.0)
 
 
 def larger_restitution_destabilises(figure: xr.Dataset) -> Finding:
-    """Neighbours along C: the larger one has a peak that is not smaller.
+    """Between neighbours along C, the larger one has a peak that is not smaller.
 
-    They are equal where I_s = I stops the block at each impact.
+    The peaks are equal where I_s = I stops the block at each impact.
     """
     return _steps(figure.sortby("restitution"), "restitution", sign=1.0, equal=True)
 
 
 def geometry_plays_no_part(figure: xr.Dataset) -> Finding:
-    """The same peak for every p, at equal n."""
+    """The peak is the same for every p, at equal n."""
     one, others = figure.isel(p=[0]), figure.isel(p=slice(1, None))
     first, other = one["peak_rotation_ratio"].isel(p=0), others["peak_rotation_ratio"]
     if not other.size:
@@ -59,7 +59,7 @@ def geometry_plays_no_part(figure: xr.Dataset) -> Finding:
 
 
 def large_ratios_mean_less_resonance(figure: xr.Dataset) -> Finding:
-    """Of the grid of I/I_1c and I_s/I less overturns above 0.7 than from 0.3 to 0.7, and no more there than below."""
+    """Less of the grid of I/I_1c and I_s/I overturns above 0.7 than from 0.3 to 0.7, and no more there than below."""
     over, share = figure["outcome"] == Outcome.OVERTURNS, figure["secondary_ratio"]
     low, high = _RANGE
     parts = [share < low, (share >= low) & (share <= high), share > high]

@@ -25,7 +25,7 @@ LANES = ("block", "restitution", "secondary_ratio", "spacing", "interval")
 #: Columns of the table under the names of the file.
 _COLUMNS = {item.name: item.name for item in fields(HalfCycles)} | {"interval": "corrected_interval"}
 
-#: What is there when a half-cycle is not.
+#: Value of a variable where a half-cycle does not exist; NaN for all others.
 _ABSENT = {"impulse_count": -1}
 
 

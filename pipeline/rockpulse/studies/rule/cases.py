@@ -55,7 +55,7 @@ BAND, ORDER = (0.1, 25.0), 2
 #: The stretch that is judged: before the peak, in all, and the zeros after it [s].
 BEFORE, LENGTH, QUIET = 25.0, 60.0, 8.0
 
-#: The same in words, for the provenance of a fitted rule.
+#: The protocol in words, for the provenance of a fitted rule.
 PROCESSING = (
     "mean removed, no taper, pads of zeros, Butterworth order 2, 0.1-25 Hz, zero phase; 60 s from 25 s before the "
     "peak, then 8 s of zeros; PGA and PGV of that stretch"
@@ -67,7 +67,7 @@ SCALES = (0.5, 1.0)
 #: Perturbed truths: how many draws, and the standard deviation of the logarithms of record and restitution [-].
 DRAWS, NOISE = 8, 1e-3
 
-#: What the columns of perturbed truths begin with.
+#: Prefix of the columns of perturbed truths.
 TRUTH = "truth_"
 
 logger = logging.getLogger("rockpulse")

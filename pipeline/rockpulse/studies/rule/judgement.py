@@ -49,7 +49,7 @@ FACTOR_STEP = 1e-5
 #: The rule's measure, the one that it is compared with, and that one with alarms even where nothing lifts.
 SCORES = ("march", "velocity_ratio", "velocity_alone")
 
-#: What the scores are compared by: as they are, and over the limits without the earthquake.
+#: Kinds of comparison: the scores as they are, and over the limits fitted without the earthquake.
 KINDS = ("in-sample", "left-out")
 
 #: Missed shares at which false alarms are compared [-].

@@ -143,7 +143,7 @@ def _by_parameters(sample: SiteSample, quantile: float) -> ImpulseSequence:
     return _sequence(values, sample)
 
 
-#: How the design sequence is chosen, by the word of ``[calibration] design``.
+#: Functions that choose the design sequence, by the word of ``[calibration] design``.
 DESIGN: dict[str, Callable[[SiteSample, float], ImpulseSequence]] = {
     "response": _by_response,
     "parameters": _by_parameters,
@@ -229,7 +229,7 @@ def _event_sums(sample: SiteSample, reached: np.ndarray, stands: np.ndarray) -> 
 
 
 def _falls_short(hits: np.ndarray, total: np.ndarray, quantile: float) -> np.ndarray:
-    """Where the share covered is below the quantile; nowhere where nothing is left standing."""
+    """Whether the share covered is below the quantile; never where no block is left standing."""
     return np.asarray(hits < (quantile - ROUNDING) * total)
 
 

@@ -49,7 +49,7 @@ _AGAIN: dict[str, Any] = {"fc": "#BBDDF3", "ec": BLACK, "lw": 0.0, "hatch": "///
 #: Half the height of a bar.
 _HALF = 0.33
 
-#: Intervals that are narrower are drawn so wide [pt], over the windows beside them: they are what matters.
+#: Narrower intervals of overturning are drawn this wide [pt], over the windows beside them, because they matter.
 _THINNEST = 1.0
 
 #: Factors below the smallest one that is of interest, as a ratio of it.

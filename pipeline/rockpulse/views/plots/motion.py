@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 __all__ = ["STORE", "had_vertical", "motion_of_record", "stored_motion", "stored_record"]
 
-#: What to do where the samples of a record are not in the file.
+#: The remedy where the samples of a record are not in the file.
 STORE = 'the file does not hold the accelerograms: assess again with [records] store = "all"'
 
 #: Scalars of a motion, by their names in /summary.

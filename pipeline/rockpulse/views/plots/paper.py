@@ -32,7 +32,7 @@ __all__ = ["figure4", "figure5"]
 #: I_s/I that the paper draws.
 _PAPER = (0.3, 0.7)
 
-#: Of the history beyond alpha_c.
+#: Upper end of the rotation axis of a history, theta/alpha_c [-].
 _TOP = 1.1
 
 

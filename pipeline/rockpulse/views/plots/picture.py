@@ -16,7 +16,7 @@ __all__ = ["picture_bytes", "svg"]
 #: Dots per inch of a PNG: 300 and more is for photographs.
 RESOLUTION = 200
 
-#: What would tell the time of the run, and what takes room and says nothing.
+#: Metadata left out of a file, because they tell the time of the run or take room and say nothing.
 _UNDATED: dict[str, dict[str, None]] = {
     "svg": dict.fromkeys(("Date", "Creator", "Format", "Type")),
     "pdf": {"CreationDate": None},

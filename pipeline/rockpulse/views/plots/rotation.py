@@ -33,7 +33,7 @@ _ON_IMPULSES = ("sequence", "resonance")
 #: The model that is drawn thickest and on top: its motion is the one to judge the others by.
 _LEADING = "nonlinear"
 
-#: Of the stretch, left free before and after it.
+#: Share of the stretch of time that is left free before and after it.
 _AROUND = 0.06
 
 

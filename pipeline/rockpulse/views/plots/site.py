@@ -35,7 +35,7 @@ SITE_PANELS = (3, 2)
 #: Range of the fitted curve, in dispersions on both sides of the median.
 _REACH = 2.6
 
-#: How far beyond the records, as a ratio, an interval or the design is followed.
+#: Largest ratio to the range of the records up to which the axis follows an interval or the design.
 _NEAR = 3.0
 
 #: A remark longer than this is cut [characters].

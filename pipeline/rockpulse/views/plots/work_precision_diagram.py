@@ -103,7 +103,7 @@ def _annotate(ax: Axes, option: str, settings: np.ndarray, costs: np.ndarray, er
         ax.annotate(
             words(first) if first == last else f"{words(first)}–{words(last)}",
             (costs[same].min(), np.exp(np.mean(np.log(errors[same])))),
-            # Of two points of about the same error the dearer one has its text lower: side by side they would touch.
+            # The dearer of two points of about the same error has its text lower: side by side the texts would touch.
             xytext=(-6, 0) if option != "rtol" or (settings.size > 1 and first == settings[0]) else (-3, -10),
             textcoords="offset points",
             ha="right",
