@@ -22,17 +22,11 @@ LARGEST = 0.9
 
 
 def independent_share(targets: ResponseTargets, peaks: np.ndarray) -> tuple[float, float]:
-    """Share of the numbers that are independent observations, from the likeness of neighbours.
+    """Share of the numbers that are independent observations, from the likeness of neighbours, and their correlation r.
 
-    `peaks` (m,) are theta_max/alpha_c of a sequence on the blocks of the targets [-].
-
-    Returns
-    -------
-    share : float
-        (1 - r)/(1 + r), at most 1; 1 where r is not significant at 5 %.
-    correlation : float
-        r, of the residuals of each block with those of the block nearest to it in (ln p, ln alpha_c, C), each over its
-        standard deviation; about zero, which is where they should be.
+    `peaks` (m,) are theta_max/alpha_c of a sequence on the blocks of the targets [-]. The share is (1 - r)/(1 + r), at
+    most 1, and 1 where r is not significant at 5 %. r is that of the residuals of each block with those of the block
+    nearest to it in (ln p, ln alpha_c, C), each over its standard deviation; about zero, which is where they should be.
 
     Notes
     -----

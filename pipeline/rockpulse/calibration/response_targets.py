@@ -42,29 +42,14 @@ FEWEST_NUMBERS = 6
 class ResponseTargets:
     """Peaks and outcomes of a family of blocks under one motion.
 
-    Attributes
-    ----------
-    blocks : Block
-        (m,) blocks.
-    peaks : (m,) ndarray
-        theta_max/alpha_c [-]; inf where overturned, 0 at rest.
-    outcomes : (m,) ndarray of int
-        :class:`rocking.Outcome`.
-    smallest : float
-        Peaks below this are known to be small only [-].
-
-    Raises
-    ------
-    ConfigError
-        For arrays of other lengths, or a block that rocks without a positive, finite peak.
-    RecordRefused
-        With fewer than 6 blocks whose peak is a number; TooWeak where no 6 of enough blocks move, be it to overturn.
+    Raises ConfigError for arrays of other lengths, or a block that rocks without a positive, finite peak; RecordRefused
+    with fewer than 6 blocks whose peak is a number; TooWeak where no 6 of enough blocks move, be it to overturn.
     """
 
-    blocks: Block
-    peaks: np.ndarray
-    outcomes: np.ndarray
-    smallest: float = SMALL
+    blocks: Block  # (m,) blocks
+    peaks: np.ndarray  # (m,) theta_max/alpha_c [-]; inf where overturned, 0 at rest
+    outcomes: np.ndarray  # (m,) :class:`rocking.Outcome`
+    smallest: float = SMALL  # peaks below this are known to be small only [-]
 
     def __post_init__(self) -> None:
         peaks, outcomes = np.array(self.peaks, dtype=float), np.array(self.outcomes, dtype=np.int64)

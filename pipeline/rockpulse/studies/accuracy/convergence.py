@@ -37,20 +37,14 @@ SMALLEST_PEAK = 0.01
 
 
 def convergence(seed: int, motions: int, divisions: Sequence[int] = DIVISIONS, repeats: int = 5) -> pd.DataFrame:
-    """Error and cost of the nonlinear kernel by its step.
+    """Error and cost of the nonlinear kernel by its step, one row per step.
 
     `divisions` are the steps per sample, rising; `motions` synthetic motions are drawn from `seed` on; the cost is the
-    median of `repeats` whole calls, after one that is not counted.
+    median of `repeats` whole calls, after one that is not counted. Columns: `step` (p dt [-]), `cases` that survive
+    with every step, `median` and `p90` of their errors of theta_max/alpha_c [-], `ns_per_active_sample`, and `order`,
+    that of :func:`rockpulse.studies.accuracy.statistics.observed_order` against the row before, from `order_cases`
+    cases.
 
-    Returns
-    -------
-    DataFrame
-        One row per step: `step` (p dt [-]), `cases` that survive with every step, `median` and `p90` of their errors of
-        theta_max/alpha_c [-], `ns_per_active_sample`, and `order`, that of
-        :func:`rockpulse.studies.accuracy.statistics.observed_order` against the row before, from `order_cases` cases.
-
-    Notes
-    -----
     The series of phi goes to order N and that of its rate to order N - 1: the rate is wrong by h^N after a step, and
     the motion by h^(N - 1) after a time.
     """

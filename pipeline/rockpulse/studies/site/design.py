@@ -53,30 +53,18 @@ WEAKEST = 1e-4
 class SiteSample:
     """The sequences of n records, and the peaks of m blocks under their motions.
 
-    Attributes
-    ----------
-    values : (n, 5) ndarray
-        Parameters of the records' sequences, in the order and unit of :data:`PARAMETERS`; NaN for a number of main
-        impulses or a duration without limit, or an interval without meaning.
-    peaks : (n, m) ndarray
-        theta_max/alpha_c [-] to be covered, inf where overturned or unresolved; NaN where it does not count: a block at
-        rest is covered by any sequence.
-    weights : (n,) ndarray
-        Not negative, not all zero.
-    events : (n,) ndarray of int
-        Number of each record's event.
-    blocks : Block
-        (m,) blocks.
-    spacing : str
-        Of all sequences.
+    The values are parameters of the sequences, in the order and unit of :data:`PARAMETERS`; NaN for a number of main
+    impulses or a duration without limit, or an interval without meaning. The peaks are theta_max/alpha_c [-] to be
+    covered, inf where overturned or unresolved; NaN where one does not count: a block at rest is covered by any
+    sequence.
     """
 
-    values: np.ndarray
-    peaks: np.ndarray
-    weights: np.ndarray
-    events: np.ndarray
-    blocks: Block
-    spacing: str
+    values: np.ndarray  # (n, 5)
+    peaks: np.ndarray  # (n, m)
+    weights: np.ndarray  # (n,) not negative, not all zero
+    events: np.ndarray  # (n,) number of each record's event
+    blocks: Block  # (m,) blocks
+    spacing: str  # of the secondary impulses of all sequences
 
     @property
     def logarithms(self) -> np.ndarray:
