@@ -148,9 +148,10 @@ def lines(table: Table) -> list[str]:
 
 
 def text(table: Table) -> str:
-    """The table for the terminal: caption, indented rows, notes."""
+    """The table for the terminal: caption where there is one, indented rows, notes."""
+    caption = [paragraph(table.caption)] if table.caption else []
     rows = ["  " + line for line in lines(table)]
-    return "\n".join([paragraph(f"{table.caption}:"), *rows, *(paragraph(note, "  ") for note in table.notes)])
+    return "\n".join([*caption, *rows, *(paragraph(note, "  ") for note in table.notes)])
 
 
 def _plain(cell: Cell, width: int | None) -> str:

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 from rockpulse.studies.accuracy.measurement import table_of
-from rockpulse.views.shared.terminal import ABSENT, aligned, paragraph, ratio
+from rockpulse.views.shared.table import Cell, Heading, Table, number, text
+from rockpulse.views.shared.terminal import ABSENT, fixed, paragraph, ratio, share
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -25,13 +27,7 @@ DEMAND_NAMES = {
 
 
 def accuracy_overview(tree: xr.DataTree) -> str:
-    """All tables of a report.
-
-    Parameters
-    ----------
-    tree : xarray.DataTree
-        As :func:`rockpulse.studies.accuracy.measurement.accuracy` returns it.
-    """
+    """All tables of the tree of :func:`rockpulse.studies.accuracy.measurement.accuracy`."""
     parts = [
         work_precision_text(table_of(tree, "work_precision")),
         grid_text(table_of(tree, "synthetic_grid")),
@@ -42,33 +38,23 @@ def accuracy_overview(tree: xr.DataTree) -> str:
 
 
 def work_precision_text(rows: pd.DataFrame) -> str:
-    """Error and cost of the solvers, one line each, by equation.
-
-    Parameters
-    ----------
-    rows : DataFrame
-        The table /work_precision.
-    """
-    head = ("cases", "flips", "median", "p90", "p99", "max", "p99 well", "ns/active", "ns/nominal", "x RK45 *")
-    lines = ["Solvers: error of theta_max/alpha_c against the reference, and cost"]
+    """Error and cost of the solvers, of the table /work_precision, one line each, by equation."""
+    heads = ("cases", "flips", "median", "p90", "p99", "max", "p99 well", "ns/active", "ns/nominal", "x RK45 *")
+    parts = ["Solvers: error of theta_max/alpha_c against the reference, and cost"]
     for equation, members in rows.groupby("equation", sort=False):
-        cells: list[tuple[str, ...]] = [(str(equation), *head)]
-        row: Any
-        for row in members.itertuples():
-            cells.append(
-                (
-                    _solver(row),
-                    f"{row.cases}",
-                    f"{row.flips}",
-                    *(error(value) for value in (row.median, row.p90, row.p99, row.max, row.p99_well)),
-                    cost(row.ns_per_active_sample),
-                    cost(row.ns_per_sample),
-                    cost(row.times_faster),
-                )
+        cells = tuple(
+            (
+                Cell(_solver(row)),
+                number(row.cases, str),
+                number(row.flips, str),
+                *(number(value, error) for value in (row.median, row.p90, row.p99, row.max, row.p99_well)),
+                *(number(value, cost) for value in (row.ns_per_active_sample, row.ns_per_sample, row.times_faster)),
             )
-        lines += ["", *(f"  {line}" for line in aligned(cells))]
+            for row in _rows(members)
+        )
         first = members.iloc[0]
-        lines.append(f"  well conditioned: {100.0 * first['well_conditioned']:.1f} % of {first['cases']} cases")
+        note = f"well conditioned: {100.0 * first['well_conditioned']:.1f} % of {first['cases']} cases"
+        parts.append(_text("", (str(equation), *heads), cells, note))
     notes = (
         "flips: verdicts other than the reference's. Errors: cases that both call surviving; well: those that move by "
         "less than 1e-10 when C or the record changes by 1e-13 (first line: what that change does to the reference). "
@@ -80,101 +66,78 @@ def work_precision_text(rows: pd.DataFrame) -> str:
         "* x RK45: how many times less an active sample costs than with solve_ivp RK45 at rtol 1e-6. Like for like are "
         "only the lines of solve_ivp and those marked single: the others of rockpulse are timed on more cases."
     )
-    return "\n".join([*lines, "", paragraph(notes, "  "), paragraph(footnote, "  ")])
+    return "\n\n".join([*parts, "\n".join(paragraph(note, "  ") for note in (notes, footnote))])
 
 
 def grid_text(rows: pd.DataFrame) -> str:
-    """The kernels at the default step on the synthetic grid of one restitution, the reference's own moves beside them.
-
-    Parameters
-    ----------
-    rows : DataFrame
-        The table /synthetic_grid.
-    """
-    cells = [("equation", "cases", "median", "p99", "flips", "reference p99", "reference flips")]
-    row: Any
-    for row in rows.itertuples():
-        cells.append(
-            (
-                f"{row.equation}, C = {row.restitution:g}, step {row.step:g}",
-                f"{row.cases}",
-                error(row.median),
-                error(row.p99),
-                f"{row.flips}",
-                error(row.reference_p99),
-                f"{row.reference_flips}",
-            )
+    """The kernels at the default step on the grid of one restitution (/synthetic_grid), beside the reference."""
+    heads = ("equation", "cases", "median", "p99", "flips", "reference p99", "reference flips")
+    cells = tuple(
+        (
+            Cell(f"{row.equation}, C = {row.restitution:g}, step {row.step:g}"),
+            number(row.cases, str),
+            number(row.median, error),
+            number(row.p99, error),
+            number(row.flips, str),
+            number(row.reference_p99, error),
+            number(row.reference_flips, str),
         )
-    title = "rockpulse on the synthetic grid; reference: what a change of 1e-13 does to it"
-    return "\n".join([title, "", *(f"  {line}" for line in aligned(cells))])
+        for row in _rows(rows)
+    )
+    return _text("rockpulse on the synthetic grid; reference: what a change of 1e-13 does to it", heads, cells)
 
 
 def convergence_text(rows: pd.DataFrame) -> str:
-    """Order of convergence of the nonlinear kernel.
-
-    Parameters
-    ----------
-    rows : DataFrame
-        The table /convergence.
-    """
-    cells = [("step p dt", "median", "p90", "ns/active", "order", "from cases")]
-    row: Any
-    for row in rows.itertuples():
-        order = ABSENT if math.isnan(row.order) else f"{row.order:.2f}"
-        cells.append(
-            (
-                f"{row.step:.3f}",
-                error(row.median),
-                error(row.p90),
-                cost(row.ns_per_active_sample),
-                order,
-                f"{row.order_cases}",
-            )
+    """Order of convergence of the nonlinear kernel, of the table /convergence."""
+    cells = tuple(
+        (
+            Cell(f"{row.step:.3f}"),
+            number(row.median, error),
+            number(row.p90, error),
+            number(row.ns_per_active_sample, cost),
+            number(row.order, fixed),
+            number(row.order_cases, str),
         )
+        for row in _rows(rows)
+    )
     title = (
         f"Convergence of the nonlinear kernel: {rows['cases'].iloc[0]} cases on records of 10 Hz, p dt = 0.3, without "
         "the control of the last term"
     )
-    return "\n".join([title, "", *(f"  {line}" for line in aligned(cells))])
+    return _text(title, ("step p dt", "median", "p90", "ns/active", "order", "from cases"), cells)
 
 
 def model_form_text(rows: pd.DataFrame, classifiers: pd.DataFrame) -> str:
-    """Model-form error of the cheap models, and single numbers as classifiers beside them.
-
-    Parameters
-    ----------
-    rows, classifiers : DataFrame
-        The tables /model_form and /classifiers.
-    """
-    lines = ["Models against the nonlinear response to the record"]
+    """Errors of the cheap models (/model_form), and single numbers as classifiers (/classifiers) beside them."""
+    parts = ["Models against the nonlinear response to the record"]
     for ensemble, members in rows.groupby("ensemble", sort=False):
         levels = members[["demand_low", "demand_high"]].drop_duplicates()
         whole = members.iloc[0]
         stood = whole["lanes"] - whole["overturn"]
-        cells = [("demand p PGV/(g tan alpha)", *(_level(row) for row in levels.itertuples()))]
-        for label, column in (("  lanes", "lanes"), ("  overturn", "overturn")):
-            first = members[members["model"] == whole["model"]]
-            cells.append((label, *(f"{value}" for value in first[column])))
+        first = members[members["model"] == whole["model"]]
+        cells = [_line(name, first[name], str) for name in ("lanes", "overturn")]
         for model, its in members.groupby("model", sort=False):
-            cells.append((str(model), *("" for _ in range(len(levels)))))
-            cells.append(("  missed", *(f"{value}" for value in its["missed"])))
-            cells.append(("  false", *(f"{value}" for value in its["false"])))
-            cells.append(("  survivors", *(f"{value}" for value in its["survivors"])))
+            cells.append((Cell(str(model)), *(Cell("") for _ in range(len(levels)))))
+            cells += [_line(name, its[name], str) for name in ("missed", "false", "survivors")]
             if its["at_rest"].any():
-                cells.append(("  at rest", *(f"{value}" for value in its["at_rest"])))
+                cells.append(_line("at rest", its["at_rest"], str))
             enough = its["survivors"] - its["at_rest"] >= FEWEST_SURVIVORS
-            for name in ("bias", "dispersion"):
-                cells.append((f"  {name}", *(ratio(value) for value in its[name].where(enough))))
+            cells += [_line(name, its[name].where(enough), ratio) for name in ("bias", "dispersion")]
             if its["unresolved"].any():
-                cells.append(("  unresolved", *(f"{value}" for value in its["unresolved"])))
-        lines += ["", f"  {ensemble}: {whole['lanes']} lanes, {whole['overturn']} overturn, {stood} do not", ""]
-        lines += [f"  {line}" for line in aligned(cells)]
-        cells = [("as a classifier of the verdict", "AUC", "false at 0 % missed", "5 %", "10 %")]
-        row: Any
-        for row in classifiers[classifiers["ensemble"] == ensemble].itertuples():
-            shares = (row.false_at_0, row.false_at_5, row.false_at_10)
-            cells.append((DEMAND_NAMES[row.demand], ratio3(row.auc), *(percent(share) for share in shares)))
-        lines += ["", *(f"  {line}" for line in aligned(cells))]
+                cells.append(_line("unresolved", its["unresolved"], str))
+        parts.append(f"  {ensemble}: {whole['lanes']} lanes, {whole['overturn']} overturn, {stood} do not")
+        heads = ("demand p PGV/(g tan alpha)", *(_level(row) for row in _rows(levels)))
+        parts.append(_text("", heads, tuple(cells)))
+        told = tuple(
+            (
+                Cell(DEMAND_NAMES[row.demand]),
+                number(row.auc, lambda value: fixed(value, 3)),
+                *(number(value, share) for value in (row.false_at_0, row.false_at_5, row.false_at_10)),
+            )
+            for row in _rows(classifiers[classifiers["ensemble"] == ensemble])
+        )
+        heads = ("as a classifier of the verdict", "AUC", "false at 0 % missed", "5 %", "10 %")
+        parts.append(_text("", heads, told))
     notes = (
         "missed: overturns by the nonlinear model only; false: by the other one only. survivors: lanes that survive in "
         "both with a nonlinear peak above 0.05; at rest: those of them that do not move in the other model. bias and "
@@ -182,7 +145,19 @@ def model_form_text(rows: pd.DataFrame, classifiers: pd.DataFrame) -> str:
         f"{ABSENT} where there are fewer than {FEWEST_SURVIVORS}. Resonance is an upper-bound type "
         "input, not a prediction."
     )
-    return "\n".join([*lines, "", paragraph(notes, "  ")])
+    return "\n\n".join([*parts, paragraph(notes, "  ")])
+
+
+def _text(title: str, heads: tuple[str, ...], rows: tuple[tuple[Cell, ...], ...], *notes: str) -> str:
+    return text(Table("", title, tuple(map(Heading, heads)), rows, notes))
+
+
+def _rows(frame: pd.DataFrame) -> list[Any]:
+    return list(frame.itertuples())
+
+
+def _line(name: str, values: pd.Series, show: Callable[[Any], str]) -> tuple[Cell, ...]:
+    return Cell(f"  {name}"), *(number(value, show) for value in values)
 
 
 def short(value: float) -> str:
@@ -221,16 +196,6 @@ def cost(value: float) -> str:
     if math.isnan(value):
         return ABSENT
     return f"{float(f'{value:.3g}'):,.{0 if value >= 100.0 else 1 if value >= 10.0 else 2}f}"
-
-
-def ratio3(value: float) -> str:
-    """A share of one with three decimals."""
-    return ABSENT if math.isnan(value) else f"{value:.3f}"
-
-
-def percent(share: float) -> str:
-    """A share in whole percent."""
-    return ABSENT if math.isnan(share) else f"{100.0 * share:.0f} %"
 
 
 def _solver(row: Any) -> str:

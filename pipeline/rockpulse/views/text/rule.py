@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 import pandas as pd
 
-from rockpulse.views.shared.terminal import ABSENT, aligned, paragraph
+from rockpulse.views.shared.table import Cell, Heading, Table, lines, number
+from rockpulse.views.shared.terminal import fixed, paragraph
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -20,19 +21,12 @@ __all__ = ["rule_overview", "rule_text"]
 #: What the scores are called.
 NAMES = {"march": "rule", "velocity_ratio": "p PGV/(g tan a)", "velocity_alone": "p PGV, no cap"}
 
-
-def _percent(value: float) -> str:
-    return ABSENT if pd.isna(value) else f"{100.0 * value:.1f}"
+#: The order of the rows, by point, kind and score.
+_ORDER = ("balanced", "conservative", "in-sample", "left-out", "as-given", *NAMES)
 
 
 def rule_overview(tree: xr.DataTree) -> str:
-    """The tables of a judgement, or the statement that there is none.
-
-    Parameters
-    ----------
-    tree : xarray.DataTree
-        As :func:`rockpulse.studies.rule.judgement.judge_rules` returns it.
-    """
+    """The tables of :func:`rockpulse.studies.rule.judgement.judge_rules`, or the statement that there is none."""
     if tree.attrs["statement"]:
         return paragraph(f"no verdict on the rule: {tree.attrs['statement']}")
     rates, at, areas = (tree[name].to_dataset().to_dataframe() for name in ("rates", "at_missed", "areas"))
@@ -43,60 +37,8 @@ def rule_overview(tree: xr.DataTree) -> str:
         "earthquakes resampled and limits refitted; [..] bound of the missed share: cases independent, earthquakes "
         "resampled. p PGV raises alarms where uplift is possible, as the rule does; no cap: everywhere."
     )
-    verdicts = [
-        ["point", "score", "limit", "missed", "interval", "[95 % bound]", "false", "interval", "peak bias", "disp."]
-    ]
-    ordered = rates.sort_values(["point", "kind", "score"], key=lambda values: values.map(_rank))
+    ordered = rates.sort_values(["point", "kind", "score"], key=lambda values: values.map(_ORDER.index))
     rows: list[Any] = list(ordered.itertuples())
-    compared: list[Any] = list(at.itertuples())
-    for row in rows:
-        verdicts.append(
-            [
-                row.point,
-                NAMES[row.score],
-                row.kind,
-                f"{row.missed} = {_percent(row.missed_share)}",
-                f"{_percent(row.missed_low)}-{_percent(row.missed_high)}",
-                f"[{_percent(row.missed_bound)}, {_percent(row.missed_bound_clustered)}]",
-                f"{row.false} = {_percent(row.false_share)}",
-                f"{_percent(row.false_low)}-{_percent(row.false_high)}",
-                ABSENT if pd.isna(row.peak_bias) else f"{row.peak_bias:.2f}",
-                ABSENT if pd.isna(row.peak_dispersion) else f"{row.peak_dispersion:.2f}",
-            ]
-        )
-    curves = [
-        [
-            "scores",
-            "missed",
-            "false: rule",
-            NAMES["velocity_ratio"],
-            "difference",
-            "95 % interval",
-            NAMES["velocity_alone"],
-            "difference",
-            "95 % interval",
-        ]
-    ]
-    for row in compared:
-        curves.append(
-            [
-                row.kind,
-                _percent(row.missed_share),
-                _percent(row.march),
-                _percent(row.velocity_ratio),
-                _percent(row.difference),
-                f"{_percent(row.difference_low)} to {_percent(row.difference_high)}",
-                _percent(row.velocity_alone),
-                _percent(row.difference_alone),
-                f"{_percent(row.difference_alone_low)} to {_percent(row.difference_alone_high)}",
-            ]
-        )
-    perturbed = [
-        f"{row.point}, {row.kind}, {NAMES[row.score]}: missed {_percent(row.missed_least)} to "
-        f"{_percent(row.missed_most)} %, false {_percent(row.false_least)} to {_percent(row.false_most)} %"
-        for row in rows
-        if row.kind != "in-sample" and row.score != "velocity_alone"
-    ]
     margins = [
         f"{row.point}, {row.kind}: false of the rule less that of {NAMES[row.score]} {_percent(row.false_difference)} "
         f"({_percent(row.false_difference_low)} to {_percent(row.false_difference_high)})"
@@ -109,47 +51,60 @@ def rule_overview(tree: xr.DataTree) -> str:
         f"{row.difference_low:+.3f} to {row.difference_high:+.3f}"
         for row in areas.itertuples()
     ]
-    lines = [
-        paragraph(head),
-        "",
-        *aligned(verdicts, left=3),
-        "",
-        *margins,
-        "",
-        "False alarms at a missed share:",
-        *aligned(curves),
-        "",
+    perturbed = [
+        f"{row.point}, {row.kind}, {NAMES[row.score]}: missed {_percent(row.missed_least)} to "
+        f"{_percent(row.missed_most)} %, false {_percent(row.false_least)} to {_percent(row.false_most)} %"
+        for row in rows
+        if row.kind != "in-sample" and row.score != "velocity_alone"
     ]
     truth = "Over perturbed truths (record and restitution by 0.1 %, ends of the record otherwise filtered):"
-    return "\n".join([*lines, *surfaces, "", truth, *perturbed])
+    compared = ["False alarms at a missed share:", *lines(_compared(at))]
+    parts = [[paragraph(head)], lines(_verdicts(rows)), margins, compared, surfaces, [truth, *perturbed]]
+    return "\n\n".join("\n".join(part) for part in parts)
 
 
-def _rank(value: str) -> int:
-    order = (
-        "balanced",
-        "conservative",
-        "in-sample",
-        "left-out",
-        "as-given",
-        "march",
-        "velocity_ratio",
-        "velocity_alone",
+def _verdicts(rows: list[Any]) -> Table:
+    """Missed and false verdicts of every point, score and kind of limit."""
+    heads = ("point", "score", "limit", "missed", "interval", "[95 % bound]", "false", "interval", "peak bias", "disp.")
+    cells = tuple(
+        (
+            Cell(row.point),
+            Cell(NAMES[row.score]),
+            Cell(row.kind),
+            Cell(f"{row.missed} = {_percent(row.missed_share)}", row.missed),
+            Cell(f"{_percent(row.missed_low)}-{_percent(row.missed_high)}", row.missed_low),
+            Cell(f"[{_percent(row.missed_bound)}, {_percent(row.missed_bound_clustered)}]", row.missed_bound),
+            Cell(f"{row.false} = {_percent(row.false_share)}", row.false),
+            Cell(f"{_percent(row.false_low)}-{_percent(row.false_high)}", row.false_low),
+            number(row.peak_bias, fixed),
+            number(row.peak_dispersion, fixed),
+        )
+        for row in rows
     )
-    return order.index(value)
+    return Table("rule-verdicts", "", tuple(map(Heading, heads)), cells)
+
+
+def _compared(at: pd.DataFrame) -> Table:
+    """False alarms of the scores at the same share of missed overturnings."""
+    others = {"velocity_ratio": "difference", "velocity_alone": "difference_alone"}
+    heads = [head for name in others for head in (NAMES[name], "difference", "95 % interval")]
+    rows = []
+    for row in at.to_dict("records"):
+        cells = [Cell(row["kind"]), number(row["missed_share"], _percent), number(row["march"], _percent)]
+        for name, less in others.items():
+            low, high = row[f"{less}_low"], row[f"{less}_high"]
+            cells += [number(row[name], _percent), number(row[less], _percent)]
+            cells.append(Cell(f"{_percent(low)} to {_percent(high)}", low))
+        rows.append(tuple(cells))
+    return Table("rule-compared", "", tuple(map(Heading, ("scores", "missed", "false: rule", *heads))), tuple(rows))
+
+
+def _percent(value: float) -> str:
+    return fixed(100.0 * value, 1)
 
 
 def rule_text(rules: Mapping[str, Rule], tree: xr.DataTree, provenance: Mapping[str, Any]) -> str:
-    """A fitted rule as TOML, with what it was fitted on and how it did there.
-
-    Parameters
-    ----------
-    rules : mapping of str to Rule
-        By working point; all of one range.
-    tree : xarray.DataTree
-        The judgement on the same cases.
-    provenance : mapping
-        Where it comes from; numbers, texts and lists of texts.
-    """
+    """Fitted rules of one range as TOML, by working point, with their provenance and how they did on their cases."""
     rates = tree["rates"].to_dataset().to_dataframe().set_index(["score", "kind", "point"])
     lines = [
         "# The rule of rockpulse.calibration.rule: demand = factor x march, an overturning at 1 and above.",

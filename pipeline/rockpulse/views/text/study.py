@@ -8,7 +8,8 @@ import numpy as np
 
 from rocking.response import Outcome
 from rockpulse.storage.study_variables import VERDICTS
-from rockpulse.views.shared.terminal import aligned, figure, paragraph, ratio
+from rockpulse.views.shared.table import Cell, Heading, Mark, Table, number, text
+from rockpulse.views.shared.terminal import figure, paragraph, ratio
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -21,20 +22,15 @@ _LINES, _COLUMNS = 11, 10
 #: From this factor on a table says that an input without end gives more.
 MORE = 1.01
 
+#: The mark of a peak that an input without end exceeds.
+ENDLESS = Mark("*", f"*: an input without end gives more, by over {MORE - 1.0:.0%}")
 
-#: What the mark of a case says that is no result.
-NO_MOTION = "!: no motion of a block (through the ground, or a peak beyond alpha_c)"
+#: The mark of a case that is no result.
+NO_MOTION = Mark("!", "!: no motion of a block (through the ground, or a peak beyond alpha_c)")
 
 
 def study_overview(tree: xr.DataTree) -> str:
-    """What a study holds, for the terminal.
-
-    Parameters
-    ----------
-    tree : xarray.DataTree
-        As :func:`rockpulse.study.figure4` or :func:`rockpulse.study.figure5`
-        returns it, or as loaded.
-    """
+    """What the tree of :func:`rockpulse.study.figure4` or :func:`rockpulse.study.figure5` holds, for the terminal."""
     parts = [tree.attrs["title"]]
     if "figure4" in tree:
         parts += _curves(tree["figure4"].to_dataset())
@@ -54,27 +50,24 @@ def _curves(curves: xr.Dataset) -> list[str]:
     parts = [paragraph(curves.attrs["comment"])]
     for c in curves["restitution"].values:
         peaks = shown.sel(restitution=c)
-        rows = [["I_s/I", *(f"I/I_1c {value:.4g}" for value in shown["impulse_ratio"].values)]]
+        rows = []
         for share in shown["secondary_ratio"].values:
             line = peaks.sel(secondary_ratio=share)
-            rows.append(
-                [f"{share:.3g}", *(_peak(line.isel(impulse_ratio=k)) for k in range(line.sizes["impulse_ratio"]))]
-            )
-        parts.append(
-            f"theta_max/alpha_c, C = {c:g}, {place}, p = {figure(shown['p'].item(), '1/s')}\n"
-            + "\n".join("  " + line for line in aligned(rows))
-        )
-    parts.append(
-        f"(4): overturns in half-cycle 4.  *: an input without end gives more, by over {MORE - 1.0:.0%}\n{NO_MOTION}"
-    )
+            cells = (_peak(line.isel(impulse_ratio=k)) for k in range(line.sizes["impulse_ratio"]))
+            rows.append((Cell(f"{share:.3g}"), *cells))
+        headings = ("I_s/I", *(f"I/I_1c {value:.4g}" for value in shown["impulse_ratio"].values))
+        title = f"theta_max/alpha_c, C = {c:g}, {place}, p = {figure(shown['p'].item(), '1/s')}"
+        note = "(4): overturns in half-cycle 4."
+        parts.append(text(Table("", title, tuple(map(Heading, headings)), tuple(rows), (note,))))
     return parts
 
 
-def _peak(case: xr.Dataset) -> str:
-    if case["outcome"].item() == Outcome.OVERTURNS:
-        return f"({case['overturning_half_cycle'].item()})"
+def _peak(case: xr.Dataset) -> Cell:
     peak, endless = case["peak_rotation_ratio"].item(), case["endless_peak_rotation_ratio"].item()
-    return ratio(peak) + ("!" if case["no_motion"].item() else "*" if endless > MORE * peak else " ")
+    if case["outcome"].item() == Outcome.OVERTURNS:
+        return Cell(f"({case['overturning_half_cycle'].item()})", peak)
+    mark = (NO_MOTION,) if case["no_motion"].item() else (ENDLESS,) if endless > MORE * peak else ()
+    return number(peak, ratio, mark)
 
 
 def _histories(histories: xr.Dataset) -> list[str]:
@@ -97,26 +90,27 @@ def _histories(histories: xr.Dataset) -> list[str]:
                 f"block {name}: ",
             )
         )
-    rows = [["block", "C", "I_s/I", *map(str, histories["spacing"].values)]]
     stacked = histories.stack(case=("block", "restitution", "secondary_ratio"))
+    rows = []
     for k, (name, c, share) in enumerate(stacked["case"].values.tolist()):
         case = stacked.isel(case=k)
-        cells = [_ending(case.isel(spacing=i)) for i in range(case.sizes["spacing"])]
-        rows.append([str(name), f"{c:g}", f"{share:g}", *cells])
-    return [
-        "\n".join(blocks),
-        paragraph(histories.attrs["comment"]),
-        "\n".join("  " + line for line in aligned(rows, left=3)),
-        "(4) 3.1 s: overturns in half-cycle 4, which starts then.  14: 0.65: 14 half-cycles, largest theta/alpha_c.\n"
-        + NO_MOTION,
-    ]
+        cells = (_ending(case.isel(spacing=i)) for i in range(case.sizes["spacing"]))
+        rows.append((Cell(str(name)), Cell(f"{c:g}"), Cell(f"{share:g}"), *cells))
+    headings = tuple(map(Heading, ("block", "C", "I_s/I", *map(str, histories["spacing"].values))))
+    notes = (
+        "(4) 3.1 s: overturns in half-cycle 4, which starts then. 14: 0.65: 14 half-cycles, largest theta/alpha_c.",
+    )
+    table = Table("", histories.attrs["comment"], headings, tuple(rows), notes)
+    return ["\n".join(blocks), text(table)]
 
 
-def _ending(case: xr.Dataset) -> str:
-    mark = "!" if case["no_motion"].item() else ""
+def _ending(case: xr.Dataset) -> Cell:
+    mark = (NO_MOTION,) if case["no_motion"].item() else ()
+    peak = case["peak_rotation_ratio"].item()
     if case["outcome"].item() == Outcome.OVERTURNS:
-        return f"({case['overturning_half_cycle'].item()}) {case['overturning_time'].item():.2f} s{mark}"
-    return f"{case['half_cycle_count'].item()}: {ratio(case['peak_rotation_ratio'].item())}{mark}"
+        half_cycle, time = case["overturning_half_cycle"].item(), case["overturning_time"].item()
+        return Cell(f"({half_cycle}) {time:.2f} s", peak, mark)
+    return Cell(f"{case['half_cycle_count'].item()}: {ratio(peak)}", peak, mark)
 
 
 def _statements(statements: xr.Dataset) -> str:

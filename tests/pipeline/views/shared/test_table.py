@@ -34,7 +34,7 @@ def test_only_marks_that_occur_are_explained_and_each_once_behind_the_remarks():
     )
     made = table(*rows, remarks=("Of the wall.",))
     assert made.notes == ("Of the wall.", FAR.note, ODD.note)
-    assert text(made).splitlines()[0] == "Every wall:"
+    assert text(made).splitlines()[0] == "Every wall"
     assert text(made).splitlines()[-3:] == ["  Of the wall.", f"  {FAR.note}", f"  {ODD.note}"]
 
 
