@@ -78,6 +78,8 @@ def many_results(records, blocks, samples=6000, seed=0):
         "start_time": [f"20{k % 10 + 10}-01-01T00:00:00+00:00" for k in range(records)],
         "source": [f"folder/file_{k:04d}.AT2" for k in range(records)],
         "warnings": ["baseline drift" if k % 9 == 0 else "" for k in range(records)],
+        "warning_codes": ["baseline_drift" if k % 9 == 0 else "" for k in range(records)],
+        "vertical_channel": [""] * records,
         "processing": ["baseline: mean removed"] * records,
     }
     for name, values in words.items():

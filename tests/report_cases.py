@@ -27,6 +27,7 @@ def summary_of(factors, outcomes=None, demand=None, resolved=None, pga=1.0, up_t
         "safe_up_to": table(np.minimum(factors, up_to)),
         "search_step": table(np.full(factors.size, step)),
         "pga": (("record",), np.full(factors.size, pga)),
+        "warning_codes": (("record",), [""] * factors.size),
         "restitution": (("block",), np.array([0.9])),
     }
     coords = {"record": [f"r{k}" for k in range(factors.size)], "block": ["b"], "model": ["nonlinear"]}

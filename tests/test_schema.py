@@ -12,6 +12,7 @@ import rockpulse as rp
 from rockpulse.config.block_settings import BlockSettings
 from rockpulse.config.settings import DemandSettings, ModelSettings, RecordSettings
 from rockpulse.record.synthetic import synthetic_motion
+from rockpulse.remark import TEMPLATES
 from rockpulse.storage import site_variables, study_variables
 from rockpulse.storage.variables import FAILURE
 
@@ -69,6 +70,12 @@ def test_every_variable_of_other_files_is_named(heading, module):
     }
     assert len(names) > 20
     assert {name for name in names if f"`{name}`" not in text} - set(FAILURE) == set()
+
+
+def test_every_code_of_a_warning_is_named():
+    elsewhere = {"vertical_acceleration", "scaled_far", "scaled_to_drift"}  # processing, site files
+    named = {code for code in TEMPLATES if f"`{code}`" in SCHEMA or f"`{code}/`" in SCHEMA}
+    assert named == set(TEMPLATES) - elsewhere
 
 
 @pytest.mark.parametrize("components", ["horizontal", "sweep"])

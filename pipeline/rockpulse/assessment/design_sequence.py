@@ -21,7 +21,8 @@ from rockpulse.errors import ConfigError
 from rockpulse.record.half_wave import HalfWaves
 from rockpulse.record.intensity import IntensePhase
 from rockpulse.record.record import Record
-from rockpulse.storage.variables import NOT_COMPARED, RECORD
+from rockpulse.remark import Remark, with_codes
+from rockpulse.storage.variables import RECORD
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -112,13 +113,13 @@ def assess_sequence(
         config=config,
     )
     done = _without_record(assess_scene(scene, bodies), sequence)
-    warnings = [done.record["warnings"]]
+    warnings = [*done.scene.record.warnings]
     if dropped:
         verb = "is" if len(dropped) == 1 else "are"
         warnings.append(f"a sequence, not a record: {', '.join(dropped)} cannot answer it and {verb} left out")
     if asked_for.demands:
-        warnings.append(NOT_COMPARED)
-    done.record["warnings"] = "\n".join(filter(None, warnings))
+        warnings.append(Remark("demand_not_compared"))
+    done.record["warnings"], done.record["warning_codes"] = with_codes(warnings)
     tree = build_tree([done], bodies, config, [])
     tree.attrs["title"] = config.site.name or "Rocking response of rigid blocks to a sequence of impulses"
     return tree
@@ -133,7 +134,6 @@ def _without_record(done: RecordAssessment, sequence: ImpulseSequence) -> Record
         "secondary_interval": float(sequence.interval),
         "sequence_duration": float(sequence.duration),
         "main_count": -1 if sequence.main_count is None else int(sequence.main_count),
-        "warnings": done.record["warnings"],
     }
     record = {name: stated.get(name, ABSENT[kind]) for name, (kind, _, _) in RECORD.items()}
     unknown = {name: np.full_like(done.per_block[name], math.nan) for name in ("uplift_ratio", "velocity_ratio")}

@@ -18,6 +18,7 @@ from rockpulse.record.components import Neighbours, Pair, find_pairs, matching_v
 from rockpulse.record.pair_conditioning import condition_pair
 from rockpulse.record.record import Record
 from rockpulse.record.rotation import pair_id, rotate, rotated_id, strongest_azimuth
+from rockpulse.remark import Remark
 
 __all__ = [
     "DIRECTIONS",
@@ -50,8 +51,8 @@ class PlannedMotion:
         One, or the two of a pair, as read.
     vertical : Record or None
         The vertical channel that acts too, as read.
-    remark : str
-        A warning for every motion that comes of it; empty without.
+    remarks : tuple of str
+        Warnings for every motion that comes of it.
     copy : int
         Pairs whose rotated records would have one id are numbered from 1 on.
     """
@@ -59,7 +60,7 @@ class PlannedMotion:
     name: str
     channels: tuple[Record, ...]
     vertical: Record | None = None
-    remark: str = ""
+    remarks: tuple[str, ...] = ()
     copy: int = 1
 
     @property
@@ -156,8 +157,8 @@ def motions_of(planned: PlannedMotion, config: Config) -> list[Motion]:
         pair = condition_pair(Pair(*planned.channels), **config.conditioning)
         azimuths = DIRECTIONS[config.records.components](pair, config)
         turned = [replace(rotate(pair, azimuth), id=planned.direction_id(azimuth)) for azimuth in azimuths]
-    if planned.remark:
-        turned = [record.with_warning(planned.remark) for record in turned]
+    for remark in planned.remarks:
+        turned = [record.with_warning(remark) for record in turned]
     name = planned.name if planned.rotated else ""
     return [Motion(record, planned.channels, name, planned.vertical) for record in turned]
 
@@ -242,7 +243,7 @@ def _facing(record: Record, azimuth: float | None) -> PlannedMotion | None:
     against = abs(math.remainder(record.azimuth - azimuth, 360.0)) > FACING_WITHIN
     mirrored = ", the mirror image, which is the same for a body that rocks to both sides" if against else ""
     remark = f"no pair: as recorded, at {record.azimuth:g} degrees, for the azimuth {azimuth:g}{mirrored}"
-    return PlannedMotion(record.id, (record,), remark=remark)
+    return PlannedMotion(record.id, (record,), remarks=(remark,))
 
 
 def _in_order(planned: Sequence[PlannedMotion], horizontal: Sequence[Record]) -> list[PlannedMotion]:
@@ -253,12 +254,12 @@ def _in_order(planned: Sequence[PlannedMotion], horizontal: Sequence[Record]) ->
 def _with_vertical(planned: PlannedMotion, verticals: Neighbours) -> PlannedMotion:
     found = (matching_vertical(channel, verticals.of(channel)) for channel in planned.channels)
     vertical = next((one for one in found if one is not None), None)
-    remark = ""
     if vertical is None:
-        remark = "no vertical channel of this station overlaps: taken as zero"
-    elif vertical.start_time is None and vertical.source not in [channel.source for channel in planned.channels]:
-        remark = "vertical channel: taken to start with this one, no times are known"
-    return replace(planned, vertical=vertical, remark="; ".join(filter(None, (planned.remark, remark))))
+        return replace(planned, remarks=(*planned.remarks, Remark("vertical_missing")))
+    remarks = planned.remarks
+    if vertical.start_time is None and vertical.source not in [channel.source for channel in planned.channels]:
+        remarks = (*remarks, Remark("vertical_start_assumed"))
+    return replace(planned, vertical=vertical, remarks=remarks)
 
 
 def sweep_azimuths(step: float) -> list[float]:

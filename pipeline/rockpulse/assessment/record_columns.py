@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 
 from rockpulse.assessment.scene import Scene
-from rockpulse.record.conditioning import DRIFT
 from rockpulse.record.intensity import arias_intensity, pgv
+from rockpulse.remark import find, with_codes
 
 __all__ = ["main_impulse", "record_scalars"]
 
@@ -38,6 +38,8 @@ def record_scalars(scene: Scene) -> dict[str, Any]:
         The earthquake, `event`, is empty: all records together tell it.
     """
     record, sequence = scene.record, scene.sequence
+    warnings, codes = with_codes(record.warnings)
+    vertical = find(record.processing, "vertical_acceleration")
     count = -1
     if sequence is not None and sequence.main_count is not None:
         count = int(sequence.main_count)
@@ -57,7 +59,7 @@ def record_scalars(scene: Scene) -> dict[str, Any]:
         "dt": record.dt,
         "pga": record.pga,
         "pgv": pgv(record),
-        "pgv_drift": int(any(warning.startswith(DRIFT) for warning in record.warnings)),
+        "pgv_drift": int(find(record.warnings, "baseline_drift") is not None),
         "arias_intensity": arias_intensity(record),
         "intense_start": scene.phase.start,
         "intense_end": scene.phase.end,
@@ -67,6 +69,8 @@ def record_scalars(scene: Scene) -> dict[str, Any]:
         "sequence_duration": np.nan if sequence is None else float(sequence.duration),
         "main_count": count,
         "half_wave_count": int(scene.waves.impulse.size),
-        "warnings": "\n".join(record.warnings),
+        "warnings": warnings,
+        "warning_codes": codes,
         "processing": "\n".join(record.processing),
+        "vertical_channel": "" if vertical is None else vertical.values["record"],
     }

@@ -20,11 +20,12 @@ from rockpulse.calibration.estimators import calibrate
 from rockpulse.calibration.rule import load_rule, rule_sequence
 from rockpulse.config.configuration import Config
 from rockpulse.errors import RecordRefused
-from rockpulse.record.components import VERTICAL_NOTE, align, uncovered
+from rockpulse.record.components import align, uncovered
 from rockpulse.record.conditioning import condition
 from rockpulse.record.half_wave import HalfWaves, half_waves
 from rockpulse.record.intensity import IntensePhase, intense_phase
 from rockpulse.record.record import Record
+from rockpulse.remark import Remark
 
 __all__ = ["CHECKABLE", "MODELS", "SLENDER_MODELS", "USED", "Scene", "auto_response", "extract", "prepare"]
 
@@ -100,18 +101,18 @@ def extract(conditioned: Record, config: Config, vertical: Record | None = None)
     if vertical is not None:
         up = condition(vertical, **config.conditioning)
         lift = align(up, conditioned)
-        conditioned = conditioned.with_note(f"{VERTICAL_NOTE}{up.id}")
+        conditioned = conditioned.with_note(Remark("vertical_acceleration", record=up.id))
         for warning in up.warnings:
-            conditioned = conditioned.with_warning(f"vertical channel: {warning}")
+            conditioned = conditioned.with_warning(Remark("of_vertical", remark=warning))
         if (missing := uncovered(up, conditioned)) > up.dt:
-            conditioned = conditioned.with_warning(f"vertical channel: taken as zero for {missing:.4g} s without it")
+            conditioned = conditioned.with_warning(Remark("vertical_short", missing=missing))
     waves = half_waves(conditioned, **config.half_waves)
     phase = intense_phase(conditioned, **config.intense_phase)
     try:
         sequence = calibrate(waves, phase=phase, **config.sequence)
     except RecordRefused as error:
         sequence = None
-        conditioned = conditioned.with_warning(f"no impulse sequence: {error}")
+        conditioned = conditioned.with_warning(Remark("no_sequence", reason=str(error)))
     return Scene(conditioned, lift, waves, phase, sequence, config)
 
 

@@ -189,7 +189,7 @@ def _task(planned: PlannedMotion, place: Callable[[Record], Located], settings: 
     channels = tuple(place(channel) for channel in planned.channels)
     vertical = None if planned.vertical is None else place(planned.vertical)
     actors = [text for one in (*channels, vertical) if one is not None for text in _told(one)]
-    fingerprint = _digest([settings, planned.name, planned.remark, str(planned.copy), str(len(channels)), *actors])
+    fingerprint = _digest([settings, planned.name, *planned.remarks, str(planned.copy), str(len(channels)), *actors])
     return Task(planned, channels, vertical, fingerprint)
 
 

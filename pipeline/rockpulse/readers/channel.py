@@ -15,11 +15,9 @@ from rockpulse.readers.facing import Direction, direction
 from rockpulse.readers.source import NotAcceleration, SourceFile
 from rockpulse.readers.units import UNITS, other_readings
 from rockpulse.record.record import STANDARD_GRAVITY, Record, record_id
+from rockpulse.remark import Remark
 
-__all__ = ["DEAD", "build_record", "clock_fault", "usable_channels"]
-
-#: Warning of a channel without motion.
-DEAD = "all samples are zero: a dead channel"
+__all__ = ["build_record", "clock_fault", "usable_channels"]
 
 #: A stated peak further from the data than this, and than its own rounding, is reported.
 PEAK_TOLERANCE = 0.02
@@ -50,23 +48,18 @@ def clock_fault(moment: datetime) -> str:
 
 def _peak_warnings(
     peak: float, unit: str, factor: float, header_peak: float, rounding: float, samples_peak: float
-) -> list[str]:
+) -> list[Remark]:
     if peak == 0.0:
-        return [DEAD]
+        return [Remark("dead_channel")]
     warnings = []
     g = STANDARD_GRAVITY
     gap = abs(abs(header_peak) - peak)
     if gap > PEAK_TOLERANCE * max(peak, abs(header_peak)) and gap > rounding:
-        warnings.append(
-            f"the header states a peak of {abs(header_peak) / g:.4g} g, the data have {peak / g:.4g} g; check the "
-            "unit and that the file is whole"
-        )
+        warnings.append(Remark("header_peak", stated=abs(header_peak) / g, found=peak / g))
     low, high = CREDIBLE_PEAK_G
     if not low <= peak / g <= high:
         named = unit if unit in UNITS else f"{unit} x {abs(factor):.4g} m/s2"
-        warnings.append(
-            f"peak {peak / g:.3g} g in the unit {named}; the values would be {other_readings(samples_peak, unit)}"
-        )
+        warnings.append(Remark("odd_peak", peak=peak / g, unit=named, readings=other_readings(samples_peak, unit)))
     return warnings
 
 
@@ -124,13 +117,13 @@ def build_record(
     notes = [*warnings, *clipped]
     notes += _peak_warnings(samples_peak * abs(factor), unit, factor, header_peak, peak_rounding, samples_peak)
     if dt > CREDIBLE_INTERVAL:
-        notes.append(f"a sampling interval of {dt:g} s is long for an accelerogram; is it in s?")
+        notes.append(Remark("long_interval", interval=dt))
     fault = clock_fault(start_time) if start_time is not None else ""
     if fault:
         start_time = None
     notes += [note for note in (fault, facing.note) if note]
     if facing.sign < 0.0:
-        notes.append("positive downwards in the file; the sign is changed so that upwards is positive")
+        notes.append(Remark("positive_downwards"))
     factor *= facing.sign
     code = channel or _DEGREES.sub("", component.strip())
     with np.errstate(over="ignore"):  # Record refuses what is not finite

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from rockpulse.remark import Remark
+
 __all__ = ["clipping_warning"]
 
 #: Equal samples in a row at the extreme that are taken for the end of a range.
@@ -26,7 +28,7 @@ def _longest_run(at: np.ndarray) -> tuple[int, int]:
     return int(at[starts[longest]]), int(lengths[longest])
 
 
-def clipping_warning(samples: np.ndarray, unit: str = "counts") -> list[str]:
+def clipping_warning(samples: np.ndarray, unit: str = "counts") -> list[Remark]:
     """A warning where a raw record stays at its largest or smallest value, or reaches the end of 24 bits.
 
     The samples are those before any filter. Only values in the unit "counts" are compared with the range of a recorder.
@@ -39,9 +41,9 @@ def clipping_warning(samples: np.ndarray, unit: str = "counts") -> list[str]:
     >>> clipping_warning(np.minimum(wave, 700.0), 'g')
     ['8 samples in a row at the largest value: the record may be clipped']
     """
-    warnings = []
+    warnings: list[Remark] = []
     step = None
-    for words, edge in (("largest", np.max(samples)), ("smallest", np.min(samples))):
+    for end, edge in (("largest", np.max(samples)), ("smallest", np.min(samples))):
         at = np.flatnonzero(samples == edge)
         if not RUN <= at.size < samples.size:
             continue
@@ -54,10 +56,8 @@ def clipping_warning(samples: np.ndarray, unit: str = "counts") -> list[str]:
         away = 0.5 * float(np.ptp(samples))
         fall = float(np.max(np.abs(edge - beside.astype(float))))
         if away >= STEPS_TO_EXTREME * step and fall >= STEPS_BESIDE * step:
-            warnings.append(f"{length} samples in a row at the {words} value: the record may be clipped")
+            warnings.append(Remark("clipped", count=length, end=end))
     peak = float(np.max(np.abs(samples.astype(float))))
     if unit == "counts" and NEAR_FULL_SCALE * FULL_SCALE <= peak <= FULL_SCALE:
-        warnings.append(
-            f"the peak is where the range of a 24-bit recorder ends ({FULL_SCALE} counts): the record may be clipped"
-        )
+        warnings.append(Remark("full_scale", counts=FULL_SCALE))
     return warnings

@@ -22,7 +22,6 @@ from rockpulse.errors import RecordFormatError, RockpulseError
 from rockpulse.failures import NO_RECORD, Failure
 from rockpulse.readers import ReadOptions, read_source
 from rockpulse.readers.archive import Archive, is_archive
-from rockpulse.readers.channel import DEAD
 from rockpulse.readers.formats.renadic import whole_records
 from rockpulse.readers.no_record import is_quiet
 from rockpulse.readers.source import (
@@ -35,6 +34,7 @@ from rockpulse.readers.source import (
     open_source,
 )
 from rockpulse.record.record import Record, distinct_ids
+from rockpulse.remark import find
 
 __all__ = [
     "Found",
@@ -318,7 +318,7 @@ def _same_motion(one: Record, other: Record) -> bool:
     """
     if one.component == other.component:
         return True
-    if one.source == other.source or any(DEAD in record.warnings for record in (one, other)):
+    if one.source == other.source or any(find(record.warnings, "dead_channel") for record in (one, other)):
         return False
     if "unknown" in (one.orientation, other.orientation):
         return True

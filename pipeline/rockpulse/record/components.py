@@ -13,9 +13,9 @@ import numpy as np
 
 from rockpulse.failures import Failure
 from rockpulse.record.record import Record
+from rockpulse.remark import Remark
 
 __all__ = [
-    "VERTICAL_NOTE",
     "Neighbours",
     "Pair",
     "align",
@@ -25,9 +25,6 @@ __all__ = [
     "select_horizontal",
     "uncovered",
 ]
-
-#: Words in the processing of a record before the vertical channel that acts with it.
-VERTICAL_NOTE = "vertical acceleration: "
 
 _REASONS = {
     "vertical": "vertical channel: read, not assessed as horizontal",
@@ -113,12 +110,12 @@ def select_horizontal(records: Iterable[Record], structural: bool = False) -> tu
     for record in records:
         kind = record.orientation
         if kind == "structural" and structural and np.isfinite(record.azimuth):
-            horizontal.append(record.with_warning("on a structure, assessed as if this were ground motion"))
+            horizontal.append(record.with_warning(Remark("on_structure")))
         elif kind == "vertical" or kind == "structural":
             reason = _UPWARDS if kind == "structural" and structural else _REASONS[kind]
             failures.append(Failure(record.source, "select", f"{record.id}: {reason}", kind))
         elif kind == "unknown":
-            horizontal.append(record.with_warning("the orientation is unknown; assessed as horizontal"))
+            horizontal.append(record.with_warning(Remark("orientation_unknown")))
         else:
             horizontal.append(record)
     return horizontal, failures

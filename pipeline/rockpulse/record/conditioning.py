@@ -20,6 +20,7 @@ from rockpulse.errors import ConfigError
 from rockpulse.record.half_wave import half_waves
 from rockpulse.record.intensity import pgv
 from rockpulse.record.record import Record
+from rockpulse.remark import Remark, code_of, find
 
 __all__ = ["BASELINES", "QUIET_LENGTH", "condition", "quiet_length"]
 
@@ -29,9 +30,8 @@ QUIET_SHARE = 1e-6
 #: Shortest pre-event window that is found without being given [s].
 QUIET_LENGTH = 1.0
 
-#: A record whose velocity ends at more than this share of the PGV gets the warning that begins with this word.
+#: A record whose velocity ends at more than this share of the PGV is warned of.
 DRIFT_SHARE = 0.1
-DRIFT = "baseline drift"
 
 #: The default taper is at most this share of the record at each end.
 TAPER_SHARE = 0.05
@@ -191,12 +191,9 @@ def _watched(record: Record) -> Record:
     """The record with a warning where its velocity does not come back to zero, in place of an earlier one."""
     final = record.dt * float(np.sum(record.acceleration) - 0.5 * (record.acceleration[0] + record.acceleration[-1]))
     peak = pgv(record)
-    warnings = tuple(warning for warning in record.warnings if not warning.startswith(DRIFT))
+    warnings = tuple(warning for warning in record.warnings if code_of(warning) != "baseline_drift")
     if abs(final) > DRIFT_SHARE * peak:
-        warning = (
-            f"{DRIFT}: the ground velocity ends at {final:.3g} m/s, the PGV of {peak:.3g} m/s may be off by as much; "
-            "compare with another baseline or a high-pass"
-        )
+        warning = Remark("baseline_drift", velocity=final, pgv=peak)
         logger.warning("%s: %s", record.id, warning)
         warnings = (*warnings, warning)
     return record if warnings == record.warnings else replace(record, warnings=warnings)
@@ -257,15 +254,12 @@ def _auto(record: Record, pre_event: float | None) -> Record:
         return _noted(record, record.acceleration, "baseline: left as it is, a processed volume")
     if record.processed is False:
         return _pre_event(record, pre_event)
-    warning = (
-        "the format does not say whether the record is processed: the mean was subtracted; "
-        "choose a baseline to keep or correct it"
-    )
     record = BASELINES["mean"](record, None)
-    if warning in record.warnings:
+    if find(record.warnings, "baseline_guessed"):
         return record
+    warning = Remark("baseline_guessed")
     logger.warning("%s: %s", record.id, warning)
-    return replace(record, warnings=(*record.warnings, warning))
+    return record.with_warning(warning)
 
 
 #: Functions that subtract the baseline of a record, by name.

@@ -14,6 +14,7 @@ from rockpulse.record.components import Pair, offset
 from rockpulse.record.conditioning import QUIET_LENGTH, condition, quiet_length
 from rockpulse.record.record import Record
 from rockpulse.record.rotation import check_angle
+from rockpulse.remark import Remark
 
 __all__ = ["condition_pair"]
 
@@ -61,9 +62,7 @@ def condition_pair(pair: Pair, **options: Any) -> Pair:
     options, note = _with_common_window(cut, options)
     noted = [channel.with_note(note) if note else channel for channel in cut.channels]
     if pair.first.source != pair.second.source and None in (pair.first.start_time, pair.second.start_time):
-        noted = [
-            channel.with_warning("both channels are taken to start together, no times are known") for channel in noted
-        ]
+        noted = [channel.with_warning(Remark("start_assumed")) for channel in noted]
     first, second = (condition(channel, **options) for channel in noted)
     if not math.isclose(first.dt, second.dt, rel_tol=1e-9):
         raise RecordRefused(

@@ -19,9 +19,10 @@ import numpy as np
 
 from rockpulse.errors import RecordRefused
 from rockpulse.record.components import Pair
-from rockpulse.record.conditioning import DRIFT, condition
+from rockpulse.record.conditioning import condition
 from rockpulse.record.half_wave import half_waves
 from rockpulse.record.record import Record, record_id
+from rockpulse.remark import Remark, code_of, remarked
 
 __all__ = ["check_angle", "pair_id", "rotate", "rotated_id", "strongest_azimuth"]
 
@@ -90,7 +91,9 @@ def rotate(pair: Pair, azimuth: float) -> Record:
         unit_factor=first.unit_factor if same_unit else float("nan"),
         header_peak=float("nan"),
         # Whether the velocity drifts is a matter of the direction.
-        warnings=tuple(text for text in _of_both(first, second, "warnings") if DRIFT not in text),
+        warnings=tuple(
+            text for text in _of_both(first, second, "warnings") if not remarked(code_of(text), "baseline_drift")
+        ),
         processing=(*_of_both(first, second, "processing"), note),
     )
     return condition(rotated, baseline="none")  # looks whether the velocity of this direction drifts
@@ -201,7 +204,7 @@ def _of_both(first: Record, second: Record, what: str) -> tuple[str, ...]:
     """Texts of both channels: once where both have it, else with the name of the channel in front."""
     mine, others = getattr(first, what), getattr(second, what)
     return tuple(
-        text if text in mine and text in others else f"{record.channel}: {text}"
+        text if text in mine and text in others else Remark("of_channel", channel=record.channel, remark=text)
         for record, texts in ((first, mine), (second, others))
         for text in texts
         if record is first or text not in mine

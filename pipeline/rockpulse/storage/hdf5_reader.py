@@ -16,7 +16,7 @@ import numpy as np
 
 from rockpulse.errors import ResultsError
 from rockpulse.option import hint
-from rockpulse.storage.save_load import check_schema
+from rockpulse.storage.save_load import check_schema, coded
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -77,7 +77,11 @@ class ResultsFile:
                     f"{self.path}: /{group} is not as it was written ({error}); 'rockpulse verify' says what else, run "
                     "the assessment again"
                 ) from error
-            self._opened[group] = self._stack.enter_context(dataset)
+            dataset = self._stack.enter_context(dataset)
+            if group == "summary":
+                with self.reading():
+                    dataset = coded(dataset)
+            self._opened[group] = dataset
         return self._opened[group]
 
     def tree(self, *groups: str) -> xr.DataTree:

@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from rockpulse.errors import ResultsError
+from rockpulse.remark import find, recognised, with_codes
 from rockpulse.storage.accuracy_variables import REPORT
 from rockpulse.storage.atomic_file import ASSESSMENT, check_target, named, remove_parts, replacing
 from rockpulse.storage.checksums import CHECKSUM, CHECKSUM_OF_ATTRIBUTES
@@ -19,6 +20,7 @@ from rockpulse.storage.fragility_variables import FRAGILITY
 from rockpulse.storage.rule_variables import RULE_KIND
 from rockpulse.storage.site_variables import SITE_KIND
 from rockpulse.storage.study_variables import STUDY
+from rockpulse.storage.variables import RECORD, described
 from rockpulse.version import __version__
 
 if TYPE_CHECKING:
@@ -30,6 +32,7 @@ __all__ = [
     "check_described",
     "check_schema",
     "check_target",
+    "coded",
     "load",
     "named",
     "provenance",
@@ -129,7 +132,26 @@ def load(path: str | os.PathLike[str]) -> xr.DataTree:
             tree = opened.load()
     except (OSError, RuntimeError, ValueError, KeyError) as error:
         raise ResultsError(f"{path}: the results file is damaged ({error}); run the assessment again") from error
-    return tree.map_over_datasets(_as_saved)
+    tree = tree.map_over_datasets(_as_saved)
+    if "summary" in tree.children:
+        tree["summary"].dataset = coded(tree["summary"].to_dataset())
+    return tree
+
+
+def coded(summary: xr.Dataset) -> xr.Dataset:
+    """The group /summary with codes beside the remarks, which in files of before 0.2.0 the texts have to tell."""
+    if "warning_codes" in summary or "warnings" not in summary:
+        return summary
+    codes = [with_codes(map(recognised, str(text).splitlines()))[1] for text in summary["warnings"].values]
+    found = {"warning_codes": described(("record",), codes, RECORD["warning_codes"])}
+    if "processing" in summary:
+        acting = [
+            find(map(recognised, str(text).splitlines()), "vertical_acceleration")
+            for text in summary["processing"].values
+        ]
+        names = ["" if one is None else one.values["record"] for one in acting]
+        found["vertical_channel"] = described(("record",), names, RECORD["vertical_channel"])
+    return summary.assign(found)
 
 
 def check_schema(path: str | os.PathLike[str], reports: bool = False) -> str:

@@ -28,9 +28,6 @@ __all__ = [
     "described",
 ]
 
-#: Warning of a sequence in place of a record where the configuration states a demand.
-NOT_COMPARED = "a sequence has no PGA: its capacity is not compared with the demand of the site ([[demand]])"
-
 #: Type, unit, long name.
 Meaning = tuple[type, str, str]
 
@@ -65,7 +62,9 @@ RECORD: dict[str, Meaning] = {
     "main_count": (int, "1", "number of main impulses; -1 where the duration alone limits them"),
     "half_wave_count": (int, "1", "number of half-waves of the whole record"),
     "warnings": (str, "1", "remarks on the record"),
+    "warning_codes": (str, "1", "codes of these remarks in their order; plain: a text without one"),
     "processing": (str, "1", "conditioning steps in their order"),
+    "vertical_channel": (str, "1", "id of the vertical channel whose acceleration acts too; empty without one"),
 }
 
 BLOCK: dict[str, Meaning] = {

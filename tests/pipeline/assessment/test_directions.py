@@ -15,6 +15,7 @@ from rockpulse.config.settings import DemandSettings, IntensePhaseSettings, Mode
 from rockpulse.models import Outcome
 from rockpulse.record.half_wave import half_waves
 from rockpulse.record.record import Record
+from rockpulse.remark import code_of
 from rockpulse.views.text import large_overview
 from rockpulse.views.text.capacity import smallest_capacities
 from rockpulse.views.text.directions import direction_table
@@ -299,8 +300,10 @@ def test_a_lone_channel_that_faces_the_azimuth_needs_no_partner(recorded, asked,
         assert planned_ids(planned[0], options) == [motion.record.id] == [alone.id]
         np.testing.assert_array_equal(motion.record.acceleration, alone.acceleration)
         both = plan_motions([alone], replace(options, records=replace(options.records, include_vertical=True)))[0]
-        assert both[0].remark.startswith("no pair: as recorded")
-        assert both[0].remark.endswith("; no vertical channel of this station overlaps: taken as zero")
+        alone_told, vertical_told = both[0].remarks
+        assert alone_told.startswith("no pair: as recorded")
+        assert vertical_told == "no vertical channel of this station overlaps: taken as zero"
+        assert code_of(vertical_told) == "vertical_missing"
     for components in ("strongest", "sweep"):
         assert [one.kind for one in plan_motions([alone], config(components))[1]] == ["failed"]
 

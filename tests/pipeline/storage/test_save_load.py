@@ -17,6 +17,7 @@ from results_tree import CONFIGURATION, results_bytes, results_tree
 from rockpulse.errors import ResultsError
 from rockpulse.storage import atomic_file as target_file
 from rockpulse.storage import save_load as store
+from rockpulse.storage.hdf5_reader import open_results
 from rockpulse.storage.save_load import check_target, load, save
 
 TESTS = Path(__file__).parents[2]
@@ -98,6 +99,22 @@ def test_bare_h5py_reads_numbers_and_texts(tmp_path):
     with h5py.File(tmp_path / "results.h5") as file:
         assert file["summary/pga"][0] == 5.5574
         assert file["summary/record"].asstr()[2] == "weak.1"
+
+
+def test_codes_that_a_file_of_before_lacks_are_found_in_its_texts(tmp_path):
+    tree = results_tree()
+    summary = tree["summary"].to_dataset().drop_vars(["warning_codes", "vertical_channel"])
+    drift = "vertical channel: baseline drift: the ground velocity ends at 1.08 m/s, the PGV of 1.08 m/s may be off by "
+    drift += "as much; compare with another baseline or a high-pass"
+    dead = "all samples are zero: a dead channel"
+    summary["warnings"].values = np.array([f"another\n{drift}", "", dead])
+    summary["processing"].values = np.array(["baseline: mean\nvertical acceleration: CI.CLC..Up", "baseline: mean", ""])
+    tree["summary"] = xr.DataTree(summary)
+    save(tree, tmp_path / "before.h5")
+    with open_results(tmp_path / "before.h5") as file:
+        for found in (file.dataset("summary"), load(tmp_path / "before.h5")["summary"].to_dataset()):
+            assert found["warning_codes"].values.tolist() == ["plain of_vertical/baseline_drift", "", "dead_channel"]
+            assert found["vertical_channel"].values.tolist() == ["CI.CLC..Up", "", ""]
 
 
 @pytest.mark.parametrize("attribute", ["units", "long_name"])

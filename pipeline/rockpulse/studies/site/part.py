@@ -11,6 +11,7 @@ import numpy as np
 
 from rocking.sequence import ImpulseSequence
 from rockpulse.record.record import Record
+from rockpulse.remark import recognised
 from rockpulse.studies.site.record import SiteRecord
 
 __all__ = ["pack_site_record", "unpack_site_record"]
@@ -62,8 +63,8 @@ def unpack_site_record(packed: bytes) -> SiteRecord:
     record |= {
         "acceleration": np.broadcast_to(0.0, record.pop("npts")),
         "start_time": None if start is None else datetime.fromisoformat(start),
-        "warnings": tuple(record["warnings"]),
-        "processing": tuple(record["processing"]),
+        "warnings": tuple(map(recognised, record["warnings"])),
+        "processing": tuple(map(recognised, record["processing"])),
     }
     text |= {
         "record": Record(**record),

@@ -16,9 +16,10 @@ from rockpulse.assessment.scene import Scene, extract
 from rockpulse.calibration.response import calibrate_response
 from rockpulse.config.configuration import Config
 from rockpulse.errors import RecordRefused, TooWeak
-from rockpulse.record.conditioning import DRIFT, condition
+from rockpulse.record.conditioning import condition
 from rockpulse.record.intensity import pgv
 from rockpulse.record.record import Record
+from rockpulse.remark import Remark, find
 from rockpulse.studies.site.design import PARAMETERS
 from rockpulse.studies.site.scaling import largest_impulse, scale_factor, scaled
 
@@ -133,18 +134,16 @@ def site_record(motion: Motion, blocks: Block, config: Config) -> SiteRecord:
     conditioned = motion.record if motion.pair else condition(motion.record, **config.conditioning)
     factor = scale_factor(conditioned, config)
     if not USUAL_FACTORS[0] <= factor <= USUAL_FACTORS[1]:
-        conditioned = conditioned.with_warning(
-            f"scaled by {factor:.3g}: outside {USUAL_FACTORS[0]:g} to {USUAL_FACTORS[1]:g} a scaled record stands for "
-            "no recorded earthquake of that strength"
-        )
-    if config.calibration.scale_to == "pgv" and any(warning.startswith(DRIFT) for warning in conditioned.warnings):
-        conditioned = conditioned.with_warning("scaled to a PGV that its drifting baseline puts in doubt")
+        low, high = USUAL_FACTORS
+        conditioned = conditioned.with_warning(Remark("scaled_far", factor=factor, low=low, high=high))
+    if config.calibration.scale_to == "pgv" and find(conditioned.warnings, "baseline_drift"):
+        conditioned = conditioned.with_warning(Remark("scaled_to_drift"))
     scene = extract(scaled(conditioned, factor), config, None if vertical is None else scaled(vertical, factor))
     response = recorded_response(blocks, scene.record.acceleration, scene.record.dt, vertical=scene.vertical)
     peaks = np.where(response.outcome == Outcome.UNRESOLVED, np.nan, response.peak_rotation_ratio)
     if scene.sequence is None:
-        reason = next(one for one in scene.record.warnings if one.startswith("no impulse sequence"))
-        raise (RecordRefused if np.any(peaks != 0.0) else TooWeak)(reason)
+        reason = find(scene.record.warnings, "no_sequence")
+        raise (RecordRefused if np.any(peaks != 0.0) else TooWeak)(str(reason))
     sequence, intervals, remarks = _calibrated(scene, scene.sequence, blocks)
     misfit, unsafe = _compared(peaks, sequence, blocks)
     return SiteRecord(

@@ -9,7 +9,6 @@ import numpy as np
 from rocking.impulse_sequence import ImpulseSequence
 from rockpulse.calibration.estimators import calibrate
 from rockpulse.errors import RecordRefused, ResultsError
-from rockpulse.record.components import VERTICAL_NOTE
 from rockpulse.record.half_wave import HalfWaves, half_waves
 from rockpulse.record.intensity import IntensePhase, intense_phase
 from rockpulse.record.record import Record
@@ -145,5 +144,5 @@ def _missing(own: xr.Dataset) -> str:
 
 
 def had_vertical(summary: xr.Dataset, record: str) -> bool:
-    """Whether the vertical channel, which is not stored, acted on the nonlinear model."""
-    return VERTICAL_NOTE in str(summary["processing"].sel(record=record).item())
+    """Whether a vertical channel, which is not stored, acted on the nonlinear model of a record."""
+    return bool(summary["vertical_channel"].sel(record=record).item())

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from rockpulse.views.report.answers import Answers, answer_table, count_table
+from rockpulse.views.report.caveats import Caveat, caveats
 from rockpulse.views.report.method import REFERENCE, assumptions, models_in_use, not_covered
 from rockpulse.views.report.motions import Motions, event_table, motions_of
 from rockpulse.views.report.notes import table_notes
@@ -14,7 +15,6 @@ from rockpulse.views.report.pages import BodyPage, RecordPage, body_pages, recor
 from rockpulse.views.report.pairing import Paired
 from rockpulse.views.report.parts import Part, describe_fragility, describe_site
 from rockpulse.views.report.provenance import failure_table, input_table, versions, warning_table
-from rockpulse.views.report.remarks import Remark, remarks
 from rockpulse.views.report.standing import bodies_of
 from rockpulse.views.report.statements import counted_by, headline
 from rockpulse.views.report.verdict import BodyVerdict, verdicts
@@ -46,7 +46,7 @@ class Content:
         The verdict in sentences.
     counted_by : str
         What is counted as safe.
-    remarks : tuple of Remark
+    caveats : tuple of Caveat
         What the verdict does not say by itself.
     verdict, counts, answers : Table
         Bodies; overturnings by model; every answer.
@@ -81,7 +81,7 @@ class Content:
     found: tuple[BodyVerdict, ...]
     headline: tuple[str, ...]
     counted_by: str
-    remarks: tuple[Remark, ...]
+    caveats: tuple[Caveat, ...]
     verdict: Table
     counts: Table
     answers: Table
@@ -131,8 +131,8 @@ def gather(tree: xr.DataTree, site: Paired | None = None, fragility: Paired | No
         found=tuple(found),
         headline=tuple(headline(summary, found, motions, model)),
         counted_by=counted_by(model, motions, "demand" in summary.dims),
-        remarks=tuple(
-            remarks(
+        caveats=tuple(
+            caveats(
                 summary,
                 found,
                 motions,

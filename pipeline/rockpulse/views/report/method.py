@@ -5,7 +5,6 @@ from __future__ import annotations
 import tomllib
 from typing import TYPE_CHECKING
 
-from rockpulse.record.components import VERTICAL_NOTE
 from rockpulse.views.report.answers import UPPER_BOUND
 from rockpulse.views.shared.table import Fact
 
@@ -126,7 +125,7 @@ def assumptions(tree: xr.DataTree) -> tuple[Fact, ...]:
     """
     facts = [Fact(head, (words,)) for head, words in _ASSUMPTIONS]
     summary = tree["summary"].to_dataset()
-    acted = sum(VERTICAL_NOTE in str(text) for text in summary["processing"].values) if "processing" in summary else 0
+    acted = int((summary["vertical_channel"] != "").sum())
     vertical = (
         f"acts on {acted} of {summary.sizes['record']} records (nonlinear model)." if acted else "is not applied."
     )

@@ -7,14 +7,15 @@ from typing import TYPE_CHECKING
 
 from rockpulse.readers.channel import CREDIBLE_PEAK_G
 from rockpulse.record.record import STANDARD_GRAVITY
+from rockpulse.remark import remarked
 
 if TYPE_CHECKING:
     import xarray as xr
 
 __all__ = ["doubt", "doubt_notes", "doubts"]
 
-#: Marks, by the words of a reader's warning.
-_WARNED = {"(peak?)": "the header states a peak of", "(clipped?)": "the record may be clipped"}
+#: Marks, by the codes of the remarks that they stand for.
+_CODES = {"(peak?)": ("header_peak",), "(clipped?)": ("clipped", "full_scale")}
 
 _MEANING = {
     "(peak?)": "(peak?): a peak above 5 g or below 1e-6 g, or not that of the file's header: the unit may be wrong "
@@ -24,50 +25,29 @@ _MEANING = {
 }
 
 
-def doubt(pga: float, warnings: str | None) -> str:
-    """Marks of one record, each with a blank before it; empty for most.
+def doubt(pga: float, codes: str) -> str:
+    """Marks of one record, by its PGA [m/s2] and the codes of its warnings, each with a blank before it.
 
-    Parameters
-    ----------
-    pga : float
-        [m/s2]; NaN for a sequence in place of a record.
-    warnings : str or None
-        The warnings of the record, one a line.
+    Most records have none; the PGA of a sequence in place of a record is NaN.
 
     Examples
     --------
-    >>> doubt(981.0, ""), doubt(4.2, "8 samples in a row at the largest value: the record may be clipped")
+    >>> doubt(981.0, ""), doubt(4.2, "baseline_guessed clipped")
     (' (peak?)', ' (clipped?)')
     """
     low, high = (STANDARD_GRAVITY * bound for bound in CREDIBLE_PEAK_G)
-    marks = {mark for mark, words in _WARNED.items() if words in (warnings or "")}
+    marks = {mark for mark, wanted in _CODES.items() if remarked(codes, *wanted)}
     marks |= {"(peak?)"} if pga < low or pga > high else set()
     return "".join(f" {mark}" for mark in _MEANING if mark in marks)
 
 
 def doubts(summary: xr.Dataset) -> dict[str, str]:
-    """The marks of every record.
-
-    Parameters
-    ----------
-    summary : xarray.Dataset
-        The node /summary, or a part of it.
-    """
-    names = [str(name) for name in summary["record"].values]
-    warnings = summary["warnings"].values.tolist() if "warnings" in summary else [""] * len(names)
-    return {
-        name: doubt(pga, str(words))
-        for name, pga, words in zip(names, summary["pga"].values.tolist(), warnings, strict=True)
-    }
+    """The marks of every record of /summary, or of a part of it."""
+    columns = (summary[name].values.tolist() for name in ("record", "pga", "warning_codes"))
+    return {str(name): doubt(pga, str(codes)) for name, pga, codes in zip(*columns, strict=True)}
 
 
 def doubt_notes(shown: Iterable[str]) -> list[str]:
-    """What the marks that are shown mean.
-
-    Parameters
-    ----------
-    shown : iterable of str
-        Texts that may hold marks.
-    """
+    """The meanings of the marks that are in some texts."""
     every = " ".join(shown)
     return [meaning for mark, meaning in _MEANING.items() if mark in every]

@@ -58,7 +58,7 @@ def record_details(summary: xr.Dataset, record: str) -> str:
     def words(name: str) -> str:
         return value(summary, name, record=record) or ABSENT
 
-    pga = value(summary, "pga", record=record)
+    pga, codes = (value(summary, name, record=record) for name in ("pga", "warning_codes"))
     rows = [
         ["source", words("source")],
         ["sha256 of the source", words("source_sha256")],
@@ -67,7 +67,7 @@ def record_details(summary: xr.Dataset, record: str) -> str:
         ["earthquake", words("event")],
         ["start", words("start_time")],
         ["samples", f"{value(summary, 'npts', record=record)} at {number('dt', 's')}"],
-        ["PGA", f"{figure(pga, 'm/s2')} ({figure(pga / STANDARD_GRAVITY, 'g')}){doubt(pga, words('warnings'))}"],
+        ["PGA", f"{figure(pga, 'm/s2')} ({figure(pga / STANDARD_GRAVITY, 'g')}){doubt(pga, codes)}"],
         ["PGV", peak_velocity(summary, record)],
         ["Arias intensity", number("arias_intensity", "m/s")],
         ["intense phase", f"{number('intense_start', 's')} to {number('intense_end', 's')}"],

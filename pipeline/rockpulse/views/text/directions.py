@@ -87,8 +87,8 @@ def _heading(summary: xr.Dataset, directions: xr.Dataset, pair: str) -> str:
 def _doubt(summary: xr.Dataset, directions: xr.Dataset, pair: str) -> str:
     """The marks of the records that a pair is turned to."""
     index = directions["record_index"].sel(pair=pair).values
-    warned = summary["warnings"].values[index[index >= 0]] if "warnings" in summary else []
-    return doubt(value(directions, "pga_largest", pair=pair), "\n".join(map(str, warned)))
+    codes = summary["warning_codes"].values[index[index >= 0]]
+    return doubt(value(directions, "pga_largest", pair=pair), " ".join(map(str, codes)))
 
 
 def _largest_at(directions: xr.Dataset, where: dict[str, Any]) -> float:

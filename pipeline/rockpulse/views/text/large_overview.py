@@ -156,7 +156,7 @@ def _pairs(summary: xr.Dataset, directions: xr.Dataset, model: str) -> str:
         for dim, most in (("pair", PAIRS), ("block", WORST))
     )
     part = directions.isel(pair=order, block=blocks).load()
-    names = dict.fromkeys(("restitution", "npts", "warnings", *FACTORS))
+    names = dict.fromkeys(("restitution", "npts", "warning_codes", *FACTORS))
     few = summary[[name for name in names if name in summary]].isel(block=blocks).load()
     heading = f"The {order.size} worst of {directions.sizes['pair']} pairs of channels"
     if blocks.size < directions.sizes["block"]:

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from rockpulse.failures import NO_RECORD
-from rockpulse.record.components import VERTICAL_NOTE
+from rockpulse.remark import PLAIN
 from rockpulse.views.shared.terminal import paragraph
 
 if TYPE_CHECKING:
@@ -19,7 +19,7 @@ __all__ = ["failure_list", "left_out", "not_used"]
 LISTED = 12
 #: The same in a brief one.
 FEW = 3
-#: Words of a warning, numbers aside, by which it is known for one of a kind.
+#: Words of a warning without a code, numbers aside, by which it is known for one of a kind.
 _TELLING_WORDS = 4
 
 _KINDS = {
@@ -43,7 +43,7 @@ def left_out(tree: xr.DataTree, brief: bool = False) -> str:
     """
     lines = []
     summary = tree["summary"].to_dataset()
-    acted = sum(VERTICAL_NOTE in str(text) for text in summary["processing"].values)
+    acted = int((summary["vertical_channel"] != "").sum())
     found, beside = _apart(_failures(tree))
     for kind, entries in found.items():
         title = f"vertical, acting on {acted} records" if kind == "vertical" and acted else _KINDS.get(kind, kind)
@@ -145,8 +145,10 @@ def _failures(tree: xr.DataTree) -> dict[str, list[tuple[str, str, str]]]:
 def _warnings(summary: xr.Dataset) -> list[str]:
     """The warnings of the records: one of each kind, and on how many records there is one like it."""
     alike: dict[str, list[tuple[str, str]]] = {}
-    for record, text in zip(summary["record"].values, summary["warnings"].values, strict=True):
-        kinds = {_kind(warning): warning for warning in str(text).splitlines()}
+    names = ("record", "warnings", "warning_codes")
+    for record, text, codes in zip(*(summary[name].values for name in names), strict=True):
+        warnings = zip(str(text).splitlines(), str(codes).split(), strict=True)
+        kinds = {_kind(warning, code): warning for warning, code in warnings}
         for kind, warning in kinds.items():
             alike.setdefault(kind, []).append((str(record), warning))
     if not alike:
@@ -160,5 +162,8 @@ def _warnings(summary: xr.Dataset) -> list[str]:
     return lines
 
 
-def _kind(warning: str) -> str:
+def _kind(warning: str, code: str) -> str:
+    """What warnings that are alike have in common: the code, or the first words of a text without one."""
+    if not code.endswith(PLAIN):
+        return code
     return " ".join(re.sub(r"[-+]?\d[\d.e+-]*", "#", warning).split()[:_TELLING_WORDS])

@@ -113,7 +113,7 @@ def case_list(summary: xr.Dataset, selection: Selection) -> str:
         return heading
     several = len(set(places["model"].tolist())) > 1
     extra = [name for name in _of_interest(selection) if name not in (*SHOWN, *VERDICT)]
-    names = (*SHOWN, *VERDICT, *FACTOR, "warnings")
+    names = (*SHOWN, *VERDICT, *FACTOR, "warning_codes")
     get = {name: _values(summary, name, places) for name in names}
     more = {name: _cells(summary, name, places) for name in extra}
     models = [str(label) for label in summary["model"].values]
@@ -130,7 +130,7 @@ def case_list(summary: xr.Dataset, selection: Selection) -> str:
         proven = None if limit is None else limit * pga / STANDARD_GRAVITY
         table.append(
             [
-                shortened(records[k], ID_WIDTH) + doubt(pga, get["warnings"][k]),
+                shortened(records[k], ID_WIDTH) + doubt(pga, get["warning_codes"][k]),
                 shortened(blocks[k], NAME_WIDTH),
                 *([model] if several else []),
                 restitution(get["restitution"][k]),
@@ -166,7 +166,7 @@ def record_list(summary: xr.Dataset, selection: Selection) -> str:
     selection, model = _with_model(summary, selection)
     places, found = rows(summary, ["record"], selection)
     at = places["record"]
-    names = ("pga", "pgv", "pgv_drift", "arias_intensity", "main_impulse", "warnings")
+    names = ("pga", "pgv", "pgv_drift", "arias_intensity", "main_impulse", "warning_codes")
     get = {name: _values(summary, name, places) for name in names}
     extra = [name for name in _of_interest(selection) if name not in names and summary[name].dims == ("record",)]
     more = {name: _cells(summary, name, places) for name in extra}
@@ -174,14 +174,14 @@ def record_list(summary: xr.Dataset, selection: Selection) -> str:
     blocks = [str(label) for label in summary["block"].values]
     table = [["record", "PGA/g", "PGV m/s", "Arias m/s", "I m/s", "warnings", *extra, "overturns", "SF", "of"]]
     for k, (name, row) in enumerate(zip(summary["record"].values[at].tolist(), at.tolist(), strict=True)):
-        told = str(get["warnings"][k] or "")
+        codes = str(get["warning_codes"][k])
         table.append(
             [
-                shortened(name, ID_WIDTH) + doubt(get["pga"][k], told),
+                shortened(name, ID_WIDTH) + doubt(get["pga"][k], codes),
                 _of(get["pga"][k], STANDARD_GRAVITY),
                 ("~" if get["pgv_drift"][k] else "") + _of(get["pgv"][k]),
                 *(_of(get[name][k]) for name in ("arias_intensity", "main_impulse")),
-                str(len(told.splitlines())) if told else "",
+                str(len(codes.split()) or ""),
                 *(more[name][k] for name in extra),
                 f"{fallen[row]} of {len(blocks)}",
                 factor_cell(float(factor[row]), limit=limit),

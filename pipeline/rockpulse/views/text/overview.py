@@ -317,7 +317,7 @@ def _factor(summary: xr.Dataset, where: dict[str, Any]) -> list[Any]:
 
 def _heading(summary: xr.Dataset, record: str) -> str:
     pga = value(summary, "pga", record=record)
-    marked = record + doubt(pga, value(summary, "warnings", record=record))
+    marked = record + doubt(pga, value(summary, "warning_codes", record=record))
     parts = [marked, f"PGA {figure(pga / STANDARD_GRAVITY, 'g')}", f"PGV {peak_velocity(summary, record)}"]
     impulse = value(summary, "main_impulse", record=record)
     if not math.isnan(impulse):

@@ -10,6 +10,7 @@ import pytest
 
 from rocking.sequence import ImpulseSequence
 from rockpulse.record.record import Record
+from rockpulse.remark import Remark, code_of
 from rockpulse.studies.site.part import pack_site_record, unpack_site_record
 from rockpulse.studies.site.record import SiteRecord
 
@@ -26,7 +27,7 @@ def one(**changes):
         orientation="horizontal",
         azimuth=np.float64(90.0),
         processed=np.bool_(True),
-        warnings=("scaled by 5", "drift"),
+        warnings=("scaled by 5", Remark("baseline_drift", velocity=1.0 / 3.0, pgv=0.5)),
         processing=("mean removed",),
     )
     sequence = ImpulseSequence(np.float64(0.1) + 0.2, 0.1 / 3.0, 1.0 / 7.0, math.inf, main_count=np.int64(7))
@@ -61,6 +62,11 @@ def same(first, second):
             same(getattr(first, field.name), getattr(second, field.name)) for field in fields(first)
         )
     return first == second
+
+
+def test_the_remarks_on_the_record_keep_their_codes():
+    back = unpack_site_record(pack_site_record(one()))
+    assert [code_of(text) for text in back.record.warnings] == ["plain", "baseline_drift"]
 
 
 @pytest.mark.parametrize(

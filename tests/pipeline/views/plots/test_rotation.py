@@ -7,7 +7,6 @@ import pytest
 
 import rockpulse as rp
 from rockpulse.errors import ResultsError
-from rockpulse.record.components import VERTICAL_NOTE
 from rockpulse.views.plots.kinds import draw
 from rockpulse.views.plots.model_histories import histories
 from rockpulse.views.plots.rotation import rotation_history
@@ -119,7 +118,7 @@ def test_what_the_model_could_not_say_is_in_the_legend(changed, assessed, first)
 
 
 def test_a_vertical_channel_that_is_not_stored_is_no_silent_change(changed, assessed, first):
-    tree = changed(processing=[f"{VERTICAL_NOTE}CI.CLC..Up"] * 2)
+    tree = changed(vertical_channel=["CI.CLC..Up"] * 2)
     with pytest.raises(ResultsError, match=r"\[models\] histories = true"):
         histories(tree, first, "wall", ["nonlinear"])
     assert len(histories(tree, first, "wall", ["linear"])) == 1

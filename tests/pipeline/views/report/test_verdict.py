@@ -185,7 +185,7 @@ def test_a_direction_that_overturns_is_told_though_another_is_missing():
     found = verdict(summary, of)
     assert (found.grade, found.smallest, found.smallest_open, found.median) == (Grade.NOT_SAFE, 0.4, True, 2.0)
     assert (found.governing, found.demands[0].smallest, found.demands[0].smallest_open) == (0, 0.8, True)
-    (row,) = verdict_table(summary.assign(warnings=("record", [""] * 4)), [found], of, "nonlinear").rows
+    (row,) = verdict_table(summary, [found], of, "nonlinear").rows
     assert row[3].text == "≤0.40"
     whole = verdict(summary_of([0.4, 0.9, 2.0, 3.0]), motions(4, rows=[[0, 1], [2, 3]], kind="pair"))
     assert (whole.smallest, whole.smallest_open, whole.median) == (0.4, False, pytest.approx(1.2))

@@ -186,7 +186,7 @@ def cells(table):
 def test_a_record_of_a_doubtful_peak_is_marked_and_said_first(results):
     assert not any("peak?" in text for text in cells(gather(results).answers))
     found = gather(changed(results, pga=98.1))
-    first = found.remarks[0]
+    first = found.caveats[0]
     assert (first.loud, first.head) == (True, "The peak of 1 record is doubtful")
     assert first.text.startswith("burst0 (peak?). (peak?): a peak above 5 g")
     assert "burst0 (peak?)" in cells(found.answers)
@@ -201,7 +201,7 @@ def test_where_nothing_was_found_the_page_says_up_to_where(results):
     assert "none" not in cells(found.answers)
     assert any(">10: none found up to there, where the search ends" in note for note in found.notes)
     assert "stands, not lifted" in cells(found.answers)
-    assert any("1 of 3 bodies is lifted by none of these motions" in remark.head for remark in found.remarks)
+    assert any("1 of 3 bodies is lifted by none of these motions" in caveat.head for caveat in found.caveats)
 
 
 def test_a_rotation_beyond_the_critical_angle_is_explained_where_there_is_one(results):

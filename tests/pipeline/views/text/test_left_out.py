@@ -9,6 +9,7 @@ from results_tree import results_tree
 
 from rockpulse.assessment.tree import failure_table
 from rockpulse.failures import NO_RECORD, Failure
+from rockpulse.remark import Remark, with_codes
 from rockpulse.views.text.left_out import failure_list, left_out, not_used
 
 
@@ -56,17 +57,19 @@ def test_failures_can_be_narrowed_to_a_kind():
     assert len(failure_list(tree).splitlines()) == 3
 
 
-def warned(*texts):
+def warned(*remarks):
     """The tree with these remarks on its three records."""
     tree = results_tree()
     summary = tree["summary"].to_dataset()
+    texts, codes = zip(*(with_codes(one) for one in remarks), strict=True)
     summary["warnings"] = summary["warnings"].copy(data=np.array(texts))
+    summary["warning_codes"] = summary["warning_codes"].copy(data=np.array(codes))
     return xr.DataTree.from_dict({"/summary": summary, "/failures": tree["failures"].to_dataset()})
 
 
 def test_one_warning_of_each_kind_is_shown_and_the_others_are_counted():
     peak = "peak {} g in the unit g; the values would be {} g if it were cm/s2"
-    told = left_out(warned(peak.format(338, 0.344), f"{peak.format(415, 0.42)}\nclipped for 7 samples", ""))
+    told = left_out(warned([peak.format(338, 0.344)], [peak.format(415, 0.42), "clipped for 7 samples"], []))
     assert "records with warnings: 2 " in told
     flat = " ".join(told.split())
     assert f"CI.CCC..HNE@20190706T031953: {peak.format(338, 0.344)}, and 1 more like it" in flat
@@ -74,21 +77,28 @@ def test_one_warning_of_each_kind_is_shown_and_the_others_are_counted():
     assert "CI.CCC..HNN@20190706T031953: clipped for 7 samples" in flat
 
 
+def test_remarks_of_one_code_are_alike_whatever_they_name():
+    reasons = [f"{name}.1: 1 half-waves in the intense phase" for name in ("first", "second")]
+    remarks = [[Remark("no_sequence", reason=reason), "another"] for reason in reasons]
+    flat = " ".join(left_out(warned(*remarks, [Remark("of_vertical", remark="another")])).split())
+    assert f"no impulse sequence: {reasons[0]}, and 1 more like it" in flat
+    assert reasons[1] not in flat
+    assert ": another, and 1 more like it" in flat
+    assert ": vertical channel: another" in flat
+
+
 def test_without_warnings_there_is_no_line_of_them():
-    assert "warnings" not in left_out(warned("", "", ""))
+    assert "warnings" not in left_out(warned([], [], []))
 
 
 @pytest.mark.parametrize(
-    ("note", "title"),
-    [
-        ("baseline: mean", "read, not assessed (vertical): 1"),
-        ("vertical acceleration: up", "vertical, acting on 2 records: 1"),
-    ],
+    ("name", "title"),
+    [("", "read, not assessed (vertical): 1"), ("up", "vertical, acting on 2 records: 1")],
 )
-def test_a_vertical_channel_that_acted_is_told(note, title):
+def test_a_vertical_channel_that_acted_is_told(name, title):
     tree = results_tree()
     summary = tree["summary"].to_dataset()
-    summary["processing"] = summary["processing"].copy(data=np.array([note, f"baseline: mean\n{note}", ""]))
+    summary["vertical_channel"] = summary["vertical_channel"].copy(data=np.array([name, name, ""]))
     acted = xr.DataTree.from_dict({"/summary": summary, "/failures": tree["failures"].to_dataset()})
     assert title in left_out(acted).splitlines()
 

@@ -342,8 +342,7 @@ def test_a_capacity_that_was_not_found_names_how_far_it_was_searched(searched):
 def test_a_record_of_a_doubtful_peak_is_marked_wherever_a_verdict_rests_on_it(summary):
     assert "peak?" not in verdict_table(summary) + overturned(summary)
     summary["pga"][0] = 981.0
-    clipped = "8 samples in a row at the largest value: the record may be clipped"
-    summary["warnings"] = ("record", ["", clipped, ""])
+    summary["warning_codes"] = ("record", ["", "plain clipped", ""])
     summary["safety_factor"].loc[{"record": RECORDS[1], "block": "column", "model": "nonlinear"}] = 0.82
     text = verdict_table(summary)
     assert f"{RECORDS[0]} (peak?)  PGA 100 g" in text

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from rockpulse.storage.variables import NOT_COMPARED
+from rockpulse.remark import Remark, remarked
 from rockpulse.views.report.answers import UPPER_BOUND
 from rockpulse.views.report.events import CONFIDENCE, FEWEST_EVENTS, largest_share
 from rockpulse.views.report.motions import Motions
@@ -24,24 +24,17 @@ from rockpulse.views.text.site import coverage
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["Remark", "remarks"]
+__all__ = ["Caveat", "caveats"]
 
 #: Below this number of events the bound is said to rest on few.
 FEW_EVENTS = 10
 
 
 @dataclass(frozen=True)
-class Remark:
-    """Something to be known before the numbers are used.
+class Caveat:
+    """Something to be known before the numbers are used: in a few words, and in a sentence or two.
 
-    Attributes
-    ----------
-    loud : bool
-        Whether it takes from the verdict, or only explains it.
-    head : str
-        In a few words.
-    text : str
-        In a sentence or two.
+    A loud one takes from the verdict; another one only explains it.
     """
 
     loud: bool
@@ -49,7 +42,7 @@ class Remark:
     text: str
 
 
-def remarks(
+def caveats(
     summary: xr.Dataset,
     found: Sequence[BodyVerdict],
     motions: Motions,
@@ -57,32 +50,18 @@ def remarks(
     failed: int,
     site: xr.Dataset | None = None,
     components: str = "",
-) -> list[Remark]:
-    """What the verdict does not say by itself, the gravest first.
+) -> list[Caveat]:
+    """What the verdict on the bodies under the motions, by a model, does not say by itself, the gravest first.
 
-    Parameters
-    ----------
-    summary : xarray.Dataset
-        The node /summary.
-    found : sequence of BodyVerdict
-        Of all bodies.
-    motions : Motions
-        Under what.
-    model : str
-        By which model.
-    failed : int
-        Files and channels that failed.
-    site : xarray.Dataset, optional
-        The node /site of a site file.
-    components : str
-        Which direction of a pair of channels was assessed; `[records] components`.
+    `failed` counts the files and channels that failed; `site` is the node /site of a site file; `components` says
+    which direction of a pair of channels was assessed ([records] components).
     """
-    said: list[Remark | None] = [_doubtful(summary), _confidence(motions, found, site)]
+    said: list[Caveat | None] = [_doubtful(summary), _confidence(motions, found, site)]
     if motions.kind == "sequence":
         said += [_not_compared(summary), *([] if site is None else _of_design(site, found))]
     if model == "resonance":
         said.append(
-            Remark(
+            Caveat(
                 True,
                 f"Judged by an {UPPER_BOUND}",
                 "The resonance model lets every main impulse act at the worst moment. Its overturning says that a "
@@ -90,10 +69,10 @@ def remarks(
             )
         )
     elif motions.kind == "sequence":
-        said.append(Remark(False, f"Judged by the {model} model", "The equation of motion itself needs a record."))
+        said.append(Caveat(False, f"Judged by the {model} model", "The equation of motion itself needs a record."))
     elif model not in ("nonlinear", "auto"):
         said.append(
-            Remark(
+            Caveat(
                 True,
                 f"Judged by the {model} model",
                 "The full equation of motion (nonlinear) was not among the models; its verdicts may differ.",
@@ -101,7 +80,7 @@ def remarks(
         )
     if failed:
         said.append(
-            Remark(
+            Caveat(
                 True,
                 f"{failed} {'files or channels' if failed > 1 else 'file or channel'} failed",
                 "They are no part of this verdict; see below.",
@@ -111,7 +90,7 @@ def remarks(
     said += [_thin(summary, found, model), _at_rest(found, motions), _drift(summary), _several_restitutions(found)]
     if components == "horizontal" and motions.kind == "record":
         said.append(
-            Remark(
+            Caveat(
                 False,
                 "Every channel is taken as it was recorded",
                 "Its direction need not be that in which a body can rock: for a wall or façade of known direction set "
@@ -121,17 +100,17 @@ def remarks(
     return [one for one in said if one is not None]
 
 
-def _confidence(motions: Motions, found: Sequence[BodyVerdict], site: xr.Dataset | None) -> Remark:
+def _confidence(motions: Motions, found: Sequence[BodyVerdict], site: xr.Dataset | None) -> Caveat:
     events = motions.event_count
     if motions.kind == "sequence":
-        return Remark(
+        return Caveat(
             True,
             "The confidence is that of the site calibration",
             "One design sequence says nothing of how often it is exceeded. "
             + ("The coverage in the site file does (rockpulse report --site)." if site is None else coverage(site)),
         )
     if events < FEWEST_EVENTS:
-        return Remark(
+        return Caveat(
             True,
             "No confidence statement can be made",
             f"The motions come from {several(events, 'earthquake')}; records of one earthquake are no independent "
@@ -146,7 +125,7 @@ def _confidence(motions: Motions, found: Sequence[BodyVerdict], site: xr.Dataset
         else " Every body is overturned, or may be, by at least one of them: the table has the bound of each."
     )
     few = events < FEW_EVENTS
-    return Remark(
+    return Caveat(
         few,
         f"With {CONFIDENCE:.0%} confidence" + (f", from {events} earthquakes only" if few else ""),
         f"A body that none of {events} earthquakes overturns may still be overturned by up to {best} of earthquakes "
@@ -155,14 +134,15 @@ def _confidence(motions: Motions, found: Sequence[BodyVerdict], site: xr.Dataset
     )
 
 
-def _not_compared(summary: xr.Dataset) -> Remark | None:
+def _not_compared(summary: xr.Dataset) -> Caveat | None:
     """That the demand of the site was not asked for: a sequence has no PGA."""
-    if not any(NOT_COMPARED in str(text) for text in summary["warnings"].values):
+    if not any(remarked(str(codes), "demand_not_compared") for codes in summary["warning_codes"].values):
         return None
-    return Remark(True, "The demand of the site is not checked", f"{NOT_COMPARED[0].upper()}{NOT_COMPARED[1:]}.")
+    told = str(Remark("demand_not_compared"))
+    return Caveat(True, "The demand of the site is not checked", f"{told[0].upper()}{told[1:]}.")
 
 
-def _of_design(site: xr.Dataset, found: Sequence[BodyVerdict]) -> list[Remark]:
+def _of_design(site: xr.Dataset, found: Sequence[BodyVerdict]) -> list[Caveat]:
     """What speaks against a body that stands under the design sequence of its site."""
     said = []
     standing = [one for one in found if one.grade < Grade.NOT_KNOWN]
@@ -171,7 +151,7 @@ def _of_design(site: xr.Dataset, found: Sequence[BodyVerdict]) -> list[Remark]:
     within = [f"{one.body.name} (SF {ratio(one.smallest)})" for one in standing if one.smallest <= factor]
     if within:
         said.append(
-            Remark(
+            Caveat(
                 True,
                 f"Within the {float(site['confidence']):.0%} interval of the design's main impulse "
                 f"({figure(low)} to {figure(high, 'm/s')}) it overturns {listed(within)}",
@@ -186,7 +166,7 @@ def _of_design(site: xr.Dataset, found: Sequence[BodyVerdict]) -> list[Remark]:
     ]
     if fallen:
         said.append(
-            Remark(
+            Caveat(
                 True,
                 f"Records of the site, scaled as they were calibrated, overturn {listed(fallen)}",
                 "The design covers a share of the recorded rotations, not all; assess the records themselves too.",
@@ -195,39 +175,39 @@ def _of_design(site: xr.Dataset, found: Sequence[BodyVerdict]) -> list[Remark]:
     return said
 
 
-def _doubt(kind: Standing, found: Sequence[BodyVerdict], motions: Motions) -> Remark | None:
+def _doubt(kind: Standing, found: Sequence[BodyVerdict], motions: Motions) -> Caveat | None:
     count, total = sum(one.counts[kind] for one in found), len(found) * len(motions.names)
     if not count:
         return None
     of = f"{count} of {total} cases ({noun(motions)} and body)"
     if kind == Standing.WEAKER_OVERTURNS:
-        return Remark(
+        return Caveat(
             True,
             f"In {of} the body survives the motion as it is, but a weaker copy overturns it",
             "They are not counted as safe: the next record need not be as strong.",
         )
     if kind == Standing.UNKNOWN:
-        return Remark(
+        return Caveat(
             True,
             f"In {of} the answer is not known",
             "The model is unresolved or not predictable there, outside its range, or a weaker record may overturn the "
             "body; not counted as safe. The table of answers says which.",
         )
-    return Remark(
+    return Caveat(
         True,
         f"In {of} the margin was not computed",
         "No safety factor of the model was searched ([search] models): a weaker record may overturn the body.",
     )
 
 
-def _thin(summary: xr.Dataset, found: Sequence[BodyVerdict], model: str) -> Remark | None:
+def _thin(summary: xr.Dataset, found: Sequence[BodyVerdict], model: str) -> Caveat | None:
     """That the search may have passed over what would overturn a body."""
     thin = sum(one.overall == Grade.THIN for one in found)
     if not thin:
         return None
     steps = summary["search_step"].sel(model=model).values if "search_step" in summary else np.ones(1)
     step, margin = float(np.nanmax(steps)), float(np.nanmax(thin_margin(steps)))
-    return Remark(
+    return Caveat(
         True,
         f"{of_bodies(thin, len(found))} {'stands' if thin == 1 else 'stand'} with hardly a margin",
         f"Factors were searched in steps of up to {step - 1.0:.1%}, and narrow bands of overturning lie between them: "
@@ -236,7 +216,7 @@ def _thin(summary: xr.Dataset, found: Sequence[BodyVerdict], model: str) -> Rema
     )
 
 
-def _at_rest(found: Sequence[BodyVerdict], motions: Motions) -> Remark | None:
+def _at_rest(found: Sequence[BodyVerdict], motions: Motions) -> Caveat | None:
     idle, total = sum(one.at_rest for one in found), len(motions.names)
     if not idle or motions.kind == "sequence":
         return None
@@ -252,37 +232,37 @@ def _at_rest(found: Sequence[BodyVerdict], motions: Motions) -> Remark | None:
         )
     searched = any(not np.isnan(one.smallest) for one in found)
     stronger = "The safety factor says how much stronger the motions might be." if searched else ""
-    return Remark(bool(never), head, f"{text}{stronger}".rstrip())
+    return Caveat(bool(never), head, f"{text}{stronger}".rstrip())
 
 
-def _doubtful(summary: xr.Dataset) -> Remark | None:
+def _doubtful(summary: xr.Dataset) -> Caveat | None:
     """Records whose peak may be that of a wrong unit, or cut off."""
     named = [name + mark for name, mark in doubts(summary).items() if mark]
     if not named:
         return None
-    return Remark(
+    return Caveat(
         True,
         f"The peak of {several(len(named), 'record')} is doubtful",
         f"{listed(named)}. {' '.join(doubt_notes(named))} Check them before this verdict is used.",
     )
 
 
-def _drift(summary: xr.Dataset) -> Remark | None:
+def _drift(summary: xr.Dataset) -> Caveat | None:
     count = int(summary["pgv_drift"].sum()) if "pgv_drift" in summary else 0
     if not count:
         return None
-    return Remark(
+    return Caveat(
         False,
         f"The baseline of {several(count, 'record')} drifts",
         "The velocity does not come back to zero: PGV may be off by as much, and the longest impulses with it.",
     )
 
 
-def _several_restitutions(found: Sequence[BodyVerdict]) -> Remark | None:
+def _several_restitutions(found: Sequence[BodyVerdict]) -> Caveat | None:
     blocks = {one.body.block for one in found}
     if len(blocks) == len(found):
         return None
-    return Remark(
+    return Caveat(
         False,
         f"{several(len(blocks), 'block')} {'counts' if len(blocks) == 1 else 'count'} as {len(found)} bodies",
         "A block counts once for each restitution C that was given. Which holds is not known: judge it by the worst.",

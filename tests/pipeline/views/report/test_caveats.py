@@ -1,4 +1,4 @@
-"""What the verdict does not say: remarks on a design sequence and its site, on directions and restitutions."""
+"""What the verdict does not say: caveats on a design sequence and its site, on directions and restitutions."""
 
 import numpy as np
 import pytest
@@ -6,8 +6,7 @@ import xarray as xr
 from report_cases import motions, summary_of, verdict
 
 from rocking.response import Outcome
-from rockpulse.storage.variables import NOT_COMPARED
-from rockpulse.views.report.remarks import remarks
+from rockpulse.views.report.caveats import caveats
 
 
 def site(peaks, design=0.2, upper=0.3):
@@ -32,46 +31,47 @@ def site(peaks, design=0.2, upper=0.3):
 
 def heads(summary, kind="sequence", **options):
     of = motions(summary.sizes["record"], kind=kind)
-    found = remarks(summary, [verdict(summary, of)], of, "nonlinear", 0, **options)
+    found = caveats(summary, [verdict(summary, of)], of, "nonlinear", 0, **options)
     return {one.head: one for one in found}
 
 
-def with_warnings(factors, *texts, **options):
+def with_codes(factors, *codes, **options):
     summary = summary_of(factors, **options)
-    texts = texts or ("",) * summary.sizes["record"]
-    return summary.assign(warnings=(("record",), list(texts)))
+    return summary.assign(warning_codes=(("record",), list(codes))) if codes else summary
 
 
 def test_a_demand_that_a_sequence_cannot_be_held_against_is_said_loudly():
-    found = heads(with_warnings([1.6], f"something\n{NOT_COMPARED}"))
-    assert found["The demand of the site is not checked"].loud
-    assert "The demand of the site is not checked" not in heads(with_warnings([1.6]))
+    found = heads(with_codes([1.6], "plain demand_not_compared"))
+    told = found["The demand of the site is not checked"]
+    assert told.loud
+    assert told.text.startswith("A sequence has no PGA: its capacity is not compared with the demand of the site")
+    assert "The demand of the site is not checked" not in heads(with_codes([1.6]))
 
 
 @pytest.mark.parametrize(("factor", "told"), [(1.4, True), (1.6, False)])
 def test_a_body_that_overturns_within_the_interval_of_the_design(factor, told):
-    found = heads(with_warnings([factor]), site=site([0.1, 0.2]))
+    found = heads(with_codes([factor]), site=site([0.1, 0.2]))
     words = [head for head in found if head.startswith("Within the 90% interval")]
     assert bool(words) == told
     assert all("b (SF 1.40)" in word for word in words)
 
 
 def test_records_of_the_site_that_overturn_a_body_which_stands_under_its_design():
-    found = heads(with_warnings([1.6]), site=site([0.1, np.inf, np.inf]))
+    found = heads(with_codes([1.6]), site=site([0.1, np.inf, np.inf]))
     assert found["Records of the site, scaled as they were calibrated, overturn b (2 of 3)"].loud
-    assert not [head for head in heads(with_warnings([1.6]), site=site([0.1])) if "overturn" in head]
+    assert not [head for head in heads(with_codes([1.6]), site=site([0.1])) if "overturn" in head]
 
 
 @pytest.mark.parametrize(("step", "told"), [(1.01, False), (1.12, True)])
 def test_a_search_too_coarse_for_the_margin_is_said_loudly(step, told):
-    summary = with_warnings([1.6, 2.0], outcomes=[Outcome.ROCKS] * 2, step=step)
+    summary = with_codes([1.6, 2.0], outcomes=[Outcome.ROCKS] * 2, step=step)
     said = heads(summary, "record").get("1 of 1 body stands with hardly a margin")
     assert (said is not None) == told
     assert said is None or (said.loud and "steps of up to 12.0%" in said.text and "below 1.8" in said.text)
 
 
 def test_channels_as_recorded_need_not_point_where_a_body_rocks():
-    summary = with_warnings([1.6, 2.0], outcomes=[Outcome.ROCKS] * 2)
+    summary = with_codes([1.6, 2.0], outcomes=[Outcome.ROCKS] * 2)
     head = "Every channel is taken as it was recorded"
     assert head in heads(summary, "record", components="horizontal")
     assert head not in heads(summary, "record", components="azimuth")
