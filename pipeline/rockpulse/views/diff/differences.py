@@ -8,7 +8,7 @@ what was written, not what is there now (``rockpulse verify`` checks them).
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from difflib import get_close_matches, unified_diff
 from typing import TYPE_CHECKING, Any
@@ -19,7 +19,7 @@ from rockpulse.errors import ResultsError
 from rockpulse.storage.hdf5_reader import ResultsFile, flag_words, slab
 from rockpulse.storage.long_table import POINTS_AT
 from rockpulse.views.diff.answer_changes import Changes, Flip, body_changes, leading_model
-from rockpulse.views.diff.row_matching import Matched, OnlyIn, RowMatcher, only_in
+from rockpulse.views.diff.row_matching import Matched, OnlyIn, RowMatcher, add_only
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -44,67 +44,33 @@ APART = ("history", "configuration", "kind", "Conventions", "run_id", *ABOUT)
 
 @dataclass(frozen=True)
 class VariableDifference:
-    """How a variable differs.
+    """How a variable differs."""
 
-    Attributes
-    ----------
-    name : str
-        Group and variable.
-    differing, compared : int
-        Values beyond the tolerance, of how many.
-    largest : float
-        Largest relative difference; inf between a number and NaN or inf; NaN for texts and flags.
-    place : tuple of str
-        Where that is (of texts and flags: the first): record, block, model, or what else names it.
-    before, after : str
-        The values there.
-    """
-
-    name: str
-    differing: int
+    name: str  # group and variable
+    differing: int  # values beyond the tolerance
     compared: int
-    largest: float
-    place: tuple[str, ...]
+    largest: float  # relative difference; inf between a number and NaN or inf; NaN for texts and flags
+    place: tuple[str, ...]  # of the largest, of texts and flags of the first: record, block, model, or another name
     before: str
     after: str
 
 
 @dataclass
 class Differences:
-    """What changed between two files.
+    """What changed between two files; ``sides`` holds the verdicts and ratios that changed sides, by variable.
 
-    Attributes
-    ----------
-    about : list of (str, str, str)
-        Versions, title and other attributes of the root that differ: name, before, after.
-    configuration : list of str
-        Lines of the configuration with the section, or the block, that they are of; those that went with "-", those
-        that came with "+".
-    only : list of OnlyIn
-        Groups, rows and variables that only one file has.
-    others : list of str
-        Other differences in words: attributes, units, rows that could not be matched.
-    variables : list of VariableDifference
-        Those with values beyond the tolerance.
-    model : str
-        The fullest that both have, whose changes come first; empty without one.
-    bodies : list of str
-        How the margins of the bodies changed by that model.
-    sides : dict of str to Changes
-        Verdicts that flipped, and ratios that were below one and are not, or the other way round; by variable.
-    compared : int
-        Values in all.
+    Lines of the configuration stand behind "-" or "+" and the section or the block that they are of.
     """
 
-    about: list[tuple[str, str, str]] = field(default_factory=list)
+    about: list[tuple[str, str, str]] = field(default_factory=list)  # attributes of the root: name, before, after
     configuration: list[str] = field(default_factory=list)
-    only: list[OnlyIn] = field(default_factory=list)
-    others: list[str] = field(default_factory=list)
+    only: list[OnlyIn] = field(default_factory=list)  # groups, rows and variables of one file
+    others: list[str] = field(default_factory=list)  # other differences in words
     variables: list[VariableDifference] = field(default_factory=list)
-    model: str = ""
-    bodies: list[str] = field(default_factory=list)
+    model: str = ""  # the fullest that both have; empty without one
+    bodies: list[str] = field(default_factory=list)  # changes of the margins by that model
     sides: dict[str, Changes] = field(default_factory=dict)
-    compared: int = 0
+    compared: int = 0  # values
 
     @property
     def same(self) -> bool:
@@ -123,18 +89,8 @@ def compare_results(
     """Compare two open results files of the same kind.
 
     Two numbers are the same where they differ by at most `atol` + `rtol` times the larger one, or are both NaN or the
-    same infinity; texts, whole numbers and flags where they are equal.
-
-    Parameters
-    ----------
-    first, second : ResultsFile
-        Before and after.
-    rtol, atol : float
-        Tolerance.
-    ignore : sequence of str
-        Variables that are not compared: their names, or ``/group/name`` for that of one group.
-    listed : int
-        Most verdicts, and most ratios that crossed one, that are named.
+    same infinity; texts, whole numbers and flags where they are equal. Variables in `ignore`, as ``name`` or
+    ``/group/name``, are not compared; at most `listed` verdicts and `listed` ratios that changed sides are named.
 
     Raises
     ------
@@ -148,7 +104,7 @@ def compare_results(
     _check_ignored(ignore, first, second)
     found = Differences(sides={name: Changes(listed) for name in (OUTCOME, SAFETY, CAPACITY)})
     _compare_attributes(found, first.attrs, second.attrs)
-    _only(found, "groups", first.groups, second.groups)
+    add_only(found.only, "groups", first.groups, second.groups)
     named: dict[str, Matched] = {}
     for group in sorted(set(first.groups) & set(second.groups), key=lambda name: (name != "summary", name)):
         with first.reading(), second.reading():
@@ -200,12 +156,6 @@ def _placed(configuration: str) -> list[str]:
     return lines
 
 
-def _only(found: Differences, what: str, first: Iterable[Any], second: Iterable[Any]) -> None:
-    only = only_in(what, first, second)
-    if only is not None and only not in found.only:
-        found.only.append(only)
-
-
 def _compare_failures(found: Differences, one: xr.Dataset, other: xr.Dataset) -> None:
     """As sets: a failure has no name but all that it says."""
 
@@ -213,7 +163,7 @@ def _compare_failures(found: Differences, one: xr.Dataset, other: xr.Dataset) ->
         columns = [dataset[name].values for name in ("kind", "stage", "file", "reason")]
         return [f"{kind} ({stage}) {file}: {reason}" for kind, stage, file, reason in zip(*columns, strict=True)]
 
-    _only(found, "failures", dict.fromkeys(told(one)), dict.fromkeys(told(other)))
+    add_only(found.only, "failures", dict.fromkeys(told(one)), dict.fromkeys(told(other)))
     found.compared += one.sizes["failure"]
 
 
@@ -230,7 +180,7 @@ class _Group:
     atol: float
 
     def __post_init__(self) -> None:
-        self.rows = RowMatcher(self.group, self.one, self.other, self.named)
+        self.rows = RowMatcher(self.group, self.one, self.other, self.named, self.found.only, self.found.others)
 
     def compare(self, ignore: Sequence[str]) -> None:
         """Match the rows, then compare the variables that both have."""
@@ -242,12 +192,10 @@ class _Group:
             [str(name) for name in dataset.data_vars if not {str(name), f"/{self.group}/{name}"} & set(ignore)]
             for dataset in (self.one, self.other)
         )
-        _only(self.found, f"variables of /{self.group}", names, others)
+        add_only(self.found.only, f"variables of /{self.group}", names, others)
         for name in names:
             if name in others:
                 self._variable(name)
-        self.found.only += [one for one in self.rows.only if one not in self.found.only]
-        self.found.others += self.rows.remarks
 
     def _variable(self, name: str) -> None:
         before, after = self.one.variables[name], self.other.variables[name]

@@ -8,7 +8,8 @@ from collections.abc import Sequence
 from rockpulse.storage.hdf5_reader import ResultsFile
 from rockpulse.views.diff.answer_changes import Changes
 from rockpulse.views.diff.differences import CAPACITY, OUTCOME, SAFETY, Differences, OnlyIn
-from rockpulse.views.shared.terminal import ABSENT, aligned, paragraph, shortened
+from rockpulse.views.shared.table import Cell, Heading, Table, lines, number, text
+from rockpulse.views.shared.terminal import ABSENT, paragraph, shortened
 
 __all__ = ["difference_overview"]
 
@@ -28,17 +29,7 @@ CROSSED = {
 
 
 def difference_overview(found: Differences, first: ResultsFile, second: ResultsFile, tolerance: str) -> str:
-    """Files, bodies, verdicts that flipped, ratios that crossed one, what only one file has, all other differences.
-
-    Parameters
-    ----------
-    found : Differences
-        What was compared.
-    first, second : ResultsFile
-        The files.
-    tolerance : str
-        In words.
-    """
+    """Files, bodies, verdicts that flipped, ratios that crossed one, what only one file has, all other differences."""
     parts = [_files(first, second), _bodies(found), _flips(found)]
     parts += [_crossings(found, name, title) for name, title in CROSSED.items()]
     parts += [_about(found), _configuration(found)]
@@ -52,13 +43,13 @@ def difference_overview(found: Differences, first: ResultsFile, second: ResultsF
 
 
 def _files(first: ResultsFile, second: ResultsFile) -> str:
-    lines = []
+    said = []
     for mark, file in (("-", first), ("+", second)):
         sizes = file.dataset("summary").sizes if "summary" in file.groups else {}
         counts = ", ".join(f"{sizes[dim]} {dim}s" for dim in ("record", "block", "model") if dim in sizes)
         history = str(file.attrs.get("history", "")).splitlines()
-        lines += [f"{mark} {file.path}", f"    {counts or file.kind}; {history[-1] if history else ''}"]
-    return "\n".join(lines)
+        said += [f"{mark} {file.path}", f"    {counts or file.kind}; {history[-1] if history else ''}"]
+    return "\n".join(said)
 
 
 def _about(found: Differences) -> str:
@@ -68,28 +59,30 @@ def _about(found: Differences) -> str:
 def _configuration(found: Differences) -> str:
     if not found.configuration:
         return ""
-    shown = [paragraph(line[1:], "      ", f"  {line[0]} ") for line in found.configuration[: 2 * LISTED]]
-    more = len(found.configuration) - len(shown)
-    return "\n".join(["Configuration:", *shown, *([f"  and {more} more lines"] if more else [])])
+    said = [paragraph(line[1:], "      ", f"  {line[0]} ") for line in found.configuration]
+    return "\n".join(["Configuration:", *_first(said, 2 * LISTED, " lines")])
 
 
 def _only(one: OnlyIn) -> str:
-    lines = []
-    for mark, names in (("-", one.first), ("+", one.second)):
+    said = []
+    for mark, which, names in (("-", "first", one.first), ("+", "second", one.second)):
         if names:
-            lines.append(f"{one.what} only in the {'first' if mark == '-' else 'second'} file: {len(names)}")
-            lines += [paragraph(name, "      ", f"  {mark} ") for name in names[:LISTED]]
-            lines += [f"  and {len(names) - LISTED} more"] if len(names) > LISTED else []
-    return "\n".join(lines)
+            said.append(f"{one.what} only in the {which} file: {len(names)}")
+            said += _first([paragraph(name, "      ", f"  {mark} ") for name in names], LISTED)
+    return "\n".join(said)
 
 
 def _bodies(found: Differences) -> str:
     if found.same or not found.bodies:
         return ""
-    lines = [paragraph(line, "      ", "  ") for line in found.bodies[: 2 * LISTED]]
-    more = len(found.bodies) - len(lines)
+    said = [paragraph(line, "      ", "  ") for line in found.bodies]
     title = f"Bodies whose margin changed (by the {found.model} model): {len(found.bodies)}"
-    return "\n".join([title, *lines, *([f"  and {more} more"] if more else [])])
+    return "\n".join([title, *_first(said, 2 * LISTED)])
+
+
+def _first(said: list[str], most: int, noun: str = "") -> list[str]:
+    """The first lines, and how many more there are."""
+    return said if len(said) <= most else [*said[:most], f"  and {len(said) - most} more{noun}"]
 
 
 def _flips(found: Differences) -> str:
@@ -111,46 +104,33 @@ def _crossings(found: Differences, name: str, title: str) -> str:
 
 def _changes(title: str, by_model: str, model: str, changes: Changes) -> str:
     """The title, then a line for each change that is listed, and how many more there are."""
-    rows = [
-        [*(shortened(name, NAME_WIDTH) for name in change.place), f"{change.before} -> {change.after}"]
+    rows = tuple(
+        (*(Cell(shortened(name, NAME_WIDTH)) for name in change.place), Cell(f"{change.before} -> {change.after}"))
         for change in changes.named
-    ]
+    )
+    shown = lines(Table("", "", (Heading(""),) * len(rows[0]), rows))[1:]
     more = [f"  and {changes.count - len(rows)} more (--limit)"] if changes.count > len(rows) else []
     heading = paragraph(f"{title} ({by_model} by the {model} model)" if model else title, "    ", "")
-    return "\n".join([heading, *("  " + line for line in aligned(rows, left=len(rows[0]))), *more])
+    return "\n".join([heading, *("  " + line for line in shown), *more])
 
 
 def _variables(found: Differences, tolerance: str) -> str:
     if not found.variables:
         return ""
-    rows = [["variable", "differ", "of", "largest", "  where", "  before -> after"]]
-    for one in found.variables:
-        size = ABSENT if math.isnan(one.largest) else f"{one.largest:.1e}"
-        change = f"{_text(one.before)} -> {_text(one.after)}"
-        rows.append(
-            [
-                one.name,
-                str(one.differing),
-                str(one.compared),
-                size,
-                f"  {_place(one.place)}",
-                f"  {change}",
-            ]
+    rows = tuple(
+        (
+            Cell(one.name),
+            number(one.differing, str),
+            number(one.compared, str),
+            number(one.largest, lambda size: ABSENT if math.isnan(size) else f"{size:.1e}"),
+            Cell(f"  {_place(one.place)}"),
+            Cell(f"  {_text(one.before)} -> {_text(one.after)}"),
         )
-    widths = [max(len(cell) for cell in column) for column in zip(*rows, strict=True)]
-    # Numbers flush right between names flush left.
-    made = [
-        [row[0], *(cell.rjust(width) for cell, width in zip(row[1:4], widths[1:4], strict=True)), *row[4:]]
-        for row in rows
-    ]
-    note = "largest: relative difference (inf: one is no finite number), and where it is; of texts and flags the first."
-    return "\n".join(
-        [
-            f"Variables beyond {tolerance}:",
-            *("  " + line for line in aligned(made, left=6, gap="  ")),
-            paragraph(note, "  "),
-        ]
+        for one in found.variables
     )
+    headings = tuple(map(Heading, ("variable", "differ", "of", "largest", "  where", "  before -> after")))
+    note = "largest: relative difference (inf: one is no finite number), and where it is; of texts and flags the first."
+    return text(Table("", f"Variables beyond {tolerance}:", headings, rows, (note,)))
 
 
 def _place(names: Sequence[str]) -> str:

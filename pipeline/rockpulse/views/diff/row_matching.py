@@ -13,101 +13,63 @@ from rockpulse.storage.long_table import POINTS_AT
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["Matched", "OnlyIn", "RowMatcher", "only_in"]
+__all__ = ["Matched", "OnlyIn", "RowMatcher", "add_only"]
 
 
 @dataclass(frozen=True)
 class OnlyIn:
-    """What one file has and the other has not.
-
-    Attributes
-    ----------
-    what : str
-        Groups, variables, records, blocks, failures ...
-    first, second : tuple of str
-        What only the first, and only the second file has.
-    """
+    """Names of groups, variables, records, blocks or failures that only the first, or only the second file has."""
 
     what: str
     first: tuple[str, ...]
     second: tuple[str, ...]
 
 
-def only_in(what: str, first: Iterable[Any], second: Iterable[Any]) -> OnlyIn | None:
-    """What only one of two lists has; None where they have the same.
-
-    Parameters
-    ----------
-    what : str
-        What they list.
-    first, second : iterable
-        Names.
+def add_only(only: list[OnlyIn], what: str, first: Iterable[Any], second: Iterable[Any]) -> None:
+    """Add to a list what only one of two lists of names has, unless it is said already.
 
     Examples
     --------
-    >>> only_in("records", ["a", "b"], ["b", "c"])
-    OnlyIn(what='records', first=('a',), second=('c',))
+    >>> only = []
+    >>> add_only(only, "records", ["a", "b"], ["b", "c"])
+    >>> only
+    [OnlyIn(what='records', first=('a',), second=('c',))]
     """
     before, after = dict.fromkeys(map(str, first)), dict.fromkeys(map(str, second))
     gone = tuple(name for name in before if name not in after)
     new = tuple(name for name in after if name not in before)
-    return OnlyIn(what, gone, new) if gone or new else None
+    found = OnlyIn(what, gone, new)
+    if (gone or new) and found not in only:
+        only.append(found)
 
 
 @dataclass(frozen=True, eq=False)
 class Matched:
-    """Rows along one dimension that both files have.
-
-    Attributes
-    ----------
-    first, second : (n,) ndarray of int
-        Their positions.
-    names : callable
-        What names the k-th of them: a label, or labels and a number.
-    whole : bool
-        Whether they are all rows of both files, in the same order.
-    """
+    """Positions of the rows along one dimension that both files have."""
 
     first: np.ndarray
     second: np.ndarray
-    names: Callable[[int], tuple[str, ...]]
-    whole: bool
+    names: Callable[[int], tuple[str, ...]]  # of the k-th of them: a label, or labels and a number
+    whole: bool  # whether they are all rows of both files, in the same order
 
 
 @dataclass
 class RowMatcher:
-    """The rows of one group of two files.
+    """The rows of one group of two files; fills ``only`` and ``remarks`` with what could not be matched.
 
-    Attributes
-    ----------
-    group : str
-        Name of the group.
-    one, other : xarray.Dataset
-        It in both files.
-    named : dict of str to Matched
-        Rows of /summary by dimension, which other groups point at; filled by the group summary.
-    only : list of OnlyIn
-        Names that only one file has.
-    remarks : list of str
-        What could not be matched.
+    ``named`` are the rows of /summary by dimension, which other groups point at; the group summary fills it.
     """
 
     group: str
     one: xr.Dataset
     other: xr.Dataset
     named: dict[str, Matched]
-    only: list[OnlyIn] = field(default_factory=list)
-    remarks: list[str] = field(default_factory=list)
+    only: list[OnlyIn]
+    remarks: list[str]
     _matched: dict[str, Matched | None] = field(default_factory=dict)
 
     def of(self, dim: str) -> Matched | None:
-        """Rows along a dimension that both files have; None where they cannot be matched.
-
-        Parameters
-        ----------
-        dim : str
-            A dimension of the group.
-        """
+        """Rows along a dimension that both files have; None where they cannot be matched."""
         if dim not in self._matched:
             self._matched[dim] = self._match(dim)
         return self._matched[dim]
@@ -131,8 +93,7 @@ class RowMatcher:
 
     def _by_label(self, dim: str) -> Matched:
         old, new = ([str(label) for label in dataset[dim].values] for dataset in (self.one, self.other))
-        only = only_in(f"{dim}s", old, new)
-        self.only += [] if only is None else [only]
+        add_only(self.only, f"{dim}s", old, new)
         place = {label: k for k, label in enumerate(new)}
         first = np.array([k for k, label in enumerate(old) if label in place], dtype=int)
         second = np.array([place[old[k]] for k in first.tolist()], dtype=int)

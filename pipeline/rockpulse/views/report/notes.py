@@ -25,15 +25,7 @@ _MARKS = (OUTSIDE, UNPREDICTABLE, ESTIMATE, NO_ANSWER)
 
 
 def table_notes(answers: Answers, motions: Motions) -> list[str]:
-    """A line for everything in the tables that does not speak for itself.
-
-    Parameters
-    ----------
-    answers : Answers
-        The cells.
-    motions : Motions
-        What is counted.
-    """
+    """A line for everything in the tables that does not speak for itself."""
     notes = [
         "Figures of a model: largest rotation over the critical angle, θ_max/α_c, under the motion as it is. C: "
         "velocity ratio of an impact. a/a_up: PGA over the acceleration of uplift. I/I_1c: main impulse over the one "

@@ -43,40 +43,19 @@ NAMED = 6
 class Paired:
     """Another file beside the results, and what they have in common.
 
-    Attributes
-    ----------
-    tree : xarray.DataTree
-        The file; of fragility curves those of bodies of the results only, each once.
-    missing, foreign : tuple of str
-        Bodies of the results only; of the other file only.
-    same : int
-        Records of both: of one id and one PGA, or of one id where the file does not hold the PGA.
-    unchecked : int
-        Those of them that are the same by their id alone.
-    changed : tuple of str
-        Records of one id whose PGA differs.
-    settings : tuple of str
-        Settings of the motions that differ: "[conditioning] order = 2, here 4".
+    The tree holds, of fragility curves, those of bodies of the results only, each once.
     """
 
     tree: xr.DataTree
-    missing: tuple[str, ...]
-    foreign: tuple[str, ...]
-    same: int
-    unchecked: int
-    changed: tuple[str, ...]
-    settings: tuple[str, ...]
+    missing: tuple[str, ...]  # bodies of the results only
+    foreign: tuple[str, ...]  # bodies of the other file only
+    same: int  # records of both: of one id and one PGA, or of one id where the file does not hold the PGA
+    unchecked: int  # records of these that are the same by their id alone
+    changed: tuple[str, ...]  # records of one id whose PGA differs
+    settings: tuple[str, ...]  # settings of the motions that differ: "[conditioning] order = 2, here 4"
 
     def other_motions(self, subject: str, assessed: int) -> list[str]:
-        """Sentences on the motions that the two do not have in common.
-
-        Parameters
-        ----------
-        subject : str
-            What the sentences are about: "The curves are".
-        assessed : int
-            Records of the results; 0 where a design sequence stands for them.
-        """
+        """Sentences, which begin with the subject, on motions that are not in common; none for a design sequence."""
         if not assessed:
             return []
         said = []
@@ -94,17 +73,6 @@ class Paired:
 
 def paired(results: xr.DataTree, other: xr.DataTree, kind: str, name: str) -> Paired:
     """Compare a file with the results that it is to be shown beside.
-
-    Parameters
-    ----------
-    results : xarray.DataTree
-        Of an assessment.
-    other : xarray.DataTree
-        A site calibration or fragility curves.
-    kind : str
-        Which of them.
-    name : str
-        What it is called in a message.
 
     Raises
     ------
@@ -141,11 +109,6 @@ def paired(results: xr.DataTree, other: xr.DataTree, kind: str, name: str) -> Pa
 
 def listed(names: Iterable[str]) -> str:
     """Names in a sentence: the first ones, and how many more.
-
-    Parameters
-    ----------
-    names : iterable of str
-        At least one.
 
     Examples
     --------

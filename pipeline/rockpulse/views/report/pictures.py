@@ -35,32 +35,14 @@ STORE = 'The results do not hold the accelerogram ([records] store = "all").'
 
 @dataclass(frozen=True)
 class Picture:
-    """A picture, or why there is none.
-
-    Attributes
-    ----------
-    svg : Markup
-        An element `<svg>`; empty where there is none.
-    words : str
-        Its caption; without a picture, the reason.
-    """
+    """An element `<svg>` with its caption; where there is no picture, an empty one and the reason."""
 
     svg: Markup
     words: str
 
 
 class Pictures:
-    """The pictures of one report.
-
-    Parameters
-    ----------
-    tree : xarray.DataTree
-        The results.
-    site, fragility : Paired or None
-        The other files of the report.
-    content : Content
-        What the page says.
-    """
+    """The pictures of one report, by row of /summary and place of the block."""
 
     def __init__(self, tree: xr.DataTree, site: Paired | None, fragility: Paired | None, content: Content) -> None:
         self._tree = tree
@@ -75,13 +57,7 @@ class Pictures:
         self._in_full = set(range(count)) if count <= IN_FULL else set(sorted(governing)[:IN_FULL])
 
     def strip(self, record: int) -> Picture:
-        """The accelerogram of a record, small.
-
-        Parameters
-        ----------
-        record : int
-            Row of /summary.
-        """
+        """The accelerogram of a record, small."""
         if self._stored is None or self._ends is None:
             return Picture(Markup(""), STORE)
         end = int(self._ends[record])
@@ -93,13 +69,7 @@ class Pictures:
         return Picture(Markup(drawn), "The accelerogram as it was assessed; its intense phase is shaded.")
 
     def in_full(self, record: int) -> Picture | None:
-        """The accelerogram with half-waves and impulses; None for a record that is shown as a strip.
-
-        Parameters
-        ----------
-        record : int
-            Row of /summary.
-        """
+        """The accelerogram with half-waves and impulses; None for a record that is shown as a strip."""
         if self._stored is None or record not in self._in_full:
             return None
         from rockpulse.views.plots.ground_motion import accelerogram
@@ -113,13 +83,7 @@ class Pictures:
         )
 
     def body(self, block: int) -> Picture:
-        """Factors on the records at which a body overturns, and the windows between them.
-
-        Parameters
-        ----------
-        block : int
-            Place along `block`.
-        """
+        """Factors on the records at which a body overturns, and the windows between them."""
         if "overturning_intervals" not in self._tree.children:
             return Picture(Markup(""), "The results hold no factors at which the body overturns.")
         from rockpulse.views.plots.critical_factors import overturning_map
@@ -139,18 +103,8 @@ class Pictures:
     def motion(self, block: int) -> Picture | None:
         """The rotation of a body in time under the record that comes nearest to overturning it, or beyond it.
 
-        By the model of the verdict alone: another one that overturns would hide it.
-
-        Parameters
-        ----------
-        block : int
-            Place along `block`.
-
-        Returns
-        -------
-        Picture or None
-            None where the accelerograms are not stored, for many bodies, where no record stands out, and where the
-            model of the verdict has no motion in time.
+        By the model of the verdict alone: another one that overturns would hide it. None where the accelerograms are
+        not stored, for many bodies, where no record stands out, and where the model has no motion in time.
         """
         own = [one for one in self._found if one.body.place == block and one.governing >= 0]
         from rockpulse.views.plots.model_histories import DRAWN, histories
@@ -190,13 +144,7 @@ class Pictures:
         )
 
     def fragility(self, block: str) -> Picture:
-        """The curves of a body; only asked for with a fragility file.
-
-        Parameters
-        ----------
-        block : str
-            Name in that file.
-        """
+        """The curves of a body; only asked for with a fragility file."""
         from rockpulse.views.plots.fragility_curves import fragility
 
         tree = self._fragility

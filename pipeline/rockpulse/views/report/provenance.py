@@ -23,25 +23,13 @@ _KINDS = ("failed", "structural", "duplicate", "skipped", "vertical")
 
 
 def hash_of(path: str | Path) -> str:
-    """SHA-256 of a file.
-
-    Parameters
-    ----------
-    path : str or Path
-        Which.
-    """
+    """SHA-256 of a file."""
     with Path(path).open("rb") as file:
         return hashlib.file_digest(file, "sha256").hexdigest()
 
 
 def input_table(summary: xr.Dataset) -> Table:
-    """The files that the records came from.
-
-    Parameters
-    ----------
-    summary : xarray.Dataset
-        The node /summary.
-    """
+    """The files that the records came from."""
     found: dict[tuple[str, ...], int] = {}
     columns = [
         summary[name].values.tolist() if name in summary else [""] * summary.sizes["record"]
@@ -55,13 +43,7 @@ def input_table(summary: xr.Dataset) -> Table:
 
 
 def failure_table(tree: xr.DataTree) -> Table:
-    """What was not assessed, and why: what failed first.
-
-    Parameters
-    ----------
-    tree : xarray.DataTree
-        With the group /failures.
-    """
+    """What was not assessed, and why: what failed first."""
     failures = tree["failures"].to_dataset()
     rows = sorted(
         zip(*(map(str, failures[name].values) for name in ("kind", "stage", "file", "reason")), strict=True),
@@ -76,13 +58,7 @@ def failure_table(tree: xr.DataTree) -> Table:
 
 
 def warning_table(summary: xr.Dataset) -> Table:
-    """Every warning of a record or a body.
-
-    Parameters
-    ----------
-    summary : xarray.Dataset
-        The node /summary.
-    """
+    """Every warning of a record or a body."""
     rows = []
     for kind, name in (("block", "block_warnings"), ("record", "warnings")):
         if name not in summary:
@@ -95,13 +71,7 @@ def warning_table(summary: xr.Dataset) -> Table:
 
 
 def versions(tree: xr.DataTree) -> tuple[Fact, ...]:
-    """The packages that computed the results.
-
-    Parameters
-    ----------
-    tree : xarray.DataTree
-        The results.
-    """
+    """The packages that computed the results."""
     attributes = {str(name): str(value) for name, value in tree.attrs.items()}
     found = {
         name.removesuffix(_VERSION): version

@@ -24,21 +24,9 @@ _STRIP = """<svg viewBox="0 0 {width} {height}" class="strip" role="img" aria-la
 
 
 def strip(acceleration: np.ndarray, dt: float, intense: tuple[float, float]) -> str:
-    """The accelerogram from its first sample to its last, the intense phase shaded.
+    """An element `<svg>` of the accelerogram [m/s2], the intense phase (start and end [s], or NaN) shaded.
 
-    Parameters
-    ----------
-    acceleration : (n,) ndarray
-        [m/s2].
-    dt : float
-        Sampling interval [s].
-    intense : tuple of float
-        Start and end of the intense phase [s]; NaN where there is none.
-
-    Returns
-    -------
-    str
-        An element `<svg>` without ids; the vertical scale is that of the record's own PGA.
+    The vertical scale is that of the record's own PGA.
     """
     peak = float(np.max(np.abs(acceleration)))
     end = dt * (acceleration.size - 1)

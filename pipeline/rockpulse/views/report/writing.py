@@ -95,20 +95,7 @@ def write_report(
 
 
 def check_report_target(path: str | Path, overwrite: bool = False) -> Path:
-    """Whether a report can be written here, asked before any work is done.
-
-    Parameters
-    ----------
-    path : str or Path
-        Where it is to go.
-    overwrite : bool
-        Whether a report that exists may be replaced.
-
-    Raises
-    ------
-    ResultsError
-        For a name of another kind of file, a file that exists and may not be replaced, or a folder that does not.
-    """
+    """The path, if a report can be written there; ResultsError if not. Asked before any work is done."""
     target = Path(path)
     if target.suffix.lower() not in (".html", ".htm") and not target.is_dir():
         raise ResultsError(f"{path}: expected a name that ends in .html; a browser prints the report to PDF")
@@ -134,20 +121,7 @@ def report_page(
     site: xr.DataTree | str | Path | None = None,
     fragility: xr.DataTree | str | Path | None = None,
 ) -> str:
-    """The same page as a text.
-
-    Parameters
-    ----------
-    results, site, fragility
-        As of :func:`write_report`.
-
-    Raises
-    ------
-    ResultsError
-        For results of another kind, or files that do not belong together.
-    OSError
-        Where a file cannot be read.
-    """
+    """The page of :func:`write_report` as a text."""
     from jinja2 import Environment, PackageLoader, StrictUndefined
     from markupsafe import Markup
 

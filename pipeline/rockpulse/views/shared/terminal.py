@@ -31,16 +31,7 @@ WIDTH = 110
 
 
 def aligned(rows: Sequence[Sequence[str]], left: int = 1, gap: str = "  ") -> list[str]:
-    """Rows as lines with aligned columns.
-
-    Parameters
-    ----------
-    rows : sequence of sequences of str
-        Cells; every row has as many as the first.
-    left : int
-        How many of the first columns are flush left; the others are flush right.
-    gap : str
-        What stands between columns.
+    """Rows as lines with aligned columns, the first ones flush left.
 
     Examples
     --------
@@ -60,11 +51,6 @@ def aligned(rows: Sequence[Sequence[str]], left: int = 1, gap: str = "  ") -> li
 def ratio(value: float) -> str:
     """A ratio around one with two or three digits.
 
-    Parameters
-    ----------
-    value : float
-        The ratio [-]; NaN where it is absent.
-
     Examples
     --------
     >>> [ratio(value) for value in (0.0, 0.0004, 0.0412, 0.412, 1.3, 24.6, math.inf, math.nan)]
@@ -82,11 +68,6 @@ def ratio(value: float) -> str:
 def rough(value: float) -> str:
     """A ratio that is an estimate: one digit behind a mark.
 
-    Parameters
-    ----------
-    value : float
-        The ratio [-], finite, not negative.
-
     Examples
     --------
     >>> [rough(value) for value in (0.0, 0.0004, 0.0007, 0.056, 0.41, 1.3, 24.6)]
@@ -97,11 +78,6 @@ def rough(value: float) -> str:
 
 def lower_bound(value: float) -> str:
     """A ratio that may be larger: the digits of :func:`ratio` behind a mark, rounded down.
-
-    Parameters
-    ----------
-    value : float
-        The ratio [-], finite, not negative.
 
     Examples
     --------
@@ -116,11 +92,6 @@ def lower_bound(value: float) -> str:
 def restitution(value: float) -> str:
     """A velocity ratio of impacts with three decimals: its distance from one decides how long a block rocks.
 
-    Parameters
-    ----------
-    value : float
-        The ratio [-], from 0 to 1.
-
     Examples
     --------
     >>> restitution(0.98514)
@@ -131,13 +102,6 @@ def restitution(value: float) -> str:
 
 def figure(value: float, unit: str = "") -> str:
     """A number with three digits and its unit.
-
-    Parameters
-    ----------
-    value : float
-        The number; NaN where it is absent.
-    unit : str
-        Its unit.
 
     Examples
     --------
@@ -202,13 +166,6 @@ def several(count: int, noun: str) -> str:
 def shortened(words: str, width: int) -> str:
     """Text in one line, cut in the middle to a width, so that both its ends can be recognised.
 
-    Parameters
-    ----------
-    words : str
-        The text.
-    width : int
-        Longest length, at least 5.
-
     Examples
     --------
     >>> shortened("a long name of a block", 11)
@@ -222,17 +179,7 @@ def shortened(words: str, width: int) -> str:
 
 
 def paragraph(words: str, indent: str = "", first: str | None = None) -> str:
-    """Running text, wrapped.
-
-    Parameters
-    ----------
-    words : str
-        The text.
-    indent : str
-        What every line begins with.
-    first : str, optional
-        What the first line begins with instead.
-    """
+    """Running text, wrapped."""
     return textwrap.fill(
         words,
         WIDTH,

@@ -59,15 +59,7 @@ BEYOND_CRITICAL = (
 
 
 def verdict_notes(summary: xr.Dataset, of_factors: list[str]) -> list[str]:
-    """Notes to a table of verdicts.
-
-    Parameters
-    ----------
-    summary : xarray.Dataset
-        The part of /summary that is shown.
-    of_factors : list of str
-        Notes on the column SF, which stand behind those on the figures.
-    """
+    """Notes to a table of verdicts."""
     notes = [
         "Figures: largest rotation over the critical angle (theta_max/alpha_c). C: velocity ratio of an impact. "
         "a/a_up: PGA over the acceleration of uplift. I/I_1c: main impulse over the one that overturns the block "
@@ -99,13 +91,7 @@ def verdict_notes(summary: xr.Dataset, of_factors: list[str]) -> list[str]:
 
 
 def beyond_critical(summary: xr.Dataset) -> bool:
-    """Whether a rotation beyond the critical angle did not end in overturning.
-
-    Parameters
-    ----------
-    summary : xarray.Dataset
-        The part of /summary that is shown.
-    """
+    """Whether a rotation beyond the critical angle did not end in overturning."""
     return bool(((summary["outcome"] == Outcome.ROCKS) & (summary["peak_rotation_ratio"] > 1.0)).any())
 
 
