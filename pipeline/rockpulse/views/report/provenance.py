@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import hashlib
+from collections import Counter
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from rockpulse.views.shared.table import Cell, Fact, Heading, Table
+from rockpulse.views.shared.table import Cell, Fact, Heading, Table, number
+from rockpulse.views.text.left_out import by_kind
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -18,9 +20,6 @@ _VERSION = "_version"
 #: Attributes of the root that end in "_version" and are no packages.
 _NO_PACKAGES = {"schema_version"}
 
-#: The gravest first.
-_KINDS = ("failed", "structural", "duplicate", "skipped", "vertical")
-
 
 def hash_of(path: str | Path) -> str:
     """SHA-256 of a file."""
@@ -30,31 +29,25 @@ def hash_of(path: str | Path) -> str:
 
 def input_table(summary: xr.Dataset) -> Table:
     """The files that the records came from."""
-    found: dict[tuple[str, ...], int] = {}
     columns = [
         summary[name].values.tolist() if name in summary else [""] * summary.sizes["record"]
         for name in ("source", "source_sha256", "format")
     ]
-    for row in zip(*columns, strict=True):
-        found[row] = found.get(row, 0) + 1
-    rows = tuple((*(Cell(str(word)) for word in row), Cell(str(count), float(count))) for row, count in found.items())
-    headings = (Heading("file"), Heading("SHA-256"), Heading("format"), Heading("records"))
+    found = Counter(zip(*columns, strict=True))
+    rows = tuple((*map(Cell, row), number(count, str)) for row, count in found.items())
+    headings = tuple(map(Heading, ("file", "SHA-256", "format", "records")))
     return Table("inputs", "Files that were assessed", headings, rows)
 
 
 def failure_table(tree: xr.DataTree) -> Table:
     """What was not assessed, and why: what failed first."""
-    failures = tree["failures"].to_dataset()
-    rows = sorted(
-        zip(*(map(str, failures[name].values) for name in ("kind", "stage", "file", "reason")), strict=True),
-        key=lambda row: (_KINDS.index(row[0]) if row[0] in _KINDS else len(_KINDS), row[2]),
-    )
-    cells = tuple(
+    rows = tuple(
         (Cell(kind, grade="bad" if kind == "failed" else ""), Cell(stage), Cell(file), Cell(reason))
-        for kind, stage, file, reason in rows
+        for kind, entries in by_kind(tree).items()
+        for file, stage, reason in entries
     )
-    headings = (Heading("kind"), Heading("step"), Heading("file"), Heading("reason"))
-    return Table("failures", "Files and channels that are not part of the verdict", headings, cells)
+    headings = tuple(map(Heading, ("kind", "step", "file", "reason")))
+    return Table("failures", "Files and channels that are not part of the verdict", headings, rows)
 
 
 def warning_table(summary: xr.Dataset) -> Table:
@@ -72,10 +65,7 @@ def warning_table(summary: xr.Dataset) -> Table:
 
 def versions(tree: xr.DataTree) -> tuple[Fact, ...]:
     """The packages that computed the results."""
-    attributes = {str(name): str(value) for name, value in tree.attrs.items()}
-    found = {
-        name.removesuffix(_VERSION): version
-        for name, version in attributes.items()
-        if name.endswith(_VERSION) and name not in _NO_PACKAGES
-    }
-    return tuple(Fact(name, (version,)) for name, version in found.items())
+    found = {str(name): str(value) for name, value in tree.attrs.items() if name not in _NO_PACKAGES}
+    return tuple(
+        Fact(name.removesuffix(_VERSION), (version,)) for name, version in found.items() if name.endswith(_VERSION)
+    )

@@ -13,7 +13,7 @@ from rockpulse.views.shared.terminal import paragraph
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["failure_list", "left_out", "not_used"]
+__all__ = ["by_kind", "failure_list", "left_out", "not_used"]
 
 #: Rows of a kind that is no failure in the overview.
 LISTED = 12
@@ -32,19 +32,11 @@ _KINDS = {
 
 
 def left_out(tree: xr.DataTree, brief: bool = False) -> str:
-    """What was read or found but not assessed, by kind, and what the records were warned of.
-
-    Parameters
-    ----------
-    tree : xarray.DataTree
-        The results.
-    brief : bool
-        A few of each kind, also of what failed.
-    """
+    """What was read or found but not assessed, by kind, and what the records were warned of; a few of each in brief."""
     lines = []
     summary = tree["summary"].to_dataset()
     acted = int((summary["vertical_channel"] != "").sum())
-    found, beside = _apart(_failures(tree))
+    found, beside = _apart(by_kind(tree))
     for kind, entries in found.items():
         title = f"vertical, acting on {acted} records" if kind == "vertical" and acted else _KINDS.get(kind, kind)
         lines.append(f"{title}: {len(entries)}")
@@ -68,15 +60,9 @@ def left_out(tree: xr.DataTree, brief: bool = False) -> str:
 
 
 def not_used(tree: xr.DataTree) -> str:
-    """Files and channels that were not used, by kind, a few of each; vertical channels are not among them.
-
-    Parameters
-    ----------
-    tree : xarray.DataTree
-        With the group /failures.
-    """
+    """Files and channels that were not used, by kind, a few of each; vertical channels are not among them."""
     lines = []
-    found, beside = _apart(_failures(tree))
+    found, beside = _apart(by_kind(tree))
     for kind, entries in found.items():
         if kind != "vertical":
             shown = entries if kind == "failed" else entries[:LISTED]
@@ -89,18 +75,10 @@ def not_used(tree: xr.DataTree) -> str:
 
 
 def failure_list(tree: xr.DataTree, kinds: Sequence[str] | None = None) -> str:
-    """Everything that was not assessed: kind, stage, file and reason; empty where there is nothing.
-
-    Parameters
-    ----------
-    tree : xarray.DataTree
-        The results.
-    kinds : sequence of str, optional
-        Which kinds to list; all by default.
-    """
+    """Everything that was not assessed, of some kinds or all: kind, stage, file and reason; empty for nothing."""
     return "\n".join(
         paragraph(_told(file, reason), "      ", f"{kind} ({stage}) ")
-        for kind, entries in _failures(tree).items()
+        for kind, entries in by_kind(tree).items()
         if kinds is None or kind in kinds
         for file, stage, reason in entries
     )
@@ -130,14 +108,13 @@ def _beside(names: Sequence[str]) -> str:
     return paragraph(f"{', '.join(names[:LISTED])}{more}", "  ", "not records: ")
 
 
-def _failures(tree: xr.DataTree) -> dict[str, list[tuple[str, str, str]]]:
-    """(file, stage, reason) by kind; the failed ones first."""
+def by_kind(tree: xr.DataTree) -> dict[str, list[tuple[str, str, str]]]:
+    """The rows (file, stage, reason) of /failures by kind; the failed ones first."""
     failures = tree["failures"].to_dataset()
     grouped: dict[str, list[tuple[str, str, str]]] = {}
-    for file, stage, reason, kind in zip(
-        *(failures[name].values for name in ("file", "stage", "reason", "kind")), strict=True
-    ):
-        grouped.setdefault(str(kind), []).append((str(file), str(stage), str(reason)))
+    for kind, *row in zip(*(failures[name].values for name in ("kind", "file", "stage", "reason")), strict=True):
+        file, stage, reason = map(str, row)
+        grouped.setdefault(str(kind), []).append((file, stage, reason))
     order = [*_KINDS, *sorted(set(grouped) - set(_KINDS))]
     return {kind: grouped[kind] for kind in order if kind in grouped}
 
