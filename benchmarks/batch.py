@@ -30,12 +30,11 @@ sys.path.append(str(Path(__file__).parents[1] / "tests"))
 from record_writers import at2
 
 from rocking.threads import available_cores
+from rockpulse import BlockSettings, ModelSettings, SearchSettings
 from rockpulse.batch.options import BatchOptions
 from rockpulse.batch.run import BatchReport, assess_files
 from rockpulse.cli import main as rockpulse
-from rockpulse.config.block_settings import BlockSettings
 from rockpulse.config.configuration import Config
-from rockpulse.config.settings import ModelSettings, SearchSettings
 from rockpulse.record.synthetic import synthetic_motion
 
 SAMPLES = 6000

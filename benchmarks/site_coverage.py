@@ -15,8 +15,7 @@ import argparse
 
 import numpy as np
 
-from rockpulse import Config, calibrate_site, condition, read_all
-from rockpulse.config.settings import CalibrationSettings, ConditioningSettings
+from rockpulse import CalibrationSettings, ConditioningSettings, Config, calibrate_site, condition, read_all
 from rockpulse.errors import RecordRefused, RockpulseError
 from rockpulse.models import Block, ImpulseSequence, sequence_response
 from rockpulse.record.components import select_horizontal

@@ -22,9 +22,10 @@ rockpulse.version rockpulse.failures rockpulse.remark
 rockpulse.errors
 rockpulse.option rockpulse.file_set
 rockpulse.record
+rockpulse.calibration
+rockpulse.ladder
 rockpulse.config
 rockpulse.readers
-rockpulse.calibration
 rockpulse.storage
 rockpulse.assessment
 rockpulse.studies.accuracy

@@ -19,7 +19,11 @@ CHANGELOG = (TOP / "CHANGELOG.md").read_text(encoding="utf-8")
 SCHEMA = (TOP / "docs" / "schema.md").read_text(encoding="utf-8")
 
 #: Names of 0.1.0 that are gone, each with what stands in its place.
-RENAMED = {}
+RENAMED = {
+    "rule_demand": "Rule.demand",
+    "rule_safety_factor": "Rule.safety_factor",
+    "rule_sequence": "Rule.sequence",
+}
 
 
 def options_of(parser, words=()):

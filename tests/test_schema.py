@@ -9,8 +9,7 @@ import numpy as np
 import pytest
 
 import rockpulse as rp
-from rockpulse.config.block_settings import BlockSettings
-from rockpulse.config.settings import DemandSettings, ModelSettings, RecordSettings
+from rockpulse import BlockSettings, DemandSettings, ModelSettings, RecordSettings
 from rockpulse.record.synthetic import synthetic_motion
 from rockpulse.remark import TEMPLATES
 from rockpulse.storage import site_variables, study_variables

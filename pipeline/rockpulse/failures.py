@@ -5,12 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
-__all__ = ["NO_RECORD", "Failure", "Kind"]
+__all__ = ["NO_RECORD", "Failure", "FailureKind"]
 
 #: Why a text, a table or a picture that lies beside records was passed over.
 NO_RECORD = "no record"
 
-Kind = Literal["failed", "skipped", "duplicate", "vertical", "structural"]
+FailureKind = Literal["failed", "skipped", "duplicate", "vertical", "structural"]
 
 
 @dataclass(frozen=True)
@@ -34,4 +34,4 @@ class Failure:
     file: str
     stage: str
     reason: str
-    kind: Kind
+    kind: FailureKind

@@ -16,7 +16,7 @@ from typing import Any, ClassVar
 from rockpulse.errors import ConfigError
 
 __all__ = [
-    "Kind",
+    "KeyType",
     "Section",
     "choice",
     "choices",
@@ -32,21 +32,11 @@ __all__ = [
 
 
 @dataclass(frozen=True)
-class Kind:
-    """What a key takes.
+class KeyType:
+    """The values that a key takes: their wording for a message, the test, and the conversion to the stored value.
 
-    Attributes
-    ----------
-    expected : str
-        Wording for the message.
-    accepts : callable
-        The test: value -> bool.
-    convert : callable
-        From an accepted value to the stored one (lists become tuples, so that a section is immutable).
-    words : tuple of str
-        The words it knows, for "did you mean".
-    finite : bool
-        Whether it is a number, so that the message on inf or nan has to say what is wrong with it.
+    A conversion makes tuples of lists, so that a section is immutable. `words` are the known ones, for "did you mean";
+    `finite` says that the value is a number, so that the message on inf or nan tells what is wrong with it.
     """
 
     expected: str
@@ -56,12 +46,13 @@ class Kind:
     finite: bool = False
 
 
+@dataclass(frozen=True)
 class Section:
-    """Base of the sections: checks every field against its kind, and unpacks as keyword arguments.
+    """Base of the sections: checks every field against the values that it takes, and unpacks as keyword arguments.
 
     Examples
     --------
-    >>> from rockpulse.config.settings import HalfWaveSettings
+    >>> from rockpulse import HalfWaveSettings
     >>> dict(**HalfWaveSettings(threshold=0.05))
     {'threshold': 0.05, 'min_duration_s': 0.0, 'merge': True}
     """
@@ -74,36 +65,27 @@ class Section:
         return self.heading
 
     def __post_init__(self) -> None:
-        for item in dataclasses.fields(self):  # type: ignore[arg-type]
-            value, kind = getattr(self, item.name), item.metadata["kind"]
+        for item in dataclasses.fields(self):
+            value, allowed = getattr(self, item.name), item.metadata["values"]
             if value is None and item.default is None:
                 continue
-            if not kind.accepts(value):
-                wrong = next((word for word in _strings(value) if word not in kind.words), "")
-                unbounded = kind.finite and isinstance(value, float) and not math.isfinite(value)
-                remark = "; it must be finite" if unbounded else hint(wrong, kind.words)
-                raise ConfigError(f"{self.where} {item.name}: expected {kind.expected}, found {value!r}{remark}")
-            object.__setattr__(self, item.name, kind.convert(value))
+            if not allowed.accepts(value):
+                wrong = next((word for word in _strings(value) if word not in allowed.words), "")
+                unbounded = allowed.finite and isinstance(value, float) and not math.isfinite(value)
+                remark = "; it must be finite" if unbounded else hint(wrong, allowed.words)
+                raise ConfigError(f"{self.where} {item.name}: expected {allowed.expected}, found {value!r}{remark}")
+            object.__setattr__(self, item.name, allowed.convert(value))
 
     def keys(self) -> list[str]:
         """Names of the keys, in the order of the template."""
-        return [item.name for item in dataclasses.fields(self)]  # type: ignore[arg-type]
+        return [item.name for item in dataclasses.fields(self)]
 
     def __getitem__(self, key: str) -> Any:
         return getattr(self, key)
 
 
 def hint(wrong: str, known: Iterable[str], told: str = "") -> str:
-    """``; did you mean "x"?`` where a known word is close to the wrong one, else nothing; then what there is.
-
-    Parameters
-    ----------
-    wrong : str
-        What was found.
-    known : iterable of str
-        What would have been right.
-    told : str, optional
-        What follows, such as "known are ..."; behind the question it begins a sentence.
+    """``; did you mean "x"?`` where a known word is close to the wrong one, else nothing; then `told`, what there is.
 
     Examples
     --------
@@ -117,13 +99,7 @@ def hint(wrong: str, known: Iterable[str], told: str = "") -> str:
 
 
 def is_number(value: Any) -> bool:
-    """True for an int or a finite float; a bool is no number.
-
-    Parameters
-    ----------
-    value : object
-        Anything.
-    """
+    """True for an int or a finite float; a bool is no number."""
     if isinstance(value, bool) or not isinstance(value, (int, float)):
         return False
     # TOML has integers of any length; a float holds them up to 2**1024.
@@ -131,70 +107,32 @@ def is_number(value: Any) -> bool:
 
 
 def text(default: str | None = "") -> Any:
-    """A key that takes any text.
-
-    Parameters
-    ----------
-    default : str or None
-        Value where the key is omitted.
-    """
-    return key(default, Kind("a text", lambda value: isinstance(value, str), str))
+    """A key that takes any text."""
+    return key(default, KeyType("a text", lambda value: isinstance(value, str), str))
 
 
 def texts(default: tuple[str, ...] = ()) -> Any:
-    """A key that takes a list of texts.
-
-    Parameters
-    ----------
-    default : tuple of str
-        Value where the key is omitted.
-    """
-    return key(default, Kind("a list of texts", _is_texts, tuple))
+    """A key that takes a list of texts."""
+    return key(default, KeyType("a list of texts", _is_texts, tuple))
 
 
 def flag(default: bool) -> Any:
-    """A key that takes true or false.
-
-    Parameters
-    ----------
-    default : bool
-        Value where the key is omitted.
-    """
-    return key(default, Kind("true or false", lambda value: isinstance(value, bool), bool))
+    """A key that takes true or false."""
+    return key(default, KeyType("true or false", lambda value: isinstance(value, bool), bool))
 
 
 def choice(default: str, words: tuple[str, ...], or_count: bool = False) -> Any:
-    """A key that takes one of some words, or also an integer >= 1.
-
-    Parameters
-    ----------
-    default : str
-        Value where the key is omitted.
-    words : tuple of str
-        Allowed words.
-    or_count : bool
-        Whether an integer >= 1 is allowed too.
-    """
+    """A key that takes one of some words, or with `or_count` also an integer >= 1."""
     expected = f"one of {_listed(words)}" + (" or an integer >= 1" if or_count else "")
 
     def accepts(value: Any) -> bool:
         return value in words if isinstance(value, str) else or_count and _is_count(value, 1)
 
-    return key(default, Kind(expected, accepts, lambda value: value, words))
+    return key(default, KeyType(expected, accepts, lambda value: value, words))
 
 
 def choices(default: tuple[str, ...], words: tuple[str, ...], empty: bool = False) -> Any:
-    """A key that takes a list of different words out of some; it is stored in the order of `words`.
-
-    Parameters
-    ----------
-    default : tuple of str
-        Value where the key is omitted.
-    words : tuple of str
-        Allowed words.
-    empty : bool
-        Whether the list may be empty.
-    """
+    """A key that takes a list of different words out of some; it is stored in the order of `words`."""
 
     def accepts(value: Any) -> bool:
         return (
@@ -205,22 +143,13 @@ def choices(default: tuple[str, ...], words: tuple[str, ...], empty: bool = Fals
         return tuple(word for word in words if word in value)
 
     some = "any" if empty else "one or more"
-    return key(default, Kind(f"a list of {some} of {_listed(words)}, each once", accepts, ordered, words))
+    return key(default, KeyType(f"a list of {some} of {_listed(words)}, each once", accepts, ordered, words))
 
 
 def number(default: Any, low: float = -math.inf, high: float = math.inf, above: bool = False, unit: str = "") -> Any:
-    """A key that takes a finite number within limits.
+    """A key that takes a finite number within limits in `unit`; `above` excludes `low` itself.
 
-    Parameters
-    ----------
-    default : float or None
-        Value where the key is omitted; ``dataclasses.MISSING`` for a key that must be given.
-    low, high : float
-        Limits, in the unit of the key.
-    above : bool
-        Whether `low` itself is excluded.
-    unit : str
-        Unit for the message.
+    The default ``dataclasses.MISSING`` makes a key that must be given.
     """
     expected = f"a number in {unit}" if unit else "a number"
     if math.isfinite(low):
@@ -231,36 +160,18 @@ def number(default: Any, low: float = -math.inf, high: float = math.inf, above: 
     def accepts(value: Any) -> bool:
         return is_number(value) and (value > low if above else value >= low) and value <= high
 
-    return key(default, Kind(expected, accepts, float, finite=True))
+    return key(default, KeyType(expected, accepts, float, finite=True))
 
 
 def count(default: int, low: int, high: int | None = None) -> Any:
-    """A key that takes an integer within limits.
-
-    Parameters
-    ----------
-    default : int
-        Value where the key is omitted.
-    low : int
-        Smallest allowed value.
-    high : int, optional
-        Largest allowed value.
-    """
+    """A key that takes an integer from `low` to `high`."""
     expected = f"an integer >= {low}" + ("" if high is None else f" and <= {high}")
-    return key(default, Kind(expected, lambda value: _is_count(value, low) and (high is None or value <= high), int))
+    return key(default, KeyType(expected, lambda value: _is_count(value, low) and (high is None or value <= high), int))
 
 
-def key(default: Any, kind: Kind) -> Any:
-    """A dataclass field that carries its check.
-
-    Parameters
-    ----------
-    default : object
-        Value where the key is omitted; ``dataclasses.MISSING`` for a key that must be given.
-    kind : Kind
-        What the key takes.
-    """
-    return dataclasses.field(default=default, metadata={"kind": kind})
+def key(default: Any, values: KeyType) -> Any:
+    """A dataclass field that carries its check; with ``dataclasses.MISSING`` for a default it must be given."""
+    return dataclasses.field(default=default, metadata={"values": values})
 
 
 def _listed(words: tuple[str, ...]) -> str:

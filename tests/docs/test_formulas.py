@@ -228,13 +228,13 @@ def test_sequence_of_the_rule(ridgecrest, height):
     asked = models.demand_of_half_waves(block, waves.start, waves.centroid, waves.end, waves.impulse, record.dt)
     assert round(rule.factor, 3) == 0.989
     demand = min(rule.factor * asked.march[0], record.pga / (block.gravity * math.tan(block.alpha_c)))
-    sequence = rp.rule_sequence(waves, block, rule)
+    sequence = rule.sequence(waves, block)
     count, sigma = int(asked.main_count[0]), float(asked.ratio[0])
     amplified = (1.0 - block.restitution**count) / (1.0 - block.restitution)
     assert sequence.main[0] == pytest.approx(
         demand * block.critical_impulse / ((1.0 - sigma) * amplified + sigma / 2.0)
     )
-    assert rp.rule_safety_factor(waves, block, rule)[0] == pytest.approx(1.0 / demand)
+    assert rule.safety_factor(waves, block)[0] == pytest.approx(1.0 / demand)
     peak = models.sequence_response(block, sequence).peak_rotation_ratio[0]
     assert peak == pytest.approx(1.0 - math.sqrt(1.0 - demand**2) if demand < 1.0 else math.inf)
 

@@ -25,15 +25,14 @@ from rockpulse.assessment.directions import (
 from rockpulse.assessment.events import event_table, events_by_id
 from rockpulse.assessment.record_assessment import RecordAssessment
 from rockpulse.assessment.record_columns import main_impulse, record_scalars
-from rockpulse.assessment.safety import critical_scales
-from rockpulse.assessment.scene import CHECKABLE, MODELS, SLENDER_MODELS, USED, Scene, auto_response, extract, prepare
+from rockpulse.assessment.scene import extract, prepare
 from rockpulse.assessment.tree import build_tree
-from rockpulse.calibration.rule import POINTS, load_rule, range_text, rule_applicable
 from rockpulse.config.block_settings import BlockSettings
 from rockpulse.config.bodies import Bodies, gather_bodies
 from rockpulse.config.configuration import Config
 from rockpulse.errors import ConfigError, TooWeak
 from rockpulse.failures import Failure
+from rockpulse.ladder import MODELS, USED, Scene, auto_response, critical_scales
 from rockpulse.record.intensity import pgv
 from rockpulse.record.record import Record
 
@@ -266,24 +265,25 @@ def assess_scene(scene: Scene, bodies: Bodies) -> RecordAssessment:
     ValueError
         Where a model refuses its numbers.
     """
-    config, lanes = scene.config, bodies.lanes
-    responses = {name: MODELS[name](lanes, scene) for name in config.models.use}
+    lanes = bodies.lanes
+    responses = {name: MODELS[name].respond(lanes, scene) for name in scene.models.use}
     used = {name: np.full(lanes.shape, USED.index(name), dtype=np.int8) for name in responses}
-    if config.models.auto:
+    if scene.models.auto:
         responses["auto"], used["auto"] = auto_response(lanes, scene)
     contact = responses["sequence"].ground_contact if "sequence" in responses else None
-    if contact is not None and np.any(contact):
+    if scene.sequence is not None and contact is not None and np.any(contact):
         warning = (
-            f"sequence: with spacing {config.sequence.spacing!r} and this I_s/I, {np.count_nonzero(contact)} of "
+            f"sequence: with spacing {scene.sequence.spacing!r} and this I_s/I, {np.count_nonzero(contact)} of "
             f"{np.size(contact)} bodies touch the ground inside a half-cycle; take another spacing"
         )
         scene = replace(scene, record=scene.record.with_warning(warning))
-    for model in POINTS:
-        outside = 0 if model not in responses else np.count_nonzero(~rule_applicable(lanes, load_rule(model)))
-        if outside:
+    for model in responses:
+        rule = MODELS[model].rule
+        outside = 0 if rule is None else np.count_nonzero(~rule.applicable(lanes))
+        if rule is not None and outside:
             warning = (
                 f"{model}: {outside} of {np.size(lanes.p)} bodies lie outside the range that the rule was fitted on "
-                f"({range_text(load_rule(model))}): its rates of error do not hold for them"
+                f"({rule.range_text}): its rates of error do not hold for them"
             )
             scene = replace(scene, record=scene.record.with_warning(warning))
     scales = critical_scales(lanes, scene)
@@ -296,7 +296,7 @@ def assess_scene(scene: Scene, bodies: Bodies) -> RecordAssessment:
         "factor_resolved": {
             name: np.where(np.isnan(one.safety_factor), -1, one.factor_resolved) for name, one in scales.items()
         },
-        "applicable": {name: _applicable(name, lanes) for name in responses},
+        "applicable": {name: MODELS[name].applicable(lanes).astype(np.int8) for name in responses},
         "predictable": {name: _predictable(name, lanes, scene, one) for name, one in responses.items()},
         "model_used": used,
     }
@@ -313,20 +313,13 @@ def assess_scene(scene: Scene, bodies: Bodies) -> RecordAssessment:
     )
 
 
-def _applicable(model: str, block: Block) -> np.ndarray:
-    within = np.asarray(block.slender) | (model not in SLENDER_MODELS)
-    if model in POINTS:
-        within = within & rule_applicable(block, load_rule(model)).reshape(block.shape)
-    return within.astype(np.int8)
-
-
 def _predictable(model: str, block: Block, scene: Scene, response: Response) -> np.ndarray:
-    settings = scene.config.models
-    if not settings.predictability or model not in CHECKABLE:
+    settings = scene.models
+    if not settings.predictability or not MODELS[model].checkable:
         return np.full(block.shape, NOT_CHECKED, dtype=np.int8)
 
     def respond(blocks: Block, scale: np.ndarray) -> Response:
-        return CHECKABLE[model](blocks, scene, scale)
+        return MODELS[model].respond(blocks, scene, scale)
 
     # With output = "outcome" the peak of auto is that of whichever rung answered: no promise that could be broken.
     verdict_only = model == "auto" and settings.output == "outcome"

@@ -12,12 +12,12 @@ import numpy as np
 from rocking.block import Block
 from rocking.sequence import ImpulseSequence
 from rockpulse.assessment.assessment import RecordAssessment, assess_scene
-from rockpulse.assessment.scene import Scene
 from rockpulse.assessment.tree import build_tree
 from rockpulse.config.block_settings import BlockSettings
 from rockpulse.config.bodies import gather_bodies
 from rockpulse.config.configuration import Config
 from rockpulse.errors import ConfigError
+from rockpulse.ladder import MODELS, Scene
 from rockpulse.record.half_wave import HalfWaves
 from rockpulse.record.intensity import IntensePhase
 from rockpulse.record.record import Record
@@ -27,10 +27,7 @@ from rockpulse.storage.variables import RECORD
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["SEQUENCE_MODELS", "assess_sequence"]
-
-#: Models whose input is a sequence; the others need the accelerogram or its half-waves.
-SEQUENCE_MODELS = ("resonance", "sequence")
+__all__ = ["assess_sequence"]
 
 #: What is absent, by type. The flag `pgv_drift` has no value for it: no PGV drifts.
 ABSENT: dict[type, Any] = {float: math.nan, int: -1, str: "", np.int8: 0}
@@ -82,11 +79,10 @@ def assess_sequence(
     if sequence.shape:
         raise ConfigError(f"sequence: expected one sequence, found {sequence.shape[0]}")
     asked = asked_for.models.answering
-    use = tuple(model for model in asked_for.models.use if model in SEQUENCE_MODELS)
+    use = tuple(model for model in asked_for.models.use if MODELS[model].of_sequence)
     if not use:
-        raise ConfigError(
-            f"[models] use: {', '.join(asked)} need a record; a sequence is answered by {' and '.join(SEQUENCE_MODELS)}"
-        )
+        able = " and ".join(model.name for model in MODELS.values() if model.of_sequence)
+        raise ConfigError(f"[models] use: {', '.join(asked)} need a record; a sequence is answered by {able}")
     if "resonance" in use and sequence.main_count is None and math.isinf(sequence.duration):
         raise ConfigError(
             "sequence: without main_count and duration the resonance model has no end; give one of them, or leave the "
@@ -110,7 +106,8 @@ def assess_sequence(
         waves=HalfWaves(nothing, nothing, nothing, nothing, nothing, nothing, dt=rest.dt, record_id=name),
         phase=IntensePhase(0.0, sequence.duration),
         sequence=sequence,
-        config=config,
+        models=config.models,
+        search=config.search,
     )
     done = _without_record(assess_scene(scene, bodies), sequence)
     warnings = [*done.scene.record.warnings]

@@ -10,9 +10,9 @@ import numpy as np
 
 from rocking.predictability import NOT_CHECKED
 from rocking.response import Outcome, Reason
-from rockpulse.assessment.scene import USED
 from rockpulse.config.bodies import Bodies
 from rockpulse.config.configuration import Config
+from rockpulse.ladder import USED
 from rockpulse.storage.variables import (
     ANSWER,
     CAPACITY_RATIO,

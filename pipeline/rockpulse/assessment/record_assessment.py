@@ -9,7 +9,7 @@ import numpy as np
 
 from rocking.response import Response
 from rocking.scale_search import ScaleIntervals
-from rockpulse.assessment.scene import Scene
+from rockpulse.ladder import Scene
 
 __all__ = ["RecordAssessment"]
 

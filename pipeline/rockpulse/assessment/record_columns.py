@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from rockpulse.assessment.scene import Scene
+from rockpulse.ladder import Scene
 from rockpulse.record.intensity import arias_intensity, pgv
 from rockpulse.remark import find, with_codes
 

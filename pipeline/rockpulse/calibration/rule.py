@@ -28,17 +28,7 @@ from rocking.sequence import ImpulseSequence
 from rockpulse.errors import ConfigError
 from rockpulse.record.half_wave import HalfWaves
 
-__all__ = [
-    "POINTS",
-    "Rule",
-    "load_rule",
-    "rule_applicable",
-    "rule_demand",
-    "rule_safety_factor",
-    "rule_sequence",
-    "sequence_of",
-    "traits",
-]
+__all__ = ["POINTS", "Rule", "load_rule", "sequence_of_demand", "traits"]
 
 #: Working points, and the share of overturnings that each may miss on the ensemble that it is fitted on [-].
 POINTS = {"balanced": 0.05, "conservative": 0.01}
@@ -46,7 +36,7 @@ POINTS = {"balanced": 0.05, "conservative": 0.01}
 #: The rule that comes with the package.
 SHIPPED = "rule.toml"
 
-#: What the range of validity is stated in: unit and words of each of :func:`traits`.
+#: Unit and words of each of :func:`traits`.
 TRAITS = {
     "p": "p {} to {} 1/s",
     "radius": "R {} to {} m",
@@ -60,7 +50,7 @@ SLACK = 0.01
 
 @dataclass(frozen=True)
 class Rule:
-    """One working point of the rule.
+    """One working point of the rule, as :func:`rockpulse.load_rule` reads it.
 
     Attributes
     ----------
@@ -69,7 +59,8 @@ class Rule:
     factor : float
         Demand over march [-], positive.
     within : dict of str to (float, float)
-        Least and most of each of :func:`traits` over the bodies that it was fitted on; what is not named has no bounds.
+        Least and most of p [1/s], radius [m], slenderness [-] and restitution_ratio (C over Housner's [-]) over the
+        bodies that the rule was fitted on; a quantity that is not named has no bounds.
     """
 
     point: str
@@ -81,6 +72,90 @@ class Rule:
             raise ConfigError(f"rule: expected a working point of {', '.join(POINTS)}, got {self.point!r}")
         if not (math.isfinite(self.factor) and self.factor > 0.0):
             raise ConfigError(f"rule: [{self.point}] factor: expected a positive number, got {self.factor!r}")
+
+    def demand(self, waves: HalfWaves, block: Block) -> np.ndarray:
+        """Demand of a record on blocks: the rule says that those overturn on which it is at least 1.
+
+        Parameters
+        ----------
+        waves : HalfWaves
+            All half-waves of the record.
+        block : Block
+            One block, which counts as (1,), or (m,) of them.
+
+        Returns
+        -------
+        (m,) ndarray
+            D [-], proportional to a factor on the record up to flips of single copies by rounding.
+        """
+        return np.minimum(self.factor * _half_wave_demand(waves, block).march, _uplift(waves, block))
+
+    def safety_factor(self, waves: HalfWaves, block: Block) -> np.ndarray:
+        """Factor on the record at which the rule's sequence overturns each block: 1/D, in closed form.
+
+        Parameters
+        ----------
+        waves, block
+            As for :meth:`demand`.
+
+        Returns
+        -------
+        (m,) ndarray
+            Factor [-]; inf for a record of zeros.
+        """
+        demand = self.demand(waves, block)
+        return np.divide(1.0, demand, out=np.full(demand.shape, np.inf), where=demand > 0.0)
+
+    def sequence(self, waves: HalfWaves, block: Block) -> ImpulseSequence:
+        """The impulse sequence that stands for a record, block by block.
+
+        Parameters
+        ----------
+        waves, block
+            As for :meth:`demand`.
+
+        Returns
+        -------
+        ImpulseSequence
+            (m,), spacing "continuous", to be used with ``sequence_response(..., paired=True)``. A block that the
+            record does not lift has the main impulse zero.
+
+        Notes
+        -----
+        In the limit n -> infinity (VALIDATION F4) half-cycle i is decided by v_i = u_1 [(1 - sigma) S_i + sigma/2],
+        S_i = (1 - C^i)/(1 - C), which grows with i. So N main impulses overturn iff v_N >= 1, and I = D I_1c/[(1 -
+        sigma) S_N + sigma/2] makes v_N = D.
+        """
+        of_waves = _half_wave_demand(waves, block)
+        return sequence_of_demand(self.demand(waves, block), of_waves, block, _uplift(waves, block) > 1.0)
+
+    def applicable(self, block: Block) -> np.ndarray:
+        """Which bodies are like those that the rule was fitted on: inside its range, or no more than 1 % beyond.
+
+        Parameters
+        ----------
+        block : Block
+            One block, which counts as (1,), or (m,) of them.
+
+        Returns
+        -------
+        (m,) ndarray of bool
+
+        Examples
+        --------
+        >>> load_rule().applicable(Block(half_width=[0.1, 0.3], half_height=[0.3, 1.8])).tolist()
+        [False, True]
+        """
+        values = traits(block)
+        inside = np.full(values["p"].shape, True)
+        for name, (least, most) in self.within.items():
+            inside &= (values[name] >= least * (1.0 - SLACK)) & (values[name] <= most * (1.0 + SLACK))
+        return inside
+
+    @property
+    def range_text(self) -> str:
+        """The range of the bodies that the rule was fitted on, in words."""
+        return ", ".join(_bounds(name, f"{low:.3g}", f"{high:.3g}") for name, (low, high) in self.within.items())
 
 
 def load_rule(point: str = "balanced", path: str | Path | None = None) -> Rule:
@@ -137,7 +212,7 @@ def _range(table: Mapping[str, Any], source: str) -> dict[str, tuple[float, floa
 
 
 def traits(block: Block) -> dict[str, np.ndarray]:
-    """What the range of validity of a rule is stated in: p [1/s], R [m], a/b [-], C over Housner's [-], each (m,)."""
+    """The quantities that the range of a rule is stated in, each (m,): p [1/s], R [m], a/b [-], C/Housner's [-]."""
     alpha = np.atleast_1d(block.alpha_c)
     housner = 1.0 - 1.5 * np.sin(alpha) ** 2
     ratio = np.divide(block.restitution, housner, out=np.full(alpha.shape, np.inf), where=housner > 0.0)
@@ -149,140 +224,37 @@ def traits(block: Block) -> dict[str, np.ndarray]:
     }
 
 
-def rule_applicable(block: Block, rule: Rule) -> np.ndarray:
-    """Which bodies are like those that the rule was fitted on: inside its range, or no more than 1 % beyond.
-
-    Parameters
-    ----------
-    block : Block
-        One block, which counts as (1,), or (m,) of them.
-    rule : Rule
-        Working point.
-
-    Returns
-    -------
-    (m,) ndarray of bool
-
-    Examples
-    --------
-    >>> rule_applicable(Block(half_width=[0.1, 0.3], half_height=[0.3, 1.8]), load_rule()).tolist()
-    [False, True]
-    """
-    values = traits(block)
-    inside = np.full(values["p"].shape, True)
-    for name, (least, most) in rule.within.items():
-        inside &= (values[name] >= least * (1.0 - SLACK)) & (values[name] <= most * (1.0 + SLACK))
-    return inside
-
-
-def range_text(rule: Rule) -> str:
-    """The range of validity in words."""
-    return ", ".join(_bounds(name, f"{low:.3g}", f"{high:.3g}") for name, (low, high) in rule.within.items())
-
-
 def _bounds(name: str, least: str, most: str) -> str:
     if name == "restitution_ratio" and least == most == "1":
         return "Housner's C"
     return TRAITS[name].format(least, most)
 
 
-def rule_demand(waves: HalfWaves, block: Block, rule: Rule) -> np.ndarray:
-    """Demand of a record on blocks: the rule says that those overturn on which it is at least 1.
+def sequence_of_demand(
+    demand: np.ndarray, of_waves: HalfWaveDemand, block: Block, lifted: np.ndarray
+) -> ImpulseSequence:
+    """The sequences whose last main impulse brings each of (m,) blocks to v_N = D, (m,).
 
-    Parameters
-    ----------
-    waves : HalfWaves
-        All half-waves of the record.
-    block : Block
-        One block, which counts as (1,), or (m,) of them.
-    rule : Rule
-        Working point.
-
-    Returns
-    -------
-    (m,) ndarray
-        D [-], proportional to a factor on the record up to flips of single copies by rounding.
-    """
-    return _demand(waves, block, rule, _of(waves, block))
-
-
-def rule_safety_factor(waves: HalfWaves, block: Block, rule: Rule) -> np.ndarray:
-    """Factor on the record at which the rule's sequence overturns each block: 1/D, in closed form.
-
-    Parameters
-    ----------
-    waves, block, rule
-        As in :func:`rule_demand`.
-
-    Returns
-    -------
-    (m,) ndarray
-        Factor [-]; inf for a record of zeros.
-    """
-    demand = rule_demand(waves, block, rule)
-    return np.divide(1.0, demand, out=np.full(demand.shape, np.inf), where=demand > 0.0)
-
-
-def rule_sequence(waves: HalfWaves, block: Block, rule: Rule) -> ImpulseSequence:
-    """The impulse sequence that stands for a record, block by block.
-
-    Parameters
-    ----------
-    waves : HalfWaves
-        All half-waves of the record.
-    block : Block
-        One block, which counts as (1,), or (m,) of them.
-    rule : Rule
-        Working point.
-
-    Returns
-    -------
-    ImpulseSequence
-        (m,), spacing "continuous", to be used with ``sequence_response(..., paired=True)``. A block that the record
-        does not lift has the main impulse zero.
-
-    Notes
-    -----
-    In the limit n -> infinity (VALIDATION F4) half-cycle i is decided by v_i = u_1 [(1 - sigma) S_i + sigma/2], S_i =
-    (1 - C^i)/(1 - C), which grows with i. So N main impulses overturn iff v_N >= 1, and I = D I_1c/[(1 - sigma) S_N +
-    sigma/2] makes v_N = D.
-    """
-    asked = _of(waves, block)
-    return sequence_of(_demand(waves, block, rule, asked), asked, block, _uplift(waves, block) > 1.0)
-
-
-def sequence_of(demand: np.ndarray, asked: HalfWaveDemand, block: Block, lifted: np.ndarray) -> ImpulseSequence:
-    """The sequences whose last main impulse brings each block to v_N = D.
-
-    Parameters
-    ----------
-    demand : (m,) ndarray
-        D [-].
-    asked : HalfWaveDemand
-        Where number, ratio and interval come from.
-    block : Block
-        The blocks.
-    lifted : (m,) ndarray of bool
-        Which of them the record lifts.
+    Number, ratio and interval of the impulses are those of the half-waves; a block that is not `lifted` gets none.
     """
     restitution, critical = (np.broadcast_to(v, demand.shape) for v in (block.restitution, block.critical_impulse))
     reached = [
         effective_amplification(c, ratio, count)
-        for c, ratio, count in zip(restitution, asked.ratio, asked.main_count, strict=True)
+        for c, ratio, count in zip(restitution, of_waves.ratio, of_waves.main_count, strict=True)
     ]
     main = np.where(lifted, demand * critical / np.array(reached), 0.0)
     return ImpulseSequence(
         main=main,
-        secondary=asked.ratio * main,
-        interval=asked.interval,
+        secondary=of_waves.ratio * main,
+        interval=of_waves.interval,
         duration=np.full(demand.shape, np.inf),
-        main_count=asked.main_count,
+        main_count=of_waves.main_count,
         spacing="continuous",
     )
 
 
 @lru_cache(maxsize=2)
-def _of(waves: HalfWaves, block: Block) -> HalfWaveDemand:
+def _half_wave_demand(waves: HalfWaves, block: Block) -> HalfWaveDemand:
     """Both working points, sequence and safety factor ask for the same; waves and blocks never change."""
     return demand_of_half_waves(block, waves.start, waves.centroid, waves.end, waves.impulse, waves.dt)
 
@@ -290,7 +262,3 @@ def _of(waves: HalfWaves, block: Block) -> HalfWaveDemand:
 def _uplift(waves: HalfWaves, block: Block) -> np.ndarray:
     """PGA/(g tan alpha) of each block [-]."""
     return np.max(np.abs(waves.peak), initial=0.0) / (block.gravity * np.tan(np.atleast_1d(block.alpha_c)))
-
-
-def _demand(waves: HalfWaves, block: Block, rule: Rule, asked: HalfWaveDemand) -> np.ndarray:
-    return np.minimum(rule.factor * asked.march, _uplift(waves, block))

@@ -120,14 +120,14 @@ def _incomplete(file: ResultsFile) -> str:
 
 def _details(summary: xr.Dataset, args: argparse.Namespace) -> list[str]:
     """Records and blocks one by one; a list of cases where a pattern names several."""
-    from rockpulse.storage.selection import chosen
+    from rockpulse.storage.selection import label_positions
     from rockpulse.views.text.details import block_details, record_details
 
     pages = []
     for dim, details in (("record", record_details), ("block", block_details)):
         known = [str(label) for label in summary[dim].values]
         for pattern in getattr(args, dim) or ():
-            found = chosen(known, [pattern], dim)
+            found = label_positions(known, [pattern], dim)
             if found.size > 1:
                 return [_cases(summary, args)]
             pages.append(details(summary, known[int(found[0])]))

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from rockpulse.errors import ConfigError
-from rockpulse.option import Kind, Section, is_number, key, number
+from rockpulse.option import KeyType, Section, is_number, key, number
 from rockpulse.record.record import STANDARD_GRAVITY
 
 if TYPE_CHECKING:
@@ -37,8 +37,8 @@ def _restitution(value: Any) -> Any:
     return value if isinstance(value, str) else float(value)
 
 
-_NAME = Kind('a printable text without "/"', _is_name, str)
-_RESTITUTION = Kind(
+_NAME = KeyType('a printable text without "/"', _is_name, str)
+_RESTITUTION = KeyType(
     'a velocity ratio in [0, 1], "housner", or a list of such numbers', _is_restitution, _restitution, ("housner",)
 )
 

@@ -16,22 +16,21 @@ from pathlib import Path
 from typing import Any
 
 from rockpulse.config.block_settings import BlockSettings
+from rockpulse.config.fragility_settings import FragilitySettings
 from rockpulse.config.settings import (
     SECTIONS,
     CalibrationSettings,
     ConditioningSettings,
     DemandSettings,
-    FragilitySettings,
     HalfWaveSettings,
     IntensePhaseSettings,
-    ModelSettings,
     RecordSettings,
     RunSettings,
-    SearchSettings,
     SequenceSettings,
     SiteSettings,
 )
 from rockpulse.errors import ConfigError
+from rockpulse.ladder import ModelSettings, SearchSettings
 from rockpulse.option import Section, hint
 
 __all__ = ["Config", "load_config", "located"]
@@ -188,7 +187,7 @@ def _sections(cls: type[Section], document: Mapping[str, Any], name: str, what: 
 def _section(cls: type[Section], values: Any) -> Any:
     if not isinstance(values, Mapping):
         raise ConfigError(f"{cls.heading}: expected a section with keys, found {values!r}")
-    fields = dataclasses.fields(cls)  # type: ignore[arg-type]
+    fields = dataclasses.fields(cls)
     known = [item.name for item in fields]
     for key in values:
         if key not in known:

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any
 
-from rockpulse.option import Kind, Section, choice, choices, is_number, key, number
+from rockpulse.option import KeyType, Section, choice, choices, is_number, key, number
 
 __all__ = ["DATA", "EQUATIONS", "MEASURES", "MODELS", "OVERTURNING", "UPLIFT", "FragilitySettings"]
 
@@ -54,13 +54,13 @@ def _is_levels(value: Any) -> bool:
     )
 
 
-_LIMIT_STATES = Kind(
+_LIMIT_STATES = KeyType(
     'a list of "uplift", numbers in (0, 1] (rotations over alpha_c) and "overturning", each once',
     _is_limit_states,
     _by_severity,
     (UPLIFT, OVERTURNING),
 )
-_LEVELS = Kind("a list of positive numbers that ascend", _is_levels, lambda value: tuple(float(item) for item in value))
+_LEVELS = KeyType("a list of positive numbers that ascend", _is_levels, lambda value: tuple(map(float, value)))
 
 
 @dataclass(frozen=True)

@@ -7,20 +7,18 @@ from dataclasses import MISSING, dataclass
 
 from rockpulse.config.fragility_settings import FragilitySettings
 from rockpulse.errors import ConfigError
-from rockpulse.option import Kind, Section, choice, choices, count, flag, key, number, text, texts
+from rockpulse.ladder import ModelSettings, SearchSettings
+from rockpulse.option import KeyType, Section, choice, count, flag, key, number, text, texts
 
 __all__ = [
     "SECTIONS",
     "CalibrationSettings",
     "ConditioningSettings",
     "DemandSettings",
-    "FragilitySettings",
     "HalfWaveSettings",
     "IntensePhaseSettings",
-    "ModelSettings",
     "RecordSettings",
     "RunSettings",
-    "SearchSettings",
     "SequenceSettings",
     "SiteSettings",
 ]
@@ -37,9 +35,6 @@ SECONDARIES = ("rms", "median", "mean")
 INTERVALS = ("median", "mean")
 MAIN_COUNTS = ("half-largest", "none")
 SPACINGS = ("end", "middle", "start", "open", "continuous")
-MODELS = ("resonance", "sequence", "balanced", "conservative", "impulsive", "linear", "nonlinear")
-GAINS = ("paper", "linear", "exact")
-OUTPUTS = ("outcome", "peak")
 METHODS = ("response", "statistics")
 #: Words of `weights`, which also takes the name of a table.
 WEIGHTS = ("equal", "event")
@@ -174,34 +169,7 @@ class SequenceSettings(Section):
     quantile: float = number(0.95, low=0.0, high=1.0)
 
 
-@dataclass(frozen=True)
-class ModelSettings(Section):
-    """Which models answer, and how exactly."""
-
-    heading = "[models]"
-    use: tuple[str, ...] = choices(("resonance", "sequence", "impulsive", "linear", "nonlinear"), MODELS)
-    auto: bool = flag(False)
-    output: str = choice("outcome", OUTPUTS)
-    tolerance: float = number(1e-4, low=0.0, above=True)
-    predictability: bool = flag(False)
-    gain: str = choice("paper", GAINS)
-    histories: bool = flag(False)
-
-    @property
-    def answering(self) -> tuple[str, ...]:
-        """The models of the results: those in use, and `auto` where it is asked for."""
-        return (*self.use, "auto") if self.auto else self.use
-
-
-@dataclass(frozen=True)
-class SearchSettings(Section):
-    """The grid of factors on which overturning is searched."""
-
-    heading = "[search]"
-    models: tuple[str, ...] = choices(MODELS, MODELS, empty=True)
-    factor_max: float = number(10.0, low=1.0, high=1e6)
-    points: int = count(256, low=2, high=100_000)
-    step: float = number(1.005, low=1.0001)
+_NAME = KeyType("a text that is not empty", lambda value: isinstance(value, str) and bool(value), str)
 
 
 @dataclass(frozen=True)
@@ -209,7 +177,7 @@ class DemandSettings(Section):
     """What the site asks for in one limit state: the capacity of every body is compared with it."""
 
     heading = "[[demand]]"
-    name: str = key(MISSING, Kind("a text that is not empty", lambda name: isinstance(name, str) and bool(name), str))
+    name: str = key(MISSING, _NAME)
     acceleration: float = number(MISSING, low=0.0, above=True, unit="m/s2")
     limit_state: str = text()
 

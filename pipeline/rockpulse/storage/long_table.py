@@ -16,7 +16,7 @@ import numpy as np
 from rockpulse.errors import ResultsError
 from rockpulse.option import hint
 from rockpulse.storage.hdf5_reader import ResultsFile, flag_words, open_results, pointwise, worded
-from rockpulse.storage.selection import Condition, Selection, chosen, rows
+from rockpulse.storage.selection import Condition, Selection, label_positions, rows
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -355,11 +355,11 @@ def _masks(
     masks, left = [], dict(selection.names)
     for name, at in POINTS_AT.items():
         if left.get(at) and at not in dataset.coords and name in dataset and at in named:
-            wanted = chosen(named[at].tolist(), left.pop(at), at)
+            wanted = label_positions(named[at].tolist(), left.pop(at), at)
             masks.append((tuple(map(str, dataset[name].dims)), np.isin(dataset[name].values, wanted)))
     for column in labels:
         if column.ends is not None and column.labels is not None and left.get(column.name):
-            wanted = chosen([str(label) for label in column.labels], left.pop(column.name), column.name)
+            wanted = label_positions([str(label) for label in column.labels], left.pop(column.name), column.name)
             sizes = np.diff(column.ends, prepend=0)
             masks.append(((str(column.variable.dims[0]),), np.repeat(np.isin(np.arange(sizes.size), wanted), sizes)))
     return masks, Selection(left, selection.conditions, selection.sort, selection.descending, selection.limit)

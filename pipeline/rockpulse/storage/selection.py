@@ -18,7 +18,7 @@ from rockpulse.storage.hdf5_reader import flag_words, slab
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["Condition", "Selection", "chosen", "rows", "unknown"]
+__all__ = ["Condition", "Selection", "label_positions", "rows", "unknown"]
 
 #: Longest list of known names in a message.
 LISTED = 12
@@ -33,16 +33,10 @@ _COMPARISONS: dict[str, Callable[[Any, Any], Any]] = {
 
 @dataclass(frozen=True)
 class Condition:
-    """What a variable has to be: ``safety_factor < 1``, ``outcome = overturns``, ``source = *.AT2``.
+    """A condition on a variable: ``safety_factor < 1``, ``outcome = overturns``, ``source = *.AT2``.
 
-    Attributes
-    ----------
-    name : str
-        A variable.
-    comparison : {"<=", ">=", "!=", "<", ">", "="}
-        How.
-    value : str
-        A number; a word of a flag; a text, in which * and ? stand for any letters; several with "|" between them.
+    `comparison` is one of <=, >=, !=, <, > and =. `value` is a number; a word of a flag; a text, in which * and ? stand
+    for any letters; several with "|" between them.
     """
 
     name: str
@@ -51,17 +45,7 @@ class Condition:
 
     @classmethod
     def parse(cls, words: str) -> Condition:
-        """From its text.
-
-        Parameters
-        ----------
-        words : str
-            Name, comparison, value; spaces may stand between them.
-
-        Raises
-        ------
-        ResultsError
-            For another text.
+        """The condition of a text: name, comparison, value; spaces may stand between them.
 
         Examples
         --------
@@ -78,19 +62,9 @@ class Condition:
         return cls(name, "=" if comparison == "==" else comparison, value)
 
     def holds(self, variable: xr.Variable, values: np.ndarray) -> np.ndarray:
-        """Where it holds.
+        """Where the condition holds among some values of a variable, whose type and flags say how its value is read.
 
-        Parameters
-        ----------
-        variable : xarray.Variable
-            Whose type and flags say how the value is to be read.
-        values : ndarray
-            Some of its values.
-
-        Raises
-        ------
-        ResultsError
-            Where the value is no number or no word of the flag, or texts are compared by size.
+        A ResultsError where the value is no number or no word of the flag, or texts are compared by size.
         """
         if self.comparison in ("=", "!="):
             if variable.dtype.kind in "OU":
@@ -134,18 +108,9 @@ class Condition:
 class Selection:
     """Which rows of a table are asked for; all in the order of the file by default.
 
-    Attributes
-    ----------
-    names : mapping of str to tuple of str
-        Patterns (* and ? stand for any letters) of the labels along a dimension: ``{"record": ("CI.*",)}``.
-    conditions : tuple of Condition
-        All have to hold.
-    sort : str, optional
-        Variable by which the rows are sorted; what is not known comes last.
-    descending : bool
-        Whether the largest come first.
-    limit : int, optional
-        Most rows.
+    `names` holds patterns (* and ? stand for any letters) of the labels along a dimension: ``{"record": ("CI.*",)}``.
+    All `conditions` have to hold. `sort` is the variable by which the rows are sorted, what is not known comes last.
+    `limit` is the largest number of rows.
     """
 
     names: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
@@ -166,22 +131,11 @@ class Selection:
         return told
 
 
-def chosen(known: Sequence[str], patterns: Sequence[str], what: str) -> np.ndarray:
-    """Positions of the labels that a pattern names.
+def label_positions(known: Sequence[str], patterns: Sequence[str], what: str) -> np.ndarray:
+    """Positions of the labels that a pattern names; all labels where there is no pattern.
 
-    Parameters
-    ----------
-    known : sequence of str
-        The labels.
-    patterns : sequence of str
-        A label itself, or a pattern in which * and ? stand for any letters; all labels where there is none.
-    what : str
-        What they are, for the message.
-
-    Raises
-    ------
-    ResultsError
-        For a pattern that names none.
+    A pattern is a label itself, or holds * and ? for any letters; `what` names the labels in the ResultsError for a
+    pattern that no label meets.
     """
     if not patterns:
         return np.arange(len(known))
@@ -198,17 +152,7 @@ def chosen(known: Sequence[str], patterns: Sequence[str], what: str) -> np.ndarr
 
 
 def unknown(name: str, known: Sequence[str], what: str) -> ResultsError:
-    """The error that says what there is where a name is not.
-
-    Parameters
-    ----------
-    name : str
-        What was asked for.
-    known : sequence of str
-        What there is.
-    what : str
-        What they are.
-    """
+    """The error that says what there is where a name is not; `what` says of what kind the known names are."""
     within = [label for label in known if name.lower() in label.lower()]
     told = "there are:"
     if within:
@@ -227,21 +171,11 @@ def rows(
     selection: Selection,
     masks: Iterable[tuple[tuple[str, ...], np.ndarray]] = (),
 ) -> tuple[dict[str, np.ndarray], int]:
-    """The rows of a table with one row per element along some dimensions.
+    """The rows of a table with one row per element along some dimensions of a group of the results.
 
     A condition on a variable with more dimensions than the table has to hold somewhere along them; such a variable
-    sorts by its smallest value (largest where `descending`) among those that meet all conditions.
-
-    Parameters
-    ----------
-    dataset : xarray.Dataset
-        A group of the results; only the variables that are named are read.
-    dims : sequence of str
-        Dimensions of the table.
-    selection : Selection
-        What is asked for.
-    masks : iterable of (tuple of str, ndarray of bool)
-        More that has to hold, along some dimensions of the table.
+    sorts by its smallest value (largest where `descending`) among those that meet all conditions. `masks` say what has
+    to hold besides, each along some dimensions of the table. Only the variables that are named are read.
 
     Returns
     -------
@@ -249,11 +183,6 @@ def rows(
         Position of every row along each dimension.
     found : int
         How many rows there would be without the limit.
-
-    Raises
-    ------
-    ResultsError
-        For a name or variable that is not there.
     """
     used = [(item, _variable(dataset, item.name)) for item in selection.conditions]
     key = None if selection.sort is None else _variable(dataset, selection.sort)
@@ -265,8 +194,10 @@ def rows(
         patterns = selection.names.get(dim, ())
         if patterns and dim not in dataset.coords:
             raise ResultsError(f"this table has no {dim}, by which it could be filtered")
-        known = [str(label) for label in dataset[dim].values] if patterns else range(dataset.sizes[dim])
-        among[dim] = chosen(known, patterns, dim) if patterns else np.arange(len(known))  # type: ignore[arg-type]
+        if patterns:
+            among[dim] = label_positions([str(label) for label in dataset[dim].values], patterns, dim)
+        else:
+            among[dim] = np.arange(dataset.sizes[dim])
     shape = tuple(among[dim].size for dim in every)
     mask = np.ones(shape, dtype=bool)
     for item, variable in used:

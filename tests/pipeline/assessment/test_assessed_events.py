@@ -6,14 +6,13 @@ import numpy as np
 import pytest
 
 import rockpulse as rp
+from rockpulse import BlockSettings, ModelSettings, RecordSettings
 from rockpulse.assessment.events import UNKNOWN
 from rockpulse.batch import survey
 from rockpulse.batch.journal import journal_path
 from rockpulse.batch.options import BatchOptions
 from rockpulse.batch.plan import configuration_fingerprint
 from rockpulse.cli import main
-from rockpulse.config.block_settings import BlockSettings
-from rockpulse.config.settings import ModelSettings, RecordSettings
 from rockpulse.errors import ConfigError
 from rockpulse.readers.folders import read_all
 from rockpulse.views.report.motions import motions_of

@@ -6,12 +6,8 @@ import numpy as np
 import pytest
 
 from rocking.sequence import SPACINGS
-from rockpulse.assessment.assessment import assess
-from rockpulse.assessment.scene import prepare
-from rockpulse.calibration.estimators import INTERVAL, MAIN, MAIN_COUNT, SECONDARY
-from rockpulse.config.block_settings import BlockSettings
-from rockpulse.config.configuration import Config
-from rockpulse.config.settings import (
+from rockpulse import (
+    BlockSettings,
     ConditioningSettings,
     DemandSettings,
     ModelSettings,
@@ -19,6 +15,10 @@ from rockpulse.config.settings import (
     SearchSettings,
     SequenceSettings,
 )
+from rockpulse.assessment.assessment import assess
+from rockpulse.assessment.scene import prepare
+from rockpulse.calibration.estimators import INTERVAL, MAIN, MAIN_COUNT, SECONDARY
+from rockpulse.config.configuration import Config
 from rockpulse.errors import ConfigError
 from rockpulse.failures import Failure
 from rockpulse.models import Block, Outcome, Reason, recorded_response

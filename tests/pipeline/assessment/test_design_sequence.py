@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 import rockpulse as rp
+from rockpulse import ModelSettings
 from rockpulse.config.configuration import Config
-from rockpulse.config.settings import ModelSettings
 from rockpulse.errors import ConfigError
 from rockpulse.models import Block, ImpulseSequence, resonance, resonance_safety, sequence_response
 

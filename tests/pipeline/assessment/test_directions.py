@@ -6,12 +6,11 @@ from datetime import UTC, datetime, timedelta
 import numpy as np
 import pytest
 
+from rockpulse import BlockSettings, DemandSettings, IntensePhaseSettings, ModelSettings, RecordSettings
 from rockpulse.assessment.assessment import assess
 from rockpulse.assessment.direction_statistics import largest_over, median_over, smallest_over
 from rockpulse.assessment.directions import ground_motions, motions_of, plan_motions, planned_ids, sweep_azimuths
-from rockpulse.config.block_settings import BlockSettings
 from rockpulse.config.configuration import Config
-from rockpulse.config.settings import DemandSettings, IntensePhaseSettings, ModelSettings, RecordSettings
 from rockpulse.models import Outcome
 from rockpulse.record.half_wave import half_waves
 from rockpulse.record.record import Record

@@ -11,10 +11,9 @@ import xarray as xr
 from dask_cluster import dask_cluster, wait_for_workers
 
 import rockpulse as rp
+from rockpulse import BlockSettings, ModelSettings, SearchSettings
 from rockpulse.batch import cluster
 from rockpulse.batch.crew import Crew, WorkerLost
-from rockpulse.config.block_settings import BlockSettings
-from rockpulse.config.settings import ModelSettings, SearchSettings
 from rockpulse.errors import ConfigError
 
 SQUARES = [(number, number**2) for number in range(40)]

@@ -8,12 +8,11 @@ import numpy as np
 import pytest
 from record_writers import at2, pulse
 
+from rockpulse import BlockSettings, ModelSettings, SearchSettings
 from rockpulse.batch.journal import _holder, journal_path
 from rockpulse.batch.options import BatchOptions
 from rockpulse.batch.run import assess_files
-from rockpulse.config.block_settings import BlockSettings
 from rockpulse.config.configuration import Config
-from rockpulse.config.settings import ModelSettings, SearchSettings
 from rockpulse.errors import StoppedAtFailure
 
 CONFIG = Config(

@@ -9,12 +9,8 @@ from dataclasses import replace
 import pytest
 from record_writers import at2, pulse
 
-from rockpulse.assessment.directions import ground_motions
-from rockpulse.batch.plan import configuration_fingerprint, plan, read_options
-from rockpulse.batch.survey import find, gather, survey_file
-from rockpulse.config.block_settings import BlockSettings
-from rockpulse.config.configuration import Config
-from rockpulse.config.settings import (
+from rockpulse import (
+    BlockSettings,
     CalibrationSettings,
     ConditioningSettings,
     DemandSettings,
@@ -28,6 +24,10 @@ from rockpulse.config.settings import (
     SequenceSettings,
     SiteSettings,
 )
+from rockpulse.assessment.directions import ground_motions
+from rockpulse.batch.plan import configuration_fingerprint, plan, read_options
+from rockpulse.batch.survey import find, gather, survey_file
+from rockpulse.config.configuration import Config
 from rockpulse.readers.folders import read_all
 
 WALL = BlockSettings(name="wall", width=0.4, height=3.0)

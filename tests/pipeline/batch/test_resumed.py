@@ -13,13 +13,12 @@ from file_contents import contents
 from record_writers import at2, pulse
 
 import rockpulse as rp
+from rockpulse import BlockSettings, CalibrationSettings, ModelSettings, SearchSettings
 from rockpulse.batch import run, survey, tasks
 from rockpulse.batch.journal import journal_path
 from rockpulse.batch.options import BatchOptions
 from rockpulse.batch.run import BatchReport, assess_files, calibrate_files
-from rockpulse.config.block_settings import BlockSettings
 from rockpulse.config.configuration import Config
-from rockpulse.config.settings import CalibrationSettings, ModelSettings, SearchSettings
 from rockpulse.errors import ResultsError
 from rockpulse.readers.folders import read_all
 

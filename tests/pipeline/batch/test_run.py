@@ -14,12 +14,11 @@ from record_writers import at2, pulse
 from record_writers.geonet import geonet
 
 import rockpulse as rp
+from rockpulse import BlockSettings, CalibrationSettings, ModelSettings, RecordSettings, SearchSettings
 from rockpulse.batch import run, tasks
 from rockpulse.batch.options import BatchOptions
 from rockpulse.batch.run import assess_files, calibrate_files
-from rockpulse.config.block_settings import BlockSettings
 from rockpulse.config.configuration import Config
-from rockpulse.config.settings import CalibrationSettings, ModelSettings, RecordSettings, SearchSettings
 from rockpulse.errors import ConfigError, RecordRefused, ResultsError, StoppedAtFailure
 from rockpulse.readers.folders import read_all
 

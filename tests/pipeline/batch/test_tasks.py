@@ -10,17 +10,8 @@ import numpy as np
 import pytest
 from record_writers import at2, pulse
 
-from rockpulse.assessment.assessment import assess
-from rockpulse.assessment.tree import joined_parts
-from rockpulse.batch import tasks as module
-from rockpulse.batch.journal import unpack
-from rockpulse.batch.plan import plan, read_options
-from rockpulse.batch.survey import find, gather, survey_file
-from rockpulse.batch.tasks import UNFINISHED, Done, Job, assess_task, calibrate_task
-from rockpulse.config.block_settings import BlockSettings
-from rockpulse.config.bodies import gather_bodies
-from rockpulse.config.configuration import Config
-from rockpulse.config.settings import (
+from rockpulse import (
+    BlockSettings,
     CalibrationSettings,
     ConditioningSettings,
     DemandSettings,
@@ -29,6 +20,15 @@ from rockpulse.config.settings import (
     RecordSettings,
     SearchSettings,
 )
+from rockpulse.assessment.assessment import assess
+from rockpulse.assessment.tree import joined_parts
+from rockpulse.batch import tasks as module
+from rockpulse.batch.journal import unpack
+from rockpulse.batch.plan import plan, read_options
+from rockpulse.batch.survey import find, gather, survey_file
+from rockpulse.batch.tasks import UNFINISHED, Done, Job, assess_task, calibrate_task
+from rockpulse.config.bodies import gather_bodies
+from rockpulse.config.configuration import Config
 from rockpulse.readers.folders import read_all
 from rockpulse.studies.site.calibration import calibrate_site, prepare_site, site_results
 from rockpulse.studies.site.part import unpack_site_record

@@ -18,7 +18,7 @@ import rockpulse as rp
 from rockpulse.batch.warm import warm_up
 from rockpulse.studies.site.record import site_record
 from rockpulse.assessment.directions import Motion
-from rockpulse.config.settings import ModelSettings, RecordSettings, SearchSettings
+from rockpulse import ModelSettings, RecordSettings, SearchSettings
 
 KERNELS = [path.stem for path in Path(import_module("rocking").__file__).parent.glob("[a-z]*.py")]
 BLOCKS = [rp.models.Block(half_width=0.2 + 0.2 * i, half_height=1.0 + i) for i in range(3)]

@@ -8,17 +8,7 @@ import pytest
 
 import rockpulse as rp
 from rocking.half_wave_demand import HalfWaveDemand
-from rockpulse.calibration.rule import (
-    POINTS,
-    Rule,
-    load_rule,
-    range_text,
-    rule_applicable,
-    rule_demand,
-    rule_safety_factor,
-    rule_sequence,
-    sequence_of,
-)
+from rockpulse.calibration.rule import POINTS, Rule, load_rule, sequence_of_demand
 from rockpulse.errors import ConfigError
 from rockpulse.models import Block, Outcome, sequence_response
 from rockpulse.record.synthetic import synthetic_motion
@@ -51,7 +41,7 @@ def test_the_sequence_overturns_where_the_demand_reaches_one_and_peaks_in_closed
     block = Block.from_parameters(
         p=random.uniform(0.7, 8.0, 300), alpha=alpha, restitution=random.uniform(0.6, 1.0, 300)
     )
-    sequence = sequence_of(demand, asked(count, ratio), block, np.full(300, True))
+    sequence = sequence_of_demand(demand, asked(count, ratio), block, np.full(300, True))
     response = sequence_response(block, sequence, paired=True)
     assert np.array_equal(response.outcome == Outcome.OVERTURNS, demand >= 1.0)
     survives = demand < 1.0
@@ -62,23 +52,23 @@ def test_the_sequence_overturns_where_the_demand_reaches_one_and_peaks_in_closed
 
 def test_a_record_has_a_sequence_for_every_block():
     block, wave = bodies(), waves()
-    demand, sequence = rule_demand(wave, block, RULE), rule_sequence(wave, block, RULE)
+    demand, sequence = RULE.demand(wave, block), RULE.sequence(wave, block)
     assert sequence.shape == (5,)
     response = sequence_response(block, sequence, paired=True)
     lifted = np.max(np.abs(wave.peak)) > block.gravity * np.tan(block.alpha_c)
     assert np.array_equal(response.outcome == Outcome.OVERTURNS, lifted & (demand >= 1.0))
     assert np.all(sequence.secondary <= 0.5 * sequence.main)
     for lane in (0, 3):
-        alone = rule_sequence(wave, block.lane(lane), RULE)
+        alone = RULE.sequence(wave, block.lane(lane))
         assert alone.main == pytest.approx(sequence.main[lane : lane + 1])
 
 
 def test_the_safety_factor_is_where_the_scaled_record_overturns():
     block = bodies()
-    factor = rule_safety_factor(waves(), block, RULE)
+    factor = RULE.safety_factor(waves(), block)
     for lane in range(5):
-        below = rule_sequence(waves(factor=0.999 * factor[lane]), block.lane(lane), RULE)
-        above = rule_sequence(waves(factor=1.001 * factor[lane]), block.lane(lane), RULE)
+        below = RULE.sequence(waves(factor=0.999 * factor[lane]), block.lane(lane))
+        above = RULE.sequence(waves(factor=1.001 * factor[lane]), block.lane(lane))
         verdicts = [sequence_response(block.lane(lane), one, paired=True).outcome for one in (below, above)]
         assert verdicts[0] != Outcome.OVERTURNS
         assert verdicts[1] == Outcome.OVERTURNS
@@ -88,24 +78,24 @@ def test_what_does_not_lift_rests_and_the_safety_factor_is_at_least_that_of_upli
     block, wave = bodies(), waves(factor=0.1)
     ratio = np.max(np.abs(wave.peak)) / (block.gravity * np.tan(block.alpha_c))
     assert np.any(ratio < 1.0)
-    response = sequence_response(block, rule_sequence(wave, block, Rule("conservative", 1e6)), paired=True)
+    response = sequence_response(block, Rule("conservative", 1e6).sequence(wave, block), paired=True)
     assert np.array_equal(response.outcome == Outcome.AT_REST, ratio <= 1.0)
-    assert rule_safety_factor(wave, block, Rule("conservative", 1e6)) == pytest.approx(1.0 / ratio)
+    assert Rule("conservative", 1e6).safety_factor(wave, block) == pytest.approx(1.0 / ratio)
 
 
 def test_a_record_of_zeros_asks_for_nothing():
     block = bodies()
     silent = rp.half_waves(rp.Record(np.zeros(100), dt=0.01, id="silence", processed=True))
-    assert rule_demand(silent, block, RULE).tolist() == [0.0] * 5
-    assert np.all(np.isinf(rule_safety_factor(silent, block, RULE)))
-    assert np.all(sequence_response(block, rule_sequence(silent, block, RULE), paired=True).outcome == Outcome.AT_REST)
+    assert RULE.demand(silent, block).tolist() == [0.0] * 5
+    assert np.all(np.isinf(RULE.safety_factor(silent, block)))
+    assert np.all(sequence_response(block, RULE.sequence(silent, block), paired=True).outcome == Outcome.AT_REST)
 
 
 def test_the_shipped_points_differ_by_their_factor_only():
     rules = {point: load_rule(point) for point in POINTS}
     assert {rule.point for rule in rules.values()} == set(POINTS)
     wave, block = waves(), bodies()
-    by_point = [rule_demand(wave, block, rule) for rule in rules.values()]
+    by_point = [rule.demand(wave, block) for rule in rules.values()]
     assert np.all(by_point[0] <= by_point[1])
 
 
@@ -133,7 +123,7 @@ def test_the_range_is_that_of_the_bodies_of_the_fit():
     from rockpulse.studies.accuracy.model_form import blocks
 
     rule = load_rule()
-    assert rule_applicable(blocks(), rule).all()
+    assert rule.applicable(blocks()).all()
     alpha = np.arctan(1.0 / 8.0)
     usual = {"p": 2.0, "alpha": alpha, "restitution": 1.0 - 1.5 * np.sin(alpha) ** 2}
     for other, inside in (
@@ -146,15 +136,15 @@ def test_the_range_is_that_of_the_bodies_of_the_fit():
         ({"alpha": np.arctan(1.0 / 3.5)}, False),
         ({"alpha": np.arctan(1.0 / 13.0)}, False),
     ):
-        assert rule_applicable(Block.from_parameters(**usual | other), rule).tolist() == [inside], other
-    assert rule_applicable(Block(0.5, 0.3, restitution=0.5), rule).tolist() == [False]  # no Housner's C
-    assert rule_applicable(Block(0.5, 0.6), Rule("balanced", 1.0)).tolist() == [True]
+        assert rule.applicable(Block.from_parameters(**usual | other)).tolist() == [inside], other
+    assert rule.applicable(Block(0.5, 0.3, restitution=0.5)).tolist() == [False]  # no Housner's C
+    assert Rule("balanced", 1.0).applicable(Block(0.5, 0.6)).tolist() == [True]
 
 
 def test_the_range_in_words_names_housners_restitution():
-    assert range_text(load_rule()).endswith(", Housner's C")
+    assert load_rule().range_text.endswith(", Housner's C")
     wider = Rule("balanced", 1.0, {"restitution_ratio": (0.9, 1.0), "radius": (1.0, 1.0)})
-    assert range_text(wider) == "C 0.9 to 1 times Housner's, R 1 to 1 m"
+    assert wider.range_text == "C 0.9 to 1 times Housner's, R 1 to 1 m"
 
 
 def test_assessments_mark_bodies_unlike_those_of_the_fit():

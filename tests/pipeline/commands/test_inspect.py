@@ -10,9 +10,9 @@ import xarray as xr
 from results_tree import RECORDS, results_bytes, results_tree
 
 import rockpulse as rp
+from rockpulse import CalibrationSettings
 from rockpulse.calibration.rule import POINTS, Rule
 from rockpulse.cli import main
-from rockpulse.config.settings import CalibrationSettings
 from rockpulse.record.synthetic import synthetic_motion
 from rockpulse.storage.fragility_variables import FRAGILITY
 from rockpulse.storage.rule_variables import RULE_KIND

@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 import rockpulse as rp
+from rockpulse import ModelSettings, SearchSettings
 from rockpulse.cli import main
 from rockpulse.config.configuration import Config
-from rockpulse.config.settings import ModelSettings, SearchSettings
 
 
 @pytest.fixture(scope="module")

@@ -2,7 +2,8 @@
 
 import pytest
 
-from rockpulse.config.block_settings import BlockSettings, parse_block_option
+from rockpulse import BlockSettings
+from rockpulse.config.block_settings import parse_block_option
 from rockpulse.errors import ConfigError
 
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from rockpulse.config.block_settings import BlockSettings
+from rockpulse import BlockSettings
 from rockpulse.config.bodies import gather_bodies
 from rockpulse.errors import ConfigError
 from rockpulse.models import Block

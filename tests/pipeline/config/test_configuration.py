@@ -12,7 +12,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import rockpulse as rp
-from rockpulse.config.block_settings import BlockSettings
+from rockpulse import BlockSettings
 from rockpulse.config.configuration import Config, load_config
 from rockpulse.config.settings import SECTIONS
 from rockpulse.errors import ConfigError
@@ -55,7 +55,7 @@ def test_every_key_is_shown_and_commented(path):
 def test_every_allowed_word_is_in_the_template(name):
     part = TEMPLATE.read_text(encoding="utf-8").partition(f"[{name}]")[2].partition("\n[")[0]
     for field in dataclasses.fields(SECTIONS[name]):
-        for word in field.metadata["kind"].words:
+        for word in field.metadata["values"].words:
             assert f'"{word}"' in part, (field.name, word)
 
 
@@ -210,17 +210,17 @@ def _configs(draw):
     for name, section in SECTIONS.items():
         values = {}
         for field in dataclasses.fields(section):
-            kind = field.metadata["kind"]
+            takes = field.metadata["values"]
             pools = [st.just(field.default)]
-            if kind.words and isinstance(field.default, str):
-                pools.append(st.sampled_from(kind.words))
+            if takes.words and isinstance(field.default, str):
+                pools.append(st.sampled_from(takes.words))
             elif isinstance(field.default, str):
                 pools.append(_texts)
             elif isinstance(field.default, float):
                 # What is out of range becomes the default: filters would throw most draws away.
                 numbers = st.one_of(st.floats(0.5, 0.99), _numbers)
                 pools.append(
-                    numbers.map(lambda value, kind=kind, own=field.default: value if kind.accepts(value) else own)
+                    numbers.map(lambda value, takes=takes, own=field.default: value if takes.accepts(value) else own)
                 )
             values[field.name] = draw(st.one_of(pools))
         if values.get("method") == "window":

@@ -6,8 +6,8 @@ import inspect
 import pytest
 
 import rockpulse as rp
+from rockpulse import ConditioningSettings, ModelSettings, SequenceSettings
 from rockpulse.config.configuration import Config
-from rockpulse.config.settings import ConditioningSettings, ModelSettings, SequenceSettings
 from rockpulse.errors import ConfigError
 
 
@@ -23,29 +23,27 @@ def test_python_values_are_checked_like_those_of_a_file():
 
 def test_the_words_are_those_of_the_modules_that_act_on_them():
     from rocking.sequence import SPACINGS
-    from rockpulse.assessment import scene
     from rockpulse.assessment.directions import DIRECTIONS
-    from rockpulse.calibration import estimators as calibration
-    from rockpulse.config import settings as words
+    from rockpulse.calibration import estimators
+    from rockpulse.config import settings
     from rockpulse.readers.format import RESPONSES
     from rockpulse.record.conditioning import BASELINES
     from rockpulse.record.intensity import INTENSE_PHASES
     from rockpulse.studies.site.design import DESIGN
     from rockpulse.studies.site.scaling import MEASURE
 
-    assert ("horizontal", *DIRECTIONS) == words.COMPONENTS
-    assert tuple(RESPONSES) == words.RESPONSES
-    assert tuple(BASELINES) == words.BASELINES
-    assert tuple(INTENSE_PHASES) == words.PHASES
-    assert tuple(SPACINGS) == words.SPACINGS
-    assert tuple(DESIGN) == words.DESIGNS
-    assert ("none", *MEASURE) == words.SCALES
-    assert tuple(scene.MODELS) == words.MODELS
+    assert ("horizontal", *DIRECTIONS) == settings.COMPONENTS
+    assert tuple(RESPONSES) == settings.RESPONSES
+    assert tuple(BASELINES) == settings.BASELINES
+    assert tuple(INTENSE_PHASES) == settings.PHASES
+    assert tuple(SPACINGS) == settings.SPACINGS
+    assert tuple(DESIGN) == settings.DESIGNS
+    assert ("none", *MEASURE) == settings.SCALES
     for stated, table in (
-        (words.MAINS, calibration.MAIN),
-        (words.SECONDARIES, calibration.SECONDARY),
-        (words.INTERVALS, calibration.INTERVAL),
-        (words.MAIN_COUNTS, calibration.MAIN_COUNT),
+        (settings.MAINS, estimators.MAIN),
+        (settings.SECONDARIES, estimators.SECONDARY),
+        (settings.INTERVALS, estimators.INTERVAL),
+        (settings.MAIN_COUNTS, estimators.MAIN_COUNT),
     ):
         assert set(stated) == set(table)
 

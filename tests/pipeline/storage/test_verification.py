@@ -12,7 +12,7 @@ import xarray as xr
 from results_tree import results_tree
 
 import rockpulse as rp
-from rockpulse.config.settings import ModelSettings, RecordSettings
+from rockpulse import ModelSettings, RecordSettings
 from rockpulse.errors import ResultsError
 from rockpulse.storage import save_load as store
 from rockpulse.storage.checksums import CHECKSUM, CHECKSUM_OF_ATTRIBUTES, VariableChecksum

@@ -1,8 +1,8 @@
 """Model-form error: answers of the cheap models against the nonlinear response to the record, over an ensemble.
 
-.. note:: A lane is one (record, factor, block). Every model of an assessment can be looked at: a name in
-   :data:`COMPARED` adds it. Errors are statistics of an ensemble, never those of one record: near overturning the
-   motion is chaotic.
+.. note:: A lane is one (record, factor, block). Every model of an assessment can be looked at; by default
+   those of :data:`COMPARED` are. Errors are statistics of an ensemble, never those of one record: near overturning
+   the motion is chaotic.
 """
 
 from __future__ import annotations
@@ -17,8 +17,9 @@ from scipy.stats import mannwhitneyu
 
 from rocking.block import Block
 from rocking.response import Outcome
-from rockpulse.assessment.scene import MODELS, Scene, prepare
+from rockpulse.assessment.scene import prepare
 from rockpulse.config.configuration import Config
+from rockpulse.ladder import MODELS, ModelSettings, Scene
 from rockpulse.record.intensity import pgv
 from rockpulse.record.record import Record
 from rockpulse.record.synthetic import synthetic_motion
@@ -33,9 +34,9 @@ __all__ = [
     "synthetic_records",
 ]
 
-#: The models that are judged, and the one that judges them.
-COMPARED = ("resonance", "sequence", "impulsive", "linear")
+#: The model that judges the others, and those that are judged: what an assessment uses by default.
 JUDGE = "nonlinear"
+COMPARED = tuple(model for model in ModelSettings().use if model != JUDGE)
 
 #: Bodies of the ensemble: every slenderness with every radius [m], Housner's restitution.
 SLENDERNESS = (4.0, 6.0, 8.0, 12.0)
@@ -109,7 +110,7 @@ def model_form_lanes(
             **{name: demand(scene, bodies) for name, demand in DEMANDS.items()},
         }
         for model in (*models, JUDGE):
-            response = MODELS[model](bodies, scene)
+            response = MODELS[model].respond(bodies, scene)
             columns[f"peak {model}"] = response.peak_rotation_ratio
             columns[f"outcome {model}"] = response.outcome
         frames.append(pd.DataFrame(columns))

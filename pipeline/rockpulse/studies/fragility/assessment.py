@@ -12,12 +12,13 @@ import numpy as np
 from rocking.block import Block
 from rockpulse.assessment.directions import Motion, ground_motions
 from rockpulse.assessment.events import event_table, events_by_id
-from rockpulse.assessment.scene import Scene, extract, prepare
+from rockpulse.assessment.scene import extract, prepare
 from rockpulse.config.block_settings import BlockSettings
 from rockpulse.config.bodies import Bodies, gather_bodies
 from rockpulse.config.configuration import Config
 from rockpulse.errors import ConfigError
 from rockpulse.failures import Failure
+from rockpulse.ladder import Scene
 from rockpulse.record.record import Record
 from rockpulse.studies.fragility.capacity import RecordCapacity, record_capacity
 from rockpulse.studies.fragility.results import build_fragility_tree
@@ -102,7 +103,7 @@ def fragility_curves(
             if scene.record.pga < config.fragility.pga_min:
                 rows.append(_too_weak(scene, config.fragility.pga_min))
                 continue
-            done.append(record_capacity(scene, bodies.lanes))
+            done.append(record_capacity(scene, bodies.lanes, config))
             clusters.append(event_of[motion.channels[0].id])
         except ValueError as error:  # RockpulseError, and what a model says of numbers it cannot take
             logger.error("%s: %s", record.id, error)

@@ -7,7 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from rocking.block import Block
-from rockpulse.assessment.scene import Scene
+from rockpulse.config.configuration import Config
+from rockpulse.ladder import Scene
 from rockpulse.studies.fragility.limit_states import reached_at, scale_capacities
 from rockpulse.studies.fragility.measures import record_measures, record_qualities
 
@@ -44,22 +45,9 @@ class RecordCapacity:
     reached: np.ndarray | None
 
 
-def record_capacity(scene: Scene, block: Block) -> RecordCapacity:
-    """What one record says of the capacities of the bodies.
-
-    Parameters
-    ----------
-    scene : Scene
-        The record made ready, with the configuration.
-    block : Block
-        (m,) lanes.
-
-    Raises
-    ------
-    ValueError
-        Where the model refuses the numbers of the record.
-    """
-    settings = scene.config.fragility
+def record_capacity(scene: Scene, block: Block, config: Config) -> RecordCapacity:
+    """What one record says of the capacities of (m,) bodies; a ValueError where the model refuses its numbers."""
+    settings = config.fragility
     step = reached = None
     if settings.data == "ida":
         found = scale_capacities(
@@ -67,8 +55,8 @@ def record_capacity(scene: Scene, block: Block) -> RecordCapacity:
             block,
             settings.limit_states,
             settings.equation,
-            scene.config.search.factor_max,
-            scene.config.search.points,
+            config.search.factor_max,
+            config.search.points,
         )
         factors, step = found.factors, found.step
     else:

@@ -12,8 +12,8 @@ from rocking.block import Block
 from rocking.capacity import critical_scale, uplift_scale
 from rocking.recorded import recorded_response
 from rocking.response import Outcome
-from rockpulse.assessment.scene import Scene
 from rockpulse.config.fragility_settings import OVERTURNING, UPLIFT
+from rockpulse.ladder import Scene
 
 __all__ = ["NOT_KNOWN", "Capacities", "limit_state_names", "reached_at", "scale_capacities"]
 

@@ -13,7 +13,7 @@ import numpy as np
 
 from rocking.block import Block
 from rocking.demand import Demand, ground_demand
-from rockpulse.assessment.scene import Scene
+from rockpulse.ladder import Scene
 from rockpulse.record.intensity import pgv
 
 __all__ = ["LARGEST_LOBES", "MEASURES", "Measure", "record_measures", "record_qualities"]

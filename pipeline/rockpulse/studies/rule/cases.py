@@ -171,7 +171,7 @@ def motion_cases(motion: StrongMotion, scales: Sequence[float] = SCALES, threads
 
 
 def fitted_range() -> dict[str, tuple[float, float]]:
-    """Smallest and largest value, over the bodies here, of each number that `rule_applicable` checks."""
+    """The range of the rules that are fitted here: least and most of each trait over the bodies."""
     return {name: (float(values.min()), float(values.max())) for name, values in traits(blocks()).items()}
 
 

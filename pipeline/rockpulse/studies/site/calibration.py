@@ -103,8 +103,7 @@ def calibrate_site(
     ...     rp.Record(size * np.sin(2.0 * np.pi * t), dt=0.01, id=f"sine{size}", event=name, processed=True)
     ...     for size, name in ((2.5, "Kobe"), (3.0, "Maule"))
     ... ]
-    >>> from rockpulse.config.settings import CalibrationSettings
-    >>> config = rp.Config(calibration=CalibrationSettings(method="statistics"))
+    >>> config = rp.Config(calibration=rp.CalibrationSettings(method="statistics"))
     >>> tree = rp.calibrate_site(shake, config, blocks={"pier": rp.models.Block(0.5, 3.0)})
     >>> int(tree["site"]["event_count"])
     2

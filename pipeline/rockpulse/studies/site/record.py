@@ -12,10 +12,11 @@ from rocking.recorded import recorded_response
 from rocking.response import Outcome
 from rocking.sequence import ImpulseSequence, sequence_response
 from rockpulse.assessment.directions import Motion
-from rockpulse.assessment.scene import Scene, extract
+from rockpulse.assessment.scene import extract
 from rockpulse.calibration.response import calibrate_response
 from rockpulse.config.configuration import Config
 from rockpulse.errors import RecordRefused, TooWeak
+from rockpulse.ladder import Scene
 from rockpulse.record.conditioning import condition
 from rockpulse.record.intensity import pgv
 from rockpulse.record.record import Record
@@ -144,7 +145,7 @@ def site_record(motion: Motion, blocks: Block, config: Config) -> SiteRecord:
     if scene.sequence is None:
         reason = find(scene.record.warnings, "no_sequence")
         raise (RecordRefused if np.any(peaks != 0.0) else TooWeak)(str(reason))
-    sequence, intervals, remarks = _calibrated(scene, scene.sequence, blocks)
+    sequence, intervals, remarks = _calibrated(scene, scene.sequence, blocks, config)
     misfit, unsafe = _compared(peaks, sequence, blocks)
     return SiteRecord(
         record=scene.record,
@@ -163,9 +164,9 @@ def site_record(motion: Motion, blocks: Block, config: Config) -> SiteRecord:
 
 
 def _calibrated(
-    scene: Scene, start: ImpulseSequence, blocks: Block
+    scene: Scene, start: ImpulseSequence, blocks: Block, config: Config
 ) -> tuple[ImpulseSequence, dict[str, tuple[float, float]], tuple[str, ...]]:
-    settings = scene.config.calibration
+    settings = config.calibration
     if settings.method == "statistics":
         return start, {}, ()
     found = calibrate_response(
@@ -173,9 +174,9 @@ def _calibrated(
         blocks if settings.family == "blocks" else None,
         vertical=scene.vertical,
         start=start,
-        spacing=scene.config.sequence.spacing,
+        spacing=config.sequence.spacing,
         confidence=settings.confidence,
-        seed=scene.config.run.seed,
+        seed=config.run.seed,
     )
     return found.sequence, dict(found.intervals), found.remarks
 

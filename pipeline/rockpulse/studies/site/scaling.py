@@ -36,7 +36,7 @@ def scale_factor(record: Record, config: Config) -> float:
 
     Examples
     --------
-    >>> from rockpulse.config.settings import CalibrationSettings
+    >>> from rockpulse import CalibrationSettings
     >>> config = Config(calibration=CalibrationSettings(scale_to="pga", target=3.0))
     >>> scale_factor(Record([0.0, 1.5, 0.0], dt=0.01, id="a"), config)
     2.0

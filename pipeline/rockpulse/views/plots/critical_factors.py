@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from rockpulse.config.settings import SearchSettings
 from rockpulse.errors import ResultsError
+from rockpulse.ladder import SearchSettings
 from rockpulse.views.plots.demand_marks import demand_ticks, demands_over_pga, least, tick_notes
-from rockpulse.views.plots.selection import chosen, chosen_case, named_body, setting
+from rockpulse.views.plots.selection import chosen_case, named_body, one_name, setting
 from rockpulse.views.plots.style import (
     BLACK,
     GREEN,
@@ -101,13 +101,13 @@ def overturning_map(
         For a name that is not there, or a model that was not searched.
     """
     summary = tree["summary"].to_dataset()
-    model = fullest_model(summary) if model is None else chosen(summary, "model", model)
+    model = fullest_model(summary) if model is None else one_name(summary, "model", model)
     if record is not None and block is not None:
-        blocks, records = [chosen(summary, "block", block)], [chosen(summary, "record", record)]
+        blocks, records = [one_name(summary, "block", block)], [one_name(summary, "record", record)]
     elif block is not None:
-        blocks, records = [chosen(summary, "block", block)], [str(name) for name in summary["record"].values]
+        blocks, records = [one_name(summary, "block", block)], [str(name) for name in summary["record"].values]
     else:
-        records, blocks = [chosen(summary, "record", record)], [str(name) for name in summary["block"].values]
+        records, blocks = [one_name(summary, "record", record)], [str(name) for name in summary["block"].values]
     rows = [
         (one, body, case) for one in records for body in blocks for case in range(1, summary.sizes.get("case", 1) + 1)
     ]
@@ -182,10 +182,10 @@ def critical_scale(
         For a name that is not there, or where no model was searched.
     """
     summary = tree["summary"].to_dataset()
-    block = chosen(summary, "block", block)
+    block = one_name(summary, "block", block)
     own = summary.sel(block=block).isel(chosen_case(summary, case))
     known = [str(name) for name in summary["model"].values]
-    asked = None if models is None else [chosen(summary, "model", name) for name in models]
+    asked = None if models is None else [one_name(summary, "model", name) for name in models]
     searched = [name for name in asked or known if bool(own["safety_factor"].sel(model=name).notnull().any())]
     if asked is None and {"auto", "nonlinear"} <= set(searched):
         searched.remove("auto")  # its factors are those of nonlinear

@@ -19,7 +19,7 @@ from rockpulse.views.plots.model_histories import histories
 from rockpulse.views.plots.motion import had_vertical, stored_motion, stored_record
 from rockpulse.views.plots.paper import figure4, figure5
 from rockpulse.views.plots.rotation import rotation_history
-from rockpulse.views.plots.selection import block_of, chosen, named_body, sequence_of
+from rockpulse.views.plots.selection import block_of, named_body, one_name, sequence_of
 from rockpulse.views.plots.site import calibration
 from rockpulse.views.plots.spectrum_map import rocking_spectrum
 from rockpulse.views.plots.words import plain
@@ -40,14 +40,14 @@ def _figure(ax: Axes) -> Figure:
 
 
 def _accelerogram(tree: xr.DataTree, record: str | None = None) -> Figure:
-    return _figure(accelerogram(stored_motion(tree, chosen(tree["summary"].to_dataset(), "record", record)))[0])
+    return _figure(accelerogram(stored_motion(tree, one_name(tree["summary"].to_dataset(), "record", record)))[0])
 
 
 def _limit_accelerogram(
     tree: xr.DataTree, record: str | None = None, block: str | None = None, case: int = 1
 ) -> Figure:
     summary = tree["summary"].to_dataset()
-    record, block = chosen(summary, "record", record), chosen(summary, "block", block)
+    record, block = one_name(summary, "record", record), one_name(summary, "block", block)
     body = block_of(summary, block, case)
     name = f"{plain(record)}, {plain(named_body(summary, block, case))}"
     try:
@@ -66,14 +66,14 @@ def _rotation_history(
     case: int = 1,
 ) -> Figure:
     summary = tree["summary"].to_dataset()
-    record, block = chosen(summary, "record", record), chosen(summary, "block", block)
+    record, block = one_name(summary, "record", record), one_name(summary, "block", block)
     name = f"{plain(record)}, {plain(named_body(summary, block, case))}"
     return _figure(rotation_history(histories(tree, record, block, models, case), title=name)[0])
 
 
 def _rocking_spectrum(tree: xr.DataTree, record: str | None = None, restitution: float | str = "housner") -> Figure:
     summary = tree["summary"].to_dataset()
-    record = chosen(summary, "record", record)
+    record = one_name(summary, "record", record)
     names = [str(name) for name in summary["block"].values]
     own = {name: summary.sel(block=name) for name in names}
     bodies = {name: (float(one["p"]), float(one["alpha_c"])) for name, one in own.items()}

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from rockpulse.config.fragility_settings import OVERTURNING, UPLIFT
-from rockpulse.views.plots.selection import chosen
+from rockpulse.views.plots.selection import one_name
 from rockpulse.views.plots.style import Look, caption, legend_above, looks, one_axes, title
 from rockpulse.views.plots.words import label, plain, wrapped
 
@@ -75,10 +75,10 @@ def fragility(
         For a name that is not there.
     """
     curves = tree["fragility"].to_dataset()
-    block = chosen(curves, "block", block)
+    block = one_name(curves, "block", block)
     known = [str(name) for name in curves["measure"].values]
-    measure = chosen(curves, "measure", measure or (SHOWN if SHOWN in known else known[0]))
-    states = [chosen(curves, "limit_state", str(name)) for name in limit_states or curves["limit_state"].values]
+    measure = one_name(curves, "measure", measure or (SHOWN if SHOWN in known else known[0]))
+    states = [one_name(curves, "limit_state", str(name)) for name in limit_states or curves["limit_state"].values]
     own = curves.sel(block=block, measure=measure)
     ax = one_axes(ax, height=4.0)
     level = own["level"].values

@@ -17,11 +17,11 @@ if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.figure import Figure
 
-__all__ = ["KINDS", "Kind", "draw", "kind_list"]
+__all__ = ["KINDS", "PictureKind", "draw", "kind_list"]
 
 
 @dataclass(frozen=True)
-class Kind:
+class PictureKind:
     """One kind of picture.
 
     Attributes
@@ -48,65 +48,65 @@ class Kind:
 _ASSESS, _STORED = "rockpulse assess", 'rockpulse assess with [records] store = "all"'
 
 KINDS = {
-    "accelerogram": Kind(
+    "accelerogram": PictureKind(
         "accelerogram, its half-waves as impulses at their centroids, the intense phase",
         ASSESSMENT,
         _STORED,
         ("record",),
     ),
-    "limit-accelerogram": Kind(
+    "limit-accelerogram": PictureKind(
         "limit accelerogram of a block and its secondary sequence (the paper's Figures 1 and 2)",
         ASSESSMENT,
         _ASSESS,
         ("record", "block", "case"),
     ),
-    "rotation-history": Kind(
+    "rotation-history": PictureKind(
         "rotation of a block under a record by several models, impacts and overturning",
         ASSESSMENT,
         _STORED,
         ("record", "block", "models", "case"),
     ),
-    "rocking-spectrum": Kind(
+    "rocking-spectrum": PictureKind(
         "largest rotation under a record over p and alpha_c, with the bodies of the file",
         ASSESSMENT,
         _STORED,
         ("record", "restitution"),
     ),
-    "overturning-map": Kind(
+    "overturning-map": PictureKind(
         "factors on the input that overturn, of all blocks under a record or all records on a block",
         ASSESSMENT,
         _ASSESS,
         ("record", "block", "models"),
     ),
-    "critical-scale": Kind(
+    "critical-scale": PictureKind(
         "smallest factor on every record that overturns a block, by each model",
         ASSESSMENT,
         _ASSESS,
         ("block", "models", "case"),
     ),
-    "fragility": Kind(
+    "fragility": PictureKind(
         "fragility curves of a block, and the band of one of them",
         FRAGILITY,
         "rockpulse fragility",
         ("block", "measure", "limit_states"),
     ),
-    "calibration": Kind(
+    "calibration": PictureKind(
         "distribution of the records of a site over the parameters of the sequence, and the design",
         SITE_KIND,
         "rockpulse calibrate",
         (),
     ),
-    "figure4": Kind(
+    "figure4": PictureKind(
         "Figure 4 of the paper: largest rotation against I_s/I",
         STUDY,
         "rockpulse study figure4",
         ("spacing", "count"),
         "figure4",
     ),
-    "figure5": Kind(
+    "figure5": PictureKind(
         "Figure 5 of the paper: time histories of two blocks", STUDY, "rockpulse study figure5", ("spacing",), "figure5"
     ),
-    "work-precision": Kind("error against cost of the solvers", REPORT, "rockpulse accuracy", ()),
+    "work-precision": PictureKind("error against cost of the solvers", REPORT, "rockpulse accuracy", ()),
 }
 
 

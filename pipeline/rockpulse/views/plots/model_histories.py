@@ -14,7 +14,7 @@ from rocking.response import IMPACT_CUTOFF, Outcome
 from rockpulse.errors import ResultsError
 from rockpulse.studies.paper.motion_history import HalfCycle, rotation_history
 from rockpulse.views.plots.motion import STORE, had_vertical, stored_record
-from rockpulse.views.plots.selection import block_of, chosen, chosen_case, gain_of, ragged, sequence_of, table_of_pair
+from rockpulse.views.plots.selection import block_of, chosen_case, gain_of, one_name, ragged, sequence_of, table_of_pair
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -99,11 +99,11 @@ def histories(
     first main impulse is put at the beginning of the intense phase.
     """
     summary = tree["summary"].to_dataset()
-    record, block = chosen(summary, "record", record), chosen(summary, "block", block)
+    record, block = one_name(summary, "record", record), one_name(summary, "block", block)
     known = [str(name) for name in summary["model"].values]
     if models is None:
         models = [name for name in DRAWN[:3] if name in known] or [name for name in DRAWN if name in known]
-    models = [chosen(summary, "model", name) for name in models]
+    models = [one_name(summary, "model", name) for name in models]
     for name in models:
         if name not in DRAWN:
             raise ResultsError(f'model "{name}": expected one with a motion in time: {", ".join(DRAWN)}')

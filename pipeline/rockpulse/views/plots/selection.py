@@ -13,8 +13,9 @@ import numpy as np
 from rocking.block import Block
 from rocking.impulse_sequence import SPACINGS, ImpulseSequence
 from rocking.sequence import sequence_response
-from rockpulse.config.settings import ModelSettings, SequenceSettings
+from rockpulse.config.settings import SequenceSettings
 from rockpulse.errors import ResultsError
+from rockpulse.ladder import ModelSettings
 from rockpulse.views.shared.terminal import restitution
 
 if TYPE_CHECKING:
@@ -22,10 +23,10 @@ if TYPE_CHECKING:
 
 __all__ = [
     "block_of",
-    "chosen",
     "chosen_case",
     "gain_of",
     "named_body",
+    "one_name",
     "ragged",
     "sequence_of",
     "setting",
@@ -46,23 +47,11 @@ _DIGITS = 12
 _SAME = 1e-6
 
 
-def chosen(dataset: xr.Dataset, dimension: str, name: str | None) -> str:
-    """The name along a dimension that was asked for, in full or by a pattern, or the only one there is.
+def one_name(dataset: xr.Dataset, dimension: str, name: str | None) -> str:
+    """The name along a dimension that was asked for, in full or by a pattern that one name only meets, or the only one.
 
-    Parameters
-    ----------
-    dataset : xarray.Dataset
-        Such as the node /summary.
-    dimension : str
-        record, block, model, ...
-    name : str or None
-        What was asked for: a name, or a pattern (* and ? stand for any letters) that only one name meets.
-
-    Raises
-    ------
-    ResultsError
-        For a name that is not there, with the nearest ones, a pattern that several names meet, or none where there are
-        several.
+    A ResultsError for a name that is not there, with the nearest ones, a pattern that several names meet, or no name
+    where there are several.
     """
     known = [str(item) for item in dataset[dimension].values]
     if name is None and len(known) == 1:
@@ -95,20 +84,7 @@ def _listed(names: Sequence[str]) -> str:
 
 
 def chosen_case(summary: xr.Dataset, case: int) -> dict[str, int]:
-    """The place of a restitution of the blocks, to select it with.
-
-    Parameters
-    ----------
-    summary : xarray.Dataset
-        The node /summary.
-    case : int
-        Number of the restitution of a list, from 1.
-
-    Raises
-    ------
-    ResultsError
-        For a number that no block has.
-    """
+    """The place of a restitution of the blocks, by its number from 1, to select it with."""
     count = summary.sizes.get("case", 1)
     if not 1 <= case <= count:
         raise ResultsError(f"case: expected the number of a restitution from 1 to {count}, got {case}")
@@ -116,17 +92,7 @@ def chosen_case(summary: xr.Dataset, case: int) -> dict[str, int]:
 
 
 def setting(tree: xr.DataTree, section: str, name: str, otherwise: Any) -> Any:
-    """A key of the configuration that the results were made with.
-
-    Parameters
-    ----------
-    tree : xarray.DataTree
-        The results.
-    section, name : str
-        Section and key.
-    otherwise : object
-        Default of that key, for results without it.
-    """
+    """A key of the configuration that the results were made with, `otherwise` its default."""
     return tomllib.loads(str(tree.attrs.get("configuration", ""))).get(section, {}).get(name, otherwise)
 
 
@@ -153,17 +119,7 @@ def block_of(summary: xr.Dataset, block: str, case: int = 1) -> Block:
 
 
 def named_body(summary: xr.Dataset, block: str, case: int = 1) -> str:
-    """The name of a block, with its restitution where it has several.
-
-    Parameters
-    ----------
-    summary : xarray.Dataset
-        The node /summary.
-    block : str
-        Its name.
-    case : int
-        Number of its restitution, from 1.
-    """
+    """The name of a block, with its restitution where it has several, by the number from 1."""
     if "case" not in summary.dims:
         return block
     c = float(summary["restitution"].sel(block=block).isel(case=case - 1))
@@ -171,24 +127,7 @@ def named_body(summary: xr.Dataset, block: str, case: int = 1) -> str:
 
 
 def ragged(tree: xr.DataTree, sizes: str, names: Sequence[str], record: str) -> dict[str, xr.Variable] | None:
-    """What /records holds of one record.
-
-    Parameters
-    ----------
-    tree : xarray.DataTree
-        Results of an assessment.
-    sizes : str
-        Variable with the number of values of each record.
-    names : sequence of str
-        Variables.
-    record : str
-        Id.
-
-    Returns
-    -------
-    dict of str to xarray.Variable or None
-        None where it was not stored.
-    """
+    """Variables of /records of one record, whose number of values `sizes` holds; None where they were not stored."""
     if "records" not in tree.children or any(name not in tree["records"] for name in (sizes, *names)):
         return None
     stored = tree["records"].to_dataset()
@@ -201,19 +140,7 @@ def ragged(tree: xr.DataTree, sizes: str, names: Sequence[str], record: str) -> 
 def table_of_pair(
     tree: xr.DataTree, group: str, record: str, block: str, model: str, case: int = 1
 ) -> dict[str, np.ndarray]:
-    """Rows of /half_cycles or /overturning_intervals of one answer.
-
-    Parameters
-    ----------
-    tree : xarray.DataTree
-        Results of an assessment.
-    group : {"half_cycles", "overturning_intervals"}
-        Which table.
-    record, block, model : str
-        Names of the answer.
-    case : int
-        Number of the restitution, from 1.
-    """
+    """Rows of /half_cycles or /overturning_intervals of one answer, with one restitution by the number from 1."""
     summary, table = tree["summary"].to_dataset(), tree[group].to_dataset()
     place = {"record": record, "block": block, "model": model}
     rows = table["case_index"].values == case - 1
@@ -271,11 +198,5 @@ def sequence_of(tree: xr.DataTree, record: str, block: str, case: int = 1) -> Im
 
 
 def gain_of(tree: xr.DataTree) -> str:
-    """`[models] gain` of the results.
-
-    Parameters
-    ----------
-    tree : xarray.DataTree
-        Results of an assessment.
-    """
+    """`[models] gain` of the results."""
     return str(setting(tree, "models", "gain", ModelSettings().gain))

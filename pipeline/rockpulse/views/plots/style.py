@@ -12,6 +12,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from rockpulse.ladder import MODELS
+
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
@@ -51,17 +53,19 @@ WIDTH = 6.3
 #: Sizes of text [pt], at that width.
 FONT, SMALL = 8.5, 7.5
 
-#: Colours of Okabe & Ito (2008), told apart by colour-blind eyes.
-BLACK, BLUE, ORANGE, GREEN, RED, SKY, PURPLE = (
-    "#000000",
-    "#0072B2",
-    "#E69F00",
-    "#009E73",
-    "#D55E00",
-    "#56B4E9",
-    "#CC79A7",
-)
-GREY, PALE = "#666666", "#DDDDDD"
+#: Colours of Okabe & Ito (2008), told apart by colour-blind eyes, and a grey.
+PALETTE = {
+    "black": "#000000",
+    "blue": "#0072B2",
+    "orange": "#E69F00",
+    "green": "#009E73",
+    "red": "#D55E00",
+    "sky": "#56B4E9",
+    "purple": "#CC79A7",
+    "grey": "#666666",
+}
+BLACK, BLUE, ORANGE, GREEN, RED, SKY, PURPLE, GREY = PALETTE.values()
+PALE = "#DDDDDD"
 
 #: Label of the figures that are made here.
 _OURS = "rockpulse"
@@ -79,18 +83,6 @@ class Look(NamedTuple):
     marker: str
 
 
-#: From the upper-bound type input to the full equation of motion.
-MODELS = {
-    "resonance": Look("resonance (upper-bound type input)", PURPLE, (0, (1, 1.2)), "v"),
-    "sequence": Look("sequence", ORANGE, (0, (6, 1.5, 1, 1.5)), "s"),
-    "balanced": Look("balanced rule", SKY, (0, (3, 1, 1, 1, 1, 1)), "<"),
-    "conservative": Look("conservative rule", GREY, (0, (8, 2)), ">"),
-    "impulsive": Look("impulsive", GREEN, (0, (2, 1)), "^"),
-    "linear": Look("linear", RED, (0, (4, 1.2)), "D"),
-    "nonlinear": Look("nonlinear", BLUE, "-", "o"),
-    "auto": Look("auto", BLACK, "-", "P"),
-}
-
 #: For what is no model: limit states, curves of a family.
 _CYCLE = [
     (BLUE, "-", "o"),
@@ -104,15 +96,12 @@ _CYCLE = [
 ]
 
 
-def look(model: str) -> Look:
-    """How a model is drawn.
-
-    Parameters
-    ----------
-    model : str
-        A model of the results.
-    """
-    return MODELS.get(model, Look(model, BLACK, "-", "x"))
+def look(name: str) -> Look:
+    """How a model is drawn, by its name in the results."""
+    if name not in MODELS:
+        return Look(name, BLACK, "-", "x")
+    model = MODELS[name]
+    return Look(model.label, PALETTE[model.color], model.line, model.marker)
 
 
 def looks(names: Sequence[str]) -> list[Look]:

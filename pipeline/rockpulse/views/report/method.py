@@ -5,7 +5,7 @@ from __future__ import annotations
 import tomllib
 from typing import TYPE_CHECKING
 
-from rockpulse.views.report.answers import UPPER_BOUND
+from rockpulse.ladder import MODELS
 from rockpulse.views.shared.table import Fact
 
 if TYPE_CHECKING:
@@ -18,23 +18,6 @@ REFERENCE = (
     "intense phase of an earthquake, COMPDYN 2017, doi:10.7712/120117.5612.17190 (Eqs. 5 and 9 with their index "
     "corrected)"
 )
-
-_MODELS = {
-    "resonance": f"{UPPER_BOUND}, no prediction: the main impulse of the record arrives at the worst moment of every "
-    "half-cycle (closed form). Its overturning says that the body may be unsafe, nothing more.",
-    "sequence": "main impulses at the start of each half-cycle and smaller ones of alternating sign between them, "
-    "calibrated on the half-waves of the record; between impulses the natural motion of the block.",
-    "balanced": "an impulse sequence for each record and body by a rule that was fitted to the verdicts of the "
-    "nonlinear model, missed and false alarms balanced.",
-    "conservative": "the same with a limit that misses few overturnings, at the price of false alarms.",
-    "impulsive": "every half-wave of the record as an impulse at its centroid; between them the natural motion of "
-    "the block. It knows no threshold of uplift.",
-    "linear": "the equation of motion for small rotations, under the accelerogram itself.",
-    "nonlinear": "the full equation of motion under the accelerogram itself: "
-    "θ″ = −p² [(1 + a_v/g) sin(±α_c − θ) + (a_g/g) cos(±α_c − θ)].",
-    "auto": "the cheapest model whose verdict is that of the nonlinear one. Peaks written ~0.06 are estimates from "
-    "impulses, those written >0.12 the peak so far when the verdict was certain.",
-}
 
 _ASSUMPTIONS = (
     (
@@ -98,31 +81,17 @@ _NOT_COVERED = (
 )
 
 
-def models_in_use(summary: xr.Dataset, model: str) -> tuple[Fact, ...]:
-    """The models of the results, with what each is.
-
-    Parameters
-    ----------
-    summary : xarray.Dataset
-        The node /summary.
-    model : str
-        The one that the verdict counts.
-    """
-    names = [str(name) for name in summary["model"].values]
-    return tuple(
-        Fact(name + (" (the verdict is this model's)" if name == model else ""), (_MODELS.get(name, ""),))
-        for name in names
-    )
+def models_in_use(summary: xr.Dataset, judging: str) -> tuple[Fact, ...]:
+    """The models of /summary with what each is; `judging` is the one that the verdict counts."""
+    facts = []
+    for name in map(str, summary["model"].values):
+        head = f"{name} (the verdict is this model's)" if name == judging else name
+        facts.append(Fact(head, (MODELS[name].words if name in MODELS else "",)))
+    return tuple(facts)
 
 
 def assumptions(tree: xr.DataTree) -> tuple[Fact, ...]:
-    """What the numbers assume.
-
-    Parameters
-    ----------
-    tree : xarray.DataTree
-        The results.
-    """
+    """What the numbers assume, with what the results say of vertical acceleration and filters."""
     facts = [Fact(head, (words,)) for head, words in _ASSUMPTIONS]
     summary = tree["summary"].to_dataset()
     acted = int((summary["vertical_channel"] != "").sum())

@@ -5,8 +5,9 @@ import pandas as pd
 import pytest
 
 from rocking.response import Outcome
-from rockpulse.assessment.scene import MODELS, prepare
+from rockpulse.assessment.scene import prepare
 from rockpulse.config.configuration import Config
+from rockpulse.ladder import MODELS
 from rockpulse.studies.accuracy.model_form import (
     COMPARED,
     JUDGE,
@@ -143,7 +144,7 @@ def test_the_models_are_those_of_an_assessment(lanes):
 
     scene = prepare(synthetic_records(7, 1)[0], Config())
     for model in (*COMPARED, JUDGE):
-        expected = MODELS[model](blocks(), scene)
+        expected = MODELS[model].respond(blocks(), scene)
         whole = lanes[lanes["scale"] == 1.0]
         np.testing.assert_array_equal(whole[f"outcome {model}"], expected.outcome)
         np.testing.assert_array_equal(whole[f"peak {model}"], expected.peak_rotation_ratio)

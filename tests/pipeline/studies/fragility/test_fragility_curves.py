@@ -9,9 +9,9 @@ import xarray as xr
 
 import rockpulse as rp
 from rocking.block import Block
+from rockpulse import FragilitySettings
 from rockpulse.assessment.scene import prepare
 from rockpulse.config.configuration import Config, SearchSettings
-from rockpulse.config.fragility_settings import FragilitySettings
 from rockpulse.errors import ConfigError
 from rockpulse.studies.fragility.limit_states import limit_state_names, reached_at, scale_capacities
 

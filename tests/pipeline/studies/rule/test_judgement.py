@@ -7,9 +7,10 @@ import pandas as pd
 import pytest
 
 import rockpulse as rp
-from rockpulse.assessment.scene import MODELS, extract
+from rockpulse.assessment.scene import extract
 from rockpulse.calibration.rule import POINTS, Rule, load_rule
 from rockpulse.errors import ConfigError
+from rockpulse.ladder import MODELS
 from rockpulse.models import Outcome
 from rockpulse.record.intensity import pgv
 from rockpulse.record.synthetic import synthetic_motion
@@ -270,10 +271,10 @@ def test_cases_are_those_of_the_models():
     scene = extract(record, rp.Config())
     from rockpulse.studies.accuracy.model_form import blocks
 
-    truth = MODELS["nonlinear"](blocks(), scene)
+    truth = MODELS["nonlinear"].respond(blocks(), scene)
     assert np.array_equal(cases["overturns"], truth.outcome == Outcome.OVERTURNS)
     alarm = np.minimum(load_rule("balanced").factor * cases["march"], cases["uplift_ratio"]) >= 1.0
-    assert np.array_equal(alarm, MODELS["balanced"](blocks(), scene).outcome == Outcome.OVERTURNS)
+    assert np.array_equal(alarm, MODELS["balanced"].respond(blocks(), scene).outcome == Outcome.OVERTURNS)
     half = motion_cases(StrongMotion(record, "made up"), scales=(0.5,))
     assert np.allclose(half["march"], 0.5 * cases["march"])
 

@@ -9,10 +9,10 @@ import pandas as pd
 import pytest
 
 import rockpulse as rp
+from rockpulse import CalibrationSettings, RecordSettings, RunSettings
 from rockpulse.assessment.directions import plan_motions
 from rockpulse.assessment.site_tables import record_weights
 from rockpulse.config.configuration import Config
-from rockpulse.config.settings import CalibrationSettings, RecordSettings, RunSettings
 from rockpulse.errors import ConfigError, RecordRefused
 from rockpulse.failures import Failure
 from rockpulse.models import Block

@@ -8,8 +8,8 @@ import pytest
 import xarray as xr
 
 import rockpulse as rp
+from rockpulse import FragilitySettings, ModelSettings, SearchSettings
 from rockpulse.config.configuration import Config
-from rockpulse.config.settings import FragilitySettings, ModelSettings, SearchSettings
 
 BLOCKS = {
     "wall": rp.models.Block(half_width=0.125, half_height=1.1),

@@ -6,8 +6,8 @@ import xarray as xr
 from matplotlib.colors import same_color
 
 import rockpulse as rp
+from rockpulse import ModelSettings
 from rockpulse.config.configuration import Config
-from rockpulse.config.settings import ModelSettings
 from rockpulse.errors import ResultsError
 from rockpulse.models import Block
 from rockpulse.views.plots.critical_factors import ROWS, critical_scale, overturning_map

@@ -14,7 +14,7 @@ from rockpulse.storage.save_load import ASSESSMENT
 from rockpulse.views.plots.drawing import DRAWERS
 from rockpulse.views.plots.kinds import KINDS, OPTIONS, draw, kind_list
 from rockpulse.views.plots.picture import svg
-from rockpulse.views.plots.selection import chosen
+from rockpulse.views.plots.selection import one_name
 
 COLUMN = "column of $one$ piece"
 
@@ -145,8 +145,8 @@ def test_of_many_names_the_nearest_are_named_and_where_the_others_are(assessed):
     summary = assessed["summary"].to_dataset()
     many = summary.isel(record=np.zeros(30, dtype=int)).assign_coords(record=[f"record {k}" for k in range(30)])
     with pytest.raises(ResultsError, match=r"nearest: record 17.*; there are 30 \(rockpulse inspect --records\)"):
-        chosen(many, "record", "recrd 17")
-    assert chosen(many.assign_coords(record=[f"a[{k}]*" for k in range(30)]), "record", "a[1]*") == "a[1]*"
+        one_name(many, "record", "recrd 17")
+    assert one_name(many.assign_coords(record=[f"a[{k}]*" for k in range(30)]), "record", "a[1]*") == "a[1]*"
 
 
 def test_a_restitution_that_no_block_has_is_refused(assessed):

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 import rockpulse as rp
+from rockpulse import CalibrationSettings
 from rockpulse.config.configuration import Config
-from rockpulse.config.settings import CalibrationSettings
 from rockpulse.views.plots.site import calibration
 
 

@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 import rockpulse as rp
-from rockpulse.config.fragility_settings import FragilitySettings
-from rockpulse.config.settings import CalibrationSettings, SearchSettings
+from rockpulse import CalibrationSettings, FragilitySettings, SearchSettings
 from rockpulse.failures import Failure
 from rockpulse.models import Block
 from rockpulse.views.report.writing import report_page

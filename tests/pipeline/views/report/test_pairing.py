@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 import rockpulse as rp
-from rockpulse.config.fragility_settings import FragilitySettings
-from rockpulse.config.settings import CalibrationSettings, ConditioningSettings, SearchSettings
+from rockpulse import CalibrationSettings, ConditioningSettings, FragilitySettings, SearchSettings
 from rockpulse.errors import ResultsError
 from rockpulse.models import Block
 from rockpulse.views.report.content import gather

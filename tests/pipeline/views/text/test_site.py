@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import rockpulse as rp
-from rockpulse.config.settings import CalibrationSettings
+from rockpulse import CalibrationSettings
 from rockpulse.failures import Failure
 from rockpulse.models import Block
 from rockpulse.views.text.site import site_overview

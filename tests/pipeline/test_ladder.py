@@ -1,15 +1,15 @@
-"""Critical scales of a scene: which model is searched with what, and what a model cannot answer."""
+"""The table of models: what each is searched with, what it cannot answer, where it holds and how it is drawn."""
 
 from datetime import UTC, datetime
 
 import numpy as np
 import pytest
 
+from rockpulse import DemandSettings, ModelSettings, RecordSettings, SearchSettings
 from rockpulse.assessment.assessment import assess
-from rockpulse.assessment.safety import SEARCHES, critical_scales
-from rockpulse.assessment.scene import MODELS, prepare
+from rockpulse.assessment.scene import prepare
 from rockpulse.config.configuration import Config
-from rockpulse.config.settings import DemandSettings, ModelSettings, RecordSettings, SearchSettings
+from rockpulse.ladder import MODELS, NAMES, USED, critical_scales
 from rockpulse.models import (
     Block,
     Outcome,
@@ -19,6 +19,7 @@ from rockpulse.models import (
     sequence_critical_scale,
 )
 from rockpulse.record.record import STANDARD_GRAVITY, Record
+from rockpulse.views.plots.style import look
 from rockpulse.views.text.details import record_details
 from rockpulse.views.text.overview import overview
 
@@ -31,8 +32,42 @@ def scene(motion=MOTION, **options):
     return prepare(Record(motion, 0.01, id="one", processed=True), Config(**options))
 
 
-def test_every_model_has_a_search():
-    assert list(SEARCHES) == list(MODELS)
+def test_every_model_answers_and_is_searched():
+    one = scene(models=ModelSettings(use=NAMES, auto=True))
+    assert list(critical_scales(BLOCKS, one)) == list(MODELS) == [*NAMES, "auto"]
+    for name, model in MODELS.items():
+        assert model.name == name
+        assert model.respond(BLOCKS, one).outcome.shape == (3,), name
+
+
+@pytest.mark.parametrize("name", [name for name, model in MODELS.items() if model.checkable])
+def test_a_model_that_can_be_checked_takes_factors_on_the_record(name):
+    one = scene()
+    answer, both = MODELS[name].respond(BLOCKS, one), MODELS[name].respond(BLOCKS, one, np.array([0.5, 1.0]))
+    assert both.outcome.shape == (2, 3)
+    assert np.array_equal(both.peak_rotation_ratio[1], answer.peak_rotation_ratio)
+
+
+def test_what_may_have_answered_keeps_its_place_in_the_results():
+    """Files hold these as numbers."""
+    models = ["resonance", "sequence", "balanced", "conservative", "impulsive", "linear", "nonlinear"]
+    assert [*USED] == [*models, "static", "settled"]
+
+
+def test_the_range_of_a_model():
+    squat_and_slender = Block(half_width=[0.5, 0.2], half_height=[1.0, 1.6])
+    inside = {name: model.applicable(squat_and_slender).tolist() for name, model in MODELS.items()}
+    assert {name for name, found in inside.items() if found == [True, True]} == {"nonlinear", "auto"}
+    assert all(found[1] for found in inside.values())
+    tiny = Block(half_width=[0.02], half_height=[0.16])
+    assert {name for name, model in MODELS.items() if not model.applicable(tiny)[0]} == {"balanced", "conservative"}
+    assert {name for name, model in MODELS.items() if model.rule is not None} == {"balanced", "conservative"}
+
+
+def test_models_are_told_apart_without_their_colour():
+    lines = {(str(model.line), model.marker) for model in MODELS.values()}
+    assert len(lines) == len({look(name) for name in MODELS}) == len(MODELS)
+    assert all(model.words for model in MODELS.values())
 
 
 def test_each_model_is_searched_with_its_own_input():

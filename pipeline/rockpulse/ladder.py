@@ -1,0 +1,387 @@
+"""The ladder of models, from the cheapest to the dearest: one row a model, with all that the program knows of it.
+
+A model is added here and nowhere else: its functions, and a row of :data:`MODELS` that names them. The solvers are
+loaded when a function is called, for the configuration takes the names of the models from here.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
+from typing import TYPE_CHECKING, Any, Literal
+
+import numpy as np
+
+import rocking
+from rockpulse.option import Section, choice, choices, count, flag, number
+from rockpulse.record.half_wave import HalfWaves
+from rockpulse.record.intensity import IntensePhase
+from rockpulse.record.record import Record
+
+if TYPE_CHECKING:
+    from rockpulse.calibration.rule import Rule
+
+__all__ = [
+    "MODELS",
+    "NAMES",
+    "UPPER_BOUND",
+    "USED",
+    "Model",
+    "ModelSettings",
+    "Scene",
+    "SearchSettings",
+    "auto_response",
+    "critical_scales",
+]
+
+#: What the input of the resonance model is.
+UPPER_BOUND = "upper-bound type input"
+
+
+def _resonance(block: rocking.Block, scene: Scene) -> rocking.Response:
+    if scene.sequence is None:
+        return _no_sequence(block)
+    sequence = scene.sequence
+    return rocking.resonance(block, sequence.main, sequence.main_count, duration=sequence.duration)
+
+
+def _search_resonance(block: rocking.Block, scene: Scene) -> rocking.ScaleIntervals:
+    if scene.sequence is None:
+        return _not_searched(block)
+    return rocking.resonance_critical_scale(block, scene.sequence, scene.search.factor_max)
+
+
+def _sequence(block: rocking.Block, scene: Scene) -> rocking.Response:
+    return _no_sequence(block) if scene.sequence is None else rocking.sequence_response(block, scene.sequence)
+
+
+def _search_sequence(block: rocking.Block, scene: Scene) -> rocking.ScaleIntervals:
+    if scene.sequence is None:
+        return _not_searched(block)
+    return rocking.sequence_critical_scale(block, scene.sequence, scene.search.factor_max, scene.search.step)
+
+
+def _rule(block: rocking.Block, scene: Scene, *, point: str) -> rocking.Response:
+    return rocking.sequence_response(block, _loaded(point).sequence(scene.waves, block), paired=True)
+
+
+def _search_rule(block: rocking.Block, scene: Scene, *, point: str) -> rocking.ScaleIntervals:
+    """In closed form: the rule's demand is proportional to the factor, so every larger one overturns as well."""
+    factor, end = _loaded(point).safety_factor(scene.waves, block), scene.search.factor_max
+    lane = np.flatnonzero(factor <= end)
+    return rocking.ScaleIntervals(
+        safety_factor=np.where(factor <= end, factor, np.inf),
+        safe_up_to=np.minimum(factor, end),
+        lane=lane,
+        lower=factor[lane],
+        upper=np.full(lane.size, end),
+        open=np.ones(lane.size, dtype=bool),
+        step=np.ones(factor.size),
+        resolved=np.ones(lane.size, dtype=bool),
+    )
+
+
+def _loaded(point: str) -> Rule:
+    from rockpulse.calibration.rule import load_rule
+
+    return load_rule(point)
+
+
+def _impulsive(block: rocking.Block, scene: Scene, scale: Any = 1.0) -> rocking.Response:
+    waves, gain = scene.waves, scene.models.gain
+    return rocking.impulsive_response(
+        block, waves.centroid, waves.impulse, duration=scene.record.duration, gain=gain, scale=scale
+    )
+
+
+def _search_impulsive(block: rocking.Block, scene: Scene) -> rocking.ScaleIntervals:
+    waves, search = scene.waves, scene.search
+    return rocking.impulsive_critical_scale(
+        block, waves.centroid, waves.impulse, scene.models.gain, search.factor_max, search.points
+    )
+
+
+def _recorded(
+    block: rocking.Block, scene: Scene, scale: Any = None, *, equation: Literal["linear", "nonlinear"]
+) -> rocking.Response:
+    """With a factor, which a check asks for, the histories are left out."""
+    return rocking.recorded_response(
+        block,
+        scene.record.acceleration,
+        scene.record.dt,
+        equation=equation,
+        vertical=scene.vertical if equation == "nonlinear" else None,
+        scale=1.0 if scale is None else scale,
+        history=scene.models.histories and scale is None,
+    )
+
+
+def _search_recorded(
+    block: rocking.Block, scene: Scene, *, equation: Literal["linear", "nonlinear"]
+) -> rocking.ScaleIntervals:
+    return rocking.critical_scale(
+        block,
+        scene.record.acceleration,
+        scene.record.dt,
+        equation,
+        vertical=scene.vertical if equation == "nonlinear" else None,
+        factor_max=scene.search.factor_max,
+        points=scene.search.points,
+    )
+
+
+def auto_response(block: rocking.Block, scene: Scene, scale: Any = 1.0) -> tuple[rocking.Response, np.ndarray]:
+    """The cheapest model that answers, lane by lane, and which it was.
+
+    Both are (m,) for m blocks, or (q, m) with (q,) factors on the record as `scale`; the model is its place in
+    :data:`USED`.
+    """
+    record, settings = scene.record, scene.models
+    response, rungs = rocking.choose_response(
+        block,
+        record.acceleration,
+        record.dt,
+        scene.waves.centroid,
+        scene.waves.impulse,
+        scale=scale,
+        vertical=scene.vertical,
+        output=settings.output,
+        tolerance=settings.tolerance,
+    )
+    return response, np.array([USED.index(rung.name.lower()) for rung in rocking.Rung], dtype=np.int8)[rungs]
+
+
+def _auto(block: rocking.Block, scene: Scene, scale: Any = 1.0) -> rocking.Response:
+    return auto_response(block, scene, scale)[0]
+
+
+@dataclass(frozen=True)
+class Model:
+    """A row of the table of models."""
+
+    name: str
+    #: What the legend of a picture calls it, and what a report says of it.
+    label: str
+    words: str
+    #: From (m,) blocks and a record made ready to the answers, and to the factors at which they overturn.
+    respond: Callable[..., rocking.Response]
+    search: Callable[[rocking.Block, Scene], rocking.ScaleIntervals]
+    #: How it is drawn: a colour of the palette of the pictures, a line and a marker as matplotlib takes them.
+    color: str
+    line: str | tuple[float, tuple[float, ...]]
+    marker: str
+    #: Whether it is stated for slender blocks only, a slenderness of at least 3 (the linear motion of Eqs. 1-2).
+    slender: bool = True
+    #: Whether it is the working point of that name of the rule, and holds for bodies like those of the rule's fit.
+    fitted: bool = False
+    #: Whether its input is the calibrated sequence, with a time of its own and without any record; else the record.
+    of_sequence: bool = False
+    #: Whether `respond` takes factors on the record as well, with which predictability is checked.
+    checkable: bool = False
+
+    @property
+    def rule(self) -> Rule | None:
+        """The working point of the rule that the model is; None for the other models."""
+        return _loaded(self.name) if self.fitted else None
+
+    def applicable(self, block: rocking.Block) -> np.ndarray:
+        """Which of (m,) blocks lie in the range of the model."""
+        within = np.asarray(block.slender) | (not self.slender)
+        rule = self.rule
+        return within if rule is None else within & rule.applicable(block).reshape(block.shape)
+
+
+_ROWS = (
+    Model(
+        name="resonance",
+        label=f"resonance ({UPPER_BOUND})",
+        words=f"{UPPER_BOUND}, no prediction: the main impulse of the record arrives at the worst moment of every "
+        "half-cycle (closed form). Its overturning says that the body may be unsafe, nothing more.",
+        respond=_resonance,
+        search=_search_resonance,
+        color="purple",
+        line=(0, (1, 1.2)),
+        marker="v",
+        of_sequence=True,
+    ),
+    Model(
+        name="sequence",
+        label="sequence",
+        words="main impulses at the start of each half-cycle and smaller ones of alternating sign between them, "
+        "calibrated on the half-waves of the record; between impulses the natural motion of the block.",
+        respond=_sequence,
+        search=_search_sequence,
+        color="orange",
+        line=(0, (6, 1.5, 1, 1.5)),
+        marker="s",
+        of_sequence=True,
+    ),
+    Model(
+        name="balanced",
+        label="balanced rule",
+        words="an impulse sequence for each record and body by a rule that was fitted to the verdicts of the "
+        "nonlinear model, missed and false alarms balanced.",
+        respond=partial(_rule, point="balanced"),
+        search=partial(_search_rule, point="balanced"),
+        color="sky",
+        line=(0, (3, 1, 1, 1, 1, 1)),
+        marker="<",
+        fitted=True,
+    ),
+    Model(
+        name="conservative",
+        label="conservative rule",
+        words="the same with a limit that misses few overturnings, at the price of false alarms.",
+        respond=partial(_rule, point="conservative"),
+        search=partial(_search_rule, point="conservative"),
+        color="grey",
+        line=(0, (8, 2)),
+        marker=">",
+        fitted=True,
+    ),
+    Model(
+        name="impulsive",
+        label="impulsive",
+        words="every half-wave of the record as an impulse at its centroid; between them the natural motion of the "
+        "block. It knows no threshold of uplift.",
+        respond=_impulsive,
+        search=_search_impulsive,
+        color="green",
+        line=(0, (2, 1)),
+        marker="^",
+        checkable=True,
+    ),
+    Model(
+        name="linear",
+        label="linear",
+        words="the equation of motion for small rotations, under the accelerogram itself.",
+        respond=partial(_recorded, equation="linear"),
+        search=partial(_search_recorded, equation="linear"),
+        color="red",
+        line=(0, (4, 1.2)),
+        marker="D",
+        checkable=True,
+    ),
+    Model(
+        name="nonlinear",
+        label="nonlinear",
+        words="the full equation of motion under the accelerogram itself: "
+        "θ″ = −p² [(1 + a_v/g) sin(±α_c − θ) + (a_g/g) cos(±α_c − θ)].",
+        respond=partial(_recorded, equation="nonlinear"),
+        search=partial(_search_recorded, equation="nonlinear"),
+        color="blue",
+        line="-",
+        marker="o",
+        slender=False,
+        checkable=True,
+    ),
+    Model(
+        name="auto",
+        label="auto",
+        words="the cheapest model whose verdict is that of the nonlinear one. Peaks written ~0.06 are estimates from "
+        "impulses, those written >0.12 the peak so far when the verdict was certain.",
+        respond=_auto,
+        search=partial(_search_recorded, equation="nonlinear"),
+        color="black",
+        line="-",
+        marker="P",
+        slender=False,
+        checkable=True,
+    ),
+)
+
+#: Every model by its name.
+MODELS = {row.name: row for row in _ROWS}
+
+#: The models that [models] use and [search] models may name; `auto` has a key of its own.
+NAMES = tuple(name for name in MODELS if name != "auto")
+
+#: What may have given an answer: the models, and what only `auto` knows.
+USED = (*NAMES, "static", "settled")
+
+
+@dataclass(frozen=True)
+class ModelSettings(Section):
+    """Which models answer, and how exactly."""
+
+    heading = "[models]"
+    use: tuple[str, ...] = choices(("resonance", "sequence", "impulsive", "linear", "nonlinear"), NAMES)
+    auto: bool = flag(False)
+    output: str = choice("outcome", ("outcome", "peak"))
+    tolerance: float = number(1e-4, low=0.0, above=True)
+    predictability: bool = flag(False)
+    gain: str = choice("paper", ("paper", "linear", "exact"))
+    histories: bool = flag(False)
+
+    @property
+    def answering(self) -> tuple[str, ...]:
+        """The models of the results: those in use, and `auto` where it is asked for."""
+        return (*self.use, "auto") if self.auto else self.use
+
+
+@dataclass(frozen=True)
+class SearchSettings(Section):
+    """The grid of factors on which overturning is searched."""
+
+    heading = "[search]"
+    models: tuple[str, ...] = choices(NAMES, NAMES, empty=True)
+    factor_max: float = number(10.0, low=1.0, high=1e6)
+    points: int = count(256, low=2, high=100_000)
+    step: float = number(1.005, low=1.0001)
+
+
+@dataclass(frozen=True, eq=False)
+class Scene:
+    """A conditioned record made ready for the models: what was extracted from it, and the options of the models.
+
+    `vertical` is the vertical ground acceleration on the samples of the record, (n,) [m/s2], for the nonlinear model;
+    `phase` is the stretch that the sequence is calibrated on. The sequence is None where the phase holds too few
+    half-waves.
+    """
+
+    record: Record
+    vertical: np.ndarray | None
+    waves: HalfWaves
+    phase: IntensePhase
+    sequence: rocking.ImpulseSequence | None
+    models: ModelSettings
+    search: SearchSettings
+
+
+def critical_scales(block: rocking.Block, scene: Scene) -> dict[str, rocking.ScaleIntervals]:
+    """Factors on the input of every answering model at which each of (m,) blocks overturns.
+
+    A model that is not searched has NaN and no interval. `auto` has the factors of the nonlinear model, whose outcomes
+    are its own. A model that cannot answer for the input as it is keeps what the search has found: a lower bound, where
+    it stops answering.
+    """
+    found: dict[str, rocking.ScaleIntervals] = {}
+    for model in scene.models.answering:
+        searched = "nonlinear" if model == "auto" else model
+        if searched in found:
+            found[model] = found[searched]
+        elif searched in scene.search.models:
+            found[model] = MODELS[model].search(block, scene)
+        else:
+            found[model] = _not_searched(block)
+    return found
+
+
+def _no_sequence(block: rocking.Block) -> rocking.Response:
+    """The answer of the sequence models where the record gave no sequence: UNRESOLVED, with that reason."""
+    lanes = block.shape
+    return rocking.Response(
+        peak_rotation_ratio=np.full(lanes, np.nan),
+        outcome=np.full(lanes, int(rocking.Outcome.UNRESOLVED), dtype=np.int8),
+        reason=np.full(lanes, int(rocking.Reason.NO_SEQUENCE), dtype=np.int8),
+        overturning_time=np.full(lanes, np.nan),
+        overturning_half_cycle=np.full(lanes, -1),
+        impacts=np.full(lanes, -1),
+    )
+
+
+def _not_searched(block: rocking.Block) -> rocking.ScaleIntervals:
+    unknown, none = np.full(block.shape, np.nan), np.empty(0)
+    no_flag = np.empty(0, dtype=bool)
+    return rocking.ScaleIntervals(unknown, unknown, np.empty(0, dtype=np.int64), none, none, no_flag, unknown, no_flag)
