@@ -35,7 +35,7 @@ __all__ = [
     "critical_scales",
 ]
 
-#: What the input of the resonance model is.
+#: What the resonance model is, wherever it is shown.
 UPPER_BOUND = "upper-bound type input"
 
 

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from rocking.response import Outcome
+from rockpulse.ladder import UPPER_BOUND
 from rockpulse.views.report.motions import Motions
 from rockpulse.views.report.standing import GRADES, WORDS, Body, Standing, lanes, standings, why_unknown
 from rockpulse.views.shared.record_marks import doubts
@@ -19,10 +20,7 @@ from rockpulse.views.text.capacity import factor_cell
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["UPPER_BOUND", "Answers", "answer_table", "count_table", "model_column", "record_table"]
-
-#: What the resonance model is, wherever it is shown.
-UPPER_BOUND = "upper-bound type input"
+__all__ = ["Answers", "answer_table", "count_table", "model_column", "record_table"]
 
 #: Demand of a record on a body.
 DEMANDS = ("uplift_ratio", "velocity_ratio", "impulse_ratio")

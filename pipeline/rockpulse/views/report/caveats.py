@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from rockpulse.ladder import UPPER_BOUND
 from rockpulse.remark import Remark, remarked
-from rockpulse.views.report.answers import UPPER_BOUND
 from rockpulse.views.report.events import CONFIDENCE, FEWEST_EVENTS, largest_share
 from rockpulse.views.report.motions import Motions
 from rockpulse.views.report.pairing import listed

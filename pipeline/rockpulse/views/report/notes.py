@@ -6,7 +6,8 @@ import math
 
 import numpy as np
 
-from rockpulse.views.report.answers import UPPER_BOUND, Answers
+from rockpulse.ladder import UPPER_BOUND
+from rockpulse.views.report.answers import Answers
 from rockpulse.views.report.motions import Motions
 from rockpulse.views.shared.record_marks import doubt_notes
 from rockpulse.views.shared.verdict_notes import (

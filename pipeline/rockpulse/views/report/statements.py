@@ -6,7 +6,7 @@ import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from rockpulse.views.report.answers import UPPER_BOUND
+from rockpulse.ladder import UPPER_BOUND
 from rockpulse.views.report.motions import Motions
 from rockpulse.views.report.pairing import listed
 from rockpulse.views.report.verdict import BodyVerdict, DemandVerdict, Grade
