@@ -24,21 +24,10 @@ REMNANT = 1e-9
 
 @njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"}, _nrt=False)
 def advance_steps(f, width, acceleration, left, fastest):
-    """Take every slot whose step is done to its next step.
+    """Take each of the first `width` slots whose step is done to its next step.
 
-    Parameters
-    ----------
-    f : (FLOAT_ROWS * WIDTH,) ndarray
-        The slots, with the EVENT of their step.
-    width : int
-        Slots in use, from the first on: a multiple of GROUP.
-    acceleration : (n,) ndarray
-        a_g [m/s2].
-    left : (b + 1,) ndarray
-        Largest abs(a_g) from each block of samples on [m/s2].
-    fastest : float
-        Speed after an impact over alpha_c beyond which it may have overturned the block; inf: the equation is the
-        nonlinear one.
+    `left` (b + 1,) is the row LEFT of the extremes [m/s2]. Beyond the speed `fastest` over alpha_c, an impact may have
+    overturned the block; inf with the nonlinear equation.
     """
     last = acceleration.size - 1
     for j in range(width):
@@ -96,7 +85,7 @@ def enter_vertical(f, j, vertical):
 
 @njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
 def advance_vertical(f, i, width, vertical):
-    """What a vertical acceleration adds to :func:`advance_steps`; FLIES is 1 where the block loses the ground."""
+    """Take the vertical acceleration along with :func:`advance_steps`; FLIES is 1 where the block loses the ground."""
     for j in range(width):
         if i[row.LANE + j] < 0 or f[row.EVENT + j] >= LOOK_CLOSER:
             continue

@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 
 from rocking.block import Block
-from rocking.effective_impulse_kernel import effective_lanes
-from rocking.response import IMPACT_CUTOFF, Response, drop_axes
+from rocking.effective_impulse_kernel import GroundMotion, HalfWaves, Lanes, effective_lanes
+from rocking.response import Response, answered, empty_answers
 from rocking.threads import split_lanes
 
 __all__ = ["effective_impulse_response"]
@@ -113,45 +113,22 @@ def effective_impulse_response(
     )
     shape = (factors.size, alpha.size)
     force = np.multiply.outer(factors.reshape(-1), FORCES[gain](alpha) / block.gravity).reshape(-1)
-    rates, ratios = np.tile(p, factors.size), np.tile(restitution, factors.size)
+    lanes = Lanes(force, np.tile(p, factors.size), np.tile(restitution, factors.size))
     bounds = _bounds(record, dt, boundaries)
     peaks = _peaks(record, dt, bounds)
     later = np.append(np.maximum.accumulate(peaks[::-1])[::-1][1:], 0.0)
     velocity = np.concatenate([[0.0], np.cumsum(0.5 * dt * (record[1:] + record[:-1]))])
     steps = dt * velocity[:-1] + dt**2 * (record[:-1] / 3.0 + record[1:] / 6.0)
     displacement = np.concatenate([[0.0], np.cumsum(steps)])
-    floats, integers = np.empty((2, force.size)), np.empty((4, force.size), dtype=np.int64)
+    ground = GroundMotion(record, velocity, displacement, float(dt))
+    waves = HalfWaves(bounds, peaks, later)
+    answers = empty_answers(force.size)
 
     def kernel_call(first: int, last: int) -> None:
-        effective_lanes(
-            first,
-            last,
-            floats,
-            integers,
-            record,
-            velocity,
-            displacement,
-            float(dt),
-            bounds,
-            peaks,
-            later,
-            force,
-            rates,
-            ratios,
-            float(longest),
-            IMPACT_CUTOFF,
-        )
+        effective_lanes(first, last, ground, waves, lanes, float(longest), answers)
 
     split_lanes(kernel_call, force.size, threads)
-    response = Response(
-        peak_rotation_ratio=floats[0].reshape(shape),
-        overturning_time=floats[1].reshape(shape),
-        outcome=integers[0].reshape(shape),
-        reason=integers[1].reshape(shape),
-        overturning_half_cycle=integers[2].reshape(shape),
-        impacts=integers[3].reshape(shape),
-    )
-    return drop_axes(response, 2, (factors.ndim == 0, block.shape == ()))
+    return answered(answers, shape, (factors.ndim == 0, block.shape == ()))
 
 
 def _bounds(record: np.ndarray, dt: float, boundaries: Any) -> np.ndarray:

@@ -9,14 +9,15 @@
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 from numba import njit
 
 from rocking.motion import CRITICAL_TOLERANCE, hop, impact_speed, impacts_above, top
-from rocking.response import Outcome, Reason
+from rocking.response import IMPACT_CUTOFF, Outcome, Reason
 
-__all__ = ["IMPACT_LIMIT", "effective_lanes"]
+__all__ = ["IMPACT_LIMIT", "GroundMotion", "HalfWaves", "Lanes", "effective_lanes"]
 
 #: Impacts followed inside one half-wave before a lane is UNRESOLVED.
 IMPACT_LIMIT = 10_000
@@ -34,27 +35,55 @@ _AT_REST, _ROCKS, _OVERTURNS, _UNRESOLVED = (int(outcome) for outcome in Outcome
 _IMPACT_LIMIT_REASON = int(Reason.IMPACT_LIMIT)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
-def _at(acceleration, dt, time):
+class GroundMotion(NamedTuple):
+    """The ground motion at the samples of a record, its acceleration linear between them."""
+
+    acceleration: np.ndarray  #: (n,) [m/s2]
+    velocity: np.ndarray  #: (n,) [m/s]
+    displacement: np.ndarray  #: (n,) [m]
+    dt: float  #: [s]
+
+
+class HalfWaves(NamedTuple):
+    """The half-waves of the record, one after the other."""
+
+    bounds: np.ndarray  #: (k + 1,) their ends [s], increasing
+    peaks: np.ndarray  #: (k,) largest abs(a_g) in each of them [m/s2]
+    later: np.ndarray  #: (k,) largest abs(a_g) after each of them [m/s2]
+
+
+class Lanes(NamedTuple):
+    """The blocks, each under its own factor."""
+
+    force: np.ndarray  #: (lanes,) reciprocal of the acceleration that lifts the block [s2/m]
+    p: np.ndarray  #: (lanes,) [1/s]
+    restitution: np.ndarray  #: (lanes,) C [-]
+
+
+@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
+def _at(ground, time):
     """Ground acceleration between two samples."""
-    index = min(int(time / dt), acceleration.shape[0] - 2)
-    share = time / dt - index
+    acceleration = ground.acceleration
+    index = min(int(time / ground.dt), acceleration.size - 2)
+    share = time / ground.dt - index
     return acceleration[index] + share * (acceleration[index + 1] - acceleration[index])
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
-def _ground(acceleration, velocity, displacement, dt, time):
+@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
+def _moved(ground, time):
     """Ground velocity and displacement between two samples."""
-    index = min(int(time / dt), acceleration.shape[0] - 2)
+    acceleration, dt = ground.acceleration, ground.dt
+    index = min(int(time / dt), acceleration.size - 2)
     s = time - index * dt
     a, slope = acceleration[index], (acceleration[index + 1] - acceleration[index]) / dt
+    velocity = ground.velocity[index]
     return (
-        velocity[index] + s * (a + 0.5 * s * slope),
-        displacement[index] + s * (velocity[index] + s * (0.5 * a + s * slope / 6.0)),
+        velocity + s * (a + 0.5 * s * slope),
+        ground.displacement[index] + s * (velocity + s * (0.5 * a + s * slope / 6.0)),
     )
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
 def _part(v1, d1, v2, d2, length):
     """Impulse of a stretch of ground motion, and how long before its end the centroid lies."""
     impulse = v2 - v1
@@ -63,7 +92,7 @@ def _part(v1, d1, v2, d2, length):
     return impulse, min(max((d2 - d1 - v1 * length) / impulse, 0.0), length)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
 def _flight(rotation, speed, push, lever, span):
     """State at the end of a stretch; the span and the lever are times p."""
     grown = math.exp(span)
@@ -73,13 +102,14 @@ def _flight(rotation, speed, push, lever, span):
     return 1.0 + 0.5 * (y + z), 0.5 * (y - z)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
-def _crossing(acceleration, dt, begin, end, level, sign):
+@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
+def _crossing(ground, begin, end, level, sign):
     """First time in [begin, end) at which abs(a_g), or sign a_g where sign is not 0, exceeds a level; inf if none."""
-    value = _at(acceleration, dt, begin)
+    acceleration, dt = ground.acceleration, ground.dt
+    value = _at(ground, begin)
     if (abs(value) if sign == 0.0 else sign * value) > level:
         return begin
-    for index in range(int(begin / dt) + 1, min(int(end / dt) + 2, acceleration.shape[0])):
+    for index in range(int(begin / dt) + 1, min(int(end / dt) + 2, acceleration.size)):
         value = abs(acceleration[index]) if sign == 0.0 else sign * acceleration[index]
         if value > level:
             before = acceleration[index - 1] if sign == 0.0 else sign * acceleration[index - 1]
@@ -90,7 +120,7 @@ def _crossing(acceleration, dt, begin, end, level, sign):
     return np.inf
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
 def _highest(rotation, speed, end_rotation, end_speed, span):
     """Top of the cubic through both ends of a stretch in which the block rises and sinks."""
     mean = (end_rotation - rotation) / span
@@ -100,20 +130,20 @@ def _highest(rotation, speed, end_rotation, end_speed, span):
     return rotation + span * s * (speed + s * (square + s * cubic))
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
-def _landing(acceleration, velocity, displacement, dt, begin, low, high, rotation, speed, force, p):
+@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
+def _landing(ground, begin, low, high, rotation, speed, force, p):
     """Time and speed of the touch-down between two times, in flight at the first and below the ground at the other.
 
     Newton's iteration inside a bracket that each step tightens. It starts from the other end, or from the length of a
     hop under the push of the moment, 2 v/(1 - a): a short one would be reached from the end by halving alone.
     """
-    v1, d1 = _ground(acceleration, velocity, displacement, dt, begin)
+    v1, d1 = _moved(ground, begin)
     time, sinking = high, 0.0
-    push = force * _at(acceleration, dt, begin) / p
+    push = force * _at(ground, begin) / p
     if rotation == 0.0 and low == begin and push < 1.0:
         time = min(high, begin + 2.0 * speed / ((1.0 - push) * p))
     for _ in range(LANDING_STEPS):
-        v2, d2 = _ground(acceleration, velocity, displacement, dt, time)
+        v2, d2 = _moved(ground, time)
         impulse, lever = _part(v1, d1, v2, d2, time - begin)
         x, v = _flight(rotation, speed, force * impulse, p * lever, p * (time - begin))
         sinking = max(-v, 0.0)
@@ -128,76 +158,37 @@ def _landing(acceleration, velocity, displacement, dt, begin, low, high, rotatio
     return time, sinking
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
-def _settles(acceleration, dt, begin, end, speed, restitution, force, p, peak):
+@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
+def _settles(ground, begin, end, speed, restitution, force, p, peak):
     """Whether a block that has just landed comes to rest, by ever smaller hops, before the half-wave ends.
 
     With the push at most a (in units of the threshold) a hop lasts 2 v/(1 - a), and all of them 2 v/((1 - a)(1 - C)).
     """
-    strongest = force * _at(acceleration, dt, begin)
+    strongest = force * _at(ground, begin)
     for _ in range(2):
         if not (strongest < 1.0 and restitution < 1.0):
             return False
         rest = begin + 2.0 * speed / ((1.0 - strongest) * (1.0 - restitution) * p)
         if rest >= end:
             return False
-        strongest = max(strongest, force * _at(acceleration, dt, rest))
+        strongest = max(strongest, force * _at(ground, rest))
     if speed * speed >= 2.0 * (1.0 - strongest) * SMALL_HOP * peak:
         return False
-    return _crossing(acceleration, dt, begin, rest, 1.0 / abs(force), 0.0) == np.inf
+    return _crossing(ground, begin, rest, 1.0 / abs(force), 0.0) == np.inf
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
-def effective_lanes(
-    first_lane,
-    last_lane,
-    floats,
-    integers,
-    acceleration,
-    velocity,
-    displacement,
-    dt,
-    bounds,
-    peaks,
-    later,
-    force,
-    p,
-    restitution,
-    longest,
-    cutoff,
-):
-    """Response of the lanes first_lane:last_lane; writes into `floats` and `integers`.
-
-    Parameters
-    ----------
-    first_lane, last_lane : int
-        Lanes to work on.
-    floats : (2, lanes) ndarray
-        Receives peak [-] and time of overturning [s].
-    integers : (4, lanes) ndarray of int
-        Receives outcome, reason, half-cycle of overturning, impacts.
-    acceleration, velocity, displacement : (n,) ndarray
-        Ground motion at the samples [m/s2], [m/s], [m].
-    dt : float
-        [s].
-    bounds : (k + 1,) ndarray
-        Ends of the half-waves [s], increasing.
-    peaks, later : (k,) ndarray
-        Largest abs(a_g) in each half-wave, and after it [m/s2].
-    force, p, restitution : (lanes,) ndarray
-        Reciprocal of the acceleration that lifts the block [s2/m], frequency parameter [1/s], C [-].
-    longest : float
-        Longest stretch that is taken as one impulse, times p [-].
-    cutoff : float
-        Speed above which an impact is counted [-].
-    """
+@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
+def effective_lanes(first_lane, last_lane, ground, waves, lanes, longest, answers):
+    """Write what the lanes first_lane:last_lane answer; `longest` is the longest stretch taken as one impulse [1/p]."""
+    dt = ground.dt
+    bounds, peaks, later = waves
     for lane in range(first_lane, last_lane):
-        f, rate, c = force[lane], p[lane], restitution[lane]
+        f, rate, c = lanes.force[lane], lanes.p[lane], lanes.restitution[lane]
         level = np.inf if f == 0.0 else 1.0 / f
         outcome, reason, overturned, impacts = _AT_REST, 0, -1, 0
         peak, overturning_time = 0.0, np.nan
         x, v, side, moving = 0.0, 0.0, 1.0, False
-        for wave in range(peaks.shape[0]):
+        for wave in range(peaks.size):
             if not moving and not peaks[wave] > level:
                 continue
             time, end, landings = bounds[wave], bounds[wave + 1], 0
@@ -206,23 +197,23 @@ def effective_lanes(
                 if not moving:
                     if not peaks[wave] > level:
                         break
-                    time = _crossing(acceleration, dt, time, end, level, 0.0)
+                    time = _crossing(ground, time, end, level, 0.0)
                     if time == np.inf:
                         break
                     following = dt * (math.floor(time / dt) + 1.0)
                     inside = 0.5 * (time + min(end, following if following > time else following + dt))
-                    side = -math.copysign(1.0, _at(acceleration, dt, inside))
+                    side = -math.copysign(1.0, _at(ground, inside))
                     x, v, moving, outcome = 0.0, 0.0, True, _ROCKS
                     # The block cannot land before the push has fallen below the threshold again.
-                    sure = min(end, _crossing(acceleration, dt, inside, end, -level, side))
+                    sure = min(end, _crossing(ground, inside, end, -level, side))
                 target = min(end, time + longest / rate)
-                if x == 0.0 and sure == time and -side * f * _at(acceleration, dt, time) < 1.0:
+                if x == 0.0 and sure == time and -side * f * _at(ground, time) < 1.0:
                     # Near the ground the push before it exceeds the threshold must not be lumped with that after it.
-                    lifting = _crossing(acceleration, dt, time, end, level, -side)
+                    lifting = _crossing(ground, time, end, level, -side)
                     target = lifting if time < lifting < target else target
                 push = -side * f * rate
-                v1, d1 = _ground(acceleration, velocity, displacement, dt, time)
-                v2, d2 = _ground(acceleration, velocity, displacement, dt, target)
+                v1, d1 = _moved(ground, time)
+                v2, d2 = _moved(ground, target)
                 impulse, lever = _part(v1, d1, v2, d2, target - time)
                 span = rate * (target - time)
                 end_x, end_v = _flight(x, v, push * impulse, rate * lever, span)
@@ -233,8 +224,8 @@ def effective_lanes(
                     peak = max(peak, end_x)
                     x, v, time = end_x, end_v, target
                     continue
-                time, speed = _landing(acceleration, velocity, displacement, dt, time, sure, target, x, v, push, rate)
-                impacts += 1 if speed > cutoff else 0
+                time, speed = _landing(ground, time, sure, target, x, v, push, rate)
+                impacts += 1 if speed > IMPACT_CUTOFF else 0
                 landings += 1
                 x, v, side = 0.0, c * speed, -side
                 if landings == IMPACT_LIMIT:
@@ -244,8 +235,8 @@ def effective_lanes(
                     moving = False
                 elif v - 1.0 > f * max(peaks[wave], later[wave]):
                     break
-                elif _settles(acceleration, dt, time, end, v, c, -side * f, rate, peak):
-                    impacts += impacts_above(v, c, cutoff)
+                elif _settles(ground, time, end, v, c, -side * f, rate, peak):
+                    impacts += impacts_above(v, c, IMPACT_CUTOFF)
                     moving = False
             if outcome == _UNRESOLVED:
                 break
@@ -258,19 +249,20 @@ def effective_lanes(
                 if x > 0.0:
                     peak = max(peak, top(x, v) if v > 0.0 else x)
                     speed = impact_speed(x, v)
-                    impacts += 1 if speed > cutoff else 0
+                    impacts += 1 if speed > IMPACT_CUTOFF else 0
                     x, v = 0.0, c * speed
                     overturning_time = bounds[-1]
                 peak = max(peak, hop(v)[0])
             if x - 1.0 + v >= -CRITICAL_TOLERANCE:
                 outcome, overturned, overturning_time = _OVERTURNS, 1 + impacts, bounds[-1]
             else:
-                more = impacts_above(v, c, cutoff)
+                more = impacts_above(v, c, IMPACT_CUTOFF)
                 impacts = -1 if more < 0 else impacts + more
         if outcome == _OVERTURNS:
             peak = np.inf
         elif outcome == _UNRESOLVED:
             peak, impacts = np.nan, -1
-        floats[0, lane], floats[1, lane] = peak, overturning_time if outcome == _OVERTURNS else np.nan
-        integers[0, lane], integers[1, lane] = outcome, reason
-        integers[2, lane], integers[3, lane] = overturned, impacts
+        answers.peak_rotation_ratio[lane] = peak
+        answers.overturning_time[lane] = overturning_time if outcome == _OVERTURNS else np.nan
+        answers.outcome[lane], answers.reason[lane] = outcome, reason
+        answers.overturning_half_cycle[lane], answers.impacts[lane] = overturned, impacts

@@ -67,17 +67,8 @@ def correction(t, c0, d1, d2, d3, d4, d5, d6, d7, d8, d9, d10):
 
 @njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"}, _nrt=False)
 def finish_steps(f, width):
-    """Write the outcome of the step of every slot: its state, EVENT, and ARRIVAL after an impact.
+    """Write how the step of each of the first `width` slots ends: its state, EVENT, and ARRIVAL after an impact.
 
-    Parameters
-    ----------
-    f : (FLOAT_ROWS * WIDTH,) ndarray
-        The slots, with END, END_SPEED, END_PULL, STRONGEST, MARKED and the rates of the step.
-    width : int
-        Slots in use, from the first on: a multiple of GROUP.
-
-    Notes
-    -----
     A curve leaves its chord by at most h^2/8 max abs(phi''). Where phi'' < 0 all along, it lies above its chord and
     below its tangents: there is no impact if its end is above the ground, exactly one if it is below, and the
     crossing of the tangents is a roof over its top. That is what most impacts are. They are found from the first

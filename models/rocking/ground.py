@@ -5,10 +5,23 @@ Extremes are kept for blocks of BLOCK samples, so that rest is passed over quick
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 from numba import njit
 
-__all__ = ["BLOCK", "BLOCK_BITS", "FALL", "LARGEST", "LEFT", "STEEPEST", "extremes", "largest_left", "next_exceedance"]
+__all__ = [
+    "BLOCK",
+    "BLOCK_BITS",
+    "FALL",
+    "LARGEST",
+    "LEFT",
+    "STEEPEST",
+    "Accelerogram",
+    "extremes",
+    "largest_left",
+    "next_exceedance",
+]
 
 #: Samples in a block, a power of two.
 BLOCK_BITS = 5
@@ -21,21 +34,20 @@ FALL = 2  #: smallest a_v among the same samples as LARGEST [m/s2]
 LEFT = 3  #: largest abs(a_g) from its first sample to the end of the record [m/s2]
 
 
+class Accelerogram(NamedTuple):
+    """A sampled ground motion, linear between its samples, and its extremes."""
+
+    acceleration: np.ndarray  #: (n,) a_g [m/s2]
+    vertical: np.ndarray  #: (n,) a_v [m/s2], positive up; (0,) where there is none
+    extremes: np.ndarray  #: (4, b + 1), see :func:`extremes`
+    dt: float  #: sampling interval [s]
+
+
 @njit(cache=True, nogil=True, error_model="numpy")
 def extremes(acceleration, vertical):
-    """Extremes of every block of samples.
+    """Rows LARGEST, STEEPEST, FALL and LEFT of the b blocks of samples, then a column of zeros for the time after.
 
-    Parameters
-    ----------
-    acceleration : (n,) ndarray
-        a_g [m/s2].
-    vertical : (n,) or (0,) ndarray
-        a_v [m/s2], or nothing.
-
-    Returns
-    -------
-    (4, b + 1) ndarray
-        Rows LARGEST, STEEPEST, FALL, LEFT; a last column of zeros stands for the ground after the record.
+    `acceleration` is (n,), `vertical` (n,) or (0,) [m/s2].
     """
     n = acceleration.size
     blocks = (n + BLOCK - 1) // BLOCK
@@ -56,42 +68,31 @@ def extremes(acceleration, vertical):
 
 
 @njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
-def largest_left(k, acceleration, found):
-    """Largest abs(a_g) from sample k to the end [m/s2]."""
+def largest_left(k, record):
+    """Largest abs(a_g) from sample k of an :class:`Accelerogram` to its end [m/s2]."""
     block = k // BLOCK + 1
-    largest = found[LEFT, block] if block < found.shape[1] else 0.0
-    for i in range(k, min(block * BLOCK, acceleration.size)):
-        largest = max(largest, abs(acceleration[i]))
+    largest = record.extremes[LEFT, block] if block < record.extremes.shape[1] else 0.0
+    for i in range(k, min(block * BLOCK, record.acceleration.size)):
+        largest = max(largest, abs(record.acceleration[i]))
     return largest
 
 
 @njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
-def next_exceedance(k, acceleration, vertical, found, factor, threshold):
+def next_exceedance(k, record, factor, threshold):
     """First sample from k on at which a resting block may lift or lose the ground; n if there is none.
 
-    Parameters
-    ----------
-    k : int
-        Sample to begin with.
-    acceleration, vertical : (n,) ndarray
-        a_g and a_v [m/s2]; vertical may be empty.
-    found : (4, b + 1) ndarray
-        What :func:`extremes` gives.
-    factor : float
-        Factor on the record over gravity [s2/m].
-    threshold : float
-        abs(a_g)/g above which the block lifts where a_v = 0 [-].
+    The block lifts at abs(a_g)/g above `threshold` where a_v = 0; `factor` is that on the record over gravity [s2/m].
     """
-    n = acceleration.size
-    up = vertical.size > 0
+    n = record.acceleration.size
+    up = record.vertical.size > 0
     while k < n:
         block = k // BLOCK
-        lift = 1.0 + found[FALL, block] * factor
-        if found[LARGEST, block] * factor <= lift * threshold and lift > 0.0:
+        lift = 1.0 + record.extremes[FALL, block] * factor
+        if record.extremes[LARGEST, block] * factor <= lift * threshold and lift > 0.0:
             k = (block + 1) * BLOCK
             continue
-        lift = 1.0 + vertical[k] * factor if up else 1.0
-        if abs(acceleration[k]) * factor > lift * threshold or lift <= 0.0:
+        lift = 1.0 + record.vertical[k] * factor if up else 1.0
+        if abs(record.acceleration[k]) * factor > lift * threshold or lift <= 0.0:
             return k
         k += 1
     return n

@@ -7,11 +7,11 @@ from typing import Any
 
 import numpy as np
 
-from rocking.response import HalfCycles, Response, drop_axes
-from rocking.sequence_kernel import COLUMNS
+from rocking.response import HalfCycles, Response, answered, empty_answers
+from rocking.sequence_kernel import COLUMNS, Table
 from rocking.threads import split_lanes
 
-__all__ = ["TABLE_ROWS", "lanes", "tabulated_response"]
+__all__ = ["TABLE_ROWS", "combined", "empty_table", "tabulated_response"]
 
 #: A march lower than this is one through the ground [-]; above it is rounding.
 GROUND_TOLERANCE = 1e-12
@@ -20,33 +20,13 @@ GROUND_TOLERANCE = 1e-12
 TABLE_ROWS = 1000
 
 
-def lanes(
+def combined(
     by_input: tuple[Any, ...], by_block: tuple[Any, ...], paired: bool = False
 ) -> tuple[tuple[int, int], tuple[bool, bool], list[np.ndarray]]:
-    """Every combination of inputs and blocks, or the pairs of them, flattened.
+    """Every combination of (q,) inputs and (m,) blocks, or the pairs of them where every block has an input of its own.
 
-    Parameters
-    ----------
-    by_input : tuple of float or (q,) ndarray
-        Values that vary with the input.
-    by_block : tuple of float or (m,) ndarray
-        Values that vary with the block.
-    paired : bool
-        Every block has an input of its own: (m,) of each, or one of either for all.
-
-    Returns
-    -------
-    shape : tuple of int
-        (q, m); (1, m) for pairs.
-    drop : tuple of bool
-        Which of the two axes stands for a scalar; the first one of pairs.
-    flat : list of (q m,) ndarray
-        The values in the order given, inputs first.
-
-    Raises
-    ------
-    ValueError
-        For pairs of different numbers.
+    Returns the shape, (q, m) or (1, m) for pairs; which of its axes stand for a scalar, the first one of pairs; and the
+    values flattened to (q m,), inputs first.
     """
     inputs = np.broadcast_arrays(*(np.asarray(value, dtype=float) for value in by_input))
     blocks = np.broadcast_arrays(*(np.asarray(value, dtype=float) for value in by_block))
@@ -63,57 +43,42 @@ def lanes(
     return shape, (inputs[0].ndim == 0, blocks[0].ndim == 0), flat
 
 
+def empty_table(rows: int, lanes: int) -> Table:
+    """A table of so many half-cycles for a kernel to write to."""
+    table = Table(np.full((COLUMNS, rows, lanes), np.nan), np.empty(lanes), np.empty(lanes, dtype=np.int64))
+    table.columns[3] = -1.0
+    return table
+
+
 def tabulated_response(
     kernel: Callable[..., None],
-    arguments: tuple[Any, ...],
+    lanes: tuple[Any, ...],
     shape: tuple[int, int],
     drop: tuple[bool, bool],
     table_rows: int,
     threads: int | None = None,
 ) -> Response:
-    """Run a kernel over the lanes, then again with a table as long as the longest motion.
+    """Run ``kernel(first, last, lanes, answers, table)``, then again with a table as long as the longest motion.
 
-    Parameters
-    ----------
-    kernel : callable
-        ``kernel(first_lane, last_lane, table, floats, integers, *arguments)``, see
-        :func:`~rocking.sequence_kernel.sequence_lanes`.
-    arguments : tuple
-        What the kernel needs.
-    shape : tuple of int
-        (q, m).
-    drop : tuple of bool
-        Axes to drop.
-    table_rows : int
-        Largest number of half-cycles in the table; 0 for no table.
-    threads : int, optional
-        Threads that share the lanes; None for all available cores.
-
-    Returns
-    -------
-    Response
-        With `half_cycles` unless `table_rows` is 0.
+    The table has at most `table_rows` half-cycles; without any the response has no `half_cycles`.
     """
     if table_rows < 0:
         raise ValueError(f"table_rows: expected 0 (no table) or a number of half-cycles, got {table_rows}")
     size = shape[0] * shape[1]
-    floats, integers = np.empty((3, size)), np.empty((5, size), dtype=np.int64)
+    answers = empty_answers(size)
 
-    def run(table: np.ndarray) -> None:
-        def kernel_call(first: int, last: int) -> None:
-            kernel(first, last, table, floats, integers, *arguments)
+    def run(rows: int) -> Table:
+        table = empty_table(rows, size)
+        split_lanes(lambda first, last: kernel(first, last, lanes, answers, table), size, threads)
+        return table
 
-        split_lanes(kernel_call, size, threads)
-
-    run(np.empty((COLUMNS, 0, size)))
+    table = run(0)
     half_cycles = None
     if table_rows:
-        rows = int(min(table_rows, integers[4].max(initial=0)))
-        table = np.full((COLUMNS, rows, size), np.nan)
-        table[3] = -1.0
-        run(table)
+        rows = int(min(table_rows, table.followed.max(initial=0)))
+        table = run(rows)
         start_velocity, peak, duration, count, interval, impact_speed = (
-            column.reshape(rows, *shape) for column in table
+            column.reshape(rows, *shape) for column in table.columns
         )
         half_cycles = HalfCycles(
             start_velocity=start_velocity,
@@ -123,14 +88,5 @@ def tabulated_response(
             interval=interval,
             impact_speed=impact_speed,
         )
-    response = Response(
-        peak_rotation_ratio=floats[0].reshape(shape),
-        overturning_time=floats[1].reshape(shape),
-        outcome=integers[0].reshape(shape),
-        reason=integers[1].reshape(shape),
-        overturning_half_cycle=integers[2].reshape(shape),
-        impacts=integers[3].reshape(shape),
-        half_cycles=half_cycles,
-        ground_contact=floats[2].reshape(shape) < -GROUND_TOLERANCE,
-    )
-    return drop_axes(response, 2, drop)
+    contact = table.lowest.reshape(shape) < -GROUND_TOLERANCE
+    return answered(answers, shape, drop, half_cycles=half_cycles, ground_contact=contact)

@@ -12,8 +12,8 @@ from typing import Any
 import numpy as np
 
 from rocking.block import Block, numbers
-from rocking.impulsive_kernel import EXACT, LINEAR, PAPER, TANGENT, impulsive_lanes
-from rocking.response import IMPACT_CUTOFF, Response, drop_axes, with_history
+from rocking.impulsive_kernel import EXACT, LINEAR, PAPER, TANGENT, History, Lanes, Train, impulsive_lanes
+from rocking.response import Response, answered, empty_answers, with_history
 from rocking.threads import split_lanes
 
 __all__ = ["GAINS", "impulsive_response"]
@@ -111,44 +111,21 @@ def impulsive_response(
     )
     factors = np.multiply.outer(scale.reshape(-1), np.broadcast_to(own, alpha.shape))
     shape, drop = factors.shape, (scale.ndim == 0, block.shape == ())
-    floats, integers = np.zeros((2, *shape)), np.zeros((4, *shape), dtype=np.int64)
-    theta, theta_dot = np.zeros((*shape, grid.size)), np.zeros((*shape, grid.size))
-    floats[1], integers[2] = np.nan, -1
-    if times.size:
+    sizes = np.abs(impulses)
+    train = Train(times, impulses, sizes, np.cumsum(sizes[::-1])[::-1].copy())
+    lanes = Lanes(factors, alpha, p, restitution, block.gravity, GAINS[gain])
+    answers = empty_answers(factors.size)
+    history = History(grid, *np.zeros((2, factors.size, grid.size)))
 
-        def kernel_call(first: int, last: int) -> None:
-            impulsive_lanes(
-                first,
-                last,
-                floats,
-                integers,
-                theta,
-                theta_dot,
-                times,
-                impulses,
-                factors,
-                alpha,
-                p,
-                restitution,
-                block.gravity,
-                GAINS[gain],
-                IMPACT_CUTOFF,
-                grid,
-            )
+    def kernel_call(first: int, last: int) -> None:
+        impulsive_lanes(first, last, train, lanes, np.empty((3, times.size)), answers, history)
 
-        split_lanes(kernel_call, factors.size, threads)
-    response = Response(
-        peak_rotation_ratio=floats[0],
-        overturning_time=floats[1],
-        outcome=integers[0],
-        reason=integers[1],
-        overturning_half_cycle=integers[2],
-        impacts=integers[3],
-    )
-    response = drop_axes(response, 2, drop)
+    split_lanes(kernel_call, factors.size, threads)
+    response = answered(answers, shape, drop)
     if history_dt is None:
         return response
-    return with_history(response, grid, theta, theta_dot, drop)
+    rotation, velocity = (motion.reshape(*shape, grid.size) for motion in (history.rotation, history.velocity))
+    return with_history(response, grid, rotation, velocity, drop)
 
 
 def _checked(times: Any, impulses: Any, scale: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

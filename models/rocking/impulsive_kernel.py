@@ -8,14 +8,26 @@
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 from numba import njit
 
 from rocking.motion import CRITICAL_TOLERANCE, free_decay_time, impact_speed, impacts_above, return_growth, state
-from rocking.response import Outcome, Reason
+from rocking.response import IMPACT_CUTOFF, Outcome, Reason
 
-__all__ = ["COINCIDENCE", "EXACT", "IMPACT_LIMIT", "LINEAR", "PAPER", "TANGENT", "impulsive_lanes"]
+__all__ = [
+    "COINCIDENCE",
+    "EXACT",
+    "IMPACT_LIMIT",
+    "LINEAR",
+    "PAPER",
+    "TANGENT",
+    "History",
+    "Lanes",
+    "Train",
+    "impulsive_lanes",
+]
 
 PAPER, LINEAR, EXACT, TANGENT = range(4)
 
@@ -30,7 +42,6 @@ COINCIDENCE = 1e-9
 _AT_REST, _ROCKS, _OVERTURNS, _UNRESOLVED = (int(outcome) for outcome in Outcome)
 _IMPACT_LIMIT_REASON = int(Reason.IMPACT_LIMIT)
 
-
 #: Longest time counted in the growth factor of a wait, times p [-]; exp of more than about 709 overflows.
 _LONGEST_GROWTH = 700.0
 
@@ -38,30 +49,56 @@ _LONGEST_GROWTH = 700.0
 _SHORTEST_GROWTH = 100.0
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
-def _cannot_come_back(growing, time, first, times, sizes, sums, gain, p):
-    """The no-return rule y(t) > sum over the impulses from `first` on of abs(dy) exp(-p (t_i - t)).
+class Train(NamedTuple):
+    """Impulses of the ground in order of time."""
 
-    `sums` holds the sums of the sizes from each impulse on, which bound what the rest of the sum may still add.
-    """
+    times: np.ndarray  #: (k,) [s], not decreasing
+    impulses: np.ndarray  #: (k,) [m/s]
+    sizes: np.ndarray  #: (k,) their absolute values [m/s]
+    left: np.ndarray  #: (k,) sum of the sizes from each impulse on [m/s]
+
+
+class Lanes(NamedTuple):
+    """The (q m,) lanes: q factors on the impulses by m blocks."""
+
+    scale: np.ndarray  #: (q, m) factor on the impulses [-]
+    alpha: np.ndarray  #: (m,) alpha_c [rad]
+    p: np.ndarray  #: (m,) [1/s]
+    restitution: np.ndarray  #: (m,) C [-]
+    gravity: float  #: [m/s2]
+    gain: int  #: PAPER, LINEAR, EXACT or TANGENT
+
+
+class History(NamedTuple):
+    """The motion of every lane at given times; the arrays are given as zeros and lie in the order of the answers."""
+
+    times: np.ndarray  #: (h,) [s], ascending; (0,) for no history
+    rotation: np.ndarray  #: (q m, h) theta [rad]; NaN once the block lies on the ground
+    velocity: np.ndarray  #: (q m, h) theta' [rad/s]
+
+
+@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
+def _cannot_come_back(growing, time, first, train, gain, p):
+    """The no-return rule y(t) > sum over the impulses from `first` on of abs(dy) exp(-p (t_i - t))."""
     total = 0.0
-    for i in range(first, times.shape[0]):
-        weight = gain * math.exp(-p * (times[i] - time))
-        if growing > total + weight * sums[i]:
+    for i in range(first, train.times.size):
+        weight = gain * math.exp(-p * (train.times[i] - time))
+        if growing > total + weight * train.left[i]:  # more than all the rest can add
             return True
-        total += weight * sizes[i]
+        total += weight * train.sizes[i]
         if total >= growing:
             return False
     return growing > total
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
-def _sample(grid, first, begin, end, scale, p, rotation, velocity, theta, theta_dot):
-    """History of one arc at the grid times in [begin, end); returns the first index that is left."""
-    while first < grid.shape[0] and grid[first] < begin:
+@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
+def _sample(history, lane, first, begin, end, scale, p, rotation, velocity):
+    """History of one arc at the times in [begin, end) from the index `first` on; returns the first index left."""
+    times, theta, theta_dot = history.times, history.rotation[lane], history.velocity[lane]
+    while first < times.size and times[first] < begin:
         first += 1
-    while first < grid.shape[0] and grid[first] < end:
-        x, v = state(rotation, velocity, p * (grid[first] - begin))
+    while first < times.size and times[first] < end:
+        x, v = state(rotation, velocity, p * (times[first] - begin))
         theta[first], theta_dot[first] = scale * x, scale * p * v
         # The block lies on the ground.
         if not abs(theta[first]) < 0.5 * math.pi:
@@ -90,84 +127,40 @@ def _decays(velocity, restitution, remaining):
     return free_decay_time(velocity, restitution) <= remaining
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
-def _tables(times, p, growth, sinh, cosh_less_one):
+@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
+def _tabulate(waits, times, p):
     """exp(p dt) - 1 of every wait, cut off, and its sinh and cosh - 1; they keep their digits for short waits."""
-    last = times.shape[0] - 1
-    for i in range(last):
+    waits[:] = np.inf
+    for i in range(times.size - 1):
         grown = math.expm1(min(p * (times[i + 1] - times[i]), _LONGEST_GROWTH))
         shrunk = grown / (1.0 + grown)
-        growth[i], sinh[i], cosh_less_one[i] = grown, 0.5 * (grown + shrunk), 0.5 * grown * shrunk
-    growth[last], sinh[last], cosh_less_one[last] = np.inf, np.inf, np.inf
+        waits[0, i], waits[1, i], waits[2, i] = grown, 0.5 * (grown + shrunk), 0.5 * grown * shrunk
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
-def impulsive_lanes(
-    first_lane,
-    last_lane,
-    floats,
-    integers,
-    theta,
-    theta_dot,
-    times,
-    impulses,
-    scale,
-    alpha,
-    p,
-    restitution,
-    gravity,
-    gain,
-    cutoff,
-    grid,
-):
-    """Response of the lanes first_lane:last_lane; writes into the four arrays after them.
+@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
+def impulsive_lanes(first_lane, last_lane, train, lanes, waits, answers, history):
+    """Write what the lanes first_lane:last_lane answer; the work space `waits` is (3, k).
 
     Lane l is block l // q with factor l % q, so that lanes next to each other share p and with it the growth of the
-    modes over every wait. Between events nothing but square roots is computed: exp(p t) of a return is algebraic.
-
-    Parameters
-    ----------
-    first_lane, last_lane : int
-        Lanes to work on.
-    floats : (2, q, m) ndarray
-        Receives peak [-] and time of overturning [s].
-    integers : (4, q, m) ndarray of int
-        Receives outcome, reason, half-cycle of overturning, impacts.
-    theta, theta_dot : (q, m, h) ndarray
-        Receive rotation [rad] and velocity [rad/s] at the times of `grid`; given as zeros.
-    times, impulses : (k,) ndarray
-        Times [s], not decreasing, and impulses of the ground [m/s]; k at least 1.
-    scale : (q, m) ndarray
-        Factor on the impulses [-].
-    alpha, p, restitution : (m,) ndarray
-        alpha_c [rad], frequency parameter [1/s], C [-].
-    gravity : float
-        [m/s2].
-    gain : int
-        Code of the gain.
-    cutoff : float
-        Speed above which an impact is counted [-].
-    grid : (h,) ndarray
-        Times of the history [s]; empty for none.
+    modes over every wait; its answers stand at the place factor m + block. Between events nothing but square roots is
+    computed: exp(p t) of a return is algebraic.
     """
-    total, factors = times.shape[0], scale.shape[0]
-    growth, sinh, cosh_less_one = np.empty(total), np.empty(total), np.empty(total)
-    sizes, sums = np.abs(impulses), np.empty(total)
-    sums[total - 1] = sizes[total - 1]
-    for i in range(total - 2, -1, -1):
-        sums[i] = sizes[i] + sums[i + 1]
-    history = grid.shape[0]
+    times, impulses = train.times, train.impulses
+    total, factors, blocks = times.size, lanes.scale.shape[0], lanes.alpha.size
+    growth, sinh, cosh_less_one = waits[0], waits[1], waits[2]
+    samples = history.times.size
     tabulated = np.nan
     for lane in range(first_lane, last_lane):
         block, factor = lane // factors, lane % factors
-        rate, c, angle = p[block], restitution[block], alpha[block]
+        place = factor * blocks + block
+        rate, c, angle = lanes.p[block], lanes.restitution[block], lanes.alpha[block]
         if rate != tabulated:
-            _tables(times, rate, growth, sinh, cosh_less_one)
+            _tabulate(waits, times, rate)
             tabulated = rate
-        lane_gain = scale[factor, block] * rate / (gravity * angle)
-        if gain == PAPER:
+        lane_gain = lanes.scale[factor, block] * rate / (lanes.gravity * angle)
+        if lanes.gain == PAPER:
             lane_gain *= math.cos(angle)
-        elif gain == TANGENT:
+        elif lanes.gain == TANGENT:
             lane_gain *= angle / math.tan(angle)
         outcome, reason, overturned, impacts = _AT_REST, 0, -1, 0
         # The highest top is kept as its energy x (2 - x) + x'^2 and what that leaves of one, without cancellation.
@@ -177,7 +170,7 @@ def impulsive_lanes(
         for i in range(total):
             last = i == total - 1
             push = -lane_gain * impulses[i]
-            if gain == EXACT:
+            if lanes.gain == EXACT:
                 push *= math.cos(angle * (1.0 - rotation))
             if push != 0.0:
                 if not moving:
@@ -185,7 +178,7 @@ def impulsive_lanes(
                     moving, side, rotation, velocity = True, math.copysign(1.0, push), 0.0, 0.0
                 elif contact and side * push < 0.0:
                     # The impulse drives the block into the ground that it has just reached: the impact comes first.
-                    impacts += 1 if abs(velocity) > cutoff else 0
+                    impacts += 1 if abs(velocity) > IMPACT_CUTOFF else 0
                     bounces += 1
                     velocity, side = c * abs(velocity), -side
                 velocity += side * push
@@ -198,7 +191,7 @@ def impulsive_lanes(
             # Never less than what remains of the wait: it spares most logarithms of the test for rest.
             longest = np.inf if last else rate * (times[i + 1] - times[i])
             while moving:
-                if history == 0 and not last and reserve == 0.0 and bounce > 0:
+                if samples == 0 and not last and reserve == 0.0 and bounce > 0:
                     first = bounce
                     while rotation == 0.0 and bounce < IMPACT_LIMIT and 2.0 * velocity > (1.0 - c) * longest:
                         back = 2.0 * velocity / (1.0 - velocity)
@@ -206,34 +199,34 @@ def impulsive_lanes(
                             break
                         if bounce == first and velocity * velocity > energy:
                             energy, left = velocity * velocity, (1.0 - velocity) * (1.0 + velocity)
-                        impacts += 1 if velocity > cutoff else 0
+                        impacts += 1 if velocity > IMPACT_CUTOFF else 0
                         ahead = (ahead - back) / (1.0 + back)
                         longest -= 2.0 * velocity
                         velocity, side = c * velocity, -side
                         bounce += 1
                     bounces += bounce - first
                 growing = rotation - 1.0 + velocity
-                if bounce > 0 and not last and (history > 0 or growing >= 0.0):
+                if bounce > 0 and not last and (samples > 0 or growing >= 0.0):
                     begin = times[i + 1] - (math.log1p(ahead) + reserve) / rate
                 if (
                     outcome != _OVERTURNS
                     and growing >= (-CRITICAL_TOLERANCE if last else 0.0)
-                    and (last or _cannot_come_back(growing, begin, i + 1, times, sizes, sums, abs(lane_gain), rate))
+                    and (last or _cannot_come_back(growing, begin, i + 1, train, abs(lane_gain), rate))
                 ):
                     outcome, overturned, overturning_time = _OVERTURNS, bounces + 1, begin
-                if outcome == _OVERTURNS and sampled >= history:
+                if outcome == _OVERTURNS and sampled >= samples:
                     break
                 if bounce == IMPACT_LIMIT:
                     outcome, reason = _UNRESOLVED, _IMPACT_LIMIT_REASON
                     break
-                # A free decay that ends before the next impulse ends in rest; its hops matter to a history only.
+                # A free decay that ends before the next impulse ends in rest; its hops matter to a samples only.
                 on_ground = rotation == 0.0 and 0.0 <= velocity < 1.0
-                unseen = sampled >= history or velocity <= cutoff or bounce >= IMPACT_LIMIT - 1
+                unseen = sampled >= samples or velocity <= IMPACT_CUTOFF or bounce >= IMPACT_LIMIT - 1
                 if (bounce > 0 or not last) and on_ground and unseen and outcome != _OVERTURNS:
                     if c < 1.0 and 2.0 * velocity <= (1.0 - c) * longest:
                         longest = np.inf if last else math.log1p(ahead) + reserve
                         if _decays(velocity, c, longest - COINCIDENCE):
-                            count = impacts_above(velocity, c, cutoff)
+                            count = impacts_above(velocity, c, IMPACT_CUTOFF)
                             impacts += count
                             bounces += max(count, 1) if bounce == 0 else count
                             if velocity * velocity > energy:
@@ -243,24 +236,14 @@ def impulsive_lanes(
                     elif last:
                         if velocity * velocity > energy:
                             energy, left = velocity * velocity, (1.0 - velocity) * (1.0 + velocity)
-                        impacts = -1 if velocity > cutoff else impacts
+                        impacts = -1 if velocity > IMPACT_CUTOFF else impacts
                         moving = False
                         break
                 speed = impact_speed(rotation, velocity)
                 back = return_growth(rotation, velocity, speed)
-                if history > 0:
-                    sampled = _sample(
-                        grid,
-                        sampled,
-                        begin,
-                        begin + min(math.log1p(back), math.log1p(ahead) + reserve) / rate,
-                        side * angle,
-                        rate,
-                        rotation,
-                        velocity,
-                        theta[factor, block],
-                        theta_dot[factor, block],
-                    )
+                if samples > 0:
+                    end = begin + min(math.log1p(back), math.log1p(ahead) + reserve) / rate
+                    sampled = _sample(history, place, sampled, begin, end, side * angle, rate, rotation, velocity)
                 if outcome == _OVERTURNS and last:
                     break
                 window = COINCIDENCE * (1.0 + ahead)
@@ -268,7 +251,7 @@ def impulsive_lanes(
                     if velocity >= 0.0 and speed * speed > energy:
                         energy, left = speed * speed, (1.0 - rotation - velocity) * (1.0 - rotation + velocity)
                     peak = max(peak, rotation)
-                    impacts += 1 if speed > cutoff else 0
+                    impacts += 1 if speed > IMPACT_CUTOFF else 0
                     bounces += 1
                     if last:
                         begin += math.log1p(back) / rate
@@ -301,17 +284,17 @@ def impulsive_lanes(
                     rotation = max(rotation, 0.0)
                     peak = max(peak, rotation)
                 break
-            if outcome == _UNRESOLVED or (outcome == _OVERTURNS and sampled >= history):
+            if outcome == _UNRESOLVED or (outcome == _OVERTURNS and sampled >= samples):
                 break
             if outcome == _OVERTURNS and angle * rotation > 0.5 * math.pi:
                 # The block lies on the ground.
-                theta[factor, block, sampled:], theta_dot[factor, block, sampled:] = np.nan, np.nan
+                history.rotation[place, sampled:], history.velocity[place, sampled:] = np.nan, np.nan
                 break
         peak = max(peak, energy / (1.0 + math.sqrt(left)))
         if outcome == _OVERTURNS:
             peak = np.inf
         elif outcome == _UNRESOLVED:
             peak, impacts = np.nan, -1
-        floats[0, factor, block], floats[1, factor, block] = peak, overturning_time
-        integers[0, factor, block], integers[1, factor, block] = outcome, reason
-        integers[2, factor, block], integers[3, factor, block] = overturned, impacts
+        answers.peak_rotation_ratio[place], answers.overturning_time[place] = peak, overturning_time
+        answers.outcome[place], answers.reason[place] = outcome, reason
+        answers.overturning_half_cycle[place], answers.impacts[place] = overturned, impacts

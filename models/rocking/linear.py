@@ -31,17 +31,8 @@ def hyperbolic(h):
 
 @njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"}, _nrt=False)
 def linear_steps(f, width):
-    """One step of every slot by the exact map, into the rows that :func:`rocking.finish.finish_steps` reads.
+    """Take one step of the first `width` slots by the exact map; :func:`rocking.finish.finish_steps` reads its rows.
 
-    Parameters
-    ----------
-    f : (FLOAT_ROWS * WIDTH,) ndarray
-        The slots, see :mod:`rocking.slots`.
-    width : int
-        Slots in use, from the first on: a multiple of GROUP.
-
-    Notes
-    -----
     With r = phi - alpha - ground and the slope m of the ground, phi(h) = phi + r (cosh h - 1) + phi' sinh h - m (sinh h
     - h) and phi'(h) = phi' cosh h + r sinh h - m (cosh h - 1): no difference of large numbers next to phi = 0. phi''
     has its largest size at an end but for a factor 1/(1 - h^2/8). The series serves to find what happens inside. A
@@ -75,28 +66,11 @@ def linear_steps(f, width):
 
 @njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
 def linear_after(phi, speed, alpha, restitution):
-    """Motion on the ground at rest, from a state to its end (Eqs. 2, 6, 8).
+    """Motion on the ground at rest, from a state phi >= 0 and dphi/dtau [rad] to its end (Eqs. 2, 6, 8).
 
-    Parameters
-    ----------
-    phi, speed : float
-        State at the end of the input, phi >= 0 [rad] and dphi/dtau [rad].
-    alpha, restitution : float
-        alpha_c [rad] and C [-].
+    The answer is the largest phi from now on [rad], inf if the block overturns; tau until that is certain, NaN if it
+    does not; the impacts before it, 0 or 1; and the speed of the first impact over p alpha_c, NaN if there is none.
 
-    Returns
-    -------
-    peak : float
-        Largest phi from now on [rad]; inf if the block overturns.
-    wait : float
-        tau until overturning is certain; NaN if it does not overturn.
-    impacts_before : int
-        Impacts before overturning, 0 or 1.
-    impact_speed : float
-        Speed of the first impact over p alpha_c [-]; NaN if there is none.
-
-    Notes
-    -----
     With xi = phi/alpha, eta = xi' the growing mode is xi - 1 + eta: not negative, it takes the block over. Otherwise
     the block comes back with w^2 = xi (2 - xi) + eta^2 and leaves the ground with u = C w: u >= 1 overturns it on the
     other side.

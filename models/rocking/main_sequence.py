@@ -15,9 +15,9 @@ from typing import Any
 import numpy as np
 
 from rocking.block import Block
-from rocking.half_cycle_table import TABLE_ROWS, lanes, tabulated_response
-from rocking.main_sequence_kernel import overturning_half_cycle, resonance_lanes, safety_lanes
-from rocking.response import IMPACT_CUTOFF, Response
+from rocking.half_cycle_table import TABLE_ROWS, combined, tabulated_response
+from rocking.main_sequence_kernel import Lanes, overturning_half_cycle, resonance_lanes, safety_lanes
+from rocking.response import Response
 from rocking.sequence_kernel import UNLIMITED
 from rocking.threads import split_lanes
 
@@ -83,13 +83,8 @@ def resonance(
     >>> response.overturning_half_cycle
     7
     """
-    impulse = _impulse(impulse)
-    count = _half_cycles(half_cycles, duration)
-    inputs = (impulse, _duration(duration), count)
-    shape, drop, flat = lanes(inputs, (block.p, block.restitution, block.critical_impulse))
-    scaled, end, most, p, restitution, critical = flat
-    arguments = (scaled / critical, end, p, restitution, most.astype(np.int64), IMPACT_CUTOFF)
-    return tabulated_response(resonance_lanes, arguments, shape, drop, table_rows, threads)
+    shape, drop, lanes = _lanes(block, _impulse(impulse), _half_cycles(half_cycles, duration), duration)
+    return tabulated_response(resonance_lanes, lanes, shape, drop, table_rows, threads)
 
 
 def critical_impulse_at(block: Block, half_cycle: int) -> Any:
@@ -115,10 +110,10 @@ def critical_impulse_at(block: Block, half_cycle: int) -> Any:
 
 def critical_impulse_ratio(restitution: Any, half_cycle: int) -> Any:
     """I_ic/I_1c = (1 - C)/(1 - C^i) of Eq. 9 for C a float or an (m,) array [-]."""
-    lanes_ = np.atleast_1d(np.asarray(restitution, dtype=float))
-    ones = np.ones(lanes_.size)
-    factors, most = np.empty(lanes_.size), np.full(lanes_.size, half_cycle)
-    safety_lanes(0, lanes_.size, factors, ones, np.full(lanes_.size, np.inf), ones, lanes_, ones, most)
+    ratios = np.array(restitution, dtype=float, ndmin=1)
+    ones, factors = np.ones(ratios.size), np.empty(ratios.size)
+    lanes = Lanes(ones, np.full(ratios.size, np.inf), np.full(ratios.size, half_cycle), ones, ratios, ones)
+    safety_lanes(0, ratios.size, lanes, factors)
     return factors.item() if np.ndim(restitution) == 0 else factors
 
 
@@ -153,21 +148,26 @@ def resonance_safety(
     - C). t_N grows with N, so the answer is the edge of the largest N that the input reaches, t_N < duration. As
     S_j/S_N >= j/N and sum of 2 atanh(j/N) is about 2 N ln 2, N stays below p duration/1.38 + 2.
     """
-    impulse = _impulse(impulse)
-    ends = _duration(duration)
     count = UNLIMITED if half_cycles is None else _half_cycles(half_cycles, None)
-    shape, drop, flat = lanes((impulse, ends, count), (block.p, block.restitution, block.critical_impulse))
-    scaled, end, most, p, restitution, critical = flat
-    counts, flat_factors = most.astype(np.int64), np.empty(scaled.size)
+    shape, drop, lanes = _lanes(block, _impulse(impulse), count, duration)
+    flat = np.empty(lanes.impulse.size)
 
     def kernel_call(first: int, last: int) -> None:
-        safety_lanes(first, last, flat_factors, scaled, end, p, restitution, critical, counts)
+        safety_lanes(first, last, lanes, flat)
 
-    split_lanes(kernel_call, scaled.size, threads)
-    factors = flat_factors.reshape(shape)
+    split_lanes(kernel_call, flat.size, threads)
     axes = tuple(axis for axis, dropped in enumerate(drop) if dropped)
-    factors = factors.squeeze(axis=axes)
+    factors = flat.reshape(shape).squeeze(axis=axes)
     return factors.item() if factors.ndim == 0 else factors
+
+
+def _lanes(
+    block: Block, impulse: np.ndarray, count: Any, duration: Any
+) -> tuple[tuple[int, int], tuple[bool, bool], Lanes]:
+    """The lanes of a kernel, with their shape and the axes to drop."""
+    blocks = (block.p, block.restitution, block.critical_impulse)
+    shape, drop, (impulses, ends, most, *rest) = combined((impulse, _duration(duration), count), blocks)
+    return shape, drop, Lanes(impulses, ends, most.astype(np.int64), *rest)
 
 
 def _impulse(value: Any) -> np.ndarray:

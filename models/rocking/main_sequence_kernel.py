@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 from numba import njit
 
 from rocking.half_cycle import stays_bounded
 from rocking.motion import CRITICAL_TOLERANCE, hop, impacts_above
-from rocking.response import Outcome, Reason
+from rocking.response import IMPACT_CUTOFF, Outcome, Reason
 from rocking.sequence_kernel import UNLIMITED, repetitions
 
 __all__ = [
+    "Lanes",
     "amplification",
     "effective_amplification",
     "last_half_cycle",
@@ -29,6 +31,17 @@ _AT_REST, _ROCKS, _OVERTURNS, _UNRESOLVED = (int(outcome) for outcome in Outcome
 _HALF_CYCLE_LIMIT_REASON = int(Reason.HALF_CYCLE_LIMIT)
 
 
+class Lanes(NamedTuple):
+    """The lanes: each a block under a main sequence."""
+
+    impulse: np.ndarray  #: (lanes,) I [m/s]
+    duration: np.ndarray  #: (lanes,) end of the main sequence [s]
+    main_count: np.ndarray  #: (lanes,) of int, largest number of main impulses
+    p: np.ndarray  #: (lanes,) [1/s]
+    restitution: np.ndarray  #: (lanes,) C [-]
+    critical: np.ndarray  #: (lanes,) I_1c [m/s]
+
+
 @njit(cache=True, nogil=True, error_model="numpy")
 def amplification(restitution, half_cycle):
     """u_i/u_1 = (1 - C^i)/(1 - C) = 1 + C + ... + C^(i-1), the bracket of Eq. (5) with the erratum [-]."""
@@ -41,24 +54,11 @@ def amplification(restitution, half_cycle):
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def overturning_half_cycle(main, restitution):
-    """Half-cycle in which an endless main sequence overturns the block.
+    """Half-cycle in which an endless main sequence, u_1 = I/I_1c >= 0, overturns the block.
 
-    Parameters
-    ----------
-    main : float
-        u_1 = I/I_1c [-], not negative.
-    restitution : float
-        C [-].
-
-    Returns
-    -------
-    half_cycle : int
-        Smallest i with u_i >= 1, ceil(ln(1 - (1 - C)/u_1)/ln C); -1 where there is none (u_1 <= 1 - C).
-
-    Notes
-    -----
-    u = 1 overturns. Both comparisons allow for rounding (`CRITICAL_TOLERANCE`): I_2c/I_1c must overturn in half-cycle
-    2, and 0.1 is 1 - 0.9 although their floating-point numbers differ.
+    It is the smallest i with u_i >= 1, ceil(ln(1 - (1 - C)/u_1)/ln C); -1 where there is none (u_1 <= 1 - C). u = 1
+    overturns. Both comparisons allow for rounding (`CRITICAL_TOLERANCE`): I_2c/I_1c must overturn in half-cycle 2, and
+    0.1 is 1 - 0.9 although their floating-point numbers differ.
 
     Examples
     --------
@@ -80,32 +80,18 @@ def overturning_half_cycle(main, restitution):
     return half_cycle if amplification(restitution, half_cycle) >= needed else half_cycle + 1
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
-def resonance_lanes(first_lane, last_lane, table, floats, integers, main, duration, p, restitution, main_count, cutoff):
-    """Response of the lanes first_lane:last_lane to the main sequence; writes into the three arrays after them.
-
-    Parameters
-    ----------
-    first_lane, last_lane : int
-        Lanes to work on.
-    table, floats, integers : ndarray
-        As for :func:`~rocking.sequence_kernel.sequence_lanes`.
-    main, duration : (n,) ndarray
-        u_1 [-] and end of the main sequence [s] of each lane.
-    p, restitution : (n,) ndarray
-        Frequency parameter [1/s] and C [-].
-    main_count : (n,) ndarray of int
-        Largest number of main impulses.
-    cutoff : float
-        Speed above which an impact is counted [-].
-    """
-    rows = table.shape[1]
+@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
+def resonance_lanes(first_lane, last_lane, lanes, answers, table):
+    """Write what the lanes first_lane:last_lane answer, and their :class:`rocking.sequence_kernel.Table`."""
+    columns = table.columns
+    rows = columns.shape[1]
     for lane in range(first_lane, last_lane):
-        u1, c, rate, most = main[lane], restitution[lane], p[lane], main_count[lane]
+        u1, c, rate = lanes.impulse[lane] / lanes.critical[lane], lanes.restitution[lane], lanes.p[lane]
+        end, most = lanes.duration[lane], lanes.main_count[lane]
         critical = overturning_half_cycle(u1, c)
         outcome, reason, overturned, impacts, used = _AT_REST, 0, -1, 0, 0
         peak, overturning_time, start, velocity = 0.0, np.nan, 0.0, 0.0
-        while u1 > 0.0 and start < duration[lane] and used < most:
+        while u1 > 0.0 and start < end and used < most:
             if used == _HALF_CYCLE_LIMIT:
                 outcome, reason, peak, impacts = _UNRESOLVED, _HALF_CYCLE_LIMIT_REASON, np.nan, -1
                 break
@@ -119,26 +105,27 @@ def resonance_lanes(first_lane, last_lane, table, floats, integers, main, durati
                 # The critical velocity is the limit of the sequence at most, and rounding must not let it arrive.
                 peak, time = hop(min(velocity, 1.0 - 2.0**-53))
             if used < rows:
-                table[0, used, lane], table[1, used, lane], table[2, used, lane] = velocity, peak, time / rate
-                table[3, used, lane] = 0.0
-                table[5, used, lane] = np.nan if overturns else velocity
+                columns[0, used, lane], columns[1, used, lane], columns[2, used, lane] = velocity, peak, time / rate
+                columns[3, used, lane] = 0.0
+                columns[5, used, lane] = np.nan if overturns else velocity
             used += 1
             if overturns:
                 outcome, overturned, overturning_time = _OVERTURNS, used, start
                 break
             start += time / rate
-            counted = 1 if velocity > cutoff else 0
+            counted = 1 if velocity > IMPACT_CUTOFF else 0
             impacts += counted
             if velocity == previous and critical < 0:
                 # The velocity has reached its limit: the half-cycles that are left are counted, not followed.
-                impacts += repetitions(start, time / rate, duration[lane], most - used) * counted
+                impacts += repetitions(start, time / rate, end, most - used) * counted
                 break
         if outcome == _ROCKS:
-            later = impacts_above(c * velocity, c, cutoff)
+            later = impacts_above(c * velocity, c, IMPACT_CUTOFF)
             impacts = -1 if later < 0 else impacts + later
-        floats[0, lane], floats[1, lane], floats[2, lane] = peak, overturning_time, np.inf
-        integers[0, lane], integers[1, lane], integers[2, lane] = outcome, reason, overturned
-        integers[3, lane], integers[4, lane] = impacts, used
+        answers.peak_rotation_ratio[lane], answers.overturning_time[lane] = peak, overturning_time
+        answers.outcome[lane], answers.reason[lane] = outcome, reason
+        answers.overturning_half_cycle[lane], answers.impacts[lane] = overturned, impacts
+        table.lowest[lane], table.followed[lane] = np.inf, used
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -183,27 +170,16 @@ def _start_at_edge(restitution, ratio, half_cycle):
     return start_of_half_cycle(needed, restitution, ratio, half_cycle)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
-def safety_lanes(first_lane, last_lane, factors, impulse, end, p, restitution, critical, main_count):
+@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
+def safety_lanes(first_lane, last_lane, lanes, factors):
     """Smallest factor on the impulse that overturns: I_Nc/I of the last half-cycle that the input reaches.
 
-    Parameters
-    ----------
-    first_lane, last_lane : int
-        Lanes to work on.
-    factors : (n,) ndarray
-        Receives the factors [-]; inf for no impulse.
-    impulse, end : (n,) ndarray
-        I [m/s] and end of the main sequence [s].
-    p, restitution, critical : (n,) ndarray
-        Frequency parameter [1/s], C [-] and I_1c [m/s].
-    main_count : (n,) ndarray of int
-        Largest number of main impulses.
+    `factors` (lanes,) receives them [-]; inf for no impulse.
     """
     for lane in range(first_lane, last_lane):
-        c, last = restitution[lane], main_count[lane]
-        if end[lane] != np.inf:
-            last = last_half_cycle(c, 0.0, p[lane] * end[lane], last)
-        factors[lane] = critical[lane] / (impulse[lane] * amplification(c, last))
+        c, end, last = lanes.restitution[lane], lanes.duration[lane], lanes.main_count[lane]
+        if end != np.inf:
+            last = last_half_cycle(c, 0.0, lanes.p[lane] * end, last)
+        factors[lane] = lanes.critical[lane] / (lanes.impulse[lane] * amplification(c, last))
         if last == UNLIMITED and c == 1.0:
-            factors[lane] = np.inf if impulse[lane] == 0.0 else 0.0
+            factors[lane] = np.inf if lanes.impulse[lane] == 0.0 else 0.0

@@ -74,17 +74,8 @@ def nonlinear_rates(phi, speed, alpha, ground, ground_slope, lift, lift_slope):
 
 @njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"}, _nrt=False)
 def nonlinear_steps(f, width):
-    """One Taylor step of every slot, into the rows that :func:`rocking.finish.finish_steps` reads.
+    """Take one Taylor step of the first `width` slots; :func:`rocking.finish.finish_steps` reads its rows.
 
-    Parameters
-    ----------
-    f : (FLOAT_ROWS * WIDTH,) ndarray
-        The slots, see :mod:`rocking.slots`.
-    width : int
-        Slots in use, from the first on: a multiple of GROUP.
-
-    Notes
-    -----
     abs(phi'') is at most F = lift + abs(ground), and leaves its value at the start by at most h (F (abs(phi') + h F)
     + the slopes), where the bracket bounds the third derivative. A step is marked where phi may pass TOP, or where
     the last term of its series is larger than the bound of the lane.
@@ -120,20 +111,9 @@ def nonlinear_steps(f, width):
 def flight_time(excess, start, stop):
     """Time p t of the free motion from psi = `start` to psi = `stop`, psi = phi - alpha, without turning on the way.
 
-    Parameters
-    ----------
-    excess : float
-        Energy above that of rest at the top, phi'^2/2 + cos(psi) - 1 [-].
-    start, stop : float
-        Angles from the vertical equilibrium [rad]; with `excess` < 0 both of one sign and beyond the turning point.
+    `excess` = phi'^2/2 + cos(psi) - 1 is the energy above that of rest at the top; where it is negative, both angles
+    are of one sign and beyond the turning point. inf where the top is reached with no energy to spare.
 
-    Returns
-    -------
-    float
-        tau >= 0; inf where the top is reached with no energy to spare.
-
-    Notes
-    -----
     phi'^2 = 2 excess + 4 sin^2(psi/2). With k^2 = abs(excess)/2 and sin(psi/2) = k sinh z (over the top) or k cosh z
     (short of it), dtau = dz/cos(psi/2): smooth, so Gauss-Legendre panels of unit length in z are exact to rounding.
     """
@@ -163,10 +143,8 @@ def flight_time(excess, start, stop):
 def nonlinear_after(phi, speed, alpha, restitution):
     """Motion on the ground at rest, from a state to its end, by conservation of energy.
 
-    Parameters and returns as in :func:`rocking.linear.linear_after`; the wait is the time to phi = pi/2.
+    The answer is that of :func:`rocking.linear.linear_after`; the wait is the time to phi = pi/2.
 
-    Notes
-    -----
     The energy above that of the top is phi'^2/2 - 2 sin^2((alpha - phi)/2). A block short of the top goes over it if
     it moves outward with an energy that is not negative; a block beyond the top comes back only if it moves inward
     with positive energy.

@@ -9,7 +9,7 @@ import numpy as np
 
 from rocking.block import Block
 from rocking.half_cycle import stays_bounded
-from rocking.half_cycle_table import lanes
+from rocking.half_cycle_table import combined
 from rocking.impulse_sequence import ImpulseSequence
 from rocking.motion import hop
 
@@ -78,7 +78,8 @@ def steady_state(block: Block, sequence: ImpulseSequence) -> SteadyState:
     """
     if sequence.spacing != "continuous" and np.any(np.asarray(sequence.secondary) > 0.0):
         raise ValueError(f"spacing: expected 'continuous' (or no secondary impulses), got {sequence.spacing!r}")
-    shape, drop, flat = lanes((sequence.main, sequence.secondary), (block.p, block.restitution, block.critical_impulse))
+    blocks = (block.p, block.restitution, block.critical_impulse)
+    shape, drop, flat = combined((sequence.main, sequence.secondary), blocks)
     main, secondary, p, restitution, critical = flat
     u1, a = main / critical, secondary / critical
     ratio = np.divide(a, u1, out=np.zeros_like(a), where=u1 > 0.0)

@@ -138,24 +138,10 @@ def hop_root(c, h):
 
 @njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
 def first_impact(c, h, peak):
-    """First return of phi to zero in (0, h], and the largest phi before it (or before h).
+    """tau of the first return of phi to zero in (0, h], -1 if there is none, and the largest phi before it or before h.
 
-    Parameters
-    ----------
-    c : (ORDER + 1,) ndarray
-        Taylor coefficients of phi(tau) about the start of the step [rad]; c[0] >= 0, and c[0] = 0 only with a motion
-        that leaves the ground.
-    h : float
-        Length of the step [-].
-    peak : float
-        Tops below this one are not of interest [rad].
-
-    Returns
-    -------
-    impact : float
-        tau of the impact; -1 if there is none.
-    largest : float
-        Largest phi up to the impact or up to h [rad], where it is above `peak`.
+    `c` holds the (ORDER + 1,) Taylor coefficients of phi(tau) about the start of the step [rad]: c[0] >= 0, and c[0] =
+    0 only with a motion that leaves the ground. Tops below `peak` [rad] may be left out.
     """
     start_pull, end_pull = 2.0 * c[2], acceleration(c, h)
     if start_pull < 0.0 and end_pull < 0.0:

@@ -10,14 +10,13 @@ from typing import Any, Literal
 
 import numpy as np
 
-from rocking import slots as row
 from rocking.block import Block, numbers
 from rocking.demand import Demand
-from rocking.ground import extremes
-from rocking.polynomial import ORDER
+from rocking.ground import Accelerogram, extremes
 from rocking.recorded_event import LINEAR, NONLINEAR
-from rocking.recorded_kernel import march_lanes
-from rocking.response import Response, drop_axes, with_history
+from rocking.recorded_kernel import Lanes, Options, march_lanes
+from rocking.response import Response, answered, empty_answers, with_history
+from rocking.slots import empty_slots
 from rocking.threads import split_lanes
 
 __all__ = ["recorded_response"]
@@ -209,59 +208,25 @@ def recorded_response(
     if verdict is not None and (verdict.samples, verdict.levels.shape[0]) != (record.size, alpha.size):
         raise ValueError("verdict: expected the demand of this record on these blocks")
     gains = np.broadcast_to(own, lanes).reshape(-1) * (alpha / np.tan(alpha) if gain == "tangent" else 1.0)
-    shape = (factors.size, alpha.size)
-    total = factors.size * alpha.size
-    answers: tuple[np.ndarray, ...] = (
-        np.empty(total),
-        np.empty(total, dtype=np.int8),
-        np.empty(total, dtype=np.int8),
-        np.empty(total),
-        *(np.empty(total, dtype=np.int64) for _ in range(3)),
-    )
-    samples = record.size if history else 0
-    motion: np.ndarray = np.zeros((total, samples, 2))
-    found = extremes(record, up)
     levels, above = np.empty((alpha.size, 0)), np.empty((alpha.size, 0), dtype=np.int64)
     if verdict is not None:
         levels, above = verdict.levels * float(block.gravity), verdict.last
+    ground = Accelerogram(record, up, extremes(record, up), dt)
+    rows = factors.reshape(-1) / float(block.gravity)
+    blocks = Lanes(rows, gains, alpha, p, restitution, rotation, spin, levels, above)
+    settled = 0.0 if verdict is None else float(verdict.settled)
+    options = Options(EQUATIONS[equation], step, float(last_term), settled)
+    shape, drop = (factors.size, alpha.size), (factors.ndim == 0, lanes == ())
+    total = factors.size * alpha.size
+    answers, active = empty_answers(total, codes=np.int8), np.empty(total, dtype=np.int64)
+    samples = record.size if history else 0
+    motion: np.ndarray = np.zeros((total, samples, 2))
 
     def march(first: int, last: int) -> None:
-        f = np.zeros(row.FLOAT_ROWS * row.WIDTH)
-        i = np.zeros(row.INT_ROWS * row.WIDTH, dtype=np.int64)
-        i[row.LANE : row.LANE + row.WIDTH] = -1
-        f[row.ALPHA : row.ALPHA + row.WIDTH] = 0.1
-        c = np.zeros(ORDER + 1)
-        march_lanes(
-            EQUATIONS[equation],
-            first,
-            last,
-            record,
-            up,
-            found,
-            dt,
-            factors.reshape(-1) / float(block.gravity),
-            gains,
-            alpha,
-            p,
-            restitution,
-            rotation,
-            spin,
-            step,
-            float(last_term),
-            levels,
-            above,
-            0.0 if verdict is None else float(verdict.settled),
-            *answers,
-            motion,
-            f,
-            i,
-            c,
-        )
+        march_lanes(first, last, ground, blocks, options, empty_slots(), answers, active, motion)
 
     split_lanes(march, total, threads)
-    drop = (factors.ndim == 0, lanes == ())
-    peak, outcome, reason, time, half_cycle, impacts, active = (values.reshape(shape) for values in answers)
-    response = drop_axes(Response(peak, outcome, reason, time, half_cycle, impacts, active_samples=active), 2, drop)
+    response = answered(answers, shape, drop, active_samples=active.reshape(shape))
     if not history:
         return response
     motion = motion.reshape(*shape, samples, 2)

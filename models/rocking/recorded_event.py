@@ -31,8 +31,10 @@ __all__ = [
     "after_impact",
     "begin_step",
     "enter_sample",
+    "impacts_above_cutoff",
+    "resolve_step",
+    "wake",
 ]
-__all__ += ["impacts_above_cutoff", "resolve_step", "wake"]
 
 LINEAR, NONLINEAR = 0, 1
 
@@ -72,27 +74,10 @@ def uplift_time(ground, slope, threshold, threshold_slope, remaining):
 def chatter_ends(speed, demand, largest, slope, restitution, window, cutoff, highest):
     """Whether the hops after an impact die out before the ground can lift the block again.
 
-    Parameters
-    ----------
-    speed : float
-        dphi/dtau right after an impact over the restoring acceleration of the resting block [-].
-    demand : float
-        abs(a_g)/threshold at the impact [-].
-    largest : float
-        Bound of abs(a_g)/threshold in the window [-].
-    slope : float
-        Bound of the slope of abs(a_g)/threshold in the window, per unit of tau.
-    restitution : float
-        C [-].
-    window : float
-        Time tau that is looked ahead.
-    cutoff : float
-        Speed above which an impact is counted, in the unit of `speed`: none of the hops may end faster.
-    highest : float
-        Rotation that the hops must stay below, in the unit of `speed`.
+    Speeds and rotations are over the restoring acceleration of the resting block; `demand` is A = abs(a_g)/threshold at
+    the impact, `largest` and `slope` are bounds of it and of its slope over the time tau of the `window`. The hops must
+    stay below the rotation `highest` and end slower than `cutoff`, above which an impact is counted.
 
-    Notes
-    -----
     Look no further than to where half the margin 1 - A is used up, or to the end of the window. There the restoring
     acceleration stays above d = (1 - A) - w^2/(1 - A), so the first hop lasts less than T = 2 w/d, and the next ones
     shrink at least by q = C (1 + m T/(2 (1 - A))): all of them together last less than T/(1 - q), and none ends faster
@@ -115,7 +100,7 @@ def chatter_ends(speed, demand, largest, slope, restitution, window, cutoff, hig
 
 
 @njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
-def chatter_is_over(equation, f, i, j, found, samples, far):
+def chatter_is_over(f, j, record, equation, far):
     """Whether slot j may be put to rest after a slow impact: :func:`chatter_ends`, beyond its sample if `far`."""
     threshold, length = f[row.THRESHOLD + j], f[row.LENGTH + j]
     passed = f[row.PASSED + j]
@@ -134,10 +119,11 @@ def chatter_is_over(equation, f, i, j, found, samples, far):
         # To the end of the next block of samples.
         sample = int(f[row.SAMPLE + j])
         block = sample // BLOCK
-        end = min((block + 2) * BLOCK, samples - 1)
+        end = min((block + 2) * BLOCK, record.acceleration.size - 1)
         factor = f[row.FACTOR + j] / threshold
-        largest = factor * max(found[LARGEST, block], found[LARGEST, block + 1])
-        slope = factor * f[row.PER_SAMPLE + j] * max(found[STEEPEST, block], found[STEEPEST, block + 1])
+        largest = factor * max(record.extremes[LARGEST, block], record.extremes[LARGEST, block + 1])
+        steepest = max(record.extremes[STEEPEST, block], record.extremes[STEEPEST, block + 1])
+        slope = factor * f[row.PER_SAMPLE + j] * steepest
         if chatter_ends(speed, demand, largest, slope, restitution, (end - sample) * length - passed, cutoff, highest):
             return True
     demand_end = abs(f[row.SAMPLE_GROUND + j] + f[row.SAMPLE_SLOPE + j] * length) / (lift_end * threshold)
@@ -158,16 +144,17 @@ def impacts_above_cutoff(speed, restitution):
 
 
 @njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
-def enter_sample(f, i, j, acceleration, vertical, found):
+def enter_sample(f, j, record):
     """Take the ground of the slot's sample; False where the vertical acceleration cancels gravity in it."""
     k = int(f[row.SAMPLE + j])
+    acceleration, left = record.acceleration, record.extremes[LEFT]
     start = acceleration[k] * f[row.FACTOR + j]
     f[row.SAMPLE_GROUND + j] = start
     f[row.SAMPLE_SLOPE + j] = (acceleration[k + 1] * f[row.FACTOR + j] - start) * f[row.PER_SAMPLE + j]
-    f[row.LIMIT + j] = found[LEFT, min((k + 1) // BLOCK + 1, found.shape[1] - 1)] * f[row.FACTOR + j]
+    f[row.LIMIT + j] = left[min((k + 1) // BLOCK + 1, left.size - 1)] * f[row.FACTOR + j]
     f[row.PASSED + j] = 0.0
     f[row.HITS + j] = 0.0
-    return vertical.size == 0 or enter_vertical(f, j, vertical)
+    return record.vertical.size == 0 or enter_vertical(f, j, record.vertical)
 
 
 @njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
@@ -183,17 +170,14 @@ def begin_step(f, j):
 
 
 @njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
-def wake(f, i, j, acceleration, vertical, found):
-    """Next uplift of a resting slot: its state becomes that of the instant of uplift.
+def wake(f, i, j, record):
+    """Bring a resting slot to the instant of its next uplift.
 
-    Returns
-    -------
-    int
-        MOVING, FLYING where the ground is lost first, or RESTING: not before the record ends.
+    The slot is MOVING then, FLYING where the ground is lost first, or RESTING where the record ends before.
     """
     threshold, length = f[row.THRESHOLD + j], f[row.LENGTH + j]
-    last = acceleration.size - 1
-    for _ in range(acceleration.size):
+    last = record.acceleration.size - 1
+    for _ in range(last + 1):
         passed = f[row.PASSED + j]
         slope, lift_slope = f[row.SAMPLE_SLOPE + j], f[row.SAMPLE_LIFT_SLOPE + j]
         ground = f[row.SAMPLE_GROUND + j] + slope * passed
@@ -209,31 +193,31 @@ def wake(f, i, j, acceleration, vertical, found):
             f[row.ACTIVE + j] += 1.0 if i[row.ENDED + j] != int(f[row.SAMPLE + j]) else 0.0
             return MOVING
         sample = int(f[row.SAMPLE + j])
-        ahead = next_exceedance(sample + 1, acceleration, vertical, found, f[row.FACTOR + j], threshold)
+        ahead = next_exceedance(sample + 1, record, f[row.FACTOR + j], threshold)
         if ahead > last:
             return RESTING
         # It lifts on the way to that sample, which is this one where rounding has put the crossing at its end.
         f[row.SAMPLE + j] = max(ahead - 1, sample + 1)
         if f[row.SAMPLE + j] >= last:
             return RESTING
-        if not enter_sample(f, i, j, acceleration, vertical, found):
+        if not enter_sample(f, j, record):
             return FLYING
     return RESTING
 
 
 @njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
-def is_gone(f, i, j, acceleration, found):
+def is_gone(f, j, record):
     """Whether the growing mode of slot j exceeds all that is left of the record (linear equation)."""
     growing = f[row.PHI + j] - f[row.ALPHA + j] + f[row.SPEED + j]
     if growing <= f[row.LIMIT + j]:
         return False
-    left = largest_left(int(f[row.SAMPLE + j]) + 1, acceleration, found) * f[row.FACTOR + j]
+    left = largest_left(int(f[row.SAMPLE + j]) + 1, record) * f[row.FACTOR + j]
     ground = abs(f[row.SAMPLE_GROUND + j] + f[row.SAMPLE_SLOPE + j] * f[row.PASSED + j])
     return growing > max(left, ground)
 
 
 @njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
-def after_impact(equation, f, i, j, acceleration, found, far):
+def after_impact(f, i, j, record, equation, far):
     """How slot j goes on after an impact: MOVING, RESTING, OVERTURNED or IMPACT_LIMITED."""
     if f[row.HITS + j] > IMPACTS_PER_SAMPLE:
         return IMPACT_LIMITED
@@ -243,36 +227,21 @@ def after_impact(equation, f, i, j, acceleration, found, far):
     # Faster impacts are counted, so they are followed.
     if speed < IMPACT_CUTOFF * f[row.ALPHA + j]:
         far = far or f[row.HITS + j] >= MANY_IMPACTS
-        if chatter_is_over(equation, f, i, j, found, acceleration.size, far):
+        if chatter_is_over(f, j, record, equation, far):
             return RESTING
         i[row.SLOW + j] += 1
         if i[row.SLOW + j] > SLOW_IMPACTS:
             return IMPACT_LIMITED
-    if equation == LINEAR and is_gone(f, i, j, acceleration, found):
+    if equation == LINEAR and is_gone(f, j, record):
         return OVERTURNED
     return MOVING
 
 
 @njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
-def resolve_step(equation, f, i, j, c, acceleration, found):
+def resolve_step(f, j, c, record, equation):
     """Do the marked step of slot j, or the part of it up to its impact, and set its EVENT.
 
-    HALVED: the step is to be tried again. OVER: PASSED is the instant of overturning.
-
-    Parameters
-    ----------
-    equation : int
-        LINEAR or NONLINEAR.
-    f, i : ndarray
-        The slots.
-    j : int
-        The slot.
-    c : (ORDER + 1,) ndarray
-        Work space.
-    acceleration : (n,) ndarray
-        a_g [m/s2].
-    found : (4, b + 1) ndarray
-        Its extremes.
+    HALVED: the step is to be tried again. OVER: PASSED is the instant of overturning. `c` is work space.
     """
     phi, speed, h, alpha = f[row.PHI + j], f[row.SPEED + j], f[row.STEP + j], f[row.ALPHA + j]
     last_term = abs(f[row.RATE_10 + j]) * h**10
@@ -308,4 +277,4 @@ def resolve_step(equation, f, i, j, c, acceleration, found):
         f[row.PASSED + j] += impact
         f[row.EVENT + j] = IMPACT
         return
-    f[row.EVENT + j] = OVER if equation == LINEAR and is_gone(f, i, j, acceleration, found) else NOTHING
+    f[row.EVENT + j] = OVER if equation == LINEAR and is_gone(f, j, record) else NOTHING

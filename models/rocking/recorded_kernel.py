@@ -9,6 +9,7 @@
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 from numba import njit
@@ -36,13 +37,36 @@ from rocking.recorded_event import (
 )
 from rocking.response import Outcome, Reason
 
-__all__ = ["march_lanes"]
+__all__ = ["Lanes", "Options", "march_lanes"]
 
 AT_REST, ROCKS, OVERTURNS, UNRESOLVED = (int(outcome) for outcome in Outcome)
 NO_REASON, IMPACT_LIMIT, FREE_FLIGHT = int(Reason.NONE), int(Reason.IMPACT_LIMIT), int(Reason.FREE_FLIGHT)
 
 #: How far above the threshold a block lifts, as a share of it: "strictly above" must not be decided by the last bit.
 STRICTLY = 1e-14
+
+
+class Lanes(NamedTuple):
+    """The (q m,) lanes of a march: q factors on the record by m blocks, the block running fastest."""
+
+    factors: np.ndarray  #: (q,) factor on the record over gravity [s2/m]
+    gains: np.ndarray  #: (m,) factor of each block on top of it [-]
+    alpha: np.ndarray  #: (m,) alpha_c [rad]
+    p: np.ndarray  #: (m,) [1/s]
+    restitution: np.ndarray  #: (m,) C [-]
+    rotation: np.ndarray  #: (m,) theta at the first sample [rad]
+    spin: np.ndarray  #: (m,) theta' there [rad/s]
+    levels: np.ndarray  #: (m, l) levels of the build-up over the factor, descending [m/s2]; (m, 0) without a verdict
+    above: np.ndarray  #: (m, l) of int, last sample above each level, see :class:`rocking.demand.Demand`
+
+
+class Options(NamedTuple):
+    """How a march goes: its equation, and where it divides or ends the steps of a lane."""
+
+    equation: int  #: LINEAR or NONLINEAR
+    longest: float  #: longest step as p dt [-]
+    last_term: float  #: largest last term of the series of a step over alpha_c [-]
+    settled: float  #: see :class:`rocking.demand.Demand`
 
 
 @njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
@@ -63,47 +87,33 @@ def calm_from(factor, levels, last, settled):
     return np.inf
 
 
-@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
-def begin_lane(
-    equation,
-    f,
-    i,
-    j,
-    acceleration,
-    vertical,
-    found,
-    dt,
-    factor,
-    alpha,
-    p,
-    restitution,
-    rotation,
-    spin,
-    longest,
-    last_term,
-    levels,
-    above,
-    settled,
-):
-    """Put a lane into slot j; returns how it stands at the first sample, as :func:`resolve_step` does."""
-    length = p * dt
+# Called from one place, with NamedTuples of many arrays that a call would copy: hence forceinline.
+@njit(cache=True, nogil=True, error_model="numpy", forceinline=True, _nrt=False)
+def begin_lane(f, i, j, lane, record, lanes, options):
+    """Put a lane into slot j; returns how it stands at the first sample, MOVING or as it ends."""
+    block = lane % lanes.alpha.size
+    factor = lanes.factors[lane // lanes.alpha.size] * lanes.gains[block]
+    alpha, p, rotation, spin = lanes.alpha[block], lanes.p[block], lanes.rotation[block], lanes.spin[block]
+    equation, strongest = options.equation, record.extremes[LEFT, 0] * factor
+    length = p * record.dt
+    i[row.LANE + j] = lane
     f[row.ALPHA + j] = alpha
-    f[row.RESTITUTION + j] = restitution
+    f[row.RESTITUTION + j] = lanes.restitution[block]
     f[row.P + j] = p
     f[row.FACTOR + j] = factor
     f[row.LENGTH + j] = length
     f[row.PER_SAMPLE + j] = 1.0 / length
     f[row.LIFT + j] = 1.0
     f[row.LIFT_SLOPE + j] = 0.0
-    f[row.LONGEST + j] = length / math.ceil(length / longest * (1.0 - REMNANT))
+    f[row.LONGEST + j] = length / math.ceil(length / options.longest * (1.0 - REMNANT))
     f[row.THRESHOLD + j] = (alpha if equation == LINEAR else math.tan(alpha)) * (1.0 + STRICTLY)
-    f[row.TRUNCATION + j] = last_term
+    f[row.TRUNCATION + j] = options.last_term
     f[row.TOP + j] = 0.5 * math.pi
     f[row.CALM_FROM + j] = np.inf
-    if levels.size > 0:
+    if lanes.levels.size > 0:
         # Beyond this angle the ground cannot turn back a block that moves outward.
-        f[row.TOP + j] = min(0.5 * math.pi, alpha + math.atan(found[LEFT, 0] * factor))
-        f[row.CALM_FROM + j] = calm_from(factor, levels, above, settled)
+        f[row.TOP + j] = min(0.5 * math.pi, alpha + math.atan(strongest))
+        f[row.CALM_FROM + j] = calm_from(factor, lanes.levels[block], lanes.above[block], options.settled)
     f[row.SIDE + j] = 1.0 if (rotation > 0.0 or (rotation == 0.0 and spin > 0.0)) else -1.0
     f[row.PHI + j] = abs(rotation)
     f[row.SPEED + j] = f[row.SIDE + j] * spin / p
@@ -118,16 +128,15 @@ def begin_lane(
     i[row.ENDED + j] = -1
     i[row.FLIES + j] = 0
     i[row.SLOW + j] = 0
-    still = found[LEFT, 0] * factor <= f[row.THRESHOLD + j]
-    if resting and still and vertical.size == 0:
+    if resting and strongest <= f[row.THRESHOLD + j] and record.vertical.size == 0:
         return RESTING
-    if not enter_sample(f, i, j, acceleration, vertical, found):
+    if not enter_sample(f, j, record):
         return FLYING
     if resting:
-        return wake(f, i, j, acceleration, vertical, found)
+        return wake(f, i, j, record)
     if equation == LINEAR:
         growing = f[row.PHI + j] - alpha + f[row.SPEED + j]
-        return OVERTURNED if growing > found[LEFT, 0] * factor else MOVING
+        return OVERTURNED if growing > strongest else MOVING
     return OVERTURNED if f[row.PHI + j] >= 0.5 * math.pi else MOVING
 
 
@@ -139,24 +148,24 @@ def empty_slot(f, i, j):
         f[name + j] = 0.0
 
 
-@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
-def end_lane(equation, status, f, i, j, dt, samples):
-    """What a lane that has ended answers, in the order of the arrays of :func:`march_lanes`."""
-    impacts, active = int(f[row.IMPACTS + j]), int(f[row.ACTIVE + j])
+@njit(cache=True, nogil=True, error_model="numpy", forceinline=True, _nrt=False)
+def end_lane(f, i, j, status, record, equation):
+    """What a lane that has ended answers, in the order of :class:`rocking.response.Answers`."""
+    impacts = int(f[row.IMPACTS + j])
     alpha, restitution, p = f[row.ALPHA + j], f[row.RESTITUTION + j], f[row.P + j]
     if status == OVERTURNED:
-        time = f[row.SAMPLE + j] * dt + f[row.PASSED + j] / p
-        return np.inf, OVERTURNS, NO_REASON, time, impacts + 1, impacts, active
+        time = f[row.SAMPLE + j] * record.dt + f[row.PASSED + j] / p
+        return np.inf, OVERTURNS, NO_REASON, time, impacts + 1, impacts
     if status == IMPACT_LIMITED:
-        return np.nan, UNRESOLVED, IMPACT_LIMIT, np.nan, -1, -1, active
+        return np.nan, UNRESOLVED, IMPACT_LIMIT, np.nan, -1, -1
     if status == FLYING:
-        return np.nan, UNRESOLVED, FREE_FLIGHT, np.nan, -1, -1, active
+        return np.nan, UNRESOLVED, FREE_FLIGHT, np.nan, -1, -1
     peak = f[row.PEAK + j]
     if status == RESTING:
         outcome = ROCKS if i[row.MOVED + j] == 1 else AT_REST
-        return peak / alpha, outcome, NO_REASON, np.nan, -1, impacts, active
+        return peak / alpha, outcome, NO_REASON, np.nan, -1, impacts
     if status == CALM:
-        return peak / alpha, ROCKS, NO_REASON, np.nan, -1, -1, active
+        return peak / alpha, ROCKS, NO_REASON, np.nan, -1, -1
     phi, speed = f[row.PHI + j], f[row.SPEED + j]
     if equation == LINEAR:
         peak_after, wait, impacts_after, impact_speed = linear_after(phi, speed, alpha, restitution)
@@ -164,163 +173,88 @@ def end_lane(equation, status, f, i, j, dt, samples):
         peak_after, wait, impacts_after, impact_speed = nonlinear_after(phi, speed, alpha, restitution)
     if peak_after == np.inf:
         impacts += impacts_after
-        time = (samples - 1) * dt + wait / p
-        return np.inf, OVERTURNS, NO_REASON, time, impacts + 1, impacts, active
+        time = (record.acceleration.size - 1) * record.dt + wait / p
+        return np.inf, OVERTURNS, NO_REASON, time, impacts + 1, impacts
     decay = impacts_above_cutoff(impact_speed, restitution)
-    return max(peak, peak_after) / alpha, ROCKS, NO_REASON, np.nan, -1, -1 if decay < 0 else impacts + decay, active
+    return max(peak, peak_after) / alpha, ROCKS, NO_REASON, np.nan, -1, -1 if decay < 0 else impacts + decay
 
 
-@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
-def decide(equation, f, i, j, acceleration, vertical, found, far, levels, above, settled):
-    """How a slot goes on that needs attention.
+@njit(cache=True, nogil=True, error_model="numpy", forceinline=True, _nrt=False)
+def decide(f, i, j, record, lanes, options, far):
+    """How a slot stands that needs attention, and whether its lane has come to its end.
 
-    Returns
-    -------
-    status : int
-        MOVING, RESTING, OVERTURNED, IMPACT_LIMITED, FLYING, or CALM: it will not overturn.
-    done : bool
-        Whether the lane has come to its end.
+    It is MOVING, RESTING, OVERTURNED, IMPACT_LIMITED, FLYING, or CALM: it will not overturn.
     """
     if f[row.EVENT + j] == OVER:
         return OVERTURNED, True
-    status = after_impact(equation, f, i, j, acceleration, found, far) if f[row.EVENT + j] == IMPACT else MOVING
-    if f[row.SAMPLE + j] >= acceleration.size - 1:
+    status = MOVING
+    if f[row.EVENT + j] == IMPACT:
+        status = after_impact(f, i, j, record, options.equation, far)
+    if f[row.SAMPLE + j] >= record.acceleration.size - 1:
         return status, True
     if i[row.FLIES + j] == 1:
         return FLYING, True
     if status == RESTING:
         i[row.ENDED + j] = int(f[row.SAMPLE + j])
-        status = wake(f, i, j, acceleration, vertical, found)
+        status = wake(f, i, j, record)
         if status == MOVING:
             begin_step(f, j)
     elif f[row.EVENT + j] == IMPACT and f[row.SAMPLE + j] >= f[row.CALM_FROM + j]:
-        left = build_up_left(f[row.SAMPLE + j], f[row.FACTOR + j], levels, above)
+        block = i[row.LANE + j] % lanes.alpha.size
+        left = build_up_left(f[row.SAMPLE + j], f[row.FACTOR + j], lanes.levels[block], lanes.above[block])
         speed = f[row.SPEED + j] / (2.0 * math.sin(0.5 * f[row.ALPHA + j]))
-        if speed + left <= settled:
+        if speed + left <= options.settled:
             return CALM, True
     return status, status != MOVING
 
 
 @njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
-def march_lanes(
-    equation,
-    first,
-    last,
-    acceleration,
-    vertical,
-    found,
-    dt,
-    factors,
-    gains,
-    alpha,
-    p,
-    restitution,
-    rotation,
-    spin,
-    longest,
-    last_term,
-    levels,
-    above,
-    settled,
-    peak,
-    outcome,
-    reason,
-    time,
-    half_cycle,
-    impacts,
-    active,
-    history,
-    f,
-    i,
-    c,
-):
-    """March lanes first to last - 1 of the flat (q m,) lanes, the block running fastest, and write their answers.
+def march_lanes(first, last, record, lanes, options, slots, answers, active, history):
+    """March lanes first to last - 1 and write their :class:`rocking.response.Answers`.
 
-    Parameters
-    ----------
-    equation : int
-        LINEAR or NONLINEAR.
-    first, last : int
-        The lanes.
-    acceleration, vertical : (n,) ndarray
-        a_g and a_v at the samples [m/s2]; vertical may be empty.
-    found : (4, b + 1) ndarray
-        Extremes of the record, see :mod:`rocking.ground`.
-    dt : float
-        Sampling interval [s].
-    factors : (q,) ndarray
-        Factor on the record over gravity [s2/m].
-    gains : (m,) ndarray
-        Factor of each block on top of it [-].
-    alpha, p, restitution, rotation, spin : (m,) ndarray
-        alpha_c [rad], p [1/s], C [-], theta [rad] and theta' [rad/s] at the first sample.
-    longest : float
-        Longest step as p dt [-].
-    last_term : float
-        Largest last term of the series of a step over alpha_c [-].
-    levels, above : (m, l) ndarray
-        Where only the verdict is asked for (nonlinear equation, no vertical): levels of the build-up over the factor,
-        descending, and the last sample above each. Else (m, 0).
-    settled : float
-        See :class:`rocking.demand.Demand`.
-    peak, outcome, reason, time, half_cycle, impacts, active : (q m,) ndarray
-        Receive the answers.
-    history : (q m, n, 2) or (q m, 0, 2) ndarray
-        Zeros that receive theta [rad] and theta' [rad/s] at the samples, NaN after the lane has ended before the
-        record.
+    `active` (q m,) receives the number of samples in which the block moved. `history`, zeros (q m, n, 2), receives
+    theta [rad] and theta' [rad/s] at the samples, NaN after a lane has ended before the record; (q m, 0, 2) for none.
     """
-    blocks = alpha.size
+    f, i, c = slots
     coming = first
     width = row.GROUP * min(row.WIDTH // row.GROUP, (last - first + row.GROUP - 1) // row.GROUP)
     running = 0
     far = history.shape[1] == 0
-    left = found[LEFT]
-    fastest = 1.0 if equation == LINEAR else np.inf
+    linear = options.equation == LINEAR
+    left = record.extremes[LEFT]
+    fastest = 1.0 if linear else np.inf
     while running > 0 or coming < last:
-        if equation == LINEAR:
+        if linear:
             linear_steps(f, width)
         else:
             nonlinear_steps(f, width)
         finish_steps(f, width)
         for j in range(width):
             if f[row.EVENT + j] == LOOK_CLOSER and i[row.LANE + j] >= 0:
-                resolve_step(equation, f, i, j, c, acceleration, found)
-        advance_steps(f, width, acceleration, left, fastest)
-        if vertical.size > 0:
-            advance_vertical(f, i, width, vertical)
+                resolve_step(f, j, c, record, options.equation)
+        advance_steps(f, width, record.acceleration, left, fastest)
+        if record.vertical.size > 0:
+            advance_vertical(f, i, width, record.vertical)
         if not far:
             keep_history(f, i, width, history)
         for j in range(width):
             lane = i[row.LANE + j]
             if f[row.ATTENTION + j] == 0.0 and (lane >= 0 or coming >= last):
                 continue
-            done = lane < 0
-            status = MOVING
+            status, done = MOVING, lane < 0
             if not done:
-                status, done = decide(
-                    equation,
-                    f,
-                    i,
-                    j,
-                    acceleration,
-                    vertical,
-                    found,
-                    far,
-                    levels[lane % blocks],
-                    above[lane % blocks],
-                    settled,
-                )
+                status, done = decide(f, i, j, record, lanes, options, far)
             while done:
                 if lane >= 0:
+                    active[lane] = int(f[row.ACTIVE + j])
                     (
-                        peak[lane],
-                        outcome[lane],
-                        reason[lane],
-                        time[lane],
-                        half_cycle[lane],
-                        impacts[lane],
-                        active[lane],
-                    ) = end_lane(equation, status, f, i, j, dt, acceleration.size)
+                        answers.peak_rotation_ratio[lane],
+                        answers.outcome[lane],
+                        answers.reason[lane],
+                        answers.overturning_time[lane],
+                        answers.overturning_half_cycle[lane],
+                        answers.impacts[lane],
+                    ) = end_lane(f, i, j, status, record, options.equation)
                     if status > RESTING:
                         history[lane, int(f[row.SAMPLE + j]) + 1 :] = np.nan
                     running -= 1
@@ -330,32 +264,10 @@ def march_lanes(
                 lane = coming
                 coming += 1
                 running += 1
-                i[row.LANE + j] = lane
-                block = lane % blocks
-                status = begin_lane(
-                    equation,
-                    f,
-                    i,
-                    j,
-                    acceleration,
-                    vertical,
-                    found,
-                    dt,
-                    factors[lane // blocks] * gains[block],
-                    alpha[block],
-                    p[block],
-                    restitution[block],
-                    rotation[block],
-                    spin[block],
-                    longest,
-                    last_term,
-                    levels[block],
-                    above[block],
-                    settled,
-                )
-                if history.shape[1] > 0:
-                    history[lane, 0, 0] = rotation[block]
-                    history[lane, 0, 1] = spin[block]
+                status = begin_lane(f, i, j, lane, record, lanes, options)
+                if not far:
+                    block = lane % lanes.alpha.size
+                    history[lane, 0, 0], history[lane, 0, 1] = lanes.rotation[block], lanes.spin[block]
                 done = status != MOVING
                 if not done:
                     begin_step(f, j)

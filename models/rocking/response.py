@@ -4,11 +4,22 @@ from __future__ import annotations
 
 from dataclasses import dataclass, fields, replace
 from enum import IntEnum
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
-__all__ = ["IMPACT_CUTOFF", "HalfCycles", "Outcome", "Reason", "Response", "drop_axes", "with_history"]
+__all__ = [
+    "IMPACT_CUTOFF",
+    "Answers",
+    "HalfCycles",
+    "Outcome",
+    "Reason",
+    "Response",
+    "answered",
+    "drop_axes",
+    "empty_answers",
+    "with_history",
+]
 
 #: Impacts slower than this are not counted, as speed over p alpha_c [-] (about 5e-7 of alpha_c in rotation).
 IMPACT_CUTOFF = 1e-3
@@ -109,17 +120,33 @@ class Response:
     active_samples: Any = None
 
 
-def drop_axes(part: Any, lane_axes: int, drop: tuple[bool, ...]) -> Any:
-    """The same dataclass without the lane axes marked in `drop`; lanes are the last axes of every array.
+class Answers(NamedTuple):
+    """What every kernel writes for its lanes: (lanes,) arrays with the names and the meaning of a :class:`Response`."""
 
-    Parameters
-    ----------
-    part : Response or HalfCycles
-        Arrays whose last `lane_axes` axes are lanes.
-    lane_axes : int
-        Number of lane axes.
-    drop : tuple of bool, length `lane_axes`
-        Which of them have length one because the caller gave a scalar.
+    peak_rotation_ratio: np.ndarray
+    outcome: np.ndarray
+    reason: np.ndarray
+    overturning_time: np.ndarray
+    overturning_half_cycle: np.ndarray
+    impacts: np.ndarray
+
+
+def empty_answers(lanes: int, codes: Any = np.int64) -> Answers:
+    """Arrays for a kernel to write to; outcome and reason are of the type `codes`."""
+    types = (np.float64, codes, codes, np.float64, np.int64, np.int64)
+    return Answers(*(np.empty(lanes, dtype=kind) for kind in types))
+
+
+def answered(answers: Answers, shape: tuple[int, int], drop: tuple[bool, bool], **others: Any) -> Response:
+    """The (q, m) response that a kernel has written, with `others` of its fields, without the axes to `drop`."""
+    lanes = {name: values.reshape(shape) for name, values in answers._asdict().items()}
+    return drop_axes(Response(**lanes, **others), 2, drop)
+
+
+def drop_axes(part: Any, lane_axes: int, drop: tuple[bool, ...]) -> Any:
+    """The same dataclass of arrays without those of its last `lane_axes` axes that are marked in `drop`.
+
+    They are the lanes; a marked one has length one because the caller gave a scalar.
     """
     axes = tuple(axis - lane_axes for axis, dropped in enumerate(drop) if dropped)
     values = {}
@@ -137,18 +164,6 @@ def drop_axes(part: Any, lane_axes: int, drop: tuple[bool, ...]) -> Any:
 def with_history(
     response: Response, time: np.ndarray, rotation: np.ndarray, velocity: np.ndarray, drop: tuple[bool, bool]
 ) -> Response:
-    """A response with its history; the axes of scalar arguments are dropped as in the rest of it.
-
-    Parameters
-    ----------
-    response : Response
-        Without history.
-    time : (n,) ndarray
-        [s].
-    rotation, velocity : (q, m, n) ndarray
-        theta [rad] and theta' [rad/s].
-    drop : tuple of bool
-        Which of the two lane axes stand for a scalar.
-    """
+    """A response with its history: (n,) times and (q, m, n) theta and theta', without the lane axes to `drop`."""
     axes = tuple(axis for axis, dropped in enumerate(drop) if dropped)
     return replace(response, time=time, rotation=rotation.squeeze(axes), velocity=velocity.squeeze(axes))

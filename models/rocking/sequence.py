@@ -14,10 +14,10 @@ from typing import Any
 import numpy as np
 
 from rocking.block import Block
-from rocking.half_cycle_table import TABLE_ROWS, lanes, tabulated_response
+from rocking.half_cycle_table import TABLE_ROWS, combined, empty_table, tabulated_response
 from rocking.impulse_sequence import SPACINGS, ImpulseSequence
-from rocking.response import IMPACT_CUTOFF, HalfCycles, Outcome, Reason, Response
-from rocking.sequence_kernel import COLUMNS, HALF_CYCLE_LIMIT, UNLIMITED, sequence_lanes
+from rocking.response import HalfCycles, Outcome, Reason, Response, empty_answers
+from rocking.sequence_kernel import HALF_CYCLE_LIMIT, UNLIMITED, Lanes, sequence_lanes
 from rocking.threads import split_lanes
 
 __all__ = ["SPACINGS", "ImpulseSequence", "impulse_train", "scaled_outcomes", "sequence_response"]
@@ -94,9 +94,9 @@ def sequence_response(
     >>> sequence_response(block, sequence).overturning_half_cycle
     4
     """
-    shape, drop, flat = _lanes(block, sequence, paired)
-    arguments, short = _arguments(sequence, flat)
-    response = _unresolved(tabulated_response(sequence_lanes, arguments, shape, drop, table_rows, threads), short)
+    shape, drop, flat = _combined(block, sequence, paired)
+    lanes, short = _lanes(sequence, flat)
+    response = _unresolved(tabulated_response(sequence_lanes, lanes, shape, drop, table_rows, threads), short)
     through = np.count_nonzero(response.ground_contact)
     if through:
         logger.warning(
@@ -112,25 +112,9 @@ def sequence_response(
 def scaled_outcomes(
     block: Block, sequence: ImpulseSequence, chosen: np.ndarray, factors: np.ndarray, threads: int | None = None
 ) -> np.ndarray:
-    """Outcome of one sequence with factors that differ from block to block, as a search for an edge needs.
+    """Outcomes (q, n) of one sequence under (q, n) `factors` on its impulses, as a search for an edge needs them.
 
-    Parameters
-    ----------
-    block : Block
-        (m,) blocks.
-    sequence : ImpulseSequence
-        One sequence.
-    chosen : (n,) ndarray of int
-        Numbers of the blocks that are asked for.
-    factors : (q, n) ndarray
-        Factors on the main and secondary impulses, a column for each of them [-].
-    threads : int, optional
-        Threads that share the lanes; None for all available cores.
-
-    Returns
-    -------
-    (q, n) ndarray of int
-        :class:`~rocking.response.Outcome`, that of :func:`sequence_response` of the scaled sequence.
+    Each column of the factors belongs to one of the `chosen` blocks, numbers (n,) of the (m,) ones given.
     """
     if sequence.shape or factors.ndim != 2 or chosen.shape != factors.shape[1:]:
         raise ValueError(
@@ -139,30 +123,25 @@ def scaled_outcomes(
         )
     if not np.all(np.isfinite(factors) & (factors >= 0.0)):
         raise ValueError("factors: expected finite numbers that are not negative")
-    _, _, flat = _lanes(block, sequence)
+    _, _, flat = _combined(block, sequence)
     flat = [np.tile(value[chosen], factors.shape[0]) for value in flat]
     flat[0], flat[1] = factors.reshape(-1) * flat[0], factors.reshape(-1) * flat[1]
-    arguments, short = _arguments(sequence, flat)
-    floats, integers = np.empty((3, short.size)), np.empty((5, short.size), dtype=np.int64)
-    table = np.empty((COLUMNS, 0, short.size))
-
-    def kernel_call(first: int, last: int) -> None:
-        sequence_lanes(first, last, table, floats, integers, *arguments)
-
-    split_lanes(kernel_call, short.size, threads)
-    return np.where(short, int(Outcome.UNRESOLVED), integers[0]).reshape(factors.shape)
+    lanes, short = _lanes(sequence, flat)
+    answers, table = empty_answers(short.size), empty_table(0, short.size)
+    split_lanes(lambda first, last: sequence_lanes(first, last, lanes, answers, table), short.size, threads)
+    return np.where(short, int(Outcome.UNRESOLVED), answers.outcome).reshape(factors.shape)
 
 
-def _lanes(
+def _combined(
     block: Block, sequence: ImpulseSequence, paired: bool = False
 ) -> tuple[tuple[int, int], tuple[bool, bool], list[np.ndarray]]:
     most = UNLIMITED if sequence.main_count is None else sequence.main_count
     inputs = (sequence.main, sequence.secondary, sequence.interval, sequence.duration, most)
-    return lanes(inputs, (block.p, block.restitution, block.critical_impulse), paired)
+    return combined(inputs, (block.p, block.restitution, block.critical_impulse), paired)
 
 
-def _arguments(sequence: ImpulseSequence, flat: list[np.ndarray]) -> tuple[tuple[Any, ...], np.ndarray]:
-    """What the kernel needs, and the lanes whose secondary impulses are too close together for it."""
+def _lanes(sequence: ImpulseSequence, flat: list[np.ndarray]) -> tuple[Lanes, np.ndarray]:
+    """The lanes of the kernel, and which of them have secondary impulses too close together for it."""
     main, secondary, interval, duration, main_count, p, restitution, critical = flat
     count = sequence.intermediate_count or 0
     if count > _LARGEST_COUNT:
@@ -170,19 +149,9 @@ def _arguments(sequence: ImpulseSequence, flat: list[np.ndarray]) -> tuple[tuple
             f"intermediate_count: expected at most {_LARGEST_COUNT}, got {count}; use spacing='continuous'"
         )
     short = (secondary > 0.0) & (sequence.spacing != "continuous") & (count == 0) & (p * interval < _SHORTEST_INTERVAL)
-    arguments = (
-        np.where(short, 0.0, main / critical),
-        secondary / critical,
-        p,
-        restitution,
-        interval,
-        duration,
-        main_count.astype(np.int64),
-        count,
-        SPACINGS[sequence.spacing],
-        IMPACT_CUTOFF,
-    )
-    return arguments, short
+    scaled, most = np.where(short, 0.0, main / critical), main_count.astype(np.int64)
+    spacing = SPACINGS[sequence.spacing]
+    return Lanes(scaled, secondary / critical, p, restitution, interval, duration, most, count, spacing), short
 
 
 def _unresolved(response: Response, short: np.ndarray) -> Response:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 from numba import njit
@@ -10,9 +11,9 @@ from numba import njit
 from rocking.half_cycle import CONTINUOUS, OPEN, corrected_duration, impact_speed_after, stays_bounded
 from rocking.march import first_return, peak_and_lowest
 from rocking.motion import CRITICAL_TOLERANCE, hop, impacts_above
-from rocking.response import Outcome, Reason
+from rocking.response import IMPACT_CUTOFF, Outcome, Reason
 
-__all__ = ["COLUMNS", "HALF_CYCLE_LIMIT", "UNLIMITED", "repetitions", "sequence_lanes"]
+__all__ = ["COLUMNS", "HALF_CYCLE_LIMIT", "UNLIMITED", "Lanes", "Table", "repetitions", "sequence_lanes"]
 
 #: Half-cycles followed in one lane before it is UNRESOLVED.
 HALF_CYCLE_LIMIT = 50_000
@@ -28,6 +29,28 @@ COLUMNS = 6
 
 _AT_REST, _ROCKS, _OVERTURNS, _UNRESOLVED = (int(outcome) for outcome in Outcome)
 _HALF_CYCLE_LIMIT_REASON = int(Reason.HALF_CYCLE_LIMIT)
+
+
+class Lanes(NamedTuple):
+    """The lanes: each a block under a sequence, all with one spacing."""
+
+    main: np.ndarray  #: (lanes,) u_1 [-]
+    secondary: np.ndarray  #: (lanes,) a = u_1 I_s/I [-]
+    p: np.ndarray  #: (lanes,) [1/s]
+    restitution: np.ndarray  #: (lanes,) C [-]
+    interval: np.ndarray  #: (lanes,) trial dT [s]
+    duration: np.ndarray  #: (lanes,) end of the main sequence [s]
+    main_count: np.ndarray  #: (lanes,) of int, largest number of main impulses
+    intermediate: int  #: number n of intermediate impulses in a half-cycle; 0 for that of the trial march
+    spacing: int  #: code of the spacing, see :mod:`rocking.half_cycle`
+
+
+class Table(NamedTuple):
+    """What a kernel of half-cycles writes beside its answers."""
+
+    columns: np.ndarray  #: (COLUMNS, h, lanes) the first h half-cycles
+    lowest: np.ndarray  #: (lanes,) smallest x inside a half-cycle [-]
+    followed: np.ndarray  #: (lanes,) of int, half-cycles before the motion ends or repeats itself
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -68,57 +91,18 @@ def repetitions(start, time, duration, main_count):
     return min(main_count, math.ceil(min(left, 1e18)))
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
-def sequence_lanes(
-    first_lane,
-    last_lane,
-    table,
-    floats,
-    integers,
-    main,
-    secondary,
-    p,
-    restitution,
-    interval,
-    duration,
-    main_count,
-    fixed_count,
-    spacing,
-    cutoff,
-):
-    """Response of the lanes first_lane:last_lane; writes into the three arrays after them.
-
-    Parameters
-    ----------
-    first_lane, last_lane : int
-        Lanes to work on.
-    table : (COLUMNS, h, n) ndarray
-        Receives the first h half-cycles.
-    floats : (3, n) ndarray
-        Receives peak [-], time of overturning [s], smallest x inside a half-cycle [-].
-    integers : (5, n) ndarray of int
-        Receives outcome, reason, half-cycle of overturning, impacts, number of half-cycles before the motion repeats
-        itself.
-    main, secondary : (n,) ndarray
-        u_1 and a = u_1 I_s/I of each lane [-].
-    p, restitution, interval, duration : (n,) ndarray
-        Frequency parameter [1/s], C [-], trial dT [s], end of the main sequence [s].
-    main_count : (n,) ndarray of int
-        Largest number of main impulses.
-    fixed_count : int
-        Given number of intermediate impulses, or 0 for the trial march.
-    spacing : int
-        Code of the spacing.
-    cutoff : float
-        Speed above which an impact is counted [-].
-    """
-    rows = table.shape[1]
+@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
+def sequence_lanes(first_lane, last_lane, lanes, answers, table):
+    """Write what the lanes first_lane:last_lane answer, and their half-cycles."""
+    columns = table.columns
+    rows = columns.shape[1]
     for lane in range(first_lane, last_lane):
-        u1, a, c, rate, most = main[lane], secondary[lane], restitution[lane], p[lane], main_count[lane]
+        u1, a, c, rate = lanes.main[lane], lanes.secondary[lane], lanes.restitution[lane], lanes.p[lane]
+        end, most = lanes.duration[lane], lanes.main_count[lane]
         outcome, reason, overturned, impacts = _AT_REST, 0, -1, 0
         peak, overturning_time, lowest = 0.0, np.nan, np.inf
-        bounded = u1 > 0.0 and (a == 0.0 or spacing == CONTINUOUS) and stays_bounded(u1, a / u1, c)
-        endless = duration[lane] == np.inf and most > UNLIMITED // 2
+        bounded = u1 > 0.0 and (a == 0.0 or lanes.spacing == CONTINUOUS) and stays_bounded(u1, a / u1, c)
+        endless = end == np.inf and most > UNLIMITED // 2
         velocity, start, index, used = u1, 0.0, 0, 0
         mark, next_mark = np.nan, 1
         while u1 > 0.0:
@@ -127,22 +111,30 @@ def sequence_lanes(
                 break
             outcome = _ROCKS
             highest, time, count, corrected, speed, inside = _half_cycle(
-                velocity, a, rate * interval[lane], fixed_count, spacing, bounded
+                velocity, a, rate * lanes.interval[lane], lanes.intermediate, lanes.spacing, bounded
             )
             if index < rows:
-                table[0, index, lane], table[1, index, lane], table[2, index, lane] = velocity, highest, time / rate
-                table[3, index, lane], table[4, index, lane], table[5, index, lane] = count, corrected / rate, speed
+                columns[0, index, lane], columns[1, index, lane], columns[2, index, lane] = (
+                    velocity,
+                    highest,
+                    time / rate,
+                )
+                columns[3, index, lane], columns[4, index, lane], columns[5, index, lane] = (
+                    count,
+                    corrected / rate,
+                    speed,
+                )
             index += 1
             used = index
             peak, lowest = max(peak, highest), min(lowest, inside)
             if time == np.inf:
                 outcome, overturned, overturning_time = _OVERTURNS, index, start
                 break
-            counted = 1 if speed > cutoff else 0
+            counted = 1 if speed > IMPACT_CUTOFF else 0
             impacts += counted
             start += time / rate
             following = c * speed + u1
-            if start < duration[lane] and index < most:
+            if start < end and index < most:
                 if endless and abs(following - mark) <= CYCLE_TOLERANCE * mark:
                     impacts = -1  # a cycle of several half-cycles, all of which have been followed
                     break
@@ -152,7 +144,7 @@ def sequence_lanes(
                         mark, next_mark = velocity, 2 * index
                     continue
                 # The motion repeats itself: the half-cycles that are left are counted, not followed.
-                repeated = repetitions(start, time / rate, duration[lane], most - index)
+                repeated = repetitions(start, time / rate, end, most - index)
                 if repeated < 0:
                     impacts = -1 if counted else 0
                     break
@@ -161,9 +153,10 @@ def sequence_lanes(
                 start += repeated * time / rate
             # An impact speed is below one (x(T) = 0 has a root only where it is), so a free decay does not overturn.
             peak = max(peak, hop(c * speed)[0])
-            later = impacts_above(c * speed, c, cutoff)
+            later = impacts_above(c * speed, c, IMPACT_CUTOFF)
             impacts = -1 if later < 0 else impacts + later
             break
-        floats[0, lane], floats[1, lane], floats[2, lane] = peak, overturning_time, lowest
-        integers[0, lane], integers[1, lane], integers[2, lane] = outcome, reason, overturned
-        integers[3, lane], integers[4, lane] = impacts, used
+        answers.peak_rotation_ratio[lane], answers.overturning_time[lane] = peak, overturning_time
+        answers.outcome[lane], answers.reason[lane] = outcome, reason
+        answers.overturning_half_cycle[lane], answers.impacts[lane] = overturned, impacts
+        table.lowest[lane], table.followed[lane] = lowest, used

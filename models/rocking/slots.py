@@ -10,9 +10,14 @@ instructions; each slot is at its own sample of its own lane, so none waits for 
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
+import numpy as np
 from numba import njit
 
-__all__ = ["FLOAT_ROWS", "GROUP", "INT_ROWS", "WIDTH", "close_ranks"]  # and the rows
+from rocking.polynomial import ORDER
+
+__all__ = ["FLOAT_ROWS", "GROUP", "INT_ROWS", "WIDTH", "Slots", "close_ranks", "empty_slots"]  # and the rows
 
 #: Slots: four registers of the widest vector unit, so that the latency of one is hidden behind the others.
 WIDTH = 32
@@ -88,18 +93,27 @@ FLOAT_ROWS = 48
 INT_ROWS = 5
 
 
+class Slots(NamedTuple):
+    """The slots of one march, and the polynomial of the step that it looks at."""
+
+    f: np.ndarray  #: (FLOAT_ROWS * WIDTH,)
+    i: np.ndarray  #: (INT_ROWS * WIDTH,) of int
+    c: np.ndarray  #: (ORDER + 1,) Taylor coefficients, see :mod:`rocking.polynomial`
+
+
+def empty_slots() -> Slots:
+    """Slots without lanes, whose steps are harmless."""
+    slots = Slots(np.zeros(FLOAT_ROWS * WIDTH), np.zeros(INT_ROWS * WIDTH, dtype=np.int64), np.zeros(ORDER + 1))
+    slots.i[LANE : LANE + WIDTH] = -1
+    slots.f[ALPHA : ALPHA + WIDTH] = 0.1
+    return slots
+
+
 @njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
 def close_ranks(f, i, width):
-    """Move the lanes of the last group into empty slots before it; returns the slots still in use.
+    """Move the lanes of the last group into empty slots before it; returns the number of slots still in use.
 
-    Parameters
-    ----------
-    f : (FLOAT_ROWS * WIDTH,) ndarray
-        The slots.
-    i : (INT_ROWS * WIDTH,) ndarray of int
-        The slots; LANE is -1 where one is empty.
-    width : int
-        Slots in use before, with at least GROUP empty ones.
+    Of the `width` slots in use before, at least GROUP are empty.
     """
     empty = 0
     for j in range(width - GROUP, width):

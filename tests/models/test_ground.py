@@ -5,9 +5,14 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from rocking.ground import extremes, largest_left, next_exceedance
+from rocking.ground import Accelerogram, extremes, largest_left, next_exceedance
 
 NONE = np.empty(0)
+
+
+def looked_over(acceleration, vertical=NONE):
+    """The accelerogram with its extremes."""
+    return Accelerogram(acceleration, vertical, extremes(acceleration, vertical), 0.01)
 
 
 def spiky(seed, n):
@@ -19,33 +24,32 @@ def spiky(seed, n):
 @given(st.integers(0, 10_000), st.integers(2, 200), st.floats(0.05, 3.5))
 @settings(derandomize=True, deadline=None, max_examples=60)
 def test_next_exceedance_is_that_of_a_plain_search(seed, n, threshold):
-    record = spiky(seed, n)
-    found = extremes(record, NONE)
-    above = np.flatnonzero(np.abs(record) > threshold)
+    samples = spiky(seed, n)
+    record = looked_over(samples)
+    above = np.flatnonzero(np.abs(samples) > threshold)
     for start in (0, 1, n // 3, n - 1):
         later = above[above >= start]
         expected = later[0] if later.size else n
-        assert next_exceedance(start, record, NONE, found, 1.0, threshold) == expected
-        assert largest_left(start, record, found) == np.max(np.abs(record[start:]))
+        assert next_exceedance(start, record, 1.0, threshold) == expected
+        assert largest_left(start, record) == np.max(np.abs(samples[start:]))
 
 
 @given(st.integers(0, 10_000), st.integers(2, 200), st.floats(0.05, 0.6))
 @settings(derandomize=True, deadline=None, max_examples=60)
 def test_vertical_acceleration_moves_the_threshold_and_may_lift_the_block_off(seed, n, slope):
-    record, vertical = spiky(seed, n), spiky(seed + 1, n)
-    found = extremes(record, vertical)
+    samples, vertical = spiky(seed, n), spiky(seed + 1, n)
     lift = 1.0 + 0.5 * vertical
-    above = np.flatnonzero((0.5 * np.abs(record) > lift * slope) | (lift <= 0.0))
+    above = np.flatnonzero((0.5 * np.abs(samples) > lift * slope) | (lift <= 0.0))
     expected = above[0] if above.size else n
-    assert next_exceedance(0, record, vertical, found, 0.5, slope) == expected
+    assert next_exceedance(0, looked_over(samples, vertical), 0.5, slope) == expected
 
 
 @pytest.mark.parametrize("n", [2, 31, 32, 33, 64, 65])
 def test_the_sample_after_a_block_of_samples_is_seen(n):
-    record = np.zeros(n)
-    record[-1] = 2.0
-    found = extremes(record, NONE)
-    assert next_exceedance(0, record, NONE, found, 1.0, 1.0) == n - 1
-    assert next_exceedance(0, record, NONE, found, 0.5, 1.0) == n  # exactly at the threshold is not above it
-    assert largest_left(n - 1, record, found) == 2.0
-    assert largest_left(0, record, found) == 2.0
+    samples = np.zeros(n)
+    samples[-1] = 2.0
+    record = looked_over(samples)
+    assert next_exceedance(0, record, 1.0, 1.0) == n - 1
+    assert next_exceedance(0, record, 0.5, 1.0) == n  # exactly at the threshold is not above it
+    assert largest_left(n - 1, record) == 2.0
+    assert largest_left(0, record) == 2.0
