@@ -6,7 +6,7 @@ loaded when a function is called, for the configuration takes the names of the m
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from functools import partial
 from typing import TYPE_CHECKING, Any, Literal
@@ -25,6 +25,7 @@ if TYPE_CHECKING:
 __all__ = [
     "MODELS",
     "NAMES",
+    "SEQUENCE_MODELS",
     "UPPER_BOUND",
     "USED",
     "Model",
@@ -32,6 +33,7 @@ __all__ = [
     "Scene",
     "SearchSettings",
     "auto_response",
+    "cautions",
     "critical_scales",
 ]
 
@@ -179,6 +181,8 @@ class Model:
     of_sequence: bool = False
     #: Whether `respond` takes factors on the record as well, with which predictability is checked.
     checkable: bool = False
+    #: What every table that shows the model has to say of it.
+    caution: str = ""
 
     @property
     def rule(self) -> Rule | None:
@@ -204,6 +208,7 @@ _ROWS = (
         line=(0, (1, 1.2)),
         marker="v",
         of_sequence=True,
+        caution=f"an {UPPER_BOUND} (every main impulse at the worst moment), not a prediction",
     ),
     Model(
         name="sequence",
@@ -297,8 +302,16 @@ MODELS = {row.name: row for row in _ROWS}
 #: The models that [models] use and [search] models may name; `auto` has a key of its own.
 NAMES = tuple(name for name in MODELS if name != "auto")
 
+#: The models whose input is a sequence; the others need the accelerogram or its half-waves.
+SEQUENCE_MODELS = tuple(row.name for row in _ROWS if row.of_sequence)
+
 #: What may have given an answer: the models, and what only `auto` knows.
 USED = (*NAMES, "static", "settled")
+
+
+def cautions(names: Iterable[str]) -> list[str]:
+    """What a table that shows some models has to say of them."""
+    return [f"{name}: {MODELS[name].caution}." for name in names if name in MODELS and MODELS[name].caution]
 
 
 @dataclass(frozen=True)

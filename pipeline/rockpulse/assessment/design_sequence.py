@@ -17,7 +17,7 @@ from rockpulse.config.block_settings import BlockSettings
 from rockpulse.config.bodies import gather_bodies
 from rockpulse.config.configuration import Config
 from rockpulse.errors import ConfigError
-from rockpulse.ladder import MODELS, Scene
+from rockpulse.ladder import SEQUENCE_MODELS, Scene
 from rockpulse.record.half_wave import HalfWaves
 from rockpulse.record.intensity import IntensePhase
 from rockpulse.record.record import Record
@@ -79,10 +79,11 @@ def assess_sequence(
     if sequence.shape:
         raise ConfigError(f"sequence: expected one sequence, found {sequence.shape[0]}")
     asked = asked_for.models.answering
-    use = tuple(model for model in asked_for.models.use if MODELS[model].of_sequence)
+    use = tuple(model for model in asked_for.models.use if model in SEQUENCE_MODELS)
     if not use:
-        able = " and ".join(model.name for model in MODELS.values() if model.of_sequence)
-        raise ConfigError(f"[models] use: {', '.join(asked)} need a record; a sequence is answered by {able}")
+        raise ConfigError(
+            f"[models] use: {', '.join(asked)} need a record; a sequence is answered by {' and '.join(SEQUENCE_MODELS)}"
+        )
     if "resonance" in use and sequence.main_count is None and math.isinf(sequence.duration):
         raise ConfigError(
             "sequence: without main_count and duration the resonance model has no end; give one of them, or leave the "

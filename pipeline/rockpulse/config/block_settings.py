@@ -119,17 +119,7 @@ class BlockSettings(Section):
 
 
 def parse_block_option(option: str) -> BlockSettings:
-    """A block from the command line.
-
-    Parameters
-    ----------
-    option : str
-        ``NAME=WIDTHxHEIGHT`` with full sizes in m.
-
-    Raises
-    ------
-    ConfigError
-        For anything else.
+    """A block from the command line, ``NAME=WIDTHxHEIGHT`` with full sizes in m; a ConfigError for any other text.
 
     Examples
     --------

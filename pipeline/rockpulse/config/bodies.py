@@ -16,27 +16,17 @@ __all__ = ["Bodies", "gather_bodies"]
 
 @dataclass(frozen=True, eq=False)
 class Bodies:
-    """Named bodies and the lanes that stand for them.
-
-    Attributes
-    ----------
-    names : tuple of str, length b
-        Names, in the order of the configuration.
-    lanes : Block
-        b x `cases` lanes, the cases of one body next to each other.
-    cases : int
-        Restitution values per body; 1 unless a list was given (a single value is then repeated).
-    width, height : (b,) ndarray
-        Full sizes [m]; NaN for a body given by p and alpha.
-    warnings : tuple of str, length b
-        Remarks on each body, one a line.
-    """
+    """Named bodies in the order of the configuration, and the lanes that stand for them."""
 
     names: tuple[str, ...]
+    #: len(names) x `cases` lanes, the cases of one body next to each other.
     lanes: Block
+    #: Restitution values per body; 1 unless a list was given (a single value is then repeated).
     cases: int
+    #: Full sizes of each body [m]; NaN for one given by p and alpha.
     width: np.ndarray
     height: np.ndarray
+    #: Remarks on each body, one a line.
     warnings: tuple[str, ...]
 
     def per_case(self, values: np.ndarray) -> np.ndarray:
@@ -47,16 +37,8 @@ class Bodies:
 def gather_bodies(blocks: Sequence[BlockSettings] | Mapping[str, Block]) -> Bodies:
     """Line up the bodies of a configuration, or of a mapping of name to Block.
 
-    Parameters
-    ----------
-    blocks : sequence of BlockSettings or mapping of str to Block
-        At least one body; a Block of shape (c,) stands for c restitution values of one body.
-
-    Raises
-    ------
-    ConfigError
-        Without any body, with restitution lists of different lengths, a Block whose sizes differ among its lanes, or
-        bodies in different gravity.
+    A Block of shape (c,) stands for c restitution values of one body. A ConfigError without any body, with restitution
+    lists of different lengths, a Block whose sizes differ among its lanes, or bodies in different gravity.
     """
     named = dict(blocks) if isinstance(blocks, Mapping) else {block.name: block.block() for block in blocks}
     if not named:

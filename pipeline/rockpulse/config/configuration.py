@@ -111,14 +111,9 @@ def _require_different(heading: str, names: list[str]) -> None:
 
 
 def located(path: str, folder: Path) -> Path:
-    """A path or pattern that counts from a folder, as it is found from elsewhere.
+    """A file, folder or pattern that counts from a folder, as it is found from elsewhere.
 
-    Parameters
-    ----------
-    path : str
-        File, folder or glob; an absolute one stays as it is.
-    folder : Path
-        Where it counts from. Its own name is no pattern, whatever characters it holds.
+    An absolute path stays as it is. The name of the folder is no pattern, whatever characters it holds.
 
     Examples
     --------

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from rockpulse.errors import ResultsError
-from rockpulse.ladder import SearchSettings
+from rockpulse.ladder import SEQUENCE_MODELS, UPPER_BOUND, SearchSettings
 from rockpulse.views.plots.demand_marks import demand_ticks, demands_over_pga, least, tick_notes
 from rockpulse.views.plots.selection import chosen_case, named_body, one_name, setting
 from rockpulse.views.plots.style import (
@@ -60,9 +60,6 @@ _NONE = 1.09
 
 #: Place of the arrow beside a mark, as a ratio of it.
 _ARROW = 1.06
-
-#: Models whose input is a calibrated sequence.
-_ON_IMPULSES = ("resonance", "sequence")
 
 _SEARCH = "assess again with the model in [search] models"
 
@@ -231,7 +228,7 @@ def _of_rows(summary: xr.Dataset, name: str, records: list[str], blocks: list[st
 
 
 def _input(model: str) -> str:
-    return "impulses of the sequence" if model in _ON_IMPULSES else "record"
+    return "impulses of the sequence" if model in SEQUENCE_MODELS else "record"
 
 
 def _intervals(
@@ -336,7 +333,7 @@ def _markers(ax: Axes, answers: xr.Dataset, model: str, none_at: float) -> float
 
 
 def _map_notes(model: str, end: float, step: float, outside: Sequence[str], bound: bool) -> str:
-    as_it_is = "sequence as it was calibrated" if model in _ON_IMPULSES else "record as it is"
+    as_it_is = "sequence as it was calibrated" if model in SEQUENCE_MODELS else "record as it is"
     missing = f"; intervals narrower than {100.0 * (step - 1.0):.2g} % may be missing" if step > 1.0 else ""
     words = [f"Dashed: the {as_it_is}. Searched up to a factor of {end:g}{missing}."]
     words.append(f"An interval is drawn at least {_THINNEST:g} pt wide.")
@@ -345,7 +342,7 @@ def _map_notes(model: str, end: float, step: float, outside: Sequence[str], boun
     if outside:
         words.append(f"Outside the range of the model: {plain(counted(dict.fromkeys(outside)))}.")
     if model == "resonance":
-        words.append("Resonance is an upper-bound type input, not a prediction.")
+        words.append(f"Resonance is an {UPPER_BOUND}, not a prediction.")
     return " ".join(words)
 
 
@@ -364,5 +361,5 @@ def _scale_notes(own: xr.Dataset, shown: xr.Dataset, searched: Sequence[str], le
     if bool(values.isnull().any()):
         words.append(f"Without a mark: not computed ({int(values.isnull().sum())}).")
     if "resonance" in searched:
-        words.append("Resonance is an upper-bound type input, not a prediction.")
+        words.append(f"Resonance is an {UPPER_BOUND}, not a prediction.")
     return " ".join(words)

@@ -22,26 +22,16 @@ __all__ = ["KINDS", "PictureKind", "draw", "kind_list"]
 
 @dataclass(frozen=True)
 class PictureKind:
-    """One kind of picture.
+    """One kind of picture."""
 
-    Attributes
-    ----------
-    summary : str
-        What it shows.
-    file : str
-        Kind of the file that it is drawn from.
-    command : str
-        What makes such a file.
-    options : tuple of str
-        What may be chosen, by the names of the keywords of :func:`draw`.
-    group : str
-        Group that the file must have, where files of one kind differ.
-    """
-
+    #: What it shows.
     summary: str
+    #: Kind of the file that it is drawn from, and the command that makes such a file.
     file: str
     command: str
+    #: What may be chosen, by the names of the keywords of :func:`draw`.
     options: tuple[str, ...]
+    #: Group that the file must have, where files of one kind differ.
     group: str = ""
 
 

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from rockpulse.ladder import SEQUENCE_MODELS
 from rockpulse.views.plots.model_histories import History
 from rockpulse.views.plots.style import (
     BLACK,
@@ -26,9 +27,6 @@ __all__ = ["rotation_history"]
 
 #: Motions that stay below this [-] are not looked at when the stretch of time is chosen.
 _MOVES = 0.02
-
-#: Models whose input is a sequence of impulses, with a time of its own.
-_ON_IMPULSES = ("sequence", "resonance")
 
 #: The model that is drawn thickest and on top: its motion is the one to judge the others by.
 _LEADING = "nonlinear"
@@ -93,7 +91,7 @@ def rotation_history(histories: Sequence[History], axes: Any = None, title: str 
     below.set_yticks(range(len(histories)), names, fontsize=SMALL)
     below.set_ylim(len(histories) - 0.4, -0.6)
     below.set_ylabel("impacts")
-    alone = all(history.model in _ON_IMPULSES for history in histories)
+    alone = all(history.model in SEQUENCE_MODELS for history in histories)
     below.set_xlabel(f"time from the first {'main impulse' if alone else 'sample'} [s]")
     moving.set_ylabel(r"rotation $\theta/\alpha_c$ [-]")
     moving.set_xlim(first, last)
@@ -169,7 +167,7 @@ def _remarks(histories: Sequence[History]) -> str:
     words.append("Impacts: those between samples of the history; in parentheses the number that the model counts.")
     if any(np.isfinite(history.overturning) for history in histories):
         words.append("Cross: overturned (the curve ends where the model stops following the block).")
-    if 0 < sum(history.model in _ON_IMPULSES for history in histories) < len(histories):
+    if 0 < sum(history.model in SEQUENCE_MODELS for history in histories) < len(histories):
         words.append("The sequence models have a time of their own, which here begins with the intense phase.")
     words += [f"{history.model}: {history.remark}." for history in histories if history.remark]
     return " ".join(words)

@@ -105,13 +105,7 @@ def look(name: str) -> Look:
 
 
 def looks(names: Sequence[str]) -> list[Look]:
-    """How things of one family are drawn, in their order; the colours that come again have other lines and markers.
-
-    Parameters
-    ----------
-    names : sequence of str
-        What the legend says of each.
-    """
+    """How named things of one family are drawn, in order; colours that come again have other lines and markers."""
     found = []
     for place, name in enumerate(names):
         turn, at = divmod(place, len(_CYCLE))
@@ -121,13 +115,7 @@ def looks(names: Sequence[str]) -> list[Look]:
 
 
 def ramp(names: Sequence[str]) -> list[Look]:
-    """How the steps of one quantity are drawn, in their order: from dark to light, neighbours by other lines too.
-
-    Parameters
-    ----------
-    names : sequence of str
-        What the legend says of each.
-    """
+    """How the named steps of one quantity are drawn, in order: from dark to light, neighbours by other lines too."""
     from matplotlib import colormaps
     from matplotlib.colors import to_hex
 
@@ -139,13 +127,7 @@ def ramp(names: Sequence[str]) -> list[Look]:
 
 
 def figure_of(width: float = WIDTH, height: float = 3.4) -> Figure:
-    """A figure that belongs to no window and no global list.
-
-    Parameters
-    ----------
-    width, height : float
-        Size [in].
-    """
+    """A figure of some size [in] that belongs to no window and no global list."""
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(width, height), layout="constrained")
@@ -154,40 +136,14 @@ def figure_of(width: float = WIDTH, height: float = 3.4) -> Figure:
 
 
 def one_axes(ax: Axes | None, height: float = 3.4) -> Axes:
-    """The Axes that were given, or new ones on a figure of their own, dressed.
-
-    Parameters
-    ----------
-    ax : matplotlib Axes or None
-        Where to draw.
-    height : float
-        Of a new figure [in].
-    """
+    """The Axes that were given, or new ones on a figure of their own of some height [in], dressed."""
     return dressed(figure_of(height=height).subplots() if ax is None else ax)
 
 
 def several_axes(axes: Any, rows: int, columns: int = 1, height: float = 5.0, **options: Any) -> np.ndarray:
-    """As :func:`one_axes` for pictures of several panels.
+    """As :func:`one_axes` for pictures of rows x columns of panels; the Axes come back in that shape.
 
-    Parameters
-    ----------
-    axes : array_like of matplotlib Axes or None
-        Where to draw: rows x columns of them.
-    rows, columns : int
-        Number of panels.
-    height : float
-        Of a new figure [in].
-    **options
-        For :meth:`matplotlib.figure.Figure.subplots`.
-
-    Returns
-    -------
-    (rows, columns) ndarray of Axes
-
-    Raises
-    ------
-    ValueError
-        For another number of Axes than the picture has panels.
+    The options are those of :meth:`matplotlib.figure.Figure.subplots`. A ValueError for another number of Axes.
     """
     if axes is None:
         panels = figure_of(height=height).subplots(rows, columns, squeeze=False, **options)
@@ -202,13 +158,7 @@ def several_axes(axes: Any, rows: int, columns: int = 1, height: float = 5.0, **
 
 
 def dressed(ax: Axes) -> Axes:
-    """Axes with the sizes of this look.
-
-    Parameters
-    ----------
-    ax : matplotlib Axes
-        Any.
-    """
+    """Axes with the sizes of this look."""
     ax.tick_params(which="both", labelsize=SMALL, width=0.6, length=3)
     ax.spines[["top", "right"]].set_visible(False)
     ax.spines[["left", "bottom"]].set_linewidth(0.6)
@@ -221,34 +171,16 @@ def dressed(ax: Axes) -> Axes:
 
 
 def legend(ax: Axes, **options: Any) -> None:
-    """The legend of what has a label, if anything has.
-
-    Parameters
-    ----------
-    ax : matplotlib Axes
-        Where.
-    **options
-        For :meth:`matplotlib.axes.Axes.legend`.
-    """
+    """The legend of what has a label, if anything has, with the options of :meth:`matplotlib.axes.Axes.legend`."""
     if options.get("handles") or ax.get_legend_handles_labels()[1]:
         ax.legend(**{"fontsize": SMALL, "frameon": True, "framealpha": 0.85, "edgecolor": "none", **options})
 
 
 def legend_above(ax: Axes, ncols: int, across: bool = False, lift: float = 0.0, **options: Any) -> None:
-    """The legend in rows above the Axes, where it hides nothing.
+    """The legend in rows of `ncols` entries above the Axes, where it hides nothing.
 
-    Parameters
-    ----------
-    ax : matplotlib Axes
-        Where.
-    ncols : int
-        Entries side by side.
-    across : bool
-        From the left edge of a figure of our own, for Axes that leave room for long names beside them.
-    lift : float
-        Further up [pt], over what else stands above the Axes.
-    **options
-        For :meth:`matplotlib.axes.Axes.legend`.
+    With `across` it begins at the left edge of a figure of our own, for Axes that leave room for long names beside
+    them. `lift` moves it further up [pt], over what else stands above the Axes.
     """
     from matplotlib.transforms import ScaledTranslation, blended_transform_factory
 
@@ -269,18 +201,10 @@ def legend_above(ax: Axes, ncols: int, across: bool = False, lift: float = 0.0, 
 
 
 def title(ax: Axes, words: str, rows: int = 0, width: int = 74) -> None:
-    """What the picture shows: above the whole of a figure of our own, else above the Axes and their own title.
+    """The title of a picture: above a figure of our own, else above its uppermost Axes and their own title.
 
-    Parameters
-    ----------
-    ax : matplotlib Axes
-        The uppermost of the picture.
-    words : str
-        The text; names of the user's as :func:`~rockpulse.views.plots.words.plain` gives them.
-    rows : int
-        Rows of a legend that stands above the Axes.
-    width : int
-        Longest line.
+    `rows` is the number of rows of a legend that stands above the Axes, `width` the longest line. Names of the user's
+    stand in `words` as :func:`~rockpulse.views.plots.words.plain` gives them.
     """
     from rockpulse.views.plots.words import wrapped
 
@@ -292,35 +216,16 @@ def title(ax: Axes, words: str, rows: int = 0, width: int = 74) -> None:
 
 
 def panel_title(ax: Axes, words: str, rows: int = 0, width: int = 92) -> None:
-    """The line above one of several panels.
-
-    Parameters
-    ----------
-    ax : matplotlib Axes
-        Where.
-    words : str
-        The text.
-    rows : int
-        Rows of a legend between the line and the Axes.
-    width : int
-        Longest line.
-    """
+    """The line above one of several panels, over `rows` rows of a legend; `width` is the longest line."""
     from rockpulse.views.plots.words import wrapped
 
     ax.set_title(wrapped(words, width), loc="left", fontsize=FONT, pad=4.0 + 12.0 * rows)
 
 
 def caption(ax: Axes, words: str, width: int = 106) -> None:
-    """Small print below the label of the horizontal axis: what is uncertain, and what the signs mean.
+    """Small print below the label of the horizontal axis of the lowest Axes: what is uncertain, what the signs mean.
 
-    Parameters
-    ----------
-    ax : matplotlib Axes
-        The lowest of the picture; its horizontal axis has a label.
-    words : str
-        The text; nothing for none.
-    width : int
-        Longest line, on a figure of our own.
+    `width` is the longest line on a figure of our own.
     """
     from rockpulse.views.plots.words import wrapped
 
@@ -338,20 +243,10 @@ def caption(ax: Axes, words: str, width: int = 106) -> None:
 
 
 def thinned(time: np.ndarray, values: np.ndarray, most: int = INSTANTS) -> tuple[np.ndarray, np.ndarray]:
-    """A long history by the extremes of each short stretch: the same picture from a few points.
+    """A long history by the extremes of each of `most` stretches: the same picture from a few points.
 
-    Parameters
-    ----------
-    time, values : (n,) ndarray
-        The history.
-    most : int
-        Number of stretches; a history of twice as many instants or fewer is left alone.
-
-    Returns
-    -------
-    time, values : (m,) ndarray
-        Smallest and largest value of every stretch in the order in which they come. NaN stays where a stretch holds
-        nothing else.
+    The smallest and largest value of every stretch stand in the order in which they come, NaN where a stretch holds
+    nothing else. A history of at most twice as many instants is left alone.
     """
     if values.size <= 2 * most:
         return time, values

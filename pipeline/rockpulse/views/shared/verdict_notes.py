@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from rocking.response import Outcome, Reason
+from rockpulse.ladder import cautions
 from rockpulse.storage.hdf5_reader import flag_words
 from rockpulse.views.shared.record_marks import doubt_notes, doubts
 from rockpulse.views.shared.table import Mark
@@ -72,8 +73,7 @@ def verdict_notes(summary: xr.Dataset, of_factors: list[str]) -> list[str]:
             "~ (drift): the record's baseline drifts: its velocity does not end at zero, and PGV may be off by as much."
         )
     notes += doubt_notes(doubts(summary).values())
-    if "resonance" in summary["model"].values:
-        notes.append("resonance: an upper-bound type input (every main impulse at the worst moment), not a prediction.")
+    notes += cautions(summary["model"].values)
     if "applicable" in summary and (summary["applicable"] == 0).any():
         notes.append(OUTSIDE.note)
     if "predictable" in summary and (summary["predictable"] == 0).any():

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from rocking.response import Outcome
+from rockpulse.ladder import cautions
 from rockpulse.record.record import STANDARD_GRAVITY
 from rockpulse.views.shared.record_marks import doubt, doubt_notes
 from rockpulse.views.shared.terminal import ABSENT, aligned, figure, paragraph, ratio, restitution, shortened
@@ -67,8 +68,7 @@ def direction_table(summary: xr.Dataset, directions: xr.Dataset) -> str:
         *doubt_notes(heading for _, heading in headings),
         "The directions are records: rockpulse inspect RESULTS --record ID shows one, --block NAME all of them.",
     ]
-    if "resonance" in models:
-        notes.append("resonance: an upper-bound type input (every main impulse at the worst moment), not a prediction.")
+    notes += cautions(models)
     return "\n".join([*lines[2:], "", *(paragraph(note, "  ") for note in notes)])
 
 

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from rocking.response import Outcome
+from rockpulse.ladder import cautions
 from rockpulse.record.record import STANDARD_GRAVITY
 from rockpulse.storage.selection import Selection
 from rockpulse.views.shared.record_marks import doubt_notes, doubts
@@ -106,8 +107,7 @@ def _verdicts(summary: xr.Dataset) -> str:
     if all(row[-1] == ABSENT for row in rows[1:]):
         rows = [row[:-1] for row in rows]
     notes = ["SF < 1: overturns under the record, or under a weaker copy of it (rocking is not monotonic)."]
-    if "resonance" in summary["model"].values:
-        notes.append("resonance: an upper-bound type input (every main impulse at the worst moment), not a prediction.")
+    notes += cautions(summary["model"].values)
     return "\n".join(
         [
             f"Verdicts, {total} by each model:",
