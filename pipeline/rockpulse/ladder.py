@@ -170,9 +170,7 @@ class Model:
     respond: Callable[..., rocking.Response]
     search: Callable[[rocking.Block, Scene], rocking.ScaleIntervals]
     #: How it is drawn: a colour of the palette of the pictures, a line and a marker as matplotlib takes them.
-    color: str
-    line: str | tuple[float, tuple[float, ...]]
-    marker: str
+    look: tuple[str, str | tuple[float, tuple[float, ...]], str]
     #: Whether it is stated for slender blocks only, a slenderness of at least 3 (the linear motion of Eqs. 1-2).
     slender: bool = True
     #: Whether it is the working point of that name of the rule, and holds for bodies like those of the rule's fit.
@@ -204,9 +202,7 @@ _ROWS = (
         "half-cycle (closed form). Its overturning says that the body may be unsafe, nothing more.",
         respond=_resonance,
         search=_search_resonance,
-        color="purple",
-        line=(0, (1, 1.2)),
-        marker="v",
+        look=("purple", (0, (1, 1.2)), "v"),
         of_sequence=True,
         caution=f"an {UPPER_BOUND} (every main impulse at the worst moment), not a prediction",
     ),
@@ -217,9 +213,7 @@ _ROWS = (
         "calibrated on the half-waves of the record; between impulses the natural motion of the block.",
         respond=_sequence,
         search=_search_sequence,
-        color="orange",
-        line=(0, (6, 1.5, 1, 1.5)),
-        marker="s",
+        look=("orange", (0, (6, 1.5, 1, 1.5)), "s"),
         of_sequence=True,
     ),
     Model(
@@ -229,9 +223,7 @@ _ROWS = (
         "nonlinear model, missed and false alarms balanced.",
         respond=partial(_rule, point="balanced"),
         search=partial(_search_rule, point="balanced"),
-        color="sky",
-        line=(0, (3, 1, 1, 1, 1, 1)),
-        marker="<",
+        look=("sky", (0, (3, 1, 1, 1, 1, 1)), "<"),
         fitted=True,
     ),
     Model(
@@ -240,9 +232,7 @@ _ROWS = (
         words="the same with a limit that misses few overturnings, at the price of false alarms.",
         respond=partial(_rule, point="conservative"),
         search=partial(_search_rule, point="conservative"),
-        color="grey",
-        line=(0, (8, 2)),
-        marker=">",
+        look=("grey", (0, (8, 2)), ">"),
         fitted=True,
     ),
     Model(
@@ -252,9 +242,7 @@ _ROWS = (
         "block. It knows no threshold of uplift.",
         respond=_impulsive,
         search=_search_impulsive,
-        color="green",
-        line=(0, (2, 1)),
-        marker="^",
+        look=("green", (0, (2, 1)), "^"),
         checkable=True,
     ),
     Model(
@@ -263,9 +251,7 @@ _ROWS = (
         words="the equation of motion for small rotations, under the accelerogram itself.",
         respond=partial(_recorded, equation="linear"),
         search=partial(_search_recorded, equation="linear"),
-        color="red",
-        line=(0, (4, 1.2)),
-        marker="D",
+        look=("red", (0, (4, 1.2)), "D"),
         checkable=True,
     ),
     Model(
@@ -275,9 +261,7 @@ _ROWS = (
         "θ″ = −p² [(1 + a_v/g) sin(±α_c − θ) + (a_g/g) cos(±α_c − θ)].",
         respond=partial(_recorded, equation="nonlinear"),
         search=partial(_search_recorded, equation="nonlinear"),
-        color="blue",
-        line="-",
-        marker="o",
+        look=("blue", "-", "o"),
         slender=False,
         checkable=True,
     ),
@@ -288,9 +272,7 @@ _ROWS = (
         "impulses, those written >0.12 the peak so far when the verdict was certain.",
         respond=_auto,
         search=partial(_search_recorded, equation="nonlinear"),
-        color="black",
-        line="-",
-        marker="P",
+        look=("black", "-", "P"),
         slender=False,
         checkable=True,
     ),

@@ -65,7 +65,7 @@ def test_the_range_of_a_model():
 
 
 def test_models_are_told_apart_without_their_colour():
-    lines = {(str(model.line), model.marker) for model in MODELS.values()}
+    lines = {(str(model.look[1]), model.look[2]) for model in MODELS.values()}
     assert len(lines) == len({look(name) for name in MODELS}) == len(MODELS)
     assert all(model.words for model in MODELS.values())
 

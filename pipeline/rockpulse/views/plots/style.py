@@ -100,8 +100,8 @@ def look(name: str) -> Look:
     """How a model is drawn, by its name in the results."""
     if name not in MODELS:
         return Look(name, BLACK, "-", "x")
-    model = MODELS[name]
-    return Look(model.label, PALETTE[model.color], model.line, model.marker)
+    color, line, marker = MODELS[name].look
+    return Look(MODELS[name].label, PALETTE[color], line, marker)
 
 
 def looks(names: Sequence[str]) -> list[Look]:
