@@ -11,6 +11,7 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from difflib import get_close_matches, unified_diff
+from itertools import chain
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -219,50 +220,39 @@ class _Group:
 
     def _values(self, title: str, before: xr.Variable, after: xr.Variable, rows: list[Matched]) -> None:
         words = flag_words(before)
+        sides = self.found.sides.get(title) if "model" in before.dims else None
         differing = compared = 0
         largest, worst = -1.0, None
         for start, old, new in self._parts(before, after, rows):
+
+            def told(at: int, start: int = start, old: np.ndarray = old, new: np.ndarray = new) -> Flip:
+                place = np.unravel_index(at, old.shape)
+                labels = (
+                    row.names(int(k) + (start if row is rows[0] else 0)) for row, k in zip(rows, place, strict=True)
+                )
+                return Flip(tuple(chain(*labels)), _shown(old[place], words), _shown(new[place], words))
+
             compared += old.size
             apart = _apart(old, new, self.rtol, self.atol)
-            if title in self.found.sides and "model" in before.dims:
+            if sides is not None:
                 changed = apart if title == OUTCOME else _crossed(apart, old, new)
                 axis = before.dims.index("model")
-                self._sides(self.found.sides[title], changed, old, new, words, rows, start, axis)
-            if not apart.size:
-                continue
-            differing += apart.size
-            sizes = _relative(old.reshape(-1)[apart], new.reshape(-1)[apart])
-            at = int(sizes.argmax())
-            if sizes[at] > largest:
-                largest = float(sizes[at])
-                place = np.unravel_index(apart[at], old.shape)
-                worst = (self._place(rows, start, place), _shown(old[place], words), _shown(new[place], words))
+                models = [rows[axis].names(k)[0] for k in range(old.shape[axis])]
+                leads = np.array([model == self.found.model for model in models], dtype=bool)
+                sides.compared += old.size
+                sides.compared_by_model += old.size // max(leads.size, 1) * int(leads.sum())
+                sides.add(changed, leads[np.unravel_index(changed, old.shape)[axis]], told)
+            if apart.size:
+                differing += apart.size
+                sizes = _relative(old.reshape(-1)[apart], new.reshape(-1)[apart])
+                at = int(sizes.argmax())
+                if sizes[at] > largest:
+                    largest, worst = float(sizes[at]), told(apart[at])
         self.found.compared += compared
         if worst is not None:
             size = largest if before.dtype.kind == "f" else math.nan
-            self.found.variables.append(VariableDifference(title, differing, compared, size, *worst))
-
-    def _sides(
-        self,
-        told: Changes,
-        places: np.ndarray,
-        old: np.ndarray,
-        new: np.ndarray,
-        words: dict[int, str],
-        rows: list[Matched],
-        start: int,
-        axis: int,
-    ) -> None:
-        """Count and name the answers at flat places."""
-        leads = np.array([rows[axis].names(k)[0] == self.found.model for k in range(old.shape[axis])], dtype=bool)
-        told.compared += old.size
-        told.compared_by_model += old.size // max(leads.size, 1) * int(leads.sum())
-
-        def named(at: int) -> Flip:
-            place = np.unravel_index(at, old.shape)
-            return Flip(self._place(rows, start, place), _shown(old[place], words), _shown(new[place], words))
-
-        told.add(places, leads[np.unravel_index(places, old.shape)[axis]], named)
+            flip = (worst.place, worst.before, worst.after)
+            self.found.variables.append(VariableDifference(title, differing, compared, size, *flip))
 
     @staticmethod
     def _parts(
@@ -285,10 +275,6 @@ class _Group:
                     where[dim] = slice(int(at[0]), int(at[-1]) + 1) if run and at.size else at
                 pair.append(slab(variable, where))
             yield start, pair[0], pair[1]
-
-    def _place(self, rows: list[Matched], start: int, place: tuple[Any, ...]) -> tuple[str, ...]:
-        at = [int(k) + (start if number == 0 else 0) for number, k in enumerate(place)]
-        return tuple(name for row, k in zip(rows, at, strict=True) for name in row.names(k))
 
 
 def _apart(old: np.ndarray, new: np.ndarray, rtol: float, atol: float) -> np.ndarray:
