@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from rockpulse.views.report.answers import Answers, answer_table, count_table
 from rockpulse.views.report.caveats import Caveat, caveats
+from rockpulse.views.report.events import events_of
 from rockpulse.views.report.method import REFERENCE, assumptions, models_in_use, not_covered
 from rockpulse.views.report.motions import Motions, event_table, motions_of
 from rockpulse.views.report.notes import table_notes
@@ -20,6 +21,7 @@ from rockpulse.views.report.statements import counted_by, headline
 from rockpulse.views.report.verdict import BodyVerdict, verdicts
 from rockpulse.views.report.verdict_rows import verdict_table
 from rockpulse.views.shared.table import Fact, Table
+from rockpulse.views.text.left_out import by_kind
 from rockpulse.views.text.overview import fullest_model
 
 if TYPE_CHECKING:
@@ -30,49 +32,7 @@ __all__ = ["Content", "gather"]
 
 @dataclass(frozen=True)
 class Content:
-    """The page in data.
-
-    Attributes
-    ----------
-    title, description : str
-        Of the site, from the configuration.
-    history : tuple of str
-        When the results were written, and by what.
-    motions : Motions
-        What was counted.
-    found : tuple of BodyVerdict
-        Of all bodies.
-    headline : tuple of str
-        The verdict in sentences.
-    counted_by : str
-        What is counted as safe.
-    caveats : tuple of Caveat
-        What the verdict does not say by itself.
-    verdict, counts, answers : Table
-        Bodies; overturnings by model; every answer.
-    notes : tuple of str
-        What the figures and marks mean.
-    site : Part or None
-        Calibration of the site.
-    fragility : Part or None
-        Fragility curves.
-    earthquakes : Table
-        How the motions are counted to earthquakes.
-    bodies : tuple of BodyPage
-        One a block.
-    records : tuple of RecordPage
-        One a record.
-    reference : str
-        The paper behind the method.
-    models, assumptions, not_covered : tuple of Fact
-        The method.
-    versions : tuple of Fact
-        Packages.
-    inputs, failures, warnings : Table
-        Files, what was left out, what was said of records and bodies.
-    configuration : str
-        TOML.
-    """
+    """The page in data; ``found`` are the verdicts on all bodies."""
 
     title: str
     description: str
@@ -103,26 +63,16 @@ class Content:
 
 
 def gather(tree: xr.DataTree, site: Paired | None = None, fragility: Paired | None = None) -> Content:
-    """The content of the report.
-
-    Parameters
-    ----------
-    tree : xarray.DataTree
-        Results of an assessment.
-    site, fragility : Paired, optional
-        A site calibration and fragility curves to show beside them.
-    """
+    """The content of the report on an assessment, with a site calibration and fragility curves beside it."""
     summary = tree["summary"].to_dataset()
     motions = motions_of(tree)
     model = fullest_model(summary)
     bodies = bodies_of(summary)
     found = verdicts(summary, bodies, model, motions)
     answers = Answers(summary, bodies, model)
-    every = _events_of_rows(motions, summary.sizes["record"])
     assessed = 0 if motions.kind == "sequence" else summary.sizes["record"]
     sections = tomllib.loads(str(tree.attrs.get("configuration", "")))
-    failures = failure_table(tree)
-    failed = sum(row[0].text == "failed" for row in failures.rows)
+    failed = len(by_kind(tree).get("failed", ()))
     return Content(
         title=str(tree.attrs.get("title", "")),
         description=str(tree.attrs.get("site_description", "")),
@@ -150,22 +100,14 @@ def gather(tree: xr.DataTree, site: Paired | None = None, fragility: Paired | No
         site=None if site is None else describe_site(site, assessed),
         fragility=None if fragility is None else describe_fragility(fragility, assessed, model),
         bodies=tuple(body_pages(answers, found)),
-        records=tuple(record_pages(answers, every)),
+        records=tuple(record_pages(answers, events_of(summary))),
         reference=REFERENCE,
         models=models_in_use(summary, model),
         assumptions=assumptions(tree),
         not_covered=not_covered(),
         versions=versions(tree),
         inputs=input_table(summary),
-        failures=failures,
+        failures=failure_table(tree),
         warnings=warning_table(summary),
         configuration=str(tree.attrs.get("configuration", "")),
     )
-
-
-def _events_of_rows(motions: Motions, count: int) -> list[str]:
-    every = [""] * count
-    for event, rows in zip(motions.events, motions.rows, strict=True):
-        for row in rows:
-            every[row] = event
-    return every
