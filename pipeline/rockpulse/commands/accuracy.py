@@ -45,7 +45,7 @@ def _run(args: argparse.Namespace) -> int:
 
     from rockpulse.storage.accuracy_variables import REPORT
     from rockpulse.storage.save_load import check_target, save
-    from rockpulse.views.plots.accuracy_files import PICTURES, check_file, csv_files, write_csv, write_picture
+    from rockpulse.views.shared.output_files import PICTURES, check_file, csv_bytes, csv_files, write_files
 
     check_target(args.output, args.overwrite, REPORT)
     picture = None if args.plot is None else check_file(args.plot, args.overwrite, PICTURES)
@@ -69,11 +69,14 @@ def _run(args: argparse.Namespace) -> int:
         progress=lambda jobs: bars(jobs, desc="measuring"),
     )
     # The small files first: the report is there only if everything is.
-    write_csv({path: table_of(tree, name) for name, path in tables.items()})
+    contents = {path: csv_bytes(table_of(tree, name)) for name, path in tables.items()}
     if picture is not None:
+        from rockpulse.views.plots.picture import picture_bytes
         from rockpulse.views.plots.work_precision_diagram import work_precision
 
-        write_picture(work_precision(table_of(tree, "work_precision"))[0].figure, picture)
+        figure = work_precision(table_of(tree, "work_precision"))[0].figure
+        contents[picture] = picture_bytes(figure, picture.suffix[1:].lower())
+    write_files(contents)
     save(tree, args.output, overwrite=args.overwrite)
     failed = [row for row in table_of(tree, "failures").itertuples() if row.kind == "failed"]
     for row in failed:

@@ -54,9 +54,10 @@ def _add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def _run(args: argparse.Namespace) -> int:
     from rockpulse.errors import ConfigError
-    from rockpulse.views.plots.accuracy_files import PICTURES, check_file, write_picture
     from rockpulse.views.plots.kinds import OPTIONS, draw
+    from rockpulse.views.plots.picture import picture_bytes
     from rockpulse.views.plots.reading import open_results
+    from rockpulse.views.shared.output_files import PICTURES, check_file, write_files
 
     target = check_file(args.output, args.overwrite, PICTURES)
     options = {name: getattr(args, name) for name in OPTIONS}
@@ -67,7 +68,8 @@ def _run(args: argparse.Namespace) -> int:
             raise ConfigError(
                 f'--restitution: expected a number from 0 to 1 or "housner", got "{args.restitution}"'
             ) from None
-    write_picture(draw(open_results(args.results), args.kind, **options), target)
+    figure = draw(open_results(args.results), args.kind, **options)
+    write_files({target: picture_bytes(figure, target.suffix[1:].lower())})
     if not args.quiet:
         print(f"written: {target}")
     return 0

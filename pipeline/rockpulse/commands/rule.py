@@ -62,11 +62,10 @@ def _run(args: argparse.Namespace) -> int:
 def _fit(args: argparse.Namespace) -> int:
     from datetime import UTC, datetime
 
-    from rockpulse.file_set import FileSet
     from rockpulse.studies.rule.cases import PROCESSING
     from rockpulse.studies.rule.judgement import fit_rules, judge_rules
     from rockpulse.version import __version__
-    from rockpulse.views.plots.accuracy_files import check_file
+    from rockpulse.views.shared.output_files import check_file, write_files
     from rockpulse.views.text.rule import rule_overview, rule_text
 
     target = check_file(args.output, args.overwrite, (".toml",))
@@ -86,10 +85,7 @@ def _fit(args: argparse.Namespace) -> int:
         "processing": PROCESSING,
         "records": sorted(cases["record"].unique()),
     }
-    text = rule_text(rules, tree, provenance)
-    with FileSet() as written:
-        written.add(target, text.encode())
-        written.commit()
+    write_files({target: rule_text(rules, tree, provenance).encode()})
     return _report(args, failures, f"{rule_overview(tree)}\n\nrule: {args.output}")
 
 

@@ -61,7 +61,7 @@ def _run(args: argparse.Namespace) -> int:
     from rockpulse.storage.save_load import check_target, save
     from rockpulse.storage.study_variables import STUDY
     from rockpulse.studies.paper.options import scan_values
-    from rockpulse.views.plots.accuracy_files import csv_files, write_csv
+    from rockpulse.views.shared.output_files import csv_bytes, csv_files, write_files
 
     check_target(args.output, args.overwrite, STUDY)
     files = {} if args.csv is None else csv_files(args.csv, TABLES[args.figure], args.overwrite)
@@ -79,7 +79,7 @@ def _run(args: argparse.Namespace) -> int:
         given |= {"interval": args.interval, "intervals": scan, "step": args.step}
         tree = figure5(**{name: value for name, value in given.items() if value is not None})
     # The small files first: the study is there only if everything is.
-    write_csv({files[name]: table for name, table in study_tables(tree).items() if name in files})
+    write_files({files[name]: csv_bytes(table) for name, table in study_tables(tree).items() if name in files})
     save(tree, args.output, overwrite=args.overwrite)
     if not args.quiet:
         print(f"{study_overview(tree)}\n\nwritten: {', '.join(map(str, [Path(args.output), *files.values()]))}")

@@ -1,21 +1,18 @@
-"""Tables and pictures as files: refused before any work is done where they exist, written whole or not at all."""
+"""Tables and pictures as files: refused before any work is done where they exist, written together or not at all."""
 
 from __future__ import annotations
 
-import os
-import secrets
-from collections.abc import Callable, Mapping
-from functools import partial
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from rockpulse.errors import ResultsError
+from rockpulse.file_set import FileSet
 
 if TYPE_CHECKING:
     import pandas as pd
-    from matplotlib.figure import Figure
 
-__all__ = ["PICTURES", "check_file", "csv_files", "write_csv", "write_picture"]
+__all__ = ["PICTURES", "check_file", "csv_bytes", "csv_files", "write_files"]
 
 #: Suffixes of pictures, which choose the format.
 PICTURES = (".svg", ".png", ".pdf")
@@ -24,7 +21,7 @@ PICTURES = (".svg", ".png", ".pdf")
 def csv_files(folder: str | Path, names: tuple[str, ...], overwrite: bool) -> dict[str, Path]:
     """The paths of the files `name.csv` of some tables in a folder, checked before any work.
 
-    :func:`write_csv` makes the folder if its parent exists. Raises ResultsError for a file that exists, unless it may
+    :func:`write_files` makes the folder if its parent exists. Raises ResultsError for a file that exists, unless it may
     be overwritten, and for a folder that cannot be one.
     """
     folder = Path(folder)
@@ -52,40 +49,23 @@ def check_file(path: str | Path, overwrite: bool, suffixes: tuple[str, ...] = ("
         raise ResultsError(f"{path}: the file exists; choose another name, or allow it to be replaced (--overwrite)")
     if not target.absolute().parent.is_dir():
         raise ResultsError(f"{path}: there is no folder {target.absolute().parent}; create it first")
-    part = _part(target)
     try:
-        part.touch(exist_ok=False)
-        part.unlink()
+        with FileSet() as trial:
+            trial.add(target, b"")
     except OSError as error:
         raise ResultsError(f"{path}: cannot write into the folder {target.parent}: {error.strerror}") from error
     return target
 
 
-def write_csv(tables: Mapping[Path, pd.DataFrame]) -> None:
-    """Write tables as CSV into their files, one header line each, numbers with all digits; a missing folder is made."""
-    for path, table in tables.items():
-        path.parent.mkdir(exist_ok=True)
-        _write(path, partial(table.to_csv, index=False))
+def csv_bytes(table: pd.DataFrame) -> bytes:
+    """A table as CSV, one header line, numbers with all digits."""
+    return table.to_csv(index=False).encode()
 
 
-def write_picture(figure: Figure, path: Path) -> None:
-    """Write a figure in the format of the suffix, one of :data:`PICTURES`: the same bytes for the same figure."""
-    from rockpulse.views.plots.picture import picture_bytes
-
-    content = picture_bytes(figure, path.suffix[1:].lower())
-    _write(path, lambda part: part.write_bytes(content))
-
-
-def _write(target: Path, fill: Callable[[Path], object]) -> None:
-    part = _part(target)
-    try:
-        fill(part)
-        part.replace(target)
-    except OSError as error:
-        raise ResultsError(f"{target}: cannot write the file: {error.strerror or error}") from error
-    finally:
-        part.unlink(missing_ok=True)
-
-
-def _part(target: Path) -> Path:
-    return target.with_name(f".{target.name}.{os.getpid()}.{secrets.token_hex(4)}.part")
+def write_files(contents: Mapping[Path, bytes]) -> None:
+    """Write all files or none; a missing folder is made."""
+    with FileSet() as files:
+        for path, content in contents.items():
+            path.parent.mkdir(exist_ok=True)
+            files.add(path, content)
+        files.commit()
