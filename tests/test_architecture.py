@@ -25,6 +25,7 @@ rockpulse.record
 rockpulse.calibration
 rockpulse.ladder
 rockpulse.config
+rockpulse.motions
 rockpulse.readers
 rockpulse.storage
 rockpulse.assessment

@@ -43,7 +43,17 @@ class ConfigError(RockpulseError):
 
 
 class ResultsError(RockpulseError):
-    """A results file that cannot be written, or is not one that this version reads."""
+    """A results file that cannot be written, or is not one that this version reads.
+
+    Attributes
+    ----------
+    tells_resume : bool
+        Whether the message says what becomes of a run that was stopped, and how to go on with it.
+    """
+
+    def __init__(self, message: str, tells_resume: bool = False) -> None:
+        super().__init__(message)
+        self.tells_resume = tells_resume
 
 
 class StoppedAtFailure(RockpulseError):

@@ -3,58 +3,37 @@
 from __future__ import annotations
 
 import logging
-from collections import Counter
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from contextlib import AbstractContextManager, nullcontext
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, TypeVar
+from functools import partial
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from rocking.block import Block
 from rocking.predictability import NOT_CHECKED, predictable
 from rocking.response import Response
-from rockpulse.assessment.directions import (
-    Motion,
-    PlannedMotion,
-    motions_of,
-    plan_motions,
-    rotation_failures,
-    swept_directions,
-)
-from rockpulse.assessment.events import event_table, events_by_id
 from rockpulse.assessment.record_assessment import RecordAssessment
 from rockpulse.assessment.record_columns import main_impulse, record_scalars
-from rockpulse.assessment.scene import extract, prepare
-from rockpulse.assessment.tree import build_tree
+from rockpulse.assessment.scene import extract
+from rockpulse.assessment.tree import build_tree, record_part, template
 from rockpulse.config.block_settings import BlockSettings
 from rockpulse.config.bodies import Bodies, gather_bodies
 from rockpulse.config.configuration import Config
-from rockpulse.errors import ConfigError, TooWeak
 from rockpulse.failures import Failure
 from rockpulse.ladder import MODELS, USED, Scene, auto_response, critical_scales
+from rockpulse.motions.directions import Motion, PlannedMotion, swept_directions
+from rockpulse.motions.runner import Analysis, Blocks, Part, Watch, Work, run
 from rockpulse.record.intensity import pgv
 from rockpulse.record.record import Record
+from rockpulse.storage.atomic_file import ASSESSMENT
 
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = [
-    "Watch",
-    "assess",
-    "assess_planned",
-    "assess_record",
-    "assess_scene",
-    "motion_failure",
-    "unwatched",
-]
+__all__ = ["Assessment", "assess", "assess_motion", "assess_scene"]
 
 logger = logging.getLogger("rockpulse")
-
-Result = TypeVar("Result")
-
-#: Measures the time of a step, by its name: ``with watch("solve"): ...``
-Watch = Callable[[str], AbstractContextManager[None]]
 
 PER_MODEL = ("peak_rotation_ratio", "outcome", "reason", "overturning_time", "overturning_half_cycle", "impacts")
 
@@ -105,166 +84,52 @@ def assess(
     >>> tree["summary"].sizes["model"]
     5
     """
-    config = config or Config()
-    bodies = gather_bodies(config.blocks if blocks is None else blocks)
-    for name, warning in zip(bodies.names, bodies.warnings, strict=True):
-        if warning:
-            logger.warning("block %s: %s", name, warning)
-    every = list(records)
-    twice = sorted(name for name, times in Counter(record.id for record in every).items() if times > 1)
-    if twice:
-        raise ConfigError(f"records: expected different ids, found more than one record with id {', '.join(twice)}")
-    rows = list(failures)
-    event_of, unread = events_by_id(every, event_table(config), rows)
-    rows += unread
-    planned, left_out = plan_motions(every, config)
-    rows += left_out
-    done = []
-    for one in planned if progress is None else progress(planned):
-        for outcome in assess_planned(one, bodies, config):
-            if isinstance(outcome, Failure):
-                rows.append(outcome)
-            else:
-                event = {"event": event_of[one.channels[0].id]}
-                done.append(replace(outcome, record=outcome.record | event))
-    return build_tree(done, bodies, config, rows, swept_directions(planned, config))
+    return run(Assessment(config or Config(), blocks), records, failures, progress)
 
 
-def unwatched(step: str) -> AbstractContextManager[None]:
-    """The :data:`Watch` of those who do not want to know.
+class Assessment(Analysis):
+    """The answer of every model for every body under every motion."""
 
-    Parameters
-    ----------
-    step : str
-        Its name.
-    """
-    return nullcontext()
+    name = "assess"
+    doing = "assessing"
+    kind = ASSESSMENT
+    in_order_of_ids = False
+    event_name = "/summary/event"
 
+    def __init__(self, config: Config, blocks: Blocks | None = None) -> None:
+        super().__init__(config)
+        self.bodies = gather_bodies(config.blocks if blocks is None else blocks)
+        for name, warning in zip(self.bodies.names, self.bodies.warnings, strict=True):
+            if warning:
+                logger.warning("block %s: %s", name, warning)
 
-def assess_planned(
-    planned: PlannedMotion, bodies: Bodies, config: Config, watch: Watch = unwatched
-) -> Iterator[RecordAssessment | Failure]:
-    """Assess all bodies under a channel, or under a pair of channels in every direction that is asked for.
+    @property
+    def work(self) -> Work:
+        """Assess all bodies."""
+        return partial(assess_motion, bodies=self.bodies, config=self.config)
 
-    Parameters
-    ----------
-    planned : PlannedMotion
-        With the samples of its channels.
-    bodies : Bodies
-        As in :func:`assess_record`.
-    config : Config
-        Options.
-    watch : callable, optional
-        Measures the steps "condition" and "solve".
+    @property
+    def template(self) -> xr.DataTree:
+        """The tree of results without a motion."""
+        return template(self.bodies, self.config)
 
-    Yields
-    ------
-    RecordAssessment or Failure
-        One for each motion, or the rows of a pair that cannot be rotated.
-    """
-
-    def assessed(motion: Motion) -> RecordAssessment:
-        with watch("condition"):
-            scene = (extract if motion.pair else prepare)(motion.record, config, motion.vertical)
-        with watch("solve"):
-            return assess_scene(scene, bodies)
-
-    return each_motion(planned, config, "assess", assessed, watch)
+    def collect(self, parts: Sequence[Part], planned: Sequence[PlannedMotion], failures: list[Failure]) -> xr.DataTree:
+        """The parts one after the other, and for a sweep the statistics over direction."""
+        return build_tree(parts, self.bodies, self.config, failures, swept_directions(planned, self.config))
 
 
-def each_motion(
-    planned: PlannedMotion, config: Config, stage: str, work: Callable[[Motion], Result], watch: Watch
-) -> Iterator[Result | Failure]:
-    """Do the same with every motion of a channel or pair.
-
-    Parameters
-    ----------
-    planned : PlannedMotion
-        With the samples of its channels.
-    config : Config
-        Options.
-    stage : str
-        What is done, as rows of failures name it.
-    work : callable
-        From a motion to its result; a ValueError that it raises becomes a row.
-    watch : callable
-        Measures the step "condition", of which the rotation of a pair is a part.
-
-    Yields
-    ------
-    object or Failure
-        One for each motion, or the rows of a pair that cannot be rotated.
-    """
-    try:
-        with watch("condition"):
-            motions = motions_of(planned, config)
-    except ValueError as error:
-        yield from rotation_failures(planned, error)
-        return
-    for motion in motions:
-        try:
-            result = work(motion)
-        except ValueError as error:  # RockpulseError, and what a model says of numbers it cannot take
-            yield motion_failure(motion.record, stage, error)
-        else:
-            yield result
-
-
-def motion_failure(record: Record, stage: str, error: Exception) -> Failure:
-    """The row for a motion that could not be dealt with.
-
-    Parameters
-    ----------
-    record : Record
-        The motion.
-    stage : str
-        As in :class:`rockpulse.failures.Failure`.
-    error : Exception
-        Why.
-    """
-    weak = isinstance(error, TooWeak)
-    reason = str(error) if record.id in str(error) else f"{record.id}: {error}"
-    logger.log(logging.WARNING if weak else logging.ERROR, "%s", reason)
-    return Failure(file=record.source, stage=stage, reason=reason, kind="skipped" if weak else "failed")
-
-
-def assess_record(record: Record, bodies: Bodies, config: Config, vertical: Record | None = None) -> RecordAssessment:
-    """Assess all bodies under one record.
-
-    Parameters
-    ----------
-    record : Record
-        As read.
-    bodies : Bodies
-        The bodies, b of them with c restitution cases.
-    config : Config
-        Options.
-    vertical : Record, optional
-        The vertical channel that belongs to it, as read.
-
-    Raises
-    ------
-    ValueError
-        Where the record cannot be conditioned or has no intense phase, or a model refuses its numbers.
-    """
-    return assess_scene(prepare(record, config, vertical), bodies)
+def assess_motion(motion: Motion, watch: Watch, bodies: Bodies, config: Config) -> Part:
+    """Assess all bodies under one motion; a ValueError says that it has no intense phase, or a model refuses it."""
+    with watch("condition"):
+        scene = extract(motion.record, config, motion.vertical)
+    with watch("solve"):
+        assessment = assess_scene(scene, bodies)
+    with watch("pack"):
+        return record_part(assessment, bodies, config)
 
 
 def assess_scene(scene: Scene, bodies: Bodies) -> RecordAssessment:
-    """Assess all bodies under one record that was made ready.
-
-    Parameters
-    ----------
-    scene : Scene
-        The record and the options.
-    bodies : Bodies
-        As in :func:`assess_record`.
-
-    Raises
-    ------
-    ValueError
-        Where a model refuses its numbers.
-    """
+    """Assess all bodies under one record that was made ready; a ValueError says that a model refuses its numbers."""
     lanes = bodies.lanes
     responses = {name: MODELS[name].respond(lanes, scene) for name in scene.models.use}
     used = {name: np.full(lanes.shape, USED.index(name), dtype=np.int8) for name in responses}

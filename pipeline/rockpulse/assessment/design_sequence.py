@@ -11,8 +11,9 @@ import numpy as np
 
 from rocking.block import Block
 from rocking.sequence import ImpulseSequence
-from rockpulse.assessment.assessment import RecordAssessment, assess_scene
-from rockpulse.assessment.tree import build_tree
+from rockpulse.assessment.assessment import assess_scene
+from rockpulse.assessment.record_assessment import RecordAssessment
+from rockpulse.assessment.tree import build_tree, record_part
 from rockpulse.config.block_settings import BlockSettings
 from rockpulse.config.bodies import gather_bodies
 from rockpulse.config.configuration import Config
@@ -118,7 +119,7 @@ def assess_sequence(
     if asked_for.demands:
         warnings.append(Remark("demand_not_compared"))
     done.record["warnings"], done.record["warning_codes"] = with_codes(warnings)
-    tree = build_tree([done], bodies, config, [])
+    tree = build_tree([record_part(done, bodies, config)], bodies, config, [])
     tree.attrs["title"] = config.site.name or "Rocking response of rigid blocks to a sequence of impulses"
     return tree
 

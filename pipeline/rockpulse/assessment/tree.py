@@ -14,11 +14,11 @@ import numpy as np
 import xarray as xr
 
 from rockpulse.assessment.direction_statistics import direction_statistics
-from rockpulse.assessment.directions import sweep_azimuths
 from rockpulse.assessment.growing_variables import growing_columns, lane_dimensions, sizes_of
 from rockpulse.config.bodies import Bodies
 from rockpulse.config.configuration import Config
 from rockpulse.failures import Failure
+from rockpulse.motions.directions import sweep_azimuths
 from rockpulse.storage.variables import (
     ANSWER,
     BLOCK,
@@ -42,7 +42,7 @@ RECORD_INDEX = "record_index"
 
 
 def build_tree(
-    done: Sequence[RecordAssessment],
+    parts: Sequence[Mapping[str, np.ndarray]],
     bodies: Bodies,
     config: Config,
     failures: Sequence[Failure],
@@ -52,8 +52,8 @@ def build_tree(
 
     Parameters
     ----------
-    done : sequence of RecordAssessment
-        In the order of the rows.
+    parts : sequence of mapping of str to ndarray
+        What each record adds (:func:`record_part`), in the order of the rows.
     bodies : Bodies
         The bodies that were assessed.
     config : Config
@@ -66,7 +66,7 @@ def build_tree(
     columns = growing_columns(bodies, config)
     sizes = sizes_of(bodies, config)
     empty = {path: column.empty(sizes) for path, column in columns.items()}
-    arrays = joined_parts([empty, *(record_part(one, bodies, config) for one in done)])
+    arrays = joined_parts([empty, *parts])
     groups: dict[str, dict[str, xr.Variable]] = defaultdict(dict)
     for path, column in columns.items():
         group, _, name = path.rpartition("/")

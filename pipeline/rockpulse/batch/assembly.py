@@ -11,19 +11,22 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from rockpulse.assessment.assessment import Assessment
 from rockpulse.assessment.direction_statistics import direction_statistics
 from rockpulse.assessment.tree import failure_table, joined_parts
 from rockpulse.batch.journal import Journal
 from rockpulse.batch.packing import unpack
 from rockpulse.errors import ResultsError
 from rockpulse.failures import Failure
+from rockpulse.motions.directions import swept_directions
+from rockpulse.motions.runner import Analysis, Part, Prepared
 from rockpulse.storage.hdf5_writer import TreeWriter, add_dataset
-from rockpulse.storage.save_load import check_described, provenance, replacing
+from rockpulse.storage.save_load import check_described, provenance, replacing, save
 
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["RUN_ID", "JournalParts", "assemble", "is_assembled"]
+__all__ = ["RUN_ID", "JournalParts", "assemble", "is_assembled", "write_results"]
 
 #: Attribute of the root: the run that wrote the file, as its journal names it.
 RUN_ID = "run_id"
@@ -34,8 +37,6 @@ CHUNK = 32 * 1024**2
 #: Bytes that each text takes in the file beyond its letters.
 PER_TEXT = 32
 
-Part = Mapping[str, np.ndarray]
-
 #: What /directions is made of, in /summary: of the record, and of its answers.
 SWEPT_RECORD = ("record", "pga", "main_impulse")
 SWEPT_ANSWER = ("peak_rotation_ratio", "outcome", "overturning_time", "safety_factor")
@@ -43,28 +44,36 @@ SWEPT_ANSWER = ("peak_rotation_ratio", "outcome", "overturning_time", "safety_fa
 
 @dataclass(frozen=True)
 class JournalParts:
-    """The parts of some tasks in a journal, in that order, as often as they are asked for.
-
-    Attributes
-    ----------
-    journal : Journal
-        Open.
-    keys : sequence of str
-        Of finished tasks.
-    events : mapping of str to str
-        By key the earthquake of its records, which all records together tell, and no task.
-    """
+    """The parts of some finished tasks in an open journal, by their keys and in that order, as often as asked for."""
 
     journal: Journal
+    analysis: Analysis
     keys: Sequence[str]
     events: Mapping[str, str]
 
-    def __iter__(self) -> Iterator[dict[str, np.ndarray]]:
+    def __iter__(self) -> Iterator[Part]:
         """Unpack one part after the other."""
         for key in self.keys:
-            event = {"/summary/event": np.array([self.events[key]])}
             for part in self.journal.parts(key):
-                yield unpack(part) | event
+                yield self.analysis.of_event(unpack(part), self.events[key])
+
+
+def write_results(
+    output: str | os.PathLike[str], parts: JournalParts, prepared: Prepared, failures: list[Failure], overwrite: bool
+) -> int:
+    """Write the results of a run; the number of motions in them, none where there was nothing to write."""
+    analysis, run_id = parts.analysis, parts.journal.run_id
+    if isinstance(analysis, Assessment):
+        if not any(True for _ in parts):
+            return 0
+        empty, swept = analysis.template, swept_directions(prepared.planned, analysis.config)
+        return assemble(output, empty, parts, failures, swept, overwrite, run_id)
+    found = list(parts)
+    tree = analysis.collect(found, prepared.planned, failures)
+    if found:
+        tree.attrs[RUN_ID] = run_id
+        save(tree, output, overwrite)
+    return len(found)
 
 
 def assemble(
@@ -86,12 +95,10 @@ def assemble(
     template : xarray.DataTree
         The tree without a record (:func:`rockpulse.assessment.tree.template`).
     parts : iterable of mapping
-        What each record adds (``record_part``), in the order of the rows. They are gone through
-        twice, for their sizes first; an iterator, which can be gone through once, is refused.
-    failures : sequence of Failure
-        The rows of /failures.
-    swept : mapping of str to sequence of str, optional
-        As :func:`rockpulse.assessment.tree.build_tree` takes it.
+        What each record adds, in the order of the rows. They are gone through twice, for their sizes first; an
+        iterator, which can be gone through once, is refused.
+    failures, swept
+        As :func:`rockpulse.assessment.tree.build_tree` takes them.
     overwrite : bool
         Whether results that exist may be replaced.
     run_id : str
@@ -126,15 +133,7 @@ def assemble(
 
 
 def is_assembled(path: str | os.PathLike[str], run_id: str) -> bool:
-    """Whether a run has written this file, and was stopped before it removed its journal or kept it for what broke off.
-
-    Parameters
-    ----------
-    path : str or Path
-        The output; it need not exist.
-    run_id : str
-        Of the run (:attr:`rockpulse.batch.journal.Journal.run_id`).
-    """
+    """Whether a run has written this file, which need not exist, and its journal is still there."""
     import h5py
 
     if not Path(path).is_file() or not h5py.is_hdf5(path):
@@ -144,7 +143,8 @@ def is_assembled(path: str | os.PathLike[str], run_id: str) -> bool:
             return bool(file.attrs.get(RUN_ID) == run_id)
     except (OSError, RuntimeError) as error:
         raise ResultsError(
-            f"{path}: the file is damaged ({error}); remove it by hand, or give --overwrite together with --resume"
+            f"{path}: the file is damaged ({error}); remove it by hand, or give --overwrite together with --resume",
+            tells_resume=True,
         ) from error
 
 

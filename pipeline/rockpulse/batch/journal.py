@@ -57,9 +57,7 @@ class Done:
     fingerprint : str
         That of the task, or :data:`UNFINISHED`.
     parts : tuple of bytes
-        One for each motion: of an assessment the arrays of `rockpulse.assessment.tree.record_part`, packed by
-        `rockpulse.batch.packing.pack`; of a calibration a record of the site, packed by
-        `rockpulse.studies.site.part.pack_site_record`.
+        One for each motion (`rockpulse.motions.runner.Part`), packed by `rockpulse.batch.packing.pack`.
     failures : tuple of Failure
         A row for everything that failed; one for a task that broke off, and no part.
     messages : tuple of (int, str)
@@ -78,6 +76,9 @@ class Done:
 
 class JournalError(ResultsError):
     """The journal itself cannot be used; the message says what becomes of what it keeps."""
+
+    def __init__(self, message: str, tells_resume: bool = True) -> None:
+        super().__init__(message, tells_resume)
 
 
 class Journal:

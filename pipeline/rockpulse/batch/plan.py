@@ -3,30 +3,39 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, fields, replace
 from functools import lru_cache
 from pathlib import Path
+from typing import TypeVar
 
 import rocking
-from rockpulse.assessment.directions import PlannedMotion, plan_motions, swept_directions
 from rockpulse.batch.located import Located
 from rockpulse.config.configuration import Config
+from rockpulse.config.fragility_settings import FragilitySettings
 from rockpulse.config.settings import SECTIONS, CalibrationSettings
-from rockpulse.failures import Failure
+from rockpulse.motions.directions import PlannedMotion
 from rockpulse.readers import ReadOptions
 from rockpulse.record.record import Record
 from rockpulse.storage.save_load import SCHEMA_VERSION
 from rockpulse.version import __version__
 
-__all__ = ["Plan", "Task", "configuration_fingerprint", "plan", "program_digest", "read_options"]
+__all__ = ["Task", "configuration_fingerprint", "program_digest", "read_options", "tasks_of"]
 
 #: Sections of the configuration on which no record's numbers depend, by verb.
-IDLE = {"assess": {"site", "calibration", "fragility"}, "calibrate": {"site", "models", "search", "fragility"}}
+IDLE = {
+    "assess": {"site", "calibration", "fragility"},
+    "calibrate": {"site", "models", "search", "fragility"},
+    "fragility": {"site", "models", "calibration"},
+}
 
-#: Keys of [calibration] that are used when all records are done, and those that only matching a response asks for.
+#: Keys of [calibration] that are used when all records are done, those that only matching a response asks for, and keys
+#: of [fragility] that are used when all records are done.
 LATE = ("weights", "design", "quantile", "bootstrap")
 OF_MATCHING = ("family", "confidence")
+OF_FITS = ("model", "overturning_model", "confidence")
+
+SettingsOf = TypeVar("SettingsOf", CalibrationSettings, FragilitySettings)
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,89 +70,26 @@ class Task:
         return "; ".join(dict.fromkeys(channel.record.source for channel in self.channels))
 
     def read(self, options: ReadOptions) -> PlannedMotion:
-        """What is planned, with the samples.
-
-        Parameters
-        ----------
-        options : ReadOptions
-            Those of the survey.
-
-        Raises
-        ------
-        RockpulseError, OSError
-            As `rockpulse.batch.located.Located.read`.
-        """
+        """What is planned, with the samples, read with the options of the survey; raises as `Located.read`."""
         channels = tuple(channel.read(options) for channel in self.channels)
         vertical = None if self.vertical is None else self.vertical.read(options)
         return replace(self.planned, channels=channels, vertical=vertical)
 
 
-@dataclass(frozen=True, eq=False)
-class Plan:
-    """Everything that is to be done.
-
-    Attributes
-    ----------
-    tasks : tuple of Task
-        In the order of the results.
-    failures : list of Failure
-        What is left out already.
-    swept : dict of str to list of str, or None
-        Name of each pair of a sweep over direction, and the ids of its directions; None where there is no sweep.
-    """
-
-    tasks: tuple[Task, ...]
-    failures: list[Failure]
-    swept: dict[str, list[str]] | None
-
-    @property
-    def planned(self) -> list[PlannedMotion]:
-        """What the tasks are, without samples."""
-        return [task.planned for task in self.tasks]
-
-
-def plan(located: Sequence[Located], failures: Iterable[Failure], config: Config, verb: str = "assess") -> Plan:
-    """Decide what is to be done.
-
-    Parameters
-    ----------
-    located : sequence of Located
-        From `rockpulse.batch.survey.gather`; ids differ.
-    failures : iterable of Failure
-        What reading has left out.
-    config : Config
-        Options.
-    verb : {"assess", "calibrate"}
-        What is done. The records of a site are dealt with in the order of their ids, as
-        :func:`rockpulse.calibrate_site` does, those of an assessment in the order given.
-
-    Returns
-    -------
-    Plan
-        The tasks that :func:`rockpulse.assess` or :func:`rockpulse.calibrate_site` would carry out one by one.
-    """
-    if verb == "calibrate":
-        located = sorted(located, key=lambda one: one.record.id)
+def tasks_of(planned: Iterable[PlannedMotion], located: Iterable[Located], config: Config, verb: str) -> list[Task]:
+    """A task for each channel or pair that an analysis has planned on located records."""
     of_id = {one.record.id: one for one in located}
-    planned, left_out = plan_motions([one.record for one in located], config)
     settings = configuration_fingerprint(config, verb)
 
     def place(record: Record) -> Located:
         """The planned record, which may have got a warning, with the places of its samples."""
         return replace(of_id[record.id], record=record)
 
-    tasks = tuple(_task(one, place, settings) for one in planned)
-    return Plan(tasks, [*failures, *left_out], swept_directions(planned, config))
+    return [_task(one, place, settings) for one in planned]
 
 
 def read_options(config: Config) -> ReadOptions:
-    """How the configuration has files read.
-
-    Parameters
-    ----------
-    config : Config
-        Section records is used.
-    """
+    """How the configuration has files read."""
     records = config.records
     return ReadOptions(records.units, records.dt, records.response)
 
@@ -151,28 +97,27 @@ def read_options(config: Config) -> ReadOptions:
 def configuration_fingerprint(config: Config, verb: str) -> str:
     """SHA-256 of the options that change numbers of a record, of the schema and of the program.
 
-    Parameters
-    ----------
-    config : Config
-        Options; paths of records and the number of workers change nothing, nor does the name of the site, or what is
-        looked at when all records are done: the tables of events and weights, and the quantile and the resamples of a
-        site. The seed and the level of confidence are asked for where the response of each record is matched.
-    verb : {"assess", "calibrate"}
-        What is done.
+    Paths of records and the number of workers change nothing, nor does the name of the site, or what is looked at when
+    all records are done: the tables of events and weights, and the options of statistics and fits. The seed and the
+    level of confidence are asked for where the response of each record is matched.
     """
-    late = {name: getattr(CalibrationSettings(), name) for name in LATE}
     matched = verb == "calibrate" and config.calibration.method == "response"
-    if not matched:
-        late |= {name: getattr(CalibrationSettings(), name) for name in OF_MATCHING}
     config = replace(
         config,
         records=replace(config.records, paths=(), events=None),
-        calibration=replace(config.calibration, **late),
+        calibration=_as_default(config.calibration, LATE if matched else LATE + OF_MATCHING),
+        fragility=_as_default(config.fragility, OF_FITS),
         run=replace(config.run, workers=1, seed=config.run.seed if matched else 0),
     )
     sections = [repr(getattr(config, name)) for name in SECTIONS if name not in IDLE[verb]]
     bodies = [repr(entry) for entry in (*config.blocks, *config.demands)]
     return _digest([verb, __version__, program_digest(), SCHEMA_VERSION, *sections, *bodies])
+
+
+def _as_default(settings: SettingsOf, keys: Iterable[str]) -> SettingsOf:
+    """A section with some of its keys as where they are omitted."""
+    plain = type(settings)()
+    return replace(settings, **{key: getattr(plain, key) for key in keys})
 
 
 @lru_cache(maxsize=1)

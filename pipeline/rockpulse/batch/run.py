@@ -5,32 +5,32 @@ from __future__ import annotations
 import logging
 import os
 from collections import Counter
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
 
 from rocking.threads import available_cores, thread_limit
-from rockpulse.batch.assembly import is_assembled
+from rockpulse.assessment.assessment import Assessment
+from rockpulse.batch.assembly import JournalParts, is_assembled, write_results
 from rockpulse.batch.crew import Crew, WorkerLost
-from rockpulse.batch.journal import Journal, JournalError, journal_path
+from rockpulse.batch.journal import UNFINISHED, Journal, journal_path
 from rockpulse.batch.kept import finished, kept, worth
 from rockpulse.batch.located import Located
 from rockpulse.batch.options import BatchOptions
-from rockpulse.batch.plan import Plan, Task, plan, read_options
+from rockpulse.batch.plan import Task, read_options, tasks_of
 from rockpulse.batch.survey import find, gather, survey_file
-from rockpulse.batch.tasks import UNFINISHED, Done
-from rockpulse.batch.verbs import Assessment, Calibration, Verb
+from rockpulse.batch.tasks import carry_out
 from rockpulse.batch.warm import warm_up
 from rockpulse.config.configuration import Config
 from rockpulse.errors import RecordRefused, ResultsError, StoppedAtFailure
 from rockpulse.failures import Failure
+from rockpulse.motions.runner import Analysis
 from rockpulse.readers.folders import Found
 from rockpulse.storage.save_load import check_target, remove_parts
-from rockpulse.storage.site_variables import SITE_KIND
 
-__all__ = ["BatchReport", "Interrupted", "assess_files", "calibrate_files"]
+__all__ = ["BatchReport", "Interrupted", "assess_files", "calibrate_files", "fragility_files"]
 
 logger = logging.getLogger("rockpulse")
 
@@ -107,8 +107,7 @@ def assess_files(
     Interrupted
         At Ctrl-C.
     """
-    options = options or BatchOptions()
-    return _run(Assessment(config, output, options.tell), paths, options)
+    return _run(Assessment(config), paths, output, options or BatchOptions())
 
 
 def calibrate_files(
@@ -134,12 +133,43 @@ def calibrate_files(
     RecordRefused
         As :func:`rockpulse.calibrate_site`.
     """
-    return _run(Calibration(config, output), paths, options or BatchOptions())
+    # With scipy.stats, which would take a third of the time that a worker of an assessment takes to start.
+    from rockpulse.studies.site.calibration import SiteCalibration
+
+    return _run(SiteCalibration(config), paths, output, options or BatchOptions())
 
 
-def _run(verb: Verb, paths: PathLike | Iterable[PathLike], options: BatchOptions) -> BatchReport:
-    output = verb.output
-    check_target(output, options.overwrite or options.resume, verb.kind)  # resumed: what is there may be its own
+def fragility_files(
+    paths: PathLike | Iterable[PathLike], config: Config, output: PathLike, options: BatchOptions | None = None
+) -> BatchReport:
+    """Fit fragility curves to the capacities of bodies under all records of some files, and write the fragility file.
+
+    The curves are those of :func:`rockpulse.fragility_curves` on all records of the paths.
+
+    Parameters
+    ----------
+    paths, config, output, options
+        As for :func:`assess_files`.
+
+    Returns
+    -------
+    BatchReport
+
+    Raises
+    ------
+    ConfigError, ResultsError, StoppedAtFailure, Interrupted
+        As :func:`assess_files`.
+    """
+    from rockpulse.studies.fragility.assessment import FragilityAnalysis
+
+    return _run(FragilityAnalysis(config), paths, output, options or BatchOptions())
+
+
+def _run(
+    analysis: Analysis, paths: PathLike | Iterable[PathLike], output: PathLike, options: BatchOptions
+) -> BatchReport:
+    # A run that is resumed may find its own file there.
+    check_target(output, options.overwrite or options.resume, analysis.kind)
     if options.scheduler is not None:  # its workers stand in folders of their own
         given = [paths] if isinstance(paths, str | os.PathLike) else paths
         paths = [os.path.abspath(path) for path in given]  # noqa: PTH100 - links stay what they are
@@ -147,38 +177,42 @@ def _run(verb: Verb, paths: PathLike | Iterable[PathLike], options: BatchOptions
     found, failures = find(paths, (output, journal_file, f"{journal_file}-journal", *options.written))
     with Journal.open(output, options.resume, options.overwrite) as journal, ExitStack() as hired:
         remove_parts(output)  # of runs that were killed
-        made = Plan((), [], None)
+        tasks: list[Task] = []
         try:
             replace = options.overwrite or (options.resume and is_assembled(output, journal.run_id))
-            check_target(output, replace, verb.kind)
-            crew = _hired(hired, options, verb, len(found))
-            every, failures, unread = _surveyed(crew, found, failures, verb, options)
-            made = plan(every, failures, verb.config, verb.name)
-            for row in made.failures:
+            check_target(output, replace, analysis.kind)
+            crew = _hired(hired, options, analysis, len(found))
+            every, failures, unread = _surveyed(crew, found, failures, analysis, options)
+            prepared = analysis.prepare([one.record for one in every], failures)
+            tasks = tasks_of(prepared.planned, every, analysis.config, analysis.name)
+            for row in prepared.failures:
                 if row.kind == "failed":
                     logger.error("%s", row.reason)
-            _stop_at(made.failures, options)
-            work = verb.work(every, made)
-            missing = _missing(journal, made, verb, options)
-            crew = _hired(hired, options, verb, len(missing), crew)
-            report = _worked(crew, journal, made, missing, work, verb, options)
-            report.broken_off = unread + len(made.tasks) - len(finished(journal, made))
-            report.records = verb.write(journal, made, report.failures, replace)
+                if row.stage == "events":
+                    options.tell(row.reason)
+            _stop_at(prepared.failures, options)
+            missing = _missing(journal, tasks, analysis, options)
+            crew = _hired(hired, options, analysis, len(missing), crew)
+            report = _worked(crew, journal, tasks, missing, analysis, options)
+            report.failures = [*prepared.failures, *report.failures]
+            keys = finished(journal, tasks)
+            report.broken_off = unread + len(tasks) - len(keys)
+            parts = JournalParts(journal, analysis, keys, prepared.events)
+            report.records = write_results(output, parts, prepared, report.failures, replace)
         except RecordRefused:  # the records make no site
-            _without_output(journal, made, options)
+            _without_output(journal, tasks, options)
             raise
         except BaseException as error:
-            left = kept(journal, made)
-            if isinstance(error, StoppedAtFailure) and "--resume" in left:
-                left += ", past this failure without --strict"
+            left = kept(journal, tasks, strict=isinstance(error, StoppedAtFailure))
             logger.error("%s; %s", str(error) or type(error).__name__, left)
             if isinstance(error, KeyboardInterrupt):
                 raise Interrupted(f"interrupted; {left}") from None
-            if isinstance(error, StoppedAtFailure | ConnectionError) or _to_be_resumed(error):
+            silent = isinstance(error, ResultsError) and not error.tells_resume
+            if silent or isinstance(error, StoppedAtFailure | ConnectionError):
                 raise type(error)(f"{error}; {left}") from error
             raise
         if not report.records:
-            _without_output(journal, made, options)
+            _without_output(journal, tasks, options)
         elif report.broken_off:
             again = f"the same command with --resume tries them again, for which {journal.path} is kept"
             _tell_all(f"{_counted(report.broken_off)} broke off: {again}", options)
@@ -192,23 +226,18 @@ def _run(verb: Verb, paths: PathLike | Iterable[PathLike], options: BatchOptions
     return report
 
 
-def _to_be_resumed(error: BaseException) -> bool:
-    """Whether an error says neither what becomes of the journal nor how to go on."""
-    return isinstance(error, ResultsError) and not isinstance(error, JournalError) and "--resume" not in str(error)
-
-
 def _counted(broken_off: int) -> str:
     return "1 file or record" if broken_off == 1 else f"{broken_off} files or records"
 
 
-def _without_output(journal: Journal, made: Plan, options: BatchOptions) -> None:
+def _without_output(journal: Journal, tasks: Sequence[Task], options: BatchOptions) -> None:
     """Leave a journal whose records give nothing to write: removed, unless some are of other files or broke off."""
-    others = worth(journal) - {task.key for task in made.tasks}
+    others = worth(journal) - {task.key for task in tasks}
     if others:
         are = f"{journal.path} keeps {len(others)} finished records of other files"
         _tell_all(f"{are}: give --resume with the paths of these", options)
-    elif 0 < len(finished(journal, made)) < len(made.tasks):
-        _tell_all(kept(journal, made), options)
+    elif 0 < len(finished(journal, tasks)) < len(tasks):
+        _tell_all(kept(journal, tasks), options)
     else:
         journal.remove()
 
@@ -218,13 +247,13 @@ def _tell_all(text: str, options: BatchOptions) -> None:
     options.tell(text)
 
 
-def _hired(hired: ExitStack, options: BatchOptions, verb: Verb, items: int, before: Crew | None = None) -> Crew:
+def _hired(hired: ExitStack, options: BatchOptions, analysis: Analysis, items: int, before: Crew | None = None) -> Crew:
     """Those who see to so many items, with kernels that are compiled; those `before` stay where they are enough."""
     if options.executor is not None:
         return before or hired.enter_context(Crew.through(options.executor))
     if options.scheduler is not None:
         return before or hired.enter_context(Crew.scheduler(options.scheduler))
-    workers = verb.config.run.workers if options.workers is None else options.workers
+    workers = analysis.config.run.workers if options.workers is None else options.workers
     if workers == "all":
         workers = max(1, min(available_cores(), items // ITEMS_PER_WORKER))
     elif workers == 1 and before is None:
@@ -234,15 +263,15 @@ def _hired(hired: ExitStack, options: BatchOptions, verb: Verb, items: int, befo
     if workers == 1:
         return hired.enter_context(Crew.inline())
     hired.close()  # of those before
-    warm_up(verb.config, calibration=verb.kind == SITE_KIND)  # once, here, not once in every worker
+    warm_up(analysis)  # once, here, not once in every worker
     return hired.enter_context(Crew.local(int(workers)))
 
 
 def _surveyed(
-    crew: Crew, found: Sequence[Found], failures: Sequence[Failure], verb: Verb, options: BatchOptions
+    crew: Crew, found: Sequence[Found], failures: Sequence[Failure], analysis: Analysis, options: BatchOptions
 ) -> tuple[list[Located], list[Failure], int]:
     """All channels without their samples, what was left out, and how much of that may be read another time."""
-    look = partial(survey_file, options=read_options(verb.config))
+    look = partial(survey_file, options=read_options(analysis.config))
     surveys, rows, unread = [], list(failures), 0
     _stop_at(rows, options)
     logger.info("reading %d files", len(found))
@@ -261,18 +290,20 @@ def _surveyed(
     return *gather(found, surveys, rows), unread
 
 
-def _missing(journal: Journal, made: Plan, verb: Verb, options: BatchOptions) -> list[Task]:
+def _missing(journal: Journal, tasks: Sequence[Task], analysis: Analysis, options: BatchOptions) -> list[Task]:
     """The tasks that are to be done; what was refused before is a failure to stop at like any other."""
     before = journal.finished()
-    missing = [task for task in made.tasks if before.get(task.key) != task.fingerprint]
-    resumed = len(made.tasks) - len(missing)
+    missing = [task for task in tasks if before.get(task.key) != task.fingerprint]
+    resumed = len(tasks) - len(missing)
     stale = sum(before.get(task.key, UNFINISHED) != UNFINISHED for task in missing)
-    logger.info("%s %d records; finished before: %d, of another state: %d", verb.doing, len(missing), resumed, stale)
+    logger.info(
+        "%s %d records; finished before: %d, of another state: %d", analysis.doing, len(missing), resumed, stale
+    )
     if options.resume:
         again = f"; {stale} are done again, for they, the options or the version of rockpulse have changed"
-        options.tell(f"{resumed} of {len(made.tasks)} records were finished before{again if stale else ''}")
+        options.tell(f"{resumed} of {len(tasks)} records were finished before{again if stale else ''}")
     rows = journal.failures()
-    for key in finished(journal, made):
+    for key in finished(journal, tasks):
         _stop_at(rows.get(key, ()), options)
     return missing
 
@@ -280,20 +311,20 @@ def _missing(journal: Journal, made: Plan, verb: Verb, options: BatchOptions) ->
 def _worked(
     crew: Crew,
     journal: Journal,
-    made: Plan,
+    tasks: Sequence[Task],
     missing: Sequence[Task],
-    work: Callable[[Task], Done],
-    verb: Verb,
+    analysis: Analysis,
     options: BatchOptions,
 ) -> BatchReport:
     """Every missing task, into the journal; a task whose worker is lost is a row of its own."""
-    report = BatchReport(resumed=len(made.tasks) - len(missing))
+    work = partial(carry_out, work=analysis.work, stage=analysis.name, config=analysis.config)
+    report = BatchReport(resumed=len(tasks) - len(missing))
     lost: dict[str, Failure] = {}
-    with options.bar(total=len(made.tasks), initial=report.resumed, desc=verb.doing, unit=" records") as bar:
+    with options.bar(total=len(tasks), initial=report.resumed, desc=analysis.doing, unit=" records") as bar:
         for task, done in crew.run(work, missing):
             if isinstance(done, WorkerLost):
                 reason = f"{task.key}: {done.reason}, each time it was tried; if memory ran out, use fewer workers"
-                lost[task.key] = Failure(task.source, verb.name, reason, "failed")
+                lost[task.key] = Failure(task.source, analysis.name, reason, "failed")
                 logger.error("%s", reason)
                 _stop_at([lost[task.key]], options)
             else:
@@ -305,7 +336,7 @@ def _worked(
             bar.update(1)
     rows = {key: list(failures) for key, failures in journal.failures().items()}
     rows |= {key: [failure] for key, failure in lost.items()}
-    report.failures = [*made.failures, *(row for task in made.tasks for row in rows.get(task.key, ()))]
+    report.failures = [row for task in tasks for row in rows.get(task.key, ())]
     return report
 
 

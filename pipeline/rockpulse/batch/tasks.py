@@ -5,111 +5,27 @@ from __future__ import annotations
 import logging
 import time
 import traceback
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
 from threading import get_ident
-from typing import TYPE_CHECKING, Generic, TypeVar
 
-from rocking.block import Block
-from rockpulse.assessment.assessment import RecordAssessment, Watch, assess_planned
-from rockpulse.assessment.directions import PlannedMotion
-from rockpulse.assessment.tree import record_part
 from rockpulse.batch.journal import UNFINISHED, Done
 from rockpulse.batch.packing import pack
 from rockpulse.batch.plan import Task, read_options
 from rockpulse.batch.survey import unexpected
-from rockpulse.config.bodies import Bodies
 from rockpulse.config.configuration import Config
 from rockpulse.errors import RockpulseError
 from rockpulse.failures import Failure
+from rockpulse.motions.runner import Work, worked
 
-if TYPE_CHECKING:
-    from rockpulse.studies.site.record import SiteRecord
-
-__all__ = ["Job", "assess_task", "calibrate_task"]
-
-Acting = TypeVar("Acting", Bodies, Block)
-Result = TypeVar("Result")
+__all__ = ["carry_out"]
 
 #: The steps whose time is measured.
 STEPS = ("read", "condition", "solve", "pack")
 
 
-@dataclass(frozen=True)
-class Job(Generic[Acting]):
-    """What all tasks of a run have in common.
-
-    Attributes
-    ----------
-    config : Config
-        Options.
-    bodies : Bodies or Block
-        The bodies to assess; of a calibration the (m,) blocks that the design has to cover.
-    """
-
-    config: Config
-    bodies: Acting
-
-
-def assess_task(task: Task, job: Job[Bodies]) -> Done:
-    """Assess all bodies under the motions of a task.
-
-    Parameters
-    ----------
-    task : Task
-        From `rockpulse.batch.plan.plan`.
-    job : Job
-        Options and bodies.
-
-    Returns
-    -------
-    Done
-        Whatever goes wrong is a row in it.
-    """
-
-    def work(planned: PlannedMotion, watch: Watch) -> Iterator[RecordAssessment | Failure]:
-        return assess_planned(planned, job.bodies, job.config, watch)
-
-    def packed(assessment: RecordAssessment) -> bytes:
-        return pack(record_part(assessment, job.bodies, job.config))
-
-    return _carried_out(task, "assess", job.config, work, packed)
-
-
-def calibrate_task(task: Task, job: Job[Block]) -> Done:
-    """Calibrate the sequences of the motions of a task.
-
-    Parameters
-    ----------
-    task : Task
-        From `rockpulse.batch.plan.plan`.
-    job : Job
-        Options and blocks.
-
-    Returns
-    -------
-    Done
-        Whatever goes wrong is a row in it.
-    """
-    # With scipy.stats, which would take a third of the time that a worker takes to start; assess_task does without.
-    from rockpulse.studies.site.calibration import calibrate_planned
-    from rockpulse.studies.site.part import pack_site_record
-
-    def work(planned: PlannedMotion, watch: Watch) -> Iterator[SiteRecord | Failure]:
-        return calibrate_planned(planned, job.bodies, job.config, watch)
-
-    return _carried_out(task, "calibrate", job.config, work, pack_site_record)
-
-
-def _carried_out(
-    task: Task,
-    stage: str,
-    config: Config,
-    work: Callable[[PlannedMotion, Watch], Iterator[Result | Failure]],
-    packed: Callable[[Result], bytes],
-) -> Done:
-    """What the work on the samples of a task yields, until it ends or an error ends it."""
+def carry_out(task: Task, work: Work, stage: str, config: Config) -> Done:
+    """Read the samples of a task and work on its motions; whatever goes wrong is a row in what comes of it."""
     seconds = dict.fromkeys(STEPS, 0.0)
 
     @contextmanager
@@ -128,12 +44,12 @@ def _carried_out(
             with watch("read"):
                 planned = task.read(read_options(config))
             at = stage
-            for outcome in work(planned, watch):
+            for outcome in worked(planned, work, stage, config, watch):
                 if isinstance(outcome, Failure):
                     failures.append(outcome)
                 else:
                     with watch("pack"):
-                        parts.append(packed(outcome))
+                        parts.append(pack(outcome))
         except Exception as fault:
             if not isinstance(fault, RockpulseError | OSError):
                 messages.append((logging.ERROR, f"{task.key}: {traceback.format_exc()}"))

@@ -5,38 +5,33 @@ from __future__ import annotations
 from dataclasses import replace
 
 from rocking.block import Block
-from rockpulse.assessment.assessment import assess_record
-from rockpulse.assessment.directions import Motion
-from rockpulse.config.bodies import gather_bodies
 from rockpulse.config.configuration import Config
 from rockpulse.config.settings import CalibrationSettings
+from rockpulse.motions.directions import conditioned_motions
+from rockpulse.motions.runner import Analysis, unwatched
 from rockpulse.record.record import Record
 from rockpulse.record.synthetic import synthetic_motion
 
 __all__ = ["warm_up"]
 
 
-def warm_up(config: Config, calibration: bool = False) -> None:
-    """Have this process compile, or load, every kernel that the work of a configuration calls.
+def warm_up(analysis: Analysis) -> None:
+    """Have this process compile, or load, every kernel that the work of an analysis calls.
 
-    Parameters
-    ----------
-    config : Config
-        Its models and searches answer once, under a synthetic motion of a few seconds.
-    calibration : bool
-        Whether the work is a calibration of sequences instead of an assessment.
+    Its models and searches answer once, under a synthetic motion of a few seconds.
     """
-    motion = synthetic_motion(1, duration=8.0, pga=6.0)
-    record = Record(motion, dt=0.01, id="warm-up", processed=True)
+    config = analysis.config
+    plain = Config(
+        models=config.models,
+        search=replace(config.search, points=8, step=1.2),
+        calibration=CalibrationSettings(method="statistics"),
+        fragility=replace(config.fragility, pga_min=0.0),
+    )
+    record = Record(synthetic_motion(1, duration=8.0, pga=6.0), dt=0.01, id="warm-up", processed=True)
     # From a post that the motion overturns to a wall that it hardly moves: every rung of the ladder has work to do.
-    blocks = [
-        Block(half_width=b, half_height=h) for b, h in ((0.1, 1.0), (0.2, 2.0), (0.5, 2.5), (1.0, 5.0), (1.0, 4.0))
-    ]
-    if calibration:
-        from rockpulse.studies.site.record import site_record
-
-        statistics = Config(calibration=CalibrationSettings(method="statistics"))
-        site_record(Motion(record, (record,)), Block.stack(blocks), statistics)
-    else:
-        plain = Config(models=config.models, search=replace(config.search, points=8, step=1.2))
-        assess_record(record, gather_bodies(dict(zip("abcde", blocks, strict=True))), plain)
+    sizes = {"a": (0.1, 1.0), "b": (0.2, 2.0), "c": (0.5, 2.5), "d": (1.0, 5.0), "e": (1.0, 4.0)}
+    blocks = {name: Block(half_width=b, half_height=h) for name, (b, h) in sizes.items()}
+    small = type(analysis)(plain, blocks)
+    for one in small.prepare([record]).planned:
+        for motion in conditioned_motions(one, plain):
+            small.work(motion, unwatched)

@@ -3,12 +3,18 @@
 from __future__ import annotations
 
 import argparse
-import sys
+from functools import partial
 from typing import TYPE_CHECKING
 
-from rockpulse.commands.batch_input import add_batch_arguments, batch_given, batch_options, recorded
+from rockpulse.commands.batch_input import (
+    add_batch_arguments,
+    batch_given,
+    batch_options,
+    nothing_written,
+    recorded,
+    told,
+)
 from rockpulse.commands.record_input import add_record_arguments, configured, resolved
-from rockpulse.commands.telling import tell
 from rockpulse.commands.verb import Verb
 
 if TYPE_CHECKING:
@@ -34,22 +40,16 @@ def _run(args: argparse.Namespace) -> int:
 def _of_records(args: argparse.Namespace) -> int:
     config, paths = resolved(args)
 
-    import xarray as xr
-
-    from rockpulse.assessment.tree import failure_table
     from rockpulse.batch.run import assess_files
     from rockpulse.storage.hdf5_reader import open_results
-    from rockpulse.views.text.left_out import failure_list
 
     with recorded(args):
         report = assess_files(paths, config, args.output, batch_options(args))
     if report.path is None:
-        rows = xr.DataTree.from_dict({"/failures": failure_table(report.failures)})
-        tell(f"{failure_list(rows)}\nrockpulse: not one record could be assessed, nothing was written", sys.stderr)
-        return 1
+        return nothing_written(report.failures, "assessed")
     shown = ("failures",) if args.quiet else ("summary", "directions", "failures")
     with open_results(report.path) as file, file.reading():
-        return _told(file.tree(*shown), args)
+        return told(file.tree(*shown), args, partial(_overview, output=args.output))
 
 
 def _of_sequence(args: argparse.Namespace) -> int:
@@ -71,20 +71,13 @@ def _of_sequence(args: argparse.Namespace) -> int:
     name = f"design sequence {quantile:g}"
     tree = assess_sequence(sequence, config, name=name, source=str(args.sequence))
     save(tree, args.output, overwrite=args.overwrite)
-    return _told(tree, args)
+    return told(tree, args, partial(_overview, output=args.output))
 
 
-def _told(tree: xr.DataTree, args: argparse.Namespace) -> int:
-    """Print the overview, or what failed alone; the exit code."""
-    from rockpulse.views.text.left_out import failure_list
+def _overview(tree: xr.DataTree, output: str) -> str:
     from rockpulse.views.text.overview import overview
 
-    failed = failure_list(tree, kinds=("failed",))
-    if not args.quiet:
-        tell(f"{overview(tree)}\n\nresults: {args.output}")
-    elif failed:
-        tell(failed, sys.stderr)
-    return 1 if failed else 0
+    return f"{overview(tree)}\n\nresults: {output}"
 
 
 VERB = Verb(

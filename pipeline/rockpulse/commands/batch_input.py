@@ -8,7 +8,7 @@ import re
 import signal
 import sys
 import threading
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, NoReturn
@@ -18,21 +18,18 @@ from rockpulse.commands.telling import tell
 from rockpulse.errors import ConfigError
 
 if TYPE_CHECKING:
-    from rockpulse.batch.options import BatchOptions
+    import xarray as xr
 
-__all__ = ["add_batch_arguments", "batch_given", "batch_options", "recorded"]
+    from rockpulse.batch.options import BatchOptions
+    from rockpulse.failures import Failure
+
+__all__ = ["add_batch_arguments", "batch_given", "batch_options", "nothing_written", "recorded", "told"]
 
 LOG_FORMAT = "%(asctime)s %(levelname)s %(message)s"
 
 
 def add_batch_arguments(parser: argparse.ArgumentParser) -> None:
-    """Who works, and what happens when a run stops half-way.
-
-    Parameters
-    ----------
-    parser : argparse.ArgumentParser
-        That of the verb.
-    """
+    """Add who works, and what happens when a run stops half-way."""
     where = parser.add_mutually_exclusive_group()
     where.add_argument(
         "--workers",
@@ -55,25 +52,13 @@ def add_batch_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def batch_given(args: argparse.Namespace) -> list[str]:
-    """The options of a batch that were given.
-
-    Parameters
-    ----------
-    args : argparse.Namespace
-        What :func:`add_batch_arguments` has added.
-    """
+    """Names of the options of a batch that were given."""
     names = ("workers", "scheduler", "resume", "strict", "log_file")
     return [f"--{name.replace('_', '-')}" for name in names if getattr(args, name)]
 
 
 def batch_options(args: argparse.Namespace) -> BatchOptions:
-    """How the batch is carried out.
-
-    Parameters
-    ----------
-    args : argparse.Namespace
-        What :func:`add_batch_arguments` has added, with `overwrite` and `quiet`.
-    """
+    """How the batch is carried out."""
     from rockpulse.batch.options import BatchOptions
 
     return BatchOptions(
@@ -91,11 +76,6 @@ def batch_options(args: argparse.Namespace) -> BatchOptions:
 @contextmanager
 def recorded(args: argparse.Namespace) -> Iterator[None]:
     """Log to the file that is asked for, and take a polite request to end (SIGTERM) like Ctrl-C, meanwhile.
-
-    Parameters
-    ----------
-    args : argparse.Namespace
-        With `log_file`, `output` and `quiet`.
 
     Raises
     ------
@@ -126,6 +106,30 @@ def recorded(args: argparse.Namespace) -> Iterator[None]:
             logger.removeHandler(handler)
             logger.setLevel(before)
             handler.close()
+
+
+def nothing_written(failures: Sequence[Failure], what: str) -> int:
+    """Tell why not one record could be used; the exit code."""
+    import xarray as xr
+
+    from rockpulse.assessment.tree import failure_table
+    from rockpulse.views.text.left_out import failure_list
+
+    rows = xr.DataTree.from_dict({"/failures": failure_table(failures)})
+    tell(f"{failure_list(rows)}\nrockpulse: not one record could be {what}, nothing was written", sys.stderr)
+    return 1
+
+
+def told(tree: xr.DataTree, args: argparse.Namespace, overview: Callable[[xr.DataTree], str]) -> int:
+    """Print the overview, or with --quiet what failed alone; the exit code."""
+    from rockpulse.views.text.left_out import failure_list
+
+    failed = failure_list(tree, kinds=("failed",))
+    if not args.quiet:
+        tell(overview(tree))
+    elif failed:
+        tell(failed, sys.stderr)
+    return 1 if failed else 0
 
 
 def _check_log(log: Path, output: Path) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import sys
 
-from rockpulse.commands.batch_input import add_batch_arguments, batch_options, recorded
+from rockpulse.commands.batch_input import add_batch_arguments, batch_options, recorded, told
 from rockpulse.commands.record_input import add_record_arguments, resolved
 from rockpulse.commands.telling import tell
 from rockpulse.commands.verb import Verb
@@ -24,7 +24,6 @@ def _run(args: argparse.Namespace) -> int:
     from rockpulse.batch.run import calibrate_files
     from rockpulse.errors import RecordRefused
     from rockpulse.storage.save_load import load
-    from rockpulse.views.text.left_out import failure_list
     from rockpulse.views.text.site import site_overview
 
     try:
@@ -33,13 +32,7 @@ def _run(args: argparse.Namespace) -> int:
     except RecordRefused as error:
         tell(f"rockpulse: {error}\nrockpulse: nothing was written", sys.stderr)
         return 1
-    tree = load(args.output)
-    failed = failure_list(tree, kinds=("failed",))
-    if not args.quiet:
-        tell(f"{site_overview(tree)}\n\nsite: {args.output}")
-    elif failed:
-        tell(failed, sys.stderr)
-    return 1 if failed else 0
+    return told(load(args.output), args, lambda tree: f"{site_overview(tree)}\n\nsite: {args.output}")
 
 
 VERB = Verb(

@@ -3,61 +3,40 @@
 from __future__ import annotations
 
 import argparse
-import sys
+from typing import TYPE_CHECKING
 
-from rockpulse.commands.progress import compiling_told, progress_bars
+from rockpulse.commands.batch_input import add_batch_arguments, batch_options, nothing_written, recorded, told
 from rockpulse.commands.record_input import add_record_arguments, resolved
-from rockpulse.commands.telling import tell
 from rockpulse.commands.verb import Verb
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 __all__ = ["VERB"]
 
 
 def _add_arguments(parser: argparse.ArgumentParser) -> None:
     add_record_arguments(parser, "RESULTS")
+    add_batch_arguments(parser)
 
 
 def _run(args: argparse.Namespace) -> int:
-    from rockpulse.storage.fragility_variables import FRAGILITY
-    from rockpulse.storage.save_load import check_target, save
-
     config, paths = resolved(args)
-    check_target(args.output, args.overwrite, FRAGILITY)
 
-    from rockpulse.config.bodies import gather_bodies
-    from rockpulse.readers.folders import read_all
-    from rockpulse.studies.fragility.assessment import fragility_curves
+    from rockpulse.batch.run import fragility_files
+    from rockpulse.storage.save_load import load
     from rockpulse.views.text.fragility import fragility_overview
-    from rockpulse.views.text.left_out import failure_list, not_used
+    from rockpulse.views.text.left_out import not_used
 
-    gather_bodies(config.blocks)  # a block that no model takes is better known before the records are read
-    bars = progress_bars(args.quiet)
-    with bars(desc="reading", unit=" files") as bar:
-        records, failures = read_all(
-            paths,
-            config.records.units,
-            on_file=lambda *_: bar.update(),
-            dt=config.records.dt,
-            response=config.records.response,
-        )
-    with compiling_told(args.quiet):
-        tree = fragility_curves(
-            records,
-            config,
-            failures=failures,
-            progress=lambda motions: bars(motions, desc="scaling", unit=" records"),
-        )
-    if tree["capacities"].sizes["record"] == 0:
-        tell(f"{failure_list(tree)}\nrockpulse: not one record could be used, nothing was written", sys.stderr)
-        return 1
-    save(tree, args.output, overwrite=args.overwrite)
-    failed = failure_list(tree, kinds=("failed",))
-    if not args.quiet:
-        parts = (fragility_overview(tree), not_used(tree), f"results: {args.output}")
-        tell("\n\n".join(part for part in parts if part))
-    elif failed:
-        tell(failed, sys.stderr)
-    return 1 if failed else 0
+    with recorded(args):
+        report = fragility_files(paths, config, args.output, batch_options(args))
+    if report.path is None:
+        return nothing_written(report.failures, "used")
+
+    def overview(tree: xr.DataTree) -> str:
+        return "\n\n".join(filter(None, (fragility_overview(tree), not_used(tree), f"results: {args.output}")))
+
+    return told(load(report.path), args, overview)
 
 
 VERB = Verb(

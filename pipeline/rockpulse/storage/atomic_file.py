@@ -156,7 +156,8 @@ def _check_replaceable(target: Path, path: str | os.PathLike[str], overwrite: bo
         journal = journal_path(target)
         going_on = f"; --overwrite together with --resume goes on with the run of {journal}" if journal.exists() else ""
         raise ResultsError(
-            f"{path}: the file exists; choose another name, or allow it to be replaced (--overwrite{going_on})"
+            f"{path}: the file exists; choose another name, or allow it to be replaced (--overwrite{going_on})",
+            tells_resume=bool(going_on),
         )
     try:
         found = _kind(target)

@@ -7,13 +7,13 @@ import pytest
 
 import rockpulse as rp
 from rockpulse import BlockSettings, ModelSettings, RecordSettings
-from rockpulse.assessment.events import UNKNOWN
 from rockpulse.batch import survey
 from rockpulse.batch.journal import journal_path
 from rockpulse.batch.options import BatchOptions
 from rockpulse.batch.plan import configuration_fingerprint
 from rockpulse.cli import main
 from rockpulse.errors import ConfigError
+from rockpulse.motions.events import UNKNOWN
 from rockpulse.readers.folders import read_all
 from rockpulse.views.report.motions import motions_of
 

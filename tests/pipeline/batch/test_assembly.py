@@ -14,18 +14,17 @@ import numpy as np
 import pytest
 from file_contents import assert_contents, contents
 
-from rockpulse.assessment.assessment import assess_planned
-from rockpulse.assessment.directions import plan_motions, swept_directions
-from rockpulse.assessment.tree import build_tree, record_part, template
+from rockpulse.assessment.assessment import Assessment
+from rockpulse.assessment.tree import build_tree, template
 from rockpulse.batch import assembly
 from rockpulse.batch.assembly import JournalParts, assemble, is_assembled
-from rockpulse.batch.journal import Journal
+from rockpulse.batch.journal import Done, Journal
 from rockpulse.batch.packing import pack
-from rockpulse.batch.tasks import Done
-from rockpulse.config.bodies import gather_bodies
 from rockpulse.config.configuration import load_config
 from rockpulse.errors import ResultsError
 from rockpulse.failures import Failure
+from rockpulse.motions.directions import plan_motions, swept_directions
+from rockpulse.motions.runner import worked
 from rockpulse.storage.save_load import save
 from rockpulse.storage.verification import verify
 
@@ -49,7 +48,7 @@ FAILURES = [
 
 @pytest.fixture(scope="module")
 def assessed(ridgecrest, tmp_path_factory):
-    """By name of the configuration: assessments, bodies, configuration, directions of the sweep."""
+    """By name of the configuration: parts, bodies, configuration, directions of the sweep."""
     cut = [replace(record, acceleration=record.acceleration[2500:3500]) for record in ridgecrest]
 
     def made(name):
@@ -57,11 +56,11 @@ def assessed(ridgecrest, tmp_path_factory):
             path = tmp_path_factory.mktemp("site") / "site.toml"
             path.write_text(CONFIGURATIONS[name])
             config = load_config(path)
-            bodies = gather_bodies(config.blocks)
+            analysis = Assessment(config)
             planned, _ = plan_motions(cut, config)
-            done = [outcome for one in planned for outcome in assess_planned(one, bodies, config)]
-            assert not any(isinstance(outcome, Failure) for outcome in done)
-            found[name] = done, bodies, config, swept_directions(planned, config)
+            done = [part for one in planned for part in worked(one, analysis.work, analysis.name, config)]
+            assert not any(isinstance(part, Failure) for part in done)
+            found[name] = done, analysis.bodies, config, swept_directions(planned, config)
         return found[name]
 
     found = {}
@@ -85,9 +84,8 @@ def test_the_assembled_file_is_the_saved_one(assessed, tmp_path, name, chunk):
         done = done[1:-1]  # not all directions are there
         swept = {**swept, "of nothing": ["never"] * 3}
     save(build_tree(done, bodies, config, FAILURES, swept), tmp_path / "saved.h5")
-    parts = [record_part(one, bodies, config) for one in done]
     count = assemble(
-        tmp_path / "made.h5", template(bodies, config), parts, FAILURES, swept, run_id="r" * 32, chunk=chunk
+        tmp_path / "made.h5", template(bodies, config), done, FAILURES, swept, run_id="r" * 32, chunk=chunk
     )
     assert count == len(done) > 3
     assert_contents(tmp_path / "made.h5", contents(tmp_path / "saved.h5"))
@@ -108,10 +106,10 @@ def test_parts_from_a_journal_stand_in_the_order_of_the_keys(assessed, tmp_path)
     target = tmp_path / "results.h5"
     with Journal.open(target) as journal:
         for number in (3, 0, 2, 1):
-            parts = (pack(record_part(done[number], bodies, config)),)
+            parts = (pack(done[number]),)
             journal.add(Done(f"record {number}", "f", parts))
         keys = [f"record {number}" for number in range(4)]
-        parts = JournalParts(journal, keys, dict.fromkeys(keys, ""))
+        parts = JournalParts(journal, Assessment(config), keys, dict.fromkeys(keys, ""))
         assemble(target, template(bodies, config), parts, run_id=journal.run_id)
         assert is_assembled(target, journal.run_id)
     save(build_tree(done[:4], bodies, config, []), tmp_path / "saved.h5")
@@ -121,7 +119,7 @@ def test_parts_from_a_journal_stand_in_the_order_of_the_keys(assessed, tmp_path)
 def test_parts_that_can_be_gone_through_once_are_refused(assessed, tmp_path):
     done, bodies, config, _ = assessed("plain")
     with pytest.raises(TypeError, match="iterated twice"):
-        assemble(tmp_path / "x.h5", template(bodies, config), (record_part(one, bodies, config) for one in done))
+        assemble(tmp_path / "x.h5", template(bodies, config), (part for part in done))
 
 
 def test_a_run_knows_its_own_file_only(tmp_path):
@@ -143,7 +141,7 @@ def test_too_little_room_is_known_before_anything_is_written(assessed, tmp_path,
         assemble(
             tmp_path / "results.h5",
             template(bodies, config),
-            [record_part(one, bodies, config) for one in done],
+            done,
             run_id="mine",
         )
     assert list(tmp_path.iterdir()) == []
@@ -151,9 +149,8 @@ def test_too_little_room_is_known_before_anything_is_written(assessed, tmp_path,
 
 def test_the_size_that_is_expected_is_that_of_the_file(assessed, tmp_path):
     done, bodies, config, _ = assessed("histories")
-    parts = [record_part(one, bodies, config) for one in done]
-    expected = assembly._size(assembly._measure(parts), template(bodies, config), 0)
-    assemble(tmp_path / "results.h5", template(bodies, config), parts)
+    expected = assembly._size(assembly._measure(done), template(bodies, config), 0)
+    assemble(tmp_path / "results.h5", template(bodies, config), done)
     assert expected < (tmp_path / "results.h5").stat().st_size < expected + 500_000
 
 
@@ -168,11 +165,10 @@ def test_a_disk_that_fills_up_meanwhile_leaves_the_old_file_and_the_journal(asse
 
     monkeypatch.setattr(assembly.TreeWriter, "append", fail)
     with Journal.open(target) as journal:
-        journal.add(Done("a", "f", (pack(record_part(done[0], bodies, config)),)))
+        journal.add(Done("a", "f", (pack(done[0]),)))
+        parts = JournalParts(journal, Assessment(config), ["a"], {"a": ""})
         with pytest.raises(ResultsError, match=re.escape(f"{target}: cannot write the results: No space left on dev")):
-            assemble(
-                target, template(bodies, config), JournalParts(journal, ["a"], {"a": ""}), overwrite=True, run_id="mine"
-            )
+            assemble(target, template(bodies, config), parts, overwrite=True, run_id="mine")
         assert journal.finished() == {"a": "f"}
     assert target.read_bytes() == old
     assert not list(tmp_path.glob("*.part"))
@@ -189,24 +185,23 @@ def test_a_kill_while_assembling_leaves_old_file_and_journal(assessed, tmp_path,
     save(build_tree(done[:1], bodies, config, []), target)
     old = target.read_bytes()
     (tmp_path / "site.toml").write_text(CONFIGURATIONS["sweep"])
-    keys = [one.scene.record.id for one in done]
+    keys = [str(one["/summary/record"][0]) for one in done]
     with Journal.open(target) as journal:
         run_id = journal.run_id
         for key, one in zip(keys, done, strict=True):
-            journal.add(Done(key, "f", (pack(record_part(one, bodies, config)),)))
+            journal.add(Done(key, "f", (pack(one),)))
     script = f"""
         import os, signal
         import rockpulse as rp
         from rockpulse.batch.assembly import JournalParts, assemble
         from rockpulse.batch.journal import Journal
-        from rockpulse.config.bodies import gather_bodies
-        from rockpulse.assessment.tree import template
+        from rockpulse.assessment.assessment import Assessment
         from rockpulse.storage.hdf5_writer import TreeWriter
         config = rp.load_config({str(tmp_path / "site.toml")!r})
         setattr(TreeWriter, {step!r}, lambda *args: os.kill(os.getpid(), signal.SIGKILL))
         with Journal.open({str(target)!r}, resume=True) as journal:
-            parts = JournalParts(journal, {keys!r}, {dict.fromkeys(keys, "")!r})
-            assemble({str(target)!r}, template(gather_bodies(config.blocks), config), parts, [], {swept!r}, True)
+            parts = JournalParts(journal, Assessment(config), {keys!r}, {dict.fromkeys(keys, "")!r})
+            assemble({str(target)!r}, Assessment(config).template, parts, [], {swept!r}, True)
     """
     killed = subprocess.run(
         [sys.executable, "-c", textwrap.dedent(script)], capture_output=True, timeout=300, check=False
@@ -215,7 +210,7 @@ def test_a_kill_while_assembling_leaves_old_file_and_journal(assessed, tmp_path,
     assert target.read_bytes() == old
     with Journal.open(target, resume=True) as journal:
         assert journal.run_id == run_id
-        parts = JournalParts(journal, keys, dict.fromkeys(keys, ""))
+        parts = JournalParts(journal, Assessment(config), keys, dict.fromkeys(keys, ""))
         assemble(target, template(bodies, config), parts, [], swept, overwrite=True, run_id=run_id)
         assert is_assembled(target, run_id)
     save(build_tree(done, bodies, config, [], swept), tmp_path / "saved.h5")
@@ -224,7 +219,7 @@ def test_a_kill_while_assembling_leaves_old_file_and_journal(assessed, tmp_path,
 
 def test_parts_of_another_layout_are_refused(assessed, tmp_path):
     done, bodies, config, _ = assessed("plain")
-    parts = [record_part(one, bodies, config) for one in done]
+    parts = list(done)
     parts[1] = {**parts[1], "/summary/pga": np.zeros(2)}
     with pytest.raises(ValueError, match=r"/summary/pga: expected values for \(6,\) from 0 on, was given \(7,\)"):
         assemble(tmp_path / "results.h5", template(bodies, config), parts)

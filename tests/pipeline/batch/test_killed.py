@@ -17,6 +17,7 @@ from record_writers import at2, pulse
 
 from rockpulse.batch import journal
 from rockpulse.batch.journal import Journal, journal_path
+from rockpulse.batch.packing import unpack
 from rockpulse.cli import main
 
 TESTS = Path(__file__).parents[2]
@@ -26,6 +27,10 @@ CONFIGURATION = """
 use = ["sequence", "linear"]
 [search]
 models = ["sequence"]
+points = 16
+[fragility]
+limit_states = [0.4, "overturning"]
+measures = ["pga", "velocity_ratio"]
 [[block]]
 name = "wall"
 width = 0.4
@@ -49,21 +54,26 @@ def folder(tmp_path_factory):
     return folder
 
 
-@pytest.fixture(scope="module")
-def undisturbed(folder, tmp_path_factory):
+def alone(verb, folder, target):
     """What comes of it when nothing happens."""
-    target = tmp_path_factory.mktemp("undisturbed") / "results.h5"
-    assert main(command(folder, target, "--workers", "1")) == 1  # one file is damaged
+    assert main(command(folder, target, "--workers", "1", verb=verb)) == 1  # one file is damaged
     return contents(target)
 
 
-def command(folder, target, *options):
-    return ["assess", str(folder), "--config", str(folder / "site.toml"), "-o", str(target), "--quiet", *options]
+@pytest.fixture(scope="module")
+def undisturbed(folder, tmp_path_factory):
+    """What comes of an assessment when nothing happens."""
+    return alone("assess", folder, tmp_path_factory.mktemp("undisturbed") / "results.h5")
 
 
-def start(folder, target, point, number, *options, **settings):
+def command(folder, target, *options, verb="assess"):
+    return [verb, str(folder), "--config", str(folder / "site.toml"), "-o", str(target), "--quiet", *options]
+
+
+def start(folder, target, point, number, *options, verb="assess", **settings):
     """The run in a process group of its own, as a terminal starts one."""
-    arguments = [sys.executable, TESTS / "killed_run.py", point, str(number), *command(folder, target, *options)]
+    given = command(folder, target, *options, verb=verb)
+    arguments = [sys.executable, TESTS / "killed_run.py", point, str(number), *given]
     return subprocess.Popen(arguments, start_new_session=True, text=True, stderr=subprocess.PIPE, **settings)
 
 
@@ -88,9 +98,9 @@ def assert_nobody_is_left(group, seconds=300.0):
     assert members(group) == []
 
 
-def assert_resumed(folder, target, undisturbed, *options):
+def assert_resumed(folder, target, undisturbed, *options, verb="assess"):
     """The same command with --resume completes the run and leaves the results alone in their folder."""
-    assert main(command(folder, target, "--resume", *options)) == 1
+    assert main(command(folder, target, "--resume", *options, verb=verb)) == 1
     assert_contents(target, undisturbed)
     assert [path.name for path in target.parent.iterdir()] == [target.name]
 
@@ -106,6 +116,24 @@ def test_a_run_killed_between_two_records_goes_on_with_what_is_missing(folder, t
     assert not target.exists()
     assert_resumed(folder, target, undisturbed, "--workers", "1", "--log-file", str(log))
     assert "assessing 3 records; finished before: 3, of another state: 0" in log.read_text()
+
+
+@pytest.mark.parametrize("workers", [1, 2])
+def test_fragility_that_was_killed_goes_on_with_what_is_missing(folder, tmp_path, workers):
+    (tmp_path / "out").mkdir()
+    target, log = tmp_path / "out" / "fragility.h5", tmp_path / "log"
+    process = start(folder, target, "record", 3, "--workers", str(workers), verb="fragility")
+    assert process.wait(300) == -signal.SIGKILL
+    process.stderr.close()
+    assert_nobody_is_left(process.pid)
+    assert not target.exists()
+    with Journal.open(target, resume=True) as kept:
+        parts = [part for key in kept.finished() for part in kept.parts(key)]
+        assert len(parts) == 3
+        assert all({"record", "factors", "measures"} < set(unpack(part)) for part in parts)  # arrays, no pickle
+    expected = alone("fragility", folder, tmp_path / "alone.h5")
+    assert_resumed(folder, target, expected, "--workers", str(workers), "--log-file", str(log), verb="fragility")
+    assert "scaling 3 records; finished before: 3, of another state: 0" in log.read_text()
 
 
 # A kill in the middle of the assembly itself: test_assembly.py.

@@ -24,11 +24,14 @@ from rockpulse import (
     SequenceSettings,
     SiteSettings,
 )
-from rockpulse.assessment.directions import ground_motions
-from rockpulse.batch.plan import configuration_fingerprint, plan, read_options
+from rockpulse.assessment.assessment import Assessment
+from rockpulse.batch.plan import configuration_fingerprint, read_options, tasks_of
 from rockpulse.batch.survey import find, gather, survey_file
 from rockpulse.config.configuration import Config
+from rockpulse.motions.directions import conditioned_motions, planned_ids
 from rockpulse.readers.folders import read_all
+from rockpulse.studies.fragility.assessment import FragilityAnalysis
+from rockpulse.studies.site.calibration import SiteCalibration
 
 WALL = BlockSettings(name="wall", width=0.4, height=3.0)
 WAYS = {
@@ -44,42 +47,42 @@ def config(**records):
     return Config(blocks=(WALL,), records=RecordSettings(**records))
 
 
-def planned(paths, options=None, verb="assess"):
-    options = options or config()
+def planned(paths, options=None, analysis=Assessment):
+    """The tasks of a run, and what is prepared for it."""
+    one = analysis(options or config())
     found, failures = find(paths)
-    surveys = [(one, survey_file(one, read_options(options))) for one in found]
-    return plan(*gather(found, surveys, failures), options, verb)
+    surveys = [(file, survey_file(file, read_options(one.config))) for file in found]
+    located, rows = gather(found, surveys, failures)
+    prepared = one.prepare([record.record for record in located], rows)
+    return tasks_of(prepared.planned, located, one.config, one.name), prepared
 
 
 @pytest.mark.parametrize("way", WAYS)
 def test_the_tasks_are_the_motions_of_the_assessment_in_memory(samples, way):
     options = config(**WAYS[way])
     records, failures = read_all(samples)
-    motions, left_out = ground_motions(records, options)
-    found = planned(samples, options)
-    assert found.failures == [*failures, *left_out]
-    expected = dict.fromkeys(motion.pair or motion.record.id for motion in motions)
-    assert [task.key for task in found.tasks] == list(expected)
-    for task in found.tasks:
-        motion = next(motion for motion in motions if (motion.pair or motion.record.id) == task.key)
-        assert [one.record.id for one in task.channels] == [channel.id for channel in motion.channels]
-        assert (task.vertical and task.vertical.record.id) == (motion.vertical and motion.vertical.id)
-        assert task.source == motion.record.source
-    directions = [motion.record.id for motion in motions]
-    assert (found.swept and [name for names in found.swept.values() for name in names]) == (
-        directions if way == "sweep" else None
-    )
+    expected = Assessment(options).prepare(records, failures)
+    tasks, found = planned(samples, options)
+    assert found.failures == expected.failures
+    assert found.events == expected.events
+    assert [task.key for task in tasks] == [one.name for one in expected.planned]
+    for task, one in zip(tasks, expected.planned, strict=True):
+        assert [located.record.id for located in task.channels] == [channel.id for channel in one.channels]
+        assert (task.vertical and task.vertical.record.id) == (one.vertical and one.vertical.id)
+        motions = conditioned_motions(one, options)
+        assert task.source == motions[0].record.source
+        assert planned_ids(task.planned, options) == [motion.record.id for motion in motions]
 
 
 def test_a_task_is_small(samples):
-    sizes = [len(pickle.dumps(task)) for task in planned(samples, config(**WAYS["sweep"])).tasks]
+    sizes = [len(pickle.dumps(task)) for task in planned(samples, config(**WAYS["sweep"]))[0]]
     assert max(sizes) < 8000
 
 
 def test_what_a_task_reads_is_what_was_planned(samples):
     options = config(**WAYS["sweep"])
     (record,) = (one for one in read_all(samples)[0] if one.id.startswith("CI.CLC..Up"))
-    task = next(task for task in planned(samples, options).tasks if "CLC" in task.key)
+    task = next(task for task in planned(samples, options)[0] if "CLC" in task.key)
     full = task.read(read_options(options))
     assert [one.npts for one in full.channels] == [one.record.npts for one in task.channels]
     assert full.vertical is not None
@@ -87,17 +90,18 @@ def test_what_a_task_reads_is_what_was_planned(samples):
     assert all(one.pga > 0.0 for one in full.channels)
 
 
-def test_tasks_of_a_site_are_in_the_order_of_the_ids(tmp_path):
+def test_tasks_of_a_site_and_of_fragility_are_in_the_order_of_the_ids(tmp_path):
     for name in ("b", "a"):
         folder = tmp_path / ("1" if name == "b" else "2")
         folder.mkdir()
         (folder / f"{name}.AT2").write_bytes(at2(pulse(peak=0.1 if name == "a" else 0.2)))
-    assert [task.key for task in planned(tmp_path).tasks] == ["b.090", "a.090"]
-    assert [task.key for task in planned(tmp_path, verb="calibrate").tasks] == ["a.090", "b.090"]
+    assert [task.key for task in planned(tmp_path)[0]] == ["b.090", "a.090"]
+    for analysis in (SiteCalibration, FragilityAnalysis):
+        assert [task.key for task in planned(tmp_path, analysis=analysis)[0]] == ["a.090", "b.090"]
 
 
 def fingerprints(paths, options=None):
-    return {task.key: task.fingerprint for task in planned(paths, options).tasks}
+    return {task.key: task.fingerprint for task in planned(paths, options)[0]}
 
 
 def test_a_fingerprint_is_the_same_in_every_run_and_another_for_every_record(samples):
@@ -139,20 +143,22 @@ CHANGES = [
     ({"records": RecordSettings(paths=("x",))}, ""),
     ({"records": RecordSettings(events="x.csv")}, ""),
     ({"run": RunSettings(workers=3)}, ""),
-    ({"fragility": FragilitySettings(pga_min=0.5)}, ""),
-    ({"records": RecordSettings(store="none")}, "assess calibrate"),
-    ({"records": RecordSettings(include_vertical=True)}, "assess calibrate"),
-    ({"records": RecordSettings(units="g")}, "assess calibrate"),
+    ({"fragility": FragilitySettings(pga_min=0.5)}, "fragility"),
+    ({"fragility": FragilitySettings(data="cloud")}, "fragility"),
+    ({"fragility": FragilitySettings(confidence=0.8, model="logistic", overturning_model="lognormal")}, ""),
+    ({"records": RecordSettings(store="none")}, "assess calibrate fragility"),
+    ({"records": RecordSettings(include_vertical=True)}, "assess calibrate fragility"),
+    ({"records": RecordSettings(units="g")}, "assess calibrate fragility"),
     ({"run": RunSettings(seed=3)}, "calibrate"),
-    ({"conditioning": ConditioningSettings(highpass_hz=0.1)}, "assess calibrate"),
-    ({"half_waves": HalfWaveSettings(merge=False)}, "assess calibrate"),
-    ({"intense_phase": IntensePhaseSettings(method="D5-75")}, "assess calibrate"),
-    ({"sequence": SequenceSettings(spacing="middle")}, "assess calibrate"),
-    ({"blocks": ()}, "assess calibrate"),
-    ({"blocks": (replace(WALL, restitution=0.9),)}, "assess calibrate"),
+    ({"conditioning": ConditioningSettings(highpass_hz=0.1)}, "assess calibrate fragility"),
+    ({"half_waves": HalfWaveSettings(merge=False)}, "assess calibrate fragility"),
+    ({"intense_phase": IntensePhaseSettings(method="D5-75")}, "assess calibrate fragility"),
+    ({"sequence": SequenceSettings(spacing="middle")}, "assess calibrate fragility"),
+    ({"blocks": ()}, "assess calibrate fragility"),
+    ({"blocks": (replace(WALL, restitution=0.9),)}, "assess calibrate fragility"),
     ({"models": ModelSettings(use=("linear",))}, "assess"),
-    ({"search": SearchSettings(factor_max=5.0)}, "assess"),
-    ({"demands": (DemandSettings(name="x", acceleration=1.0),)}, "assess calibrate"),
+    ({"search": SearchSettings(factor_max=5.0)}, "assess fragility"),
+    ({"demands": (DemandSettings(name="x", acceleration=1.0),)}, "assess calibrate fragility"),
     ({"calibration": CalibrationSettings(method="statistics")}, "calibrate"),
     ({"calibration": CalibrationSettings(confidence=0.8)}, "calibrate"),
     ({"calibration": CalibrationSettings(family="blocks")}, "calibrate"),
@@ -164,7 +170,7 @@ CHANGES = [
 ]
 
 
-@pytest.mark.parametrize("verb", ["assess", "calibrate"])
+@pytest.mark.parametrize("verb", ["assess", "calibrate", "fragility"])
 @pytest.mark.parametrize(("change", "verbs"), CHANGES, ids=["-".join(change) for change, _ in CHANGES])
 def test_the_fingerprint_of_the_configuration_changes_with_what_changes_numbers(change, verbs, verb):
     plain, changed = (configuration_fingerprint(one, verb) for one in (config(), replace(config(), **change)))
@@ -182,14 +188,14 @@ def test_seed_and_confidence_count_only_where_a_response_is_matched():
 def test_the_fingerprint_of_the_configuration_knows_verb_version_program_and_schema(monkeypatch):
     from rockpulse.batch import plan as module
 
-    seen = {configuration_fingerprint(config(), "assess"), configuration_fingerprint(config(), "calibrate")}
+    seen = {configuration_fingerprint(config(), verb) for verb in ("assess", "calibrate", "fragility")}
     monkeypatch.setattr(module, "__version__", "x")
     seen.add(configuration_fingerprint(config(), "assess"))
     monkeypatch.setattr(module, "SCHEMA_VERSION", "x")
     seen.add(configuration_fingerprint(config(), "assess"))
     monkeypatch.setattr(module, "program_digest", lambda: "x")
     seen.add(configuration_fingerprint(config(), "assess"))
-    assert len(seen) == 5
+    assert len(seen) == 6
 
 
 @pytest.mark.parametrize("package", ["rocking", "rockpulse"])

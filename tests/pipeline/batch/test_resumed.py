@@ -14,7 +14,8 @@ from record_writers import at2, pulse
 
 import rockpulse as rp
 from rockpulse import BlockSettings, CalibrationSettings, ModelSettings, SearchSettings
-from rockpulse.batch import run, survey, tasks
+from rockpulse.assessment import assessment
+from rockpulse.batch import run, survey
 from rockpulse.batch.journal import journal_path
 from rockpulse.batch.options import BatchOptions
 from rockpulse.batch.run import BatchReport, assess_files, calibrate_files
@@ -69,16 +70,16 @@ def assert_completed(paths, output):
 
 
 def test_what_broke_off_is_done_by_a_run_that_resumes(folder, tmp_path, monkeypatch):
-    told, original = [], tasks.assess_task.__globals__["assess_planned"]
+    told, original = [], assessment.extract
 
-    def out_of_memory(planned, bodies, config, watch):
-        if planned.name.startswith("r1"):
+    def out_of_memory(record, config, vertical):
+        if record.id.startswith("r1"):
             raise MemoryError
-        yield from original(planned, bodies, config, watch)
+        return original(record, config, vertical)
 
     paths, output = sorted(folder.glob("r*")), tmp_path / "results.h5"
     with monkeypatch.context() as patch:
-        patch.setitem(tasks.assess_task.__globals__, "assess_planned", out_of_memory)
+        patch.setattr(assessment, "extract", out_of_memory)
         report = assess_files(paths, CONFIG, output, BatchOptions(workers=1, tell=told.append))
     assert (report.records, report.broken_off) == (2, 1)
     again = f"the same command with --resume tries them again, for which {output}.journal is kept"
@@ -133,7 +134,7 @@ def test_resuming_a_run_that_had_only_its_journal_left_does_what_is_asked_for(fo
 def test_the_results_of_another_run_are_not_replaced_by_resuming(folder, tmp_path, monkeypatch):
     paths, output = sorted(folder.glob("r*"))[:2], tmp_path / "results.h5"
     with monkeypatch.context() as patch:
-        patch.setattr(run.Assessment, "write", interrupted)
+        patch.setattr(run, "write_results", interrupted)
         with pytest.raises(run.Interrupted, match="2 finished records are kept"):
             assess_files(paths, CONFIG, output, BatchOptions(workers=1))
     rp.save(rp.assess(read_all(paths)[0], CONFIG), output)
@@ -176,7 +177,7 @@ def test_a_journal_that_is_removed_under_a_run_stops_it_and_nothing_is_claimed(f
 def test_only_what_the_plan_can_use_is_counted_as_kept(folder, tmp_path, monkeypatch):
     paths, output = sorted(folder.glob("r*")), tmp_path / "results.h5"
     with monkeypatch.context() as patch:
-        patch.setattr(run.Assessment, "write", interrupted)
+        patch.setattr(run, "write_results", interrupted)
         with pytest.raises(run.Interrupted, match="3 finished records are kept"):
             assess_files(paths, CONFIG, output, BatchOptions(workers=1))
         wider = replace(CONFIG, blocks=(BlockSettings(name="wide", width=0.5, height=3.0),))
@@ -191,7 +192,7 @@ def test_a_site_that_cannot_be_written_keeps_what_is_finished(folder, tmp_path, 
     def full(*args):
         raise ResultsError("the results take 3 MB, 1 MB are free; make room there")
 
-    monkeypatch.setattr(run.Calibration, "write", full)
+    monkeypatch.setattr(run, "write_results", full)
     with pytest.raises(ResultsError, match=r"make room there; 3 finished records are kept in .*--resume goes on"):
         calibrate_files(sorted(folder.glob("r*")), SITE, tmp_path / "site.h5", BatchOptions(workers=1))
 

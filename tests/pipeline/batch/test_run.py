@@ -14,10 +14,18 @@ from record_writers import at2, pulse
 from record_writers.geonet import geonet
 
 import rockpulse as rp
-from rockpulse import BlockSettings, CalibrationSettings, ModelSettings, RecordSettings, SearchSettings
-from rockpulse.batch import run, tasks
+from rockpulse import (
+    BlockSettings,
+    CalibrationSettings,
+    FragilitySettings,
+    ModelSettings,
+    RecordSettings,
+    SearchSettings,
+)
+from rockpulse.assessment import assessment
+from rockpulse.batch import run
 from rockpulse.batch.options import BatchOptions
-from rockpulse.batch.run import assess_files, calibrate_files
+from rockpulse.batch.run import assess_files, calibrate_files, fragility_files
 from rockpulse.config.configuration import Config
 from rockpulse.errors import ConfigError, RecordRefused, ResultsError, StoppedAtFailure
 from rockpulse.readers.folders import read_all
@@ -36,7 +44,12 @@ CONFIGURATIONS = {
     "vertical": replace(CONFIG, records=RecordSettings(include_vertical=True, store="none")),
     "sweep": replace(CONFIG, records=RecordSettings(components="sweep", azimuth_step=60.0)),
 }
-SITE = Config(calibration=CalibrationSettings(method="statistics", bootstrap=100), blocks=CONFIG.blocks)
+SITE = Config(
+    calibration=CalibrationSettings(method="statistics", bootstrap=100),
+    fragility=FragilitySettings(limit_states=("uplift", 0.4, "overturning"), measures=("pga", "velocity_ratio")),
+    search=SearchSettings(points=16),
+    blocks=CONFIG.blocks,
+)
 
 
 def three(number):
@@ -75,11 +88,19 @@ def test_the_file_of_an_assessment_is_the_tree_in_memory(folder, tmp_path, name)
     assert_contents(report.path, expected)
 
 
-def test_the_file_of_a_calibration_is_the_tree_in_memory(folder, tmp_path):
+#: The other analyses by their verbs, each in memory and of files.
+OTHERS = {"calibrate": (rp.calibrate_site, calibrate_files), "fragility": (rp.fragility_curves, fragility_files)}
+
+
+@pytest.mark.parametrize("verb", OTHERS)
+@pytest.mark.parametrize("components", ["horizontal", pytest.param("sweep", marks=pytest.mark.slow)])
+def test_the_file_of_a_site_and_of_fragility_is_the_tree_in_memory(folder, tmp_path, verb, components):
+    config = replace(SITE, records=RecordSettings(components=components, azimuth_step=60.0))
+    in_memory, of_files = OTHERS[verb]
     records, failures = read_all(folder)
-    expected = saved(rp.calibrate_site(records, SITE, failures=failures), tmp_path / "memory.h5")
-    report = calibrate_files([folder], SITE, tmp_path / "batch.h5", BatchOptions(workers=1))
-    assert report.records == 7
+    expected = saved(in_memory(records, config, failures=failures), tmp_path / "memory.h5")
+    report = of_files([folder], config, tmp_path / "batch.h5", BatchOptions(workers=1))
+    assert report.records == (7 if components == "horizontal" else 6)
     assert_contents(tmp_path / "batch.h5", expected)
 
 
@@ -105,10 +126,10 @@ def test_any_executor_gives_the_same_and_stays_the_callers(folder, in_memory, tm
     assert_contents(tmp_path / "results.h5", in_memory)
 
 
-@pytest.mark.slow
-def test_two_workers_calibrate_the_same(folder, tmp_path):
+@pytest.mark.parametrize("verb", [pytest.param("calibrate", marks=pytest.mark.slow), "fragility"])
+def test_two_workers_give_the_same_site_and_the_same_curves(folder, tmp_path, verb):
     for workers in (1, 2):
-        calibrate_files(folder, SITE, tmp_path / f"{workers}.h5", BatchOptions(workers=workers))
+        OTHERS[verb][1](folder, SITE, tmp_path / f"{workers}.h5", BatchOptions(workers=workers))
     assert_contents(tmp_path / "1.h5", contents(tmp_path / "2.h5"))
 
 
@@ -196,6 +217,7 @@ def test_nothing_assessed_writes_nothing_and_leaves_nothing(folder, tmp_path, ca
     assert f"{output}: nothing was written; left out: failed 2" in caplog.text
     with pytest.raises(RecordRefused, match="not one record could be calibrated"):
         calibrate_files(folder / "cut.AT2", SITE, output, BatchOptions(workers=1))
+    assert fragility_files(folder / "cut.AT2", SITE, output, BatchOptions(workers=1)).path is None
     assert list(tmp_path.iterdir()) == []
 
 
@@ -207,13 +229,13 @@ def test_records_that_all_fail_leave_nothing(tmp_path):
 
 
 def test_a_fault_of_the_program_is_a_row_and_the_rest_goes_on(folder, tmp_path, monkeypatch, caplog):
-    def broken(planned, bodies, config, watch):
-        if planned.name.startswith("r1"):
+    def broken(record, config, vertical):
+        if record.id.startswith("r1"):
             raise ZeroDivisionError("a fault")
-        yield from original(planned, bodies, config, watch)
+        return original(record, config, vertical)
 
-    original = tasks.assess_task.__globals__["assess_planned"]
-    monkeypatch.setitem(tasks.assess_task.__globals__, "assess_planned", broken)
+    original = assessment.extract
+    monkeypatch.setattr(assessment, "extract", broken)
     report = assess_files(sorted(folder.glob("r*")), CONFIG, tmp_path / "results.h5", BatchOptions(workers=1))
     (row,) = report.failures
     assert report.records == 2

@@ -5,6 +5,7 @@ from __future__ import annotations
 import logging
 import pickle
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 import pytest
@@ -15,23 +16,25 @@ from rockpulse import (
     CalibrationSettings,
     ConditioningSettings,
     DemandSettings,
+    FragilitySettings,
     IntensePhaseSettings,
     ModelSettings,
     RecordSettings,
     SearchSettings,
 )
-from rockpulse.assessment.assessment import assess
+from rockpulse.assessment import assessment
+from rockpulse.assessment.assessment import Assessment, assess
 from rockpulse.assessment.tree import joined_parts
-from rockpulse.batch import tasks as module
-from rockpulse.batch.journal import unpack
-from rockpulse.batch.plan import plan, read_options
+from rockpulse.batch.journal import UNFINISHED, Done
+from rockpulse.batch.packing import unpack
+from rockpulse.batch.plan import read_options, tasks_of
 from rockpulse.batch.survey import find, gather, survey_file
-from rockpulse.batch.tasks import UNFINISHED, Done, Job, assess_task, calibrate_task
-from rockpulse.config.bodies import gather_bodies
+from rockpulse.batch.tasks import carry_out
 from rockpulse.config.configuration import Config
+from rockpulse.motions.runner import run
 from rockpulse.readers.folders import read_all
-from rockpulse.studies.site.calibration import calibrate_site, prepare_site, site_results
-from rockpulse.studies.site.part import unpack_site_record
+from rockpulse.studies.fragility.assessment import FragilityAnalysis
+from rockpulse.studies.site.calibration import SiteCalibration
 
 WALL = BlockSettings(name="wall", width=0.4, height=3.0)
 TOWER = BlockSettings(name="tower", width=1.0, height=5.0, restitution=(0.9, 0.95))
@@ -69,30 +72,39 @@ CONFIGURATIONS = {
 }
 
 
-def planned(paths, config, verb="assess"):
+def planned(paths, analysis):
+    """The tasks of an analysis, and what is prepared for it."""
     found, failures = find(paths)
-    surveys = [(one, survey_file(one, read_options(config))) for one in found]
+    surveys = [(one, survey_file(one, read_options(analysis.config))) for one in found]
     located, rows = gather(found, surveys, failures)
-    return plan(located, rows, config, verb), located, rows
+    prepared = analysis.prepare([one.record for one in located], rows)
+    return tasks_of(prepared.planned, located, analysis.config, analysis.name), prepared
 
 
-def carried_out(paths, config) -> tuple[list[Done], list]:
-    """Every task as another process would do it, and all rows."""
-    work, _, _ = planned(paths, config)
-    job = pickle.loads(pickle.dumps(Job(config, gather_bodies(config.blocks))))
-    done = [pickle.loads(pickle.dumps(assess_task(pickle.loads(pickle.dumps(task)), job))) for task in work.tasks]
-    assert [(one.key, one.fingerprint) for one in done] == [(task.key, task.fingerprint) for task in work.tasks]
-    return done, [*work.failures, *(row for one in done for row in one.failures)]
+def function_of(analysis):
+    """What is sent to a worker."""
+    function = partial(carry_out, work=analysis.work, stage=analysis.name, config=analysis.config)
+    return pickle.loads(pickle.dumps(function))
+
+
+def carried_out(paths, analysis) -> tuple[list[tuple[str, Done]], list, list]:
+    """Every task as another process would do it, with its earthquake; what was planned, and all rows."""
+    tasks, prepared = planned(paths, analysis)
+    function = function_of(analysis)
+    done = [pickle.loads(pickle.dumps(function(pickle.loads(pickle.dumps(task))))) for task in tasks]
+    assert [(one.key, one.fingerprint) for one in done] == [(task.key, task.fingerprint) for task in tasks]
+    rows = [*prepared.failures, *(row for one in done for row in one.failures)]
+    return [(prepared.events[one.key], one) for one in done], prepared.planned, rows
 
 
 @pytest.mark.parametrize("name", CONFIGURATIONS)
 def test_tasks_one_by_one_give_the_arrays_of_the_assessment_in_memory(samples, name):
     config = CONFIGURATIONS[name]
     paths = samples / "CICLC.v1" if name == "strongest" else samples  # the search for the direction takes its time
-    done, rows = carried_out(paths, config)
+    done, _, rows = carried_out(paths, Assessment(config))
     records, failures = read_all(paths)
     tree = assess(records, config, failures=failures)
-    arrays = joined_parts([unpack(part) for one in done for part in one.parts])
+    arrays = joined_parts([unpack(part) for _, one in done for part in one.parts])
     assert len(arrays["/summary/record"]) == tree["summary"].sizes["record"] > 0
     assert len(arrays) > 50
     assert set(arrays.pop("/summary/event")) == {""}  # all records together tell it
@@ -107,38 +119,37 @@ def test_tasks_one_by_one_give_the_arrays_of_the_assessment_in_memory(samples, n
 def test_a_pair_that_cannot_be_rotated_is_rows_of_its_task(samples):
     # Filtering needs corners below the Nyquist frequency, 50 or 100 Hz here.
     config = replace(CONFIGURATIONS["azimuth"], conditioning=ConditioningSettings(lowpass_hz=80.0))
-    done, rows = carried_out(samples, config)
+    done, _, rows = carried_out(samples, Assessment(config))
     records, failures = read_all(samples)
     tree = assess(records, config, failures=failures)
     assert [row.reason for row in rows] == tree["failures"]["reason"].values.tolist()
-    lost = [one for one in done if not one.parts]
+    lost = [one for _, one in done if not one.parts]
     assert lost
     assert all([row.stage for row in one.failures] == ["rotate", "rotate"] for one in lost)
 
 
+@pytest.mark.parametrize("analysis", [SiteCalibration, FragilityAnalysis])
 @pytest.mark.parametrize("components", ["horizontal", "sweep"])
-def test_the_tasks_of_a_site_give_its_calibration_in_memory(samples, components):
-    config = Config(
-        blocks=CHEAP.blocks,
-        calibration=CalibrationSettings(method="statistics", bootstrap=100),
-        records=RecordSettings(components=components, azimuth_step=90.0, include_vertical=True),
+def test_the_tasks_of_any_order_give_the_tree_in_memory(samples, components, analysis):
+    asked = analysis(
+        Config(
+            blocks=CHEAP.blocks,
+            calibration=CalibrationSettings(method="statistics", bootstrap=100),
+            fragility=FragilitySettings(limit_states=("uplift", 0.4), measures=("pga", "demand_cubic"), pga_min=2.0),
+            search=SearchSettings(points=16),
+            records=RecordSettings(components=components, azimuth_step=90.0, include_vertical=True),
+        )
     )
-    work, located, read_failures = planned(samples, config, "calibrate")
-    every = sorted((one.record for one in located), key=lambda record: record.id)
-    study = prepare_site(every, work.planned, config, failures=read_failures)
-    done = [calibrate_task(task, Job(config, study.lanes)) for task in work.tasks]
-    assert max(len(part) for one in done for part in one.parts) < 8000  # no samples
-    parts = [unpack_site_record(part) for one in reversed(done) for part in one.parts]
-    rows = [*work.failures, *(row for one in done for row in one.failures)]
-    found, expected = site_results(parts, study, config, rows), calibrate_site(*_read(samples, config))
+    done, motions, rows = carried_out(samples, asked)
+    packed = [(event, part) for event, one in reversed(done) for part in one.parts]
+    assert max(len(part) for _, part in packed) < 8000  # no samples
+    assert all(part[:4] == b"RPA1" for _, part in packed)  # no pickle
+    found = asked.collect([asked.of_event(unpack(part), event) for event, part in packed], motions, rows)
+    records, failures = read_all(samples)
+    expected = run(asked, records, failures)
     assert found.groups == expected.groups
     for group in expected.groups:
         assert found[group].to_dataset().identical(expected[group].to_dataset()), group
-
-
-def _read(paths, config):
-    records, failures = read_all(paths)
-    return records, config, None, failures
 
 
 @pytest.fixture
@@ -146,14 +157,15 @@ def one_task(tmp_path):
     """A record of its own and the work on it."""
     path = tmp_path / "a.AT2"
     path.write_bytes(at2(pulse()))
-    work, _, _ = planned(path, CHEAP)
-    return path, work.tasks[0], Job(CHEAP, gather_bodies(CHEAP.blocks))
+    analysis = Assessment(CHEAP)
+    ((task,), _) = planned(path, analysis)
+    return path, task, function_of(analysis)
 
 
 def test_a_file_that_changed_since_the_survey_is_a_row(one_task):
-    path, task, job = one_task
+    path, task, function = one_task
     path.write_bytes(at2(pulse(peak=0.2)))
-    done = assess_task(task, job)
+    done = function(task)
     assert done.parts == ()
     assert done.fingerprint == UNFINISHED != task.fingerprint  # tried again when the run is resumed
     (row,) = done.failures
@@ -162,9 +174,9 @@ def test_a_file_that_changed_since_the_survey_is_a_row(one_task):
 
 
 def test_a_file_that_vanished_is_a_row(one_task):
-    path, task, job = one_task
+    path, task, function = one_task
     path.unlink()
-    (row,) = assess_task(task, job).failures
+    (row,) = function(task).failures
     assert (row.stage, row.kind) == ("read", "failed")
     assert "No such file" in row.reason
 
@@ -178,13 +190,13 @@ def test_a_file_that_vanished_is_a_row(one_task):
     ],
 )
 def test_a_fault_of_the_program_is_a_row_with_its_traceback_in_the_log(one_task, monkeypatch, fault, reason):
-    path, task, job = one_task
+    path, task, function = one_task
 
     def faulty(*given):
         raise fault
 
-    monkeypatch.setattr(module, "record_part", faulty)
-    done = assess_task(task, job)
+    monkeypatch.setattr(assessment, "record_part", faulty)
+    done = function(task)
     assert (done.fingerprint, done.parts) == (UNFINISHED, ())
     (row,) = done.failures
     assert (row.file, row.stage, row.kind) == (str(path), "assess", "failed")
@@ -193,11 +205,11 @@ def test_a_fault_of_the_program_is_a_row_with_its_traceback_in_the_log(one_task,
 
 
 def test_what_a_task_logs_comes_back_and_goes_nowhere_else(one_task, caplog):
-    path, _, job = one_task
+    path = one_task[0]
     path.write_bytes(at2(pulse() + 0.05))  # the velocity drifts
-    work, _, _ = planned(path, CHEAP)
-    config = replace(CHEAP, conditioning=ConditioningSettings(baseline="none"))
-    done = assess_task(work.tasks[0], Job(config, job.bodies))
+    analysis = Assessment(replace(CHEAP, conditioning=ConditioningSettings(baseline="none")))
+    ((task,), _) = planned(path, analysis)
+    done = function_of(analysis)(task)
     assert [(level, "baseline drift" in text) for level, text in done.messages] == [(logging.WARNING, True)]
     assert caplog.records == []
     logging.getLogger("rockpulse").warning("heard again")
@@ -205,6 +217,7 @@ def test_what_a_task_logs_comes_back_and_goes_nowhere_else(one_task, caplog):
 
 
 def test_the_steps_are_timed(one_task):
-    seconds = assess_task(one_task[1], one_task[2]).seconds
+    _, task, function = one_task
+    seconds = function(task).seconds
     assert list(seconds) == ["read", "condition", "solve", "pack"]
     assert all(value > 0.0 for value in seconds.values())

@@ -15,10 +15,12 @@ from importlib import import_module
 from pathlib import Path
 
 import rockpulse as rp
-from rockpulse.batch.warm import warm_up
-from rockpulse.studies.site.record import site_record
-from rockpulse.assessment.directions import Motion
 from rockpulse import ModelSettings, RecordSettings, SearchSettings
+from rockpulse.assessment.assessment import Assessment
+from rockpulse.batch.warm import warm_up
+from rockpulse.motions.runner import run
+from rockpulse.studies.fragility.assessment import FragilityAnalysis
+from rockpulse.studies.site.calibration import SiteCalibration
 
 KERNELS = [path.stem for path in Path(import_module("rocking").__file__).parent.glob("[a-z]*.py")]
 BLOCKS = [rp.models.Block(half_width=0.2 + 0.2 * i, half_height=1.0 + i) for i in range(3)]
@@ -35,12 +37,12 @@ def compiled():
 
 def work(kind):
     records = [channel for name in ("CICCC.RAW", "CITOW2.RAW") for channel in rp.read(Path(sys.argv[1]) / name)]
-    if kind == "calibrate":
-        config = rp.Config()
-        warm_up(config, calibration=True)
+    blocks = dict(zip("abc", BLOCKS))
+    if kind in ("calibrate", "fragility"):
+        analysis = {"calibrate": SiteCalibration, "fragility": FragilityAnalysis}[kind](rp.Config(), blocks)
+        warm_up(analysis)
         yield
-        for record in records[:1]:
-            site_record(Motion(record, (record,)), rp.models.Block.stack(BLOCKS), config)
+        run(analysis, records[:1] if kind == "calibrate" else records)
         return
     everything = ("resonance", "sequence", "balanced", "conservative", "impulsive", "linear", "nonlinear")
     config = rp.Config()
@@ -50,9 +52,9 @@ def work(kind):
             models=ModelSettings(use=everything, auto=True, predictability=True, histories=True),
             search=SearchSettings(models=everything, points=16, step=1.2),
         )
-    warm_up(config)
+    warm_up(Assessment(config, blocks))
     yield
-    rp.assess(records, config, blocks=dict(zip("abc", BLOCKS)))
+    rp.assess(records, config, blocks=blocks)
     rp.assess(records[:1], config, blocks={"a": rp.models.Block(half_width=0.3, half_height=2.0)})
 
 
@@ -66,7 +68,7 @@ print(json.dumps([warm, compiled()]))
 
 @pytest.mark.parametrize(
     "kind",
-    ["default", pytest.param("calibrate", marks=pytest.mark.slow), pytest.param("everything", marks=pytest.mark.slow)],
+    ["default", *(pytest.param(kind, marks=pytest.mark.slow) for kind in ("calibrate", "fragility", "everything"))],
 )
 def test_nothing_is_compiled_after_warming_up(kind, samples):
     run = subprocess.run(

@@ -2,33 +2,28 @@
 
 from __future__ import annotations
 
-import logging
-from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from rocking.block import Block
-from rockpulse.assessment.directions import Motion, ground_motions
-from rockpulse.assessment.events import event_table, events_by_id
-from rockpulse.assessment.scene import extract, prepare
 from rockpulse.config.block_settings import BlockSettings
 from rockpulse.config.bodies import Bodies, gather_bodies
 from rockpulse.config.configuration import Config
-from rockpulse.errors import ConfigError
 from rockpulse.failures import Failure
-from rockpulse.ladder import Scene
+from rockpulse.motions.directions import PlannedMotion
+from rockpulse.motions.runner import Analysis, Blocks, Part, Work, run
 from rockpulse.record.record import Record
-from rockpulse.studies.fragility.capacity import RecordCapacity, record_capacity
+from rockpulse.storage.fragility_variables import FRAGILITY
+from rockpulse.studies.fragility.capacity import motion_capacity
 from rockpulse.studies.fragility.results import build_fragility_tree
 
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["fragility_curves", "lane_names"]
-
-logger = logging.getLogger("rockpulse")
+__all__ = ["FragilityAnalysis", "fragility_curves", "lane_names"]
 
 
 def fragility_curves(
@@ -36,7 +31,7 @@ def fragility_curves(
     config: Config | None = None,
     blocks: Mapping[str, Block] | Sequence[BlockSettings] | None = None,
     failures: Iterable[Failure] = (),
-    progress: Callable[[Sequence[Motion]], Iterable[Motion]] | None = None,
+    progress: Callable[[Sequence[PlannedMotion]], Iterable[PlannedMotion]] | None = None,
 ) -> xr.DataTree:
     """Fragility curves of bodies, with confidence bands over events, and which intensity measure serves best.
 
@@ -53,7 +48,7 @@ def fragility_curves(
     failures : iterable of Failure
         What reading has left out, to be stored with the results.
     progress : callable, optional
-        Wraps the list of motions on its way into the loop, as ``tqdm.tqdm`` does.
+        Wraps the list of channels or pairs on its way into the loop, as ``tqdm.tqdm`` does.
 
     Returns
     -------
@@ -82,50 +77,32 @@ def fragility_curves(
     >>> str(tree["fragility"]["statement"].sel(block="pier", limit_state="overturning", measure="pga").values)
     'no curve: one record only, 4.21 reached; a dispersion needs several'
     """
-    config = config or Config()
-    bodies = gather_bodies(config.blocks if blocks is None else blocks)
-    every = sorted(records, key=lambda record: record.id)
-    twice = sorted(name for name, times in Counter(record.id for record in every).items() if times > 1)
-    if twice:
-        raise ConfigError(f"records: expected different ids, found more than one record with id {', '.join(twice)}")
-    failures = list(failures)
-    event_of, unread = events_by_id(every, event_table(config), failures)
-    failures += unread
-    motions, left_out = ground_motions(every, config)
-    motions.sort(key=lambda motion: motion.record.id)
-    rows = [*failures, *left_out]
-    done: list[RecordCapacity] = []
-    clusters: list[str] = []
-    for motion in motions if progress is None else progress(motions):
-        record = motion.record
-        try:
-            scene = (extract if motion.pair else prepare)(record, config, motion.vertical)
-            if scene.record.pga < config.fragility.pga_min:
-                rows.append(_too_weak(scene, config.fragility.pga_min))
-                continue
-            done.append(record_capacity(scene, bodies.lanes, config))
-            clusters.append(event_of[motion.channels[0].id])
-        except ValueError as error:  # RockpulseError, and what a model says of numbers it cannot take
-            logger.error("%s: %s", record.id, error)
-            reason = str(error) if record.id in str(error) else f"{record.id}: {error}"
-            rows.append(Failure(file=record.source, stage="fragility", reason=reason, kind="failed"))
-    return build_fragility_tree(done, clusters, lane_names(bodies), bodies.lanes, config, rows)
+    return run(FragilityAnalysis(config or Config(), blocks), records, failures, progress)
 
 
-def _too_weak(scene: Scene, smallest: float) -> Failure:
-    record = scene.record
-    reason = f"{record.id}: PGA {record.pga:.3g} m/s2 is below [fragility] pga_min = {smallest:g} m/s2"
-    return Failure(file=record.source, stage="fragility", reason=reason, kind="skipped")
+class FragilityAnalysis(Analysis):
+    """The capacity of every body under every motion, and the curves that all of them give."""
+
+    name = "fragility"
+    doing = "scaling"
+    kind = FRAGILITY
+
+    def __init__(self, config: Config, blocks: Blocks | None = None) -> None:
+        super().__init__(config)
+        self.bodies = gather_bodies(config.blocks if blocks is None else blocks)
+
+    @property
+    def work(self) -> Work:
+        """Find the capacities of all bodies under a motion."""
+        return partial(motion_capacity, block=self.bodies.lanes, config=self.config)
+
+    def collect(self, parts: Sequence[Part], planned: Sequence[PlannedMotion], failures: list[Failure]) -> xr.DataTree:
+        """Fit the curves."""
+        return build_fragility_tree(parts, lane_names(self.bodies), self.bodies.lanes, self.config, failures)
 
 
 def lane_names(bodies: Bodies) -> list[str]:
-    """Names of the lanes: those of the bodies, with the restitution where there are several.
-
-    Parameters
-    ----------
-    bodies : Bodies
-        The bodies.
-    """
+    """Names of the lanes: those of the bodies, with the restitution where there are several."""
     if bodies.cases == 1:
         return list(bodies.names)
     ratios = bodies.per_case(np.asarray(bodies.lanes.restitution))

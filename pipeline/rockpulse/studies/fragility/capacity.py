@@ -1,76 +1,82 @@
-"""What one record says of the capacities of the bodies."""
+"""What one motion says of the capacities of the bodies."""
 
 from __future__ import annotations
-
-from dataclasses import dataclass
 
 import numpy as np
 
 from rocking.block import Block
+from rockpulse.assessment.scene import extract
 from rockpulse.config.configuration import Config
-from rockpulse.ladder import Scene
+from rockpulse.errors import TooWeak
+from rockpulse.motions.directions import Motion
+from rockpulse.motions.runner import Part, Watch
 from rockpulse.studies.fragility.limit_states import reached_at, scale_capacities
-from rockpulse.studies.fragility.measures import record_measures, record_qualities
+from rockpulse.studies.fragility.measures import QUALITIES, record_measures, record_qualities
 
-__all__ = ["RecordCapacity", "record_capacity"]
+__all__ = ["motion_capacity", "nothing"]
 
 
-@dataclass(frozen=True, eq=False)
-class RecordCapacity:
-    """What one record says of the capacities of m lanes.
+def motion_capacity(motion: Motion, watch: Watch, block: Block, config: Config) -> Part:
+    """What one motion says of the capacities of (m,) lanes.
 
-    Attributes
-    ----------
-    record_id, source : str
-        Which record.
-    measures : (k, m) ndarray
-        Its measures as recorded, in the order of ``[fragility] measures``.
-    qualities : dict of str to float
-        By the names of :data:`rockpulse.studies.fragility.measures.QUALITIES`.
-    factors : (s, m) or (r, m) ndarray
-        Incremental analysis: first factor that reaches each limit state, inf where none does [-]. Stripes: the factors
-        that were looked at.
-    step : (m,) ndarray or None
-        Ratio of neighbouring factors of the scan of an incremental analysis [-]; None for stripes.
-    reached : (s, r, m) ndarray of int or None
-        Stripes: whether the limit state was reached; None for an incremental analysis.
+    Returns
+    -------
+    dict of str to ndarray
+        "measures" (1, k, m): those of the motion as it is, in the order of ``[fragility] measures``; "qualities"
+        (1, c): in the order of :data:`rockpulse.studies.fragility.measures.QUALITIES`. Of an incremental analysis
+        "factors" (1, s, m), the first factor that reaches each limit state, inf where none does, and "step" (1, m), the
+        ratio of neighbouring factors of the scan. Else "factors" (1, r, m), those that were looked at, and "reached"
+        (1, s, r, m), whether the limit state was reached at them.
+
+    Raises
+    ------
+    ValueError
+        Where the motion has no intense phase or the model refuses its numbers; TooWeak below the smallest PGA.
     """
-
-    record_id: str
-    source: str
-    measures: np.ndarray
-    qualities: dict[str, float]
-    factors: np.ndarray
-    step: np.ndarray | None
-    reached: np.ndarray | None
-
-
-def record_capacity(scene: Scene, block: Block, config: Config) -> RecordCapacity:
-    """What one record says of the capacities of (m,) bodies; a ValueError where the model refuses its numbers."""
     settings = config.fragility
-    step = reached = None
-    if settings.data == "ida":
-        found = scale_capacities(
-            scene,
-            block,
-            settings.limit_states,
-            settings.equation,
-            config.search.factor_max,
-            config.search.points,
+    with watch("condition"):
+        scene = extract(motion.record, config, motion.vertical)
+    record = scene.record
+    if record.pga < settings.pga_min:
+        raise TooWeak(
+            f"{record.id}: PGA {record.pga:.3g} m/s2 is below [fragility] pga_min = {settings.pga_min:g} m/s2"
         )
-        factors, step = found.factors, found.step
-    else:
-        factors = np.ones((1, *block.shape))
-        if settings.data == "stripes":
-            own = record_measures(scene, block, (settings.stripe_measure,))
-            factors = np.asarray(settings.stripe_levels)[:, None] / own
-        reached = reached_at(scene, block, settings.limit_states, settings.equation, factors)
-    return RecordCapacity(
-        record_id=scene.record.id,
-        source=scene.record.source,
-        measures=record_measures(scene, block, settings.measures),
-        qualities=record_qualities(scene),
-        factors=factors,
-        step=step,
-        reached=reached,
-    )
+    found: dict[str, object]
+    with watch("solve"):
+        if settings.data == "ida":
+            search = config.search
+            capacities = scale_capacities(
+                scene, block, settings.limit_states, settings.equation, search.factor_max, search.points
+            )
+            found = {"factors": capacities.factors, "step": capacities.step}
+        else:
+            factors = np.ones((1, *block.shape))
+            if settings.data == "stripes":
+                own = record_measures(scene, block, (settings.stripe_measure,))
+                factors = np.asarray(settings.stripe_levels)[:, None] / own
+            reached = reached_at(scene, block, settings.limit_states, settings.equation, factors)
+            found = {"factors": factors, "reached": reached}
+        qualities = record_qualities(scene)
+        found |= {
+            "record": record.id,
+            "source": record.source,
+            "measures": record_measures(scene, block, settings.measures),
+            "qualities": [qualities[name] for name in QUALITIES],
+        }
+    return {name: np.array([values]) for name, values in found.items()}
+
+
+def nothing(lanes: int, config: Config) -> Part:
+    """What no motion at all says: every array of :func:`motion_capacity`, and "event", without a row."""
+    settings = config.fragility
+    ida, states = settings.data == "ida", len(settings.limit_states)
+    stripes = len(settings.stripe_levels) if settings.data == "stripes" else 1
+    part = {
+        "measures": np.zeros((0, len(settings.measures), lanes)),
+        "qualities": np.zeros((0, len(QUALITIES))),
+        "factors": np.zeros((0, states if ida else stripes, lanes)),
+        **{name: np.zeros(0, dtype=str) for name in ("record", "source", "event")},
+    }
+    if ida:
+        return {**part, "step": np.zeros((0, lanes))}
+    return {**part, "reached": np.zeros((0, states, stripes, lanes), dtype=np.int8)}

@@ -9,7 +9,8 @@ import numpy as np
 
 from rockpulse.config.configuration import Config
 from rockpulse.config.fragility_settings import OVERTURNING
-from rockpulse.studies.fragility.capacity import RecordCapacity
+from rockpulse.motions.runner import Part, joined
+from rockpulse.studies.fragility.capacity import nothing
 from rockpulse.studies.fragility.curves import fit_curve
 from rockpulse.studies.fragility.efficiency import sufficiency
 from rockpulse.studies.fragility.limit_states import NOT_KNOWN
@@ -26,8 +27,8 @@ class Ensemble:
 
     Attributes
     ----------
-    ids, clusters : list of str, length n
-        Id and event of each record.
+    ids, clusters, sources : list of str, length n
+        Id, event and file of each record.
     measures : (n, k, m) ndarray
         Of the records as they are.
     qualities : (n, c) ndarray
@@ -44,6 +45,7 @@ class Ensemble:
 
     ids: list[str]
     clusters: list[str]
+    sources: list[str]
     measures: np.ndarray
     qualities: np.ndarray
     factors: np.ndarray
@@ -52,15 +54,7 @@ class Ensemble:
     config: Config
 
     def observations(self, state: int, measure: int, lanes: Sequence[int]) -> Observations:
-        """Rows of one limit state in one measure, of one lane or of several put together.
-
-        Parameters
-        ----------
-        state, measure : int
-            Which.
-        lanes : sequence of int
-            Bodies.
-        """
+        """Rows of one limit state in one measure, by their numbers, of one lane or of several put together."""
         if self.reached is None:
             factor = self.factors[:, state, None][:, :, lanes]
             kind = np.where(np.isinf(factor), ABOVE, EXACT)
@@ -80,31 +74,18 @@ class Ensemble:
         )
 
 
-def gather(done: Sequence[RecordCapacity], clusters: Sequence[str], lanes: int, config: Config) -> Ensemble:
-    """Line up the records.
-
-    Parameters
-    ----------
-    done : sequence of RecordCapacity
-        One a record; there may be none.
-    clusters : sequence of str
-        Event of each.
-    lanes : int
-        Number of bodies.
-    config : Config
-        The options.
-    """
-    settings = config.fragility
-    ida, states = settings.data == "ida", len(settings.limit_states)
-    stripes = len(settings.stripe_levels) if settings.data == "stripes" else 1
+def gather(parts: Sequence[Part], lanes: int, config: Config) -> Ensemble:
+    """Line up what the motions say of so many lanes, in the order of their ids; there may be no motion."""
+    done = joined([nothing(lanes, config), *parts])
     return Ensemble(
-        ids=[one.record_id for one in done],
-        clusters=list(clusters),
-        measures=np.array([one.measures for one in done]).reshape(-1, len(settings.measures), lanes),
-        qualities=np.array([[one.qualities[name] for name in QUALITIES] for one in done]).reshape(-1, len(QUALITIES)),
-        factors=np.array([one.factors for one in done]).reshape(-1, states if ida else stripes, lanes),
-        step=np.array([one.step for one in done], dtype=float).reshape(-1, lanes) if ida else None,
-        reached=None if ida else np.array([one.reached for one in done]).reshape(-1, states, stripes, lanes),
+        ids=done["record"].tolist(),
+        clusters=done["event"].tolist(),
+        sources=done["source"].tolist(),
+        measures=done["measures"],
+        qualities=done["qualities"],
+        factors=done["factors"],
+        step=done.get("step"),
+        reached=done.get("reached"),
         config=config,
     )
 
@@ -118,13 +99,7 @@ class Fits:
     p_value: np.ndarray
 
     def of(self, attribute: str) -> np.ndarray:
-        """One attribute of every curve: (g, s, k).
-
-        Parameters
-        ----------
-        attribute : str
-            Of :class:`rockpulse.studies.fragility.curves.Curve`.
-        """
+        """One attribute of every :class:`~rockpulse.studies.fragility.curves.Curve`: (g, s, k)."""
         return np.vectorize(lambda curve: getattr(curve, attribute), otypes=[object])(self.curves)
 
 

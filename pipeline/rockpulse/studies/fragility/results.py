@@ -11,6 +11,7 @@ import xarray as xr
 from rocking.block import Block
 from rockpulse.config.configuration import Config
 from rockpulse.failures import Failure
+from rockpulse.motions.runner import Part
 from rockpulse.storage.fragility_variables import (
     BODY,
     CAPACITY,
@@ -29,7 +30,6 @@ from rockpulse.storage.fragility_variables import (
     VALUE,
 )
 from rockpulse.storage.variables import FAILURE, Meaning, described
-from rockpulse.studies.fragility.capacity import RecordCapacity
 from rockpulse.studies.fragility.curves import Curve
 from rockpulse.studies.fragility.efficiency import dispersion_ratio
 from rockpulse.studies.fragility.ensemble import Ensemble, Fits, fit_ensemble, gather
@@ -50,8 +50,7 @@ FARTHEST = 600.0
 
 
 def build_fragility_tree(
-    done: Sequence[RecordCapacity],
-    clusters: Sequence[str],
+    parts: Sequence[Part],
     names: Sequence[str],
     block: Block,
     config: Config,
@@ -61,10 +60,8 @@ def build_fragility_tree(
 
     Parameters
     ----------
-    done : sequence of RecordCapacity
-        One a record.
-    clusters : sequence of str
-        Event of each.
+    parts : sequence of mapping of str to ndarray
+        What each motion says (:func:`rockpulse.studies.fragility.capacity.motion_capacity`), and "event".
     names : sequence of str
         Of the lanes.
     block : Block
@@ -76,7 +73,7 @@ def build_fragility_tree(
     """
     settings = config.fragility
     states, measures = limit_state_names(settings.limit_states), list(settings.measures)
-    ensemble = gather(done, clusters, len(names), config)
+    ensemble = gather(parts, len(names), config)
     lanes = range(len(names))
     single, pooled = fit_ensemble(ensemble, [[lane] for lane in lanes]), fit_ensemble(ensemble, [list(lanes)])
     coords = {
@@ -87,7 +84,7 @@ def build_fragility_tree(
     tree = xr.DataTree.from_dict(
         {
             "/fragility": _curves(single, block, measures, coords),
-            "/capacities": _capacities(done, ensemble, coords),
+            "/capacities": _capacities(ensemble, coords),
             "/efficiency": _efficiency(single, pooled, measures, coords),
             "/failures": xr.Dataset(
                 {
@@ -144,7 +141,7 @@ def _grid(fits: Fits) -> tuple[np.ndarray, list[np.ndarray]]:
     return level, tables
 
 
-def _capacities(done: Sequence[RecordCapacity], data: Ensemble, coords: dict[str, xr.Variable]) -> xr.Dataset:
+def _capacities(data: Ensemble, coords: dict[str, xr.Variable]) -> xr.Dataset:
     record = {"record": _labels("record", data.ids, "record id")}
     if data.reached is None:
         factors = np.moveaxis(data.factors, 2, 1)
@@ -170,7 +167,7 @@ def _capacities(done: Sequence[RecordCapacity], data: Ensemble, coords: dict[str
     variables["measure_value"] = described(("record", "block", "measure"), np.moveaxis(data.measures, 2, 1), VALUE)
     columns = {
         "event": data.clusters,
-        "source": [one.source for one in done],
+        "source": data.sources,
         **dict(zip(QUALITIES, data.qualities.T, strict=True)),
     }
     for name, meaning in RECORD.items():

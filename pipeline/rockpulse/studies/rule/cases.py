@@ -24,10 +24,10 @@ from rocking.block import Block
 from rocking.half_wave_demand import demand_of_half_waves
 from rocking.recorded import recorded_response
 from rocking.response import Outcome
-from rockpulse.assessment.events import group_events
 from rockpulse.calibration.rule import traits
 from rockpulse.errors import RockpulseError
 from rockpulse.failures import Failure
+from rockpulse.motions.events import group_events
 from rockpulse.record.components import select_horizontal
 from rockpulse.record.conditioning import condition
 from rockpulse.record.half_wave import half_waves

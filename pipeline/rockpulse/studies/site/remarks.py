@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 
-from rockpulse.studies.site.record import USUAL_FACTORS, SiteRecord
+from rockpulse.studies.site.record import USUAL_FACTORS
 
 __all__ = ["FEWEST_EVENTS", "FEWEST_RECORDS", "site_remarks"]
 
@@ -30,8 +30,8 @@ FEW_LIFTED = 0.1
 
 def site_remarks(
     site: Mapping[str, Any],
-    done: Sequence[SiteRecord],
-    events: Sequence[str],
+    factors: np.ndarray,
+    events: np.ndarray,
     weights: np.ndarray,
     unjudged: Mapping[str, str],
 ) -> list[str]:
@@ -41,8 +41,8 @@ def site_remarks(
     ----------
     site : mapping of str to object
         The scalars of the file, with `design_upper` (of I) and `share_below`, what the design covers just below I.
-    done, events, weights
-        As in :func:`rockpulse.studies.site.tree.build_site_tree`.
+    factors, events, weights
+        Scale factor, event and weight of every record.
     unjudged : mapping of str to str
         Events that the coverage does not rest on, and why.
 
@@ -108,7 +108,6 @@ def site_remarks(
             f"only {site['lifted_share']:.1%} of the pairs of record and block count, for the other records do not "
             "lift the other blocks: the design rests on few of them"
         )
-    factors = np.array([one.factor for one in done])
     low, high = USUAL_FACTORS
     odd = int(np.count_nonzero((factors < low) | (factors > high)))
     if odd:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -35,7 +35,7 @@ from rockpulse.studies.site.design import (
     main_impulse_interval,
     overturning_limit,
 )
-from rockpulse.studies.site.record import SiteRecord, rotation_to_cover
+from rockpulse.studies.site.record import rotation_to_cover
 from rockpulse.studies.site.remarks import site_remarks
 from rockpulse.studies.site.statistics import correlation, event_draws, fit_lognormal, weighted_quantile
 
@@ -46,8 +46,7 @@ NOT_COUNTED = -1
 
 
 def build_site_tree(
-    done: Sequence[SiteRecord],
-    events: Sequence[str],
+    done: Mapping[str, np.ndarray],
     weights: np.ndarray,
     block_names: Sequence[str],
     blocks: Block,
@@ -59,16 +58,12 @@ def build_site_tree(
 
     Parameters
     ----------
-    done : sequence of SiteRecord, length n
-        In the order of the rows.
-    events : sequence of str, length n
-        Event of each.
+    done : mapping of str to ndarray
+        What :func:`rockpulse.studies.site.record.site_record` found of every record, and "event".
     weights : (n,) ndarray
         Of mean one.
-    block_names : sequence of str, length m
-        Names of the blocks.
-    blocks : Block
-        (m,) blocks.
+    block_names, blocks : sequence of str, Block of shape (m,)
+        The bodies that are to be covered.
     config : Config
         Sections site, calibration, sequence and run are used; its text becomes an attribute.
     failures : sequence of Failure
@@ -82,10 +77,10 @@ def build_site_tree(
         Where the records make no design sequence.
     """
     settings = config.calibration
-    names, numbers = np.unique(np.array(events, dtype=str), return_inverse=True)
-    peaks = np.array([one.peaks for one in done])
+    names, numbers = np.unique(done["event"], return_inverse=True)
+    peaks = done["peaks"]
     sample = SiteSample(
-        values=np.array([one.values for one in done]),
+        values=done["value"],
         peaks=rotation_to_cover(peaks),
         weights=weights,
         events=numbers,
@@ -126,12 +121,12 @@ def build_site_tree(
     }
     unjudged = {str(names[event]): reason for event, reason in unjudged_events(left_out, sample).items()}
     told = site | {"share_below": below, "design_upper": per_parameter["design_upper"][0]}
-    site["remarks"] = "\n".join([*remarks, *site_remarks(told, done, events, weights, unjudged)])
+    site["remarks"] = "\n".join([*remarks, *site_remarks(told, done["scale_factor"], done["event"], weights, unjudged)])
     variables = {name: described((), site[name], meaning) for name, meaning in SITE.items()}
     variables |= {
         name: described(("parameter",), per_parameter[name], meaning) for name, meaning in PER_PARAMETER.items()
     }
-    variables |= _records(done, events, weights, left_out.main)
+    variables |= _records(done, weights, left_out.main)
     variables |= _blocks(sample, design, marks)
     variables["event_records"] = described(("site_event",), np.bincount(numbers), EVENT["event_records"])
     of_events = [coverage_of(marks[numbers == one], sample.part(numbers == one), 0.9)[0] for one in range(names.size)]
@@ -146,7 +141,7 @@ def build_site_tree(
     variables["covered"] = described(("record", "block"), flags, PAIR["covered"])
     variables["covered"].attrs["flag_values"] = np.array([NOT_COUNTED, 0, 1, BEYOND], dtype=np.int8)
     variables["covered"].attrs["flag_meanings"] = "not_counted not_covered covered overturned_by_the_design"
-    dataset = xr.Dataset(variables, _coordinates([one.record.id for one in done], block_names, names))
+    dataset = xr.Dataset(variables, _coordinates(done["record"], block_names, names))
     dataset.attrs |= {
         "method": settings.method,
         "design": settings.design,
@@ -202,32 +197,15 @@ def _per_parameter(
     return table
 
 
-def _records(
-    done: Sequence[SiteRecord], events: Sequence[str], weights: np.ndarray, mains: np.ndarray
-) -> dict[str, xr.Variable]:
-    columns = {
-        "source": [one.record.source for one in done],
-        "source_sha256": [one.record.source_sha256 for one in done],
-        "event": list(events),
-        "weight": weights,
-        "scale_factor": [one.factor for one in done],
-        "pga": [one.pga for one in done],
-        "pgv": [one.pgv for one in done],
-        "largest_impulse": [one.impulse for one in done],
-        "misfit": [one.misfit for one in done],
-        "unsafe_share": [one.unsafe_share for one in done],
-        "left_out_main": mains,
-        "calibration_remarks": ["\n".join(one.remarks) for one in done],
-        "warnings": ["\n".join(one.record.warnings) for one in done],
-        "processing": ["\n".join(one.record.processing) for one in done],
-    }
+def _records(done: Mapping[str, np.ndarray], weights: np.ndarray, mains: np.ndarray) -> dict[str, xr.Variable]:
+    columns = {**done, "weight": weights, "left_out_main": mains}
     variables = {name: described(("record",), columns[name], meaning) for name, meaning in RECORD.items()}
-    for name, values, what in (
-        ("value", [one.values for one in done], "parameter of the record's own sequence"),
-        ("value_lower", [one.ends(0) for one in done], "lower end of its interval, where the method gives one"),
-        ("value_upper", [one.ends(1) for one in done], "upper end of its interval, where the method gives one"),
+    for name, what in (
+        ("value", "parameter of the record's own sequence"),
+        ("value_lower", "lower end of its interval, where the method gives one"),
+        ("value_upper", "upper end of its interval, where the method gives one"),
     ):
-        variables[name] = described(("record", "parameter"), values, (float, "parameter_unit", what))
+        variables[name] = described(("record", "parameter"), done[name], (float, "parameter_unit", what))
     return variables
 
 
@@ -242,7 +220,7 @@ def _blocks(sample: SiteSample, design: ImpulseSequence, marks: np.ndarray) -> d
     return {name: described(("block",), columns[name], meaning) for name, meaning in BLOCK.items()}
 
 
-def _coordinates(ids: Sequence[str], blocks: Sequence[str], events: np.ndarray) -> dict[str, xr.Variable]:
+def _coordinates(ids: np.ndarray, blocks: Sequence[str], events: np.ndarray) -> dict[str, xr.Variable]:
     return {
         "record": described(("record",), ids, (str, "1", "record id")),
         "block": described(("block",), list(blocks), (str, "1", "name of the body")),

@@ -27,7 +27,7 @@ def events_of(summary: xr.Dataset) -> list[str]:
     Returns
     -------
     list of str
-        One label a record, as the assessment counted them (:func:`rockpulse.assessment.events.group_events`).
+        One label a record, as the assessment counted them (:func:`rockpulse.motions.events.group_events`).
     """
     return [str(label) for label in summary["event"].values]
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from rockpulse.assessment.events import UNKNOWN
+from rockpulse.motions.events import UNKNOWN
 from rockpulse.views.report.events import events_of
 from rockpulse.views.report.standing import Standing
 from rockpulse.views.shared.table import Cell, Heading, Table

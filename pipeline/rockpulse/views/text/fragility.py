@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from rockpulse.assessment.events import UNKNOWN
+from rockpulse.motions.events import UNKNOWN
 from rockpulse.views.shared.table import Cell, Heading, Mark, Table, number, text
 from rockpulse.views.shared.terminal import ABSENT, between, paragraph, ratio, several
 

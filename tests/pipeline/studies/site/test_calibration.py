@@ -10,14 +10,14 @@ import pytest
 
 import rockpulse as rp
 from rockpulse import CalibrationSettings, RecordSettings, RunSettings
-from rockpulse.assessment.directions import plan_motions
-from rockpulse.assessment.site_tables import record_weights
 from rockpulse.config.configuration import Config
 from rockpulse.errors import ConfigError, RecordRefused
 from rockpulse.failures import Failure
 from rockpulse.models import Block
+from rockpulse.motions.runner import worked
+from rockpulse.motions.tables import record_weights
 from rockpulse.studies.site import record as site_record
-from rockpulse.studies.site.calibration import calibrate_planned
+from rockpulse.studies.site.calibration import SiteCalibration
 from rockpulse.studies.site.scaling import MEASURE
 
 TIME = 0.01 * np.arange(1200)
@@ -282,8 +282,9 @@ def test_a_record_that_moves_too_few_blocks_is_skipped_and_no_failure(tmp_path):
 
 def calibrated(record, blocks, **calibration):
     """What becomes of one record."""
-    planned, _ = plan_motions([record], config(**calibration))
-    return list(calibrate_planned(planned[0], Block.stack([*blocks.values()]), config(**calibration)))
+    analysis = SiteCalibration(config(**calibration), blocks)
+    (planned,) = analysis.prepare([record]).planned
+    return list(worked(planned, analysis.work, analysis.name, analysis.config))
 
 
 def test_records_of_one_id_are_refused():

@@ -8,7 +8,7 @@ import xarray as xr
 from report_cases import motions, summary_of, verdict
 
 from rocking.response import Outcome
-from rockpulse.assessment.events import UNKNOWN
+from rockpulse.motions.events import UNKNOWN
 from rockpulse.views.report.events import largest_share
 from rockpulse.views.report.motions import motions_of
 from rockpulse.views.report.standing import Standing

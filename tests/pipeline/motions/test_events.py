@@ -5,10 +5,10 @@ from datetime import UTC, datetime, timedelta
 
 import pytest
 
-from rockpulse.assessment.events import JOINED_WITHIN_S, UNKNOWN, event_table, events_by_id, group_events
 from rockpulse.config.configuration import Config, load_config
 from rockpulse.errors import ConfigError
 from rockpulse.failures import Failure
+from rockpulse.motions.events import JOINED_WITHIN_S, UNKNOWN, event_table, events_by_id, group_events
 from rockpulse.readers.folders import read_all
 from rockpulse.record.record import Record
 

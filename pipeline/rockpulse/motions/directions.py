@@ -1,12 +1,11 @@
 """The motions that are assessed: channels as recorded, or pairs of them rotated.
 
 .. note:: What is assessed follows from what the records say of themselves (:func:`plan_motions`); their samples are
-   asked for when that is carried out (:func:`motions_of`). So thousands of records can be planned without them.
+   asked for when that is carried out (:func:`conditioned_motions`). So thousands of records are planned without them.
 """
 
 from __future__ import annotations
 
-import logging
 import math
 from collections import defaultdict
 from collections.abc import Callable, Iterable, Sequence
@@ -15,6 +14,7 @@ from dataclasses import dataclass, replace
 from rockpulse.config.configuration import Config
 from rockpulse.failures import Failure
 from rockpulse.record.components import Neighbours, Pair, find_pairs, matching_vertical, select_horizontal
+from rockpulse.record.conditioning import condition
 from rockpulse.record.pair_conditioning import condition_pair
 from rockpulse.record.record import Record
 from rockpulse.record.rotation import pair_id, rotate, rotated_id, strongest_azimuth
@@ -24,16 +24,12 @@ __all__ = [
     "DIRECTIONS",
     "Motion",
     "PlannedMotion",
-    "ground_motions",
-    "motions_of",
+    "conditioned_motions",
     "plan_motions",
     "planned_ids",
-    "rotation_failures",
     "sweep_azimuths",
     "swept_directions",
 ]
-
-logger = logging.getLogger("rockpulse")
 
 #: A channel that faces the direction asked for within this stands for it without a partner [degrees].
 FACING_WITHIN = 1.0
@@ -76,23 +72,17 @@ class PlannedMotion:
 
 @dataclass(frozen=True, eq=False)
 class Motion:
-    """A horizontal motion that is assessed.
+    """A horizontal motion that is worked on.
 
     Attributes
     ----------
     record : Record
-        A channel as read, or a rotated pair, which is conditioned already.
-    channels : tuple of Record
-        The channels behind it, as read.
-    pair : str
-        Name of the pair that was rotated; empty for a channel as recorded.
+        A channel or a rotated pair, conditioned.
     vertical : Record or None
         The vertical channel that acts too, as read.
     """
 
     record: Record
-    channels: tuple[Record, ...]
-    pair: str = ""
     vertical: Record | None = None
 
 
@@ -136,84 +126,31 @@ def plan_motions(records: Sequence[Record], config: Config) -> tuple[list[Planne
     return [_with_vertical(one, verticals) for one in planned], failures
 
 
-def motions_of(planned: PlannedMotion, config: Config) -> list[Motion]:
-    """The motions to assess: the channel, or the pair in every direction that is asked for.
-
-    Parameters
-    ----------
-    planned : PlannedMotion
-        With the samples of its channels.
-    config : Config
-        Sections records, conditioning and half_waves are used.
+def conditioned_motions(planned: PlannedMotion, config: Config) -> list[Motion]:
+    """The conditioned motions to work on: the channel, or the pair in every direction that is asked for.
 
     Raises
     ------
     RockpulseError
-        Where a pair cannot be rotated.
+        Where a channel cannot be conditioned, or a pair cannot be rotated.
     """
-    if not planned.rotated:
-        turned = [planned.channels[0]]
-    else:
-        pair = condition_pair(Pair(*planned.channels), **config.conditioning)
-        azimuths = DIRECTIONS[config.records.components](pair, config)
-        turned = [replace(rotate(pair, azimuth), id=planned.direction_id(azimuth)) for azimuth in azimuths]
-    for remark in planned.remarks:
-        turned = [record.with_warning(remark) for record in turned]
-    name = planned.name if planned.rotated else ""
-    return [Motion(record, planned.channels, name, planned.vertical) for record in turned]
+    if not planned.rotated:  # with the remarks first: conditioning adds its own behind them
+        remarked = _remarked(planned.channels[0], planned.remarks)
+        return [Motion(condition(remarked, **config.conditioning), planned.vertical)]
+    pair = condition_pair(Pair(*planned.channels), **config.conditioning)
+    azimuths = DIRECTIONS[config.records.components](pair, config)
+    turned = [replace(rotate(pair, azimuth), id=planned.direction_id(azimuth)) for azimuth in azimuths]
+    return [Motion(_remarked(record, planned.remarks), planned.vertical) for record in turned]
 
 
-def rotation_failures(planned: PlannedMotion, error: Exception) -> list[Failure]:
-    """The rows for a pair that cannot be rotated, one for each channel.
-
-    Parameters
-    ----------
-    planned : PlannedMotion
-        The pair.
-    error : Exception
-        Why.
-    """
-    logger.error("%s: %s", planned.name, error)
-    return [Failure(channel.source, "rotate", str(error), "failed") for channel in planned.channels]
-
-
-def ground_motions(records: Sequence[Record], config: Config) -> tuple[list[Motion], list[Failure]]:
-    """The motions to assess, all at once.
-
-    Parameters
-    ----------
-    records : sequence of Record
-        All channels, with their samples.
-    config : Config
-        Sections records, conditioning and half_waves are used.
-
-    Returns
-    -------
-    motions : list of Motion
-        With different ids; those of a pair one after the other.
-    failures : list of Failure
-        Those of :func:`plan_motions`, then a row for each channel of a pair that cannot be rotated.
-    """
-    planned, failures = plan_motions(records, config)
-    motions = []
-    for one in planned:
-        try:
-            motions += motions_of(one, config)
-        except ValueError as error:
-            failures += rotation_failures(one, error)
-    return motions, failures
+def _remarked(record: Record, remarks: Iterable[str]) -> Record:
+    for remark in remarks:
+        record = record.with_warning(remark)
+    return record
 
 
 def planned_ids(planned: PlannedMotion, config: Config) -> list[str]:
-    """Ids of the motions that come of a plan; none for the strongest direction, which only the samples tell.
-
-    Parameters
-    ----------
-    planned : PlannedMotion
-        With or without the samples of its channels.
-    config : Config
-        Section records is used.
-    """
+    """Ids of the motions that come of a plan; none for the strongest direction, which only the samples tell."""
     if not planned.rotated:
         return [planned.name]
     if config.records.components == "strongest":
@@ -222,15 +159,7 @@ def planned_ids(planned: PlannedMotion, config: Config) -> list[str]:
 
 
 def swept_directions(planned: Iterable[PlannedMotion], config: Config) -> dict[str, list[str]] | None:
-    """Name of each pair of a sweep over direction, and the ids of its motions; None where there is no sweep.
-
-    Parameters
-    ----------
-    planned : iterable of PlannedMotion
-        What is assessed.
-    config : Config
-        Section records is used.
-    """
+    """Name of each pair of a sweep over direction, and the ids of its motions; None where there is no sweep."""
     if config.records.components != "sweep":
         return None
     return {one.name: planned_ids(one, config) for one in planned}
@@ -263,13 +192,7 @@ def _with_vertical(planned: PlannedMotion, verticals: Neighbours) -> PlannedMoti
 
 
 def sweep_azimuths(step: float) -> list[float]:
-    """Directions from 0 up to 180 degrees, which are all: the motion in the opposite direction is the mirror image.
-
-    Parameters
-    ----------
-    step : float
-        A whole part of 180 degrees.
-    """
+    """Directions from 0 up to 180 degrees, of which `step` is a whole part; against one is the mirror image of it."""
     count = round(180.0 / step)
     return [180.0 * number / count for number in range(count)]
 

@@ -14,10 +14,10 @@ from collections.abc import Hashable, Iterable, Iterator, Mapping, Sequence
 from datetime import timedelta
 from itertools import combinations, pairwise
 
-from rockpulse.assessment.site_tables import read_event_table
 from rockpulse.config.configuration import Config, located
 from rockpulse.errors import ConfigError
 from rockpulse.failures import Failure
+from rockpulse.motions.tables import read_event_table
 from rockpulse.record.record import Record
 
 __all__ = ["JOINED_WITHIN_S", "UNKNOWN", "event_table", "events_by_id", "group_events"]

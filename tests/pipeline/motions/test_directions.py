@@ -9,9 +9,10 @@ import pytest
 from rockpulse import BlockSettings, DemandSettings, IntensePhaseSettings, ModelSettings, RecordSettings
 from rockpulse.assessment.assessment import assess
 from rockpulse.assessment.direction_statistics import largest_over, median_over, smallest_over
-from rockpulse.assessment.directions import ground_motions, motions_of, plan_motions, planned_ids, sweep_azimuths
 from rockpulse.config.configuration import Config
 from rockpulse.models import Outcome
+from rockpulse.motions.directions import conditioned_motions, plan_motions, planned_ids, sweep_azimuths
+from rockpulse.record.conditioning import condition
 from rockpulse.record.half_wave import half_waves
 from rockpulse.record.record import Record
 from rockpulse.remark import code_of
@@ -53,6 +54,14 @@ def sweep(*records, **options):
     return assess(records, config("sweep", azimuth_step=20.0, **options))
 
 
+def motions_under(records, options):
+    """The motions that come of all channels, and the names of what they come of."""
+    planned, failures = plan_motions(records, options)
+    assert not failures
+    motions = [(one.name, motion) for one in planned for motion in conditioned_motions(one, options)]
+    return [motion for _, motion in motions], [name for name, _ in motions]
+
+
 @pytest.fixture(scope="module")
 def tree():
     return sweep(channel(90.0), channel(0.0))
@@ -60,30 +69,42 @@ def tree():
 
 def test_as_recorded_nothing_is_rotated():
     records = [channel(90.0), channel(0.0)]
-    motions, failures = ground_motions(records, Config())
-    assert [motion.record for motion in motions] == records
-    assert not failures
+    motions, _ = motions_under(records, Config())
+    assert [motion.record.id for motion in motions] == [record.id for record in records]
+    for motion, record in zip(motions, records, strict=True):
+        np.testing.assert_array_equal(motion.record.acceleration, record.acceleration)
+
+
+def test_a_channel_is_conditioned_behind_its_remark():
+    raw = channel(0.0, processed=False, across=ACROSS + 0.5)
+    options = config("azimuth", azimuth=0.0, include_vertical=True)
+    (motion,), _ = motions_under([raw], options)
+    expected = condition(raw, **options.conditioning)
+    np.testing.assert_array_equal(motion.record.acceleration, expected.acceleration)
+    assert motion.record.processing == expected.processing != ()
+    assert motion.record.warnings[0].startswith("no pair: as recorded")
+    assert motion.record.warnings[1:] == expected.warnings
 
 
 def test_one_azimuth_is_one_motion_of_the_pair():
-    motions, _ = ground_motions([channel(90.0), channel(0.0)], config("azimuth", azimuth=POLARISED))
+    motions, _ = motions_under([channel(90.0), channel(0.0)], config("azimuth", azimuth=POLARISED))
     assert [motion.record.id for motion in motions] == ["CI.CCC..H040@20190706T031953"]
     assert motions[0].record.acceleration == pytest.approx(ALONG, abs=1e-12)
 
 
 def test_the_strongest_direction_is_that_of_a_polarised_motion():
-    motions, _ = ground_motions([channel(70.0), channel(10.0)], config("strongest"))
+    motions, _ = motions_under([channel(70.0), channel(10.0)], config("strongest"))
     assert motions[0].record.azimuth == pytest.approx(POLARISED, abs=2.0)
     impulse = np.max(np.abs(half_waves(motions[0].record).impulse))
     assert impulse >= np.max(np.abs(half_waves(channel(POLARISED)).impulse))
 
 
 def test_a_sweep_has_all_directions_of_a_half_circle_once():
-    motions, _ = ground_motions([channel(90.0), channel(0.0)], config("sweep", azimuth_step=22.5))
+    motions, names = motions_under([channel(90.0), channel(0.0)], config("sweep", azimuth_step=22.5))
     assert [motion.record.azimuth for motion in motions] == [0.0, 22.5, 45.0, 67.5, 90.0, 112.5, 135.0, 157.5]
     assert len({motion.record.id for motion in motions}) == 8
     assert len(sweep_azimuths(1.0)) == 180
-    assert len({motion.pair for motion in motions}) == 1
+    assert len(set(names)) == 1
 
 
 def test_directions_of_any_sweep_have_different_numbers():
@@ -93,20 +114,20 @@ def test_directions_of_any_sweep_have_different_numbers():
 
 def test_two_pairs_with_one_name_keep_apart():
     records = [channel(z, source=source, format=source) for source in ("a", "b") for z in (90.0, 0.0)]
-    motions, _ = ground_motions(records, config("azimuth", azimuth=5.0))
+    motions, names = motions_under(records, config("azimuth", azimuth=5.0))
     assert [motion.record.id for motion in motions] == [
         "CI.CCC..H005@20190706T031953",
         "CI.CCC..H005@20190706T031953~2",
     ]
-    assert [motion.pair for motion in motions] == ["CI.CCC..90-0@20190706T031953", "CI.CCC..90-0@20190706T031953~2"]
+    assert names == ["CI.CCC..90-0@20190706T031953", "CI.CCC..90-0@20190706T031953~2"]
 
 
 def test_the_number_of_a_pair_stays_its_own_when_another_pair_cannot_be_rotated():
     parallel = [channel(z, source="a", format="a") for z in (90.0, 270.0)]
     pair = [channel(z, source="b", format="b", channel=f"HN{z:g}") for z in (80.0, 350.0)]
-    motions, failures = ground_motions([*parallel, *pair], config("azimuth", azimuth=5.0))
-    assert [motion.record.id for motion in motions] == ["CI.CCC..H005@20190706T031953~2"]
-    assert [row.stage for row in failures] == ["rotate", "rotate"]
+    tree = assess([*parallel, *pair], config("azimuth", azimuth=5.0))
+    assert tree["summary"]["record"].values.tolist() == ["CI.CCC..H005@20190706T031953~2"]
+    assert tree["failures"]["stage"].values.tolist() == ["rotate", "rotate"]
 
 
 @pytest.mark.parametrize("way", [{}, {"components": "azimuth", "azimuth": 30.0}, {"components": "sweep"}])
@@ -114,7 +135,7 @@ def test_the_ids_are_known_before_the_samples_are(way):
     options = config(**{"components": "horizontal", **way}, include_vertical=True)
     records = [channel(90.0), channel(0.0), upwards()]
     empty, full = (plan_motions(some, options)[0] for some in ([one.without_samples() for one in records], records))
-    motions = [motion for one in full for motion in motions_of(one, options)]
+    motions = [motion for one in full for motion in conditioned_motions(one, options)]
     assert [name for one in empty for name in planned_ids(one, options)] == [motion.record.id for motion in motions]
     assert all(one.vertical.id == motion.vertical.id == "CCC.up" for one in empty for motion in motions)
 
@@ -126,7 +147,7 @@ def test_the_strongest_direction_is_not_known_before():
 
 def test_the_id_of_a_rotated_pair_has_the_time_of_its_channel_however_the_pair_is_cut():
     late = channel(0.0, start_time=START + timedelta(seconds=2.0))
-    (motion,), _ = ground_motions([channel(90.0), late], config("azimuth", azimuth=30.0))
+    (motion,), _ = motions_under([channel(90.0), late], config("azimuth", azimuth=30.0))
     assert motion.record.start_time == late.start_time
     assert motion.record.id == "CI.CCC..H030@20190706T031953"
 
@@ -294,7 +315,7 @@ def test_a_lone_channel_that_faces_the_azimuth_needs_no_partner(recorded, asked,
     assert [one.kind for one in rows if one.stage == "pair"] == ([] if words else ["failed"])
     assert [one.channels for one in planned] == ([(alone,)] if words else []) + [pair]
     if words:
-        (motion,) = motions_of(planned[0], options)
+        (motion,) = conditioned_motions(planned[0], options)
         assert words in motion.record.warnings[-1]
         assert planned_ids(planned[0], options) == [motion.record.id] == [alone.id]
         np.testing.assert_array_equal(motion.record.acceleration, alone.acceleration)

@@ -1,0 +1,200 @@
+"""One way through the motions of a set of records: prepare, work on each motion, collect the tree of results.
+
+Assessing bodies, calibrating a site and fitting fragility curves are analyses: :func:`run` carries one out in this
+process, `rockpulse.batch` with a journal and many processes.
+"""
+
+from __future__ import annotations
+
+import logging
+from abc import ABC, abstractmethod
+from collections import Counter
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import AbstractContextManager, nullcontext
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, ClassVar
+
+import numpy as np
+
+from rocking.block import Block
+from rockpulse.config.block_settings import BlockSettings
+from rockpulse.config.configuration import Config
+from rockpulse.errors import ConfigError, TooWeak
+from rockpulse.failures import Failure
+from rockpulse.motions.directions import Motion, PlannedMotion, conditioned_motions, plan_motions
+from rockpulse.motions.events import event_table, events_by_id
+from rockpulse.record.record import Record
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = [
+    "Analysis",
+    "Blocks",
+    "Part",
+    "Prepared",
+    "Watch",
+    "Work",
+    "joined",
+    "run",
+    "unwatched",
+    "worked",
+]
+
+logger = logging.getLogger("rockpulse")
+
+Blocks = Mapping[str, Block] | Sequence[BlockSettings]
+
+#: What one motion adds to the results: by name the arrays of every variable that grows with the motions, whose first
+#: dimension is the one that grows.
+Part = Mapping[str, np.ndarray]
+
+#: Measures the time of a step, by its name: ``with watch("solve"): ...``
+Watch = Callable[[str], AbstractContextManager[None]]
+
+#: From a motion to its part; a ValueError that it raises becomes a row of /failures.
+Work = Callable[[Motion, Watch], Part]
+
+
+@dataclass(frozen=True, eq=False)
+class Prepared:
+    """What is known of an analysis before the first motion is worked on.
+
+    Attributes
+    ----------
+    planned : list of PlannedMotion
+        The channels and pairs to work on, in the order of the results.
+    events : dict of str to str
+        The earthquake of each of them, by its name.
+    failures : list of Failure
+        What is left out already.
+    """
+
+    planned: list[PlannedMotion]
+    events: dict[str, str]
+    failures: list[Failure]
+
+
+class Analysis(ABC):
+    """Something that is asked of every motion of a set of records, and of all the answers together.
+
+    Attributes
+    ----------
+    name : str
+        The verb, and the stage in rows of failures.
+    doing : str
+        The verb as a progress bar shows it.
+    kind : str
+        Kind of the results, the attribute of their root.
+    in_order_of_ids : bool
+        Whether the records are taken in the order of their ids instead of the order in which they are given.
+    event_name : str
+        Under which name a part holds the earthquake of its motion.
+    """
+
+    name: ClassVar[str]
+    doing: ClassVar[str]
+    kind: ClassVar[str]
+    in_order_of_ids: ClassVar[bool] = True
+    event_name: ClassVar[str] = "event"
+
+    def __init__(self, config: Config, blocks: Blocks | None = None) -> None:
+        self.config = config
+        self.named_events = event_table(config)
+
+    @property
+    @abstractmethod
+    def work(self) -> Work:
+        """What is done with every motion; it can be pickled, and is small."""
+
+    @abstractmethod
+    def collect(self, parts: Sequence[Part], planned: Sequence[PlannedMotion], failures: list[Failure]) -> xr.DataTree:
+        """The tree of results, from the parts of all motions in the order of the plan."""
+
+    def prepare(self, records: Iterable[Record], failures: Iterable[Failure] = ()) -> Prepared:
+        """Plan the motions and group them by earthquake; of the samples nothing but their number is asked.
+
+        Raises
+        ------
+        ConfigError
+            For two records of one id, or tables that do not fit.
+        """
+        every = sorted(records, key=lambda record: record.id) if self.in_order_of_ids else list(records)
+        twice = sorted(name for name, times in Counter(record.id for record in every).items() if times > 1)
+        if twice:
+            raise ConfigError(f"records: expected different ids, found more than one record with id {', '.join(twice)}")
+        rows = list(failures)
+        event_of, unread = events_by_id(every, self.named_events, rows)
+        planned, left_out = plan_motions(every, self.config)
+        events = {one.name: event_of[one.channels[0].id] for one in planned}
+        return Prepared(planned, events, [*rows, *unread, *left_out])
+
+    def of_event(self, part: Part, event: str) -> Part:
+        """A part with the earthquake of its motion, which all records together tell, and no motion alone."""
+        return {**part, self.event_name: np.array([event])}
+
+
+def run(
+    analysis: Analysis,
+    records: Iterable[Record],
+    failures: Iterable[Failure] = (),
+    progress: Callable[[Sequence[PlannedMotion]], Iterable[PlannedMotion]] | None = None,
+) -> xr.DataTree:
+    """Carry out an analysis in this process; `progress` wraps the list of channels and pairs, as ``tqdm.tqdm`` does."""
+    prepared = analysis.prepare(records, failures)
+    rows, parts = list(prepared.failures), []
+    for one in prepared.planned if progress is None else progress(prepared.planned):
+        for outcome in worked(one, analysis.work, analysis.name, analysis.config):
+            if isinstance(outcome, Failure):
+                rows.append(outcome)
+            else:
+                parts.append(analysis.of_event(outcome, prepared.events[one.name]))
+    return analysis.collect(parts, prepared.planned, rows)
+
+
+def unwatched(step: str) -> AbstractContextManager[None]:
+    """The :data:`Watch` of those who do not want to know."""
+    return nullcontext()
+
+
+def worked(
+    planned: PlannedMotion, work: Work, stage: str, config: Config, watch: Watch = unwatched
+) -> Iterator[Part | Failure]:
+    """Work on every motion of a channel or pair, whose samples are there.
+
+    Yields
+    ------
+    Part or Failure
+        One for each motion, or the rows of a channel that cannot be conditioned or of a pair that cannot be rotated.
+    """
+    try:
+        with watch("condition"):
+            motions = conditioned_motions(planned, config)
+    except ValueError as error:
+        if not planned.rotated:
+            yield _failure(planned.channels[0], stage, error)
+            return
+        logger.error("%s: %s", planned.name, error)
+        yield from (Failure(channel.source, "rotate", str(error), "failed") for channel in planned.channels)
+        return
+    for motion in motions:
+        try:
+            part = work(motion, watch)
+        except ValueError as error:  # RockpulseError, and what a model says of numbers it cannot take
+            yield _failure(motion.record, stage, error)
+        else:
+            yield part
+
+
+def _failure(record: Record, stage: str, error: Exception) -> Failure:
+    weak = isinstance(error, TooWeak)
+    reason = str(error) if record.id in str(error) else f"{record.id}: {error}"
+    logger.log(logging.WARNING if weak else logging.ERROR, "%s", reason)
+    return Failure(file=record.source, stage=stage, reason=reason, kind="skipped" if weak else "failed")
+
+
+def joined(parts: Sequence[Part]) -> dict[str, np.ndarray]:
+    """The arrays of all parts one after the other, in the order of the ids in their variable "record"."""
+    whole = {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
+    order = np.argsort(whole["record"], kind="stable")
+    return {name: values[order] for name, values in whole.items()}
