@@ -1,6 +1,6 @@
 """The errors that rockpulse raises on purpose.
 
-Every class takes one message and nothing else, so that it survives pickling on its way back from a worker process.
+Every class can be made of its message alone, so that it survives pickling on its way back from a worker process.
 File-system faults stay :class:`OSError`.
 """
 

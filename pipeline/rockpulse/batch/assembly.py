@@ -86,31 +86,12 @@ def assemble(
     run_id: str = "",
     chunk: int = CHUNK,
 ) -> int:
-    """Write the results file that :func:`rockpulse.save` would write of the whole tree.
+    """Write the results file that :func:`rockpulse.save` would write of the whole tree; the number of records in it.
 
-    Parameters
-    ----------
-    path : str or Path
-        File to write.
-    template : xarray.DataTree
-        The tree without a record (:func:`rockpulse.assessment.tree.template`).
-    parts : iterable of mapping
-        What each record adds, in the order of the rows. They are gone through twice, for their sizes first; an
-        iterator, which can be gone through once, is refused.
-    failures, swept
-        As :func:`rockpulse.assessment.tree.build_tree` takes them.
-    overwrite : bool
-        Whether results that exist may be replaced.
-    run_id : str
-        Stored with the file, so that :func:`is_assembled` knows it.
-    chunk : int
-        Values that are put together before they are written [bytes]; together with the largest part it bounds the
-        memory.
-
-    Returns
-    -------
-    int
-        Records written.
+    `template` is the tree without a record, `parts` what each record adds to it, in the order of the rows. They are
+    gone through twice, for their sizes first; an iterator, which can be gone through once, is refused. At most `chunk`
+    bytes of values, or the largest part, are put together before they are written, which bounds the memory. With
+    `run_id` :func:`is_assembled` knows the file.
 
     Raises
     ------

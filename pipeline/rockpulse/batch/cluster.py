@@ -17,25 +17,10 @@ logger = logging.getLogger("rockpulse")
 
 
 class Cluster(Executor):
-    """The workers of a running cluster; the cluster itself stays as it is.
+    """The workers of a running dask.distributed cluster, as an executor; the cluster itself stays as it is.
 
-    Parameters
-    ----------
-    address : str
-        Of the scheduler, such as ``tcp://10.0.0.1:8786``.
-    timeout : float
-        How long to wait for it [s].
-
-    Attributes
-    ----------
-    deaths : tuple of type
-        What a future raises whose workers died, all of those that the scheduler tried it on.
-
-    Raises
-    ------
-    ConfigError
-        Without the package ``distributed``, where no scheduler answers, or where a worker has no rockpulse of this
-        version.
+    `deaths` are the errors of a future whose workers died, all of those that the scheduler tried it on. Making one
+    raises ConfigError as :meth:`rockpulse.batch.crew.Crew.scheduler` says.
     """
 
     def __init__(self, address: str, timeout: float) -> None:

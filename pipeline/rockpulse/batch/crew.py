@@ -24,15 +24,9 @@ AHEAD = 2
 
 @dataclass(frozen=True)
 class WorkerLost:
-    """In place of a result: the item took its worker with it each time it was tried.
+    """In place of a result: the item took its worker with it each time it was tried."""
 
-    Attributes
-    ----------
-    reason : str
-        What became of the worker.
-    """
-
-    reason: str
+    reason: str  # the end of the worker in words
 
 
 class Crew:
@@ -66,13 +60,7 @@ class Crew:
 
     @classmethod
     def local(cls, workers: int) -> Crew:
-        """Processes of this machine, each with its kernels on one thread.
-
-        Parameters
-        ----------
-        workers : int
-            Number of processes, at least 1. They are started when there is work for them.
-        """
+        """So many processes of this machine, each with its kernels on one thread; they start when there is work."""
         if workers < 1:
             raise ValueError(f"workers: expected a whole number of at least 1, got {workers!r}")
         return cls(WorkerProcesses(workers), lambda: workers, deaths=(WorkerDied,), tries=2)
@@ -81,22 +69,9 @@ class Crew:
     def scheduler(cls, address: str, timeout: float = 20.0) -> Crew:
         """The workers of a dask.distributed cluster that is running, each item with its kernels on one thread.
 
-        Parameters
-        ----------
-        address : str
-            Of the scheduler, such as ``tcp://10.0.0.1:8786``.
-        timeout : float
-            How long to wait for it [s].
-
-        Raises
-        ------
-        ConfigError
-            Without the package ``distributed``, where no scheduler answers, or where a worker has no rockpulse of this
-            version.
-
-        Notes
-        -----
-        The scheduler itself tries an item again whose worker died, on other workers (its option ``allowed-failures``).
+        Raises ConfigError without the package ``distributed``, where no scheduler answers at the address, such as
+        ``tcp://10.0.0.1:8786``, within the timeout [s], or where a worker has no rockpulse of this version. The
+        scheduler itself tries an item again whose worker died, on other workers (its option ``allowed-failures``).
         """
         from rockpulse.batch.cluster import Cluster
 
@@ -105,14 +80,9 @@ class Crew:
 
     @classmethod
     def through(cls, executor: Executor, size: int | None = None) -> Crew:
-        """Any executor; it stays the caller's, who shuts it down.
+        """Any executor, which stays the caller's to shut down; `size` items side by side, without it one a core.
 
-        Parameters
-        ----------
-        executor : concurrent.futures.Executor
-            Where its workers are processes, they must be able to import rockpulse.
-        size : int, optional
-            How many items it works on side by side; the number of cores without.
+        Where its workers are processes, they must be able to import rockpulse.
         """
         return cls(executor, lambda: size or available_cores(), owned=False)
 
@@ -136,27 +106,16 @@ class Crew:
     def run(
         self, function: Callable[[Item], Result], items: Iterable[Item]
     ) -> Iterator[tuple[Item, Result | WorkerLost]]:
-        """Have the function called with every item.
+        """Have the function called with every item: pairs of the item and its result, in order of completion.
 
-        Parameters
-        ----------
-        function : callable
-            At the top level of a module (or a ``functools.partial`` of such), so that it can be pickled; of one item.
-        items : iterable
-            Of any length: about two a worker are taken ahead of the results.
-
-        Yields
-        ------
-        item : object
-            As given.
-        result : object
-            What the function returned, in order of completion; a :class:`WorkerLost` where the worker died of the
-            item, and died again when it was tried a second time, after all others and alone.
+        The function is pickled, so it stands at the top level of a module (or is a ``functools.partial`` of such).
+        About two items a worker are taken ahead of the results. The result is a :class:`WorkerLost` where the worker
+        died of the item, and died again when it was tried a second time, after all others and alone.
 
         Raises
         ------
         Exception
-            What the function raises; the traceback of the worker is in its notes.
+            The function's own; the traceback of the worker is in its notes.
         ConnectionError
             Where the cluster was lost with the work half done.
         """

@@ -19,12 +19,11 @@ from pathlib import Path
 from types import TracebackType
 from typing import Self
 
-from rockpulse.batch.packing import pack, unpack
 from rockpulse.errors import ResultsError
 from rockpulse.failures import Failure
 from rockpulse.storage.atomic_file import journal_path
 
-__all__ = ["UNFINISHED", "Done", "Journal", "JournalError", "journal_path", "pack", "unpack"]
+__all__ = ["UNFINISHED", "Done", "Journal", "JournalError", "journal_path"]
 
 #: Fingerprint of a task that broke off for want of its file or of memory, or by a fault of the program. No task has it:
 #: a run that is resumed tries again.
@@ -48,30 +47,14 @@ TABLES = """
 
 @dataclass(frozen=True)
 class Done:
-    """What came of a task.
+    """The outcome of a task."""
 
-    Attributes
-    ----------
-    key : str
-        That of the task.
-    fingerprint : str
-        That of the task, or :data:`UNFINISHED`.
-    parts : tuple of bytes
-        One for each motion (`rockpulse.motions.runner.Part`), packed by `rockpulse.batch.packing.pack`.
-    failures : tuple of Failure
-        A row for everything that failed; one for a task that broke off, and no part.
-    messages : tuple of (int, str)
-        Level and text of what was logged.
-    seconds : dict of str to float
-        Time of the steps "read", "condition", "solve", "pack" [s].
-    """
-
-    key: str
-    fingerprint: str
-    parts: tuple[bytes, ...] = ()
-    failures: tuple[Failure, ...] = ()
-    messages: tuple[tuple[int, str], ...] = ()
-    seconds: dict[str, float] = field(default_factory=dict)
+    key: str  # of the task
+    fingerprint: str  # of the task, or UNFINISHED
+    parts: tuple[bytes, ...] = ()  # for each motion its Part (rockpulse.motions.runner), packed
+    failures: tuple[Failure, ...] = ()  # a row for everything that failed; one alone for a task that broke off
+    messages: tuple[tuple[int, str], ...] = ()  # level and text of every line for the log
+    seconds: dict[str, float] = field(default_factory=dict)  # time of each step [s]
 
 
 class JournalError(ResultsError):
@@ -82,14 +65,9 @@ class JournalError(ResultsError):
 
 
 class Journal:
-    """What a run has finished; made by :meth:`open`, to be used in a ``with`` block.
+    """The finished tasks of a run, in a file; made by :meth:`open`, to be used in a ``with`` block.
 
-    Attributes
-    ----------
-    path : Path
-        The file.
-    run_id : str
-        Of the run; the same after it is resumed.
+    The `run_id` stays the same after the run is resumed.
     """
 
     def __init__(self, path: Path, connection: sqlite3.Connection, run_id: str) -> None:
@@ -100,20 +78,14 @@ class Journal:
 
     @classmethod
     def open(cls, target: str | os.PathLike[str], resume: bool = False, overwrite: bool = False) -> Journal:
-        """Create the journal of a run, or go on with one that was stopped, and lock it.
+        """Create the journal of a run beside its output, or go on with one that was stopped, and lock it.
 
-        Parameters
-        ----------
-        target : str or Path
-            The file that the run writes.
-        resume : bool
-            Keep what a stopped run has finished. Without such a run a new one begins.
-        overwrite : bool
-            Without `resume`: drop what a stopped run has finished.
+        With `resume` what a stopped run has finished is kept; where there is none a new run begins. Without it
+        `overwrite` drops what a stopped run has finished.
 
         Raises
         ------
-        ResultsError
+        JournalError
             For a journal that another process holds, one of a stopped run where neither `resume` nor `overwrite` says
             what is to become of it, a damaged or foreign file, or a place that cannot be written.
         """
@@ -177,12 +149,7 @@ class Journal:
             return dict(self._connection.execute("SELECT key, fingerprint FROM done"))
 
     def add(self, done: Done) -> None:
-        """Keep what a task gave, in place of what it gave before; on the disk when this returns.
-
-        Parameters
-        ----------
-        done : Done
-            Its key, fingerprint, parts and failures are kept.
+        """Keep the outcome of a task in place of an earlier one; it is on the disk when this returns.
 
         Raises
         ------
@@ -220,18 +187,7 @@ class Journal:
             ) from error
 
     def parts(self, key: str) -> tuple[bytes, ...]:
-        """What a finished task gave, in its order.
-
-        Parameters
-        ----------
-        key : str
-            Of the task.
-
-        Raises
-        ------
-        ResultsError
-            Where it is not what was kept.
-        """
+        """The parts of a finished task in their order; a JournalError where they are not as they were kept."""
         with _explained(self.path):
             query = "SELECT number, crc, content FROM part WHERE key = ? ORDER BY number, piece"
             found = self._connection.execute(query, (key,)).fetchall()

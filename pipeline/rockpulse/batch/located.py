@@ -21,43 +21,21 @@ __all__ = ["Located", "Place"]
 
 @dataclass(frozen=True)
 class Place:
-    """Where the samples of one channel are, and what they were when they were read first.
+    """Where the samples of one channel are, and what they were when they were read first."""
 
-    Attributes
-    ----------
-    path : str
-        The file, or the zip archive.
-    member : int or None
-        Place of the file in the archive (`rockpulse.readers.archive.Archive`); None outside archives.
-    channel : int
-        Number of the channel in the file, from 0.
-    source_sha256 : str
-        Of the file.
-    digest : str
-        Of the samples and the interval (`rockpulse.readers.folders.sample_digest`).
-    """
-
-    path: str
-    member: int | None
-    channel: int
-    source_sha256: str
-    digest: str
+    path: str  # the file, or the zip archive
+    member: int | None  # place of the file in the archive; None outside archives
+    channel: int  # number of the channel in the file, from 0
+    source_sha256: str  # of the file
+    digest: str  # of the samples and the interval (`rockpulse.readers.folders.sample_digest`)
 
 
 @dataclass(frozen=True, eq=False)
 class Located:
-    """A record without its samples; small, and picklable.
+    """A record without its samples; small, and picklable."""
 
-    Attributes
-    ----------
-    record : Record
-        Everything but the samples: as many zeros as there are samples, in the memory of one.
-    parts : tuple of Place
-        Where they are; several for a record that its agency cut into files.
-    """
-
-    record: Record
-    parts: tuple[Place, ...]
+    record: Record  # with as many zeros as there are samples, in the memory of one
+    parts: tuple[Place, ...]  # several for a record that its agency cut into files
 
     @property
     def digest(self) -> str:
@@ -66,12 +44,7 @@ class Located:
         return digests[0] if len(digests) == 1 else hashlib.sha256(" ".join(digests).encode()).hexdigest()
 
     def read(self, options: ReadOptions) -> Record:
-        """The record with its samples.
-
-        Parameters
-        ----------
-        options : ReadOptions
-            Those of the survey.
+        """The record with its samples, read with the options of the survey.
 
         Raises
         ------

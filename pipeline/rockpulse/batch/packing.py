@@ -16,12 +16,7 @@ KINDS = "biufU"
 
 
 def pack(arrays: Mapping[str, np.ndarray]) -> bytes:
-    """Named arrays as bytes, which :func:`unpack` reads without trusting them.
-
-    Parameters
-    ----------
-    arrays : mapping of str to ndarray
-        Numbers or texts.
+    """Named arrays of numbers or texts as bytes, which :func:`unpack` reads without trusting them.
 
     Raises
     ------
@@ -49,18 +44,7 @@ def pack(arrays: Mapping[str, np.ndarray]) -> bytes:
 
 
 def unpack(packed: bytes) -> dict[str, np.ndarray]:
-    """The arrays of :func:`pack`, read-only.
-
-    Parameters
-    ----------
-    packed : bytes
-        As `pack` made it.
-
-    Raises
-    ------
-    ValueError
-        For bytes that are something else.
-    """
+    """The arrays of :func:`pack`, read-only; a ValueError for bytes that are something else."""
     begin = len(MAGIC) + 8
     if packed[: len(MAGIC)] != MAGIC or len(packed) < begin:
         raise ValueError("expected packed arrays, found other bytes")

@@ -40,24 +40,12 @@ SettingsOf = TypeVar("SettingsOf", CalibrationSettings, FragilitySettings)
 
 @dataclass(frozen=True, eq=False)
 class Task:
-    """A channel, or a pair to be rotated, with everything that is known of it but the samples; small, and picklable.
+    """A channel, or a pair to be rotated, with everything that is known of it but the samples; small, and picklable."""
 
-    Attributes
-    ----------
-    planned : PlannedMotion
-        Without samples.
-    channels : tuple of Located
-        Where those of its channels are, with the ids and warnings that the plan gave them.
-    vertical : Located or None
-        The vertical channel that acts too.
-    fingerprint : str
-        SHA-256 of everything that the answer depends on: samples, what is known of the records, configuration, version.
-    """
-
-    planned: PlannedMotion
-    channels: tuple[Located, ...]
+    planned: PlannedMotion  # without samples
+    channels: tuple[Located, ...]  # with the ids and warnings that the plan gave them
     vertical: Located | None
-    fingerprint: str
+    fingerprint: str  # SHA-256 of all that the answer depends on: samples, metadata, configuration, version
 
     @property
     def key(self) -> str:

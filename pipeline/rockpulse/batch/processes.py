@@ -30,15 +30,9 @@ class WorkerDied(RuntimeError):
 class WorkerProcesses(Executor):
     """An executor of processes that are started afresh (spawn), with one thread of this process for each.
 
-    Parameters
-    ----------
-    workers : int
-        Number of processes. One is started with the first call that no other is free for, and again after a death.
-
-    Notes
-    -----
-    A future raises what the function raised, the worker's traceback in its notes; :class:`WorkerDied` where the process
-    did not live to answer; ``ChildProcessError`` where no process can be started. See docs/decisions/018-batch.md.
+    A process is started with the first call that no other is free for, and again after a death. A future raises the
+    error of the function, with the worker's traceback in its notes; :class:`WorkerDied` where the process did not live
+    to answer; ``ChildProcessError`` where no process can be started. See docs/decisions/018-batch.md.
     """
 
     def __init__(self, workers: int) -> None:

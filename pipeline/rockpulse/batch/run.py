@@ -20,14 +20,14 @@ from rockpulse.batch.kept import finished, kept, worth
 from rockpulse.batch.located import Located
 from rockpulse.batch.options import BatchOptions
 from rockpulse.batch.plan import Task, read_options, tasks_of
-from rockpulse.batch.survey import find, gather, survey_file
+from rockpulse.batch.survey import gather, survey_file
 from rockpulse.batch.tasks import carry_out
 from rockpulse.batch.warm import warm_up
 from rockpulse.config.configuration import Config
 from rockpulse.errors import RecordRefused, ResultsError, StoppedAtFailure
 from rockpulse.failures import Failure
 from rockpulse.motions.runner import Analysis
-from rockpulse.readers.folders import Found
+from rockpulse.readers.folders import Found, find_files
 from rockpulse.storage.save_load import check_target, remove_parts
 
 __all__ = ["BatchReport", "Interrupted", "assess_files", "calibrate_files", "fragility_files"]
@@ -174,7 +174,7 @@ def _run(
         given = [paths] if isinstance(paths, str | os.PathLike) else paths
         paths = [os.path.abspath(path) for path in given]  # noqa: PTH100 - links stay what they are
     journal_file = journal_path(output)
-    found, failures = find(paths, (output, journal_file, f"{journal_file}-journal", *options.written))
+    found, failures = find_files(paths, (output, journal_file, f"{journal_file}-journal", *options.written))
     with Journal.open(output, options.resume, options.overwrite) as journal, ExitStack() as hired:
         remove_parts(output)  # of runs that were killed
         tasks: list[Task] = []

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import logging
-import os
 import traceback
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
@@ -14,7 +13,6 @@ from rockpulse.failures import Failure
 from rockpulse.readers import ReadOptions
 from rockpulse.readers.folders import (
     Found,
-    find_files,
     in_order,
     open_files,
     read_failure,
@@ -25,69 +23,23 @@ from rockpulse.readers.folders import (
 from rockpulse.readers.source import folder_station_files
 from rockpulse.record.record import Record
 
-__all__ = ["FileSurvey", "find", "gather", "survey_file", "unexpected"]
-
-PathLike = str | os.PathLike[str]
+__all__ = ["FileSurvey", "gather", "survey_file", "unexpected"]
 
 
 @dataclass(frozen=True)
 class FileSurvey:
-    """What a file, or an archive, holds.
+    """The content of a file, or of an archive, without samples."""
 
-    Attributes
-    ----------
-    located : tuple of Located
-        Its channels, in the order of the file.
-    failures : tuple of Failure
-        The file or the members that gave none.
-    messages : tuple of (int, str)
-        Level and text of what is to be logged.
-    broken_off : int
-        Files and members that gave none for want of the file system or of memory: they may be read another time.
-    """
-
-    located: tuple[Located, ...] = ()
-    failures: tuple[Failure, ...] = ()
-    messages: tuple[tuple[int, str], ...] = ()
-    broken_off: int = 0
-
-
-def find(
-    paths: PathLike | Iterable[PathLike], passed_over: Iterable[PathLike] = ()
-) -> tuple[list[Found], list[Failure]]:
-    """The files behind the paths.
-
-    Parameters
-    ----------
-    paths : path or iterable of paths
-        As in `rockpulse.read_all`.
-    passed_over : iterable of paths
-        Files of the run itself, as in `rockpulse.readers.folders.find_files`.
-
-    Returns
-    -------
-    found : list of Found
-        Files and zip archives, to be given to :func:`survey_file` one by one; sorted.
-    failures : list of Failure
-        A row for each path behind which nothing is.
-    """
-    return find_files(paths, passed_over)
+    located: tuple[Located, ...] = ()  # its channels, in the order of the file
+    failures: tuple[Failure, ...] = ()  # for the file, or the members, that gave none
+    messages: tuple[tuple[int, str], ...] = ()  # level and text of every line for the log
+    broken_off: int = 0  # files and members that want of the file system or of memory broke off: to be read again
 
 
 def survey_file(found: Found, options: ReadOptions) -> FileSurvey:
     """Read a file, or every member of an archive one after the other, and keep all but the samples.
 
-    Parameters
-    ----------
-    found : Found
-        What to read.
-    options : ReadOptions
-        What the caller knows.
-
-    Returns
-    -------
-    FileSurvey
-        Whatever is wrong with the file is a row, a fault of the program too.
+    Every fault is a row of the failures, one of the program too.
     """
     located: list[Located] = []
     failures: list[Failure] = []
@@ -117,13 +69,7 @@ def survey_file(found: Found, options: ReadOptions) -> FileSurvey:
 
 
 def unexpected(fault: BaseException) -> RuntimeError:
-    """What is said of a fault that no input should cause.
-
-    Parameters
-    ----------
-    fault : BaseException
-        Anything but the errors that are raised on purpose.
-    """
+    """The error that is reported for a fault that no input should cause."""
     if isinstance(fault, MemoryError):
         return RuntimeError("out of memory; use fewer workers, or a machine with more of it")
     return RuntimeError(f"unexpected {type(fault).__name__}: {fault}; please report it with this file")
@@ -132,23 +78,10 @@ def unexpected(fault: BaseException) -> RuntimeError:
 def gather(
     found: Sequence[Found], surveys: Iterable[tuple[Found, FileSurvey]], failures: Iterable[Failure]
 ) -> tuple[list[Located], list[Failure]]:
-    """What all files together hold: each content once, cut records joined, distinct ids.
+    """Everything that all files together hold: each content once, cut records joined, distinct ids.
 
-    Parameters
-    ----------
-    found : sequence of Found
-        From :func:`find`.
-    surveys : iterable of (Found, FileSurvey)
-        In any order; a file may be missing whose worker was lost and which is among the failures.
-    failures : iterable of Failure
-        From :func:`find`, and what the crew lost.
-
-    Returns
-    -------
-    located : list of Located
-        The records of ``read_all`` without their samples, in the same order, with the same ids.
-    failures : list of Failure
-        The same rows, in the same order.
+    The surveys may come in any order, and lack files whose worker was lost; these are among the failures. Records and
+    rows are those of ``read_all``, in the same order, with the same ids, but without samples.
     """
     by_file = {str(one.path): survey for one, survey in surveys}
     ordered = [by_file[str(one.path)] for one in found if str(one.path) in by_file]

@@ -33,13 +33,10 @@ def version() -> str:
 
 
 def serve(pipe: Connection) -> None:
-    """Answer what comes through the pipe until the parent closes it or is gone.
+    """Answer the letters that come through the pipe until the parent closes it or is gone.
 
-    Parameters
-    ----------
-    pipe : multiprocessing.connection.Connection
-        The first message is "ready". A letter is the pickled triple (function, arguments, keywords). The answer is the
-        pickled pair (True, result) or (False, exception); the exception carries the traceback as a note.
+    The first message is "ready". A letter is the pickled triple (function, arguments, keywords). The answer is the
+    pickled pair (True, result) or (False, exception); the exception carries the traceback as a note.
     """
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C reaches the whole group: the parent decides
     threading.Thread(target=_end_with_parent, daemon=True).start()

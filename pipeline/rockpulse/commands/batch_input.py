@@ -77,12 +77,7 @@ def batch_options(args: argparse.Namespace) -> BatchOptions:
 def recorded(args: argparse.Namespace) -> Iterator[None]:
     """Log to the file that is asked for, and take a polite request to end (SIGTERM) like Ctrl-C, meanwhile.
 
-    Raises
-    ------
-    ConfigError
-        Where the log would go to the end of a file that is no log.
-    OSError
-        Where the log file cannot be written.
+    Raises ConfigError where the log would go to the end of a file that is no log, OSError where it cannot be written.
     """
     if args.log_file is not None:
         _check_log(Path(args.log_file), Path(args.output))

@@ -18,13 +18,7 @@ COMPILING = "rockpulse: compiling the kernels, once (about 20 s); later runs loa
 
 
 def progress_bars(quiet: bool) -> Callable[..., Any]:
-    """``tqdm.tqdm`` on standard error: silent where that is asked for, or where it is no terminal.
-
-    Parameters
-    ----------
-    quiet : bool
-        Show none.
-    """
+    """``tqdm.tqdm`` on standard error: silent where that is asked for, or where it is no terminal."""
     from tqdm import tqdm
 
     columns, rows = SIZE
@@ -35,13 +29,7 @@ def progress_bars(quiet: bool) -> Callable[..., Any]:
 
 @contextmanager
 def compiling_told(quiet: bool) -> Iterator[None]:
-    """Within it, the first kernel that has to be compiled is told of on a terminal; one from the cache is not.
-
-    Parameters
-    ----------
-    quiet : bool
-        Say nothing.
-    """
+    """Within it, the first kernel that has to be compiled is told of on a terminal; one from the cache is not."""
     if quiet or not sys.stderr.isatty():
         yield
         return

@@ -10,15 +10,7 @@ __all__ = ["forsake", "tell"]
 
 
 def tell(text: str, file: TextIO | None = None) -> None:
-    """Print a text; where nobody reads any more, as in ``rockpulse ... | head``, this and what follows is dropped.
-
-    Parameters
-    ----------
-    text : str
-        Without the last line break.
-    file : text file, optional
-        Standard output by default.
-    """
+    """Print a text, to standard output by default; where nobody reads any more, as in ``| head``, drop the rest."""
     file = sys.stdout if file is None else file
     try:
         print(text, file=file, flush=True)
@@ -27,13 +19,7 @@ def tell(text: str, file: TextIO | None = None) -> None:
 
 
 def forsake(file: TextIO) -> None:
-    """Have what is still to be written into a pipe without a reader go nowhere.
-
-    Parameters
-    ----------
-    file : text file
-        Standard output or standard error.
-    """
+    """Have the rest of what is written to standard output or standard error go nowhere."""
     nowhere = os.open(os.devnull, os.O_WRONLY)
     os.dup2(nowhere, file.fileno())
     os.close(nowhere)

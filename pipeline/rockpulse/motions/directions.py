@@ -37,27 +37,13 @@ FACING_WITHIN = 1.0
 
 @dataclass(frozen=True, eq=False)
 class PlannedMotion:
-    """A channel, or a pair of channels to be rotated, and what acts with it.
+    """A channel, or a pair of channels to be rotated, and the vertical channel that acts with it."""
 
-    Attributes
-    ----------
-    name : str
-        Id of the channel, or name of the pair; no two are the same.
-    channels : tuple of Record
-        One, or the two of a pair, as read.
-    vertical : Record or None
-        The vertical channel that acts too, as read.
-    remarks : tuple of str
-        Warnings for every motion that comes of it.
-    copy : int
-        Pairs whose rotated records would have one id are numbered from 1 on.
-    """
-
-    name: str
-    channels: tuple[Record, ...]
-    vertical: Record | None = None
-    remarks: tuple[str, ...] = ()
-    copy: int = 1
+    name: str  # id of the channel, or name of the pair; no two are the same
+    channels: tuple[Record, ...]  # one, or the two of a pair, as read
+    vertical: Record | None = None  # as read
+    remarks: tuple[str, ...] = ()  # warnings for every motion that comes of it
+    copy: int = 1  # number, from 1, among the pairs whose rotated records would have one id
 
     @property
     def rotated(self) -> bool:
@@ -72,37 +58,18 @@ class PlannedMotion:
 
 @dataclass(frozen=True, eq=False)
 class Motion:
-    """A horizontal motion that is worked on.
+    """A horizontal motion that is worked on."""
 
-    Attributes
-    ----------
-    record : Record
-        A channel or a rotated pair, conditioned.
-    vertical : Record or None
-        The vertical channel that acts too, as read.
-    """
-
-    record: Record
-    vertical: Record | None = None
+    record: Record  # a channel or a rotated pair, conditioned
+    vertical: Record | None = None  # the vertical channel that acts too, as read
 
 
 def plan_motions(records: Sequence[Record], config: Config) -> tuple[list[PlannedMotion], list[Failure]]:
-    """What is to be assessed, as section [records] asks for it.
+    """The channels and pairs to work on, as section [records] asks for them, in the order of the (first) channels.
 
-    Parameters
-    ----------
-    records : sequence of Record
-        All channels, with different ids; of the samples nothing but their number is asked.
-    config : Config
-        Section records is used.
-
-    Returns
-    -------
-    planned : list of PlannedMotion
-        In the order of the (first) channels.
-    failures : list of Failure
-        A row for each channel that is no horizontal one, or has no partner where pairs are asked for. One that was
-        recorded within :data:`FACING_WITHIN` of the azimuth asked for, or against it, needs none.
+    The records have different ids; of the samples nothing but their number is asked. With them comes a row for each
+    channel that is no horizontal one, or has no partner where pairs are asked for. One that was recorded within
+    :data:`FACING_WITHIN` of the azimuth asked for, or against it, needs none.
     """
     horizontal, failures = select_horizontal(records, config.records.structural)
     if config.records.components == "horizontal":
@@ -129,10 +96,7 @@ def plan_motions(records: Sequence[Record], config: Config) -> tuple[list[Planne
 def conditioned_motions(planned: PlannedMotion, config: Config) -> list[Motion]:
     """The conditioned motions to work on: the channel, or the pair in every direction that is asked for.
 
-    Raises
-    ------
-    RockpulseError
-        Where a channel cannot be conditioned, or a pair cannot be rotated.
+    Raises RockpulseError where a channel cannot be conditioned, or a pair cannot be rotated.
     """
     if not planned.rotated:  # with the remarks first: conditioning adds its own behind them
         remarked = _remarked(planned.channels[0], planned.remarks)

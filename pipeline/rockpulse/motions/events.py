@@ -58,19 +58,10 @@ _NUMBER = re.compile(r"[A-Za-z]-(\d\d)\b")
 def group_events(records: Sequence[Record], named: Mapping[str, str] | None = None) -> list[str]:
     """The earthquake of every record, as a label that records of one earthquake share.
 
-    Parameters
-    ----------
-    records : sequence of Record
-        As read; `event`, `start_time` and `source` are looked at.
-    named : mapping of str to str, optional
-        Label by record id, in place of what the files say. Records that are not in it are grouped among themselves;
-        those whose group has the same label belong to it.
-
-    Returns
-    -------
-    list of str
-        One label a record: the user's, else the title that most of the group have, else its earliest start time, else
-        :data:`UNKNOWN`. Of groups with the same title each has its time (or file) behind it.
+    `named` are labels by record id in place of what the files say. Records that are not in it are grouped among
+    themselves; those whose group has the same label belong to it. A label is the user's, else the title that most of
+    the group have, else its earliest start time, else :data:`UNKNOWN`. Of groups with the same title each has its time
+    (or file) behind it.
 
     Raises
     ------
@@ -126,17 +117,7 @@ def group_events(records: Sequence[Record], named: Mapping[str, str] | None = No
 def event_table(config: Config) -> dict[str, str]:
     """The user's own table of events, ``[records] events``: event by record id; empty where there is none.
 
-    Parameters
-    ----------
-    config : Config
-        Options.
-
-    Raises
-    ------
-    ConfigError
-        For a file that is not there, or no such table.
-    OSError
-        Where it cannot be opened.
+    Raises ConfigError for a file that is not there, or no such table; OSError where it cannot be opened.
     """
     if config.records.events is None:
         return {}
@@ -151,28 +132,10 @@ def event_table(config: Config) -> dict[str, str]:
 def events_by_id(
     records: Sequence[Record], named: Mapping[str, str], failures: Iterable[Failure] = ()
 ) -> tuple[dict[str, str], list[Failure]]:
-    """The earthquake that every record is counted to, the same in every verb.
+    """The earthquake that every record is counted to, the same in every verb: label by record id.
 
-    Parameters
-    ----------
-    records : sequence of Record
-        All channels, vertical ones too, with different ids.
-    named : mapping of str to str
-        From :func:`event_table`.
-    failures : iterable of Failure
-        What was left out while reading.
-
-    Returns
-    -------
-    events : dict of str to str
-        Label by record id (:func:`group_events`).
-    unread : list of Failure
-        A row where the table names records that may be those of files that could not be read.
-
-    Raises
-    ------
-    ConfigError
-        As :func:`group_events`, where every file was read.
+    With it comes a row where the table `named` names records that may be those of files that could not be read, by the
+    failures of reading. Where every file was read, ConfigError as by :func:`group_events`.
     """
     ids = [record.id for record in records]
     failed = any(row.kind == "failed" and row.stage in ("find", "read") for row in failures)

@@ -58,45 +58,21 @@ Work = Callable[[Motion, Watch], Part]
 
 @dataclass(frozen=True, eq=False)
 class Prepared:
-    """What is known of an analysis before the first motion is worked on.
+    """What is known of an analysis before the first motion is worked on."""
 
-    Attributes
-    ----------
-    planned : list of PlannedMotion
-        The channels and pairs to work on, in the order of the results.
-    events : dict of str to str
-        The earthquake of each of them, by its name.
-    failures : list of Failure
-        What is left out already.
-    """
-
-    planned: list[PlannedMotion]
-    events: dict[str, str]
-    failures: list[Failure]
+    planned: list[PlannedMotion]  # in the order of the results
+    events: dict[str, str]  # the earthquake of each of them, by its name
+    failures: list[Failure]  # the rows of everything that is left out already
 
 
 class Analysis(ABC):
-    """Something that is asked of every motion of a set of records, and of all the answers together.
+    """Something that is asked of every motion of a set of records, and of all the answers together."""
 
-    Attributes
-    ----------
-    name : str
-        The verb, and the stage in rows of failures.
-    doing : str
-        The verb as a progress bar shows it.
-    kind : str
-        Kind of the results, the attribute of their root.
-    in_order_of_ids : bool
-        Whether the records are taken in the order of their ids instead of the order in which they are given.
-    event_name : str
-        Under which name a part holds the earthquake of its motion.
-    """
-
-    name: ClassVar[str]
-    doing: ClassVar[str]
-    kind: ClassVar[str]
-    in_order_of_ids: ClassVar[bool] = True
-    event_name: ClassVar[str] = "event"
+    name: ClassVar[str]  # the verb, and the stage in rows of failures
+    doing: ClassVar[str]  # the verb as a progress bar shows it
+    kind: ClassVar[str]  # of the results, an attribute of their root
+    in_order_of_ids: ClassVar[bool] = True  # in which the records are taken, in place of the order given
+    event_name: ClassVar[str] = "event"  # under which a part holds the earthquake of its motion
 
     def __init__(self, config: Config, blocks: Blocks | None = None) -> None:
         self.config = config
@@ -114,10 +90,7 @@ class Analysis(ABC):
     def prepare(self, records: Iterable[Record], failures: Iterable[Failure] = ()) -> Prepared:
         """Plan the motions and group them by earthquake; of the samples nothing but their number is asked.
 
-        Raises
-        ------
-        ConfigError
-            For two records of one id, or tables that do not fit.
+        Raises ConfigError for two records of one id, or tables that do not fit.
         """
         every = sorted(records, key=lambda record: record.id) if self.in_order_of_ids else list(records)
         twice = sorted(name for name, times in Counter(record.id for record in every).items() if times > 1)
@@ -162,10 +135,8 @@ def worked(
 ) -> Iterator[Part | Failure]:
     """Work on every motion of a channel or pair, whose samples are there.
 
-    Yields
-    ------
-    Part or Failure
-        One for each motion, or the rows of a channel that cannot be conditioned or of a pair that cannot be rotated.
+    Each motion yields its part or a row; so do a channel that cannot be conditioned and both of a pair that cannot be
+    rotated.
     """
     try:
         with watch("condition"):

@@ -15,37 +15,18 @@ __all__ = ["read_event_table", "read_weight_table", "record_weights"]
 
 
 def read_event_table(path: Path) -> dict[str, str]:
-    """Event of each channel from a CSV table with the columns record, event.
+    """Event of each channel from a CSV table with the columns record, event; further columns are passed over.
 
-    Parameters
-    ----------
-    path : Path
-        The table; further columns are passed over.
-
-    Raises
-    ------
-    ConfigError
-        For a table without these columns, an empty cell, or a record that is in it twice.
-    OSError
-        Where the file cannot be opened.
+    Raises ConfigError for a table without these columns, an empty cell, or a record that is in it twice; OSError where
+    the file cannot be opened.
     """
     return _read(path, "event", "[records] events")
 
 
 def read_weight_table(path: Path) -> dict[str, float]:
-    """Weight of each record from a CSV table with the columns record, weight.
+    """Weight of each record from a CSV table with the columns record, weight; further columns are passed over.
 
-    Parameters
-    ----------
-    path : Path
-        The table; further columns are passed over.
-
-    Raises
-    ------
-    ConfigError
-        As in :func:`read_event_table`, and for a weight that is no finite number from 0 up.
-    OSError
-        Where the file cannot be opened.
+    Raises as :func:`read_event_table`, and for a weight that is no finite number from 0 up.
     """
     weights = {}
     for record, text in _read(path, "weight", "[calibration] weights").items():
@@ -62,20 +43,10 @@ def read_weight_table(path: Path) -> dict[str, float]:
 
 
 def record_weights(ids: Sequence[str], events: Sequence[str], rule: str, table: dict[str, float] | None) -> np.ndarray:
-    """Weight of every record, of mean one.
+    """Weight (n,) of every record, of mean one.
 
-    Parameters
-    ----------
-    ids, events : sequence of str, length n
-        Id and event of each record.
-    rule : {"equal", "event"} or str
-        Every record the same; every event the same, shared by its records; else the name of the table.
-    table : dict of str to float or None
-        Weight by id, where the rule is a table.
-
-    Returns
-    -------
-    (n,) ndarray
+    By the rule "equal" every record weighs the same, by "event" every event, shared by its records; any other rule is
+    the name of the table of weights by id.
 
     Raises
     ------

@@ -26,10 +26,10 @@ from rockpulse import (
 )
 from rockpulse.assessment.assessment import Assessment
 from rockpulse.batch.plan import configuration_fingerprint, read_options, tasks_of
-from rockpulse.batch.survey import find, gather, survey_file
+from rockpulse.batch.survey import gather, survey_file
 from rockpulse.config.configuration import Config
 from rockpulse.motions.directions import conditioned_motions, planned_ids
-from rockpulse.readers.folders import read_all
+from rockpulse.readers.folders import find_files, read_all
 from rockpulse.studies.fragility.assessment import FragilityAnalysis
 from rockpulse.studies.site.calibration import SiteCalibration
 
@@ -50,7 +50,7 @@ def config(**records):
 def planned(paths, options=None, analysis=Assessment):
     """The tasks of a run, and what is prepared for it."""
     one = analysis(options or config())
-    found, failures = find(paths)
+    found, failures = find_files(paths)
     surveys = [(file, survey_file(file, read_options(one.config))) for file in found]
     located, rows = gather(found, surveys, failures)
     prepared = one.prepare([record.record for record in located], rows)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import pickle
 import subprocess
 import sys
 from contextlib import AbstractContextManager
@@ -16,7 +17,7 @@ import rockpulse as rp
 from rockpulse import BlockSettings, CalibrationSettings, ModelSettings, SearchSettings
 from rockpulse.assessment import assessment
 from rockpulse.batch import run, survey
-from rockpulse.batch.journal import journal_path
+from rockpulse.batch.journal import JournalError, journal_path
 from rockpulse.batch.options import BatchOptions
 from rockpulse.batch.run import BatchReport, assess_files, calibrate_files
 from rockpulse.config.configuration import Config
@@ -195,6 +196,15 @@ def test_a_site_that_cannot_be_written_keeps_what_is_finished(folder, tmp_path, 
     monkeypatch.setattr(run, "write_results", full)
     with pytest.raises(ResultsError, match=r"make room there; 3 finished records are kept in .*--resume goes on"):
         calibrate_files(sorted(folder.glob("r*")), SITE, tmp_path / "site.h5", BatchOptions(workers=1))
+
+
+@pytest.mark.parametrize(
+    "error", [ResultsError("full"), ResultsError("there", tells_resume=True), JournalError("gone")]
+)
+def test_whether_a_message_tells_of_resuming_survives_pickling(error):
+    back = pickle.loads(pickle.dumps(error))
+    assert (type(back), str(back), back.tells_resume) == (type(error), str(error), error.tells_resume)
+    assert error.tells_resume == (str(error) != "full")
 
 
 def interrupted(*args):

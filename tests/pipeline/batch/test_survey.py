@@ -14,18 +14,18 @@ from record_writers.renadic import renadic
 
 from rockpulse.batch import located as located_module
 from rockpulse.batch import survey
-from rockpulse.batch.survey import find, gather, survey_file
+from rockpulse.batch.survey import gather, survey_file
 from rockpulse.errors import RecordRefused
 from rockpulse.readers import ReadOptions
 from rockpulse.readers.archive import Archive
-from rockpulse.readers.folders import read_all
+from rockpulse.readers.folders import find_files, read_all
 from rockpulse.record.record import Record
 
 OPTIONS = ReadOptions()
 
 
 def surveyed(paths, options=OPTIONS):
-    found, failures = find(paths)
+    found, failures = find_files(paths)
     # In any order, and as they come back from another process.
     surveys = [(one, pickle.loads(pickle.dumps(survey_file(one, options)))) for one in reversed(found)]
     return gather(found, surveys, failures)
@@ -230,7 +230,7 @@ def test_a_fault_of_the_program_costs_one_member(tmp_path, monkeypatch, fault, r
         return read(opened, options)
 
     monkeypatch.setattr(survey, "read_opened", faulty)
-    (found,), _ = find(path)
+    (found,), _ = find_files(path)
     result = survey_file(found, OPTIONS)
     assert len(result.located) == 2
     (row,) = result.failures
@@ -250,7 +250,7 @@ def test_a_fault_of_the_program_on_opening_costs_one_file(tmp_path, monkeypatch)
         yield
 
     monkeypatch.setattr(survey, "open_files", faulty)
-    (found,), _ = find(path)
+    (found,), _ = find_files(path)
     result = survey_file(found, OPTIONS)
     assert [row.reason for row in result.failures] == [
         f"{path}: unexpected RuntimeError: broken; please report it with this file"
@@ -260,7 +260,7 @@ def test_a_fault_of_the_program_on_opening_costs_one_file(tmp_path, monkeypatch)
 def test_a_file_whose_survey_was_lost_is_left_to_its_row(tmp_path):
     for name in ("a", "b"):
         (tmp_path / f"{name}.AT2").write_bytes(at2(pulse(peak=0.1 if name == "a" else 0.2)))
-    found, _ = find(tmp_path)
+    found, _ = find_files(tmp_path)
     located, rows = gather(found, [(found[1], survey_file(found[1], OPTIONS))], [])
     assert [one.record.id for one in located] == ["b.090"]
     assert rows == []

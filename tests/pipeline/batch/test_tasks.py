@@ -28,11 +28,11 @@ from rockpulse.assessment.tree import joined_parts
 from rockpulse.batch.journal import UNFINISHED, Done
 from rockpulse.batch.packing import unpack
 from rockpulse.batch.plan import read_options, tasks_of
-from rockpulse.batch.survey import find, gather, survey_file
+from rockpulse.batch.survey import gather, survey_file
 from rockpulse.batch.tasks import carry_out
 from rockpulse.config.configuration import Config
 from rockpulse.motions.runner import run
-from rockpulse.readers.folders import read_all
+from rockpulse.readers.folders import find_files, read_all
 from rockpulse.studies.fragility.assessment import FragilityAnalysis
 from rockpulse.studies.site.calibration import SiteCalibration
 
@@ -74,7 +74,7 @@ CONFIGURATIONS = {
 
 def planned(paths, analysis):
     """The tasks of an analysis, and what is prepared for it."""
-    found, failures = find(paths)
+    found, failures = find_files(paths)
     surveys = [(one, survey_file(one, read_options(analysis.config))) for one in found]
     located, rows = gather(found, surveys, failures)
     prepared = analysis.prepare([one.record for one in located], rows)

@@ -82,8 +82,8 @@ def test_a_channel_is_conditioned_behind_its_remark():
     expected = condition(raw, **options.conditioning)
     np.testing.assert_array_equal(motion.record.acceleration, expected.acceleration)
     assert motion.record.processing == expected.processing != ()
-    assert motion.record.warnings[0].startswith("no pair: as recorded")
-    assert motion.record.warnings[1:] == expected.warnings
+    assert [remark.code for remark in motion.record.warnings[:2]] == ["no_pair", "vertical_missing"]
+    assert motion.record.warnings[2:] == expected.warnings
 
 
 def test_one_azimuth_is_one_motion_of_the_pair():

@@ -17,21 +17,16 @@ __all__ = ["motion_capacity", "nothing"]
 
 
 def motion_capacity(motion: Motion, watch: Watch, block: Block, config: Config) -> Part:
-    """What one motion says of the capacities of (m,) lanes.
+    """The capacities of (m,) lanes under one motion, as arrays.
 
-    Returns
-    -------
-    dict of str to ndarray
-        "measures" (1, k, m): those of the motion as it is, in the order of ``[fragility] measures``; "qualities"
-        (1, c): in the order of :data:`rockpulse.studies.fragility.measures.QUALITIES`. Of an incremental analysis
-        "factors" (1, s, m), the first factor that reaches each limit state, inf where none does, and "step" (1, m), the
-        ratio of neighbouring factors of the scan. Else "factors" (1, r, m), those that were looked at, and "reached"
-        (1, s, r, m), whether the limit state was reached at them.
+    "measures" (1, k, m) are those of the motion as it is, in the order of ``[fragility] measures``, "qualities" (1, c)
+    those of :data:`rockpulse.studies.fragility.measures.QUALITIES`. An incremental analysis adds "factors" (1, s, m),
+    the first that reaches each limit state, inf where none does, and "step" (1, m), the ratio of neighbouring factors
+    of the scan; others add "factors" (1, r, m), those that were looked at, and "reached" (1, s, r, m), whether the
+    limit state was.
 
-    Raises
-    ------
-    ValueError
-        Where the motion has no intense phase or the model refuses its numbers; TooWeak below the smallest PGA.
+    Raises ValueError where the motion has no intense phase or the model refuses its numbers, TooWeak below the smallest
+    PGA.
     """
     settings = config.fragility
     with watch("condition"):

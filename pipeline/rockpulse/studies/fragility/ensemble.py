@@ -23,34 +23,16 @@ __all__ = ["Ensemble", "Fits", "fit_ensemble", "gather"]
 
 @dataclass(frozen=True, eq=False)
 class Ensemble:
-    """Capacities of n records and m lanes, in k measures, for s limit states.
+    """Capacities of n records and m lanes, in k measures, for s limit states."""
 
-    Attributes
-    ----------
-    ids, clusters, sources : list of str, length n
-        Id, event and file of each record.
-    measures : (n, k, m) ndarray
-        Of the records as they are.
-    qualities : (n, c) ndarray
-        In the order of :data:`rockpulse.studies.fragility.measures.QUALITIES`.
-    factors : (n, s, m) or (n, r, m) ndarray
-        First factor that reaches each limit state, inf where none does; or the r factors that were looked at [-].
-    step : (n, m) ndarray or None
-        Ratio of neighbouring factors of the scan [-]; None where `factors` are not capacities.
-    reached : (n, s, r, m) ndarray of int or None
-        Whether the limit state was reached at them; None where `factors` are capacities.
-    config : Config
-        The options.
-    """
-
-    ids: list[str]
-    clusters: list[str]
-    sources: list[str]
-    measures: np.ndarray
-    qualities: np.ndarray
-    factors: np.ndarray
-    step: np.ndarray | None
-    reached: np.ndarray | None
+    ids: list[str]  # n, of the records
+    clusters: list[str]  # n, the event of each
+    sources: list[str]  # n, the file of each
+    measures: np.ndarray  # (n, k, m), of the records as they are
+    qualities: np.ndarray  # (n, c), in the order of QUALITIES
+    factors: np.ndarray  # first that reaches each limit state (n, s, m), or the r that were looked at (n, r, m) [-]
+    step: np.ndarray | None  # (n, m), ratio of neighbouring factors of the scan; None for factors looked at
+    reached: np.ndarray | None  # (n, s, r, m) of int, whether the limit state was; None for first factors
     config: Config
 
     def observations(self, state: int, measure: int, lanes: Sequence[int]) -> Observations:
@@ -106,13 +88,8 @@ class Fits:
 def fit_ensemble(ensemble: Ensemble, groups: Sequence[Sequence[int]]) -> Fits:
     """Curves of all limit states in all measures, and whether the measures are sufficient.
 
-    Parameters
-    ----------
-    ensemble : Ensemble
-        The records.
-    groups : sequence of sequence of int
-        Lanes that are fitted together; where there are several, in dimensionless measures only, which alone bring
-        bodies of different size to one scale.
+    The lanes of a group are fitted together; where there are several, in dimensionless measures only, which alone bring
+    bodies of different size to one scale.
     """
     settings = ensemble.config.fragility
     shape = (len(groups), len(settings.limit_states), len(settings.measures))

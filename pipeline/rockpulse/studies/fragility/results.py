@@ -58,18 +58,8 @@ def build_fragility_tree(
 ) -> xr.DataTree:
     """Fit everything and lay it out.
 
-    Parameters
-    ----------
-    parts : sequence of mapping of str to ndarray
-        What each motion says (:func:`rockpulse.studies.fragility.capacity.motion_capacity`), and "event".
-    names : sequence of str
-        Of the lanes.
-    block : Block
-        (m,) lanes.
-    config : Config
-        Its text becomes an attribute.
-    failures : sequence of Failure
-        What was left out.
+    The parts are those of :func:`rockpulse.studies.fragility.capacity.motion_capacity` with "event"; the block has (m,)
+    lanes, one for each name.
     """
     settings = config.fragility
     states, measures = limit_state_names(settings.limit_states), list(settings.measures)

@@ -46,19 +46,13 @@ def rotation_to_cover(peaks: np.ndarray) -> np.ndarray:
 
 
 def site_record(motion: Motion, watch: Watch, blocks: Block, config: Config) -> Part:
-    """Scale a motion, calibrate its sequence, and let it act on (m,) blocks.
+    """Scale a motion, calibrate its sequence, and let it act on (m,) blocks: the arrays of the scaled motion.
 
-    Returns
-    -------
-    dict of str to ndarray
-        Everything is that of the scaled motion. By the names of the file and (1,), but "value", "value_lower" and
-        "value_upper" (1, 5), the parameters of its sequence and the ends of their intervals, NaN where there is none,
-        and "peaks" (1, m), the recorded theta_max/alpha_c: inf overturned, 0 at rest, NaN unresolved.
+    By the names of the file and (1,), but "value", "value_lower" and "value_upper" (1, 5), the parameters of its
+    sequence and the ends of their intervals, NaN where there is none, and "peaks" (1, m), the recorded
+    theta_max/alpha_c: inf overturned, 0 at rest, NaN unresolved.
 
-    Raises
-    ------
-    ValueError
-        Where the motion cannot be scaled or calibrated; TooWeak where it moves too few blocks.
+    Raises ValueError where the motion cannot be scaled or calibrated, TooWeak where it moves too few blocks.
     """
     with watch("solve"):
         vertical, conditioned = motion.vertical, motion.record

@@ -35,21 +35,11 @@ def site_remarks(
     weights: np.ndarray,
     unjudged: Mapping[str, str],
 ) -> list[str]:
-    """The remarks of a site file, the gravest first.
+    """The remarks of a site file, the gravest first, one a line.
 
-    Parameters
-    ----------
-    site : mapping of str to object
-        The scalars of the file, with `design_upper` (of I) and `share_below`, what the design covers just below I.
-    factors, events, weights
-        Scale factor, event and weight of every record.
-    unjudged : mapping of str to str
-        Events that the coverage does not rest on, and why.
-
-    Returns
-    -------
-    list of str
-        One remark each, without line breaks.
+    `site` holds the scalars of the file, `design_upper` (of I) and `share_below`, what the design covers just below I;
+    `factors`, `events` and `weights` are those of the records, `unjudged` the events that the coverage does not rest
+    on, and why.
     """
     records, count, quantile = site["record_count"], site["event_count"], site["quantile"]
     remarks = []

@@ -56,25 +56,9 @@ def build_site_tree(
 ) -> xr.DataTree:
     """Fit, design, judge, and put everything into one tree.
 
-    Parameters
-    ----------
-    done : mapping of str to ndarray
-        What :func:`rockpulse.studies.site.record.site_record` found of every record, and "event".
-    weights : (n,) ndarray
-        Of mean one.
-    block_names, blocks : sequence of str, Block of shape (m,)
-        The bodies that are to be covered.
-    config : Config
-        Sections site, calibration, sequence and run are used; its text becomes an attribute.
-    failures : sequence of Failure
-        What was left out.
-    remarks : sequence of str
-        What is to be said already.
-
-    Raises
-    ------
-    RecordRefused
-        Where the records make no design sequence.
+    `done` is what :func:`rockpulse.studies.site.record.site_record` found of every record, and "event"; the weights are
+    of mean one; `remarks` is what is to be said already. Raises RecordRefused where the records make no design
+    sequence.
     """
     settings = config.calibration
     names, numbers = np.unique(done["event"], return_inverse=True)
