@@ -24,6 +24,7 @@ TEMPLATES = {
     ),
     "odd_peak": "peak {peak:.3g} g in the unit {unit}; the values would be {readings}",
     "long_interval": "a sampling interval of {interval:g} s is long for an accelerogram; is it in s?",
+    "part_of_record": "part {part:d} of a record that is cut into files: give all of them together",
     "positive_downwards": "positive downwards in the file; the sign is changed so that upwards is positive",
     # a record on its way to the models
     "on_structure": "on a structure, assessed as if this were ground motion",

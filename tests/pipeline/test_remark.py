@@ -10,7 +10,7 @@ from rockpulse.remark import TEMPLATES, Remark, code_of, find, recognised, remar
 
 #: Values for what the templates name.
 VALUES = {
-    **dict.fromkeys(("count", "counts"), 8),
+    **dict.fromkeys(("count", "counts", "part"), 8),
     **dict.fromkeys(("stated", "found", "peak", "interval", "velocity", "pgv", "factor", "low", "high"), -1.0 / 3.0),
     "missing": 1.23456e-7,
     "end": "largest",

@@ -1,4 +1,4 @@
-"""What a response calibration has to say in words: what was censored, what the targets cannot tell, how good it is."""
+"""Remarks on a response calibration: what was censored, what the targets cannot tell, how good the fit is."""
 
 from __future__ import annotations
 
@@ -23,21 +23,9 @@ FEW_SAMPLES = 100.0
 def remarks(
     calibration: ResponseCalibration, space: SearchSpace, ends: dict[str, tuple[bool, bool]]
 ) -> tuple[str, ...]:
-    """Remarks on a fit.
+    """Remarks on a fit within the limits of a search, one sentence each.
 
-    Parameters
-    ----------
-    calibration : ResponseCalibration
-        The fit.
-    space : SearchSpace
-        What was searched.
-    ends : dict of str to (bool, bool)
-        Whether the likely values of a parameter reach the lower and the upper limit of the search.
-
-    Returns
-    -------
-    tuple of str
-        One sentence each.
+    `ends` says of each parameter whether its likely values reach the lower and the upper limit of the search.
     """
     targets = calibration.targets
     number, small, overturned, silent = (

@@ -66,7 +66,7 @@ class Record:
     event : str
         Event name as in the file; empty where unknown.
     warnings : tuple of str
-        What the user should know about this record.
+        Remarks on this record for the user; those that have a code are of :class:`rockpulse.remark.Remark`.
     processing : tuple of str
         Conditioning steps applied so far, in order.
     """

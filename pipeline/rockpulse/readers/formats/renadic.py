@@ -20,6 +20,7 @@ from rockpulse.readers.format import Format, ReadOptions
 from rockpulse.readers.formats.csmip_v1 import read_uncorrected
 from rockpulse.readers.source import SourceFile
 from rockpulse.record.record import Record, record_id
+from rockpulse.remark import Remark, code_of
 
 __all__ = ["FORMATS", "Part", "is_renadic", "join_parts", "read_renadic", "whole_records"]
 
@@ -60,24 +61,19 @@ def read_renadic(file: SourceFile, options: ReadOptions) -> list[Record]:
     alive = [record.acceleration.any() for record in records]
     if not any(alive):
         raise RecordRefused(f"{file.name}: all samples of all channels are zero: no sensor was connected")
-    notes = [
+    notes: list[str] = [
         f"channel {number} ({record.component}) is dead, all samples are zero; it was left out"
         for number, (record, kept) in enumerate(zip(records, alive, strict=True), start=1)
         if not kept
     ]
     name = _PART.fullmatch(file.path.stem)
     if name:
-        notes.append(_cut(int(name[2])))
+        notes.append(Remark("part_of_record", part=int(name[2])))
         lines, spans = channels(file, _TITLE, "Uncorrected Accelerogram Data")
         rows = [lines[start + HEADER_LINES] for start, _ in spans]
         records = [_part(record, row, file.path.stem, name) for record, row in zip(records, rows, strict=True)]
     kept_records = [record for record, kept in zip(records, alive, strict=True) if kept]
     return [replace(record, warnings=(*record.warnings, *notes)) for record in kept_records]
-
-
-def _cut(part: int) -> str:
-    """The warning on a part of a record, which is removed where the parts are joined."""
-    return f"part {part} of a record that is cut into files: give all of them together"
 
 
 def _part(record: Record, row: str, stem: str, name: re.Match[str]) -> Part:
@@ -149,9 +145,9 @@ def _fault(parts: Sequence[Sequence[Part]]) -> str:
 
 def _joined(pieces: Sequence[Part]) -> Record:
     """One channel of the whole record, with the metadata of its first part."""
-    first, cuts = pieces[0], {_cut(piece.part) for piece in pieces}
+    first = pieces[0]
     codes = (first.network, first.station, first.location, first.channel)
-    notes = dict.fromkeys(note for piece in pieces for note in piece.warnings if note not in cuts)
+    notes = dict.fromkeys(note for piece in pieces for note in piece.warnings if code_of(note) != "part_of_record")
     return replace(
         first.plain(),
         acceleration=np.concatenate([piece.acceleration for piece in pieces]),

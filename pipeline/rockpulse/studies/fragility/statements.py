@@ -1,4 +1,4 @@
-"""Whether the data make a fragility curve and a band, and what is said where they do not."""
+"""Whether the data make a fragility curve and a band, and the statement that says why they do not."""
 
 from __future__ import annotations
 
@@ -63,13 +63,7 @@ class Extrapolated(IntEnum):
 
 
 def missing(rows: Observations) -> Status:
-    """What the data lack for a curve, seen before any fit.
-
-    Parameters
-    ----------
-    rows : Observations
-        What is known.
-    """
+    """What the data lack for a curve, as far as it is seen before any fit."""
     known = rows.level[rows.kind == EXACT]
     reached = rows.kind != ABOVE
     if rows.level.size == 0:
@@ -92,16 +86,9 @@ def missing(rows: Observations) -> Status:
 
 
 def band_statement(band: Band, rows: Observations, slopes: np.ndarray) -> str:
-    """What is said of the band of a curve; nothing where it is given.
+    """The statement on the band of a curve; empty where it is given.
 
-    Parameters
-    ----------
-    band : Band
-        Whether it is given.
-    rows : Observations
-        What is known.
-    slopes : (1 + events,) ndarray
-        b of all rows, then without each event.
+    `slopes` (1 + events,) are b of all rows, then without each event.
     """
     if band == Band.GIVEN:
         return ""
@@ -112,14 +99,9 @@ def band_statement(band: Band, rows: Observations, slopes: np.ndarray) -> str:
 
 
 def extrapolated(median: float, rows: Observations) -> Extrapolated:
-    """Whether the median of a curve lies above, or below, every level looked at.
+    """Whether the median of a curve, in the unit of the measure, lies above or below every level looked at.
 
-    Parameters
-    ----------
-    median : float
-        In the unit of the measure; NaN without a curve.
-    rows : Observations
-        What is known.
+    Without a curve the median is NaN, which does neither.
     """
     if median > np.max(rows.level, initial=0.0):
         return Extrapolated.ABOVE
@@ -129,13 +111,7 @@ def extrapolated(median: float, rows: Observations) -> Extrapolated:
 
 
 def extrapolation_statement(median: float, rows: Observations) -> str:
-    """What is said of a median beyond the data; nothing where it is among them.
-
-    Parameters
-    ----------
-    median, rows
-        As in :func:`extrapolated`.
-    """
+    """The statement on a median beyond the data; empty where it lies among them."""
     side = extrapolated(median, rows)
     if side == Extrapolated.NO:
         return ""
@@ -172,7 +148,7 @@ def _separated(rows: Observations) -> str:
     return "no curve: the motions that reached the limit state are no stronger than the others"
 
 
-#: What is said where there is no curve.
+#: The statement where there is no curve, by the status.
 STATEMENTS = {
     Status.NO_RECORD: lambda rows: "no curve: no record",
     Status.ONE_RECORD: lambda rows: (

@@ -1,4 +1,4 @@
-"""What a set of records is too small or too odd to tell, in words."""
+"""Remarks on a site: what its set of records is too small or too odd to tell."""
 
 from __future__ import annotations
 
@@ -35,11 +35,11 @@ def site_remarks(
     weights: np.ndarray,
     unjudged: Mapping[str, str],
 ) -> list[str]:
-    """The remarks of a site file, the gravest first, one a line.
+    """The remarks of a site file, the gravest first and each without line breaks.
 
-    `site` holds the scalars of the file, `design_upper` (of I) and `share_below`, what the design covers just below I;
-    `factors`, `events` and `weights` are those of the records, `unjudged` the events that the coverage does not rest
-    on, and why.
+    `site` holds the scalars of the file, with `design_upper` (of I) and `share_below`, the share that the design covers
+    just below I; `factors`, `events` and `weights` are those of the records; `unjudged` names the events that the
+    coverage does not rest on, and says why.
     """
     records, count, quantile = site["record_count"], site["event_count"], site["quantile"]
     remarks = []

@@ -104,7 +104,7 @@ def rotation_history(histories: Sequence[History], axes: Any = None, title: str 
 
 
 def _answer(history: History) -> str:
-    if history.remark.startswith("unresolved"):
+    if np.isnan(history.peak):
         return "unresolved"
     if np.isinf(history.peak):
         return "overturns" if np.isnan(history.overturning) else f"overturns by {history.overturning:.1f} s"

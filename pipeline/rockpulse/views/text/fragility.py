@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import re
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -150,14 +149,15 @@ def _sufficiency(efficiency: xr.Dataset) -> str:
 
 
 def _statements(curves: xr.Dataset) -> str:
-    """Every different remark once, numbers aside, with how often it is made."""
-    found: dict[str, list[str]] = {}
+    """A remark of each kind, by what is known of curve, band and median, and how many others there are like it."""
+    found: dict[tuple[int, ...], list[str]] = {}
     for place in np.ndindex(curves["statement"].shape):
         words = str(curves["statement"].values[place])
         if words:
             dims = curves["statement"].dims
             labels = [str(curves[dim].values[index]) for dim, index in zip(dims, place, strict=True)]
-            found.setdefault(re.sub(r"\d\S*", "#", words), []).append(f"{', '.join(labels)}: {words}")
+            kind = tuple(int(curves[name].values[place]) for name in ("status", "band", "extrapolated"))
+            found.setdefault(kind, []).append(f"{', '.join(labels)}: {words}")
     if not found:
         return ""
     said = ["remarks"]

@@ -1,4 +1,4 @@
-"""What was not assessed and what the records were warned of, as text."""
+"""Files and channels that were not assessed, and the warnings of the records, as text."""
 
 from __future__ import annotations
 
@@ -32,7 +32,10 @@ _KINDS = {
 
 
 def left_out(tree: xr.DataTree, brief: bool = False) -> str:
-    """What was read or found but not assessed, by kind, and what the records were warned of; a few of each in brief."""
+    """Everything that was read or found but not assessed, by kind, and the warnings of the records.
+
+    A brief text has a few of each kind, also of what failed.
+    """
     lines = []
     summary = tree["summary"].to_dataset()
     acted = int((summary["vertical_channel"] != "").sum())
