@@ -253,23 +253,9 @@ def _slender(slenderness: Any) -> Any:
 
 
 def numbers(name: str, value: Any, expected: str, lanes: bool = True) -> np.ndarray:
-    """A finite number, or a one-dimensional array of them, with the name of the argument in what it raises.
+    """The value as a finite number, or as a one-dimensional array of them where `lanes` allows it.
 
-    Parameters
-    ----------
-    name : str
-        Argument, for the message.
-    value : float or array_like
-        What was given.
-    expected : str
-        What it should be, for the message.
-    lanes : bool
-        Whether an array is allowed.
-
-    Raises
-    ------
-    ValueError
-        For anything else.
+    Anything else raises a ValueError with the name of the argument, what was expected and what was given.
     """
     shape = "or an array of them" if lanes else "not an array"
     try:

@@ -163,21 +163,9 @@ def impulsive_critical_scale(
 def uplift_scale(
     block: Block, acceleration: np.ndarray, equation: str = "nonlinear", vertical: np.ndarray | None = None
 ) -> np.ndarray:
-    """Factor on a record above which it lifts each block, inf where none does.
+    """Factor on a record above which it lifts each of (m,) blocks, inf where none does.
 
-    Parameters
-    ----------
-    block : Block
-        (m,) lanes.
-    acceleration, vertical : (n,) ndarray
-        a_g and a_v [m/s2].
-    equation : {"nonlinear", "linear"}
-        Whose threshold: (g + f a_v) tan(alpha), or g alpha.
-
-    Returns
-    -------
-    (m,) ndarray
-        Factor [-].
+    The threshold is (g + f a_v) tan(alpha), or g alpha with the linear equation.
     """
     threshold = np.asarray(block.alpha_c if equation == "linear" else np.tan(block.alpha_c))
     strongest = np.full(threshold.shape, np.max(np.abs(acceleration)))

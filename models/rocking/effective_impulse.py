@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from rocking.block import Block
-from rocking.effective_impulse_kernel import GroundMotion, HalfWaves, Lanes, effective_lanes
+from rocking.effective_impulse_kernel import GroundMotion, Lanes, Waves, effective_lanes
 from rocking.response import Response, answered, empty_answers
 from rocking.threads import split_lanes
 
@@ -121,7 +121,7 @@ def effective_impulse_response(
     steps = dt * velocity[:-1] + dt**2 * (record[:-1] / 3.0 + record[1:] / 6.0)
     displacement = np.concatenate([[0.0], np.cumsum(steps)])
     ground = GroundMotion(record, velocity, displacement, float(dt))
-    waves = HalfWaves(bounds, peaks, later)
+    waves = Waves(bounds, peaks, later)
     answers = empty_answers(force.size)
 
     def kernel_call(first: int, last: int) -> None:

@@ -17,7 +17,7 @@ from numba import njit
 from rocking.motion import CRITICAL_TOLERANCE, hop, impact_speed, impacts_above, top
 from rocking.response import IMPACT_CUTOFF, Outcome, Reason
 
-__all__ = ["IMPACT_LIMIT", "GroundMotion", "HalfWaves", "Lanes", "effective_lanes"]
+__all__ = ["IMPACT_LIMIT", "GroundMotion", "Lanes", "Waves", "effective_lanes"]
 
 #: Impacts followed inside one half-wave before a lane is UNRESOLVED.
 IMPACT_LIMIT = 10_000
@@ -44,7 +44,7 @@ class GroundMotion(NamedTuple):
     dt: float  #: [s]
 
 
-class HalfWaves(NamedTuple):
+class Waves(NamedTuple):
     """The half-waves of the record, one after the other."""
 
     bounds: np.ndarray  #: (k + 1,) their ends [s], increasing

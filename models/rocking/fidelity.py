@@ -17,7 +17,7 @@ from rocking.block import Block, numbers
 from rocking.demand import Demand, ground_demand
 from rocking.impulsive import impulsive_response
 from rocking.recorded import recorded_response
-from rocking.response import Outcome, Response, drop_axes
+from rocking.response import Outcome, Response, drop_axes, squeezed
 
 __all__ = ["MEASURED_RANGE", "Rung", "choose_response"]
 
@@ -152,9 +152,7 @@ def choose_response(
             lanes.settled(demand)
     lanes.nonlinear()
     drop = (factors.ndim == 0, block.shape == ())
-    axes = tuple(axis for axis, dropped in enumerate(drop) if dropped)
-    model_used = lanes.model_used.squeeze(axes)
-    return drop_axes(lanes.response, 2, drop), model_used.item() if model_used.ndim == 0 else model_used
+    return drop_axes(lanes.response, drop), squeezed(lanes.model_used, drop)
 
 
 def _strongest(times: np.ndarray, impulses: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -61,26 +61,8 @@ def _condition(half, count, spacing, s):
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def corrected_duration(velocity, secondary, count, spacing):
-    """Smallest T with x(T) = 0 for a given number of intermediate impulses.
+    """Smallest T times p with x(T) = 0 for u, a secondary impulse 0 <= a <= u and n of them; inf: the block overturns.
 
-    Parameters
-    ----------
-    velocity : float
-        Start velocity u [-].
-    secondary : float
-        a = u_1 I_s/I, velocity change of a secondary impulse [-], 0 <= a <= u.
-    count : int
-        n, even [-]; not used for the continuous limit.
-    spacing : int
-        Code of the spacing.
-
-    Returns
-    -------
-    duration : float
-        T times p [-]; inf where there is no root: the block overturns.
-
-    Notes
-    -----
     The root of the continuous limit, atanh(v), is a lower bound for "end", "middle" and "open", so none of them has a
     root without it. Their F rises, concave, to one maximum and falls after it: Newton's iteration from the lower bound
     climbs monotonically to the smaller root and steps over the maximum, where F' <= 0, iff there is none. For "start"
@@ -154,22 +136,10 @@ def impact_speed_after(velocity, secondary, time, count, spacing):
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def stays_bounded(main, ratio, restitution):
-    """Whether a main sequence without end never overturns the block.
+    """Whether a main sequence u_1 without end and a continuous secondary one (`ratio` = I_s/I) never overturn a block.
 
-    Parameters
-    ----------
-    main : float
-        u_1 [-].
-    ratio : float
-        I_s/I of the continuous secondary sequence [-]; 0 for the main sequence alone.
-    restitution : float
-        C [-].
-
-    Returns
-    -------
-    bounded : bool
-        v* = u_1 (1 - (1 + C) I_s/(2 I))/(1 - C) <= 1 (F2, F4). Equality is bounded, because the limit is not reached;
-        the rounding of u_1 and of C, which moves 1 - C, must not decide it.
+    v* = u_1 (1 - (1 + C) I_s/(2 I))/(1 - C) <= 1 (F2, F4). Equality is bounded, because the limit is not reached; the
+    rounding of u_1 and of C, which moves 1 - C, must not decide it.
     """
     if main * (1.0 - 0.5 * ratio) >= 1.0 - CRITICAL_TOLERANCE:
         return False

@@ -46,7 +46,7 @@ def combined(
 def empty_table(rows: int, lanes: int) -> Table:
     """A table of so many half-cycles for a kernel to write to."""
     table = Table(np.full((COLUMNS, rows, lanes), np.nan), np.empty(lanes), np.empty(lanes, dtype=np.int64))
-    table.columns[3] = -1.0
+    table.columns[3] = -1.0  # impulse_count
     return table
 
 
@@ -77,16 +77,8 @@ def tabulated_response(
     if table_rows:
         rows = int(min(table_rows, table.followed.max(initial=0)))
         table = run(rows)
-        start_velocity, peak, duration, count, interval, impact_speed = (
-            column.reshape(rows, *shape) for column in table.columns
-        )
-        half_cycles = HalfCycles(
-            start_velocity=start_velocity,
-            peak=peak,
-            duration=duration,
-            impulse_count=count.astype(np.int64),
-            interval=interval,
-            impact_speed=impact_speed,
-        )
+        columns = [column.reshape(rows, *shape) for column in table.columns]
+        columns[3] = columns[3].astype(np.int64)
+        half_cycles = HalfCycles(*columns)
     contact = table.lowest.reshape(shape) < -GROUND_TOLERANCE
     return answered(answers, shape, drop, half_cycles=half_cycles, ground_contact=contact)

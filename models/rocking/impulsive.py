@@ -115,17 +115,14 @@ def impulsive_response(
     train = Train(times, impulses, sizes, np.cumsum(sizes[::-1])[::-1].copy())
     lanes = Lanes(factors, alpha, p, restitution, block.gravity, GAINS[gain])
     answers = empty_answers(factors.size)
-    history = History(grid, *np.zeros((2, factors.size, grid.size)))
+    history = History(grid, np.zeros((factors.size, grid.size, 2)))
 
     def kernel_call(first: int, last: int) -> None:
         impulsive_lanes(first, last, train, lanes, np.empty((3, times.size)), answers, history)
 
     split_lanes(kernel_call, factors.size, threads)
     response = answered(answers, shape, drop)
-    if history_dt is None:
-        return response
-    rotation, velocity = (motion.reshape(*shape, grid.size) for motion in (history.rotation, history.velocity))
-    return with_history(response, grid, rotation, velocity, drop)
+    return response if history_dt is None else with_history(response, shape, drop, grid, history.motion)
 
 
 def _checked(times: Any, impulses: Any, scale: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

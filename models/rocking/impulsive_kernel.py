@@ -70,16 +70,15 @@ class Lanes(NamedTuple):
 
 
 class History(NamedTuple):
-    """The motion of every lane at given times; the arrays are given as zeros and lie in the order of the answers."""
+    """The motion of every lane at given times."""
 
     times: np.ndarray  #: (h,) [s], ascending; (0,) for no history
-    rotation: np.ndarray  #: (q m, h) theta [rad]; NaN once the block lies on the ground
-    velocity: np.ndarray  #: (q m, h) theta' [rad/s]
+    motion: np.ndarray  #: (q m, h, 2) zeros that receive theta [rad] and theta' [rad/s]; NaN once the block lies down
 
 
 @njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
 def _cannot_come_back(growing, time, first, train, gain, p):
-    """The no-return rule y(t) > sum over the impulses from `first` on of abs(dy) exp(-p (t_i - t))."""
+    """Whether no return is possible: y(t) > sum over the impulses from `first` on of abs(dy) exp(-p (t_i - t))."""
     total = 0.0
     for i in range(first, train.times.size):
         weight = gain * math.exp(-p * (train.times[i] - time))
@@ -94,15 +93,15 @@ def _cannot_come_back(growing, time, first, train, gain, p):
 @njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
 def _sample(history, lane, first, begin, end, scale, p, rotation, velocity):
     """History of one arc at the times in [begin, end) from the index `first` on; returns the first index left."""
-    times, theta, theta_dot = history.times, history.rotation[lane], history.velocity[lane]
+    times, motion = history.times, history.motion[lane]
     while first < times.size and times[first] < begin:
         first += 1
     while first < times.size and times[first] < end:
         x, v = state(rotation, velocity, p * (times[first] - begin))
-        theta[first], theta_dot[first] = scale * x, scale * p * v
+        motion[first, 0], motion[first, 1] = scale * x, scale * p * v
         # The block lies on the ground.
-        if not abs(theta[first]) < 0.5 * math.pi:
-            theta[first], theta_dot[first] = np.nan, np.nan
+        if not abs(motion[first, 0]) < 0.5 * math.pi:
+            motion[first] = np.nan
         first += 1
     return first
 
@@ -129,7 +128,7 @@ def _decays(velocity, restitution, remaining):
 
 @njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
 def _tabulate(waits, times, p):
-    """exp(p dt) - 1 of every wait, cut off, and its sinh and cosh - 1; they keep their digits for short waits."""
+    """Fill `waits` (3, k) with exp(p dt) - 1, cut off, sinh and cosh - 1 of every wait, exact for short ones too."""
     waits[:] = np.inf
     for i in range(times.size - 1):
         grown = math.expm1(min(p * (times[i + 1] - times[i]), _LONGEST_GROWTH))
@@ -288,7 +287,7 @@ def impulsive_lanes(first_lane, last_lane, train, lanes, waits, answers, history
                 break
             if outcome == _OVERTURNS and angle * rotation > 0.5 * math.pi:
                 # The block lies on the ground.
-                history.rotation[place, sampled:], history.velocity[place, sampled:] = np.nan, np.nan
+                history.motion[place, sampled:] = np.nan
                 break
         peak = max(peak, energy / (1.0 + math.sqrt(left)))
         if outcome == _OVERTURNS:

@@ -17,7 +17,7 @@ import numpy as np
 from rocking.block import Block
 from rocking.half_cycle_table import TABLE_ROWS, combined, tabulated_response
 from rocking.main_sequence_kernel import Lanes, overturning_half_cycle, resonance_lanes, safety_lanes
-from rocking.response import Response
+from rocking.response import Response, squeezed
 from rocking.sequence_kernel import UNLIMITED
 from rocking.threads import split_lanes
 
@@ -156,9 +156,7 @@ def resonance_safety(
         safety_lanes(first, last, lanes, flat)
 
     split_lanes(kernel_call, flat.size, threads)
-    axes = tuple(axis for axis, dropped in enumerate(drop) if dropped)
-    factors = flat.reshape(shape).squeeze(axis=axes)
-    return factors.item() if factors.ndim == 0 else factors
+    return squeezed(flat.reshape(shape), drop)
 
 
 def _lanes(

@@ -21,26 +21,10 @@ _TRIAL_LIMIT = 1_000_000
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def first_return(velocity, secondary, interval, spacing):
-    """First return T* of the march with the trial interval (steps 3 and 4).
+    """First return T* times p of the march with the trial `interval` dT times p; inf where it does not come back.
 
-    Parameters
-    ----------
-    velocity, secondary : float
-        u and a [-].
-    interval : float
-        Trial dT times p [-].
-    spacing : int
-        Code of the spacing; not continuous.
-
-    Returns
-    -------
-    time : float
-        T* times p [-]; inf where the march does not come back.
-
-    Notes
-    -----
-    If y >= 0 after an impulse towards the ground, the next one away from it makes y at least a, and y exp(delta) - a
-    stays non-negative from then on: no return.
+    Steps 3 and 4, for u, a and any spacing but the continuous one. If y >= 0 after an impulse towards the ground, the
+    next one away from it makes y at least a, and y exp(delta) - a stays non-negative from then on: no return.
     """
     rotation, elapsed, push = 0.0, 0.0, -secondary
     if spacing == START:
@@ -65,26 +49,10 @@ def first_return(velocity, secondary, interval, spacing):
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def peak_and_lowest(velocity, secondary, time, count, spacing):
-    """Largest rotation of the corrected march, and the lowest at its intermediate impulses (step 6).
+    """Largest x of the corrected march, at a top or an impulse, and smallest x at the impulses inside it (step 6).
 
-    Parameters
-    ----------
-    velocity, secondary : float
-        u and a [-].
-    time : float
-        T times p [-], finite.
-    count : int
-        n [-].
-    spacing : int
-        Code of the spacing; not continuous.
-
-    Returns
-    -------
-    peak : float
-        Largest x [-], at a top of the natural motion or at an impulse.
-    lowest : float
-        Smallest x at the impulses inside the half-cycle [-]. Below zero the march has passed through the ground: the
-        closed form knows the end of the half-cycle only.
+    The half-cycle has u, a, n impulses and the finite `time` T times p; its spacing is not the continuous one. Below
+    zero the march has passed through the ground: the closed form knows the end of the half-cycle only.
     """
     interval = time / (count + 1 if spacing == OPEN else count)
     if spacing == START:

@@ -41,19 +41,9 @@ _HOP_LIMIT = 100_000
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def state(rotation, velocity, time):
-    """Rotation and velocity after a time of natural motion (Eq. 2).
+    """x and x' after a time of natural motion, times p and not negative (Eq. 2).
 
-    Parameters
-    ----------
-    rotation, velocity : float
-        x and x' at the start [-].
-    time : float
-        Time times p [-], not negative. Exponents are cut off at 700, so that long waits cannot overflow.
-
-    Returns
-    -------
-    rotation, velocity : float
-        x and x' at the end [-].
+    Exponents are cut off at 700, so that long waits cannot overflow.
     """
     if time < 1.0:
         half = math.sinh(0.5 * time)
@@ -89,23 +79,10 @@ def return_growth(rotation, velocity, speed):
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def return_time(rotation, velocity):
-    """Time until the block meets the ground.
+    """Time times p until the block, at x >= 0 with x', meets the ground; inf where it does not come back (y >= 0).
 
-    Parameters
-    ----------
-    rotation, velocity : float
-        x >= 0 and x' at the start [-].
-
-    Returns
-    -------
-    time : float
-        Time times p [-]; inf where the block does not come back (y >= 0). From rest at x0 it is Housner's quarter
-        period acosh(1/(1 - x0)).
-
-    Notes
-    -----
-    x(tau) = 0 gives e^tau = (1 + w)/(1 - x - x'), hence tau = log1p((x + x' + w)/(1 - x - x')); on the way down x' + w
-    cancels and is written as x (2 - x)/(w - x').
+    From rest at x0 it is Housner's quarter period acosh(1/(1 - x0)). x(tau) = 0 gives e^tau = (1 + w)/(1 - x - x'),
+    hence tau = log1p((x + x' + w)/(1 - x - x')); on the way down x' + w cancels and is written as x (2 - x)/(w - x').
     """
     return math.log1p(return_growth(rotation, velocity, impact_speed(rotation, velocity)))
 
@@ -127,19 +104,9 @@ def top(rotation, velocity):
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def hop(velocity):
-    """Peak and duration of the half-cycle that leaves the ground with a given velocity (Eqs. 6, 7).
+    """Peak 1 - sqrt(1 - u^2) and duration 2 atanh(u) times p of the half-cycle that starts with u >= 0 (Eqs. 6, 7).
 
-    Parameters
-    ----------
-    velocity : float
-        Start velocity u = theta'/(p alpha_c) [-], not negative.
-
-    Returns
-    -------
-    peak : float
-        Largest theta/alpha_c [-], 1 - sqrt(1 - u^2); inf where the block does not come back (u >= 1).
-    duration : float
-        Time to the next impact times p [-], 2 atanh(u); inf where there is none.
+    Both are inf where the block does not come back (u >= 1).
 
     Examples
     --------
@@ -154,25 +121,11 @@ def hop(velocity):
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def free_decay_time(velocity, restitution):
-    """Time until a block comes to rest after infinitely many hops.
+    """Time times p until a block comes to rest after infinitely many hops, the sum over k >= 0 of 2 atanh(C^k u).
 
-    Parameters
-    ----------
-    velocity : float
-        Velocity with which the first hop leaves the ground [-], not negative.
-    restitution : float
-        Velocity ratio C of an impact [-].
-
-    Returns
-    -------
-    time : float
-        Sum over k >= 0 of 2 atanh(C^k u) times p [-]; inf for u >= 1, for C = 1, and for C so near to one (above about
-        1 - 1e-5) that hops of more than half the critical energy number over 100 000.
-
-    Notes
-    -----
-    Below u = 0.8 the sum over the hops of each term of the series of atanh is geometric:
-    2 sum over odd j of u^j/(j (1 - C^j)).
+    It is inf for u >= 1, for C = 1, and for C so near to one (above about 1 - 1e-5) that hops of more than half the
+    critical energy number over 100 000. Below u = 0.8 the sum over the hops of each term of the series of atanh is
+    geometric: 2 sum over odd j of u^j/(j (1 - C^j)).
     """
     if velocity >= 1.0 or restitution >= 1.0:
         return np.inf
@@ -197,21 +150,9 @@ def free_decay_time(velocity, restitution):
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def impacts_above(speed, restitution, cutoff):
-    """Number of impacts of a free decay that are faster than a cut-off.
+    """Number of impacts of a free decay that are faster than a positive cut-off, the first one with `speed`.
 
-    Parameters
-    ----------
-    speed : float
-        Speed right before the first impact [-].
-    restitution : float
-        Velocity ratio C of an impact [-].
-    cutoff : float
-        Positive speed below which impacts are not counted [-].
-
-    Returns
-    -------
-    count : int
-        Number of k >= 0 with C^k speed > cutoff; -1 where they never end (C = 1).
+    It is the number of k >= 0 with C^k speed > cutoff; -1 where they never end (C = 1).
     """
     if speed <= cutoff:
         return 0

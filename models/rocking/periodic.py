@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -12,6 +12,7 @@ from rocking.half_cycle import stays_bounded
 from rocking.half_cycle_table import combined
 from rocking.impulse_sequence import ImpulseSequence
 from rocking.motion import hop
+from rocking.response import squeezed
 
 __all__ = ["SteadyState", "steady_state"]
 
@@ -91,7 +92,4 @@ def steady_state(block: Block, sequence: ImpulseSequence) -> SteadyState:
     hops = np.array([hop(velocity) for velocity in np.where(stable, np.minimum(effective, 1.0), np.inf)]).reshape(-1, 2)
     peak = np.where(stable & (effective >= 1.0), 1.0, hops[:, 0])
     values = (limit, effective, peak, hops[:, 1] / p, stable)
-    axes = tuple(axis for axis, dropped in enumerate(drop) if dropped)
-    squeezed = (value.reshape(shape).squeeze(axis=axes) for value in values)
-    named = zip(fields(SteadyState), squeezed, strict=True)
-    return SteadyState(**{item.name: value.item() if value.ndim == 0 else value for item, value in named})
+    return SteadyState(*(squeezed(value.reshape(shape), drop) for value in values))

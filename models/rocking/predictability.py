@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from rocking.block import Block, numbers
-from rocking.response import Outcome, Response
+from rocking.response import Outcome, Response, squeezed
 
 __all__ = ["NOT_CHECKED", "NOT_PREDICTABLE", "PREDICTABLE", "predictable"]
 
@@ -96,8 +96,7 @@ def predictable(
     narrow = np.ptp(finite, axis=0) <= spread
     marks = np.where(same & narrow, PREDICTABLE, NOT_PREDICTABLE).astype(np.int8)
     marks[outcomes[0] == Outcome.UNRESOLVED] = NOT_CHECKED
-    marks = marks.squeeze(tuple(axis for axis, drop in enumerate((factors.ndim == 0, block.shape == ())) if drop))
-    return marks.item() if marks.ndim == 0 else marks
+    return squeezed(marks, (factors.ndim == 0, block.shape == ()))
 
 
 def _restituted(blocks: Block, perturbation: float) -> Block:

@@ -227,10 +227,7 @@ def recorded_response(
 
     split_lanes(march, total, threads)
     response = answered(answers, shape, drop, active_samples=active.reshape(shape))
-    if not history:
-        return response
-    motion = motion.reshape(*shape, samples, 2)
-    return with_history(response, dt * np.arange(samples), motion[..., 0], motion[..., 1], drop)
+    return with_history(response, shape, drop, dt * np.arange(samples), motion) if history else response
 
 
 def _samples(name: str, values: Any) -> np.ndarray:

@@ -87,7 +87,7 @@ def calm_from(factor, levels, last, settled):
     return np.inf
 
 
-# Called from one place, with NamedTuples of many arrays that a call would copy: hence forceinline.
+# begin_lane, end_lane and decide have one caller each and take NamedTuples that a call would copy field by field.
 @njit(cache=True, nogil=True, error_model="numpy", forceinline=True, _nrt=False)
 def begin_lane(f, i, j, lane, record, lanes, options):
     """Put a lane into slot j; returns how it stands at the first sample, MOVING or as it ends."""

@@ -18,6 +18,7 @@ __all__ = [
     "answered",
     "drop_axes",
     "empty_answers",
+    "squeezed",
     "with_history",
 ]
 
@@ -138,32 +139,34 @@ def empty_answers(lanes: int, codes: Any = np.int64) -> Answers:
 
 
 def answered(answers: Answers, shape: tuple[int, int], drop: tuple[bool, bool], **others: Any) -> Response:
-    """The (q, m) response that a kernel has written, with `others` of its fields, without the axes to `drop`."""
+    """The (q, m) response that a kernel has written, with `others` of its fields, without the lane axes to `drop`."""
     lanes = {name: values.reshape(shape) for name, values in answers._asdict().items()}
-    return drop_axes(Response(**lanes, **others), 2, drop)
+    return drop_axes(Response(**lanes, **others), drop)
 
 
-def drop_axes(part: Any, lane_axes: int, drop: tuple[bool, ...]) -> Any:
-    """The same dataclass of arrays without those of its last `lane_axes` axes that are marked in `drop`.
+def squeezed(values: np.ndarray, drop: tuple[bool, bool]) -> Any:
+    """(..., q, m) values without the lane axes to `drop`, for which the caller gave a scalar; a number of one lane."""
+    values = values.squeeze(axis=tuple(axis - 2 for axis, dropped in enumerate(drop) if dropped))
+    return values.item() if values.ndim == 0 else values
 
-    They are the lanes; a marked one has length one because the caller gave a scalar.
-    """
-    axes = tuple(axis - lane_axes for axis, dropped in enumerate(drop) if dropped)
+
+def drop_axes(part: Any, drop: tuple[bool, bool]) -> Any:
+    """The same response (without a history) or table of half-cycles, without the lane axes to `drop`."""
     values = {}
     for item in fields(part):
         value = getattr(part, item.name)
         if isinstance(value, HalfCycles):
-            value = drop_axes(value, lane_axes, drop)
-        elif isinstance(value, np.ndarray) and item.name != "time":
-            value = value.squeeze(axis=axes)
-            value = value.item() if value.ndim == 0 else value
+            value = drop_axes(value, drop)
+        elif isinstance(value, np.ndarray):
+            value = squeezed(value, drop)
         values[item.name] = value
     return type(part)(**values)
 
 
 def with_history(
-    response: Response, time: np.ndarray, rotation: np.ndarray, velocity: np.ndarray, drop: tuple[bool, bool]
+    response: Response, shape: tuple[int, int], drop: tuple[bool, bool], time: np.ndarray, motion: np.ndarray
 ) -> Response:
-    """A response with its history: (n,) times and (q, m, n) theta and theta', without the lane axes to `drop`."""
+    """A response with its history: theta and theta' of the `motion` (q m, n, 2) at (n,) times."""
     axes = tuple(axis for axis, dropped in enumerate(drop) if dropped)
-    return replace(response, time=time, rotation=rotation.squeeze(axes), velocity=velocity.squeeze(axes))
+    rotation, velocity = (motion[..., k].reshape(*shape, time.size).squeeze(axes) for k in range(2))
+    return replace(response, time=time, rotation=rotation, velocity=velocity)

@@ -24,7 +24,7 @@ CYCLE_TOLERANCE = 1e-13
 #: A number of main impulses that is no limit.
 UNLIMITED = 2**62
 
-#: Columns of the table: u_i, peak, duration, n_i, dT_i (times in s), u_r.
+#: Columns of the table, in the order of :class:`rocking.response.HalfCycles`: u_i, peak, duration, n_i, dT_i, u_r.
 COLUMNS = 6
 
 _AT_REST, _ROCKS, _OVERTURNS, _UNRESOLVED = (int(outcome) for outcome in Outcome)

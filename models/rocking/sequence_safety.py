@@ -182,16 +182,7 @@ def _bands_of(
 ) -> np.ndarray:
     """Lower and upper factors (2, k) of the bands of one lane, ascending, up to `factor_max`.
 
-    Parameters
-    ----------
-    main, ratio, restitution : float
-        u_1, sigma and C [-].
-    end : float
-        End of the main sequence times p [-].
-    main_count : int
-        Largest number of main impulses.
-    factor_max : float
-        Largest factor [-].
+    `main` is u_1, `ratio` sigma, and `end` the end of the main sequence times p.
     """
     if end == np.inf:
         # Every half-cycle up to the last one is reached: one interval. Without a last one its edge is the infimum.

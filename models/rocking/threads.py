@@ -34,16 +34,6 @@ def thread_limit(threads: int) -> Iterator[None]:
     A process that shares the machine with others of its kind runs its kernels on one thread this way; the answers do
     not depend on it. Of several limits in force, in nested blocks or in blocks of several threads, the smallest holds.
 
-    Parameters
-    ----------
-    threads : int
-        Largest number of threads, at least 1.
-
-    Raises
-    ------
-    ValueError
-        For a number of threads below one.
-
     Examples
     --------
     >>> slices = []
@@ -63,24 +53,10 @@ def thread_limit(threads: int) -> Iterator[None]:
 
 
 def split_lanes(kernel_call: Callable[[int, int], None], lanes: int, threads: int | None, smallest: int = 64) -> None:
-    """Run a kernel over all lanes, in slices on several threads.
+    """Run a kernel over all lanes, in slices on several threads; None for all that :func:`thread_limit` leaves.
 
-    Parameters
-    ----------
-    kernel_call : callable
-        ``kernel_call(first, last)`` answers lanes first to last - 1; it writes to those lanes only and releases the
-        interpreter lock.
-    lanes : int
-        Number of lanes.
-    threads : int or None
-        Number of threads; None for one per available core, at most as many as :func:`thread_limit` leaves.
-    smallest : int
-        Fewest lanes in a slice; with fewer than two slices of work everything runs in the calling thread.
-
-    Raises
-    ------
-    ValueError
-        For a number of threads below one. What `kernel_call` raises is passed on.
+    ``kernel_call(first, last)`` answers lanes first to last - 1, writes to no others and releases the interpreter lock.
+    What it raises is passed on. With fewer than two slices of `smallest` lanes everything runs in the calling thread.
     """
     if threads is None:
         threads = min([available_cores(), *_limits])
