@@ -11,15 +11,13 @@ from rockpulse.config.fragility_settings import OVERTURNING, UPLIFT
 from rockpulse.views.plots.selection import one_name
 from rockpulse.views.plots.style import Look, caption, legend_above, looks, one_axes, title
 from rockpulse.views.plots.words import label, plain, wrapped
+from rockpulse.views.text.fragility import shown_measure
 
 if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.axes import Axes
 
 __all__ = ["fragility"]
-
-#: The measure that is drawn where none is asked for: it puts bodies of all sizes on one scale.
-SHOWN = "velocity_ratio"
 
 #: Probabilities below this, and above one less it, are not looked at when the range of the axis is chosen.
 _TAIL = 0.002
@@ -76,8 +74,7 @@ def fragility(
     """
     curves = tree["fragility"].to_dataset()
     block = one_name(curves, "block", block)
-    known = [str(name) for name in curves["measure"].values]
-    measure = one_name(curves, "measure", measure or (SHOWN if SHOWN in known else known[0]))
+    measure = one_name(curves, "measure", measure or shown_measure(curves))
     states = [one_name(curves, "limit_state", str(name)) for name in limit_states or curves["limit_state"].values]
     own = curves.sel(block=block, measure=measure)
     ax = one_axes(ax, height=4.0)

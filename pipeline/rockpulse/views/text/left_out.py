@@ -69,7 +69,7 @@ def not_used(tree: xr.DataTree) -> str:
     for kind, entries in found.items():
         if kind != "vertical":
             shown = entries if kind == "failed" else entries[:LISTED]
-            lines += [paragraph(_told(file, reason), "      ", f"{kind} ({stage}) ") for file, stage, reason in shown]
+            lines += _with_kind(kind, shown)
             if len(shown) < len(entries):
                 lines.append(f"{kind}: and {len(entries) - len(shown)} more (group /failures)")
     if beside:
@@ -79,12 +79,12 @@ def not_used(tree: xr.DataTree) -> str:
 
 def failure_list(tree: xr.DataTree, kinds: Sequence[str] | None = None) -> str:
     """Everything that was not assessed, of some kinds or all: kind, stage, file and reason; empty for nothing."""
-    return "\n".join(
-        paragraph(_told(file, reason), "      ", f"{kind} ({stage}) ")
-        for kind, entries in by_kind(tree).items()
-        if kinds is None or kind in kinds
-        for file, stage, reason in entries
-    )
+    found = by_kind(tree)
+    return "\n".join(line for kind in found if kinds is None or kind in kinds for line in _with_kind(kind, found[kind]))
+
+
+def _with_kind(kind: str, entries: list[tuple[str, str, str]]) -> list[str]:
+    return [paragraph(_told(file, reason), "      ", f"{kind} ({stage}) ") for file, stage, reason in entries]
 
 
 def _told(file: str, reason: str) -> str:
