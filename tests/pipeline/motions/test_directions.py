@@ -6,7 +6,14 @@ from datetime import UTC, datetime, timedelta
 import numpy as np
 import pytest
 
-from rockpulse import BlockSettings, DemandSettings, IntensePhaseSettings, ModelSettings, RecordSettings
+from rockpulse import (
+    BlockSettings,
+    ConditioningSettings,
+    DemandSettings,
+    IntensePhaseSettings,
+    ModelSettings,
+    RecordSettings,
+)
 from rockpulse.assessment.assessment import assess
 from rockpulse.assessment.direction_statistics import largest_over, median_over, smallest_over
 from rockpulse.config.configuration import Config
@@ -75,16 +82,16 @@ def test_as_recorded_nothing_is_rotated():
         np.testing.assert_array_equal(motion.record.acceleration, record.acceleration)
 
 
-def test_a_channel_is_conditioned_behind_its_remark():
-    raw = channel(0.0, processed=False, across=ACROSS + 0.5)
-    options = config("azimuth", azimuth=0.0, include_vertical=True)
+def test_a_channel_is_conditioned_behind_its_remarks():
+    raw = replace(channel(0.0), processed=False, acceleration=channel(0.0).acceleration + 0.5)
+    options = replace(
+        config("azimuth", azimuth=0.0, include_vertical=True), conditioning=ConditioningSettings(baseline="none")
+    )
     (motion,), _ = motions_under([raw], options)
     expected = condition(raw, **options.conditioning)
     np.testing.assert_array_equal(motion.record.acceleration, expected.acceleration)
-    assert motion.record.processing == expected.processing != ()
-    lone, vertical = motion.record.warnings[:2]
-    assert lone.startswith("no pair: as recorded")
-    assert vertical.code == "vertical_missing"
+    assert motion.record.warnings[0].startswith("no pair: as recorded")
+    assert [code_of(text) for text in motion.record.warnings[1:]] == ["vertical_missing", "baseline_drift"]
     assert motion.record.warnings[2:] == expected.warnings
 
 
