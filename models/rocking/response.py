@@ -25,6 +25,9 @@ __all__ = [
 #: Impacts slower than this are not counted, as speed over p alpha_c [-] (about 5e-7 of alpha_c in rotation).
 IMPACT_CUTOFF = 1e-3
 
+#: The lane axes of (..., q, m) values for which the caller gave a scalar: the factor on the input, the block.
+LANE_AXES = {(False, False): (), (True, False): (-2,), (False, True): (-1,), (True, True): (-2, -1)}
+
 
 class Outcome(IntEnum):
     """How a motion ends."""
@@ -146,7 +149,7 @@ def answered(answers: Answers, shape: tuple[int, int], drop: tuple[bool, bool], 
 
 def squeezed(values: np.ndarray, drop: tuple[bool, bool]) -> Any:
     """(..., q, m) values without the lane axes to `drop`, for which the caller gave a scalar; a number of one lane."""
-    values = values.squeeze(axis=tuple(axis - 2 for axis, dropped in enumerate(drop) if dropped))
+    values = values.squeeze(axis=LANE_AXES[drop])
     return values.item() if values.ndim == 0 else values
 
 
