@@ -4,9 +4,8 @@ import numpy as np
 import xarray as xr
 
 from rocking.response import Outcome
-from rockpulse.views.report.motions import Motions
-from rockpulse.views.report.standing import bodies_of
-from rockpulse.views.report.verdict import verdicts
+from rockpulse.assessment.answers import Answers, Motions
+from rockpulse.assessment.verdict import verdicts
 
 OF = ("record", "block", "model")
 
@@ -26,6 +25,7 @@ def summary_of(factors, outcomes=None, demand=None, resolved=None, pga=1.0, up_t
         "factor_resolved": table(resolved),
         "safe_up_to": table(np.minimum(factors, up_to)),
         "search_step": table(np.full(factors.size, step)),
+        "peak_rotation_ratio": table(np.where(outcomes == Outcome.ROCKS, 0.4, np.inf)),
         "pga": (("record",), np.full(factors.size, pga)),
         "warning_codes": (("record",), [""] * factors.size),
         "restitution": (("block",), np.array([0.9])),
@@ -39,13 +39,19 @@ def summary_of(factors, outcomes=None, demand=None, resolved=None, pga=1.0, up_t
 
 
 def motions(count, events=None, rows=None, missing=None, kind="record"):
-    rows = [np.array([k]) for k in range(count)] if rows is None else [np.array(row) for row in rows]
-    missing = np.zeros(len(rows), dtype=bool) if missing is None else np.array(missing)
+    rows = [[k] for k in range(count)] if rows is None else rows
+    lost = [False] * len(rows) if missing is None else missing
+    # Where one lacks a direction the others have one twice: all have as many.
+    rows = [[*row, -1] if gone else row + [row[0]] * any(lost) for row, gone in zip(rows, lost, strict=True)]
     events = [f"e{k}" for k in range(len(rows))] if events is None else events
-    return Motions([f"m{k}" for k in range(len(rows))], rows, missing, events, kind, 1)
+    index = np.array(rows or np.zeros((0, 1)), dtype=int)
+    return Motions([f"m{k}" for k in range(len(rows))], index, events, kind)
+
+
+def answers(summary, of=None, model="nonlinear"):
+    return Answers(summary, motions(summary.sizes["record"]) if of is None else of, model)
 
 
 def verdict(summary, of=None):
-    of = motions(summary.sizes["record"]) if of is None else of
-    (found,) = verdicts(summary, bodies_of(summary), "nonlinear", of)
+    (found,) = verdicts(answers(summary, of))
     return found

@@ -137,12 +137,12 @@ def _details(summary: xr.Dataset, args: argparse.Namespace) -> list[str]:
 def _cases(summary: xr.Dataset, args: argparse.Namespace) -> str:
     from dataclasses import replace
 
+    from rockpulse.assessment.answers import Answers
     from rockpulse.views.text.lists import case_list, worst_first
-    from rockpulse.views.text.overview import fullest_model
 
     selection = read_selection(args)
     if args.worst or selection.sort is None:
-        selection = worst_first(summary, fullest_model(summary), selection)
+        selection = worst_first(Answers(summary), selection)
     return case_list(summary, replace(selection, limit=args.worst or selection.limit or CASES))
 
 

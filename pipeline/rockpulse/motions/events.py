@@ -8,6 +8,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections import Counter, defaultdict
 from collections.abc import Hashable, Iterable, Iterator, Mapping, Sequence
@@ -20,10 +21,23 @@ from rockpulse.failures import Failure
 from rockpulse.motions.tables import read_event_table
 from rockpulse.record.record import Record
 
-__all__ = ["JOINED_WITHIN_S", "UNKNOWN", "event_table", "events_by_id", "group_events"]
+__all__ = [
+    "CONFIDENCE",
+    "FEWEST_EVENTS",
+    "JOINED_WITHIN_S",
+    "UNKNOWN",
+    "event_table",
+    "events_by_id",
+    "group_events",
+    "largest_share",
+]
 
 #: Label of all records together of which neither the files nor the user's table tell the earthquake.
 UNKNOWN = "unknown: neither name nor time stated, counted as one"
+
+#: Confidence of a bound on the share of earthquakes [-], and the fewest earthquakes that say something of others.
+CONFIDENCE = 0.9
+FEWEST_EVENTS = 3
 
 #: Records that start within this of one another are of one earthquake [s]; so are those of one name, unless their times
 #: are known to lie further apart.
@@ -53,6 +67,26 @@ _CENTURY = 30
 
 #: The number of an earthquake in its sequence, as NGA writes it: Imperial Valley-06.
 _NUMBER = re.compile(r"[A-Za-z]-(\d\d)\b")
+
+
+def largest_share(hit: int, events: int) -> float:
+    """Upper bound of the share of earthquakes that hit, from those that did (Clopper & Pearson 1934).
+
+    One-sided, with the confidence :data:`CONFIDENCE`, as if the earthquakes were drawn at random from those that are to
+    be expected; NaN for fewer than :data:`FEWEST_EVENTS`.
+
+    Examples
+    --------
+    >>> round(largest_share(0, 3), 3), round(1.0 - 0.1 ** (1 / 3), 3), largest_share(0, 2)
+    (0.536, 0.536, nan)
+    """
+    if events < FEWEST_EVENTS:
+        return math.nan
+    if hit == events:
+        return 1.0
+    from scipy.special import betaincinv
+
+    return float(betaincinv(hit + 1, events - hit, CONFIDENCE))
 
 
 def group_events(records: Sequence[Record], named: Mapping[str, str] | None = None) -> list[str]:

@@ -7,6 +7,7 @@ import pytest
 
 import rockpulse as rp
 from rockpulse import BlockSettings, ModelSettings, RecordSettings
+from rockpulse.assessment.answers import answers_of
 from rockpulse.batch import survey
 from rockpulse.batch.journal import journal_path
 from rockpulse.batch.options import BatchOptions
@@ -15,7 +16,7 @@ from rockpulse.cli import main
 from rockpulse.errors import ConfigError
 from rockpulse.motions.events import UNKNOWN
 from rockpulse.readers.folders import read_all
-from rockpulse.views.report.motions import motions_of
+from rockpulse.views.report.statements import of_unknown_event
 
 CONFIG = rp.Config(
     blocks=(BlockSettings(name="wall", width=0.3, height=2.4),),
@@ -59,19 +60,19 @@ def test_records_are_counted_by_title_and_those_that_tell_nothing_as_one(folder,
     assert found[2:] == [UNKNOWN, UNKNOWN]
     tree = rp.load(tmp_path / "results.h5")
     assert tree["summary"]["event_title"].values.tolist() == list(TITLES)
-    motions = motions_of(tree)
+    motions = answers_of(tree).motions
     assert motions.event_count == 1  # those that tell nothing add none
-    assert "2 motions whose earthquake neither" in motions.of_unknown_event()
+    assert "2 motions whose earthquake neither" in of_unknown_event(motions)
 
 
 def test_the_table_decides(folder, tmp_path):
     names = list(both(folder, CONFIG, tmp_path / "results.h5"))
     config = with_table(tmp_path, f"record,event\n{names[1]},aftershock\n{names[3]},Maule\n")
     assert list(both(folder, config, tmp_path / "told.h5").values())[1:] == ["aftershock", UNKNOWN, "Maule"]
-    assert motions_of(rp.load(tmp_path / "told.h5")).event_count == 3
+    assert answers_of(rp.load(tmp_path / "told.h5")).motions.event_count == 3
     known = "".join(f"{name},Maule\n" for name in names[2:])
     assert both(folder, with_table(tmp_path, f"record,event\n{known}"), tmp_path / "all.h5")[names[2]] == "Maule"
-    assert motions_of(rp.load(tmp_path / "all.h5")).of_unknown_event() == ""
+    assert of_unknown_event(answers_of(rp.load(tmp_path / "all.h5")).motions) == ""
 
 
 def test_a_missing_or_wrong_table_is_refused_before_records_are_read(folder, tmp_path, monkeypatch):

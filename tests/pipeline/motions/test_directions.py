@@ -5,6 +5,7 @@ from datetime import UTC, datetime, timedelta
 
 import numpy as np
 import pytest
+import xarray as xr
 
 from rockpulse import (
     BlockSettings,
@@ -14,8 +15,10 @@ from rockpulse import (
     ModelSettings,
     RecordSettings,
 )
+from rockpulse.assessment.answers import answers_of
 from rockpulse.assessment.assessment import assess
 from rockpulse.assessment.direction_statistics import largest_over, median_over, smallest_over
+from rockpulse.assessment.verdict import verdicts
 from rockpulse.config.configuration import Config
 from rockpulse.models import Outcome
 from rockpulse.motions.directions import conditioned_motions, plan_motions, planned_ids, sweep_azimuths
@@ -23,6 +26,7 @@ from rockpulse.record.conditioning import condition
 from rockpulse.record.half_wave import half_waves
 from rockpulse.record.record import Record
 from rockpulse.remark import code_of
+from rockpulse.views.report.verdict_rows import verdict_table
 from rockpulse.views.text import large_overview
 from rockpulse.views.text.capacity import smallest_capacities
 from rockpulse.views.text.directions import direction_table
@@ -384,9 +388,12 @@ def test_the_overview_of_a_sweep_shows_the_smallest_factor_and_capacity_over_dir
     lost = int(np.argmax(summary["capacity_ratio"].values[directions["record_index"].values[0]].ravel()))
     directions["record_index"][0, lost] = -1
     assert float(capacity) < 1.0
-    assert capacity in smallest_capacities(summary, "nonlinear", directions)  # fails whatever the lost one would say
-    summary["capacity_ratio"] = summary["capacity_ratio"] * 10.0
-    assert "not known" in smallest_capacities(summary, "nonlinear", directions)
+    tree["directions"] = xr.DataTree(directions)
+    assert f"≤{capacity}" in smallest_capacities(answers_of(tree))  # fails whatever the lost one would say
+    tree["summary"] = xr.DataTree(summary.assign(capacity_ratio=summary["capacity_ratio"] * 10.0))
+    told = " ".join(smallest_capacities(answers_of(tree)).split())
+    assert f"≤{10.0 * summary['capacity_ratio'].min().item():.2f}!, -" in told
+    assert "≤: may be less, for a direction has no answer; left out of the median (up to 1 of the pairs)" in told
 
 
 def capacity_part(text):
@@ -394,22 +401,35 @@ def capacity_part(text):
     return text[text.index("Capacity (safety factor x PGA") :].split("\n\n")[:3]
 
 
-def test_both_overviews_of_a_sweep_tell_the_same_capacities(monkeypatch):
+def test_all_views_of_a_sweep_tell_the_same_margins(monkeypatch):
     """Over all rotated records of two pairs of different strength the median would be another than over the pairs."""
     records = [channel(azimuth, f"S{k}", across=(1.0 - 0.3 * k) * ACROSS) for k in range(2) for azimuth in (90.0, 0.0)]
     records = [replace(r, acceleration=r.acceleration * (0.7 if r.station == "S1" else 1.0)) for r in records]
     options = config("sweep", (WALL, TOWER), ModelSettings(use=("linear", "nonlinear")), azimuth_step=45.0)
     tree = assess(records, replace(options, demands=(DemandSettings(name="collapse", acceleration=2.5),)))
-    ratios = tree["summary"]["capacity_ratio"].sel(model="nonlinear", block="wall").values.ravel()
-    pairs = ratios[tree["directions"]["record_index"].values].min(axis=1)
-    assert f"{np.median(ratios):.2f}" != f"{np.median(pairs):.2f}"
+    answers = answers_of(tree)
+    index = tree["directions"]["record_index"].values
+    found = []
+    for name in ("safety_factor", "capacity_ratio"):
+        every = tree["summary"][name].sel(model="nonlinear", block="wall").values.ravel()
+        pairs = every[index].min(axis=1)
+        assert f"{np.median(every):.2f}" != f"{np.median(pairs):.2f}"
+        found.append((f"{pairs.min():.2f}", f"{np.median(pairs):.2f}"))
+    (smallest, median), capacities = found
     whole = overview(tree)
-    assert f"{pairs.min():.2f}, {np.median(pairs):.2f}" in " ".join(whole.split())
+    assert ", ".join(capacities) in " ".join(whole.split())
     monkeypatch.setattr(large_overview, "WHOLE", 1)
     large = overview(tree)
     assert "Verdicts, " in large
     assert "Verdicts, " not in whole
     assert capacity_part(large) == capacity_part(whole)
+    fallen = (tree["summary"]["outcome"].sel(model="nonlinear", block="wall").values[index] == Outcome.OVERTURNS).any(1)
+    blocks = large[large.index("pairs that overturn it") :].splitlines()
+    row = next(line.split() for line in blocks if line.startswith("  wall"))
+    assert row[2:] == [str(fallen.sum()), "of", "2", f"{fallen.mean():.1%}", median]
+    in_report = next(row for row in verdict_table(answers, verdicts(answers)).rows if row[0].text == "wall")
+    assert [in_report[3].marked, in_report[5].marked] == [smallest, median]
+    assert in_report[6].text == f"{capacities[0]}, median {capacities[1]}"
 
 
 INF, NAN = np.inf, np.nan

@@ -7,6 +7,7 @@ from enum import IntEnum
 
 import numpy as np
 
+from rockpulse.motions.events import FEWEST_EVENTS
 from rockpulse.studies.fragility.likelihood import has_maximum
 from rockpulse.studies.fragility.observations import ABOVE, EXACT, NOT_ABOVE, Observations
 
@@ -21,9 +22,6 @@ __all__ = [
     "extrapolation_statement",
     "missing",
 ]
-
-#: Below this number of events a band is not given.
-FEWEST_EVENTS = 3
 
 #: Relative difference of capacities that are the same but for rounding.
 EQUAL = 1e-9

@@ -7,14 +7,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from rocking.response import Outcome
+from rockpulse.assessment.answers import Answers, fullest_model
 from rockpulse.views.diff.row_matching import Matched
-from rockpulse.views.text.capacity import factor_cell, search_limit
-from rockpulse.views.text.overview import fullest_model
+from rockpulse.views.shared.answer_cells import margin_cells
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -25,17 +24,8 @@ __all__ = ["Changes", "Flip", "body_changes", "leading_model"]
 MARGIN = ("outcome", "safety_factor", "factor_resolved", "safe_up_to", "capacity_ratio")
 
 
-@dataclass(frozen=True)
-class Flip:
-    """A verdict that changed, or a ratio that crossed one.
-
-    Attributes
-    ----------
-    place : tuple of str
-        Record, block and model, and demand where there is one.
-    before, after : str
-        Outcomes, or ratios.
-    """
+class Flip(NamedTuple):
+    """A verdict that changed, or a ratio that crossed one, at a record, block and model, and perhaps a demand."""
 
     place: tuple[str, ...]
     before: str
@@ -44,17 +34,7 @@ class Flip:
 
 @dataclass
 class Changes:
-    """Answers of one variable that changed sides.
-
-    Attributes
-    ----------
-    listed : int
-        Most that are named.
-    compared, count : int
-        Answers of all models, and how many of them changed sides.
-    compared_by_model, count_by_model : int
-        The same of the fullest model.
-    """
+    """Answers of one variable that changed sides, of all models and of the fullest; at most `listed` are named."""
 
     listed: int = 0
     compared: int = 0
@@ -70,17 +50,7 @@ class Changes:
         return [*self._first, *self._others][: self.listed]
 
     def add(self, places: np.ndarray, leading: np.ndarray, named: Callable[[int], Flip]) -> None:
-        """Count and name further ones.
-
-        Parameters
-        ----------
-        places : (n,) ndarray of int
-            Where they are.
-        leading : (n,) ndarray of bool
-            Which of them are of the fullest model.
-        named : callable
-            What a place holds.
-        """
+        """Count the changes at some places, and name those that are listed; `leading` are of the fullest model."""
         self.count += places.size
         self.count_by_model += int(leading.sum())
         for told, some in ((self._first, places[leading]), (self._others, places[~leading])):
@@ -88,13 +58,7 @@ class Changes:
 
 
 def leading_model(one: xr.Dataset, other: xr.Dataset) -> str:
-    """The fullest of the models that two summaries have; empty without one.
-
-    Parameters
-    ----------
-    one, other : xarray.Dataset
-        The node /summary of both files.
-    """
+    """The fullest of the models that two nodes /summary have; empty without one."""
     if "model" not in one.coords or "model" not in other.coords:
         return ""
     common = one.sel(model=np.isin(one["model"].values, other["model"].values))
@@ -106,71 +70,41 @@ def body_changes(
 ) -> list[str]:
     """A line for every body whose margin changed: smallest safety factor, smallest capacity over demand, overturnings.
 
-    Only records that both files have are counted, and where these are not all of both the line says so. A body with
-    several restitutions counts with the worst of them.
-
-    Parameters
-    ----------
-    one, other : xarray.Dataset
-        The node /summary of both files.
-    named : mapping of str to Matched
-        The rows of both along record and block.
-    model : str
-        Whose answers are told.
-    ignore : sequence of str
-        Variables that are left out.
+    `named` are the rows of both nodes /summary along record and block, `ignore` the variables that are left out. Only
+    records that both files have are counted, and where these are not all of both the line says so. A body with several
+    restitutions counts with the worst of them.
     """
     records, blocks = named["record"], named["block"]
-    parts = []
-    for dataset, other_one, side in ((one, other, "first"), (other, one, "second")):
-        names = [
-            name
-            for name in MARGIN
-            if name in dataset and name in other_one and not {name, f"/summary/{name}"} & set(ignore)
-        ]
-        whole = dataset[[*names, "pga", *(["demand_acceleration"] if "capacity_ratio" in names else [])]]
-        part = whole.isel(model=whole["model"].values.tolist().index(model)).load()
-        parts.append(part.isel(record=getattr(records, side), block=getattr(blocks, side)))
     size = records.first.size
-    all_ = size == one.sizes["record"] == other.sizes["record"]
-    of = f" of {size} records" if all_ else f" of the {size} records in both"
+    if not size:
+        return []
+    names = [name for name in MARGIN if name in one and name in other and not {name, f"/summary/{name}"} & set(ignore)]
+    sides = []
+    for dataset, side in ((one, "first"), (other, "second")):
+        beside = {"outcome", "pga", "restitution", *(["demand_acceleration"] if "capacity_ratio" in names else [])}
+        whole = dataset[sorted({*names, *beside})]
+        part = whole.isel(model=[whole["model"].values.tolist().index(model)]).load()
+        sides.append(_told(part.isel(record=getattr(records, side), block=getattr(blocks, side)), names))
+    every = size == one.sizes["record"] == other.sizes["record"]
+    of = f" of {size} records" if every else f" of the {size} records in both"
     lines = []
-    for place in range(blocks.first.size) if size else ():
-        old, new = (_margin(part.isel(block=place)) for part in parts)
-        common = [what for what in old if what in new]
-        if any(old[what] != new[what] for what in common):
-            told = [f"{what} {old[what]}" + (f" -> {new[what]}" if new[what] != old[what] else "") for what in common]
+    for place in range(blocks.first.size):
+        pairs = {what: (cells[place], sides[1][what][place]) for what, cells in sides[0].items() if what in sides[1]}
+        if any(old != new for old, new in pairs.values()):
+            told = [f"{what} {old}" + (f" -> {new}" if new != old else "") for what, (old, new) in pairs.items()]
             lines.append(f"{blocks.names(place)[0]}: {', '.join(told)}{of}")
     return lines
 
 
-def _margin(body: xr.Dataset) -> dict[str, str]:
-    """Of one body: what, and how much of it."""
+def _told(summary: xr.Dataset, names: list[str]) -> dict[str, list[str]]:
+    """What is told of the blocks by some variables: of every block how much."""
+    answers = Answers(summary)
     told = {}
-    searched = body.get("safe_up_to")
-    bound = body["factor_resolved"] == 0 if "factor_resolved" in body else None
-    if "safety_factor" in body:
-        told["smallest SF"] = _smallest(body["safety_factor"], searched, bound)
-    for demand in body["demand"].values if "capacity_ratio" in body else ():
-        ratio = body["capacity_ratio"].sel(demand=demand)
-        asked = body["demand_acceleration"].sel(demand=demand)
-        proven = None if searched is None else searched * body["pga"] / asked
-        told[f"smallest capacity/demand {demand}"] = _smallest(ratio, proven, bound)
-    if "outcome" in body:
-        falls = body["outcome"] == Outcome.OVERTURNS
-        told["overturned"] = str(int((falls.any("case") if "case" in falls.dims else falls).sum()))
+    if "safety_factor" in names:
+        told["smallest SF"] = [margin_cells(margin)[0].marked for margin in answers.margins("block")]
+    for demand in answers.demands:
+        margins = answers.margins("block", demand)
+        told[f"smallest capacity/demand {demand}"] = [margin_cells(margin)[0].marked for margin in margins]
+    if "outcome" in names:
+        told["overturned"] = [str(count) for count in answers.overturnings("block")]
     return told
-
-
-def _smallest(ratio: xr.DataArray, searched: xr.DataArray | None, bound: xr.DataArray | None) -> str:
-    """The smallest of some ratios: marked where it is a lower bound, without a finite one up to where it was sought."""
-    low = ratio.values.ravel()
-    proven = np.full(low.shape, np.nan) if searched is None else searched.transpose(*ratio.dims).values.ravel()
-    known = ~np.isnan(low)
-    told = known & ~(np.isinf(low) & (proven < 1.0))  # a search that ended before has shown nothing
-    known = told if told.any() else known
-    if not known.any():
-        return factor_cell(None)
-    at = int(np.argmin(low[known]))
-    resolved = None if bound is None else int(not bound.transpose(*ratio.dims).values.ravel()[known][at])
-    return factor_cell(float(low[known][at]), None, resolved, search_limit(low[known], proven[known]))

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from rockpulse.assessment.answers import fullest_model
 from rockpulse.errors import ResultsError
 from rockpulse.ladder import SEQUENCE_MODELS, UPPER_BOUND, SearchSettings
 from rockpulse.views.plots.demand_marks import demand_ticks, demands_over_pga, least, tick_notes
@@ -26,7 +27,6 @@ from rockpulse.views.plots.style import (
 )
 from rockpulse.views.plots.words import counted, label, plain, wrapped
 from rockpulse.views.shared.terminal import shortened
-from rockpulse.views.text.overview import fullest_model
 
 if TYPE_CHECKING:
     import xarray as xr

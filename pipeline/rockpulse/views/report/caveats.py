@@ -8,17 +8,15 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from rockpulse.ladder import UPPER_BOUND
+from rockpulse.assessment.answers import Answers, Motions
+from rockpulse.assessment.verdict import BodyVerdict, Grade, Standing, thin_margin
+from rockpulse.motions.events import CONFIDENCE, FEWEST_EVENTS, largest_share
 from rockpulse.remark import Remark, remarked
-from rockpulse.views.report.events import CONFIDENCE, FEWEST_EVENTS, largest_share
-from rockpulse.views.report.motions import Motions
+from rockpulse.views.report.answers import UPPER_BOUND
 from rockpulse.views.report.pairing import listed
-from rockpulse.views.report.standing import Standing
-from rockpulse.views.report.statements import noun, of_bodies
-from rockpulse.views.report.verdict import BodyVerdict, Grade
+from rockpulse.views.report.statements import noun, of_bodies, of_unknown_event
 from rockpulse.views.shared.record_marks import doubt_notes, doubts
 from rockpulse.views.shared.terminal import figure, ratio, several, share
-from rockpulse.views.text.capacity import thin_margin
 from rockpulse.views.text.site import coverage
 
 if TYPE_CHECKING:
@@ -43,10 +41,8 @@ class Caveat:
 
 
 def caveats(
-    summary: xr.Dataset,
+    answers: Answers,
     found: Sequence[BodyVerdict],
-    motions: Motions,
-    model: str,
     failed: int,
     site: xr.Dataset | None = None,
     components: str = "",
@@ -56,6 +52,7 @@ def caveats(
     `failed` counts the files and channels that failed; `site` is the node /site of a site file; `components` says
     which direction of a pair of channels was assessed ([records] components).
     """
+    summary, motions, model = answers.summary, answers.motions, answers.model
     said: list[Caveat | None] = [_doubtful(summary), _confidence(motions, found, site)]
     if motions.kind == "sequence":
         said += [_not_compared(summary), *([] if site is None else _of_design(site, found))]
@@ -87,7 +84,7 @@ def caveats(
             )
         )
     said += [_doubt(kind, found, motions) for kind in (Standing.WEAKER_OVERTURNS, Standing.UNKNOWN, Standing.NO_MARGIN)]
-    said += [_thin(summary, found, model), _at_rest(found, motions), _drift(summary), _several_restitutions(found)]
+    said += [_thin(answers, found), _at_rest(found, motions), _drift(answers), _several_restitutions(found)]
     if components == "horizontal" and motions.kind == "record":
         said.append(
             Caveat(
@@ -115,7 +112,7 @@ def _confidence(motions: Motions, found: Sequence[BodyVerdict], site: xr.Dataset
             "No confidence statement can be made",
             f"The motions come from {several(events, 'earthquake')}; records of one earthquake are no independent "
             f"observations, and fewer than {FEWEST_EVENTS} earthquakes say nothing of others. The verdict describes "
-            f"these records, not the site.{motions.of_unknown_event()}",
+            f"these records, not the site.{of_unknown_event(motions)}",
         )
     best = share(largest_share(0, events))
     spared = sum(one.events_hit == 0 for one in found)
@@ -130,7 +127,7 @@ def _confidence(motions: Motions, found: Sequence[BodyVerdict], site: xr.Dataset
         f"With {CONFIDENCE:.0%} confidence" + (f", from {events} earthquakes only" if few else ""),
         f"A body that none of {events} earthquakes overturns may still be overturned by up to {best} of earthquakes "
         f"like these (upper bound, Clopper and Pearson), if they were drawn at random from those to be expected, which "
-        f"chosen records seldom are.{least}{motions.of_unknown_event()}",
+        f"chosen records seldom are.{least}{of_unknown_event(motions)}",
     )
 
 
@@ -148,7 +145,7 @@ def _of_design(site: xr.Dataset, found: Sequence[BodyVerdict]) -> list[Caveat]:
     standing = [one for one in found if one.grade < Grade.NOT_KNOWN]
     low, high = (float(site[f"design_{end}"].sel(parameter="main")) for end in ("lower", "upper"))
     factor = high / float(site["design"].sel(parameter="main"))
-    within = [f"{one.body.name} (SF {ratio(one.smallest)})" for one in standing if one.smallest <= factor]
+    within = [f"{one.body.name} (SF {ratio(one.margin.smallest)})" for one in standing if one.margin.smallest <= factor]
     if within:
         said.append(
             Caveat(
@@ -200,13 +197,14 @@ def _doubt(kind: Standing, found: Sequence[BodyVerdict], motions: Motions) -> Ca
     )
 
 
-def _thin(summary: xr.Dataset, found: Sequence[BodyVerdict], model: str) -> Caveat | None:
+def _thin(answers: Answers, found: Sequence[BodyVerdict]) -> Caveat | None:
     """That the search may have passed over what would overturn a body."""
     thin = sum(one.overall == Grade.THIN for one in found)
     if not thin:
         return None
-    steps = summary["search_step"].sel(model=model).values if "search_step" in summary else np.ones(1)
-    step, margin = float(np.nanmax(steps)), float(np.nanmax(thin_margin(steps)))
+    steps = answers["search_step"]
+    step = float(np.max(steps, initial=1.0, where=~np.isnan(steps)))
+    margin = float(np.max(thin_margin(steps)))
     return Caveat(
         True,
         f"{of_bodies(thin, len(found))} {'stands' if thin == 1 else 'stand'} with hardly a margin",
@@ -230,7 +228,7 @@ def _at_rest(found: Sequence[BodyVerdict], motions: Motions) -> Caveat | None:
             f"{len(found) * total} cases ({noun(motions)} and body) count as standing because the body is not "
             "lifted. "
         )
-    searched = any(not np.isnan(one.smallest) for one in found)
+    searched = any(not np.isnan(one.margin.smallest) for one in found)
     stronger = "The safety factor says how much stronger the motions might be." if searched else ""
     return Caveat(bool(never), head, f"{text}{stronger}".rstrip())
 
@@ -247,8 +245,8 @@ def _doubtful(summary: xr.Dataset) -> Caveat | None:
     )
 
 
-def _drift(summary: xr.Dataset) -> Caveat | None:
-    count = int(summary["pgv_drift"].sum()) if "pgv_drift" in summary else 0
+def _drift(answers: Answers) -> Caveat | None:
+    count = int(answers["pgv_drift"].sum())
     if not count:
         return None
     return Caveat(

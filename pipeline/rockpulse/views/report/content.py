@@ -6,23 +6,20 @@ import tomllib
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from rockpulse.views.report.answers import Answers, answer_table, count_table
+from rockpulse.assessment.answers import Motions, answers_of
+from rockpulse.assessment.verdict import BodyVerdict, verdicts
+from rockpulse.views.report.answers import AnswerCells, answer_table, count_table
 from rockpulse.views.report.caveats import Caveat, caveats
-from rockpulse.views.report.events import events_of
 from rockpulse.views.report.method import REFERENCE, assumptions, models_in_use, not_covered
-from rockpulse.views.report.motions import Motions, event_table, motions_of
 from rockpulse.views.report.notes import table_notes
 from rockpulse.views.report.pages import BodyPage, RecordPage, body_pages, record_pages
 from rockpulse.views.report.pairing import Paired
 from rockpulse.views.report.parts import Part, describe_fragility, describe_site
 from rockpulse.views.report.provenance import failure_table, input_table, versions, warning_table
-from rockpulse.views.report.standing import bodies_of
 from rockpulse.views.report.statements import counted_by, headline
-from rockpulse.views.report.verdict import BodyVerdict, verdicts
-from rockpulse.views.report.verdict_rows import verdict_table
+from rockpulse.views.report.verdict_rows import event_table, verdict_table
 from rockpulse.views.shared.table import Fact, Table
 from rockpulse.views.text.left_out import by_kind
-from rockpulse.views.text.overview import fullest_model
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -32,7 +29,7 @@ __all__ = ["Content", "gather"]
 
 @dataclass(frozen=True)
 class Content:
-    """The page in data; ``found`` are the verdicts on all bodies."""
+    """The page in data; ``found`` are the verdicts on all bodies, ``counted_by`` says what is counted as safe."""
 
     title: str
     description: str
@@ -63,13 +60,11 @@ class Content:
 
 
 def gather(tree: xr.DataTree, site: Paired | None = None, fragility: Paired | None = None) -> Content:
-    """The content of the report on an assessment, with a site calibration and fragility curves beside it."""
-    summary = tree["summary"].to_dataset()
-    motions = motions_of(tree)
-    model = fullest_model(summary)
-    bodies = bodies_of(summary)
-    found = verdicts(summary, bodies, model, motions)
-    answers = Answers(summary, bodies, model)
+    """The content of the report on an assessment, with a site calibration and fragility curves where they are given."""
+    answers = answers_of(tree)
+    summary, motions, model = answers.summary, answers.motions, answers.model
+    found = verdicts(answers)
+    cells = AnswerCells(answers)
     assessed = 0 if motions.kind == "sequence" else summary.sizes["record"]
     sections = tomllib.loads(str(tree.attrs.get("configuration", "")))
     failed = len(by_kind(tree).get("failed", ()))
@@ -79,28 +74,26 @@ def gather(tree: xr.DataTree, site: Paired | None = None, fragility: Paired | No
         history=tuple(str(tree.attrs.get("history", "")).splitlines()),
         motions=motions,
         found=tuple(found),
-        headline=tuple(headline(summary, found, motions, model)),
-        counted_by=counted_by(model, motions, "demand" in summary.dims),
+        headline=tuple(headline(answers, found)),
+        counted_by=counted_by(answers),
         caveats=tuple(
             caveats(
-                summary,
+                answers,
                 found,
-                motions,
-                model,
                 failed,
                 None if site is None else site.tree["site"].to_dataset(),
                 str(sections.get("records", {}).get("components", "")),
             )
         ),
-        verdict=verdict_table(summary, found, motions, model),
-        counts=count_table(answers, motions),
-        answers=answer_table(answers),
+        verdict=verdict_table(answers, found),
+        counts=count_table(answers),
+        answers=answer_table(cells),
         earthquakes=event_table(motions),
-        notes=tuple(table_notes(answers, motions)),
+        notes=tuple(table_notes(cells, found)),
         site=None if site is None else describe_site(site, assessed),
         fragility=None if fragility is None else describe_fragility(fragility, assessed, model),
-        bodies=tuple(body_pages(answers, found)),
-        records=tuple(record_pages(answers, events_of(summary))),
+        bodies=tuple(body_pages(cells, found)),
+        records=tuple(record_pages(cells)),
         reference=REFERENCE,
         models=models_in_use(summary, model),
         assumptions=assumptions(tree),

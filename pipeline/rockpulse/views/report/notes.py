@@ -3,46 +3,52 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 
+from rockpulse.assessment.answers import Answers, searched_up_to
+from rockpulse.assessment.verdict import BodyVerdict
 from rockpulse.ladder import UPPER_BOUND
-from rockpulse.views.report.answers import Answers
-from rockpulse.views.report.motions import Motions
+from rockpulse.views.report.answers import AnswerCells
+from rockpulse.views.shared.answer_cells import AT_MOST, factor_cell, margin_cells, marks_of
 from rockpulse.views.shared.record_marks import doubt_notes
 from rockpulse.views.shared.verdict_notes import (
     BEYOND_CRITICAL,
     ESTIMATE,
     NO_ANSWER,
+    NONE_UP_TO,
     OUTSIDE,
+    SO_FAR,
     UNPREDICTABLE,
     beyond_critical,
 )
-from rockpulse.views.text.capacity import BEYOND, factor_cell, passed_over, search_limit
+from rockpulse.views.text.capacity import passed_over
 
 __all__ = ["table_notes"]
 
-_MARKS = (OUTSIDE, UNPREDICTABLE, ESTIMATE, NO_ANSWER)
 
-
-def table_notes(answers: Answers, motions: Motions) -> list[str]:
+def table_notes(cells: AnswerCells, found: Sequence[BodyVerdict]) -> list[str]:
     """A line for everything in the tables that does not speak for itself."""
+    answers = cells.answers
     notes = [
         "Figures of a model: largest rotation over the critical angle, θ_max/α_c, under the motion as it is. C: "
         "velocity ratio of an impact. a/a_up: PGA over the acceleration of uplift. I/I_1c: main impulse over the one "
         "that overturns the block alone.",
-        *([BEYOND_CRITICAL] if beyond_critical(answers.summary) else []),
-        *_of_factors(answers, motions),
-        *doubt_notes(answers.names),
+        *([BEYOND_CRITICAL] if beyond_critical(answers) else []),
+        *_of_factors(answers),
+        *doubt_notes(cells.names),
     ]
     if "resonance" in answers.models:
         notes.append(
             f"resonance: an {UPPER_BOUND} (every main impulse at the worst moment), not a prediction: its overturning "
             "says that the body may be unsafe, nothing more."
         )
-    marks = answers.marked()
-    notes += [mark.note for mark in _MARKS if mark.sign in marks]
-    if motions.kind == "pair":
+    margins = [margin for one in found for margin in (one.margin, *(demand.margin for demand in one.demands))]
+    marks = cells.marks | marks_of(margin_cells(margin)[0] for margin in margins)
+    told = [mark.note for mark in (OUTSIDE, UNPREDICTABLE, ESTIMATE, SO_FAR, NO_ANSWER, AT_MOST) if mark in marks]
+    notes += dict.fromkeys(told)
+    if answers.motions.kind == "pair":
         notes.append(
             "Every direction of a sweep is a record of the tables; the verdict takes each pair of channels once, in "
             "its worst direction."
@@ -50,23 +56,21 @@ def table_notes(answers: Answers, motions: Motions) -> list[str]:
     return notes
 
 
-def _of_factors(answers: Answers, motions: Motions) -> list[str]:
+def _of_factors(answers: Answers) -> list[str]:
     """What SF is, and what its search may have missed; nothing where the model was not searched."""
-    summary = answers.summary.sel(model=answers.model)
-    if "safety_factor" not in summary or not np.any(summary["safety_factor"].notnull()):
+    if not answers.searched:
         return []
-    of = "the main impulse (with I_s/I kept)" if motions.kind == "sequence" else "the record"
+    of = "the main impulse (with I_s/I kept)" if answers.motions.kind == "sequence" else "the record"
     words = f"SF: smallest factor on {of} at which the body overturns by the {answers.model} model."
-    factor = summary["safety_factor"].values
+    factor, step = answers["safety_factor"], answers["search_step"]
     if np.isinf(factor).any():
-        limit = search_limit(factor, summary["safe_up_to"].values if "safe_up_to" in summary else None)
-        words += f" {factor_cell(math.inf, limit=limit)}: {BEYOND}."
-    if "interval_count" in summary and int(summary["interval_count"].max()) > 1:
+        words += f" {factor_cell(math.inf, searched_up_to(factor, answers.proven())).marked}{NONE_UP_TO.note[1:]}"
+    if (answers["interval_count"] > 1).any():
         words += (
             " (2): it overturns in two intervals of the factor: beyond the first the body stands again before it "
             "overturns again."
         )
-    missed = float(summary["search_step"].max()) - 1.0 if "search_step" in summary else 0.0
+    missed = float(np.max(step, initial=1.0, where=~np.isnan(step))) - 1.0
     if missed > 0.0:
         words += f" {passed_over(missed)}."
     return [words]

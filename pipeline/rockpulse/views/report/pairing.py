@@ -10,10 +10,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from rockpulse.assessment.answers import Body, bodies_of
 from rockpulse.errors import ResultsError
 from rockpulse.storage.fragility_variables import FRAGILITY
 from rockpulse.storage.site_variables import SITE_KIND
-from rockpulse.views.report.standing import Body, bodies_of
 
 if TYPE_CHECKING:
     import xarray as xr

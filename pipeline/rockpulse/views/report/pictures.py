@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 from markupsafe import Markup
 
+from rockpulse.assessment.answers import fullest_model
 from rockpulse.errors import ResultsError
 from rockpulse.views.report.record_strip import strip
 from rockpulse.views.text.fragility import shown_measure
-from rockpulse.views.text.overview import fullest_model
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -114,7 +114,7 @@ class Pictures:
             return None
         from rockpulse.views.plots.rotation import rotation_history
 
-        worst = min(own, key=lambda one: one.smallest)
+        worst = min(own, key=lambda one: one.margin.smallest)
         record, body = str(self._summary["record"].values[worst.governing]), worst.body
 
         def draw() -> Axes:

@@ -4,18 +4,16 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
+from rockpulse.assessment.answers import Answers, Motions
+from rockpulse.assessment.verdict import BodyVerdict, DemandVerdict, Grade
 from rockpulse.ladder import UPPER_BOUND
-from rockpulse.views.report.motions import Motions
+from rockpulse.motions.events import UNKNOWN
+from rockpulse.record.record import STANDARD_GRAVITY
 from rockpulse.views.report.pairing import listed
-from rockpulse.views.report.verdict import BodyVerdict, DemandVerdict, Grade
 from rockpulse.views.shared.terminal import figure, ratio, several
 
-if TYPE_CHECKING:
-    import xarray as xr
-
-__all__ = ["acceleration", "counted_by", "headline", "noun", "of_bodies"]
+__all__ = ["acceleration", "counted", "counted_by", "headline", "noun", "of_bodies", "of_unknown_event"]
 
 #: Bodies that are named one by one in a sentence.
 NAMED = 6
@@ -45,23 +43,12 @@ _UNKNOWN_DEMAND = (
 _NOT_SHOWN = ("is not shown to be safe", "are not shown to be safe")
 
 
-def headline(summary: xr.Dataset, found: Sequence[BodyVerdict], motions: Motions, model: str) -> list[str]:
-    """One sentence for every grade that occurs, from worst to best; then one for every demand.
-
-    Parameters
-    ----------
-    summary : xarray.Dataset
-        The node /summary.
-    found : sequence of BodyVerdict
-        Of all bodies.
-    motions : Motions
-        Under what.
-    model : str
-        By which model.
-    """
-    searched = any(not math.isnan(one.smallest) for one in found)
+def headline(answers: Answers, found: Sequence[BodyVerdict]) -> list[str]:
+    """One sentence for every grade that occurs, from worst to best; then one for every demand."""
+    motions, model = answers.motions, answers.model
+    searched = any(not math.isnan(one.margin.smallest) for one in found)
     how = "" if motions.kind == "sequence" else ", as recorded and weaker" if searched else ", as recorded"
-    under = f"under {motions.counted()}{how}"
+    under = f"under {counted(motions)}{how}"
     sentences = []
     for grade in sorted(_HEADS, reverse=True):
         own = [one for one in found if one.overall == grade]
@@ -73,52 +60,36 @@ def headline(summary: xr.Dataset, found: Sequence[BodyVerdict], motions: Motions
         return ["There is no body to judge."]
     sentences[0] = f"By the {_model(model)}, {under}: {sentences[0][0].lower()}{sentences[0][1:]}"
     of_demands = zip(*(one.demands for one in found), strict=True)
-    return [*sentences, *(_demand(summary, found, every, motions, model) for every in of_demands)]
+    return [*sentences, *(_demand(answers, found, every) for every in of_demands)]
 
 
-def _demand(
-    summary: xr.Dataset,
-    found: Sequence[BodyVerdict],
-    every: tuple[DemandVerdict, ...],
-    motions: Motions,
-    model: str,
-) -> str:
+def _demand(answers: Answers, found: Sequence[BodyVerdict], every: tuple[DemandVerdict, ...]) -> str:
     """How the bodies stand under motions as strong as one demand."""
-    name, total = every[0].name, len(every)
-    asked = summary.sel(demand=name)
-    strength = acceleration(float(asked["demand_acceleration"]))
-    state = str(asked["limit_state"].item()) if "limit_state" in summary else ""
+    name, total, model = every[0].name, len(every), answers.model
+    strength = acceleration(answers.demands[name])
+    state = answers.limit_state(name)
     met = sum(one.grade in (Grade.SAFE, Grade.THIN) for one in every)
     failing = [
-        f"{one.body.name} ({ratio(against.smallest)})"
+        f"{one.body.name} ({ratio(against.margin.smallest)})"
         for one, against in zip(found, every, strict=True)
         if against.grade == Grade.NOT_SAFE
     ]
     below = len(failing)
     unknown = total - met - below
     named = f": {listed(failing)}" if failing else ""
-    searched = any(not math.isnan(one.smallest) for one in found)
+    searched = any(not math.isnan(one.margin.smallest) for one in found)
     why = _UNKNOWN_DEMAND if searched else "no safety factor of this model was searched ([search] models)"
     return (
         f"Demand “{name}”, {strength}{f', {state}' if state else ''}: {met} of {several(total, 'body')} "
-        f"{'stands' if met == 1 else 'stand'} under every {noun(motions)} scaled to this PGA or below, "
+        f"{'stands' if met == 1 else 'stand'} under every {noun(answers.motions)} scaled to this PGA or below, "
         f"{below} {'does' if below == 1 else 'do'} not{' for certain' if model == 'resonance' else ''}{named}"
         + (f"; of {unknown} it is not known: {why}." if unknown else ".")
     )
 
 
-def counted_by(model: str, motions: Motions, demanded: bool = False) -> str:
-    """What is counted as safe, in so many words.
-
-    Parameters
-    ----------
-    model : str
-        By which model.
-    motions : Motions
-        Under what.
-    demanded : bool
-        Whether capacities are compared with a demand.
-    """
+def counted_by(answers: Answers) -> str:
+    """What is counted as safe, in so many words."""
+    motions, model = answers.motions, answers.model
     if motions.kind == "sequence":
         return (
             f"Stands: by the {_model(model)} neither the design sequence nor a weaker one (main impulse smaller, I_s/I "
@@ -135,7 +106,7 @@ def counted_by(model: str, motions: Motions, demanded: bool = False) -> str:
         "outside the range of the model, are not counted as safe either. A factor above 1 by less than a tenth, or "
         "than seven steps of the search, is hardly a margin: a finer search may find a smaller one."
     )
-    if demanded:
+    if answers.demands:
         words += (
             " Capacity over demand asks whether the body stands under each record brought to the PGA of the demand, "
             "or below; a body that does not is not counted as safe either. It may meet a demand that is weaker than "
@@ -144,31 +115,50 @@ def counted_by(model: str, motions: Motions, demanded: bool = False) -> str:
     return words
 
 
+def counted(motions: Motions) -> str:
+    """The number of motions in words: "7 records of 2 earthquakes"."""
+    if motions.kind == "sequence":
+        return "one design sequence, which stands for the records of its site calibration"
+    each = f", each in {motions.index.shape[1]} directions" if motions.kind == "pair" else ""
+    return f"{several(len(motions.names), noun(motions))} of {several(motions.event_count, 'earthquake')}{each}"
+
+
+def of_unknown_event(motions: Motions) -> str:
+    """A sentence on the motions whose earthquake is unknown, after a blank; empty where all are known."""
+    count = motions.events.count(UNKNOWN)
+    which = f"{several(count, 'motion')} whose earthquake neither the files nor a table ([records] events) tell"
+    if not count:
+        return ""
+    return f" As one earthquake counts: {which}." if count == len(motions.events) else f" Not counted is: {which}."
+
+
 def _named(own: Sequence[BodyVerdict]) -> str:
-    ordered = sorted(own, key=lambda one: math.inf if math.isnan(one.smallest) else one.smallest)
+    ordered = sorted(own, key=lambda one: math.inf if math.isnan(one.margin.smallest) else one.margin.smallest)
     words = [f"{one.body.name} ({_margin(one)})" for one in ordered[:NAMED]]
     more = [f"{len(own) - NAMED} more"] if len(own) > NAMED else []
     return ", ".join(words) + "".join(f" and {rest}" for rest in more)
 
 
 def _margin(one: BodyVerdict) -> str:
-    if math.isnan(one.smallest):
+    if math.isnan(one.margin.smallest):
         return "no safety factor"
     decisive = [demand for demand in one.demands if demand.grade == one.overall > one.grade]
     if not decisive:
         return _own_margin(one)
     if one.overall == Grade.NOT_KNOWN:
         return f"{_own_margin(one)}, but it is not known at the demand “{decisive[0].name}”"
-    worst = min(decisive, key=lambda demand: demand.smallest)
-    return f"{_own_margin(one)}, but capacity over demand {ratio(worst.smallest)}"
+    worst = min(demand.margin.smallest for demand in decisive)
+    return f"{_own_margin(one)}, but capacity over demand {ratio(worst)}"
 
 
 def _own_margin(one: BodyVerdict) -> str:
-    if math.isinf(one.smallest):
-        found = "no overturning found" + ("" if math.isnan(one.limit) else f" up to a factor of {figure(one.limit)}")
-        return f"never lifted, {found}" if one.never_lifted else found
-    least = "at least " if one.smallest_bound else "at most " if one.smallest_open else ""
-    return f"{'never lifted, ' if one.never_lifted else ''}smallest SF {least}{ratio(one.smallest)}"
+    margin, never = one.margin, "never lifted, " if one.never_lifted else ""
+    if math.isinf(margin.smallest):
+        return f"{never}no overturning found" + (
+            "" if math.isnan(margin.limit) else f" up to a factor of {figure(margin.limit)}"
+        )
+    least = "at least " if margin.bounds[0] else "at most " if margin.open else ""
+    return f"{never}smallest SF {least}{ratio(margin.smallest)}"
 
 
 def _model(model: str) -> str:
@@ -187,24 +177,10 @@ def of_bodies(count: int, total: int) -> str:
 
 
 def noun(motions: Motions) -> str:
-    """What a motion is called.
-
-    Parameters
-    ----------
-    motions : Motions
-        Of which kind.
-    """
+    """What a motion is called."""
     return {"record": "record", "pair": "pair of channels", "sequence": "sequence"}[motions.kind]
 
 
 def acceleration(value: float) -> str:
-    """An acceleration in m/s2 and g.
-
-    Parameters
-    ----------
-    value : float
-        [m/s2].
-    """
-    from rockpulse.record.record import STANDARD_GRAVITY
-
+    """An acceleration [m/s2] in m/s² and g."""
     return f"{figure(value, 'm/s²')} ({figure(value / STANDARD_GRAVITY, 'g')})"

@@ -2,19 +2,17 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Collection
 
 import numpy as np
 
 from rocking.response import Outcome, Reason
+from rockpulse.assessment.answers import Answers
 from rockpulse.ladder import cautions
 from rockpulse.storage.hdf5_reader import flag_words
 from rockpulse.views.shared.record_marks import doubt_notes, doubts
 from rockpulse.views.shared.table import Mark
 from rockpulse.views.shared.terminal import lower_bound, rough
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 __all__ = [
     "BEYOND_CRITICAL",
@@ -59,53 +57,42 @@ BEYOND_CRITICAL = (
 )
 
 
-def verdict_notes(summary: xr.Dataset, of_factors: list[str]) -> list[str]:
-    """Notes to a table of verdicts."""
+def verdict_notes(answers: Answers, of_factors: list[str], marks: Collection[Mark]) -> list[str]:
+    """Notes to a table of the verdicts of all models, whose figures bear some marks.
+
+    Those on the column SF stand behind those on the figures.
+    """
     notes = [
         "Figures: largest rotation over the critical angle (theta_max/alpha_c). C: velocity ratio of an impact. "
         "a/a_up: PGA over the acceleration of uplift. I/I_1c: main impulse over the one that overturns the block "
         "alone.",
-        *([BEYOND_CRITICAL] if beyond_critical(summary) else []),
+        *([BEYOND_CRITICAL] if beyond_critical(answers) else []),
         *of_factors,
     ]
-    if "pgv_drift" in summary and summary["pgv_drift"].any():
+    if answers["pgv_drift"].any():
         notes.append(
             "~ (drift): the record's baseline drifts: its velocity does not end at zero, and PGV may be off by as much."
         )
-    notes += doubt_notes(doubts(summary).values())
-    notes += cautions(summary["model"].values)
-    if "applicable" in summary and (summary["applicable"] == 0).any():
-        notes.append(OUTSIDE.note)
-    if "predictable" in summary and (summary["predictable"] == 0).any():
-        notes.append(UNPREDICTABLE.note)
-    if "auto" in summary["model"].values:
-        used = _models_used(summary)
+    notes += doubt_notes(doubts(answers.summary).values())
+    notes += cautions(answers.models)
+    notes += [mark.note for mark in (OUTSIDE, UNPREDICTABLE) if mark in marks]
+    if "auto" in answers.models:
+        codes, counts = np.unique(answers.of_models["auto"]["model_used"], return_counts=True)
+        names = flag_words(answers.summary["model_used"])
+        used = ", ".join(f"{names[code].replace('_', ' ')} {count}" for code, count in zip(codes, counts, strict=True))
         notes.append(f"auto: the cheapest model that answers, here {used}; the figures are those of that model.")
-        if _any_marked(summary):
-            notes.append(ESTIMATE.note)
-    reasons = {int(code) for code in summary["reason"].values[summary["outcome"].values == Outcome.UNRESOLVED]}
+        notes += [ESTIMATE.note] if {ESTIMATE, SO_FAR} & {*marks} else []
+    models = answers.of_models.values()
+    reasons = {int(code) for one in models for code in one["reason"][one["outcome"] == Outcome.UNRESOLVED]}
     if reasons:
         words = ", ".join(Reason(code).name.lower().replace("_", " ") for code in sorted(reasons))
         notes.append(f"unresolved: the model cannot say ({words}).")
     return notes
 
 
-def beyond_critical(summary: xr.Dataset) -> bool:
+def beyond_critical(answers: Answers) -> bool:
     """Whether a rotation beyond the critical angle did not end in overturning."""
-    return bool(((summary["outcome"] == Outcome.ROCKS) & (summary["peak_rotation_ratio"] > 1.0)).any())
-
-
-def _models_used(summary: xr.Dataset) -> str:
-    """How many answers of `auto` are whose: "static 12, nonlinear 4"."""
-    used = summary["model_used"].sel(model="auto")
-    codes, counts = np.unique(used.values, return_counts=True)
-    names = flag_words(used)
-    return ", ".join(f"{names[code].replace('_', ' ')} {count}" for code, count in zip(codes, counts, strict=True))
-
-
-def _any_marked(summary: xr.Dataset) -> bool:
-    """Whether a peak of `auto` is shown with a mark."""
-    used = summary["model_used"].sel(model="auto")
-    rocks = summary["outcome"].sel(model="auto") == Outcome.ROCKS
-    marked = [code for code, name in flag_words(used).items() if name in MARKED]
-    return bool((rocks & used.isin(marked)).any())
+    return any(
+        bool(((one["outcome"] == Outcome.ROCKS) & (one["peak_rotation_ratio"] > 1.0)).any())
+        for one in answers.of_models.values()
+    )

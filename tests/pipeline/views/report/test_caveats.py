@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 import xarray as xr
-from report_cases import motions, summary_of, verdict
+from report_cases import answers, motions, summary_of, verdict
 
 from rocking.response import Outcome
 from rockpulse.views.report.caveats import caveats
@@ -31,7 +31,7 @@ def site(peaks, design=0.2, upper=0.3):
 
 def heads(summary, kind="sequence", **options):
     of = motions(summary.sizes["record"], kind=kind)
-    found = caveats(summary, [verdict(summary, of)], of, "nonlinear", 0, **options)
+    found = caveats(answers(summary, of), [verdict(summary, of)], 0, **options)
     return {one.head: one for one in found}
 
 

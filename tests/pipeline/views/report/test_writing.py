@@ -180,7 +180,7 @@ def changed(results, **values):
 
 
 def cells(table):
-    return [cell.text for row in table.rows for cell in row]
+    return [cell.marked for row in table.rows for cell in row]
 
 
 def test_a_record_of_a_doubtful_peak_is_marked_and_said_first(results):

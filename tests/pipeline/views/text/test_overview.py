@@ -5,9 +5,12 @@ import pytest
 import xarray as xr
 from results_tree import BLOCKS, RECORDS, results_tree
 
+from rockpulse.assessment.answers import Answers
+from rockpulse.views.shared.facts import Known
 from rockpulse.views.text.capacity import smallest_capacities
 from rockpulse.views.text.left_out import failure_list
-from rockpulse.views.text.overview import factor_table, overturned, overview, value, verdict_table
+from rockpulse.views.text.overview import overview
+from rockpulse.views.text.verdicts import factor_table, overturned, verdict_table
 
 
 def row(text, label, after=""):
@@ -62,7 +65,7 @@ def test_auto_says_which_models_answered(summary):
     words = " ".join(verdict_table(summary).split())
     assert "auto: the cheapest model that answers, here settled 6, static 3; the figures are" in words
     assert "here static 1;" in verdict_table(summary, records=RECORDS[2:], blocks=BLOCKS[:1])
-    assert "What overturns (by the nonlinear model)" in overturned(summary)
+    assert "What overturns (by the nonlinear model)" in overturned(Answers(summary))
 
 
 def with_auto(summary, names):
@@ -265,8 +268,8 @@ def with_demands(summary):
 
 
 def test_capacities_are_compared_with_every_demand(searched):
-    assert smallest_capacities(searched, "nonlinear") == ""
-    text = smallest_capacities(with_demands(searched), "nonlinear")
+    assert smallest_capacities(Answers(searched)) == ""
+    text = smallest_capacities(Answers(with_demands(searched)))
     assert "damage (1 m/s2)" in text
     assert "collapse (2.5 m/s2)" in text
     assert row(text, "boundary wall")[1:] == ["0.60,", "1.50", "0.24,", "0.60"]
@@ -278,13 +281,13 @@ def test_a_capacity_that_rests_on_a_lower_bound_is_marked(searched):
     summary = with_demands(searched)
     summary["factor_resolved"] = xr.full_like(summary["outcome"], 1)
     summary["factor_resolved"][0, 0, 2], summary["factor_resolved"][1, 1, 2] = 0, 0
-    text = smallest_capacities(summary, "nonlinear")
+    text = smallest_capacities(Answers(summary))
     assert row(text, "boundary wall")[1:] == ["0.60!,", "1.50!", "0.24!,", "0.60!"]  # of 0.6 or more, 1.5 and none
     assert row(text, "column")[1:] == ["0.60,", "1.50!", "0.24,", "0.60!"]
     assert "!: a lower bound" in " ".join(text.split())
     assert "-: not known; left out where others are (3 of the records)" in " ".join(text.split())
     summary["factor_resolved"][:] = 1
-    assert "!" not in smallest_capacities(summary, "nonlinear")
+    assert "!" not in smallest_capacities(Answers(summary))
 
 
 def test_the_overview_shows_capacities_only_where_something_is_demanded(searched):
@@ -295,9 +298,9 @@ def test_the_overview_shows_capacities_only_where_something_is_demanded(searched
 
 
 def test_what_a_weaker_copy_overturns_is_named_and_not_called_safe(summary):
-    assert "weaker copy" not in overturned(summary)
+    assert "weaker copy" not in overturned(Answers(summary))
     summary["safety_factor"].loc[{"record": RECORDS[1], "block": "column", "model": "nonlinear"}] = 0.82
-    text = overturned(summary)
+    text = overturned(Answers(summary))
     assert "column: nothing as recorded does, but see below" in text
     assert text.endswith(
         "What rocks, but a weaker copy of the record overturns it (SF in brackets): not safe\n"
@@ -327,20 +330,20 @@ def test_where_nothing_was_found_the_cell_says_up_to_where(searched):
 def test_a_capacity_that_was_not_found_names_how_far_it_was_searched(searched):
     """The third record has a PGA of 0.01 m/s2: ten times it is far below any demand, and says nothing of it."""
     summary = up_to_ten(with_demands(searched))
-    text = smallest_capacities(summary, "nonlinear")
+    text = smallest_capacities(Answers(summary))
     assert row(text, "boundary wall")[1:] == ["0.60,", "1.05", "0.24,", "0.42"]  # the third is left out
     assert "too weak for the search to reach the demand (up to 1 of the records)" in " ".join(text.split())
     weak = summary.isel(record=[2])
-    text = smallest_capacities(weak, "nonlinear")
+    text = smallest_capacities(Answers(weak))
     assert row(text, "boundary wall")[1:] == [">0.1,", ">0.1", ">0.04,", ">0.04"]
     strong = summary.assign(pga=summary["pga"] * 100.0)
-    text = smallest_capacities(strong.isel(record=[2]), "nonlinear")
+    text = smallest_capacities(Answers(strong.isel(record=[2])))
     assert row(text, "boundary wall")[1:] == [">10,", ">10", ">4,", ">4"]
     assert "too weak" not in text
 
 
 def test_a_record_of_a_doubtful_peak_is_marked_wherever_a_verdict_rests_on_it(summary):
-    assert "peak?" not in verdict_table(summary) + overturned(summary)
+    assert "peak?" not in verdict_table(summary) + overturned(Answers(summary))
     summary["pga"][0] = 981.0
     summary["warning_codes"] = ("record", ["", "plain clipped", ""])
     summary["safety_factor"].loc[{"record": RECORDS[1], "block": "column", "model": "nonlinear"}] = 0.82
@@ -350,8 +353,8 @@ def test_a_record_of_a_doubtful_peak_is_marked_wherever_a_verdict_rests_on_it(su
     assert "(peak?): a peak above 5 g or below 1e-6 g" in text
     assert "(clipped?): the record stays" in text
     assert "peak?" not in verdict_table(summary, records=RECORDS[1:])
-    assert f"boundary wall: {RECORDS[0]} (peak?)\n" in overturned(summary)
-    assert f"column: {RECORDS[1]} (clipped?) (0.82)" in overturned(summary)
+    assert f"boundary wall: {RECORDS[0]} (peak?)\n" in overturned(Answers(summary))
+    assert f"column: {RECORDS[1]} (clipped?) (0.82)" in overturned(Answers(summary))
 
 
 def test_a_rotation_beyond_the_critical_angle_is_explained_where_there_is_one(summary):
@@ -362,17 +365,17 @@ def test_a_rotation_beyond_the_critical_angle_is_explained_where_there_is_one(su
 
 
 def test_what_overturns_is_named_by_the_fullest_model_and_counted_for_all(summary):
-    text = overturned(summary)
+    text = overturned(Answers(summary))
     assert f"boundary wall: {RECORDS[0]}\n" in text
     assert "column: nothing does" in text
     counts = next(line for line in text.splitlines() if line.startswith("  boundary wall  "))
     assert counts.split()[2:] == ["2", "of", "3", "2", "of", "3", "1", "of", "3"]
 
 
-def test_a_value_is_found_by_labels_whatever_the_order_of_dimensions(summary):
-    where = {"record": RECORDS[1], "block": "column", "model": "resonance", "case": 0}
-    assert value(summary, "pga", **where) == 4.619
-    assert value(summary, "outcome", **where) == value(summary.transpose(), "outcome", **where) == 1
-    assert value(summary, "width", **where) == 1.0
-    assert value(summary, "nothing", **where) is None
-    assert np.isnan(value(summary, "safety_factor", **{**where, "model": "nonlinear"}))
+def test_what_is_known_of_a_record_and_of_a_block_is_found_by_their_labels(summary):
+    record, block = Known(summary, record=RECORDS[1]), Known(summary.transpose(), block="column")
+    assert (record.value("pga"), record.number("pga", "m/s2")) == (4.619, "4.62 m/s2")
+    assert (block.value("width"), block.number("height")) == (1.0, "7")
+    assert record.value("nothing") is None
+    assert (record.number("nothing"), record.words("nothing"), record.lines("nothing")) == ("-", "-", ())
+    assert Known(summary, record=RECORDS[0]).lines("warnings") == ("mean removed", "direction unknown; check it")

@@ -1,0 +1,345 @@
+"""What one model answers for every body under every motion of a results file, and the margin by which each body stands.
+
+The motions are the records; the pairs of channels of a sweep, each in its worst direction; or the design sequence of a
+site. Whatever shows a smallest or a median factor takes it from here, and variables that results may lack are filled in
+here, once.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple
+
+import numpy as np
+
+from rocking.response import Outcome, Reason
+from rockpulse.motions.events import UNKNOWN
+from rockpulse.storage.hdf5_reader import flag_words, slab, worded
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = [
+    "Answers",
+    "Body",
+    "Margin",
+    "Motions",
+    "answers_of",
+    "bodies_of",
+    "complete",
+    "fullest_model",
+    "lanes",
+    "searched_up_to",
+]
+
+#: What stands in place of a variable along the answers, or along the records, that results lack: not computed, not
+#: marked.
+ABSENT: dict[str, Any] = {
+    "capacity_pga": np.nan,
+    "safety_factor": np.nan,
+    "safe_up_to": np.nan,
+    "search_step": np.nan,
+    "factor_resolved": -1,
+    "interval_count": -1,
+    "model_used": -1,
+    "predictable": -1,
+    "applicable": 1,
+    "reason": Reason.NONE,
+}
+ABSENT_OF_RECORD: dict[str, Any] = {"event": UNKNOWN, "npts": 0, "pgv_drift": 0, "warning_codes": ""}
+
+#: Over what a margin is taken for: every body, every block with the worst of its restitutions, every motion with the
+#: worst of the blocks under it.
+Of = Literal["body", "block", "motion"]
+
+
+class Body(NamedTuple):
+    """A block with one of its restitutions; ``place`` and ``case`` are its places along these dimensions."""
+
+    block: str
+    place: int
+    case: int
+    restitution: float
+    several: bool
+
+    @property
+    def name(self) -> str:
+        """Name of the block, with the restitution where the block has several."""
+        return f"{self.block}, C = {self.restitution:.3f}" if self.several else self.block
+
+
+@dataclass(frozen=True, eq=False)
+class Motions:
+    """The ground motions of the results: ids of records or names of pairs, and the rows of /summary of each.
+
+    ``index`` is (motions, directions), -1 where a direction was not assessed; ``events`` are the earthquakes of the
+    motions; ``kind`` is "record", "pair" or "sequence".
+    """
+
+    names: list[str]
+    index: np.ndarray
+    events: list[str]
+    kind: str
+
+    @property
+    def event_count(self) -> int:
+        """Number of earthquakes that are known to be others; one where none is known."""
+        return len({event for event in self.events if event != UNKNOWN}) or len(set(self.events))
+
+    def over(self, values: np.ndarray, missing: Any) -> np.ndarray:
+        """Values (records, ...) as (motions, directions, ...), with `missing` in a direction that was not assessed."""
+        return np.concatenate([values, np.full_like(values[:1], missing, shape=(1, *values.shape[1:]))])[self.index]
+
+    def anywhere(self, so: np.ndarray, missing: bool = False) -> np.ndarray:
+        """(motions, ...) where something (records, ...) is so in one of the directions, or in a missing one."""
+        return np.asarray(self.over(so, missing).any(axis=1))
+
+
+class Margin(NamedTuple):
+    """The smallest and the median of some factors or capacities over demand [-]: inf: none found, NaN: not known.
+
+    The smallest is over what is known of the motions, the median over the motions of which all directions are known.
+    Motions that are too weak for the search to reach 1 are left out, unless all are. ``bounds`` says whether the
+    smallest and the median may be larger, for the model cannot answer there; ``open`` whether the smallest may be
+    smaller, for a direction of that motion has no answer; ``limit`` how far was searched where none was found, NaN
+    where something was found everywhere. ``place`` is that of the motion of the smallest, -1 without one. The last
+    three count the motions that are not known at all, of which a direction is not known, and that are too weak.
+    """
+
+    smallest: float
+    median: float
+    bounds: tuple[bool, bool]
+    open: bool
+    limit: float
+    place: int
+    unknown: int
+    partial: int
+    weak: int
+
+
+class Answers:
+    """The answers of one model: ``answers["outcome"]`` is (records, bodies), with a last dimension for demands.
+
+    A variable of the records alone is (records,). Values are read from the file when they are first asked for.
+    """
+
+    def __init__(self, summary: xr.Dataset, motions: Motions | None = None, model: str | None = None) -> None:
+        self.summary = complete(summary)
+        self.models = [str(name) for name in summary["model"].values]
+        self.model = fullest_model(summary) if model is None else model
+        self.records = [str(name) for name in summary["record"].values]
+        self.blocks = [str(name) for name in summary["block"].values]
+        self.bodies = bodies_of(summary)
+        self._motions = motions
+        self._tables: dict[str, np.ndarray] = {}
+
+    def __getitem__(self, name: str) -> np.ndarray:
+        if name not in self._tables:
+            self._tables[name] = lanes(self.summary, name, self.bodies, self.model)
+        return self._tables[name]
+
+    @cached_property
+    def motions(self) -> Motions:
+        """What margins are over: the records, unless others were given."""
+        if self._motions is not None:
+            return self._motions
+        index, events = np.arange(len(self.records))[:, np.newaxis], [str(event) for event in self["event"]]
+        given = len(events) > 0 and bool((self["npts"] < 0).all())
+        return Motions(self.records, index, events, "sequence" if given else "record")
+
+    @cached_property
+    def of_models(self) -> dict[str, Answers]:
+        """The answers of every model of the results, in their order."""
+        others = {name: Answers(self.summary, self._motions, name) for name in self.models if name != self.model}
+        return {name: others.get(name, self) for name in self.models}
+
+    @cached_property
+    def demands(self) -> dict[str, float]:
+        """Acceleration of every demand that capacities are compared with [m/s2]."""
+        if "capacity_ratio" not in self.summary:
+            return {}
+        demands = self.summary["demand_acceleration"]
+        return dict(zip(map(str, demands["demand"].values), demands.values.tolist(), strict=True))
+
+    def limit_state(self, demand: str) -> str:
+        """The limit state that a demand is for; empty where the results do not say."""
+        return str(self.summary["limit_state"].sel(demand=demand).item()) if "limit_state" in self.summary else ""
+
+    @cached_property
+    def used(self) -> np.ndarray:
+        """(records, bodies) name of the model that gave the answer; empty where the results do not say."""
+        return worded(self["model_used"], {-1: "", **flag_words(self.summary["model_used"])})
+
+    @property
+    def searched(self) -> bool:
+        """Whether safety factors of the model are known."""
+        return not bool(np.isnan(self["safety_factor"]).all())
+
+    @property
+    def counts(self) -> list[int]:
+        """How many answers, of all records on all bodies, are of each outcome, in the order of Outcome."""
+        return [int(np.count_nonzero(self["outcome"] == outcome)) for outcome in Outcome]
+
+    @cached_property
+    def overturned(self) -> np.ndarray:
+        """(motions, bodies) whether a direction of the motion overturns the body as it is."""
+        return self.motions.anywhere(self["outcome"] == Outcome.OVERTURNS)
+
+    @property
+    def unresolved(self) -> list[int]:
+        """Of how many motions a direction has no answer, for every body."""
+        silent = self.motions.anywhere(self["outcome"] == Outcome.UNRESOLVED)
+        return [int(count) for count in silent.sum(axis=0)]
+
+    def proven(self, demand: str | None = None) -> np.ndarray:
+        """(records, bodies) up to which factor, or up to how much of a demand, the search found no overturning."""
+        factor = self["safe_up_to"]
+        return factor if demand is None else (factor.T * self["pga"]).T / self.demands[demand]
+
+    def ratios(self, demand: str | None = None) -> np.ndarray:
+        """(records, bodies) safety factors, or capacities over a demand."""
+        return self["safety_factor"] if demand is None else self["capacity_ratio"][..., [*self.demands].index(demand)]
+
+    def by_block(self, worst: np.ufunc, table: np.ndarray) -> np.ndarray:
+        """A table (..., bodies) as (..., blocks), of the restitutions of a block the worst."""
+        firsts = np.flatnonzero([body.case == 0 for body in self.bodies])
+        return np.asarray(worst.reduceat(table, firsts, axis=1))
+
+    def overturnings(self, of: Of = "body") -> list[int]:
+        """How many motions overturn each body or block as they are, or how many blocks each motion overturns."""
+        fallen = self.overturned if of == "body" else self.by_block(np.logical_or, self.overturned)
+        return [int(count) for count in fallen.sum(axis=1 if of == "motion" else 0)]
+
+    def margins(self, of: Of = "body", demand: str | None = None) -> list[Margin]:
+        """The margin of every body, block or motion in the safety factor, or in the capacity over a demand."""
+        ratio = self.motions.over(self.ratios(demand), np.nan)
+        bound = self.motions.over(self["factor_resolved"] == 0, False)
+        # The smallest that each may be, the smallest that it is at most, and how far all of it was searched.
+        least, most = (np.fmin.reduce(values, axis=1) for values in (ratio, np.where(bound, np.inf, ratio)))
+        reached = np.fmin.reduce(self.motions.over(self.proven(demand), np.nan), axis=1)
+        partial = np.isnan(ratio).any(axis=1)
+        if of != "body":
+            least, most, reached = (self.by_block(np.fmin, table) for table in (least, most, reached))
+            partial = self.by_block(np.logical_or, partial)
+        tables = (least, most, reached, partial)
+        return _margins(*(table.T for table in tables) if of == "motion" else tables)
+
+
+def answers_of(tree: xr.DataTree) -> Answers:
+    """The answers of the fullest model under the motions of a tree of results."""
+    summary = complete(tree["summary"].to_dataset())
+    if "directions" not in tree.children:
+        return Answers(summary)
+    events = [str(event) for event in summary["event"].values]
+    directions = tree["directions"].to_dataset()
+    index = directions["record_index"].transpose("pair", "direction").values
+    kept = np.flatnonzero((index >= 0).any(axis=1))
+    index = index[kept]
+    names = [str(name) for name in directions["pair"].values[kept]]
+    return Answers(summary, Motions(names, index, [events[own[own >= 0][0]] for own in index], "pair"))
+
+
+def complete(summary: xr.Dataset) -> xr.Dataset:
+    """The node /summary with every variable that it lacks and that has a value of its own for that."""
+    outcome = summary["outcome"].variable
+    absent: dict[str, Any] = {
+        name: (dims, np.broadcast_to(value, shape))
+        for dims, shape, values in (
+            (outcome.dims, outcome.shape, ABSENT),
+            (("record",), (summary.sizes["record"],), ABSENT_OF_RECORD),
+        )
+        for name, value in values.items()
+        if name not in summary
+    }
+    return summary.assign(absent) if absent else summary
+
+
+def lanes(dataset: xr.Dataset, name: str, bodies: list[Body], model: str) -> np.ndarray:
+    """A variable of /summary or /directions by record or pair, body, and demand, as far as it has these dimensions.
+
+    Of a variable along the models that of one is read.
+    """
+    variable = dataset[name].variable
+    at = [str(label) for label in dataset["model"].values].index(model)
+    values = slab(variable, {"model": slice(at, at + 1)})
+    dims = [dim for dim in ("record", "pair", "block", "case", "demand", "model") if dim in variable.dims]
+    values = values.transpose([variable.dims.index(dim) for dim in dims])
+    values = values[..., 0] if "model" in dims else values
+    if "block" not in dims:
+        return values
+    places, cases = ([getattr(body, which) for body in bodies] for which in ("place", "case"))
+    found: np.ndarray = values[:, places, cases] if "case" in dims else values[:, places]
+    return found
+
+
+def bodies_of(summary: xr.Dataset) -> list[Body]:
+    """The bodies of results: every block, once for each of its restitutions, unless they are all the same."""
+    values = summary["restitution"].transpose("block", ...).values
+    values = values.reshape(values.shape[0], -1)
+    found = []
+    for place, (block, own) in enumerate(zip(summary["block"].values, values, strict=True)):
+        count = 1 if (own == own[0]).all() else own.size
+        found += [Body(str(block), place, case, float(own[case]), count > 1) for case in range(count)]
+    return found
+
+
+def fullest_model(summary: xr.Dataset) -> str:
+    """The model nearest to the full equation of motion."""
+    models = [str(model) for model in summary["model"].values]
+    return "nonlinear" if "nonlinear" in models else models[-1]
+
+
+def searched_up_to(factor: np.ndarray, proven: np.ndarray) -> float:
+    """The smallest of how far was searched where no overturning was found; NaN where one was found everywhere.
+
+    Examples
+    --------
+    >>> searched_up_to(np.array([1.3, math.inf]), np.array([1.3, 10.0]))
+    10.0
+    """
+    none = np.isinf(factor)
+    return float(np.min(proven[none])) if none.any() else math.nan
+
+
+def _margins(least: np.ndarray, most: np.ndarray, reached: np.ndarray, partial: np.ndarray) -> list[Margin]:
+    """The margin of every column of tables with a row for each motion."""
+    known = ~np.isnan(least)
+    # A search that ended below 1 has shown nothing of what lies between.
+    weak = np.isinf(least) & (reached < 1.0)
+    told = known & ~weak
+    shown = np.where(told | ~told.any(axis=0), least, np.nan)
+    smallest = np.fmin.reduce(shown, axis=0, initial=np.nan)
+    at_most = np.fmin.reduce(np.where(np.isnan(shown), np.nan, most), axis=0, initial=np.nan)
+    whole = np.isnan(shown) | partial
+    median, median_at_most = (_median(np.where(whole, np.nan, values)) for values in (shown, most))
+    none = np.isinf(shown)
+    limit = np.where(none.any(axis=0), np.min(np.where(none, reached, np.inf), axis=0, initial=np.inf), np.nan)
+    place = np.argmin(np.where(np.isnan(shown), np.inf, shown), axis=0) if len(shown) else np.zeros(limit.shape, int)
+    columns = (
+        smallest,
+        median,
+        at_most > smallest,
+        median_at_most > median,
+        (partial & (shown == smallest)).any(axis=0),
+        limit,
+        np.where(np.isnan(smallest), -1, place),
+        (~known).sum(axis=0),
+        (known & partial).sum(axis=0),
+        weak.sum(axis=0),
+    )
+    return [
+        Margin(low, middle, (low_bound, middle_bound), *others)
+        for low, middle, low_bound, middle_bound, *others in zip(*(one.tolist() for one in columns), strict=True)
+    ]
+
+
+def _median(values: np.ndarray) -> np.ndarray:
+    """Median of every column over what is not NaN; NaN where all is."""
+    count = (~np.isnan(values)).sum(axis=0)
+    ordered = np.sort(values, axis=0)  # NaN comes last
+    if not len(values):
+        return np.full(count.shape, np.nan)
+    middle = np.take_along_axis(ordered, np.stack([(count - 1).clip(0) // 2, count // 2]), axis=0)
+    return np.asarray(middle.sum(axis=0) / 2.0)

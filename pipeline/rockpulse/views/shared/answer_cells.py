@@ -1,0 +1,132 @@
+"""Answers as cells of a table: what a model says of a body under a record, a safety factor, a margin."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+
+import numpy as np
+
+from rocking.response import Outcome
+from rockpulse.assessment.answers import Answers, Margin
+from rockpulse.views.shared.table import Cell, Mark
+from rockpulse.views.shared.terminal import ABSENT, lower_bound, ratio
+from rockpulse.views.shared.verdict_notes import ESTIMATE, MARKED, NO_ANSWER, NONE_UP_TO, OUTSIDE, SO_FAR, UNPREDICTABLE
+
+__all__ = [
+    "AT_MOST",
+    "NOT_MONOTONIC",
+    "answer_cell",
+    "answer_cells",
+    "factor_cell",
+    "factor_cells",
+    "margin_cells",
+    "marks_of",
+    "several_intervals",
+    "unexplained",
+]
+
+#: Behind a factor beyond which the body stands again; before a smallest one that may be smaller.
+NOT_MONOTONIC = Mark("+", "+: not monotonic, beyond SF the block stands again before it overturns again.")
+AT_MOST = Mark("≤", "≤: may be less, for a direction has no answer; left out of the median.", before=True)
+
+_WORDS = {Outcome.AT_REST: "at rest", Outcome.OVERTURNS: "overturns", Outcome.UNRESOLVED: "unresolved"}
+
+#: Larger than any rotation: overturned sorts above it, unresolved at the end.
+_SORTED = {Outcome.AT_REST: 0.0, Outcome.OVERTURNS: math.inf, Outcome.UNRESOLVED: math.nan}
+
+
+def answer_cell(outcome: int, peak: float, predictable: int, applicable: int, rung: str = "") -> Cell:
+    """What a model answers: the largest rotation over alpha_c, or a word, with its marks.
+
+    For the model `auto`, `rung` is the model that answered: its rotation is marked where that gives the verdict alone.
+
+    Examples
+    --------
+    >>> answer_cell(1, 0.4123, predictable=0, applicable=1).marked, answer_cell(2, 0.4, 0, 0).marked
+    ('0.41?', 'overturns?*')
+    >>> answer_cell(1, 0.1279, 1, 1, "settled").marked
+    '>0.12'
+    """
+    marks = [UNPREDICTABLE] if predictable == 0 else []
+    marks += [OUTSIDE] if applicable == 0 else []
+    if outcome in _WORDS:
+        kind = Outcome(outcome)
+        return Cell(_WORDS[kind], _SORTED[kind], tuple(marks), grade="bad" if kind == Outcome.OVERTURNS else "")
+    if outcome != Outcome.ROCKS:
+        return Cell(ABSENT, math.nan)
+    if rung not in MARKED:
+        return Cell(ratio(peak), peak, tuple(marks))
+    sign = ESTIMATE if rung == "impulsive" else SO_FAR
+    return Cell(MARKED[rung](peak).removeprefix(sign.sign), peak, (sign, *marks))
+
+
+def answer_cells(answers: Answers) -> list[list[Cell]]:
+    """Of every record the cells of all bodies, by the model of the answers."""
+    names = ("outcome", "peak_rotation_ratio", "predictable", "applicable")
+    tables = [answers[name].tolist() for name in names]
+    rungs = np.where(answers.model == "auto", answers.used, "").tolist()
+    return [[answer_cell(*each) for each in zip(*rows, strict=True)] for rows in zip(*tables, rungs, strict=True)]
+
+
+def factor_cells(answers: Answers, counted: bool = True) -> list[list[Cell]]:
+    """Of every record the safety factors on all bodies; where intervals of overturning are several, their number."""
+    names = ("safety_factor", "safe_up_to", "factor_resolved", "interval_count")
+    return [
+        [
+            factor_cell(factor, limit, resolved == 0, several_intervals(count, counted))
+            for factor, limit, resolved, count in zip(*rows, strict=True)
+        ]
+        for rows in zip(*(answers[name].tolist() for name in names), strict=True)
+    ]
+
+
+def factor_cell(factor: float, limit: float = math.nan, bound: bool = False, intervals: Mark | None = None) -> Cell:
+    """A safety factor, or a capacity over demand: marked where it is a lower bound.
+
+    `limit` says how far was searched where none was found; `intervals` marks that there are several.
+
+    Examples
+    --------
+    >>> [factor_cell(factor, 10.0, intervals=NOT_MONOTONIC).marked for factor in (1.31, math.inf)]
+    ['1.31+', '>10+']
+    >>> factor_cell(1.31, bound=True).marked, factor_cell(math.nan).marked, factor_cell(math.inf).marked
+    ('1.31!', '-', 'none')
+    """
+    marks = ([NO_ANSWER] if bound else []) + ([] if intervals is None else [intervals])
+    if math.isnan(factor):
+        return Cell(ABSENT, factor)
+    if not math.isinf(factor):
+        return Cell(ratio(factor), factor, tuple(marks))
+    if math.isnan(limit):
+        return Cell("none", factor, tuple(marks))
+    shown = lower_bound(limit).removeprefix(NONE_UP_TO.sign)
+    return Cell(shown.rstrip("0").rstrip(".") if "." in shown else shown, factor, (NONE_UP_TO, *marks))
+
+
+def several_intervals(count: int, counted: bool = True) -> Mark | None:
+    """The mark of a factor with several intervals of overturning: their number, or only that they are several."""
+    if count < 2:
+        return None
+    return Mark(f" ({count})", "") if counted else NOT_MONOTONIC
+
+
+def margin_cells(margin: Margin) -> tuple[Cell, Cell]:
+    """The smallest and the median of a margin."""
+    smallest, median = (
+        factor_cell(value, margin.limit, bound)
+        for value, bound in zip((margin.smallest, margin.median), margin.bounds, strict=True)
+    )
+    if margin.open and math.isfinite(margin.smallest):
+        smallest = smallest._replace(marks=(AT_MOST, *smallest.marks))
+    return smallest, median
+
+
+def unexplained(cell: Cell) -> Cell:
+    """The cell with marks whose meaning is told elsewhere than below its table."""
+    return cell._replace(marks=tuple(mark._replace(note="") for mark in cell.marks))
+
+
+def marks_of(cells: Iterable[Cell]) -> set[Mark]:
+    """The marks that some cells bear."""
+    return {mark for cell in cells for mark in cell.marks}

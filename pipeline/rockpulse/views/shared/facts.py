@@ -1,0 +1,60 @@
+"""What is known of one record or one block, as text with a dash for what is not."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from rockpulse.record.record import STANDARD_GRAVITY
+from rockpulse.views.shared.terminal import ABSENT, figure
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = ["Known"]
+
+
+class Known:
+    """The variables of one record or one block of the node /summary: ``Known(summary, record="a")``."""
+
+    def __init__(self, summary: xr.Dataset, **labels: str) -> None:
+        ((self._dim, label),) = labels.items()
+        self._summary, self._place = summary, summary.get_index(self._dim).get_loc(label)
+
+    def value(self, name: str) -> Any:
+        """The value of a variable along the records or the blocks alone; None where the results lack it."""
+        if name not in self._summary:
+            return None
+        return self._summary[name].variable[{self._dim: self._place}].values.item()
+
+    def number(self, name: str, unit: str = "") -> str:
+        """A number with its unit."""
+        found = self.value(name)
+        return ABSENT if found is None else figure(float(found), unit)
+
+    def words(self, name: str) -> str:
+        """A text."""
+        return str(self.value(name) or ABSENT)
+
+    def lines(self, name: str) -> tuple[str, ...]:
+        """The lines of a text that are not empty."""
+        return tuple(line for line in str(self.value(name) or "").split("\n") if line)
+
+    def count(self, name: str) -> str:
+        """A whole number."""
+        return str(self.value(name))
+
+    @property
+    def main_count(self) -> str:
+        """How many main impulses the sequence of a record has."""
+        return "as many as fit into the duration" if self.value("main_count") == -1 else self.count("main_count")
+
+    @property
+    def peak_velocity(self) -> str:
+        """The PGV of a record in m/s, marked where the baseline of the record drifts."""
+        shown = self.number("pgv", "m/s")
+        return f"~{shown} (drift)" if self.value("pgv_drift") else shown
+
+    @property
+    def strength(self) -> list[str]:
+        """PGA and PGV of a record."""
+        return [f"PGA {figure(self.value('pga') / STANDARD_GRAVITY, 'g')}", f"PGV {self.peak_velocity}"]
