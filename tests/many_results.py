@@ -4,36 +4,22 @@ import numpy as np
 import xarray as xr
 
 from rockpulse.models import Block
-from rockpulse.storage.variables import ANSWER, BLOCK, CASE, DEMAND, FAILURE, OVERTURNING, RECORD, WAVES, described
+from rockpulse.storage.assessment_variables import ASSESSMENT_GROUPS, OVERTURNING, WAVES
+from rockpulse.storage.summary_variables import ANSWER, BLOCK, CASE, DEMAND, RECORD, SUMMARY
+from rockpulse.storage.variables import failure_table
 
 MODELS = ["resonance", "sequence", "impulsive", "linear", "nonlinear"]
-FLAGS = {
-    "pgv_drift": (0, ["reliable", "drift"]),
-    "outcome": (0, ["at_rest", "rocks", "overturns", "unresolved"]),
-    "reason": (0, ["none", "impact_limit", "free_flight"]),
-    "model_used": (0, MODELS),
-    "factor_resolved": (-1, ["not_computed", "no", "yes"]),
-    "applicable": (0, ["outside_range", "applicable"]),
-    "predictable": (-1, ["not_checked", "no", "yes"]),
-}
 
 
-def _filled(names, dims, shape, numbers):
-    """Variables by their meanings: words numbered, numbers between 0.2 and 3."""
+def _filled(declared, numbers, dims, shape):
+    """Variables by their declarations: words numbered, numbers between 0.2 and 3."""
     found = {}
-    for name, meaning in names.items():
-        kind = meaning[0]
-        if kind is str:
+    for name, variable in declared.items():
+        if variable.kind is str:
             values = np.array([f"{name} {place}" for place in range(np.prod(shape, dtype=int))]).reshape(shape)
         else:
             values = numbers.uniform(0.2, 3.0, shape)
-        found[name] = described(dims, values, meaning)
-        if name in FLAGS:
-            first, meanings = FLAGS[name]
-            found[name].attrs |= {
-                "flag_values": np.arange(first, first + len(meanings), dtype=np.int8),
-                "flag_meanings": " ".join(meanings),
-            }
+        found[name] = variable.variable(values, dims)
     return found
 
 
@@ -43,22 +29,22 @@ def many_results(records, blocks, samples=6000, seed=0):
     lanes = ("record", "block", "model")
     shape = (records, blocks, len(MODELS))
     variables = {
-        **_filled(RECORD, ("record",), (records,), numbers),
-        **_filled(BLOCK, ("block",), (blocks,), numbers),
-        **_filled(CASE, ("block",), (blocks,), numbers),
-        **_filled(DEMAND, lanes[:2], shape[:2], numbers),
-        **_filled(ANSWER, lanes, shape, numbers),
+        **_filled(RECORD, numbers, ("record",), (records,)),
+        **_filled(BLOCK, numbers, ("block",), (blocks,)),
+        **_filled(CASE, numbers, ("block",), (blocks,)),
+        **_filled(DEMAND, numbers, lanes[:2], shape[:2]),
+        **_filled(ANSWER, numbers, lanes, shape),
     }
     summary = xr.Dataset(
         variables,
         {
-            "record": described(("record",), [f"XX.S{k:03d}..HNE@20200101T{k:06d}" for k in range(records)], ID),
-            "block": described(("block",), [f"wall {k}" for k in range(blocks)], ID),
-            "model": described(("model",), MODELS, ID),
+            "record": SUMMARY["record"].variable([f"XX.S{k:03d}..HNE@20200101T{k:06d}" for k in range(records)]),
+            "block": SUMMARY["block"].variable([f"wall {k}" for k in range(blocks)]),
+            "model": SUMMARY["model"].variable(MODELS),
         },
     )
     body = Block(numbers.uniform(0.1, 0.5, blocks), numbers.uniform(1.6, 3.0, blocks))
-    for name in ("radius", "alpha_c", "p", "slenderness", "critical_impulse", "restitution"):
+    for name in ("radius", "alpha_c", "p", "gravity", "slenderness", "critical_impulse", "restitution"):
         summary[name].values[:] = getattr(body, name)
     summary["width"].values[:], summary["height"].values[:] = 2.0 * body.half_width, 2.0 * body.half_height
     outcome = numbers.choice(np.array([0, 1, 1, 2], dtype=np.int8), shape)
@@ -83,16 +69,17 @@ def many_results(records, blocks, samples=6000, seed=0):
         "processing": ["baseline: mean removed"] * records,
     }
     for name, values in words.items():
-        summary[name] = described(("record",), values, RECORD[name])
+        summary[name] = RECORD[name].variable(values)
     summary["npts"].values[:], summary["dt"].values[:] = samples, 0.01
     summary["intense_start"].values[:], summary["intense_end"].values[:] = 0.2 * samples * 0.01, 0.6 * samples * 0.01
     motion = numbers.normal(size=(records, samples)) * np.hanning(samples)
+    ragged = ASSESSMENT_GROUPS["/records"]
     stored = xr.Dataset(
         {
-            "row_size": described(("record",), np.full(records, samples), (int, "1", "samples")),
-            "acceleration": described(("sample",), motion.ravel(), (float, "m s-2", "acceleration")),
-            "half_wave_row_size": described(("record",), np.full(records, 2), (int, "1", "half-waves")),
-            **_filled({f"half_wave_{name}": WAVES[name] for name in WAVES}, ("wave",), (2 * records,), numbers),
+            "row_size": ragged["row_size"].variable(np.full(records, samples)),
+            "acceleration": ragged["acceleration"].variable(motion.ravel()),
+            "half_wave_row_size": ragged["half_wave_row_size"].variable(np.full(records, 2)),
+            **_filled({f"half_wave_{name}": WAVES[name] for name in WAVES}, numbers, ("wave",), (2 * records,)),
         },
         {"record": summary["record"].variable},
     )
@@ -101,28 +88,24 @@ def many_results(records, blocks, samples=6000, seed=0):
     where = np.argwhere(np.isfinite(factor))
     intervals = xr.Dataset(
         {
-            **_filled(OVERTURNING, ("interval",), (len(where),), numbers),
-            "record_index": described(("interval",), where[:, 0], OVERTURNING["record_index"]),
-            "block_index": described(("interval",), where[:, 1], OVERTURNING["block_index"]),
-            "case_index": described(("interval",), np.zeros(len(where)), OVERTURNING["case_index"]),
-            "model_index": described(("interval",), where[:, 2], OVERTURNING["model_index"]),
-            "lower": described(("interval",), factor[np.isfinite(factor)], OVERTURNING["lower"]),
-            "upper": described(("interval",), np.full(len(where), 10.0), OVERTURNING["upper"]),
+            **_filled(OVERTURNING, numbers, ("interval",), (len(where),)),
+            "record_index": OVERTURNING["record_index"].variable(where[:, 0]),
+            "block_index": OVERTURNING["block_index"].variable(where[:, 1]),
+            "case_index": OVERTURNING["case_index"].variable(np.zeros(len(where))),
+            "model_index": OVERTURNING["model_index"].variable(where[:, 2]),
+            "lower": OVERTURNING["lower"].variable(factor[np.isfinite(factor)]),
+            "upper": OVERTURNING["upper"].variable(np.full(len(where), 10.0)),
         }
     )
     for name in ("open", "resolved"):
         intervals[name].values[:] = 1
-    failures = xr.Dataset({name: described(("failure",), [], meaning) for name, meaning in FAILURE.items()})
     root = xr.Dataset(attrs={"title": "Many", "configuration": '[site]\nname = "Many"\n', "kind": "assessment"})
     return xr.DataTree.from_dict(
         {
             "/": root,
             "/summary": summary,
-            "/failures": failures,
+            "/failures": failure_table([]),
             "/records": stored,
             "/overturning_intervals": intervals,
         }
     )
-
-
-ID = (str, "1", "name")

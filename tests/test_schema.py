@@ -7,18 +7,17 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from make_schema import KINDS, TABLE, with_tables
 
 import rockpulse as rp
 from rockpulse import BlockSettings, DemandSettings, ModelSettings, RecordSettings
+from rockpulse.assessment.tree import EVENT
 from rockpulse.record.synthetic import synthetic_motion
 from rockpulse.remark import TEMPLATES
-from rockpulse.storage import site_variables, study_variables
-from rockpulse.storage.variables import FAILURE
 
 SCHEMA = (Path(__file__).parents[1] / "docs" / "schema.md").read_text(encoding="utf-8")
 EXAMPLES = re.findall(r"```python\n(.*?)```", SCHEMA, re.DOTALL)
 
-COORDINATES = ("record", "block", "model", "demand")
 WALL = BlockSettings(name="wall", width=0.3, height=2.4, restitution=(0.95, 0.9))
 CHEST = BlockSettings(name="chest", width=1.0, height=2.2)
 
@@ -54,21 +53,11 @@ def loaded(results):
     return rp.load(results)
 
 
-def section(group):
-    """The text that is about a group of an assessment."""
-    parts = re.split(r"^## ", SCHEMA, flags=re.MULTILINE)
-    return next(part for part in parts if f"/{group}" in part.splitlines()[0])
-
-
-@pytest.mark.parametrize(("heading", "module"), [("The site file", site_variables), ("The study", study_variables)])
-def test_every_variable_of_other_files_is_named(heading, module):
-    text = next(part for part in re.split(r"^## ", SCHEMA, flags=re.MULTILINE) if part.startswith(heading))
-    tables = [value for value in vars(module).values() if isinstance(value, dict) and value]
-    names = {
-        name for table in tables for name, meaning in table.items() if isinstance(meaning, tuple) and len(meaning) == 3
-    }
-    assert len(names) > 20
-    assert {name for name in names if f"`{name}`" not in text} - set(FAILURE) == set()
+def test_the_tables_of_the_page_are_the_declarations():
+    assert with_tables(SCHEMA) == SCHEMA, "docs/schema.md is not what the declarations say: make schema"
+    shown = [(kind, group) for _, kind, group, _ in TABLE.findall(SCHEMA)]
+    every = [(kind, "") for kind in KINDS if kind != "assessment"]
+    assert sorted(shown) == sorted([*every, *(("assessment", group) for group in KINDS["assessment"])])
 
 
 def test_every_code_of_a_warning_is_named():
@@ -78,23 +67,28 @@ def test_every_code_of_a_warning_is_named():
 
 
 @pytest.mark.parametrize("components", ["horizontal", "sweep"])
-def test_every_group_and_variable_of_an_assessment_is_named(components):
+def test_an_assessment_holds_what_is_declared_and_nothing_else(components):
     tree = assessed(components)
+    groups = {path: declared for path, declared in KINDS["assessment"].items() if path != "/directions"}
+    if components == "sweep":
+        axes = {name: KINDS["assessment"]["/summary"][name] for name in ("block", "model")}
+        groups["/directions"] = {**KINDS["assessment"]["/directions"], **axes}
+    assert {node.path for node in tree.subtree} == {"/", *groups}
+    for path, declared in groups.items():
+        stored = tree[path].to_dataset(inherit=False).variables
+        assert set(stored) == set(declared), path
+        for name, variable in stored.items():
+            assert variable.dims == declared[name].dims, (path, name)
+            assert variable.attrs["units"] == declared[name].units
+            assert variable.attrs["long_name"] == declared[name].long_name
     table = SCHEMA.split("## /summary")[0]
-    groups = set()
-    for node in tree.subtree:
-        group = node.path.strip("/")
-        groups.add(group)
-        if not group:
-            continue
-        assert f"`/{group}`" in table
-        text = section(group)
-        for name, variable in node.to_dataset(inherit=False).variables.items():
-            assert f"`{name}`" in (section("summary") if name in COORDINATES else text), (group, name)
-            assert variable.attrs["units"], (group, name)
-            assert variable.attrs["long_name"], (group, name)
-    expected = {"", "summary", "half_cycles", "overturning_intervals", "failures", "records"}
-    assert groups == (expected | {"directions"} if components == "sweep" else expected)
+    assert all(f"`{path}`" in table for path in groups)
+
+
+def test_every_variable_is_taken_from_a_record_or_from_the_bodies():
+    for group in ("/summary", "/half_cycles", "/overturning_intervals", "/records"):
+        for name, variable in KINDS["assessment"][group].items():
+            assert variable.take is not None or f"{group}/{name}" == EVENT, name
 
 
 def test_every_attribute_of_the_root_is_named(loaded):

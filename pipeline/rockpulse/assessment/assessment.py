@@ -14,9 +14,8 @@ from rocking.block import Block
 from rocking.predictability import NOT_CHECKED, predictable
 from rocking.response import Response
 from rockpulse.assessment.record_assessment import RecordAssessment
-from rockpulse.assessment.record_columns import main_impulse, record_scalars
 from rockpulse.assessment.scene import extract
-from rockpulse.assessment.tree import build_tree, record_part, template
+from rockpulse.assessment.tree import EVENT, build_tree, record_part, template
 from rockpulse.config.block_settings import BlockSettings
 from rockpulse.config.bodies import Bodies, gather_bodies
 from rockpulse.config.configuration import Config
@@ -24,7 +23,6 @@ from rockpulse.failures import Failure
 from rockpulse.ladder import MODELS, USED, Scene, auto_response, critical_scales
 from rockpulse.motions.directions import Motion, PlannedMotion, swept_directions
 from rockpulse.motions.runner import Analysis, Blocks, Part, Watch, Work, run
-from rockpulse.record.intensity import pgv
 from rockpulse.record.record import Record
 from rockpulse.storage.atomic_file import ASSESSMENT
 
@@ -94,7 +92,7 @@ class Assessment(Analysis):
     doing = "assessing"
     kind = ASSESSMENT
     in_order_of_ids = False
-    event_name = "/summary/event"
+    event_name = EVENT
 
     def __init__(self, config: Config, blocks: Blocks | None = None) -> None:
         super().__init__(config)
@@ -123,12 +121,12 @@ def assess_motion(motion: Motion, watch: Watch, bodies: Bodies, config: Config) 
     with watch("condition"):
         scene = extract(motion.record, config, motion.vertical)
     with watch("solve"):
-        assessment = assess_scene(scene, bodies)
+        assessment = assess_scene(scene, bodies, config)
     with watch("pack"):
-        return record_part(assessment, bodies, config)
+        return record_part(assessment)
 
 
-def assess_scene(scene: Scene, bodies: Bodies) -> RecordAssessment:
+def assess_scene(scene: Scene, bodies: Bodies, config: Config) -> RecordAssessment:
     """Assess all bodies under one record that was made ready; a ValueError says that a model refuses its numbers."""
     lanes = bodies.lanes
     responses = {name: MODELS[name].respond(lanes, scene) for name in scene.models.use}
@@ -151,30 +149,15 @@ def assess_scene(scene: Scene, bodies: Bodies) -> RecordAssessment:
                 f"({rule.range_text}): its rates of error do not hold for them"
             )
             scene = replace(scene, record=scene.record.with_warning(warning))
-    scales = critical_scales(lanes, scene)
-    per_lane = {
-        **{field: {name: getattr(one, field) for name, one in responses.items()} for field in PER_MODEL},
-        "safety_factor": {name: one.safety_factor for name, one in scales.items()},
-        "safe_up_to": {name: one.safe_up_to for name, one in scales.items()},
-        "search_step": {name: one.step for name, one in scales.items()},
-        "interval_count": {name: np.where(np.isnan(one.safety_factor), -1, one.count) for name, one in scales.items()},
-        "factor_resolved": {
-            name: np.where(np.isnan(one.safety_factor), -1, one.factor_resolved) for name, one in scales.items()
-        },
-        "applicable": {name: MODELS[name].applicable(lanes).astype(np.int8) for name in responses},
-        "predictable": {name: _predictable(name, lanes, scene, one) for name, one in responses.items()},
-        "model_used": used,
-    }
     return RecordAssessment(
         scene=scene,
-        record=record_scalars(scene),
-        per_block={name: bodies.per_case(values) for name, values in _demand(scene, lanes).items()},
-        per_model={
-            field: np.stack([bodies.per_case(values[name]) for name in responses], axis=-1)
-            for field, values in per_lane.items()
-        },
+        bodies=bodies,
+        config=config,
         responses=responses,
-        scales=scales,
+        scales=critical_scales(lanes, scene),
+        used=used,
+        applicable={name: MODELS[name].applicable(lanes).astype(np.int8) for name in responses},
+        predictable={name: _predictable(name, lanes, scene, one) for name, one in responses.items()},
     )
 
 
@@ -189,12 +172,3 @@ def _predictable(model: str, block: Block, scene: Scene, response: Response) -> 
     # With output = "outcome" the peak of auto is that of whichever rung answered: no promise that could be broken.
     verdict_only = model == "auto" and settings.output == "outcome"
     return np.asarray(predictable(response, respond, block, tolerance=None if verdict_only else settings.tolerance))
-
-
-def _demand(scene: Scene, block: Block) -> dict[str, np.ndarray]:
-    capacity = block.gravity * np.tan(block.alpha_c)
-    return {
-        "uplift_ratio": scene.record.pga / capacity,
-        "velocity_ratio": block.p * pgv(scene.record) / capacity,
-        "impulse_ratio": main_impulse(scene) / block.critical_impulse,
-    }

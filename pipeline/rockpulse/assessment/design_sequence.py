@@ -5,15 +5,14 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from rocking.block import Block
 from rocking.sequence import ImpulseSequence
 from rockpulse.assessment.assessment import assess_scene
-from rockpulse.assessment.record_assessment import RecordAssessment
-from rockpulse.assessment.tree import build_tree, record_part
+from rockpulse.assessment.tree import EVENT, build_tree, record_part
 from rockpulse.config.block_settings import BlockSettings
 from rockpulse.config.bodies import gather_bodies
 from rockpulse.config.configuration import Config
@@ -22,16 +21,12 @@ from rockpulse.ladder import SEQUENCE_MODELS, Scene
 from rockpulse.record.half_wave import HalfWaves
 from rockpulse.record.intensity import IntensePhase
 from rockpulse.record.record import Record
-from rockpulse.remark import Remark, with_codes
-from rockpulse.storage.variables import RECORD
+from rockpulse.remark import Remark
 
 if TYPE_CHECKING:
     import xarray as xr
 
 __all__ = ["assess_sequence"]
-
-#: What is absent, by type. The flag `pgv_drift` has no value for it: no PGV drifts.
-ABSENT: dict[type, Any] = {float: math.nan, int: -1, str: "", np.int8: 0}
 
 
 def assess_sequence(
@@ -111,29 +106,15 @@ def assess_sequence(
         models=config.models,
         search=config.search,
     )
-    done = _without_record(assess_scene(scene, bodies), sequence)
-    warnings = [*done.scene.record.warnings]
+    done = replace(assess_scene(scene, bodies, config), shaken=False)
+    warnings = []
     if dropped:
         verb = "is" if len(dropped) == 1 else "are"
         warnings.append(f"a sequence, not a record: {', '.join(dropped)} cannot answer it and {verb} left out")
     if asked_for.demands:
         warnings.append(Remark("demand_not_compared"))
-    done.record["warnings"], done.record["warning_codes"] = with_codes(warnings)
-    tree = build_tree([record_part(done, bodies, config)], bodies, config, [])
+    record = replace(done.record, warnings=(*done.record.warnings, *warnings))
+    done = replace(done, scene=replace(done.scene, record=record))
+    tree = build_tree([record_part(done) | {EVENT: np.array([""])}], bodies, config, [])
     tree.attrs["title"] = config.site.name or "Rocking response of rigid blocks to a sequence of impulses"
     return tree
-
-
-def _without_record(done: RecordAssessment, sequence: ImpulseSequence) -> RecordAssessment:
-    """The assessment with the columns that describe a record, and what follows from them, empty."""
-    stated = {
-        "source": done.record["source"],
-        "main_impulse": float(sequence.main),
-        "secondary_impulse": float(sequence.secondary),
-        "secondary_interval": float(sequence.interval),
-        "sequence_duration": float(sequence.duration),
-        "main_count": -1 if sequence.main_count is None else int(sequence.main_count),
-    }
-    record = {name: stated.get(name, ABSENT[kind]) for name, (kind, _, _) in RECORD.items()}
-    unknown = {name: np.full_like(done.per_block[name], math.nan) for name in ("uplift_ratio", "velocity_ratio")}
-    return replace(done, record=record, per_block=done.per_block | unknown)

@@ -7,12 +7,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from typing import Any
 
 import numpy as np
 import xarray as xr
 
 from rocking.response import Outcome
-from rockpulse.storage.variables import DIRECTION, DIRECTION_ANSWER, PAIR, described
+from rockpulse.storage.assessment_variables import DIRECTIONS
 
 __all__ = ["direction_statistics", "largest_over", "median_over", "smallest_over"]
 
@@ -52,16 +53,12 @@ def direction_statistics(
         values = summary[name].values.astype(float)
         return np.concatenate([values, np.full((1, *values.shape[1:]), np.nan)])[index]
 
-    dims = ("pair", *(str(dim) for dim in summary["peak_rotation_ratio"].dims[1:]))
     directions = np.asarray(azimuths, dtype=float)
-    variables = {
-        "direction_azimuth": described(("direction",), directions, DIRECTION["direction_azimuth"]),
-        "record_index": described(("pair", "direction"), index, DIRECTION["record_index"]),
-    }
+    measures: dict[str, Any] = {"pair": list(pairs), "direction_azimuth": directions, "record_index": index}
     for name, measure in (("pga", swept("pga")), ("main_impulse", swept("main_impulse"))):
         largest, at = largest_over(measure)
-        for what, values in (("median", median_over(measure)), ("largest", largest), ("azimuth", _at(directions, at))):
-            variables[f"{name}_{what}"] = described(("pair",), values, PAIR[f"{name}_{what}"])
+        measures |= {f"{name}_median": median_over(measure), f"{name}_largest": largest}
+        measures[f"{name}_azimuth"] = _at(directions, at)
 
     peaks, factors = swept("peak_rotation_ratio"), swept("safety_factor")
     over = swept("outcome") == Outcome.OVERTURNS
@@ -79,9 +76,12 @@ def direction_statistics(
         "smallest_safety_factor": smallest,
         "safety_factor_azimuth": _at(directions, factor_at),
     }
-    variables |= {name: described(dims, values, DIRECTION_ANSWER[name]) for name, values in answers.items()}
-    pair = described(("pair",), list(pairs), (str, "1", "the two channels that were rotated"))
-    return xr.Dataset(variables, {"pair": pair, "block": summary["block"], "model": summary["model"]})
+    dims = ("pair", *(str(dim) for dim in summary["peak_rotation_ratio"].dims[1:]))
+    values = measures | answers
+    variables = {
+        name: one.variable(values[name], dims if name in answers else None) for name, one in DIRECTIONS.items()
+    }
+    return xr.Dataset(variables, {"pair": variables.pop("pair"), "block": summary["block"], "model": summary["model"]})
 
 
 def median_over(values: np.ndarray) -> np.ndarray:

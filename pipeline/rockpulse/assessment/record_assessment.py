@@ -2,42 +2,135 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
-from typing import Any
+from functools import cached_property
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from rocking.response import Response
 from rocking.scale_search import ScaleIntervals
+from rocking.sequence import ImpulseSequence
+from rockpulse.config.bodies import Bodies
+from rockpulse.config.configuration import Config
 from rockpulse.ladder import Scene
+from rockpulse.record.record import Record
 
-__all__ = ["RecordAssessment"]
+__all__ = ["RecordAssessment", "Rows"]
+
+
+class Rows(NamedTuple):
+    """The rows that one model gives to a table of the results.
+
+    Attributes
+    ----------
+    model : int
+        Place of the model in /summary.
+    lane, block, case : (r,) ndarray of int
+        The lane of each row, and the body and restitution case that the lane stands for.
+    source : object
+        What the columns are taken from.
+    cycle : (r,) ndarray of int
+        Number of the half-cycle of each row, from 0, in a table of half-cycles.
+    """
+
+    model: int
+    lane: np.ndarray
+    block: np.ndarray
+    case: np.ndarray
+    source: Any
+    cycle: np.ndarray
 
 
 @dataclass(frozen=True, eq=False)
 class RecordAssessment:
-    """What one record does to every body: numbers only, small enough to be sent between processes.
+    """What one record does to every body: the stored variables are taken from this (`take` of their declarations).
 
     Attributes
     ----------
     scene : Scene
         The conditioned record and what was extracted from it.
-    record : dict
-        Scalars of the record, by the names of docs/schema.md. The earthquake, `event`, is empty: it is told by all
-        records together.
-    per_block : dict of (b, c) ndarray
-        Demand of the record on each body and restitution case.
-    per_model : dict of (b, c, k) ndarray
-        Answer of each of the k models, and which one gave it.
-    responses : dict of str to Response
-        By model, lanes (b x c,): the half-cycle tables and histories are taken from here.
-    scales : dict of str to ScaleIntervals
-        By model, lanes (b x c,): the intervals of overturning are taken from here.
+    bodies : Bodies
+        The bodies, lanes (b x c,).
+    config : Config
+        The options.
+    responses, scales : dict of str to Response, dict of str to ScaleIntervals
+        By model, of all lanes.
+    used, applicable, predictable : dict of str to (b x c,) ndarray of int8
+        By model the flags `model_used`, `applicable` and `predictable` of each lane.
+    shaken : bool
+        False where a sequence of impulses stands in place of a record.
     """
 
     scene: Scene
-    record: dict[str, Any]
-    per_block: dict[str, np.ndarray]
-    per_model: dict[str, np.ndarray]
+    bodies: Bodies
+    config: Config
     responses: dict[str, Response]
     scales: dict[str, ScaleIntervals]
+    used: dict[str, np.ndarray]
+    applicable: dict[str, np.ndarray]
+    predictable: dict[str, np.ndarray]
+    shaken: bool = True
+
+    @property
+    def record(self) -> Record:
+        """The conditioned record."""
+        return self.scene.record
+
+    @property
+    def sequence(self) -> ImpulseSequence | None:
+        """The calibrated sequence; None where the record gave none."""
+        return self.scene.sequence
+
+    def per_lane(self, values: np.ndarray) -> np.ndarray:
+        """(b x c, ...) values as (b, c, ...)."""
+        return values.reshape(len(self.bodies.names), self.bodies.cases, *values.shape[1:])
+
+    def per_model(self, values: Callable[[str], Any]) -> np.ndarray:
+        """(b x c, ...) values of each of k models as (b, c, k, ...)."""
+        return self.per_lane(np.stack([np.asarray(values(model)) for model in self.responses], axis=1))
+
+    def half_cycles(self, column: Callable[[Rows], np.ndarray]) -> np.ndarray:
+        """A column of the half-cycles of all models that have a table of them."""
+        return _joined(map(column, self._half_cycles))
+
+    def intervals(self, column: Callable[[Rows], np.ndarray]) -> np.ndarray:
+        """A column of the intervals of overturning of all models."""
+        return _joined(map(column, self._intervals))
+
+    def histories(self, column: Callable[[Rows], np.ndarray]) -> np.ndarray:
+        """A column of the lanes of all models that have histories."""
+        return _joined(map(column, self._histories))
+
+    @cached_property
+    def _half_cycles(self) -> list[Rows]:
+        found = []
+        for place, response in enumerate(self.responses.values()):
+            table = response.half_cycles
+            if table is not None:
+                lane, cycle = np.nonzero(np.isfinite(table.start_velocity).T)
+                found.append(self._rows(place, lane, table, cycle))
+        return found
+
+    @cached_property
+    def _intervals(self) -> list[Rows]:
+        return [self._rows(place, one.lane, one) for place, one in enumerate(self.scales.values())]
+
+    @cached_property
+    def _histories(self) -> list[Rows]:
+        lanes = np.arange(len(self.bodies.names) * self.bodies.cases)
+        return [
+            self._rows(place, lanes, response)
+            for place, response in enumerate(self.responses.values())
+            if response.rotation is not None and response.velocity is not None
+        ]
+
+    def _rows(self, model: int, lane: np.ndarray, source: Any, cycle: np.ndarray | None = None) -> Rows:
+        cases = self.bodies.cases
+        return Rows(model, lane, lane // cases, lane % cases, source, np.zeros(0, int) if cycle is None else cycle)
+
+
+def _joined(parts: Iterable[np.ndarray]) -> np.ndarray:
+    found = list(parts)
+    return np.concatenate(found) if found else np.zeros(0)

@@ -13,9 +13,8 @@ import numpy as np
 
 from rocking.block import Block
 from rocking.recorded import recorded_response
-from rocking.response import Outcome
 from rockpulse.record.record import STANDARD_GRAVITY, Record
-from rockpulse.storage.variables import ANSWER, BLOCK, CASE, described
+from rockpulse.storage.summary_variables import ANSWER, BLOCK, CASE
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -27,6 +26,9 @@ P = tuple(np.linspace(1.0, 6.0, 51).round(10).tolist())
 
 #: Default critical angles [rad]: slenderness from 20 to 2.4.
 ALPHAS = tuple(np.linspace(0.05, 0.4, 36).round(10).tolist())
+
+#: What the spectrum holds of each answer.
+ANSWERED = ("peak_rotation_ratio", "outcome")
 
 
 def rocking_spectrum(
@@ -89,20 +91,12 @@ def rocking_spectrum(
     block = Block.from_parameters(p=grid[1], alpha=grid[0], restitution=restitution, gravity=gravity)
     response = recorded_response(block, record.acceleration, record.dt, scale=scale, vertical=vertical, threads=threads)
     shape, dims = (angles.size, rates.size), ("alpha_c", "p")
+    restitutions = np.reshape(np.broadcast_to(block.restitution, grid[0].shape), shape)[:, 0]
     variables = {
-        "peak_rotation_ratio": described(
-            dims, np.reshape(response.peak_rotation_ratio, shape), ANSWER["peak_rotation_ratio"]
-        ),
-        "outcome": described(dims, np.reshape(response.outcome, shape), ANSWER["outcome"]),
-        "restitution": described(
-            ("alpha_c",),
-            np.reshape(np.broadcast_to(block.restitution, grid[0].shape), shape)[:, 0],
-            CASE["restitution"],
-        ),
+        **{name: ANSWER[name].variable(np.reshape(getattr(response, name), shape), dims) for name in ANSWERED},
+        "restitution": CASE["restitution"].variable(restitutions, ("alpha_c",)),
     }
-    variables["outcome"].attrs["flag_values"] = np.array([int(outcome) for outcome in Outcome], dtype=np.int8)
-    variables["outcome"].attrs["flag_meanings"] = " ".join(outcome.name.lower() for outcome in Outcome)
-    coords = {"alpha_c": described(("alpha_c",), angles, BLOCK["alpha_c"]), "p": described(("p",), rates, BLOCK["p"])}
+    coords = {"alpha_c": BLOCK["alpha_c"].variable(angles, ("alpha_c",)), "p": BLOCK["p"].variable(rates, ("p",))}
     spectrum = xr.Dataset(variables, coords)
     spectrum.attrs.update(record=record.id, scale=float(scale), gravity=float(gravity))
     return spectrum

@@ -1,41 +1,33 @@
 """The tree of results, put together from the assessed records (docs/schema.md).
 
-What one record adds to it is a part (:func:`record_part`); the tree is the parts one after the other, with what does
-not depend on the records.
+What one record adds to it is a part (:func:`record_part`); the tree is the parts one after the other, with the
+earthquakes, which all records together tell, and what does not depend on the records.
 """
 
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import xarray as xr
 
 from rockpulse.assessment.direction_statistics import direction_statistics
-from rockpulse.assessment.growing_variables import growing_columns, lane_dimensions, sizes_of
 from rockpulse.config.bodies import Bodies
 from rockpulse.config.configuration import Config
 from rockpulse.failures import Failure
 from rockpulse.motions.directions import sweep_azimuths
-from rockpulse.storage.variables import (
-    ANSWER,
-    BLOCK,
-    CASE,
-    DEMAND,
-    FAILURE,
-    HALF_CYCLE,
-    OVERTURNING,
-    SITE_DEMAND,
-    WAVES,
-    described,
-)
+from rockpulse.storage.assessment_variables import ASSESSMENT_GROUPS, GROWING
+from rockpulse.storage.variables import StoredVariable, failure_table
 
 if TYPE_CHECKING:
     from rockpulse.assessment.record_assessment import RecordAssessment
 
-__all__ = ["build_tree", "failure_table", "joined_parts", "record_part", "template"]
+__all__ = ["EVENT", "build_tree", "joined_parts", "record_part", "template"]
+
+#: The one variable that grows with the records and is in no part: a record alone does not tell it.
+EVENT = "/summary/event"
 
 #: Ends the name of every variable that counts records; in a part it is 0.
 RECORD_INDEX = "record_index"
@@ -53,33 +45,30 @@ def build_tree(
     Parameters
     ----------
     parts : sequence of mapping of str to ndarray
-        What each record adds (:func:`record_part`), in the order of the rows.
-    bodies : Bodies
-        The bodies that were assessed.
-    config : Config
-        Its text becomes an attribute.
+        What each record adds (:func:`record_part`), and its earthquake, in the order of the rows.
+    bodies, config
+        Those of the assessment; the text of the configuration becomes an attribute.
     failures : sequence of Failure
         What was left out.
     swept : mapping of str to sequence of str, optional
         Name of each pair of channels that was swept over direction, and the ids of its directions.
     """
-    columns = growing_columns(bodies, config)
-    sizes = sizes_of(bodies, config)
-    empty = {path: column.empty(sizes) for path, column in columns.items()}
+    variables = _variables(config)
+    empty = {path: _absent(one, 0, bodies, config) for path, one in variables.items() if one.dims[0] in GROWING}
     arrays = joined_parts([empty, *parts])
     groups: dict[str, dict[str, xr.Variable]] = defaultdict(dict)
-    for path, column in columns.items():
+    for path, variable in variables.items():
         group, _, name = path.rpartition("/")
-        groups[group][name] = column.variable(arrays[path])
-    groups["/summary"] |= _static(bodies, config)
-    datasets = {group: xr.Dataset(variables) for group, variables in groups.items()}
-    nodes = {group: datasets[group] for group in ("/summary", "/half_cycles", "/overturning_intervals")}
+        if path not in arrays:
+            arrays[path] = _in_dims(variable, np.asarray(_take(variable)(bodies, config)), bodies)
+        groups[group][name] = variable.variable(arrays[path], _dims(variable, bodies), config)
+    nodes = {group: xr.Dataset(groups[group]) for group in ("/summary", "/half_cycles", "/overturning_intervals")}
     nodes["/failures"] = failure_table(failures)
     if swept is not None:
         azimuths = sweep_azimuths(config.records.azimuth_step)
         nodes["/directions"] = direction_statistics(nodes["/summary"], azimuths, swept)
-    if "/records" in datasets:
-        nodes["/records"] = datasets["/records"]
+    if "/records" in groups:
+        nodes["/records"] = xr.Dataset(groups["/records"])
     tree = xr.DataTree.from_dict(nodes)
     tree.attrs["title"] = config.site.name or "Rocking response of rigid blocks to recorded ground motions"
     tree.attrs["site_description"] = config.site.description
@@ -88,47 +77,15 @@ def build_tree(
 
 
 def template(bodies: Bodies, config: Config) -> xr.DataTree:
-    """The tree without a record: what does not depend on the records, and every other variable empty.
-
-    Parameters
-    ----------
-    bodies : Bodies
-        The bodies that are assessed.
-    config : Config
-        Options.
-    """
+    """The tree without a record: what does not depend on the records, and every other variable empty."""
     return build_tree([], bodies, config, [], {} if config.records.components == "sweep" else None)
 
 
-def failure_table(failures: Sequence[Failure]) -> xr.Dataset:
-    """The node /failures.
-
-    Parameters
-    ----------
-    failures : sequence of Failure
-        What was left out.
-    """
-    return xr.Dataset(
-        {
-            name: described(("failure",), [getattr(row, name) for row in failures], meaning)
-            for name, meaning in FAILURE.items()
-        }
-    )
-
-
 def joined_parts(parts: Sequence[Mapping[str, np.ndarray]], records_before: int = 0) -> dict[str, np.ndarray]:
-    """Parts one after the other, with the columns that count records counted on.
+    """Parts one after the other, with the variables that count records counted on.
 
-    Parameters
-    ----------
-    parts : sequence of mapping of str to ndarray
-        At least one, all with the same variables; in each the first record has number 0.
-    records_before : int
-        Number of the first record of the first part.
-
-    Returns
-    -------
-    dict of str to ndarray
+    All parts have the same variables, and in each the first record has number 0; in the first of them it gets the
+    number `records_before`.
     """
     first = records_before + np.cumsum([0, *(len(part["/summary/record"]) for part in parts[:-1])])
     return {
@@ -141,146 +98,56 @@ def joined_parts(parts: Sequence[Mapping[str, np.ndarray]], records_before: int 
     }
 
 
-def record_part(one: RecordAssessment, bodies: Bodies, config: Config) -> dict[str, np.ndarray]:
-    """What one record adds to the results.
+def record_part(one: RecordAssessment) -> dict[str, np.ndarray]:
+    """What one record adds to the results, but for its earthquake.
 
-    Parameters
-    ----------
-    one : RecordAssessment
-        The record and the answers.
-    bodies : Bodies
-        The bodies that were assessed.
-    config : Config
-        Options.
-
-    Returns
-    -------
-    dict of str to ndarray
-        By its path in the file ("/summary/pga") the values of every variable that grows with the records, in the type
-        of the file; the first dimension is the one that grows. Columns that count records hold 0.
+    By its path in the file ("/summary/pga") the values of every variable that grows with the records, in the type of
+    the file; the first dimension is the one that grows. Variables that count records hold 0.
     """
-    found: dict[str, Any] = _of_summary(one, bodies, config)
-    found |= _of_overturning(one, bodies, config)
-    found |= _of_half_cycles(one, bodies, config)
-    if config.records.store != "none":
-        found |= _of_record(one, config)
-    return {path: column.values(found[path]) for path, column in growing_columns(bodies, config).items()}
-
-
-def _static(bodies: Bodies, config: Config) -> dict[str, xr.Variable]:
-    """What does not depend on the records, the coordinates included."""
-    block = {
-        "width": bodies.width,
-        "height": bodies.height,
-        "block_warnings": bodies.warnings,
-        **{name: getattr(bodies.lanes, name)[:: bodies.cases] for name in ("radius", "alpha_c", "p", "slenderness")},
-        "critical_impulse": bodies.lanes.critical_impulse[:: bodies.cases],
-    }
-    variables = {name: described(("block",), block[name], meaning) for name, meaning in BLOCK.items()}
-    restitution = _squeeze(bodies.per_case(np.asarray(bodies.lanes.restitution)), bodies)
-    variables["restitution"] = described(lane_dimensions(bodies), restitution, CASE["restitution"])
-    variables["block"] = described(("block",), bodies.names, (str, "1", "name of the body"))
-    variables["model"] = described(
-        ("model",),
-        list(config.models.answering),
-        (str, "1", "model, from the cheapest to the dearest; auto: the cheapest that answers, see model_used"),
-    )
-    if config.demands:
-        of_site = {
-            "demand_acceleration": [demand.acceleration for demand in config.demands],
-            "limit_state": [demand.limit_state for demand in config.demands],
-        }
-        for name, meaning in SITE_DEMAND.items():
-            variables[name] = described(("demand",), of_site[name], meaning)
-        names = [demand.name for demand in config.demands]
-        variables["demand"] = described(("demand",), names, (str, "1", "name of the demand"))
-    return variables
-
-
-def _of_summary(one: RecordAssessment, bodies: Bodies, config: Config) -> dict[str, Any]:
-    # A restitution range adds a dimension; without one there is a single case and no dimension for it.
-    found: dict[str, Any] = {"record": [one.scene.record.id], **{name: [one.record[name]] for name in one.record}}
-    for name in DEMAND:
-        found[name] = _squeeze(one.per_block[name][np.newaxis], bodies)
-    answers = dict(one.per_model)
-    answers["capacity_pga"] = answers["safety_factor"] * one.record["pga"]
-    for name in ANSWER:
-        found[name] = _squeeze(answers[name][np.newaxis], bodies, axis=2)
-    if config.demands:
-        acceleration = np.array([demand.acceleration for demand in config.demands])
-        found["capacity_ratio"] = found["capacity_pga"][..., np.newaxis] / acceleration
-    return {f"/summary/{name}": values for name, values in found.items()}
-
-
-def _of_overturning(one: RecordAssessment, bodies: Bodies, config: Config) -> dict[str, Any]:
-    columns: dict[str, list[np.ndarray]] = {name: [] for name in OVERTURNING}
-    for model_index, model in enumerate(config.models.answering):
-        found = one.scales[model]
-        _add_indices(columns, found.lane, bodies, model_index)
-        for name in ("lower", "upper", "open", "resolved"):
-            columns[name].append(getattr(found, name))
-    return {f"/overturning_intervals/{name}": _joined(parts) for name, parts in columns.items()}
-
-
-def _of_half_cycles(one: RecordAssessment, bodies: Bodies, config: Config) -> dict[str, Any]:
-    columns: dict[str, list[np.ndarray]] = {name: [] for name in HALF_CYCLE}
-    for model_index, model in enumerate(config.models.answering):
-        table = one.responses[model].half_cycles
-        if table is None:
-            continue
-        lane, cycle = np.nonzero(np.isfinite(table.start_velocity).T)
-        _add_indices(columns, lane, bodies, model_index)
-        columns["half_cycle"].append(cycle + 1)
-        for name in ("start_velocity", "peak", "duration", "impulse_count", "interval", "impact_speed"):
-            columns[name].append(getattr(table, name)[cycle, lane])
-    return {f"/half_cycles/{name}": _joined(parts) for name, parts in columns.items()}
-
-
-def _add_indices(columns: dict[str, list[np.ndarray]], lane: np.ndarray, bodies: Bodies, model_index: int) -> None:
-    columns[RECORD_INDEX].append(np.zeros(lane.size, dtype=int))
-    columns["block_index"].append(lane // bodies.cases)
-    columns["case_index"].append(lane % bodies.cases)
-    columns["model_index"].append(np.full(lane.size, model_index))
-
-
-def _of_record(one: RecordAssessment, config: Config) -> dict[str, Any]:
-    record, waves = one.scene.record, one.scene.waves
-    found: dict[str, Any] = {"record": [record.id], "half_wave_row_size": [waves.impulse.size]}
-    found |= {f"half_wave_{name}": getattr(waves, name) for name in WAVES}
-    if config.records.store == "all":
-        found |= {"row_size": [record.npts], "acceleration": record.acceleration}
-    if config.models.histories:
-        found |= _histories(one, config)
-    return {f"/records/{name}": values for name, values in found.items()}
-
-
-def _histories(one: RecordAssessment, config: Config) -> dict[str, Any]:
-    rotation: list[np.ndarray] = []
-    velocity: list[np.ndarray] = []
-    lanes: list[int] = []
-    models: list[int] = []
-    for model_index, model in enumerate(config.models.answering):
-        response = one.responses[model]
-        if response.rotation is None or response.velocity is None:
-            continue
-        count = response.rotation.shape[0]
-        rotation += list(response.rotation)
-        velocity += list(response.velocity)
-        lanes += range(count)
-        models += [model_index] * count
     return {
-        "history_row_size": [history.size for history in rotation],
-        "history_record_index": [0] * len(lanes),
-        "history_lane_index": lanes,
-        "history_model_index": models,
-        "rotation": _joined(rotation),
-        "velocity": _joined(velocity),
+        path: _of_record(variable, one)
+        for path, variable in _variables(one.config).items()
+        if variable.dims[0] in GROWING and path != EVENT
     }
 
 
-def _joined(parts: list[np.ndarray]) -> np.ndarray:
-    return np.concatenate(parts) if parts else np.zeros(0)
+def _of_record(variable: StoredVariable, one: RecordAssessment) -> np.ndarray:
+    if variable.of_ground and not one.shaken:
+        return _absent(variable, 1, one.bodies, one.config)
+    values = np.asarray(_take(variable)(one))
+    if variable.dims[0] == "record":
+        values = _in_dims(variable, values[np.newaxis], one.bodies)
+    return variable.values(values)
 
 
-def _squeeze(values: np.ndarray, bodies: Bodies, axis: int = -1) -> np.ndarray:
-    return values if bodies.cases > 1 else values.squeeze(axis=axis)
+def _variables(config: Config) -> dict[str, StoredVariable]:
+    """The variables that an assessment by a configuration has, less those of /failures and /directions, by path."""
+    return {
+        f"{group}/{name}": variable
+        for group in ("/summary", "/half_cycles", "/overturning_intervals", "/records")
+        for name, variable in ASSESSMENT_GROUPS[group].items()
+        if variable.stored is None or variable.stored(config)
+    }
+
+
+def _take(variable: StoredVariable) -> Callable[..., Any]:
+    assert variable.take is not None, variable.long_name
+    return variable.take
+
+
+def _dims(variable: StoredVariable, bodies: Bodies) -> tuple[str, ...]:
+    """The dimensions in the file: a restitution range adds one; without it there is a single case and none for it."""
+    return variable.dims if bodies.cases > 1 else tuple(dim for dim in variable.dims if dim != "case")
+
+
+def _in_dims(variable: StoredVariable, values: np.ndarray, bodies: Bodies) -> np.ndarray:
+    one_case = bodies.cases == 1 and "case" in variable.dims
+    return values.squeeze(axis=variable.dims.index("case")) if one_case else values
+
+
+def _absent(variable: StoredVariable, rows: int, bodies: Bodies, config: Config) -> np.ndarray:
+    """So many rows without a value."""
+    sizes = {"block": len(bodies.names), "case": bodies.cases, "model": len(config.models.answering)}
+    sizes["demand"] = len(config.demands)
+    shape = (rows, *(sizes[dim] for dim in _dims(variable, bodies)[1:]))
+    return np.full(shape, variable.absent, dtype=variable.kind)

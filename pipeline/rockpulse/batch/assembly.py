@@ -13,7 +13,7 @@ import numpy as np
 
 from rockpulse.assessment.assessment import Assessment
 from rockpulse.assessment.direction_statistics import direction_statistics
-from rockpulse.assessment.tree import failure_table, joined_parts
+from rockpulse.assessment.tree import joined_parts
 from rockpulse.batch.journal import Journal
 from rockpulse.batch.packing import unpack
 from rockpulse.errors import ResultsError
@@ -22,6 +22,7 @@ from rockpulse.motions.directions import swept_directions
 from rockpulse.motions.runner import Analysis, Part, Prepared
 from rockpulse.storage.hdf5_writer import TreeWriter, add_dataset
 from rockpulse.storage.save_load import check_described, provenance, replacing, save
+from rockpulse.storage.variables import failure_table
 
 if TYPE_CHECKING:
     import xarray as xr

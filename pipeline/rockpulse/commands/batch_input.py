@@ -107,7 +107,7 @@ def nothing_written(failures: Sequence[Failure], what: str) -> int:
     """Tell why not one record could be used; the exit code."""
     import xarray as xr
 
-    from rockpulse.assessment.tree import failure_table
+    from rockpulse.storage.variables import failure_table
     from rockpulse.views.text.left_out import failure_list
 
     rows = xr.DataTree.from_dict({"/failures": failure_table(failures)})

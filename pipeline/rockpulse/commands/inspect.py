@@ -112,10 +112,11 @@ def _check_worst(args: argparse.Namespace) -> None:
 
 def _incomplete(file: ResultsFile) -> str:
     """A message that names variables which another program has removed; empty if none is missing."""
-    from rockpulse.storage.variables import ANSWER, BLOCK, CASE, RECORD
+    from rockpulse.storage.assessment_variables import always_stored
 
     there = file.dataset("summary").variables
-    return ", ".join(name for name in (*RECORD, *BLOCK, *CASE, *ANSWER) if name not in there)
+    expected = always_stored(str(file.attrs["schema_version"]))["/summary"]
+    return ", ".join(name for name in expected if name not in there)
 
 
 def _details(summary: xr.Dataset, args: argparse.Namespace) -> list[str]:

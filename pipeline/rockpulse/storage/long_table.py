@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
 
-__all__ = ["Column", "LongTable", "long_table", "results_table"]
+__all__ = ["LongTable", "TableColumn", "long_table", "results_table"]
 
 #: Dimensions that become columns, one for each label, where they are the only one beyond those of the table.
 SPREAD = ("demand", "parameter")
@@ -38,7 +38,7 @@ CHUNK = 50_000
 
 
 @dataclass(frozen=True, eq=False)
-class Column:
+class TableColumn:
     """One column: where its values come from and what they mean.
 
     Attributes
@@ -93,7 +93,7 @@ class LongTable:
         Of the file.
     dims : tuple of str
         There is one row per element along them.
-    columns : tuple of Column
+    columns : tuple of TableColumn
         In their order.
     left_out : tuple of str
         Variables of the group that have other dimensions.
@@ -105,7 +105,7 @@ class LongTable:
 
     group: str
     dims: tuple[str, ...]
-    columns: tuple[Column, ...]
+    columns: tuple[TableColumn, ...]
     left_out: tuple[str, ...]
     places: dict[str, np.ndarray]
     found: int
@@ -267,7 +267,7 @@ def _dimensions(dataset: xr.Dataset, group: str) -> tuple[str, ...]:
     return most[0]
 
 
-def _answers_to(column: Column, name: str) -> bool:
+def _answers_to(column: TableColumn, name: str) -> bool:
     """By its heading, or without the label that it is spread by."""
     return name in (column.name, column.name.partition("[")[0])
 
@@ -276,7 +276,7 @@ def _texts(variable: xr.DataArray) -> np.ndarray:
     return np.array([str(label) for label in variable.values], dtype=object)
 
 
-def _label_columns(dataset: xr.Dataset, dims: Sequence[str]) -> Iterator[Column]:
+def _label_columns(dataset: xr.Dataset, dims: Sequence[str]) -> Iterator[TableColumn]:
     """The label, or the number, along each dimension; none where a table is a mere list."""
     for dim in dims:
         if dim in dataset.coords:
@@ -285,17 +285,17 @@ def _label_columns(dataset: xr.Dataset, dims: Sequence[str]) -> Iterator[Column]
             import xarray as xr
 
             numbers = xr.Variable((dim,), np.arange(dataset.sizes[dim]))
-            yield Column(dim, "1", f"number of the {dim}, from 0", {}, numbers)
+            yield TableColumn(dim, "1", f"number of the {dim}, from 0", {}, numbers)
 
 
-def _owners(dataset: xr.Dataset, dims: Sequence[str]) -> Iterator[Column]:
+def _owners(dataset: xr.Dataset, dims: Sequence[str]) -> Iterator[TableColumn]:
     """What the rows of a ragged array belong to."""
     for variable in dataset.data_vars.values():
         dim = str(variable.attrs.get("sample_dimension", ""))
         if dim in dims:
             owner = str(variable.dims[0])
             labels = _texts(dataset[owner]) if owner in dataset.coords else np.arange(variable.size)
-            yield Column(
+            yield TableColumn(
                 owner,
                 "1",
                 f"{owner} it belongs to",
@@ -312,17 +312,17 @@ def _counted(dim: str, size: int) -> xr.Variable:
     return xr.Variable((dim,), np.broadcast_to(0, (size,)))
 
 
-def _pointers(dataset: xr.Dataset, dims: Sequence[str], named: Mapping[str, np.ndarray]) -> Iterator[Column]:
+def _pointers(dataset: xr.Dataset, dims: Sequence[str], named: Mapping[str, np.ndarray]) -> Iterator[TableColumn]:
     for name, at in POINTS_AT.items():
         if name in dataset and set(dataset[name].dims) <= set(dims):
             variable = dataset.variables[name]
             if at in named:
-                yield Column(at, "1", f"{at} of /summary; empty without", {}, variable, named[at])
+                yield TableColumn(at, "1", f"{at} of /summary; empty without", {}, variable, named[at])
             else:
-                yield Column(at, "1", variable.attrs.get("long_name", ""), {}, variable)
+                yield TableColumn(at, "1", variable.attrs.get("long_name", ""), {}, variable)
 
 
-def _variables(dataset: xr.Dataset, dims: Sequence[str]) -> Iterator[Column]:
+def _variables(dataset: xr.Dataset, dims: Sequence[str]) -> Iterator[TableColumn]:
     for name, variable in dataset.data_vars.items():
         bare = dataset.variables[name]
         if name in POINTS_AT or not bare.dims:
@@ -339,16 +339,18 @@ def _spread_dim(variable: xr.Variable, dims: Sequence[str]) -> str:
     return beyond[0] if len(beyond) == 1 and beyond[0] in SPREAD and len(variable.dims) > 1 else ""
 
 
-def _column(name: str, variable: xr.Variable, attrs: Mapping[str, Any] | None = None) -> Column:
+def _column(name: str, variable: xr.Variable, attrs: Mapping[str, Any] | None = None) -> TableColumn:
     attrs = variable.attrs if attrs is None else attrs
-    return Column(name, str(attrs.get("units", "1")), str(attrs.get("long_name", "")), flag_words(variable), variable)
+    return TableColumn(
+        name, str(attrs.get("units", "1")), str(attrs.get("long_name", "")), flag_words(variable), variable
+    )
 
 
 def _masks(
     dataset: xr.Dataset,
     dims: Sequence[str],
     named: Mapping[str, np.ndarray],
-    labels: Sequence[Column],
+    labels: Sequence[TableColumn],
     selection: Selection,
 ) -> tuple[list[tuple[tuple[str, ...], np.ndarray]], Selection]:
     """Filters by a name that the rows only point at, and the selection without them."""

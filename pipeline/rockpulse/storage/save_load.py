@@ -4,13 +4,18 @@ from __future__ import annotations
 
 import os
 import platform
+import tomllib
 from collections.abc import Iterator, Mapping
 from datetime import UTC, datetime
 from functools import cache
 from importlib.metadata import version
+from itertools import islice
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
+from rockpulse.config.settings import SPACINGS, SequenceSettings
 from rockpulse.errors import ResultsError
 from rockpulse.remark import find, recognised, with_codes
 from rockpulse.storage.accuracy_variables import REPORT
@@ -20,7 +25,8 @@ from rockpulse.storage.fragility_variables import FRAGILITY
 from rockpulse.storage.rule_variables import RULE_KIND
 from rockpulse.storage.site_variables import SITE_KIND
 from rockpulse.storage.study_variables import STUDY
-from rockpulse.storage.variables import RECORD, described
+from rockpulse.storage.summary_variables import BLOCK, RECORD
+from rockpulse.storage.variables import NOT_KNOWN
 from rockpulse.version import __version__
 
 if TYPE_CHECKING:
@@ -42,7 +48,7 @@ __all__ = [
 ]
 
 #: MAJOR.MINOR of the layout described in docs/schema.md; another MAJOR is refused.
-SCHEMA_VERSION = "1.0"
+SCHEMA_VERSION = "1.1"
 
 #: Kinds of files that are read back, and the group that each of them has.
 KINDS = {ASSESSMENT: "summary", SITE_KIND: "site", FRAGILITY: "fragility", RULE_KIND: "rates", STUDY: "statements"}
@@ -125,7 +131,7 @@ def load(path: str | os.PathLike[str]) -> xr.DataTree:
     """
     import xarray as xr
 
-    check_schema(path)
+    kind = check_schema(path)
     try:
         # Times are plain seconds and stay so, whatever units xarray may take for time deltas.
         with xr.open_datatree(path, engine="h5netcdf", decode_times=False, decode_timedelta=False) as opened:
@@ -133,8 +139,52 @@ def load(path: str | os.PathLike[str]) -> xr.DataTree:
     except (OSError, RuntimeError, ValueError, KeyError) as error:
         raise ResultsError(f"{path}: the results file is damaged ({error}); run the assessment again") from error
     tree = tree.map_over_datasets(_as_saved)
-    if "summary" in tree.children:
+    if kind == ASSESSMENT:
         tree["summary"].dataset = coded(tree["summary"].to_dataset())
+    return _as_of_1_1(tree) if kind == ASSESSMENT and tree.attrs["schema_version"] == "1.0" else tree
+
+
+def _as_of_1_1(tree: xr.DataTree) -> xr.DataTree:
+    """An assessment of schema 1.0 with what it did not store worked out from what it did.
+
+    Gravity follows from p and R, which are those of a rectangle: g = 4 R p^2/3. The spacing of the sequences is that of
+    the configuration, unless the half-cycles of the first sequence say otherwise: a design sequence has its own.
+    """
+    from rocking.block import Block
+    from rocking.sequence import ImpulseSequence, sequence_response
+
+    summary, table = tree["summary"].to_dataset(), tree["half_cycles"].to_dataset()
+    p, radius, restitution = (summary[name].values for name in ("p", "radius", "restitution"))
+    gravity = [float(f"{value:.12g}") for value in 4.0 * radius * p * p / 3.0]
+    settings = tomllib.loads(str(tree.attrs["configuration"])).get("sequence", {})
+    spacings = list(dict.fromkeys((str(settings.get("spacing", SequenceSettings().spacing)), *SPACINGS)))
+    calibrated = np.isfinite(summary["main_impulse"].values)
+    models = summary["model"].values.tolist()
+    if "sequence" in models and calibrated.any():
+        first = int(np.argmax(calibrated))
+        of_first = (table["record_index"] == first) & (table["model_index"] == models.index("sequence"))
+        stored = table["duration"].values[of_first.values]
+        cases = restitution.size // p.size
+        alpha = np.repeat(summary["alpha_c"].values, cases)
+        block = Block.from_parameters(np.repeat(p, cases), alpha, restitution=restitution.ravel(), gravity=gravity[0])
+        main, secondary, interval, duration, count = (
+            summary[name].values[first].item()
+            for name in ("main_impulse", "secondary_impulse", "secondary_interval", "sequence_duration", "main_count")
+        )
+
+        def same(spacing: str) -> bool:
+            sequence = ImpulseSequence(main, secondary, interval, duration, None if count < 0 else count, None, spacing)
+            found = sequence_response(block, sequence).half_cycles
+            assert found is not None
+            durations = found.duration.T[np.isfinite(found.start_velocity).T]
+            return durations.shape == stored.shape and np.allclose(durations, stored, rtol=1e-6)
+
+        spacings = list(islice(filter(same, spacings), 1))
+    code = SPACINGS.index(spacings[0]) if spacings else NOT_KNOWN
+    tree["summary"].dataset = summary.assign(
+        gravity=BLOCK["gravity"].variable(gravity),
+        spacing=RECORD["spacing"].variable(np.where(calibrated, code, NOT_KNOWN)),
+    )
     return tree
 
 
@@ -143,14 +193,14 @@ def coded(summary: xr.Dataset) -> xr.Dataset:
     if "warning_codes" in summary or "warnings" not in summary:
         return summary
     codes = [with_codes(map(recognised, str(text).splitlines()))[1] for text in summary["warnings"].values]
-    found = {"warning_codes": described(("record",), codes, RECORD["warning_codes"])}
+    found = {"warning_codes": RECORD["warning_codes"].variable(codes)}
     if "processing" in summary:
         acting = [
             find(map(recognised, str(text).splitlines()), "vertical_acceleration")
             for text in summary["processing"].values
         ]
         names = ["" if one is None else one.values["record"] for one in acting]
-        found["vertical_channel"] = described(("record",), names, RECORD["vertical_channel"])
+        found["vertical_channel"] = RECORD["vertical_channel"].variable(names)
     return summary.assign(found)
 
 

@@ -1,120 +1,182 @@
-"""The variables of a study file: type, unit and meaning of each (docs/schema.md)."""
+"""The variables of a study file."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from rocking.response import Outcome
-from rockpulse.storage.variables import Meaning, described
+from rockpulse.storage.variables import Declared, along, flag, real, text, whole
 
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["AXES", "FIGURE4", "FIGURE5", "INTERVALS", "STATEMENTS", "STUDY", "VERDICTS", "described_set", "no_motion"]
+__all__ = [
+    "AXES",
+    "FIGURE4",
+    "FIGURE5",
+    "INTERVALS",
+    "STATEMENTS",
+    "STUDY",
+    "STUDY_GROUPS",
+    "VERDICTS",
+    "described_set",
+    "no_motion",
+]
 
 #: Root attribute `kind` of a study file.
 STUDY = "study"
 
-#: Coordinates of all groups.
-AXES: dict[str, Meaning] = {
-    "restitution": (float, "1", "velocity ratio C of an impact"),
-    "impulse_ratio": (float, "1", "I/I_1c, main impulse over the one that overturns the resting block at once"),
-    "secondary_ratio": (float, "1", "I_s/I, secondary over main impulse"),
-    "spacing": (str, "1", "where the secondary impulses stand in the half-cycle"),
-    "intermediate_count": (float, "1", "secondary impulses n in every half-cycle; inf: the continuous limit"),
-    "p": (float, "s-1", "frequency parameter of the block"),
-    "block": (str, "1", "name of the block"),
-    "interval": (float, "s", "trial interval dT of the secondary impulses"),
-    "half_cycle": (int, "1", "number of the half-cycle, from 1"),
-    "time": (float, "s", "time from the first main impulse"),
-    "statement": (str, "1", "name of the statement"),
-}
-
-_ANSWER: dict[str, Meaning] = {
-    "peak_rotation_ratio": (float, "1", "largest theta/alpha_c under the limited input; inf where the block overturns"),
-    "outcome": (np.int8, "1", "how the motion ends"),
-    "overturning_half_cycle": (int, "1", "half-cycle in which the block overturns; -1 where it does not"),
-    "half_cycle_count": (int, "1", "half-cycles that a main impulse starts, that of overturning included"),
-    "ground_contact": (
-        np.int8,
-        "1",
-        "whether the march passes through the ground inside a half-cycle, so that the closed form stands for no motion",
-    ),
-    "no_motion": (
-        np.int8,
-        "1",
-        "whether the closed form stands for no motion of a block: ground_contact, or a finite peak beyond alpha_c",
-    ),
-}
-
-FIGURE4: dict[str, Meaning] = {
-    **_ANSWER,
-    "endless_peak_rotation_ratio": (float, "1", "largest theta/alpha_c under an input without end"),
-    "duration_binds": (np.int8, "1", "whether an input without end gives another peak, by more than 1e-9 of it"),
-}
-
-_LANE: dict[str, Meaning] = {
-    **_ANSWER,
-    "overturning_time": (float, "s", "start of the half-cycle in which the block overturns; NaN where it does not"),
-}
-
-FIGURE5: dict[str, Meaning] = {
-    "width": (float, "m", "full width 2b in the plane of rocking"),
-    "height": (float, "m", "full height 2a"),
-    "radius": (float, "m", "R, half the diagonal"),
-    "alpha_c": (float, "rad", "critical angle"),
-    "p": (float, "s-1", "frequency parameter"),
-    "slenderness": (float, "1", "height over width"),
-    "critical_impulse": (float, "m s-1", "I_1c, the impulse that overturns the resting block at once"),
-    "housner_restitution": (float, "1", "Housner's velocity ratio C of an impact, 1 - 1.5 sin^2(alpha_c)"),
-    "double_impulse": (float, "m s-1", "V_c, critical double impulse of Nabeshima et al. (2016), Housner's C"),
-    "double_impulse_time": (float, "s", "t_0, time between its two impulses"),
-    "main_impulse": (float, "m s-1", "I = I_2c, the impulse that overturns in the second half-cycle when alone"),
-    "impulse_ratio": (float, "1", "I/I_1c"),
-    "second_impulse_time": (float, "s", "time of the second main impulse without secondary ones"),
-    **_LANE,
-    "start_velocity": (float, "1", "u_i = theta'/(p alpha_c) right after the main impulse"),
-    "peak": (float, "1", "largest theta/alpha_c in the half-cycle; inf where the block overturns"),
-    "duration": (float, "s", "time to the next impact; inf where there is none"),
-    "impulse_count": (int, "1", "secondary impulses n_i; -1 where n -> infinity or there is no half-cycle, 0 without"),
-    "corrected_interval": (float, "s", "corrected interval dT_i of the secondary impulses; NaN without"),
-    "impact_speed": (float, "1", "speed right before the next impact over p alpha_c; NaN where there is none"),
-    "rotation_ratio": (
-        float,
-        "1",
-        "theta/alpha_c, positive about the right-hand corner; NaN once an overturning block has passed alpha_c",
-    ),
-}
-
-INTERVALS: dict[str, Meaning] = {
-    **_LANE,
-    "holds": (np.int8, "1", "whether the statement holds with this common interval"),
-    "all_hold": (np.int8, "1", "whether all statements hold that hold with some spacing and interval"),
-}
-
-STATEMENTS: dict[str, Meaning] = {
-    "words": (str, "1", "what section 4 says"),
-    "verdict": (np.int8, "1", "whether it holds"),
-    "cases": (int, "1", "cases looked at"),
-    "held": (int, "1", "cases in which it holds"),
-    "where": (str, "1", "where it holds"),
-    "numbers": (str, "1", "figures that show it"),
-}
-
-#: Flags of `verdict`.
+#: Words of the flag `verdict`.
 VERDICTS = ("fails", "holds_in_part", "holds", "not_examined")
 
-_FLAGS: dict[str, Sequence[str]] = {
-    "outcome": [outcome.name.lower() for outcome in Outcome],
-    "ground_contact": ["clear", "passes_through"],
-    "no_motion": ["no", "yes"],
-    "duration_binds": ["free", "binds"],
-    "holds": ["no", "yes"],
-    "all_hold": ["no", "yes"],
-    "verdict": VERDICTS,
+#: Coordinates of all groups.
+AXES: Declared = {
+    "restitution": real("1", "velocity ratio C of an impact"),
+    "impulse_ratio": real("1", "I/I_1c, main impulse over the one that overturns the resting block at once"),
+    "secondary_ratio": real("1", "I_s/I, secondary over main impulse"),
+    "spacing": text("where the secondary impulses stand in the half-cycle"),
+    "intermediate_count": real("1", "secondary impulses n in every half-cycle; inf: the continuous limit"),
+    "p": real("s-1", "frequency parameter of the block"),
+    "block": text("name of the block"),
+    "interval": real("s", "trial interval dT of the secondary impulses"),
+    "half_cycle": whole("number of the half-cycle, from 1"),
+    "time": real("s", "time from the first main impulse"),
+    "statement": text("name of the statement"),
+}
+
+_ANSWER: Declared = {
+    "peak_rotation_ratio": real("1", "largest theta/alpha_c under the limited input; inf where the block overturns"),
+    "outcome": flag((outcome.name.lower() for outcome in Outcome), "how the motion ends"),
+    "overturning_half_cycle": whole("half-cycle in which the block overturns; -1 where it does not"),
+    "half_cycle_count": whole("half-cycles that a main impulse starts, that of overturning included"),
+    "ground_contact": flag(
+        ("clear", "passes_through"),
+        "whether the march passes through the ground inside a half-cycle, so that the closed form stands for no motion",
+    ),
+    "no_motion": flag(
+        ("no", "yes"),
+        "whether the closed form stands for no motion of a block: ground_contact, or a finite peak beyond alpha_c",
+        explanation="no block comes back from beyond alpha_c: the peaks are no result",
+    ),
+}
+
+FIGURE4 = along(
+    ("restitution", "impulse_ratio", "secondary_ratio", "spacing", "intermediate_count", "p"),
+    {
+        **_ANSWER,
+        "endless_peak_rotation_ratio": real("1", "largest theta/alpha_c under an input without end"),
+        "duration_binds": flag(
+            ("free", "binds"), "whether an input without end gives another peak, by more than 1e-9 of it"
+        ),
+    },
+)
+
+_LANE: Declared = {
+    **_ANSWER,
+    "overturning_time": real("s", "start of the half-cycle in which the block overturns; NaN where it does not"),
+}
+
+#: The dimensions of an answer, over which the input differs.
+_LANES = ("block", "restitution", "secondary_ratio", "spacing")
+
+FIGURE5: Declared = {
+    **along(
+        ("block",),
+        {
+            "width": real("m", "full width 2b in the plane of rocking"),
+            "height": real("m", "full height 2a"),
+            "radius": real("m", "R, half the diagonal"),
+            "alpha_c": real("rad", "critical angle"),
+            "p": real("s-1", "frequency parameter"),
+            "slenderness": real("1", "height over width"),
+            "critical_impulse": real("m s-1", "I_1c, the impulse that overturns the resting block at once"),
+            "housner_restitution": real("1", "Housner's velocity ratio C of an impact, 1 - 1.5 sin^2(alpha_c)"),
+            "double_impulse": real("m s-1", "V_c, critical double impulse of Nabeshima et al. (2016), Housner's C"),
+            "double_impulse_time": real("s", "t_0, time between its two impulses"),
+        },
+    ),
+    **along(
+        _LANES[:2],
+        {
+            "main_impulse": real("m s-1", "I = I_2c, the impulse that overturns in the second half-cycle when alone"),
+            "impulse_ratio": real("1", "I/I_1c"),
+            "second_impulse_time": real("s", "time of the second main impulse without secondary ones"),
+        },
+    ),
+    **along(
+        _LANES,
+        {
+            **_LANE,
+        },
+    ),
+    **along(
+        (*_LANES, "half_cycle"),
+        {
+            "start_velocity": real("1", "u_i = theta'/(p alpha_c) right after the main impulse"),
+            "peak": real("1", "largest theta/alpha_c in the half-cycle; inf where the block overturns"),
+            "duration": real("s", "time to the next impact; inf where there is none"),
+            "impulse_count": whole(
+                "secondary impulses n_i; -1 where n -> infinity or there is no half-cycle, 0 without"
+            ),
+            "corrected_interval": real("s", "corrected interval dT_i of the secondary impulses; NaN without"),
+            "impact_speed": real("1", "speed right before the next impact over p alpha_c; NaN where there is none"),
+        },
+    ),
+    **along(
+        (*_LANES, "time"),
+        {
+            "rotation_ratio": real(
+                "1",
+                "theta/alpha_c, positive about the right-hand corner; NaN once an overturning block has passed alpha_c",
+                explanation="the first main impulse pushes the ground to the right and the block to the left, so it "
+                "starts negative",
+            ),
+        },
+    ),
+}
+
+INTERVALS: Declared = {
+    **along((*_LANES, "interval"), _LANE),
+    "holds": flag(
+        ("no", "yes"),
+        "whether the statement holds with this common interval",
+        dims=("statement", "spacing", "interval"),
+    ),
+    "all_hold": flag(
+        ("no", "yes"),
+        "whether all statements hold that hold with some spacing and interval",
+        dims=("spacing", "interval"),
+    ),
+}
+
+STATEMENTS = along(
+    ("statement",),
+    {
+        "words": text("what section 4 says"),
+        "verdict": flag(VERDICTS, "whether it holds"),
+        "cases": whole("cases looked at"),
+        "held": whole("cases in which it holds"),
+        "where": text("where it holds"),
+        "numbers": text("figures that show it"),
+    },
+)
+
+
+def _with(declared: Declared) -> Declared:
+    """A group with the coordinates of its variables."""
+    axes = {dim for variable in declared.values() for dim in variable.dims}
+    return {name: along((name,), AXES)[name] for name in AXES if name in axes} | dict(declared)
+
+
+#: Every variable of a study file, by its group.
+STUDY_GROUPS: dict[str, Declared] = {
+    "/figure4": _with(FIGURE4),
+    "/figure5": {**_with(FIGURE5), "interval": AXES["interval"]},
+    "/intervals": _with(INTERVALS),
+    "/statements": _with(STATEMENTS),
 }
 
 
@@ -141,27 +203,10 @@ def no_motion(ground_contact: Any, *peaks: Any) -> np.ndarray:
 
 
 def described_set(
-    variables: Mapping[str, tuple[tuple[str, ...], Any]], coords: Mapping[str, Any], meanings: Mapping[str, Meaning]
+    variables: Mapping[str, tuple[tuple[str, ...], Any]], coords: Mapping[str, Any], declared: Declared
 ) -> xr.Dataset:
-    """A dataset whose variables and coordinates carry units, long names and flags.
-
-    Parameters
-    ----------
-    variables : mapping of str to (dimensions, values)
-        What it holds.
-    coords : mapping of str to array_like
-        One-dimensional coordinates of :data:`AXES`, or scalars of it.
-    meanings : mapping of str to Meaning
-        Meaning of every variable.
-    """
+    """Declared variables, each with its dimensions and values, and coordinates of :data:`AXES` or scalars of it."""
     import xarray as xr
 
-    axes = {name: described((name,) if np.ndim(values) else (), values, AXES[name]) for name, values in coords.items()}
-    dataset = xr.Dataset(
-        {name: described(dims, values, meanings[name]) for name, (dims, values) in variables.items()}, axes
-    )
-    for name, meanings_of_flags in _FLAGS.items():
-        if name in dataset:
-            dataset[name].attrs["flag_values"] = np.arange(len(meanings_of_flags), dtype=np.int8)
-            dataset[name].attrs["flag_meanings"] = " ".join(meanings_of_flags)
-    return dataset
+    axes = {name: AXES[name].variable(values, (name,) if np.ndim(values) else ()) for name, values in coords.items()}
+    return xr.Dataset({name: declared[name].variable(values, dims) for name, (dims, values) in variables.items()}, axes)

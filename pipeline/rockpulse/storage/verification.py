@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any
@@ -13,6 +13,7 @@ import h5py
 import numpy as np
 
 from rockpulse.errors import ResultsError, RockpulseError
+from rockpulse.storage.assessment_variables import always_stored
 from rockpulse.storage.checksums import (
     CHECKSUM,
     CHECKSUM_OF_ATTRIBUTES,
@@ -21,18 +22,9 @@ from rockpulse.storage.checksums import (
     variables_of,
 )
 from rockpulse.storage.input_files import in_place, input_checksums, input_files, record_folders, stored_checksums
-from rockpulse.storage.save_load import ASSESSMENT, SCHEMA_VERSION, check_schema
-from rockpulse.storage.variables import ANSWER, BLOCK, CASE, DEMAND, FAILURE, HALF_CYCLE, OVERTURNING, RECORD, Meaning
+from rockpulse.storage.save_load import ASSESSMENT, check_schema
 
 __all__ = ["Verification", "verify"]
-
-#: What every assessment of this schema holds.
-SCHEMA: dict[str, Mapping[str, Meaning]] = {
-    "/summary": {**RECORD, **BLOCK, **CASE, **DEMAND, **ANSWER},
-    "/half_cycles": HALF_CYCLE,
-    "/overturning_intervals": OVERTURNING,
-    "/failures": FAILURE,
-}
 
 #: Values that are read at once [bytes].
 CHUNK = 32 * 1024**2
@@ -93,8 +85,8 @@ def verify(
     with _readable(path), h5netcdf.File(path, "r", decode_vlen_strings=True) as file:
         schema = str(file.attrs["schema_version"])
         differences, count = _wrong_checksums(file, progress)
-        if kind == ASSESSMENT and _minor(schema) >= _minor(SCHEMA_VERSION):
-            differences += _wrong_variables(file)
+        if kind == ASSESSMENT:
+            differences += _wrong_variables(file, schema)
         stored = stored_checksums(file) if inputs else []
         folders = record_folders(str(file.attrs.get("configuration", "")))
     sources = input_files(stored)
@@ -119,11 +111,6 @@ def _readable(path: str | os.PathLike[str]) -> Iterator[None]:
         raise
     except (OSError, RuntimeError, KeyError, ValueError) as error:
         raise ResultsError(f"{path}: the results file is damaged ({error}); run the assessment again") from error
-
-
-def _minor(version: str) -> int:
-    text = version.partition(".")[2]
-    return int(text) if text.isdecimal() else 0
 
 
 def _wrong_checksums(file: h5netcdf.File, progress: Callable[[list[Any]], Any]) -> tuple[list[str], int]:
@@ -162,12 +149,13 @@ def _checksum(variable: h5netcdf.Variable) -> str:
     return checksum.hexdigest()
 
 
-def _wrong_variables(file: h5netcdf.File) -> list[str]:
+def _wrong_variables(file: h5netcdf.File, schema: str) -> list[str]:
     """What an assessment lacks, or holds in another type or unit than docs/schema.md says."""
     found = []
     there = dict(variables_of(file))
-    for group, meanings in SCHEMA.items():
-        for name, (kind, units, _) in meanings.items():
+    for group, declared in always_stored(schema).items():
+        for name, expected in declared.items():
+            kind, units = expected.kind, expected.units
             path = f"{group}/{name}"
             if path not in there:
                 found.append(f"variable {path}: it is missing")

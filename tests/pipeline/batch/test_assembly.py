@@ -60,6 +60,7 @@ def assessed(ridgecrest, tmp_path_factory):
             planned, _ = plan_motions(cut, config)
             done = [part for one in planned for part in worked(one, analysis.work, analysis.name, config)]
             assert not any(isinstance(part, Failure) for part in done)
+            done = [analysis.of_event(part, "Ridgecrest") for part in done]
             found[name] = done, analysis.bodies, config, swept_directions(planned, config)
         return found[name]
 
@@ -109,7 +110,7 @@ def test_parts_from_a_journal_stand_in_the_order_of_the_keys(assessed, tmp_path)
             parts = (pack(done[number]),)
             journal.add(Done(f"record {number}", "f", parts))
         keys = [f"record {number}" for number in range(4)]
-        parts = JournalParts(journal, Assessment(config), keys, dict.fromkeys(keys, ""))
+        parts = JournalParts(journal, Assessment(config), keys, dict.fromkeys(keys, "Ridgecrest"))
         assemble(target, template(bodies, config), parts, run_id=journal.run_id)
         assert is_assembled(target, journal.run_id)
     save(build_tree(done[:4], bodies, config, []), tmp_path / "saved.h5")
@@ -200,7 +201,7 @@ def test_a_kill_while_assembling_leaves_old_file_and_journal(assessed, tmp_path,
         config = rp.load_config({str(tmp_path / "site.toml")!r})
         setattr(TreeWriter, {step!r}, lambda *args: os.kill(os.getpid(), signal.SIGKILL))
         with Journal.open({str(target)!r}, resume=True) as journal:
-            parts = JournalParts(journal, Assessment(config), {keys!r}, {dict.fromkeys(keys, "")!r})
+            parts = JournalParts(journal, Assessment(config), {keys!r}, {dict.fromkeys(keys, "Ridgecrest")!r})
             assemble({str(target)!r}, Assessment(config).template, parts, [], {swept!r}, True)
     """
     killed = subprocess.run(
@@ -210,7 +211,7 @@ def test_a_kill_while_assembling_leaves_old_file_and_journal(assessed, tmp_path,
     assert target.read_bytes() == old
     with Journal.open(target, resume=True) as journal:
         assert journal.run_id == run_id
-        parts = JournalParts(journal, Assessment(config), keys, dict.fromkeys(keys, ""))
+        parts = JournalParts(journal, Assessment(config), keys, dict.fromkeys(keys, "Ridgecrest"))
         assemble(target, template(bodies, config), parts, [], swept, overwrite=True, run_id=run_id)
         assert is_assembled(target, run_id)
     save(build_tree(done, bodies, config, [], swept), tmp_path / "saved.h5")

@@ -10,12 +10,13 @@ from results_tree import BLOCKS, MODELS, RECORDS, results_tree
 
 import rockpulse as rp
 from rockpulse.errors import ResultsError
+from rockpulse.storage.assessment_variables import ASSESSMENT_GROUPS, HALF_CYCLE, WAVES
 from rockpulse.storage.csv_table import readme_of, write_table
 from rockpulse.storage.hdf5_reader import open_results
 from rockpulse.storage.long_table import long_table, results_table
 from rockpulse.storage.save_load import save
 from rockpulse.storage.selection import Selection
-from rockpulse.storage.variables import HALF_CYCLE, WAVES, described
+from rockpulse.storage.summary_variables import SUMMARY
 
 
 def full_tree(cases=None):
@@ -23,20 +24,20 @@ def full_tree(cases=None):
     tree = results_tree(cases)
     summary = tree["summary"].to_dataset()
     ratio = summary["safety_factor"].values[..., np.newaxis] * np.array([1.0, 0.4])
-    name = described(("demand",), ["damage", "collapse"], (str, "1", "name of the demand"))
+    name = SUMMARY["demand"].variable(["damage", "collapse"])
     summary = summary.assign_coords(demand=name).assign(
-        demand_acceleration=described(("demand",), [1.0, 2.5], (float, "m s-2", "asked for")),
-        capacity_ratio=described((*summary["safety_factor"].dims, "demand"), ratio, (float, "1", "over demand")),
+        demand_acceleration=SUMMARY["demand_acceleration"].variable([1.0, 2.5]),
+        capacity_ratio=SUMMARY["capacity_ratio"].variable(ratio, (*summary["safety_factor"].dims, "demand")),
     )
     tree["summary"] = xr.DataTree(summary)
     index = {"record_index": [0, 0, 2], "block_index": [1, 1, 0], "case_index": [0] * 3, "model_index": [1, 1, 2]}
     values = {name: index.get(name, np.arange(3.0) + 1) for name in HALF_CYCLE}
     tree["half_cycles"] = xr.DataTree(
-        xr.Dataset({name: described(("row",), values[name], HALF_CYCLE[name]) for name in HALF_CYCLE})
+        xr.Dataset({name: one.variable(values[name]) for name, one in HALF_CYCLE.items()})
     )
-    sizes = described(("record",), [2, 0, 1], (int, "1", "half-waves of each record"))
+    sizes = ASSESSMENT_GROUPS["/records"]["half_wave_row_size"].variable([2, 0, 1])
     sizes.attrs["sample_dimension"] = "wave"
-    waves = {f"half_wave_{name}": described(("wave",), [0.1, -0.2, 0.3], WAVES[name]) for name in WAVES}
+    waves = {f"half_wave_{name}": one.variable([0.1, -0.2, 0.3]) for name, one in WAVES.items()}
     tree["records"] = xr.DataTree(
         xr.Dataset({"half_wave_row_size": sizes, **waves}, {"record": summary["record"].variable})
     )

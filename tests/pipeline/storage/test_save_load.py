@@ -14,11 +14,16 @@ import pytest
 import xarray as xr
 from results_tree import CONFIGURATION, results_bytes, results_tree
 
+import rockpulse as rp
+from rockpulse.config.configuration import Config
+from rockpulse.config.settings import ModelSettings
 from rockpulse.errors import ResultsError
+from rockpulse.models import Block, ImpulseSequence
 from rockpulse.storage import atomic_file as target_file
 from rockpulse.storage import save_load as store
 from rockpulse.storage.hdf5_reader import open_results
 from rockpulse.storage.save_load import check_target, load, save
+from rockpulse.storage.variables import NOT_KNOWN
 
 TESTS = Path(__file__).parents[2]
 
@@ -322,3 +327,51 @@ def test_an_ordinary_umask_decides_who_may_read_the_results(tmp_path):
     finally:
         os.umask(before)
     assert (tmp_path / "results.h5").stat().st_mode & 0o777 == 0o644
+
+
+def _of_schema_1_0(path, spacing, blocks, use=("resonance", "sequence"), **sequence):
+    """Results as version 0.1.0 wrote them: without gravity and spacing, the latter not always in the configuration."""
+    given = {"main": 0.35, "secondary": 0.12, "interval": 0.15, "duration": 12.0, "main_count": 4}
+    tree = rp.assess_sequence(
+        ImpulseSequence(**(given | sequence), spacing=spacing), Config(models=ModelSettings(use=use)), blocks
+    )
+    text = str(tree.attrs["configuration"])
+    tree.attrs["configuration"] = text.replace(f'spacing = "{spacing}"', 'spacing = "end"')
+    summary = tree["summary"].to_dataset()
+    tree["summary"].dataset = summary.drop_vars(["gravity", "spacing"])
+    save(tree, path)
+    with h5py.File(path, "a") as file:
+        file.attrs["schema_version"] = "1.0"
+    return summary
+
+
+@pytest.mark.parametrize("spacing", ["end", "middle", "continuous"])
+@pytest.mark.parametrize("restitution", ["housner", [0.85, 0.9]])
+def test_gravity_and_spacing_of_schema_1_0_are_worked_out(tmp_path, spacing, restitution):
+    blocks = {
+        "wall": Block(0.15, 1.5, restitution=restitution, gravity=9.81),
+        "statue": Block.from_parameters(2.385, 0.2445, restitution=restitution, gravity=9.81),
+    }
+    expected = _of_schema_1_0(tmp_path / "results.h5", spacing, blocks)
+    found = load(tmp_path / "results.h5")["summary"].to_dataset()
+    assert found["gravity"].values.tolist() == [9.81, 9.81]
+    for name in ("gravity", "spacing"):
+        xr.testing.assert_identical(found[name].variable, expected[name].variable)
+    words = found["spacing"].attrs["flag_meanings"].split()
+    assert words[int(found["spacing"].item()) + 1] == spacing
+    save(load(tmp_path / "results.h5"), tmp_path / "again.h5")
+    assert attribute(tmp_path / "again.h5", "schema_version") == store.SCHEMA_VERSION
+
+
+def test_half_cycles_of_schema_1_0_that_fit_no_spacing_leave_it_unknown(tmp_path):
+    path = tmp_path / "results.h5"
+    _of_schema_1_0(path, "end", {"wall": Block(0.15, 1.5)})
+    with h5py.File(path, "a") as file:
+        file["half_cycles/duration"][...] *= 1.001
+    assert load(path)["summary"]["spacing"].values.tolist() == [NOT_KNOWN]
+
+
+def test_without_the_sequence_model_the_spacing_of_schema_1_0_is_the_configurations(tmp_path):
+    path = tmp_path / "results.h5"
+    _of_schema_1_0(path, "middle", {"wall": Block(0.15, 1.5)}, use=("resonance",))
+    assert load(path)["summary"]["spacing"].values.tolist() == [0]

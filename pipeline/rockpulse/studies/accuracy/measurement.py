@@ -180,9 +180,4 @@ def _reference(records: Iterable[Record], effort: Effort) -> tuple[pd.DataFrame,
 
 
 def _dataset(name: str, table: pd.DataFrame) -> xr.Dataset:
-    return xr.Dataset(
-        {
-            column: ("row", np.asarray(table[column], dtype=kind), {"units": units, "long_name": long_name})
-            for column, (kind, units, long_name) in TABLES[name].items()
-        }
-    )
+    return xr.Dataset({column: one.variable(table[column]) for column, one in TABLES[name].items()})

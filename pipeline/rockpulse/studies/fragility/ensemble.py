@@ -10,13 +10,13 @@ import numpy as np
 from rockpulse.config.configuration import Config
 from rockpulse.config.fragility_settings import OVERTURNING
 from rockpulse.motions.runner import Part, joined
+from rockpulse.storage.fragility_variables import Status
 from rockpulse.studies.fragility.capacity import nothing
 from rockpulse.studies.fragility.curves import fit_curve
 from rockpulse.studies.fragility.efficiency import sufficiency
 from rockpulse.studies.fragility.limit_states import NOT_KNOWN
 from rockpulse.studies.fragility.measures import MEASURES, QUALITIES
 from rockpulse.studies.fragility.observations import ABOVE, EXACT, NOT_ABOVE, Observations
-from rockpulse.studies.fragility.statements import Status
 
 __all__ = ["Ensemble", "Fits", "fit_ensemble", "gather"]
 

@@ -13,29 +13,24 @@ from rockpulse.config.configuration import Config
 from rockpulse.failures import Failure
 from rockpulse.motions.runner import Part
 from rockpulse.storage.fragility_variables import (
-    BODY,
-    CAPACITY,
+    CAPACITIES,
+    COORDINATES,
     CURVE,
+    CURVES,
     EFFICIENCY,
     FRAGILITY,
-    GRID,
-    LEVEL,
-    MEASURE,
+    IDA,
     POOLED,
-    QUALITY,
-    RECORD,
-    SEARCH_STEP,
     STRENGTH,
     STRIPES,
-    VALUE,
+    Status,
 )
-from rockpulse.storage.variables import FAILURE, Meaning, described
+from rockpulse.storage.variables import failure_table, with_values
 from rockpulse.studies.fragility.curves import Curve
 from rockpulse.studies.fragility.efficiency import dispersion_ratio
 from rockpulse.studies.fragility.ensemble import Ensemble, Fits, fit_ensemble, gather
-from rockpulse.studies.fragility.limit_states import NOT_KNOWN, limit_state_names
+from rockpulse.studies.fragility.limit_states import limit_state_names
 from rockpulse.studies.fragility.measures import MEASURES, QUALITIES
-from rockpulse.studies.fragility.statements import Band, Extrapolated, Status
 
 __all__ = ["build_fragility_tree"]
 
@@ -66,22 +61,13 @@ def build_fragility_tree(
     ensemble = gather(parts, len(names), config)
     lanes = range(len(names))
     single, pooled = fit_ensemble(ensemble, [[lane] for lane in lanes]), fit_ensemble(ensemble, [list(lanes)])
-    coords = {
-        "block": _labels("block", names, "name of the body"),
-        "limit_state": _labels("limit_state", states, "limit state: uplift, theta_max/alpha_c, overturning"),
-        "measure": _labels("measure", measures, "intensity measure"),
-    }
+    coords = _coordinates(block=names, limit_state=states, measure=measures)
     tree = xr.DataTree.from_dict(
         {
             "/fragility": _curves(single, block, measures, coords),
             "/capacities": _capacities(ensemble, coords),
             "/efficiency": _efficiency(single, pooled, measures, coords),
-            "/failures": xr.Dataset(
-                {
-                    name: described(("failure",), [getattr(row, name) for row in failures], FAILURE[name])
-                    for name in FAILURE
-                }
-            ),
+            "/failures": failure_table(failures),
         }
     )
     tree.attrs["kind"] = FRAGILITY
@@ -94,22 +80,16 @@ def build_fragility_tree(
 
 
 def _curves(fits: Fits, block: Block, measures: Sequence[str], coords: dict[str, xr.Variable]) -> xr.Dataset:
-    dims = ("block", "limit_state", "measure")
-    variables = {name: described(dims, fits.of(name), meaning) for name, meaning in CURVE.items()}
-    _flag(variables["status"], [status.name.lower() for status in Status])
-    _flag(variables["band"], [band.name.lower() for band in Band])
-    _flag(variables["extrapolated"], [side.name.lower() for side in Extrapolated])
     level, probability = _grid(fits)
-    variables["level"] = described(("block", "measure", "point"), level, LEVEL)
-    for name, table in zip(GRID, probability, strict=True):
-        variables[name] = described((*dims, "point"), table, GRID[name])
-    for name, attribute in (("measure_units", "units"), ("measure_long_name", "long_name")):
-        variables[name] = described(
-            ("measure",), [getattr(MEASURES[key], attribute) for key in measures], MEASURE[name]
-        )
-    for name, meaning in BODY.items():
-        variables[name] = described(("block",), getattr(block, name), meaning)
-    return xr.Dataset(variables, coords)
+    values = {
+        **{name: fits.of(name) for name in CURVE},
+        "level": level,
+        **dict(zip(("probability", "probability_low", "probability_high"), probability, strict=True)),
+        "measure_units": [MEASURES[key].units for key in measures],
+        "measure_long_name": [MEASURES[key].long_name for key in measures],
+        **{name: getattr(block, name) for name in ("alpha_c", "p", "restitution")},
+    }
+    return xr.Dataset(with_values(CURVES, values), coords)
 
 
 def _grid(fits: Fits) -> tuple[np.ndarray, list[np.ndarray]]:
@@ -132,68 +112,49 @@ def _grid(fits: Fits) -> tuple[np.ndarray, list[np.ndarray]]:
 
 
 def _capacities(data: Ensemble, coords: dict[str, xr.Variable]) -> xr.Dataset:
-    record = {"record": _labels("record", data.ids, "record id")}
+    search = data.config.search
+    factors = np.moveaxis(data.factors, 2, 1)
     if data.reached is None:
-        factors = np.moveaxis(data.factors, 2, 1)
-        dims: tuple[str, ...] = ("record", "block", "limit_state")
-        variables = {
-            "factor": described(dims, factors, CAPACITY["factor"]),
-            "reached": described(dims, np.isfinite(factors), CAPACITY["reached"]),
-        }
+        variables = with_values(IDA, {"factor": factors, "reached": np.isfinite(factors), "search_step": data.step})
         variables["factor"].attrs["comment"] = (
-            f"searched up to a factor of {data.config.search.factor_max:g} with {data.config.search.points} factors on "
-            "each body, in steps of search_step; where a limit state is reached in a narrower interval only, too high"
+            f"searched up to a factor of {search.factor_max:g} with {search.points} factors on each body, in steps of "
+            "search_step; where a limit state is reached in a narrower interval only, too high"
         )
-        variables["search_step"] = described(("record", "block"), data.step, SEARCH_STEP)
-        _flag(variables["reached"], ["above_the_search", "reached"])
     else:
-        variables = {
-            "factor": described(("record", "block", "stripe"), np.moveaxis(data.factors, 2, 1), STRIPES["factor"]),
-            "reached": described(
-                ("record", "block", "limit_state", "stripe"), np.moveaxis(data.reached, 3, 1), STRIPES["reached"]
-            ),
-        }
-        _flag(variables["reached"], ["not_known", "not_reached", "reached"], first=NOT_KNOWN)
-    variables["measure_value"] = described(("record", "block", "measure"), np.moveaxis(data.measures, 2, 1), VALUE)
-    columns = {
+        variables = with_values(STRIPES, {"factor": factors, "reached": np.moveaxis(data.reached, 3, 1)})
+    values = {
+        "measure_value": np.moveaxis(data.measures, 2, 1),
         "event": data.clusters,
         "source": data.sources,
         **dict(zip(QUALITIES, data.qualities.T, strict=True)),
     }
-    for name, meaning in RECORD.items():
-        variables[name] = described(("record",), columns[name], meaning)
-    capacities = xr.Dataset(variables, {**record, **coords})
+    coords = _coordinates(record=data.ids) | coords
+    capacities = xr.Dataset(variables | with_values(CAPACITIES, values), coords)
     if data.reached is None:
-        capacities.attrs["points"] = data.config.search.points
-        capacities.attrs["factor_max"] = data.config.search.factor_max
+        capacities.attrs["points"] = search.points
+        capacities.attrs["factor_max"] = search.factor_max
     return capacities
 
 
 def _efficiency(single: Fits, pooled: Fits, measures: Sequence[str], coords: dict[str, xr.Variable]) -> xr.Dataset:
-    dims = ("block", "limit_state", "measure")
-    variables = {}
+    ratios = ("beta_ratio", "beta_ratio_low", "beta_ratio_high")
+    values: dict[str, Any] = {}
     for prefix, fits, shown in (("", single, slice(None)), ("pooled_", pooled, 0)):
-        own = dims if prefix == "" else dims[1:]
-        for name, table in zip(EFFICIENCY, _ratios(fits, measures), strict=True):
-            variables[prefix + name] = described(own, table[shown], EFFICIENCY[name])
-        for name, values in (("slope", fits.slope), ("p_value", fits.p_value)):
-            variables[prefix + name] = described((*own, "quality"), values[shown], QUALITY[name])
+        values |= {prefix + name: table[shown] for name, table in zip(ratios, _ratios(fits, measures), strict=True)}
+        values |= {f"{prefix}slope": fits.slope[shown], f"{prefix}p_value": fits.p_value[shown]}
     beta = single.of("beta").astype(float)
     # PGA and PGA/(g tan alpha_c) are the same for one body but for rounding: the first of equal ones.
     best = [
         "" if np.all(np.isnan(row)) else measures[int(np.nanargmin(np.round(row, 9)))]
         for row in beta.reshape(-1, len(measures))
     ]
-    variables["most_efficient"] = described(
-        dims[:2],
-        np.reshape(best, beta.shape[:2]),
-        (str, "1", "measure of smallest dispersion; empty where none has one"),
-    )
-    for name, meaning in POOLED.items():
-        variables[f"pooled_{name}"] = described(dims[1:], pooled.of(name)[0], meaning)
-    _flag(variables["pooled_extrapolated"], [side.name.lower() for side in Extrapolated])
-    qualities = _labels("quality", [*QUALITIES, STRENGTH], "quality of the record; strength: the measure at factor 1")
-    return xr.Dataset(variables, {**coords, "quality": qualities})
+    values["most_efficient"] = np.reshape(best, beta.shape[:2])
+    values |= {f"pooled_{name}": pooled.of(name)[0] for name in POOLED}
+    return xr.Dataset(with_values(EFFICIENCY, values), coords | _coordinates(quality=[*QUALITIES, STRENGTH]))
+
+
+def _coordinates(**labels: Sequence[str]) -> dict[str, xr.Variable]:
+    return {name: COORDINATES[name].variable(list(values)) for name, values in labels.items()}
 
 
 def _ratios(fits: Fits, measures: Sequence[str]) -> np.ndarray:
@@ -207,13 +168,3 @@ def _ratios(fits: Fits, measures: Sequence[str]) -> np.ndarray:
             if curve.status == reference.status == Status.FITTED:
                 table[(slice(None), *place)] = dispersion_ratio(curve, reference)
     return table
-
-
-def _labels(name: str, values: Sequence[str], long_name: str) -> xr.Variable:
-    meaning: Meaning = (str, "1", long_name)
-    return described((name,), list(values), meaning)
-
-
-def _flag(variable: xr.Variable, meanings: Sequence[str], first: int = 0) -> None:
-    variable.attrs["flag_values"] = np.arange(first, first + len(meanings), dtype=np.int8)
-    variable.attrs["flag_meanings"] = " ".join(meanings)

@@ -3,20 +3,17 @@
 from __future__ import annotations
 
 import math
-from enum import IntEnum
 
 import numpy as np
 
 from rockpulse.motions.events import FEWEST_EVENTS
+from rockpulse.storage.fragility_variables import Band, Extrapolated, Status
 from rockpulse.studies.fragility.likelihood import has_maximum
 from rockpulse.studies.fragility.observations import ABOVE, EXACT, NOT_ABOVE, Observations
 
 __all__ = [
     "FEWEST_EVENTS",
     "STATEMENTS",
-    "Band",
-    "Extrapolated",
-    "Status",
     "band_statement",
     "extrapolated",
     "extrapolation_statement",
@@ -25,39 +22,6 @@ __all__ = [
 
 #: Relative difference of capacities that are the same but for rounding.
 EQUAL = 1e-9
-
-
-class Status(IntEnum):
-    """Whether there is a curve, and why not."""
-
-    FITTED = 0
-    NO_RECORD = 1
-    ONE_RECORD = 2
-    NOTHING_REACHED = 3
-    EVERYTHING_REACHED = 4
-    ONE_REACHED = 5
-    STEP = 6
-    SEPARATED = 7
-    NOT_INCREASING = 8
-    NO_MAXIMUM = 9
-
-
-class Band(IntEnum):
-    """Whether there is a confidence band, and why not."""
-
-    GIVEN = 0
-    NO_CURVE = 1
-    ONE_EVENT = 2
-    FEW_EVENTS = 3
-    RESTS_ON_ONE_EVENT = 4
-
-
-class Extrapolated(IntEnum):
-    """Whether the median lies among the levels looked at."""
-
-    NO = 0
-    ABOVE = 1
-    BELOW = 2
 
 
 def missing(rows: Observations) -> Status:

@@ -102,7 +102,7 @@ def figure4(
     }
     axis("duration", [duration])
     shape = tuple(coords[name].size for name in _DIMS)
-    values: dict[str, np.ndarray] = {name: np.empty(shape, dtype=kind) for name, (kind, _, _) in FIGURE4.items()}
+    values: dict[str, np.ndarray] = {name: np.empty(shape, dtype=one.kind) for name, one in FIGURE4.items()}
     for k, rate in enumerate(coords["p"]):
         for j, count in enumerate(coords["intermediate_count"]):
             for i, spacing in enumerate(coords["spacing"]):

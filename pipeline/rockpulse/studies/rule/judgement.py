@@ -269,13 +269,11 @@ def _dataset(name: str, table: pd.DataFrame) -> xr.Dataset:
     """A table with all its columns; missing values are NaN, -1 for integers and flags, empty for texts."""
     import xarray as xr
 
-    columns: dict[str, Any] = {}
-    for column, (kind, units, long_name) in RULE_TABLES[name].items():
-        absent: Any = {float: np.nan, str: ""}.get(kind, -1)
-        values = table[column].fillna(absent) if column in table else np.full(len(table), absent)
-        attributes: dict[str, Any] = {"units": units, "long_name": long_name}
-        if kind is bool:
-            attributes["flag_values"] = np.array([-1, 0, 1], dtype=np.int8)
-            attributes["flag_meanings"] = "not_computed no yes"
-        columns[column] = ("row", np.asarray(values, dtype=np.int8 if kind is bool else kind), attributes)
-    return xr.Dataset(columns)
+    return xr.Dataset(
+        {
+            column: one.variable(
+                table[column].fillna(one.absent) if column in table else np.full(len(table), one.absent)
+            )
+            for column, one in RULE_TABLES[name].items()
+        }
+    )

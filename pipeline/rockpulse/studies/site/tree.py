@@ -13,18 +13,8 @@ from rocking.block import Block
 from rocking.sequence import ImpulseSequence, sequence_response
 from rockpulse.config.configuration import Config
 from rockpulse.failures import Failure
-from rockpulse.storage.site_variables import (
-    BLOCK,
-    EVENT,
-    PAIR,
-    PARAMETER,
-    PARAMETER_MEANING,
-    PER_PARAMETER,
-    RECORD,
-    SITE,
-    SITE_KIND,
-)
-from rockpulse.storage.variables import FAILURE, described
+from rockpulse.storage.site_variables import COORDINATES, PARAMETER, SITE_KIND, VARIABLES
+from rockpulse.storage.variables import failure_table, with_values
 from rockpulse.studies.site.coverage import coverage_of, judged, leave_one_event_out, unjudged_events
 from rockpulse.studies.site.design import (
     BEYOND,
@@ -106,26 +96,25 @@ def build_site_tree(
     unjudged = {str(names[event]): reason for event, reason in unjudged_events(left_out, sample).items()}
     told = site | {"share_below": below, "design_upper": per_parameter["design_upper"][0]}
     site["remarks"] = "\n".join([*remarks, *site_remarks(told, done["scale_factor"], done["event"], weights, unjudged)])
-    variables = {name: described((), site[name], meaning) for name, meaning in SITE.items()}
-    variables |= {
-        name: described(("parameter",), per_parameter[name], meaning) for name, meaning in PER_PARAMETER.items()
-    }
-    variables |= _records(done, weights, left_out.main)
-    variables |= _blocks(sample, design, marks)
-    variables["event_records"] = described(("site_event",), np.bincount(numbers), EVENT["event_records"])
     of_events = [coverage_of(marks[numbers == one], sample.part(numbers == one), 0.9)[0] for one in range(names.size)]
-    variables["event_coverage"] = described(("site_event",), of_events, EVENT["event_coverage"])
-    variables["correlation"] = described(
-        ("parameter", "other_parameter"),
-        correlation(fitted.logarithms, fitted.weights),
-        (float, "1", "weighted correlation of the logarithms; NaN where one of the two does not vary"),
-    )
-    variables["rotation_ratio"] = described(("record", "block"), peaks, PAIR["rotation_ratio"])
-    flags = np.where(np.isnan(marks), NOT_COUNTED, marks)
-    variables["covered"] = described(("record", "block"), flags, PAIR["covered"])
-    variables["covered"].attrs["flag_values"] = np.array([NOT_COUNTED, 0, 1, BEYOND], dtype=np.int8)
-    variables["covered"].attrs["flag_meanings"] = "not_counted not_covered covered overturned_by_the_design"
-    dataset = xr.Dataset(variables, _coordinates(done["record"], block_names, names))
+    values = site | per_parameter | _records(done, weights, left_out.main) | _blocks(sample, design, marks)
+    values |= {
+        "event_records": np.bincount(numbers),
+        "event_coverage": of_events,
+        "correlation": correlation(fitted.logarithms, fitted.weights),
+        "rotation_ratio": peaks,
+        "covered": np.where(np.isnan(marks), NOT_COUNTED, marks),
+    }
+    coordinates = {
+        "record": done["record"],
+        "block": list(block_names),
+        "site_event": names,
+        "parameter": list(PARAMETERS),
+        "other_parameter": list(PARAMETERS),
+        "parameter_unit": [PARAMETER[name][0] for name in PARAMETERS],
+        "parameter_name": [PARAMETER[name][1] for name in PARAMETERS],
+    }
+    dataset = xr.Dataset(with_values(VARIABLES, values), with_values(COORDINATES, coordinates))
     dataset.attrs |= {
         "method": settings.method,
         "design": settings.design,
@@ -133,9 +122,7 @@ def build_site_tree(
         "scaled_to": settings.scale_to if settings.target is None else f"{settings.scale_to} {settings.target:g}",
         "weights": settings.weights,
     }
-    table = {name: [getattr(row, name) for row in failures] for name in FAILURE}
-    rows = xr.Dataset({name: described(("failure",), table[name], FAILURE[name]) for name in FAILURE})
-    tree = xr.DataTree.from_dict({"/site": dataset, "/failures": rows})
+    tree = xr.DataTree.from_dict({"/site": dataset, "/failures": failure_table(failures)})
     tree.attrs["kind"] = SITE_KIND
     tree.attrs["title"] = config.site.name or "Design sequence of impulses of a site"
     tree.attrs["site_description"] = config.site.description
@@ -181,40 +168,17 @@ def _per_parameter(
     return table
 
 
-def _records(done: Mapping[str, np.ndarray], weights: np.ndarray, mains: np.ndarray) -> dict[str, xr.Variable]:
+def _records(done: Mapping[str, np.ndarray], weights: np.ndarray, mains: np.ndarray) -> dict[str, np.ndarray]:
+    names = [name for name, one in VARIABLES.items() if one.dims in (("record",), ("record", "parameter"))]
     columns = {**done, "weight": weights, "left_out_main": mains}
-    variables = {name: described(("record",), columns[name], meaning) for name, meaning in RECORD.items()}
-    for name, what in (
-        ("value", "parameter of the record's own sequence"),
-        ("value_lower", "lower end of its interval, where the method gives one"),
-        ("value_upper", "upper end of its interval, where the method gives one"),
-    ):
-        variables[name] = described(("record", "parameter"), done[name], (float, "parameter_unit", what))
-    return variables
+    return {name: columns[name] for name in names}
 
 
-def _blocks(sample: SiteSample, design: ImpulseSequence, marks: np.ndarray) -> dict[str, xr.Variable]:
+def _blocks(sample: SiteSample, design: ImpulseSequence, marks: np.ndarray) -> dict[str, Any]:
     blocks = sample.blocks
     shares = [coverage_of(marks[:, [place]], sample, 0.9, standing=False)[0] for place in range(marks.shape[1])]
-    columns = {
+    return {
         **{name: getattr(blocks, name) for name in ("alpha_c", "p", "restitution", "critical_impulse")},
         "design_rotation_ratio": np.atleast_1d(sequence_response(blocks, design, table_rows=0).peak_rotation_ratio),
         "block_coverage": shares,
-    }
-    return {name: described(("block",), columns[name], meaning) for name, meaning in BLOCK.items()}
-
-
-def _coordinates(ids: np.ndarray, blocks: Sequence[str], events: np.ndarray) -> dict[str, xr.Variable]:
-    return {
-        "record": described(("record",), ids, (str, "1", "record id")),
-        "block": described(("block",), list(blocks), (str, "1", "name of the body")),
-        "site_event": described(("site_event",), events, (str, "1", "event")),
-        "parameter": described(("parameter",), list(PARAMETERS), (str, "1", "parameter of the impulse sequence")),
-        "other_parameter": described(("other_parameter",), list(PARAMETERS), (str, "1", "the other one of a pair")),
-        "parameter_unit": described(
-            ("parameter",), [PARAMETER[name][0] for name in PARAMETERS], PARAMETER_MEANING["parameter_unit"]
-        ),
-        "parameter_name": described(
-            ("parameter",), [PARAMETER[name][1] for name in PARAMETERS], PARAMETER_MEANING["parameter_name"]
-        ),
     }

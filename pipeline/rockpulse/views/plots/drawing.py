@@ -51,7 +51,7 @@ def _limit_accelerogram(
     body = block_of(summary, block, case)
     name = f"{plain(record)}, {plain(named_body(summary, block, case))}"
     try:
-        return _figure(limit_accelerogram(body, sequence_of(tree, record, block, case), name=name)[0])
+        return _figure(limit_accelerogram(body, sequence_of(tree, record), name=name)[0])
     except ResultsError:
         raise
     except ValueError as error:

@@ -209,7 +209,7 @@ def _of_sequence(
     columns = [table[name][order] for name in ("start_velocity", "duration", "impulse_count", "interval")]
     cycles = [HalfCycle(float(u), float(t), int(n), float(dt)) for u, t, n, dt in zip(*columns, strict=True)]
     p = float(summary["p"].sel(block=block))
-    sequence = sequence_of(tree, record, block, case)
+    sequence = sequence_of(tree, record)
     share = sequence.secondary / float(summary["critical_impulse"].sel(block=block)) if model == "sequence" else 0.0
     ends = np.cumsum([cycle.duration for cycle in cycles if np.isfinite(cycle.duration)])
     # An overturning half-cycle is followed a while beyond alpha_c, where the history ends by itself.

@@ -12,7 +12,9 @@ from rockpulse.errors import RecordRefused, ResultsError
 from rockpulse.record.half_wave import HalfWaves, half_waves
 from rockpulse.record.intensity import IntensePhase, intense_phase
 from rockpulse.record.record import Record
-from rockpulse.storage.variables import RECORD, WAVES, described
+from rockpulse.storage.assessment_variables import WAVES
+from rockpulse.storage.summary_variables import RECORD
+from rockpulse.storage.variables import real
 from rockpulse.views.plots.selection import ragged
 
 if TYPE_CHECKING:
@@ -25,6 +27,9 @@ STORE = 'the file does not hold the accelerograms: assess again with [records] s
 
 #: Scalars of a motion, by their names in /summary.
 _SCALARS = ("dt", "intense_start", "intense_end", "main_impulse", "secondary_impulse")
+
+_ACCELERATION = real("m s-2", "ground acceleration", dims=("sample",))
+_TIME = real("s", "time from the first sample", dims=("sample",))
 
 
 def stored_motion(tree: xr.DataTree, record: str) -> xr.Dataset:
@@ -61,9 +66,7 @@ def stored_motion(tree: xr.DataTree, record: str) -> xr.Dataset:
             **{name: own[name].variable for name in _SCALARS},
         }
     )
-    motion["time"] = described(
-        ("sample",), float(own["dt"]) * np.arange(motion.sizes["sample"]), (float, "s", "time from the first sample")
-    )
+    motion["time"] = _TIME.variable(float(own["dt"]) * np.arange(motion.sizes["sample"]))
     motion.attrs["record"] = record
     return motion
 
@@ -118,10 +121,10 @@ def motion_of_record(
     }
     motion = xr.Dataset(
         {
-            "acceleration": described(("sample",), record.acceleration, (float, "m s-2", "ground acceleration")),
-            "time": described(("sample",), record.time, (float, "s", "time from the first sample")),
-            **{name: described(("wave",), getattr(waves, name), meaning) for name, meaning in WAVES.items()},
-            **{name: described((), value, RECORD[name]) for name, value in scalars.items()},
+            "acceleration": _ACCELERATION.variable(record.acceleration),
+            "time": _TIME.variable(record.time),
+            **{name: variable.variable(getattr(waves, name)) for name, variable in WAVES.items()},
+            **{name: RECORD[name].variable(value, ()) for name, value in scalars.items()},
         }
     )
     motion.attrs["record"] = record.id

@@ -11,11 +11,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from rocking.block import Block
-from rocking.impulse_sequence import SPACINGS, ImpulseSequence
-from rocking.sequence import sequence_response
-from rockpulse.config.settings import SequenceSettings
+from rocking.impulse_sequence import ImpulseSequence
 from rockpulse.errors import ResultsError
 from rockpulse.ladder import ModelSettings
+from rockpulse.storage.hdf5_reader import flag_words
+from rockpulse.storage.variables import NOT_KNOWN
 from rockpulse.views.shared.terminal import restitution
 
 if TYPE_CHECKING:
@@ -39,12 +39,6 @@ LISTED = 20
 #: Names nearest to an unknown one, and how alike they are at least.
 NEAR = 3
 _SIMILAR = 0.4
-
-#: Digits of a gravity that is computed back from p and R.
-_DIGITS = 12
-
-#: Relative difference of half-cycles that belong to the same sequence.
-_SAME = 1e-6
 
 
 def one_name(dataset: xr.Dataset, dimension: str, name: str | None) -> str:
@@ -107,15 +101,10 @@ def block_of(summary: xr.Dataset, block: str, case: int = 1) -> Block:
         Its name.
     case : int
         Number of its restitution, from 1.
-
-    Notes
-    -----
-    Gravity follows from p and R, which are those of a rectangle: g = 4 R p^2/3.
     """
     own = summary.sel(block=block).isel(chosen_case(summary, case))
-    p, radius = float(own["p"]), float(own["radius"])
-    gravity = float(f"{4.0 * radius * p * p / 3.0:.{_DIGITS}g}")
-    return Block.from_parameters(p, float(own["alpha_c"]), restitution=float(own["restitution"]), gravity=gravity)
+    numbers = {name: float(own[name]) for name in ("p", "restitution", "gravity")}
+    return Block.from_parameters(alpha=float(own["alpha_c"]), **numbers)
 
 
 def named_body(summary: xr.Dataset, block: str, case: int = 1) -> str:
@@ -149,51 +138,22 @@ def table_of_pair(
     return {str(name): variable.values[rows] for name, variable in table.data_vars.items()}
 
 
-def sequence_of(tree: xr.DataTree, record: str, block: str, case: int = 1) -> ImpulseSequence:
-    """The impulse sequence of a record, with the spacing that its half-cycles were computed with.
-
-    Parameters
-    ----------
-    tree : xarray.DataTree
-        Results of an assessment.
-    record, block : str
-        Names; the stored half-cycles of this block tell whether the spacing is right.
-    case : int
-        Number of the restitution, from 1.
-
-    Raises
-    ------
-    ResultsError
-        Where the record gave no sequence, or the stored half-cycles are those of no spacing.
-    """
-    summary = tree["summary"].to_dataset()
-    own = summary.sel(record=record)
-    numbers: dict[str, Any] = {
-        "main": float(own["main_impulse"]),
-        "secondary": float(own["secondary_impulse"]),
-        "interval": float(own["secondary_interval"]),
-        "duration": float(own["sequence_duration"]),
-    }
-    if not np.isfinite(numbers["main"]):
+def sequence_of(tree: xr.DataTree, record: str) -> ImpulseSequence:
+    """The impulse sequence of a record; a ResultsError where it gave none, or its spacing is not known."""
+    own = tree["summary"].to_dataset().sel(record=record)
+    main, secondary, interval, duration = (
+        float(own[name]) for name in ("main_impulse", "secondary_impulse", "secondary_interval", "sequence_duration")
+    )
+    if not np.isfinite(main):
         raise ResultsError(f"{record}: no impulse sequence: the intense phase of the record holds too few half-waves")
+    code = int(own["spacing"])
+    if code == NOT_KNOWN:
+        raise ResultsError(
+            f"{record}: the half-cycles of the file are those of no spacing of its sequence; assess the record again"
+        )
     count = int(own["main_count"])
-    stated = str(setting(tree, "sequence", "spacing", SequenceSettings().spacing))
-    main_count = None if count < 0 else count
-    if "sequence" not in summary["model"].values:
-        return ImpulseSequence(**numbers, main_count=main_count, spacing=stated)
-    table = table_of_pair(tree, "half_cycles", record, block, "sequence", case)
-    body = block_of(summary, block, case)
-    # The design sequence of a site may have another spacing than the configuration it was assessed with.
-    for spacing in dict.fromkeys((stated, *SPACINGS)):
-        sequence = ImpulseSequence(**numbers, main_count=main_count, spacing=spacing)
-        found = sequence_response(body, sequence).half_cycles
-        assert found is not None
-        durations = found.duration[np.isfinite(found.start_velocity)]
-        if durations.shape == table["duration"].shape and np.allclose(durations, table["duration"], rtol=_SAME):
-            return sequence
-    raise ResultsError(
-        f"{record}, {block}: the half-cycles of the file are those of no spacing of its sequence; assess the record "
-        "again"
+    return ImpulseSequence(
+        main, secondary, interval, duration, None if count < 0 else count, spacing=flag_words(own["spacing"])[code]
     )
 
 

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from scipy.stats import binom, norm
 
+from rockpulse.storage.fragility_variables import Band
 from rockpulse.studies.fragility.curves import fit_capacities, fit_stripes
-from rockpulse.studies.fragility.statements import Band
 
 MEDIAN, BETA, CONFIDENCE = 2.0, 0.5, 0.9
 LEVELS = MEDIAN * np.exp(BETA * np.array([-1.5, -1.0, 0.0, 1.0]))

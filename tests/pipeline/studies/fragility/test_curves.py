@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from rockpulse.errors import ConfigError
+from rockpulse.storage.fragility_variables import Band, Extrapolated, Status
 from rockpulse.studies.fragility.curves import fit_capacities, fit_stripes, half_width
-from rockpulse.studies.fragility.statements import Band, Extrapolated, Status
 
 EVENTS = np.repeat([f"event {k}" for k in range(6)], 3)
 CAPACITIES = np.exp(np.random.default_rng(5).normal(0.3, 0.5, EVENTS.size))

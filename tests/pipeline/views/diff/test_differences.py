@@ -10,9 +10,9 @@ import xarray as xr
 from results_tree import BLOCKS, RECORDS, results_tree
 
 from rockpulse.errors import ResultsError
+from rockpulse.storage.assessment_variables import ASSESSMENT_GROUPS, HALF_CYCLE, WAVES
 from rockpulse.storage.hdf5_reader import open_results
 from rockpulse.storage.save_load import save
-from rockpulse.storage.variables import HALF_CYCLE, WAVES, described
 from rockpulse.views.diff.differences import OUTCOME, SAFETY, compare_results
 from rockpulse.views.diff.overview import difference_overview
 from rockpulse.views.diff.row_matching import OnlyIn
@@ -27,11 +27,11 @@ def tree(cases=None):
     index = dict(zip(("record_index", "block_index", "model_index"), np.transpose(POINTS), strict=True))
     values = {name: index.get(name, np.arange(5.0) + 1) for name in HALF_CYCLE} | {"case_index": [0] * 5}
     made["half_cycles"] = xr.DataTree(
-        xr.Dataset({name: described(("row",), values[name], HALF_CYCLE[name]) for name in HALF_CYCLE})
+        xr.Dataset({name: one.variable(values[name]) for name, one in HALF_CYCLE.items()})
     )
-    sizes = described(("record",), [2, 1, 3], (int, "1", "half-waves of each record"))
+    sizes = ASSESSMENT_GROUPS["/records"]["half_wave_row_size"].variable([2, 1, 3])
     sizes.attrs["sample_dimension"] = "wave"
-    waves = {f"half_wave_{name}": described(("wave",), np.arange(6.0) + 1, WAVES[name]) for name in WAVES}
+    waves = {f"half_wave_{name}": one.variable(np.arange(6.0) + 1) for name, one in WAVES.items()}
     record = made["summary"]["record"].variable
     made["records"] = xr.DataTree(xr.Dataset({"half_wave_row_size": sizes, **waves}, {"record": record}))
     return made

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from rockpulse import models
+from rockpulse.errors import ResultsError
 from rockpulse.views.plots.impulse_sequences import limit_accelerogram
 from rockpulse.views.plots.kinds import draw
 from rockpulse.views.plots.selection import block_of, sequence_of
@@ -77,12 +78,13 @@ def test_an_overturning_half_cycle_is_marked():
     assert marks(panels[0])[:, 0].tolist() == [0.0]
 
 
-def test_the_sequence_of_the_results_is_that_of_their_half_cycles(assessed, changed):
+def test_the_sequence_of_the_results_has_its_spacing(assessed, changed):
     record, block = str(assessed["summary"]["record"].values[0]), "wall"
-    assert sequence_of(assessed, record, block).spacing == "end"
+    assert sequence_of(assessed, record).spacing == "end"
     other = changed()
-    other.attrs["configuration"] = other.attrs["configuration"].replace('spacing = "end"', 'spacing = "middle"')
-    assert sequence_of(other, record, block).spacing == "end"  # the stored half-cycles say so
+    other["summary"]["spacing"].values[:] = -1
+    with pytest.raises(ResultsError, match="are those of no spacing of its sequence; assess the record again"):
+        sequence_of(other, record)
     figure = draw(assessed, "limit-accelerogram", record=record, block=block)
     assert record in figure.get_suptitle()
 
