@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from rockpulse.assessment.answers import fullest_model
+from rockpulse.assessment.answers import complete, fullest_model
 from rockpulse.errors import ResultsError
 from rockpulse.ladder import SEQUENCE_MODELS, UPPER_BOUND, SearchSettings
 from rockpulse.views.plots.demand_marks import demand_ticks, demands_over_pga, least, tick_notes
@@ -180,7 +180,7 @@ def critical_scale(
     """
     summary = tree["summary"].to_dataset()
     block = one_name(summary, "block", block)
-    own = summary.sel(block=block).isel(chosen_case(summary, case))
+    own = complete(summary).sel(block=block).isel(chosen_case(summary, case))
     known = [str(name) for name in summary["model"].values]
     asked = None if models is None else [one_name(summary, "model", name) for name in models]
     searched = [name for name in asked or known if bool(own["safety_factor"].sel(model=name).notnull().any())]
@@ -317,10 +317,7 @@ def _markers(ax: Axes, answers: xr.Dataset, model: str, none_at: float) -> float
     """Draw the factors of one model, and return the smallest."""
     style, factor = look(model), answers["safety_factor"].values
     places = np.arange(factor.size)
-    inside = answers["applicable"].values != 0 if "applicable" in answers else np.ones(factor.size, dtype=bool)
-    bound = (
-        answers["factor_resolved"].values == 0 if "factor_resolved" in answers else np.zeros(factor.size, dtype=bool)
-    )
+    inside, bound = answers["applicable"].values != 0, answers["factor_resolved"].values == 0
     finite, none = np.isfinite(factor), np.isinf(factor)
     common: dict[str, Any] = {"ls": "none", "color": style.color, "mec": style.color, "mew": 0.9, "zorder": 3}
     ax.plot([], [], marker=style.marker, ms=4.5, label=style.label, **common)
@@ -354,9 +351,9 @@ def _scale_notes(own: xr.Dataset, shown: xr.Dataset, searched: Sequence[str], le
     values = shown["safety_factor"].sel(model=list(searched))
     if bool(np.isinf(values).any()):
         words.append(f">{end:g}: none found up to there.")
-    if "applicable" in shown and bool((shown["applicable"].sel(model=list(searched)) == 0).any()):
+    if bool((shown["applicable"].sel(model=list(searched)) == 0).any()):
         words.append("Hollow: outside the range of the model.")
-    if "factor_resolved" in shown and bool((shown["factor_resolved"].sel(model=list(searched)) == 0).any()):
+    if bool((shown["factor_resolved"].sel(model=list(searched)) == 0).any()):
         words.append("Arrow: a lower bound, from there on the model cannot answer.")
     if bool(values.isnull().any()):
         words.append(f"Without a mark: not computed ({int(values.isnull().sum())}).")

@@ -157,7 +157,7 @@ def _of_record(one: Known, event: str) -> tuple[Fact, ...]:
             Fact("station, component", (component,)),
             Fact("name of the station", (words("station_name"),)),
             Fact("start (UTC)", (words("start_time"),)),
-            Fact("samples", (f"{one.count('npts')} at {known('dt', 's')}",)),
+            Fact("samples", (f"{one.value('npts')} at {known('dt', 's')}",)),
             Fact("PGA", (acceleration(one.value("pga")),)),
             Fact("PGV", (one.peak_velocity,)),
             Fact("Arias intensity", (known("arias_intensity", "m/s"),)),

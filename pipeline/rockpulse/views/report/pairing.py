@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from rockpulse.assessment.answers import Body, bodies_of
+from rockpulse.assessment.answers import Answers, Body, bodies_of
 from rockpulse.errors import ResultsError
 from rockpulse.storage.fragility_variables import FRAGILITY
 from rockpulse.storage.site_variables import SITE_KIND
@@ -86,7 +86,7 @@ def paired(results: xr.DataTree, other: xr.DataTree, kind: str, name: str) -> Pa
     )
     if kind == SITE_KIND:
         site = other["site"].to_dataset()
-        if _is_sequence(summary):
+        if Answers(summary).motions.kind == "sequence":
             _check_design(results, site, name)
         ids, pga = site["record"].values, (site["pga"] / site["scale_factor"]).values
     else:
@@ -156,11 +156,6 @@ def _of_capacities(capacities: xr.Dataset) -> tuple[np.ndarray, np.ndarray]:
     if "pga" not in capacities["measure"].values or not capacities.sizes["block"]:
         return ids, np.full(ids.size, np.nan)
     return ids, capacities["measure_value"].sel(measure="pga").isel(block=0).values
-
-
-def _is_sequence(summary: xr.Dataset) -> bool:
-    """Whether a sequence was assessed in place of records."""
-    return "npts" in summary and summary.sizes["record"] == 1 and int(summary["npts"].values[0]) < 0
 
 
 def _check_design(results: xr.DataTree, site: xr.Dataset, name: str) -> None:

@@ -39,14 +39,11 @@ class Known:
         """The lines of a text that are not empty."""
         return tuple(line for line in str(self.value(name) or "").split("\n") if line)
 
-    def count(self, name: str) -> str:
-        """A whole number."""
-        return str(self.value(name))
-
     @property
     def main_count(self) -> str:
         """How many main impulses the sequence of a record has."""
-        return "as many as fit into the duration" if self.value("main_count") == -1 else self.count("main_count")
+        count = self.value("main_count")
+        return "as many as fit into the duration" if count == -1 else str(count)
 
     @property
     def peak_velocity(self) -> str:

@@ -1,0 +1,75 @@
+"""Answers as cells: what bears which mark."""
+
+import math
+
+import pytest
+from report_cases import answers, motions, summary_of
+
+from rocking.response import Outcome
+from rockpulse.views.shared.answer_cells import (
+    AT_MOST,
+    NOT_MONOTONIC,
+    answer_cell,
+    answer_cells,
+    factor_cell,
+    factor_cells,
+    margin_cells,
+    marks_of,
+    several_intervals,
+    unexplained,
+)
+from rockpulse.views.shared.verdict_notes import ESTIMATE, NO_ANSWER, NONE_UP_TO, OUTSIDE, SO_FAR, UNPREDICTABLE
+
+
+@pytest.mark.parametrize(
+    ("rung", "shown", "mark"), [("impulsive", "~0.1", ESTIMATE), ("settled", ">0.12", SO_FAR), ("linear", "0.13", None)]
+)
+def test_a_peak_of_auto_that_is_no_answer_bears_a_mark(rung, shown, mark):
+    cell = answer_cell(Outcome.ROCKS, 0.1279, 1, 1, rung)
+    assert (cell.marked, cell.value) == (shown, 0.1279)
+    assert cell.marks == (() if mark is None else (mark,))
+
+
+def test_words_bear_the_marks_of_the_answer_and_are_sorted_beside_the_figures():
+    cell = answer_cell(Outcome.OVERTURNS, math.inf, predictable=0, applicable=0)
+    assert (cell.text, cell.value, cell.grade) == ("overturns", math.inf, "bad")
+    assert cell.marks == (UNPREDICTABLE, OUTSIDE)
+    assert answer_cell(Outcome.AT_REST, 0.0, 1, 1).value == 0.0
+    assert math.isnan(answer_cell(Outcome.UNRESOLVED, math.nan, 1, 1).value)
+    assert answer_cell(-1, math.nan, 1, 0).marked == "-"
+
+
+def test_a_factor_that_was_not_found_names_how_far_was_searched():
+    assert [factor_cell(math.inf, limit).marked for limit in (10.0, 12.37, 0.0, math.nan)] == [
+        ">10",
+        ">12.3",
+        ">0",
+        "none",
+    ]
+    assert marks_of([factor_cell(math.inf, 10.0), factor_cell(1.2, bound=True), factor_cell(math.nan, 1.0, True)]) == {
+        NONE_UP_TO,
+        NO_ANSWER,
+    }
+
+
+def test_several_intervals_are_counted_or_marked():
+    assert (several_intervals(1), several_intervals(-1), several_intervals(2, counted=False)) == (
+        None,
+        None,
+        NOT_MONOTONIC,
+    )
+    summary = summary_of([0.84, 2.0])
+    summary["interval_count"] = summary["outcome"] * 0 + 3
+    assert [row[0].marked for row in factor_cells(answers(summary))] == ["0.84 (3)", "2.00 (3)"]
+    assert [row[0].text for row in answer_cells(answers(summary))] == ["overturns", "0.40"]
+
+
+def test_the_smallest_of_a_pair_with_a_lost_direction_is_at_most_that():
+    of = motions(4, rows=[[0, 1], [2, 3]], missing=[True, False], kind="pair")
+    (margin,) = answers(summary_of([0.4, 0.9, 2.0, 3.0], resolved=[0, 1, 1, 1]), of).margins()
+    smallest, median = margin_cells(margin)
+    assert (smallest.marked, median.marked) == ("≤0.40!", "2.00")
+    assert smallest.marks == (AT_MOST, NO_ANSWER)
+    assert (unexplained(smallest).marked, {mark.note for mark in unexplained(smallest).marks}) == ("≤0.40!", {""})
+    (margin,) = answers(summary_of([math.inf] * 4), of).margins()
+    assert margin_cells(margin)[0].marked == ">10"
