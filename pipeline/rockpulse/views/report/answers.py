@@ -7,7 +7,7 @@ from rockpulse.assessment.answers import Answers
 from rockpulse.assessment.verdict import Standing, standings, why_unknown
 from rockpulse.ladder import UPPER_BOUND
 from rockpulse.views.shared.answer_cells import answer_cells, factor_cell, factor_cells, marks_of, unexplained
-from rockpulse.views.shared.record_marks import doubts
+from rockpulse.views.shared.record_marks import record_cells
 from rockpulse.views.shared.table import Cell, Heading, Mark, Table, number
 from rockpulse.views.shared.terminal import ratio, restitution
 
@@ -45,13 +45,17 @@ class AnswerCells:
         self._of_models = {model: answer_cells(one) for model, one in answers.of_models.items()}
         self._factors = factor_cells(answers)
         self._capacities = [(answers.ratios(name), answers.proven(name)) for name in answers.demands]
-        self.names = [name + mark for name, mark in doubts(answers.summary).items()]
+        self.names = record_cells(answers.summary)
 
     @property
     def marks(self) -> set[Mark]:
         """The marks of the answers of all models, and of the safety factors of the one that is counted."""
         tables = (*self._of_models.values(), self._factors)
         return marks_of(cell for table in tables for row in table for cell in row)
+
+    def record(self, record: int) -> Cell:
+        """The id of a record, which leads to its part of the page."""
+        return unexplained(self.names[record])._replace(link=f"record-{record}")
 
     def verdict(self, record: int, lane: int) -> Cell:
         """How a body stands under a record, sorted from best to worst."""
@@ -99,7 +103,7 @@ def answer_table(cells: AnswerCells) -> Table:
     )
     rows = tuple(
         (
-            Cell(name, link=f"record-{record}"),
+            cells.record(record),
             Cell(body.block, link=f"body-{body.place}"),
             number(body.restitution, restitution),
             cells.verdict(record, lane),
@@ -108,7 +112,7 @@ def answer_table(cells: AnswerCells) -> Table:
             *(cells.demand(key, record, lane) for key in DEMANDS),
             *(cells.answer(record, lane, model) for model in answers.models),
         )
-        for record, name in enumerate(cells.names)
+        for record in range(len(cells.names))
         for lane, body in enumerate(answers.bodies)
     )
     caption = "Every record on every body: largest rotation over the critical angle, by model"

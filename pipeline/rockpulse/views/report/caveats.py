@@ -15,7 +15,7 @@ from rockpulse.remark import Remark, remarked
 from rockpulse.views.report.answers import UPPER_BOUND
 from rockpulse.views.report.pairing import listed
 from rockpulse.views.report.statements import noun, of_bodies, of_unknown_event
-from rockpulse.views.shared.record_marks import doubt_notes, doubts
+from rockpulse.views.shared.record_marks import doubt_notes, record_cells
 from rockpulse.views.shared.terminal import figure, ratio, several, share
 from rockpulse.views.text.site import coverage
 
@@ -235,13 +235,14 @@ def _at_rest(found: Sequence[BodyVerdict], motions: Motions) -> Caveat | None:
 
 def _doubtful(summary: xr.Dataset) -> Caveat | None:
     """Records whose peak may be that of a wrong unit, or cut off."""
-    named = [name + mark for name, mark in doubts(summary).items() if mark]
+    named = [cell for cell in record_cells(summary) if cell.marks]
     if not named:
         return None
+    told = f"{listed(cell.marked for cell in named)}. {' '.join(doubt_notes(named))}"
     return Caveat(
         True,
         f"The peak of {several(len(named), 'record')} is doubtful",
-        f"{listed(named)}. {' '.join(doubt_notes(named))} Check them before this verdict is used.",
+        f"{told} Check them before this verdict is used.",
     )
 
 

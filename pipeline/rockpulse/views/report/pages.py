@@ -83,7 +83,7 @@ def record_pages(cells: AnswerCells) -> list[RecordPage]:
         pages.append(
             RecordPage(
                 key=f"record-{place}",
-                name=cells.names[place],
+                name=cells.names[place].marked,
                 place=place,
                 brief=_brief(one),
                 worst=worst._replace(text=f"worst: {worst.text}"),
@@ -133,7 +133,7 @@ def _governing(cells: AnswerCells, own: list[int], place: int) -> Table:
     )
     rows = tuple(
         (
-            Cell(cells.names[record], link=f"record-{record}"),
+            cells.record(record),
             *((number(answers.bodies[lane].restitution, restitution),) if several else ()),
             number(float(answers["pga"][record]) / STANDARD_GRAVITY),
             cells.demand("uplift_ratio", record, lane),

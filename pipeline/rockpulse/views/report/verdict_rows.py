@@ -10,7 +10,7 @@ from rockpulse.assessment.verdict import BodyVerdict, DemandVerdict, Grade, Stan
 from rockpulse.motions.events import CONFIDENCE, FEWEST_EVENTS
 from rockpulse.views.report.statements import counted
 from rockpulse.views.shared.answer_cells import margin_cells, unexplained
-from rockpulse.views.shared.record_marks import doubts
+from rockpulse.views.shared.record_marks import record_cells
 from rockpulse.views.shared.table import Cell, Heading, Table, number
 from rockpulse.views.shared.terminal import ABSENT, figure, restitution, share
 
@@ -49,7 +49,7 @@ def grade_cell(one: BodyVerdict, model: str, before: str = "") -> Cell:
 def verdict_table(answers: Answers, found: Sequence[BodyVerdict]) -> Table:
     """One row per body: verdict, safety factor, the record that it rests on, capacity over demand."""
     motions, model = answers.motions, answers.model
-    names = [name + mark for name, mark in doubts(answers.summary).items()]
+    names = [*map(unexplained, record_cells(answers.summary))]
     asked = answers.demands.items()
     headings = (
         Heading("body"),
@@ -76,7 +76,7 @@ def verdict_table(answers: Answers, found: Sequence[BodyVerdict]) -> Table:
                 number(one.body.restitution, restitution),
                 grade_cell(one, model),
                 smallest,
-                Cell(names[one.governing], link=f"record-{one.governing}") if governed else Cell(ABSENT),
+                names[one.governing]._replace(link=f"record-{one.governing}") if governed else Cell(ABSENT),
                 median,
                 *(_demand_cell(demand, model) for demand in one.demands),
                 *(Cell(str(count), float(count)) for count in (*(one.counts[kind] for kind in kinds), one.at_rest)),

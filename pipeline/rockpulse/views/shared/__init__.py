@@ -1,1 +1,1 @@
-"""What several views need: aligned text, marks and the notes that explain them."""
+"""What several views need: tables, marks and the notes that explain them."""

@@ -8,46 +8,47 @@ from typing import TYPE_CHECKING
 from rockpulse.readers.channel import CREDIBLE_PEAK_G
 from rockpulse.record.record import STANDARD_GRAVITY
 from rockpulse.remark import remarked
+from rockpulse.views.shared.table import Cell, Mark
 
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["doubt", "doubt_notes", "doubts"]
+__all__ = ["doubt", "doubt_notes", "record_cells"]
 
-#: Marks, by the codes of the remarks that they stand for.
-_CODES = {"(peak?)": ("header_peak",), "(clipped?)": ("clipped", "full_scale")}
+_PEAK = Mark(
+    " (peak?)",
+    "(peak?): a peak above 5 g or below 1e-6 g, or not that of the file's header: the unit may be wrong ([records] "
+    "units), and with it every verdict under the record.",
+)
+_CLIPPED = Mark(
+    " (clipped?)",
+    "(clipped?): the record stays at its largest or smallest value: its peaks may be cut off, and it was stronger "
+    "then.",
+)
 
-_MEANING = {
-    "(peak?)": "(peak?): a peak above 5 g or below 1e-6 g, or not that of the file's header: the unit may be wrong "
-    "([records] units), and with it every verdict under the record.",
-    "(clipped?)": "(clipped?): the record stays at its largest or smallest value: its peaks may be cut off, and it was "
-    "stronger then.",
-}
 
-
-def doubt(pga: float, codes: str) -> str:
-    """Marks of one record, by its PGA [m/s2] and the codes of its warnings, each with a blank before it.
+def doubt(pga: float, codes: str) -> tuple[Mark, ...]:
+    """Marks of one record, by its PGA [m/s2] and the codes of its warnings.
 
     Most records have none; the PGA of a sequence in place of a record is NaN.
 
     Examples
     --------
-    >>> doubt(981.0, ""), doubt(4.2, "baseline_guessed clipped")
-    (' (peak?)', ' (clipped?)')
+    >>> [mark.sign for mark in (*doubt(981.0, ""), *doubt(4.2, "baseline_guessed clipped"))]
+    [' (peak?)', ' (clipped?)']
     """
     low, high = (STANDARD_GRAVITY * bound for bound in CREDIBLE_PEAK_G)
-    marks = {mark for mark, wanted in _CODES.items() if remarked(codes, *wanted)}
-    marks |= {"(peak?)"} if pga < low or pga > high else set()
-    return "".join(f" {mark}" for mark in _MEANING if mark in marks)
+    peak = pga < low or pga > high or remarked(codes, "header_peak")
+    return ((_PEAK,) if peak else ()) + ((_CLIPPED,) if remarked(codes, "clipped", "full_scale") else ())
 
 
-def doubts(summary: xr.Dataset) -> dict[str, str]:
-    """The marks of every record of /summary, or of a part of it."""
+def record_cells(summary: xr.Dataset) -> list[Cell]:
+    """The id of every record of /summary, or of a part of it, with its marks."""
     columns = (summary[name].values.tolist() for name in ("record", "pga", "warning_codes"))
-    return {str(name): doubt(pga, str(codes)) for name, pga, codes in zip(*columns, strict=True)}
+    return [Cell(str(name), marks=doubt(pga, str(codes))) for name, pga, codes in zip(*columns, strict=True)]
 
 
-def doubt_notes(shown: Iterable[str]) -> list[str]:
-    """The meanings of the marks that are in some texts."""
-    every = " ".join(shown)
-    return [meaning for mark, meaning in _MEANING.items() if mark in every]
+def doubt_notes(cells: Iterable[Cell]) -> list[str]:
+    """The meanings of the marks of doubt that some cells bear."""
+    found = {mark for cell in cells for mark in cell.marks}
+    return [mark.note for mark in (_PEAK, _CLIPPED) if mark in found]

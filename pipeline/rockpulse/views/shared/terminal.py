@@ -1,15 +1,14 @@
-"""Plain text for the terminal: aligned columns and numbers with as many digits as they deserve."""
+"""Plain text for the terminal: wrapped paragraphs and numbers with as many digits as they deserve."""
 
 from __future__ import annotations
 
 import math
 import textwrap
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 
 __all__ = [
     "ABSENT",
     "WIDTH",
-    "aligned",
     "between",
     "figure",
     "fixed",
@@ -28,24 +27,6 @@ ABSENT = "-"
 
 #: Columns of running text.
 WIDTH = 110
-
-
-def aligned(rows: Sequence[Sequence[str]], left: int = 1, gap: str = "  ") -> list[str]:
-    """Rows as lines with aligned columns, the first ones flush left.
-
-    Examples
-    --------
-    >>> aligned([["pier", "0.41"], ["wall", "OVERTURNS"]])
-    ['pier       0.41', 'wall  OVERTURNS']
-    """
-    widths = [max(len(cell) for cell in column) for column in zip(*rows, strict=True)]
-    return [
-        gap.join(
-            cell.ljust(width) if place < left else cell.rjust(width)
-            for place, (cell, width) in enumerate(zip(row, widths, strict=True))
-        ).rstrip()
-        for row in rows
-    ]
 
 
 def ratio(value: float) -> str:

@@ -10,7 +10,7 @@ from rocking.response import Outcome, Reason
 from rockpulse.assessment.answers import Answers
 from rockpulse.ladder import cautions
 from rockpulse.storage.hdf5_reader import flag_words
-from rockpulse.views.shared.record_marks import doubt_notes, doubts
+from rockpulse.views.shared.record_marks import doubt_notes, record_cells
 from rockpulse.views.shared.table import Mark
 from rockpulse.views.shared.terminal import lower_bound, rough
 
@@ -73,7 +73,7 @@ def verdict_notes(answers: Answers, of_factors: list[str], marks: Collection[Mar
         notes.append(
             "~ (drift): the record's baseline drifts: its velocity does not end at zero, and PGV may be off by as much."
         )
-    notes += doubt_notes(doubts(answers.summary).values())
+    notes += doubt_notes(record_cells(answers.summary))
     notes += cautions(answers.models)
     notes += [mark.note for mark in (OUTSIDE, UNPREDICTABLE) if mark in marks]
     if "auto" in answers.models:

@@ -11,7 +11,8 @@ from rockpulse.record.record import STANDARD_GRAVITY
 from rockpulse.storage.selection import Selection, unknown
 from rockpulse.views.shared.facts import Known
 from rockpulse.views.shared.record_marks import doubt
-from rockpulse.views.shared.terminal import ABSENT, aligned, figure, paragraph, restitution
+from rockpulse.views.shared.table import Cell, Heading, Table, lines
+from rockpulse.views.shared.terminal import ABSENT, figure, paragraph, restitution
 from rockpulse.views.text.capacity import capacities
 from rockpulse.views.text.large_overview import is_large
 from rockpulse.views.text.lists import case_list, worst_first
@@ -34,7 +35,8 @@ def record_details(summary: xr.Dataset, record: str) -> str:
     answers = _only(summary, "record", record)
     one = Known(answers.summary, record=record)
     number, words, pga = one.number, one.words, one.value("pga")
-    strength = f"{figure(pga, 'm/s2')} ({figure(pga / STANDARD_GRAVITY, 'g')}){doubt(pga, one.value('warning_codes'))}"
+    marks = doubt(pga, one.value("warning_codes"))
+    strength = Cell(f"{figure(pga, 'm/s2')} ({figure(pga / STANDARD_GRAVITY, 'g')})", marks=marks).marked
     rows = [
         ("source", words("source")),
         ("sha256 of the source", words("source_sha256")),
@@ -109,12 +111,17 @@ def _answers_of_auto(answers: Answers, of: str) -> list[str]:
     if "auto" not in answers.models:
         return []
     used = answers.of_models["auto"].used
-    rows = [
-        [record if of == "record" else body.block, f"C {restitution(body.restitution)}", str(used[row, lane])]
+    rows = tuple(
+        (
+            Cell(record if of == "record" else body.block),
+            Cell(f"C {restitution(body.restitution)}"),
+            Cell(str(used[row, lane])),
+        )
         for row, record in enumerate(answers.records)
         for lane, body in enumerate(answers.bodies)
-    ]
-    return ["The model that answered for auto:", *("  " + line for line in aligned(rows, left=3)), ""]
+    )
+    told = lines(Table("", "", (Heading(""),) * 3, rows))[1:]
+    return ["The model that answered for auto:", *("  " + line for line in told), ""]
 
 
 def _only(summary: xr.Dataset, dimension: str, label: str) -> Answers:

@@ -38,9 +38,11 @@ def direction_table(summary: xr.Dataset, directions: xr.Dataset) -> str:
     fallen = [(swept("overturning_share", model), swept("unanswered_count", model)) for model in answers.models]
     factor, factor_at = swept("smallest_safety_factor"), swept("safety_factor_azimuth")
     titles = ["SF", "at"] if of_factors else []
-    names, rows = [], []
+    names, pair_headings, rows = [], [], []
     for pair in range(directions.sizes["pair"]):
-        names.append(_heading(answers, directions.isel(pair=pair)))
+        one = directions.isel(pair=pair)
+        names.append(_name(answers, one))
+        pair_headings.append("  ".join([names[-1].marked, *_strength(one)]))
         index = directions["record_index"].values[pair]
         for lane, body in enumerate(answers.bodies):
             at = pair, lane
@@ -61,8 +63,8 @@ def direction_table(summary: xr.Dataset, directions: xr.Dataset) -> str:
     # Over the columns of the models, what their figures are.
     over = f"directions of {count} that overturn".rjust(len(head))
     told, size = [], len(answers.bodies)
-    for place, name in enumerate(names):
-        told += ["", name, over, head, *laid[place * size : (place + 1) * size]]
+    for place, heading in enumerate(pair_headings):
+        told += ["", heading, over, head, *laid[place * size : (place + 1) * size]]
     smallest_of = " Smallest SF, and its azimuth." if of_factors else ""
     notes = [
         f"Median and largest over {count} directions of theta_max/alpha_c by the {answers.model} model, and the "
@@ -77,17 +79,21 @@ def direction_table(summary: xr.Dataset, directions: xr.Dataset) -> str:
     return "\n".join([*told[1:], "", *(paragraph(note, "  ") for note in notes)])
 
 
-def _heading(answers: Answers, pair: xr.Dataset) -> str:
-    """Name and strength of one pair, marked where the records that it is turned to are doubtful."""
+def _name(answers: Answers, pair: xr.Dataset) -> Cell:
+    """The name of one pair, marked where the records that it is turned to are doubtful."""
     index = pair["record_index"].values
     codes = " ".join(map(str, answers["warning_codes"][index[index >= 0]]))
-    parts = [str(pair["pair"].item()) + doubt(pair["pga_largest"].item(), codes)]
+    return Cell(str(pair["pair"].item()), marks=doubt(pair["pga_largest"].item(), codes))
+
+
+def _strength(pair: xr.Dataset) -> list[str]:
+    parts = []
     for title, name, unit, scale in (("PGA", "pga", "g", STANDARD_GRAVITY), ("I", "main_impulse", "m/s", 1.0)):
         median, largest, azimuth = (pair[f"{name}_{what}"].item() for what in ("median", "largest", "azimuth"))
         if not math.isnan(largest):
             shown = f"{figure(median / scale)} (median), {figure(largest / scale, unit)} (at {_degrees(azimuth)})"
             parts.append(f"{title} {shown}")
-    return "  ".join(parts)
+    return parts
 
 
 def _factor(answers: Answers, index: np.ndarray, there: np.ndarray, lane: int, factor: float) -> Cell:

@@ -11,9 +11,9 @@ from rockpulse.ladder import cautions
 from rockpulse.record.record import STANDARD_GRAVITY
 from rockpulse.storage.selection import Selection
 from rockpulse.views.shared.answer_cells import margin_cells
-from rockpulse.views.shared.record_marks import doubt_notes, doubts
-from rockpulse.views.shared.table import Cell, Heading, Table, text
-from rockpulse.views.shared.terminal import ABSENT, aligned, figure, paragraph
+from rockpulse.views.shared.record_marks import doubt_notes, record_cells
+from rockpulse.views.shared.table import Cell, Heading, Table, number, text
+from rockpulse.views.shared.terminal import ABSENT, fixed, paragraph
 from rockpulse.views.text.capacity import NAME_WIDTH, restitutions, smallest_capacities
 from rockpulse.views.text.directions import direction_table
 from rockpulse.views.text.lists import case_list, worst_first
@@ -56,7 +56,7 @@ def large_overview(answers: Answers, directions: xr.Dataset | None) -> str:
 
 def _strength(answers: Answers) -> str:
     """How strong the records are."""
-    rows = [["", "smallest", "median", "largest", ""]]
+    rows = []
     for title, name, scale, unit in (
         ("PGA", "pga", STANDARD_GRAVITY, "g"),
         ("PGV", "pgv", 1.0, "m/s"),
@@ -66,12 +66,14 @@ def _strength(answers: Answers) -> str:
         values = answers[name] / scale
         known = values[~np.isnan(values)]
         if known.size:
-            rows.append([title, *(figure(float(at)) for at in np.quantile(known, (0.0, 0.5, 1.0))), unit])
-    lines = ["The records:", *("  " + line.rstrip() for line in aligned(rows))]
+            quantiles = np.quantile(known, (0.0, 0.5, 1.0)).tolist()
+            rows.append((Cell(title), *map(number, quantiles), Cell(unit)))
+    headings = tuple(map(Heading, ("", "smallest", "median", "largest", "")))
+    lines = [text(Table("", "The records:", headings, tuple(rows)))]
     if drifting := int(np.count_nonzero(answers["pgv_drift"])):
         of = "1 record may be off: its" if drifting == 1 else f"{drifting} records may be off: their"
         lines.append(f"  PGV of {of} baseline drifts (--where 'pgv_drift = drift').")
-    found = [marks for marks in doubts(answers.summary).values() if marks]
+    found = [cell for cell in record_cells(answers.summary) if cell.marks]
     if found:
         lines.append(paragraph(f"{len(found)} with a doubtful peak, marked wherever they are named.", "  "))
         lines += [paragraph(note, "  ") for note in doubt_notes(found)]
@@ -81,20 +83,22 @@ def _strength(answers: Answers) -> str:
 def _verdicts(answers: Answers) -> str:
     """How many verdicts of each kind every model gives."""
     total = len(answers.records) * len(answers.bodies)
-    rows = [["", "at rest", "rocks", "OVERTURNS", "", "unresolved", "SF < 1", "not predictable"]]
+    rows = []
     for model, one in answers.of_models.items():
         rest, rocks, over, unresolved = one.counts
         predictable = one["predictable"]
-        weak = str(np.count_nonzero(one["safety_factor"] < 1.0)) if one.searched else ABSENT
-        unsure = str(np.count_nonzero(predictable == 0)) if (predictable >= 0).any() else ABSENT
-        share = f"{over / total:.1%}"
-        rows.append([model, str(rest), str(rocks), str(over), share, str(unresolved), weak, unsure])
-    if all(row[-1] == ABSENT for row in rows[1:]):
-        rows = [row[:-1] for row in rows]
+        weak = int(np.count_nonzero(one["safety_factor"] < 1.0)) if one.searched else None
+        unsure = int(np.count_nonzero(predictable == 0)) if (predictable >= 0).any() else None
+        counts = [number(count, str) for count in (rest, rocks, over)]
+        more = [number(count, lambda value: fixed(value, 0)) for count in (unresolved, weak, unsure)]
+        rows.append((Cell(model), *counts, Cell(f"{over / total:.1%}", over / total), *more))
+    headings = ["", "at rest", "rocks", "OVERTURNS", "", "unresolved", "SF < 1", "not predictable"]
+    if all(row[-1].text == ABSENT for row in rows):
+        headings, rows = headings[:-1], [row[:-1] for row in rows]
     notes = ["SF < 1: overturns under the record, or under a weaker copy of it (rocking is not monotonic)."]
     notes += cautions(answers.models)
-    lines = ["  " + line for line in aligned(rows)]
-    return "\n".join([f"Verdicts, {total} by each model:", *lines, *(paragraph(note, "  ") for note in notes)])
+    title = f"Verdicts, {total} by each model:"
+    return text(Table("", title, tuple(map(Heading, headings)), tuple(rows), tuple(notes)))
 
 
 def _blocks(answers: Answers) -> str:

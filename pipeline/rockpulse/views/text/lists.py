@@ -76,7 +76,7 @@ def case_list(summary: xr.Dataset, selection: Selection) -> str:
         intervals = several_intervals(one["interval_count"], counted=False)
         table.append(
             (
-                Cell(shortened(records[k], ID_WIDTH) + doubt(one["pga"], one["warning_codes"])),
+                Cell(shortened(records[k], ID_WIDTH), marks=doubt(one["pga"], one["warning_codes"])),
                 Cell(blocks[k]),
                 *([Cell(models[k])] if with_model else []),
                 number(one["restitution"], restitution),
@@ -110,7 +110,7 @@ def record_list(summary: xr.Dataset, selection: Selection) -> str:
         pga, pgv, drift, arias, impulse, codes = (get[name][k] for name in names)
         table.append(
             (
-                Cell(shortened(answers.records[row], ID_WIDTH) + doubt(pga, codes)),
+                Cell(shortened(answers.records[row], ID_WIDTH), marks=doubt(pga, codes)),
                 number(pga / STANDARD_GRAVITY, ratio),
                 number(pgv, ratio, (DRIFT,) if drift else ()),
                 number(arias, ratio),
@@ -126,7 +126,7 @@ def record_list(summary: xr.Dataset, selection: Selection) -> str:
         f"overturns: blocks that do, by the {answers.model} model; SF: smallest known safety factor by it, and of "
         "which block.",
         *_marked(table),
-        *doubt_notes(row[0].text for row in table),
+        *doubt_notes(row[0] for row in table),
     ]
     return _listed(_counted("record", len(table), found, selection), map(Heading, titles), table, notes)
 
@@ -248,6 +248,6 @@ def _notes(table: list[tuple[Cell, ...]], beyond: bool) -> list[str]:
         "that overturns alone. SF: smallest factor on the model's input that overturns; SF PGA: the capacity.",
         *([BEYOND_CRITICAL] if beyond else []),
         *([NONE_UP_TO.note] if NONE_UP_TO in marks else []),
-        *doubt_notes(row[0].text for row in table),
+        *doubt_notes(row[0] for row in table),
         *(note for mark, note in told.items() if mark in marks),
     ]

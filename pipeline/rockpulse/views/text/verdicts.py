@@ -11,7 +11,7 @@ import numpy as np
 from rockpulse.assessment.answers import Answers
 from rockpulse.views.shared.answer_cells import answer_cells, factor_cells, marks_of
 from rockpulse.views.shared.facts import Known
-from rockpulse.views.shared.record_marks import doubts
+from rockpulse.views.shared.record_marks import record_cells
 from rockpulse.views.shared.table import Cell, Heading, Table, lines, number
 from rockpulse.views.shared.terminal import figure, paragraph, ratio, restitution, shortened
 from rockpulse.views.shared.verdict_notes import NO_ANSWER, NONE_UP_TO, verdict_notes
@@ -63,7 +63,7 @@ def overturned(answers: Answers) -> str:
     Below stand the counts of every model, and the pairs in which a block rocks under a record but is overturned by a
     weaker copy of it, which is no safer.
     """
-    names = [name + mark for name, mark in doubts(answers.summary).items()]
+    names = [cell.marked for cell in record_cells(answers.summary)]
     fallen = answers.by_block(np.logical_or, answers.overturned)
     smallest = answers.by_block(np.fmin, answers["safety_factor"])
     counts = [one.overturnings("block") for one in answers.of_models.values()]
@@ -106,8 +106,8 @@ def _lines(answers: Answers, columns: dict[str, list[list[Cell]]]) -> list[str]:
     ]
     head, *laid = lines(Table("", "", tuple(map(Heading, ("", "C", "a/a_up", "I/I_1c", *columns))), tuple(rows)))
     found, size = [], len(answers.bodies)
-    for place, (name, mark) in enumerate(doubts(answers.summary).items()):
-        found += ["", _heading(name + mark, Known(answers.summary, record=name)), head]
+    for place, cell in enumerate(record_cells(answers.summary)):
+        found += ["", _heading(cell.marked, Known(answers.summary, record=cell.text)), head]
         found += laid[place * size : (place + 1) * size]
     return found[1:]
 

@@ -6,6 +6,11 @@ from rockpulse.readers.channel import build_record
 from rockpulse.readers.source import SourceFile
 from rockpulse.remark import with_codes
 from rockpulse.views.shared.record_marks import doubt, doubt_notes
+from rockpulse.views.shared.table import Cell, Mark
+
+
+def signs(pga, codes):
+    return Cell("", marks=doubt(pga, codes)).marked
 
 
 def read(samples, unit="g", **header):
@@ -32,13 +37,14 @@ def test_the_remarks_of_the_readers_are_marked():
         (1e-7 * wave, {}, " (peak?)"),
     ):
         record = read(samples, **header)
-        assert doubt(record.pga, with_codes(record.warnings)[1]) == expected, record.warnings
+        assert signs(record.pga, with_codes(record.warnings)[1]) == expected, record.warnings
 
 
 def test_peaks_out_of_all_bounds_are_marked_and_explained_once():
-    found = [doubt(pga, "") for pga in (0.0, 5e-6, 2e-5, 49.0, 49.1, np.nan)]
+    found = [signs(pga, "") for pga in (0.0, 5e-6, 2e-5, 49.0, 49.1, np.nan)]
     assert found == [" (peak?)", " (peak?)", "", "", " (peak?)", ""]
-    assert doubt(60.0, "plain clipped") == " (peak?) (clipped?)"
-    assert doubt(6.0, "of_vertical/full_scale of_channel/header_peak") == " (peak?) (clipped?)"
-    assert len(doubt_notes(["a (peak?)", "b (peak?)"])) == 1
-    assert doubt_notes(["a", "b?"]) == []
+    assert signs(60.0, "plain clipped") == " (peak?) (clipped?)"
+    assert signs(6.0, "of_vertical/full_scale of_channel/header_peak") == " (peak?) (clipped?)"
+    doubtful = [Cell(name, marks=doubt(60.0, "")) for name in "ab"]
+    assert [note[:8] for note in doubt_notes(doubtful)] == ["(peak?):"]
+    assert doubt_notes([Cell("a"), Cell("b (peak?)", marks=(Mark("?", "?: another"),))]) == []

@@ -1,4 +1,4 @@
-"""Columns, numbers and paragraphs for the terminal."""
+"""Numbers and paragraphs for the terminal."""
 
 import math
 
@@ -6,11 +6,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from rockpulse.views.shared.terminal import WIDTH, aligned, figure, lower_bound, paragraph, ratio, rough, shortened
-
-
-def test_the_first_columns_are_flush_left_and_the_others_flush_right():
-    assert aligned([["a", "b", "1"], ["long", "c", "22"]], left=2) == ["a     b   1", "long  c  22"]
+from rockpulse.views.shared.terminal import WIDTH, figure, lower_bound, paragraph, ratio, rough, shortened
 
 
 @pytest.mark.parametrize(
