@@ -21,10 +21,15 @@ __all__ = ["direction_statistics", "largest_over", "median_over", "smallest_over
 def direction_statistics(
     summary: xr.Dataset, azimuths: Sequence[float] | np.ndarray, pairs: Mapping[str, Sequence[str]]
 ) -> xr.Dataset:
-    """The node /directions of the results, as in docs/schema.md (Boore 2010, doi:10.1785/0120090400).
+    """The node /directions of the results, from /summary, in which the directions are records.
 
-    The directions, in degrees, are records of /summary; `pairs` are the ids of the records of each pair in them. A pair
-    is left out if none of them is a record.
+    `azimuths` are the d directions of the sweep [degrees]; `pairs` has the name of each pair, and the ids of its
+    records in the d directions. A pair is left out if none of them is a record.
+
+    References
+    ----------
+    Boore, D. M. (2010), Orientation-independent, nongeometric-mean measures of seismic intensity from two horizontal
+    components of motion, Bull. Seismol. Soc. Am. 100(4), 1830-1835, doi:10.1785/0120090400.
     """
     place = {str(record): number for number, record in enumerate(summary["record"].values)}
     pairs = {pair: records for pair, records in pairs.items() if any(record in place for record in records)}
@@ -68,9 +73,10 @@ def direction_statistics(
 
 
 def median_over(values: np.ndarray) -> np.ndarray:
-    """Median over the second dimension of non-negative values: inf where the block overturns, NaN without an answer.
+    """Median over the second of the dimensions (a, d, ...); inf where half of the directions overturn.
 
-    NaN where the missing answers could change it; inf where half of the directions overturn.
+    The values are not negative, inf where the block overturns, NaN where there is no answer; the median is NaN where
+    the missing answers could change it.
 
     Examples
     --------
@@ -83,10 +89,10 @@ def median_over(values: np.ndarray) -> np.ndarray:
 
 
 def largest_over(values: np.ndarray, first: np.ndarray | None = None) -> tuple[np.ndarray, np.ndarray]:
-    """Largest value over the second dimension and its place, of values as in :func:`median_over`.
+    """Largest value over the second of the dimensions (a, d, ...), and its place.
 
-    inf where one is inf, else NaN where an answer is missing, at the place -1. Of several places with inf the one where
-    `first` is smallest is taken, else the first.
+    The largest is inf where one is inf, else NaN where an answer is missing, and its place then -1. Of several places
+    with inf it is the one where `first`, of the same shape, is smallest; without `first` it is the first place.
     """
     endless = np.isposinf(values)
     largest = np.where(endless.any(axis=1), np.inf, values.max(axis=1))
@@ -97,9 +103,9 @@ def largest_over(values: np.ndarray, first: np.ndarray | None = None) -> tuple[n
 
 
 def smallest_over(values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Smallest value over the second dimension and its place: inf where the search found none, NaN without an answer.
+    """Smallest value over the second of the dimensions (a, d, ...), and its place: -1 where it is NaN or inf.
 
-    NaN where an answer is missing. The place is -1 where the smallest is NaN or inf.
+    The values are inf where the search found none, NaN where there is no answer; the smallest is NaN where one is.
     """
     smallest = values.min(axis=1)
     return smallest, np.where(np.isfinite(smallest), np.argmin(values, axis=1), -1)

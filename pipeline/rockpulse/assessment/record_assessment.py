@@ -21,57 +21,32 @@ __all__ = ["RecordAssessment", "Rows"]
 
 
 class Rows(NamedTuple):
-    """The rows that one model gives to a table of the results.
+    """The rows that one model gives to a table of the results."""
 
-    Attributes
-    ----------
-    model : int
-        Place of the model in /summary.
-    lane, block, case : (r,) ndarray of int
-        The lane of each row, and the body and restitution case that the lane stands for.
-    source : object
-        What the columns are taken from.
-    cycle : (r,) ndarray of int
-        Number of the half-cycle of each row, from 0, in a table of half-cycles.
-    """
-
-    model: int
-    lane: np.ndarray
+    model: int  # its place in /summary
+    lane: np.ndarray  # of each row, and below the body and the restitution case that the lane stands for
     block: np.ndarray
     case: np.ndarray
-    source: Any
-    cycle: np.ndarray
+    source: Any  # what the columns are taken from
+    cycle: np.ndarray  # in a table of half-cycles the number of each, from 0
 
 
 @dataclass(frozen=True, eq=False)
 class RecordAssessment:
     """What one record does to every body: the stored variables are taken from this (`take` of their declarations).
 
-    Attributes
-    ----------
-    scene : Scene
-        The conditioned record and what was extracted from it.
-    bodies : Bodies
-        The bodies, lanes (b x c,).
-    config : Config
-        The options.
-    responses, scales : dict of str to Response, dict of str to ScaleIntervals
-        By model, of all lanes.
-    used, applicable, predictable : dict of str to (b x c,) ndarray of int8
-        By model the flags `model_used`, `applicable` and `predictable` of each lane.
-    shaken : bool
-        False where a sequence of impulses stands in place of a record.
+    Lanes are bodies times restitution cases, the cases of one body next to each other.
     """
 
-    scene: Scene
+    scene: Scene  # the conditioned record and what was extracted from it
     bodies: Bodies
     config: Config
-    responses: dict[str, Response]
+    responses: dict[str, Response]  # by model, of all lanes, and so are the following
     scales: dict[str, ScaleIntervals]
-    used: dict[str, np.ndarray]
+    used: dict[str, np.ndarray]  # the flags `model_used`, `applicable` and `predictable`
     applicable: dict[str, np.ndarray]
     predictable: dict[str, np.ndarray]
-    shaken: bool = True
+    shaken: bool = True  # False where a sequence of impulses stands in place of a record
 
     @property
     def record(self) -> Record:

@@ -42,16 +42,8 @@ def build_tree(
 ) -> xr.DataTree:
     """The results of all records as one tree.
 
-    Parameters
-    ----------
-    parts : sequence of mapping of str to ndarray
-        What each record adds (:func:`record_part`), and its earthquake, in the order of the rows.
-    bodies, config
-        Those of the assessment; the text of the configuration becomes an attribute.
-    failures : sequence of Failure
-        What was left out.
-    swept : mapping of str to sequence of str, optional
-        Name of each pair of channels that was swept over direction, and the ids of its directions.
+    The parts are what each record adds (:func:`record_part`) and its earthquake, in the order of the rows; `swept` has
+    the name of each pair of channels that was swept over direction, and the ids of its directions.
     """
     variables = _variables(config)
     empty = {path: _absent(one, 0, bodies, config) for path, one in variables.items() if one.dims[0] in GROWING}

@@ -39,40 +39,19 @@ CHUNK = 50_000
 
 @dataclass(frozen=True, eq=False)
 class TableColumn:
-    """One column: where its values come from and what they mean.
+    """A column of a long table: where its values come from and what they mean."""
 
-    Attributes
-    ----------
-    name : str
-        Heading.
-    units, long_name : str
-        Of the variable.
-    words : dict of int to str
-        Of a flag, which is given in words; empty for others.
-    variable : xarray.Variable
-        Not yet read.
-    labels : ndarray, optional
-        What the values are an index into; empty for -1.
-    ends : ndarray of int, optional
-        Where the part of each label ends along `variable`'s dimension: a ragged array, whose owner is the value.
-    """
-
-    name: str
+    name: str  # its heading
     units: str
     long_name: str
-    words: dict[int, str]
-    variable: xr.Variable
-    labels: np.ndarray | None = None
+    words: dict[int, str]  # of a flag, which is given in words; empty for others
+    variable: xr.Variable  # not yet read
+    labels: np.ndarray | None = None  # what the values are an index into; empty for -1
+    #: Where the part of each label ends along the dimension of a ragged array, whose owner is the value.
     ends: np.ndarray | None = None
 
     def values(self, places: dict[str, np.ndarray]) -> np.ndarray:
-        """Its values in some rows.
-
-        Parameters
-        ----------
-        places : dict of str to (r,) ndarray of int
-            Position of each row along the dimensions of the table.
-        """
+        """Its values in some rows, by the position of each row along the dimensions of the table."""
         if self.ends is not None and self.labels is not None:
             return np.asarray(self.labels[np.searchsorted(self.ends, places[str(self.variable.dims[0])], side="right")])
         found = pointwise(self.variable, places)
@@ -85,30 +64,14 @@ class TableColumn:
 
 @dataclass(frozen=True, eq=False)
 class LongTable:
-    """A table that is made when its rows are asked for; the file has to be open until then.
-
-    Attributes
-    ----------
-    group : str
-        Of the file.
-    dims : tuple of str
-        There is one row per element along them.
-    columns : tuple of TableColumn
-        In their order.
-    left_out : tuple of str
-        Variables of the group that have other dimensions.
-    places : dict of str to (r,) ndarray of int
-        Position of every row along each dimension.
-    found : int
-        Rows without the limit of the selection.
-    """
+    """A table that is made when its rows are asked for; the file has to be open until then."""
 
     group: str
-    dims: tuple[str, ...]
+    dims: tuple[str, ...]  # there is one row per element along them
     columns: tuple[TableColumn, ...]
-    left_out: tuple[str, ...]
-    places: dict[str, np.ndarray]
-    found: int
+    left_out: tuple[str, ...]  # variables of the group that have other dimensions
+    places: dict[str, np.ndarray]  # position of every row along each dimension
+    found: int  # rows without the limit of the selection
 
     def __len__(self) -> int:
         return int(next(iter(self.places.values())).size)
@@ -119,13 +82,7 @@ class LongTable:
         return "" if self.dims == ("row",) else f", one per {' x '.join(self.dims)}"
 
     def frames(self, size: int = CHUNK) -> Iterator[pd.DataFrame]:
-        """The rows as frames of at most so many; one empty frame where there are none.
-
-        Parameters
-        ----------
-        size : int
-            Rows of a frame.
-        """
+        """The rows as frames of at most so many; one empty frame where there are none."""
         import pandas as pd
 
         for start in range(0, max(len(self), 1), size):
@@ -144,25 +101,11 @@ def long_table(
     selection: Selection | None = None,
     columns: Sequence[str] | None = None,
 ) -> LongTable:
-    """A group as a long table.
+    """A group as a long table, by default that with the answers, of all rows and all columns.
 
-    Parameters
-    ----------
-    file : ResultsFile
-        Open file of any kind.
-    group : str, optional
-        The group with the answers by default.
-    dims : sequence of str, optional
-        Dimensions of which every element has a row; by default those of the variables with the most.
-    selection : Selection, optional
-        Which rows; all by default.
-    columns : sequence of str, optional
-        Which variables; all that have these dimensions, or some of them, by default.
-
-    Raises
-    ------
-    ResultsError
-        For a name that the file does not have, or where `dims` has to be given.
+    `dims` are those of which every element has a row, by default those of the variables with the most; the columns are
+    the variables that have these dimensions, or some of them. A ResultsError for a name that the file does not have,
+    or where `dims` has to be given.
     """
     from rockpulse.storage.save_load import KINDS
 

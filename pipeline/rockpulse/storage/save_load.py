@@ -88,20 +88,7 @@ def save(tree: xr.DataTree, path: str | os.PathLike[str], overwrite: bool = Fals
 
 
 def check_described(tree: xr.DataTree, path: str | os.PathLike[str]) -> None:
-    """Whether every variable has a unit and a name.
-
-    Parameters
-    ----------
-    tree : xarray.DataTree
-        What is to be written.
-    path : str or Path
-        Where; for the message.
-
-    Raises
-    ------
-    ResultsError
-        Where one has not.
-    """
+    """A ResultsError where a variable of the tree, which is to be written to the path, has no unit or no name."""
     for name, variable in _variables(tree):
         for attribute in ("units", "long_name"):
             if not isinstance(variable.attrs.get(attribute), str):
@@ -205,24 +192,9 @@ def coded(summary: xr.Dataset) -> xr.Dataset:
 
 
 def check_schema(path: str | os.PathLike[str], reports: bool = False) -> str:
-    """Whether this version can read a file of results.
+    """The kind of a file of results, a key of `KINDS` or `REPORT`; errors as of :func:`load` where it cannot be read.
 
-    Parameters
-    ----------
-    path : str or Path
-        The file.
-    reports : bool
-        Whether an accuracy report, which is not read back, will do.
-
-    Returns
-    -------
-    str
-        What it holds: a key of `KINDS`, or `REPORT`.
-
-    Raises
-    ------
-    ResultsError, OSError
-        As :func:`load`.
+    `reports` says whether an accuracy report, which is not read back, will do.
     """
     import h5py
 
@@ -263,13 +235,7 @@ def _variables(tree: xr.DataTree) -> Iterator[tuple[str, Any]]:
 
 
 def provenance(attrs: Mapping[Any, Any]) -> dict[str, Any]:
-    """What the root of a file tells of where it comes from; what is there already (a title, versions) stays.
-
-    Parameters
-    ----------
-    attrs : mapping
-        Attributes of the root of the tree.
-    """
+    """What the root of a file tells of where it comes from; attributes that are there already, as a title, stay."""
     stamp = f"{datetime.now(UTC):%Y-%m-%dT%H:%M:%SZ} written by rockpulse {__version__}"
     before = attrs.get("history")
     return {

@@ -183,13 +183,8 @@ STUDY_GROUPS: dict[str, Declared] = {
 def no_motion(ground_contact: Any, *peaks: Any) -> np.ndarray:
     """Where the closed form stands for no motion of a block: see the variable of that name.
 
-    Parameters
-    ----------
-    ground_contact : array_like of bool
-        Whether the march passes through the ground inside a half-cycle.
-    *peaks : array_like
-        Largest theta/alpha_c [-]; inf where the block overturns. A block beyond alpha_c does not come back: with
-        "start" x(T) = 0 has roots for velocities of up to 1 + I_s/I on motions that do (docs/decisions/016).
+    A block whose largest theta/alpha_c is beyond 1 does not come back: with "start" x(T) = 0 has roots for velocities
+    of up to 1 + I_s/I on motions that do (docs/decisions/016).
 
     Examples
     --------

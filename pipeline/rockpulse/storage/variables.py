@@ -38,49 +38,24 @@ NOT_KNOWN = -1
 
 @dataclass(frozen=True)
 class StoredVariable:
-    """A variable of a file: type, unit and meaning of its values, and what few variables have besides.
+    """A variable of a file: type, unit and meaning of its values, and what few variables have besides."""
 
-    Attributes
-    ----------
-    kind : type
-        str, int, float, or int8 for a flag.
-    units, long_name : str
-        Its attributes of the same names.
-    take : callable, optional
-        Gives the values in an assessment: from a `RecordAssessment` where the first dimension grows with the records,
-        else from the bodies and the configuration. None where they are put together from the values of others.
-    dims : tuple of str
-        Its dimensions; `case` is absent where every block has one restitution.
-    words, first : tuple of str, int
-        Of a flag: the words for its values, which count up from `first`.
-    explanation : str
-        What docs/schema.md says beyond the long name.
-    since : int
-        MINOR of the schema that it came with.
-    stored : callable, optional
-        Whether an assessment by a configuration has it; every one by default.
-    comment : callable, optional
-        Its attribute `comment` in an assessment by a configuration.
-    of_ground : bool
-        Whether it is absent where a sequence of impulses stands in place of a record.
-    sample_dimension : str
-        Of the numbers of values in a ragged array (CF): the dimension that they count.
-    """
-
-    kind: type
+    kind: type  # str, int, float, or int8 for a flag
     units: str
     long_name: str
+    #: Gives the values in an assessment: from a `RecordAssessment` where the first dimension grows with the records,
+    #: else from the bodies and the configuration. None where they are put together from the values of others.
     take: Callable[..., Any] | None = None
     _: KW_ONLY
-    dims: tuple[str, ...] = ()
-    words: tuple[str, ...] = ()
+    dims: tuple[str, ...] = ()  # `case` is absent where every block has one restitution
+    words: tuple[str, ...] = ()  # of a flag, for its values, which count up from `first`
     first: int = 0
-    explanation: str = ""
-    since: int = 0
-    stored: Callable[[Config], bool] | None = None
-    comment: Callable[[Config], str] | None = None
-    of_ground: bool = False
-    sample_dimension: str = ""
+    explanation: str = ""  # what docs/schema.md says beyond the long name
+    since: int = 0  # the MINOR of the schema that it came with
+    stored: Callable[[Config], bool] | None = None  # whether an assessment by a configuration has it; None: every one
+    comment: Callable[[Config], str] | None = None  # its attribute in an assessment by a configuration
+    of_ground: bool = False  # whether it is absent where a sequence of impulses stands in place of a record
+    sample_dimension: str = ""  # of the numbers of values in a ragged array (CF): the dimension that they count
 
     @property
     def absent(self) -> Any:
