@@ -8,7 +8,7 @@ KERNEL_TESTS := $(patsubst %,tests/models/test_%.py,recorded linear nonlinear fi
 	sequence_lanes)
 LONG_IN_PYTHON := test_quarter_period or from_housners_threshold or more_half_cycles_than or same_without_compilation or slow_hops
 
-.PHONY: help install run test test-slow test-python samples schema fuzz kernel-cache lint types doctest wheel docs docs-test docs-pictures clean
+.PHONY: help install run test test-slow test-sweeps test-python samples schema fuzz kernel-cache lint types doctest wheel docs docs-test docs-pictures clean
 
 help:  ## list the targets
 	@grep -hE '^[a-z-]+: .*##' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):[^#]*## (.*)/  \1\t\2/' | expand -t 16
@@ -22,11 +22,19 @@ install: .venv/bin/python  ## make .venv and install the package with everything
 run:  ## the main job on the shipped samples
 	$(PYTHON) -m rockpulse assess data/samples/records --config data/samples/site.toml -o results.h5 --overwrite
 
-test:  ## the default tests (under 3 minutes on two cores)
+test:  ## the default tests (under 150 s on two cores)
 	$(PYTHON) -m pytest -n 2 --dist worksteal
 
 test-slow:  ## the long sweeps
 	$(PYTHON) -m pytest -m slow
+
+# The short ones of the slow tests: the oracle of the kernels, the baseline, kernels compiled before a batch, its memory.
+SWEEPS := tests/models/test_rocking_reference.py tests/models/test_recorded_reference.py tests/pipeline/batch/test_warm.py \
+	tests/benchmarks/test_baseline_solve_ivp.py tests/benchmarks/test_batch.py tests/pipeline/studies/accuracy/test_reference.py
+SWEPT := free_rocking or rectangular_pulse or own_settings or after_the_record or after_warming_up or converges_to or memory_of or stored_answer
+
+test-sweeps:  ## the part of the slow tests that .ci/run runs (about a minute)
+	$(PYTHON) -m pytest -q -n 2 --dist worksteal -m slow $(SWEEPS) -k "$(SWEPT)"
 
 test-python:  ## the kernels' tests with the kernels as plain Python (under 2 minutes)
 	@# Plain Python warns of the arithmetic of empty slots, which nobody reads.

@@ -281,7 +281,16 @@ def test_vertical_motion_and_initial_state_agree_with_the_reference(radius, slen
     assert history_distance(fast, slow, block) <= AGREES
 
 
-@pytest.mark.parametrize(("seed", "factor"), [(0, 6.0), (2, 6.0), (4, 6.0), (6, 5.0), (0, 3.0), (7, 4.0), (9, 3.0)])
+@pytest.mark.parametrize(
+    ("seed", "factor"),
+    [
+        (0, 6.0),
+        (2, 6.0),
+        (4, 6.0),
+        (6, 5.0),
+        *(pytest.param(*c, marks=pytest.mark.slow) for c in ((0, 3.0), (7, 4.0), (9, 3.0))),
+    ],
+)
 @pytest.mark.parametrize("equation", EQUATIONS)
 def test_motion_after_the_record_agrees_with_the_reference_on_zeros(equation, seed, factor):
     block, dt = block_of(2.0, 6.0, 0.85), 0.02

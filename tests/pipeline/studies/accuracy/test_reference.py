@@ -118,7 +118,11 @@ def make_reference():
 
 
 @pytest.mark.parametrize(
-    ("equation", "outcome"), [("linear", "ROCKS"), ("linear", "OVERTURNS"), ("nonlinear", "OVERTURNS")]
+    ("equation", "outcome"),
+    [
+        ("linear", "OVERTURNS"),
+        *(pytest.param(*case, marks=pytest.mark.slow) for case in (("linear", "ROCKS"), ("nonlinear", "OVERTURNS"))),
+    ],
 )
 def test_script_makes_the_stored_answer_again(table, make_reference, equation, outcome):
     """To all stored digits but the last few, whichever library of numbers is installed."""
