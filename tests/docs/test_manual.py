@@ -169,3 +169,21 @@ def test_lines_are_compared_by_words_and_loosely_by_numbers(shown, printed, same
 def test_lines_have_to_come_in_their_order():
     assert missing_line("a\n...\nc", "a\nb\nc") is None
     assert missing_line("c\na", "a\nb\nc") == "a"
+
+
+def long_lines(text):
+    """Numbers of the lines beyond 120 columns that could be broken: no table, code, formula, picture or link."""
+    found, inside = [], False
+    for number, line in enumerate(text.splitlines(), 1):
+        if re.match(r"\s*```|\s*\$\$", line):
+            inside = not inside if line.count("$$") < 2 else inside
+        elif not inside and len(line) > 120 and not re.match(r"\s*\||\s*!?\[.*\]\(\S+\)$|\[\S+\]: ", line):
+            found.append(number)
+    return found
+
+
+def test_lines_of_markdown_are_at_most_120_columns_wide():
+    pages = [TOP / "README.md", TOP / "CHANGELOG.md", TOP / "CONTRIBUTING.md", *(TOP / "docs").rglob("*.md")]
+    long = {str(page.relative_to(TOP)): long_lines(page.read_text(encoding="utf-8")) for page in pages}
+    assert {page: lines for page, lines in long.items() if lines} == {}
+    assert long_lines(f"short\n{'word ' * 30}\n| {'cell ' * 30} |\n```\n{'code ' * 30}\n```\n{'word ' * 30}") == [2, 7]
