@@ -30,27 +30,11 @@ SIGNATURE = b"\x89HDF\r\n\x1a\n"
 
 
 def check_target(path: str | os.PathLike[str], overwrite: bool = False, kind: str = ASSESSMENT) -> Path:
-    """Whether a results file can be written here, asked before any work is done.
+    """The file that results can be written to, links resolved; asked before any work is done.
 
-    Parameters
-    ----------
-    path : str or Path
-        Where the results are to go.
-    overwrite : bool
-        Whether results that exist may be replaced: an HDF5 file of rockpulse of the same kind, of any schema version,
-        or a damaged one. No other file is ever replaced.
-    kind : {"assessment", "site calibration", "accuracy report"}
-        What the file is to hold.
-
-    Returns
-    -------
-    Path
-        The file that will be written, links resolved.
-
-    Raises
-    ------
-    ResultsError
-        For a file that exists, a folder that does not, or a place or name that cannot be written.
+    With `overwrite` an HDF5 file of rockpulse of the same `kind` (of any schema version), or a damaged one, may be
+    replaced; no other file ever is. A ResultsError for a file that exists, a folder that does not, or a place or name
+    that cannot be written.
     """
     target = Path(os.path.realpath(path))
     try:
@@ -72,27 +56,9 @@ def replacing(
 ) -> Iterator[Path]:
     """Within it, a file is written that takes the place of another at the end, whole or not at all.
 
-    Parameters
-    ----------
-    path : str or Path
-        The file to write.
-    overwrite : bool
-        Whether results that exist may be replaced (:func:`check_target`).
-    kind : str
-        What the file is to hold.
-    size : int
-        What its values take, about [bytes]. HDF5 on a disk that fills up floods the terminal, so one that has less
-        room is refused beforehand.
-
-    Yields
-    ------
-    Path
-        The name to write to, beside the target.
-
-    Raises
-    ------
-    ResultsError
-        Where the target exists or cannot be written.
+    The name to write to lies beside the target. `size` is about the room that the values take [bytes]: HDF5 on a disk
+    that fills up floods the terminal, so a disk with less room is refused beforehand. A ResultsError where the target
+    may not be replaced (:func:`check_target`) or cannot be written.
     """
     target = check_target(path, overwrite, kind)
     free = shutil.disk_usage(target.parent).free
@@ -116,26 +82,14 @@ def replacing(
 
 
 def remove_parts(path: str | os.PathLike[str]) -> None:
-    """Remove what writers that were killed have left of a file: to be called where no other can be at work.
-
-    Parameters
-    ----------
-    path : str or Path
-        The file that they were to write.
-    """
+    """Remove what killed writers of a file have left; to be called where no other writer can be at work."""
     target = Path(os.path.realpath(path))
     for left in target.parent.glob(f".{glob.escape(target.name)}.{'[0-9a-f]' * 8}.part"):
         left.unlink()
 
 
 def journal_path(target: str | os.PathLike[str]) -> Path:
-    """Where the journal of a run lies, which keeps what is finished until all is (`rockpulse.batch.journal`).
-
-    Parameters
-    ----------
-    target : str or Path
-        The file that the run writes; links are followed.
-    """
+    """Where the journal of the run that writes a file lies (`rockpulse.batch.journal`); links are followed."""
     return Path(os.path.realpath(target) + ".journal")
 
 

@@ -27,14 +27,7 @@ CHECKSUM_OF_ATTRIBUTES = "attributes_sha256"
 
 
 class VariableChecksum:
-    r"""The checksum of a variable whose values come piece by piece.
-
-    Parameters
-    ----------
-    dtype : numpy.dtype
-        Type of its values: numbers, or texts (kind U or O).
-    shape : tuple of int
-        Its whole shape.
+    r"""The checksum of a variable whose values, numbers or texts (dtype of kind U or O), come piece by piece.
 
     Examples
     --------
@@ -63,13 +56,7 @@ class VariableChecksum:
 
 
 def variables_of(group: h5netcdf.Group) -> Iterator[tuple[str, h5netcdf.Variable]]:
-    """Every variable of a file with its path, those of groups within groups too.
-
-    Parameters
-    ----------
-    group : h5netcdf.File or h5netcdf.Group
-        Where to begin.
-    """
+    """Every variable of an open file or group with its path, those of groups within groups too."""
     for name, variable in group.variables.items():
         yield f"{group.name.rstrip('/')}/{name}", variable
     for inner in group.groups.values():
@@ -77,13 +64,7 @@ def variables_of(group: h5netcdf.Group) -> Iterator[tuple[str, h5netcdf.Variable
 
 
 def attributes_checksum(file: h5netcdf.File) -> str:
-    """The checksum of all attributes of a file, the checksums of the variables included.
-
-    Parameters
-    ----------
-    file : h5netcdf.File
-        Open.
-    """
+    """The checksum of all attributes of an open file, the checksums of the variables included."""
     lines = [path for path, _ in _groups(file)]
     lines += [f"{path} {' '.join(_dimensions(variable))}" for path, variable in variables_of(file)]
     for path, item in [*_groups(file), *variables_of(file)]:

@@ -28,11 +28,6 @@ LINE_ENDS = "\r\n|[\n\r\v\f\x1c-\x1e\x85\u2028\u2029]"
 def readme_of(path: Path) -> Path:
     """The README that belongs to a table.
 
-    Parameters
-    ----------
-    path : Path
-        The table.
-
     Examples
     --------
     >>> readme_of(Path("out/table.csv")).name
@@ -42,19 +37,10 @@ def readme_of(path: Path) -> Path:
 
 
 def check_table_target(path: str | Path, overwrite: bool = False) -> Path:
-    """Whether a table and its README can be written here.
+    """The path of a table, where the table and its README can be written.
 
-    Parameters
-    ----------
-    path : str or Path
-        Name of the table.
-    overwrite : bool
-        Whether files of these names are replaced.
-
-    Raises
-    ------
-    ResultsError
-        For another suffix, a folder that does not exist, or a file that does.
+    A ResultsError for another suffix than ``.csv`` or ``.csv.gz``, a folder that does not exist, and, without
+    `overwrite`, for either file that does.
     """
     target = Path(path)
     if not target.name.endswith(SUFFIXES):
@@ -79,28 +65,11 @@ def write_table(
     on_rows: Callable[[int], object] | None = None,
     decimal_comma: bool = False,
 ) -> tuple[Path, Path]:
-    """Write a table and its README, each whole or not at all, in bounded memory.
+    """Write a table and its README, each whole or not at all, in bounded memory; the paths of both.
 
-    Parameters
-    ----------
-    table : LongTable
-        Of a file that is open.
-    path : str or Path
-        Name of the table, ``.csv`` or ``.csv.gz``.
-    about : str
-        Where the table comes from, for the README.
-    overwrite : bool
-        Whether files of these names are replaced.
-    on_rows : callable, optional
-        Called with the number of rows that were written since.
-    decimal_comma : bool
-        Semicolons between the columns, decimal commas and a byte order mark, as spreadsheets expect them where the
-        decimal sign is a comma.
-
-    Returns
-    -------
-    tuple of Path
-        The table and its README.
+    `about` tells in the README where the table comes from. `on_rows` is called with the number of rows that were
+    written since its last call. With `decimal_comma` there are semicolons between the columns, decimal commas and a
+    byte order mark, as spreadsheets expect them where the decimal sign is a comma.
 
     Raises
     ------

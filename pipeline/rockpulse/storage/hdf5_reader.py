@@ -26,40 +26,17 @@ __all__ = ["ResultsFile", "flag_words", "open_results", "pointwise", "slab", "wo
 
 @dataclass(frozen=True, eq=False)
 class ResultsFile:
-    """The groups of a file that is open.
-
-    Attributes
-    ----------
-    path : Path
-        The file.
-    kind : str
-        What it holds, as the root attribute `kind` says.
-    attrs : dict
-        Attributes of the root.
-    groups : tuple of str
-        Names of the groups, without the leading slash.
-    """
+    """A results file that is open; values are read from it when they are asked for."""
 
     path: Path
-    kind: str
-    attrs: dict[str, Any]
-    groups: tuple[str, ...]
+    kind: str  # of results, as the root attribute says
+    attrs: dict[str, Any]  # of the root
+    groups: tuple[str, ...]  # without the leading slash
     _stack: ExitStack = field(repr=False)
     _opened: dict[str, xr.Dataset] = field(default_factory=dict, repr=False)
 
     def dataset(self, group: str) -> xr.Dataset:
-        """A group, its values not yet read.
-
-        Parameters
-        ----------
-        group : str
-            Its name.
-
-        Raises
-        ------
-        ResultsError
-            Where the file has no such group, or it is damaged.
-        """
+        """A group, its values not yet read; a ResultsError where there is none of the name, or it is damaged."""
         import xarray as xr
 
         if group not in self.groups:
@@ -85,13 +62,7 @@ class ResultsFile:
         return self._opened[group]
 
     def tree(self, *groups: str) -> xr.DataTree:
-        """Some groups as a tree whose values are not yet read; all by default.
-
-        Parameters
-        ----------
-        *groups : str
-            Names of groups; those that the file lacks are passed over.
-        """
+        """The named groups that the file has (all by default) as a tree whose values are not yet read."""
         import xarray as xr
 
         chosen = [name for name in groups or self.groups if name in self.groups]
@@ -114,18 +85,7 @@ class ResultsFile:
 
 @contextmanager
 def open_results(path: str | Path) -> Iterator[ResultsFile]:
-    """Open a file of results for reading what is needed of it.
-
-    Parameters
-    ----------
-    path : str or Path
-        File written by :func:`rockpulse.save`.
-
-    Raises
-    ------
-    ResultsError, OSError
-        As :func:`rockpulse.load`.
-    """
+    """Open a file of results for reading what is needed of it; raises as :func:`rockpulse.load`."""
     import h5py
 
     kind = check_schema(path)
@@ -141,15 +101,8 @@ def open_results(path: str | Path) -> Iterator[ResultsFile]:
 def slab(variable: xr.Variable, positions: dict[Any, Any]) -> np.ndarray:
     """Values at positions along each dimension, by reading the box around them.
 
-    HDF5 reads a box at the speed of the disk and scattered positions one by one.
-
-    Parameters
-    ----------
-    variable : xarray.Variable
-        Read or not yet read.
-    positions : dict
-        Positions (integers, any order) or a slice along the dimensions; the whole of those that are not named. Names
-        of dimensions that the variable lacks are passed over.
+    HDF5 reads a box at the speed of the disk and scattered positions one by one. Positions are integers in any order,
+    or a slice; a dimension that is not named is read whole, and a name that the variable lacks is passed over.
     """
     box: list[slice] = []
     inside: list[Any] = []
@@ -169,14 +122,9 @@ def slab(variable: xr.Variable, positions: dict[Any, Any]) -> np.ndarray:
 
 
 def pointwise(variable: xr.Variable, places: dict[str, np.ndarray]) -> np.ndarray:
-    """One value for each of some places, by reading the box around them.
+    """One value for each of r places, by reading the box around them.
 
-    Parameters
-    ----------
-    variable : xarray.Variable
-        Read or not yet read.
-    places : dict of str to (r,) ndarray of int
-        Position of each place along the dimensions; names that the variable lacks are passed over.
+    `places` holds (r,) positions along each dimension; names that the variable lacks are passed over.
     """
     starts = {dim: int(places[dim].min()) if places[dim].size else 0 for dim in map(str, variable.dims)}
     stops = {dim: int(places[dim].max()) + 1 if places[dim].size else 0 for dim in starts}
@@ -185,13 +133,7 @@ def pointwise(variable: xr.Variable, places: dict[str, np.ndarray]) -> np.ndarra
 
 
 def flag_words(variable: xr.Variable | xr.DataArray) -> dict[int, str]:
-    """Names of the values of a flag; empty for what is none.
-
-    Parameters
-    ----------
-    variable : xarray.Variable or xarray.DataArray
-        Any variable of the results.
-    """
+    """Words for the values of a flag; empty for a variable that is no flag."""
     if "flag_meanings" not in variable.attrs:
         return {}
     values = np.atleast_1d(variable.attrs["flag_values"]).tolist()
@@ -199,14 +141,7 @@ def flag_words(variable: xr.Variable | xr.DataArray) -> dict[int, str]:
 
 
 def worded(values: np.ndarray, words: dict[int, str]) -> np.ndarray:
-    """Values of a flag as words; a number that has none stays as it is.
-
-    Parameters
-    ----------
-    values : ndarray of int
-        Of a flag.
-    words : dict of int to str
-        Of :func:`flag_words`.
+    """Integer values of a flag as the words of :func:`flag_words`; a number that has none stays as it is.
 
     Examples
     --------

@@ -24,19 +24,7 @@ class TreeWriter:
     """A results file that is being written; to be used in a ``with`` block, at the end of which it is complete.
 
     All sizes are known beforehand, so that every variable lies in the file in one piece: who reads one variable of many
-    records reads nothing else.
-
-    Parameters
-    ----------
-    path : Path
-        File to write.
-    attrs : mapping
-        Attributes of the root.
-
-    Raises
-    ------
-    OSError
-        Wherever the file cannot be written, whatever HDF5 calls it.
+    records reads nothing else. An OSError wherever the file cannot be written, whatever HDF5 calls it.
     """
 
     def __init__(self, path: Path, attrs: Mapping[str, Any]) -> None:
@@ -63,17 +51,7 @@ class TreeWriter:
             self._close(error)
 
     def add_group(self, path: str, sizes: Mapping[str, int], attrs: Mapping[str, Any]) -> None:
-        """A group and its dimensions.
-
-        Parameters
-        ----------
-        path : str
-            Its path, "/summary"; "/" is there already.
-        sizes : mapping of str to int
-            Size of each dimension.
-        attrs : mapping
-            Its attributes.
-        """
+        """Add a group, as "/summary" ("/" is there already), with the size of each of its dimensions."""
         group = self._file if path == "/" else self._file.create_group(path)
         self._sizes[path] = dict(sizes)
         for name, size in sizes.items():
@@ -81,19 +59,7 @@ class TreeWriter:
         _set(group, attrs)
 
     def add_variable(self, path: str, dims: tuple[str, ...], dtype: np.dtype[Any], attrs: Mapping[str, Any]) -> None:
-        """A variable of a group, without its values.
-
-        Parameters
-        ----------
-        path : str
-            Its path, "/summary/pga".
-        dims : tuple of str
-            Its dimensions, of the group.
-        dtype : numpy.dtype
-            Type of its values; texts where that is one of texts.
-        attrs : mapping
-            Its attributes.
-        """
+        """Add a variable, as "/summary/pga", without its values; texts where `dtype` is a type of texts."""
         group, _, name = path.rpartition("/")
         stored = h5py.string_dtype() if dtype.kind in "UO" else dtype
         # Every value is written: what is absent is a NaN of its own, and HDF5 need not write fill values first.
@@ -107,19 +73,9 @@ class TreeWriter:
         self._checksums[path] = VariableChecksum(dtype, shape)
 
     def append(self, path: str, values: np.ndarray) -> None:
-        """The next values of a variable along its first dimension; all of one without dimensions.
+        """Write the next values of a variable along its first dimension; all of a variable without dimensions.
 
-        Parameters
-        ----------
-        path : str
-            Path of the variable.
-        values : ndarray
-            Numbers or texts.
-
-        Raises
-        ------
-        ValueError
-            For values that do not fit into the variable.
+        A ValueError for values that do not fit into the variable.
         """
         values = np.asarray(values)
         shape, begin = self._shapes[path], self._written[path]
@@ -136,15 +92,7 @@ class TreeWriter:
             self._variables[path][begin : begin + len(values)] = values
 
     def read(self, path: str, begin: int, end: int) -> np.ndarray:
-        """Values that were written, along the first dimension from `begin` to before `end`; texts as numpy strings.
-
-        Parameters
-        ----------
-        path : str
-            Path of the variable.
-        begin, end : int
-            Positions.
-        """
+        """Values that were written, along the first dimension from `begin` to before `end`; texts as numpy strings."""
         values = np.asarray(self._variables[path][begin:end])
         return values.astype(str) if values.dtype == object else values
 
@@ -174,21 +122,9 @@ class TreeWriter:
 
 
 def write_tree(tree: xr.DataTree, path: Path, attrs: Mapping[str, Any]) -> None:
-    """Write a whole tree.
+    """Write a whole tree of numbers, texts and flags, whose attributes are numbers, texts or lists of numbers.
 
-    Parameters
-    ----------
-    tree : xarray.DataTree
-        Numbers, texts and flags; attributes are numbers, texts or lists of numbers.
-    path : Path
-        File to write.
-    attrs : mapping
-        Attributes of the root, in place of those of the tree.
-
-    Raises
-    ------
-    OSError
-        Where the file cannot be written.
+    `attrs` takes the place of the attributes of its root. An OSError where the file cannot be written.
     """
     with TreeWriter(path, attrs) as writer:
         for node in tree.subtree:
@@ -205,20 +141,9 @@ def add_dataset(
     attrs: Mapping[str, Any],
     sizes: Mapping[str, int] | None = None,
 ) -> None:
-    """Make a group with the variables of a dataset, without their values.
+    """Add a group with the variables of a dataset, without their values.
 
-    Parameters
-    ----------
-    writer : TreeWriter
-        Where.
-    path : str
-        Path of the group.
-    dataset : xarray.Dataset
-        The variables.
-    attrs : mapping
-        Attributes of the group.
-    sizes : mapping of str to int, optional
-        Sizes of dimensions, where they are not those of the dataset.
+    `sizes` are of dimensions whose size is not that in the dataset.
     """
     writer.add_group(path, {**{str(dim): size for dim, size in dataset.sizes.items()}, **(sizes or {})}, attrs)
     # CF: what is a coordinate without being a dimension is named by the variables that it belongs to.

@@ -22,13 +22,7 @@ BETWEEN = "; "
 
 
 def stored_checksums(file: h5netcdf.File) -> list[tuple[str, str]]:
-    """The files of every record of a results file and their SHA-256, as they are stored.
-
-    Parameters
-    ----------
-    file : h5netcdf.File
-        Open.
-    """
+    """The files of every record of an open results file and their SHA-256, as they are stored."""
     groups = [group for group in file.groups.values() if {"source", "source_sha256"} <= set(group.variables)]
     return [
         pair for group in groups for pair in zip(group["source"][:], group["source_sha256"][:], strict=True) if pair[1]
@@ -36,22 +30,10 @@ def stored_checksums(file: h5netcdf.File) -> list[tuple[str, str]]:
 
 
 def input_files(stored: Iterable[tuple[str, str]]) -> dict[str, set[str]]:
-    """The files that records were read from.
+    """The files (``archive.zip!member``) that records were read from, by name, from pairs of :func:`stored_checksums`.
 
-    Parameters
-    ----------
-    stored : iterable of (str, str)
-        From :func:`stored_checksums`.
-
-    Returns
-    -------
-    dict of str to set of str
-        By file (``archive.zip!member``) its SHA-256 as stored; several where it changed between two records.
-
-    Raises
-    ------
-    ResultsError
-        Where a record has not a SHA-256 for each of its files.
+    The values are their SHA-256 as stored; several where a file changed between two records. A ResultsError where a
+    record has not a SHA-256 for each of its files.
     """
     found: dict[str, set[str]] = {}
     for source, checksum in stored:
@@ -61,12 +43,9 @@ def input_files(stored: Iterable[tuple[str, str]]) -> dict[str, set[str]]:
 
 
 def record_folders(configuration: str) -> list[Path]:
-    """Folders from which the files of a run may have been named, as its configuration tells where they are.
+    """Folders from which the files of a run may have been named, by the configuration that is stored in its results.
 
-    Parameters
-    ----------
-    configuration : str
-        Attribute of the results, in which the paths of the records are absolute; a text that is none names no folder.
+    The paths of its records are absolute. A text that is no configuration names no folder.
     """
     try:
         records = tomllib.loads(configuration).get("records", {})
@@ -77,15 +56,7 @@ def record_folders(configuration: str) -> list[Path]:
 
 
 def in_place(source: str, folders: Iterable[Path]) -> str:
-    """A file as it is named, or by its path below one of some folders if it is there and not here.
-
-    Parameters
-    ----------
-    source : str
-        Key of :func:`input_files`.
-    folders : iterable of Path
-        From :func:`record_folders`.
-    """
+    """A file as it is named, or its path below one of the folders if it is there and not where it is named."""
     named = (source, *(str(folder / source) for folder in folders))
     return next((name for name in named if _there(_location(name)[0])), source)
 
@@ -118,19 +89,9 @@ def _location(source: str) -> tuple[Path, str | None]:
 
 
 def input_checksums(sources: Iterable[str]) -> Iterator[tuple[str, str | Exception | None]]:
-    """What the files are now; archives are opened once.
+    """Every file and its SHA-256 as it is now, or the error that kept it from being read, or None where it is absent.
 
-    Parameters
-    ----------
-    sources : iterable of str
-        Keys of :func:`input_files`, sorted.
-
-    Yields
-    ------
-    source : str
-        The file.
-    checksum : str, Exception or None
-        Its SHA-256, or what kept it from being read, or None where it is not there.
+    `sources` are sorted keys of :func:`input_files`, so that an archive is opened once.
     """
     for place, names in groupby(sources, key=lambda source: _location(source)[0]):
         if not _there(place):

@@ -171,18 +171,12 @@ def rows(
     selection: Selection,
     masks: Iterable[tuple[tuple[str, ...], np.ndarray]] = (),
 ) -> tuple[dict[str, np.ndarray], int]:
-    """The rows of a table with one row per element along some dimensions of a group of the results.
+    """Positions (r,) along each dimension of the rows of a table, and their number without the limit.
 
-    A condition on a variable with more dimensions than the table has to hold somewhere along them; such a variable
-    sorts by its smallest value (largest where `descending`) among those that meet all conditions. `masks` say what has
-    to hold besides, each along some dimensions of the table. Only the variables that are named are read.
-
-    Returns
-    -------
-    places : dict of str to (r,) ndarray of int
-        Position of every row along each dimension.
-    found : int
-        How many rows there would be without the limit.
+    The table has one row per element along `dims` of a group of the results. A condition on a variable with more
+    dimensions has to hold somewhere along them; such a variable sorts by its smallest value (largest where
+    `descending`) among those that meet all conditions. `masks` have to hold besides, each along some of `dims`. Only
+    the variables that are named are read.
     """
     used = [(item, _variable(dataset, item.name)) for item in selection.conditions]
     key = None if selection.sort is None else _variable(dataset, selection.sort)

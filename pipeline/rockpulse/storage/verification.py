@@ -32,52 +32,27 @@ CHUNK = 32 * 1024**2
 
 @dataclass(frozen=True)
 class Verification:
-    """What was found.
+    """The outcome of a comparison of a results file and its inputs with their checksums."""
 
-    Attributes
-    ----------
-    kind, schema : str
-        What the file holds, and the version of its schema.
-    variables : int
-        Variables that were looked at.
-    inputs : int
-        Input files that were found and read.
-    absent : tuple of str
-        Input files that are not where they were.
-    differences : tuple of str
-        What is not as it was, a sentence each; empty where all is well.
-    """
-
-    kind: str
-    schema: str
-    variables: int
-    inputs: int
-    absent: tuple[str, ...]
-    differences: tuple[str, ...]
+    kind: str  # of results
+    schema: str  # version of it
+    variables: int  # number of those that were compared
+    inputs: int  # number of input files that were found and read
+    absent: tuple[str, ...]  # input files that are not where they were
+    differences: tuple[str, ...]  # a sentence each; empty where file and inputs are as they were
 
 
 def verify(
     path: str | os.PathLike[str], inputs: bool = True, progress: Callable[[list[Any]], Any] = iter
 ) -> Verification:
-    """Compare a results file with its checksums and its schema, and its inputs with theirs.
+    """Compare a results file with its checksums and its schema, and with `inputs` also the files that it was made of.
 
-    Parameters
-    ----------
-    path : str or Path
-        File written by :func:`rockpulse.save` or a verb of the command line.
-    inputs : bool
-        Whether the record files are read too.
-    progress : callable, optional
-        Wraps the list of variables, then that of input files, on its way into the loop.
-
-    Returns
-    -------
-    Verification
+    `progress` wraps the list of variables, then that of input files, on its way into the loop.
 
     Raises
     ------
     ResultsError
-        For a file that HDF5 cannot open, that is none of ours, or of another major schema version.
+        For a file that HDF5 cannot open, that is no results file of rockpulse, or of another major schema version.
     OSError
         Where it cannot be opened.
     """
