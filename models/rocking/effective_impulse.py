@@ -12,7 +12,7 @@ import numpy as np
 
 from rocking.block import Block
 from rocking.effective_impulse_kernel import GroundMotion, Lanes, Waves, effective_lanes
-from rocking.response import Response, answered, empty_answers
+from rocking.response import Response, empty_results, response_of
 from rocking.threads import split_lanes
 
 __all__ = ["effective_impulse_response"]
@@ -122,13 +122,13 @@ def effective_impulse_response(
     displacement = np.concatenate([[0.0], np.cumsum(steps)])
     ground = GroundMotion(record, velocity, displacement, float(dt))
     waves = Waves(bounds, peaks, later)
-    answers = empty_answers(force.size)
+    results = empty_results(force.size)
 
     def kernel_call(first: int, last: int) -> None:
-        effective_lanes(first, last, ground, waves, lanes, float(longest), answers)
+        effective_lanes(first, last, ground, waves, lanes, float(longest), results)
 
     split_lanes(kernel_call, force.size, threads)
-    return answered(answers, shape, (factors.ndim == 0, block.shape == ()))
+    return response_of(results, shape, (factors.ndim == 0, block.shape == ()))
 
 
 def _bounds(record: np.ndarray, dt: float, boundaries: Any) -> np.ndarray:

@@ -178,7 +178,7 @@ def _settles(ground, begin, end, speed, restitution, force, p, peak):
 
 
 @njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
-def effective_lanes(first_lane, last_lane, ground, waves, lanes, longest, answers):
+def effective_lanes(first_lane, last_lane, ground, waves, lanes, longest, results):
     """Write what the lanes first_lane:last_lane answer; `longest` is the longest stretch taken as one impulse [1/p]."""
     dt = ground.dt
     bounds, peaks, later = waves
@@ -262,7 +262,7 @@ def effective_lanes(first_lane, last_lane, ground, waves, lanes, longest, answer
             peak = np.inf
         elif outcome == _UNRESOLVED:
             peak, impacts = np.nan, -1
-        answers.peak_rotation_ratio[lane] = peak
-        answers.overturning_time[lane] = overturning_time if outcome == _OVERTURNS else np.nan
-        answers.outcome[lane], answers.reason[lane] = outcome, reason
-        answers.overturning_half_cycle[lane], answers.impacts[lane] = overturned, impacts
+        results.peak_rotation_ratio[lane] = peak
+        results.overturning_time[lane] = overturning_time if outcome == _OVERTURNS else np.nan
+        results.outcome[lane], results.reason[lane] = outcome, reason
+        results.overturning_half_cycle[lane], results.impacts[lane] = overturned, impacts

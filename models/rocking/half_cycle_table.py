@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from rocking.response import HalfCycles, Response, answered, empty_answers
+from rocking.response import HalfCycles, Response, empty_results, response_of
 from rocking.sequence_kernel import COLUMNS, Table
 from rocking.threads import split_lanes
 
@@ -58,18 +58,18 @@ def tabulated_response(
     table_rows: int,
     threads: int | None = None,
 ) -> Response:
-    """Run ``kernel(first, last, lanes, answers, table)``, then again with a table as long as the longest motion.
+    """Run ``kernel(first, last, lanes, results, table)``, then again with a table as long as the longest motion.
 
     The table has at most `table_rows` half-cycles; without any the response has no `half_cycles`.
     """
     if table_rows < 0:
         raise ValueError(f"table_rows: expected 0 (no table) or a number of half-cycles, got {table_rows}")
     size = shape[0] * shape[1]
-    answers = empty_answers(size)
+    results = empty_results(size)
 
     def run(rows: int) -> Table:
         table = empty_table(rows, size)
-        split_lanes(lambda first, last: kernel(first, last, lanes, answers, table), size, threads)
+        split_lanes(lambda first, last: kernel(first, last, lanes, results, table), size, threads)
         return table
 
     table = run(0)
@@ -81,4 +81,4 @@ def tabulated_response(
         columns[3] = columns[3].astype(np.int64)
         half_cycles = HalfCycles(*columns)
     contact = table.lowest.reshape(shape) < -GROUND_TOLERANCE
-    return answered(answers, shape, drop, half_cycles=half_cycles, ground_contact=contact)
+    return response_of(results, shape, drop, half_cycles=half_cycles, ground_contact=contact)

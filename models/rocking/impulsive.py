@@ -13,7 +13,7 @@ import numpy as np
 
 from rocking.block import Block, numbers
 from rocking.impulsive_kernel import EXACT, LINEAR, PAPER, TANGENT, History, Lanes, Train, impulsive_lanes
-from rocking.response import Response, answered, empty_answers, with_history
+from rocking.response import Response, empty_results, response_of, with_history
 from rocking.threads import split_lanes
 
 __all__ = ["GAINS", "impulsive_response"]
@@ -114,14 +114,14 @@ def impulsive_response(
     sizes = np.abs(impulses)
     train = Train(times, impulses, sizes, np.cumsum(sizes[::-1])[::-1].copy())
     lanes = Lanes(factors, alpha, p, restitution, block.gravity, GAINS[gain])
-    answers = empty_answers(factors.size)
+    results = empty_results(factors.size)
     history = History(grid, np.zeros((factors.size, grid.size, 2)))
 
     def kernel_call(first: int, last: int) -> None:
-        impulsive_lanes(first, last, train, lanes, np.empty((3, times.size)), answers, history)
+        impulsive_lanes(first, last, train, lanes, np.empty((3, times.size)), results, history)
 
     split_lanes(kernel_call, factors.size, threads)
-    response = answered(answers, shape, drop)
+    response = response_of(results, shape, drop)
     return response if history_dt is None else with_history(response, shape, drop, grid, history.motion)
 
 

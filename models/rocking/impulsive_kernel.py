@@ -137,11 +137,11 @@ def _tabulate(waits, times, p):
 
 
 @njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
-def impulsive_lanes(first_lane, last_lane, train, lanes, waits, answers, history):
+def impulsive_lanes(first_lane, last_lane, train, lanes, waits, results, history):
     """Write what the lanes first_lane:last_lane answer; the work space `waits` is (3, k).
 
     Lane l is block l // q with factor l % q, so that lanes next to each other share p and with it the growth of the
-    modes over every wait; its answers stand at the place factor m + block. Between events nothing but square roots is
+    modes over every wait; its results stand at the place factor m + block. Between events nothing but square roots is
     computed: exp(p t) of a return is algebraic.
     """
     times, impulses = train.times, train.impulses
@@ -294,6 +294,6 @@ def impulsive_lanes(first_lane, last_lane, train, lanes, waits, answers, history
             peak = np.inf
         elif outcome == _UNRESOLVED:
             peak, impacts = np.nan, -1
-        answers.peak_rotation_ratio[place], answers.overturning_time[place] = peak, overturning_time
-        answers.outcome[place], answers.reason[place] = outcome, reason
-        answers.overturning_half_cycle[place], answers.impacts[place] = overturned, impacts
+        results.peak_rotation_ratio[place], results.overturning_time[place] = peak, overturning_time
+        results.outcome[place], results.reason[place] = outcome, reason
+        results.overturning_half_cycle[place], results.impacts[place] = overturned, impacts

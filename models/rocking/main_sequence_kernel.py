@@ -81,7 +81,7 @@ def overturning_half_cycle(main, restitution):
 
 
 @njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
-def resonance_lanes(first_lane, last_lane, lanes, answers, table):
+def resonance_lanes(first_lane, last_lane, lanes, results, table):
     """Write what the lanes first_lane:last_lane answer, and their :class:`rocking.sequence_kernel.Table`."""
     columns = table.columns
     rows = columns.shape[1]
@@ -122,9 +122,9 @@ def resonance_lanes(first_lane, last_lane, lanes, answers, table):
         if outcome == _ROCKS:
             later = impacts_above(c * velocity, c, IMPACT_CUTOFF)
             impacts = -1 if later < 0 else impacts + later
-        answers.peak_rotation_ratio[lane], answers.overturning_time[lane] = peak, overturning_time
-        answers.outcome[lane], answers.reason[lane] = outcome, reason
-        answers.overturning_half_cycle[lane], answers.impacts[lane] = overturned, impacts
+        results.peak_rotation_ratio[lane], results.overturning_time[lane] = peak, overturning_time
+        results.outcome[lane], results.reason[lane] = outcome, reason
+        results.overturning_half_cycle[lane], results.impacts[lane] = overturned, impacts
         table.lowest[lane], table.followed[lane] = np.inf, used
 
 

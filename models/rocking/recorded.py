@@ -15,7 +15,7 @@ from rocking.demand import Demand
 from rocking.ground import Accelerogram, extremes
 from rocking.recorded_event import LINEAR, NONLINEAR
 from rocking.recorded_kernel import Lanes, Options, march_lanes
-from rocking.response import Response, answered, empty_answers, with_history
+from rocking.response import Response, empty_results, response_of, with_history
 from rocking.slots import empty_slots
 from rocking.threads import split_lanes
 
@@ -218,15 +218,15 @@ def recorded_response(
     options = Options(EQUATIONS[equation], step, float(last_term), settled)
     shape, drop = (factors.size, alpha.size), (factors.ndim == 0, lanes == ())
     total = factors.size * alpha.size
-    answers, active = empty_answers(total, codes=np.int8), np.empty(total, dtype=np.int64)
+    results, active = empty_results(total, codes=np.int8), np.empty(total, dtype=np.int64)
     samples = record.size if history else 0
     motion: np.ndarray = np.zeros((total, samples, 2))
 
     def march(first: int, last: int) -> None:
-        march_lanes(first, last, ground, blocks, options, empty_slots(), answers, active, motion)
+        march_lanes(first, last, ground, blocks, options, empty_slots(), results, active, motion)
 
     split_lanes(march, total, threads)
-    response = answered(answers, shape, drop, active_samples=active.reshape(shape))
+    response = response_of(results, shape, drop, active_samples=active.reshape(shape))
     return with_history(response, shape, drop, dt * np.arange(samples), motion) if history else response
 
 

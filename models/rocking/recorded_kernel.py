@@ -150,7 +150,7 @@ def empty_slot(f, i, j):
 
 @njit(cache=True, nogil=True, error_model="numpy", forceinline=True, _nrt=False)
 def end_lane(f, i, j, status, record, equation):
-    """What a lane that has ended answers, in the order of :class:`rocking.response.Answers`."""
+    """The results of a lane that has ended, in the order of :class:`rocking.response.LaneResults`."""
     impacts = int(f[row.IMPACTS + j])
     alpha, restitution, p = f[row.ALPHA + j], f[row.RESTITUTION + j], f[row.P + j]
     if status == OVERTURNED:
@@ -209,8 +209,8 @@ def decide(f, i, j, record, lanes, options, far):
 
 
 @njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
-def march_lanes(first, last, record, lanes, options, slots, answers, active, history):
-    """March lanes first to last - 1 and write their :class:`rocking.response.Answers`.
+def march_lanes(first, last, record, lanes, options, slots, results, active, history):
+    """March lanes first to last - 1 and write their :class:`rocking.response.LaneResults`.
 
     `active` (q m,) receives the number of samples in which the block moved. `history`, zeros (q m, n, 2), receives
     theta [rad] and theta' [rad/s] at the samples, NaN after a lane has ended before the record; (q m, 0, 2) for none.
@@ -248,12 +248,12 @@ def march_lanes(first, last, record, lanes, options, slots, answers, active, his
                 if lane >= 0:
                     active[lane] = int(f[row.ACTIVE + j])
                     (
-                        answers.peak_rotation_ratio[lane],
-                        answers.outcome[lane],
-                        answers.reason[lane],
-                        answers.overturning_time[lane],
-                        answers.overturning_half_cycle[lane],
-                        answers.impacts[lane],
+                        results.peak_rotation_ratio[lane],
+                        results.outcome[lane],
+                        results.reason[lane],
+                        results.overturning_time[lane],
+                        results.overturning_half_cycle[lane],
+                        results.impacts[lane],
                     ) = end_lane(f, i, j, status, record, options.equation)
                     if status > RESTING:
                         history[lane, int(f[row.SAMPLE + j]) + 1 :] = np.nan

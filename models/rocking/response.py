@@ -10,14 +10,13 @@ import numpy as np
 
 __all__ = [
     "IMPACT_CUTOFF",
-    "Answers",
     "HalfCycles",
+    "LaneResults",
     "Outcome",
     "Reason",
     "Response",
-    "answered",
     "drop_axes",
-    "empty_answers",
+    "empty_results",
     "squeezed",
     "with_history",
 ]
@@ -124,8 +123,8 @@ class Response:
     active_samples: Any = None
 
 
-class Answers(NamedTuple):
-    """What every kernel writes for its lanes: (lanes,) arrays with the names and the meaning of a :class:`Response`."""
+class LaneResults(NamedTuple):
+    """The (lanes,) arrays that every kernel writes to, with the names and the meaning of a :class:`Response`."""
 
     peak_rotation_ratio: np.ndarray
     outcome: np.ndarray
@@ -135,15 +134,15 @@ class Answers(NamedTuple):
     impacts: np.ndarray
 
 
-def empty_answers(lanes: int, codes: Any = np.int64) -> Answers:
+def empty_results(lanes: int, codes: Any = np.int64) -> LaneResults:
     """Arrays for a kernel to write to; outcome and reason are of the type `codes`."""
     types = (np.float64, codes, codes, np.float64, np.int64, np.int64)
-    return Answers(*(np.empty(lanes, dtype=kind) for kind in types))
+    return LaneResults(*(np.empty(lanes, dtype=kind) for kind in types))
 
 
-def answered(answers: Answers, shape: tuple[int, int], drop: tuple[bool, bool], **others: Any) -> Response:
+def response_of(results: LaneResults, shape: tuple[int, int], drop: tuple[bool, bool], **others: Any) -> Response:
     """The (q, m) response that a kernel has written, with `others` of its fields, without the lane axes to `drop`."""
-    lanes = {name: values.reshape(shape) for name, values in answers._asdict().items()}
+    lanes = {name: values.reshape(shape) for name, values in results._asdict().items()}
     return drop_axes(Response(**lanes, **others), drop)
 
 

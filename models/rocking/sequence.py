@@ -16,7 +16,7 @@ import numpy as np
 from rocking.block import Block
 from rocking.half_cycle_table import TABLE_ROWS, combined, empty_table, tabulated_response
 from rocking.impulse_sequence import SPACINGS, ImpulseSequence
-from rocking.response import HalfCycles, Outcome, Reason, Response, empty_answers
+from rocking.response import HalfCycles, Outcome, Reason, Response, empty_results
 from rocking.sequence_kernel import HALF_CYCLE_LIMIT, UNLIMITED, Lanes, sequence_lanes
 from rocking.threads import split_lanes
 
@@ -127,9 +127,9 @@ def scaled_outcomes(
     flat = [np.tile(value[chosen], factors.shape[0]) for value in flat]
     flat[0], flat[1] = factors.reshape(-1) * flat[0], factors.reshape(-1) * flat[1]
     lanes, short = _lanes(sequence, flat)
-    answers, table = empty_answers(short.size), empty_table(0, short.size)
-    split_lanes(lambda first, last: sequence_lanes(first, last, lanes, answers, table), short.size, threads)
-    return np.where(short, int(Outcome.UNRESOLVED), answers.outcome).reshape(factors.shape)
+    results, table = empty_results(short.size), empty_table(0, short.size)
+    split_lanes(lambda first, last: sequence_lanes(first, last, lanes, results, table), short.size, threads)
+    return np.where(short, int(Outcome.UNRESOLVED), results.outcome).reshape(factors.shape)
 
 
 def _combined(

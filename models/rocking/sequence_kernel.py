@@ -46,7 +46,7 @@ class Lanes(NamedTuple):
 
 
 class Table(NamedTuple):
-    """What a kernel of half-cycles writes beside its answers."""
+    """What a kernel of half-cycles writes beside its :class:`rocking.response.LaneResults`."""
 
     columns: np.ndarray  #: (COLUMNS, h, lanes) the first h half-cycles
     lowest: np.ndarray  #: (lanes,) smallest x inside a half-cycle [-]
@@ -92,7 +92,7 @@ def repetitions(start, time, duration, main_count):
 
 
 @njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
-def sequence_lanes(first_lane, last_lane, lanes, answers, table):
+def sequence_lanes(first_lane, last_lane, lanes, results, table):
     """Write what the lanes first_lane:last_lane answer, and their half-cycles."""
     columns = table.columns
     rows = columns.shape[1]
@@ -156,7 +156,7 @@ def sequence_lanes(first_lane, last_lane, lanes, answers, table):
             later = impacts_above(c * speed, c, IMPACT_CUTOFF)
             impacts = -1 if later < 0 else impacts + later
             break
-        answers.peak_rotation_ratio[lane], answers.overturning_time[lane] = peak, overturning_time
-        answers.outcome[lane], answers.reason[lane] = outcome, reason
-        answers.overturning_half_cycle[lane], answers.impacts[lane] = overturned, impacts
+        results.peak_rotation_ratio[lane], results.overturning_time[lane] = peak, overturning_time
+        results.outcome[lane], results.reason[lane] = outcome, reason
+        results.overturning_half_cycle[lane], results.impacts[lane] = overturned, impacts
         table.lowest[lane], table.followed[lane] = lowest, used
