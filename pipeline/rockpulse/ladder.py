@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 
 import rocking
-from rockpulse.option import Section, choice, choices, count, flag, number
+from rockpulse.option import Section, boolean, choice, choices, count, number
 from rockpulse.record.half_wave import HalfWaves
 from rockpulse.record.intensity import IntensePhase
 from rockpulse.record.record import Record
@@ -35,9 +35,10 @@ __all__ = [
     "auto_response",
     "cautions",
     "critical_scales",
+    "is_upper_bound",
 ]
 
-#: What the resonance model is, wherever it is shown.
+#: What a model with an upper bound for its input is called, wherever it is shown.
 UPPER_BOUND = "upper-bound type input"
 
 
@@ -179,8 +180,8 @@ class Model:
     of_sequence: bool = False
     #: Whether `respond` takes factors on the record as well, with which predictability is checked.
     checkable: bool = False
-    #: What every table that shows the model has to say of it.
-    caution: str = ""
+    #: How its input is an upper bound, so that its overturning says no more than that a body may be unsafe.
+    upper_bound: str = ""
 
     @property
     def rule(self) -> Rule | None:
@@ -204,7 +205,7 @@ _ROWS = (
         search=_search_resonance,
         look=("purple", (0, (1, 1.2)), "v"),
         of_sequence=True,
-        caution=f"an {UPPER_BOUND} (every main impulse at the worst moment), not a prediction",
+        upper_bound="every main impulse at the worst moment",
     ),
     Model(
         name="sequence",
@@ -291,9 +292,18 @@ SEQUENCE_MODELS = tuple(row.name for row in _ROWS if row.of_sequence)
 USED = (*NAMES, "static", "settled")
 
 
-def cautions(names: Iterable[str]) -> list[str]:
-    """What a table that shows some models has to say of them."""
-    return [f"{name}: {MODELS[name].caution}." for name in names if name in MODELS and MODELS[name].caution]
+def is_upper_bound(name: str) -> bool:
+    """Whether the overturning by a model says no more than that a body may be unsafe."""
+    return name in MODELS and MODELS[name].upper_bound != ""
+
+
+def cautions(names: Iterable[str], more: str = "") -> list[str]:
+    """A sentence, with `more` at its end, on each of the models whose input is an upper bound."""
+    return [
+        f"{name}: an {UPPER_BOUND} ({MODELS[name].upper_bound}), not a prediction{more}."
+        for name in names
+        if is_upper_bound(name)
+    ]
 
 
 @dataclass(frozen=True)
@@ -302,12 +312,12 @@ class ModelSettings(Section):
 
     heading = "[models]"
     use: tuple[str, ...] = choices(("resonance", "sequence", "impulsive", "linear", "nonlinear"), NAMES)
-    auto: bool = flag(False)
+    auto: bool = boolean(False)
     output: str = choice("outcome", ("outcome", "peak"))
     tolerance: float = number(1e-4, low=0.0, above=True)
-    predictability: bool = flag(False)
+    predictability: bool = boolean(False)
     gain: str = choice("paper", ("paper", "linear", "exact"))
-    histories: bool = flag(False)
+    histories: bool = boolean(False)
 
     @property
     def answering(self) -> tuple[str, ...]:

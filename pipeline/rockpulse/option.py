@@ -18,10 +18,10 @@ from rockpulse.errors import ConfigError
 __all__ = [
     "KeyType",
     "Section",
+    "boolean",
     "choice",
     "choices",
     "count",
-    "flag",
     "hint",
     "is_number",
     "key",
@@ -116,7 +116,7 @@ def texts(default: tuple[str, ...] = ()) -> Any:
     return key(default, KeyType("a list of texts", _is_texts, tuple))
 
 
-def flag(default: bool) -> Any:
+def boolean(default: bool) -> Any:
     """A key that takes true or false."""
     return key(default, KeyType("true or false", lambda value: isinstance(value, bool), bool))
 

@@ -6,7 +6,7 @@ import math
 import pytest
 
 from rockpulse.errors import ConfigError
-from rockpulse.option import Section, choice, choices, count, flag, hint, is_number, number, text, texts
+from rockpulse.option import Section, boolean, choice, choices, count, hint, is_number, number, text, texts
 
 
 @dataclasses.dataclass(frozen=True)
@@ -16,7 +16,7 @@ class Everything(Section):
     heading = "[everything]"
     words: str = text("")
     list: tuple = texts()
-    flag: bool = flag(False)
+    flag: bool = boolean(False)
     one: str | int = choice("red", ("red", "green"), or_count=True)
     some: tuple = choices(("red",), ("red", "green", "blue"))
     number: float | None = number(None, low=0.0, above=True, high=1.0, unit="m")

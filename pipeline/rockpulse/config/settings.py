@@ -8,7 +8,7 @@ from dataclasses import MISSING, dataclass
 from rockpulse.config.fragility_settings import FragilitySettings
 from rockpulse.errors import ConfigError
 from rockpulse.ladder import ModelSettings, SearchSettings
-from rockpulse.option import KeyType, Section, choice, count, flag, key, number, text, texts
+from rockpulse.option import KeyType, Section, boolean, choice, count, key, number, text, texts
 
 __all__ = [
     "SECTIONS",
@@ -66,11 +66,11 @@ class RecordSettings(Section):
     components: str = choice("horizontal", COMPONENTS)
     azimuth: float | None = number(None, low=0.0, high=360.0, unit="degrees")
     azimuth_step: float = number(10.0, low=1.0, high=90.0, unit="degrees")
-    structural: bool = flag(False)
+    structural: bool = boolean(False)
     units: str | None = text(None)
     dt: float | None = number(None, low=0.0, above=True, unit="s")
     response: str = choice("sensitivity", RESPONSES)
-    include_vertical: bool = flag(False)
+    include_vertical: bool = boolean(False)
     events: str | None = text(None)
     store: str = choice("all", STORES)
 
@@ -123,7 +123,7 @@ class HalfWaveSettings(Section):
     heading = "[half_waves]"
     threshold: float = number(0.0, low=0.0, high=1.0)
     min_duration_s: float = number(0.0, low=0.0, unit="s")
-    merge: bool = flag(True)
+    merge: bool = boolean(True)
 
 
 @dataclass(frozen=True)

@@ -9,7 +9,7 @@ import numpy as np
 
 from rockpulse.assessment.answers import complete, fullest_model
 from rockpulse.errors import ResultsError
-from rockpulse.ladder import SEQUENCE_MODELS, UPPER_BOUND, SearchSettings
+from rockpulse.ladder import SEQUENCE_MODELS, UPPER_BOUND, SearchSettings, is_upper_bound
 from rockpulse.views.plots.demand_marks import demand_ticks, demands_over_pga, least, tick_notes
 from rockpulse.views.plots.selection import chosen_case, named_body, one_name, setting
 from rockpulse.views.plots.style import (
@@ -338,8 +338,7 @@ def _map_notes(model: str, end: float, step: float, outside: Sequence[str], boun
         words.append("Hollow: a lower bound, from there on the model cannot answer.")
     if outside:
         words.append(f"Outside the range of the model: {plain(counted(dict.fromkeys(outside)))}.")
-    if model == "resonance":
-        words.append(f"Resonance is an {UPPER_BOUND}, not a prediction.")
+    words += _bounds([model])
     return " ".join(words)
 
 
@@ -357,6 +356,9 @@ def _scale_notes(own: xr.Dataset, shown: xr.Dataset, searched: Sequence[str], le
         words.append("Arrow: a lower bound, from there on the model cannot answer.")
     if bool(values.isnull().any()):
         words.append(f"Without a mark: not computed ({int(values.isnull().sum())}).")
-    if "resonance" in searched:
-        words.append(f"Resonance is an {UPPER_BOUND}, not a prediction.")
+    words += _bounds(searched)
     return " ".join(words)
+
+
+def _bounds(models: Sequence[str]) -> list[str]:
+    return [f"{name.capitalize()} is an {UPPER_BOUND}, not a prediction." for name in models if is_upper_bound(name)]

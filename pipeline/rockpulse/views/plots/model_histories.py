@@ -12,6 +12,7 @@ from rocking.impulsive import impulsive_response
 from rocking.recorded import recorded_response
 from rocking.response import IMPACT_CUTOFF, Outcome
 from rockpulse.errors import ResultsError
+from rockpulse.ladder import SEQUENCE_MODELS
 from rockpulse.studies.paper.motion_history import HalfCycle, rotation_history
 from rockpulse.views.plots.motion import STORE, had_vertical, stored_record
 from rockpulse.views.plots.selection import block_of, chosen_case, gain_of, one_name, ragged, sequence_of, table_of_pair
@@ -123,7 +124,7 @@ def _history(tree: xr.DataTree, record: str, block: str, model: str, case: int) 
     if outcome == Outcome.UNRESOLVED:
         return History(model, nothing, nothing, nothing, -1, np.nan, np.nan, "; ".join(["unresolved", *remark]))
     body = block_of(summary, block, case)
-    if model in ("sequence", "resonance"):
+    if model in SEQUENCE_MODELS:
         # A design sequence stands for no record: its own time is the only one.
         start = float(np.nan_to_num(summary["intense_start"].sel(record=record)))
         time, rotation, impacts = _of_sequence(tree, record, block, model, case)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from rocking.response import Outcome
 from rockpulse.assessment.answers import Answers
 from rockpulse.assessment.verdict import Standing, standings, why_unknown
-from rockpulse.ladder import UPPER_BOUND
+from rockpulse.ladder import UPPER_BOUND, is_upper_bound
 from rockpulse.views.shared.answer_cells import answer_cells, factor_cell, factor_cells, marks_of, unexplained
 from rockpulse.views.shared.record_marks import record_cells
 from rockpulse.views.shared.table import Cell, Heading, Mark, Table, number
@@ -29,7 +29,7 @@ _STANDINGS = {
 
 def model_column(model: str) -> Heading:
     """The heading of a column of a model."""
-    return Heading(model, note=UPPER_BOUND if model == "resonance" else "")
+    return Heading(model, note=UPPER_BOUND if is_upper_bound(model) else "")
 
 
 class AnswerCells:

@@ -10,9 +10,9 @@ import numpy as np
 
 from rockpulse.assessment.answers import Answers, Motions
 from rockpulse.assessment.verdict import BodyVerdict, Grade, Standing, thin_margin
+from rockpulse.ladder import UPPER_BOUND, is_upper_bound
 from rockpulse.motions.events import CONFIDENCE, FEWEST_EVENTS, largest_share
 from rockpulse.remark import Remark, remarked
-from rockpulse.views.report.answers import UPPER_BOUND
 from rockpulse.views.report.pairing import listed
 from rockpulse.views.report.statements import noun, of_bodies, of_unknown_event
 from rockpulse.views.shared.record_marks import doubt_notes, record_cells
@@ -56,12 +56,12 @@ def caveats(
     said: list[Caveat | None] = [_doubtful(summary), _confidence(motions, found, site)]
     if motions.kind == "sequence":
         said += [_not_compared(summary), *([] if site is None else _of_design(site, found))]
-    if model == "resonance":
+    if is_upper_bound(model):
         said.append(
             Caveat(
                 True,
                 f"Judged by an {UPPER_BOUND}",
-                "The resonance model lets every main impulse act at the worst moment. Its overturning says that a "
+                f"The {model} model lets every main impulse act at the worst moment. Its overturning says that a "
                 "body may be unsafe, nothing more; it is no prediction.",
             )
         )

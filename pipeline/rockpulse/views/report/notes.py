@@ -9,7 +9,7 @@ import numpy as np
 
 from rockpulse.assessment.answers import Answers, searched_up_to
 from rockpulse.assessment.verdict import BodyVerdict
-from rockpulse.ladder import UPPER_BOUND
+from rockpulse.ladder import cautions
 from rockpulse.views.report.answers import AnswerCells
 from rockpulse.views.shared.answer_cells import AT_MOST, factor_cell, margin_cells, marks_of
 from rockpulse.views.shared.record_marks import doubt_notes
@@ -39,11 +39,7 @@ def table_notes(cells: AnswerCells, found: Sequence[BodyVerdict]) -> list[str]:
         *_of_factors(answers),
         *doubt_notes(cells.names),
     ]
-    if "resonance" in answers.models:
-        notes.append(
-            f"resonance: an {UPPER_BOUND} (every main impulse at the worst moment), not a prediction: its overturning "
-            "says that the body may be unsafe, nothing more."
-        )
+    notes += cautions(answers.models, ": its overturning says that the body may be unsafe, nothing more")
     margins = [margin for one in found for margin in (one.margin, *(demand.margin for demand in one.demands))]
     marks = cells.marks | marks_of(margin_cells(margin)[0] for margin in margins)
     told = [mark.note for mark in (OUTSIDE, UNPREDICTABLE, ESTIMATE, SO_FAR, NO_ANSWER, AT_MOST) if mark in marks]

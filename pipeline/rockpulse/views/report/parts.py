@@ -6,6 +6,7 @@ import tomllib
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from rockpulse.ladder import SEQUENCE_MODELS
 from rockpulse.views.report.pairing import Paired, listed
 from rockpulse.views.shared.table import Cell, Heading, Table, number
 from rockpulse.views.shared.terminal import several, share
@@ -131,7 +132,7 @@ def _differences(of: Paired, assessed: int, model: str) -> list[str]:
     """What the curves and the verdict do not have in common."""
     said = of.other_motions("The curves are", assessed)
     equation = tomllib.loads(str(of.tree.attrs.get("configuration", ""))).get("fragility", {}).get("equation", model)
-    if equation != model and model not in ("auto", "resonance", "sequence"):
+    if equation != model and model not in ("auto", *SEQUENCE_MODELS):
         said.append(f"The curves are by the {equation} equation of motion, the verdict is by the {model} model.")
     if of.missing:
         said.append(f"Without curves, for the fragility file lacks them: {listed(of.missing)}.")

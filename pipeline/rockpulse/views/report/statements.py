@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 from rockpulse.assessment.answers import Answers, Motions
 from rockpulse.assessment.verdict import BodyVerdict, DemandVerdict, Grade
-from rockpulse.ladder import UPPER_BOUND
+from rockpulse.ladder import UPPER_BOUND, is_upper_bound
 from rockpulse.motions.events import UNKNOWN
 from rockpulse.record.record import STANDARD_GRAVITY
 from rockpulse.views.report.pairing import listed
@@ -53,7 +53,7 @@ def headline(answers: Answers, found: Sequence[BodyVerdict]) -> list[str]:
     for grade in sorted(_HEADS, reverse=True):
         own = [one for one in found if one.overall == grade]
         if own:
-            heads = _NOT_SHOWN if model == "resonance" and grade == Grade.NOT_SAFE else _HEADS[grade]
+            heads = _NOT_SHOWN if is_upper_bound(model) and grade == Grade.NOT_SAFE else _HEADS[grade]
             head = heads[len(own) != 1].format(these="it" if motions.kind == "sequence" else "these")
             sentences.append(f"{of_bodies(len(own), len(found))} {head}: {_named(own)}.")
     if not sentences:
@@ -82,7 +82,7 @@ def _demand(answers: Answers, found: Sequence[BodyVerdict], every: tuple[DemandV
     return (
         f"Demand “{name}”, {strength}{f', {state}' if state else ''}: {met} of {several(total, 'body')} "
         f"{'stands' if met == 1 else 'stand'} under every {noun(answers.motions)} scaled to this PGA or below, "
-        f"{below} {'does' if below == 1 else 'do'} not{' for certain' if model == 'resonance' else ''}{named}"
+        f"{below} {'does' if below == 1 else 'do'} not{' for certain' if is_upper_bound(model) else ''}{named}"
         + (f"; of {unknown} it is not known: {why}." if unknown else ".")
     )
 
@@ -162,7 +162,7 @@ def _own_margin(one: BodyVerdict) -> str:
 
 
 def _model(model: str) -> str:
-    return f"{model} model ({UPPER_BOUND}, no prediction)" if model == "resonance" else f"{model} model"
+    return f"{model} model ({UPPER_BOUND}, no prediction)" if is_upper_bound(model) else f"{model} model"
 
 
 def of_bodies(count: int, total: int) -> str:

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 
 from rockpulse.assessment.answers import Answers, Motions
 from rockpulse.assessment.verdict import BodyVerdict, DemandVerdict, Grade, Standing
+from rockpulse.ladder import is_upper_bound
 from rockpulse.motions.events import CONFIDENCE, FEWEST_EVENTS
 from rockpulse.views.report.statements import counted
 from rockpulse.views.shared.answer_cells import margin_cells, unexplained
@@ -36,11 +37,11 @@ _PLURAL = {"record": "records", "pair": "pairs of channels", "sequence": "sequen
 def grade_cell(one: BodyVerdict, model: str, before: str = "") -> Cell:
     """The verdict on a body in a word or two behind others, sorted from best to worst.
 
-    By the resonance model, an upper-bound type input, what is overturned is not shown to be unsafe.
+    A body that is overturned by an upper-bound type input is not shown to be unsafe.
     """
     grade = one.overall
     words, mark = _GRADES[grade]
-    if model == "resonance" and grade == Grade.NOT_SAFE:
+    if is_upper_bound(model) and grade == Grade.NOT_SAFE:
         words, mark = "not shown to be safe", "unknown"
     where = " at the demand" if grade > one.grade else ""
     return Cell(before + words + where, float(grade), grade=mark)
@@ -118,6 +119,6 @@ def _event_columns(motions: Motions) -> int:
 def _demand_cell(demand: DemandVerdict, model: str) -> Cell:
     smallest, median = (cell.marked for cell in margin_cells(demand.margin))
     why = f", {demand.unknown} not known" if demand.unknown else ""
-    # What an upper-bound type input overturns is not shown to be unsafe.
-    mark = "unknown" if model == "resonance" and demand.grade == Grade.NOT_SAFE else _GRADES[demand.grade][1]
+    # A body that is overturned by an upper-bound type input is not shown to be unsafe.
+    mark = "unknown" if is_upper_bound(model) and demand.grade == Grade.NOT_SAFE else _GRADES[demand.grade][1]
     return Cell(f"{smallest}, median {median}{why}", demand.margin.smallest, grade=mark)
