@@ -1,4 +1,4 @@
-"""How much stronger a ground motion may get before a block overturns, by the models that follow the motion itself."""
+"""Factors on a ground motion at which a block overturns, by the models that follow the motion itself."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a ground motion asks of a block, on the block's own time scale: the impulse measure of the fidelity ladder.
+"""The demand of a ground motion on a block, on the block's own time scale: the impulse measure of the fidelity ladder.
 
 .. note:: While a block rocks on the side s, the growing mode y = s theta/alpha - 1 + s theta'/(p alpha) of the linear
    equation obeys y' = p y - s p a_g/(g alpha), so that

@@ -1,4 +1,4 @@
-"""Which model a scene needs: lane by lane the cheapest rung of the fidelity ladder that still gives the answer.
+"""The choice of the model for a lane: the cheapest rung of the fidelity ladder that still gives the answer.
 
 .. note:: What a rung may decide is either derived (:data:`Rung.STATIC`, and overturning of :data:`Rung.SETTLED`) or
    measured against the nonlinear equation on an ensemble (``benchmarks/measure_fidelity.py``; docs/decisions/007). The
@@ -287,7 +287,7 @@ class _Lanes:
 
 
 def _answers(response: Response) -> dict[str, np.ndarray]:
-    """What a response holds for every lane."""
+    """The fields of a response that hold a value for every lane."""
     values = {item.name: getattr(response, item.name) for item in fields(Response)}
     return {name: array for name, array in values.items() if array is not None}
 

@@ -1,4 +1,4 @@
-"""What the half-waves of a record ask of a block: on the block's own time scale, and by marching through them.
+"""The demand of the half-waves of a record on a block: on the block's own time scale, and by marching through them.
 
 .. note:: A half-wave is taken as the triangle that has its ends, its impulse and its centroid. Two measures of the
    motion that they make, both proportional to a factor on it (the march up to rounding: on noisy or drifting records
@@ -51,23 +51,15 @@ LOWEST, HIGHEST, STEP = 0.08, 1.2, 1.12
 
 @dataclass(frozen=True, eq=False)
 class Lobes:
-    """Lobes of E(t0), the stretches of one sign, in order of time.
+    """Lobes of E(t0), the stretches of one sign, in order of time."""
 
-    Attributes
-    ----------
-    times : (k,) ndarray
-        When abs(E) is largest [s].
-    sizes : (k,) ndarray
-        That value of E, with its sign [m/s].
-    """
-
-    times: np.ndarray
-    sizes: np.ndarray
+    times: np.ndarray  # (k,) of the largest abs(E) of each [s]
+    sizes: np.ndarray  # (k,) E at that time, with its sign [m/s]
 
 
 @dataclass(frozen=True, eq=False)
 class HalfWaveDemand:
-    """What half-waves ask of (m,) blocks; `build_up` is proportional to a factor on the record, `march` up to rounding.
+    """Demand of half-waves on (m,) blocks, `build_up` proportional to a factor on the record, `march` up to rounding.
 
     Attributes
     ----------

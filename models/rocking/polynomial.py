@@ -100,14 +100,14 @@ def bracketed_root(c, order, shift, left, right, guess):
 
 @njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
 def falling_root(c, left, right):
-    """Where phi falls through zero in [left, right]: phi > 0 before, phi(right) <= 0, phi' < 0 inside."""
+    """The place where phi falls through zero in [left, right]: phi > 0 before, phi(right) <= 0, phi' < 0 inside."""
     # From the top of a hop the fall takes as long as the rise did, to first order.
     return bracketed_root(c, ROTATION, 0.0, left, right, 2.0 * left if left > 0.0 else -c[0] / c[1])
 
 
 @njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
 def hop_root(c, h):
-    """Where a hop from the ground, c[0] = 0, comes back to it: phi'' < 0 in [0, h], phi(h) <= 0.
+    """The place where a hop from the ground, c[0] = 0, comes back to it: phi'' < 0 in [0, h], phi(h) <= 0.
 
     phi/tau falls all the way and is nearly straight. Newton's steps for it stay in (0, h] by bisection.
     """

@@ -1,4 +1,4 @@
-"""What happens inside a step of the march over a record: impact, new peak, overturning, the end of a chatter, uplift.
+"""The events inside a step of the march over a record: impact, new peak, overturning, the end of a chatter, uplift.
 
 .. note:: Units and signs of :mod:`rocking.slots`. The motion inside a step is its Taylor polynomial (see
    :mod:`rocking.polynomial`), from which impacts, peaks and overturning are located exactly; uplift is the
@@ -218,7 +218,7 @@ def is_gone(f, j, record):
 
 @njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
 def after_impact(f, i, j, record, equation, far):
-    """How slot j goes on after an impact: MOVING, RESTING, OVERTURNED or IMPACT_LIMITED."""
+    """The state of slot j after an impact: MOVING, RESTING, OVERTURNED or IMPACT_LIMITED."""
     if f[row.HITS + j] > IMPACTS_PER_SAMPLE:
         return IMPACT_LIMITED
     speed = f[row.SPEED + j]

@@ -61,7 +61,7 @@ class Lanes(NamedTuple):
 
 
 class Options(NamedTuple):
-    """How a march goes: its equation, and where it divides or ends the steps of a lane."""
+    """The options of a march: its equation, and where it divides or ends the steps of a lane."""
 
     equation: int  #: LINEAR or NONLINEAR
     longest: float  #: longest step as p dt [-]
@@ -181,7 +181,7 @@ def end_lane(f, i, j, status, record, equation):
 
 @njit(cache=True, nogil=True, error_model="numpy", forceinline=True, _nrt=False)
 def decide(f, i, j, record, lanes, options, far):
-    """How a slot stands that needs attention, and whether its lane has come to its end.
+    """The state of a slot that needs attention, and whether its lane has come to its end.
 
     It is MOVING, RESTING, OVERTURNED, IMPACT_LIMITED, FLYING, or CALM: it will not overturn.
     """

@@ -1,4 +1,4 @@
-"""What every model answers: one :class:`Response` per call, one entry per lane (factor on the input, block)."""
+"""The answer of every model: one :class:`Response` per call, one entry per lane (factor on the input, block)."""
 
 from __future__ import annotations
 

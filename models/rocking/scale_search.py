@@ -1,4 +1,4 @@
-"""Where a scaled input makes a block exceed a limit: intervals of the factor, which need not be monotonic."""
+"""Intervals of the factor on an input in which a block exceeds a limit, which need not be monotonic."""
 
 from __future__ import annotations
 
@@ -166,7 +166,7 @@ def _nothing() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 def _reach(
     exceeds: Callable[[np.ndarray, np.ndarray], np.ndarray], lanes: np.ndarray, factors: np.ndarray
 ) -> np.ndarray:
-    """What `exceeds` says as numbers; inf where it has no answer."""
+    """The answers of `exceeds` as numbers; inf where it has none."""
     reach = np.asarray(exceeds(lanes, factors), dtype=float)
     return np.where(np.isnan(reach), np.inf, reach)
 

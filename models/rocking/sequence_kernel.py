@@ -46,7 +46,7 @@ class Lanes(NamedTuple):
 
 
 class Table(NamedTuple):
-    """What a kernel of half-cycles writes beside its :class:`rocking.response.LaneResults`."""
+    """The half-cycles that a kernel writes beside its :class:`rocking.response.LaneResults`."""
 
     columns: np.ndarray  #: (COLUMNS, h, lanes) the first h half-cycles
     lowest: np.ndarray  #: (lanes,) smallest x inside a half-cycle [-]

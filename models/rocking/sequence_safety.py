@@ -1,4 +1,4 @@
-"""How much stronger a sequence of impulses may get before a block overturns: in closed form, or by a search.
+"""Factors on a sequence of impulses at which a block overturns: in closed form, or by a search.
 
 .. note:: u = theta'/(p alpha_c), u_1 = I/I_1c, sigma = I_s/I. The factor is on both impulses: sigma and counts stay.
 """

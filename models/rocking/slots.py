@@ -1,4 +1,4 @@
-"""Where the march over a record keeps the lanes that it follows at one time: WIDTH slots in one flat array.
+"""Memory of the lanes that the march over a record follows at one time: WIDTH slots in one flat array.
 
 A step of every slot is one loop over contiguous rows without a branch, which the compiler turns into vector
 instructions; each slot is at its own sample of its own lane, so none waits for another. Row R of slot j is

@@ -17,18 +17,11 @@ FailureKind = Literal["failed", "skipped", "duplicate", "vertical", "structural"
 class Failure:
     """One row of the failures table.
 
-    Attributes
-    ----------
-    file : str
-        Path of the file; ``archive.zip!member`` for a member of an archive.
-    stage : str
-        Step that left it out: "find", "read", "events", "select", "pair", "rotate", "assess", "calibrate", "fragility".
-    reason : str
-        The message for the user.
-    kind : {"failed", "skipped", "duplicate", "vertical", "structural"}
-        "failed" needs attention. "skipped": no acceleration record, met in a folder, glob or zip, or one that is too
-        weak for the purpose. "duplicate": the same content was read already. "vertical", "structural": read,
-        but not assessed as horizontal ground motion.
+    `file` is ``archive.zip!member`` for a member of an archive. `stage` is the step that left it out: "find", "read",
+    "events", "select", "pair", "rotate", "assess", "calibrate" or "fragility". `kind` is "failed", which needs
+    attention; "skipped" for no acceleration record, met in a folder, glob or zip, or one too weak for the purpose;
+    "duplicate" where the same content was read already; "vertical" or "structural" where it was read, but not assessed
+    as horizontal ground motion.
     """
 
     file: str

@@ -189,7 +189,7 @@ class Model:
         return _loaded(self.name) if self.fitted else None
 
     def applicable(self, block: rocking.Block) -> np.ndarray:
-        """Which of (m,) blocks lie in the range of the model."""
+        """True for those of (m,) blocks that lie in the range of the model."""
         within = np.asarray(block.slender) | (not self.slender)
         rule = self.rule
         return within if rule is None else within & rule.applicable(block).reshape(block.shape)

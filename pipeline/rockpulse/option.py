@@ -61,7 +61,7 @@ class Section:
 
     @property
     def where(self) -> str:
-        """How a message names this section."""
+        """The name of this section in messages."""
         return self.heading
 
     def __post_init__(self) -> None:

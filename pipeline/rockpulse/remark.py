@@ -67,12 +67,8 @@ _NUMBER = r"[-+]?(?:\d+(?:\.\d+)?(?:e[-+]?\d+)?|inf|nan)"
 class Remark(str):
     """A remark as its English text, with the code and the values that the text is made of.
 
-    Attributes
-    ----------
-    code : str
-        A key of `TEMPLATES`; of a remark that holds another one both codes, ``of_vertical/clipped``.
-    values : dict
-        What the text names: numbers, texts, or another remark.
+    `code` is a key of `TEMPLATES`; of a remark that holds another one both codes, ``of_vertical/clipped``. `values` are
+    the numbers, texts, or the other remark that the text names.
 
     Examples
     --------
@@ -131,7 +127,7 @@ def recognised(text: str) -> str:
 
 @cache
 def _patterns() -> dict[str, tuple[re.Pattern[str], dict[str, Callable[[str], Any]]]]:
-    """What the text of each code looks like, and how its values are read."""
+    """The pattern of the text of each code, and how its values are read."""
     found = {}
     for code, template in TEMPLATES.items():
         pattern = ""

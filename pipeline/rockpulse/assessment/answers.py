@@ -1,4 +1,4 @@
-"""What one model answers for every body under every motion of a results file, and the margin by which each body stands.
+"""The answers of one model for every body under every motion of a results file, and the margin of each body.
 
 The motions are the records; the pairs of channels of a sweep, each in its worst direction; or the design sequence of a
 site. Whatever shows a smallest or a median factor takes it from here, and variables that results may lack are filled in
@@ -142,7 +142,7 @@ class Answers:
 
     @cached_property
     def motions(self) -> Motions:
-        """What margins are over: the records, unless others were given."""
+        """The motions that margins are taken over: the records, unless others were given."""
         if self._motions is not None:
             return self._motions
         index, events = np.arange(len(self.records))[:, np.newaxis], [str(event) for event in self["event"]]
@@ -179,7 +179,7 @@ class Answers:
 
     @property
     def counts(self) -> list[int]:
-        """How many answers, of all records on all bodies, are of each outcome, in the order of Outcome."""
+        """Number of answers, of all records on all bodies, of each outcome, in the order of Outcome."""
         return [int(np.count_nonzero(self["outcome"] == outcome)) for outcome in Outcome]
 
     @cached_property
@@ -208,7 +208,7 @@ class Answers:
         return np.asarray(worst.reduceat(table, firsts, axis=1))
 
     def overturnings(self, of: Of = "body") -> list[int]:
-        """How many motions overturn each body or block as they are, or how many blocks each motion overturns."""
+        """Number of motions that overturn each body or block as they are, or of blocks that each motion overturns."""
         fallen = self.overturned if of == "body" else self.by_block(np.logical_or, self.overturned)
         return [int(count) for count in fallen.sum(axis=1 if of == "motion" else 0)]
 

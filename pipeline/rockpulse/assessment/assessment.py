@@ -33,8 +33,6 @@ __all__ = ["Assessment", "assess", "assess_motion", "assess_scene"]
 
 logger = logging.getLogger("rockpulse")
 
-PER_MODEL = ("peak_rotation_ratio", "outcome", "reason", "overturning_time", "overturning_half_cycle", "impacts")
-
 
 def assess(
     records: Iterable[Record],

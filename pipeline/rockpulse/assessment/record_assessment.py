@@ -1,4 +1,4 @@
-"""What one record does to every body, before it becomes rows of the results."""
+"""The effect of one record on every body, before it becomes rows of the results."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ class Rows(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class RecordAssessment:
-    """What one record does to every body: the stored variables are taken from this (`take` of their declarations).
+    """The effect of one record on every body: the stored variables are taken from this (`take` of their declarations).
 
     Lanes are bodies times restitution cases, the cases of one body next to each other.
     """

@@ -1,7 +1,7 @@
 """The tree of results, put together from the assessed records (docs/schema.md).
 
-What one record adds to it is a part (:func:`record_part`); the tree is the parts one after the other, with the
-earthquakes, which all records together tell, and what does not depend on the records.
+The rows that one record adds are a part (:func:`record_part`); the tree is the parts one after the other, with the
+earthquakes, which all records together tell, and the variables that do not depend on the records.
 """
 
 from __future__ import annotations
@@ -91,7 +91,7 @@ def joined_parts(parts: Sequence[Mapping[str, np.ndarray]], records_before: int 
 
 
 def record_part(one: RecordAssessment) -> dict[str, np.ndarray]:
-    """What one record adds to the results, but for its earthquake.
+    """The rows that one record adds to the results, but for its earthquake.
 
     By its path in the file ("/summary/pga") the values of every variable that grows with the records, in the type of
     the file; the first dimension is the one that grows. Variables that count records hold 0.

@@ -27,7 +27,7 @@ THIN_STEPS = 7.0
 
 
 class Standing(IntEnum):
-    """How a body stands under a record, from best to worst."""
+    """The verdict on a body under one record, from best to worst."""
 
     STANDS = 0  #: neither the record nor a weaker copy overturns it
     THIN = 1  #: the same, but a copy hardly stronger does: the search is not that fine
@@ -38,7 +38,7 @@ class Standing(IntEnum):
 
 
 class Grade(IntEnum):
-    """What is said of a body, from best to worst."""
+    """The verdict on a body under all motions, from best to worst."""
 
     SAFE = 0
     UNTESTED = 1  #: no motion lifts it
@@ -204,12 +204,12 @@ def _demand_verdicts(answers: Answers, demand: str) -> list[DemandVerdict]:
 
 
 def _thin(answers: Answers, ratio: np.ndarray, proven: np.ndarray) -> np.ndarray:
-    """Where a factor, or how far was searched without finding one, is hardly a margin."""
+    """True where a factor, or the end of a search that found none, is hardly a margin."""
     return ~(np.where(np.isinf(ratio), proven, ratio) >= thin_margin(answers["search_step"]))
 
 
 def _doubts(answers: Answers) -> list[tuple[np.ndarray, str]]:
-    """What keeps an answer from being relied on, the gravest last."""
+    """Reasons not to rely on an answer, the gravest last."""
     weaker = (answers["safety_factor"] < 1.0) & (answers["factor_resolved"] == 0)
     return [
         (weaker, "a weaker copy may overturn it, no answer from there on"),

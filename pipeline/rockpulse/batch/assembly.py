@@ -164,7 +164,7 @@ def _present(swept: Mapping[str, Sequence[str]], records: Sequence[str]) -> dict
 
 
 def _size(measured: _Measured, template: xr.DataTree, pairs: int) -> int:
-    """What the values take in the file, about [bytes]."""
+    """The room that the values take in the file, about [bytes]."""
     if not pairs:
         return measured.content
     swept = template["directions"].to_dataset().variables.values()

@@ -1,4 +1,4 @@
-"""Those who do the work: this process, processes of this machine or a cluster; none of it is lost when one dies."""
+"""The workers of a batch: this process, processes of this machine or a cluster; none of it is lost when one dies."""
 
 from __future__ import annotations
 
@@ -88,7 +88,7 @@ class Crew:
 
     @property
     def size(self) -> int:
-        """How many items are worked on side by side; on a cluster this changes as its workers come and go."""
+        """Number of items that are worked on side by side; on a cluster this changes as its workers come and go."""
         return self._size()
 
     def __enter__(self) -> Crew:

@@ -316,7 +316,7 @@ def _transaction(connection: sqlite3.Connection) -> Iterator[Callable[..., sqlit
 
 @contextmanager
 def _explained(path: Path) -> Iterator[None]:
-    """What sqlite says as an error that tells what to do."""
+    """The error of sqlite as one that tells the user what to do."""
     try:
         yield
     except sqlite3.OperationalError as error:
@@ -339,7 +339,7 @@ def _damaged(path: Path, how: str) -> JournalError:
 
 
 def _holder(path: Path) -> str:
-    """Who has locked a file, where the operating system tells."""
+    """The process that has locked a file, where the operating system tells."""
     table = Path("/proc/locks")
     if table.is_file():
         inode = str(path.stat().st_ino)

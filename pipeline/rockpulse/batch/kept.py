@@ -1,4 +1,4 @@
-"""What a journal is worth to a run: what need not be done again, and what a run that stops has to say of it."""
+"""The worth of a journal to a run: the tasks that need not be done again, and the message of a run that stops."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ def worth(journal: Journal) -> set[str]:
 
 
 def kept(journal: Journal, tasks: Sequence[Task], strict: bool = False) -> str:
-    """What a run that stops has to say of its tasks, or of all in the journal where it has no tasks yet.
+    """The message of a run that stops on its tasks, or on all in the journal where it has no tasks yet.
 
     A journal without anything in it is removed. `strict` says that the run stopped at a failure because it was to.
     """

@@ -21,7 +21,7 @@ __all__ = ["Located", "Place"]
 
 @dataclass(frozen=True)
 class Place:
-    """Where the samples of one channel are, and what they were when they were read first."""
+    """The place of the samples of one channel, and their checksums from when they were read first."""
 
     path: str  # the file, or the zip archive
     member: int | None  # place of the file in the archive; None outside archives
@@ -70,7 +70,7 @@ def _samples(part: Place, options: ReadOptions, source: str) -> np.ndarray:
 
 
 def _state(path: str) -> tuple[int, int, int]:
-    """What changes when a file does."""
+    """Properties of a file that change when its content does."""
     state = Path(path).stat()
     return state.st_mtime_ns, state.st_size, state.st_ino
 

@@ -1,4 +1,4 @@
-"""Who carries out a batch, and what happens to what is there already."""
+"""The workers that carry out a batch, and the fate of a file that exists already."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ __all__ = ["Bar", "BatchOptions"]
 
 
 class Bar(AbstractContextManager["Bar"], Protocol):
-    """What is told of every file and record that is done; a ``tqdm.tqdm`` is one."""
+    """A progress bar, told of every file and record that is done; a ``tqdm.tqdm`` is one."""
 
     def update(self, n: int) -> object:
         """So many more are done."""

@@ -1,4 +1,4 @@
-"""What is to be done, decided on records without their samples: one task for each channel or pair."""
+"""The tasks of a batch, decided on records without their samples: one task for each channel or pair."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ class Task:
         return "; ".join(dict.fromkeys(channel.record.source for channel in self.channels))
 
     def read(self, options: ReadOptions) -> PlannedMotion:
-        """What is planned, with the samples, read with the options of the survey; raises as `Located.read`."""
+        """The planned motion with its samples, read with the options of the survey; raises as `Located.read`."""
         channels = tuple(channel.read(options) for channel in self.channels)
         vertical = None if self.vertical is None else self.vertical.read(options)
         return replace(self.planned, channels=channels, vertical=vertical)
@@ -77,7 +77,7 @@ def tasks_of(planned: Iterable[PlannedMotion], located: Iterable[Located], confi
 
 
 def read_options(config: Config) -> ReadOptions:
-    """How the configuration has files read."""
+    """The options by which the configuration has files read."""
     records = config.records
     return ReadOptions(records.units, records.dt, records.response)
 

@@ -248,7 +248,7 @@ def _tell_all(text: str, options: BatchOptions) -> None:
 
 
 def _hired(hired: ExitStack, options: BatchOptions, analysis: Analysis, items: int, before: Crew | None = None) -> Crew:
-    """Those who see to so many items, with kernels that are compiled; those `before` stay where they are enough."""
+    """Workers for so many items, with kernels that are compiled; those `before` stay where they are enough."""
     if options.executor is not None:
         return before or hired.enter_context(Crew.through(options.executor))
     if options.scheduler is not None:

@@ -1,4 +1,4 @@
-"""What a worker does: read the samples of a task, work on them, send back bytes and rows, never an exception."""
+"""The work of a worker: read the samples of a task, work on them, send back bytes and rows, never an exception."""
 
 from __future__ import annotations
 

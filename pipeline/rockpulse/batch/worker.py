@@ -22,7 +22,7 @@ __all__ = ["call", "serve", "version"]
 
 
 def call(function: Callable[[Any], Any], item: Any) -> Any:
-    """What the function says of the item, with its kernels on one thread: the neighbours need the other cores."""
+    """The result of the function for the item, with its kernels on one thread: the neighbours need the other cores."""
     with thread_limit(1):
         return function(item)
 

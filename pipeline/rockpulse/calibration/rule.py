@@ -130,7 +130,7 @@ class Rule:
         return sequence_of_demand(self.demand(waves, block), of_waves, block, _uplift(waves, block) > 1.0)
 
     def applicable(self, block: Block) -> np.ndarray:
-        """Which bodies are like those that the rule was fitted on: inside its range, or no more than 1 % beyond.
+        """True for bodies like those that the rule was fitted on: inside its range, or no more than 1 % beyond.
 
         Parameters
         ----------

@@ -1,4 +1,4 @@
-"""What the verbs that work through many records have in common: who works, a log, and what a stop leaves behind."""
+"""The common part of the verbs that work through many records: workers, a log, and the message of a stop."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ def batch_given(args: argparse.Namespace) -> list[str]:
 
 
 def batch_options(args: argparse.Namespace) -> BatchOptions:
-    """How the batch is carried out."""
+    """The options by which the batch is carried out."""
     from rockpulse.batch.options import BatchOptions
 
     return BatchOptions(

@@ -1,4 +1,4 @@
-"""What a terminal is shown while the work goes on: progress bars, and that the kernels are compiled."""
+"""Signs of life on a terminal while the work goes on: progress bars, and that the kernels are compiled."""
 
 from __future__ import annotations
 

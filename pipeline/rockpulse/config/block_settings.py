@@ -82,7 +82,7 @@ class BlockSettings(Section):
 
     @property
     def where(self) -> str:
-        """How a message names this block."""
+        """The name of this block in messages."""
         return f'[[block]] "{self.name}"' if _is_name(self.name) else self.heading
 
     def __post_init__(self) -> None:

@@ -1,1 +1,1 @@
-"""Which motions a set of records gives, of which earthquakes they are, and the one way through all of them."""
+"""The motions that a set of records gives, the earthquakes that they belong to, and the one way through all of them."""

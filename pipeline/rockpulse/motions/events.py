@@ -1,4 +1,4 @@
-"""Which records are of one earthquake: what is left out together, and resampled together, in every statistic.
+"""Records of one earthquake, which are left out together, and resampled together, in every statistic.
 
 .. note:: Channels of one earthquake are no independent observations. Agencies name events in their own words or not at
    all, and their clocks differ by minutes, so records are joined by name and by time; a table of the user's own decides
@@ -240,7 +240,7 @@ def _words(title: str) -> frozenset[str]:
 
 
 def _name(title: str) -> frozenset[str] | str:
-    """What titles of one earthquake have in common: their words or, without any, the title if it holds a number."""
+    """The words that titles of one earthquake have in common or, without any, the title if it holds a number."""
     return _words(title) or (title.strip() if any(character.isdigit() for character in title) else "")
 
 

@@ -58,7 +58,7 @@ Work = Callable[[Motion, Watch], Part]
 
 @dataclass(frozen=True, eq=False)
 class Prepared:
-    """What is known of an analysis before the first motion is worked on."""
+    """The motions and earthquakes of an analysis, before the first motion is worked on."""
 
     planned: list[PlannedMotion]  # in the order of the results
     events: dict[str, str]  # the earthquake of each of them, by its name
@@ -81,7 +81,7 @@ class Analysis(ABC):
     @property
     @abstractmethod
     def work(self) -> Work:
-        """What is done with every motion; it can be pickled, and is small."""
+        """The work that is done on every motion; it can be pickled, and is small."""
 
     @abstractmethod
     def collect(self, parts: Sequence[Part], planned: Sequence[PlannedMotion], failures: list[Failure]) -> xr.DataTree:

@@ -96,7 +96,7 @@ def read_all(
     records : list of Record
         Sorted by path and channel, with distinct ids: the second of two records with one id and different content
         has ``~2`` appended. A record that its agency cut into files is one; see
-        `rockpulse.readers.formats.renadic.join_parts`.
+        `rockpulse.readers.formats.renadic.whole_records`.
     failures : list of Failure
         Sorted by file. A file that is no acceleration record "failed" if it was named and is "skipped" if it was met
         in a folder, a glob or an archive; one that is a record and cannot be read failed in any case, and so did an

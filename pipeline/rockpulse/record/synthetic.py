@@ -14,10 +14,8 @@ from rockpulse.record.record import STANDARD_GRAVITY
 
 __all__ = ["SyntheticLanes", "synthetic_lanes", "synthetic_motion"]
 
-#: Samples are whole multiples of this [m/s2]: the last bits of an FFT differ between machines, these digits do not.
-QUANTUM = 1e-6
-
-#: Multiples of the quantum in 1 m/s2; dividing a whole number by it is rounded correctly everywhere.
+#: Samples are whole multiples of 1/PER_UNIT [m/s2]: the last bits of an FFT differ between machines, these digits do
+#: not. Dividing a whole number by PER_UNIT is rounded correctly everywhere.
 PER_UNIT = 1e6
 
 
@@ -33,28 +31,11 @@ class SyntheticLanes(NamedTuple):
 def synthetic_motion(seed: int, duration: float = 60.0, dt: float = 0.01, pga: float = 3.0) -> np.ndarray:
     """Synthetic accelerogram: Gaussian noise with the Kanai-Tajimi spectrum under a rise-strong-decay envelope.
 
-    Parameters
-    ----------
-    seed : int
-        0 to 2**32 - 1. It draws the noise, the ground frequency (0.5 to 5 Hz, log-uniform) and damping (0.3 to 0.7),
-        and the times of the envelope.
-    duration : float
-        Time from the first to the last sample, at least 1 s [s].
-    dt : float
-        Sampling interval, at most 0.1 s [s].
-    pga : float
-        Largest absolute sample [m/s2], from 0.001 to 1000.
-
-    Returns
-    -------
-    (n,) ndarray
-        Ground acceleration [m/s2], n = round(duration/dt) + 1, whole multiples of 1e-6 m/s2. The first and the last
-        sample are zero, and so is the velocity after the last one: in units of 1e-6 the samples sum to 0 exactly.
-
-    Raises
-    ------
-    ConfigError
-        For a seed, duration, interval or peak outside these ranges.
+    It is (n,) [m/s2] with n = round(duration/dt) + 1, whole multiples of 1e-6 m/s2. The first and the last sample are
+    zero, and so is the velocity after the last one: in units of 1e-6 the samples sum to 0 exactly. The `seed`, 0 to
+    2**32 - 1, draws the noise, the ground frequency (0.5 to 5 Hz, log-uniform) and damping (0.3 to 0.7), and the times
+    of the envelope. A ConfigError for another seed, a `duration` below 1 s, an interval `dt` above 0.1 s, or a peak
+    `pga` outside 0.001 to 1000 m/s2.
 
     Notes
     -----

@@ -222,7 +222,7 @@ ASSESSMENT_GROUPS: dict[str, Declared] = {
 
 
 def always_stored(schema: str) -> dict[str, Declared]:
-    """What every assessment of a version of the schema holds, whatever its configuration."""
+    """The variables that every assessment of a version of the schema holds, whatever its configuration."""
     minor = schema.partition(".")[2]
     last = int(minor) if minor.isdecimal() else 0
     return {

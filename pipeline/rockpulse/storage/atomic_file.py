@@ -89,7 +89,7 @@ def remove_parts(path: str | os.PathLike[str]) -> None:
 
 
 def journal_path(target: str | os.PathLike[str]) -> Path:
-    """Where the journal of the run that writes a file lies (`rockpulse.batch.journal`); links are followed."""
+    """The journal of the run that writes a file (`rockpulse.batch.journal`); links are followed."""
     return Path(os.path.realpath(target) + ".journal")
 
 
@@ -130,7 +130,7 @@ def _check_replaceable(target: Path, path: str | os.PathLike[str], overwrite: bo
 
 
 def _kind(target: Path) -> str | None:
-    """What a file of rockpulse holds, whatever its schema version; None for another file."""
+    """The kind of results in a file of rockpulse, whatever its schema version; None for another file."""
     import h5py
 
     with target.open("rb") as file:
@@ -145,7 +145,7 @@ def _kind(target: Path) -> str | None:
 
 
 def _reason(error: OSError) -> str:
-    """What the operating system says; HDF5 hides its number in a long text."""
+    """The words of the operating system for an error, whose number HDF5 hides in a long text."""
     hidden = re.search(r"errno = (\d+)", str(error))
     return os.strerror(int(hidden[1])) if hidden else error.strerror or str(error)
 

@@ -78,7 +78,7 @@ class LongTable:
 
     @property
     def per(self) -> str:
-        """What has a row, in words; empty where the group is a list of rows."""
+        """The things that have a row each, in words; empty where the group is a list of rows."""
         return "" if self.dims == ("row",) else f", one per {' x '.join(self.dims)}"
 
     def frames(self, size: int = CHUNK) -> Iterator[pd.DataFrame]:
@@ -131,7 +131,7 @@ def long_table(
                 told = f"it has {', '.join(known)}"
                 raise ResultsError(f"this table of /{group} has no column {name!r}{hint(name, known, told)}")
         found = [column for column in found if any(_answers_to(column, name) for name in columns)]
-    masks, selection = _masks(dataset, dims, named, labels, selection)
+    masks, selection = _masks(dataset, named, labels, selection)
     places, count = rows(dataset, dims, selection, masks)
     shown = {name for name in map(str, dataset.variables) if set(dataset[name].dims) <= set(dims)}
     left = tuple(
@@ -198,7 +198,7 @@ def results_table(
 
 
 def _dimensions(dataset: xr.Dataset, group: str) -> tuple[str, ...]:
-    """Those of the variables with the most."""
+    """The dimensions of the variables that have the most."""
     every = [tuple(str(dim) for dim in one.dims if dim not in SPREAD) for one in dataset.data_vars.values()]
     most = [dims for dims in dict.fromkeys(every) if dims and len(dims) == max(map(len, every))]
     if len(most) != 1:
@@ -232,7 +232,7 @@ def _label_columns(dataset: xr.Dataset, dims: Sequence[str]) -> Iterator[TableCo
 
 
 def _owners(dataset: xr.Dataset, dims: Sequence[str]) -> Iterator[TableColumn]:
-    """What the rows of a ragged array belong to."""
+    """The owners of the rows of a ragged array."""
     for variable in dataset.data_vars.values():
         dim = str(variable.attrs.get("sample_dimension", ""))
         if dim in dims:
@@ -291,7 +291,6 @@ def _column(name: str, variable: xr.Variable, attrs: Mapping[str, Any] | None = 
 
 def _masks(
     dataset: xr.Dataset,
-    dims: Sequence[str],
     named: Mapping[str, np.ndarray],
     labels: Sequence[TableColumn],
     selection: Selection,

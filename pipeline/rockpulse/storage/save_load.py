@@ -235,7 +235,7 @@ def _variables(tree: xr.DataTree) -> Iterator[tuple[str, Any]]:
 
 
 def provenance(attrs: Mapping[Any, Any]) -> dict[str, Any]:
-    """What the root of a file tells of where it comes from; attributes that are there already, as a title, stay."""
+    """Attributes of the root of a file that tell its origin; those that are there already, as a title, stay."""
     stamp = f"{datetime.now(UTC):%Y-%m-%dT%H:%M:%SZ} written by rockpulse {__version__}"
     before = attrs.get("history")
     return {

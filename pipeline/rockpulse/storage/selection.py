@@ -1,4 +1,4 @@
-"""Which answers of a results file are asked for: by name, by condition, in which order, how many."""
+"""A choice of answers of a results file: by name, by condition, in which order, how many."""
 
 from __future__ import annotations
 
@@ -62,7 +62,7 @@ class Condition:
         return cls(name, "=" if comparison == "==" else comparison, value)
 
     def holds(self, variable: xr.Variable, values: np.ndarray) -> np.ndarray:
-        """Where the condition holds among some values of a variable, whose type and flags say how its value is read.
+        """True where some values of a variable, whose type and flags say how they are read, meet the condition.
 
         A ResultsError where the value is no number or no word of the flag, or texts are compared by size.
         """
@@ -78,7 +78,7 @@ class Condition:
         return np.asarray(_COMPARISONS[self.comparison](values, self._number(self.value, flag_words(variable))))
 
     def _named(self, texts: np.ndarray) -> np.ndarray:
-        """Where a text is the value, or one of several with "|" between them, or meets one of them as a pattern."""
+        """True where a text is the value, or one of several with "|" between them, or meets one as a pattern."""
         every, inverse = np.unique(texts, return_inverse=True)
         known = every.tolist()
         # A text may hold what is read as a sign, such as the brackets of "wall [north]" or the "|" of "A|B".
@@ -106,7 +106,7 @@ class Condition:
 
 @dataclass(frozen=True)
 class Selection:
-    """Which rows of a table are asked for; all in the order of the file by default.
+    """The rows of a table that are asked for; all in the order of the file by default.
 
     `names` holds patterns (* and ? stand for any letters) of the labels along a dimension: ``{"record": ("CI.*",)}``.
     All `conditions` have to hold. `sort` is the variable by which the rows are sorted, what is not known comes last.

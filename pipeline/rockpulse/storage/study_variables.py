@@ -181,7 +181,7 @@ STUDY_GROUPS: dict[str, Declared] = {
 
 
 def no_motion(ground_contact: Any, *peaks: Any) -> np.ndarray:
-    """Where the closed form stands for no motion of a block: see the variable of that name.
+    """True where the closed form stands for no motion of a block: see the variable of that name.
 
     A block whose largest theta/alpha_c is beyond 1 does not come back: with "start" x(T) = 0 has roots for velocities
     of up to 1 + I_s/I on motions that do (docs/decisions/016).

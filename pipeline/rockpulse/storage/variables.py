@@ -1,4 +1,4 @@
-"""What a file of results says of a variable, declared once for whoever writes, checks or describes it.
+"""The description of a variable of a results file, declared once for whoever writes, checks or describes it.
 
 A variable is added to the declarations of its kind of file: `assessment_variables`, `accuracy_variables`,
 `fragility_variables`, `rule_variables`, `site_variables`, `study_variables`. docs/schema.md is made of them.

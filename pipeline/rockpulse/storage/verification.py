@@ -125,7 +125,7 @@ def _checksum(variable: h5netcdf.Variable) -> str:
 
 
 def _wrong_variables(file: h5netcdf.File, schema: str) -> list[str]:
-    """What an assessment lacks, or holds in another type or unit than docs/schema.md says."""
+    """Variables that an assessment lacks, or holds in another type or unit than docs/schema.md says."""
     found = []
     there = dict(variables_of(file))
     for group, declared in always_stored(schema).items():

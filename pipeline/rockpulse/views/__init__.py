@@ -1,1 +1,1 @@
-"""What people look at: text, pictures, differences, and the report. A view reads answers and computes nothing."""
+"""The views for people: text, pictures, differences, and the report. A view reads answers and computes nothing."""

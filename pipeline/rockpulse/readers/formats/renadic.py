@@ -22,7 +22,7 @@ from rockpulse.readers.source import SourceFile
 from rockpulse.record.record import Record, record_id
 from rockpulse.remark import Remark, code_of
 
-__all__ = ["FORMATS", "Part", "is_renadic", "join_parts", "read_renadic", "whole_records"]
+__all__ = ["FORMATS", "Part", "is_renadic", "read_renadic", "whole_records"]
 
 _TITLE = re.compile(r"\s?uncorrected accelerogram data\b", re.IGNORECASE)
 #: Bytes that hold the 13 lines of text of the first channel.
@@ -55,7 +55,7 @@ def is_renadic(head: bytes, name: str) -> bool:
 def read_renadic(file: SourceFile, options: ReadOptions) -> list[Record]:
     """Read every channel but dead ones; raises RecordRefused if all are dead.
 
-    Where the name of the file says that it is a part, the records are `Part`; see `join_parts`.
+    Where the name of the file says that it is a part, the records are `Part`; see `whole_records`.
     """
     records = read_uncorrected(file, "renadic")
     alive = [record.acceleration.any() for record in records]
@@ -86,21 +86,14 @@ def _part(record: Record, row: str, stem: str, name: re.Match[str]) -> Part:
     return Part(**known, whole=name[1], part=int(name[2]), first_time=first_time)
 
 
-def join_parts(records: Sequence[Record]) -> list[Record]:
-    """Join the parts of records that were cut into files; the records are of any format, duplicates removed.
-
-    Returned are the others as they were, then the parts: joined where parts 1, 2, ... of one file name and station hold
-    the same channels and each begins one step behind the last sample of the one before, by the files' columns of times
-    or by their clocks; `source` and `source_sha256` name all of them. Else they stay apart, with a warning that says
-    why. A part alone stays as it was.
-    """
-    return [record for record, _ in whole_records(records)]
-
-
 def whole_records(records: Sequence[Record]) -> list[tuple[Record, tuple[Record, ...]]]:
-    """The records of :func:`join_parts`, each with the given records that it is made of, in their order.
+    """Join the parts of records that were cut into files; each record beside those that it is made of, in their order.
 
-    Only the number of samples is used, not the samples.
+    The records are of any format, duplicates removed. The others come first, as they were, then the parts: joined where
+    parts 1, 2, ... of one file name and station hold the same channels and each begins one step behind the last sample
+    of the one before, by the files' columns of times or by their clocks; `source` and `source_sha256` name all of them.
+    Else they stay apart, with a warning that says why. A part alone stays as it was. Only the number of samples is
+    used, not the samples.
     """
     result: list[tuple[Record, tuple[Record, ...]]] = [
         (record, (record,)) for record in records if not isinstance(record, Part)

@@ -78,26 +78,14 @@ def accuracy(
 ) -> xr.DataTree:
     """Measure speed and error of the recorded models, and the model-form error of the cheap ones.
 
-    Parameters
-    ----------
-    records : iterable of Record
-        As read. Their horizontal channels are an ensemble of their own, beside the synthetic one; those that the
-        reference knows (the shipped samples) are cases of the first table too.
-    failures : iterable of Failure
-        Rows for the files and channels left out by reading, to be stored with the results.
-    seed : int
-        Seed of the first synthetic motion of the ensemble, 0 to 2**32 - 1 less their number; ConfigError otherwise. The
-        cases of the reference are fixed.
-    effort : Effort
-        Amount of computing.
-    progress : callable, optional
-        Wraps a list of jobs on its way into the loop, as ``tqdm.tqdm`` does.
+    The horizontal channels of the records, which are as read, are an ensemble of their own, beside the synthetic one;
+    those that the reference knows (the shipped samples) are cases of the first table too. `failures` are rows for the
+    files and channels left out by reading. `seed` is that of the first synthetic motion of the ensemble, 0 to 2**32 - 1
+    less their number; ConfigError otherwise. The cases of the reference are fixed. `progress` wraps a list of jobs on
+    its way into the loop, as ``tqdm.tqdm`` does.
 
-    Returns
-    -------
-    xarray.DataTree
-        One node per table of ``TABLES``: /work_precision, /synthetic_grid, /answers,
-        /convergence, /model_form, /classifiers, /failures.
+    The tree has one node per table of ``TABLES``: /work_precision, /synthetic_grid, /answers, /convergence,
+    /model_form, /classifiers, /failures.
     """
     if not 0 <= seed <= 2**32 - effort.motions:
         raise ConfigError(f"seed: expected 0 to {2**32 - effort.motions}, got {seed}")

@@ -1,4 +1,4 @@
-"""What one motion says of the capacities of the bodies."""
+"""The capacities of the bodies as one motion shows them."""
 
 from __future__ import annotations
 
@@ -62,7 +62,7 @@ def motion_capacity(motion: Motion, watch: Watch, block: Block, config: Config) 
 
 
 def nothing(lanes: int, config: Config) -> Part:
-    """What no motion at all says: every array of :func:`motion_capacity`, and "event", without a row."""
+    """The capacities without any motion: every array of :func:`motion_capacity`, and "event", without a row."""
     settings = config.fragility
     ida, states = settings.data == "ida", len(settings.limit_states)
     stripes = len(settings.stripe_levels) if settings.data == "stripes" else 1

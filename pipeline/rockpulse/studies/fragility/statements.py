@@ -25,7 +25,7 @@ EQUAL = 1e-9
 
 
 def missing(rows: Observations) -> Status:
-    """What the data lack for a curve, as far as it is seen before any fit."""
+    """The status of data that lack something for a curve, as far as it is seen before any fit."""
     known = rows.level[rows.kind == EXACT]
     reached = rows.kind != ABOVE
     if rows.level.size == 0:

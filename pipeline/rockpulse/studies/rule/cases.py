@@ -178,7 +178,7 @@ def fitted_range() -> dict[str, tuple[float, float]]:
 def _perturbed_truths(
     bodies: Block, motion: StrongMotion, scales: Sequence[float], threads: int | None
 ) -> dict[str, np.ndarray]:
-    """Which cases (q, m) overturn, by the name of the perturbation; seeded by the id of the record."""
+    """True for the cases (q, m) that overturn, by the name of the perturbation; seeded by the id of the record."""
     random = np.random.default_rng(np.random.SeedSequence([*motion.record.id.encode()]))
     truths: dict[str, np.ndarray] = {}
     for draw in range(DRAWS):

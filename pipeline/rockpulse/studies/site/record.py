@@ -32,7 +32,7 @@ USUAL_FACTORS = (0.25, 4.0)
 
 
 def rotation_to_cover(peaks: np.ndarray) -> np.ndarray:
-    """What a sequence has to reach in order to cover recorded theta_max/alpha_c (inf overturned, NaN unresolved).
+    """The rotation that a sequence has to reach to cover recorded theta_max/alpha_c (inf overturned, NaN unresolved).
 
     NaN at rest, which every sequence covers; inf where the answer is not known, for only an overturning sequence is
     sure to cover it.

@@ -110,7 +110,7 @@ def site_remarks(
 
 
 def _tail(records: int, quantile: float) -> str:
-    """What so few records can show of a quantile."""
+    """The remark on how little so few records can show of a quantile."""
     beyond, side = (records * (1.0 - quantile), "above") if quantile >= 0.5 else (records * quantile, "below")
     if beyond < FEWEST_BEYOND:
         end = "strongest" if quantile >= 0.5 else "weakest"
@@ -124,7 +124,7 @@ def _tail(records: int, quantile: float) -> str:
 
 
 def _judged(site: Mapping[str, Any], unjudged: Mapping[str, str]) -> list[str]:
-    """What the coverage rests on, where that is little."""
+    """The remark on the data that the coverage rests on, where they are few."""
     left = []
     for reason in dict.fromkeys(unjudged.values()):
         names = [name for name, why in unjudged.items() if why == reason]

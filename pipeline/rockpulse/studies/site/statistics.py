@@ -158,7 +158,7 @@ def _dispersion_interval(
 
 
 def event_draws(events: int, resamples: int, seed: int) -> np.ndarray:
-    """How often each of g events is in each of b resamples: (b, g) whole numbers whose rows sum to g.
+    """Counts of each of g events in each of b resamples: (b, g) whole numbers whose rows sum to g.
 
     The draws depend on the seed of the run and on g and b alone.
     """

@@ -1,1 +1,1 @@
-"""What changed between two results files."""
+"""The changes between two results files."""

@@ -1,4 +1,4 @@
-"""What of the changes between two assessments decides: answers on the other side of a limit, and the margin of a body.
+"""The changes between two assessments that decide: answers on the other side of a limit, and the margin of a body.
 
 The verdict is that of the fullest model; its changes come first.
 """
@@ -97,7 +97,7 @@ def body_changes(
 
 
 def _told(summary: xr.Dataset, names: list[str]) -> dict[str, list[str]]:
-    """What is told of the blocks by some variables: of every block how much."""
+    """Words on the blocks by some variables: how much of every block."""
     answers = Answers(summary)
     told = {}
     if "safety_factor" in names:

@@ -1,4 +1,4 @@
-"""What changed between two results files: rows only one of them has, values beyond a tolerance, verdicts that flipped.
+"""The changes between two results files: rows only one of them has, values beyond a tolerance, verdicts that flipped.
 
 Rows are matched by their names (records, blocks, models), not by their place; in tables that point at them, such as the
 half-cycles, by what they point at. All values of both files are read and compared, part by part: stored checksums say
@@ -45,7 +45,7 @@ APART = ("history", "configuration", "kind", "Conventions", "run_id", *ABOUT)
 
 @dataclass(frozen=True)
 class VariableDifference:
-    """How a variable differs."""
+    """The difference of a variable."""
 
     name: str  # group and variable
     differing: int  # values beyond the tolerance
@@ -58,7 +58,7 @@ class VariableDifference:
 
 @dataclass
 class Differences:
-    """What changed between two files; ``sides`` holds the verdicts and ratios that changed sides, by variable.
+    """The changes between two files; ``sides`` holds the verdicts and ratios that changed sides, by variable.
 
     Lines of the configuration stand behind "-" or "+" and the section or the block that they are of.
     """
@@ -295,7 +295,7 @@ def _apart(old: np.ndarray, new: np.ndarray, rtol: float, atol: float) -> np.nda
 
 
 def _crossed(places: np.ndarray, old: np.ndarray, new: np.ndarray) -> np.ndarray:
-    """Those of some flat places at which a ratio was below one and is not, or the other way round."""
+    """The flat places, of some, at which a ratio was below one and is not, or the other way round."""
     one, other = old.reshape(-1)[places], new.reshape(-1)[places]
     return places[((one < 1.0) != (other < 1.0)) & ~np.isnan(one) & ~np.isnan(other)]
 

@@ -1,4 +1,4 @@
-"""What changed between two results files as text."""
+"""The changes between two results files as text."""
 
 from __future__ import annotations
 

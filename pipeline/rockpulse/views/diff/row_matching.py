@@ -1,4 +1,4 @@
-"""Which rows of two results files are the same: by name, by owner, or by what they point at."""
+"""The rows that two results files have in common: by name, by owner, or by the row that they point at."""
 
 from __future__ import annotations
 
@@ -162,7 +162,7 @@ class RowMatcher:
         return all(np.array_equal(one, other) for one, other in pairs)
 
     def _names(self, dim: str, pointers: list[str], first: np.ndarray) -> Callable[[int], tuple[str, ...]]:
-        """What the k-th row points at, and its number in the first file."""
+        """The name that the k-th row points at, and its number in the first file."""
 
         def name(k: int) -> tuple[str, ...]:
             at = int(first[k])
@@ -177,7 +177,7 @@ class RowMatcher:
         return name
 
     def _common(self, pointed: np.ndarray, at: str, side: str) -> np.ndarray:
-        """What rows point at, counted in the names that both files have; -1 for others."""
+        """The names that rows point at, counted in the names that both files have; -1 for others."""
         if at not in self.named:
             return pointed.astype(np.int64)
         place = getattr(self.named[at], side)

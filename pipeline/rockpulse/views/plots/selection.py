@@ -1,4 +1,4 @@
-"""Which part of a results file is drawn: records, blocks and models by their names, and what is stored of them."""
+"""The part of a results file that is drawn: records, blocks and models by their names, and what is stored of them."""
 
 from __future__ import annotations
 

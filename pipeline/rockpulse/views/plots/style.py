@@ -75,7 +75,7 @@ INSTANTS = 700
 
 
 class Look(NamedTuple):
-    """How a model, or any other of a few things side by side, is drawn: never by its colour alone."""
+    """The look of a model, or of any other of a few things side by side: never its colour alone."""
 
     label: str
     color: str
@@ -97,7 +97,7 @@ _CYCLE = [
 
 
 def look(name: str) -> Look:
-    """How a model is drawn, by its name in the results."""
+    """The look of a model, by its name in the results."""
     if name not in MODELS:
         return Look(name, BLACK, "-", "x")
     color, line, marker = MODELS[name].look
@@ -105,7 +105,7 @@ def look(name: str) -> Look:
 
 
 def looks(names: Sequence[str]) -> list[Look]:
-    """How named things of one family are drawn, in order; colours that come again have other lines and markers."""
+    """The looks of named things of one family, in order; colours that come again have other lines and markers."""
     found = []
     for place, name in enumerate(names):
         turn, at = divmod(place, len(_CYCLE))
@@ -115,7 +115,7 @@ def looks(names: Sequence[str]) -> list[Look]:
 
 
 def ramp(names: Sequence[str]) -> list[Look]:
-    """How the named steps of one quantity are drawn, in order: from dark to light, neighbours by other lines too."""
+    """The looks of the named steps of one quantity, in order: from dark to light, neighbours by other lines too."""
     from matplotlib import colormaps
     from matplotlib.colors import to_hex
 

@@ -1,4 +1,4 @@
-"""What every model answers for every record and body, as cells; and how often each overturns."""
+"""The answers of every model for every record and body, as cells; and how often each body overturns."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ class AnswerCells:
         return unexplained(self.names[record])._replace(link=f"record-{record}")
 
     def verdict(self, record: int, lane: int) -> Cell:
-        """How a body stands under a record, sorted from best to worst."""
+        """The verdict on a body under a record, sorted from best to worst."""
         kind = Standing(int(self.standing[record, lane]))
         words, grade = _STANDINGS[kind]
         why = f": {self._why[record, lane]}" if kind == Standing.UNKNOWN else ""
@@ -82,7 +82,7 @@ class AnswerCells:
         return number(float(self.answers[name][record, lane]), ratio)
 
     def answer(self, record: int, lane: int, model: str = "") -> Cell:
-        """What a model answers, the one that is counted unless named: the largest rotation over alpha_c, or a word."""
+        """The answer of a model, the counted one unless named: the largest rotation over alpha_c, or a word."""
         return unexplained(self._of_models[model or self.answers.model][record][lane])._replace(grade="")
 
 
@@ -120,7 +120,7 @@ def answer_table(cells: AnswerCells) -> Table:
 
 
 def count_table(answers: Answers) -> Table:
-    """How many motions overturn every body, by every model, as they are, in one of their directions."""
+    """Numbers of motions that overturn every body, by every model, as they are, in one of their directions."""
     total = len(answers.motions.names)
     counts = [(one.overturnings(), one.unresolved) for one in answers.of_models.values()]
     rows = tuple(

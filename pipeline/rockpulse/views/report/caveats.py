@@ -1,4 +1,4 @@
-"""What has to be known before the numbers of a report are used: what the verdict does not say, loudly."""
+"""The caveats of a report, to be known before its numbers are used: what the verdict does not say."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ def caveats(
     site: xr.Dataset | None = None,
     components: str = "",
 ) -> list[Caveat]:
-    """What the verdict on the bodies under the motions, by a model, does not say by itself, the gravest first.
+    """Everything that the verdict on the bodies by a model does not say by itself, the gravest first.
 
     `failed` counts the files and channels that failed; `site` is the node /site of a site file; `components` says
     which direction of a pair of channels was assessed ([records] components).
@@ -132,7 +132,7 @@ def _confidence(motions: Motions, found: Sequence[BodyVerdict], site: xr.Dataset
 
 
 def _not_compared(summary: xr.Dataset) -> Caveat | None:
-    """That the demand of the site was not asked for: a sequence has no PGA."""
+    """The caveat that the demand of the site was not asked for: a sequence has no PGA."""
     if not any(remarked(str(codes), "demand_not_compared") for codes in summary["warning_codes"].values):
         return None
     told = str(Remark("demand_not_compared"))
@@ -140,7 +140,7 @@ def _not_compared(summary: xr.Dataset) -> Caveat | None:
 
 
 def _of_design(site: xr.Dataset, found: Sequence[BodyVerdict]) -> list[Caveat]:
-    """What speaks against a body that stands under the design sequence of its site."""
+    """The caveats of a body that stands under the design sequence of its site."""
     said = []
     standing = [one for one in found if one.grade < Grade.NOT_KNOWN]
     low, high = (float(site[f"design_{end}"].sel(parameter="main")) for end in ("lower", "upper"))
@@ -198,7 +198,7 @@ def _doubt(kind: Standing, found: Sequence[BodyVerdict], motions: Motions) -> Ca
 
 
 def _thin(answers: Answers, found: Sequence[BodyVerdict]) -> Caveat | None:
-    """That the search may have passed over what would overturn a body."""
+    """The caveat that the search may have passed over a factor that would overturn a body."""
     thin = sum(one.overall == Grade.THIN for one in found)
     if not thin:
         return None

@@ -1,4 +1,4 @@
-"""How the numbers come about, what is assumed, what is not covered; the same in every report but for what was used."""
+"""The method, the assumptions and the limits of the numbers; the same in every report but for what was used."""
 
 from __future__ import annotations
 
@@ -91,7 +91,7 @@ def models_in_use(summary: xr.Dataset, judging: str) -> tuple[Fact, ...]:
 
 
 def assumptions(tree: xr.DataTree) -> tuple[Fact, ...]:
-    """What the numbers assume, with what the results say of vertical acceleration and filters."""
+    """The assumptions behind the numbers, those on vertical acceleration and filters as the results tell them."""
     facts = [Fact(head, (words,)) for head, words in _ASSUMPTIONS]
     summary = tree["summary"].to_dataset()
     acted = int((summary["vertical_channel"] != "").sum())
@@ -109,5 +109,5 @@ def assumptions(tree: xr.DataTree) -> tuple[Fact, ...]:
 
 
 def not_covered() -> tuple[Fact, ...]:
-    """What the verdict says nothing of."""
+    """Things of which the verdict says nothing."""
     return tuple(Fact(head, (words,)) for head, words in _NOT_COVERED)

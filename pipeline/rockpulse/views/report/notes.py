@@ -1,4 +1,4 @@
-"""What the figures and marks of the tables mean."""
+"""The meaning of the figures and marks of the tables."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ def table_notes(cells: AnswerCells, found: Sequence[BodyVerdict]) -> list[str]:
 
 
 def _of_factors(answers: Answers) -> list[str]:
-    """What SF is, and what its search may have missed; nothing where the model was not searched."""
+    """The meaning of SF, and the gaps that its search may have left; nothing where the model was not searched."""
     if not answers.searched:
         return []
     of = "the main impulse (with I_s/I kept)" if answers.motions.kind == "sequence" else "the record"

@@ -1,4 +1,4 @@
-"""What is shown of each body and of each record."""
+"""The pages of a report on each body and on each record."""
 
 from __future__ import annotations
 

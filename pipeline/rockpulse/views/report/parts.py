@@ -1,4 +1,4 @@
-"""What the report says of a site calibration and of fragility curves that are shown beside the verdict."""
+"""The parts of a report on a site calibration and on fragility curves that are shown beside the verdict."""
 
 from __future__ import annotations
 
@@ -129,7 +129,7 @@ def describe_fragility(of: Paired, assessed: int, model: str) -> Part:
 
 
 def _differences(of: Paired, assessed: int, model: str) -> list[str]:
-    """What the curves and the verdict do not have in common."""
+    """Sentences on the things in which the curves and the verdict differ."""
     said = of.other_motions("The curves are", assessed)
     equation = tomllib.loads(str(of.tree.attrs.get("configuration", ""))).get("fragility", {}).get("equation", model)
     if equation != model and model not in ("auto", *SEQUENCE_MODELS):

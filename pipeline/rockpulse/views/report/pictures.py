@@ -159,7 +159,7 @@ class Pictures:
 
 
 def _of_records(tree: xr.DataTree, rows: np.ndarray) -> xr.DataTree:
-    """What a map of overturning takes, of some records only."""
+    """The groups that a map of overturning takes, of some records only."""
     summary, intervals = (tree[name].to_dataset() for name in ("summary", "overturning_intervals"))
     index = intervals["record_index"]
     kept = np.isin(index.values, rows)

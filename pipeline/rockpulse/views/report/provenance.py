@@ -1,4 +1,4 @@
-"""Where the numbers come from: files with their hashes, versions, what failed, and every warning."""
+"""The origin of the numbers: files with their hashes, versions, what failed, and every warning."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ def input_table(summary: xr.Dataset) -> Table:
 
 
 def failure_table(tree: xr.DataTree) -> Table:
-    """What was not assessed, and why: what failed first."""
+    """Files and channels that were not assessed, and why; those that failed first."""
     rows = tuple(
         (Cell(kind, grade="bad" if kind == "failed" else ""), Cell(stage), Cell(file), Cell(reason))
         for kind, entries in by_kind(tree).items()

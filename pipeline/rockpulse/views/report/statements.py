@@ -1,4 +1,4 @@
-"""The verdict in sentences: what is safe, by which model, under what, and what safe means."""
+"""The verdict in sentences: the bodies that are safe, by which model, under which motions, and what safe means."""
 
 from __future__ import annotations
 
@@ -64,7 +64,7 @@ def headline(answers: Answers, found: Sequence[BodyVerdict]) -> list[str]:
 
 
 def _demand(answers: Answers, found: Sequence[BodyVerdict], every: tuple[DemandVerdict, ...]) -> str:
-    """How the bodies stand under motions as strong as one demand."""
+    """A sentence on the bodies under motions as strong as one demand."""
     name, total, model = every[0].name, len(every), answers.model
     strength = acceleration(answers.demands[name])
     state = answers.limit_state(name)
@@ -88,7 +88,7 @@ def _demand(answers: Answers, found: Sequence[BodyVerdict], every: tuple[DemandV
 
 
 def counted_by(answers: Answers) -> str:
-    """What is counted as safe, in so many words."""
+    """A sentence on the bodies that are counted as safe."""
     motions, model = answers.motions, answers.model
     if motions.kind == "sequence":
         return (
@@ -177,7 +177,7 @@ def of_bodies(count: int, total: int) -> str:
 
 
 def noun(motions: Motions) -> str:
-    """What a motion is called."""
+    """The word for a motion."""
     return {"record": "record", "pair": "pair of channels", "sequence": "sequence"}[motions.kind]
 
 

@@ -1,1 +1,1 @@
-"""What several views need: tables, marks and the notes that explain them."""
+"""Parts that several views need: tables, marks and the notes that explain them."""

@@ -37,7 +37,7 @@ _SORTED = {Outcome.AT_REST: 0.0, Outcome.OVERTURNS: math.inf, Outcome.UNRESOLVED
 
 
 def answer_cell(outcome: int, peak: float, predictable: int, applicable: int, rung: str = "") -> Cell:
-    """What a model answers: the largest rotation over alpha_c, or a word, with its marks.
+    """The answer of a model: the largest rotation over alpha_c, or a word, with its marks.
 
     For the model `auto`, `rung` is the model that answered: its rotation is marked where that gives the verdict alone.
 

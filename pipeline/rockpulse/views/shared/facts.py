@@ -1,4 +1,4 @@
-"""What is known of one record or one block, as text with a dash for what is not."""
+"""The facts of one record or one block as text, with a dash for those that are not known."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ class Known:
 
     @property
     def main_count(self) -> str:
-        """How many main impulses the sequence of a record has."""
+        """The number of main impulses in the sequence of a record."""
         count = self.value("main_count")
         return "as many as fit into the duration" if count == -1 else str(count)
 

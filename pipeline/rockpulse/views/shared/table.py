@@ -25,7 +25,7 @@ class Mark(NamedTuple):
 
 
 class Cell(NamedTuple):
-    """What stands in a cell, without its marks; ``value`` is what the cell is sorted by, NaN comes last.
+    """The text of a cell, without its marks; ``value`` is the number that it is sorted by, NaN comes last.
 
     ``grade`` is one of "", "good", "fair", "unknown" and "bad"; a bad text is in capitals on the terminal. ``link`` is
     the id of the part of the report that the cell leads to.
@@ -88,12 +88,12 @@ class Table:
 
     @cached_property
     def numeric(self) -> tuple[bool, ...]:
-        """Which columns are sorted by the values of their cells."""
+        """True for the columns that are sorted by the values of their cells."""
         return tuple(any(row[place].value is not None for row in self.rows) for place in range(len(self.headings)))
 
     @cached_property
     def flush_right(self) -> tuple[bool, ...]:
-        """Which columns of the report are numbers; those with grades are read as words, also where they are sorted."""
+        """True for columns of numbers in the report; those with grades are read as words, also where they are sorted."""
         graded = (any(row[place].grade for row in self.rows) for place in range(len(self.headings)))
         return tuple(numeric and not words for numeric, words in zip(self.numeric, graded, strict=True))
 
@@ -112,9 +112,7 @@ class Fact:
     lines: tuple[str, ...]
 
 
-def number(
-    value: float | None, show: Callable[[float], str] = figure, marks: tuple[Mark, ...] = (), link: str = ""
-) -> Cell:
+def number(value: float | None, show: Callable[[float], str] = figure, marks: tuple[Mark, ...] = ()) -> Cell:
     """A cell of a number, with the marks only where the number is known.
 
     Examples
@@ -123,7 +121,7 @@ def number(
     ('5.56', '-', '3')
     """
     known = math.nan if value is None else value
-    return Cell(show(known), known, () if math.isnan(known) else marks, link=link)
+    return Cell(show(known), known, () if math.isnan(known) else marks)
 
 
 def lines(table: Table) -> list[str]:

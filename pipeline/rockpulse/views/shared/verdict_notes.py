@@ -1,4 +1,4 @@
-"""What the figures and marks in a table of verdicts mean; only of those that are shown."""
+"""The meaning of the figures and marks in a table of verdicts; only of those that are shown."""
 
 from __future__ import annotations
 

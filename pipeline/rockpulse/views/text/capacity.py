@@ -28,13 +28,13 @@ def restitutions(answers: Answers, place: int) -> Cell:
 
 
 def passed_over(missed: float) -> str:
-    """What the search for a safety factor may have missed by its widest step, 0.015 for factors 1.5 % apart."""
+    """The gaps that the search for a safety factor may have left by its widest step, 0.015 for factors 1.5 % apart."""
     step = f"the step of the search (up to {missed:.1%})"
     return f"Bands narrower than {step} may lie below it: do not read it to two digits"
 
 
 def factor_notes(answers: Answers, swept: bool = False) -> list[str]:
-    """What the column SF of a table means; nothing where the model was not searched.
+    """The meaning of the column SF of a table; nothing where the model was not searched.
 
     In the table of a sweep SF is the smallest over direction.
     """

@@ -33,7 +33,7 @@ LEVEL = 0.05
 
 
 def fragility_overview(tree: xr.DataTree) -> str:
-    """What the tree of :func:`rockpulse.fragility_curves` says, on a screen or two."""
+    """The tree of :func:`rockpulse.fragility_curves` as text, on a screen or two."""
     curves, efficiency = tree["fragility"].to_dataset(), tree["efficiency"].to_dataset()
     found = [records_words(tree), several(curves.sizes["block"], "body"), f"data: {tree.attrs['data']}"]
     parts = [
@@ -53,7 +53,7 @@ def shown_measure(curves: xr.Dataset) -> str:
 
 
 def records_words(tree: xr.DataTree) -> str:
-    """How many records of how many earthquakes the curves rest on."""
+    """The numbers of records and of earthquakes that the curves rest on."""
     event = tree["capacities"].to_dataset()["event"].values
     counts = f"{several(event.size, 'record')} of {several(np.unique(event).size, 'earthquake')}"
     return counts + (" (records of unknown earthquake count as one)" if UNKNOWN in event else "")
@@ -125,7 +125,7 @@ def _pooled(curves: xr.Dataset, efficiency: xr.Dataset) -> str:
 
 
 def _sufficiency(efficiency: xr.Dataset) -> str:
-    """How often the capacity depends on a quality of the record beside the measure."""
+    """The number of cases in which the capacity depends on a quality of the record beside the measure."""
     p_value = efficiency["pooled_p_value"].transpose("measure", "quality", "limit_state")
     tests = int(np.count_nonzero(np.isfinite(p_value)))
     if tests == 0:

@@ -55,7 +55,7 @@ def large_overview(answers: Answers, directions: xr.Dataset | None) -> str:
 
 
 def _strength(answers: Answers) -> str:
-    """How strong the records are."""
+    """The strength of the records."""
     rows = []
     for title, name, scale, unit in (
         ("PGA", "pga", STANDARD_GRAVITY, "g"),
@@ -81,7 +81,7 @@ def _strength(answers: Answers) -> str:
 
 
 def _verdicts(answers: Answers) -> str:
-    """How many verdicts of each kind every model gives."""
+    """The number of verdicts of each kind that every model gives."""
     total = len(answers.records) * len(answers.bodies)
     rows = []
     for model, one in answers.of_models.items():
@@ -137,7 +137,7 @@ def _pairs(answers: Answers, directions: xr.Dataset) -> str:
 
 
 def hints() -> str:
-    """How to see more of large results."""
+    """The commands that show more of large results."""
     return "\n".join(
         [
             "More of it: rockpulse inspect RESULTS",

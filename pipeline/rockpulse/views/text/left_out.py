@@ -95,7 +95,7 @@ def _told(file: str, reason: str) -> str:
 def _apart(
     found: dict[str, list[tuple[str, str, str]]],
 ) -> tuple[dict[str, list[tuple[str, str, str]]], list[str]]:
-    """What might have been used, by kind, and the names of the files beside it that are no records."""
+    """The files that might have been used, by kind, and the names of the files beside it that are no records."""
     beside = [file for file, _, reason in found.get("skipped", ()) if _is_beside(file, reason)]
     skipped = [row for row in found.get("skipped", ()) if not _is_beside(row[0], row[2])]
     rest = {kind: rows for kind, rows in (found | {"skipped": skipped}).items() if rows}
@@ -143,7 +143,7 @@ def _warnings(summary: xr.Dataset) -> list[str]:
 
 
 def _kind(warning: str, code: str) -> str:
-    """What warnings that are alike have in common: the code, or the first words of a text without one."""
+    """The common part of warnings that are alike: the code, or the first words of a text without one."""
     if not code.endswith(PLAIN):
         return code
     return " ".join(re.sub(r"[-+]?\d[\d.e+-]*", "#", warning).split()[:_TELLING_WORDS])

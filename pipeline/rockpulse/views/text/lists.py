@@ -229,13 +229,13 @@ def _listed(heading: str, headings: Iterable[Heading], table: list[tuple[Cell, .
 
 
 def _marked(table: list[tuple[Cell, ...]]) -> list[str]:
-    """What the marks of a list of records or blocks mean."""
+    """The meaning of the marks in a list of records or blocks."""
     marks = marks_of(cell for row in table for cell in row)
     return [mark.note for mark in (DRIFT, NONE_UP_TO) if mark in marks]
 
 
 def _notes(table: list[tuple[Cell, ...]], beyond: bool) -> list[str]:
-    """What the columns and the marks of a list of cases mean."""
+    """The meaning of the columns and the marks in a list of cases."""
     marks = marks_of(cell for row in table for cell in row)
     told = {
         OUTSIDE: "*: outside the range of this model.",

@@ -39,7 +39,7 @@ def overview(tree: xr.DataTree) -> str:
 
 
 def headline(tree: xr.DataTree) -> str:
-    """What the results are of: title, description, how many records, blocks and models."""
+    """The subject of the results: title, description, how many records, blocks and models."""
     node = tree["directions" if "directions" in tree.children else "summary"]
     dims = ("pair", "direction", "block") if "directions" in tree.children else ("record", "block")
     counts = ", ".join(several(node.sizes[dim], dim) for dim in dims)

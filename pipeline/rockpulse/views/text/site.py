@@ -42,7 +42,7 @@ _UNITS = {"m s-1": "m/s", "s": "s", "1": ""}
 
 
 def site_overview(tree: xr.DataTree) -> str:
-    """What the tree of :func:`rockpulse.calibrate_site` holds, for the terminal."""
+    """The tree of :func:`rockpulse.calibrate_site` as text for the terminal."""
     site = tree["site"].to_dataset()
     parts = [
         "\n".join(paragraph(line, "  ", "! ") for line in remarks(site)),
@@ -58,7 +58,7 @@ def site_overview(tree: xr.DataTree) -> str:
 
 
 def remarks(site: xr.Dataset) -> list[str]:
-    """What the calibration cannot tell, the gravest first."""
+    """Sentences on the limits of the calibration, the gravest first."""
     return [line for line in str(site["remarks"].item()).splitlines() if line]
 
 
@@ -122,7 +122,7 @@ def design(site: xr.Dataset) -> str:
 
 
 def coverage(site: xr.Dataset) -> str:
-    """Which share of the recorded rotations the design covers, of events that it does not know."""
+    """The share of the recorded rotations that the design covers, of events that it does not know."""
     in_sample, nominal = (share(_number(site, name)) for name in ("coverage_in_sample", "quantile"))
     if math.isnan(_number(site, "coverage")):
         why = (

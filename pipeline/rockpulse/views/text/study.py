@@ -30,7 +30,7 @@ NO_MOTION = Mark("!", "!: no motion of a block (through the ground, or a peak be
 
 
 def study_overview(tree: xr.DataTree) -> str:
-    """What the tree of :func:`rockpulse.study.figure4` or :func:`rockpulse.study.figure5` holds, for the terminal."""
+    """The tree of :func:`rockpulse.study.figure4` or :func:`rockpulse.study.figure5` as text for the terminal."""
     parts = [tree.attrs["title"]]
     if "figure4" in tree:
         parts += _curves(tree["figure4"].to_dataset())

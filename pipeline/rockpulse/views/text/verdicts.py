@@ -40,9 +40,9 @@ def verdict_table(
     return "\n".join([*_lines(answers, columns), "", *(paragraph(note, "  ") for note in notes)])
 
 
-def factor_table(summary: xr.Dataset, records: Sequence[str] | None = None, blocks: Sequence[str] | None = None) -> str:
+def factor_table(summary: xr.Dataset) -> str:
     """The smallest factor on a model's input that overturns the block, laid out as the verdicts."""
-    answers = _answers(summary, records, blocks)
+    answers = Answers(summary)
     columns = {model: factor_cells(one) for model, one in answers.of_models.items()}
     marks = marks_of(cell for column in columns.values() for row in column for cell in row)
     notes = [
