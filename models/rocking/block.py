@@ -66,7 +66,7 @@ class Block:
     critical_impulse : float or (m,) ndarray
         I_1c = g alpha_c/(p cos alpha_c), the impulse that overturns the resting block at once (Eq. 9 with i = 1) [m/s].
     warnings : tuple of str
-        What the user should know: a restitution above Housner's bound, a slenderness below the paper's range.
+        Remarks for the user: a restitution above Housner's bound, a slenderness below the paper's range.
 
     Raises
     ------

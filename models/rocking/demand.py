@@ -100,7 +100,7 @@ def _lobes(
 
 @dataclass(frozen=True, eq=False)
 class Demand:
-    """What a ground motion asks of (m,) blocks; all measures are proportional to a factor on the record.
+    """The demand of a ground motion on (m,) blocks; all measures are proportional to a factor on the record.
 
     Attributes
     ----------

@@ -23,7 +23,7 @@ __all__ = ["MEASURED_RANGE", "Rung", "choose_response"]
 
 
 class Rung(IntEnum):
-    """What answered a lane, from the cheapest to the dearest."""
+    """The model that answered a lane, from the cheapest to the dearest."""
 
     STATIC = 0  #: no uplift is possible: exact
     IMPULSIVE = 1  #: the strongest half-waves as impulses, where the demand leaves no doubt about the verdict
@@ -82,7 +82,7 @@ def choose_response(
         Vertical ground acceleration [m/s2], positive up. With it only the static and the nonlinear rung are used: the
         others were measured without.
     output : {"outcome", "peak"}
-        What has to be right: the outcome, or the peak to within `tolerance` as well.
+        The part of the answer that has to be right: the outcome, or the peak to within `tolerance` as well.
     tolerance : float
         Error of theta_max/alpha_c that may be made with `output="peak"` [-].
     threads : int, optional

@@ -56,7 +56,8 @@ def split_lanes(kernel_call: Callable[[int, int], None], lanes: int, threads: in
     """Run a kernel over all lanes, in slices on several threads; None for all that :func:`thread_limit` leaves.
 
     ``kernel_call(first, last)`` answers lanes first to last - 1, writes to no others and releases the interpreter lock.
-    What it raises is passed on. With fewer than two slices of `smallest` lanes everything runs in the calling thread.
+    An exception that it raises is passed on. With fewer than two slices of `smallest` lanes everything runs in the
+    calling thread.
     """
     if threads is None:
         threads = min([available_cores(), *_limits])

@@ -308,7 +308,7 @@ def cautions(names: Iterable[str], more: str = "") -> list[str]:
 
 @dataclass(frozen=True)
 class ModelSettings(Section):
-    """Which models answer, and how exactly."""
+    """The models that answer, and their exactness."""
 
     heading = "[models]"
     use: tuple[str, ...] = choices(("resonance", "sequence", "impulsive", "linear", "nonlinear"), NAMES)

@@ -54,7 +54,7 @@ def assess(
     blocks : mapping of str to Block, or sequence of BlockSettings, optional
         The bodies, in place of those of the configuration.
     failures : iterable of Failure
-        What reading has left out, to be stored with the results.
+        Files and channels that reading has left out, to be stored with the results.
     progress : callable, optional
         Wraps the list of channels or pairs that are assessed on its way into the loop, as ``tqdm.tqdm`` does.
 

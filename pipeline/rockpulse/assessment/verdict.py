@@ -122,9 +122,9 @@ def thin_margin(search_step: np.ndarray) -> np.ndarray:
 
 
 def standings(answers: Answers) -> np.ndarray:
-    """(records, bodies) how every body stands under every record.
+    """The :class:`Standing` of every body under every record, (records, bodies).
 
-    What overturns, overturns; a safety factor below 1 at which the model answers is overturning by a weaker record;
+    Overturning is overturning; a safety factor below 1 at which the model answers is overturning by a weaker record;
     one below :func:`thin_margin` is hardly a margin, nor is a search that ended below it. Unresolved, outside the range
     of the model, not predictable, or a factor below 1 at which the model cannot answer: not known. A body at rest
     without a factor stands without a margin like any other.

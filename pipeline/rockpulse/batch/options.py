@@ -38,7 +38,7 @@ class _NoBar:
 
 @dataclass(frozen=True)
 class BatchOptions:
-    """How a batch is carried out; the results depend on none of it.
+    """The way in which a batch is carried out; the results depend on none of it.
 
     Attributes
     ----------

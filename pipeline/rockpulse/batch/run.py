@@ -46,7 +46,7 @@ class Interrupted(KeyboardInterrupt):
 
 @dataclass
 class BatchReport:
-    """What a batch has done.
+    """The outcome of a batch.
 
     Attributes
     ----------
@@ -90,7 +90,7 @@ def assess_files(
     output : path
         The results file to write.
     options : BatchOptions, optional
-        Who works, and what happens to what is there already.
+        The workers, and the fate of a file that exists already.
 
     Returns
     -------

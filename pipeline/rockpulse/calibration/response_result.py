@@ -45,11 +45,11 @@ class ResponseCalibration:
     spread : float
         Estimated standard deviation of ln(target/peak) of the fit [-].
     targets : ResponseTargets
-        What had to be reproduced: blocks, peaks, outcomes.
+        The answers that had to be reproduced: blocks, peaks, outcomes.
     peaks : (m,) ndarray
         theta_max/alpha_c of the same blocks under the sequence, inf where overturned [-].
     start : ImpulseSequence or None
-        Where the search started: the statistical estimate unless one was given.
+        The sequence that the search started from: the statistical estimate unless one was given.
     start_misfit, start_unsafe_share : float
         The same figures of the start; NaN without.
     confidence : float

@@ -164,7 +164,7 @@ def load_rule(point: str = "balanced", path: str | Path | None = None) -> Rule:
     Parameters
     ----------
     point : {"balanced", "conservative"}
-        Which one.
+        The working point of the rule.
     path : str or Path, optional
         File that ``rockpulse rule fit`` wrote; that of the package without.
 

@@ -49,9 +49,9 @@ class Config:
     blocks : tuple of BlockSettings
         The bodies ([[block]]), in the order of the file.
     demands : tuple of DemandSettings
-        What the site asks for ([[demand]]), in the order of the file.
+        The demands of the site ([[demand]]), in the order of the file.
     folder : Path
-        What ``records.paths`` is relative to: the folder of the file. Not part of the comparison or of the text.
+        The folder that ``records.paths`` is relative to, that of the file. Not part of the comparison or of the text.
 
     Raises
     ------

@@ -46,7 +46,7 @@ WORKERS = ("all",)
 
 @dataclass(frozen=True)
 class SiteSettings(Section):
-    """What the study is about; free text that goes into the results."""
+    """The subject of the study; free text that goes into the results."""
 
     heading = "[site]"
     name: str = text()
@@ -55,7 +55,7 @@ class SiteSettings(Section):
 
 @dataclass(frozen=True)
 class RecordSettings(Section):
-    """Which records are read, in which unit where the file does not say, and what of them is stored.
+    """The records that are read, their unit where the file does not say it, and the part of them that is stored.
 
     The azimuth is the direction in which the body rocks: for a wall or façade the one perpendicular to its plane, 45
     degrees for a façade that looks north-east. 45 and 225 are the same for a body that rocks to both sides.
@@ -118,7 +118,7 @@ class ConditioningSettings(Section):
 
 @dataclass(frozen=True)
 class HalfWaveSettings(Section):
-    """Which lobes count as half-waves; keyword arguments of :func:`rockpulse.half_waves`."""
+    """The lobes that count as half-waves; keyword arguments of :func:`rockpulse.half_waves`."""
 
     heading = "[half_waves]"
     threshold: float = number(0.0, low=0.0, high=1.0)
@@ -156,7 +156,7 @@ class IntensePhaseSettings(Section):
 
 @dataclass(frozen=True)
 class SequenceSettings(Section):
-    """How a record becomes an impulse sequence; keyword arguments of :func:`rockpulse.calibrate`."""
+    """The way from a record to an impulse sequence; keyword arguments of :func:`rockpulse.calibrate`."""
 
     heading = "[sequence]"
     main: str = choice("largest", MAINS)
@@ -174,7 +174,7 @@ _NAME = KeyType("a text that is not empty", lambda value: isinstance(value, str)
 
 @dataclass(frozen=True)
 class DemandSettings(Section):
-    """What the site asks for in one limit state: the capacity of every body is compared with it."""
+    """The demand of the site in one limit state: the capacity of every body is compared with it."""
 
     heading = "[[demand]]"
     name: str = key(MISSING, _NAME)
@@ -184,7 +184,7 @@ class DemandSettings(Section):
 
 @dataclass(frozen=True)
 class CalibrationSettings(Section):
-    """How the records of a site become its design sequence (:func:`rockpulse.calibrate_site`)."""
+    """The way from the records of a site to its design sequence (:func:`rockpulse.calibrate_site`)."""
 
     heading = "[calibration]"
     method: str = choice("response", METHODS)
@@ -214,7 +214,7 @@ class CalibrationSettings(Section):
 
 @dataclass(frozen=True)
 class RunSettings(Section):
-    """How the work is carried out."""
+    """The way in which the work is carried out."""
 
     heading = "[run]"
     workers: str | int = choice("all", WORKERS, or_count=True)

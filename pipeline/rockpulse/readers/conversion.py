@@ -101,7 +101,7 @@ def write(
     Parameters
     ----------
     records : Record or sequence of Record
-        What to write, at least one, ids distinct. Samples are written as they are: a raw record stays raw.
+        Records to write, at least one, ids distinct. Samples are written as they are: a raw record stays raw.
     out : path
         A file, whose suffix tells the format, or for AT2 and CSV a folder. AT2 and CSV hold one record: several are
         written to ``out`` with the channel before the suffix (the id, where channels are not distinct); in a folder

@@ -91,7 +91,7 @@ def from_trace(
     factor : float, optional
         m/s2 per count. Without it, counts need ``trace.stats.response`` (``trace.attach_response(inventory)``).
     response : {"sensitivity", "remove"}
-        What is done with an attached response; see `rockpulse.readers.ReadOptions`.
+        The use of an attached response; see `rockpulse.readers.ReadOptions`.
     azimuth : float, optional
         Direction of a horizontal trace, clockwise from north [degrees]; needed after ``Stream.rotate``, which keeps no
         account of it. A rotation that leaves the channel codes as they were cannot be seen: give the azimuth.

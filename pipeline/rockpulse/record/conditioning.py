@@ -70,7 +70,7 @@ def condition(
     record : Record
         Ground acceleration, (n,) [m/s2].
     baseline : {"auto", "none", "mean", "pre-event", "linear", "quadratic"}
-        What is subtracted. "mean", "linear", "quadratic": the least-squares polynomial through all samples.
+        The part that is subtracted. "mean", "linear", "quadratic": the least-squares polynomial through all samples.
         "pre-event": the mean of the pre-event window, or that of all samples where no window is found. "auto": nothing
         from a processed volume, "pre-event" from a raw one, "mean" with a warning where the format does not say.
     highpass_hz, lowpass_hz : float, optional

@@ -164,7 +164,7 @@ def results_table(
     dims : sequence of str, optional
         Dimensions of which every element has a row: ``["record"]`` lists the records; by default every answer has one.
     columns : sequence of str, optional
-        Which variables; all by default.
+        Names of variables; all by default.
     record, block, model : str, optional
         Only what has such a name; * and ? stand for any letters.
     where : sequence of str

@@ -46,7 +46,7 @@ def fragility_curves(
     blocks : mapping of str to Block, or sequence of BlockSettings, optional
         The bodies, in place of those of the configuration.
     failures : iterable of Failure
-        What reading has left out, to be stored with the results.
+        Files and channels that reading has left out, to be stored with the results.
     progress : callable, optional
         Wraps the list of channels or pairs on its way into the loop, as ``tqdm.tqdm`` does.
 

@@ -47,7 +47,7 @@ class Curve:
     Attributes
     ----------
     status, band : Status, Band
-        What there is.
+        Whether there is a curve, and a band, and why not.
     extrapolated : Extrapolated
         Whether the median lies beyond every level looked at.
     statement : str

@@ -51,7 +51,7 @@ def calibrate_site(
         The bodies whose rotations the design is to cover, in place of those of the configuration; where neither names
         one, a family of 100 (:func:`rockpulse.calibration.response_targets.block_family`).
     failures : iterable of Failure
-        What reading has left out, to be stored with the results.
+        Files and channels that reading has left out, to be stored with the results.
     progress : callable, optional
         Wraps the list of channels or pairs on its way into the loop, as ``tqdm.tqdm`` does.
 

@@ -50,7 +50,7 @@ class History(NamedTuple):
     peak : float
         Stored theta_max/alpha_c [-]; inf where the block overturns, NaN where the model cannot say.
     remark : str
-        What is uncertain; empty for nothing.
+        Remark on doubts about the motion; empty without any.
     """
 
     model: str

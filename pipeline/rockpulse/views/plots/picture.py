@@ -45,7 +45,7 @@ def picture_bytes(figure: Figure, form: str) -> bytes:
     Parameters
     ----------
     figure : matplotlib Figure
-        What to draw.
+        The figure that is drawn.
     form : {"png", "svg", "pdf"}
         Format.
 
@@ -69,7 +69,7 @@ def svg(figure: Figure, name: str | None = None) -> str:
     Parameters
     ----------
     figure : matplotlib Figure
-        What to draw.
+        The figure that is drawn.
     name : str, optional
         Begins every id of the element: letters, digits, "-" and "_"; different for each picture of a page. Without, it
         is made from the content, so that only pictures that are equal share their ids.

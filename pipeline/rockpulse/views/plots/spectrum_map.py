@@ -42,7 +42,7 @@ def rocking_spectrum(
     bodies : mapping of str to (float, float), optional
         p [1/s] and alpha_c [rad] of bodies, by their names.
     note : str
-        What else the small print is to say.
+        Further words for the small print.
 
     Returns
     -------

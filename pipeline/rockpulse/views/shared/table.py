@@ -93,7 +93,7 @@ class Table:
 
     @cached_property
     def flush_right(self) -> tuple[bool, ...]:
-        """True for columns of numbers in the report; those with grades are read as words, also where they are sorted."""
+        """True for columns of numbers in the report; a column with grades is read as words, also where it is sorted."""
         graded = (any(row[place].grade for row in self.rows) for place in range(len(self.headings)))
         return tuple(numeric and not words for numeric, words in zip(self.numeric, graded, strict=True))
 
