@@ -22,11 +22,11 @@ rockpulse.version rockpulse.failures rockpulse.remark
 rockpulse.errors
 rockpulse.option rockpulse.file_set
 rockpulse.record
+rockpulse.readers
 rockpulse.calibration
 rockpulse.ladder
 rockpulse.config
 rockpulse.motions
-rockpulse.readers
 rockpulse.storage
 rockpulse.assessment
 rockpulse.studies.accuracy

@@ -1,7 +1,7 @@
 """The formats of rockpulse as plugins of obspy: ``obspy.read("RSN763.AT2")`` gives a Stream in m/s2.
 
-The entry points in pyproject.toml name ``<FORMAT>.is_format`` and ``<FORMAT>.read_format`` of this module, two lines
-for a format. Importing it loads neither obspy, numba nor xarray.
+The entry points that ``hatch_build.py`` makes name ``<FORMAT>.is_format`` and ``<FORMAT>.read_format`` of this module.
+Importing it loads neither obspy, numba nor xarray.
 """
 
 from __future__ import annotations

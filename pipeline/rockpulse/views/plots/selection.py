@@ -139,7 +139,25 @@ def table_of_pair(
 
 
 def sequence_of(tree: xr.DataTree, record: str) -> ImpulseSequence:
-    """The impulse sequence of a record; a ResultsError where it gave none, or its spacing is not known."""
+    """The impulse sequence of a record, with the spacing that its half-cycles were computed with.
+
+    Parameters
+    ----------
+    tree : xarray.DataTree
+        Results of an assessment.
+    record : str
+        Name of the record.
+
+    Returns
+    -------
+    ImpulseSequence
+        Impulses in m/s, interval and duration in s.
+
+    Raises
+    ------
+    ResultsError
+        Where the record gave no sequence, or the spacing of a file of schema 1.0 cannot be told.
+    """
     own = tree["summary"].to_dataset().sel(record=record)
     main, secondary, interval, duration = (
         float(own[name]) for name in ("main_impulse", "secondary_impulse", "secondary_interval", "sequence_duration")
