@@ -1,7 +1,8 @@
 """The formats: each module of this package reads one family of files and lists it in its ``FORMATS``.
 
-They are tried in the order of their names, which must not matter: each claims its own files only, and a test holds every
-one against every sample. A new module is found by itself, also by obspy: the build makes the plugins from the same lists (``hatch_build.py``).
+They are tried in the order of their names, which must not matter: each claims its own files only, and a test holds
+every one against every sample. A new module is found by itself, also by obspy: the build makes the plugins from the
+same lists (``hatch_build.py``).
 """
 
 from __future__ import annotations
