@@ -26,7 +26,7 @@ from rockpulse.record.conditioning import condition
 from rockpulse.record.half_wave import half_waves
 from rockpulse.record.record import Record
 from rockpulse.remark import code_of
-from rockpulse.views.report.verdict_rows import verdict_table
+from rockpulse.views.report.bodies import body_table
 from rockpulse.views.text import large_overview
 from rockpulse.views.text.capacity import smallest_capacities
 from rockpulse.views.text.directions import direction_table
@@ -427,7 +427,7 @@ def test_all_views_of_a_sweep_tell_the_same_margins(monkeypatch):
     blocks = large[large.index("pairs that overturn it") :].splitlines()
     row = next(line.split() for line in blocks if line.startswith("  wall"))
     assert row[2:] == [str(fallen.sum()), "of", "2", f"{fallen.mean():.1%}", median]
-    in_report = next(row for row in verdict_table(answers, verdicts(answers)).rows if row[0].text == "wall")
+    in_report = next(row for row in body_table(answers, verdicts(answers)).rows if row[0].text == "wall")
     assert [in_report[3].marked, in_report[5].marked] == [smallest, median]
     assert in_report[6].text == f"{capacities[0]}, median {capacities[1]}"
 

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 from rockpulse.assessment.answers import Motions, answers_of
 from rockpulse.assessment.verdict import BodyVerdict, verdicts
 from rockpulse.views.report.answers import AnswerCells, answer_table, count_table
+from rockpulse.views.report.bodies import body_table, event_table
 from rockpulse.views.report.caveats import Caveat, caveats
 from rockpulse.views.report.method import REFERENCE, assumptions, models_in_use, not_covered
 from rockpulse.views.report.notes import table_notes
@@ -17,7 +18,6 @@ from rockpulse.views.report.pairing import Paired
 from rockpulse.views.report.parts import Part, describe_fragility, describe_site
 from rockpulse.views.report.provenance import failure_table, input_table, versions, warning_table
 from rockpulse.views.report.statements import counted_by, headline
-from rockpulse.views.report.verdict_rows import event_table, verdict_table
 from rockpulse.views.shared.table import Fact, Table
 from rockpulse.views.text.left_out import by_kind
 
@@ -85,7 +85,7 @@ def gather(tree: xr.DataTree, site: Paired | None = None, fragility: Paired | No
                 str(sections.get("records", {}).get("components", "")),
             )
         ),
-        verdict=verdict_table(answers, found),
+        verdict=body_table(answers, found),
         counts=count_table(answers),
         answers=answer_table(cells),
         earthquakes=event_table(motions),

@@ -11,8 +11,8 @@ from rockpulse.assessment.answers import Answers, Body
 from rockpulse.assessment.verdict import BodyVerdict
 from rockpulse.record.record import STANDARD_GRAVITY
 from rockpulse.views.report.answers import AnswerCells, record_table
+from rockpulse.views.report.bodies import grade_cell
 from rockpulse.views.report.statements import acceleration
-from rockpulse.views.report.verdict_rows import grade_cell
 from rockpulse.views.shared.facts import Known
 from rockpulse.views.shared.table import Cell, Fact, Heading, Table, number
 from rockpulse.views.shared.terminal import ABSENT, figure, restitution

@@ -8,8 +8,8 @@ from report_cases import answers, motions, summary_of, verdict
 from rocking.response import Outcome
 from rockpulse.assessment.verdict import Grade
 from rockpulse.motions.events import UNKNOWN
+from rockpulse.views.report.bodies import body_table, grade_cell
 from rockpulse.views.report.statements import headline, of_unknown_event
-from rockpulse.views.report.verdict_rows import grade_cell, verdict_table
 
 
 @pytest.mark.parametrize(
@@ -66,7 +66,7 @@ def test_a_direction_that_overturns_is_told_though_another_is_missing():
         2.0,
     )
     assert (found.governing, found.demands[0].margin.smallest, found.demands[0].margin.open) == (0, 0.8, True)
-    (row,) = verdict_table(answers(summary, of), [found]).rows
+    (row,) = body_table(answers(summary, of), [found]).rows
     assert row[3].marked == "≤0.40"
     whole = verdict(summary_of([0.4, 0.9, 2.0, 3.0]), motions(4, rows=[[0, 1], [2, 3]], kind="pair"))
     assert (whole.margin.smallest, whole.margin.open, whole.margin.median) == (0.4, False, pytest.approx(1.2))

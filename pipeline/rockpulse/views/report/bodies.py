@@ -15,7 +15,7 @@ from rockpulse.views.shared.record_marks import record_cells
 from rockpulse.views.shared.table import Cell, Heading, Table, number
 from rockpulse.views.shared.terminal import ABSENT, figure, restitution, share
 
-__all__ = ["event_table", "grade_cell", "verdict_table"]
+__all__ = ["body_table", "event_table", "grade_cell"]
 
 #: What is said of a body, and the grade of the cell.
 _GRADES = {
@@ -47,7 +47,7 @@ def grade_cell(one: BodyVerdict, model: str, before: str = "") -> Cell:
     return Cell(before + words + where, float(grade), grade=mark)
 
 
-def verdict_table(answers: Answers, found: Sequence[BodyVerdict]) -> Table:
+def body_table(answers: Answers, found: Sequence[BodyVerdict]) -> Table:
     """One row per body: verdict, safety factor, the record that it rests on, capacity over demand."""
     motions, model = answers.motions, answers.model
     names = [*map(unexplained, record_cells(answers.summary))]
