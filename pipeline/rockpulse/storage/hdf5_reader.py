@@ -16,7 +16,7 @@ import numpy as np
 
 from rockpulse.errors import ResultsError
 from rockpulse.option import hint
-from rockpulse.storage.save_load import check_schema, coded
+from rockpulse.storage.save_load import ASSESSMENT, check_schema, completed
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -55,11 +55,14 @@ class ResultsFile:
                     "the assessment again"
                 ) from error
             dataset = self._stack.enter_context(dataset)
-            if group == "summary":
+            if group == "summary" and self.kind == ASSESSMENT:
                 with self.reading():
-                    dataset = coded(dataset)
+                    dataset = completed(dataset, self.attrs, self._half_cycles)
             self._opened[group] = dataset
         return self._opened[group]
+
+    def _half_cycles(self) -> xr.Dataset | None:
+        return self.dataset("half_cycles") if "half_cycles" in self.groups else None
 
     def tree(self, *groups: str) -> xr.DataTree:
         """The named groups that the file has (all by default) as a tree whose values are not yet read."""

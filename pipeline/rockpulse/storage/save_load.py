@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
+import math
 import os
 import platform
 import tomllib
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from datetime import UTC, datetime
 from functools import cache
 from importlib.metadata import version
-from itertools import islice
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -38,7 +38,7 @@ __all__ = [
     "check_described",
     "check_schema",
     "check_target",
-    "coded",
+    "completed",
     "load",
     "named",
     "provenance",
@@ -52,6 +52,22 @@ SCHEMA_VERSION = "1.1"
 
 #: Kinds of files that are read back, and the group that each of them has.
 KINDS = {ASSESSMENT: "summary", SITE_KIND: "site", FRAGILITY: "fragility", RULE_KIND: "rates", STUDY: "statements"}
+
+#: Variables of /summary that tell how the sequence model answers, but for the spacing.
+OF_SEQUENCES = {
+    "main_impulse",
+    "secondary_impulse",
+    "secondary_interval",
+    "sequence_duration",
+    "main_count",
+    "p",
+    "alpha_c",
+    "radius",
+    "restitution",
+}
+
+#: Variables of /half_cycles that tell the spacing of a sequence.
+OF_HALF_CYCLES = {"record_index", "model_index", "duration"}
 
 CONVENTIONS = "CF-1.11"
 PACKAGES = ("numpy", "numba", "scipy", "xarray", "h5netcdf", "h5py", "obspy")
@@ -127,55 +143,94 @@ def load(path: str | os.PathLike[str]) -> xr.DataTree:
         raise ResultsError(f"{path}: the results file is damaged ({error}); run the assessment again") from error
     tree = tree.map_over_datasets(_as_saved)
     if kind == ASSESSMENT:
-        tree["summary"].dataset = coded(tree["summary"].to_dataset())
-    return _as_of_1_1(tree) if kind == ASSESSMENT and tree.attrs["schema_version"] == "1.0" else tree
+        summary = tree["summary"].to_dataset()
+        tree["summary"].dataset = completed(
+            summary, tree.attrs, lambda: tree["half_cycles"].to_dataset() if "half_cycles" in tree else None
+        )
+    return tree
 
 
-def _as_of_1_1(tree: xr.DataTree) -> xr.DataTree:
-    """An assessment of schema 1.0 with what it did not store worked out from what it did.
+def completed(
+    summary: xr.Dataset, attrs: Mapping[Any, Any], half_cycles: Callable[[], xr.Dataset | None]
+) -> xr.Dataset:
+    """The group /summary of an assessment with what its version did not store worked out from what it did.
 
-    Gravity follows from p and R, which are those of a rectangle: g = 4 R p^2/3. The spacing of the sequences is that of
-    the configuration, unless the half-cycles of the first sequence say otherwise: a design sequence has its own.
+    `attrs` are those of the root; `half_cycles` gives the group of that name, None where the file has none, and is
+    called only where the spacing of a file of schema 1.0 depends on it.
+    """
+    summary = _coded(summary)
+    if attrs["schema_version"] != "1.0":
+        return summary
+    found = {}
+    if "block" in summary.dims:
+        found["gravity"] = BLOCK["gravity"].variable(_gravity(summary))
+    if "main_impulse" in summary:
+        calibrated = np.isfinite(summary["main_impulse"].values)
+        code = _spacing(summary, calibrated, attrs.get("configuration"), half_cycles) if calibrated.any() else NOT_KNOWN
+        found["spacing"] = RECORD["spacing"].variable(np.where(calibrated, code, NOT_KNOWN))
+    return summary.assign(found)
+
+
+def _gravity(summary: xr.Dataset) -> list[float]:
+    """Gravity at each block from its p and R, which are those of a rectangle: g = 4 R p^2/3; NaN without them."""
+    if not {"p", "radius"} <= set(summary):
+        return [math.nan] * summary.sizes["block"]
+    p, radius = summary["p"].values, summary["radius"].values
+    return [float(f"{value:.12g}") for value in 4.0 * radius * p * p / 3.0]
+
+
+def _spacing(
+    summary: xr.Dataset, calibrated: np.ndarray, configuration: Any, half_cycles: Callable[[], xr.Dataset | None]
+) -> int:
+    """The code of the spacing of the sequences, of the records that are `calibrated`, in a file of schema 1.0.
+
+    The spacing is that of the configuration, unless the half-cycles of the first sequence say otherwise: a design
+    sequence has its own. It is not known where the configuration or the half-cycles cannot be asked.
     """
     from rocking.block import Block
     from rocking.sequence import ImpulseSequence, sequence_response
 
-    summary, table = tree["summary"].to_dataset(), tree["half_cycles"].to_dataset()
-    p, radius, restitution = (summary[name].values for name in ("p", "radius", "restitution"))
-    gravity = [float(f"{value:.12g}") for value in 4.0 * radius * p * p / 3.0]
-    settings = tomllib.loads(str(tree.attrs["configuration"])).get("sequence", {})
-    spacings = list(dict.fromkeys((str(settings.get("spacing", SequenceSettings().spacing)), *SPACINGS)))
-    calibrated = np.isfinite(summary["main_impulse"].values)
+    try:
+        settings = tomllib.loads(str(configuration)).get("sequence", {})
+        configured = settings.get("spacing", SequenceSettings().spacing)
+    except (tomllib.TOMLDecodeError, AttributeError):  # no TOML, none at all, or no section of that name
+        return NOT_KNOWN
+    if configured not in SPACINGS:
+        return NOT_KNOWN
     models = summary["model"].values.tolist()
-    if "sequence" in models and calibrated.any():
-        first = int(np.argmax(calibrated))
-        of_first = (table["record_index"] == first) & (table["model_index"] == models.index("sequence"))
-        stored = table["duration"].values[of_first.values]
-        cases = restitution.size // p.size
-        alpha = np.repeat(summary["alpha_c"].values, cases)
-        block = Block.from_parameters(np.repeat(p, cases), alpha, restitution=restitution.ravel(), gravity=gravity[0])
-        main, secondary, interval, duration, count = (
-            summary[name].values[first].item()
-            for name in ("main_impulse", "secondary_impulse", "secondary_interval", "sequence_duration", "main_count")
-        )
-
-        def same(spacing: str) -> bool:
-            sequence = ImpulseSequence(main, secondary, interval, duration, None if count < 0 else count, None, spacing)
-            found = sequence_response(block, sequence).half_cycles
-            assert found is not None
-            durations = found.duration.T[np.isfinite(found.start_velocity).T]
-            return durations.shape == stored.shape and np.allclose(durations, stored, rtol=1e-6)
-
-        spacings = list(islice(filter(same, spacings), 1))
-    code = SPACINGS.index(spacings[0]) if spacings else NOT_KNOWN
-    tree["summary"].dataset = summary.assign(
-        gravity=BLOCK["gravity"].variable(gravity),
-        spacing=RECORD["spacing"].variable(np.where(calibrated, code, NOT_KNOWN)),
+    if "sequence" not in models:
+        return SPACINGS.index(configured)
+    table = half_cycles()
+    if table is None or not (set(summary) >= OF_SEQUENCES and set(table) >= OF_HALF_CYCLES):
+        return NOT_KNOWN
+    first = int(np.argmax(calibrated))
+    rows = np.flatnonzero(table["record_index"].values == first)
+    own = table.isel(row=slice(rows[0], rows[-1] + 1) if rows.size else slice(0))
+    of_first = (own["record_index"].values == first) & (own["model_index"].values == models.index("sequence"))
+    stored = own["duration"].values[of_first]
+    p, restitution = summary["p"].values, summary["restitution"].values
+    cases = restitution.size // p.size
+    block = Block.from_parameters(
+        np.repeat(p, cases),
+        np.repeat(summary["alpha_c"].values, cases),
+        restitution=restitution.ravel(),
+        gravity=_gravity(summary)[0],
     )
-    return tree
+    main, secondary, interval, duration, count = (
+        summary[name].values[first].item()
+        for name in ("main_impulse", "secondary_impulse", "secondary_interval", "sequence_duration", "main_count")
+    )
+    for spacing in dict.fromkeys((configured, *SPACINGS)):
+        sequence = ImpulseSequence(main, secondary, interval, duration, None if count < 0 else count, None, spacing)
+        found = sequence_response(block, sequence).half_cycles
+        assert found is not None
+        durations = found.duration.T[np.isfinite(found.start_velocity).T]
+        if durations.shape == stored.shape and np.allclose(durations, stored, rtol=1e-6):
+            return SPACINGS.index(spacing)
+    return NOT_KNOWN
 
 
-def coded(summary: xr.Dataset) -> xr.Dataset:
+def _coded(summary: xr.Dataset) -> xr.Dataset:
     """The group /summary with codes beside the remarks, which in files of before 0.2.0 the texts have to tell."""
     if "warning_codes" in summary or "warnings" not in summary:
         return summary

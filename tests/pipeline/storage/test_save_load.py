@@ -24,6 +24,7 @@ from rockpulse.storage import save_load as store
 from rockpulse.storage.hdf5_reader import open_results
 from rockpulse.storage.save_load import check_target, load, save
 from rockpulse.storage.variables import NOT_KNOWN
+from rockpulse.views.diff.differences import compare_results
 
 TESTS = Path(__file__).parents[2]
 
@@ -375,3 +376,77 @@ def test_without_the_sequence_model_the_spacing_of_schema_1_0_is_the_configurati
     path = tmp_path / "results.h5"
     _of_schema_1_0(path, "middle", {"wall": Block(0.15, 1.5)}, use=("resonance",))
     assert load(path)["summary"]["spacing"].values.tolist() == [0]
+
+
+def test_an_open_file_of_schema_1_0_holds_what_a_loaded_one_does(tmp_path):
+    path = tmp_path / "results.h5"
+    _of_schema_1_0(path, "middle", {"wall": Block(0.15, 1.5), "statue": Block(0.4, 2.0)})
+    loaded = load(path)["summary"].to_dataset()
+    with open_results(path) as opened:
+        found = opened.dataset("summary")
+        assert list(found.data_vars) == list(loaded.data_vars)
+        for name in ("gravity", "spacing", "warning_codes"):
+            xr.testing.assert_identical(found[name].variable, loaded[name].variable)
+    save(load(path), tmp_path / "again.h5")
+    with open_results(path) as old, open_results(tmp_path / "again.h5") as new:
+        assert compare_results(old, new).same
+
+
+def test_the_half_cycles_of_schema_1_0_are_read_only_where_the_spacing_depends_on_them(tmp_path):
+    for use, opened in ((("resonance",), False), (("resonance", "sequence"), True)):
+        path = tmp_path / f"{len(use)}.h5"
+        _of_schema_1_0(path, "end", {"wall": Block(0.15, 1.5)}, use=use)
+        with open_results(path) as file:
+            file.dataset("summary")
+            assert ("half_cycles" in file._opened) is opened
+
+
+def _without_half_cycles(file):
+    del file["half_cycles"]
+
+
+def _without_configuration(file):
+    del file.attrs["configuration"]
+
+
+def _with_torn_configuration(file):
+    file.attrs["configuration"] = "[sequence\nspacing ="
+
+
+def _with_another_spacing(file):
+    file.attrs["configuration"] = '[sequence]\nspacing = "wide"'
+
+
+def _without_impulses(file):
+    del file["summary/secondary_impulse"]
+
+
+@pytest.mark.parametrize(
+    "harm",
+    [
+        _without_half_cycles,
+        _without_configuration,
+        _with_torn_configuration,
+        _with_another_spacing,
+        _without_impulses,
+    ],
+)
+def test_what_schema_1_0_does_not_tell_leaves_the_spacing_unknown(tmp_path, harm):
+    path = tmp_path / "results.h5"
+    _of_schema_1_0(path, "end", {"wall": Block(0.15, 1.5)})
+    with h5py.File(path, "a") as file:
+        harm(file)
+    with open_results(path) as opened:
+        for summary in (load(path)["summary"].to_dataset(), opened.dataset("summary")):
+            assert summary["spacing"].values.tolist() == [NOT_KNOWN]
+            assert summary["gravity"].values.tolist() == [Block(0.15, 1.5).gravity]
+
+
+def test_gravity_of_schema_1_0_is_unknown_without_the_radius(tmp_path):
+    path = tmp_path / "results.h5"
+    _of_schema_1_0(path, "end", {"wall": Block(0.15, 1.5)})
+    with h5py.File(path, "a") as file:
+        del file["summary/radius"]
+    found = load(path)["summary"]
+    assert np.isnan(found["gravity"].values).tolist() == [True]
+    assert found["spacing"].values.tolist() == [NOT_KNOWN]

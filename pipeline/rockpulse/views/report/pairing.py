@@ -13,6 +13,7 @@ import numpy as np
 from rockpulse.assessment.answers import Answers, Body, bodies_of
 from rockpulse.errors import ResultsError
 from rockpulse.storage.fragility_variables import FRAGILITY
+from rockpulse.storage.hdf5_reader import flag_words
 from rockpulse.storage.site_variables import SITE_KIND
 
 if TYPE_CHECKING:
@@ -87,7 +88,7 @@ def paired(results: xr.DataTree, other: xr.DataTree, kind: str, name: str) -> Pa
     if kind == SITE_KIND:
         site = other["site"].to_dataset()
         if Answers(summary).motions.kind == "sequence":
-            _check_design(results, site, name)
+            _check_design(summary, site, name)
         ids, pga = site["record"].values, (site["pga"] / site["scale_factor"]).values
     else:
         if not kept:
@@ -158,16 +159,15 @@ def _of_capacities(capacities: xr.Dataset) -> tuple[np.ndarray, np.ndarray]:
     return ids, capacities["measure_value"].sel(measure="pga").isel(block=0).values
 
 
-def _check_design(results: xr.DataTree, site: xr.Dataset, name: str) -> None:
+def _check_design(summary: xr.Dataset, site: xr.Dataset, name: str) -> None:
     """Whether the sequence that was assessed is the design of a site; its limits are inf and -1, or NaN in the site."""
-    summary = results["summary"].to_dataset()
     value = dict(zip(map(str, site["parameter"].values), site["design"].values.tolist(), strict=True))
     secondary = min(value["ratio"] * value["main"], value["main"])
     design = [value["main"], secondary, value["interval"], value["duration"], np.floor(value["main_count"])]
     names = ("main_impulse", "secondary_impulse", "secondary_interval", "sequence_duration", "main_count")
     assessed = [float(summary[key].values[0]) for key in names]
     assessed[3:] = [np.nan if np.isinf(assessed[3]) else assessed[3], np.nan if assessed[4] < 0 else assessed[4]]
-    spacing = tomllib.loads(str(results.attrs.get("configuration", ""))).get("sequence", {}).get("spacing")
+    spacing = flag_words(summary["spacing"])[int(summary["spacing"].values[0])]
     same = np.allclose(assessed, design, rtol=TOLERANCE, atol=0.0, equal_nan=True)
     if not same or spacing != site.attrs["spacing"]:
         raise ResultsError(
@@ -206,7 +206,7 @@ def _told(numbers: tuple[float, ...]) -> str:
     return "p {:.7g} 1/s, alpha_c {:.7g} rad, C {:.7g}".format(*numbers)
 
 
-def _sequence(values: list[float], spacing: str | None) -> str:
+def _sequence(values: list[float], spacing: str) -> str:
     numbers = "I {:.7g} m/s, I_s {:.7g} m/s, dT {:.7g} s, duration {:.7g} s, main impulses {:g}".format(*values)
     return f'{numbers}, spacing "{spacing}"'
 
