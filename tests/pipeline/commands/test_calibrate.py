@@ -74,7 +74,7 @@ def test_the_summary_says_first_what_few_records_cannot_tell(calibrated, samples
     target, out, err = calibrated
     assert err == ""
     assert out.startswith("! FEW EVENTS: 2, only 1 with a record that lifts a block, fewer than 5")
-    for words in ("main impulse I [m/s]", "Design sequence, quantile 0.84", "nominal", "wall", "pier"):
+    for words in ("main impulse I [m/s]", "Design sequence (quantile 0.84", "nominal", "wall", "pier"):
         assert words in out
     assert not re.search(r"\bnan\b", out, re.I)
     assert out.endswith(f"site: {target}\n")

@@ -10,7 +10,7 @@ from rockpulse.ladder import SEQUENCE_MODELS
 from rockpulse.views.report.pairing import Paired, listed
 from rockpulse.views.shared.table import Cell, Heading, Table, number
 from rockpulse.views.shared.terminal import several, share
-from rockpulse.views.text.fragility import STATES, median_table, records_words, shown_measure
+from rockpulse.views.text.fragility import median_table, records_words, shown_measure, state_words
 from rockpulse.views.text.site import about_records, block_table, coverage, design, parameter_table, remarks
 
 if TYPE_CHECKING:
@@ -148,7 +148,7 @@ def _remark_table(own: xr.Dataset) -> Table:
         found: dict[str, list[str]] = {}
         for state in own["limit_state"].values.tolist():
             if said := str(own["statement"].sel(block=block, limit_state=state).item()):
-                found.setdefault(said, []).append(state)
+                found.setdefault(said, []).append(state_words(state))
         rows += [(Cell(block), Cell(", ".join(states)), Cell(said)) for said, states in found.items()]
     headings = (Heading("body"), Heading("limit states"), Heading("remark"))
-    return Table("fragility-remarks", "Remarks on the curves", headings, tuple(rows), (STATES,))
+    return Table("fragility-remarks", "Remarks on the curves", headings, tuple(rows))

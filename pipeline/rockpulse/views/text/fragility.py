@@ -9,12 +9,13 @@ import numpy as np
 
 from rockpulse.motions.events import UNKNOWN
 from rockpulse.views.shared.table import Cell, Heading, Mark, Table, number, text
-from rockpulse.views.shared.terminal import ABSENT, between, paragraph, ratio, several
+from rockpulse.views.shared.terminal import ABSENT, paragraph, ratio, several
+from rockpulse.views.text.site import explained
 
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["STATES", "fragility_overview", "median_table", "records_words", "shown_measure"]
+__all__ = ["fragility_overview", "median_table", "records_words", "shown_measure", "state_words"]
 
 #: The measure that the curves are shown in, where it is there: it puts bodies of all sizes on one scale.
 SHOWN = "velocity_ratio"
@@ -24,9 +25,6 @@ BEYOND = Mark("!", "!: beyond every level looked at, extrapolated.")
 
 #: At the smallest dispersion of a limit state.
 SMALLEST = Mark("*", "*: smallest.")
-
-#: What the name of a limit state may be.
-STATES = "Limit states: uplift, largest theta_max/alpha_c, overturning."
 
 #: Level of the tests of sufficiency.
 LEVEL = 0.05
@@ -38,7 +36,7 @@ def fragility_overview(tree: xr.DataTree) -> str:
     found = [records_words(tree), several(curves.sizes["block"], "body"), f"data: {tree.attrs['data']}"]
     parts = [
         f"{tree.attrs['title']}: {', '.join(found)}",
-        text(median_table(tree)),
+        explained(median_table(tree)),
         _pooled(curves, efficiency),
         _sufficiency(efficiency),
         _statements(curves),
@@ -59,6 +57,17 @@ def records_words(tree: xr.DataTree) -> str:
     return counts + (" (records of unknown earthquake count as one)" if UNKNOWN in event else "")
 
 
+def state_words(name: str) -> str:
+    """The name of a limit state, or the rotation that it is.
+
+    Examples
+    --------
+    >>> state_words("uplift"), state_words("0.4")
+    ('uplift', 'θ_max/α_c ≥ 0.4')
+    """
+    return name if name.isalpha() else f"θ_max/α_c ≥ {name}"
+
+
 def median_table(tree: xr.DataTree) -> Table:
     """Median and dispersion of every body and limit state in the measure that is shown."""
     curves = tree["fragility"].to_dataset()
@@ -73,20 +82,17 @@ def median_table(tree: xr.DataTree) -> Table:
             rows.append(
                 (
                     Cell(block),
-                    Cell(state),
+                    Cell(state_words(state)),
                     number(median, ratio, (BEYOND,) if int(one["extrapolated"]) else ()),
-                    Cell(between(low, high, ratio), low),
+                    number(low, ratio),
+                    number(high, lambda limit: "no limit" if math.isinf(limit) else ratio(limit)),
                     number(beta, ratio),
                     Cell(f"{reached} of {of}", reached),
                     number(records, str),
                     number(events, str),
                 )
             )
-    heads = ("limit state", "median", level, "beta", "reached", "records", "earthquakes")
-    note = (
-        f"{level}: band of the median, over earthquakes ({ABSENT}: not known, see the remarks). beta: dispersion of ln "
-        "capacity. reached: of the observations."
-    )
+    note = f"low, high: limits of the median, over earthquakes ({ABSENT}: not known, see the remarks)."
     if tree.attrs["data"] == "ida":
         note += (
             " Capacity is the first factor that reaches the limit state; above it a block may stand again: a curve is "
@@ -96,8 +102,17 @@ def median_table(tree: xr.DataTree) -> Table:
     words, units = (str(own[name].item()) for name in ("measure_long_name", "measure_units"))
     measure = words if units == "1" else f"{words} [{units}]"
     caption = f"Median and dispersion of {measure} at which a limit state is reached"
-    headings = (Heading("body", width=30), *map(Heading, heads))
-    return Table("fragility-medians", caption, headings, tuple(rows), (STATES, note))
+    headings = (
+        Heading("body", width=30),
+        Heading("limit state"),
+        Heading("median"),
+        *(Heading(end, note=level) for end in ("low", "high")),
+        Heading("beta", note="of ln capacity"),
+        Heading("reached", note="of the observations"),
+        Heading("records"),
+        Heading("earthquakes"),
+    )
+    return Table("fragility-medians", caption, headings, tuple(rows), (note,))
 
 
 def _pooled(curves: xr.Dataset, efficiency: xr.Dataset) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -26,18 +27,20 @@ if TYPE_CHECKING:
 
     import xarray as xr
 
-__all__ = ["about_records", "block_table", "coverage", "design", "parameter_table", "remarks", "site_overview"]
+__all__ = [
+    "about_records",
+    "block_table",
+    "coverage",
+    "design",
+    "explained",
+    "parameter_table",
+    "remarks",
+    "site_overview",
+]
 
 #: Rows of a table of blocks, and names of events, that are listed one by one.
 LISTED = 12
 
-_PARAMETERS = {
-    "main": "main impulse I",
-    "ratio": "I_s/I",
-    "interval": "interval dT",
-    "main_count": "main impulses",
-    "duration": "duration",
-}
 _UNITS = {"m s-1": "m/s", "s": "s", "1": ""}
 
 
@@ -47,7 +50,7 @@ def site_overview(tree: xr.DataTree) -> str:
     parts = [
         "\n".join(paragraph(line, "  ", "! ") for line in remarks(site)),
         "\n".join(paragraph(line, "  ", "") for line in about_records(site)),
-        text(parameter_table(site)),
+        explained(parameter_table(site)),
         "\n".join("  " + line for line in lines(_correlation(site))),
         paragraph(design(site), "  ", ""),
         _coverage(site),
@@ -71,53 +74,50 @@ def about_records(site: xr.Dataset) -> list[str]:
     scaled = str(site.attrs["scaled_to"])
     unit = "m/s2" if scaled.startswith("pga") else "m/s"
     return [
-        f"{several(site.sizes['record'], 'record')} of {several(len(events), 'event')}: {', '.join(listed)}{more}",
-        f"Sequence of each record by {site.attrs['method']}; weights: {site.attrs['weights']}"
-        f"{'' if scaled == 'none' else f', scaled to {scaled} {unit}'}. Its misfit (ln, median over records) is "
-        f"{figure(_median(site['misfit']))}; its rotation is below the recorded one for "
-        f"{share(_median(site['unsafe_share']))} of the blocks (median).",
+        f"Calibrated on {several(site.sizes['record'], 'record')} of {several(len(events), 'earthquake')}, "
+        f"{'not scaled' if scaled == 'none' else f'scaled to {scaled} {unit}'}: {', '.join(listed)}{more}.",
+        f'The sequence of each record by the method "{site.attrs["method"]}"; weights: "{site.attrs["weights"]}". Its '
+        f"misfit (ln, median over records) is {figure(_median(site['misfit']))}; its rotation is below the recorded "
+        f"one for {share(_median(site['unsafe_share']))} of the blocks (median).",
     ]
 
 
 def parameter_table(site: xr.Dataset) -> Table:
     """The parameters of the sequences of all records: lognormal, with intervals where they are known."""
-    level = f"{_number(site, 'confidence'):.0%}"
-    heads = ("median", level, "dispersion", level, "16 %", "50 %", "84 %", "design")
+    headings = (
+        Heading("parameter"),
+        *map(Heading, ("median", "median, low", "median, high")),
+        *(Heading(title, note="of the logarithm") for title in ("dispersion", "low", "high")),
+        *(Heading(f"{percent} %", note="of the records") for percent in (16, 50, 84)),
+        Heading("design"),
+    )
+    spread = (f"{name}{end}" for name in ("median", "dispersion") for end in ("", "_lower", "_upper"))
+    keys = (*spread, *(f"quantile_{percent}" for percent in (16, 50, 84)), "design")
     rows = []
     for name in site["parameter"].values.tolist():
         one = site.sel(parameter=name)
-        unit = _UNITS[str(one["parameter_unit"].item())]
-        rows.append(
-            (
-                Cell(Heading(_PARAMETERS[name], unit).label),
-                *(
-                    cell
-                    for key in ("median", "dispersion")
-                    for cell in (number(_number(one, key)), Cell(_range(one, key), _number(one, f"{key}_lower")))
-                ),
-                *(number(_number(one, f"quantile_{percent}")) for percent in (16, 50, 84)),
-                number(_number(one, "design")),
-            )
-        )
-    note = (
-        f"Dispersion: of the logarithm. {level}: interval clustered by event; {ABSENT}: not known. "
-        "16, 50, 84 %: of the records."
+        words = str(one["parameter_name"].item()).partition(";")[0]
+        label = Heading(words, _UNITS[str(one["parameter_unit"].item())]).label
+        rows.append((Cell(label), *(number(_number(one, key)) for key in keys)))
+    caption = (
+        f"Parameters of the sequence, lognormal; intervals of {_number(site, 'confidence'):.0%}, clustered by event"
     )
-    headings = (Heading("parameter"), *map(Heading, heads))
-    return Table("site-parameters", "Parameters (lognormal)", headings, tuple(rows), (note,))
+    return Table("site-parameters", caption, headings, tuple(rows), (f"{ABSENT}: not known.",))
 
 
 def design(site: xr.Dataset) -> str:
     """The design sequence in a sentence."""
     value = dict(zip(site["parameter"].values.tolist(), site["design"].values.tolist(), strict=True))
-    count = "main impulses without limit" if math.isnan(value["main_count"]) else f"{value['main_count']:.0f} main"
+    count = value["main_count"]
+    impulses = "main impulses without limit in number" if math.isnan(count) else several(round(count), "main impulse")
     within = "for ever" if math.isnan(value["duration"]) else f"within {figure(value['duration'], 's')}"
+    interval = _range(site.sel(parameter="main"), "design", lambda limit: figure(limit, "m/s"))
     return (
-        f"Design sequence, quantile {_number(site, 'quantile'):g} by {site.attrs['design']}: "
-        f"I = {figure(value['main'], 'm/s')} "
-        f"({_number(site, 'confidence'):.0%}: {_range(site.sel(parameter='main'), 'design')}), "
-        f"I_s = {figure(value['ratio'] * value['main'], 'm/s')}, dT = {figure(value['interval'], 's')}, {count} "
-        f'impulses {within}, spacing "{site.attrs["spacing"]}".'
+        f"Design sequence (quantile {_number(site, 'quantile'):g} of the recorded rotations, method "
+        f'"{site.attrs["design"]}"): I = {figure(value["main"], "m/s")} ({_number(site, "confidence"):.0%} confidence: '
+        f"{'no interval' if interval == ABSENT else interval}), "
+        f"I_s = {figure(value['ratio'] * value['main'], 'm/s')}, dT = {figure(value['interval'], 's')}, "
+        f'{impulses} {within}, spacing "{site.attrs["spacing"]}".'
     )
 
 
@@ -136,7 +136,11 @@ def coverage(site: xr.Dataset) -> str:
         )
     else:
         interval = _range(site, "coverage", share)
-        level = f"{_number(site, 'confidence'):.0%}: {interval}" if interval != ABSENT else "one event: no interval"
+        level = (
+            f"{_number(site, 'confidence'):.0%} confidence: {interval}"
+            if interval != ABSENT
+            else "one event: no interval"
+        )
         words = (
             f"Coverage: a design made without the event of a record covers {share(_number(site, 'coverage'))} "
             f"({level}) of the recorded rotations of the blocks that it leaves standing; nominal {nominal}; the design "
@@ -163,12 +167,23 @@ def block_table(site: xr.Dataset) -> Table:
         verdict = Cell("overturns", peak, grade="bad") if math.isinf(peak) else number(peak, ratio)
         c, covered = _number(one, "restitution"), _number(one, "block_coverage")
         rows.append((Cell(name), number(c, restitution), verdict, number(covered, share)))
-    headings = (Heading("block", width=34), Heading("C"), Heading("design"), Heading("coverage"))
-    note = (
-        "C: restitution. design: theta_max/alpha_c under the design sequence. coverage: by designs made without the "
-        "event of a record."
+    headings = (
+        Heading("block", width=34),
+        Heading("C", note="restitution"),
+        Heading("under the design", note="theta_max/alpha_c"),
+        Heading("coverage", note="its event left out"),
     )
-    return Table("site-blocks", "The blocks under the design sequence", headings, tuple(rows), (note,))
+    return Table("site-blocks", "The blocks under the design sequence", headings, tuple(rows))
+
+
+def explained(table: Table) -> str:
+    """The table for the terminal, with a note that says what the report has in small print below the headings."""
+    titles: dict[str, list[str]] = {}
+    for heading in table.headings:
+        if heading.note:
+            titles.setdefault(heading.note, []).append(heading.title)
+    note = " ".join(f"{', '.join(named)}: {words}." for words, named in titles.items())
+    return text(replace(table, remarks=(note, *table.remarks)))
 
 
 def _number(site: xr.Dataset, name: str) -> float:
@@ -199,7 +214,7 @@ def _coverage(site: xr.Dataset) -> str:
     parts = [paragraph(line, "  ", "") for line in told]
     shares = site["block_coverage"]
     if site.sizes["block"] <= LISTED:
-        parts.append(text(block_table(site)))
+        parts.append(explained(block_table(site)))
     elif shares.notnull().any():
         worst = str(shares.idxmin().item())
         fallen = int(np.isinf(site["design_rotation_ratio"].values).sum())

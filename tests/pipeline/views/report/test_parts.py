@@ -5,6 +5,9 @@ import html
 import numpy as np
 import pytest
 
+from rockpulse.views.report.pairing import Paired
+from rockpulse.views.report.parts import describe_fragility
+from rockpulse.views.report.writing import typeset
 from rockpulse.views.shared.table import text
 from rockpulse.views.shared.terminal import shortened
 from rockpulse.views.text.fragility import BEYOND, fragility_overview, median_table
@@ -56,4 +59,28 @@ def test_a_median_beyond_every_level_is_marked_and_explained_only_where_there_is
 def test_a_band_is_shown_with_both_ends(fragility, curves):
     curves["median_low"][:], curves["median_high"][:] = 0.3, np.inf
     table = median_table(with_curves(fragility, curves))
-    assert {row[3].text for row in table.rows} == {"0.30 to no limit"}
+    assert {(row[3].text, row[4].text) for row in table.rows} == {("0.30", "no limit")}
+    assert [(one.title, one.note) for one in table.headings[3:5]] == [("low", "90 %"), ("high", "90 %")]
+
+
+def test_a_limit_state_of_rotation_is_named_in_both_tables(fragility, curves):
+    curves = curves.assign_coords(limit_state=["0.4", "overturning"])
+    curves["statement"][:] = "why"
+    of = Paired(with_curves(fragility, curves), (), (), 0, 0, (), ())
+    medians, said = describe_fragility(of, 0, "nonlinear").tables
+    assert {row[1].text for row in medians.rows} == {"θ_max/α_c ≥ 0.4", "overturning"}
+    assert {row[1].text for row in said.rows} == {"θ_max/α_c ≥ 0.4, overturning"}
+
+
+def test_small_print_of_the_headings_is_a_note_on_the_terminal(site, fragility, whole_page):
+    page, of_site = html.unescape(whole_page), site["site"].to_dataset()
+    tables = {
+        site_overview(site): (parameter_table(of_site), block_table(of_site)),
+        fragility_overview(fragility): (median_table(fragility),),
+    }
+    for shown, of_file in tables.items():
+        told = " ".join(shown.split())
+        for heading in (one for table in of_file for one in table.headings if one.note):
+            assert f"<small>{typeset(heading.note)}</small>" in page
+            assert f": {heading.note}." in told
+    assert "dispersion, low, high: of the logarithm." in " ".join(site_overview(site).split())

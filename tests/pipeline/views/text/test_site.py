@@ -9,7 +9,7 @@ import rockpulse as rp
 from rockpulse import CalibrationSettings
 from rockpulse.failures import Failure
 from rockpulse.models import Block
-from rockpulse.views.text.site import site_overview
+from rockpulse.views.text.site import design, site_overview
 
 TIME = 0.01 * np.arange(900)
 
@@ -39,8 +39,11 @@ def test_everything_is_there_and_nothing_is_nan(tree):
     site = tree["site"].to_dataset()
     for words in (
         "FEW RECORDS: 6",
-        "6 records of 6 events: Quake AAA (1)",
+        "Calibrated on 6 records of 6 earthquakes, not scaled: Quake AAA (1)",
         "main impulse I [m/s]",
+        "number of main impulses",
+        "median, low  median, high",
+        "dispersion, low, high: of the logarithm.",
         "correlation of logarithms",
         f"I = {float(site['design'][0]):.3g} m/s",
         "nominal 84 %",
@@ -74,7 +77,30 @@ def test_the_target_that_records_are_scaled_to_has_its_unit(tree, scaled):
     tree = tree.copy()
     site = tree["site"].to_dataset()
     tree["site"] = site.assign_attrs(scaled_to=scaled.rpartition(" ")[0])
-    assert f", scaled to {scaled}." in " ".join(site_overview(tree).split())
+    assert f"earthquakes, scaled to {scaled}: Quake AAA" in " ".join(site_overview(tree).split())
+
+
+@pytest.mark.parametrize(
+    ("count", "words"),
+    [
+        (np.nan, "main impulses without limit in number within"),
+        (5.0, "5 main impulses within"),
+        (1.0, "1 main impulse within"),
+    ],
+)
+def test_the_number_of_main_impulses_of_the_design_is_said_once(tree, count, words):
+    site = tree["site"].to_dataset().copy(deep=True)
+    site["design"].loc[{"parameter": "main_count"}] = count
+    assert f" s, {words} " in design(site)
+
+
+def test_the_interval_of_the_design_is_said_in_words(tree):
+    site = tree["site"].to_dataset().copy(deep=True)
+    main = {"parameter": "main"}
+    site["design"].loc[main], site["design_lower"].loc[main], site["design_upper"].loc[main] = 0.3, 0.2, np.inf
+    assert "I = 0.3 m/s (90% confidence: 0.2 m/s to no limit), " in design(site)
+    site["design_lower"].loc[main] = site["design_upper"].loc[main] = np.nan
+    assert "I = 0.3 m/s (90% confidence: no interval), " in design(site)
 
 
 def test_many_blocks_are_told_by_their_extremes(tree):
