@@ -11,11 +11,11 @@ import numpy as np
 import pytest
 from make_format_samples import SAMPLES
 
-from rockpulse.errors import RecordRefused, UnitError
+from rockpulse.errors import RecordFormatError, RecordRefused, UnitError
 from rockpulse.readers import FORMATS, read
 from rockpulse.readers.archive import members
 from rockpulse.readers.folders import read_all
-from rockpulse.readers.source import HEAD, NotAcceleration
+from rockpulse.readers.source import HEAD, NotAcceleration, Unrecognised
 from rockpulse.record.record import STANDARD_GRAVITY
 
 FOLDER = os.environ.get("ROCKPULSE_RECORDS")
@@ -59,6 +59,15 @@ REFUSED = {
     "tricky_obspy/gaps.mseed": (RecordRefused, "3 gaps or overlaps"),
 }
 
+#: Sound records in layouts that no reader knows yet: said to be unread, never read wrongly.
+NOT_READ_YET = {
+    "dyna_asc_afad/20230206011732_0201_ap_AAD_Acc_E.asc": (Unrecognised, "no reader recognises the file"),
+    "sigma_itaca/16837_H2.cor.acc": (Unrecognised, "no reader recognises the file"),
+    "columns/ARL360.g3": (RecordFormatError, "found 5 columns of numbers"),
+}
+#: Folders with a list of their own; their archives hold two columns.
+OWN_LIST = {"fema_p695"}
+
 #: Unequal steps, resampled at their median: other numbers of samples than the (time, acceleration) pairs in the file.
 RESAMPLED = {
     "csmip_v1/LA116TH.RAW": [12000, 12000, 12000],
@@ -90,7 +99,7 @@ WARNINGS = {
     "usc_v1/017m30lw.e0a": 1,  # unequal steps
 }
 
-RECORDS = [row["file"] for row in ROWS if row["npts"]]
+RECORDS = [row["file"] for row in ROWS if row["npts"] and row["file"] not in NOT_READ_YET]
 READABLE = [name for name in RECORDS if name not in REFUSED]
 LISTED = {row["file"]: row for row in ROWS}
 
@@ -139,18 +148,29 @@ def test_what_holds_no_usable_acceleration_is_refused(records_folder, name):
     assert name.rpartition("/")[2] in str(refusal.value)
 
 
+@pytest.mark.parametrize("name", NOT_READ_YET)
+def test_layouts_that_are_not_known_are_no_records(records_folder, name):
+    error, words = NOT_READ_YET[name]
+    with pytest.raises(error, match=words) as refusal:
+        read(records_folder / name, **options(name))
+    assert type(refusal.value) is error
+
+
 @pytest.mark.parametrize("folder", OPTIONS)
 def test_units_are_asked_for(records_folder, folder):
     for path in (records_folder / folder).iterdir():
+        if f"{folder}/{path.name}" in NOT_READ_YET:
+            continue
         with pytest.raises(UnitError, match="option units"):
             read(path)
 
 
 def test_every_row_of_the_manifest_is_tested(records_folder):
-    others = {row["file"] for row in ROWS} - set(READABLE) - set(REFUSED)
+    others = {row["file"] for row in ROWS} - set(READABLE) - set(REFUSED) - set(NOT_READ_YET)
     assert {Path(name).suffix for name in others} <= {".xml", ".zip"}
     assert set(REFUSED) <= set(LISTED)
-    on_disk = {str(path.relative_to(records_folder)) for path in records_folder.rglob("*") if path.is_file()}
+    paths = [path.relative_to(records_folder) for path in records_folder.rglob("*") if path.is_file()]
+    on_disk = {str(path) for path in paths if path.parts[0] not in OWN_LIST}
     assert on_disk - {"MANIFEST.tsv"} == set(LISTED)
 
 
@@ -187,9 +207,10 @@ def heads(records_folder):
         folder = path.relative_to(records_folder).parts[0]
         if path.suffix == ".zip":
             for name, member in members(path):
-                kind = {".V1": "csmip_v1", ".V2": "csmip_v2", ".V3": "csmip_v3"}[Path(name).suffix.upper()]
+                kinds = {".V1": "csmip_v1", ".V2": "csmip_v2", ".V3": "csmip_v3", ".TXT": "columns"}
+                kind = kinds[Path(name).suffix.upper()]
                 yield name, member.head, kind
-        elif path.suffix in (".tsv", ".xml"):
+        elif path.suffix in (".tsv", ".xml", ".md") or folder not in READERS:
             yield str(path), path.read_bytes()[:HEAD], None
         else:
             yield str(path), path.read_bytes()[:HEAD], READERS[folder]
