@@ -28,13 +28,8 @@ test:  ## the default tests (under 150 s on two cores)
 test-slow:  ## the long sweeps
 	$(PYTHON) -m pytest -m slow
 
-# The short ones of the slow tests: the oracle of the kernels, the baseline, kernels compiled before a batch, its memory.
-SWEEPS := tests/models/test_rocking_reference.py tests/models/test_recorded_reference.py tests/pipeline/batch/test_warm.py \
-	tests/benchmarks/test_baseline_solve_ivp.py tests/benchmarks/test_batch.py tests/pipeline/studies/accuracy/test_reference.py
-SWEPT := free_rocking or rectangular_pulse or own_settings or after_the_record or after_warming_up or converges_to or memory_of or stored_answer
-
-test-sweeps:  ## the part of the slow tests that .ci/run runs (about a minute)
-	$(PYTHON) -m pytest -q -n 2 --dist worksteal -m slow $(SWEEPS) -k "$(SWEPT)"
+test-sweeps:  ## what takes seconds a test: oracles, kills, compilation, memory (a minute)
+	$(PYTHON) -m pytest -q -n 2 --dist worksteal -m sweep
 
 test-python:  ## the kernels' tests with the kernels as plain Python (under 2 minutes)
 	@# Plain Python warns of the arithmetic of empty slots, which nobody reads.

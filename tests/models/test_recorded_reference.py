@@ -288,7 +288,7 @@ def test_vertical_motion_and_initial_state_agree_with_the_reference(radius, slen
         (2, 6.0),
         (4, 6.0),
         (6, 5.0),
-        *(pytest.param(*c, marks=pytest.mark.slow) for c in ((0, 3.0), (7, 4.0), (9, 3.0))),
+        *(pytest.param(*c, marks=pytest.mark.sweep) for c in ((0, 3.0), (7, 4.0), (9, 3.0))),
     ],
 )
 @pytest.mark.parametrize("equation", EQUATIONS)

@@ -57,7 +57,7 @@ def test_critical_double_impulse(block, critical, touchdown):  # VALIDATION V4 (
         assert reference(block, np.zeros(2), 1e-3, initial_velocity=-velocity).outcome == outcome
 
 
-@pytest.mark.slow
+@pytest.mark.sweep
 @pytest.mark.parametrize("equation", EQUATIONS)
 def test_free_rocking_loses_energy_only_in_impacts(equation):
     block, dt = BLOCK_A, 0.01
@@ -96,7 +96,10 @@ def test_one_sample_of_the_linear_equation_is_its_closed_form(side):
 
 @pytest.mark.parametrize(
     ("duration", "threshold"),
-    [(1.0, 1.5819767), *(pytest.param(*case, marks=pytest.mark.slow) for case in ((0.5, 2.5414941), (2.0, 1.1565176)))],
+    [
+        (1.0, 1.5819767),
+        *(pytest.param(*case, marks=pytest.mark.sweep) for case in ((0.5, 2.5414941), (2.0, 1.1565176))),
+    ],
 )
 def test_rectangular_pulse_overturns_at_its_threshold(duration, threshold):  # VALIDATION V13, V22 (D); F6
     def least(count):
@@ -164,7 +167,7 @@ def test_reference_does_not_depend_on_how_the_same_motion_is_cut(equation):
     np.testing.assert_allclose(cut.rotation[::8], whole.rotation, atol=1e-12)
 
 
-@pytest.mark.slow
+@pytest.mark.sweep
 @pytest.mark.parametrize("equation", EQUATIONS)
 def test_reference_does_not_depend_on_its_own_settings(monkeypatch, equation):
     block, ground = block_of(1.5, 5.0, 0.9), shaking(8, 600, 0.02) * 4.0
@@ -178,7 +181,7 @@ def test_reference_does_not_depend_on_its_own_settings(monkeypatch, equation):
         np.testing.assert_allclose(after.rotation, before.rotation, atol=1e-11, err_msg=name)
 
 
-@pytest.mark.parametrize("seed", [0, *(pytest.param(seed, marks=pytest.mark.slow) for seed in (1, 2)), 3])
+@pytest.mark.parametrize("seed", [0, *(pytest.param(seed, marks=pytest.mark.sweep) for seed in (1, 2)), 3])
 @pytest.mark.parametrize("equation", EQUATIONS)
 def test_motion_after_the_record_is_the_motion_on_zeros(equation, seed):
     block, ground = block_of(2.0, 6.0, 0.85), shaking(20 + seed, 400, 0.02)

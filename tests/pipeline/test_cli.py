@@ -188,6 +188,7 @@ def test_standard_output_that_is_closed_does_not_stop_the_command(arguments, tmp
     assert new.exists() == ("init-config" in arguments)
 
 
+@pytest.mark.sweep
 def test_a_report_and_an_overview_are_made_where_standard_output_is_closed(tmp_path):
     page = tmp_path / "report.html"
     (tmp_path / "results.h5").write_bytes(results_bytes())

@@ -178,7 +178,10 @@ def test_a_disk_that_fills_up_meanwhile_leaves_the_old_file_and_the_journal(asse
 @pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="no SIGKILL on this system")
 @pytest.mark.parametrize(
     "step",
-    ["_close", *(pytest.param(step, marks=pytest.mark.slow) for step in ("add_group", "append", "read", "_complete"))],
+    [
+        pytest.param("_close", marks=pytest.mark.sweep),
+        *(pytest.param(step, marks=pytest.mark.slow) for step in ("add_group", "append", "read", "_complete")),
+    ],
 )
 def test_a_kill_while_assembling_leaves_old_file_and_journal(assessed, tmp_path, step):
     done, bodies, config, swept = assessed("sweep")

@@ -32,6 +32,7 @@ def needs_distributed(monkeypatch):
     monkeypatch.setattr("distributed.utils.threading.Event", PatientEvent)
 
 
+@pytest.mark.sweep
 @pytest.mark.usefixtures("needs_distributed")
 def test_two_workers_answer_like_one_process_and_one_that_is_killed_half_way_changes_nothing(tmp_path, monkeypatch):
     with dask_cluster(tmp_path) as (address, _, _):

@@ -223,6 +223,7 @@ def test_no_worker_outlives_a_parent_that_is_killed(batch):
     assert wait_for(lambda: not any(alive(worker) for worker in workers), PATIENCE)
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize("moment", ["starting", "working"])
 def test_an_interrupt_from_the_keyboard_ends_all_and_only_the_parent_says_so(batch, moment):
     process, folder = batch

@@ -118,6 +118,7 @@ def test_a_run_killed_between_two_records_goes_on_with_what_is_missing(folder, t
     assert "assessing 3 records; finished before: 3, of another state: 0" in log.read_text()
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize("workers", [1, 2])
 def test_fragility_that_was_killed_goes_on_with_what_is_missing(folder, tmp_path, workers):
     (tmp_path / "out").mkdir()
@@ -214,6 +215,7 @@ def spent(process):
     return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
 
 
+@pytest.mark.sweep
 def test_a_worker_that_is_killed_at_work_changes_nothing(folder, tmp_path, undisturbed):
     target = tmp_path / "results.h5"
     assert kill_a_worker(folder, target, 0.1)

@@ -126,7 +126,9 @@ def test_any_executor_gives_the_same_and_stays_the_callers(folder, in_memory, tm
     assert_contents(tmp_path / "results.h5", in_memory)
 
 
-@pytest.mark.parametrize("verb", [pytest.param("calibrate", marks=pytest.mark.slow), "fragility"])
+@pytest.mark.parametrize(
+    "verb", [pytest.param("calibrate", marks=pytest.mark.slow), pytest.param("fragility", marks=pytest.mark.sweep)]
+)
 def test_two_workers_give_the_same_site_and_the_same_curves(folder, tmp_path, verb):
     for workers in (1, 2):
         OTHERS[verb][1](folder, SITE, tmp_path / f"{workers}.h5", BatchOptions(workers=workers))

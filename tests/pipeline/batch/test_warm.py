@@ -68,7 +68,7 @@ print(json.dumps([warm, compiled()]))
 
 @pytest.mark.parametrize(
     "kind",
-    [pytest.param(kind, marks=pytest.mark.slow) for kind in ("default", "calibrate", "fragility", "everything")],
+    [pytest.param(kind, marks=pytest.mark.sweep) for kind in ("default", "calibrate", "fragility", "everything")],
 )
 def test_nothing_is_compiled_after_warming_up(kind, samples):
     run = subprocess.run(

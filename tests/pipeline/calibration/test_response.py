@@ -64,6 +64,7 @@ def promised(cases):
     return np.mean(held)
 
 
+@pytest.mark.sweep
 def test_five_sequences_with_noise_are_recovered():
     cases = [recovered(seed, counts=(2, 3), every=3) for seed in range(5)]
     # At 0.9 fewer than 3 of 5 have a probability of 0.9 %.

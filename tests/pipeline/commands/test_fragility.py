@@ -72,6 +72,7 @@ def test_a_file_that_exists_is_replaced_only_when_told_and_only_if_it_is_one(mad
     assert other.read_text() == "mine"
 
 
+@pytest.mark.sweep
 def test_without_a_configuration_the_blocks_of_the_command_line_are_enough_and_the_file_repeats_the_run(
     tmp_path, capsys
 ):

@@ -27,6 +27,7 @@ def run(capsys, *words):
     return code, capsys.readouterr()
 
 
+@pytest.mark.sweep
 def test_a_rule_is_fitted_written_and_judged(folder, tmp_path, capsys):
     rule, verdicts = tmp_path / "rule.toml", tmp_path / "verdicts.h5"
     code, said = run(capsys, "rule", "fit", folder, "-o", rule)

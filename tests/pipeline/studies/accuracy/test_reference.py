@@ -121,7 +121,7 @@ def make_reference():
     ("equation", "outcome"),
     [
         ("linear", "OVERTURNS"),
-        *(pytest.param(*case, marks=pytest.mark.slow) for case in (("linear", "ROCKS"), ("nonlinear", "OVERTURNS"))),
+        *(pytest.param(*case, marks=pytest.mark.sweep) for case in (("linear", "ROCKS"), ("nonlinear", "OVERTURNS"))),
     ],
 )
 def test_script_makes_the_stored_answer_again(table, make_reference, equation, outcome):
