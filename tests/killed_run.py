@@ -49,6 +49,8 @@ def strike_at(point: str, number: int) -> None:
 
 
 if __name__ == "__main__":
+    # A shell that starts the tests in its background has SIGINT ignored, and whoever they start inherits that.
+    signal.signal(signal.SIGINT, signal.default_int_handler)
     if sys.argv[1] == "moment":
         timer = threading.Timer(int(sys.argv[2]) / 1000.0, os.kill, (os.getpid(), signal.SIGKILL))
         timer.daemon = True

@@ -182,12 +182,14 @@ def test_leaving_ends_idle_workers_and_those_whose_results_nobody_wants_any_more
 
 
 SCRIPT = """
+import signal
 import sys
 from pathlib import Path
 from crew_functions import report_and_doze
 from rockpulse.batch.crew import Crew
 
 if __name__ == "__main__":
+    signal.signal(signal.SIGINT, signal.default_int_handler)  # tests in the background of a shell have it ignored
     Path(sys.argv[2]).touch()
     with Crew.local(2) as crew:
         list(crew.run(report_and_doze, [sys.argv[1]] * 6))
