@@ -69,6 +69,26 @@ class Record:
         Remarks on this record for the user; those that have a code are of :class:`rockpulse.remark.Remark`.
     processing : tuple of str
         Conditioning steps applied so far, in order.
+    event_id : str
+        Identifier of the earthquake at the agency that wrote the file; empty where unknown.
+    origin_time : datetime or None
+        UTC time of the earthquake, with ``tzinfo=UTC``.
+    magnitude : float
+        Magnitude of the earthquake; NaN where unknown.
+    magnitude_type : str
+        Scale of that magnitude as the file has it ("Mw", "ML"); empty where it does not say.
+    hypocentre_latitude, hypocentre_longitude : float
+        Place of the hypocentre [degrees north, degrees east]; NaN where unknown.
+    hypocentre_depth : float
+        Depth of the hypocentre [m]; NaN where unknown.
+    epicentral_distance : float
+        Distance of the station from the epicentre as the file states it [m]; NaN where it does not.
+    station_latitude, station_longitude : float
+        Place of the station [degrees north, degrees east]; NaN where unknown.
+    vs30 : float
+        Time-averaged velocity of shear waves in the upper 30 m at the station [m/s]; NaN where unknown.
+    site_class : str
+        Class of the ground at the station as the file words it; empty where unknown.
     """
 
     acceleration: np.ndarray
@@ -93,6 +113,18 @@ class Record:
     event: str = ""
     warnings: tuple[str, ...] = ()
     processing: tuple[str, ...] = ()
+    event_id: str = ""
+    origin_time: datetime | None = None
+    magnitude: float = float("nan")
+    magnitude_type: str = ""
+    hypocentre_latitude: float = float("nan")
+    hypocentre_longitude: float = float("nan")
+    hypocentre_depth: float = float("nan")
+    epicentral_distance: float = float("nan")
+    station_latitude: float = float("nan")
+    station_longitude: float = float("nan")
+    vs30: float = float("nan")
+    site_class: str = ""
 
     def __post_init__(self) -> None:
         where = self.source or self.id

@@ -11,7 +11,16 @@ import numpy as np
 from rockpulse.storage.summary_variables import LANES, SUMMARY
 from rockpulse.storage.variables import FAILURE, Declared, StoredVariable, along, flag, real, text, whole
 
-__all__ = ["ASSESSMENT_GROUPS", "DIRECTIONS", "GROWING", "HALF_CYCLE", "OVERTURNING", "WAVES", "always_stored"]
+__all__ = [
+    "ASSESSMENT_GROUPS",
+    "DIRECTIONS",
+    "GROWING",
+    "HALF_CYCLE",
+    "OVERTURNING",
+    "WAVES",
+    "always_stored",
+    "minor_of",
+]
 
 #: Dimensions that grow with the records.
 GROWING = frozenset({"record", "row", "interval", "wave", "sample", "history", "instant"})
@@ -221,10 +230,15 @@ ASSESSMENT_GROUPS: dict[str, Declared] = {
 }
 
 
+def minor_of(schema: str) -> int:
+    """The MINOR of a version of the schema, "1.2" and the like."""
+    minor = schema.partition(".")[2]
+    return int(minor) if minor.isdecimal() else 0
+
+
 def always_stored(schema: str) -> dict[str, Declared]:
     """The variables that every assessment of a version of the schema holds, whatever its configuration."""
-    minor = schema.partition(".")[2]
-    last = int(minor) if minor.isdecimal() else 0
+    last = minor_of(schema)
     return {
         group: {name: one for name, one in declared.items() if one.stored is None and one.since <= last}
         for group, declared in ASSESSMENT_GROUPS.items()

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from enum import IntEnum
 
+from rockpulse.storage.fact_variables import FACTS
 from rockpulse.storage.summary_variables import BLOCK, CASE, RECORD
 from rockpulse.storage.variables import FAILURE, NOT_KNOWN, Declared, along, flag, real, text, whole
 
@@ -178,6 +179,7 @@ CAPACITIES: Declared = {
             "duration": real("s", "length of the intense phase"),
             "period": real("s", "2 pi PGV/PGA"),
             "strong_half_waves": real("1", "half-waves of the intense phase above half the largest"),
+            **FACTS,
         },
     ),
 }

@@ -16,7 +16,7 @@ import numpy as np
 
 from rockpulse.errors import ResultsError
 from rockpulse.option import hint
-from rockpulse.storage.save_load import ASSESSMENT, check_schema, completed
+from rockpulse.storage.save_load import ASSESSMENT, OF_RECORDS, check_schema, completed, with_facts
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -55,6 +55,8 @@ class ResultsFile:
                     "the assessment again"
                 ) from error
             dataset = self._stack.enter_context(dataset)
+            if group == OF_RECORDS.get(self.kind):
+                dataset = with_facts(dataset, self.attrs)
             if group == "summary" and self.kind == ASSESSMENT:
                 with self.reading():
                     dataset = completed(dataset, self.attrs, self._half_cycles)

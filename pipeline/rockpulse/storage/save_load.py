@@ -19,8 +19,10 @@ from rockpulse.config.settings import SPACINGS, SequenceSettings
 from rockpulse.errors import ResultsError
 from rockpulse.remark import find, recognised, with_codes
 from rockpulse.storage.accuracy_variables import REPORT
+from rockpulse.storage.assessment_variables import minor_of
 from rockpulse.storage.atomic_file import ASSESSMENT, check_target, named, remove_parts, replacing
 from rockpulse.storage.checksums import CHECKSUM, CHECKSUM_OF_ATTRIBUTES
+from rockpulse.storage.fact_variables import FACTS
 from rockpulse.storage.fragility_variables import FRAGILITY
 from rockpulse.storage.rule_variables import RULE_KIND
 from rockpulse.storage.site_variables import SITE_KIND
@@ -34,6 +36,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "ASSESSMENT",
+    "OF_RECORDS",
     "SCHEMA_VERSION",
     "check_described",
     "check_schema",
@@ -45,13 +48,17 @@ __all__ = [
     "remove_parts",
     "replacing",
     "save",
+    "with_facts",
 ]
 
 #: MAJOR.MINOR of the layout described in docs/schema.md; another MAJOR is refused.
-SCHEMA_VERSION = "1.1"
+SCHEMA_VERSION = "1.2"
 
 #: Kinds of files that are read back, and the group that each of them has.
 KINDS = {ASSESSMENT: "summary", SITE_KIND: "site", FRAGILITY: "fragility", RULE_KIND: "rates", STUDY: "statements"}
+
+#: Of the kinds that have facts of records: the group with a row for every record.
+OF_RECORDS = {ASSESSMENT: "summary", SITE_KIND: "site", FRAGILITY: "capacities"}
 
 #: Variables of /summary that tell how the sequence model answers, but for the spacing.
 OF_SEQUENCES = {
@@ -142,6 +149,8 @@ def load(path: str | os.PathLike[str]) -> xr.DataTree:
     except (OSError, RuntimeError, ValueError, KeyError) as error:
         raise ResultsError(f"{path}: the results file is damaged ({error}); run the assessment again") from error
     tree = tree.map_over_datasets(_as_saved)
+    if (group := OF_RECORDS.get(kind, "")) in tree.children:
+        tree[group].dataset = with_facts(tree[group].to_dataset(), tree.attrs)
     if kind == ASSESSMENT:
         summary = tree["summary"].to_dataset()
         tree["summary"].dataset = completed(
@@ -169,6 +178,18 @@ def completed(
         code = _spacing(summary, calibrated, attrs.get("configuration"), half_cycles) if calibrated.any() else NOT_KNOWN
         found["spacing"] = RECORD["spacing"].variable(np.where(calibrated, code, NOT_KNOWN))
     return summary.assign(found)
+
+
+def with_facts(dataset: xr.Dataset, attrs: Mapping[Any, Any]) -> xr.Dataset:
+    """A group with a row for every record, what its version did not store of earthquake and site said to be unknown.
+
+    `attrs` are those of the root.
+    """
+    if "record" not in dataset.sizes:
+        return dataset
+    count, minor = dataset.sizes["record"], minor_of(attrs["schema_version"])
+    lacking = {name: fact for name, fact in FACTS.items() if fact.since > minor and name not in dataset}
+    return dataset.assign({name: fact.variable([fact.absent] * count) for name, fact in lacking.items()})
 
 
 def _gravity(summary: xr.Dataset) -> list[float]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from rockpulse.storage.fact_variables import FACTS
 from rockpulse.storage.variables import FAILURE, Declared, along, flag, real, text, whole
 
 __all__ = ["COORDINATES", "PARAMETER", "SITE_GROUPS", "SITE_KIND", "VARIABLES"]
@@ -110,6 +111,7 @@ VARIABLES: Declared = {
             "calibration_remarks": text("what the calibration of its sequence says of itself, one remark a line"),
             "warnings": text("remarks on the record"),
             "processing": text("conditioning steps in their order, and the scaling"),
+            **FACTS,
         },
     ),
     **along(

@@ -19,6 +19,7 @@ from rockpulse.config.settings import SPACINGS
 from rockpulse.ladder import USED
 from rockpulse.record.intensity import arias_intensity, pgv
 from rockpulse.remark import find, with_codes
+from rockpulse.storage.fact_variables import FACTS
 from rockpulse.storage.variables import NOT_KNOWN, Declared, along, flag, real, text, whole
 
 __all__ = ["ANSWER", "BLOCK", "CASE", "DEMAND", "RECORD", "SUMMARY"]
@@ -159,6 +160,7 @@ RECORD = along(
             _vertical_channel,
             since=1,
         ),
+        **FACTS,
     },
 )
 

@@ -20,6 +20,8 @@ from rockpulse.record.record import STANDARD_GRAVITY, Record
 from rockpulse.remark import Remark, code_of
 
 TEXT = st.text(max_size=12)
+UNKNOWN = st.just(float("nan"))
+MOMENTS = st.none() | st.datetimes(datetime(1933, 1, 1), datetime(2100, 1, 1), timezones=st.just(UTC))
 RECORDS = st.builds(
     Record,
     acceleration=st.lists(st.floats(-1e6, 1e6), min_size=2, max_size=20),
@@ -31,8 +33,8 @@ RECORDS = st.builds(
     channel=TEXT,
     component=TEXT,
     orientation=st.sampled_from(["horizontal", "vertical", "structural", "unknown"]),
-    azimuth=st.floats(0.0, 360.0) | st.just(float("nan")),
-    start_time=st.none() | st.datetimes(datetime(1933, 1, 1), datetime(2100, 1, 1), timezones=st.just(UTC)),
+    azimuth=st.floats(0.0, 360.0) | UNKNOWN,
+    start_time=MOMENTS,
     station_name=TEXT,
     source=TEXT,
     source_sha256=TEXT,
@@ -40,10 +42,22 @@ RECORDS = st.builds(
     source_unit=TEXT,
     unit_factor=st.floats(1e-9, 1e3),
     processed=st.sampled_from([True, False, None]),
-    header_peak=st.floats(0.0, 100.0) | st.just(float("nan")),
+    header_peak=st.floats(0.0, 100.0) | UNKNOWN,
     event=TEXT,
     warnings=st.lists(TEXT, max_size=2).map(tuple),
     processing=st.lists(TEXT, max_size=2).map(tuple),
+    event_id=TEXT,
+    origin_time=MOMENTS,
+    magnitude=st.floats(-1.0, 10.0) | UNKNOWN,
+    magnitude_type=TEXT,
+    hypocentre_latitude=st.floats(-90.0, 90.0) | UNKNOWN,
+    hypocentre_longitude=st.floats(-180.0, 180.0) | UNKNOWN,
+    hypocentre_depth=st.floats(0.0, 8e5) | UNKNOWN,
+    epicentral_distance=st.floats(0.0, 2e7) | UNKNOWN,
+    station_latitude=st.floats(-90.0, 90.0) | UNKNOWN,
+    station_longitude=st.floats(-180.0, 180.0) | UNKNOWN,
+    vs30=st.floats(30.0, 5e3) | UNKNOWN,
+    site_class=TEXT,
 )
 
 

@@ -10,6 +10,7 @@ from rockpulse.config.configuration import Config
 from rockpulse.errors import TooWeak
 from rockpulse.motions.directions import Motion
 from rockpulse.motions.runner import Part, Watch
+from rockpulse.storage.fact_variables import FACTS, facts_of
 from rockpulse.studies.fragility.limit_states import reached_at, scale_capacities
 from rockpulse.studies.fragility.measures import QUALITIES, record_measures, record_qualities
 
@@ -57,6 +58,7 @@ def motion_capacity(motion: Motion, watch: Watch, block: Block, config: Config) 
             "source": record.source,
             "measures": record_measures(scene, block, settings.measures),
             "qualities": [qualities[name] for name in QUALITIES],
+            **facts_of(scene),
         }
     return {name: np.array([values]) for name, values in found.items()}
 
@@ -71,6 +73,7 @@ def nothing(lanes: int, config: Config) -> Part:
         "qualities": np.zeros((0, len(QUALITIES))),
         "factors": np.zeros((0, states if ida else stripes, lanes)),
         **{name: np.zeros(0, dtype=str) for name in ("record", "source", "event")},
+        **{name: fact.values([]) for name, fact in FACTS.items()},
     }
     if ida:
         return {**part, "step": np.zeros((0, lanes))}

@@ -10,6 +10,7 @@ import numpy as np
 from rockpulse.config.configuration import Config
 from rockpulse.config.fragility_settings import OVERTURNING
 from rockpulse.motions.runner import Part, joined
+from rockpulse.storage.fact_variables import FACTS
 from rockpulse.storage.fragility_variables import Status
 from rockpulse.studies.fragility.capacity import nothing
 from rockpulse.studies.fragility.curves import fit_curve
@@ -30,6 +31,7 @@ class Ensemble:
     sources: list[str]  # n, the file of each
     measures: np.ndarray  # (n, k, m), of the records as they are
     qualities: np.ndarray  # (n, c), in the order of QUALITIES
+    facts: dict[str, np.ndarray]  # (n,) each, what the files state about earthquake and site, by the names of FACTS
     factors: np.ndarray  # first that reaches each limit state (n, s, m), or the r that were looked at (n, r, m) [-]
     step: np.ndarray | None  # (n, m), ratio of neighbouring factors of the scan; None for factors looked at
     reached: np.ndarray | None  # (n, s, r, m) of int, whether the limit state was; None for first factors
@@ -65,6 +67,7 @@ def gather(parts: Sequence[Part], lanes: int, config: Config) -> Ensemble:
         sources=done["source"].tolist(),
         measures=done["measures"],
         qualities=done["qualities"],
+        facts={name: done[name] for name in FACTS},
         factors=done["factors"],
         step=done.get("step"),
         reached=done.get("reached"),

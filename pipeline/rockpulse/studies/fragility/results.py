@@ -127,6 +127,7 @@ def _capacities(data: Ensemble, coords: dict[str, xr.Variable]) -> xr.Dataset:
         "event": data.clusters,
         "source": data.sources,
         **dict(zip(QUALITIES, data.qualities.T, strict=True)),
+        **data.facts,
     }
     coords = _coordinates(record=data.ids) | coords
     capacities = xr.Dataset(variables | with_values(CAPACITIES, values), coords)

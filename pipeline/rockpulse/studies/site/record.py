@@ -19,6 +19,7 @@ from rockpulse.motions.directions import Motion
 from rockpulse.motions.runner import Part, Watch
 from rockpulse.record.intensity import pgv
 from rockpulse.remark import Remark, find
+from rockpulse.storage.fact_variables import facts_of
 from rockpulse.studies.site.design import PARAMETERS
 from rockpulse.studies.site.scaling import largest_impulse, scale_factor, scaled
 
@@ -89,6 +90,7 @@ def site_record(motion: Motion, watch: Watch, blocks: Block, config: Config) -> 
         "value_lower": [lower for lower, _ in ends],
         "value_upper": [upper for _, upper in ends],
         "peaks": peaks,
+        **facts_of(scene),
     }
     return {name: np.array([values]) for name, values in found.items()}
 

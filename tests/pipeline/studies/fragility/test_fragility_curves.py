@@ -1,6 +1,7 @@
 """From records to the tree of fragility curves."""
 
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -43,6 +44,14 @@ def records():
 @pytest.fixture(scope="module")
 def tree(records):
     return rp.fragility_curves(records, options(), BLOCKS)
+
+
+def test_the_facts_of_each_record_are_stored():
+    known = {"magnitude": 6.3, "epicentral_distance": 5300.0, "vs30": 717.0, "event_id": "IT-2009-0009"}
+    shaken = [replace(pulse(0, "Kobe"), **known), pulse(1, "Maule")]
+    found = rp.fragility_curves(shaken, options(data="cloud"), BLOCKS)["capacities"].to_dataset()
+    assert {name: found[name].values[0].item() for name in known} == known
+    assert np.isnan(found["epicentral_distance"].values[1]) and found["event_id"].values[1] == ""
 
 
 def test_the_curve_of_a_measure_is_the_fit_of_factor_times_measure(tree):

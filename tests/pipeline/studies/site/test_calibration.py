@@ -50,6 +50,14 @@ def done():
     return site()
 
 
+def test_the_facts_of_each_record_are_stored():
+    known = dataclasses.replace(RECORDS[1], magnitude=6.3, magnitude_type="Mw", vs30=717.0)
+    found = site([RECORDS[0], known, *RECORDS[2:]])
+    np.testing.assert_array_equal(found["magnitude"].values, [np.nan, 6.3, *[np.nan] * 6])
+    assert found["magnitude_type"].values.tolist() == ["", "Mw", *[""] * 6]
+    assert (found["vs30"].values[1].item(), found["vs30"].attrs["units"]) == (717.0, "m s-1")
+
+
 def test_every_record_has_its_sequence_event_and_rotations(done):
     assert dict(done.sizes) == {"parameter": 5, "record": 8, "block": 3, "site_event": 8, "other_parameter": 5}
     assert done["record"].values.tolist() == [record.id for record in RECORDS]
