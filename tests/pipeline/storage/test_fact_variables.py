@@ -71,12 +71,13 @@ def test_in_a_file_of_before_the_facts_are_unknown(assessed, tmp_path):
         file.attrs["schema_version"] = "1.1"
     with open_results(path) as file:
         for summary in (load(path)["summary"].to_dataset(), file.dataset("summary").load()):
-            assert np.isnan(summary["magnitude"].values).all() and summary["magnitude"].dims == ("record",)
+            assert np.isnan(summary["magnitude"].values).all()
+            assert summary["magnitude"].dims == ("record",)
             assert summary["site_class"].values.tolist() == ["", ""]
 
 
 @pytest.mark.parametrize(
-    "kind, group", [(SITE_KIND, "site"), ("fragility", "capacities")], ids=["site calibration", "fragility"]
+    ("kind", "group"), [(SITE_KIND, "site"), ("fragility", "capacities")], ids=["site calibration", "fragility"]
 )
 def test_in_other_files_of_before_too(kind, group, tmp_path):
     def made(schema):
