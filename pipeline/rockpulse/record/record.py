@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from datetime import datetime
+from fnmatch import fnmatchcase
 from typing import Any, Literal
 from unicodedata import normalize
 
@@ -13,7 +14,7 @@ import numpy as np
 
 from rockpulse.errors import RecordFormatError
 
-__all__ = ["STANDARD_GRAVITY", "Orientation", "Record", "distinct_ids", "record_id"]
+__all__ = ["STANDARD_GRAVITY", "Orientation", "Record", "distinct_ids", "id_matches", "record_id"]
 
 #: The file unit "g", always this value [m/s2].
 STANDARD_GRAVITY = 9.80665
@@ -221,6 +222,17 @@ def record_id(
     else:
         text = f"{stem}.{channel or number}"
     return re.sub(r"[^\w.@~-]", "_", normalize("NFC", text))
+
+
+def id_matches(name: str, patterns: Iterable[str]) -> bool:
+    """Whether the id of a record is that of one of some patterns, in which * and ? stand for any letters.
+
+    Examples
+    --------
+    >>> id_matches("CI.CCC..HNE@20190706T031953", ["CI.CLC*", "CI.CCC..HN?@*"])
+    True
+    """
+    return any(fnmatchcase(name, pattern) for pattern in patterns)
 
 
 def distinct_ids(records: Sequence[Record]) -> list[Record]:

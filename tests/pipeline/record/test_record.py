@@ -12,7 +12,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from rockpulse.errors import RecordFormatError
-from rockpulse.record.record import Record, distinct_ids, record_id
+from rockpulse.record.record import Record, distinct_ids, id_matches, record_id
 
 START = datetime(2019, 7, 6, 3, 19, 53, tzinfo=UTC)
 
@@ -125,3 +125,11 @@ def test_a_constant_is_kept_as_one_number_and_any_other_array_is_copied():
 
 def test_the_samples_are_read_only_after_pickling_too():
     assert not pickle.loads(pickle.dumps(record())).acceleration.flags.writeable
+
+
+@pytest.mark.parametrize(
+    ("patterns", "expected"),
+    [([], False), (["CI.CCC*"], True), (["ci.ccc*"], False), (["x", "*HN?@*"], True), (["CI.CCC..HNE"], False)],
+)
+def test_an_id_is_matched_as_a_whole_and_by_its_capital_letters(patterns, expected):
+    assert id_matches("CI.CCC..HNE@20190706T031953", patterns) is expected
