@@ -10,7 +10,7 @@ __all__ = ["NO_RECORD", "Failure", "FailureKind"]
 #: Why a text, a table or a picture that lies beside records was passed over.
 NO_RECORD = "no record"
 
-FailureKind = Literal["failed", "skipped", "duplicate", "vertical", "structural"]
+FailureKind = Literal["failed", "skipped", "duplicate", "depth", "vertical", "structural"]
 
 
 @dataclass(frozen=True)
@@ -20,8 +20,9 @@ class Failure:
     `file` is ``archive.zip!member`` for a member of an archive. `stage` is the step that left it out: "find", "read",
     "events", "select", "pair", "rotate", "assess", "calibrate" or "fragility". `kind` is "failed", which needs
     attention; "skipped" for no acceleration record, met in a folder, glob or zip, or one too weak for the purpose;
-    "duplicate" where the same content was read already; "vertical" or "structural" where it was read, but not assessed
-    as horizontal ground motion.
+    "duplicate" where the same content was read already, or another record of the same shaking is assessed in its place;
+    "depth" where that one was recorded nearer to the surface; "vertical" or "structural" where it was read, but not
+    assessed as horizontal ground motion.
     """
 
     file: str

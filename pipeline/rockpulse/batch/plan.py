@@ -85,14 +85,15 @@ def read_options(config: Config) -> ReadOptions:
 def configuration_fingerprint(config: Config, verb: str) -> str:
     """SHA-256 of the options that change numbers of a record, of the schema and of the program.
 
-    Paths of records and the number of workers change nothing, nor does the name of the site, or what is looked at when
-    all records are done: the tables of events and weights, and the options of statistics and fits. The seed and the
-    level of confidence are asked for where the response of each record is matched.
+    Paths of records, which of them are kept beside others of the same shaking, and the number of workers change
+    nothing, nor does the name of the site, or what is looked at when all records are done: the tables of events and
+    weights, and the options of statistics and fits. The seed and the level of confidence are asked for where the
+    response of each record is matched.
     """
     matched = verb == "calibrate" and config.calibration.method == "response"
     config = replace(
         config,
-        records=replace(config.records, paths=(), events=None),
+        records=replace(config.records, paths=(), events=None, keep=()),
         calibration=_as_default(config.calibration, LATE if matched else LATE + OF_MATCHING),
         fragility=_as_default(config.fragility, OF_FITS),
         run=replace(config.run, workers=1, seed=config.run.seed if matched else 0),

@@ -72,6 +72,7 @@ class RecordSettings(Section):
     response: str = choice("sensitivity", RESPONSES)
     include_vertical: bool = boolean(False)
     events: str | None = text(None)
+    keep: tuple[str, ...] = texts()
     store: str = choice("all", STORES)
 
     def __post_init__(self) -> None:

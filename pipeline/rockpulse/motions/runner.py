@@ -23,6 +23,7 @@ from rockpulse.errors import ConfigError, TooWeak
 from rockpulse.failures import Failure
 from rockpulse.motions.directions import Motion, PlannedMotion, conditioned_motions, plan_motions
 from rockpulse.motions.events import event_table, events_by_id
+from rockpulse.motions.votes import one_vote_each
 from rockpulse.record.record import Record
 
 if TYPE_CHECKING:
@@ -90,7 +91,8 @@ class Analysis(ABC):
     def prepare(self, records: Iterable[Record], failures: Iterable[Failure] = ()) -> Prepared:
         """Plan the motions and group them by earthquake; of the samples nothing but their number is asked.
 
-        Raises ConfigError for two records of one id, or tables that do not fit.
+        Of several records of one shaking one is planned. Raises ConfigError for two records of one id, and for tables
+        and patterns that do not fit.
         """
         every = sorted(records, key=lambda record: record.id) if self.in_order_of_ids else list(records)
         twice = sorted(name for name, times in Counter(record.id for record in every).items() if times > 1)
@@ -98,9 +100,10 @@ class Analysis(ABC):
             raise ConfigError(f"records: expected different ids, found more than one record with id {', '.join(twice)}")
         rows = list(failures)
         event_of, unread = events_by_id(every, self.named_events, rows)
-        planned, left_out = plan_motions(every, self.config)
+        voting, outvoted = one_vote_each(every, self.config.records, rows)
+        planned, left_out = plan_motions(voting, self.config)
         events = {one.name: event_of[one.channels[0].id] for one in planned}
-        return Prepared(planned, events, [*rows, *unread, *left_out])
+        return Prepared(planned, events, [*rows, *unread, *outvoted, *left_out])
 
     def of_event(self, part: Part, event: str) -> Part:
         """A part with the earthquake of its motion, which all records together tell, and no motion alone."""

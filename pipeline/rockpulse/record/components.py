@@ -19,10 +19,14 @@ __all__ = [
     "Neighbours",
     "Pair",
     "align",
+    "concurrent",
     "find_pairs",
+    "instrument",
     "matching_vertical",
     "offset",
+    "place_on_structure",
     "select_horizontal",
+    "sensor_level",
     "uncovered",
 ]
 
@@ -37,7 +41,9 @@ _BOTH_IN_ONE = "put both directions into one file with headings such as 'time [s
 #: SEED codes of one sensor differ in the last letter only; the second letter is the kind of instrument.
 _SEED = re.compile(r"([FGDCESHBMLV])([HLMGN])[ENZ123]")
 #: KiK-net records at the bottom of a borehole (1) and at the surface (2).
-_DEPTH = re.compile(r"(?:EW|NS|UD)([12])")
+_BOTTOM = re.compile(r"(?:EW|NS|UD)1")
+#: A sensor above this depth [m] counts as one at the surface: a vault or a cellar, not a borehole.
+SHALLOW = 3.0
 #: Place of a channel on a structure, which the readers write behind its direction.
 _PLACE = re.compile(r"\((.*)\)")
 #: A pair shares at least this part of the shorter of its channels; triggers that follow each other may touch.
@@ -150,7 +156,7 @@ def find_pairs(horizontal: Sequence[Record]) -> tuple[list[Pair], list[Failure]]
     """
     groups: dict[tuple[object, ...], list[Record]] = defaultdict(list)
     for record in horizontal:
-        groups[_instrument(record)].append(record)
+        groups[instrument(record)].append(record)
     known = {id(record): np.isfinite(record.azimuth) for record in horizontal}
     partners = {}
     for group in groups.values():
@@ -211,15 +217,33 @@ def offset(record: Record, other: Record) -> float:
     return (other.start_time - record.start_time).total_seconds()
 
 
-def _instrument(record: Record) -> tuple[object, ...]:
+def concurrent(record: Record, other: Record) -> bool:
+    """Whether two channels have at least half of the shorter one in common in time."""
+    return _overlap(record, other) >= OVERLAP_SHARE * min(record.duration, other.duration)
+
+
+def sensor_level(record: Record) -> float:
+    """Depth of the sensor [m]: 0 down to :data:`SHALLOW` and where none is known, inf at the bottom of a borehole."""
+    if np.isfinite(record.sensor_depth):
+        return 0.0 if record.sensor_depth <= SHALLOW else record.sensor_depth
+    return float("inf") if _BOTTOM.fullmatch(record.channel) else 0.0
+
+
+def place_on_structure(record: Record) -> str:
+    """The place of a channel on a structure, in capitals; empty where it is not told."""
+    told = _PLACE.search(record.component)
+    return told[1].strip().upper() if told else ""
+
+
+def instrument(record: Record) -> tuple[object, ...]:
     """The properties that the channels of one instrument have in common."""
     codes = (record.network, record.station, record.location)
     place = "" if record.station else record.station_name or record.source
     on_structure = record.orientation == "structural"
     if on_structure:
-        told = _PLACE.search(record.component)
-        place = told[1].upper() if told else record.source
-    return *codes, place, record.format, record.processed, on_structure, _seed(record)
+        place = place_on_structure(record) or record.source
+    sensor = (_seed(record), sensor_level(record))
+    return *codes, place, record.format, record.processed, on_structure, *sensor
 
 
 def _seed(record: Record) -> tuple[str, str]:
@@ -228,17 +252,8 @@ def _seed(record: Record) -> tuple[str, str]:
     return (seed[1], seed[2]) if seed else ("", "")
 
 
-def _depth(record: Record) -> str:
-    depth = _DEPTH.fullmatch(record.channel)
-    return depth[1] if depth else ""
-
-
 def _partners(record: Record, others: Sequence[Record]) -> list[Record]:
-    together = [
-        other
-        for other in others
-        if _together(record, other) and _overlap(record, other) >= OVERLAP_SHARE * min(record.duration, other.duration)
-    ]
+    together = [other for other in others if _together(record, other) and concurrent(record, other)]
     return [other for other in together if other.source == record.source] or together
 
 
@@ -261,7 +276,9 @@ def _listed(records: Sequence[Record], most: int = 4) -> str:
 
 
 def _together(record: Record, other: Record) -> bool:
-    if _overlap(record, other) <= 0.0 or record.station != other.station or _depth(record) != _depth(other):
+    if _overlap(record, other) <= 0.0 or record.station != other.station:
+        return False
+    if sensor_level(record) != sensor_level(other):
         return False
     codes = (record.network, record.location) == (other.network, other.location)
     timed = record.start_time is not None and other.start_time is not None

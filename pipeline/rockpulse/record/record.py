@@ -46,6 +46,8 @@ class Record:
         What the direction means; "structural" is a channel on a building.
     azimuth : float
         Clockwise from north [degrees]; NaN where unknown or not horizontal.
+    sensor_depth : float
+        Depth of the sensor below the ground [m]; NaN where the file does not state it.
     start_time : datetime or None
         UTC time of the first sample, with ``tzinfo=UTC``.
     station_name : str
@@ -102,6 +104,7 @@ class Record:
     component: str = ""
     orientation: Orientation = "unknown"
     azimuth: float = float("nan")
+    sensor_depth: float = float("nan")
     start_time: datetime | None = None
     station_name: str = ""
     source: str = ""

@@ -125,7 +125,7 @@ FAILURE = along(
         "file": text("file"),
         "stage": text("step at which it was left"),
         "reason": text("why, and what to do"),
-        "kind": text("failed, skipped, duplicate, vertical or structural"),
+        "kind": text("failed, skipped, duplicate, depth, vertical or structural"),
     },
 )
 

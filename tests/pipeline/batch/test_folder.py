@@ -25,6 +25,7 @@ TIME = 0.01 * np.arange(COUNT)
 CONFIGURATION = """
 [records]
 store = "none"
+keep = ["*"]  # the files of one format have one station and time
 [models]
 use = ["sequence"]
 [search]

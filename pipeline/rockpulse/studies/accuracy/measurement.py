@@ -13,6 +13,7 @@ import xarray as xr
 
 from rockpulse.errors import ConfigError
 from rockpulse.failures import Failure
+from rockpulse.motions.votes import one_vote_each
 from rockpulse.record.components import select_horizontal
 from rockpulse.record.conditioning import condition
 from rockpulse.record.record import Record
@@ -78,7 +79,8 @@ def accuracy(
 ) -> xr.DataTree:
     """Measure speed and error of the recorded models, and the model-form error of the cheap ones.
 
-    The horizontal channels of the records, which are as read, are an ensemble of their own, beside the synthetic one;
+    The horizontal channels of the records, which are as read, are an ensemble of their own, beside the synthetic one
+    (of several records of one shaking one is taken);
     those that the reference knows (the shipped samples) are cases of the first table too. `failures` are rows for the
     files and channels left out by reading. `seed` is that of the first synthetic motion of the ensemble, 0 to 2**32 - 1
     less their number; ConfigError otherwise. The cases of the reference are fixed. `progress` wraps a list of jobs on
@@ -89,8 +91,9 @@ def accuracy(
     """
     if not 0 <= seed <= 2**32 - effort.motions:
         raise ConfigError(f"seed: expected 0 to {2**32 - effort.motions}, got {seed}")
-    horizontal, left_out = select_horizontal(records)
-    rows = [*failures, *left_out]
+    voting, outvoted = one_vote_each(list(records))
+    horizontal, left_out = select_horizontal(voting)
+    rows = [*failures, *outvoted, *left_out]
     reference, ground = _reference(horizontal, effort)
     measured = work_precision(
         reference,

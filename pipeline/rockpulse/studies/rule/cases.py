@@ -28,6 +28,7 @@ from rockpulse.calibration.rule import traits
 from rockpulse.errors import RockpulseError
 from rockpulse.failures import Failure
 from rockpulse.motions.events import group_events
+from rockpulse.motions.votes import one_vote_each
 from rockpulse.record.components import select_horizontal
 from rockpulse.record.conditioning import condition
 from rockpulse.record.half_wave import half_waves
@@ -84,12 +85,14 @@ class StrongMotion:
 
 
 def strong_motions(records: Iterable[Record]) -> tuple[list[StrongMotion], list[Failure]]:
-    """The strong horizontal ground channels among records as read, duplicates dropped, in the order given.
+    """The strong horizontal ground channels among records as read, one of each shaking, in the order given.
 
-    The failures are the channels that are no horizontal ground motion or cannot be conditioned. Weak ones are not
-    named.
+    The failures are the channels that are no horizontal ground motion, that another record of the same shaking stands
+    for, or that cannot be conditioned. Weak ones are not named.
     """
-    horizontal, failures = select_horizontal(records)
+    voting, outvoted = one_vote_each(list(records))
+    horizontal, left_out = select_horizontal(voting)
+    failures = [*outvoted, *left_out]
     found = []
     for record in horizontal:
         try:

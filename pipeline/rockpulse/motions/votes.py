@@ -1,0 +1,279 @@
+"""One shaking, one vote: of several records of one motion, the one that is assessed.
+
+The raw and the processed volume of a record, the sensors at the surface and at depth, two sensors of one station: each
+records the same shaking, which must not count twice in what is said of a set of records.
+
+.. note:: Two records are of one motion if network and station are the same, they have at least half of the shorter one
+   in common in time, and they face the same direction within 5 degrees, opposite senses being one, or are both
+   vertical. Where pairs are rotated, a pair holds the motion in every direction. Without station, start time or
+   direction nothing is of one motion with anything; on a structure only what stands at the same place.
+
+   The choice is among volumes, so that the channels of a pair and their vertical one come from one: the channels that
+   one instrument recorded together, in one file or in files of one folder. Whether a record can be used at all is known
+   when it is read: where the processed volume was refused, the raw one votes.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import Counter, defaultdict
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from operator import attrgetter
+from pathlib import PurePath
+
+from rockpulse.config.settings import RecordSettings
+from rockpulse.errors import ConfigError
+from rockpulse.failures import Failure
+from rockpulse.record.components import concurrent, find_pairs, instrument, place_on_structure, sensor_level, uncovered
+from rockpulse.record.record import Record, id_matches
+from rockpulse.remark import find
+
+__all__ = ["SAME_DIRECTION", "one_vote_each", "unmatched_patterns"]
+
+#: Azimuths that differ by no more than this, or by as much from 180, are one direction [degrees].
+SAME_DIRECTION = 5.0
+
+_PROCESSED = {True: "a processed volume", None: "one that may be processed", False: "a raw one"}
+
+
+def one_vote_each(
+    records: Sequence[Record], settings: RecordSettings | None = None, failures: Iterable[Failure] = ()
+) -> tuple[list[Record], list[Failure]]:
+    """The records that are assessed, one of each motion, in the order given; of the samples only their number is asked.
+
+    Volumes vote in this order: at the surface before at depth; where ``[records] components`` asks for pairs, those
+    with a pair; where ``include_vertical`` asks for it, those with a vertical channel; processed before perhaps
+    processed before raw; the higher sampling rate; the longer; the first by path. A direction that no other volume has
+    votes in any case. A vertical channel goes with the horizontal ones of its volume. A dead channel yields to any
+    other of its motion.
+
+    The others are rows of the kinds "depth", for one recorded deeper than the one that votes, and "duplicate". Records
+    that fit ``[records] keep`` are assessed beside the one that votes. A pattern that fits none is an error, or a row
+    where `failures` tell of files that could not be read, as by :func:`unmatched_patterns`.
+    """
+    settings = settings or RecordSettings()
+    rows = unmatched_patterns("keep", settings.keep, [record.id for record in records], failures)
+    sites: dict[tuple[str, ...], list[Record]] = defaultdict(list)
+    for record in records:
+        site = _site(record, settings.structural)
+        if site is not None:
+            sites[site].append(record)
+    outvoted: dict[int, Failure] = {}
+    for members in sites.values():
+        for at_once in _at_once(members):
+            outvoted |= _Poll(at_once, settings).outvoted
+    voting = [record for record in records if id(record) not in outvoted]
+    return voting, [*rows, *(outvoted[id(record)] for record in records if id(record) in outvoted)]
+
+
+def unmatched_patterns(
+    key: str, patterns: Sequence[str], ids: Sequence[str], failures: Iterable[Failure] = ()
+) -> list[Failure]:
+    """A row where patterns of ``[records] key`` fit no id and may be meant for files that could not be read.
+
+    Which files could not be read is told by the failures of reading. Where every file was read, ConfigError.
+    """
+    idle = [pattern for pattern in patterns if not any(id_matches(name, [pattern]) for name in ids)]
+    if not idle:
+        return []
+    found = (", ".join(ids[:3]) + (f" and {len(ids) - 3} more" if len(ids) > 3 else "")) or "none"
+    reason = f"[records] {key}: no record has an id that fits {', '.join(idle)}; the ids are {found}"
+    if not any(row.kind == "failed" and row.stage in ("find", "read") for row in failures):
+        raise ConfigError(f"{reason}; correct the pattern or take it out")
+    told = f"{reason}; correct the pattern unless it is meant for one of the files that could not be read"
+    return [Failure(f"[records] {key}", "select", told, "failed")]
+
+
+def _site(record: Record, structural: bool) -> tuple[str, ...] | None:
+    """Network, station and, on a structure, the place; None for a record that is of one motion with no other."""
+    if not record.station or record.start_time is None or record.orientation == "unknown":
+        return None
+    if record.orientation != "vertical" and not math.isfinite(record.azimuth):
+        return None
+    if record.orientation != "structural":
+        return record.network, record.station
+    place = place_on_structure(record)
+    return (record.network, record.station, place) if structural and place else None
+
+
+def _at_once(members: Sequence[Record]) -> Iterator[list[Record]]:
+    """The records of a site in stretches between which the station is silent."""
+    stretch: list[Record] = []
+    end = -math.inf
+    for record in sorted(members, key=_start):
+        if _start(record) >= end and stretch:
+            yield stretch
+            stretch = []
+        stretch.append(record)
+        end = max(end, _start(record) + record.duration)
+    yield stretch
+
+
+def _start(record: Record) -> float:
+    assert record.start_time is not None
+    return record.start_time.timestamp()
+
+
+@dataclass(frozen=True, eq=False)
+class _Volume:
+    """The channels that one instrument recorded together, no two of one direction."""
+
+    channels: list[Record]
+
+    @cached_property
+    def horizontal(self) -> list[Record]:
+        """The channels that are assessed."""
+        return [one for one in self.channels if one.orientation != "vertical"]
+
+    @cached_property
+    def vertical(self) -> list[Record]:
+        """The channels that may act beside them."""
+        return [one for one in self.channels if one.orientation == "vertical"]
+
+    @cached_property
+    def pair(self) -> tuple[Record, ...]:
+        """The two horizontal channels that can be rotated; empty where there are none."""
+        pairs, _ = find_pairs([one for one in self.horizontal if not _dead(one)])
+        return pairs[0].channels if len(pairs) == 1 else ()
+
+    @property
+    def level(self) -> float:
+        """Depth of the sensor [m], 0 at the surface."""
+        return sensor_level(self.channels[0])
+
+    @property
+    def processed(self) -> bool | None:
+        """State of processing, the same for all channels."""
+        return self.channels[0].processed
+
+    @cached_property
+    def dt(self) -> float:
+        """Longest sampling interval [s], to six digits."""
+        return float(f"{max(one.dt for one in self.channels):.6g}")  # some headers state a rate, others an interval
+
+    @cached_property
+    def duration(self) -> float:
+        """Length of the longest channel [s]."""
+        return max(one.duration for one in self.channels)
+
+    def rank(self, settings: RecordSettings) -> tuple[object, ...]:
+        """Key that sorts volumes by their claim to vote."""
+        return (
+            self.level,
+            settings.components != "horizontal" and not self.pair,
+            settings.include_vertical and not self.vertical,
+            [True, None, False].index(self.processed),
+            self.dt,
+            -self.duration,
+            min((one.source, one.id) for one in self.channels),
+        )
+
+
+class _Poll:
+    """The vote among the records that a site made at one time."""
+
+    def __init__(self, records: Sequence[Record], settings: RecordSettings) -> None:
+        self.settings = settings
+        self.outvoted: dict[int, Failure] = {}
+        if len(records) == 1:
+            return
+        self.volumes = sorted(_volumes(records), key=lambda volume: volume.rank(settings))
+        self.voters: list[tuple[Record, _Volume]] = []
+        for dead in (False, True):
+            for volume in self.volumes:
+                for record in volume.horizontal:
+                    if _dead(record) is dead:
+                        self._ask(record, volume)
+        self._verticals()
+
+    def _ask(self, record: Record, volume: _Volume, following: bool = False) -> None:
+        """Let a record vote, or leave it out for the one that has its vote; `following` says that it was not asked."""
+        rivals = [(one, other) for one, other in self.voters if self._same(record, one, other, volume)]
+        if following or not rivals:
+            self.voters.append((record, volume))
+        elif not id_matches(record.id, self.settings.keep):
+            nearest = next((rival for rival in rivals if _one_direction(record, rival[0])), rivals[0])
+            self.outvoted[id(record)] = self._row(record, volume, *nearest)
+
+    def _verticals(self) -> None:
+        """Vertical channels go with the horizontal ones of their volume; of the others one of each motion stays."""
+        stays = {id(volume): any(id(one) not in self.outvoted for one in volume.horizontal) for volume in self.volumes}
+        for following in (True, False):
+            for volume in self.volumes:
+                if stays[id(volume)] is following:
+                    for record in volume.vertical:
+                        self._ask(record, volume, following)
+
+    def _same(self, record: Record, voter: Record, elected: _Volume, volume: _Volume) -> bool:
+        """Whether a record and one that votes, each in its volume, are of one motion."""
+        if volume is elected or not concurrent(record, voter):
+            return False
+        if _one_direction(record, voter):
+            return True
+        whole = self.settings.components != "horizontal" and any(voter is one for one in elected.pair)
+        return whole and record.orientation != "vertical" and all(concurrent(record, one) for one in elected.pair)
+
+    def _row(self, record: Record, volume: _Volume, voter: Record, elected: _Volume) -> Failure:
+        deeper = volume.level > elected.level
+        how = "the same motion as" if _one_direction(record, voter) else "held by the pair with"
+        told = f"{record.id}: {how} {voter.id} of {voter.source}, which is assessed in its place: "
+        told += self._why(record, volume, voter, elected)
+        bare = uncovered(voter, record)
+        if bare > 0.5 * record.duration:
+            told += f"; {bare:.0f} of the {record.duration:.0f} s of this one are not in it"
+        told += "; [records] keep with this id assesses both"
+        return Failure(record.source, "select", told, "depth" if deeper else "duplicate")
+
+    def _why(self, record: Record, volume: _Volume, voter: Record, elected: _Volume) -> str:
+        """The rule by which one goes before the other."""
+        if _dead(record) and not _dead(voter):
+            return "this channel is dead"
+        if record.orientation == "vertical" and volume.rank(self.settings) < elected.rank(self.settings):
+            return "the horizontal channels of its volume are assessed"
+        ranks = zip(volume.rank(self.settings), elected.rank(self.settings), strict=True)
+        place = next(place for place, (mine, other) in enumerate(ranks) if mine != other)
+        depth = "at the bottom of a borehole" if math.isinf(volume.level) else f"{volume.level:g} m below the ground"
+        rules = (
+            f"this one was recorded {depth}, the other {'at' if elected.level == 0.0 else 'nearer to'} the surface",
+            "its volume holds a pair of horizontal channels, that of this one does not",
+            "its volume holds a vertical channel, that of this one does not",
+            f"{_PROCESSED[elected.processed]} goes before {_PROCESSED[volume.processed]}",
+            f"it has a sample every {elected.dt:g} s, this one every {volume.dt:g} s",
+            f"it lasts {elected.duration:.6g} s, this one {volume.duration:.6g} s",
+            "of two alike in processing, rate and length the first by path is",
+        )
+        return rules[place]
+
+
+def _volumes(records: Sequence[Record]) -> list[_Volume]:
+    """The volumes of the records of a site; a second channel of one direction begins another."""
+    channels = Counter(record.source for record in records)
+    groups: dict[tuple[object, ...], list[_Volume]] = defaultdict(list)
+    for record in sorted(records, key=attrgetter("start_time", "source", "channel", "id")):
+        together = record.source if channels[record.source] > 1 else str(PurePath(record.source).parent)
+        found = groups[*instrument(record), together]
+        fits = (one for one in found if all(_beside(record, other) for other in one.channels))
+        volume = next(fits, None)
+        if volume is None:
+            found.append(_Volume([record]))
+        else:
+            volume.channels.append(record)
+    return [volume for found in groups.values() for volume in found]
+
+
+def _beside(record: Record, other: Record) -> bool:
+    return concurrent(record, other) and not _one_direction(record, other)
+
+
+def _one_direction(record: Record, other: Record) -> bool:
+    """Whether two channels of a site are both vertical, or face the same way or opposite ones."""
+    vertical = [one.orientation == "vertical" for one in (record, other)]
+    if any(vertical):
+        return all(vertical)
+    return abs(math.remainder(record.azimuth - other.azimuth, 180.0)) <= SAME_DIRECTION
+
+
+def _dead(record: Record) -> bool:
+    return bool(find(record.warnings, "dead_channel"))
