@@ -14,6 +14,7 @@ from rockpulse.readers.clipping import clipping_warning
 from rockpulse.readers.facing import Direction, direction
 from rockpulse.readers.source import NotAcceleration, SourceFile
 from rockpulse.readers.units import UNITS, other_readings
+from rockpulse.record.components import SHALLOW
 from rockpulse.record.record import STANDARD_GRAVITY, Record, record_id
 from rockpulse.remark import Remark
 
@@ -83,6 +84,7 @@ def build_record(
     station_name: str = "",
     event: str = "",
     start_time: datetime | None = None,
+    sensor_depth: float = float("nan"),
     header_peak: float = float("nan"),
     peak_rounding: float = 0.0,
     original_peak: float | None = None,
@@ -122,6 +124,8 @@ def build_record(
     if fault:
         start_time = None
     notes += [note for note in (fault, facing.note) if note]
+    if sensor_depth > SHALLOW:
+        notes.append(f"the sensor lies {sensor_depth:g} m below the ground: motion at depth, not at the ground surface")
     if facing.sign < 0.0:
         notes.append(Remark("positive_downwards"))
     factor *= facing.sign
@@ -139,6 +143,7 @@ def build_record(
         component=component.strip(),
         orientation="structural" if structural else facing.orientation,
         azimuth=facing.azimuth,
+        sensor_depth=sensor_depth,
         start_time=start_time,
         station_name=station_name,
         source=file.name,

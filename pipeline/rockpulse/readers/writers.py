@@ -203,7 +203,7 @@ def _station_channel(record: Record, location: str, channel: str) -> Any:
         channel,
         location,
         **_NOWHERE,
-        depth=0.0,
+        depth=record.sensor_depth if np.isfinite(record.sensor_depth) else 0.0,
         azimuth=0.0 if lies == "vertical" else azimuth if lies == "horizontal" and np.isfinite(azimuth) else None,
         dip={"vertical": -90.0, "horizontal": 0.0}.get(lies),
         sample_rate=1.0 / record.dt,

@@ -16,6 +16,7 @@ from rockpulse.record.record import Record
 from rockpulse.remark import Remark
 
 __all__ = [
+    "SHALLOW",
     "Neighbours",
     "Pair",
     "align",

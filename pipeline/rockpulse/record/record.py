@@ -46,8 +46,6 @@ class Record:
         What the direction means; "structural" is a channel on a building.
     azimuth : float
         Clockwise from north [degrees]; NaN where unknown or not horizontal.
-    sensor_depth : float
-        Depth of the sensor below the ground [m]; NaN where the file does not state it.
     start_time : datetime or None
         UTC time of the first sample, with ``tzinfo=UTC``.
     station_name : str
@@ -92,6 +90,8 @@ class Record:
         Time-averaged velocity of shear waves in the upper 30 m at the station [m/s]; NaN where unknown.
     site_class : str
         Class of the ground at the station as the file words it; empty where unknown.
+    sensor_depth : float
+        Depth of the sensor below the ground [m]; NaN where the file does not state it.
     """
 
     acceleration: np.ndarray
@@ -104,7 +104,6 @@ class Record:
     component: str = ""
     orientation: Orientation = "unknown"
     azimuth: float = float("nan")
-    sensor_depth: float = float("nan")
     start_time: datetime | None = None
     station_name: str = ""
     source: str = ""
@@ -129,6 +128,7 @@ class Record:
     station_longitude: float = float("nan")
     vs30: float = float("nan")
     site_class: str = ""
+    sensor_depth: float = float("nan")
 
     def __post_init__(self) -> None:
         where = self.source or self.id

@@ -23,6 +23,7 @@ _STATED: Declared = {
     "station_longitude": real("degrees_east", "longitude of the station"),
     "vs30": real("m s-1", "time-averaged velocity of shear waves in the upper 30 m"),
     "site_class": text("class of the ground as the file words it"),
+    "sensor_depth": real("m", "depth of the sensor below the ground, as the file states it"),
 }
 
 

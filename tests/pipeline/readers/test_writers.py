@@ -211,6 +211,11 @@ def test_codes_that_seed_has_no_room_for(record):
         seed_codes([east] * 102)
 
 
+def test_the_depth_of_a_sensor_goes_into_the_station_metadata(tmp_path, record):
+    assert come_back(tmp_path, replace(record, sensor_depth=80.0), "a.mseed").sensor_depth == 80.0
+    assert come_back(tmp_path, record, "b.mseed").sensor_depth == 0.0
+
+
 def test_the_names_in_a_miniseed_file(record):
     _, metadata, names = miniseed_bytes([record, replace(record, channel="HNZ", orientation="vertical")])
     assert names == ["CI.CLC..HNE", "CI.CLC..HNZ"]

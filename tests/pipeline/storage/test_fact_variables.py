@@ -31,6 +31,7 @@ KNOWN = {
     "station_longitude": 38.26,
     "vs30": 391.0,
     "site_class": "B",
+    "sensor_depth": 2.5,
 }
 STORED = KNOWN | {"origin_time": "2023-02-06T01:17:34+00:00"}
 

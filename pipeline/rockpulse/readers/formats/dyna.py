@@ -121,6 +121,7 @@ def read_dyna(file: SourceFile, options: ReadOptions) -> list[Record]:
             station_name=header.text("STATION_NAME") or ("" if is_code else location),
             event=header.text("EVENT_NAME"),
             start_time=start_time,
+            sensor_depth=header.number("SENSOR_DEPTH_M"),
             header_peak=peak * UNITS["cm/s2"],
             peak_rounding=rounding * UNITS["cm/s2"],
             warnings=[
@@ -168,8 +169,6 @@ def _remarks(header: _Header, step: float, count: int) -> list[str]:
         notes.append("late triggered (header): the beginning of the motion is missing")
     if "NOT REMOVED" in header.text("BASELINE_CORRECTION").upper() and header.text("PROCESSING").lower() != "none":
         notes.append("the baseline was not removed (header)")
-    if header.number("SENSOR_DEPTH_M") > 0.0:
-        notes.append(f"the sensor lies {header.number('SENSOR_DEPTH_M'):g} m below the ground (header)")
     duration = header.number("DURATION_S")
     if abs(duration - step * count) > _DURATION_STEPS * step:
         notes.append(f"the header states {duration:g} s, {count} samples at {step:g} s last {step * count:g} s")

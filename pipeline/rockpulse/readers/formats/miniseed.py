@@ -95,6 +95,7 @@ def _miniseed_channel(file: SourceFile, traces: list[Any], number: int, options:
         location=stats.location,
         station_name=site,
         start_time=utc_time(file, stats.starttime),
+        sensor_depth=float("nan") if channel.depth is None else float(channel.depth),
         warnings=[*notes, *warnings],
         processing=processing,
     )

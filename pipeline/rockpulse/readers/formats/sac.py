@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import struct
 
 import numpy as np
@@ -96,6 +97,7 @@ def read_sac(file: SourceFile, options: ReadOptions) -> list[Record]:
             location=stats.location,
             event=str(header.get("kevnm", "")).strip(),
             start_time=utc_time(file, stats.starttime) if "nzyear" in header else None,
+            sensor_depth=float(header.get("stdp", math.nan)),
             warnings=notes,
         )
     ]

@@ -145,6 +145,14 @@ def test_a_volume_is_corrected_where_the_header_says_by_which_filter(changes, pr
     assert got(dyna(VALUES, **changes)).processed is processed
 
 
+def test_the_depth_of_the_sensor_is_known_and_warned_of_where_it_is_no_cellar():
+    deep, cellar, unknown = (got(dyna(VALUES, SENSOR_DEPTH_M=text)) for text in ("30.0", "2.5", ""))
+    assert (deep.sensor_depth, cellar.sensor_depth) == (30.0, 2.5)
+    assert np.isnan(unknown.sensor_depth)
+    assert deep.warnings == ("the sensor lies 30 m below the ground: motion at depth, not at the ground surface",)
+    assert cellar.warnings == unknown.warnings == ()
+
+
 @pytest.mark.parametrize(
     ("changes", "warning"),
     [

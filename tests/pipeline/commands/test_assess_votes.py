@@ -1,0 +1,120 @@
+"""A folder in which the same shaking lies several times: every shaking votes once, and the list says why."""
+
+import numpy as np
+import pytest
+from record_writers import knet, pulse
+from record_writers.cosmos import cosmos
+from record_writers.geonet import geonet
+
+import rockpulse as rp
+from rockpulse.cli import main
+
+COUNT = 600
+CONFIG = """
+[models]
+use = ["sequence", "nonlinear"]
+[search]
+models = []
+[[block]]
+name = "wall"
+width = 0.3
+height = 3.0
+[records]
+"""
+WAVES = [pulse(COUNT, peak) for peak in (0.3, 0.2, 0.1)]
+RAW, CORRECTED, BOTTOM, SURFACE = "hses.V1A", "hses.V2A", "AKT0139608110312.{}1", "AKT0139608110312.{}2"
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    """GeoNet's raw and processed volume of one record, and the files of a KiK-net station, in three components."""
+    folder = tmp_path_factory.mktemp("records")
+    for name, corrected in ((RAW, False), (CORRECTED, True)):
+        columns = [(9806.65 + 100.0 * corrected) * wave for wave in WAVES]
+        (folder / name).write_bytes(geonet(columns, corrected=corrected, dt=0.01))
+    for number, (direction, wave) in enumerate(zip(("EW", "NS", "UD"), WAVES, strict=True)):
+        for place, strength in ((BOTTOM, 1e6), (SURFACE, 2e6)):
+            counts = np.rint(strength * wave).astype(int)
+            code = str(number + 1 + 3 * (place is SURFACE))
+            (folder / place.format(direction)).write_bytes(knet(counts, direction=code))
+    return folder
+
+
+def assess(folder, *lines):
+    """Exit code, and the tree of an assessment with some lines of section [records]."""
+    config, output = folder.parent / "site.toml", folder.parent / "results.h5"
+    config.write_text(CONFIG + "\n".join(lines))
+    code = main(["assess", str(folder), "--config", str(config), "-o", str(output), "--overwrite", "--quiet"])
+    return code, rp.load(output)
+
+
+def used(tree):
+    return sorted({source.rpartition("/")[2] for source in tree["summary"]["source"].values})
+
+
+def left(tree):
+    rows = zip(*(tree["failures"][name].values for name in ("kind", "file")), strict=True)
+    return sorted((str(kind), str(file).rpartition("/")[2]) for kind, file in rows)
+
+
+def test_every_shaking_votes_once_and_the_list_says_why(folder, capsys):
+    code, tree = assess(folder)
+    assert code == 0
+    assert used(tree) == sorted([CORRECTED, SURFACE.format("EW"), SURFACE.format("NS")])
+    assert tree["summary"].sizes["record"] == 4
+    assert left(tree) == sorted(
+        [("duplicate", RAW)] * 3
+        + [("depth", BOTTOM.format(direction)) for direction in ("EW", "NS", "UD")]
+        + [("vertical", CORRECTED), ("vertical", SURFACE.format("UD"))]
+    )
+    capsys.readouterr()
+    assert main(["inspect", str(folder.parent / "results.h5"), "--failures"]) == 0
+    told = " ".join(capsys.readouterr().out.split())
+    assert "a processed volume goes before a raw one" in told
+    assert "this one was recorded at the bottom of a borehole, the other at the surface" in told
+    assert told.count("[records] keep with this id assesses both") == 6
+
+
+def test_what_is_kept_is_assessed_too(folder):
+    code, tree = assess(folder, 'keep = [".HSES.*", "*.EW1@*"]')
+    assert code == 0
+    assert used(tree) == sorted([RAW, CORRECTED, BOTTOM.format("EW"), SURFACE.format("EW"), SURFACE.format("NS")])
+
+
+def test_a_pair_and_its_vertical_channel_come_from_one_volume(folder):
+    code, tree = assess(folder, 'components = "azimuth"', "azimuth = 30.0", "include_vertical = true")
+    assert code == 0
+    summary = tree["summary"]
+    rows = [sorted(one.rpartition("/")[2] for one in str(row).split("; ")) for row in summary["source"].values]
+    assert sorted(rows) == [[SURFACE.format("EW"), SURFACE.format("NS")], [CORRECTED]]
+    assert sorted(str(name).split("@")[0] for name in summary["vertical_channel"].values) == [
+        ".AKT013..UD2",
+        ".HSES.20.Up",
+    ]
+
+
+def test_a_processed_volume_that_is_refused_lets_the_raw_one_in(folder, tmp_path):
+    (tmp_path / RAW).write_bytes((folder / RAW).read_bytes())
+    (tmp_path / CORRECTED).write_bytes((folder / CORRECTED).read_bytes()[:-400])
+    output = tmp_path.parent / "refused.h5"
+    assert main(["assess", str(tmp_path), "--block", "wall=0.3x3", "-o", str(output), "--quiet"]) == 1
+    tree = rp.load(output)
+    assert used(tree) == [RAW]
+    assert left(tree) == [("failed", CORRECTED), ("vertical", RAW)]
+
+
+def test_two_volumes_of_one_record_in_another_format(tmp_path):
+    for name, dt in (("slow.V1C", 0.02), ("fast.V1C", 0.01)):
+        (tmp_path / name).write_bytes(cosmos(pulse(COUNT, 0.3 + dt), dt=dt))
+    output = tmp_path.parent / "rates.h5"
+    assert main(["assess", str(tmp_path), "--block", "wall=0.3x3", "-o", str(output), "--quiet"]) == 0
+    assert used(rp.load(output)) == ["fast.V1C"]
+
+
+def test_a_pattern_of_no_record_is_an_error_before_the_work(folder, capsys):
+    config = folder.parent / "wrong.toml"
+    config.write_text(CONFIG + 'keep = ["NZ.HSES.*"]')
+    arguments = ["assess", str(folder), "--config", str(config), "-o", str(folder.parent / "none.h5"), "--quiet"]
+    assert main(arguments) == 2
+    assert "[records] keep: no record has an id that fits NZ.HSES.*" in capsys.readouterr().err
+    assert not (folder.parent / "none.h5").exists()
