@@ -1,9 +1,10 @@
 """Records of one earthquake, which are left out together, and resampled together, in every statistic.
 
 .. note:: Channels of one earthquake are no independent observations. Agencies name events in their own words or not at
-   all, and their clocks differ by minutes, so records are joined by name and by time; a table of the user's own decides
-   where that is not right. In doubt records are joined: fewer events mean wider intervals, never narrower ones. So
-   records that state neither an earthquake nor a time count as one earthquake.
+   all, and their clocks differ by minutes, so records are joined by the number and the time of the earthquake where
+   the files state them, else by name and by time; a table of the user's own decides where that is not right. In doubt
+   records are joined: fewer events mean wider intervals, never narrower ones. So records that state neither an
+   earthquake nor a time count as one earthquake.
 """
 
 from __future__ import annotations
@@ -11,8 +12,8 @@ from __future__ import annotations
 import math
 import re
 from collections import Counter, defaultdict
-from collections.abc import Hashable, Iterable, Iterator, Mapping, Sequence
-from datetime import timedelta
+from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Sequence
+from datetime import datetime, timedelta
 from itertools import combinations, pairwise
 
 from rockpulse.config.configuration import Config, located
@@ -42,6 +43,11 @@ FEWEST_EVENTS = 3
 #: Records that start within this of one another are of one earthquake [s]; so are those of one name, unless their times
 #: are known to lie further apart.
 JOINED_WITHIN_S = 600.0
+
+#: Earthquakes whose stated origin times lie within this are one [s], if their stated magnitudes, of whatever scale, do
+#: not differ by more than that; those further apart than `JOINED_WITHIN_S` are two.
+SAME_ORIGIN_S = 60.0
+SAME_MAGNITUDE = 1.0
 
 #: A clock may be off by its time zone, never by more than this [s].
 CLOCK_S = 86400.0
@@ -104,11 +110,21 @@ def group_events(records: Sequence[Record], named: Mapping[str, str] | None = No
 
     Notes
     -----
-    Two records are joined when they come from one file, start within :data:`JOINED_WITHIN_S` of each other, or have
-    titles with the same words once dates, numbers and general words are taken out, unless their times lie more than a
-    day apart, their titles name other years, or other numbers in a sequence ("Imperial Valley-02", "-06"). Joining is
-    transitive: a title that tells less, as "Imperial Valley" does, may join them after all. Records that state neither
-    a title nor a time, as plain columns do, may all be of one earthquake, and are counted so.
+    Two records are joined when
+
+    - they come from one file;
+    - their files, of one format, state the same `event_id`;
+    - their files state origin times within a minute of each other, and no magnitudes that differ by more than 1;
+    - they start within :data:`JOINED_WITHIN_S` of each other; where the start of a record is not known, the origin time
+      that its file states stands for it;
+    - their titles have the same words once dates, numbers and general words are taken out, unless their times lie more
+      than a day apart, their titles name other years, or other numbers in a sequence ("Imperial Valley-02", "-06").
+
+    Only records of one file are joined where the stated origin times lie more than :data:`JOINED_WITHIN_S` apart:
+    shocks of one sequence share a name, and often an hour. Different ids keep nothing apart, since agencies, and the
+    versions of one catalogue, number one earthquake differently. Joining is transitive: a title that tells less, as
+    "Imperial Valley" does, may join them after all. Records that state neither a title nor a time, as plain columns do,
+    may all be of one earthquake, and are counted so.
 
     Examples
     --------
@@ -141,9 +157,7 @@ def group_events(records: Sequence[Record], named: Mapping[str, str] | None = No
     for index in free:
         groups[root(index)].append(index)
     told = {top: [records[index] for index in members] for top, members in groups.items()}
-    known = {
-        top: members for top, members in told.items() if any(_name(one.event) or one.start_time for one in members)
-    }
+    known = {top: members for top, members in told.items() if any(_name(one.event) or _moment(one) for one in members)}
     titles = dict.fromkeys(told, UNKNOWN) | _distinct(known)
     return [named[record.id] if record.id in named else titles[root(index)] for index, record in enumerate(records)]
 
@@ -192,46 +206,98 @@ def _some(names: Sequence[str], count: int) -> str:
 def _pairs(records: Sequence[Record], free: Sequence[int]) -> Iterator[tuple[int, int]]:
     """Pairs of records of one earthquake, enough of them to connect each group."""
     by_file: dict[str, list[int]] = defaultdict(list)
+    by_id: dict[Hashable, list[int]] = defaultdict(list)
     by_name: dict[Hashable, list[int]] = defaultdict(list)
     for index in free:
         record = records[index]
         if record.source:
             by_file[record.source].append(index)
+        if record.event_id:
+            by_id[record.format, record.event_id].append(index)
         if name := _name(record.event):
             by_name[name].append(index)
     for members in by_file.values():
         yield from pairwise(members)
-    timed = [(start, index) for index in free if (start := records[index].start_time) is not None]
-    for (earlier, one), (later, other) in pairwise(sorted(timed)):
-        if (later - earlier).total_seconds() <= JOINED_WITHIN_S:
-            yield one, other
+    timed = [(moment, index) for index in free if (moment := _moment(records[index])) is not None]
+    yield from _near(records, timed, JOINED_WITHIN_S, _may_be_one)
+    told = [(origin, index) for index in free if (origin := records[index].origin_time) is not None]
+    yield from _near(records, told, SAME_ORIGIN_S, _alike)
+    for members in by_id.values():
+        yield from _agreeing(records, members, _may_be_one)
     for members in by_name.values():
-        # One of all that say the same stands for them.
-        alike = defaultdict(list)
-        for index in members:
-            alike[records[index].event.strip(), records[index].start_time].append(index)
-        for same in alike.values():
-            yield from pairwise(same)
-        for one, other in combinations([same[0] for same in alike.values()], 2):
-            if _agree(records[one], records[other]):
-                yield one, other
+        yield from _agreeing(records, members, _agree)
+
+
+def _near(
+    records: Sequence[Record],
+    timed: Iterable[tuple[datetime, int]],
+    within: float,
+    agree: Callable[[Record, Record], bool],
+) -> Iterator[tuple[int, int]]:
+    """Pairs of records that agree, whose moments lie within so many seconds, enough of them to connect each group.
+
+    Records that state the same origin and magnitude agree with the same others: the last of them stands for all.
+    """
+    last: dict[Hashable, tuple[datetime, int]] = {}
+    for moment, index in sorted(timed):
+        last = {key: one for key, one in last.items() if (moment - one[0]).total_seconds() <= within}
+        for _, other in last.values():
+            if agree(records[other], records[index]):
+                yield other, index
+        last[records[index].origin_time, repr(records[index].magnitude)] = (moment, index)
+
+
+def _agreeing(
+    records: Sequence[Record], members: Sequence[int], agree: Callable[[Record, Record], bool]
+) -> Iterator[tuple[int, int]]:
+    """Pairs of the records that agree; one of all that say the same stands for them."""
+    alike = defaultdict(list)
+    for index in members:
+        record = records[index]
+        alike[record.event.strip(), record.start_time, record.origin_time].append(index)
+    for same in alike.values():
+        yield from pairwise(same)
+    for one, other in combinations([same[0] for same in alike.values()], 2):
+        if agree(records[one], records[other]):
+            yield one, other
+
+
+def _moment(record: Record) -> datetime | None:
+    """The time that tells the earthquake of a record: its start, else the origin time that its file states."""
+    return record.start_time or record.origin_time
+
+
+def _may_be_one(one: Record, other: Record) -> bool:
+    """Whether the origin times that two files state, if they do, may be those of one earthquake."""
+    if one.origin_time is None or other.origin_time is None:
+        return True
+    return abs((one.origin_time - other.origin_time).total_seconds()) <= JOINED_WITHIN_S
+
+
+def _alike(one: Record, other: Record) -> bool:
+    """Whether the magnitudes that two files state, if they do, may be those of one earthquake."""
+    return not abs(one.magnitude - other.magnitude) > SAME_MAGNITUDE
 
 
 def _agree(one: Record, other: Record) -> bool:
     """Whether nothing says that two records with the same name are of different earthquakes."""
-    if one.start_time is not None and other.start_time is not None:
-        return abs((one.start_time - other.start_time).total_seconds()) <= CLOCK_S
+    if not _may_be_one(one, other):
+        return False
+    first, second = _moment(one), _moment(other)
+    if first is not None and second is not None:
+        return abs((first - second).total_seconds()) <= CLOCK_S
     numbers = [set(_NUMBER.findall(record.event)) for record in (one, other)]
     years = [_years(record) for record in (one, other)]
-    return all(not first or not second or bool(first & second) for first, second in (numbers, years))
+    return all(not mine or not theirs or bool(mine & theirs) for mine, theirs in (numbers, years))
 
 
 def _years(record: Record) -> set[int]:
     """The years that a title or, where it names none, the clock tells; near New Year a clock tells two."""
     found = ["".join(years) for years in _DATE.findall(record.event)] or _YEAR.findall(record.event)
-    if not found and record.start_time is not None:
+    moment = _moment(record)
+    if not found and moment is not None:
         slack = timedelta(seconds=CLOCK_S)
-        return {(record.start_time - slack).year, (record.start_time + slack).year}
+        return {(moment - slack).year, (moment + slack).year}
     return {int(text) + (0 if len(text) == 4 else 1900 if int(text) >= _CENTURY else 2000) for text in found}
 
 
@@ -269,6 +335,7 @@ def _title(members: Sequence[Record]) -> str:
 
 def _time_or_file(members: Sequence[Record]) -> str:
     starts = [record.start_time for record in members if record.start_time is not None]
+    starts = starts or [record.origin_time for record in members if record.origin_time is not None]
     return f"{min(starts):%Y-%m-%d %H:%M}" if starts else min(record.source or record.id for record in members)
 
 

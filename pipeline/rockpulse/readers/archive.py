@@ -55,6 +55,8 @@ class Archive:
             self.close()
             raise
         self._station_files = lru_cache(maxsize=16)(partial(_station_files, self._archive, entries))
+        by_name = {entry.filename: entry for entry in entries}
+        self._beside = lru_cache(maxsize=16)(partial(_beside, self._archive, by_name))
         self._entries = [entry for entry in entries if not _hidden(entry.filename)]
         self.names = [f"{path}!{entry.filename}" for entry in self._entries]
 
@@ -77,8 +79,14 @@ class Archive:
         """
         entry, name = self._entries[number], self.names[number]
         content = _content(self._archive, entry, name)
-        beside = partial(self._station_files, PurePosixPath(entry.filename).parent)
-        return SourceFile(name, content[:HEAD], partial(bytes, content), beside)
+        folder = PurePosixPath(entry.filename).parent
+        return SourceFile(
+            name,
+            content[:HEAD],
+            partial(bytes, content),
+            partial(self._station_files, folder),
+            beside=partial(self._beside, folder),
+        )
 
 
 def members(path: Path) -> Iterator[tuple[str, SourceFile | RockpulseError]]:
@@ -166,3 +174,11 @@ def _station_files(
     )
     named = ((f"{archive.filename}!{entry.filename}", entry) for entry in beside)
     return [(name, _content(archive, entry, name)) for name, entry in named]
+
+
+def _beside(
+    archive: zipfile.ZipFile, entries: dict[str, zipfile.ZipInfo], folder: PurePosixPath, name: str
+) -> bytes | None:
+    """The bytes of a member by its name in a folder; None where there is none."""
+    wanted = str(folder / name)
+    return _content(archive, entries[wanted], f"{archive.filename}!{wanted}") if wanted in entries else None

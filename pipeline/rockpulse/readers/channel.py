@@ -5,20 +5,22 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
-from datetime import UTC, datetime, timedelta
+from datetime import datetime
 
 import numpy as np
 
 from rockpulse.errors import RecordFormatError, RecordRefused
 from rockpulse.readers.clipping import clipping_warning
+from rockpulse.readers.clock import clock_fault
 from rockpulse.readers.facing import Direction, direction
+from rockpulse.readers.facts import NOTHING, Facts
 from rockpulse.readers.source import NotAcceleration, SourceFile
 from rockpulse.readers.units import UNITS, other_readings
 from rockpulse.record.components import SHALLOW
 from rockpulse.record.record import STANDARD_GRAVITY, Record, record_id
 from rockpulse.remark import Remark
 
-__all__ = ["build_record", "clock_fault", "usable_channels"]
+__all__ = ["build_record", "usable_channels"]
 
 #: A stated peak further from the data than this, and than its own rounding, is reported.
 PEAK_TOLERANCE = 0.02
@@ -29,22 +31,6 @@ CREDIBLE_INTERVAL = 0.1
 
 # From the first of the blanks on only, or a line of blanks would cost the square of its length.
 _DEGREES = re.compile(r"(?<!\s)\s*DEG(?:REES)?$", re.IGNORECASE)
-
-# Earlier than the first accelerogram of a strong earthquake (Long Beach, 11 March 1933 UTC) only a clock is wrong.
-_FIRST_YEAR = 1933
-# Times from which clocks start that nobody set (Unix, PC, GPS). The first hour only: on 1 January 1980, 16:42 UTC, the
-# Azores had a strong earthquake.
-_CLOCK_ORIGINS = tuple(datetime(*day, tzinfo=UTC) for day in ((1970, 1, 1), (1980, 1, 1), (1980, 1, 6)))
-_CLOCK_RUN = timedelta(hours=1)
-
-
-def clock_fault(moment: datetime) -> str:
-    """The reason why a start time [UTC, or the zone of the file] cannot be right; empty if it can."""
-    if moment.year < _FIRST_YEAR:
-        return f"the start time {moment:%Y-%m-%d %H:%M:%S} lies before the first accelerograms; it was left out"
-    if any(origin <= moment < origin + _CLOCK_RUN for origin in _CLOCK_ORIGINS):
-        return f"the start time {moment:%Y-%m-%d %H:%M:%S} is that of a clock that was never set; it was left out"
-    return ""
 
 
 def _peak_warnings(
@@ -85,6 +71,7 @@ def build_record(
     event: str = "",
     start_time: datetime | None = None,
     sensor_depth: float = float("nan"),
+    facts: Facts = NOTHING,
     header_peak: float = float("nan"),
     peak_rounding: float = 0.0,
     original_peak: float | None = None,
@@ -156,6 +143,7 @@ def build_record(
         event=event,
         warnings=tuple(notes),
         processing=tuple(processing),
+        **vars(facts),
     )
 
 

@@ -2,13 +2,40 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from datetime import UTC, datetime, timedelta
 
-__all__ = ["instant", "later", "near_event"]
+__all__ = ["clock_fault", "instant", "later", "near_event", "written"]
 
 #: A record starts at most this long before or after its earthquake; the waves cross the Earth in a third of it.
 NEAR = timedelta(hours=1)
+
+# Earlier than the first accelerogram of a strong earthquake (Long Beach, 11 March 1933 UTC) only a clock is wrong.
+_FIRST_YEAR = 1933
+# Times from which clocks start that nobody set (Unix, PC, GPS). The first hour only: on 1 January 1980, 16:42 UTC, the
+# Azores had a strong earthquake.
+_CLOCK_ORIGINS = tuple(datetime(*day, tzinfo=UTC) for day in ((1970, 1, 1), (1980, 1, 1), (1980, 1, 6)))
+_CLOCK_RUN = timedelta(hours=1)
+
+#: Hours by which the clocks of a zone are ahead of UTC.
+ZONES = {"": 0.0, "UTC": 0.0, "GMT": 0.0, "UT": 0.0, "PST": -8.0, "PDT": -7.0}
+#: 06/16/2005, 20:53:26.1 UTC or 2018/11/30 17:29:29, and the zone, if it is given.
+_WRITTEN = re.compile(
+    r"(?<!\d)(\d{1,4})/\s?(\d{1,2})/\s?(\d{2,4}),?\s+(\d{1,2}):\s?(\d{1,2}):\s?(\d{0,2}(?:\.\d{0,6})?)(?:\s{0,4}([A-Z]{2,4})\b)?",
+    re.ASCII | re.IGNORECASE,
+)
+#: The century of a year of two digits: accelerographs came in the thirties.
+_CENTURY = 30
+
+
+def clock_fault(moment: datetime) -> str:
+    """The reason why a start time [UTC, or the zone of the file] cannot be right; empty if it can."""
+    if moment.year < _FIRST_YEAR:
+        return f"the start time {moment:%Y-%m-%d %H:%M:%S} lies before the first accelerograms; it was left out"
+    if any(origin <= moment < origin + _CLOCK_RUN for origin in _CLOCK_ORIGINS):
+        return f"the start time {moment:%Y-%m-%d %H:%M:%S} is that of a clock that was never set; it was left out"
+    return ""
 
 
 def instant(day: Sequence[float], time: Sequence[float], zone_hours: float = 0.0) -> datetime | None:
@@ -49,3 +76,24 @@ def near_event(start: datetime | None, origin: datetime | None) -> tuple[datetim
         f"the start time {start:%Y-%m-%d %H:%M:%S} lies {abs(start - origin) / timedelta(hours=1):.1f} h from the "
         f"earthquake of {origin:%Y-%m-%d %H:%M:%S}; it was left out"
     ]
+
+
+def written(text: str) -> datetime | None:
+    """UTC time from the first date and time in a text, the year first or last; None where there is none.
+
+    Examples
+    --------
+    >>> written("(ORIGIN(CIT): 01/17/94, 12:30:55.4 GMT)")
+    datetime.datetime(1994, 1, 17, 12, 30, 55, 400000, tzinfo=datetime.timezone.utc)
+    >>> written("Origin: To be determined") is None
+    True
+    """
+    found = _WRITTEN.search(text)
+    if not found or (found[7] or "").upper() not in ZONES or found[6] in ("", "."):
+        return None
+    one, two, three = int(found[1]), int(found[2]), int(found[3])
+    year, month, day = (one, two, three) if len(found[1]) == 4 else (three, one, two)
+    if year < 100:
+        year += 1900 if year >= _CENTURY else 2000
+    clock = (int(found[4]), int(found[5]), float(found[6]))
+    return instant((year, month, day), clock, ZONES[(found[7] or "").upper()])

@@ -13,8 +13,9 @@ from datetime import datetime
 import numpy as np
 
 from rockpulse.errors import RecordFormatError
-from rockpulse.readers.clock import instant
+from rockpulse.readers.clock import instant, written
 from rockpulse.readers.facing import Direction, direction, on_structure
+from rockpulse.readers.facts import Facts, preferred, stated
 from rockpulse.readers.fields import check_count, fixed_width, free_numbers
 
 __all__ = ["TITLE", "Header", "fortran_layout", "read_header"]
@@ -34,6 +35,9 @@ _CLOCK = re.compile(
 _PEAK = re.compile(
     r"\bmax\s*=\s*(-?\d{0,9}\.?\d{1,9}|-?\d{1,9}\.)\s*([A-Z][A-Z0-9/*^]{0,12})", re.ASCII | re.IGNORECASE
 )
+_GEOLOGY = re.compile(r"site geology:\s*(.*?)\s*$", re.IGNORECASE)
+#: Network and number of the earthquake, then the codes of the channel: RcrdId: US.1000hyfh.NP.8040.HNE.01
+_EVENT_ID = re.compile(r"\s*\|\s*RcrdId:\s*(\w{2}\.\w+)\.\w{2}\.\w+\.\w{3}\.", re.ASCII | re.IGNORECASE)
 _COUNTED = re.compile(r"\(\s*(\d{1,3})\s*chns?\s+of\s+\d{1,3}", re.ASCII | re.IGNORECASE)
 #: No line of the header is longer; a damaged one may be.
 _LONGEST_LINE = 200
@@ -122,6 +126,22 @@ class Header:
         """A warning for sensors that may lie at depth."""
         site = _DEPTHS.get(self.integer(19) or 0)
         return [f"the station is of the type {site!r}: the sensor may lie at depth"] if site else []
+
+    def facts(self) -> Facts:
+        """The earthquake by reals 10 to 17, text line 4 and the comments, the station by reals 1 and 2 and line 6."""
+        geology = _GEOLOGY.search(self.text[5])
+        ids = (found[1] for comment in self.comments if (found := _EVENT_ID.match(comment)))
+        scales = enumerate(("Mw", "Ms", "ML", ""), start=13)
+        return stated(
+            event_id=next(ids, ""),
+            origin_time=written(self.text[3]),
+            magnitude=preferred((self.real(number), scale) for number, scale in scales),
+            hypocentre=(self.real(10), self.real(11)),
+            depth_km=self.real(12),
+            distance_km=self.real(17),
+            station=(self.real(1), self.real(2)),
+            site_class=geology[1] if geology else "",
+        )
 
     def start_time(self) -> tuple[datetime | None, list[str]]:
         """UTC time of the first sample, from integers 40 to 46, real 30 and text line 8, or why there is none."""

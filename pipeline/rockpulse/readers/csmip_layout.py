@@ -14,9 +14,11 @@ from datetime import UTC, datetime, timedelta
 import numpy as np
 
 from rockpulse.errors import RecordFormatError
-from rockpulse.readers.channel import build_record, clock_fault
+from rockpulse.readers.channel import build_record
 from rockpulse.readers.channel_count import Counted, completeness
+from rockpulse.readers.clock import ZONES, clock_fault, written
 from rockpulse.readers.facing import direction, on_structure
+from rockpulse.readers.facts import NOTHING, Facts, coordinates, magnitudes, stated
 from rockpulse.readers.fields import check_count, fixed_width, text_lines
 from rockpulse.readers.pairs import Block, surplus
 from rockpulse.readers.source import SourceFile
@@ -59,13 +61,14 @@ _STATION = re.compile(r"\s*station (?:id|no)\.\s+(\w+)\s+\d+\.\d*\s*[NS]", re.IG
 _COUNTED = re.compile(r"\((\d{1,3})\s*chns?\s+of\s+\d{1,3}", re.IGNORECASE)
 #: The first row of integers; the fourth of them counts the channels of the recorder.
 _INTEGERS = re.compile(r"[ \d-]{15} *(\d{1,3})(?=[ \d-]{60}$)", re.ASCII)
-_SEED_CODES = re.compile(r"\s*\w+\.(\w\w)\.(\w+)\.([\w-]{2})\.\w")
+_SEED_CODES = re.compile(r"\s*(\w+)\.(\w\w)\.(\w+)\.([\w-]{2})\.\w")
 _START = re.compile(
     r"(?:start|trigger) time:\s*(\d+)/\s*(\d+)/\s*(\d+),?\s+(\d+):\s*(\d+):\s*([\d.]+)\s+([A-Z]+)", re.IGNORECASE
 )
 # A trigger time is taken as that of the first sample: those of digital CSMIP recorders are (on the SSA-1 record of
 # Hesperia, 1992, the P wave arrives when it must), and film recorders have no memory of what was before.
-_ZONES = {"UTC": 0, "GMT": 0, "PST": -8, "PDT": -7}
+_ORIGIN = re.compile(r"\(origin(?:\([^)]{0,20}\))?:(.{0,40})", re.IGNORECASE)
+_DEPTH = re.compile(r"\bH\s*=\s*(\d{1,3}(?:\.\d{0,6})?)\s*KM", re.ASCII | re.IGNORECASE)
 
 
 @dataclass(frozen=True)
@@ -82,6 +85,7 @@ class Header:
     station_name: str = ""
     event: str = ""
     start_time: datetime | None = None
+    facts: Facts = NOTHING
     warnings: tuple[str, ...] = ()
     recorder: str = ""  # line that names the recorder
     number: str = ""  # numbers of the channel on the recorder and at the station; empty where the file numbers none
@@ -124,6 +128,7 @@ class Header:
             station_name=self.station_name,
             event=self.event,
             start_time=self.start_time,
+            facts=self.facts,
             header_peak=peak[0],
             peak_rounding=peak[1],
             original_peak=block.peak,
@@ -247,6 +252,7 @@ def read_header(lines: Sequence[str]) -> Header:
         station_name=re.split(r"\s{2,}|\s+s/n\b", text[5].strip(), flags=re.IGNORECASE)[0],
         event=" ".join(re.split(r"\s{2,}\(", text[1].strip())[0].split()),
         start_time=start_time,
+        facts=_facts(text),
         warnings=notes,
         recorder=text[4].strip(),
         number=f"{match[1]} {match[3] or ''}" if match else "",
@@ -276,9 +282,22 @@ def _codes(text: Sequence[str]) -> tuple[str, str, str]:
     """Network, station and location codes."""
     seed = _SEED_CODES.match(text[3])
     if seed:
-        return seed[1], seed[2], seed[3].replace("-", "")
+        return seed[2], seed[3], seed[4].replace("-", "")
     station = _STATION.match(text[4])
     return "", station[1] if station else "", ""
+
+
+def _facts(text: Sequence[str]) -> Facts:
+    """The earthquake by lines 3 and 9 of the text, or 4 where its number stands before the codes; the station by 5."""
+    origin, depth, seed = _ORIGIN.search(text[2]), _DEPTH.search(text[8]), _SEED_CODES.match(text[3])
+    return stated(
+        event_id=seed[1] if seed and seed[1].isdecimal() else "",
+        origin_time=written(origin[1]) if origin else None,
+        magnitude=magnitudes(text[8]),
+        hypocentre=coordinates(text[8]),
+        depth_km=depth[1] if depth else "",
+        station=coordinates(text[4]),
+    )
 
 
 def _start_time(line: str) -> tuple[datetime | None, tuple[str, ...]]:
@@ -292,7 +311,7 @@ def _start_time(line: str) -> tuple[datetime | None, tuple[str, ...]]:
         if year < 100:
             year += 1900 if year >= 69 else 2000
         local = datetime(year, month, day, hour, minute, tzinfo=UTC) + timedelta(seconds=float(match[6]))
-        moment = local - timedelta(hours=_ZONES[zone])
+        moment = local - timedelta(hours=ZONES[zone])
     except (ValueError, KeyError, OverflowError):
         return None, (f"the start time {match[0]!r} cannot be read",)
     # A clock that was never set begins at midnight of its own zone.

@@ -54,6 +54,7 @@ _DOCUMENTS = (b"[Content_Types].xml", b"mimetype")
 _FIRST_NAME = 30
 
 StationFiles = Callable[[], list[tuple[str, bytes]]]
+Neighbour = Callable[[str], bytes | None]
 
 
 class Unrecognised(RecordFormatError):
@@ -80,6 +81,7 @@ class SourceFile:
     load: Callable[[], bytes]  # returns all bytes, decompressed; called once, after a reader has recognised `head`
     station_files: StationFiles = list  # returns name and bytes of the StationXML files in the same folder
     chosen: bool = False  # whether the caller named the StationXML files, so that their names do not matter
+    beside: Neighbour = lambda name: None  # returns the bytes of a file in the same folder; None where there is none
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "head", _plain_text(self.head, self._coding))
@@ -174,6 +176,16 @@ def folder_station_files(folder: Path) -> list[tuple[str, bytes]]:
     return [(str(path), path.read_bytes()) for path in paths if path.stat().st_size <= FILE_LIMIT]
 
 
+def _folder_file(folder: Path) -> Neighbour:
+    """Gives the bytes of a file in a folder by its name; None where it is missing or larger than `FILE_LIMIT`."""
+
+    def content(name: str) -> bytes | None:
+        path = folder / name
+        return path.read_bytes() if path.is_file() and path.stat().st_size <= FILE_LIMIT else None
+
+    return content
+
+
 def check_link(path: Path) -> None:
     """Raise FileNotFoundError with the missing target of a symbolic link; the system would only name the link."""
     if path.is_symlink() and not path.exists():
@@ -212,8 +224,13 @@ def open_source(path: Path, station_files: StationFiles | None = None) -> Source
     if not head:
         raise RecordFormatError(f"{name}: the file is empty; download it again")
     _refuse_archive(name, head, " in a gzip file" if compressed else "")
-    beside = station_files or (lambda: folder_station_files(path.parent))
-    return SourceFile(name, head, lambda: _check_size(name, take(FILE_LIMIT + 1)), beside)
+    return SourceFile(
+        name,
+        head,
+        lambda: _check_size(name, take(FILE_LIMIT + 1)),
+        station_files or (lambda: folder_station_files(path.parent)),
+        beside=_folder_file(path.parent),
+    )
 
 
 def open_stream(stream: BinaryIO) -> SourceFile:
@@ -244,5 +261,13 @@ def open_stream(stream: BinaryIO) -> SourceFile:
     if not content:
         raise RecordFormatError(f"{name}: nothing left to read; is the stream at its end, or the file empty?")
     _refuse_archive(name, content[:HEAD], " in a gzip file" if compressed else "")
-    beside: StationFiles = (lambda: folder_station_files(Path(name).parent)) if Path(name).is_file() else list
-    return SourceFile(name, content[:HEAD], lambda: content, beside)
+    if not Path(name).is_file():
+        return SourceFile(name, content[:HEAD], lambda: content)
+    folder = Path(name).parent
+    return SourceFile(
+        name,
+        content[:HEAD],
+        lambda: content,
+        lambda: folder_station_files(folder),
+        beside=_folder_file(folder),
+    )

@@ -15,10 +15,15 @@ from rockpulse.record.record import Record
 NOON = datetime(2016, 10, 30, 6, 40, tzinfo=UTC)
 
 
-def record(name, event="", start=None, source=None):
-    """A record with only what tells its earthquake; `start` in s after the origin of the test."""
-    time = start if start is None or isinstance(start, datetime) else NOON + timedelta(seconds=start)
-    return Record([0.0, 1.0], dt=0.01, id=name, event=event, start_time=time, source=source or f"{name}.txt")
+def moment(seconds):
+    """A time that many seconds after the origin of the test; a time of the calendar, and None, stay what they are."""
+    return seconds if seconds is None or isinstance(seconds, datetime) else NOON + timedelta(seconds=seconds)
+
+
+def record(name, event="", start=None, source=None, origin=None, **known):
+    """A record with only what tells its earthquake; `start` and `origin` in s after the origin of the test."""
+    known |= {"start_time": moment(start), "origin_time": moment(origin), "source": source or f"{name}.txt"}
+    return Record([0.0, 1.0], dt=0.01, id=name, event=event, **known)
 
 
 def partition(records, named=None):
@@ -241,3 +246,79 @@ def test_real_records(records_folder):
         assert len({event_of[name] for name in files}) == 1, files
     different = [next(iter(sorted(files))) for files in same] + ["NIS090.AT2", "CE58667.V2", "2516b_a.smc"]
     assert len({event_of[name] for name in different}) == len(different)
+
+
+@pytest.mark.parametrize(
+    ("known", "together"),
+    [
+        ({"format": "dyna"}, True),
+        ({"format": "cosmos"}, False),
+        ({"format": "dyna", "origin": 500.0}, True),
+        ({"format": "dyna", "origin": 86400.0}, False),
+    ],
+)
+def test_records_of_one_event_id_of_one_format_are_of_one_earthquake(known, together):
+    one = record("a", "Elbistan", format="dyna", event_id="13194", origin=0.0)
+    other = record("b", "Gaziantep", event_id="13194", start=None, **known)
+    assert (partition([one, other]) == [["a", "b"]]) == together
+
+
+def test_other_event_ids_keep_nothing_apart():
+    """Agencies, and the versions of one catalogue, number one earthquake differently."""
+    records = [record("a", start=0, event_id="38457511"), record("b", start=30, event_id="38457487")]
+    assert partition(records) == [["a", "b"]]
+
+
+@pytest.mark.parametrize(
+    ("apart", "sizes", "together"),
+    [
+        (0.0, (7.7, 7.8), True),
+        (60.0, (7.7, float("nan")), True),
+        (61.0, (7.7, 7.7), False),
+        (20.0, (7.7, 6.6), False),
+        (20.0, (4.9, 5.8), True),
+    ],
+)
+def test_untitled_records_of_one_origin_time_and_like_magnitudes_are_of_one_earthquake(apart, sizes, together):
+    one, other = (
+        # Clocks of the records that were never set do not matter.
+        record(name, start=start, origin=origin, magnitude=size)
+        for name, start, origin, size in zip("ab", (0.0, 5e6), (0.0, apart), sizes, strict=True)
+    )
+    assert (partition([one, other]) == [["a", "b"]]) == together
+
+
+def test_shocks_of_one_name_are_told_apart_by_their_origin_times():
+    """Kahramanmaras, 6 February 2023: M 7.7 at 01:17:32, M 7.6 at 10:24:47 UTC, within the same day."""
+    first, second = datetime(2023, 2, 6, 1, 17, 32, tzinfo=UTC), datetime(2023, 2, 6, 10, 24, 47, tzinfo=UTC)
+    records = [
+        record("a", "Kahramanmaras", first + timedelta(seconds=9), origin=first),
+        record("b", "KAHRAMANMARAS EARTHQUAKE", second + timedelta(seconds=9), origin=second),
+        record("c", "Kahramanmaras", origin=second + timedelta(seconds=3)),
+    ]
+    assert partition(records) == [["a"], ["b", "c"]]
+    unstated = [record(one.id, one.event, one.start_time) for one in records]
+    assert partition(unstated) == [["a", "b", "c"]]
+
+
+def test_shocks_within_minutes_are_told_apart_by_their_origin_times():
+    """Records that begin within ten minutes are one earthquake, unless both files say that they are two."""
+    shocks = [record("a", start=5, origin=0), record("b", start=600, origin=-1), record("c", start=604, origin=601)]
+    assert partition(shocks) == [["a", "b"], ["c"]]
+    assert partition([*shocks, record("d", start=300)]) == [["a", "b", "c", "d"]]
+
+
+def test_an_origin_time_stands_for_a_start_that_is_not_known():
+    records = [record("film", "NORCIA", origin=0), record("digital", start=45), record("later", start=700)]
+    assert partition(records) == [["digital", "film"], ["later"]]
+    assert group_events([record("a", origin=0)]) == ["2016-10-30 06:40"]
+    assert partition([record("a", "Kobe 1995", origin=0), record("b", "Kobe")]) == [["a", "b"]]
+    assert partition([record("a", "Kobe", origin=0), record("b", "Kobe 1995")]) == [["a"], ["b"]]
+
+
+def test_thousands_of_records_of_stated_earthquakes_are_grouped_at_once():
+    many = [
+        record(f"r{place}", start=20_000.0 * (place % 50) + 0.1 * place, origin=20_000.0 * (place % 50), magnitude=6.0)
+        for place in range(3000)
+    ]
+    assert len(partition(many)) == 50

@@ -18,6 +18,7 @@ from rockpulse.errors import RecordFormatError
 from rockpulse.readers.channel import build_record
 from rockpulse.readers.clock import instant, later, near_event
 from rockpulse.readers.facing import Direction, direction
+from rockpulse.readers.facts import Facts, coordinates, magnitudes, stated
 from rockpulse.readers.fields import check_count, fixed_width, printed_number, text_lines
 from rockpulse.readers.format import Format, ReadOptions
 from rockpulse.readers.source import SourceFile
@@ -76,6 +77,12 @@ class _Header:
         """The values of `per_channel`, blank where a value is no number."""
         return [item if _NUMBER.fullmatch(item) else "" for item in self.per_channel(key)]
 
+    def continued(self, key: str, more: int) -> str:
+        """The value of a line and of up to `more` lines without a key behind it, in one line."""
+        first = self.entry(key)
+        behind = [one.value for one in self.entries if first.line < one.line <= first.line + more and not one.key]
+        return " ".join([first.value, *behind])
+
     def below(self, title: str) -> str:
         """The text under a heading, up to the next rule or key, in one line."""
         wanted = _consonants(title)
@@ -116,7 +123,7 @@ def read_asa(file: SourceFile, options: ReadOptions) -> list[Record]:
     columns, notes = _columns(file.name, lines, first, width, counts)
     steps = _steps(header, numbers)
     peaks = _each(header, "ACEL. MAX.(Gal),", numbers)
-    start_time, time_notes = _start_time(header)
+    (start_time, time_notes), facts = _start_time(header), _facts(header)
     place = f"{header.entry('NOMBRE DE LA ESTACION').value} {_location(header)}"
     records = []
     for index, samples in enumerate(columns):
@@ -138,6 +145,7 @@ def read_asa(file: SourceFile, options: ReadOptions) -> list[Record]:
                 station_name=header.entry("NOMBRE DE LA ESTACION").value,
                 event=_event(header),
                 start_time=start_time,
+                facts=facts,
                 header_peak=peak * UNITS[unit],
                 peak_rounding=rounding * UNITS[unit],
                 warnings=[*notes, *time_notes, *_quality(header)],
@@ -241,11 +249,26 @@ def _facing(word: str) -> Direction:
     return replace(facing, azimuth=(facing.azimuth + 180.0) % 360.0, note=note)
 
 
+def _facts(header: _Header) -> Facts:
+    date, time = _DATE.search(header.entry("FECHA DEL SISMO").value), _TIME.search(header.entry("HORA EPICENTRO").value)
+    utc = all(_UTC.search(header.entry(key).key) for key in ("FECHA DEL SISMO", "HORA EPICENTRO"))
+    origin = None
+    if date and time and utc:
+        clock = (int(time[1]), int(time[2]), float(time[3].replace(",", ".")))
+        origin = instant([int(part) for part in date.groups()], clock)
+    return stated(
+        origin_time=origin,
+        magnitude=magnitudes(header.entry("MAGNITUD").value),
+        hypocentre=coordinates(header.continued("COORDENADAS DEL EPICENTRO", 1)),
+        depth_km=header.entry("PROFUNDIDAD FOCAL").value,
+        station=coordinates(header.continued("COORDENADAS DE LA ESTACION", 1)),
+        site_class=header.continued("TIPO DE SUELO", 2),
+    )
+
+
 def _location(header: _Header) -> str:
     """The place of the station, which may run over lines without a key."""
-    first = header.entry("LOCALIZACION DE LA ESTACION")
-    follow = [entry.value for entry in header.entries if first.line < entry.line <= first.line + 4 and not entry.key]
-    return " ".join([first.value, *follow])
+    return header.continued("LOCALIZACION DE LA ESTACION", 4)
 
 
 def _event(header: _Header) -> str:

@@ -15,6 +15,7 @@ from rockpulse.readers.channel import build_record
 from rockpulse.readers.facing import direction
 from rockpulse.readers.fields import check_count, fixed_width, free_numbers, text_lines
 from rockpulse.readers.format import Format, ReadOptions
+from rockpulse.readers.peer_table import listed
 from rockpulse.readers.source import NotAcceleration, SourceFile
 from rockpulse.readers.units import canonical_unit
 from rockpulse.record.record import Record
@@ -116,6 +117,7 @@ def read_at2(file: SourceFile, options: ReadOptions) -> list[Record]:
     samples, warnings = _samples(file.name, lines, _first_value(lines, end + 1), count)
     component = re.sub(r"\s*\(.*?\)\s*$", "", title[-1]) if len(title) > 1 else ""
     written = _WRITTEN.match(header[0])
+    found, notes = listed(file)
     return [
         build_record(
             file,
@@ -129,9 +131,10 @@ def read_at2(file: SourceFile, options: ReadOptions) -> list[Record]:
             component=component,
             # PEER drops leading zeros: 9 is an azimuth here, elsewhere the number of a channel.
             facing=direction(component.zfill(3)) if component.isdecimal() else None,
-            station_name=station,
-            event=", ".join(title[:event]),
-            warnings=warnings,
+            station_name=station or found.station_name,
+            event=", ".join(title[:event]) or found.event,
+            facts=found.facts,
+            warnings=[*warnings, *notes],
         )
     ]
 

@@ -16,8 +16,10 @@ import numpy as np
 from rockpulse.errors import RecordFormatError
 from rockpulse.readers.channel import build_record
 from rockpulse.readers.channel_count import Counted, completeness
+from rockpulse.readers.clock import written
 from rockpulse.readers.csmip_layout import HEADER_LINES, LONGEST_LINE, TEXT_LINES, channels
 from rockpulse.readers.facing import Direction, direction
+from rockpulse.readers.facts import coordinates, magnitudes, stated
 from rockpulse.readers.fields import check_count, fixed_width
 from rockpulse.readers.format import Format, ReadOptions
 from rockpulse.readers.pairs import declared_points, pair_unit, surplus
@@ -33,6 +35,7 @@ _COMPONENT = re.compile(r"\s*comp\s+([LVT])\s*\d*\s*$", re.IGNORECASE)
 _STATION = re.compile(r"(.*?)\s+station\b", re.IGNORECASE)
 _AZIMUTH = r"azimuth\b.*\b{}\s+(\d{{1,3}}(?:\.\d*)?)(?!\S)"
 _ORIGIN = re.compile(r"\s*origin time\s*:\s*(.*)", re.IGNORECASE)
+_DEPTH = re.compile(r"\bFD\s*(\d{1,3}(?:\.\d{0,3})?)\s*km", re.ASCII | re.IGNORECASE)
 _DURATION = re.compile(r"duration\s*=\s*(\d{1,6}(?:\.\d{0,9})?)", re.IGNORECASE)
 #: The stated duration, of the samples or of the steps between them, may be off by this many steps.
 _DURATION_STEPS = 2.0
@@ -67,7 +70,7 @@ def _channel(file: SourceFile, lines: Sequence[str], start: int, end: int, numbe
             f"{file.name}:{start + 7}: expected 'COMP L1', 'COMP V2' or 'COMP T3', found {header[6].strip()!r}; "
             "the header is damaged: download the file again"
         )
-    station, origin = _STATION.match(header[7]), _ORIGIN.match(header[2])
+    station, origin, depth = _STATION.match(header[7]), _ORIGIN.match(header[2]), _DEPTH.search(header[8])
     return build_record(
         file,
         number,
@@ -80,6 +83,13 @@ def _channel(file: SourceFile, lines: Sequence[str], start: int, end: int, numbe
         facing=_facing(component[1].upper(), header[7]),
         station_name=station[1].strip() if station else "",
         event=" ".join(origin[1].split()) if origin else "",
+        facts=stated(
+            origin_time=written(origin[1]) if origin else None,
+            magnitude=magnitudes(header[8]),
+            hypocentre=coordinates(header[8]),
+            depth_km=depth[1] if depth else "",
+            station=coordinates(header[7]),
+        ),
         warnings=surplus(lines, first + -(-count // _PER_ROW), end),
     )
 

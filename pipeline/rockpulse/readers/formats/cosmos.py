@@ -5,7 +5,8 @@ Each channel has 13 lines of text, integers, reals and comments, then one or mor
 
 Of the integers are used 2 (quantity), 8 (station), 19 (station type), 40 to 46 (start of the record, quality of the
 clock), 52 (sensor) and 54 (azimuth); of the reals 22, 42, 43, 44 and 47 (gain), 30 (seconds of the start), 34 and 62
-(interval of the raw record [s] and of the series [ms]), 63 (length of the series [s]) and 64 (peak).
+(interval of the raw record [s] and of the series [ms]), 63 (length of the series [s]) and 64 (peak). Reals 1 and 2 are
+the place of the station, 10 to 12 that of the hypocentre, 13 to 16 magnitudes and 17 the epicentral distance [km].
 
 .. note:: Counts become m/s2 only where the header states every factor: one count is real 22 [microvolts], the sensor
    gives real 42 [V/g] times its gain, real 47, hence 1e-6 r22 / (r42 r47) g per count. Full-scale output and range of
@@ -160,6 +161,7 @@ def _channel(file: SourceFile, lines: Sequence[str], header: Header, end: int, n
         station_name=header.text[4][40:].strip(),
         event=re.sub(r"^(?:rcrd|record) of\s+", "", " ".join(header.text[1].split()), flags=re.IGNORECASE),
         start_time=start_time,
+        facts=header.facts(),
         header_peak=peak,
         peak_rounding=rounding,
         warnings=[*notes, *header.site_notes(), *time_notes],

@@ -25,8 +25,10 @@ holds one component. The header::
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Sequence
+from datetime import datetime
 
 import numpy as np
 
@@ -34,6 +36,7 @@ from rockpulse.errors import RecordFormatError
 from rockpulse.readers.channel import build_record
 from rockpulse.readers.clock import instant
 from rockpulse.readers.facing import Direction, direction, on_structure
+from rockpulse.readers.facts import Facts, coordinates, stated
 from rockpulse.readers.fields import check_count, free_rows, printed_number, text_lines
 from rockpulse.readers.format import Format, ReadOptions
 from rockpulse.readers.pairs import surplus
@@ -51,6 +54,11 @@ _STATION = re.compile(r"\s*STATION\s*:\s*(\w+)", re.ASCII | re.IGNORECASE)
 _COMPONENT = re.compile(r"\s*COMP\.\s*:?\s*(.*)", re.IGNORECASE)
 _POINT = re.compile(r"\s*OBSERVING POINT\s*:\s*(.*)", re.IGNORECASE)
 _MAGNITUDE = re.compile(r"\s*MAGNITUDE\s*:?\s*(.*)", re.IGNORECASE)
+_SIZE = re.compile(r"\s*MAGNITUDE\s*:?\s*(\d{1,2}(?:\.\d{0,3})?)\s*(?:\((\w{1,3})\))?", re.ASCII | re.IGNORECASE)
+_EPICENTRE = re.compile(r"\s*EPICENT(?:ER|RE)\b(.*)", re.IGNORECASE)
+_DEPTH = re.compile(r"\s*EPICENT(?:ER|RE)\b.{0,80}?DEPTH\s*(\d{1,3}(?:\.\d{0,3})?)\s*KM", re.ASCII | re.IGNORECASE)
+_STATION_LINE = re.compile(r"\s*STATION\s*:(.*)", re.IGNORECASE)
+_SITE = re.compile(r"\s*SITE CONDITION\s*:(.*)", re.IGNORECASE)
 _ORIGIN = re.compile(
     r"\s*\d+\s+(\d{4})-(\d{1,2})-(\d{1,2})\s+(\d{1,2}):(\d{1,2}):(\d{1,2}(?:\.\d{0,6})?)\s*([A-Z]*)", re.ASCII
 )
@@ -99,6 +107,7 @@ def read_csmnc(file: SourceFile, options: ReadOptions) -> list[Record]:
             structural=on_structure(_first(head, _POINT), stated=True),
             station=_first(head, _STATION),
             event=_event(head),
+            facts=_facts(head),
             header_peak=header_peak * UNITS[unit],
             peak_rounding=rounding * UNITS[unit],
             warnings=[*notes, *surplus(lines, end, len(lines))],
@@ -155,17 +164,31 @@ def _event(head: Sequence[str]) -> str:
     for index, line in enumerate(head[:6]):
         match = _ORIGIN.match(line[:200])
         if match:
-            parts = [head[index + 1].strip() if index + 1 < len(head) else "", _origin(match)]
+            moment = _origin(match)
+            name = head[index + 1].strip() if index + 1 < len(head) else ""
+            parts = [name, f"{moment:%Y-%m-%d %H:%M:%S} UTC" if moment else ""]
             break
     magnitude = _first(head, _MAGNITUDE)
     return " ".join(part for part in [*parts, f"M {magnitude}" if magnitude else ""] if part)
 
 
-def _origin(match: re.Match[str]) -> str:
+def _facts(head: Sequence[str]) -> Facts:
+    origin = next((match for line in head[:6] if (match := _ORIGIN.match(line[:200]))), None)
+    magnitude = next((match for line in head if (match := _SIZE.match(line[:200]))), None)
+    return stated(
+        origin_time=_origin(origin) if origin else None,
+        magnitude=(magnitude[1], magnitude[2] or "") if magnitude else (math.nan, ""),
+        hypocentre=coordinates(_first(head, _EPICENTRE)),
+        depth_km=_first(head, _DEPTH),
+        station=coordinates(_first(head, _STATION_LINE)),
+        site_class=_first(head, _SITE),
+    )
+
+
+def _origin(match: re.Match[str]) -> datetime | None:
     zone = 0.0 if match[7] in ("UTC", "GMT", "UT") else _BEIJING_HOURS
     day, clock = ([float(match[part]) for part in parts] for parts in ((1, 2, 3), (4, 5, 6)))
-    moment = instant(day, clock, zone)
-    return f"{moment:%Y-%m-%d %H:%M:%S} UTC" if moment else ""
+    return instant(day, clock, zone)
 
 
 FORMATS = (

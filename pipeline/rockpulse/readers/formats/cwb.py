@@ -19,6 +19,7 @@ from rockpulse.readers.channel import build_record
 from rockpulse.readers.clock import instant, later, near_event
 from rockpulse.readers.csmip_layout import LONGEST_LINE
 from rockpulse.readers.facing import Direction, direction
+from rockpulse.readers.facts import Facts, stated
 from rockpulse.readers.fields import check_count, fixed_width, printed_number, text_lines
 from rockpulse.readers.format import Format, ReadOptions
 from rockpulse.readers.source import SourceFile
@@ -80,7 +81,7 @@ def read_cwb(file: SourceFile, options: ReadOptions) -> list[Record]:
     table = fixed_width(lines[first:], first + 1, int(fields[2]), columns, rows * columns, file.name)
     table = table.reshape(rows, columns)
     _check_times(file.name, first, table[:, 0], rate)
-    start_time, notes = _start_time(header, float(table[0, 0]))
+    (start_time, notes), facts = _start_time(header, float(table[0, 0])), _facts(header)
     if rows > (length + rounding) * rate + 1.0:
         notes.append(f"the header states {length:g} s at {rate:g} samples per s, the file has {rows} rows")
     records = []
@@ -102,6 +103,7 @@ def read_cwb(file: SourceFile, options: ReadOptions) -> list[Record]:
                 station_name=header.get("stationname", _Entry()).value,
                 event=header.get("origintime", _Entry()).value,
                 start_time=start_time,
+                facts=facts,
                 header_peak=peak * UNITS[unit],
                 peak_rounding=rounding * UNITS[unit],
                 warnings=notes,
@@ -157,6 +159,19 @@ def _start_time(header: dict[str, _Entry], first: float) -> tuple[datetime | Non
         return None, [f"the start time {entry.value!r} cannot be read"]
     start, notes = near_event(start, _moment(header.get("origintime", _Entry())))
     return later(start, first), notes
+
+
+def _facts(header: dict[str, _Entry]) -> Facts:
+    def entry(key: str) -> _Entry:
+        return header.get(key, _Entry())
+
+    return stated(
+        origin_time=_moment(entry("origintime")),
+        magnitude=(entry("magnitude").value, entry("magnitude").aside),
+        hypocentre=(entry("epicenterlatitude").value, entry("epicenterlongitude").value),
+        depth_km=entry("depth").value,
+        station=(entry("stationlatitude").value, entry("stationlongitude").value),
+    )
 
 
 def _moment(entry: _Entry) -> datetime | None:

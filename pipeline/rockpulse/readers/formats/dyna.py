@@ -14,6 +14,7 @@ from datetime import datetime
 from rockpulse.errors import RecordFormatError
 from rockpulse.readers.channel import build_record
 from rockpulse.readers.clock import instant, near_event
+from rockpulse.readers.facts import Facts, preferred, stated
 from rockpulse.readers.fields import check_count, free_numbers, printed_number, text_lines
 from rockpulse.readers.format import Format, ReadOptions
 from rockpulse.readers.pairs import surplus
@@ -122,6 +123,7 @@ def read_dyna(file: SourceFile, options: ReadOptions) -> list[Record]:
             event=header.text("EVENT_NAME"),
             start_time=start_time,
             sensor_depth=header.number("SENSOR_DEPTH_M"),
+            facts=_facts(header),
             header_peak=peak * UNITS["cm/s2"],
             peak_rounding=rounding * UNITS["cm/s2"],
             warnings=[
@@ -183,12 +185,29 @@ def _start_time(header: _Header) -> tuple[datetime | None, list[str]]:
     start = _moment(stated)
     if start is None:
         return None, [f"the start time {stated!r} cannot be read"]
-    origin = _moment(f"{header.text('EVENT_DATE_YYYYMMDD')} {header.text('EVENT_TIME_HHMMSS')}")
-    start, notes = near_event(start, origin)
+    start, notes = near_event(start, _origin(header))
     precision = header.text("DATE_TIME_FIRST_SAMPLE_PRECISION")
     if precision and start is not None and not _PRECISION.fullmatch(precision):
         notes.append(f"the start time is known to the {precision} only (header)")
     return start, notes
+
+
+def _origin(header: _Header) -> datetime | None:
+    return _moment(f"{header.text('EVENT_DATE_YYYYMMDD')} {header.text('EVENT_TIME_HHMMSS')}")
+
+
+def _facts(header: _Header) -> Facts:
+    return stated(
+        event_id=header.text("EVENT_ID"),
+        origin_time=_origin(header),
+        magnitude=preferred([(header.text("MAGNITUDE_W"), "Mw"), (header.text("MAGNITUDE_L"), "ML")]),
+        hypocentre=(header.text("EVENT_LATITUDE_DEGREE"), header.text("EVENT_LONGITUDE_DEGREE")),
+        depth_km=header.text("EVENT_DEPTH_KM"),
+        distance_km=header.text("EPICENTRAL_DISTANCE_KM"),
+        station=(header.text("STATION_LATITUDE_DEGREE"), header.text("STATION_LONGITUDE_DEGREE")),
+        vs30=header.text("VS30_M/S"),
+        site_class=header.text("SITE_CLASSIFICATION_EC8"),
+    )
 
 
 def _moment(text: str) -> datetime | None:

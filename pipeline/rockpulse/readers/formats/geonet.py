@@ -19,6 +19,7 @@ from rockpulse.readers.channel import build_record
 from rockpulse.readers.channel_count import Counted, completeness
 from rockpulse.readers.clock import instant, near_event
 from rockpulse.readers.facing import Direction, direction, on_structure
+from rockpulse.readers.facts import Facts, coordinates, magnitudes, stated
 from rockpulse.readers.fields import check_count, fixed_width, printed_number, text_lines
 from rockpulse.readers.format import Format, ReadOptions
 from rockpulse.readers.source import SourceFile
@@ -36,6 +37,8 @@ _POINTS = re.compile(r"number of points\s+(\d{1,9})\b", re.IGNORECASE)
 _READINGS = re.compile(r"raw readings in units of\s+(\d{1,9}(?:\.\d{0,9})?)\s+(\S+)", re.IGNORECASE)
 _STEP = re.compile(r"\bat (?:intervals of\s+)?(\d{0,3}\.\d{1,6})\s*s", re.IGNORECASE)
 _COMPONENT = re.compile(r"component\s+([NS]\s*\d{1,2}(?:\.\d{0,3})?\s*[EW]\b|\S+)", re.IGNORECASE)
+_DISTANCE = re.compile(r"\bdist\s+(\d{1,5})\s*km", re.ASCII | re.IGNORECASE)
+_DEPTH = re.compile(r"\bdepth\s+(\d{1,3})\s*km", re.ASCII | re.IGNORECASE)
 _PEAK = re.compile(r"acceleration:\s+peak\s*(-?\d{1,9}(?:\.\d{0,9})?)\s*(\S+)", re.IGNORECASE)
 
 
@@ -109,6 +112,7 @@ def _component(file: SourceFile, lines: Sequence[str], first: int, number: int) 
         station_name=lines[2].strip(),
         event=lines[6].strip(),
         start_time=start_time,
+        facts=_facts(lines, integers),
         header_peak=header_peak * peak_factor,
         peak_rounding=rounding * peak_factor,
         warnings=notes,
@@ -162,9 +166,26 @@ def _facing(component: str, azimuth: int) -> Direction:
 def _start_time(integers: np.ndarray) -> tuple[datetime | None, list[str]]:
     """UTC time of the first sample: integers 9, 10, 19, 20, 39, 40; the earthquake stands in integers 1 to 6."""
     numbers = [float(value) for value in integers]
-    origin = instant(numbers[:3], (numbers[3], numbers[4], 0.1 * numbers[5]))
     day, time = (numbers[8], numbers[9], numbers[18]), (numbers[19], numbers[38], 0.001 * numbers[39])
-    return near_event(instant(day, time), origin)
+    return near_event(instant(day, time), _origin(integers))
+
+
+def _origin(integers: np.ndarray) -> datetime | None:
+    year, month, day, hour, minute, tenths = (float(value) for value in integers[:6])
+    return instant((year, month, day), (hour, minute, 0.1 * tenths))
+
+
+def _facts(lines: Sequence[str], integers: np.ndarray) -> Facts:
+    """The station by line 2 of the text, the earthquake by line 9 and the integers."""
+    distance, depth = _DISTANCE.search(lines[8]), _DEPTH.search(lines[8])
+    return stated(
+        origin_time=_origin(integers),
+        magnitude=magnitudes(lines[8]),
+        hypocentre=coordinates(lines[8]),
+        depth_km=depth[1] if depth else "",
+        distance_km=distance[1] if distance else "",
+        station=coordinates(lines[1]),
+    )
 
 
 FORMATS = (

@@ -13,6 +13,7 @@ import numpy as np
 from rockpulse.errors import RecordFormatError
 from rockpulse.readers.channel import build_record
 from rockpulse.readers.clipping import clipping_warning
+from rockpulse.readers.facts import stated
 from rockpulse.readers.fields import check_count, free_numbers, printed_number, text_lines
 from rockpulse.readers.format import Format, ReadOptions
 from rockpulse.readers.obspy_bridge import obspy_stream, utc_time
@@ -70,7 +71,7 @@ def read_knet(file: SourceFile, options: ReadOptions) -> list[Record]:
     offset = float(np.mean(counts))
     factor = UNITS["gal"] * float(scale[1]) / float(scale[2])
     peak = _PEAK.match(header[14])
-    stated, rounding = printed_number(peak[1]) if peak else (float("nan"), 0.0)
+    header_peak, rounding = printed_number(peak[1]) if peak else (float("nan"), 0.0)
     component, warnings = _component(file, stats.channel)
     return [
         build_record(
@@ -88,7 +89,14 @@ def read_knet(file: SourceFile, options: ReadOptions) -> list[Record]:
             station=stats.station,
             location=stats.location,
             start_time=utc_time(file, stats.starttime),
-            header_peak=stated * UNITS["gal"],
+            facts=stated(
+                origin_time=utc_time(file, stats.knet.evot),
+                magnitude=(float(stats.knet.mag), ""),
+                hypocentre=(float(stats.knet.evla), float(stats.knet.evlo)),
+                depth_km=float(stats.knet.evdp),
+                station=(float(stats.knet.stla), float(stats.knet.stlo)),
+            ),
+            header_peak=header_peak * UNITS["gal"],
             peak_rounding=rounding * UNITS["gal"],
             event=f"{utc_time(file, stats.knet.evot):%Y-%m-%d %H:%M:%S} UTC M{stats.knet.mag:g}",
             warnings=[*notes, *warnings, *clipping_warning(counts)],

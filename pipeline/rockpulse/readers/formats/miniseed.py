@@ -10,6 +10,7 @@ import numpy as np
 from rockpulse.errors import RecordFormatError, RecordRefused
 from rockpulse.readers.channel import build_record, usable_channels
 from rockpulse.readers.clipping import clipping_warning
+from rockpulse.readers.facts import stated
 from rockpulse.readers.format import Format, ReadOptions
 from rockpulse.readers.instrument import sensitivity_factor, without_response
 from rockpulse.readers.obspy_bridge import obspy_stream, seed_direction, utc_time
@@ -96,6 +97,7 @@ def _miniseed_channel(file: SourceFile, traces: list[Any], number: int, options:
         station_name=site,
         start_time=utc_time(file, stats.starttime),
         sensor_depth=float("nan") if channel.depth is None else float(channel.depth),
+        facts=stated(station=(float(channel.latitude), float(channel.longitude))),
         warnings=[*notes, *warnings],
         processing=processing,
     )

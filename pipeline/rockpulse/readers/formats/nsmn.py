@@ -13,6 +13,7 @@ from datetime import datetime
 from rockpulse.errors import RecordFormatError
 from rockpulse.readers.channel import build_record
 from rockpulse.readers.clock import instant, near_event
+from rockpulse.readers.facts import Facts, coordinates, stated
 from rockpulse.readers.fields import check_count, free_rows, printed_number, text_lines
 from rockpulse.readers.format import Format, ReadOptions
 from rockpulse.readers.pairs import surplus
@@ -61,7 +62,7 @@ def read_nsmn(file: SourceFile, options: ReadOptions) -> list[Record]:
     peaks, unit_text, at = entries.get("RAW PGA VALUES", ("", "", first))
     unit = canonical_unit(unit_text, f"{file.name}:{at}")
     stated = {name.upper(): printed_number(value) for name, value in _PEAK.findall(peaks)}
-    start_time, notes = _start_time(entries)
+    (start_time, notes), facts = _start_time(entries), _facts(entries)
     records = []
     for number, samples in enumerate(table.T, start=1):
         component = columns[number].upper()
@@ -81,6 +82,7 @@ def read_nsmn(file: SourceFile, options: ReadOptions) -> list[Record]:
                 station_name=_turkish(entries.get("PLACE", ("",))[0]),
                 event=_event(entries),
                 start_time=start_time,
+                facts=facts,
                 header_peak=peak * UNITS[unit],
                 peak_rounding=rounding * UNITS[unit],
                 warnings=[*notes, *surplus(lines, end, len(lines))],
@@ -110,6 +112,20 @@ def _turkish(text: str) -> str:
 def _event(entries: dict[str, tuple[str, str, int]]) -> str:
     date, magnitude = (entries.get(key, ("",))[0] for key in ("EARTHQUAKE DATE", "EARTHQUAKE MAGNITUDE"))
     return f"{date} M {magnitude}" if magnitude else date
+
+
+def _facts(entries: dict[str, tuple[str, str, int]]) -> Facts:
+    def entry(key: str) -> str:
+        return entries.get(key, ("",))[0]
+
+    magnitude, _, scale = entry("EARTHQUAKE MAGNITUDE").partition(" ")
+    return stated(
+        origin_time=_moment(entry("EARTHQUAKE DATE"))[0],
+        magnitude=(magnitude, scale),
+        hypocentre=coordinates(entry("EPICENTER COORDINATES")),
+        depth_km=entry("EARTHQUAKE DEPTH"),
+        station=coordinates(entry("STATION COORDINATES")),
+    )
 
 
 def _moment(text: str) -> tuple[datetime | None, str]:

@@ -4,11 +4,15 @@ from __future__ import annotations
 
 import math
 import struct
+from datetime import datetime
+from typing import Any
 
 import numpy as np
 
 from rockpulse.errors import RecordFormatError, UnitError
 from rockpulse.readers.channel import build_record
+from rockpulse.readers.clock import later
+from rockpulse.readers.facts import Facts, stated
 from rockpulse.readers.format import Format, ReadOptions
 from rockpulse.readers.obspy_bridge import obspy_stream, seed_direction, utc_time
 from rockpulse.readers.source import NotAcceleration, SourceFile
@@ -76,6 +80,7 @@ def read_sac(file: SourceFile, options: ReadOptions) -> list[Record]:
     dip = None if inclination is None else float(inclination) - 90.0
     with np.errstate(invalid="ignore"):  # a signalling NaN; Record names it
         values = np.asarray(trace.data, dtype=float)
+    start = utc_time(file, stats.starttime) if "nzyear" in header else None
     scale = float(header.get("scale", 1.0))
     if scale != 1.0:
         notes.append(f"the header word SCALE = {scale:g} is not applied")
@@ -96,11 +101,32 @@ def read_sac(file: SourceFile, options: ReadOptions) -> list[Record]:
             station=stats.station,
             location=stats.location,
             event=str(header.get("kevnm", "")).strip(),
-            start_time=utc_time(file, stats.starttime) if "nzyear" in header else None,
             sensor_depth=float(header.get("stdp", math.nan)),
+            start_time=start,
+            facts=_facts(header, start),
             warnings=notes,
         )
     ]
+
+
+def _facts(header: Any, start: datetime | None) -> Facts:
+    """The earthquake and the station; the origin time O and the first sample B count from one reference [s].
+
+    Where both are the same nobody has set O: no record begins with its earthquake.
+    """
+
+    def word(name: str) -> float:
+        return float(f"{float(header.get(name, math.nan)):.7g}")  # the header holds float32
+
+    to_origin = word("o") - word("b")
+    return stated(
+        origin_time=later(start, to_origin) if math.isfinite(to_origin) and to_origin != 0.0 else None,
+        magnitude=(word("mag"), ""),
+        hypocentre=(word("evla"), word("evlo")),
+        depth_km=word("evdp"),
+        distance_km=word("dist"),
+        station=(word("stla"), word("stlo")),
+    )
 
 
 def _check_coordinates(file: SourceFile, order: str) -> None:

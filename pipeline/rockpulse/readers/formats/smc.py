@@ -17,6 +17,7 @@ from rockpulse.errors import RecordFormatError
 from rockpulse.readers.channel import build_record
 from rockpulse.readers.clock import instant, later, near_event
 from rockpulse.readers.facing import Direction, direction, on_structure
+from rockpulse.readers.facts import Facts, preferred, stated
 from rockpulse.readers.fields import check_count, fixed_width, printed_number, text_lines
 from rockpulse.readers.format import Format, ReadOptions
 from rockpulse.readers.source import NotAcceleration, SourceFile
@@ -41,6 +42,7 @@ _TEXT_LINES, _INTEGER_LINES, _REAL_LINES = 11, 6, 10
 _LONGEST_LINE = 200
 _STATION = re.compile(r"station\s*=\s*(.*?)\s*component\s*=\s*(.*)", re.IGNORECASE)
 _PEAK = re.compile(r"pk acc\s*=\s*(-?\d+\.?\d*(?:E[+-]?\d+)?)", re.IGNORECASE)
+_EVENT_ID = re.compile(r"\|\s*EventID:\s*(\w{1,40})\s*$", re.ASCII | re.IGNORECASE)
 _EVENT = re.compile(r"\s*(\d{4})\s+(\d+)\s+(\d+)\s+(\d+)\s+(.*)", re.ASCII)
 #: Some files carry a nonsense rate; no accelerograph reaches this one [1/s].
 _RATE_LIMIT = 10_000.0
@@ -119,6 +121,7 @@ def read_smc(file: SourceFile, options: ReadOptions) -> list[Record]:
             station_name=name,
             event=" ".join(event[5].split()) if event else "",
             start_time=start_time,
+            facts=_facts(reals, event, lines[first_value:first]),
             header_peak=header_peak * UNITS[_UNIT],
             peak_rounding=rounding * UNITS[_UNIT],
             original_peak=peak,
@@ -191,8 +194,29 @@ def _start_time(integers: np.ndarray, event: re.Match[str] | None) -> tuple[date
         return None, [f"{words} (integers 2 to 7: year, day, hour, minute, second, millisecond) is no start time"]
     if event is None:
         return start, []
+    return near_event(start, _origin(event))
+
+
+def _origin(event: re.Match[str]) -> datetime | None:
+    """The minute of the earthquake, UTC."""
     year, month, day, time = (int(event[group]) for group in range(1, 5))
-    return near_event(start, instant((year, month, day), (time // 100, time % 100, 0)))
+    return instant((year, month, day), (time // 100, time % 100, 0))
+
+
+def _facts(reals: np.ndarray, event: re.Match[str] | None, comments: Sequence[str]) -> Facts:
+    """The earthquake by reals 3 to 9 and 17, line 4 and the comments, the station by reals 11 and 12."""
+    values = [float(f"{value:.7g}") for value in reals]  # printed from float32: 5.8000002
+    latitude, longitude, depth, *sizes = values[2:9]
+    ids = (found[1] for comment in comments if (found := _EVENT_ID.match(comment)))
+    return stated(
+        event_id=next(ids, ""),
+        origin_time=_origin(event) if event else None,
+        magnitude=preferred(zip(sizes, ("Mw", "Ms", "ML", ""), strict=True)),
+        hypocentre=(latitude, longitude),
+        depth_km=depth,
+        distance_km=values[16],
+        station=(values[10], values[11]),
+    )
 
 
 FORMATS = (

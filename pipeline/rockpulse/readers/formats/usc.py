@@ -10,8 +10,10 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 
+from rockpulse.readers.clock import instant
 from rockpulse.readers.csmip_layout import HEADER_LINES, TEXT_LINES, Header, channels
 from rockpulse.readers.facing import on_structure
+from rockpulse.readers.facts import Facts, coordinates, stated
 from rockpulse.readers.fields import check_count
 from rockpulse.readers.format import Format, ReadOptions
 from rockpulse.readers.formats.csmip_v2 import read_corrected
@@ -26,6 +28,15 @@ _CORRECTED = re.compile(r"\s?corrected accelerogram\b[^\r\n]*[\r\n]+" + _TITLE.p
 #: Words end here; the number of a punched card follows.
 _WORDS = 72
 _STATION = re.compile(r"\s*station\s+(?:usc#|no\.?)\s*(\w+)", re.IGNORECASE)
+#: The minute of the earthquake in Greenwich: OCT 01, 1987 -1442 GMT.
+_MINUTE = re.compile(
+    r"\s*([A-Z]{3})[A-Z]*\.?\s+(\d{1,2}),\s*(\d{4})\s*-\s*(\d\d)(\d\d)\s+GMT", re.ASCII | re.IGNORECASE
+)
+_MONTHS = ["JAN", "FEB", "MAR", "APR", "MAY", "JUN", "JUL", "AUG", "SEP", "OCT", "NOV", "DEC"]
+_MAGNITUDE = re.compile(r"\s*magnitude\s*=\s*(\d{1,2}\.\d{0,3})\s", re.ASCII | re.IGNORECASE)
+_DISTANCE = re.compile(r".{0,60}epicentral distance\s*=\s*(\d{1,5}\.\d{0,4})\s*km", re.ASCII | re.IGNORECASE)
+#: Reals of volume 1 in fields of ten characters, eight in a row: epicentral distance [km], magnitude, depth [km].
+_REALS, _OF_EVENT = TEXT_LINES + 7, (11, 12, 14)
 _COMPONENT = re.compile(r"\s*comp(?:onent)?\s+(.*)", re.IGNORECASE)
 
 
@@ -49,7 +60,7 @@ def read_usc_v1(file: SourceFile, options: ReadOptions) -> list[Record]:
         unit = pair_unit(lines[start + 11], f"{file.name}:{start + 12}")
         block = pair_block(file.name, lines, start + HEADER_LINES, end, count, unit)
         records.append(
-            _header(lines[start : start + TEXT_LINES]).record(file, number, block, format="usc_v1", processed=False)
+            _header(lines[start : start + HEADER_LINES]).record(file, number, block, format="usc_v1", processed=False)
         )
     return records
 
@@ -60,7 +71,7 @@ def read_usc_v2(file: SourceFile, options: ReadOptions) -> list[Record]:
 
 
 def _header(lines: Sequence[str]) -> Header:
-    """The header from the 13 lines of text."""
+    """The header from the 13 lines of text and those behind them."""
     text = [line[:_WORDS].strip() for line in lines[:TEXT_LINES]]
     component, station = _COMPONENT.match(text[6]), _STATION.match(text[4])
     return Header(
@@ -69,7 +80,35 @@ def _header(lines: Sequence[str]) -> Header:
         station=station[1] if station else "",
         station_name=text[5],
         event=" ".join((text[7] or text[1]).split()),
+        facts=_facts(text, lines[TEXT_LINES:], [_real(lines, number) for number in _OF_EVENT]),
     )
+
+
+def _facts(text: Sequence[str], behind: Sequence[str], reals: Sequence[str]) -> Facts:
+    """Earthquake and station, from the text and, in volume 2, from the line of the magnitude, else from the reals."""
+    minute = _MINUTE.match(text[2])
+    magnitude = next((found[1] for line in behind if (found := _MAGNITUDE.match(line[:_WORDS]))), reals[1])
+    distance = next((found[1] for line in behind if (found := _DISTANCE.match(line[:_WORDS]))), reals[0])
+    origin = None
+    if minute and minute[1].upper() in _MONTHS:
+        day = (int(minute[3]), _MONTHS.index(minute[1].upper()) + 1, int(minute[2]))
+        origin = instant(day, (int(minute[4]), int(minute[5]), 0.0))
+    return stated(
+        origin_time=origin,
+        magnitude=(magnitude, ""),
+        hypocentre=coordinates(text[8]),
+        depth_km=reals[2],
+        distance_km=distance,
+        station=coordinates(text[4]),
+    )
+
+
+def _real(lines: Sequence[str], number: int) -> str:
+    """A real of volume 1, from 1, as it is written; empty in the text of volume 2, which comes without them."""
+    if len(lines) < HEADER_LINES:
+        return ""
+    row, column = divmod(number - 1, 8)
+    return lines[_REALS + row][10 * column : 10 * (column + 1)]
 
 
 FORMATS = (

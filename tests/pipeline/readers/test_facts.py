@@ -1,0 +1,353 @@
+"""What headers state about earthquake and site: what cannot be true is left out, every format tells what it can."""
+
+import math
+from dataclasses import fields
+from datetime import UTC, datetime
+
+import numpy as np
+import obspy
+import pytest
+
+from rockpulse.readers import read
+from rockpulse.readers.facts import NOTHING, Facts, coordinates, magnitudes, preferred, stated
+from rockpulse.record.record import Record
+
+NAN = math.nan
+
+
+def when(*moment):
+    return datetime(*moment, tzinfo=UTC)
+
+
+def known(record):
+    """The facts that a record knows, by their names."""
+    values = {field.name: getattr(record, field.name) for field in fields(Facts)}
+    return {name: value for name, value in values.items() if value not in ("", None) and value == value}
+
+
+def test_facts_are_fields_of_a_record_with_the_same_defaults():
+    of_record = {field.name: field for field in fields(Record)}
+    for field in fields(Facts):
+        assert of_record[field.name].type == field.type
+        assert str(of_record[field.name].default) == str(field.default)
+
+
+@pytest.mark.parametrize(
+    ("told", "found"),
+    [
+        ({"magnitude": ("7.7", "MW")}, {"magnitude": 7.7, "magnitude_type": "Mw"}),
+        ({"magnitude": (4.6, "Ml")}, {"magnitude": 4.6, "magnitude_type": "ML"}),
+        ({"magnitude": ("5.9", "M")}, {"magnitude": 5.9}),
+        ({"magnitude": ("5.1", "mbLg")}, {"magnitude": 5.1, "magnitude_type": "mbLg"}),
+        ({"magnitude": ("-0.4", "ML")}, {"magnitude": -0.4, "magnitude_type": "ML"}),
+        ({"magnitude": ("0.00", "ML")}, {}),
+        ({"magnitude": (-999.0, "Mw")}, {}),
+        ({"magnitude": ("10.1", "")}, {}),
+        ({"magnitude": ("unknown", "Mw")}, {}),
+        ({"hypocentre": ("37.288", "37.043")}, {"hypocentre_latitude": 37.288, "hypocentre_longitude": 37.043}),
+        ({"hypocentre": (37.0, 200.0)}, {"hypocentre_latitude": 37.0, "hypocentre_longitude": -160.0}),
+        ({"hypocentre": ("91", "37"), "depth_km": "5"}, {"hypocentre_depth": 5000.0}),
+        ({"hypocentre": (-999.0, -999.0)}, {}),
+        ({"hypocentre": ("0.000", "0.000"), "depth_km": "0.0"}, {}),
+        (
+            {"hypocentre": (37.0, 37.0), "depth_km": "0.0"},
+            {"hypocentre_latitude": 37.0, "hypocentre_longitude": 37.0, "hypocentre_depth": 0.0},
+        ),
+        ({"depth_km": "-3"}, {}),
+        ({"depth_km": 801.0}, {}),
+        ({"distance_km": "120.12"}, {"epicentral_distance": 120120.0}),
+        ({"distance_km": "0."}, {}),
+        ({"distance_km": -999.0}, {}),
+        ({"station": ("37.76121", "")}, {}),
+        ({"station": (0.0, 9.5)}, {"station_latitude": 0.0, "station_longitude": 9.5}),
+        ({"vs30": "391"}, {"vs30": 391.0}),
+        ({"vs30": "0"}, {}),
+        ({"vs30": "1e999"}, {}),
+        ({"site_class": " B "}, {"site_class": "B"}),
+        ({"site_class": "N/A", "event_id": "---"}, {}),
+        ({"origin_time": when(1980, 1, 1)}, {}),
+        ({"origin_time": when(2009, 4, 6, 1, 32, 39)}, {"origin_time": when(2009, 4, 6, 1, 32, 39)}),
+    ],
+)
+def test_what_cannot_be_true_is_left_out(told, found):
+    assert (
+        known(stated(**told)) == pytest.approx(found)
+        if "epicentral_distance" in found
+        else known(stated(**told)) == found
+    )
+
+
+def test_nothing_stated_is_nothing_known():
+    assert known(NOTHING) == known(stated()) == {}
+
+
+@pytest.mark.parametrize(
+    ("text", "place"),
+    [
+        ("STATION NO. 14403   33.929N, 118.260W     SMA-1  S/N 3492", (33.929, -118.26)),
+        ("HYPOCENTER(CIT/USGS): 34.201N,116.826W, H=7KM.     MS=6.6(NEIC), MW=6.4(CIT)", (34.201, -116.826)),
+        ("36.91980N-27.44350E", (36.9198, 27.4435)),
+        ("Ahar                      Station   38.474 N 47.059 E   Altitude 1360m", (38.474, 47.059)),
+        ("19.33024 LAT. N 99.181076 LONG. W", (19.33024, -99.181076)),
+        ("EPICENTER -   34 03 29N, 118 04 30W", (34.058056, -118.075)),
+        ("Site HSES      42 31 24S  172 49 50E     Basalt file:  20161113", (-42.523333, 172.830556)),
+        ("Hypocenter:  To be determined.               ML:  To be determined.", (NAN, NAN)),
+        ("12.5 NEAR 13.5 WEST", (NAN, NAN)),
+    ],
+)
+def test_places_in_headers(text, place):
+    np.testing.assert_array_equal(coordinates(text), place)
+
+
+@pytest.mark.parametrize(
+    ("text", "found"),
+    [
+        ("Hypocenter: 34.0580  -117.0110  H= 12km(SCSN) ML=4.9, Mw=4.8(CIT), Ms=4.2(NEIC)", (4.8, "Mw")),
+        ("Hypocenter: To be determined    H=   km       ML=     Mw=", (NAN, "")),
+        ("Epicenter 38.520 N 46.860 E   FD 12 Km mb      Ms      Mw6.1   M        ML   (BHRC   )", (6.1, "Mw")),
+        ("/Mb=5.2/Ms=5.8/Mc=5.0/Ma=5.6/Me=5.7", (5.8, "Ms")),
+        ("Depth    8km M  5.70", (5.7, "")),
+        ("HYPOCENTER:   0.000N    0.000E  H=   0.0KM   ML= 0.00", (NAN, "")),
+        ("H=12 KM. M=123.4", (NAN, "")),
+    ],
+)
+def test_magnitudes_in_headers(text, found):
+    np.testing.assert_equal(magnitudes(text), found)
+
+
+def test_one_magnitude_of_several():
+    assert preferred([("6.5", "ML"), ("-999", "Mw"), ("6.6", "Ms")]) == (6.6, "Ms")
+    assert preferred([("5.0", "Md"), ("5.1", "Mc")]) == (5.0, "Md")
+    np.testing.assert_equal(preferred([]), (NAN, ""))
+
+
+AFAD = {
+    "event_id": "3336",
+    "origin_time": when(2010, 11, 14, 23, 8, 25, 750000),
+    "magnitude": 5.1,
+    "magnitude_type": "ML",
+    "hypocentre_latitude": 36.6053,
+    "hypocentre_longitude": 35.987,
+    "hypocentre_depth": 24170.0,
+    "epicentral_distance": 45790.0,
+    "station_latitude": 36.69293,
+    "station_longitude": 36.48852,
+    "vs30": 688.0,
+    "site_class": "B",
+}
+#: Facts of real records, as their headers state them. Public catalogues agree to their digits: M 7.8 Kaikoura
+#: 2016-11-13 11:02:56, M 6.7 Northridge 1994-01-17 12:30:55, M 6.4 Big Bear 1992-06-28 15:05:30, M 7.1 Anchorage
+#: 2018-11-30 17:29:29, M 6.6 Kos 2017-07-20 22:31:09, M 6.4 Hualien 2018-02-06 15:50:42, M 6.5 Ahar 2012-08-11 12:23.
+REAL = {
+    "dyna_asc/20101114230825_3104_ap_RawAcc_E.asc": AFAD,
+    "dyna_asc/HI.ARS1..HNE.D.20190728.160908.C.ACC.ASC": {
+        "event_id": "EMSC-20190728_0000106",
+        "origin_time": when(2019, 7, 28, 16, 9, 8),
+        "magnitude": 4.6,
+        "magnitude_type": "ML",
+        "hypocentre_depth": 9000.0,
+        "epicentral_distance": 88100.0,
+    },
+    "afad_nsmn/20170720223109_0921.txt": {
+        "origin_time": when(2017, 7, 20, 22, 31, 9),
+        "magnitude": 6.5,
+        "magnitude_type": "Mw",
+        "hypocentre_latitude": 36.9198,
+        "hypocentre_longitude": 27.4435,
+        "hypocentre_depth": 19440.0,
+        "station_latitude": 37.8747,
+        "station_longitude": 27.59223,
+    },
+    "geonet/20161113_110300_HSES_20.V1A": {
+        "origin_time": when(2016, 11, 13, 11, 2, 56),
+        "magnitude": 7.82,
+        "magnitude_type": "Mw",
+        "hypocentre_latitude": -42.6925,
+        "hypocentre_depth": 15000.0,
+        "epicentral_distance": 25000.0,
+        "station_longitude": 172.830556,
+    },
+    "geonet/20161113_110313_THZ_20.V2A": {"epicentral_distance": 104000.0, "station_latitude": -41.7625},
+    "cosmos/NP8040-n.1000hyfh.HNE.01.V0c": {
+        "event_id": "US.1000hyfh",
+        "origin_time": when(2018, 11, 30, 17, 29, 29),
+        "magnitude": 7.0,
+        "magnitude_type": "Mw",
+        "hypocentre_depth": 46700.0,
+        "epicentral_distance": 15144.729,
+        "station_longitude": -149.89328,
+    },
+    "cosmos/Cosmos12TimeSeriesTest2.v1": {
+        "magnitude": 4.8,
+        "epicentral_distance": 45030.0,
+        "site_class": "geology description here",
+        "origin_time": when(2005, 6, 16, 20, 53, 26, 100000),
+    },
+    "csmip_v1/LA116TH.RAW": {
+        "origin_time": when(1994, 1, 17, 12, 30, 55, 400000),
+        "magnitude": 6.7,
+        "magnitude_type": "Mw",
+        "hypocentre_latitude": 34.215,
+        "hypocentre_longitude": -118.538,
+        "hypocentre_depth": 18000.0,
+        "station_latitude": 33.929,
+    },
+    "csmip_v1/ce23583r_HESPERIA.RAW": {"origin_time": when(1992, 6, 28, 15, 5, 30, 500000), "magnitude": 6.4},
+    "csmip_v1/CICCC.RAW": {"event_id": "38457511", "station_latitude": 35.525, "station_longitude": -117.365},
+    "csmip_v2/ce36456p_CE36456.V2": {
+        "origin_time": when(1983, 5, 2, 23, 42, 38, 500000),
+        "magnitude": 6.5,
+        "magnitude_type": "ML",
+    },
+    "smc/2516b_a.smc": {
+        "event_id": "se082311a",
+        "origin_time": when(2011, 8, 23, 17, 51),
+        "magnitude": 5.8,
+        "magnitude_type": "Mw",
+        "hypocentre_latitude": 37.963,
+        "hypocentre_longitude": -77.933,
+        "hypocentre_depth": 6000.0,
+        "epicentral_distance": 121439.9,
+    },
+    "smc/891018_1.cra-1.0210j.smc": {"magnitude": 7.1, "origin_time": when(1989, 10, 18, 0, 4)},
+    "usc_v1/017m30lw.e0a": {
+        "origin_time": when(1994, 1, 17, 12, 30),
+        "magnitude": 6.7,
+        "hypocentre_latitude": 34.213333,
+        "hypocentre_depth": 18400.0,
+        "epicentral_distance": 18165.0,
+    },
+    "usc_v2/274o42pv.s0a": {
+        "origin_time": when(1987, 10, 1, 14, 42),
+        "magnitude": 5.9,
+        "epicentral_distance": 44150.0,
+        "station_longitude": -118.411111,
+    },
+    "bhrc/5520-1.V1": {
+        "origin_time": when(2012, 8, 11, 12, 23, 16),
+        "magnitude": 6.1,
+        "magnitude_type": "Mw",
+        "hypocentre_latitude": 38.52,
+        "hypocentre_depth": 12000.0,
+        "station_longitude": 47.059,
+    },
+    "renadic/curico1002271parte1.v1": {"origin_time": when(2010, 2, 27, 3, 54, 54)},
+    "cwb/2-EGF.dat": {
+        "origin_time": when(2018, 2, 6, 15, 50, 42),
+        "magnitude": 6.0,
+        "magnitude_type": "ML",
+        "hypocentre_depth": 10000.0,
+        "station_latitude": 23.685,
+    },
+    "unam_asa/CUP50401.012": {
+        "origin_time": when(2004, 1, 1, 23, 58, 2, 700000),
+        "magnitude": 5.8,
+        "magnitude_type": "Ms",
+        "hypocentre_longitude": -101.36,
+        "station_longitude": -99.181076,
+        "site_class": "ROCA BASALTICA",
+    },
+    "mseed_xml/CI.WCS2..HNE.mseed": {"station_latitude": 36.02521, "station_longitude": -117.76526},
+}
+#: The earthquake is not known yet, was never stated, or stands for unknown.
+UNKNOWN = {
+    "cosmos/CE23837.V1C": {"station_latitude", "station_longitude"},
+    "csmip_v2/CE58667.V2": {"station_latitude", "station_longitude"},
+    "renadic/cuya0911131.v1": set(),
+    "at2/NIS090.AT2": set(),
+}
+
+
+@pytest.mark.parametrize("name", REAL)
+def test_facts_of_real_records(records_folder, name):
+    found = known(read(records_folder / name)[0])
+    for fact, value in REAL[name].items():
+        assert found[fact] == (pytest.approx(value, rel=1e-7) if isinstance(value, float) else value), fact
+
+
+@pytest.mark.parametrize("name", UNKNOWN)
+def test_what_real_records_do_not_state_is_unknown(records_folder, name):
+    assert {fact for record in read(records_folder / name) for fact in known(record)} == UNKNOWN[name]
+
+
+#: Facts of the format samples, whose headers are those of other earthquakes: their motion is none of them.
+SAMPLES = {
+    "20190706031958_CLC_RawAcc_E.asc": {
+        "origin_time": when(2019, 7, 6, 3, 19, 58),
+        "magnitude": 4.6,
+        "magnitude_type": "ML",
+        "hypocentre_latitude": 38.1,
+        "hypocentre_longitude": 23.54,
+        "hypocentre_depth": 9000.0,
+        "epicentral_distance": 88100.0,
+        "station_latitude": 37.6349,
+        "station_longitude": 22.7293,
+    },
+    "clc_nsmn.txt": {"origin_time": when(2019, 7, 6, 3, 19, 53), "magnitude": 6.5, "station_latitude": 37.8747},
+    "clc_geonet.V1A": {"magnitude": 7.82, "epicentral_distance": 25000.0, "station_latitude": -42.523333},
+    "clc_cosmos.V1C": {"station_latitude": 34.0625, "station_longitude": -117.785},
+    "CLC_NEW.V1": {"hypocentre_latitude": 34.215, "hypocentre_depth": 18000.0, "station_longitude": -118.26},
+    "clc_90.v2": {"station_latitude": 35.816},
+    "clc_1.smc": {"origin_time": when(2019, 7, 6, 3, 19)},
+    "clc_usc.v1": {
+        "origin_time": when(2019, 7, 6, 3, 19),
+        "hypocentre_latitude": 34.213333,
+        "station_latitude": 35.815833,
+    },
+    "clc_usc.v2": {"origin_time": when(2019, 7, 6, 3, 19)},
+    "clc_bhrc.V1": {"origin_time": when(2012, 8, 11, 12, 23, 16), "magnitude": 6.1, "hypocentre_depth": 12000.0},
+    "clc_renadic.v1": {"origin_time": when(2010, 2, 27, 3, 54, 54)},
+    "clc_cwb.dat": {"origin_time": when(2019, 7, 6, 3, 19, 58), "magnitude": 6.0, "magnitude_type": "ML"},
+    "clc_csmnc.EW.dat": {
+        "origin_time": when(2019, 7, 6, 3, 19, 53),
+        "magnitude": 7.0,
+        "magnitude_type": "Ms",
+        "hypocentre_latitude": 30.3,
+        "hypocentre_depth": 13000.0,
+        "station_longitude": 102.8,
+        "site_class": "ROCK",
+    },
+    "clc_asa.061": {"magnitude": 5.8, "magnitude_type": "Ms", "site_class": "ROCA BASALTICA"},
+    "CLC0011907061219.EW": {
+        "origin_time": when(2019, 7, 6, 3, 19, 53),
+        "magnitude": 5.9,
+        "hypocentre_latitude": 38.92,
+        "hypocentre_depth": 7000.0,
+        "station_longitude": 140.3213,
+    },
+    "CI.CLC.mseed": {"station_latitude": 35.816, "station_longitude": -117.598},
+}
+
+
+@pytest.mark.parametrize("name", SAMPLES)
+def test_facts_of_format_samples(samples, name):
+    found = known(read(samples.parent / "formats" / name, units="g", dt=0.01)[0])
+    for fact, value in SAMPLES[name].items():
+        assert found[fact] == (pytest.approx(value, rel=1e-7) if isinstance(value, float) else value), fact
+
+
+def sac(tmp_path, **header):
+    """A SAC file of 20 samples from 03:20 on, with words of its header."""
+    path = tmp_path / "one.sac"
+    trace = obspy.Trace(np.ones(20, dtype=np.float32), {"delta": 0.01, "station": "CLC", "channel": "HNE"})
+    trace.stats.starttime = obspy.UTCDateTime(2019, 7, 6, 3, 20)
+    trace.stats.sac = {"b": 0.0, **header}
+    trace.write(str(path), format="SAC")
+    return known(read(path, units="g")[0])
+
+
+def test_facts_of_sac(tmp_path):
+    place = {"stla": 35.816, "stlo": -117.598, "evla": 35.77, "evlo": -117.599, "lcalda": 0}
+    found = sac(tmp_path, o=-6.96, evdp=8.0, mag=7.1, dist=5.1, **place)
+    assert found == {
+        "origin_time": when(2019, 7, 6, 3, 19, 53, 40000),
+        "magnitude": 7.1,
+        "hypocentre_latitude": 35.77,
+        "hypocentre_longitude": -117.599,
+        "hypocentre_depth": 8000.0,
+        "epicentral_distance": 5100.0,
+        "station_latitude": 35.816,
+        "station_longitude": -117.598,
+    }
+    # Nobody has set O where it is the first sample; a depth of 8000 km is one in metres, of which nobody says so.
+    assert sac(tmp_path, o=0.0, evdp=8000.0) == {}
