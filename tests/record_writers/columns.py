@@ -16,6 +16,8 @@ OPTIONS = {
     "clc_three_channels.csv": {"units": "cm/s2"},
     "clc_decimal_commas.csv": {"units": "m/s2"},
     "clc_tabs.txt": {"units": "g"},
+    "clc_rows.g3": {"units": "g", "dt": 0.01},
+    "clc_end_data.txt": {"units": "g"},
 }
 
 
@@ -28,7 +30,7 @@ def columns(
 
 
 def samples(channels: Sequence[Record]) -> dict[str, bytes]:
-    """One column, DEEPSOIL, commas with headings, semicolons with decimal commas, tabs."""
+    """One column, DEEPSOIL, commas with headings, semicolons with decimal commas, tabs, series wrapped into rows."""
     east, north, up = (channel.acceleration for channel in channels)
     time = channels[0].time
     gal = 100.0 * np.column_stack([east, north, up])
@@ -45,6 +47,17 @@ def samples(channels: Sequence[Record]) -> dict[str, bytes]:
             field="{:.4f}",
         ),
         "clc_decimal_commas.csv": f"{NOTE}\r\nZeit (s);Beschleunigung N\r\n".encode() + commas,
+        # Rows of five without a word, as the examples of OpenSees have them; words around the numbers.
+        "clc_rows.g3": wrapped(north / STANDARD_GRAVITY, 5, field="{:15.7E}"),
+        "clc_end_data.txt": wrapped(
+            east / STANDARD_GRAVITY,
+            8,
+            f"{NOTE}\n{east.size} points at equal spacing of 0.01 sec\n"
+            "Points are listed in the format of 8F10.5, 8 points across in a row\nThe units are (g)\n\n"
+            "*** Begin data ***\n",
+            field="{:9.5f}",
+        )
+        + b"*** End data ***\n",
         "clc_tabs.txt": columns(np.column_stack([time, up / STANDARD_GRAVITY]), f"# {NOTE}\n# t\tup\n", separator="\t"),
     }
 

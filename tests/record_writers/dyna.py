@@ -86,6 +86,17 @@ CORRECTED = {
 }
 
 
+#: What AFAD (TADAS) writes before the first key of a corrected file.
+TADAS = """\
+AAD_Filtered_TADAS_FILE
+AAD_BASELINE_CORRECTION: BASELINE REMOVED
+AAD_FILTER_TYPE: BUTTERWORTH
+AAD_FILTER_ORDER: 1
+AAD_LOW_CUT_FREQUENCY_HZ: 0.025
+AAD_HIGH_CUT_FREQUENCY_HZ: 40.0
+"""
+
+
 def dyna(
     values: Sequence[float], dt: float = 0.01, end: str = "\n", without: Sequence[str] = (), **changes: object
 ) -> bytes:
@@ -115,7 +126,7 @@ def dyna(
 
 
 def samples(channels: Sequence[Record]) -> dict[str, bytes]:
-    """Three channels in the manner of ESM, the first again in that of AFAD."""
+    """Three channels in the manner of ESM, the first again in those of AFAD, before TADAS and since."""
     moment = channels[0].start_time
     assert moment is not None
     files = {}
@@ -147,5 +158,10 @@ def samples(channels: Sequence[Record]) -> dict[str, bytes]:
         files.setdefault(
             f"{moment:%Y%m%d%H%M%S}_CLC_RawAcc_E.asc",
             dyna(values, channel.dt, **common | afad),
+        )
+        corrected = CORRECTED | {"LOW_CUT_FREQUENCY_HZ": "", "HIGH_CUT_FREQUENCY_HZ": ""}
+        files.setdefault(
+            f"{moment:%Y%m%d%H%M%S}_CLC_ap_AAD_Acc_E.asc",
+            TADAS.encode() + dyna(values, channel.dt, **common | afad | corrected),
         )
     return files

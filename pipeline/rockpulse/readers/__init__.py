@@ -15,7 +15,7 @@ from rockpulse.readers.formats import FORMATS
 from rockpulse.readers.no_record import advice, may_be_record
 from rockpulse.readers.source import NoRecord, SourceFile, Unrecognised, open_source, open_stream
 from rockpulse.readers.units import UNITS
-from rockpulse.record.record import Record, distinct_ids
+from rockpulse.record.record import Record
 
 __all__ = ["FORMATS", "UNITS", "Format", "ReadOptions", "read", "read_source"]
 
@@ -24,7 +24,7 @@ def read_source(file: SourceFile, options: ReadOptions = ReadOptions()) -> list[
     """Read every channel of an opened file, as `read` does for a path."""
     for row in FORMATS:
         if row.detect(file.head, file.name):
-            return distinct_ids(row.parse(file, options))
+            return row.read(file, options)
     tried = ", ".join(row.name for row in FORMATS)
     kind = Unrecognised if may_be_record(file) else NoRecord
     raise kind(f"{file.name}: no reader recognises the file (formats tried: {tried}); {advice(file)}")

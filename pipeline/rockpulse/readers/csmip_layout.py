@@ -21,6 +21,7 @@ from rockpulse.readers.facing import direction, on_structure
 from rockpulse.readers.facts import NOTHING, Facts, coordinates, magnitudes, stated
 from rockpulse.readers.fields import check_count, fixed_width, text_lines
 from rockpulse.readers.pairs import Block, surplus
+from rockpulse.readers.repeats import distinct_sections, last_of_equal, repeated_marker
 from rockpulse.readers.source import SourceFile
 from rockpulse.readers.units import canonical_unit
 from rockpulse.record.record import Record
@@ -145,6 +146,7 @@ class Heading:
     kind: str  # "acceleration", "velocity" or "displacement"
     count: int  # number of values that it declares
     words: str  # the rest of the line
+    warnings: tuple[str, ...] = ()
 
     @property
     def layout(self) -> tuple[int, int] | None:
@@ -159,16 +161,20 @@ class Heading:
         return match[1] if match else ""
 
 
-def channels(file: SourceFile, title: re.Pattern[str], wording: str) -> tuple[list[str], list[tuple[int, int]]]:
-    """The lines of a file without the carriage control of a line printer, and the span of each channel in them.
+def channels(
+    file: SourceFile, title: re.Pattern[str], wording: str
+) -> tuple[list[str], list[tuple[int, int]], tuple[str, ...]]:
+    """The lines of a file without the carriage control of a line printer, the span of each channel in them, warnings.
 
     A span is the index of the first line of a channel and of the line behind its last. The first line of each channel
     must match `title`, which `wording` describes in messages; raises RecordFormatError where another line stands there.
+    A title or an end that stands there twice, and a channel that is a copy of another one, count once, with a warning.
     """
     lines = text_lines(file.content)
     if lines[0].startswith(" ") and all(line.startswith(" ") for line in lines if line):
         lines = [line[1:] for line in lines]
     spans: list[tuple[int, int]] = []
+    notes: list[str] = []
     start = 0
     while start < len(lines):
         if not title.match(lines[start]):
@@ -176,21 +182,29 @@ def channels(file: SourceFile, title: re.Pattern[str], wording: str) -> tuple[li
                 f"{file.name}:{start + 1}: expected {wording!r} (channel {len(spans) + 1}), found "
                 f"{lines[start][:60].strip()!r}; the file is damaged: download it again"
             )
+        first, start = start, last_of_equal(lines, start)
         ends = (i for i in range(start + 1, len(lines)) if lines[i].startswith("/&") or title.match(lines[i]))
         end = next(ends, len(lines))
         spans.append((start, end))
-        start = end + 1 if end < len(lines) and lines[end].startswith("/&") else end
+        closing = last_of_equal(lines, end) if end < len(lines) and lines[end].startswith("/&") else end
+        notes += (*repeated_marker(first, start), *repeated_marker(end, closing))
+        start = closing + 1 if end < len(lines) and lines[end].startswith("/&") else end
         while start < len(lines) and not lines[start].strip():
             start += 1
-    return lines, spans
+    spans, copies = distinct_sections(lines, spans)
+    return lines, spans, (*notes, *copies)
 
 
 def heading_at(lines: Sequence[str], at: int) -> Heading | None:
-    """The heading at index `at` of the lines of a file; None if the line is no heading or behind the last."""
+    """The heading at index `at` of the lines of a file; None if the line is no heading or behind the last.
+
+    Where the line stands there twice, the heading is that of the last one, with a warning.
+    """
     match = _HEADING.match(lines[at][:LONGEST_LINE]) if at < len(lines) else None
     if not match:
         return None
-    return Heading(at, _KINDS[(match[2] or match[3])[0].lower()], int(match[1]), match[4])
+    last = last_of_equal(lines, at)
+    return Heading(last, _KINDS[(match[2] or match[3])[0].lower()], int(match[1]), match[4], repeated_marker(at, last))
 
 
 def _interval(heading: Heading, where: str) -> float:
@@ -222,7 +236,7 @@ def equal_block(name: str, lines: Sequence[str], heading: Heading, end: int, uni
     if per_row < 1 or width < 1:
         raise RecordFormatError(f"{where}: expected a format such as (8f9.6), found ({per_row}f{width})")
     samples = fixed_width(lines[first:end], first + 1, width, per_row, count, name)
-    notes = surplus(lines, first - (-count // per_row), end)
+    notes = (*heading.warnings, *surplus(lines, first - (-count // per_row), end))
     return Block(samples, dt, found, float(np.max(np.abs(samples))), notes)
 
 

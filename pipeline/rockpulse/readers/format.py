@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from numbers import Real
 
 from rockpulse.errors import ConfigError
 from rockpulse.readers.source import SourceFile
 from rockpulse.readers.units import canonical_unit
-from rockpulse.record.record import Record
+from rockpulse.record.record import Record, distinct_ids
 
 __all__ = ["RESPONSES", "Format", "ReadOptions"]
 
@@ -52,3 +52,17 @@ class Format:
     # channels in the order of the file; raises RockpulseError and nothing else
     parse: Callable[[SourceFile, ReadOptions], list[Record]]
     obspy_reads: bool = False  # whether obspy reads these files itself: then they are no plugin of it
+
+    def read(self, file: SourceFile, options: ReadOptions) -> list[Record]:
+        """The channels of a file that this format recognises, in the order of the file, each with an id of its own.
+
+        A file that holds everything twice is read once, with a warning on each channel.
+        """
+        half = file.first_half()
+        if half is None:
+            return distinct_ids(self.parse(file, options))
+        note = "the second half of the file is a copy of the first: it was read once"
+        return [
+            replace(record, source_sha256=file.sha256, warnings=(*record.warnings, note))
+            for record in distinct_ids(self.parse(half, options))
+        ]

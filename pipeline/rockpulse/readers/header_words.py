@@ -41,8 +41,9 @@ _PEAK = re.compile(r"\b(?:pg[avd]|peaks?|max\w{0,6}|pic[co]o?)\b")
 _NUMBER = r"(?P<value>\d{1,9}(?:[.,]\d{1,12})?|[.,]\d{1,12})(?:e(?P<power>[+-]?\d{1,2}))?(?![.,]?\d)"
 _STEP = re.compile(
     r"(?<![a-z])(?:dt|delta ?t|δt|delta|time ?step|time interval|sampl(?:e|ing) (?:interval|period|time|step)|"
+    r"equal(?:ly)? (?:spacing|spaced|intervals?)|"
     r"intervalo(?: de muestreo)?|intervallo(?: di campionamento)?|pas de temps|zeitschritt|abtastintervall)"
-    r"(?: ?[(\[](?P<before>[a-z]{1,12})[)\]])? ?(?:[=:]|is|of)? ?" + _NUMBER + r"(?: ?/ ?(?P<divisor>\d{1,5}))?"
+    r"(?: ?[(\[](?P<before>[a-z]{1,12})[)\]])? ?(?:[=:]|is|of|at)? ?" + _NUMBER + r"(?: ?/ ?(?P<divisor>\d{1,5}))?"
     r"(?: ?[(\[]?(?P<unit>[a-z]{1,12}))?"
 )
 _RATE = re.compile(
@@ -60,7 +61,7 @@ _COUNT = re.compile(
     r"(?<![a-z])(?:npts|nsamp|(?:no|nr|number|num)\.? (?:of )?(?:samples|points|values|data)|samples|points|n) ?[=:]? ?"
     r"(\d{1,9})\b(?![.,/]\d)|"
     r"(?<![\w.,])(\d{1,9}) (?:samples|points|pts|values|data points|muestras|puntos|punti|campioni|punkte|werte)\b"
-    r"(?! ?/| per)"
+    r"(?! ?/| per| (?:across|wide|(?:to|in|on) (?:a|each|one) (?:row|line)))"
 )
 _UNIT = re.compile(
     r"(?<![a-z])(?:in|units?|unidad(?:es)?|unita|einheit|unites?|birim|unidade)\b[ =:]{0,4}(?:of|are|is)? ?"

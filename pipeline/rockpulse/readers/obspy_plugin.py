@@ -17,7 +17,6 @@ from rockpulse.errors import RecordFormatError, RockpulseError
 from rockpulse.readers import FORMATS, Format, ReadOptions
 from rockpulse.readers.obspy_trace import to_trace
 from rockpulse.readers.source import HEAD, SourceFile, open_source, open_stream
-from rockpulse.record.record import distinct_ids
 
 if TYPE_CHECKING:
     import obspy
@@ -95,7 +94,7 @@ class Plugin:
                 f"{source.name}: expected {self.row.what} (recognised by {self.row.recognised}); "
                 "leave the format out, or name the right one"
             )
-        traces = [to_trace(record) for record in distinct_ids(self.row.parse(source, options))]
+        traces = [to_trace(record) for record in self.row.read(source, options)]
         return obspy.Stream([obspy.Trace(header=trace.stats) for trace in traces] if headonly else traces)
 
 

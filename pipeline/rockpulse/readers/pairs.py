@@ -20,6 +20,8 @@ from rockpulse.record.record import STANDARD_GRAVITY
 __all__ = ["PAIRS_PER_ROW", "Block", "declared_points", "pair_block", "pair_unit", "surplus"]
 
 PAIRS_PER_ROW = 5
+#: Characters of a line that may hold a title.
+_LONGEST_LINE = 400
 _POINTS = re.compile(r"no\. of points\s*=\s*(\d{1,15})\b", re.IGNORECASE)
 _UNIT = re.compile(r"units (?:of uncor (?:accel|data) )?(?:is|are)\s+(?:sec(?:onds)?\s+and\s+)?(\S+)", re.IGNORECASE)
 
@@ -56,9 +58,22 @@ def pair_unit(line: str, where: str) -> str:
     return canonical_unit((match[1] if match else line)[:60].strip(), where)
 
 
-def surplus(lines: Sequence[str], first: int, end: int) -> tuple[str, ...]:
-    """A warning for rows between the declared samples (index `first`) and the end of the channel (index `end`)."""
-    rows = sum(1 for line in lines[first:end] if line.strip())
+def surplus(
+    lines: Sequence[str], first: int, end: int, name: str = "", title: re.Pattern[str] | None = None
+) -> tuple[str, ...]:
+    """A warning for rows between the declared samples (index `first`) and the end of the channel (index `end`).
+
+    `title` matches the line with which another record of the file `name` would begin, which is refused: formats of one
+    channel have no place for it.
+    """
+    rows = 0
+    for at in range(first, end):
+        if title and title.match(lines[at][:_LONGEST_LINE]):
+            raise RecordFormatError(
+                f"{name}:{at + 1}: expected the end of the file, found {lines[at][:60].strip()!r}, the beginning of "
+                "another record; write each record into a file of its own"
+            )
+        rows += bool(lines[at].strip())
     return (f"line {first + 1}: {rows} rows beyond the declared count were left out",) if rows else ()
 
 

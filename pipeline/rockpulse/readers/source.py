@@ -6,6 +6,7 @@ import codecs
 import gzip
 import hashlib
 import io
+import re
 import zlib
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -49,6 +50,8 @@ _ARCHIVES = {
     "a zstd file": (b"\x28\xb5\x2f\xfd",),
 }
 _TAR_MARK = 257
+#: A word in so many bytes from the start tells a header from the first of the numbers.
+_WORD, _TOP = re.compile(rb"[A-Za-z]{3}"), 1000
 #: First members of office documents, which are zip archives of no records.
 _DOCUMENTS = (b"[Content_Types].xml", b"mimetype")
 _FIRST_NAME = 30
@@ -104,6 +107,20 @@ class SourceFile:
     def sha256(self) -> str:
         """SHA-256 of the file, decompressed."""
         return hashlib.sha256(self._bytes).hexdigest()
+
+    def first_half(self) -> SourceFile | None:
+        """The first half of a file whose second half is a copy of it; None for any other file.
+
+        A series of numbers without a word above it may repeat itself: that is no copy.
+        """
+        half, odd = divmod(len(self.content), 2)
+        begins = min(half, HEAD)
+        if odd or not _WORD.search(self.content, 0, _TOP) or not self.content.startswith(self.content[:begins], half):
+            return None
+        first = self.content[:half]
+        if not self.content.endswith(first):
+            return None
+        return SourceFile(self.name, first[:HEAD], lambda: first, self.station_files, self.chosen)
 
     @property
     def path(self) -> PurePosixPath:

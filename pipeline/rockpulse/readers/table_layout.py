@@ -6,7 +6,7 @@ import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-__all__ = ["LINE_LIMIT", "NUMBER", "Layout", "find_layout", "row_width", "split_row"]
+__all__ = ["LINE_LIMIT", "NUMBER", "Layout", "end_of_numbers", "find_layout", "row_width", "split_row"]
 
 #: Characters of the longest row of a table; a line beyond is none, whatever it holds.
 LINE_LIMIT = 10_000
@@ -14,6 +14,8 @@ _HEADER_LIMIT = 60
 _LOOK_AHEAD = 5
 #: A field that is meant as a number, whether finite or not. Possessive: no field takes longer than its length.
 NUMBER = re.compile(r"[+-]?(?:\d++(?:[.,]\d*+)?|[.,]\d++)(?:[eEdD][+-]?\d++)?|nan|[+-]?inf", re.IGNORECASE | re.ASCII)
+#: A line of words, as it stands behind numbers; one that begins with a number, or with nan, is a damaged row.
+_WORDS = re.compile(r"[\s\"'*#%!/=<>(\[;,:_~-]*+(?!(?:nan|inf)(?![a-z]))[^\W\d_]{2}", re.IGNORECASE)
 _COMMA_DECIMAL = re.compile(r"[+-]?\d++(?:,\d++)?(?:[eEdD][+-]?\d++)?", re.ASCII)
 
 
@@ -68,3 +70,8 @@ def find_layout(lines: Sequence[str]) -> Layout | None:
             decimal = "," if delimiter != "," and any("," in row for row in rows) else "."
             return Layout(start, delimiter, decimal, width)
     return None
+
+
+def end_of_numbers(lines: Sequence[str], layout: Layout) -> int:
+    """Index of the first line of words behind the numbers; the number of lines where there is none."""
+    return next((at for at in range(layout.start, len(lines)) if _WORDS.match(lines[at])), len(lines))

@@ -277,8 +277,16 @@ def test_a_column_of_something_else_is_left_out(write):
     ],
 )
 def test_prose_above_a_wrapped_series_names_no_columns(write, header, per_row):
+    path = write(wrapped(VALUES, per_row, header))
     with pytest.raises(RecordFormatError, match=rf"record.txt:\d+: .* one series in rows of {per_row}\? .*NPTS"):
-        read(write(wrapped(VALUES, per_row, header)), units="g", dt=STEP)
+        read(path, dt=STEP)
+    if per_row == 2:  # one more than time, or two components
+        with pytest.raises(RecordFormatError, match=r"one series in rows of 2\? rows of up to 4 numbers"):
+            read(path, units="g", dt=STEP)
+        return
+    (record,) = read(path, units="g", dt=STEP)
+    assert record.acceleration / record.unit_factor == pytest.approx(VALUES, abs=1e-12)
+    assert f"rows of {per_row} numbers were read as one series of {len(VALUES)}" in record.warnings[0]
 
 
 @pytest.mark.parametrize("per_row", [2, 5, 7, 8])

@@ -15,6 +15,8 @@ from rockpulse.record.record import STANDARD_GRAVITY
 
 #: obspy may write these in other bytes one day; their content is compared instead.
 BY_OBSPY = (".mseed", ".sac")
+#: How the warning of a sample begins that cannot be without one.
+KNOWN = {"clc_rows.g3": "rows of 5 numbers were read as one series of 1200"}
 PATHS = sorted(path for path in FORMATS.iterdir() if path.suffix != ".xml")
 
 
@@ -50,8 +52,8 @@ def test_the_files_are_small_and_say_what_they_are(written):
     assert sum(map(len, written.values())) < 1_500_000
     for name, content in written.items():
         assert len(content) <= 120_000, name
-        # miniSEED has no room for words; its StationXML has.
-        assert name.endswith(".mseed") or b"ROCKPULSE" in content.upper(), name
+        # miniSEED has no room for words; its StationXML has. Rows of numbers alone have none either.
+        assert name.endswith((".mseed", ".g3")) or b"ROCKPULSE" in content.upper(), name
 
 
 def test_every_reader_has_a_sample():
@@ -77,7 +79,7 @@ def test_a_sample_gives_back_the_channel_to_the_written_digits(path, channels):
             assert record.orientation == channel.orientation
         if np.isfinite(record.azimuth):
             assert record.azimuth == channel.azimuth
-        assert not record.warnings
+        assert [note for note in record.warnings if not note.startswith(KNOWN.get(path.name, "none"))] == []
 
 
 @pytest.mark.parametrize("path", PATHS, ids=lambda path: path.name)

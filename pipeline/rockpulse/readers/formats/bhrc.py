@@ -48,12 +48,12 @@ def is_bhrc(head: bytes, name: str) -> bool:
 
 def read_bhrc(file: SourceFile, options: ReadOptions) -> list[Record]:
     """Read every channel; the options are not used, because the format states everything."""
-    lines, spans = channels(file, _TITLE, "* VOL1DS FILE:")
+    lines, spans, copies = channels(file, _TITLE, "* VOL1DS FILE:")
     records = [_channel(file, lines, start, end, number) for number, (start, end) in enumerate(spans, start=1)]
     counts = (
         Counted(start + 1, "", record.component, _COMPONENTS) for (start, _), record in zip(spans, records, strict=True)
     )
-    notes = completeness(file.name, counts, "files of this format hold")
+    notes = (*completeness(file.name, counts, "files of this format hold"), *copies)
     return [replace(record, warnings=(*record.warnings, *notes)) for record in records]
 
 

@@ -6,7 +6,7 @@ what the caller says; where they differ, or where the columns cannot be told apa
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -20,10 +20,11 @@ from rockpulse.readers.format import Format, ReadOptions
 from rockpulse.readers.header_words import stated_counts, stated_kinds, stated_steps, stated_units
 from rockpulse.readers.number_lines import Numbered, number_lines
 from rockpulse.readers.source import NotAcceleration, SourceFile
-from rockpulse.readers.table_layout import Layout, find_layout, row_width, split_row
+from rockpulse.readers.table_layout import Layout, end_of_numbers, find_layout, row_width, split_row
 from rockpulse.readers.table_numbers import check_decimals, read_table
 from rockpulse.readers.time_column import agreed_step, climbs, counts_rows, names_time, time_column_step
 from rockpulse.readers.units import UNITS, canonical_unit, for_other_files
+from rockpulse.readers.wrapped_series import runs_on
 from rockpulse.record.record import Record
 
 __all__ = ["FORMATS", "is_columns", "read_columns"]
@@ -32,6 +33,10 @@ __all__ = ["FORMATS", "is_columns", "read_columns"]
 _LOOK_AT = 500
 #: Columns beside the time that pass for the components of a station without headings.
 _COMPONENTS = 3
+#: More columns than a time and the components of a station have.
+_NO_STATION = _COMPONENTS + 1
+#: Characters of a line in a message.
+_SHOWN = 60
 #: Correlation at which a column is the integral of the one before it, and no other component.
 _INTEGRAL = 0.95
 #: Characters of a list in a message.
@@ -70,7 +75,9 @@ def read_columns(file: SourceFile, options: ReadOptions) -> list[Record]:
     """Read every column of accelerations.
 
     Headings, and a row of units below them, tell what the columns are. Without headings, one column is read, or up to
-    three beside a time column. A series that is wrapped into rows is read if the header states its number of values.
+    three beside a time column. A series that is wrapped into rows is read if the header states its number of values,
+    or, with a warning, if unit and interval are known and the values run on from row to row (`runs_on`). The numbers
+    may stop at a line of words; see `_behind`.
 
     `options.units` is needed unless every column states its unit in its heading, in brackets or below it; the prose of
     a header, which may speak of something else, only has to agree. `options.dt` is needed where neither a time column,
@@ -93,9 +100,14 @@ def read_columns(file: SourceFile, options: ReadOptions) -> list[Record]:
         )
     headings, end = column_headings(lines[: layout.start], layout)
     prose = lines[:end]
+    stop = end_of_numbers(lines, layout)
+    lines, behind = lines[:stop], lines[stop:]
     numbered = number_lines(file.name, lines, layout, names_time(headings))
     where = f"{file.name}:{numbered.start + 1}"
-    columns = _columns(file.name, lines, layout, headings, numbered, prose)
+    steps = {f"line {said.line}: {said.wording!r}": said.value for said in stated_steps(lines[: layout.start])}
+    declared = next((step for step in (options.dt, numbered.step, *steps.values()) if step is not None), None)
+    known = declared is not None and options.units is not None
+    columns = _columns(file.name, lines, layout, headings, numbered, prose, known, behind)
     if columns.table.shape[1] > 1 and counts_rows(columns.table, columns.headings):
         rest = range(1, columns.table.shape[1])
         columns = columns.picked(rest, "the first column counts the rows; it was left out")
@@ -103,8 +115,6 @@ def read_columns(file: SourceFile, options: ReadOptions) -> list[Record]:
         columns, prose = replace(columns, headings=()), lines[: layout.start]
     columns = _time_first(columns)
     _check_abscissa(where, columns)
-    steps = {f"line {said.line}: {said.wording!r}": said.value for said in stated_steps(lines[: layout.start])}
-    declared = next((step for step in (options.dt, numbered.step, *steps.values()) if step is not None), None)
     step = time_column_step(file.name, columns.table, columns.headings, numbered.start, declared)
     if step is not None:
         first = columns.headings[0] if columns.headings else Heading("")
@@ -114,7 +124,10 @@ def read_columns(file: SourceFile, options: ReadOptions) -> list[Record]:
                 f"{_NAME_THEM}"
             )
         columns = columns.picked(range(1, columns.table.shape[1]))
-    _check_apart(where, columns, step is not None)
+    wide = step is None and not columns.headings and columns.table.shape[1] > _NO_STATION
+    if known and wide and runs_on(columns.table):
+        columns = _in_reading_order(columns, np.empty(0), guessed=True)
+    _check_apart(where, columns, step is not None, known)
     columns = _accelerations(file.name, columns, prose)
     units = _units(file.name, columns.headings or [Heading("")] * columns.table.shape[1], prose, options.units)
     sources = {"time column": step, "first line": numbered.step, **steps, "option dt": options.dt}
@@ -128,8 +141,13 @@ def _columns(
     headings: tuple[Heading, ...],
     numbered: Numbered,
     prose: Sequence[str],
+    known: bool,
+    behind: Sequence[str],
 ) -> _Columns:
-    """The table of the file, or the one series that is wrapped into its rows."""
+    """The table of the file, or the one series that is wrapped into its rows, and what is said of the lines `behind`.
+
+    `known` tells that the unit and the interval of a series are given.
+    """
     first = numbered.start + 1
     rows = lines[numbered.start :]
     check_decimals(name, rows, layout, first, bool(headings))
@@ -137,19 +155,26 @@ def _columns(
     last = split_row(rows[filled[-1]], layout.delimiter)
     values = (len(filled) - 1) * layout.width + len(last)
     said = {round(count.value) for count in stated_counts(prose)}
-    if layout.width > 1 and values in {numbered.count, *said} and len(filled) not in {numbered.count, *said}:
-        body = read_table(name, rows[: filled[-1]], layout, first)
+    complete = not {values, len(filled)}.isdisjoint({numbered.count, *said})
+    warnings = list(_behind(name, len(lines) + 1, behind, layout, complete))
+    is_series = layout.width > 1 and values in {numbered.count, *said} and len(filled) not in {numbered.count, *said}
+    is_short = layout.width > len(last) and not headings and layout.width > 2
+    if is_series or is_short:
+        body = _Columns(read_table(name, rows[: filled[-1]], layout, first), (), tuple(warnings))
         end = read_table(name, rows[filled[-1] : filled[-1] + 1], replace(layout, width=len(last)), first + filled[-1])
-        return _Columns(np.concatenate([body.ravel(), end.ravel()])[:, None], ())
+        if is_series:
+            return _in_reading_order(body, end)
     if numbered.count > values:
         available, unit = (values, "values") if layout.width > 2 else (len(filled), "rows")
         check_count(f"{name}:{len(lines)}", numbered.count, available, unit)
-    if layout.width > len(last) and not headings and layout.width > 2:
-        raise _wrapped(
-            f"{name}:{first + filled[-1]}", layout.width, f"a last row of {len(last)} below rows of {layout.width}"
-        )
+    if is_short:
+        if known and runs_on(body.table):
+            if said:
+                body = replace(body, warnings=(*body.warnings, _other_count(said, values, "numbers")))
+            return _in_reading_order(body, end, guessed=True)
+        found = f"a last row of {len(last)} below rows of {layout.width}"
+        raise _wrapped(f"{name}:{first + filled[-1]}", layout.width, found, known)
     table = read_table(name, rows, layout, first)
-    warnings = []
     if numbered.step is not None:
         check_count(f"{name}:{len(lines)}", numbered.count, len(table), "rows")
         if len(table) > numbered.count:
@@ -157,14 +182,58 @@ def _columns(
             warnings.append(f"{surplus} rows beyond the {numbered.count} of the first line were left out")
         table = table[: numbered.count]
     elif said and min(said) > len(table):
-        warnings.append(f"the header speaks of {min(said)} samples, the file has {len(table)} rows; is it whole?")
+        warnings.append(_other_count(said, len(table), "rows"))
     return _Columns(table, headings, tuple(warnings))
 
 
-def _wrapped(where: str, width: int, found: str) -> RecordFormatError:
+def _behind(name: str, line: int, behind: Sequence[str], layout: Layout, complete: bool) -> tuple[str, ...]:
+    """What is said of the lines from number `line` on, the first of which is of words.
+
+    Words behind a `complete` series, whose number of values the header states, say nothing. Rows of numbers that the
+    words name as another quantity are left out with a warning; others, which may go on with the record, are refused.
+    """
+    rows = [row_width(text, layout.delimiter) == layout.width for text in behind]
+    if not any(map(str.strip, behind)) or (complete and not any(rows)):
+        return ()
+    stop = f"the numbers stop at {behind[0].strip()[:_SHOWN]!r}"
+    if not any(rows):
+        return (f"line {line}: {stop}, and the header does not state how many there are; is the file whole?",)
+    kinds = stated_kinds(behind[: rows.index(True)])
+    if complete or (kinds and "acceleration" not in kinds):
+        return (f"line {line}: {stop}; {sum(rows)} rows of numbers behind it were left out",)
+    raise RecordFormatError(
+        f"{name}:{line}: expected {layout.width} finite numbers, or the end of the numbers, found "
+        f"{behind[0].strip()[:_SHOWN]!r} and {sum(rows)} rows of numbers behind it; repair the line, write a second "
+        "record into a file of its own, or state the number of values in the header (NPTS = ...)"
+    )
+
+
+def _other_count(said: Collection[int], found: int, what: str) -> str:
+    return f"the header speaks of {min(said)} samples, the file has {found} {what}; is it whole?"
+
+
+def _in_reading_order(columns: _Columns, end: np.ndarray, guessed: bool = False) -> _Columns:
+    """The one series in the rows of the columns and in the last row, `end`, which may be shorter.
+
+    `guessed` tells that only the values themselves speak for one series.
+    """
+    series = np.concatenate([columns.table.ravel(), end.ravel()])
+    note = (
+        f"rows of {columns.table.shape[1]} numbers were read as one series of {series.size}, because the values run on "
+        "from row to row; nothing in the file says so"
+    )
+    return _Columns(series[:, None], (), (*columns.warnings, note) if guessed else columns.warnings)
+
+
+def _wrapped(where: str, width: int, found: str, known: bool) -> RecordFormatError:
+    series = "the values do not run on from row to row as those of one series do"
+    if not known:
+        series = "with unit and interval given (options units and dt) a series whose values run on is read"
+    elif width <= _NO_STATION and "last row" not in found:
+        series = f"rows of up to {_NO_STATION} numbers may be those of a station"
     return RecordFormatError(
         f"{where}: expected a time column, headings, or one column, found {found}: channels side by side, or one "
-        f"series in rows of {width}? Write one value to a line, state the number of values in the header "
+        f"series in rows of {width}? {series}. Write one value to a line, state the number of values in the header "
         f"(NPTS = ...), or {_NAME_THEM}"
     )
 
@@ -199,7 +268,7 @@ def _check_abscissa(where: str, columns: _Columns) -> None:
         )
 
 
-def _check_apart(where: str, columns: _Columns, timed: bool) -> None:
+def _check_apart(where: str, columns: _Columns, timed: bool, known: bool) -> None:
     """Refuse columns if nothing tells which quantity each of them holds."""
     width = columns.table.shape[1]
     late = [index for index in range(width) if climbs(columns.table[:, index])]
@@ -211,7 +280,7 @@ def _check_apart(where: str, columns: _Columns, timed: bool) -> None:
     if columns.headings or width == 1:
         return
     if not timed or width > _COMPONENTS:
-        raise _wrapped(where, width, f"{width} columns of numbers")
+        raise _wrapped(where, width, f"{width} columns of numbers", known)
     for before in range(width - 1):
         if _integrates(columns.table[:, before], columns.table[:, before + 1]):
             raise RecordFormatError(

@@ -20,7 +20,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
@@ -31,6 +31,7 @@ from rockpulse.readers.channel_count import Counted, completeness
 from rockpulse.readers.cosmos_header import TITLE, Header, fortran_layout, read_header
 from rockpulse.readers.fields import check_count, fixed_width, printed_number, text_lines
 from rockpulse.readers.format import Format, ReadOptions
+from rockpulse.readers.repeats import distinct_sections, last_of_equal, repeated_marker
 from rockpulse.readers.source import NotAcceleration, SourceFile
 from rockpulse.readers.units import UNITS, canonical_unit
 from rockpulse.record.record import STANDARD_GRAVITY, Record
@@ -70,6 +71,7 @@ class _Series:
     kind: str  # of motion, in the words of the heading
     unit: str  # in the words of the heading
     code: int | None  # of the unit
+    warnings: tuple[str, ...] = ()
 
 
 def is_cosmos(head: bytes, name: str) -> bool:
@@ -89,14 +91,17 @@ def read_cosmos(file: SourceFile, options: ReadOptions) -> list[Record]:
         raise RecordFormatError(
             f"{file.name}:1: expected '(Format v01.20 with 13 text lines)', found {lines[0][:60]!r}"
         )
-    ends = [*starts[1:], len(lines)]
-    headers = [read_header(file.name, lines, start, end) for start, end in zip(starts, ends, strict=True)]
+    last = [last_of_equal(lines, start) for start in starts]
+    notes = [note for first, at in zip(starts, last, strict=True) for note in repeated_marker(first, at)]
+    starts = sorted(set(last))
+    spans, copies = distinct_sections(lines, list(zip(starts, [*starts[1:], len(lines)], strict=True)))
+    headers = [read_header(file.name, lines, start, end) for start, end in spans]
     return usable_channels(
         (
             partial(_channel, file, lines, header, end, number)
-            for number, (header, end) in enumerate(zip(headers, ends, strict=True), start=1)
+            for number, (header, (_, end)) in enumerate(zip(headers, spans, strict=True), start=1)
         ),
-        _missing(file.name, lines, headers),
+        (*_missing(file.name, lines, headers), *notes, *copies),
     )
 
 
@@ -130,6 +135,7 @@ def _channel(file: SourceFile, lines: Sequence[str], header: Header, end: int, n
     check_count(where, series.count, series.count if first < end else 0)
     samples = fixed_width(lines[first:end], first + 1, width, per_row, series.count, file.name)
     step, notes = _interval(header, series.count, file.name)
+    notes += series.warnings
     notes += _surplus(lines, first + -(-series.count // per_row), end)
     if unit == "counts":
         factor = _per_count(header, where)
@@ -170,21 +176,32 @@ def _channel(file: SourceFile, lines: Sequence[str], header: Header, end: int, n
 
 def _acceleration(name: str, lines: Sequence[str], header: Header, end: int) -> _Series:
     """The series of the channel that is an acceleration."""
-    found = []
+    found: list[_Series] = []
+    begins = header.end
     for at in range(header.end, end):
         match = _SERIES.match(lines[at][:200]) if "pts" in lines[at].lower() else None
-        if match:
+        if match and not (found and found[-1].at >= at):
             code = int(match[4]) if match[4] else None
-            found.append(_Series(at, int(match[1]), match[2].lower(), match[3], code))
-    if not found or found[0].at != header.end:
+            last = last_of_equal(lines, at)
+            found.append(_Series(last, int(match[1]), match[2].lower(), match[3], code, repeated_marker(at, last)))
+            begins = at if len(found) == 1 else begins
+    if not found or begins != header.end:
         line = repr(lines[header.end].strip()[:60]) if header.end < end else "the end of the channel"
         raise RecordFormatError(
             f"{name}:{header.end + 1}: expected a line such as '13400 acceleration pts, approx  67 secs, units=g. (02)"
             f"Format=(8f9.6)', found {line}; the file is damaged or cut off: download it again"
         )
-    for series in found:
-        if "accel" in series.kind and "ang" not in series.kind:
-            return series
+    ends = [*(series.at for series in found[1:]), end]
+    linear = [at for at, series in enumerate(found) if "accel" in series.kind and "ang" not in series.kind]
+    if linear:
+        blocks, copies = distinct_sections(lines, [(found[at].at, ends[at]) for at in linear], "series")
+        if len(blocks) > 1:
+            raise RecordFormatError(
+                f"{name}:{blocks[1][0] + 1}: expected one series of acceleration in the channel, found another than "
+                f"that of line {blocks[0][0] + 1}; the file is damaged: download it again"
+            )
+        series = found[linear[0]]
+        return replace(series, warnings=(*series.warnings, *copies))
     raise NotAcceleration(
         f"{name}:{header.end + 1}: expected acceleration, found {found[0].kind!r}; read the acceleration file"
     )

@@ -56,12 +56,12 @@ def read_uncorrected(file: SourceFile, format: str) -> list[Record]:
     The first line of the file is 'Uncorrected Accelerogram Data'. Raises RecordFormatError, UnitError or
     NotAcceleration.
     """
-    lines, spans = channels(file, _TITLE, "Uncorrected Accelerogram Data")
+    lines, spans, copies = channels(file, _TITLE, "Uncorrected Accelerogram Data")
     headers = []
     for number, (start, end) in enumerate(spans, 1):
         check_count(f"{file.name}:{end}", HEADER_LINES, end - start, f"header lines of channel {number}")
         headers.append(read_header(lines[start : start + HEADER_LINES]))
-    notes = missing_channels(file.name, lines, spans, headers)
+    notes = (*missing_channels(file.name, lines, spans, headers), *copies)
     return [
         _channel(file, lines, span, number, header.noting(*notes), format)
         for number, (span, header) in enumerate(zip(spans, headers, strict=True), 1)

@@ -26,6 +26,7 @@ from rockpulse.readers.csmip_layout import (
 from rockpulse.readers.fields import check_count, printed_number
 from rockpulse.readers.format import Format, ReadOptions
 from rockpulse.readers.pairs import Block
+from rockpulse.readers.repeats import distinct_sections
 from rockpulse.readers.source import NotAcceleration, SourceFile
 from rockpulse.readers.units import UNITS, canonical_unit
 from rockpulse.record.record import Record
@@ -33,7 +34,9 @@ from rockpulse.record.record import Record
 __all__ = ["FORMATS", "is_csmip_v2", "read_corrected", "read_csmip_v2"]
 
 _TITLE = re.compile(r"\s?corrected accelerogram\b", re.IGNORECASE)
-_OPENING = re.compile(r"\s?corrected accelerogram\b[^\r\n]*[\r\n]+\s?uncorrected accelerogram data\b", re.IGNORECASE)
+_OPENING = re.compile(
+    r"(?:\s?corrected accelerogram\b[^\r\n]*[\r\n]+)+\s?uncorrected accelerogram data\b", re.IGNORECASE
+)
 #: The title, the lines of volume 1, and those about the correction.
 _CORRECTION = 1 + TEXT_LINES
 _ALL_TEXT = _CORRECTION + 11
@@ -60,7 +63,7 @@ def read_corrected(file: SourceFile, format: str, header: Callable[[Sequence[str
     The first line of the file is 'Corrected accelerogram'. A channel without acceleration is left out, with a warning
     on the others; NotAcceleration if none has acceleration. `format` becomes `Record.format`.
     """
-    lines, spans = channels(file, _TITLE, "Corrected accelerogram")
+    lines, spans, copies = channels(file, _TITLE, "Corrected accelerogram")
     records, left_out, headers = [], [], []
     for number, (start, end) in enumerate(spans, 1):
         check_count(f"{file.name}:{end}", _ALL_TEXT, end - start, f"header lines of channel {number}")
@@ -90,7 +93,8 @@ def read_corrected(file: SourceFile, format: str, header: Callable[[Sequence[str
             f"{file.name}:{heading.at + 1}: expected points of acceleration, found {heading.kind}; "
             "read the file with the acceleration of the same record"
         )
-    notes = missing_channels(file.name, lines, spans, headers) + tuple(
+    notes = (*missing_channels(file.name, lines, spans, headers), *copies)
+    notes += tuple(
         f"line {heading.at + 1}: channel {number} holds {heading.kind} but no acceleration; it was left out"
         for number, heading in left_out
     )
@@ -102,7 +106,11 @@ def _acceleration(name: str, lines: Sequence[str], start: int, end: int) -> tupl
 
     Raises RecordFormatError where a block is missing, cut short or there twice.
     """
-    found = [heading for at in range(start + _ALL_TEXT, end) if (heading := heading_at(lines, at))]
+    found: list[Heading] = []
+    for at in range(start + _ALL_TEXT, end):
+        heading = heading_at(lines, at)
+        if heading and not (found and found[-1].at >= at):
+            found.append(heading)
     if not found:
         raise RecordFormatError(
             f"{name}:{end}: expected a line 'N points of accel data equally spaced at ...' in the channel that begins "
@@ -115,6 +123,10 @@ def _acceleration(name: str, lines: Sequence[str], start: int, end: int) -> tupl
         if behind - heading.at - 1 < rows:
             check_count(f"{name}:{behind}", rows, behind - heading.at - 1, f"rows of {heading.kind}")
     accelerations = [pair for pair in zip(found, ends, strict=True) if pair[0].kind == "acceleration"]
+    blocks, copies = distinct_sections(lines, [(heading.at, behind) for heading, behind in accelerations], "block")
+    if copies and len(blocks) == 1:
+        heading, behind = accelerations[0]
+        return replace(heading, warnings=(*heading.warnings, *copies)), behind
     if len(accelerations) > 1:
         raise RecordFormatError(
             f"{name}:{accelerations[1][0].at + 1}: expected the end of the channel that begins at line {start + 1}, "

@@ -1,7 +1,8 @@
 """DYNA 1.x text files of ESM, ITACA and AFAD.
 
-Lines ``KEY: value`` up to the first line that is none, 64 or more of them, then one number in cm/s2 on each line.
-Agencies write dates in three styles and leave most keys blank.
+Lines ``KEY: value`` from ``EVENT_NAME:`` up to the first line that is none, 64 or more of them, then one number in
+cm/s2 on each line. Agencies write dates in three styles and leave most keys blank. Other lines may stand before
+``EVENT_NAME:``; AFAD (TADAS) writes there, in lines that begin with ``AAD_``, how the record was filtered.
 """
 
 from __future__ import annotations
@@ -10,6 +11,8 @@ import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from datetime import datetime
+
+import numpy as np
 
 from rockpulse.errors import RecordFormatError
 from rockpulse.readers.channel import build_record
@@ -24,7 +27,23 @@ from rockpulse.record.record import Record
 
 __all__ = ["FORMATS", "is_dyna", "read_dyna"]
 
-_TITLE = re.compile(rb"(?:\xef\xbb\xbf)?EVENT_NAME:")
+_FIRST = "EVENT_NAME"
+_TITLE = re.compile(rf"\ufeff?{_FIRST}:")
+#: Keys of which a text with other lines before the title has to show some; so many lines may stand before it.
+_TELLING = ("EVENT_DATE_YYYYMMDD", "STATION_CODE", "SAMPLING_INTERVAL_S", "NDATA", "UNITS", "DATA_TYPE", "STREAM")
+_FEWEST_KEYS, _LINES_BEFORE = 3, 200
+#: Keys that decide how the samples are read; one that is there with two values is an error, others are told.
+_DECISIVE = frozenset({"SAMPLING_INTERVAL_S", "NDATA", "UNITS", "DATA_TYPE"})
+#: The keys of AFAD before the title that are known, and the title of its corrected files.
+_AAD = "AAD_"
+_AAD_KEYS = tuple(
+    f"{_AAD}{key}"
+    for key in (
+        *("BASELINE_CORRECTION", "FILTER_TYPE", "FILTER_ORDER"),
+        *("LOW_CUT_FREQUENCY_HZ", "HIGH_CUT_FREQUENCY_HZ"),
+    )
+)
+_AAD_TITLE = re.compile(r"AAD_(\w+)_TADAS_FILE")
 _KEY = re.compile(r"([A-Z][A-Z0-9_/^]*):(.*)")
 _COUNT = re.compile(r"\d{1,9}", re.ASCII)
 _DECIMAL = re.compile(r"-?\d{1,9}(?:\.\d{0,12})?(?:[eE][+-]?\d{1,2})?", re.ASCII)
@@ -34,6 +53,8 @@ _TIME = re.compile(r"(\d\d?)(:?)(\d\d)\2(\d\d(?:\.\d{0,9})?)", re.ASCII)
 _PRECISION = re.compile(r"(?:milli|micro)?seconds?", re.IGNORECASE)
 #: The stated duration, of the samples or of the steps between them, may be off by this many steps.
 _DURATION_STEPS = 2.0
+#: At the time of the peak that the header states, and so many samples beside it, the motion reaches this share of it.
+_BESIDE_PEAK, _PEAK_SHARE = 2, 0.9
 
 
 @dataclass(frozen=True)
@@ -44,6 +65,7 @@ class _Header:
     values: dict[str, str]
     lines: dict[str, int]
     end: int
+    warnings: tuple[str, ...] = ()
 
     def text(self, key: str) -> str:
         """The value of a key; empty where it is blank or missing."""
@@ -59,8 +81,38 @@ class _Header:
 
 
 def is_dyna(head: bytes, name: str) -> bool:
-    """Whether the first line is ``EVENT_NAME:``."""
-    return bool(_TITLE.match(head))
+    """Whether the first line is ``EVENT_NAME:``, or that line, others of the keys and then numbers follow other lines.
+
+    A program or a text that quotes a header has no number behind it.
+    """
+    if b"EVENT_NAME:" not in head:
+        return False
+    lines = text_lines(head)
+    at = _title(lines)
+    if at is None:
+        return False
+    keys, end = _keys(lines, at)
+    if at == 0:
+        return True
+    behind = [line for line in lines[end : end + _FEWEST_KEYS] if line.strip()]
+    numbers = not behind or any(_DECIMAL.match(line.strip()) for line in behind)
+    return numbers and sum(key in _TELLING for key, _, _ in keys) >= _FEWEST_KEYS
+
+
+def _title(lines: Sequence[str]) -> int | None:
+    """Index of the line ``EVENT_NAME:``; None if it is none of the first ones."""
+    return next((at for at, line in enumerate(lines[:_LINES_BEFORE]) if _TITLE.match(line)), None)
+
+
+def _keys(lines: Sequence[str], start: int) -> tuple[list[tuple[str, str, int]], int]:
+    """Key, value and line number, from 1, of the lines from index `start` on, and the index of the first other line."""
+    found: list[tuple[str, str, int]] = []
+    for at in range(start, len(lines)):
+        match = _KEY.match(lines[at].lstrip("\ufeff"))
+        if not match:
+            return found, at
+        found.append((match[1], match[2].strip(), at + 1))
+    return found, len(lines)
 
 
 def read_dyna(file: SourceFile, options: ReadOptions) -> list[Record]:
@@ -99,7 +151,7 @@ def read_dyna(file: SourceFile, options: ReadOptions) -> list[Record]:
             f"{file.name}:{row + 1}: expected one number on the line, found {lines[row][:40]!r}; "
             "the line is damaged: download the file again"
         )
-    processed, notes = _processed(header)
+    processed, processing, notes = _processed(header)
     start_time, time_notes = _start_time(header)
     stated = header.text("PGA_CM/S^2")
     peak, rounding = printed_number(stated) if _DECIMAL.fullmatch(stated) else (float("nan"), 0.0)
@@ -127,46 +179,98 @@ def read_dyna(file: SourceFile, options: ReadOptions) -> list[Record]:
             header_peak=peak * UNITS["cm/s2"],
             peak_rounding=rounding * UNITS["cm/s2"],
             warnings=[
+                *header.warnings,
                 *notes,
                 *time_notes,
-                *_remarks(header, step, declared),
-                *surplus(lines, first + declared, len(lines)),
+                *_remarks(header, step, samples),
+                *surplus(lines, first + declared, len(lines), file.name, _TITLE),
             ],
+            processing=processing,
         )
     ]
 
 
 def _header(name: str, lines: Sequence[str]) -> _Header:
-    values, places = {}, {}
-    end = 0
-    for end, line in enumerate(lines):
-        match = _KEY.match(line.lstrip("\ufeff"))
-        if not match:
-            break
-        values[match[1]], places[match[1]] = match[2].strip(), end + 1
-    else:
-        end = len(lines)
-    return _Header(name, values, places, end)
+    """The header; RecordFormatError for a missing title and a decisive key with two values."""
+    start = _title(lines)
+    if start is None:
+        raise RecordFormatError(
+            f"{name}:1: expected a line '{_FIRST}:' among the first {_LINES_BEFORE}, found {lines[0][:40]!r}; "
+            "is it a DYNA file?"
+        )
+    keys, end = _keys(lines, start)
+    before, unknown = _before(lines[:start])
+    values: dict[str, str] = {}
+    places: dict[str, int] = {}
+    notes = [f"line {line}, before {_FIRST}, is not known and was not used: {text[:80]!r}" for line, text in unknown]
+    for key, value, line in [*before, *keys]:
+        if values.setdefault(key, value) != value:
+            both = f"{values[key][:40]!r} (line {places[key]}) and {value[:40]!r}"
+            if key in _DECISIVE:
+                raise RecordFormatError(
+                    f"{name}:{line}: expected one value of {key}, found {both}; find out which is right and remove "
+                    "the other line"
+                )
+            notes.append(f"line {line}: the header states {key} as {both}; the first counts")
+        places.setdefault(key, line)
+    return _Header(name, values, places, end, tuple(notes))
 
 
-def _processed(header: _Header) -> tuple[bool | None, list[str]]:
-    """Whether the volume is a corrected one.
+def _before(lines: Sequence[str]) -> tuple[list[tuple[str, str, int]], list[tuple[int, str]]]:
+    """Key, value and line number of the lines before the title that are known, line number and text of the others."""
+    known, unknown = [], []
+    for line, text in enumerate((text.lstrip("\ufeff").strip() for text in lines), 1):
+        key, _, value = (part.strip() for part in text.partition(":"))
+        title = _AAD_TITLE.fullmatch(text)
+        if title:
+            known.append((_AAD, title[1], line))
+        elif key in _AAD_KEYS and (not value or not key.endswith("_HZ") or _DECIMAL.fullmatch(value)):
+            known.append((key, value, line))
+        elif text:
+            unknown.append((line, text))
+    return known, unknown
+
+
+def _processed(header: _Header) -> tuple[bool | None, list[str], list[str]]:
+    """Whether the volume is a corrected one, the words of the file for what was done, and warnings.
 
     Unprocessed files of AFAD name the processing of their corrected companions; what tells them apart is that they
     state no corner frequency.
     """
+    done, notes = {}, []
+    for prefix, source in (("", ""), (_AAD, " (AAD lines)")):
+        low, high = (header.number(f"{prefix}{end}_CUT_FREQUENCY_HZ") for end in ("LOW", "HIGH"))
+        if low > 0.0 or high > 0.0:
+            band = _band(low, high)
+            done[band] = f"file: {_filter(header, prefix)}, {band}{source}"
+    removed = header.text(f"{_AAD}BASELINE_CORRECTION")
+    baseline = [f"file: {removed.lower()} (AAD lines)"] if removed else []
+    if len(done) > 1:
+        notes.append(f"the file states two filters: {' and '.join(done)}")
+    if done or header.text(_AAD).lower() == "filtered":
+        return True, [*done.values(), *baseline], notes
     stated = header.text("PROCESSING")
     if not stated or stated.lower() == "none":
-        return (False if stated else None), []
-    if header.number("LOW_CUT_FREQUENCY_HZ") > 0.0 or header.number("HIGH_CUT_FREQUENCY_HZ") > 0.0:
-        return True, []
+        return (False if stated else None), baseline, notes
     note = f"the header says {stated!r} but states no corner frequency: whether the record was filtered is not known"
-    return None, [note]
+    return None, baseline, [note]
 
 
-def _remarks(header: _Header, step: float, count: int) -> list[str]:
+def _filter(header: _Header, prefix: str) -> str:
+    """The kind of the filter and its order."""
+    kind, order = header.text(f"{prefix}FILTER_TYPE"), header.text(f"{prefix}FILTER_ORDER")
+    return (kind.capitalize() or "filtered") + (f" order {order}" if order else "")
+
+
+def _band(low: float, high: float) -> str:
+    if not high > 0.0:
+        return f"above {low:g} Hz"
+    return f"{low:g}-{high:g} Hz" if low > 0.0 else f"below {high:g} Hz"
+
+
+def _remarks(header: _Header, step: float, samples: np.ndarray) -> list[str]:
     """Warnings where the header contradicts the samples."""
-    notes = []
+    notes, count = [], samples.size
     if header.text("LATE/NORMAL_TRIGGERED").upper().startswith("L"):
         notes.append("late triggered (header): the beginning of the motion is missing")
     if "NOT REMOVED" in header.text("BASELINE_CORRECTION").upper() and header.text("PROCESSING").lower() != "none":
@@ -174,6 +278,15 @@ def _remarks(header: _Header, step: float, count: int) -> list[str]:
     duration = header.number("DURATION_S")
     if abs(duration - step * count) > _DURATION_STEPS * step:
         notes.append(f"the header states {duration:g} s, {count} samples at {step:g} s last {step * count:g} s")
+    at, peak = header.number("TIME_PGA_S") / step, float(np.max(np.abs(samples)))
+    if peak > 0.0 and np.isfinite(at):
+        beside = samples[max(round(min(at, count)) - _BESIDE_PEAK, 0) :][: 2 * _BESIDE_PEAK + 1]
+        if not np.max(np.abs(beside), initial=0.0) >= _PEAK_SHARE * peak:
+            found = step * int(np.argmax(np.abs(samples)))
+            notes.append(
+                f"the header states the peak at {at * step:g} s, at the interval of {step:g} s the samples have it at "
+                f"{found:g} s"
+            )
     return notes
 
 
@@ -229,7 +342,7 @@ FORMATS = (
     Format(
         name="dyna",
         what="DYNA 1.x (ESM, ITACA, AFAD)",
-        recognised="first line 'EVENT_NAME:'",
+        recognised="a line 'EVENT_NAME:' and others of the keys, at the top or below other lines",
         unit="cm/s2, from the header",
         processed="by type",
         example="HI.ARS1..HNE.D.20190728.160908.C.ACC.ASC",

@@ -22,6 +22,7 @@ from rockpulse.readers.facing import Direction, direction, on_structure
 from rockpulse.readers.facts import Facts, coordinates, magnitudes, stated
 from rockpulse.readers.fields import check_count, fixed_width, printed_number, text_lines
 from rockpulse.readers.format import Format, ReadOptions
+from rockpulse.readers.repeats import distinct_sections, last_of_equal, repeated_marker
 from rockpulse.readers.source import SourceFile
 from rockpulse.readers.units import UNITS, canonical_unit
 from rockpulse.record.record import Record
@@ -51,7 +52,8 @@ def read_geonet(file: SourceFile, options: ReadOptions) -> list[Record]:
     """Read the accelerations of every component; the options are not used, because the format states everything."""
     lines = text_lines(file.content)
     records: list[Record] = []
-    counts: list[Counted] = []
+    spans: list[tuple[int, int]] = []
+    notes: list[str] = []
     start = 0
     while start < len(lines):
         if not _TITLE.match(lines[start]):
@@ -60,13 +62,21 @@ def read_geonet(file: SourceFile, options: ReadOptions) -> list[Record]:
                 f"'Uncorrected accelerogram', found {lines[start][:60].strip()!r}; "
                 "the file is damaged: download it again"
             )
+        first, start = start, last_of_equal(lines, start)
+        notes += repeated_marker(first, start)
         record, rows = _component(file, lines[start:], start + 1, len(records) + 1)
-        counts.append(Counted(start + 1, lines[start], record.component, _COMPONENTS))
+        spans.append((start, start + _HEADER_LINES + rows))
         records.append(record)
         start += _HEADER_LINES + rows
         while start < len(lines) and not lines[start].strip():
             start += 1
-    notes = completeness(file.name, counts, "files of this format hold")
+    kept, copies = distinct_sections(lines, spans, "component")
+    records = [record for record, span in zip(records, spans, strict=True) if span in kept]
+    counts = (
+        Counted(start + 1, lines[start], record.component, _COMPONENTS)
+        for (start, _), record in zip(kept, records, strict=True)
+    )
+    notes += (*copies, *completeness(file.name, counts, "files of this format hold"))
     return [replace(record, warnings=(*record.warnings, *notes)) for record in records]
 
 

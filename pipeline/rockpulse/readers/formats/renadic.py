@@ -69,7 +69,7 @@ def read_renadic(file: SourceFile, options: ReadOptions) -> list[Record]:
     name = _PART.fullmatch(file.path.stem)
     if name:
         notes.append(Remark("part_of_record", part=int(name[2])))
-        lines, spans = channels(file, _TITLE, "Uncorrected Accelerogram Data")
+        lines, spans, _ = channels(file, _TITLE, "Uncorrected Accelerogram Data")
         rows = [lines[start + HEADER_LINES] for start, _ in spans]
         records = [_part(record, row, file.path.stem, name) for record, row in zip(records, rows, strict=True)]
     kept_records = [record for record, kept in zip(records, alive, strict=True) if kept]

@@ -20,6 +20,7 @@ from rockpulse.readers.facing import Direction, direction, on_structure
 from rockpulse.readers.facts import Facts, preferred, stated
 from rockpulse.readers.fields import check_count, fixed_width, printed_number, text_lines
 from rockpulse.readers.format import Format, ReadOptions
+from rockpulse.readers.pairs import surplus
 from rockpulse.readers.source import NotAcceleration, SourceFile
 from rockpulse.readers.spacing import make_even
 from rockpulse.readers.units import UNITS
@@ -145,8 +146,7 @@ def _values(
         )
     values = fixed_width(lines[first:], first + 1, 10, 8, count, name)
     used = first + -(-count // 8)
-    rows = sum(1 for line in lines[used:] if line.strip())
-    warnings = [f"line {used + 1}: {rows} rows beyond the declared count were left out"] if rows else []
+    warnings = list(surplus(lines, used, len(lines), name, _TITLE))
     if not pairs:
         return values, 1.0 / rate, float(np.max(np.abs(values))), warnings
     if count % 2:

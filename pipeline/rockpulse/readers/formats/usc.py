@@ -24,7 +24,7 @@ from rockpulse.record.record import Record
 __all__ = ["FORMATS", "is_usc_v1", "is_usc_v2", "read_usc_v1", "read_usc_v2"]
 
 _TITLE = re.compile(r"\s?file\s+\d+\s+of uncorrected accelerogram data\b", re.IGNORECASE)
-_CORRECTED = re.compile(r"\s?corrected accelerogram\b[^\r\n]*[\r\n]+" + _TITLE.pattern, re.IGNORECASE)
+_CORRECTED = re.compile(r"(?:\s?corrected accelerogram\b[^\r\n]*[\r\n]+)+" + _TITLE.pattern, re.IGNORECASE)
 #: Words end here; the number of a punched card follows.
 _WORDS = 72
 _STATION = re.compile(r"\s*station\s+(?:usc#|no\.?)\s*(\w+)", re.IGNORECASE)
@@ -52,16 +52,15 @@ def is_usc_v2(head: bytes, name: str) -> bool:
 
 def read_usc_v1(file: SourceFile, options: ReadOptions) -> list[Record]:
     """Read every channel; the options are not used, because the format states everything."""
-    lines, spans = channels(file, _TITLE, "FILE N OF UNCORRECTED ACCELEROGRAM DATA")
+    lines, spans, copies = channels(file, _TITLE, "FILE N OF UNCORRECTED ACCELEROGRAM DATA")
     records = []
     for number, (start, end) in enumerate(spans, 1):
         check_count(f"{file.name}:{end}", HEADER_LINES, end - start, f"header lines of channel {number}")
         count = declared_points(lines[start + 10], f"{file.name}:{start + 11}")
         unit = pair_unit(lines[start + 11], f"{file.name}:{start + 12}")
         block = pair_block(file.name, lines, start + HEADER_LINES, end, count, unit)
-        records.append(
-            _header(lines[start : start + HEADER_LINES]).record(file, number, block, format="usc_v1", processed=False)
-        )
+        header = _header(lines[start : start + HEADER_LINES]).noting(*copies)
+        records.append(header.record(file, number, block, format="usc_v1", processed=False))
     return records
 
 

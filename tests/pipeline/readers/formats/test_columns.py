@@ -163,14 +163,6 @@ def test_exponents_of_fortran(write):
     assert record.acceleration == pytest.approx(VALUES, rel=1e-8)
 
 
-def test_a_series_in_rows_is_not_taken_for_channels(write):
-    path = write("\n".join(" ".join(f"{value:.5f}" for value in row) for row in VALUES.reshape(-1, 5)))
-    with pytest.raises(
-        RecordFormatError, match=r"record.txt:1: .* found 5 columns of numbers: .* one series in rows of 5\?"
-    ):
-        read(path, units="g", dt=0.01)
-
-
 def test_a_heading_with_another_unit_contradicts_the_option(write):
     path = write(table(TIMES, VALUES, delimiter=",", header="time (s),acc [g]\n"))
     with pytest.raises(UnitError, match=r"headed g, the option units says cm/s2; .* convert FILE --units cm/s2 -o"):

@@ -390,11 +390,11 @@ def test_a_file_of_one_channel_without_its_last_line_says_so(write):
     assert "the file holds 1; it may be truncated" in record.warnings[0]
 
 
-def test_a_channel_twice_is_damage(write):
+def test_a_channel_of_one_number_with_other_samples_is_damage(write):
     with pytest.raises(
         RecordFormatError, match=r"test.V1C:97: expected another channel, found that of line 1 a second"
     ):
-        read(write(channels_of_three(1, 1)))
+        read(write(channels_of_three(1) + cosmos(pulse(peak=0.2), number=1, component="360 deg", azimuth=360)))
 
 
 @pytest.mark.parametrize(

@@ -349,11 +349,11 @@ def test_two_recorders_in_one_file_count_apart(write):
     assert len([record for record in read(write(of_three(1, 2, 3) + short)) if record.warnings]) == 5
 
 
-def test_a_channel_twice_is_damage(write):
+def test_a_channel_of_one_number_with_other_samples_is_damage(write):
     with pytest.raises(
         RecordFormatError, match=r"TEST.RAW:\d+: expected another channel, found that of line 1 a second"
     ):
-        read(write(of_three(1, 2, 1)))
+        read(write(of_three(1, 2) + of_three(1).replace(b" 0.300000", b" 0.299999")))
 
 
 @pytest.mark.parametrize(

@@ -290,9 +290,8 @@ def test_channels_that_the_header_counts_and_the_file_lacks(write):
     assert "the file holds 1" in read(write(second[: second.index(b"/&")]))[0].warnings[0]
 
 
-def test_a_channel_twice_is_damage(write):
-    content = csmip_v2(MOTION, number=1)
+def test_a_channel_of_one_number_with_other_samples_is_damage(write):
     with pytest.raises(
         RecordFormatError, match=r"TEST.V2:\d+: expected another channel, found that of line 1 a second"
     ):
-        read(write(content + content))
+        read(write(csmip_v2(MOTION, number=1) + csmip_v2(0.9 * MOTION, number=1)))

@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 import io
+import re
 from datetime import UTC, datetime
 
 import numpy as np
 import pytest
 from make_format_samples import source_channels
 from record_writers._shared import pulse
-from record_writers.dyna import CORRECTED, dyna, samples
+from record_writers.dyna import CORRECTED, TADAS, dyna, samples
 
 from rockpulse.errors import RecordFormatError, UnitError
 from rockpulse.readers import read
+from rockpulse.readers.formats.dyna import FORMATS
 from rockpulse.readers.source import NotAcceleration
 from rockpulse.record.record import STANDARD_GRAVITY, Record
 
@@ -80,7 +82,7 @@ def test_the_format_samples_give_back_the_channels():
         assert record.acceleration == pytest.approx(channel.acceleration, abs=0.51e-8)
         assert (record.dt, record.start_time) == (channel.dt, channel.start_time)
         assert record.orientation == channel.orientation
-    assert [record.processed for record in records] == [False] * 4
+    assert [record.processed for record in records] == [False, False, True, False, False]
 
 
 @pytest.mark.parametrize("end", ["\n", "\r\n"])
@@ -217,3 +219,101 @@ def test_lines_beyond_the_declared_count_are_reported():
 def test_damage_is_named(content, error, message):
     with pytest.raises(error, match=message):
         got(content)
+
+
+#: AFAD's portal of today: the corners stand before the first key, the header of old has none.
+NO_CORNERS = CORRECTED | {"LOW_CUT_FREQUENCY_HZ": "", "HIGH_CUT_FREQUENCY_HZ": ""}
+FILTERED = ("file: Butterworth order 1, 0.025-40 Hz (AAD lines)", "file: baseline removed (AAD lines)")
+
+
+def test_a_real_file_of_the_portal_of_today(records_folder):
+    (record,) = read(records_folder / "dyna_asc_afad" / "20230206011732_0201_ap_AAD_Acc_E.asc")
+    assert (record.npts, record.dt, record.azimuth) == (4725, 0.01, 90.0)
+    assert record.pga / STANDARD_GRAVITY == pytest.approx(0.9176, rel=5e-4)
+    assert record.header_peak == pytest.approx(8.7995, rel=1e-6)
+    assert record.id == "TK.0201..HNE@20230206T011732"
+    assert (record.processed, record.processing) == (True, FILTERED)
+    assert record.station_name == "Kahramanmaras_Pazarck_Turkiye"
+
+
+def test_the_lines_of_afad_before_the_title_are_the_processing():
+    plain, record = got(dyna(VALUES, **NO_CORNERS)), got(TADAS.encode() + dyna(VALUES, **NO_CORNERS))
+    assert np.array_equal(plain.acceleration, record.acceleration)
+    assert (record.processed, record.processing, record.warnings) == (True, FILTERED, ())
+    assert plain.processed is None
+    both = got(TADAS.encode() + dyna(VALUES, **CORRECTED))
+    assert both.processing == ("file: Butterworth, 0.1-30 Hz", *FILTERED)
+    assert both.warnings == ("the file states two filters: 0.1-30 Hz and 0.025-40 Hz",)
+
+
+@pytest.mark.parametrize(
+    ("lines", "processed", "processing"),
+    [
+        (
+            "AAD_LOW_CUT_FREQUENCY_HZ: 0.05\nAAD_HIGH_CUT_FREQUENCY_HZ:\n",
+            True,
+            "file: filtered, above 0.05 Hz (AAD lines)",
+        ),
+        ("AAD_HIGH_CUT_FREQUENCY_HZ: 25\n", True, "file: filtered, below 25 Hz (AAD lines)"),
+        ("AAD_LOW_CUT_FREQUENCY_HZ:\nAAD_HIGH_CUT_FREQUENCY_HZ:\n", None, ""),
+        ("AAD_Filtered_TADAS_FILE\n", True, ""),
+    ],
+)
+def test_what_the_lines_of_afad_leave_open(lines, processed, processing):
+    given = NO_CORNERS | {"FILTER_TYPE": ""}
+    record = got(lines.encode() + dyna(VALUES, **given))
+    assert (record.processed, "".join(record.processing)) == (processed, processing)
+
+
+def test_other_lines_before_the_title_are_told_and_not_used():
+    content = b"\n# exported by hand\nAAD_LOW_CUT_FREQUENCY_HZ: five\nNDATA: 7\n" + dyna(VALUES)
+    record = got(content)
+    assert record.npts == VALUES.size
+    assert [note.partition(" is not known")[0] for note in record.warnings] == [
+        f"line {line}, before EVENT_NAME," for line in (2, 3, 4)
+    ]
+    assert "'# exported by hand'" in record.warnings[0]
+
+
+def test_a_text_that_quotes_a_header_is_no_dyna_file():
+    header = dyna(VALUES)[: dyna(VALUES).index(b"USER5:") + 8]
+    (row,) = FORMATS
+    assert row.detect(b'HEADER = """\n' + header + b'"""\n', "writer.py") is False
+    assert row.detect(b"title\n" + header + b"-1.5\n", "x.asc") is True
+    assert row.detect(b"title\n" + header, "cut.asc") is True
+    assert row.detect(b"title\nEVENT_NAME: GREECE\n1.0\n", "x.txt") is False
+    assert row.detect(b"title\n" * 300 + header + b"-1.5\n", "x.asc") is False
+
+
+@pytest.mark.parametrize(("key", "other"), [("SAMPLING_INTERVAL_S", "0.02"), ("NDATA", "299"), ("UNITS", "m/s^2")])
+def test_a_key_with_two_values_that_decides_is_refused(key, other):
+    content = dyna(VALUES)
+    at = content.index(f"{key}:".encode())
+    line = content[at : content.index(b"\n", at) + 1]
+    assert got(content[:at] + line + content[at:]).warnings == ()
+    with pytest.raises(
+        RecordFormatError, match=rf":\d+: expected one value of {key}, found .* and '{re.escape(other)}'"
+    ):
+        got(content[:at] + line + f"{key}: {other}\n".encode() + content[at + len(line) :])
+
+
+def test_a_key_with_two_values_that_tells_of_the_event_is_a_warning():
+    record = got(dyna(VALUES).replace(b"NETWORK: HI\n", b"NETWORK: HI\nNETWORK: XX\n"))
+    assert record.network == "HI"
+    assert "the header states NETWORK as 'HI' (line 14) and 'XX'; the first counts" in record.warnings[0]
+
+
+def test_the_time_of_the_peak_contradicts_a_wrong_interval():
+    content = dyna(VALUES, DURATION_S="")
+    assert got(content).warnings == ()
+    for wrong in ("0.020000", "0.005000"):
+        (note,) = got(content.replace(b"INTERVAL_S: 0.010000", f"INTERVAL_S: {wrong}".encode())).warnings
+        assert note.startswith("the header states the peak at 0.12 s")
+
+
+def test_two_records_in_one_file_are_refused():
+    other = dyna(0.5 * VALUES, STREAM="HNN")
+    with pytest.raises(RecordFormatError, match="found 'EVENT_NAME: GREECE', the beginning of another record"):
+        got(dyna(VALUES) + other)
+    with pytest.raises(RecordFormatError, match="the beginning of another record"):
+        got(TADAS.encode() + dyna(VALUES) + TADAS.encode() + other)

@@ -226,4 +226,4 @@ def test_channels_that_the_header_counts_and_the_file_lacks():
     for record in got(cut):
         assert "the header counts 3 channels of this recorder, the file holds 2" in record.warnings[0]
     with pytest.raises(RecordFormatError, match="expected another channel"):
-        got(content + cut)
+        got(content + renadic([0.9 * values for values in THREE]))

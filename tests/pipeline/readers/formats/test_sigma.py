@@ -1,0 +1,165 @@
+"""SIGMA/ITACA .acc: header, touching fields, directions, what is no acceleration, damaged files."""
+
+from __future__ import annotations
+
+import io
+
+import numpy as np
+import pytest
+from make_format_samples import source_channels
+from record_writers import pulse
+from record_writers.sigma import samples, sigma
+
+from rockpulse.errors import RecordFormatError, UnitError
+from rockpulse.readers import read
+from rockpulse.readers.formats.sigma import FORMATS
+from rockpulse.readers.source import NotAcceleration
+from rockpulse.record.record import STANDARD_GRAVITY, Record
+
+VALUES = np.array([float(f"{value:.7E}") for value in -pulse(302, peak=2.0)])
+CONTENT = sigma(VALUES)
+
+
+def got(content: bytes) -> Record:
+    (record,) = read(io.BytesIO(content))
+    return record
+
+
+def test_the_real_file(records_folder):
+    (record,) = read(records_folder / "sigma_itaca" / "16837_H2.cor.acc")
+    assert (record.npts, record.dt, record.azimuth) == (112_600, 0.005, 90.0)
+    assert record.pga / STANDARD_GRAVITY == pytest.approx(0.6635, rel=5e-4)
+    assert record.pga == pytest.approx(record.header_peak, rel=1e-6)
+    assert (record.network, record.station) == ("DPC", "3614")
+    assert record.station_name == "L Aquila - V. Aterno - Centro Valle, Italy"
+    assert (record.event, record.start_time) == ("2009-04-06 01:32:39", None)
+    assert (record.processed, record.warnings, record.id) == (True, (), "16837_H2.cor.WE")
+    assert record.processing == (
+        "file: Acausal Butterworth bandpass filtering (4pole-4pole). Post processed to remove leading and trailing "
+        "zeros.",
+        "file: filtered, 0.1-50 Hz",
+    )
+
+
+def test_the_format_samples_give_back_the_channels():
+    east, _, up = source_channels()
+    for content, channel in zip(samples(source_channels()).values(), (east, up), strict=True):
+        record = got(content)
+        assert record.acceleration == pytest.approx(channel.acceleration, rel=1e-7)
+        assert (record.dt, record.orientation) == (channel.dt, channel.orientation)
+
+
+@pytest.mark.parametrize("end", ["\n", "\r\n", "\r"])
+def test_fields_touch_and_the_last_row_is_short(end):
+    content = sigma(VALUES, end=end)
+    assert content.count(b"-", content.index(b"m/s/s")) > VALUES.size
+    record = got(content)
+    assert np.array_equal(record.acceleration, VALUES)
+    assert (record.source_unit, record.dt, record.format, record.warnings) == ("m/s2", 0.01, "sigma", ())
+
+
+def test_rows_whose_first_blank_was_cut_off_are_read_at_the_blanks():
+    head, _, block = sigma(np.abs(VALUES)).decode().rpartition("m/s/s\n")
+    record = got((head + "m/s/s\n" + "\n".join(row.strip() for row in block.split("\n"))).encode())
+    assert np.array_equal(record.acceleration, np.abs(VALUES))
+    assert record.warnings == ()
+
+
+@pytest.mark.parametrize(
+    ("words", "orientation", "azimuth"),
+    [
+        *[("WE", "horizontal", 90.0), ("NS", "horizontal", 0.0), ("SN", "horizontal", 0.0), ("UP", "vertical", np.nan)],
+        *[
+            ("Z", "vertical", np.nan),
+            ("H1", "horizontal", np.nan),
+            ("N35E", "horizontal", 35.0),
+            ("", "unknown", np.nan),
+        ],
+    ],
+)
+def test_directions(words, orientation, azimuth):
+    record = got(sigma(VALUES, orientation=words))
+    assert (record.orientation, record.component) == (orientation, words)
+    assert record.azimuth == pytest.approx(azimuth, nan_ok=True)
+
+
+@pytest.mark.parametrize(
+    ("series", "factor"),
+    [
+        ("Acceleration time series in m/s/s", 1.0),
+        ("Accelaration time history in cm/s/s", 0.01),
+        ("ACCELERATION TIME SERIES IN CM/S**2", 0.01),
+        ("Acceleration time series in g", STANDARD_GRAVITY),
+    ],
+)
+def test_the_unit_is_that_of_the_line_above_the_samples(series, factor):
+    record = got(sigma(VALUES, series=series))
+    assert record.acceleration == pytest.approx(factor * VALUES)
+    assert any("the header states a peak" in note for note in record.warnings) is (factor != 1.0)
+
+
+@pytest.mark.parametrize("series", ["Velocity time series in m/s", "Displacement time series in m"])
+def test_velocity_and_displacement_are_refused(series):
+    with pytest.raises(NotAcceleration, match=r"stream:10: expected 'Acceleration time series', found (vel|disp)"):
+        got(sigma(VALUES, series=series))
+    with pytest.raises(UnitError, match="stream:10: unknown unit of acceleration 'm/s'"):
+        got(sigma(VALUES, series="Acceleration time series in m/s"))
+
+
+@pytest.mark.parametrize(
+    ("words", "corners", "processed", "processing"),
+    [
+        ("none", "", False, ("file: none",)),
+        ("", "", None, ()),
+        ("Baseline correction", "", None, ("file: Baseline correction",)),
+        ("", "0.05-30", True, ("file: filtered, 0.05-30 Hz",)),
+        ("Band pass filter", "variable", True, ("file: Band pass filter", "file: filter variable")),
+    ],
+)
+def test_processing(words, corners, processed, processing):
+    record = got(sigma(VALUES, processing=words, corners=corners))
+    assert (record.processed, record.processing) == (processed, processing)
+
+
+def changed(old: str, new: str) -> bytes:
+    assert old.encode() in CONTENT
+    return CONTENT.replace(old.encode(), new.encode(), 1)
+
+
+DAMAGE = {
+    "fewer": (changed(": 302", ": 306"), r"stream:72: expected 306 numbers \(header\), found 302"),
+    "none": (changed(": 302", ": 0"), "positive number of samples"),
+    "no-count": (changed(": 302", ": many"), r"stream:8: expected 'Number of Data : n', found 'many'"),
+    "no-step": (changed("0.01\n", "\n"), r"stream:7: expected 'Time Increment \(s\) : dt', found ''"),
+    "zero-step": (changed("0.01\n", "0\n"), "positive sampling interval"),
+    "step-in-ms": (changed("Increment (s)", "Increment (ms)"), r"stream:7: .*\(ms\)"),
+    "two-counts": (changed("PGA (m/s/s)  ", "Number of Data : 300\nPGA (m/s/s)"), "stream:9: expected one value of"),
+    "no-series": (changed("Accelaration time series", "Samples"), "stream:40: expected the line 'Acceleration time"),
+    "no-samples": (CONTENT[: CONTENT.index(b"m/s/s\n") + 6], "expected 302 samples|expected 302 numbers"),
+    "letters": (CONTENT[:-40] + b"x" + CONTENT[-39:], r"stream:70: expected a finite number|stream:71"),
+    "short-row": (CONTENT[:-60] + CONTENT[-59:], "stream:70: expected 5 fields of 14 characters"),
+}
+
+
+@pytest.mark.parametrize(("content", "message"), DAMAGE.values(), ids=DAMAGE)
+def test_damage_is_named_with_file_and_line(content, message):
+    with pytest.raises(RecordFormatError, match=message):
+        got(content)
+
+
+def test_a_count_below_the_numbers_of_the_file_is_reported():
+    for count, told in ((301, "line 71: 1 numbers beyond"), (300, "line 71: 1 rows beyond the declared count")):
+        assert told in got(sigma(VALUES, count=count)).warnings[0]
+
+
+def test_another_record_in_the_file_is_refused():
+    with pytest.raises(RecordFormatError, match="the beginning of another record"):
+        got(CONTENT + sigma(0.5 * VALUES, orientation="NS"))
+
+
+def test_recognition_by_some_of_the_keys():
+    (row,) = FORMATS
+    assert row.detect(CONTENT, "x") is True
+    assert row.detect(b"\n".join(CONTENT.split(b"\n")[3:9]), "x") is True
+    assert row.detect(b"Network : a\nOrientation : b\nTime Increment (s) : 1\n", "x") is False
+    assert row.detect(b"Network : a\nOrientation : b\nPGA : 1\nProcessing Info: no\n", "x") is False

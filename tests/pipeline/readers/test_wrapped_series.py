@@ -1,0 +1,74 @@
+"""One series in rows of several values, and channels side by side that look like one."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from record_writers import pulse
+from record_writers.columns import wrapped
+
+from rockpulse.errors import RecordFormatError
+from rockpulse.readers import read
+from rockpulse.readers.wrapped_series import FEWEST_ROWS, runs_on
+
+VALUES = np.round(pulse(200, peak=3.0), 6)
+
+
+@pytest.fixture
+def write(tmp_path):
+    def written(content: bytes, name: str = "record.txt"):
+        path = tmp_path / name
+        path.write_bytes(content)
+        return path
+
+    return written
+
+
+@pytest.mark.parametrize("per_row", [5, 6, 8])
+def test_a_series_in_rows_that_run_on_is_read_where_unit_and_interval_are_given(write, per_row):
+    path = write(wrapped(VALUES, per_row))
+    advice = r"record.txt:\d+: .* one series in rows of \d\? with unit and interval given \(options units and dt\)"
+    for missing in ({"units": "g"}, {"dt": 0.01}):
+        with pytest.raises(RecordFormatError, match=advice):
+            read(path, **missing)
+    (record,) = read(path, units="g", dt=0.01)
+    assert record.acceleration / record.unit_factor == pytest.approx(VALUES, abs=0.51e-6)
+    assert record.warnings == (
+        f"rows of {per_row} numbers were read as one series of 200, because the values run on from row to row; nothing "
+        "in the file says so",
+    )
+
+
+@pytest.mark.parametrize("width", [5, 6, 8])
+@pytest.mark.parametrize("short", [False, True])
+def test_channels_side_by_side_are_no_series_in_rows(write, width, short):
+    random = np.random.default_rng(width)
+    motion = [np.convolve(random.standard_normal(230), np.hanning(31), "valid") for _ in range(width)]
+    rows = [" ".join(f"{value:.5f}" for value in row) for row in np.column_stack(motion)]
+    path = write("\n".join([*rows, "0.1 0.2 0.3"] if short else rows).encode())
+    with pytest.raises(RecordFormatError, match=r"do not run on from row to row .*Write one value to a line"):
+        read(path, units="g", dt=0.01)
+
+
+def test_a_short_last_row_of_narrow_rows_that_run_on_is_the_end_of_a_series(write):
+    (record,) = read(write(wrapped(VALUES, 3)), units="m/s2", dt=0.01)
+    assert record.acceleration == pytest.approx(VALUES, abs=0.51e-6)
+    with pytest.raises(RecordFormatError, match=r"rows of 4\? rows of up to 4 numbers may be those of a station"):
+        read(write(wrapped(VALUES, 4)), units="m/s2", dt=0.01)
+
+
+def test_runs_on_asks_for_enough_rows_and_for_motion():
+    rows = VALUES.reshape(-1, 5)
+    assert runs_on(rows)
+    assert not runs_on(rows[: FEWEST_ROWS - 1])
+    assert not runs_on(0.0 * rows)
+    assert not runs_on(np.full((30, 5), 1e300) * np.arange(5))
+
+
+@pytest.mark.parametrize("noise", [0.0, 0.01, 0.1, 1.0])
+@pytest.mark.parametrize("width", [3, 5, 10, 40])
+def test_channels_that_move_together_are_no_series(noise, width):
+    """A rigid floor: one motion with a little noise on each channel."""
+    random = np.random.default_rng(width)
+    common = np.convolve(random.standard_normal(430), np.hanning(31), "valid")[:, None]
+    assert not runs_on(common + noise * random.standard_normal((400, width)))
