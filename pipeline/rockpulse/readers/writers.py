@@ -31,7 +31,6 @@ _SMALLEST = 1e-99
 _SEED_CHANNEL = re.compile(r"[A-Z][HLGMN][A-Z0-9]", re.ASCII)
 #: Degrees by which a sensor called N or E may be off, by the rules of SEED.
 _SEED_OFF = 5.0
-_NOWHERE = {"latitude": 0.0, "longitude": 0.0, "elevation": 0.0}
 
 
 def _text(words: str) -> str:
@@ -73,14 +72,14 @@ def _facing(record: Record) -> str:
 def at2_bytes(record: Record) -> bytes:
     """One record as PEER AT2, in g, five numbers of eight digits in a row.
 
-    The title is ``event, date, station, component``; the date is that of the event, or of the first sample where the
-    event has none.
+    The title is ``event, date, station, component``; the date is that of the event, by its name or its origin time, or
+    of the first sample where neither is known.
     """
     event = _text(record.event)
     if not _DATED.fullmatch(event):
         event = event.replace(",", ";")
-        if event and record.start_time is not None:
-            moment = record.start_time
+        moment = record.origin_time or record.start_time
+        if event and moment is not None:
             event = f"{event}, {moment.month}/{moment.day}/{moment.year}"
     station = _text(record.station_name or ".".join(filter(None, (record.network, record.station))))
     values = record.acceleration / STANDARD_GRAVITY
@@ -202,7 +201,7 @@ def _station_channel(record: Record, location: str, channel: str) -> Any:
     return Channel(
         channel,
         location,
-        **_NOWHERE,
+        **_place(record),
         depth=record.sensor_depth if np.isfinite(record.sensor_depth) else 0.0,
         azimuth=0.0 if lies == "vertical" else azimuth if lies == "horizontal" and np.isfinite(azimuth) else None,
         dip={"vertical": -90.0, "horizontal": 0.0}.get(lies),
@@ -215,19 +214,28 @@ def _station_channel(record: Record, location: str, channel: str) -> Any:
 
 
 def _inventory(records: Sequence[Record], codes: Sequence[tuple[str, str, str, str]]) -> Any:
-    """Station metadata of all records; coordinates are not known and written as 0."""
+    """Station metadata of all records; coordinates that are not known, and elevations, are written as 0."""
     from obspy.core.inventory import Inventory, Network, Site, Station
 
     networks: dict[str, dict[str, Any]] = {}
     for record, (network, station, location, channel) in zip(records, codes, strict=True):
         stations = networks.setdefault(network, {})
         if station not in stations:
-            stations[station] = Station(station, **_NOWHERE, site=Site(_printable(record.station_name) or station))
+            stations[station] = Station(
+                station, **_place(record), site=Site(_printable(record.station_name) or station)
+            )
         stations[station].channels.append(_station_channel(record, location, channel))
     return Inventory(
         [Network(code, stations=list(stations.values())) for code, stations in networks.items()],
-        source=f"rockpulse {__version__}; coordinates are not known and written as 0",
+        source=f"rockpulse {__version__}; unknown coordinates, and all elevations, are written as 0",
     )
+
+
+def _place(record: Record) -> dict[str, float]:
+    """The coordinates of the station, which StationXML cannot leave out: 0 where they are not known, as elsewhere."""
+    known = np.isfinite(record.station_latitude) and np.isfinite(record.station_longitude)
+    latitude, longitude = (record.station_latitude, record.station_longitude) if known else (0.0, 0.0)
+    return {"latitude": latitude, "longitude": longitude, "elevation": 0.0}
 
 
 def _printable(text: str) -> str:

@@ -216,6 +216,22 @@ def test_the_depth_of_a_sensor_goes_into_the_station_metadata(tmp_path, record):
     assert come_back(tmp_path, record, "b.mseed").sensor_depth == 0.0
 
 
+def test_the_place_of_the_station_goes_into_the_station_metadata(tmp_path, record):
+    placed = replace(record, station_latitude=35.81574, station_longitude=-117.59751)
+    back = come_back(tmp_path, placed, "a.mseed")
+    assert (back.station_latitude, back.station_longitude) == (35.81574, -117.59751)
+    back = come_back(tmp_path, replace(record, station_latitude=float("nan")), "b.mseed")
+    assert np.isnan([back.station_latitude, back.station_longitude]).all()
+
+
+def test_the_date_in_an_at2_file_is_that_of_the_earthquake(record):
+    """The record of a station far away may begin on the next day."""
+    late = replace(record, event="Alaska", start_time=datetime(1964, 3, 28, 0, 1, tzinfo=UTC))
+    assert at2_bytes(late).splitlines()[1].startswith(b"Alaska, 3/28/1964,")
+    told = replace(late, origin_time=datetime(1964, 3, 27, 23, 59, tzinfo=UTC))
+    assert at2_bytes(told).splitlines()[1].startswith(b"Alaska, 3/27/1964,")
+
+
 def test_the_names_in_a_miniseed_file(record):
     _, metadata, names = miniseed_bytes([record, replace(record, channel="HNZ", orientation="vertical")])
     assert names == ["CI.CLC..HNE", "CI.CLC..HNZ"]

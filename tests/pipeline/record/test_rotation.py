@@ -50,6 +50,14 @@ def test_in_the_direction_of_a_channel_the_motion_is_that_channel_bit_for_bit(fi
         assert np.array_equal(rotate(pair, one.azimuth + 180.0).acceleration, -one.acceleration)
 
 
+def test_earthquake_and_site_stay_known():
+    known = {"event_id": "ci38457511", "origin_time": START, "magnitude": 7.1, "magnitude_type": "Mw", "vs30": 500.0}
+    pair = condition_pair(facing(noise(0), noise(1), 90.0, 0.0, station_latitude=35.5, **known))
+    turned = rotate(pair, 30.0)
+    assert {name: getattr(turned, name) for name in known} == known
+    assert turned.station_latitude == 35.5
+
+
 def test_a_quarter_turn_of_an_orthogonal_pair_swaps_the_channels_with_a_sign():
     east, north = noise(0), noise(1)
     pair = Pair(channel(east, 90.0), channel(north, 0.0))

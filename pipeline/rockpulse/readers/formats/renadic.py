@@ -2,6 +2,7 @@
 
 Recorders of four channels leave one without a sensor, all zeros. Long records are cut into files ``...parte1.v1``,
 ``...parte2.v1``. Clocks are those of the instruments, without a time signal: some were never set, others are hours off.
+The time that the header calls the origin of the earthquake is of the same clock, and is not used.
 """
 
 from __future__ import annotations
@@ -57,7 +58,7 @@ def read_renadic(file: SourceFile, options: ReadOptions) -> list[Record]:
 
     Where the name of the file says that it is a part, the records are `Part`; see `whole_records`.
     """
-    records = read_uncorrected(file, "renadic")
+    records = [replace(record, origin_time=None) for record in read_uncorrected(file, "renadic")]
     alive = [record.acceleration.any() for record in records]
     if not any(alive):
         raise RecordRefused(f"{file.name}: all samples of all channels are zero: no sensor was connected")

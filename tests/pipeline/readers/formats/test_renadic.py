@@ -148,6 +148,17 @@ def test_two_parts_are_joined(tmp_path, trigger):
     assert {record.start_time for record in records} == {expected}
 
 
+def test_parts_keep_what_is_known_of_the_station(tmp_path):
+    """The time that the header calls that of the earthquake is of the clock of the recorder, and is left out."""
+    placed = [part(*cut).replace(b"   0.000N    0.000E  QDR", b"  34.983N   71.239W  QDR") for cut in ((0, 9), (9, 99))]
+    put(tmp_path, curicoparte1=placed[0], curicoparte2=placed[1])
+    records, _ = read_all(tmp_path)
+    assert {(record.npts, record.station_latitude, record.station_longitude) for record in records} == {
+        (99, 34.983, -71.239)
+    }
+    assert {record.origin_time for record in records} == {None}
+
+
 def test_parts_whose_times_begin_anew_are_joined_by_their_clocks(tmp_path):
     put(
         tmp_path,
