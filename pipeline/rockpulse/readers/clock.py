@@ -20,11 +20,10 @@ _CLOCK_RUN = timedelta(hours=1)
 
 #: Hours by which the clocks of a zone are ahead of UTC.
 ZONES = {"": 0.0, "UTC": 0.0, "GMT": 0.0, "UT": 0.0, "PST": -8.0, "PDT": -7.0}
-#: 06/16/2005, 20:53:26.1 UTC or 2018/11/30 17:29:29, and the zone, if it is given.
-_WRITTEN = re.compile(
-    r"(?<!\d)(\d{1,4})/\s?(\d{1,2})/\s?(\d{2,4}),?\s+(\d{1,2}):\s?(\d{1,2}):\s?(\d{0,2}(?:\.\d{0,6})?)(?:\s{0,4}([A-Z]{2,4})\b)?",
-    re.ASCII | re.IGNORECASE,
-)
+#: 06/16/2005, 20:53:26.1 UTC or 2018/11/30 17:29:29 or 2009-04-06 01:32:39, and the zone, if it is given.
+_DATE = r"(?<!\d)(?:(\d{1,2})/\s?(\d{1,2})/\s?(\d{2}|\d{4})|(\d{4})([/-])\s?(\d{1,2})\5\s?(\d{1,2}))"
+_TIME = r"(\d{1,2}):\s?(\d{1,2}):\s?(\d{1,2}(?:\.\d{0,6})?|\.\d{1,6})(?:\s{0,4}([A-Z]{2,4})\b)?"
+_WRITTEN = re.compile(rf"{_DATE},?\s+{_TIME}", re.ASCII | re.IGNORECASE)
 #: The century of a year of two digits: accelerographs came in the thirties.
 _CENTURY = 30
 
@@ -79,7 +78,7 @@ def near_event(start: datetime | None, origin: datetime | None) -> tuple[datetim
 
 
 def written(text: str) -> datetime | None:
-    """UTC time from the first date and time in a text, the year first or last; None where there is none.
+    """UTC time from the first date and time in a text, year or month first; None where there is none.
 
     Examples
     --------
@@ -89,11 +88,11 @@ def written(text: str) -> datetime | None:
     True
     """
     found = _WRITTEN.search(text)
-    if not found or (found[7] or "").upper() not in ZONES or found[6] in ("", "."):
+    if not found or (found[11] or "").upper() not in ZONES:
         return None
-    one, two, three = int(found[1]), int(found[2]), int(found[3])
-    year, month, day = (one, two, three) if len(found[1]) == 4 else (three, one, two)
+    date = (found[4], found[6], found[7]) if found[4] else (found[3], found[1], found[2])
+    year, month, day = map(int, date)
     if year < 100:
         year += 1900 if year >= _CENTURY else 2000
-    clock = (int(found[4]), int(found[5]), float(found[6]))
-    return instant((year, month, day), clock, ZONES[(found[7] or "").upper()])
+    clock = (int(found[8]), int(found[9]), float(found[10]))
+    return instant((year, month, day), clock, ZONES[(found[11] or "").upper()])

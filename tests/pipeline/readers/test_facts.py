@@ -137,7 +137,8 @@ AFAD = {
 }
 #: Facts of real records, as their headers state them. Public catalogues agree to their digits: M 7.8 Kaikoura
 #: 2016-11-13 11:02:56, M 6.7 Northridge 1994-01-17 12:30:55, M 6.4 Big Bear 1992-06-28 15:05:30, M 7.1 Anchorage
-#: 2018-11-30 17:29:29, M 6.6 Kos 2017-07-20 22:31:09, M 6.4 Hualien 2018-02-06 15:50:42, M 6.5 Ahar 2012-08-11 12:23.
+#: 2018-11-30 17:29:29, M 6.6 Kos 2017-07-20 22:31:09, M 6.4 Hualien 2018-02-06 15:50:42, M 6.5 Ahar 2012-08-11 12:23,
+#: M 7.8 Kahramanmaras 2023-02-06 01:17:34, M 6.3 L'Aquila 2009-04-06 01:32:39.
 REAL = {
     "dyna_asc/20101114230825_3104_ap_RawAcc_E.asc": AFAD,
     "dyna_asc/HI.ARS1..HNE.D.20190728.160908.C.ACC.ASC": {
@@ -148,6 +149,21 @@ REAL = {
         "hypocentre_depth": 9000.0,
         "epicentral_distance": 88100.0,
     },
+    "dyna_asc_afad/20230206011732_0201_ap_AAD_Acc_E.asc": {
+        "event_id": "13194",
+        "origin_time": when(2023, 2, 6, 1, 17, 32),
+        "magnitude": 7.7,
+        "magnitude_type": "Mw",
+        "hypocentre_latitude": 37.288,
+        "hypocentre_longitude": 37.043,
+        "hypocentre_depth": 8600.0,
+        "epicentral_distance": 120120.0,
+        "station_latitude": 37.76121,
+        "station_longitude": 38.26742,
+        "vs30": 391.0,
+        "site_class": "B",
+    },
+    "sigma_itaca/16837_H2.cor.acc": {"origin_time": when(2009, 4, 6, 1, 32, 39)},
     "afad_nsmn/20170720223109_0921.txt": {
         "origin_time": when(2017, 7, 20, 22, 31, 9),
         "magnitude": 6.5,

@@ -16,7 +16,9 @@ import numpy as np
 
 from rockpulse.errors import RecordFormatError
 from rockpulse.readers.channel import build_record
+from rockpulse.readers.clock import written
 from rockpulse.readers.facing import direction
+from rockpulse.readers.facts import stated
 from rockpulse.readers.fields import check_count, fixed_width, free_numbers, printed_number, text_lines
 from rockpulse.readers.format import Format, ReadOptions
 from rockpulse.readers.pairs import surplus
@@ -125,6 +127,7 @@ def read_sigma(file: SourceFile, options: ReadOptions) -> list[Record]:
             station=station.strip(),
             station_name=place.strip(),
             event=header.text("event date & time"),
+            facts=stated(origin_time=written(header.text("event date & time"))),
             header_peak=peak,
             peak_rounding=rounding,
             warnings=[*header.warnings, *notes],
