@@ -22,6 +22,7 @@ __all__ = [
     "choice",
     "choices",
     "count",
+    "entries",
     "hint",
     "is_number",
     "key",
@@ -167,6 +168,16 @@ def count(default: int, low: int, high: int | None = None) -> Any:
     """A key that takes an integer from `low` to `high`."""
     expected = f"an integer >= {low}" + ("" if high is None else f" and <= {high}")
     return key(default, KeyType(expected, lambda value: _is_count(value, low) and (high is None or value <= high), int))
+
+
+def entries(cls: type[Section]) -> Any:
+    """A key that holds any number of sections; in TOML each of them stands under the heading of their class."""
+
+    def accepts(value: Any) -> bool:
+        return isinstance(value, (list, tuple)) and all(isinstance(item, cls) for item in value)
+
+    made = KeyType(f"a list of {cls.__name__}, each of them {cls.heading}", accepts, tuple)
+    return dataclasses.field(default=(), metadata={"values": made, "entries": cls})
 
 
 def key(default: Any, values: KeyType) -> Any:

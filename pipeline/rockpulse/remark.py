@@ -22,9 +22,13 @@ TEMPLATES = {
         "the header states a peak of {stated:.4g} g, the data have {found:.4g} g; check the unit and that the file is "
         "whole"
     ),
+    "header_peak_near": (
+        "the header states a peak of {stated:.4g} g, the data have {found:.4g} g: {share:.1f} % {sense}"
+    ),
     "odd_peak": "peak {peak:.3g} g in the unit {unit}; the values would be {readings}",
     "long_interval": "a sampling interval of {interval:g} s is long for an accelerogram; is it in s?",
     "part_of_record": "part {part:d} of a record that is cut into files: give all of them together",
+    "vertical_by_code": "the channel code {channel} says vertical, the header {told}; taken as vertical",
     "positive_downwards": "positive downwards in the file; the sign is changed so that upwards is positive",
     # a record on its way to the models
     "on_structure": "on a structure, assessed as if this were ground motion",

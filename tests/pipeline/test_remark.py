@@ -12,6 +12,9 @@ from rockpulse.remark import TEMPLATES, Remark, code_of, find, recognised, remar
 VALUES = {
     **dict.fromkeys(("count", "counts", "part"), 8),
     **dict.fromkeys(("stated", "found", "peak", "interval", "velocity", "pgv", "factor", "low", "high"), -1.0 / 3.0),
+    "share": 12.5,
+    "sense": "less",
+    "told": "an azimuth of 0 degrees",
     "missing": 1.23456e-7,
     "end": "largest",
     "unit": "g",

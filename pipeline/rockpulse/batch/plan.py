@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, fields, replace
 from functools import lru_cache
 from pathlib import Path
@@ -16,7 +16,7 @@ from rockpulse.config.fragility_settings import FragilitySettings
 from rockpulse.config.settings import SECTIONS, CalibrationSettings
 from rockpulse.motions.directions import PlannedMotion
 from rockpulse.readers import ReadOptions
-from rockpulse.record.record import Record
+from rockpulse.record.record import Record, id_matches
 from rockpulse.storage.save_load import SCHEMA_VERSION
 from rockpulse.version import __version__
 
@@ -67,19 +67,19 @@ class Task:
 def tasks_of(planned: Iterable[PlannedMotion], located: Iterable[Located], config: Config, verb: str) -> list[Task]:
     """A task for each channel or pair that an analysis has planned on located records."""
     of_id = {one.record.id: one for one in located}
-    settings = configuration_fingerprint(config, verb)
+    settings, confirm = configuration_fingerprint(config, verb), config.records.confirm
 
     def place(record: Record) -> Located:
         """The planned record, which may have got a warning, with the places of its samples."""
         return replace(of_id[record.id], record=record)
 
-    return [_task(one, place, settings) for one in planned]
+    return [_task(one, place, settings, confirm) for one in planned]
 
 
 def read_options(config: Config) -> ReadOptions:
     """The options by which the configuration has files read."""
     records = config.records
-    return ReadOptions(records.units, records.dt, records.response)
+    return ReadOptions(records.units, records.dt, records.response, records.files)
 
 
 def configuration_fingerprint(config: Config, verb: str) -> str:
@@ -87,13 +87,14 @@ def configuration_fingerprint(config: Config, verb: str) -> str:
 
     Paths of records, which of them are kept beside others of the same shaking, and the number of workers change
     nothing, nor does the name of the site, or what is looked at when all records are done: the tables of events and
-    weights, and the options of statistics and fits. The seed and the level of confidence are asked for where the
+    weights, and the options of statistics and fits. Unit and interval of a file are told by its records as they were
+    read, and what is confirmed by each task for itself. The seed and the level of confidence are asked for where the
     response of each record is matched.
     """
     matched = verb == "calibrate" and config.calibration.method == "response"
     config = replace(
         config,
-        records=replace(config.records, paths=(), events=None, keep=()),
+        records=replace(config.records, paths=(), events=None, keep=(), units=None, dt=None, files=(), confirm=()),
         calibration=_as_default(config.calibration, LATE if matched else LATE + OF_MATCHING),
         fragility=_as_default(config.fragility, OF_FITS),
         run=replace(config.run, workers=1, seed=config.run.seed if matched else 0),
@@ -119,11 +120,14 @@ def program_digest() -> str:
     return digest.hexdigest()
 
 
-def _task(planned: PlannedMotion, place: Callable[[Record], Located], settings: str) -> Task:
+def _task(planned: PlannedMotion, place: Callable[[Record], Located], settings: str, confirm: Sequence[str]) -> Task:
     channels = tuple(place(channel) for channel in planned.channels)
     vertical = None if planned.vertical is None else place(planned.vertical)
-    actors = [text for one in (*channels, vertical) if one is not None for text in _told(one)]
-    fingerprint = _digest([settings, planned.name, *planned.remarks, str(planned.copy), str(len(channels)), *actors])
+    acting = [*channels] if vertical is None else [*channels, vertical]
+    told = [text for one in acting for text in _told(one)]
+    confirmed = [one.record.id for one in acting if id_matches(one.record.id, confirm)]
+    known = [planned.name, *planned.remarks, str(planned.copy), str(len(channels)), *told, *confirmed]
+    fingerprint = _digest([settings, *known])
     return Task(planned, channels, vertical, fingerprint)
 
 

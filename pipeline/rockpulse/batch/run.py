@@ -27,7 +27,7 @@ from rockpulse.config.configuration import Config
 from rockpulse.errors import RecordRefused, ResultsError, StoppedAtFailure
 from rockpulse.failures import Failure
 from rockpulse.motions.runner import Analysis
-from rockpulse.readers.folders import Found, find_files
+from rockpulse.readers.folders import Found, check_patterns, find_files
 from rockpulse.storage.save_load import check_target, remove_parts
 
 __all__ = ["BatchReport", "Interrupted", "assess_files", "calibrate_files", "fragility_files"]
@@ -99,7 +99,8 @@ def assess_files(
     Raises
     ------
     ConfigError
-        For bodies or a scheduler that cannot be, or a table of events that does not fit.
+        For bodies or a scheduler that cannot be, a table of events that does not fit, or a pattern of
+        ``config.records.files`` that chooses no file.
     ResultsError
         Where the output exists, cannot be written, or another process is writing it.
     StoppedAtFailure
@@ -175,6 +176,7 @@ def _run(
         paths = [os.path.abspath(path) for path in given]  # noqa: PTH100 - links stay what they are
     journal_file = journal_path(output)
     found, failures = find_files(paths, (output, journal_file, f"{journal_file}-journal", *options.written))
+    check_patterns(found, analysis.config.records.files)
     with Journal.open(output, options.resume, options.overwrite) as journal, ExitStack() as hired:
         remove_parts(output)  # of runs that were killed
         tasks: list[Task] = []

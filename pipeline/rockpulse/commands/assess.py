@@ -57,7 +57,7 @@ def _of_sequence(args: argparse.Namespace) -> int:
     from rockpulse.storage.design_file import load_design
     from rockpulse.storage.save_load import check_target, load, save
 
-    of_records = (("PATHS", args.paths), ("--units", args.units), ("--dt", args.dt))
+    of_records = (("PATHS", args.paths), ("--units", args.units), ("--dt", args.dt), ("--confirm", args.confirm))
     given = [*(name for name, value in of_records if value), *batch_given(args)]
     if given:
         raise ConfigError(f"--sequence takes the place of the records: drop {' and '.join(given)}, or --sequence")

@@ -10,7 +10,14 @@ if TYPE_CHECKING:
     from rockpulse.config.configuration import Config
     from rockpulse.config.settings import RecordSettings
 
-__all__ = ["add_reading_arguments", "add_record_arguments", "configured", "reading_options", "resolved"]
+__all__ = [
+    "add_confirm_argument",
+    "add_reading_arguments",
+    "add_record_arguments",
+    "configured",
+    "reading_options",
+    "resolved",
+]
 
 
 def add_reading_arguments(parser: argparse.ArgumentParser) -> None:
@@ -21,8 +28,22 @@ def add_reading_arguments(parser: argparse.ArgumentParser) -> None:
     )
 
 
+def add_confirm_argument(parser: argparse.ArgumentParser) -> None:
+    """Add the option that lets records count whose peak is hardly that of an earthquake."""
+    parser.add_argument(
+        "--confirm",
+        action="append",
+        default=[],
+        metavar="PATTERN",
+        help="a peak above 5 g is right in channels of this id, which fail without; * and ? stand for any letters; "
+        "repeatable",
+    )
+
+
 def reading_options(args: argparse.Namespace, settings: RecordSettings | None = None) -> RecordSettings:
     """The section [records], or its defaults, with the options of :func:`add_reading_arguments`, checked.
+
+    An option of the command line holds for all files, whatever the rows of [[records.file]] say.
 
     Raises ConfigError or UnitError for an interval or a unit that cannot be.
     """
@@ -43,7 +64,12 @@ def reading_options(args: argparse.Namespace, settings: RecordSettings | None = 
             records = replace(records, dt=args.dt)
         except ConfigError as error:
             raise ConfigError(f"--dt: {str(error).removeprefix('[records] dt: ')}") from None
-    return records
+    left = []
+    for row in records.files:
+        units, dt = row.units if args.units is None else None, row.dt if args.dt is None else None
+        if units is not None or dt is not None:
+            left.append(replace(row, units=units, dt=dt))
+    return replace(records, files=tuple(left))
 
 
 def add_record_arguments(parser: argparse.ArgumentParser, output: str) -> None:
@@ -68,6 +94,7 @@ def add_record_arguments(parser: argparse.ArgumentParser, output: str) -> None:
         help="a block by its full width and height in m, beside those of the configuration; repeatable",
     )
     add_reading_arguments(parser)
+    add_confirm_argument(parser)
     parser.add_argument("--overwrite", action="store_true", help="replace results that exist; never any other file")
     parser.add_argument("--quiet", action="store_true", help="print nothing but what failed")
 
@@ -109,4 +136,6 @@ def resolved(args: argparse.Namespace) -> tuple[Config, list[str]]:
     if not paths:
         raise ConfigError("no records: name files, folders, zips or globs, or give paths in the [records] section")
     where = tuple(str(located(path, Path.cwd())) for path in paths)
-    return replace(config, records=replace(reading_options(args, config.records), paths=where)), paths
+    records = reading_options(args, config.records)
+    confirm = tuple(dict.fromkeys((*records.confirm, *args.confirm)))
+    return replace(config, records=replace(records, paths=where, confirm=confirm)), paths

@@ -173,8 +173,9 @@ def _build(document: Mapping[str, Any], folder: Path) -> Config:
 def _sections(cls: type[Section], document: Mapping[str, Any], name: str, what: str) -> tuple[Any, ...]:
     entries = document.get(name, [])
     if not isinstance(entries, list):
+        single = cls.heading.removeprefix("[").removesuffix("]")
         raise ConfigError(
-            f"[{name}]: expected {cls.heading} with double brackets, one for each {what}, found a single section"
+            f"{single}: expected {cls.heading} with double brackets, one for each {what}, found a single section"
         )
     return tuple(_section(cls, entry) for entry in entries)
 
@@ -183,7 +184,7 @@ def _section(cls: type[Section], values: Any) -> Any:
     if not isinstance(values, Mapping):
         raise ConfigError(f"{cls.heading}: expected a section with keys, found {values!r}")
     fields = dataclasses.fields(cls)
-    known = [item.name for item in fields]
+    known = [_toml_key(item) for item in fields]
     for key in values:
         if key not in known:
             told = f"known are {', '.join(known)}"
@@ -193,12 +194,30 @@ def _section(cls: type[Section], values: Any) -> Any:
             raise ConfigError(
                 f"{cls.heading} {item.name}: this key is needed, found only {', '.join(values) or 'nothing'}"
             )
-    return cls(**values)
+    given = {item.name: _given(item, values) for item in fields if _toml_key(item) in values}
+    return cls(**given)
+
+
+def _toml_key(item: dataclasses.Field[Any]) -> str:
+    """The key of a field; one that holds sections has the last word of their heading, as `file` of [[records.file]]."""
+    cls = item.metadata.get("entries")
+    return item.name if cls is None else str(cls.heading).strip("[]").rpartition(".")[2]
+
+
+def _given(item: dataclasses.Field[Any], values: Mapping[str, Any]) -> Any:
+    cls, key = item.metadata.get("entries"), _toml_key(item)
+    return values[key] if cls is None else _sections(cls, values, key, key)
 
 
 def _as_toml(heading: str, section: Section) -> str:
-    lines = [f"{key} = {_value(section[key])}" for key in section.keys() if section[key] is not None]  # noqa: SIM118
-    return "\n".join([heading, *lines, ""])
+    lines, inner = [heading], []
+    for item in dataclasses.fields(section):
+        value = section[item.name]
+        if "entries" in item.metadata:
+            inner += [_as_toml(entry.heading, entry) for entry in value]
+        elif value is not None:
+            lines.append(f"{item.name} = {_value(value)}")
+    return "\n".join([*lines, "", *inner])
 
 
 def _value(value: Any) -> str:

@@ -8,7 +8,8 @@ from dataclasses import MISSING, dataclass
 from rockpulse.config.fragility_settings import FragilitySettings
 from rockpulse.errors import ConfigError
 from rockpulse.ladder import ModelSettings, SearchSettings
-from rockpulse.option import KeyType, Section, boolean, choice, count, key, number, text, texts
+from rockpulse.option import KeyType, Section, boolean, choice, count, entries, key, number, text, texts
+from rockpulse.readers.format import FileSettings
 
 __all__ = [
     "SECTIONS",
@@ -57,6 +58,9 @@ class SiteSettings(Section):
 class RecordSettings(Section):
     """The records that are read, their unit where the file does not say it, and the part of them that is stored.
 
+    `confirm` holds patterns of the ids of channels whose peak above 5 g is right; `files` the units and intervals of
+    some files only, in TOML [[records.file]].
+
     The azimuth is the direction in which the body rocks: for a wall or façade the one perpendicular to its plane, 45
     degrees for a façade that looks north-east. 45 and 225 are the same for a body that rocks to both sides.
     """
@@ -73,7 +77,9 @@ class RecordSettings(Section):
     include_vertical: bool = boolean(False)
     events: str | None = text(None)
     keep: tuple[str, ...] = texts()
+    confirm: tuple[str, ...] = texts()
     store: str = choice("all", STORES)
+    files: tuple[FileSettings, ...] = entries(FileSettings)
 
     def __post_init__(self) -> None:
         super().__post_init__()

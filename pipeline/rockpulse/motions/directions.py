@@ -62,6 +62,7 @@ class Motion:
 
     record: Record  # a channel or a rotated pair, conditioned
     vertical: Record | None = None  # the vertical channel that acts too, as read
+    channels: tuple[Record, ...] = ()  # that it is made of, conditioned
 
 
 def plan_motions(records: Sequence[Record], config: Config) -> tuple[list[PlannedMotion], list[Failure]]:
@@ -100,11 +101,12 @@ def conditioned_motions(planned: PlannedMotion, config: Config) -> list[Motion]:
     """
     if not planned.rotated:  # with the remarks first: conditioning adds its own behind them
         remarked = _remarked(planned.channels[0], planned.remarks)
-        return [Motion(condition(remarked, **config.conditioning), planned.vertical)]
+        conditioned = condition(remarked, **config.conditioning)
+        return [Motion(conditioned, planned.vertical, (conditioned,))]
     pair = condition_pair(Pair(*planned.channels), **config.conditioning)
     azimuths = DIRECTIONS[config.records.components](pair, config)
     turned = [replace(rotate(pair, azimuth), id=planned.direction_id(azimuth)) for azimuth in azimuths]
-    return [Motion(_remarked(record, planned.remarks), planned.vertical) for record in turned]
+    return [Motion(_remarked(record, planned.remarks), planned.vertical, pair.channels) for record in turned]
 
 
 def _remarked(record: Record, remarks: Iterable[str]) -> Record:

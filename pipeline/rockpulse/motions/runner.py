@@ -22,6 +22,7 @@ from rockpulse.config.configuration import Config
 from rockpulse.errors import ConfigError, TooWeak
 from rockpulse.failures import Failure
 from rockpulse.motions.directions import Motion, PlannedMotion, conditioned_motions, plan_motions
+from rockpulse.motions.doubt import unconfirmed_peaks
 from rockpulse.motions.events import event_table, events_by_id
 from rockpulse.motions.votes import one_vote_each
 from rockpulse.record.record import Record
@@ -138,8 +139,8 @@ def worked(
 ) -> Iterator[Part | Failure]:
     """Work on every motion of a channel or pair, whose samples are there.
 
-    Each motion yields its part or a row; so do a channel that cannot be conditioned and both of a pair that cannot be
-    rotated.
+    Each motion yields its part or a row; so do a channel that cannot be conditioned, both of a pair that cannot be
+    rotated, and channels whose peak has to be confirmed.
     """
     try:
         with watch("condition"):
@@ -150,6 +151,11 @@ def worked(
             return
         logger.error("%s: %s", planned.name, error)
         yield from (Failure(channel.source, "rotate", str(error), "failed") for channel in planned.channels)
+        return
+    with watch("condition"):
+        doubtful = unconfirmed_peaks(planned, motions, config, stage)
+    if doubtful:
+        yield from doubtful
         return
     for motion in motions:
         try:

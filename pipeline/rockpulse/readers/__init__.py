@@ -10,21 +10,24 @@ from dataclasses import replace
 from pathlib import Path
 from typing import BinaryIO
 
-from rockpulse.readers.format import Format, ReadOptions
+from rockpulse.readers.format import FileSettings, Format, ReadOptions
 from rockpulse.readers.formats import FORMATS
 from rockpulse.readers.no_record import advice, may_be_record
 from rockpulse.readers.source import NoRecord, SourceFile, Unrecognised, open_source, open_stream
 from rockpulse.readers.units import UNITS
 from rockpulse.record.record import Record
 
-__all__ = ["FORMATS", "UNITS", "Format", "ReadOptions", "read", "read_source"]
+__all__ = ["FORMATS", "UNITS", "FileSettings", "Format", "ReadOptions", "read", "read_source"]
 
 
 def read_source(file: SourceFile, options: ReadOptions = ReadOptions()) -> list[Record]:  # noqa: B008
     """Read every channel of an opened file, as `read` does for a path."""
     for row in FORMATS:
         if row.detect(file.head, file.name):
-            return row.read(file, options)
+            options = options.of_file(file.name)
+            records = row.read(file, options)
+            options.check(records)
+            return records
     tried = ", ".join(row.name for row in FORMATS)
     kind = Unrecognised if may_be_record(file) else NoRecord
     raise kind(f"{file.name}: no reader recognises the file (formats tried: {tried}); {advice(file)}")

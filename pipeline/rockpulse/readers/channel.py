@@ -12,7 +12,7 @@ import numpy as np
 from rockpulse.errors import RecordFormatError, RecordRefused
 from rockpulse.readers.clipping import clipping_warning
 from rockpulse.readers.clock import clock_fault
-from rockpulse.readers.facing import Direction, direction
+from rockpulse.readers.facing import Direction, direction, vertical_if_so
 from rockpulse.readers.facts import NOTHING, Facts
 from rockpulse.readers.source import NotAcceleration, SourceFile
 from rockpulse.readers.units import UNITS, other_readings
@@ -20,10 +20,12 @@ from rockpulse.record.components import SHALLOW
 from rockpulse.record.record import STANDARD_GRAVITY, Record, record_id
 from rockpulse.remark import Remark
 
-__all__ = ["build_record", "usable_channels"]
+__all__ = ["build_record", "odd_peak", "usable_channels"]
 
 #: A stated peak further from the data than this, and than its own rounding, is reported.
 PEAK_TOLERANCE = 0.02
+#: From this ratio of the two on, one of them has another unit, or part of the file is missing.
+OTHER_PEAK = 1.5
 #: Peaks outside these bounds [g] are reported with the readings in other units.
 CREDIBLE_PEAK_G = (1e-6, 5.0)
 #: A longer interval [s] is reported; accelerographs take 40 to 1000 samples a second.
@@ -33,20 +35,33 @@ CREDIBLE_INTERVAL = 0.1
 _DEGREES = re.compile(r"(?<!\s)\s*DEG(?:REES)?$", re.IGNORECASE)
 
 
-def _peak_warnings(
-    peak: float, unit: str, factor: float, header_peak: float, rounding: float, samples_peak: float
-) -> list[Remark]:
+def odd_peak(peak: float, unit: str, factor: float) -> Remark:
+    """The remark on a peak [m/s2] that is hardly an earthquake's: what it would be if the file had another unit.
+
+    The unit and the m/s2 of one unit are those of the file; without a unit the samples came in m/s2.
+    """
+    unit, factor = (unit, abs(factor)) if unit else ("m/s2", 1.0)
+    named = unit if unit in UNITS else f"{unit} x {factor:.4g} m/s2"
+    readings = other_readings(peak / factor, unit)
+    return Remark("odd_peak", peak=peak / STANDARD_GRAVITY, unit=named, readings=readings)
+
+
+def _peak_warnings(peak: float, unit: str, factor: float, header_peak: float, rounding: float) -> list[Remark]:
     if peak == 0.0:
         return [Remark("dead_channel")]
     warnings = []
-    g = STANDARD_GRAVITY
-    gap = abs(abs(header_peak) - peak)
-    if gap > PEAK_TOLERANCE * max(peak, abs(header_peak)) and gap > rounding:
-        warnings.append(Remark("header_peak", stated=abs(header_peak) / g, found=peak / g))
+    g, stated = STANDARD_GRAVITY, abs(header_peak)
+    gap = abs(stated - peak)
+    if gap > PEAK_TOLERANCE * max(peak, stated) and gap > rounding:
+        if max(peak, stated) >= OTHER_PEAK * min(peak, stated):
+            warnings.append(Remark("header_peak", stated=stated / g, found=peak / g))
+        else:
+            sense = "less" if peak < stated else "more"
+            share = 100.0 * gap / stated
+            warnings.append(Remark("header_peak_near", stated=stated / g, found=peak / g, share=share, sense=sense))
     low, high = CREDIBLE_PEAK_G
     if not low <= peak / g <= high:
-        named = unit if unit in UNITS else f"{unit} x {abs(factor):.4g} m/s2"
-        warnings.append(Remark("odd_peak", peak=peak / g, unit=named, readings=other_readings(samples_peak, unit)))
+        warnings.append(odd_peak(peak, unit, factor))
     return warnings
 
 
@@ -81,7 +96,8 @@ def build_record(
     """Make the record of one channel, in m/s2, and check it.
 
     `samples` are in the file's `unit`: a key of `UNITS`, or "counts" with a `factor` [m/s2 per count]. `facing` is
-    given where the format knows more than the wording of `component`. `header_peak` and half a unit of its last digit,
+    given where the format knows more than the wording of `component`; `channel`, where it is SEED's code of a vertical
+    channel, says more than a horizontal direction. `header_peak` and half a unit of its last digit,
     `peak_rounding`, are in m/s2; the header describes `original_peak`, the largest absolute value before resampling
     [unit], where that is given. `number` counts the channels of the file from 1. A start time [UTC] that `clock_fault`
     rejects is left out with a warning. A channel that is positive downwards changes its sign, so that vertical motion
@@ -89,7 +105,8 @@ def build_record(
 
     Raises RecordFormatError for fewer than two samples, values that are not finite, and dt <= 0.
     """
-    facing = facing or direction(component)
+    code = channel or _DEGREES.sub("", component.strip())
+    facing = vertical_if_so(facing or direction(component), code)
     factor = UNITS[unit] if factor is None else factor
     if not (np.isfinite(dt) and dt > 0.0):
         raise RecordFormatError(
@@ -104,7 +121,7 @@ def build_record(
     # A reader that filters the samples has looked at them before; the words are the same.
     clipped = [] if processed else [note for note in clipping_warning(samples, unit) if note not in warnings]
     notes = [*warnings, *clipped]
-    notes += _peak_warnings(samples_peak * abs(factor), unit, factor, header_peak, peak_rounding, samples_peak)
+    notes += _peak_warnings(samples_peak * abs(factor), unit, factor, header_peak, peak_rounding)
     if dt > CREDIBLE_INTERVAL:
         notes.append(Remark("long_interval", interval=dt))
     fault = clock_fault(start_time) if start_time is not None else ""
@@ -116,7 +133,6 @@ def build_record(
     if facing.sign < 0.0:
         notes.append(Remark("positive_downwards"))
     factor *= facing.sign
-    code = channel or _DEGREES.sub("", component.strip())
     with np.errstate(over="ignore"):  # Record refuses what is not finite
         acceleration = samples * factor
     return Record(

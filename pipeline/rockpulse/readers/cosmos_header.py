@@ -7,16 +7,17 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from datetime import datetime
 
 import numpy as np
 
 from rockpulse.errors import RecordFormatError
 from rockpulse.readers.clock import instant, written
-from rockpulse.readers.facing import Direction, direction, on_structure
+from rockpulse.readers.facing import Direction, direction, means_vertical, on_structure
 from rockpulse.readers.facts import Facts, preferred, stated
 from rockpulse.readers.fields import check_count, fixed_width, free_numbers
+from rockpulse.remark import Remark
 
 __all__ = ["TITLE", "Header", "fortran_layout", "read_header"]
 
@@ -104,7 +105,10 @@ class Header:
         return (found[1], found[2]) if found else ("", "")
 
     def facing(self) -> Direction:
-        """Direction from the words and from integer 54; unknown, with a note, where they contradict each other."""
+        """Direction from the words and from integer 54; unknown, with a note, where they contradict each other.
+
+        A channel code of SEED decides between vertical and horizontal.
+        """
         words, code = self.channel()[1], self.integer(54)
         said, coded = direction(words), Direction()
         if code is not None:
@@ -113,6 +117,11 @@ class Header:
         if "unknown" in (said.orientation, coded.orientation):
             return said if said.orientation != "unknown" else coded
         turn = abs((said.azimuth - coded.azimuth + 180.0) % 360.0 - 180.0)
+        seed, both = self.codes()[3], (said, coded)
+        if means_vertical(seed) and {one.orientation for one in both} == {"vertical", "horizontal"}:
+            upright = next(one for one in both if one.orientation == "vertical")
+            told = f"{words!r} and {code} (integer header 54)"
+            return replace(upright, note=Remark("vertical_by_code", channel=seed, told=told))
         if said.orientation != coded.orientation or said.sign != coded.sign or turn > 1.0:
             return Direction(note=f"the text says {words!r}, integer header 54 says {code}: the direction is unknown")
         return coded if np.isnan(said.azimuth) else said

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import math
 import re
 from dataclasses import dataclass
 
 from rockpulse.record.record import Orientation
+from rockpulse.remark import Remark
 
-__all__ = ["BRACKET", "Direction", "direction", "heading_direction", "on_structure"]
+__all__ = ["BRACKET", "Direction", "direction", "heading_direction", "means_vertical", "on_structure", "vertical_if_so"]
 
 #: The unit in a column heading, ``acc [g]``.
 BRACKET = re.compile(r"[\[(]([^\])]*)[\])]")
@@ -96,6 +98,29 @@ def direction(wording: str) -> Direction:
         angle = float(quadrant[2]) if quadrant[3] == "E" else -float(quadrant[2])
         return Direction("horizontal", (angle if quadrant[1] == "N" else 180.0 - angle) % 360.0)
     return Direction()
+
+
+def means_vertical(code: str) -> bool:
+    """Whether a channel code is that of SEED for a vertical channel.
+
+    Examples
+    --------
+    >>> means_vertical("BNZ"), means_vertical("BNE"), means_vertical("NZ")
+    (True, False, False)
+    """
+    seed = _SEED.fullmatch(code.strip().upper())
+    return bool(seed and seed[1] == "Z")
+
+
+def vertical_if_so(facing: Direction, code: str) -> Direction:
+    """The direction that a header tells; vertical, with a remark, where the channel code says so against an azimuth.
+
+    Agencies leave the azimuth of vertical channels at 0, which is north.
+    """
+    if facing.orientation != "horizontal" or not means_vertical(code):
+        return facing
+    told = "a horizontal direction" if math.isnan(facing.azimuth) else f"an azimuth of {facing.azimuth:g} degrees"
+    return Direction("vertical", note=Remark("vertical_by_code", channel=code.strip(), told=told))
 
 
 def heading_direction(name: str) -> Direction:

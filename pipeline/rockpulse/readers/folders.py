@@ -18,10 +18,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from rockpulse.errors import RecordFormatError, RockpulseError
+from rockpulse.errors import ConfigError, RecordFormatError, RockpulseError
 from rockpulse.failures import NO_RECORD, Failure
 from rockpulse.readers import ReadOptions, read_source
 from rockpulse.readers.archive import Archive, is_archive
+from rockpulse.readers.format import FileSettings
 from rockpulse.readers.formats.renadic import whole_records
 from rockpulse.readers.no_record import is_quiet
 from rockpulse.readers.source import (
@@ -39,6 +40,7 @@ from rockpulse.remark import find
 __all__ = [
     "Found",
     "Opened",
+    "check_patterns",
     "find_files",
     "in_order",
     "open_files",
@@ -74,6 +76,7 @@ def read_all(
     on_file: Callable[[str], None] | None = None,
     dt: float | None = None,
     response: str = "sensitivity",
+    files: Sequence[FileSettings] = (),
 ) -> tuple[list[Record], list[Failure]]:
     """Read every record under some paths.
 
@@ -90,6 +93,9 @@ def read_all(
         Sampling interval [s] for columns without a time column.
     response : {"sensitivity", "remove"}
         How counts with a StationXML become m/s2; see `rockpulse.readers.ReadOptions`.
+    files : sequence of FileSettings, optional
+        Unit and interval of some of the files, in place of `units` and `dt`; where several choose a file the last one
+        that gives a property decides it. A file that states something else is refused.
 
     Returns
     -------
@@ -108,10 +114,11 @@ def read_all(
     UnitError
         If `units` is none of the accepted ones. No file raises anything.
     ConfigError
-        If `response` is.
+        If `response` is, or a pattern of `files` chooses no file.
     """
-    options = ReadOptions(units, dt, response)
+    options = ReadOptions(units, dt, response, tuple(files))
     found, failures = find_files(paths)
+    check_patterns(found, options.files)
     # One look at a folder's station metadata serves all its records.
     station_files = lru_cache(maxsize=16)(folder_station_files)
     records: list[Record] = []
@@ -202,6 +209,34 @@ def find_files(
     own = {identity for path in passed_over if (identity := _identity(path)) is not None}
     kept = [item for item in found.values() if not own or _identity(item.path) not in own]
     return sorted(kept, key=lambda item: str(item.path)), failures
+
+
+def check_patterns(found: Sequence[Found], files: Sequence[FileSettings]) -> None:
+    """Raise ConfigError for a pattern that chooses none of the files, nor a member of an archive among them.
+
+    Where there is no file at all, the rows of :func:`find_files` say what is wrong.
+    """
+    names = [str(item.path) for item in found]
+    missed = [row for row in files if not any(map(row.chooses, names))]
+    if missed and names:
+        names += [name for item in found for name in _member_names(item.path)]
+        missed = [row for row in missed if not any(map(row.chooses, names))]
+    if missed and names:
+        raise ConfigError(
+            f"{missed[0].where}: expected the end of the path of a file to read, found none among {len(names)} files, "
+            f"such as {names[-1]}; correct the pattern, or take the entry out"
+        )
+
+
+def _member_names(path: Path) -> list[str]:
+    """The members of an archive; none of another file, or of one that cannot be opened: its reading says why."""
+    try:
+        if not path.is_file() or not is_archive(path):
+            return []
+        with Archive(path) as archive:
+            return list(archive.names)
+    except (RockpulseError, OSError):
+        return []
 
 
 def _identity(path: PathLike) -> tuple[int, int] | None:

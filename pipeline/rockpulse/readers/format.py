@@ -1,20 +1,95 @@
-"""One row of the table of formats, as every reader offers it, and the options of reading."""
+"""One row of the table of formats, as every reader offers it, and the options of reading.
+
+.. note:: A pattern is held against the absolute path of a file: a name, or the end of a path, chooses the same files
+   from whichever folder the program is started, and so does a configuration that is stored with its results.
+"""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
-from dataclasses import dataclass, replace
+import os
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import MISSING, dataclass, replace
+from fnmatch import fnmatchcase
 from numbers import Real
+from pathlib import Path
 
-from rockpulse.errors import ConfigError
+from rockpulse.errors import ConfigError, RecordFormatError, UnitError
+from rockpulse.option import KeyType, Section, key, number, text
 from rockpulse.readers.source import SourceFile
-from rockpulse.readers.units import canonical_unit
+from rockpulse.readers.units import UNITS, canonical_unit, for_other_files
 from rockpulse.record.record import Record, distinct_ids
 
-__all__ = ["RESPONSES", "Format", "ReadOptions"]
+__all__ = ["RESPONSES", "FileSettings", "Format", "ReadOptions", "same_step"]
 
 RESPONSES = ("sensitivity", "remove")
+
+#: Two statements of one sampling interval differ by no more than this ratio.
+_SAME_STEP = 1.001
+
+_PATTERN = KeyType("a pattern that is not empty", lambda value: isinstance(value, str) and bool(value.strip()), str)
+
+
+def same_step(steps: Iterable[float]) -> bool:
+    """Whether some sampling intervals [s] are one, as printed with few digits."""
+    known = list(steps)
+    return max(known) <= _SAME_STEP * min(known)
+
+
+@dataclass(frozen=True)
+class FileSettings(Section):
+    """Unit and sampling interval of the files that a pattern chooses; in TOML [[records.file]].
+
+    Attributes
+    ----------
+    match : str
+        The end of a path, as ``*.g3``, ``site 2/*``, ``old.zip`` (every member of the archive), ``*/a.g3``; ``*`` and
+        ``?`` stand for any letters, also for ``/``. Members of archives are chosen by their own path too. Capitals
+        count; ``.gz`` at the end of a file's name does not.
+    units : str or None
+        Unit of the accelerations, a key of `rockpulse.readers.UNITS`.
+    dt : float or None
+        Sampling interval [s].
+
+    Raises
+    ------
+    ConfigError
+        For an empty pattern, an unknown unit, or neither unit nor interval.
+
+    Examples
+    --------
+    >>> one = FileSettings(match="*.g3", units="g", dt=0.02)
+    >>> one.chooses("columns/ARL360.g3"), one.chooses("old.zip!ARL360.g3"), one.chooses("ARL360.txt")
+    (True, True, False)
+    """
+
+    heading = "[[records.file]]"
+    match: str = key(MISSING, _PATTERN)
+    units: str | None = text(None)
+    dt: float | None = number(None, low=0.0, above=True, unit="s")
+
+    @property
+    def where(self) -> str:
+        """The name of this section in messages."""
+        return f'[[records.file]] match = "{self.match}"' if isinstance(self.match, str) else self.heading
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.units is None and self.dt is None:
+            raise ConfigError(f"{self.where}: expected units, dt or both, found neither")
+        if self.units is not None:
+            try:
+                canonical_unit(self.units, f"option units of {self.where}")
+            except UnitError as error:
+                raise ConfigError(str(error)) from None
+
+    def chooses(self, name: str) -> bool:
+        """Whether the pattern chooses a file, or the member of an archive, by its name as in `Record.source`."""
+        path = Path(os.path.abspath(name)).as_posix()  # noqa: PTH100 - links stay what they are
+        archive, _, member = path.partition("!")
+        parts = [path, archive, f"/{member}"] if member else [path]
+        parts += [part[:-3] for part in parts if part.lower().endswith(".gz")]
+        return any(fnmatchcase(part, wanted) for part in parts for wanted in (self.match, f"*/{self.match}"))
 
 
 @dataclass(frozen=True)
@@ -28,6 +103,8 @@ class ReadOptions:
     dt: float | None = None  # sampling interval [s], for columns without a time column
     # "sensitivity": counts are divided by it; "remove": the full instrument response is removed
     response: str = "sensitivity"
+    # of some files only, in place of the above; each property is that of the last row that chooses a file and gives it
+    files: tuple[FileSettings, ...] = ()
 
     def __post_init__(self) -> None:
         if self.units is not None:
@@ -36,6 +113,51 @@ class ReadOptions:
             raise ConfigError(f"option dt: expected a sampling interval in s above 0, found {self.dt!r}")
         if self.response not in RESPONSES:
             raise ConfigError(f"option response: expected one of {', '.join(RESPONSES)}, found {self.response!r}")
+
+    def of_file(self, name: str) -> ReadOptions:
+        """The options for one file, by its name as in `Record.source`, with those rows that decide something."""
+        if not self.files:
+            return self
+        units, dt = self._last("units", name), self._last("dt", name)
+        return replace(
+            self,
+            units=self.units if units is None else units.units,
+            dt=self.dt if dt is None else dt.dt,
+            files=tuple(row for row in self.files if row is units or row is dt),
+        )
+
+    def said_by(self, key: str) -> str:
+        """Where a property of one file was given, for a message: "the option units", or a row of the configuration."""
+        row = self._last(key)
+        return f"the option {key}" if row is None else row.where
+
+    def advice(self, key: str) -> str:
+        """The advice where the file itself states something else than a property that was given."""
+        row, value = self._last(key), getattr(self, key)
+        if row is None:
+            return for_other_files(f"--{key} {value:g}" if isinstance(value, float) else f"--{key} {value}")
+        return "correct the wrong one, or the pattern"
+
+    def check(self, records: Sequence[Record]) -> None:
+        """Refuse the records of one file that state another unit or interval than the row that chooses the file."""
+        units, dt = self._last("units"), self._last("dt")
+        for record in records:
+            given = None if units is None else canonical_unit(str(units.units), "option units")
+            if units is not None and UNITS.get(record.source_unit) != UNITS[str(given)]:
+                raise UnitError(
+                    f"{record.source}: the file states the unit {record.source_unit}, {units.where} says {given}; "
+                    f"{self.advice('units')}"
+                )
+            if dt is not None and dt.dt is not None and not same_step((record.dt, dt.dt)):
+                raise RecordFormatError(
+                    f"{record.source}: the file states an interval of {record.dt:g} s, {dt.where} says {dt.dt:g} s; "
+                    f"{self.advice('dt')}"
+                )
+
+    def _last(self, key: str, name: str | None = None) -> FileSettings | None:
+        """The last row that gives a property, of those that choose a file; of all without its name."""
+        found = (row for row in reversed(self.files) if row[key] is not None)
+        return next((row for row in found if name is None or row.chooses(name)), None)
 
 
 @dataclass(frozen=True)

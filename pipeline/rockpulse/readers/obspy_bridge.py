@@ -15,8 +15,9 @@ from datetime import UTC, datetime
 from typing import Any
 
 from rockpulse.errors import RecordFormatError
-from rockpulse.readers.facing import Direction, direction
+from rockpulse.readers.facing import Direction, direction, means_vertical
 from rockpulse.readers.source import SourceFile
+from rockpulse.remark import Remark
 
 __all__ = ["obspy_notes", "obspy_stream", "seed_direction", "utc_time"]
 
@@ -116,6 +117,8 @@ def utc_time(file: SourceFile, moment: Any) -> datetime:
 def seed_direction(code: str, azimuth: float | None, dip: float | None) -> Direction:
     """Direction from SEED's azimuth and dip where known, else from the channel code; unknown where they contradict.
 
+    A channel code that says vertical does so against a dip of 0, which is what many a header leaves it at.
+
     The azimuth is clockwise from north, the dip down from the horizontal [degrees]: -90 is up, 90 is down.
     """
     azimuth = None if azimuth is None or not math.isfinite(azimuth) else float(azimuth) % 360.0
@@ -125,6 +128,9 @@ def seed_direction(code: str, azimuth: float | None, dip: float | None) -> Direc
         lies = named.orientation
     else:
         lies = "vertical" if _STEEP <= abs(dip) <= 90.0 else "horizontal" if abs(dip) <= _FLAT else "unknown"
+        if lies == "horizontal" and means_vertical(code):
+            told = f"a dip of {dip:g} degrees (-90 is up, 0 horizontal)"
+            return Direction("vertical", note=Remark("vertical_by_code", channel=code, told=told))
         if lies == "unknown" or named.orientation not in (lies, "unknown"):
             return Direction(
                 note=f"the direction is unknown: the channel code says {code!r}, the dip is {dip:g} degrees "

@@ -8,8 +8,8 @@ import numpy as np
 
 from rockpulse.errors import RecordFormatError
 from rockpulse.readers.column_headings import Heading
+from rockpulse.readers.format import ReadOptions, same_step
 from rockpulse.readers.spacing import even_step, printed_at
-from rockpulse.readers.units import for_other_files
 
 __all__ = ["agreed_step", "climbs", "counts_rows", "names_time", "time_column_step"]
 
@@ -95,8 +95,10 @@ def climbs(column: np.ndarray) -> bool:
     return bool(column.size >= _CLIMB and np.all(np.diff(column) > 0.0)) and even_step(column) is not None
 
 
-def agreed_step(name: str, steps: dict[str, float | None]) -> float:
-    """The one interval [s] that all sources, by name, give; refused where there is none or they differ."""
+def agreed_step(name: str, steps: dict[str, float | None], options: ReadOptions) -> float:
+    """The one interval [s] that all sources, by name, and the caller give; refused where none does or they differ."""
+    asked = options.said_by("dt").removeprefix("the ")
+    steps = {**steps, asked: options.dt}
     known = {source: step for source, step in steps.items() if step is not None}
     if not known:
         raise RecordFormatError(
@@ -107,9 +109,8 @@ def agreed_step(name: str, steps: dict[str, float | None]) -> float:
     for source, step in known.items():
         if not (np.isfinite(step) and step > 0.0):
             raise RecordFormatError(f"{name}: expected a positive sampling interval in s, found {step!r} ({source})")
-    if max(known.values()) > 1.001 * min(known.values()):
+    if not same_step(known.values()):
         listed = ", ".join(f"{step:g} s ({source})" for source, step in known.items())
-        asked = known.get("option dt")
-        advice = "correct the wrong one" if asked is None else for_other_files(f"--dt {asked:g}")
+        advice = options.advice("dt") if asked in known else "correct the wrong one"
         raise RecordFormatError(f"{name}: the sampling intervals disagree: {listed}; {advice}")
     return next(iter(known.values()))

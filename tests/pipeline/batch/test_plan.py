@@ -14,6 +14,7 @@ from rockpulse import (
     CalibrationSettings,
     ConditioningSettings,
     DemandSettings,
+    FileSettings,
     FragilitySettings,
     HalfWaveSettings,
     IntensePhaseSettings,
@@ -148,7 +149,9 @@ CHANGES = [
     ({"fragility": FragilitySettings(confidence=0.8, model="logistic", overturning_model="lognormal")}, ""),
     ({"records": RecordSettings(store="none")}, "assess calibrate fragility"),
     ({"records": RecordSettings(include_vertical=True)}, "assess calibrate fragility"),
-    ({"records": RecordSettings(units="g")}, "assess calibrate fragility"),
+    # Told by the records that are read with them, and by each task.
+    ({"records": RecordSettings(units="g", dt=0.02, files=(FileSettings(match="*", units="g"),))}, ""),
+    ({"records": RecordSettings(confirm=("*",))}, ""),
     ({"run": RunSettings(seed=3)}, "calibrate"),
     ({"conditioning": ConditioningSettings(highpass_hz=0.1)}, "assess calibrate fragility"),
     ({"half_waves": HalfWaveSettings(merge=False)}, "assess calibrate fragility"),
@@ -221,3 +224,21 @@ def test_a_fingerprint_changes_with_the_configuration(samples):
         fingerprints(samples, replace(config(), half_waves=HalfWaveSettings(threshold=value))) for value in (0.0, 0.1)
     )
     assert not set(before.values()) & set(after.values())
+
+
+def test_unit_and_interval_of_some_files_change_the_fingerprints_of_these_only(tmp_path):
+    for name in ("a.g3", "b.g3", "c.txt"):
+        (tmp_path / name).write_text("\n".join(f"{value:.6f}" for value in pulse(peak=0.3 + 0.1 * ord(name[0]))))
+    rows = (FileSettings(match="*", units="g", dt=0.01), FileSettings(match="b.*", units="cm/s2"))
+    before, units = (fingerprints(tmp_path, config(files=rows[:count])) for count in (1, 2))
+    assert fingerprints(tmp_path, config(units="g", dt=0.01)) == before
+    assert {name for name in before if before[name] != units[name]} == {"b.1"}
+    dt = fingerprints(tmp_path, config(files=(*rows, FileSettings(match="*.g3", dt=0.02))))
+    assert {name for name in units if units[name] != dt[name]} == {"a.1", "b.1"}
+
+
+def test_what_is_confirmed_changes_the_fingerprints_of_the_tasks_that_it_names(samples):
+    plain = fingerprints(samples, config(include_vertical=True))
+    named = fingerprints(samples, config(include_vertical=True, confirm=("CI.CLC*Up*", "*CCC*90@*", "nobody")))
+    changed = {name.partition("@")[0] for name in plain if plain[name] != named[name]}
+    assert changed == {"CI.CLC..360", "CI.CLC..90", "CI.CCC..90"}

@@ -47,8 +47,11 @@ def test_every_key_is_shown_and_commented(path):
     for name, section in {**SECTIONS, "block": BlockSettings}.items():
         heading = "[[block]]" if name == "block" else f"[{name}]"
         part = text.partition(heading)[2].partition("\n[")[0]
-        for field in dataclasses.fields(section):
-            assert re.search(rf"^(# )?{field.name} = .*#|^# {field.name} = ", part, re.M), (heading, field.name)
+        inner = [field.metadata["entries"] for field in dataclasses.fields(section) if "entries" in field.metadata]
+        assert all(f"# {cls.heading}" in part for cls in inner), heading
+        for field in (field for one in (section, *inner) for field in dataclasses.fields(one)):
+            shown = re.search(rf"^(# )?{field.name} = .*#|^# {field.name} = ", part, re.M)
+            assert shown or "entries" in field.metadata, (heading, field.name)
 
 
 @pytest.mark.parametrize("name", SECTIONS)
@@ -282,6 +285,43 @@ def test_demands_are_read_and_written(load):
 def test_a_wrong_demand_or_search_is_refused(load, text, message):
     with pytest.raises(ConfigError, match=message):
         load(text)
+
+
+def test_units_and_intervals_of_some_files_are_read_and_written(load):
+    text = '[records]\nunits = "cm/s2"\nconfirm = ["CI.CCC*"]\n'
+    text += '[[records.file]]\nmatch = "*.g3"\nunits = "g"\ndt = 0.02\n[[records.file]]\nmatch = "old/*"\ndt = 1\n'
+    config = load(text + "[run]\nseed = 3\n")
+    first, second = config.records.files
+    assert (first.match, first.units, first.dt) == ("*.g3", "g", 0.02)
+    assert (second.match, second.units, second.dt) == ("old/*", None, 1.0)
+    assert (config.records.confirm, config.run.seed) == (("CI.CCC*",), 3)
+    assert load(config.as_text()) == config
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ('[records.file]\nmatch = "*"', r"\[records.file\]: expected \[\[records.file\]\] with double brackets"),
+        ('[records]\nfile = "x"', r"\[records.file\]: expected \[\[records.file\]\] with double brackets"),
+        ("[records]\nfile = [3]", r"\[\[records.file\]\]: expected a section with keys, found 3"),
+        ('[records]\nfiles = "x"', r'\[records\] files: unknown key; did you mean "file"'),
+        ("[[records.file]]\ndt = 1", r"\[\[records.file\]\] match: this key is needed, found only dt"),
+        ('[[records.file]]\nmatch = " "\ndt = 1', r"match: expected a pattern that is not empty, found ' '"),
+        ('[[records.file]]\nmatch = "*"', r'match = "\*": expected units, dt or both, found neither'),
+        ('[[records.file]]\nmatch = "*"\ndt = 0', r'match = "\*" dt: expected a number in s > 0, found 0'),
+        ('[[records.file]]\nmatch = "*"\nunits = "gg"', r"option units of .*unknown unit .*'gg'.* did you mean"),
+        ('[[records.file]]\nmatch = "*"\nunit = "g"', r'unit: unknown key; did you mean "units"'),
+        ("[records]\nconfirm = 'CI.CCC*'", r"confirm: expected a list of texts, found 'CI.CCC\*'"),
+    ],
+)
+def test_wrong_units_of_some_files_are_refused(load, text, message):
+    with pytest.raises(ConfigError, match=message):
+        load(text)
+
+
+def test_files_are_sections_in_python_too():
+    with pytest.raises(ConfigError, match=r"\[records\] files: expected a list of FileSettings, each of them \[\[rec"):
+        rp.RecordSettings(files=({"match": "*"},))
 
 
 def test_no_model_may_be_searched(load):

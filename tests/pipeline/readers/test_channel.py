@@ -11,8 +11,10 @@ from record_writers import pulse
 
 from rockpulse.errors import RecordFormatError
 from rockpulse.readers.channel import build_record
+from rockpulse.readers.facing import Direction
 from rockpulse.readers.source import SourceFile
 from rockpulse.record.record import STANDARD_GRAVITY as G
+from rockpulse.remark import code_of
 
 FILE = SourceFile("a.V1", b"x", lambda: b"x")
 
@@ -42,10 +44,50 @@ def test_an_ordinary_peak_is_no_news(peak):
 
 
 def test_a_peak_that_differs_from_the_header_is_printed_beside_it():
-    (warning,) = record(header_peak=0.4 * G).warnings
-    assert warning.startswith("the header states a peak of 0.4 g, the data have 0.3 g; check the unit")
+    (warning,) = record(header_peak=0.6 * G).warnings
+    assert warning.startswith("the header states a peak of 0.6 g, the data have 0.3 g; check the unit")
     assert record(header_peak=-0.302 * G).warnings == ()
     assert record(header_peak=0.4 * G, peak_rounding=0.1001 * G).warnings == ()
+
+
+@pytest.mark.parametrize(
+    ("stated", "code", "words"),
+    [
+        (0.306 * G, None, ""),
+        (0.31 * G, "header_peak_near", "the header states a peak of 0.31 g, the data have 0.3 g: 3.2 % less"),
+        (-0.449 * G, "header_peak_near", "the header states a peak of 0.449 g, the data have 0.3 g: 33.2 % less"),
+        (0.451 * G, "header_peak", "0.451 g, the data have 0.3 g; check the unit and that the file is whole"),
+        (0.201 * G, "header_peak_near", "the header states a peak of 0.201 g, the data have 0.3 g: 49.3 % more"),
+        (0.199 * G, "header_peak", "0.199 g, the data have 0.3 g; check"),
+        (0.0, "header_peak", "the header states a peak of 0 g"),
+    ],
+)
+def test_only_a_peak_one_and_a_half_times_that_of_the_header_is_doubted(stated, code, words):
+    warnings = record(header_peak=stated).warnings
+    assert [code_of(warning) for warning in warnings] == ([code] if code else [])
+    assert words in " ".join(warnings)
+
+
+@pytest.mark.parametrize(
+    ("known", "orientation", "told"),
+    [
+        ({"channel": "BNZ", "component": "0 Deg"}, "vertical", "an azimuth of 0 degrees"),
+        ({"channel": "HNZ", "facing": Direction("horizontal")}, "vertical", "a horizontal direction"),
+        ({"channel": "BNZ", "component": "Up"}, "vertical", ""),
+        ({"channel": "BNE", "component": "0 Deg"}, "horizontal", ""),
+        ({"channel": "HHZ", "facing": Direction("horizontal", 90.0), "structural": True}, "structural", "90 degrees"),
+        ({"channel": "ANZ", "component": "0 Deg"}, "horizontal", ""),
+        ({"channel": "BNZ", "component": "east or so"}, "unknown", ""),
+    ],
+)
+def test_a_channel_code_that_says_vertical_outweighs_a_horizontal_azimuth(known, orientation, told):
+    one = record(**known)
+    assert one.orientation == orientation
+    warnings = [f"the channel code {known['channel']} says vertical, the header "] if told else []
+    assert [warning[: len(warnings[0])] for warning in one.warnings] == warnings
+    assert told in " ".join(one.warnings)
+    assert np.isnan(one.azimuth) == (orientation == "unknown" or bool(told) or known["channel"] == "BNZ")
+    assert np.array_equal(one.acceleration, record().acceleration)
 
 
 def test_a_dead_channel_is_called_one():

@@ -305,7 +305,7 @@ def test_damaged_miniseed_and_station_files_are_named(tmp_path):
         ("HNZ", 0.0, -90.0, ("vertical", None)),
         ("HNZ", 0.0, None, ("vertical", None)),
         ("HN3", 0.0, 90.0, ("vertical", None)),
-        ("HNZ", 0.0, 0.0, ("unknown", None)),
+        ("HNZ", 0.0, -45.0, ("unknown", None)),
         ("HNE", 90.0, -90.0, ("unknown", None)),
         ("HN1", 90.0, -35.3, ("unknown", None)),
         ("HNZ", 0.0, 1e9, ("unknown", None)),
@@ -316,6 +316,14 @@ def test_the_direction_of_a_channel_code_with_angles(code, azimuth, dip, expecte
     assert (facing.orientation, None if np.isnan(facing.azimuth) else facing.azimuth) == expected
     assert bool(facing.note) == (expected[0] == "unknown")
     assert facing.sign == (-1.0 if (facing.orientation, dip) == ("vertical", 90.0) else 1.0)
+
+
+def test_a_code_that_says_vertical_outweighs_a_dip_of_zero_and_says_so():
+    facing = seed_direction("HNZ", 0.0, 0.0)
+    assert (facing.orientation, facing.sign) == ("vertical", 1.0)
+    assert facing.note == (
+        "the channel code HNZ says vertical, the header a dip of 0 degrees (-90 is up, 0 horizontal); taken as vertical"
+    )
 
 
 def test_an_azimuth_far_from_the_axis_that_the_code_names_is_used_and_said():

@@ -23,7 +23,7 @@ from rockpulse.readers.source import NotAcceleration, SourceFile
 from rockpulse.readers.table_layout import Layout, end_of_numbers, find_layout, row_width, split_row
 from rockpulse.readers.table_numbers import check_decimals, read_table
 from rockpulse.readers.time_column import agreed_step, climbs, counts_rows, names_time, time_column_step
-from rockpulse.readers.units import UNITS, canonical_unit, for_other_files
+from rockpulse.readers.units import UNITS, canonical_unit
 from rockpulse.readers.wrapped_series import runs_on
 from rockpulse.record.record import Record
 
@@ -129,9 +129,9 @@ def read_columns(file: SourceFile, options: ReadOptions) -> list[Record]:
         columns = _in_reading_order(columns, np.empty(0), guessed=True)
     _check_apart(where, columns, step is not None, known)
     columns = _accelerations(file.name, columns, prose)
-    units = _units(file.name, columns.headings or [Heading("")] * columns.table.shape[1], prose, options.units)
-    sources = {"time column": step, "first line": numbered.step, **steps, "option dt": options.dt}
-    return _channels(file, columns, agreed_step(file.name, sources), units)
+    units = _units(file.name, columns.headings or [Heading("")] * columns.table.shape[1], prose, options)
+    sources = {"time column": step, "first line": numbered.step, **steps}
+    return _channels(file, columns, agreed_step(file.name, sources, options), units)
 
 
 def _columns(
@@ -327,11 +327,12 @@ def _accelerations(name: str, columns: _Columns, prose: Sequence[str]) -> _Colum
     return columns.picked(kept, f"columns left out, no acceleration: {left}") if left else columns
 
 
-def _units(name: str, headings: Sequence[Heading], prose: Sequence[str], given: str | None) -> list[str]:
+def _units(name: str, headings: Sequence[Heading], prose: Sequence[str], options: ReadOptions) -> list[str]:
     """The unit of each column: the one that the caller gives, checked against the header, or the one in the heading."""
     units = []
     said = [(canonical_unit(unit.wording, f"{name}:{unit.line}"), unit) for unit in stated_units(prose)]
-    asked = None if given is None else canonical_unit(given, "option units")
+    asked = None if options.units is None else canonical_unit(options.units, "option units")
+    says = f"{options.said_by('units')} says {asked}; {options.advice('units')}" if asked else ""
     for heading in headings:
         stated = canonical_unit(heading.unit, f"{name}: column {heading.name!r}") if heading.unit else None
         if stated is None and asked is None:
@@ -342,15 +343,9 @@ def _units(name: str, headings: Sequence[Heading], prose: Sequence[str], given: 
                 "[records] of the configuration, or read(path, units='g')"
             )
         if stated and asked and UNITS[stated] != UNITS[asked]:
-            raise UnitError(
-                f"{name}: the column {heading.name!r} is headed {stated}, the option units says {asked}; "
-                + for_other_files(f"--units {asked}")
-            )
+            raise UnitError(f"{name}: the column {heading.name!r} is headed {stated}, {says}")
         if asked and not stated and said and all(UNITS[unit] != UNITS[asked] for unit, _ in said):
-            raise UnitError(
-                f"{name}:{said[0][1].line}: the header says {said[0][1].wording!r}, the option units says {asked}; "
-                + for_other_files(f"--units {asked}")
-            )
+            raise UnitError(f"{name}:{said[0][1].line}: the header says {said[0][1].wording!r}, {says}")
         units.append(asked or stated or "")
     return units
 

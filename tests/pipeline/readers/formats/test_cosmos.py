@@ -430,3 +430,26 @@ def test_zones_in_small_letters(write, zone, kept):
 @pytest.mark.parametrize("place", ["West wall 4th level", "10th-floor", "Subbasement"])
 def test_a_free_field_code_does_not_hide_a_structure(write, place):
     assert read(write(cosmos(pulse(), site=4, place=place)))[0].orientation == "structural"
+
+
+@pytest.mark.parametrize(
+    ("component", "azimuth", "orientation", "sign", "told"),
+    [
+        ("0 Deg", 0, "vertical", 1.0, "an azimuth of 0 degrees"),
+        ("Up", 0, "vertical", 1.0, "'Up' and 0 (integer header 54)"),
+        ("0 Deg", 401, "vertical", -1.0, "'0 Deg' and 401 (integer header 54)"),
+        ("Up", 401, "unknown", 1.0, ""),
+        ("Up", 400, "vertical", 1.0, ""),
+    ],
+)
+def test_a_channel_code_of_seed_decides_between_vertical_and_horizontal(
+    write, component, azimuth, orientation, sign, told
+):
+    content = cosmos(pulse(), component=component, azimuth=azimuth, comments=("<SCNL>AKBMR.BNZ.AK.--",))
+    (record,) = read(write(content))
+    strongest = np.argmax(np.abs(pulse()))
+    assert (record.orientation, record.channel) == (orientation, "BNZ")
+    assert np.sign(record.acceleration[strongest]) == sign * np.sign(pulse()[strongest])
+    said = [warning for warning in record.warnings if "the channel code BNZ says vertical, the header " in warning]
+    assert len(said) == bool(told)
+    assert told in " ".join(said)

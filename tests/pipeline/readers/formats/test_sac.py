@@ -52,7 +52,13 @@ def test_sac_vertical(tmp_path, inclination, sign):
     assert np.sign(record.acceleration[10]) == sign * np.sign(COUNTS[10])
 
 
-@pytest.mark.parametrize(("channel", "inclination"), [("HNE", 0.0), ("HNE", 180.0), ("HNZ", 90.0), ("HNE", 45.0)])
+def test_a_sac_code_that_says_vertical_outweighs_a_sensor_that_lies(tmp_path):
+    (record,) = read(write_sac(tmp_path, channel="BNZ", cmpinc=90.0), units="m/s2")
+    assert record.orientation == "vertical"
+    assert "the channel code BNZ says vertical, the header a dip of 0 degrees" in " ".join(record.warnings)
+
+
+@pytest.mark.parametrize(("channel", "inclination"), [("HNE", 0.0), ("HNE", 180.0), ("HNZ", 45.0), ("HNE", 45.0)])
 def test_sac_whose_angles_contradict_its_channel_code_has_no_direction(tmp_path, channel, inclination):
     (record,) = read(write_sac(tmp_path, channel=channel, cmpinc=inclination), units="m/s2")
     assert (record.orientation, np.isnan(record.azimuth)) == ("unknown", True)

@@ -1,0 +1,70 @@
+"""Motions that are hardly earthquakes: until they are confirmed they decide nothing."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Iterable, Sequence
+
+from rockpulse.config.configuration import Config
+from rockpulse.failures import Failure
+from rockpulse.motions.directions import Motion, PlannedMotion
+from rockpulse.readers.channel import CREDIBLE_PEAK_G, odd_peak
+from rockpulse.record.conditioning import condition
+from rockpulse.record.record import STANDARD_GRAVITY, Record, id_matches
+
+__all__ = ["unconfirmed", "unconfirmed_peaks"]
+
+logger = logging.getLogger("rockpulse")
+
+#: No larger peak counts before it is confirmed [m/s2].
+LARGEST = CREDIBLE_PEAK_G[1] * STANDARD_GRAVITY
+
+
+def unconfirmed(conditioned: Record, confirm: Iterable[str]) -> str:
+    """Why a channel does not count, and what to do: its peak lies above 5 g, and no pattern of its id confirms it.
+
+    Empty for every other channel.
+    """
+    if not conditioned.pga > LARGEST or id_matches(conditioned.id, confirm):
+        return ""
+    found = odd_peak(conditioned.pga, conditioned.source_unit, conditioned.unit_factor)
+    return f"{conditioned.id}: {found}. {_advice([conditioned])}"
+
+
+def unconfirmed_peaks(planned: PlannedMotion, motions: Sequence[Motion], config: Config, stage: str) -> list[Failure]:
+    """A row for each channel for which a channel or a pair is left out, its vertical one among them; mostly none.
+
+    A pair of which only a rotated motion lies above 5 g is left out as a whole, unless both channels are confirmed.
+    """
+    confirm = config.records.confirm
+    channels = motions[0].channels
+    acting = [*channels, *_conditioned_vertical(planned, config)]
+    rows = [Failure(one.source, stage, told, "failed") for one in acting if (told := unconfirmed(one, confirm))]
+    strongest = max((motion.record for motion in motions), key=lambda record: record.pga)
+    open_to_doubt = [one for one in channels if not id_matches(one.id, confirm)]
+    if planned.rotated and not rows and open_to_doubt and strongest.pga > LARGEST:
+        peak = f"peak {strongest.pga / STANDARD_GRAVITY:.3g} g, turned to {strongest.azimuth:g} degrees"
+        rows = [Failure(strongest.source, stage, f"{planned.name}: {peak}. {_advice(open_to_doubt)}", "failed")]
+    for row in rows:
+        logger.error("%s", row.reason)
+    return rows
+
+
+def _advice(channels: Sequence[Record]) -> str:
+    options = " ".join(f"--confirm {one.id}" for one in channels)
+    names = ", ".join(f'"{one.id}"' for one in channels)
+    return (
+        f"A peak above {CREDIBLE_PEAK_G[1]:g} g after conditioning does not count before it is confirmed: correct the "
+        f"unit ([records] units or [[records.file]], or the file), or, if it is right, give {options} or confirm = "
+        f"[{names}] under [records]"
+    )
+
+
+def _conditioned_vertical(planned: PlannedMotion, config: Config) -> list[Record]:
+    """The vertical channel that acts; none where it cannot be conditioned: every motion with it then fails by that."""
+    if planned.vertical is None:
+        return []
+    try:
+        return [condition(planned.vertical, **config.conditioning)]
+    except ValueError:
+        return []
