@@ -23,14 +23,14 @@ def prepare(record: Record, config: Config, vertical: Record | None = None) -> S
     record cannot be conditioned or has no intense phase. Too few half-waves for a sequence are not an error: the
     record carries a warning then.
     """
-    return extract(condition(record, **config.conditioning), config, vertical)
+    up = None if vertical is None else condition(vertical, **config.conditioning)
+    return extract(condition(record, **config.conditioning), config, up)
 
 
-def extract(conditioned: Record, config: Config, vertical: Record | None = None) -> Scene:
-    """The half-waves and the sequence of a record that is conditioned already, otherwise as :func:`prepare`."""
+def extract(conditioned: Record, config: Config, up: Record | None = None) -> Scene:
+    """The half-waves and the sequence of a record, it and its vertical channel conditioned; else as :func:`prepare`."""
     lift = None
-    if vertical is not None:
-        up = condition(vertical, **config.conditioning)
+    if up is not None:
         lift = align(up, conditioned)
         conditioned = conditioned.with_note(Remark("vertical_acceleration", record=up.id))
         for warning in up.warnings:

@@ -61,7 +61,7 @@ class Motion:
     """A horizontal motion that is worked on."""
 
     record: Record  # a channel or a rotated pair, conditioned
-    vertical: Record | None = None  # the vertical channel that acts too, as read
+    vertical: Record | None = None  # the vertical channel that acts too, conditioned
     channels: tuple[Record, ...] = ()  # that it is made of, conditioned
 
 
@@ -99,14 +99,15 @@ def conditioned_motions(planned: PlannedMotion, config: Config) -> list[Motion]:
 
     Raises RockpulseError where a channel cannot be conditioned, or a pair cannot be rotated.
     """
+    up = None if planned.vertical is None else condition(planned.vertical, **config.conditioning)
     if not planned.rotated:  # with the remarks first: conditioning adds its own behind them
         remarked = _remarked(planned.channels[0], planned.remarks)
         conditioned = condition(remarked, **config.conditioning)
-        return [Motion(conditioned, planned.vertical, (conditioned,))]
+        return [Motion(conditioned, up, (conditioned,))]
     pair = condition_pair(Pair(*planned.channels), **config.conditioning)
     azimuths = DIRECTIONS[config.records.components](pair, config)
     turned = [replace(rotate(pair, azimuth), id=planned.direction_id(azimuth)) for azimuth in azimuths]
-    return [Motion(_remarked(record, planned.remarks), planned.vertical, pair.channels) for record in turned]
+    return [Motion(_remarked(record, planned.remarks), up, pair.channels) for record in turned]
 
 
 def _remarked(record: Record, remarks: Iterable[str]) -> Record:

@@ -9,7 +9,6 @@ from rockpulse.config.configuration import Config
 from rockpulse.failures import Failure
 from rockpulse.motions.directions import Motion, PlannedMotion
 from rockpulse.readers.channel import CREDIBLE_PEAK_G, odd_peak
-from rockpulse.record.conditioning import condition
 from rockpulse.record.record import STANDARD_GRAVITY, Record, id_matches
 
 __all__ = ["unconfirmed", "unconfirmed_peaks"]
@@ -37,9 +36,16 @@ def unconfirmed_peaks(planned: PlannedMotion, motions: Sequence[Motion], config:
     A pair of which only a rotated motion lies above 5 g is left out as a whole, unless both channels are confirmed.
     """
     confirm = config.records.confirm
-    channels = motions[0].channels
-    acting = [*channels, *_conditioned_vertical(planned, config)]
-    rows = [Failure(one.source, stage, told, "failed") for one in acting if (told := unconfirmed(one, confirm))]
+    channels, up = motions[0].channels, motions[0].vertical
+    of_pair = f"{planned.name}: " if planned.rotated else ""
+    acting = [(of_pair, one) for one in channels]
+    if up is not None:
+        acting.append((f"{planned.name}: its vertical channel ", up))
+    rows = [
+        Failure(one.source, stage, f"{whose}{told}", "failed")
+        for whose, one in acting
+        if (told := unconfirmed(one, confirm))
+    ]
     strongest = max((motion.record for motion in motions), key=lambda record: record.pga)
     open_to_doubt = [one for one in channels if not id_matches(one.id, confirm)]
     if planned.rotated and not rows and open_to_doubt and strongest.pga > LARGEST:
@@ -58,13 +64,3 @@ def _advice(channels: Sequence[Record]) -> str:
         f"unit ([records] units or [[records.file]], or the file), or, if it is right, give {options} or confirm = "
         f"[{names}] under [records]"
     )
-
-
-def _conditioned_vertical(planned: PlannedMotion, config: Config) -> list[Record]:
-    """The vertical channel that acts; none where it cannot be conditioned: every motion with it then fails by that."""
-    if planned.vertical is None:
-        return []
-    try:
-        return [condition(planned.vertical, **config.conditioning)]
-    except ValueError:
-        return []

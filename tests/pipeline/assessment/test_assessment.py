@@ -264,7 +264,8 @@ def test_body_beyond_the_reach_of_the_sequence_leaves_the_others_their_answers()
 
 
 def test_numbers_that_a_model_refuses_are_a_failed_row_and_the_others_go_on():
-    config = Config(blocks=(WALL,), sequence=SequenceSettings(spacing="end"))
+    confirmed = RecordSettings(confirm=("strong",))
+    config = Config(blocks=(WALL,), sequence=SequenceSettings(spacing="end"), records=confirmed)
     strong = Record(2.5e7 * motion(0), DT, id="strong", processed=True, source="strong.txt")
     tree = assess([strong, record("one")], config)
     assert list(tree["summary"]["record"].values) == ["one"]

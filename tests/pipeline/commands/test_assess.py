@@ -360,3 +360,69 @@ def test_a_file_name_in_an_odd_encoding_is_assessed(folder, tmp_path, capsys):
         pytest.skip("this file system takes no name outside UTF-8")
     assert assess(odd, "-o", tmp_path / "results.h5") == 0
     assert values(tmp_path / "results.h5", "source")[0].endswith("caf\ufffd.AT2")
+
+
+def test_a_record_in_the_wrong_unit_fails_until_it_is_confirmed(folder, tmp_path, capsys):
+    write_at2(tmp_path / "odd.AT2", 1000.0 * STRONG)
+    target = tmp_path / "results.h5"
+    assert assess(folder / "strong.AT2", tmp_path / "odd.AT2", "-o", target) == 1
+    said = " ".join(capsys.readouterr().out.split())
+    assert values(target, "record") == ["strong.90"]
+    assert values(target, "failures/kind") == ["failed"]
+    assert "odd.90: peak 432 g in the unit g; the values would be 0.44 g if it were cm/s2" in said
+    assert "if it is right, give --confirm odd.90 or confirm" in said
+    again = [folder / "strong.AT2", tmp_path / "odd.AT2", "-o", target, "--overwrite"]
+    assert assess(*again, "--confirm", "nothing", "--confirm", "odd.*") == 0
+    said = " ".join(capsys.readouterr().out.split())
+    assert sorted(values(target, "record")) == ["odd.90", "strong.90"]
+    assert "odd.90 (peak?)" in said
+    assert "odd_peak" in values(target, "warning_codes")[values(target, "record").index("odd.90")]
+    assert 'confirm = ["nothing", "odd.*"]' in configuration(target)
+    config = tmp_path / "site.toml"
+    config.write_text('[records]\nconfirm = ["odd.90"]\n')
+    assert assess(*again, "--config", config) == 0
+
+
+def test_what_is_confirmed_is_done_when_a_run_is_resumed_and_the_rest_is_kept(tmp_path, capsys):
+    write_at2(tmp_path / "a.AT2", STRONG)
+    write_at2(tmp_path / "odd.AT2", 1000.0 * STRONG)
+    given = [tmp_path / "a.AT2", tmp_path / "odd.AT2", "-o", tmp_path / "results.h5", "--workers", "1"]
+    assert assess(*given, "--strict") == 1
+    assert "peak 432 g" in capsys.readouterr().err
+    assert assess(*given, "--resume", "--confirm", "odd*") == 0
+    assert "1 of 2 records were finished before" in capsys.readouterr().err
+    assert len(values(tmp_path / "results.h5", "record")) == 2
+
+
+def test_unit_and_interval_of_some_files_yield_to_the_command_line(tmp_path, capsys):
+    for name in ("a.g3", "b.txt"):
+        (tmp_path / name).write_text("\n".join(f"{value:.8f}" for value in STRONG * (1.0 if name == "a.g3" else 98.0)))
+    config, target = tmp_path / "site.toml", tmp_path / "results.h5"
+    config.write_text(
+        '[records]\npaths = ["a.g3", "b.txt"]\nunits = "cm/s2"\ndt = 0.01\n'
+        '[[records.file]]\nmatch = "*.g3"\nunits = "g"\ndt = 0.02\n'
+    )
+    assert assess("--config", config, "-o", target) == 0
+    assert values(target, "record") == ["a.1", "b.1"]
+    assert values(target, "pga") == pytest.approx([0.45 * 9.80665, 0.45 * 0.98], rel=0.05)
+    assert values(target, "dt") == [0.02, 0.01]
+    assert assess("--config", config, "-o", target, "--overwrite", "--dt", "0.005") == 0
+    assert values(target, "dt") == [0.005, 0.005]
+    assert values(target, "pga") == pytest.approx([0.45 * 9.80665, 0.45 * 0.98], rel=0.05)
+    assert 'match = "*.g3"\nunits = "g"\n' in configuration(target)
+    assert assess("--config", config, "-o", target, "--overwrite", "--dt", "0.005", "--units", "m/s2") == 0
+    assert "[[records.file]]" not in configuration(target)
+
+
+def test_a_pattern_that_chooses_no_file_is_exit_code_two_before_any_work(folder, tmp_path, capsys):
+    config, target = tmp_path / "site.toml", tmp_path / "results.h5"
+    config.write_text('[[records.file]]\nmatch = "*.g3"\nunits = "g"\n')
+    assert assess(folder, "--config", config, "-o", target) == 2
+    err = capsys.readouterr().err
+    assert err.startswith('rockpulse: [[records.file]] match = "*.g3": expected the end of the path of a file to read')
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["site.toml"]
+
+
+def test_a_design_sequence_has_nothing_to_confirm(tmp_path, capsys):
+    assert assess("--sequence", tmp_path / "site.h5", "-o", tmp_path / "results.h5", "--confirm", "*") == 2
+    assert "drop --confirm, or --sequence" in capsys.readouterr().err

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from datetime import UTC, datetime
+
 import numpy as np
 import pytest
 import xarray as xr
 
 from rockpulse.config.configuration import Config
-from rockpulse.config.settings import ConditioningSettings
+from rockpulse.config.settings import ConditioningSettings, RecordSettings
 from rockpulse.errors import ConfigError, TooWeak
 from rockpulse.failures import Failure
 from rockpulse.motions.runner import Analysis, joined, run
@@ -85,6 +88,70 @@ def test_a_channel_that_cannot_be_conditioned_is_a_row_of_the_analysis():
     (row,) = run(Largest(config), RECORDS[2:3]).attrs["failures"]
     assert (row.file, row.stage, row.kind) == ("b.txt", "measure", "failed")
     assert "50 Hz of b, got 80.0" in row.reason
+
+
+def seen(records, **settings):
+    """Ids of the motions that were worked on, and (file, stage, kind, reason) of the rows."""
+    found = run(Largest(Config(records=RecordSettings(**settings))), records).attrs
+    names = [str(part["record"][0]) for part in found["parts"]]
+    return names, [(row.file, row.stage, row.kind, row.reason) for row in found["failures"] if row.kind == "failed"]
+
+
+def test_a_peak_above_five_g_does_not_count_before_it_is_confirmed():
+    odd = record("XX.A..HNE@20230206T011732", 611.0, source_unit="g", unit_factor=9.80665)
+    names, ((file, stage, kind, reason),) = seen([odd, record("b", 49.0)])
+    assert names == ["b"]
+    assert (file, stage, kind) == (odd.source, "measure", "failed")
+    assert reason == (
+        "XX.A..HNE@20230206T011732: peak 62.3 g in the unit g; the values would be 0.0635 g if it were cm/s2 or "
+        "0.00635 g if it were mm/s2. A peak above 5 g after conditioning does not count before it is confirmed: "
+        "correct the unit ([records] units or [[records.file]], or the file), or, if it is right, give "
+        '--confirm XX.A..HNE@20230206T011732 or confirm = ["XX.A..HNE@20230206T011732"] under [records]'
+    )
+    assert seen([odd], confirm=("XX.A*",)) == ([odd.id], [])
+    assert seen([odd], confirm=("XX.B*", "XX.A"))[0] == []
+
+
+def test_a_large_offset_that_conditioning_takes_away_is_no_doubt():
+    offset = Record(60.0 + np.sin(np.arange(100.0)), dt=0.01, id="offset", processed=False)
+    assert seen([offset])[0] == ["offset"]
+
+
+def test_a_vertical_channel_above_five_g_keeps_its_neighbours_from_counting_where_it_acts():
+    near = {"station": "A", "source": "a.txt", "start_time": datetime(2023, 2, 6, tzinfo=UTC)}
+    east = replace(record("a.E", 2.0), **near, channel="HNE", orientation="horizontal", azimuth=90.0)
+    up = replace(record("a.Z", 60.0), **near, channel="HNZ", orientation="vertical")
+    assert seen([east, up]) == (["a.E"], [])
+    names, (row,) = seen([east, up], include_vertical=True)
+    assert (names, row[0]) == ([], "a.txt")
+    assert row[3].startswith("a.E: its vertical channel a.Z: peak 6.1")
+    assert seen([east, up], include_vertical=True, confirm=("a.Z",)) == (["a.E"], [])
+
+
+def pair(first, second):
+    near = {"station": "A", "source": "a.txt", "start_time": datetime(2023, 2, 6, tzinfo=UTC)}
+    east = replace(record("a.E", first), **near, channel="HNE", orientation="horizontal", azimuth=90.0)
+    return [east, replace(record("a.N", second), **near, channel="HNN", orientation="horizontal", azimuth=0.0)]
+
+
+def test_a_pair_counts_where_each_channel_above_five_g_is_confirmed():
+    turned = {"components": "azimuth", "azimuth": 0.0}
+    names, rows = seen(pair(60.0, 2.0), **turned)
+    name = ".A..HNE-HNN@20230206T000000"
+    assert (names, [row[3][:40] for row in rows]) == ([], [f"{name}: a.E: peak 6"])
+    assert [row[3][:33] for row in seen(pair(60.0, 60.0), **turned, confirm=("a.E",))[1]] == [f"{name}: a.N:"]
+    assert len(seen(pair(60.0, 60.0), **turned, confirm=("a.?",))[0]) == 1
+
+
+def test_a_pair_that_only_its_turning_brings_above_five_g_needs_both_confirmed():
+    swept = {"components": "sweep", "azimuth_step": 45.0}
+    names, (row,) = seen(pair(40.0, 40.0), **swept)
+    assert names == []
+    assert row[3].startswith(".A..HNE-HNN@20230206T000000: peak 5.77 g, turned to 45 degrees. A peak above 5 g")
+    assert 'give --confirm a.E --confirm a.N or confirm = ["a.E", "a.N"] under [records]' in row[3]
+    assert "give --confirm a.N or" in seen(pair(40.0, 40.0), **swept, confirm=("a.E",))[1][0][3]
+    assert len(seen(pair(40.0, 39.0), **swept, confirm=("a.*",))[0]) == 3  # at 135 degrees nothing is left
+    assert len(seen(pair(40.0, 4.0), **swept)[0]) == 4
 
 
 def test_two_records_of_one_id_are_refused():

@@ -120,7 +120,8 @@ def test_one_record_that_overturns_several_bodies_is_one_record(records):
     block = {f"wall {size:g}": Block(half_width=0.3 * size, half_height=1.5 * size) for size in (1.0, 1.02, 1.04)}
     strong = rp.Record(30.0 * records[0].acceleration, dt=0.02, id="strong", event="Kobe", processed=True)
     search = SearchSettings(factor_max=1.0, points=16)
-    config = Config(fragility=options(measures=["velocity_ratio"]).fragility, search=search)
+    confirmed = rp.RecordSettings(confirm=("strong",))  # its peak is 6 g
+    config = Config(fragility=options(measures=["velocity_ratio"]).fragility, search=search, records=confirmed)
     found = rp.fragility_curves([strong, *records[1:]], config, block)
     assert int((found["capacities"]["reached"].sel(limit_state="overturning") == 1).sum()) == 3
     pooled = found["efficiency"].to_dataset().sel(limit_state="overturning", measure="velocity_ratio")
