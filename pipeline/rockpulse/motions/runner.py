@@ -24,7 +24,7 @@ from rockpulse.failures import Failure
 from rockpulse.motions.directions import Motion, PlannedMotion, conditioned_motions, plan_motions
 from rockpulse.motions.doubt import unconfirmed_peaks
 from rockpulse.motions.events import event_table, events_by_id
-from rockpulse.motions.votes import one_vote_each
+from rockpulse.motions.votes import one_vote_each, unmatched_patterns
 from rockpulse.record.record import Record
 
 if TYPE_CHECKING:
@@ -101,10 +101,11 @@ class Analysis(ABC):
             raise ConfigError(f"records: expected different ids, found more than one record with id {', '.join(twice)}")
         rows = list(failures)
         event_of, unread = events_by_id(every, self.named_events, rows)
+        idle = unmatched_patterns("confirm", self.config.records.confirm, [record.id for record in every], rows)
         voting, outvoted = one_vote_each(every, self.config.records, rows)
         planned, left_out = plan_motions(voting, self.config)
         events = {one.name: event_of[one.channels[0].id] for one in planned}
-        return Prepared(planned, events, [*rows, *unread, *outvoted, *left_out])
+        return Prepared(planned, events, [*rows, *unread, *idle, *outvoted, *left_out])
 
     def of_event(self, part: Part, event: str) -> Part:
         """A part with the earthquake of its motion, which all records together tell, and no motion alone."""

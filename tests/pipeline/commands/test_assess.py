@@ -218,7 +218,7 @@ def test_skipped_and_duplicate_files_are_no_failure(folder, tmp_path, capsys):
     (tmp_path / "in" / "notes.txt").write_text("no record at all\n")
     assert assess(tmp_path / "in", "-o", tmp_path / "results.h5") == 0
     out = capsys.readouterr().out
-    assert "skipped, the same content twice: 1" in out
+    assert "skipped, the same motion twice: 1" in out
     assert "not records: notes.txt" in out
 
 
@@ -372,15 +372,18 @@ def test_a_record_in_the_wrong_unit_fails_until_it_is_confirmed(folder, tmp_path
     assert "odd.90: peak 432 g in the unit g; the values would be 0.44 g if it were cm/s2" in said
     assert "if it is right, give --confirm odd.90 or confirm" in said
     again = [folder / "strong.AT2", tmp_path / "odd.AT2", "-o", target, "--overwrite"]
-    assert assess(*again, "--confirm", "nothing", "--confirm", "odd.*") == 0
+    assert assess(*again, "--confirm", "strong*", "--confirm", "odd.*") == 0
     said = " ".join(capsys.readouterr().out.split())
     assert sorted(values(target, "record")) == ["odd.90", "strong.90"]
     assert "odd.90 (peak?)" in said
     assert "odd_peak" in values(target, "warning_codes")[values(target, "record").index("odd.90")]
-    assert 'confirm = ["nothing", "odd.*"]' in configuration(target)
+    assert 'confirm = ["strong*", "odd.*"]' in configuration(target)
     config = tmp_path / "site.toml"
     config.write_text('[records]\nconfirm = ["odd.90"]\n')
     assert assess(*again, "--config", config) == 0
+    capsys.readouterr()
+    assert assess(*again, "--confirm", "nothing") == 2
+    assert "no record has an id that fits nothing; the ids are" in capsys.readouterr().err
 
 
 def test_what_is_confirmed_is_done_when_a_run_is_resumed_and_the_rest_is_kept(tmp_path, capsys):

@@ -109,7 +109,8 @@ def test_a_peak_above_five_g_does_not_count_before_it_is_confirmed():
         '--confirm XX.A..HNE@20230206T011732 or confirm = ["XX.A..HNE@20230206T011732"] under [records]'
     )
     assert seen([odd], confirm=("XX.A*",)) == ([odd.id], [])
-    assert seen([odd], confirm=("XX.B*", "XX.A"))[0] == []
+    with pytest.raises(ConfigError, match=r"confirm: no record has an id that fits XX.A; the ids are XX.A\.\."):
+        seen([odd], confirm=("XX.A",))
 
 
 def test_a_large_offset_that_conditioning_takes_away_is_no_doubt():
