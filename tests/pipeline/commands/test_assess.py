@@ -218,7 +218,7 @@ def test_skipped_and_duplicate_files_are_no_failure(folder, tmp_path, capsys):
     (tmp_path / "in" / "notes.txt").write_text("no record at all\n")
     assert assess(tmp_path / "in", "-o", tmp_path / "results.h5") == 0
     out = capsys.readouterr().out
-    assert "skipped, the same motion twice: 1" in out
+    assert "skipped, the same shaking twice: 1" in out
     assert "not records: notes.txt" in out
 
 

@@ -26,8 +26,8 @@ _KINDS = {
     "failed": "failed",
     "vertical": "read, not assessed (vertical)",
     "structural": "read, not assessed (on a structure)",
-    "duplicate": "skipped, the same motion twice",
-    "depth": "skipped, the same motion at depth",
+    "duplicate": "skipped, the same shaking twice",
+    "depth": "skipped, the same shaking at depth",
     "skipped": "skipped, cannot be used",
 }
 
