@@ -2,7 +2,7 @@
 
 .. note:: A rectangle of half-width b and half-height a turns about its lower corners; R is the half-diagonal, alpha_c
    the angle between R and the vertical, and p = sqrt(3 g/(4 R)) the frequency parameter. A body that is no rectangle
-   has p = sqrt(M g R/I_0).
+   has p = sqrt(M g R/I_0), with R from the corner to the centre of mass.
 """
 
 from __future__ import annotations
@@ -13,6 +13,15 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
+
+from rocking.arguments import positive, together
+from rocking.block_limits import (
+    most_restitution,
+    radius_of_rectangle,
+    restitution_of,
+    restitution_remark,
+    size_remark,
+)
 
 __all__ = ["SLENDERNESS_RANGE", "STANDARD_GRAVITY", "Block"]
 
@@ -35,9 +44,9 @@ LANE_FIELDS = (
 logger = logging.getLogger("rockpulse")
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, init=False)
 class Block:
-    """A free-standing rigid block, or an array of them.
+    """A free-standing rigid block, or an array of them, by its half sizes or by its full ones.
 
     The fields broadcast to one shape (m,), or () for a single block.
 
@@ -47,11 +56,17 @@ class Block:
         b, half the base in the plane of rocking [m].
     half_height : float or (m,) array_like
         a, half the height [m].
+    width : float or (m,) array_like
+        2b, the full base in the plane of rocking [m]; with `height`, in place of the two halves.
+    height : float or (m,) array_like
+        2a, the full height [m].
     restitution : "housner", float or (m,) array_like
         Velocity ratio C of an impact, C = theta'(after)/theta'(before) [-], 0 <= C <= 1. "housner" stands for
         1 - 1.5 sin^2(alpha_c), the bound of angular-momentum conservation (Housner's own r is its square).
     gravity : float
         Acceleration of gravity at the block [m/s2].
+    log : bool
+        Whether the warnings are logged too, by the logger "rockpulse".
 
     Attributes
     ----------
@@ -60,19 +75,22 @@ class Block:
     p : float or (m,) ndarray
         Frequency parameter [1/s].
     radius : float or (m,) ndarray
-        R, half the diagonal [m]; for a body given by p the radius of the rectangle with the same p.
+        R, from the corner to the centre of mass [m]: half the diagonal of a rectangle; for a body given by p and alpha
+        the radius that was given with them, else that of the rectangle with the same p.
     slenderness : float or (m,) ndarray
         a/b = 1/tan(alpha_c) [-].
     critical_impulse : float or (m,) ndarray
         I_1c = g alpha_c/(p cos alpha_c), the impulse that overturns the resting block at once (Eq. 9 with i = 1) [m/s].
     warnings : tuple of str
-        Remarks for the user: a restitution above Housner's bound, a slenderness below the paper's range.
+        Remarks for the user: a restitution above what angular momentum allows, a slenderness below the paper's range, a
+        size that is doubted (larger than 30 m, less than 5 cm high or 1 mm wide, wider than high).
 
     Raises
     ------
     ValueError
-        For sizes or gravity that are not positive and finite, a restitution outside [0, 1], or "housner" for a block
-        so squat that the formula turns negative (slenderness below 0.707).
+        For sizes or gravity that are not positive and finite, for one size alone or a half size beside a full one, a
+        restitution outside [0, 1], or "housner" for a block so squat that the formula turns negative (slenderness below
+        0.707).
 
     References
     ----------
@@ -84,6 +102,12 @@ class Block:
     >>> block = Block(half_width=0.5, half_height=1.93649167, gravity=9.81)
     >>> round(float(block.p), 7), round(float(block.restitution), 5)
     (1.9180068, 0.90625)
+
+    The same by its full sizes:
+
+    >>> wall = Block(width=0.25, height=2.2)
+    >>> wall.half_width, wall.half_height, wall.width, wall.height
+    (0.125, 1.1, 0.25, 2.2)
     """
 
     half_width: Any
@@ -98,24 +122,48 @@ class Block:
     critical_impulse: Any = field(init=False)
     warnings: tuple[str, ...] = field(init=False)
 
-    def __post_init__(self) -> None:
-        width, height = _together(
-            half_width=_positive("half_width", self.half_width, "m"),
-            half_height=_positive("half_height", self.half_height, "m"),
-        )
-        gravity = float(_positive("gravity", self.gravity, "m/s2", lanes=False))
-        radius = np.hypot(width, height)
+    def __init__(
+        self,
+        half_width: Any = None,
+        half_height: Any = None,
+        restitution: Any = "housner",
+        gravity: float = STANDARD_GRAVITY,
+        *,
+        width: Any = None,
+        height: Any = None,
+        log: bool = True,
+    ) -> None:
+        sizes = {"half_width": half_width, "half_height": half_height, "width": width, "height": height}
+        given = {name: positive(name, value, "m") for name, value in sizes.items() if value is not None}
+        if set(given) not in ({"half_width", "half_height"}, {"width", "height"}):
+            found = " and ".join(given) or "no size"
+            raise ValueError(f"block: expected half_width and half_height, or width and height, in m; got {found}")
+        base, rise = together(**given)
+        if "width" in given:
+            base, rise = base / 2.0, rise / 2.0
+        gravity = float(positive("gravity", gravity, "m/s2", lanes=False))
+        radius = np.hypot(base, rise)
         self._finish(
-            half_width=width,
-            half_height=height,
+            half_width=base,
+            half_height=rise,
+            restitution=restitution,
             gravity=gravity,
-            alpha_c=np.arctan2(width, height),
+            alpha_c=np.arctan2(base, rise),
             p=np.sqrt(3.0 * gravity / (4.0 * radius)),
-            rectangle=True,
+            log=log,
         )
 
     @classmethod
-    def from_parameters(cls, p: Any, alpha: Any, restitution: Any, gravity: float = STANDARD_GRAVITY) -> Block:
+    def from_parameters(
+        cls,
+        p: Any,
+        alpha: Any,
+        restitution: Any,
+        gravity: float = STANDARD_GRAVITY,
+        *,
+        radius: Any = None,
+        log: bool = True,
+    ) -> Block:
         """A body that is no rectangle, by its frequency parameter and critical angle.
 
         Parameters
@@ -125,30 +173,58 @@ class Block:
         alpha : float or (m,) array_like
             Angle between the vertical and the line from the corner to the centre of mass [rad], below pi/2.
         restitution : float, (m,) array_like or "housner"
-            As for :class:`Block`; "housner" is the value of the rectangle with the same alpha.
+            As for :class:`Block`. "housner" stands for the most that conservation of angular momentum allows: with
+            `radius` 1 - 2 (p^2 R/g) sin^2(alpha), the bound of this (symmetric) body; without it 1 - 1.5 sin^2(alpha),
+            that of the rectangle with the same alpha.
         gravity : float
             Acceleration of gravity [m/s2].
+        radius : float or (m,) array_like, optional
+            R, the distance from the corner to the centre of mass [m]. It changes no motion, which depends on p, alpha
+            and C: it tells which restitution the body can have.
+        log : bool
+            Whether the warnings are logged too, by the logger "rockpulse".
 
         Returns
         -------
         Block
-            With `half_width` and `half_height` NaN: they are not known.
+            With `half_width`, `half_height`, `width` and `height` NaN: they are not known.
+
+        Raises
+        ------
+        ValueError
+            For p, alpha, radius or gravity that are not positive and finite, an alpha of pi/2 or more, a restitution
+            outside [0, 1], "housner" where the bound is negative, or a radius that no body of this p has: p^2 R/g is
+            M R^2/I_0, and I_0 = I_G + M R^2.
+
+        Examples
+        --------
+        A solid cylinder 0.5 m thick and 2 m high, on a line across its base: I_0 = M (r^2/4 + H^2/12 + R^2).
+
+        >>> radius, inertia = np.hypot(0.25, 1.0), 0.25**2 / 4 + 2.0**2 / 12 + 0.25**2 + 1.0**2
+        >>> p = np.sqrt(STANDARD_GRAVITY * radius / inertia)
+        >>> column = Block.from_parameters(p, np.arctan(0.25), "housner", radius=radius)
+        >>> round(column.restitution, 4), round(Block(0.25, 1.0).restitution, 4)
+        (0.9114, 0.9118)
         """
-        p_, alpha_ = _together(p=_positive("p", p, "1/s"), alpha=_positive("alpha", alpha, "rad"))
+        given = {"p": positive("p", p, "1/s"), "alpha": positive("alpha", alpha, "rad")}
+        if radius is not None:
+            given["radius"] = positive("radius", radius, "m")
+        p_, alpha_, *own = together(**given)
         if np.any(alpha_ >= np.pi / 2):
             raise ValueError(
                 f"alpha: expected an angle below pi/2 rad, got {alpha!r}; it is given in radians, not degrees"
             )
         block = object.__new__(cls)
-        object.__setattr__(block, "restitution", restitution)
         unknown = np.full(p_.shape, np.nan)
         block._finish(
             half_width=unknown,
             half_height=unknown,
-            gravity=float(_positive("gravity", gravity, "m/s2", lanes=False)),
+            restitution=restitution,
+            gravity=float(positive("gravity", gravity, "m/s2", lanes=False)),
             alpha_c=alpha_,
             p=p_,
-            rectangle=False,
+            radius=own[0] if own else None,
+            log=log,
         )
         return block
 
@@ -187,54 +263,60 @@ class Block:
             object.__setattr__(other, name, choose(np.asarray(getattr(self, name))))
         return other
 
-    def _finish(self, *, rectangle: bool, **values: Any) -> None:
-        alpha = values["alpha_c"]
-        housner = 1.0 - 1.5 * np.sin(alpha) ** 2
-        restitution = self._restitution(housner)
-        values["restitution"] = restitution
-        values["radius"] = 3.0 * values["gravity"] / (4.0 * values["p"] ** 2)
-        values["slenderness"] = 1.0 / np.tan(alpha)
-        values["critical_impulse"] = values["gravity"] * alpha / (values["p"] * np.cos(alpha))
-        lanes = _together(size=alpha, restitution=restitution)[0].shape
+    def _finish(
+        self,
+        *,
+        half_width: np.ndarray,
+        half_height: np.ndarray,
+        restitution: Any,
+        gravity: float,
+        alpha_c: np.ndarray,
+        p: np.ndarray,
+        radius: np.ndarray | None = None,
+        log: bool,
+    ) -> None:
+        most = most_restitution(p, alpha_c, radius, gravity)
+        ratios = restitution_of(restitution, most, own=radius is not None)
+        values = {
+            "half_width": half_width,
+            "half_height": half_height,
+            "restitution": ratios,
+            "alpha_c": alpha_c,
+            "p": p,
+            "radius": radius_of_rectangle(p, gravity) if radius is None else radius,
+            "slenderness": 1.0 / np.tan(alpha_c),
+            "critical_impulse": gravity * alpha_c / (p * np.cos(alpha_c)),
+        }
+        lanes = together(size=alpha_c, restitution=ratios)[0].shape
         for name, value in values.items():
-            if name != "gravity":
-                value = np.array(np.broadcast_to(value, lanes), dtype=float)
-                value.setflags(write=False)
-                value = value.item() if value.ndim == 0 else value
-            object.__setattr__(self, name, value)
-        warnings = []
-        above = restitution - housner
-        if np.any(above > 1e-12):
-            worst = np.unravel_index(np.argmax(above), above.shape)
-            given, bound = (float(np.broadcast_to(values_, above.shape)[worst]) for values_ in (restitution, housner))
-            shape = "" if rectangle else " of a rectangle with this alpha"
-            warnings.append(
-                f"restitution {given:.4g} is above Housner's {bound:.4g}{shape}: more energy is kept in an impact "
-                "than conservation of angular momentum allows"
-            )
-        if not np.all(_slender(values["slenderness"])):
-            warnings.append(
+            value = np.array(np.broadcast_to(value, lanes), dtype=float)
+            value.setflags(write=False)
+            object.__setattr__(self, name, value.item() if value.ndim == 0 else value)
+        object.__setattr__(self, "gravity", gravity)
+        shape = "unknown" if radius is None else "own"
+        sizes = (2.0 * values["radius"] * np.sin(alpha_c), 2.0 * values["radius"] * np.cos(alpha_c))
+        if not np.any(np.isnan(half_width)):
+            shape, sizes = "rectangle", (2.0 * half_width, 2.0 * half_height)
+        remarks = [size_remark(*sizes, shape), restitution_remark(ratios, most, shape)]
+        if not np.all(self.slender):
+            remarks.append(
                 f"slenderness {np.min(values['slenderness']):.3g} is below {SLENDERNESS_RANGE:g}: "
                 "the models with linear motion (resonance, sequence, impulsive, linear) are outside their range"
             )
-        object.__setattr__(self, "warnings", tuple(warnings))
-        for warning in warnings:
-            logger.warning("block: %s", warning)
+        object.__setattr__(self, "warnings", tuple(remark for remark in remarks if remark))
+        if log:
+            for warning in self.warnings:
+                logger.warning("block: %s", warning)
 
-    def _restitution(self, housner: np.ndarray) -> np.ndarray:
-        given = self.restitution
-        if isinstance(given, str):
-            if given != "housner":
-                raise ValueError(f"restitution: expected a number in [0, 1] or 'housner', got {given!r}")
-            if np.any(housner < 0.0):
-                raise ValueError(
-                    "restitution: Housner's formula is negative below a slenderness of 0.707; give a number in [0, 1]"
-                )
-            return housner
-        restitution = numbers("restitution", given, "the velocity ratio C in [0, 1] or 'housner'")
-        if not np.all((restitution >= 0.0) & (restitution <= 1.0)):
-            raise ValueError(f"restitution: expected the velocity ratio C in [0, 1] or 'housner', got {given!r}")
-        return restitution
+    @property
+    def width(self) -> Any:
+        """Full width [m], 2b; NaN for a body given by p and alpha."""
+        return 2.0 * self.half_width
+
+    @property
+    def height(self) -> Any:
+        """Full height [m], 2a; NaN for a body given by p and alpha."""
+        return 2.0 * self.half_height
 
     @property
     def shape(self) -> tuple[int, ...]:
@@ -250,35 +332,3 @@ class Block:
 def _slender(slenderness: Any) -> Any:
     # A block of exactly 3 comes back from its angle as 3 less a bit.
     return slenderness >= SLENDERNESS_RANGE * (1.0 - 1e-12)
-
-
-def numbers(name: str, value: Any, expected: str, lanes: bool = True) -> np.ndarray:
-    """The value as a finite number, or as a one-dimensional array of them where `lanes` allows it.
-
-    Anything else raises a ValueError with the name of the argument, what was expected and what was given.
-    """
-    shape = "or an array of them" if lanes else "not an array"
-    try:
-        array = np.asarray(value, dtype=float)
-    except (TypeError, ValueError):
-        raise ValueError(f"{name}: expected {expected}, got {value!r}") from None
-    if array.ndim > int(lanes):
-        raise ValueError(f"{name}: expected {expected}, {shape}, got shape {array.shape}")
-    if not np.all(np.isfinite(array)):
-        raise ValueError(f"{name}: expected {expected}, finite, got {value!r}")
-    return array
-
-
-def _positive(name: str, value: Any, unit: str, lanes: bool = True) -> np.ndarray:
-    array = numbers(name, value, f"a positive number in {unit}", lanes)
-    if not np.all(array > 0.0):
-        raise ValueError(f"{name}: expected a positive, finite number in {unit}, got {value!r}")
-    return array
-
-
-def _together(**values: np.ndarray) -> tuple[np.ndarray, ...]:
-    try:
-        return tuple(np.broadcast_arrays(*values.values()))
-    except ValueError:
-        shapes = ", ".join(f"{name} {array.shape}" for name, array in values.items())
-        raise ValueError(f"{', '.join(values)}: expected single values or arrays of one length, got {shapes}") from None

@@ -8,7 +8,8 @@ from typing import Any, Literal
 
 import numpy as np
 
-from rocking.block import Block, numbers
+from rocking.arguments import numbers
+from rocking.block import Block
 from rocking.impulsive import impulsive_response
 from rocking.recorded import recorded_response
 from rocking.response import Outcome, Response

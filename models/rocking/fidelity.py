@@ -13,7 +13,8 @@ from typing import Any
 
 import numpy as np
 
-from rocking.block import Block, numbers
+from rocking.arguments import numbers
+from rocking.block import Block
 from rocking.demand import Demand, ground_demand
 from rocking.impulsive import impulsive_response
 from rocking.recorded import recorded_response

@@ -11,7 +11,8 @@ from typing import Any
 
 import numpy as np
 
-from rocking.block import Block, numbers
+from rocking.arguments import numbers
+from rocking.block import Block
 from rocking.impulsive_kernel import EXACT, LINEAR, PAPER, TANGENT, History, Lanes, Train, impulsive_lanes
 from rocking.response import Response, empty_results, response_of, with_history
 from rocking.threads import split_lanes

@@ -7,7 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from rocking.block import Block, numbers
+from rocking.arguments import numbers
+from rocking.block import Block
 from rocking.response import Outcome, Response, squeezed
 
 __all__ = ["NOT_CHECKED", "NOT_PREDICTABLE", "PREDICTABLE", "predictable"]

@@ -10,7 +10,8 @@ from typing import Any, Literal
 
 import numpy as np
 
-from rocking.block import Block, numbers
+from rocking.arguments import numbers
+from rocking.block import Block
 from rocking.demand import Demand
 from rocking.ground import Accelerogram, extremes
 from rocking.recorded_event import LINEAR, NONLINEAR

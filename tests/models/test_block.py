@@ -1,5 +1,7 @@
 """Geometry and constants of the block (F1, V1, V2) and its ranges."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 
@@ -54,6 +56,42 @@ def test_fields_broadcast_to_the_lanes():
     assert Block(0.5, 2.0, restitution=[0.8, 0.9]).shape == (2,)
     assert Block(0.5, 2.0).shape == ()
     assert isinstance(Block(0.5, 2.0).p, float)
+
+
+def test_full_sizes_are_twice_the_halves():
+    full, halves = Block(width=0.6, height=[2.4, 3.0]), Block(0.3, [1.2, 1.5])
+    for name in ("half_width", "half_height", "width", "height", "p", "alpha_c", "restitution", "radius"):
+        assert np.array_equal(getattr(full, name), getattr(halves, name))
+    assert full.width.tolist() == [0.6, 0.6]
+    assert full.lane(1).height == 3.0
+    assert np.isnan(Block.from_parameters(2.0, 0.2, 0.9).width)
+
+
+def test_a_block_can_still_be_replaced_field_by_field():
+    other = dataclasses.replace(Block(width=0.6, height=2.4), half_height=2.0, restitution=0.8)
+    assert (other.width, other.height, other.restitution) == (0.6, 4.0, 0.8)
+
+
+@pytest.mark.parametrize(
+    ("sizes", "found"),
+    [
+        ({}, "no size"),
+        ({"half_width": 0.3}, "half_width"),
+        ({"width": 0.6}, "width"),
+        ({"half_width": 0.3, "height": 2.4}, "half_width and height"),
+        ({"half_width": 0.3, "half_height": 1.2, "width": 0.6, "height": 2.4}, "half_width and half_height and width"),
+    ],
+)
+def test_one_pair_of_sizes_is_expected(sizes, found):
+    with pytest.raises(
+        ValueError, match=f"expected half_width and half_height, or width and height, in m; got {found}"
+    ):
+        Block(**sizes)
+
+
+def test_bad_full_size_is_named():
+    with pytest.raises(ValueError, match=r"^height: expected a positive"):
+        Block(width=0.6, height=0.0)
 
 
 def test_arrays_of_a_block_cannot_be_changed():

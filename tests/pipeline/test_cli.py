@@ -120,7 +120,11 @@ def test_the_help_names_every_verb_and_the_exit_codes():
         (["assess", "x.AT2", "--block", "a", "-o", "{new}"], "expected NAME=WIDTHxHEIGHT"),
         (["assess", "x.AT2", "--block", "a=0x3", "-o", "{new}"], "expected a number in m > 0"),
         (["assess", "x.AT2", "--block", "a=1x-3", "-o", "{new}"], "expected a number in m > 0"),
-        (["assess", "x.AT2", "--block", "a=3x1", "-o", "{new}"], "slenderness of 0.707"),
+        (["assess", "x.AT2", "--block", "a=3x1", "-o", "{new}"], "3 x 1: are the two swapped?"),
+        (["assess", "x.AT2", "--block", "a=3x1", "--confirm-size", "-o", "{new}"], "slenderness of 0.707"),
+        (["assess", "x.AT2", "--block", "a=600x1700", "-o", "{new}"], "600 x 1700: millimetres?"),
+        (["calibrate", "x.AT2", "--block", "a=0.01x0.04", "-o", "{new}"], "or add --confirm-size"),
+        (["fragility", "x.AT2", "--block", "a=0.01x0.04", "-o", "{new}"], "or add --confirm-size"),
         (["assess", "x.AT2", "--block", "a=1x3", "--block", "a=1x3", "-o", "{new}"], '"a" is given 2 times'),
         (["assess", "x.AT2", "--block", "a=1x3", "--units", "furlong", "-o", "{new}"], "--units: unknown unit"),
         (

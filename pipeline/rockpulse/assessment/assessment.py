@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import logging
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
@@ -30,8 +29,6 @@ if TYPE_CHECKING:
     import xarray as xr
 
 __all__ = ["Assessment", "assess", "assess_motion", "assess_scene"]
-
-logger = logging.getLogger("rockpulse")
 
 
 def assess(
@@ -95,9 +92,6 @@ class Assessment(Analysis):
     def __init__(self, config: Config, blocks: Blocks | None = None) -> None:
         super().__init__(config)
         self.bodies = gather_bodies(config.blocks if blocks is None else blocks)
-        for name, warning in zip(self.bodies.names, self.bodies.warnings, strict=True):
-            if warning:
-                logger.warning("block %s: %s", name, warning)
 
     @property
     def work(self) -> Work:

@@ -93,6 +93,11 @@ def add_record_arguments(parser: argparse.ArgumentParser, output: str) -> None:
         metavar="NAME=WIDTHxHEIGHT",
         help="a block by its full width and height in m, beside those of the configuration; repeatable",
     )
+    parser.add_argument(
+        "--confirm-size",
+        action="store_true",
+        help="take a --block that is larger than 30 m, less than 5 cm high or 1 mm wide, or wider than high",
+    )
     add_reading_arguments(parser)
     add_confirm_argument(parser)
     parser.add_argument("--overwrite", action="store_true", help="replace results that exist; never any other file")
@@ -116,7 +121,7 @@ def configured(args: argparse.Namespace) -> Config:
         records = replace(records, events=str(located(records.events, config.folder).resolve()))
     if calibration.weights not in WEIGHTS:
         calibration = replace(calibration, weights=str(located(calibration.weights, config.folder).resolve()))
-    blocks = (*config.blocks, *(parse_block_option(option) for option in args.block))
+    blocks = (*config.blocks, *(parse_block_option(option, args.confirm_size) for option in args.block))
     return replace(config, records=records, calibration=calibration, blocks=blocks)
 
 

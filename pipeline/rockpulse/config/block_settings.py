@@ -3,18 +3,25 @@
 from __future__ import annotations
 
 import dataclasses
+import logging
 import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+from rocking.block_limits import LARGEST_SIZE, doubt_of_size, radius_of_rectangle
 from rockpulse.errors import ConfigError
-from rockpulse.option import KeyType, Section, is_number, key, number
+from rockpulse.option import KeyType, Section, boolean, is_number, key, number
 from rockpulse.record.record import STANDARD_GRAVITY
 
 if TYPE_CHECKING:
     from rocking import Block
 
 __all__ = ["BlockSettings", "parse_block_option"]
+
+logger = logging.getLogger("rockpulse")
+
+#: Full sizes above the largest one that is not doubted are taken for millimetres from here on, below for centimetres.
+_MILLIMETRES = 500.0
 
 
 def _is_name(value: Any) -> bool:
@@ -45,7 +52,7 @@ _RESTITUTION = KeyType(
 
 @dataclass(frozen=True)
 class BlockSettings(Section):
-    """One free-standing body, by its full width and height or by p and alpha.
+    """One free-standing body, by its full width and height, or by p and alpha, with its radius where it is known.
 
     Attributes
     ----------
@@ -55,15 +62,23 @@ class BlockSettings(Section):
         Full size in the plane of rocking [m].
     p, alpha : float or None
         Frequency parameter [1/s] and critical angle [rad] of a body that is no rectangle.
+    radius : float or None
+        R of such a body [m], from the corner to the centre of mass: with it the restitution is judged by the body's own
+        angular momentum, without it by that of the rectangle with the same alpha.
     restitution : float, str or tuple of float
-        Velocity ratio of an impact [-], "housner", or several values to be assessed side by side.
+        Velocity ratio of an impact [-], "housner" (the most that angular momentum allows), or several values to be
+        assessed side by side.
     gravity : float
         Acceleration of gravity at the block [m/s2].
+    confirm_size : bool
+        Take also a body that is larger than 30 m, less than 5 cm high or 1 mm wide, or wider than high. A body by p and
+        alpha is measured as the rectangle with its R and alpha.
 
     Raises
     ------
     ConfigError
-        Unless exactly one of the two pairs is given, with sizes that are positive.
+        Unless exactly one of the two pairs is given, with sizes that are positive, and for a size that is doubted and
+        not confirmed.
 
     Examples
     --------
@@ -77,8 +92,10 @@ class BlockSettings(Section):
     height: float | None = number(None, low=0.0, above=True, unit="m")
     p: float | None = number(None, low=0.0, above=True, unit="1/s")
     alpha: float | None = number(None, low=0.0, above=True, unit="rad")
+    radius: float | None = number(None, low=0.0, above=True, unit="m")
     restitution: float | str | tuple[float, ...] = key("housner", _RESTITUTION)
     gravity: float = number(STANDARD_GRAVITY, low=0.0, above=True, unit="m/s2")
+    confirm_size: bool = boolean(False)
 
     @property
     def where(self) -> str:
@@ -87,39 +104,69 @@ class BlockSettings(Section):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        given = {name for name in ("width", "height", "p", "alpha") if self[name] is not None}
-        if given not in ({"width", "height"}, {"p", "alpha"}):
+        given = {name for name in ("width", "height", "p", "alpha", "radius") if self[name] is not None}
+        if given not in ({"width", "height"}, {"p", "alpha"}, {"p", "alpha", "radius"}):
             found = " and ".join(sorted(given)) if given else "neither"
-            raise ConfigError(f"{self.where}: expected width and height [m], or p [1/s] and alpha [rad]; found {found}")
+            raise ConfigError(
+                f"{self.where}: expected width and height [m], or p [1/s] and alpha [rad], the latter with or without "
+                f"radius [m]; found {found}"
+            )
         if self.alpha is not None and self.alpha >= math.pi / 2:
             raise ConfigError(
                 f"{self.where} alpha: expected an angle below pi/2 rad, found {self.alpha:g}; is it in degrees?"
             )
+        if not self.confirm_size and (doubt := _doubt(self)):
+            raise ConfigError(f"{self.where}: {doubt}, or set confirm_size = true in its [[block]]")
 
     def block(self) -> Block:
-        """The model's block, with half sizes; one lane, or one per restitution of a list.
+        """The model's block, with half sizes; one lane, or one per restitution of a list. Its remarks are logged.
 
         Raises
         ------
         ConfigError
-            Where the model refuses it (Housner's restitution for a body squatter than 0.707).
+            Where the model refuses it (Housner's restitution for a body squatter than 0.707, a radius that no body of
+            this p has).
         """
         from rocking.block import Block
 
         restitution: Any = list(self.restitution) if isinstance(self.restitution, tuple) else self.restitution
+        common: dict[str, Any] = {"restitution": restitution, "gravity": self.gravity, "log": False}
         try:
             if self.width is not None and self.height is not None:
-                return Block(self.width / 2, self.height / 2, restitution=restitution, gravity=self.gravity)
-            return Block.from_parameters(self.p, self.alpha, restitution=restitution, gravity=self.gravity)
+                block = Block(width=self.width, height=self.height, **common)
+            else:
+                block = Block.from_parameters(self.p, self.alpha, radius=self.radius, **common)
         except ValueError as error:
-            swapped = ""
-            if self.width is not None and self.height is not None and self.width > self.height:
-                swapped = f": it is {self.width:g} m wide and {self.height:g} m high, are the two swapped?"
-            raise ConfigError(f"{self.where}{swapped} {error}") from None
+            raise ConfigError(f"{self.where} {error}") from None
+        for warning in block.warnings:
+            logger.warning("block %s: %s", self.name, warning)
+        return block
 
 
-def parse_block_option(option: str) -> BlockSettings:
+def _doubt(block: BlockSettings) -> str:
+    """The doubt about the size of a body, and what to give instead; an empty text where there is none."""
+    if block.width is not None and block.height is not None:
+        width, height = block.width, block.height
+        larger = "millimetres?" if max(width, height) >= _MILLIMETRES else "centimetres?"
+        swapped = "are the two swapped?" if width > height else "in m?"
+        found = f"{width:g} x {height:g}: {larger if max(width, height) > LARGEST_SIZE else swapped}"
+        advice = "give full sizes in m"
+    else:
+        assert block.p is not None
+        assert block.alpha is not None
+        radius = block.radius or radius_of_rectangle(block.p, block.gravity)
+        width, height = 2.0 * radius * math.sin(block.alpha), 2.0 * radius * math.cos(block.alpha)
+        source = "p and alpha" if block.radius is None else "radius and alpha"
+        found = f"{source} of a rectangle of {width:.3g} x {height:.3g} m."
+        advice = "give p = sqrt(M g R/I_0) in 1/s, alpha in rad, the radius in m"
+    doubt = doubt_of_size(width, height)
+    return doubt and f"{found} A body {doubt} is taken only where that is confirmed: {advice}"
+
+
+def parse_block_option(option: str, confirm_size: bool = False) -> BlockSettings:
     """A block from the command line, ``NAME=WIDTHxHEIGHT`` with full sizes in m; a ConfigError for any other text.
+
+    A size that is doubted is refused too, unless it is confirmed.
 
     Examples
     --------
@@ -134,8 +181,11 @@ def parse_block_option(option: str) -> BlockSettings:
             f'--block: expected NAME=WIDTHxHEIGHT with sizes in m, such as "pier=0.8x3.2", found "{option}"'
         )
     try:
-        return BlockSettings(name=name, width=float(width), height=float(height))
+        block = BlockSettings(name=name, width=float(width), height=float(height), confirm_size=True)
     except ConfigError as error:
         raise ConfigError(f'--block "{option}": {error}') from None
     except ValueError:
         raise ConfigError(f'--block "{option}": expected two numbers in m, found "{width}" and "{height}"') from None
+    if not confirm_size and (doubt := _doubt(block)):
+        raise ConfigError(f'--block "{option}": {doubt}, or add --confirm-size')
+    return dataclasses.replace(block, confirm_size=confirm_size)

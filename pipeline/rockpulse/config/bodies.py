@@ -33,6 +33,26 @@ class Bodies:
         """(..., b x cases) -> (..., b, cases)."""
         return values.reshape(*values.shape[:-1], len(self.names), self.cases)
 
+    def apart(self) -> tuple[list[str], Block]:
+        """Names and lanes where every restitution of a body is a body of its own, named "wall C 0.9".
+
+        A body with one value is one lane under its own name. A ConfigError where two get one name.
+        """
+        names, kept = [], []
+        for place, (name, own) in enumerate(zip(self.names, self.per_case(self.lanes.restitution), strict=True)):
+            ratios = own.tolist()
+            values = list(dict.fromkeys(ratios))
+            brief = [f"{ratio:g}" for ratio in values]
+            shown = brief if len(set(brief)) == len(values) else [repr(ratio) for ratio in values]
+            names += [name] if len(values) == 1 else [f"{name} C {ratio}" for ratio in shown]
+            kept += [place * self.cases + ratios.index(ratio) for ratio in values]
+        if len(set(names)) < len(names):
+            twice = next(name for name in names if names.count(name) > 1)
+            raise ConfigError(
+                f'block "{twice}": one body has the name that another gets with one of its restitutions; rename one'
+            )
+        return names, Block.stack([self.lanes.lane(lane) for lane in kept])
+
 
 def gather_bodies(blocks: Sequence[BlockSettings] | Mapping[str, Block]) -> Bodies:
     """Line up the bodies of a configuration, or of a mapping of name to Block.
@@ -53,7 +73,7 @@ def gather_bodies(blocks: Sequence[BlockSettings] | Mapping[str, Block]) -> Bodi
         raise ConfigError(f"gravity: expected one value for all blocks of an assessment, found {sorted(gravities)}")
     cases = next(iter(lengths.values()), 1)
     for name, block in named.items():
-        if np.ptp(block.p) > 0.0 or np.ptp(block.alpha_c) > 0.0:
+        if any(np.ptp(values) > 0.0 for values in (block.p, block.alpha_c, block.radius)):
             raise ConfigError(
                 f'block "{name}": its lanes may differ in restitution only; give other sizes another name'
             )
@@ -62,7 +82,7 @@ def gather_bodies(blocks: Sequence[BlockSettings] | Mapping[str, Block]) -> Bodi
         names=tuple(named),
         lanes=Block.stack([block.lanes(cases) for block in named.values()]),
         cases=cases,
-        width=np.array([2.0 * np.max(block.half_width) for block in named.values()]),
-        height=np.array([2.0 * np.max(block.half_height) for block in named.values()]),
+        width=np.array([np.max(block.width) for block in named.values()]),
+        height=np.array([np.max(block.height) for block in named.values()]),
         warnings=tuple("\n".join(block.warnings) for block in named.values()),
     )

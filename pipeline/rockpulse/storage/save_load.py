@@ -236,6 +236,7 @@ def _spacing(
         np.repeat(summary["alpha_c"].values, cases),
         restitution=restitution.ravel(),
         gravity=_gravity(summary)[0],
+        log=False,
     )
     main, secondary, interval, duration, count = (
         summary[name].values[first].item()

@@ -292,7 +292,10 @@ BLOCK = along(
         ),
         "height": real("m", "full height; NaN where only p and alpha are known", lambda bodies, config: bodies.height),
         "radius": real(
-            "m", "R, half the diagonal; for a body given by p that of the rectangle with the same p", _of_body("radius")
+            "m",
+            "R, from the corner to the centre of mass: half the diagonal; for a body given by p the radius given with "
+            "it, else that of the rectangle with the same p",
+            _of_body("radius"),
         ),
         "alpha_c": real("rad", "critical angle", _of_body("alpha_c")),
         "p": real("s-1", "frequency parameter", _of_body("p")),

@@ -254,7 +254,7 @@ def test_every_estimator_gives_an_assessment_with_safety_factors(options):
 
 
 def test_body_beyond_the_reach_of_the_sequence_leaves_the_others_their_answers():
-    island = BlockSettings(name="island", width=1e9, height=1e10)
+    island = BlockSettings(name="island", width=1e9, height=1e10, confirm_size=True)
     summary = assess([record("one")], Config(blocks=(WALL, island)))["summary"].sel(record="one")
     assert summary["reason"].sel(block="island", model="sequence") == Reason.SHORT_INTERVAL
     island = summary.sel(block="island", model="sequence")

@@ -336,6 +336,33 @@ def test_the_configuration_names_records_and_blocks(folder, tmp_path, capsys):
     assert "resonance" not in out
 
 
+def test_each_remark_on_a_body_is_logged_once_with_its_name(folder, tmp_path):
+    config, log = tmp_path / "site.toml", tmp_path / "run.log"
+    config.write_text(
+        "[models]\nuse = ['sequence']\n[[block]]\nname = 'statue'\np = 2.0\nalpha = 0.2\nrestitution = 0.99\n"
+    )
+    options = ["--config", config, "--block", "chest=1.0x2.2", "-o", tmp_path / "results.h5", "--log-file", log]
+    assert assess(folder / "strong.AT2", *options, "--workers", "2") == 0
+    told = [line for line in log.read_text().splitlines() if "Housner" in line or "slenderness" in line]
+    assert [line.partition(" WARNING ")[2].partition(" is ")[0] for line in told] == [
+        "block statue: restitution 0.99",
+        "block chest: slenderness 2.2",
+    ]
+
+
+def test_sizes_in_millimetres_are_exit_code_two_before_any_work_unless_confirmed(folder, tmp_path, capsys):
+    target = tmp_path / "results.h5"
+    arguments = [folder / "strong.AT2", "--block", "statue=600x1700", "-o", target]
+    assert assess(*arguments) == 2
+    assert capsys.readouterr().err.startswith('rockpulse: --block "statue=600x1700": 600 x 1700: millimetres? A body ')
+    assert not target.exists()
+    assert assess(*arguments, "--confirm-size") == 0
+    stored = tmp_path / "stored.toml"
+    stored.write_text(rp.load(target).attrs["configuration"])
+    assert rp.load_config(stored).blocks[0].confirm_size
+    assert "600 m wide and 1700 m high" in rp.load(target)["summary"]["block_warnings"].values[0]
+
+
 def test_an_unknown_key_is_exit_code_two_naming_file_and_key(folder, tmp_path, capsys):
     config = tmp_path / "site.toml"
     config.write_text("[conditioning]\nhigpass_hz = 0.1\n")

@@ -227,9 +227,24 @@ def test_a_record_that_lifts_nothing_is_skipped_with_its_reason_and_exit_code_ze
     assert direct.identical(rows)
 
 
+def test_a_list_of_restitutions_for_one_body_of_two_leaves_the_other_single(samples, tmp_path, capsys):
+    config, target, design = (tmp_path / name for name in ("site.toml", "site.h5", "design.h5"))
+    config.write_text(TOML + "restitution = [0.85, 0.9]\n")
+    assert main(["calibrate", str(samples), "--config", str(config), "-o", str(target)]) == 0
+    assert rp.load(target)["site"]["block"].values.tolist() == ["wall", "pier C 0.85", "pier C 0.9"]
+    assert main(["inspect", str(target)]) == 0
+    capsys.readouterr()
+    assert main(["assess", "--sequence", str(target), "--config", str(config), "-o", str(design)]) == 0
+    out = capsys.readouterr().out
+    assert len(re.findall(r"^  wall +0\.981 ", out, re.M)) == 1
+    assert len(re.findall(r"^  pier +0\.(?:850|900) ", out, re.M)) == 2
+
+
 def test_nothing_calibrated_is_exit_code_one_and_no_file(samples, config, tmp_path, capsys):
     slab = tmp_path / "slab.toml"
-    slab.write_text('[calibration]\nmethod = "statistics"\n[[block]]\nname = "slab"\nwidth = 9\nheight = 6.5\n')
+    slab.write_text(
+        '[calibration]\nmethod = "statistics"\n[[block]]\nname = "slab"\nwidth = 9\nheight = 6.5\nconfirm_size = true\n'
+    )
     target = tmp_path / "site.h5"
     assert main(["calibrate", str(samples), "--config", str(slab), "-o", str(target)]) == 1
     assert "no record sets any block rocking" in capsys.readouterr().err

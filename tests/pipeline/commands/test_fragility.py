@@ -48,6 +48,17 @@ def test_the_file_holds_curves_of_one_event_without_a_band(made):
     assert "[fragility]" in tree.attrs["configuration"]
 
 
+def test_a_list_of_restitutions_for_one_body_of_two_leaves_the_other_single(samples, tmp_path, capsys):
+    config, target = tmp_path / "site.toml", tmp_path / "fragility.h5"
+    config.write_text(CONFIG + "restitution = [0.85, 0.9]\n[[block]]\nname = 'wall'\nwidth = 0.3\nheight = 2.4\n")
+    arguments = [str(samples / "CICLC.v1"), "--config", str(config), "-o", str(target), "--workers", "1"]
+    assert main(["fragility", *arguments]) == 0
+    assert "wall  " in capsys.readouterr().out
+    assert rp.load(target)["fragility"]["block"].values.tolist() == ["pinnacle C 0.85", "pinnacle C 0.9", "wall"]
+    assert main(["inspect", str(target)]) == 0
+    assert len(re.findall(r"^  wall +overturning ", capsys.readouterr().out, re.M)) == 1
+
+
 def test_inspect_shows_it(made, capsys):
     assert main(["inspect", str(made[0])]) == 0
     shown = capsys.readouterr().out

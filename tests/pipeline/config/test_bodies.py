@@ -42,6 +42,25 @@ def test_remarks_stay_with_their_body():
     assert "slenderness 2" in bodies.warnings[1]
 
 
+def test_bodies_apart_have_each_restitution_once_and_a_name_for_each():
+    several = [
+        BlockSettings(name=name, width=1.0, height=6.0, restitution=[0.9, c]) for name, c in (("a", 0.95), ("b", 0.9))
+    ]
+    names, lanes = gather_bodies([several[0], STATUE, several[1]]).apart()
+    assert names == ["a C 0.9", "a C 0.95", "statue", "b"]
+    assert lanes.restitution.tolist() == [0.9, 0.95, 0.85, 0.9]
+    assert lanes.p[2] == 2.4
+    assert gather_bodies([WALL, STATUE]).apart()[0] == ["wall", "statue"]
+
+
+def test_names_of_bodies_apart_differ_however_close_the_restitutions_are():
+    close = BlockSettings(name="a", width=1.0, height=6.0, restitution=[0.9, 0.90000001])
+    assert gather_bodies([close]).apart()[0] == ["a C 0.9", "a C 0.90000001"]
+    other = BlockSettings(name="a C 0.90000001", width=1.0, height=6.0)
+    with pytest.raises(ConfigError, match=r'block "a C 0\.90000001": one body has the name'):
+        gather_bodies([close, other]).apart()
+
+
 @pytest.mark.parametrize(
     ("blocks", "message"),
     [
@@ -49,6 +68,7 @@ def test_remarks_stay_with_their_body():
         ({"a": Block(0.5, 2.0, [0.8, 0.9]), "b": Block(0.5, 2.0, [0.7, 0.8, 0.9])}, "one length"),
         ({"a": Block(0.5, 2.0), "b": Block(0.5, 2.0, gravity=9.81)}, "gravity"),
         ({"a": Block([0.5, 0.6], 2.0)}, "restitution only"),
+        ({"a": Block.from_parameters(2.0, 0.2, 0.9, radius=[1.0, 1.1])}, "restitution only"),
     ],
 )
 def test_bodies_that_cannot_be_lined_up_are_refused(blocks, message):

@@ -157,7 +157,10 @@ WRONG = [
     ("[[block]]\nwidth = 1.0\nheight = 3.0", r"name: this key is needed"),
     ("[[block]]\nname = 'a/b'\nwidth = 1.0\nheight = 3.0", r"name: expected a printable text without"),
     ("[[block]]\nname = ' '\nwidth = 1.0\nheight = 3.0", r"name: expected a printable text"),
-    ("[[block]]\nname = 'a'", r"\"a\": expected width and height \[m\], or p \[1/s\] and alpha \[rad\]; found neither"),
+    (
+        "[[block]]\nname = 'a'",
+        r"\"a\": expected width and height \[m\], or p \[1/s\] and alpha \[rad\], .*; found neither",
+    ),
     ("[[block]]\nname = 'a'\nwidth = 1.0", r"found width"),
     ("[[block]]\nname = 'a'\nwidth = 1\nheight = 3\np = 2", r"found height and p and width"),
     ("[[block]]\nname = 'a'\nwidth = 0\nheight = 3", r"\"a\" width: expected a number in m > 0, found 0"),
@@ -238,7 +241,9 @@ def _configs(draw):
         sections[name] = section(**values)
     names = draw(st.lists(_names, unique=True, max_size=3))
     blocks = [
-        BlockSettings(name=name, width=draw(_numbers), height=draw(_numbers), restitution=draw(_restitutions))
+        BlockSettings(
+            name=name, width=draw(_numbers), height=draw(_numbers), restitution=draw(_restitutions), confirm_size=True
+        )
         for name in names
     ]
     return Config(**sections, blocks=tuple(blocks))
@@ -257,6 +262,18 @@ def test_odd_characters_survive_the_way_through_toml(tmp_path):
     path = tmp_path / "odd.toml"
     path.write_text(config.as_text(), encoding="utf-8")
     assert load_config(path) == config
+
+
+def test_a_size_that_was_confirmed_and_a_radius_load_back(load):
+    text = "[[block]]\nname = 'hall'\nwidth = 40\nheight = 160\n"
+    with pytest.raises(
+        ConfigError, match=r'site.toml: \[\[block\]\] "hall": 40 x 160: centimetres\? .*confirm_size = true'
+    ):
+        load(text)
+    config = load(text + "confirm_size = true\n[[block]]\nname = 'statue'\np = 2.385\nalpha = 0.2445\nradius = 1.136\n")
+    assert load(config.as_text()) == config
+    assert [block.confirm_size for block in config.blocks] == [True, False]
+    assert [block.radius for block in config.blocks] == [None, 1.136]
 
 
 def test_demands_are_read_and_written(load):

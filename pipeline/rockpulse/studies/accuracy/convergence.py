@@ -75,7 +75,7 @@ def convergence(seed: int, motions: int, divisions: Sequence[int] = DIVISIONS, r
 
 def _peaks(records: list[np.ndarray], division: int, repeats: int) -> tuple[np.ndarray, float]:
     """theta_max/alpha_c of all lanes [-], and the cost of an active sample [ns]."""
-    block = Block.from_parameters(LONGEST / INTERVAL, ANGLES, 0.9)
+    block = Block.from_parameters(LONGEST / INTERVAL, ANGLES, 0.9, log=False)
     step = LONGEST / division * (1.0 + 1e-10)
 
     def call() -> list[Response]:

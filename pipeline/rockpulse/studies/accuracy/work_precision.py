@@ -246,6 +246,7 @@ def _groups(cases: pd.DataFrame, ground: Ground, single: bool) -> list[_Group]:
             members["alpha"].to_numpy(),
             members["restitution"].to_numpy(),
             gravity=float(members["gravity"].iloc[0]),
+            log=False,
         )
         scales, place = np.unique(members["scale"], return_inverse=True)
         groups.append(_Group(block, scales, acceleration, dt, members.index, (place, np.arange(len(members)))))

@@ -6,11 +6,9 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import partial
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from rocking.block import Block
 from rockpulse.config.block_settings import BlockSettings
-from rockpulse.config.bodies import Bodies, gather_bodies
+from rockpulse.config.bodies import gather_bodies
 from rockpulse.config.configuration import Config
 from rockpulse.failures import Failure
 from rockpulse.motions.directions import PlannedMotion
@@ -23,7 +21,7 @@ from rockpulse.studies.fragility.results import build_fragility_tree
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["FragilityAnalysis", "fragility_curves", "lane_names"]
+__all__ = ["FragilityAnalysis", "fragility_curves"]
 
 
 def fragility_curves(
@@ -89,21 +87,13 @@ class FragilityAnalysis(Analysis):
 
     def __init__(self, config: Config, blocks: Blocks | None = None) -> None:
         super().__init__(config)
-        self.bodies = gather_bodies(config.blocks if blocks is None else blocks)
+        self.block_names, self.lanes = gather_bodies(config.blocks if blocks is None else blocks).apart()
 
     @property
     def work(self) -> Work:
         """Find the capacities of all bodies under a motion."""
-        return partial(motion_capacity, block=self.bodies.lanes, config=self.config)
+        return partial(motion_capacity, block=self.lanes, config=self.config)
 
     def collect(self, parts: Sequence[Part], planned: Sequence[PlannedMotion], failures: list[Failure]) -> xr.DataTree:
         """Fit the curves."""
-        return build_fragility_tree(parts, lane_names(self.bodies), self.bodies.lanes, self.config, failures)
-
-
-def lane_names(bodies: Bodies) -> list[str]:
-    """Names of the lanes: those of the bodies, with the restitution where there are several."""
-    if bodies.cases == 1:
-        return list(bodies.names)
-    ratios = bodies.per_case(np.asarray(bodies.lanes.restitution))
-    return [f"{name} C {ratio:g}" for name, own in zip(bodies.names, ratios, strict=True) for ratio in own]
+        return build_fragility_tree(parts, self.block_names, self.lanes, self.config, failures)

@@ -152,7 +152,8 @@ def _curves(
 ) -> dict[str, np.ndarray]:
     """All variables over (restitution, impulse_ratio, secondary_ratio) for one spacing, n and p."""
     ratios, shares = coords["impulse_ratio"], coords["secondary_ratio"]
-    block = Block.from_parameters(p=p, alpha=_ALPHA, restitution=coords["restitution"], gravity=GRAVITY)
+    # All is in ratios, and p a scale of time: no body whose size or restitution could be doubted.
+    block = Block.from_parameters(p=p, alpha=_ALPHA, restitution=coords["restitution"], gravity=GRAVITY, log=False)
     main = np.repeat(ratios, shares.size) * block.critical_impulse[0]
     limit = math.isinf(count)
 

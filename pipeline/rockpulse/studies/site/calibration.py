@@ -6,8 +6,6 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import partial
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from rocking.block import Block
 from rockpulse.calibration.response_targets import block_family
 from rockpulse.config.block_settings import BlockSettings
@@ -133,9 +131,4 @@ def site_family(blocks: Blocks) -> tuple[list[str], Block]:
         lanes = block_family()
         named = zip(lanes.p, lanes.alpha_c, lanes.restitution, strict=True)
         return [f"p {p:.3g} alpha {alpha:.3g} C {c:.3g}" for p, alpha, c in named], lanes
-    bodies = gather_bodies(blocks)
-    if bodies.cases == 1:
-        return list(bodies.names), bodies.lanes
-    cases = bodies.per_case(np.asarray(bodies.lanes.restitution))
-    names = [f"{name} C {c:.4g}" for name, row in zip(bodies.names, cases, strict=True) for c in row]
-    return names, bodies.lanes
+    return gather_bodies(blocks).apart()

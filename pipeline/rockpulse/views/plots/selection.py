@@ -16,6 +16,7 @@ from rockpulse.errors import ResultsError
 from rockpulse.ladder import ModelSettings
 from rockpulse.storage.hdf5_reader import flag_words
 from rockpulse.storage.variables import NOT_KNOWN
+from rockpulse.views.shared.facts import own_radius
 from rockpulse.views.shared.terminal import restitution
 
 if TYPE_CHECKING:
@@ -103,8 +104,9 @@ def block_of(summary: xr.Dataset, block: str, case: int = 1) -> Block:
         Number of its restitution, from 1.
     """
     own = summary.sel(block=block).isel(chosen_case(summary, case))
-    numbers = {name: float(own[name]) for name in ("p", "restitution", "gravity")}
-    return Block.from_parameters(alpha=float(own["alpha_c"]), **numbers)
+    p, alpha, c, gravity, radius = (float(own[name]) for name in ("p", "alpha_c", "restitution", "gravity", "radius"))
+    # The remarks on it were logged when it was assessed.
+    return Block.from_parameters(p, alpha, c, gravity, radius=own_radius(radius, p, gravity), log=False)
 
 
 def named_body(summary: xr.Dataset, block: str, case: int = 1) -> str:

@@ -100,11 +100,11 @@ def _case(body: Body) -> str:
 
 def _of_block(answers: Answers, block: str, restitutions: list[float]) -> tuple[Fact, ...]:
     one = Known(answers.summary, block=block)
-    by_p, known = math.isnan(one.value("width")), one.number
-    size = "given by p and α" if by_p else f"{known('width', 'm')} × {known('height', 'm')}"
+    known = one.number
+    size = "given by p and α" if math.isnan(one.value("width")) else f"{known('width', 'm')} × {known('height', 'm')}"
     facts = [
         Fact("width × height", (size,)),
-        Fact("half the diagonal R", (known("radius", "m") + (" (of the rectangle with this p)" if by_p else ""),)),
+        Fact("half the diagonal R", (one.radius,)),
         Fact("critical angle α_c", (known("alpha_c", "rad"),)),
         Fact("frequency parameter p", (known("p", "1/s"),)),
         Fact("slenderness h/b", (known("slenderness"),)),

@@ -2,15 +2,26 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING, Any
 
+from rocking.block_limits import radius_of_rectangle
 from rockpulse.record.record import STANDARD_GRAVITY
 from rockpulse.views.shared.terminal import ABSENT, figure
 
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["Known"]
+__all__ = ["Known", "own_radius"]
+
+
+def own_radius(radius: float, p: float, gravity: float | None) -> float | None:
+    """The radius of a body [m] where it is its own; None where it is that of the rectangle with the same p [1/s].
+
+    Results without the gravity of their bodies know no other radius than the rectangle's.
+    """
+    of_rectangle = gravity is None or math.isclose(radius, radius_of_rectangle(p, gravity), rel_tol=1e-9)
+    return None if of_rectangle else radius
 
 
 class Known:
@@ -50,6 +61,15 @@ class Known:
         """The PGV of a record in m/s, marked where the baseline of the record drifts."""
         shown = self.number("pgv", "m/s")
         return f"~{shown} (drift)" if self.value("pgv_drift") else shown
+
+    @property
+    def radius(self) -> str:
+        """The radius of a block in m, with a note on what it is for a body that is no rectangle."""
+        shown, width = self.number("radius", "m"), self.value("width")
+        if shown == ABSENT or width is None or not math.isnan(width):
+            return shown
+        own = own_radius(*(self.value(name) for name in ("radius", "p", "gravity")))
+        return f"{shown} ({'of the rectangle with this p' if own is None else 'from the corner to the centre of mass'})"
 
     @property
     def strength(self) -> list[str]:

@@ -69,10 +69,9 @@ def block_details(summary: xr.Dataset, block: str) -> str:
     answers = _only(summary, "block", block)
     one = Known(answers.summary, block=block)
     number = one.number
-    by_p = " (of the rectangle with this p)" if math.isnan(one.value("width")) else ""
     rows = [
         ("width, height", f"{number('width', 'm')}, {number('height', 'm')}"),
-        ("half the diagonal R", number("radius", "m") + by_p),
+        ("half the diagonal R", one.radius),
         ("critical angle alpha_c", number("alpha_c", "rad")),
         ("frequency parameter p", number("p", "1/s")),
         ("slenderness", number("slenderness")),

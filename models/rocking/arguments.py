@@ -1,0 +1,43 @@
+"""Arguments of the models as arrays: numbers that are finite, positive where they have to be, of one length."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+__all__ = ["numbers", "positive", "together"]
+
+
+def numbers(name: str, value: Any, expected: str, lanes: bool = True) -> np.ndarray:
+    """The value as a finite number, or as a one-dimensional array of them where `lanes` allows it.
+
+    Anything else raises a ValueError with the name of the argument, what was expected and what was given.
+    """
+    shape = "or an array of them" if lanes else "not an array"
+    try:
+        array = np.asarray(value, dtype=float)
+    except (TypeError, ValueError):
+        raise ValueError(f"{name}: expected {expected}, got {value!r}") from None
+    if array.ndim > int(lanes):
+        raise ValueError(f"{name}: expected {expected}, {shape}, got shape {array.shape}")
+    if not np.all(np.isfinite(array)):
+        raise ValueError(f"{name}: expected {expected}, finite, got {value!r}")
+    return array
+
+
+def positive(name: str, value: Any, unit: str, lanes: bool = True) -> np.ndarray:
+    """As :func:`numbers`, each of them above zero, in `unit`."""
+    array = numbers(name, value, f"a positive number in {unit}", lanes)
+    if not np.all(array > 0.0):
+        raise ValueError(f"{name}: expected a positive, finite number in {unit}, got {value!r}")
+    return array
+
+
+def together(**values: np.ndarray) -> tuple[np.ndarray, ...]:
+    """Values of one shape: single ones repeated, arrays of one length as they are; a ValueError for several lengths."""
+    try:
+        return tuple(np.broadcast_arrays(*values.values()))
+    except ValueError:
+        shapes = ", ".join(f"{name} {array.shape}" for name, array in values.items())
+        raise ValueError(f"{', '.join(values)}: expected single values or arrays of one length, got {shapes}") from None

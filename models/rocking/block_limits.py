@@ -1,0 +1,116 @@
+"""What a rigid body can be: its restitution by angular momentum, its radius, and sizes that are doubted.
+
+.. note:: An impact on the other corner keeps the angular momentum about that corner. A symmetric body has
+   (I_0 - 2 M R^2 sin^2 alpha) theta' before the impact and I_0 theta' after it, so C is at most
+   1 - 2 (M R^2/I_0) sin^2 alpha = 1 - 2 (p^2 R/g) sin^2 alpha. M R^2/I_0 is 3/4 for a rectangle, which gives
+   Housner's 1 - 1.5 sin^2 alpha, and below 1 for any body, for I_0 = I_G + M R^2.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from rocking.arguments import numbers
+
+__all__ = [
+    "LARGEST_SIZE",
+    "doubt_of_size",
+    "most_restitution",
+    "radius_of_rectangle",
+    "restitution_of",
+    "restitution_remark",
+    "size_remark",
+]
+
+#: Full sizes [m] outside which a body is doubted: a number in another unit is likelier than such a body.
+LARGEST_SIZE, LEAST_HEIGHT, LEAST_WIDTH = 30.0, 0.05, 0.001
+
+
+def radius_of_rectangle(p: Any, gravity: float) -> Any:
+    """R [m] of the rectangle with the frequency parameter p [1/s]: 3 g/(4 p^2)."""
+    return 3.0 * gravity / (4.0 * p**2)
+
+
+def most_restitution(p: np.ndarray, alpha: np.ndarray, radius: np.ndarray | None, gravity: float) -> np.ndarray:
+    """The largest C that angular momentum allows each body; without a radius that of the rectangle with its alpha.
+
+    A ValueError for a radius that no body of this p has.
+    """
+    if radius is None:
+        return 1.0 - 1.5 * np.sin(alpha) ** 2
+    share = p**2 * radius / gravity
+    if np.any(share >= 1.0):
+        worst = np.unravel_index(np.argmax(share), share.shape)
+        raise ValueError(
+            f"radius: no body with p = {p[worst]:.6g} 1/s has R = {radius[worst]:.6g} m: its moment of inertia about "
+            f"the corner, M g R/p^2, would be below M R^2; expected less than g/p^2 = {gravity / p[worst] ** 2:.4g} m, "
+            "from the corner to the centre of mass (a rectangle has 3/4 of that)"
+        )
+    return 1.0 - 2.0 * share * np.sin(alpha) ** 2
+
+
+def restitution_of(given: Any, most: np.ndarray, own: bool) -> np.ndarray:
+    """The velocity ratios of an impact; "housner" stands for the most, which `own` says is by the body's own radius."""
+    if isinstance(given, str):
+        if given != "housner":
+            raise ValueError(f"restitution: expected a number in [0, 1] or 'housner', got {given!r}")
+        if np.any(most < 0.0):
+            why = (
+                "1 - 2 (p^2 R/g) sin^2(alpha) is negative for this p, alpha and radius"
+                if own
+                else "Housner's formula is negative below a slenderness of 0.707"
+            )
+            raise ValueError(f"restitution: {why}; give a number in [0, 1]")
+        return most
+    restitution = numbers("restitution", given, "the velocity ratio C in [0, 1] or 'housner'")
+    if not np.all((restitution >= 0.0) & (restitution <= 1.0)):
+        raise ValueError(f"restitution: expected the velocity ratio C in [0, 1] or 'housner', got {given!r}")
+    return restitution
+
+
+def restitution_remark(restitution: np.ndarray, most: np.ndarray, shape: str) -> str:
+    """A restitution above what angular momentum allows, for a `shape` "rectangle", "own" (radius) or "unknown"."""
+    above = restitution - most
+    if not np.any(above > 1e-12):
+        return ""
+    worst = np.unravel_index(np.argmax(above), above.shape)
+    given, bound = (float(np.broadcast_to(values, above.shape)[worst]) for values in (restitution, most))
+    if shape == "unknown":
+        return (
+            f"restitution {given:.4g} is above Housner's {bound:.4g} of a rectangle with this alpha; a body of another "
+            "shape has its own bound: give its radius, from the corner to the centre of mass"
+        )
+    limit = f"Housner's {bound:.4g}" if shape == "rectangle" else f"{bound:.4g}, the bound for its p, alpha and radius"
+    return (
+        f"restitution {given:.4g} is above {limit}: more energy is kept in an impact than conservation of angular "
+        "momentum allows"
+    )
+
+
+def doubt_of_size(width: float, height: float) -> str:
+    """What is doubtful about the full sizes of a body [m]; an empty text where nothing is.
+
+    Examples
+    --------
+    >>> doubt_of_size(600.0, 1700.0), doubt_of_size(2.4, 0.6), doubt_of_size(0.6, 2.4)
+    ('larger than 30 m', 'wider than high', '')
+    """
+    if max(width, height) > LARGEST_SIZE:
+        return f"larger than {LARGEST_SIZE:g} m"
+    if height < LEAST_HEIGHT:
+        return f"less than {100.0 * LEAST_HEIGHT:g} cm high"
+    if width < LEAST_WIDTH:
+        return f"less than {1000.0 * LEAST_WIDTH:g} mm wide"
+    # A square by p and alpha = pi/4 may come back as wider than high by a bit.
+    return "wider than high" if width > height * (1.0 + 1e-12) else ""
+
+
+def size_remark(width: np.ndarray, height: np.ndarray, shape: str) -> str:
+    """The doubt about the first doubtful size; for another shape that of the rectangle with its R and alpha."""
+    for base, rise in zip(np.ravel(width).tolist(), np.ravel(height).tolist(), strict=True):
+        if doubt := doubt_of_size(base, rise):
+            subject = "" if shape == "rectangle" else "a rectangle with its R and alpha would be "
+            return f"{subject}{base:.4g} m wide and {rise:.4g} m high, {doubt}: check the numbers and their units"
+    return ""

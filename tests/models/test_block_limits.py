@@ -1,0 +1,179 @@
+"""What a rigid body can be: restitution by its own angular momentum, against bodies put together from their parts."""
+
+import logging
+
+import numpy as np
+import pytest
+
+from rocking.block import STANDARD_GRAVITY, Block
+from rocking.block_limits import doubt_of_size
+
+G = 9.81
+
+
+def solid(heights, widths, depths, count=400):
+    """Points, masses and edge of a pile of cuboids or of slices of varying width (a cone), by midpoints.
+
+    Each piece is cut into count x count columns in the plane of rocking; a depth may depend on the place.
+    """
+    x, z, mass, foot = [], [], [], 0.0
+    for height, width, depth in zip(heights, widths, depths, strict=True):
+        middle = (np.arange(count) + 0.5) / count
+        up = foot + height * middle
+        across = np.outer(np.ones(count), middle - 0.5) * np.vectorize(width)(middle)[:, np.newaxis]
+        weight = depth(across, middle[:, np.newaxis]) * np.vectorize(width)(middle)[:, np.newaxis]
+        x.append(across.ravel())
+        z.append(np.repeat(up, count))
+        mass.append((weight * height / count**2).ravel())
+        foot += height
+    return np.concatenate(x), np.concatenate(z), np.concatenate(mass), 0.5 * widths[0](0.0)
+
+
+def numerical(x, z, mass, edge):
+    """p, alpha and R of a body of points, and the velocity ratio of its impact by angular momentum, point by point.
+
+    Before the impact the body turns about the corner (-edge, 0), after it about (edge, 0): of each point the moment of
+    momentum about the new corner is r x (omega x r_old), summed up over the mass.
+    """
+    total = mass.sum()
+    centre = (mass @ z) / total
+    radius, alpha = np.hypot(edge, centre), np.arctan2(edge, centre)
+    about_new = mass @ ((x - edge) ** 2 + z**2)
+    before = mass @ ((x - edge) * (x + edge) + z * z)
+    return np.sqrt(total * G * radius / about_new), alpha, radius, before / about_new
+
+
+def cylinder(thickness=0.6, height=2.4):
+    def chord(across, middle):
+        return 2.0 * np.sqrt(0.25 * thickness**2 - across**2)
+
+    return solid([height], [lambda share: thickness], [chord])
+
+
+def cone(thickness=1.0, height=3.0):
+    def width(share):
+        return thickness * (1.0 - share)
+
+    def chord(across, middle):
+        return 2.0 * np.sqrt(np.maximum(0.25 * (thickness * (1.0 - middle)) ** 2 - across**2, 0.0))
+
+    return solid([height], [width], [chord])
+
+
+def statue():
+    def deep(across, middle):
+        return np.full_like(across, 1.0)
+
+    return solid([1.1, 1.9], [lambda share: 0.55, lambda share: 0.3], [deep, deep])
+
+
+@pytest.mark.parametrize("body", [cylinder, cone, statue])
+def test_housner_with_a_radius_is_angular_momentum_of_the_body_itself(body):
+    p, alpha, radius, ratio = numerical(*body())
+    found = Block.from_parameters(p, alpha, "housner", gravity=G, radius=radius)
+    assert found.restitution == pytest.approx(ratio, abs=1e-12)
+    assert abs(found.restitution - (1.0 - 1.5 * np.sin(alpha) ** 2)) > 1e-4  # the rectangle's is another one
+    assert found.radius == radius
+    assert not any("restitution" in warning for warning in found.warnings)
+
+
+def test_numerical_body_of_the_test_above_is_right_on_a_cylinder():
+    """I_0 = M (r^2/4 + H^2/12 + R^2), H. M. Macmillan, Dynamics of rigid bodies; a rectangle gives Housner's."""
+    p, alpha, radius, ratio = numerical(*cylinder(0.6, 2.4))
+    inertia = 0.3**2 / 4.0 + 2.4**2 / 12.0 + radius**2
+    assert p == pytest.approx(np.sqrt(G * radius / inertia), rel=1e-5)
+    assert ratio == pytest.approx(1.0 - 2.0 * radius**2 / inertia * np.sin(alpha) ** 2, rel=1e-5)
+
+
+def test_rectangle_by_its_parameters_and_radius_is_the_rectangle():
+    rectangle = Block(0.5, 2.0, gravity=G)
+    same = Block.from_parameters(rectangle.p, rectangle.alpha_c, "housner", gravity=G, radius=rectangle.radius)
+    assert same.restitution == pytest.approx(rectangle.restitution, rel=1e-14)
+
+
+def test_statue_of_the_sample_is_judged_by_its_own_angular_momentum():  # V23 (D)
+    own = Block.from_parameters(2.385, 0.2445, "housner", radius=1.136)
+    like_rectangle = Block.from_parameters(2.385, 0.2445, "housner")
+    assert (own.restitution, like_rectangle.restitution) == pytest.approx((0.9228, 0.9121), abs=5e-5)
+    assert Block.from_parameters(2.385, 0.2445, 0.92, radius=1.136).warnings == ()
+    (without,) = Block.from_parameters(2.385, 0.2445, 0.92).warnings
+    assert "Housner's 0.9121 of a rectangle with this alpha" in without
+    assert "give its radius" in without
+    (above,) = Block.from_parameters(2.385, 0.2445, 0.93, radius=1.136).warnings
+    assert "restitution 0.93 is above 0.9228, the bound for its p, alpha and radius" in above
+    assert "conservation of angular momentum" in above
+
+
+def test_radius_changes_nothing_but_the_bound_and_itself():
+    bodies = [Block.from_parameters(2.385, 0.2445, 0.87, **more) for more in ({}, {"radius": 1.136})]
+    for name in ("p", "alpha_c", "restitution", "slenderness", "critical_impulse", "gravity"):
+        assert getattr(bodies[0], name) == getattr(bodies[1], name)
+    assert bodies[0].radius == 3.0 * STANDARD_GRAVITY / (4.0 * 2.385**2)
+    assert np.isnan([bodies[1].width, bodies[1].height]).all()
+
+
+def test_radius_stays_with_its_lane():
+    bodies = Block.from_parameters([2.385, 3.0], 0.2445, "housner", radius=[1.136, 0.8])
+    assert bodies.lane(1).radius == 0.8
+    assert bodies.lane(0).lanes(2).radius.tolist() == [1.136, 1.136]
+    again = Block.stack([bodies.lane(1), bodies.lane(0)])
+    assert again.radius.tolist() == [0.8, 1.136]
+    assert again.restitution.tolist() == bodies.restitution.tolist()[::-1]
+
+
+@pytest.mark.parametrize("radius", [1136.0, 2.0 * 1.136, STANDARD_GRAVITY / 2.385**2])
+def test_radius_that_no_body_of_this_p_has_is_refused(radius):
+    with pytest.raises(ValueError, match=r"^radius: no body with p = 2\.385 .* expected less than g/p\^2 = 1\.724 m"):
+        Block.from_parameters(2.385, 0.2445, 0.87, radius=radius)
+
+
+@pytest.mark.parametrize("radius", [0.0, -1.0, np.nan, "large"])
+def test_bad_radius_is_named(radius):
+    with pytest.raises(ValueError, match=r"^radius: "):
+        Block.from_parameters(2.385, 0.2445, 0.87, radius=radius)
+
+
+def test_housner_of_a_squat_body_is_refused_in_the_words_of_its_radius():
+    with pytest.raises(ValueError, match="negative for this p, alpha and radius"):
+        Block.from_parameters(2.0, 1.2, "housner", radius=2.0)
+
+
+@pytest.mark.parametrize(
+    ("size", "doubt"),
+    [
+        ((0.6, 2.4), ""),
+        ((30.0, 30.0), ""),
+        ((0.05, 0.05), ""),
+        ((1.0, 30.001), "larger than 30 m"),
+        ((600.0, 1.7), "larger than 30 m"),
+        ((0.01, 0.0499), "less than 5 cm high"),
+        ((0.0009, 2.0), "less than 1 mm wide"),
+        ((2.4, 2.3), "wider than high"),
+    ],
+)
+def test_sizes_that_are_doubted(size, doubt):
+    assert doubt_of_size(*size) == doubt
+    if not doubt:
+        assert not any("check" in warning for warning in Block(width=size[0], height=size[1]).warnings)
+        return
+    assert doubt in Block(width=size[0], height=size[1], restitution=0.5).warnings[0]
+    assert doubt in Block(size[0] / 2.0, size[1] / 2.0, restitution=0.5).warnings[0]
+
+
+def test_size_of_one_lane_is_enough_for_a_warning_and_bodies_by_p_are_measured_as_rectangles():
+    assert "2 m wide and 200 m high, larger than 30 m" in Block(width=2.0, height=[20.0, 200.0]).warnings[0]
+    (warning,) = Block.from_parameters(0.2, 0.1, 0.9).warnings
+    assert "a rectangle with its R and alpha would be 36.71 m wide and 365.9 m high, larger than 30 m" in warning
+    assert Block.from_parameters(2.0, np.pi / 4.0, 0.1).warnings[0].startswith("slenderness 1 ")
+    assert "wider than high" in Block.from_parameters(2.0, 0.8, 0.1).warnings[0]
+
+
+def test_warnings_are_logged_unless_that_is_declined(caplog):
+    with caplog.at_level(logging.WARNING, logger="rockpulse"):
+        body = Block(width=600.0, height=1700.0, restitution=0.99)
+        assert [record.getMessage() for record in caplog.records] == [f"block: {text}" for text in body.warnings]
+        assert len(body.warnings) == 3
+        caplog.clear()
+        assert Block(width=600.0, height=1700.0, restitution=0.99, log=False).warnings == body.warnings
+        assert Block.from_parameters(0.01, 0.2, 0.99, log=False).warnings != ()
+    assert caplog.records == []
