@@ -31,6 +31,7 @@ __all__ = [
     "events_by_id",
     "group_events",
     "largest_share",
+    "names_earthquake",
 ]
 
 #: Label of all records together of which neither the files nor the user's table tell the earthquake.
@@ -299,6 +300,17 @@ def _years(record: Record) -> set[int]:
         slack = timedelta(seconds=CLOCK_S)
         return {(moment - slack).year, (moment + slack).year}
     return {int(text) + (0 if len(text) == 4 else 1900 if int(text) >= _CENTURY else 2000) for text in found}
+
+
+def names_earthquake(title: str) -> bool:
+    """Whether a title has a word that names an earthquake, beside dates, numbers and general words.
+
+    Examples
+    --------
+    >>> names_earthquake("KOBE 01/16/95 2046"), names_earthquake("Rcrd of Fri Jul 5, 2019 20:19:37.0 PDT")
+    (True, False)
+    """
+    return bool(_words(title))
 
 
 def _words(title: str) -> frozenset[str]:

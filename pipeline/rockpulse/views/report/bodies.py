@@ -5,12 +5,15 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
+import numpy as np
+
 from rockpulse.assessment.answers import Answers, Motions
 from rockpulse.assessment.verdict import BodyVerdict, DemandVerdict, Grade, Standing
 from rockpulse.ladder import is_upper_bound
 from rockpulse.motions.events import CONFIDENCE, FEWEST_EVENTS
 from rockpulse.views.report.statements import counted
 from rockpulse.views.shared.answer_cells import margin_cells, unexplained
+from rockpulse.views.shared.facts import Known
 from rockpulse.views.shared.record_marks import record_cells
 from rockpulse.views.shared.table import Cell, Heading, Table, number
 from rockpulse.views.shared.terminal import ABSENT, figure, restitution, share
@@ -88,14 +91,42 @@ def body_table(answers: Answers, found: Sequence[BodyVerdict]) -> Table:
     return Table("verdict-bodies", caption, headings, tuple(rows), searched=FEW)
 
 
-def event_table(motions: Motions) -> Table:
-    """The earthquakes, with the motions that are counted to each."""
-    of_event: dict[str, list[str]] = {}
-    for event, name in zip(motions.events, motions.names, strict=True):
-        of_event.setdefault(event, []).append(name)
-    rows = tuple((Cell(event), number(len(names), str), Cell(", ".join(names))) for event, names in of_event.items())
+def event_table(answers: Answers) -> Table:
+    """The earthquakes, with what the files state of each, and the motions that are counted to it."""
+    motions = answers.motions
+    of_event: dict[str, list[int]] = {}
+    for place, event in enumerate(motions.events):
+        of_event.setdefault(event, []).append(place)
+    rows = []
+    for event, places in of_event.items():
+        known = [
+            Known(answers.summary, record=answers.records[row]) for row in np.unique(motions.index[places]) if row >= 0
+        ]
+        names = ", ".join(motions.names[place] for place in places)
+        rows.append((Cell(event), *_of_earthquake(known), number(len(places), str), Cell(names)))
+    headings = ("earthquake", "date", "magnitude", "distance [km]", "motions", "which")
+    shown = [
+        place
+        for place, title in enumerate(headings)
+        if title in ("earthquake", "motions", "which") or any(row[place].text for row in rows)
+    ]
     caption = "Earthquakes that the motions are counted to, by the table, by name and by time"
-    return Table("earthquakes", caption, tuple(map(Heading, ("earthquake", "motions", "which"))), rows)
+    of_shown = tuple(tuple(row[place] for place in shown) for row in rows)
+    return Table("earthquakes", caption, tuple(Heading(headings[place]) for place in shown), of_shown)
+
+
+def _of_earthquake(known: Sequence[Known]) -> tuple[Cell, Cell, Cell]:
+    """Date, magnitude, and nearest and farthest epicentral distance of some records; empty where none states it."""
+    dates = sorted({date for one in known if (date := one.date)})
+    magnitudes = list(dict.fromkeys(told for one in known if (told := one.magnitude)))
+    distances = [distance / 1000.0 for one in known if not math.isnan(distance := one.real("epicentral_distance"))]
+    largest = max((one.real("magnitude") for one in known if one.magnitude), default=math.nan)
+    ends = list(dict.fromkeys(figure(end) for end in (min(distances), max(distances)))) if distances else []
+    return (
+        Cell(dates[0] if dates else ""),
+        Cell(", ".join(magnitudes), largest),
+        Cell(" to ".join(ends), min(distances, default=math.nan)),
+    )
 
 
 def _event_headings(motions: Motions) -> tuple[Heading, ...]:

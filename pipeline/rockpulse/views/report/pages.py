@@ -39,7 +39,7 @@ class BodyPage:
 
 @dataclass(frozen=True)
 class RecordPage:
-    """One record, a row of /summary: its strength in a few words, how the worst body stands, and every body under it.
+    """One record, a row of /summary: what is known of it in words, how the worst body stands, and every body under it.
 
     ``key`` is the id of the part of the page.
     """
@@ -47,6 +47,7 @@ class RecordPage:
     key: str
     name: str
     place: int
+    words: str
     brief: str
     worst: Cell
     facts: tuple[Fact, ...]
@@ -85,6 +86,7 @@ def record_pages(cells: AnswerCells) -> list[RecordPage]:
                 key=f"record-{place}",
                 name=cells.names[place].marked,
                 place=place,
+                words=one.described,
                 brief=_brief(one),
                 worst=worst._replace(text=f"worst: {worst.text}"),
                 facts=_of_record(one, str(event)),
@@ -154,6 +156,7 @@ def _of_record(one: Known, event: str) -> tuple[Fact, ...]:
         component = f"{words('station')}, {words('component')} (azimuth {known('azimuth', '°')})"
         facts += [
             Fact("earthquake", (event,)),
+            *(Fact(name, (told,)) for name, told in one.stated),
             Fact("station, component", (component,)),
             Fact("name of the station", (words("station_name"),)),
             Fact("start (UTC)", (words("start_time"),)),

@@ -7,6 +7,7 @@ from collections import Counter
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from rockpulse.views.shared.facts import Known
 from rockpulse.views.shared.table import Cell, Fact, Heading, Table, number
 from rockpulse.views.text.left_out import by_kind
 
@@ -34,9 +35,16 @@ def input_table(summary: xr.Dataset) -> Table:
         for name in ("source", "source_sha256", "format")
     ]
     found = Counter(zip(*columns, strict=True))
-    rows = tuple((*map(Cell, row), number(count, str)) for row, count in found.items())
-    headings = tuple(map(Heading, ("file", "SHA-256", "format", "records")))
-    return Table("inputs", "Files that were assessed", headings, rows)
+    of_file: dict[str, dict[str, None]] = {}
+    for record, source in zip(summary["record"].values, columns[0], strict=True):
+        if told := Known(summary, record=str(record)).occasion:
+            of_file.setdefault(source, {})[told] = None
+    rows = tuple(
+        (*map(Cell, row), number(count, str), *([Cell("; ".join(of_file.get(row[0], ())))] if of_file else []))
+        for row, count in found.items()
+    )
+    titles = ("file", "SHA-256", "format", "records", *(["earthquake, station"] if of_file else []))
+    return Table("inputs", "Files that were assessed", tuple(map(Heading, titles)), rows)
 
 
 def failure_table(tree: xr.DataTree) -> Table:

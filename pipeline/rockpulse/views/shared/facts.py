@@ -1,18 +1,98 @@
-"""The facts of one record or one block as text, with a dash for those that are not known."""
+"""The facts of one record or one block as text: a dash for what a page asks for, nothing for what files rarely know."""
 
 from __future__ import annotations
 
 import math
+import re
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 from rocking.block_limits import radius_of_rectangle
+from rockpulse.motions.events import UNKNOWN, names_earthquake
 from rockpulse.record.record import STANDARD_GRAVITY
 from rockpulse.views.shared.terminal import ABSENT, figure
 
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["Known", "own_radius"]
+__all__ = ["Known", "magnitude_words", "own_radius", "record_words"]
+
+#: A year, or a date with a year of two digits; a magnitude: what a title tells already is not told again.
+_DATED = re.compile(r"\b(?:19|20)\d\d\b|\b\d{1,2}[/-]\d{1,2}[/-]\d\d\b", re.ASCII)
+_MEASURED = re.compile(r"\bM[A-Za-z]{0,2}\s?=?\s?\d", re.ASCII)
+
+
+def record_words(value: Callable[[str], Any]) -> str:
+    """What is known of earthquake, station and direction of a record in words; empty where nothing is.
+
+    `value` gives the stored variables by their names, None where there is none.
+
+    Examples
+    --------
+    >>> known = {"event_title": "Kahramanmaras", "origin_time": "2023-02-06T01:17:32", "magnitude": 7.7}
+    >>> record_words({**known, "station": "0201", "azimuth": 90.0}.get)
+    'Kahramanmaras 2023-02-06 M 7.7, station 0201, E-W'
+    >>> record_words({"start_time": "2019-07-06T03:19:37", "magnitude": math.nan, "component": "UP"}.get)
+    'earthquake of 2019-07-06, UP'
+    """
+    return ", ".join(filter(None, (_earthquake(value), _station(value), _direction(value))))
+
+
+def magnitude_words(value: Callable[[str], Any]) -> str:
+    """The magnitude with its scale, as far as the file tells it; empty where it does not.
+
+    Examples
+    --------
+    >>> magnitude_words({"magnitude": 7.0, "magnitude_type": "Mw"}.get), magnitude_words({"magnitude": 6.61}.get)
+    ('Mw 7.0', 'M 6.61')
+    """
+    magnitude = _number(value, "magnitude")
+    if math.isnan(magnitude):
+        return ""
+    shown = f"{magnitude:.2f}".removesuffix("0")
+    return f"{_text(value, 'magnitude_type') or 'M'} {shown}"
+
+
+def _earthquake(value: Callable[[str], Any]) -> str:
+    """Title, date and magnitude; of a title that is only a date or a number what is stored of these in its place."""
+    stated = _text(value, "event_title")
+    named = (title for title in (stated, _text(value, "event")) if title != UNKNOWN and names_earthquake(title))
+    title = next(named, "")
+    date, magnitude = _date(value), magnitude_words(value)
+    if title:
+        more = ("" if _DATED.search(title) else date, "" if _MEASURED.search(title) else magnitude)
+        return " ".join(filter(None, (title, *more)))
+    if not date and not magnitude:
+        return stated
+    return " ".join(filter(None, ("earthquake", f"of {date}" if date else "", magnitude)))
+
+
+def _date(value: Callable[[str], Any]) -> str:
+    return (_text(value, "origin_time") or _text(value, "start_time"))[:10]
+
+
+def _station(value: Callable[[str], Any]) -> str:
+    code, name = _text(value, "station"), _text(value, "station_name")
+    if not code.strip("0") or code.casefold() == name.casefold():
+        code, name = name, ""
+    return f"station {code} ({name})" if name else f"station {code}" if code else ""
+
+
+def _direction(value: Callable[[str], Any]) -> str:
+    """The line of a direction along the compass, else its azimuth, else the component as the file words it."""
+    azimuth = _number(value, "azimuth")
+    if math.isnan(azimuth):
+        return _text(value, "component")
+    return {0.0: "N-S", 90.0: "E-W"}.get(azimuth % 180.0, f"azimuth {azimuth:g}°")
+
+
+def _text(value: Callable[[str], Any], name: str) -> str:
+    return str(value(name) or "").strip()
+
+
+def _number(value: Callable[[str], Any], name: str) -> float:
+    found = value(name)
+    return math.nan if found is None else float(found)
 
 
 def own_radius(radius: float, p: float, gravity: float | None) -> float | None:
@@ -72,6 +152,59 @@ class Known:
         return f"{shown} ({'of the rectangle with this p' if own is None else 'from the corner to the centre of mass'})"
 
     @property
+    def described(self) -> str:
+        """Earthquake, station and direction of a record in words; empty where nothing is known of them."""
+        return record_words(self.value)
+
+    @property
+    def occasion(self) -> str:
+        """Earthquake and station of a record in words, which its channels have in common."""
+        return ", ".join(filter(None, (_earthquake(self.value), _station(self.value))))
+
+    @property
+    def date(self) -> str:
+        """The day of the earthquake, or of the record [UTC, ISO 8601]; empty where neither is known."""
+        return _date(self.value)
+
+    @property
+    def magnitude(self) -> str:
+        """The magnitude of the earthquake with its scale; empty where the file does not state it."""
+        return magnitude_words(self.value)
+
+    def real(self, name: str) -> float:
+        """A number; NaN where it is not known."""
+        return _number(self.value, name)
+
+    @property
+    def stated(self) -> list[tuple[str, str]]:
+        """Names and texts of what the file of a record states about its earthquake and its site; of nothing else."""
+        depth = self.real("hypocentre_depth")
+        hypocentre = (self._coordinates("hypocentre"), "" if math.isnan(depth) else f"depth {_kilometres(depth)}")
+        told = {
+            "earthquake at the agency": _text(self.value, "event_id"),
+            "origin time (UTC)": _text(self.value, "origin_time"),
+            "magnitude": self.magnitude,
+            "hypocentre": ", ".join(filter(None, hypocentre)),
+            "epicentral distance": _kilometres(self.real("epicentral_distance")),
+            "place of the station": self._coordinates("station"),
+            "Vs30": self.number("vs30", "m/s"),
+            "class of the site": _text(self.value, "site_class"),
+        }
+        return [(name, words) for name, words in told.items() if words not in ("", ABSENT)]
+
+    def _coordinates(self, of: str) -> str:
+        """Latitude and longitude of the station or the hypocentre; empty where they are not known."""
+        north, east = (self.real(f"{of}_{side}") for side in ("latitude", "longitude"))
+        if math.isnan(north) or math.isnan(east):
+            return ""
+        signed = ((north, "NS"), (east, "EW"))
+        return ", ".join(f"{abs(angle):.5g}° {names[angle < 0.0]}" for angle, names in signed)
+
+    @property
     def strength(self) -> list[str]:
         """PGA and PGV of a record."""
         return [f"PGA {figure(self.value('pga') / STANDARD_GRAVITY, 'g')}", f"PGV {self.peak_velocity}"]
+
+
+def _kilometres(distance: float) -> str:
+    return figure(distance / 1000.0, "km")

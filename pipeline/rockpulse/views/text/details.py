@@ -38,11 +38,13 @@ def record_details(summary: xr.Dataset, record: str) -> str:
     marks = doubt(pga, one.value("warning_codes"))
     strength = Cell(f"{figure(pga, 'm/s2')} ({figure(pga / STANDARD_GRAVITY, 'g')})", marks=marks).marked
     rows = [
+        *(("in words", told) for told in (one.described,) if told),
         ("source", words("source")),
         ("sha256 of the source", words("source_sha256")),
         ("station, component", f"{words('station')}, {words('component')} (azimuth {number('azimuth', 'degrees')})"),
         ("name of the station", words("station_name")),
         ("earthquake", words("event")),
+        *one.stated,
         ("start", words("start_time")),
         ("samples", f"{one.value('npts')} at {number('dt', 's')}"),
         ("PGA", strength),

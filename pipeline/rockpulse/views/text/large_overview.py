@@ -17,6 +17,7 @@ from rockpulse.views.shared.terminal import ABSENT, fixed, paragraph
 from rockpulse.views.text.capacity import NAME_WIDTH, restitutions, smallest_capacities
 from rockpulse.views.text.directions import direction_table
 from rockpulse.views.text.lists import case_list, worst_first
+from rockpulse.views.text.verdicts import governing
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -48,6 +49,7 @@ def large_overview(answers: Answers, directions: xr.Dataset | None) -> str:
         parts.append(case_list(answers.summary, worst_first(answers, Selection(limit=WORST))))
     else:
         parts.append(_pairs(answers, directions))
+    parts += filter(None, [governing(answers)])
     if answers.demands:
         smallest = [margin.smallest for margin in answers.margins("block")]
         parts.append(smallest_capacities(answers, np.argsort(smallest, kind="stable")[:WORST].tolist()))

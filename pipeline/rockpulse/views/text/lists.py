@@ -37,6 +37,9 @@ VERDICT = ("outcome", "peak_rotation_ratio", "predictable", "applicable")
 SHOWN = (*VERDICT, "pga", "uplift_ratio", "impulse_ratio", "safety_factor", "capacity_pga", "restitution")
 BESIDE = ("interval_count", "factor_resolved", "safe_up_to", "model_used", "warning_codes")
 
+#: Columns of what the files state, shown where one of them does: title, variable, and SI units in one of the title.
+STATED = (("M", "magnitude", 1.0), ("distance km", "epicentral_distance", 1000.0))
+
 
 def worst_first(answers: Answers, selection: Selection) -> Selection:
     """A selection in the order of the safety factor, or of the rotation where the model was not searched."""
@@ -102,8 +105,11 @@ def record_list(summary: xr.Dataset, selection: Selection) -> str:
     places, found = rows(answers.summary, ["record"], selection)
     names = ("pga", "pgv", "pgv_drift", "arias_intensity", "main_impulse", "warning_codes")
     get = _values(answers.summary, names, places)
-    more = [name for name in _of_interest(selection) if answers.summary[name].dims == ("record",) and name not in names]
+    stated = [column for column in STATED if _known(answers.summary, column[1])]
+    shown = (*names, *(name for _, name, _ in stated))
+    more = [name for name in _of_interest(selection) if answers.summary[name].dims == ("record",) and name not in shown]
     extra = [_shown(answers.summary, name, places) for name in more]
+    of_files = _values(answers.summary, tuple(name for _, name, _ in stated), places)
     fallen, margins = answers.overturnings("motion"), answers.margins("motion")
     table = []
     for k, row in enumerate(places["record"].tolist()):
@@ -115,13 +121,15 @@ def record_list(summary: xr.Dataset, selection: Selection) -> str:
                 number(pgv, ratio, (DRIFT,) if drift else ()),
                 number(arias, ratio),
                 number(impulse, ratio),
+                *(number(of_files[name][k] / scale) for _, name, scale in stated),
                 Cell(str(len(codes.split()) or ""), float(len(codes.split()))),
                 *(cells[k] for cells in extra),
                 Cell(f"{fallen[row]} of {len(answers.blocks)}", float(fallen[row])),
                 *_smallest(margins[row], answers.blocks, NAME_WIDTH),
             )
         )
-    titles = ("record", "PGA/g", "PGV m/s", "Arias m/s", "I m/s", "warnings", *more, "overturns", "SF", "of")
+    of_record = ("record", "PGA/g", "PGV m/s", "Arias m/s", "I m/s", *(title for title, _, _ in stated), "warnings")
+    titles = (*of_record, *more, "overturns", "SF", "of")
     notes = [
         f"overturns: blocks that do, by the {answers.model} model; SF: smallest known safety factor by it, and of "
         "which block.",
@@ -195,6 +203,11 @@ def _of_interest(selection: Selection) -> list[str]:
 
 def _values(summary: xr.Dataset, names: tuple[str, ...], places: dict[str, np.ndarray]) -> dict[str, list[Any]]:
     return {name: pointwise(summary[name].variable, places).tolist() for name in names}
+
+
+def _known(summary: xr.Dataset, name: str) -> bool:
+    """Whether a variable has a value for one of the records."""
+    return name in summary and bool(summary[name].notnull().any())
 
 
 def _shown(summary: xr.Dataset, name: str, places: dict[str, np.ndarray]) -> list[Cell]:

@@ -10,7 +10,7 @@ from rockpulse.views.text.capacity import smallest_capacities
 from rockpulse.views.text.directions import direction_table
 from rockpulse.views.text.large_overview import hints, is_large, large_overview
 from rockpulse.views.text.left_out import left_out
-from rockpulse.views.text.verdicts import overturned, verdict_table
+from rockpulse.views.text.verdicts import governing, overturned, verdict_table
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -34,7 +34,7 @@ def overview(tree: xr.DataTree) -> str:
         shown = [verdict_table(summary), overturned(answers)]
     else:
         shown = [direction_table(summary, directions.load())]
-    parts = [head, *shown, smallest_capacities(answers), left_out(tree)]
+    parts = [head, *shown, governing(answers), smallest_capacities(answers), left_out(tree)]
     return "\n\n".join(part for part in parts if part)
 
 

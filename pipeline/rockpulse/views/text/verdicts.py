@@ -9,18 +9,22 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from rockpulse.assessment.answers import Answers
+from rockpulse.assessment.verdict import verdicts
 from rockpulse.views.shared.answer_cells import answer_cells, factor_cells, marks_of
 from rockpulse.views.shared.facts import Known
 from rockpulse.views.shared.record_marks import record_cells
 from rockpulse.views.shared.table import Cell, Heading, Table, lines, number
-from rockpulse.views.shared.terminal import figure, paragraph, ratio, restitution, shortened
+from rockpulse.views.shared.terminal import figure, paragraph, ratio, restitution, several, shortened
 from rockpulse.views.shared.verdict_notes import NO_ANSWER, NONE_UP_TO, verdict_notes
 from rockpulse.views.text.capacity import NAME_WIDTH, factor_notes
 
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["factor_table", "overturned", "verdict_table"]
+__all__ = ["factor_table", "governing", "overturned", "verdict_table"]
+
+#: Records that govern, and bodies that each of them governs, which are named.
+NAMED = 3
 
 
 def verdict_table(
@@ -84,6 +88,28 @@ def overturned(answers: Answers) -> str:
     if by_weaker:
         told += ["", "What rocks, but a weaker copy of the record overturns it (SF in brackets): not safe", *by_weaker]
     return "\n".join(told)
+
+
+def governing(answers: Answers) -> str:
+    """The records that the verdicts rest on in words, with the bodies; empty where nothing is known of any.
+
+    Of every body that is the record of its smallest safety factor or, without one, the first that overturns it.
+    """
+    ruled: dict[int, dict[str, None]] = {}
+    for one in verdicts(answers):
+        if one.governing >= 0:
+            ruled.setdefault(one.governing, {})[one.body.block] = None
+    told = []
+    for row, blocks in sorted(ruled.items(), key=lambda item: -len(item[1]))[:NAMED]:
+        if known := Known(answers.summary, record=answers.records[row]).described:
+            more = f" and {len(blocks) - NAMED} more" if len(blocks) > NAMED else ""
+            of = ", ".join(list(blocks)[:NAMED]) + more
+            told.append(paragraph(f"{answers.records[row]}: {known} (for {of})", "      ", "  "))
+    if not told:
+        return ""
+    others = [f"  and {several(len(ruled) - NAMED, 'other record')}"] if len(ruled) > NAMED else []
+    what = "of the smallest safety factor" if answers.searched else "that overturns"
+    return "\n".join([f"What governs (the record {what}, by the {answers.model} model):", *told, *others])
 
 
 def _answers(summary: xr.Dataset, records: Sequence[str] | None, blocks: Sequence[str] | None) -> Answers:

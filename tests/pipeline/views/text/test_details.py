@@ -141,3 +141,13 @@ def test_an_unknown_name_is_answered_with_the_known_ones(summary, show, wrong, c
     with pytest.raises(ResultsError, match=rf'no \w+ "{wrong}" in these results; did you mean "{close}"') as caught:
         show(summary, wrong)
     assert f"\n  {close}" in str(caught.value)
+
+
+def test_what_the_file_states_of_the_earthquake_has_lines_and_what_it_does_not_state_has_none(summary):
+    before = dict(entries(record_details(summary, RECORDS[0])))
+    summary = summary.assign(magnitude=("record", [7.1, np.nan, np.nan]), vs30=("record", [np.nan] * 3))
+    shown = {name: words.strip() for name, words in entries(record_details(summary, RECORDS[0]))}
+    assert shown["in words"] == "Ridgecrest 2019-07-06 M 7.1, station CCC, E-W"
+    assert shown["magnitude"] == "M 7.1"
+    assert shown.keys() - before.keys() == {"magnitude"}
+    assert "magnitude" not in dict(entries(record_details(summary, RECORDS[1])))

@@ -219,3 +219,22 @@ def test_what_was_left_out_is_brief_where_asked_for(tree):
     assert brief.count("expected 100 samples") == 12
     assert brief.count("no record\n") == 3
     assert "and 18 more" in brief
+
+
+def test_magnitude_and_distance_have_a_column_where_a_record_states_them(summary):
+    stated = {"magnitude": [7.1, np.nan, np.nan], "epicentral_distance": [np.nan] * 3}
+
+    def known():
+        return summary.assign({name: ("record", values) for name, values in stated.items()})
+
+    head, first, second, _ = listed(record_list(known(), Selection()))
+    assert head[head.index("I") :][:3] == ["I", "m/s", "M"]
+    assert (first[5], second[5]) == ("7.1", "-")
+    assert "distance" not in head
+    stated["epicentral_distance"] = [30500.0, np.nan, np.nan]
+    selection = Selection(conditions=(Condition.parse("magnitude > 7"),))
+    head, first = listed(record_list(known(), selection))
+    assert "distance km" in " ".join(head)
+    assert first[5:7] == ["7.1", "30.5"]
+    assert head.count("magnitude") == 0
+    assert "M" not in listed(record_list(summary, Selection()))[0]

@@ -10,7 +10,7 @@ from rockpulse.views.shared.facts import Known
 from rockpulse.views.text.capacity import smallest_capacities
 from rockpulse.views.text.left_out import failure_list
 from rockpulse.views.text.overview import overview
-from rockpulse.views.text.verdicts import factor_table, overturned, verdict_table
+from rockpulse.views.text.verdicts import factor_table, governing, overturned, verdict_table
 
 
 def row(text, label, after=""):
@@ -379,3 +379,25 @@ def test_what_is_known_of_a_record_and_of_a_block_is_found_by_their_labels(summa
     assert record.value("nothing") is None
     assert (record.number("nothing"), record.words("nothing"), record.lines("nothing")) == ("-", "-", ())
     assert Known(summary, record=RECORDS[0]).lines("warnings") == ("mean removed", "direction unknown; check it")
+
+
+def test_the_record_that_governs_is_told_in_words_once(summary):
+    known = summary.assign(magnitude=("record", [7.1, 7.1, np.nan]))
+    text = governing(Answers(known))
+    assert text.splitlines()[0] == "What governs (the record that overturns, by the nonlinear model):"
+    assert text.count("Ridgecrest 2019-07-06 M 7.1, station CCC") == 1
+    assert f"  {RECORDS[0]}: Ridgecrest 2019-07-06 M 7.1, station CCC, E-W (for boundary wall, cabinet)" in text
+    tree = results_tree()
+    tree["summary"] = xr.DataTree(known)
+    assert text in overview(tree)
+
+
+def test_by_a_model_that_was_searched_the_smallest_factor_governs(searched):
+    text = governing(Answers(searched))
+    assert text.startswith("What governs (the record of the smallest safety factor, by the nonlinear model):")
+
+
+def test_where_nothing_is_known_of_a_record_nothing_is_told_of_it(summary):
+    words = ("event", "station", "component", "start_time")
+    nothing = summary.assign({name: ("record", [""] * 3) for name in words} | {"azimuth": ("record", [np.nan] * 3)})
+    assert governing(Answers(nothing)) == ""
