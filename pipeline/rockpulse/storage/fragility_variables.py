@@ -18,6 +18,7 @@ __all__ = [
     "FRAGILITY_GROUPS",
     "IDA",
     "POOLED",
+    "STATED",
     "STRENGTH",
     "STRIPES",
     "Band",
@@ -33,6 +34,9 @@ OWN = "see measure_units"
 
 #: The quality that every measure has of its own: how far a record had to be scaled to a level of the measure.
 STRENGTH = "strength"
+
+#: The qualities that the files of some records state, by the names of the facts.
+STATED = ("magnitude", "epicentral_distance", "vs30")
 
 
 class Status(IntEnum):
@@ -77,7 +81,11 @@ COORDINATES: Declared = {
     "block": text("name of the body", dims=("block",), explanation="with the restitution where a body has several"),
     "limit_state": text("limit state: uplift, theta_max/alpha_c, overturning", dims=("limit_state",)),
     "measure": text("intensity measure", dims=("measure",)),
-    "quality": text("quality of the record; strength: the measure at factor 1", dims=("quality",)),
+    "quality": text(
+        "quality of the record; strength: the measure at factor 1",
+        dims=("quality",),
+        explanation="magnitude, epicentral_distance and vs30 only where the files state them",
+    ),
 }
 
 _FIT: Declared = {
@@ -190,7 +198,11 @@ _RATIO: Declared = {
     "beta_ratio_high": real("1", "upper confidence limit of the ratio of dispersions"),
 }
 _QUALITY: Declared = {
-    "slope": real("1", "d ln median over d ln of a quality of the record"),
+    "slope": real(
+        "1",
+        "d ln median over d ln of a quality of the record, of the magnitude over its own difference",
+        explanation="of the records that have the quality",
+    ),
     "p_value": real("1", "p-value of a slope of zero, by the jackknife over events; not corrected for many tests"),
 }
 _POOLED_FIT: Declared = {**_FIT, **_JUDGED}
@@ -206,6 +218,8 @@ EFFICIENCY: Declared = {
     **along(("block", "limit_state", "measure", "quality"), _QUALITY),
     **along(("limit_state", "measure"), _pooled(_RATIO)),
     **along(("limit_state", "measure", "quality"), _pooled(_QUALITY)),
+    "quality_records": whole("number of records that have the quality", dims=("quality",)),
+    "quality_events": whole("number of earthquakes of these records", dims=("quality",)),
     "most_efficient": text("measure of smallest dispersion; empty where none has one", dims=("block", "limit_state")),
     **along(("limit_state", "measure"), _pooled(_POOLED_FIT)),
 }

@@ -2,7 +2,8 @@
 
 .. note:: A measure is efficient where the capacities of the records in it scatter little (beta), and sufficient where
    they depend on nothing else of the record (Luco & Cornell 2007, doi:10.1193/1.2723158). The likelihood is that of
-   the curve with one covariate more, z = a + b ln x + c ln u, so that capacities that are not known count too.
+   the curve with one covariate more, z = a + b ln x + c ln u, so that capacities that are not known count too. Where
+   only some records have a quality, as a magnitude that their files state, it is that of these records alone.
 """
 
 from __future__ import annotations
@@ -12,10 +13,11 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.special import stdtr
 
+from rockpulse.storage.fragility_variables import Status
 from rockpulse.studies.fragility.curves import Curve, half_width, jackknife_error, standardised
 from rockpulse.studies.fragility.likelihood import FAMILIES, maximise
 from rockpulse.studies.fragility.observations import Observations
-from rockpulse.studies.fragility.statements import FEWEST_EVENTS
+from rockpulse.studies.fragility.statements import FEWEST_EVENTS, missing
 
 __all__ = ["Sufficiency", "dispersion_ratio", "sufficiency"]
 
@@ -41,10 +43,18 @@ def dispersion_ratio(curve: Curve, reference: Curve) -> tuple[float, float, floa
 
 
 def sufficiency(rows: Observations, column: int, model: str = "lognormal") -> Sufficiency:
-    """The dependence of capacity in a measure on one of the record's qualities, for observations that have a curve."""
+    """The dependence of capacity in a measure on one of the record's qualities, for observations that have a curve.
+
+    Of the records that have the quality; NaN where these have no curve.
+    """
     nothing = Sufficiency(np.nan, np.nan)
+    known = rows.having(column)
+    if not np.all(known):
+        rows = rows.only(known)
+        if missing(rows) != Status.FITTED:
+            return nothing
     u = np.log(rows.qualities[:, column])
-    if not np.all(np.isfinite(u)) or np.ptp(u) == 0.0 or np.ptp(rows.level) == 0.0:
+    if np.ptp(u) == 0.0 or np.ptp(rows.level) == 0.0:
         return nothing
     x, _, spread = standardised(np.log(rows.level))
     quality, _, quality_spread = standardised(u)

@@ -11,12 +11,12 @@ from rockpulse.config.configuration import Config
 from rockpulse.config.fragility_settings import OVERTURNING
 from rockpulse.motions.runner import Part, joined
 from rockpulse.storage.fact_variables import FACTS
-from rockpulse.storage.fragility_variables import Status
+from rockpulse.storage.fragility_variables import STATED, Status
 from rockpulse.studies.fragility.capacity import nothing
 from rockpulse.studies.fragility.curves import fit_curve
 from rockpulse.studies.fragility.efficiency import sufficiency
 from rockpulse.studies.fragility.limit_states import NOT_KNOWN
-from rockpulse.studies.fragility.measures import MEASURES, QUALITIES
+from rockpulse.studies.fragility.measures import MEASURES, TESTED
 from rockpulse.studies.fragility.observations import ABOVE, EXACT, NOT_ABOVE, Observations
 
 __all__ = ["Ensemble", "Fits", "fit_ensemble", "gather"]
@@ -54,8 +54,25 @@ class Ensemble:
             kind[known],
             np.array(self.clusters, dtype=str)[record],
             np.array(self.ids, dtype=str)[record],
-            np.column_stack([self.qualities[record], own[known]]),
+            np.column_stack([self.qualities[record], own[known], self.stated[record]]),
         )
+
+    @property
+    def stated(self) -> np.ndarray:
+        """(n, c) The qualities that the files state of the records, in the order of STATED; NaN where they do not.
+
+        Their logarithms are the covariates: a magnitude, which is a logarithm already, stands as its exponential.
+        """
+        return np.column_stack(
+            [np.exp(self.facts[name]) if name == "magnitude" else self.facts[name] for name in STATED]
+        )
+
+    def told_by(self) -> tuple[list[int], list[int]]:
+        """The numbers of records that have each quality in the order of TESTED, and of their events."""
+        every = np.ones((len(self.ids), 1))  # the measure before scaling, which every record has
+        values = np.column_stack([self.qualities, every, self.stated])
+        known, clusters = np.isfinite(values) & (values > 0.0), np.array(self.clusters, dtype=str)
+        return known.sum(axis=0).tolist(), [np.unique(clusters[own]).size for own in known.T]
 
 
 def gather(parts: Sequence[Part], lanes: int, config: Config) -> Ensemble:
@@ -77,7 +94,7 @@ def gather(parts: Sequence[Part], lanes: int, config: Config) -> Ensemble:
 
 @dataclass(frozen=True, eq=False)
 class Fits:
-    """Curves (g, s, k) of g sets of lanes, with slopes and p-values (g, s, k, 1 + c)."""
+    """Curves (g, s, k) of g sets of lanes, with slopes and p-values (g, s, k, c) by the qualities of TESTED."""
 
     curves: np.ndarray
     slope: np.ndarray
@@ -97,7 +114,7 @@ def fit_ensemble(ensemble: Ensemble, groups: Sequence[Sequence[int]]) -> Fits:
     settings = ensemble.config.fragility
     shape = (len(groups), len(settings.limit_states), len(settings.measures))
     curves = np.empty(shape, dtype=object)
-    slope, p_value = (np.full((*shape, len(QUALITIES) + 1), np.nan) for _ in range(2))
+    slope, p_value = (np.full((*shape, len(TESTED)), np.nan) for _ in range(2))
     for place in np.ndindex(shape):
         group, state, measure = place
         common = len(groups[group]) == 1 or MEASURES[settings.measures[measure]].dimensionless
@@ -105,7 +122,7 @@ def fit_ensemble(ensemble: Ensemble, groups: Sequence[Sequence[int]]) -> Fits:
         model = settings.overturning_model if settings.limit_states[state] == OVERTURNING else settings.model
         curve = curves[place] = fit_curve(rows, model, settings.confidence)
         if curve.status == Status.FITTED:
-            for quality in range(len(QUALITIES) + 1):
+            for quality in range(len(TESTED)):
                 found = sufficiency(rows, quality, model)
                 slope[(*place, quality)], p_value[(*place, quality)] = found.slope, found.p_value
     return Fits(curves, slope, p_value)

@@ -15,8 +15,9 @@ from rocking.block import Block
 from rocking.demand import Demand, ground_demand
 from rockpulse.ladder import Scene
 from rockpulse.record.intensity import pgv
+from rockpulse.storage.fragility_variables import STATED, STRENGTH
 
-__all__ = ["LARGEST_LOBES", "MEASURES", "Measure", "record_measures", "record_qualities"]
+__all__ = ["LARGEST_LOBES", "MEASURES", "QUALITIES", "TESTED", "Measure", "record_measures", "record_qualities"]
 
 #: Lobes of E whose root mean square is a measure.
 LARGEST_LOBES = 6
@@ -85,8 +86,11 @@ MEASURES: dict[str, Measure] = {
     ),
 }
 
-#: Qualities of a record beside its intensity. The files know no magnitude and no distance.
+#: Qualities of a record beside its intensity, which every record has.
 QUALITIES = ("duration", "period", "strong_half_waves")
+
+#: All that capacity is tested to depend on, in the order of the results.
+TESTED = (*QUALITIES, STRENGTH, *STATED)
 
 
 def record_measures(scene: Scene, block: Block, names: tuple[str, ...]) -> np.ndarray:

@@ -24,7 +24,7 @@ class Observations:
     cluster: np.ndarray  # (n,) number of the event of each row
     record: np.ndarray  # (n,) number of the record of each row
     events: tuple[str, ...]  # labels of the events, sorted
-    qualities: np.ndarray  # (n, c) positive numbers that capacity should not depend on; c may be 0
+    qualities: np.ndarray  # (n, c) positive numbers that capacity should not depend on, NaN: not known
 
     @classmethod
     def of(
@@ -53,6 +53,17 @@ class Observations:
     def records(self) -> int:
         """Number of records."""
         return int(np.unique(self.record).size)
+
+    def having(self, column: int) -> np.ndarray:
+        """Whether (n,) a row has a quality, so that its logarithm is a number."""
+        values = self.qualities[:, column]
+        return np.isfinite(values) & (values > 0.0)
+
+    def only(self, kept: np.ndarray) -> Observations:
+        """The rows that a mask (n,) keeps, with their events alone."""
+        clusters = np.array(self.events, dtype=str)[self.cluster]
+        rows = (clusters, self.record.astype(str), self.qualities)
+        return Observations.of(self.level[kept], self.kind[kept], *(values[kept] for values in rows))
 
     def without_each_event(self) -> np.ndarray:
         """Weights (1 + events, n): all rows, then the rows without one event after the other."""

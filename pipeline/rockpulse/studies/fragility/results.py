@@ -21,7 +21,6 @@ from rockpulse.storage.fragility_variables import (
     FRAGILITY,
     IDA,
     POOLED,
-    STRENGTH,
     STRIPES,
     Status,
 )
@@ -30,7 +29,7 @@ from rockpulse.studies.fragility.curves import Curve
 from rockpulse.studies.fragility.efficiency import dispersion_ratio
 from rockpulse.studies.fragility.ensemble import Ensemble, Fits, fit_ensemble, gather
 from rockpulse.studies.fragility.limit_states import limit_state_names
-from rockpulse.studies.fragility.measures import MEASURES, QUALITIES
+from rockpulse.studies.fragility.measures import MEASURES, QUALITIES, TESTED
 
 __all__ = ["build_fragility_tree"]
 
@@ -66,7 +65,7 @@ def build_fragility_tree(
         {
             "/fragility": _curves(single, block, measures, coords),
             "/capacities": _capacities(ensemble, coords),
-            "/efficiency": _efficiency(single, pooled, measures, coords),
+            "/efficiency": _efficiency(ensemble, single, pooled, coords),
             "/failures": failure_table(failures),
         }
     )
@@ -137,9 +136,10 @@ def _capacities(data: Ensemble, coords: dict[str, xr.Variable]) -> xr.Dataset:
     return capacities
 
 
-def _efficiency(single: Fits, pooled: Fits, measures: Sequence[str], coords: dict[str, xr.Variable]) -> xr.Dataset:
+def _efficiency(data: Ensemble, single: Fits, pooled: Fits, coords: dict[str, xr.Variable]) -> xr.Dataset:
+    measures = list(data.config.fragility.measures)
     ratios = ("beta_ratio", "beta_ratio_low", "beta_ratio_high")
-    values: dict[str, Any] = {}
+    values: dict[str, Any] = dict(zip(("quality_records", "quality_events"), data.told_by(), strict=True))
     for prefix, fits, shown in (("", single, slice(None)), ("pooled_", pooled, 0)):
         values |= {prefix + name: table[shown] for name, table in zip(ratios, _ratios(fits, measures), strict=True)}
         values |= {f"{prefix}slope": fits.slope[shown], f"{prefix}p_value": fits.p_value[shown]}
@@ -151,7 +151,7 @@ def _efficiency(single: Fits, pooled: Fits, measures: Sequence[str], coords: dic
     ]
     values["most_efficient"] = np.reshape(best, beta.shape[:2])
     values |= {f"pooled_{name}": pooled.of(name)[0] for name in POOLED}
-    return xr.Dataset(with_values(EFFICIENCY, values), coords | _coordinates(quality=[*QUALITIES, STRENGTH]))
+    return xr.Dataset(with_values(EFFICIENCY, values), coords | _coordinates(quality=TESTED))
 
 
 def _coordinates(**labels: Sequence[str]) -> dict[str, xr.Variable]:

@@ -10,7 +10,7 @@ from rockpulse.ladder import SEQUENCE_MODELS
 from rockpulse.views.report.pairing import Paired, listed
 from rockpulse.views.shared.table import Cell, Heading, Table, number
 from rockpulse.views.shared.terminal import several, share
-from rockpulse.views.text.fragility import median_table, records_words, shown_measure, state_words
+from rockpulse.views.text.fragility import median_table, records_words, shown_measure, state_words, sufficiency_tables
 from rockpulse.views.text.site import about_records, block_table, coverage, design, parameter_table, remarks
 
 if TYPE_CHECKING:
@@ -122,7 +122,7 @@ def describe_fragility(of: Paired, assessed: int, model: str) -> Part:
     return Part(
         tuple(_differences(of, assessed, model)),
         (statement,),
-        (median_table(tree), *((said,) if said.rows else ())),
+        (median_table(tree), *((said,) if said.rows else ()), *sufficiency_tables(tree["efficiency"].to_dataset())),
         tuple(own["block"].values.tolist()),
         bool(own["median_low"].notnull().any()),
     )

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from rockpulse.motions.events import UNKNOWN
+from rockpulse.storage.fragility_variables import STATED, STRENGTH
 from rockpulse.views.shared.table import Cell, Heading, Mark, Table, number, text
 from rockpulse.views.shared.terminal import ABSENT, paragraph, ratio, several
 from rockpulse.views.text.site import explained
@@ -15,7 +16,7 @@ from rockpulse.views.text.site import explained
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["fragility_overview", "median_table", "records_words", "shown_measure", "state_words"]
+__all__ = ["fragility_overview", "median_table", "records_words", "shown_measure", "state_words", "sufficiency_tables"]
 
 #: The measure that the curves are shown in, where it is there: it puts bodies of all sizes on one scale.
 SHOWN = "velocity_ratio"
@@ -38,7 +39,7 @@ def fragility_overview(tree: xr.DataTree) -> str:
         f"{tree.attrs['title']}: {', '.join(found)}",
         explained(median_table(tree)),
         _pooled(curves, efficiency),
-        _sufficiency(efficiency),
+        *map(text, sufficiency_tables(efficiency)),
         _statements(curves),
     ]
     return "\n\n".join(part for part in parts if part)
@@ -139,18 +140,23 @@ def _pooled(curves: xr.Dataset, efficiency: xr.Dataset) -> str:
     return text(Table("", head, headings, tuple(rows), tuple(words)))
 
 
-def _sufficiency(efficiency: xr.Dataset) -> str:
-    """The number of cases in which the capacity depends on a quality of the record beside the measure."""
+def sufficiency_tables(efficiency: xr.Dataset) -> list[Table]:
+    """The number of cases in which the capacity depends on a quality of the record beside the measure.
+
+    One table, with a column for every quality that was tested; none where nothing was.
+    """
     p_value = efficiency["pooled_p_value"].transpose("measure", "quality", "limit_state")
-    tests = int(np.count_nonzero(np.isfinite(p_value)))
+    tested = np.isfinite(p_value.values)
+    tests = int(np.count_nonzero(tested))
     if tests == 0:
-        return ""
+        return []
+    shown = np.flatnonzero(tested.any(axis=(0, 2)) | [name not in STATED for name in p_value["quality"].values])
     rows = []
-    for name, own in zip(p_value["measure"].values.tolist(), p_value.values, strict=True):
+    for name, own in zip(p_value["measure"].values.tolist(), p_value.values[:, shown], strict=True):
         if np.any(np.isfinite(own)):
             counts = [(int(np.sum(found < LEVEL)), int(np.sum(np.isfinite(found)))) for found in own]
             rows.append((Cell(name), *(Cell(f"{few} of {every}", few) for few, every in counts)))
-    headings = tuple(map(Heading, ("", *p_value["quality"].values.tolist())))
+    headings = tuple(map(Heading, ("", *p_value["quality"].values[shown].tolist())))
     head = (
         "Sufficiency: limit states in which capacity depends on a quality of the record beside the measure "
         f"(p-value below {LEVEL:g}), all bodies together"
@@ -160,7 +166,24 @@ def _sufficiency(efficiency: xr.Dataset) -> str:
         "before it was scaled; duration: of the intense phase; period: 2 pi PGV/PGA; strong_half_waves: above half the "
         "largest."
     )
-    return text(Table("", head, headings, tuple(rows), (note,)))
+    return [Table("fragility-sufficiency", head, headings, tuple(rows), (note, *_told_by(efficiency, p_value)))]
+
+
+def _told_by(efficiency: xr.Dataset, p_value: xr.DataArray) -> list[str]:
+    """A sentence for every quality that files of some records state: by how many, and whether they are enough."""
+    if "quality_records" not in efficiency:
+        return []
+    total = int(efficiency["quality_records"].sel(quality=STRENGTH))
+    said = []
+    for name in (name for name in STATED if name in efficiency["quality"].values):
+        records, events = (int(efficiency[f"quality_{of}"].sel(quality=name)) for of in ("records", "events"))
+        if records:
+            enough = bool(np.isfinite(p_value.sel(quality=name)).any())
+            few = "" if enough else ": too few for a test, or all alike"
+            said.append(
+                f"{name}: stated for {records} of {several(total, 'record')}, of {several(events, 'earthquake')}{few}."
+            )
+    return said
 
 
 def _statements(curves: xr.Dataset) -> str:

@@ -10,7 +10,7 @@ from rockpulse.views.report.parts import describe_fragility
 from rockpulse.views.report.writing import typeset
 from rockpulse.views.shared.table import text
 from rockpulse.views.shared.terminal import shortened
-from rockpulse.views.text.fragility import BEYOND, fragility_overview, median_table
+from rockpulse.views.text.fragility import BEYOND, fragility_overview, median_table, sufficiency_tables
 from rockpulse.views.text.site import block_table, parameter_table, site_overview
 
 
@@ -67,9 +67,10 @@ def test_a_limit_state_of_rotation_is_named_in_both_tables(fragility, curves):
     curves = curves.assign_coords(limit_state=["0.4", "overturning"])
     curves["statement"][:] = "why"
     of = Paired(with_curves(fragility, curves), (), (), 0, 0, (), ())
-    medians, said = describe_fragility(of, 0, "nonlinear").tables
+    medians, said, depends = describe_fragility(of, 0, "nonlinear").tables
     assert {row[1].text for row in medians.rows} == {"θ_max/α_c ≥ 0.4", "overturning"}
     assert {row[1].text for row in said.rows} == {"θ_max/α_c ≥ 0.4, overturning"}
+    assert depends == sufficiency_tables(fragility["efficiency"].to_dataset())[0]
 
 
 def test_small_print_of_the_headings_is_a_note_on_the_terminal(site, fragility, whole_page):

@@ -1,0 +1,59 @@
+"""The table of sufficiency: a column for every quality that was tested, and how many records state it."""
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from rockpulse.views.text.fragility import sufficiency_tables
+
+QUALITIES = ["duration", "strength", "magnitude", "epicentral_distance", "vs30"]
+
+
+@pytest.fixture
+def efficiency():
+    """Two measures, two limit states; eight of ten records state a magnitude, two a distance, none a velocity."""
+    p_value = np.full((2, 2, 5), 0.5)
+    p_value[0, 0, 2] = 0.01
+    p_value[..., 3:] = np.nan
+    of = ("measure", "limit_state", "quality")
+    return xr.Dataset(
+        {
+            "pooled_p_value": (of, p_value),
+            "quality_records": ("quality", [10, 10, 8, 2, 0]),
+            "quality_events": ("quality", [5, 5, 4, 1, 0]),
+        },
+        {"measure": ["velocity_ratio", "impulse_ratio"], "limit_state": ["0.4", "overturning"], "quality": QUALITIES},
+    )
+
+
+def test_a_quality_that_files_state_has_a_column_where_it_was_tested(efficiency):
+    (table,) = sufficiency_tables(efficiency)
+    assert [heading.title for heading in table.headings] == ["", "duration", "strength", "magnitude"]
+    assert [[cell.text for cell in row] for row in table.rows] == [
+        ["velocity_ratio", "0 of 2", "0 of 2", "1 of 2"],
+        ["impulse_ratio", "0 of 2", "0 of 2", "0 of 2"],
+    ]
+    assert table.notes[0].startswith("12 tests: about 1 of them")
+
+
+def test_it_is_said_how_many_records_state_a_quality_and_whether_they_are_enough(efficiency):
+    (table,) = sufficiency_tables(efficiency)
+    assert table.notes[1:] == (
+        "magnitude: stated for 8 of 10 records, of 4 earthquakes.",
+        "epicentral_distance: stated for 2 of 10 records, of 1 earthquake: too few for a test, or all alike.",
+    )
+
+
+def test_a_file_of_before_and_files_that_state_nothing_look_the_same(efficiency):
+    before = efficiency.isel(quality=[0, 1])
+    nothing = efficiency.copy(deep=True)
+    nothing["pooled_p_value"][..., 2:] = np.nan
+    nothing["quality_records"][2:] = 0
+    (one,) = sufficiency_tables(before.drop_vars(["quality_records", "quality_events"]))
+    (other,) = sufficiency_tables(nothing)
+    assert one == other
+
+
+def test_without_a_test_there_is_no_table(efficiency):
+    efficiency["pooled_p_value"][:] = np.nan
+    assert sufficiency_tables(efficiency) == []
