@@ -2,15 +2,24 @@
 
 from __future__ import annotations
 
+import re
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
-__all__ = ["NO_RECORD", "Failure", "FailureKind"]
+__all__ = ["NO_RECORD", "Failure", "FailureKind", "alike", "told"]
 
 #: Why a text, a table or a picture that lies beside records was passed over.
 NO_RECORD = "no record"
 
 FailureKind = Literal["failed", "skipped", "duplicate", "depth", "vertical", "structural"]
+
+#: What a reason may begin with behind the name of its file: the line in it.
+_LINE = re.compile(r":\d+(?=: )")
+#: The id of a record in front of a reason; an id has a point and no blank.
+_ID = re.compile(r"\S+\.\S*(?=: )")
+#: Examples of a reason that several files have.
+_EXAMPLES = 2
 
 
 @dataclass(frozen=True)
@@ -19,13 +28,54 @@ class Failure:
 
     `file` is ``archive.zip!member`` for a member of an archive. `stage` is the step that left it out: "find", "read",
     "events", "select", "pair", "rotate", "assess", "calibrate" or "fragility". `kind` is "failed", which needs
-    attention; "skipped" for no acceleration record, met in a folder, glob or zip, or one too weak for the purpose;
-    "duplicate" where the same content was read already, or another record of the same shaking is assessed in its place;
-    "depth" where that one was recorded nearer to the surface; "vertical" or "structural" where it was read, but not
-    assessed as horizontal ground motion.
+    attention: a record, or what may be one, gave no result; "skipped" for a text, table, picture, velocity or spectrum
+    that was met in a folder, glob or zip, or a record too weak for the purpose; "duplicate" where the same content was
+    read already, or another record of the same shaking is assessed in its place; "depth" where that one was recorded
+    nearer to the surface; "vertical" or "structural" where it was read, but not assessed as horizontal ground motion.
     """
 
     file: str
     stage: str
     reason: str
     kind: FailureKind
+
+    @property
+    def place(self) -> str:
+        """The file, with the line or the record in it where the reason begins with one."""
+        if self.reason.startswith(f"{self.file}:"):
+            line = _LINE.match(self.reason, len(self.file))
+            return self.reason[: line.end()] if line else self.file
+        record = _ID.match(self.reason)
+        return record[0] if record else self.file
+
+    @property
+    def bare(self) -> str:
+        """The reason without the file, the line or the record that it is about."""
+        return self.reason.removeprefix(f"{self.place}: ").replace(f": '{self.file}'", "")
+
+
+def alike(rows: Iterable[Failure]) -> list[list[Failure]]:
+    """The rows in groups of one reason, each group where its first row stands."""
+    groups: dict[str, list[Failure]] = {}
+    for row in rows:
+        groups.setdefault(row.bare, []).append(row)
+    return list(groups.values())
+
+
+def told(group: Sequence[Failure]) -> str:
+    """The reason of rows that are alike: of one with its place, of several with their number and two places.
+
+    Examples
+    --------
+    >>> told([Failure("a.AT2", "read", "a.AT2:4: expected 100 samples, found 3", "failed")])
+    'a.AT2:4: expected 100 samples, found 3'
+    >>> told([Failure(name, "read", f"{name}: no reader recognises the file", "failed") for name in "abc"])
+    '3 files (a, b and 1 more): no reader recognises the file'
+    """
+    first = group[0]
+    if len(group) == 1:  # most reasons begin with the file and a line in it
+        return first.reason if first.file in first.reason else f"{first.file}: {first.reason}"
+    counted = "files" if len({row.file for row in group}) == len(group) else "channels"
+    places = ", ".join(row.place for row in group[:_EXAMPLES])
+    more = f" and {len(group) - _EXAMPLES} more" if len(group) > _EXAMPLES else ""
+    return f"{len(group)} {counted} ({places}{more}): {first.bare}"

@@ -16,7 +16,7 @@ from rockpulse.config.fragility_settings import FragilitySettings
 from rockpulse.config.settings import SECTIONS, CalibrationSettings
 from rockpulse.motions.directions import PlannedMotion
 from rockpulse.readers import ReadOptions
-from rockpulse.record.record import Record, id_matches
+from rockpulse.record.record import BETWEEN, Record, id_matches
 from rockpulse.storage.save_load import SCHEMA_VERSION
 from rockpulse.version import __version__
 
@@ -55,7 +55,7 @@ class Task:
     @property
     def source(self) -> str:
         """The files, as rows of failures name them."""
-        return "; ".join(dict.fromkeys(channel.record.source for channel in self.channels))
+        return BETWEEN.join(dict.fromkeys(channel.record.source for channel in self.channels))
 
     def read(self, options: ReadOptions) -> PlannedMotion:
         """The planned motion with its samples, read with the options of the survey; raises as `Located.read`."""

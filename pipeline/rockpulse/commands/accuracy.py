@@ -8,6 +8,7 @@ from pathlib import Path
 
 from rockpulse.commands.progress import progress_bars
 from rockpulse.commands.record_input import add_reading_arguments, reading_options
+from rockpulse.commands.telling import QUIET, tell
 from rockpulse.commands.verb import Verb
 
 __all__ = ["VERB"]
@@ -37,7 +38,7 @@ def _add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--seed", type=int, default=0, metavar="N", help="seed of the synthetic ensemble; default: 0")
     parser.add_argument("--quick", action="store_true", help="few cases and motions: seconds, and little to rely on")
     parser.add_argument("--overwrite", action="store_true", help="replace a report, tables or a diagram that exist")
-    parser.add_argument("--quiet", action="store_true", help="print nothing but what failed")
+    parser.add_argument("--quiet", action="store_true", help=QUIET)
 
 
 def _run(args: argparse.Namespace) -> int:
@@ -54,7 +55,9 @@ def _run(args: argparse.Namespace) -> int:
 
     from rockpulse.readers.folders import read_all
     from rockpulse.studies.accuracy.measurement import FULL, QUICK, accuracy, table_of
+    from rockpulse.views.shared.files_used import count_files, failure_rows
     from rockpulse.views.text.accuracy import accuracy_overview
+    from rockpulse.views.text.left_out import rows_not_used
 
     effort = QUICK if args.quick else FULL
     if args.cases is not None:
@@ -78,9 +81,11 @@ def _run(args: argparse.Namespace) -> int:
         contents[picture] = picture_bytes(figure, picture.suffix[1:].lower())
     write_files(contents)
     save(tree, args.output, overwrite=args.overwrite)
-    failed = [row for row in table_of(tree, "failures").itertuples() if row.kind == "failed"]
-    for row in failed:
-        print(f"failed ({row.stage}) {row.reason}", file=sys.stderr)
+    rows = failure_rows(tree)
+    failed = count_files((record.source for record in records), rows).line
+    if failed:
+        listed = "" if args.quiet else rows_not_used([row for row in rows if row.kind == "failed"])
+        tell("\n".join(filter(None, (listed, f"rockpulse: {failed}"))), sys.stderr)
     if not args.quiet:
         written = [args.output, *(map(str, tables.values())), *([] if picture is None else [str(picture)])]
         print(f"{accuracy_overview(tree)}\n\nwritten: {', '.join(map(str, map(Path, written)))}")

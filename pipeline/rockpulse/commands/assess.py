@@ -46,10 +46,9 @@ def _of_records(args: argparse.Namespace) -> int:
     with recorded(args):
         report = assess_files(paths, config, args.output, batch_options(args))
     if report.path is None:
-        return nothing_written(report.failures, "assessed")
-    shown = ("failures",) if args.quiet else ("summary", "directions", "failures")
+        return nothing_written(report.failures, "assessed", args.quiet)
     with open_results(report.path) as file, file.reading():
-        return told(file.tree(*shown), args, partial(_overview, output=args.output))
+        return told(file.tree("summary", "directions", "failures"), args, partial(_overview, output=args.output))
 
 
 def _of_sequence(args: argparse.Namespace) -> int:

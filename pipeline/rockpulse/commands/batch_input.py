@@ -103,27 +103,27 @@ def recorded(args: argparse.Namespace) -> Iterator[None]:
             handler.close()
 
 
-def nothing_written(failures: Sequence[Failure], what: str) -> int:
-    """Tell why not one record could be used; the exit code."""
-    import xarray as xr
+def nothing_written(failures: Sequence[Failure], what: str, quiet: bool) -> int:
+    """Tell why not one record could be used, in a quiet run in one line; the exit code."""
+    from rockpulse.views.shared.files_used import count_files
+    from rockpulse.views.text.left_out import rows_not_used
 
-    from rockpulse.storage.variables import failure_table
-    from rockpulse.views.text.left_out import failure_list
-
-    rows = xr.DataTree.from_dict({"/failures": failure_table(failures)})
-    tell(f"{failure_list(rows)}\nrockpulse: not one record could be {what}, nothing was written", sys.stderr)
+    listed = "" if quiet else rows_not_used(failures, more_in="")
+    told = f"rockpulse: not one record could be {what}, nothing was written"
+    failed = count_files((), failures).line
+    tell("\n".join(filter(None, (listed, f"{told}: {failed}" if failed else told))), sys.stderr)
     return 1
 
 
 def told(tree: xr.DataTree, args: argparse.Namespace, overview: Callable[[xr.DataTree], str]) -> int:
-    """Print the overview, or with --quiet what failed alone; the exit code."""
-    from rockpulse.views.text.left_out import failure_list
+    """Print the overview, or with --quiet one line on what failed; the exit code."""
+    from rockpulse.views.shared.files_used import files_used
 
-    failed = failure_list(tree, kinds=("failed",))
+    failed = files_used(tree).line
     if not args.quiet:
         tell(overview(tree))
     elif failed:
-        tell(failed, sys.stderr)
+        _say(failed)
     return 1 if failed else 0
 
 

@@ -30,7 +30,9 @@ def _run(args: argparse.Namespace) -> int:
         with recorded(args):
             calibrate_files(paths, config, args.output, batch_options(args))
     except RecordRefused as error:
-        tell(f"rockpulse: {error}\nrockpulse: nothing was written", sys.stderr)
+        first = "; ".join(line.strip().partition("; ")[0] for line in str(error).splitlines())
+        why = first if args.quiet else f"{error}\nrockpulse"
+        tell(f"rockpulse: {why}: nothing was written", sys.stderr)
         return 1
     return told(load(args.output), args, lambda tree: f"{site_overview(tree)}\n\nsite: {args.output}")
 

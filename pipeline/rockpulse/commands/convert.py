@@ -4,16 +4,15 @@ from __future__ import annotations
 
 import argparse
 import sys
-from collections.abc import Sequence
 
 from rockpulse.commands.progress import progress_bars
 from rockpulse.commands.record_input import add_reading_arguments, reading_options
+from rockpulse.commands.telling import QUIET, tell
 from rockpulse.commands.verb import Verb
-from rockpulse.failures import Failure
 
 __all__ = ["VERB"]
 
-#: Rows of a kind that is no failure.
+#: Reasons of a kind that is no failure.
 LISTED = 3
 
 
@@ -39,14 +38,16 @@ def _add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--overwrite", action="store_true", help="replace files that exist; never one that a record came from"
     )
-    parser.add_argument("--quiet", action="store_true", help="print nothing but what failed")
+    parser.add_argument("--quiet", action="store_true", help=QUIET)
 
 
 def _run(args: argparse.Namespace) -> int:
     from rockpulse.readers.conversion import check_output, write
     from rockpulse.readers.folders import read_all
     from rockpulse.record.record import STANDARD_GRAVITY
+    from rockpulse.views.shared.files_used import count_files
     from rockpulse.views.shared.terminal import paragraph
+    from rockpulse.views.text.left_out import rows_not_used
 
     options = reading_options(args)
     writer = check_output(args.output, args.format)  # a name that tells no format is better known before the reading
@@ -54,10 +55,15 @@ def _run(args: argparse.Namespace) -> int:
         records, failures = read_all(
             args.paths, options.units, on_file=lambda *_: bar.update(), dt=options.dt, response=args.response
         )
-    _print_failures(failures, args.quiet)
+    failed = count_files((record.source for record in records), failures).line
+    if not args.quiet and failures:
+        tell(rows_not_used(failures, more_in="", listed=LISTED), sys.stderr)
     if not records:
-        print("rockpulse: not one record could be read, nothing was written", file=sys.stderr)
+        told = "rockpulse: not one record could be read, nothing was written"
+        tell(f"{told}: {failed}" if failed else told, sys.stderr)
         return 1
+    if failed:
+        tell(f"rockpulse: {failed}", sys.stderr)
     files = write(records, args.output, args.format, args.overwrite)
     if not args.quiet:
         known = {record.id: record for record in records}
@@ -71,22 +77,7 @@ def _run(args: argparse.Namespace) -> int:
                 for warning in record.warnings:
                     print(paragraph(warning, "      ", "    warning: "))
         print("\n" + paragraph(writer.lost + ".", "  ", ""))
-    return 1 if any(row.kind == "failed" for row in failures) else 0
-
-
-def _print_failures(failures: Sequence[Failure], quiet: bool) -> None:
-    """Print the files that failed, and the first few of each kind that were skipped."""
-    by_kind: dict[str, list[Failure]] = {}
-    for row in failures:
-        by_kind.setdefault(row.kind, []).append(row)
-    for kind, rows in by_kind.items():
-        if quiet and kind != "failed":
-            continue
-        shown = rows if kind == "failed" else rows[:LISTED]
-        for row in shown:
-            print(f"{row.kind} ({row.stage}) {row.reason}", file=sys.stderr)
-        if len(shown) < len(rows):
-            print(f"{kind}: {len(rows) - len(shown)} more", file=sys.stderr)
+    return 1 if failed else 0
 
 
 VERB = Verb(

@@ -31,7 +31,7 @@ def _run(args: argparse.Namespace) -> int:
     with recorded(args):
         report = fragility_files(paths, config, args.output, batch_options(args))
     if report.path is None:
-        return nothing_written(report.failures, "used")
+        return nothing_written(report.failures, "used", args.quiet)
 
     def overview(tree: xr.DataTree) -> str:
         return "\n\n".join(filter(None, (fragility_overview(tree), not_used(tree), f"results: {args.output}")))

@@ -6,6 +6,8 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from rockpulse.commands.telling import QUIET
+
 if TYPE_CHECKING:
     from rockpulse.config.configuration import Config
     from rockpulse.config.settings import RecordSettings
@@ -101,7 +103,7 @@ def add_record_arguments(parser: argparse.ArgumentParser, output: str) -> None:
     add_reading_arguments(parser)
     add_confirm_argument(parser)
     parser.add_argument("--overwrite", action="store_true", help="replace results that exist; never any other file")
-    parser.add_argument("--quiet", action="store_true", help="print nothing but what failed")
+    parser.add_argument("--quiet", action="store_true", help=QUIET)
 
 
 def configured(args: argparse.Namespace) -> Config:

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import argparse
 import sys
-from collections import Counter
 from typing import TYPE_CHECKING
 
 from rockpulse.commands.progress import compiling_told, progress_bars
 from rockpulse.commands.record_input import add_reading_arguments, reading_options
+from rockpulse.commands.telling import QUIET, tell
 from rockpulse.commands.verb import Verb
 
 if TYPE_CHECKING:
@@ -48,7 +48,7 @@ def _add_arguments(parser: argparse.ArgumentParser) -> None:
         add_reading_arguments(action)
         action.add_argument("--seed", type=int, default=0, metavar="N", help="seed of the bootstrap; default: 0")
         action.add_argument("--overwrite", action="store_true", help="replace a file that exists")
-        action.add_argument("--quiet", action="store_true", help="print nothing but what failed")
+        action.add_argument("--quiet", action="store_true", help=QUIET)
 
 
 def _run(args: argparse.Namespace) -> int:
@@ -71,7 +71,7 @@ def _fit(args: argparse.Namespace) -> int:
     target = check_file(args.output, args.overwrite, (".toml",))
     cases, failures = _cases(args)
     if cases.empty:
-        return _nothing_strong(failures)
+        return _nothing_strong(args, failures)
     rules = fit_rules(cases)
     tree = judge_rules(cases, rules, failures, args.seed)
     provenance = {
@@ -86,7 +86,7 @@ def _fit(args: argparse.Namespace) -> int:
         "records": sorted(cases["record"].unique()),
     }
     write_files({target: rule_text(rules, tree, provenance).encode()})
-    return _report(args, failures, f"{rule_overview(tree)}\n\nrule: {args.output}")
+    return _report(args, cases, failures, f"{rule_overview(tree)}\n\nrule: {args.output}")
 
 
 def _judge(args: argparse.Namespace) -> int:
@@ -100,10 +100,10 @@ def _judge(args: argparse.Namespace) -> int:
     given = {point: load_rule(point, args.rule) for point in POINTS}
     cases, failures = _cases(args)
     if cases.empty:
-        return _nothing_strong(failures)
+        return _nothing_strong(args, failures)
     tree = judge_rules(cases, given, failures, args.seed)
     save(tree, args.output, overwrite=args.overwrite)
-    return _report(args, failures, f"{rule_overview(tree)}\n\nverdicts: {args.output}")
+    return _report(args, cases, failures, f"{rule_overview(tree)}\n\nverdicts: {args.output}")
 
 
 def _cases(args: argparse.Namespace) -> tuple[pd.DataFrame, list[Failure]]:
@@ -119,20 +119,26 @@ def _cases(args: argparse.Namespace) -> tuple[pd.DataFrame, list[Failure]]:
     return cases, [*failures, *left_out, *refused]
 
 
-def _nothing_strong(failures: list[Failure]) -> int:
-    reasons = "".join(f"\n  {failure.reason}" for failure in failures if failure.kind != "vertical")
-    print(f"rockpulse: no strong channel among the records, nothing was written{reasons}", file=sys.stderr)
+def _nothing_strong(args: argparse.Namespace, failures: list[Failure]) -> int:
+    from rockpulse.views.shared.files_used import count_files
+    from rockpulse.views.text.left_out import rows_not_used
+
+    failed = count_files((), failures).line
+    why = "rockpulse: no strong channel among the records, nothing was written" + (f": {failed}" if failed else "")
+    listed = "" if args.quiet else rows_not_used(failures, more_in="")
+    tell("\n".join(filter(None, (listed, why))), sys.stderr)
     return 1
 
 
-def _report(args: argparse.Namespace, failures: list[Failure], text: str) -> int:
-    failed = [failure for failure in failures if failure.kind == "failed"]
-    for failure in failed:
-        print(f"failed ({failure.stage}) {failure.reason}", file=sys.stderr)
+def _report(args: argparse.Namespace, cases: pd.DataFrame, failures: list[Failure], text: str) -> int:
+    from rockpulse.views.shared.files_used import count_files
+    from rockpulse.views.text.left_out import rows_not_used
+
+    failed = count_files(cases["source"].unique(), failures).line
     if not args.quiet:
-        others = Counter(failure.kind for failure in failures if failure.kind not in ("failed", "vertical"))
-        not_used = ", ".join(f"{count} {kind}" for kind, count in sorted(others.items()))
-        print(f"not used: {not_used} (group /failures)\n\n{text}" if not_used else text)
+        tell("\n\n".join(filter(None, (rows_not_used(failures), text))))
+    elif failed:
+        tell(f"rockpulse: {failed}", sys.stderr)
     return 1 if failed else 0
 
 

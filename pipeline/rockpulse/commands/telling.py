@@ -6,7 +6,10 @@ import os
 import sys
 from typing import TextIO
 
-__all__ = ["forsake", "tell"]
+__all__ = ["QUIET", "forsake", "tell"]
+
+#: What --quiet does.
+QUIET = "print nothing but one line on what failed"
 
 
 def tell(text: str, file: TextIO | None = None) -> None:

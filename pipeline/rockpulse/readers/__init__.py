@@ -30,7 +30,7 @@ def read_source(file: SourceFile, options: ReadOptions = ReadOptions()) -> list[
             return records
     tried = ", ".join(row.name for row in FORMATS)
     kind = Unrecognised if may_be_record(file) else NoRecord
-    raise kind(f"{file.name}: no reader recognises the file (formats tried: {tried}); {advice(file)}")
+    raise kind(f"{file.name}: no reader recognises the file; {advice(file)} (formats tried: {tried})")
 
 
 def read(

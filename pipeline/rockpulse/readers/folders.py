@@ -1,7 +1,8 @@
 """From paths to records: files, folders, globs and zip archives; a file that fails becomes a row, not a crash.
 
 Left out without a row, in folders and archives: hidden files and folders, and files that cannot be records by their
-name (notes, configurations, results), and StationXML and QuakeML. Everything else that is no record is "skipped".
+name (notes, configurations, results), and StationXML and QuakeML. Other texts, tables and pictures are "skipped", and
+so are velocities, displacements and spectra; a file that may be a record and that no reader takes "failed".
 """
 
 from __future__ import annotations
@@ -29,7 +30,6 @@ from rockpulse.readers.source import (
     NoRecord,
     NotAcceleration,
     SourceFile,
-    Unrecognised,
     check_link,
     folder_station_files,
     open_source,
@@ -104,10 +104,11 @@ def read_all(
         has ``~2`` appended. A record that its agency cut into files is one; see
         `rockpulse.readers.formats.renadic.whole_records`.
     failures : list of Failure
-        Sorted by file. A file that is no acceleration record "failed" if it was named and is "skipped" if it was met
-        in a folder, a glob or an archive; one that is a record and cannot be read failed in any case, and so did an
-        empty one. A record whose samples and interval another file has is a "duplicate", unless the two say that they
-        face different directions; the one stays that knows most of direction, time and event.
+        Sorted by file. A file that is a record, or may be one, and cannot be read "failed", and so did an empty one. A
+        velocity, a displacement, a spectrum, and a text, table or picture that shows no sign of a record, "failed" if
+        it was named and is "skipped" if it was met in a folder, a glob or an archive. A record whose samples and
+        interval another file has is a "duplicate", unless the two say that they face different directions; the one
+        stays that knows most of direction, time and event.
 
     Raises
     ------
@@ -301,9 +302,8 @@ def read_failure(found: Found, name: str, fault: Exception) -> Failure:
     named = found.named and name == str(found.path)
     if isinstance(fault, NoRecord) and not named:
         return Failure(name, "read", f"{name}: {NO_RECORD}", "skipped")
-    no_record = isinstance(fault, Unrecognised | NotAcceleration)
     reason = str(fault) if name in str(fault) else f"{name}: {fault}"
-    return Failure(name, "read", reason, "skipped" if no_record and not named else "failed")
+    return Failure(name, "read", reason, "skipped" if isinstance(fault, NotAcceleration) and not named else "failed")
 
 
 def _member(archive: Archive, number: int) -> SourceFile | RockpulseError:

@@ -1,13 +1,14 @@
 """Tell a file that may hold a record, though no reader knows it, from a text or a picture beside the records.
 
-A file that is taken for no record gets but a short row among others, so a file that may hold data must never be taken
-for one: in doubt it is a record.
+A file that may be a record and that no reader takes is a failure; one that is none is passed over in two words. So a
+file that may hold data must never be taken for none: in doubt it is a record.
 """
 
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
+from collections import defaultdict
+from collections.abc import Callable, Sequence
 from itertools import groupby
 from pathlib import PurePath
 
@@ -21,14 +22,26 @@ _QUIET = frozenset({".md", ".toml", ".h5", ".journal", ".journal-journal", ".par
 #: First element of XML files of a station or an earthquake; other XML files may hold samples.
 _METADATA = re.compile(rb"<(?:\w+:)?(?:FDSNStationXML|quakeml)\b", re.IGNORECASE)
 
-#: Names of files that agencies put beside their records, in lower letters and without suffix; PEER's list of what was
-#: found holds spectra, and so rows of numbers.
-_BESIDE = frozenset({"readme", "disclaimer", "license", "licence", "copyright", "citation", "_searchresults"})
-#: Suffixes of pictures, documents and maps.
+#: Names of files that agencies put beside their records, in lower letters and without suffix.
+_BESIDE = frozenset({"readme", "disclaimer", "license", "licence", "copyright", "citation"})
+#: Beginning of the name of PEER's list of what was found, which holds spectra, and so rows of numbers.
+_SEARCH_RESULTS = "_searchresults"
+#: Suffixes of pictures, documents, maps, programs and logs.
 _SUFFIXES = (
-    ".bmp .doc .docx .eps .gif .htm .html .jpeg .jpg .kml .kmz .md .odt .pdf .png .ppt .pptx .ps .rtf .svg .tif .tiff"
+    ".bib .bmp .cpg .dbf .dll .doc .docx .eps .exe .gif .htm .html .ini .ipynb .jpeg .jpg .kml .kmz .lnk .log .md .odt "
+    ".pdf .png .ppt .pptx .prj .ps .py .pyc .rtf .shp .shx .sqlite .svg .tex .tif .tiff .webp"
 )
 _DOCUMENTS = frozenset(_SUFFIXES.split())
+#: Beginnings of files that hold no record whatever they are called: pictures, documents, programs, data bases, logs
+#: such as those of ``--log-file``, responses of instruments (RESP).
+_OTHER = re.compile(
+    rb"\x89PNG\r\n|\xff\xd8\xff|GIF8[79]a|%PDF-|%!PS|\x7fELF|SQLite format 3\x00|"
+    rb"\d{4}-\d\d-\d\d[ T]\d\d:\d\d:\d\d\S* (?:DEBUG|INFO|WARNING|ERROR|CRITICAL)\b|(?:#[^\n]*\n)*B050F03\b"
+)
+#: A line of PEER's list of what was found, under any name.
+_SEARCH_LINE = b"-- Summary of Metadata of Selected Records"
+#: First headings of the tables that the program writes (``rockpulse export``) or takes (events, weights).
+_OWN_TABLE = re.compile(rb"(?:record|block|pair|file|event)[,;](?!\s*\"?acc)", re.IGNORECASE)
 _SPREADSHEETS = frozenset({".ods", ".xls", ".xlsm", ".xlsx"})
 #: Suffixes that records have; those of texts and tables (.txt, .csv) tell nothing.
 _RECORDS = re.compile(
@@ -37,13 +50,20 @@ _RECORDS = re.compile(
 )
 #: Control characters that no text has; it has tabs and breaks, and from DOS an end-of-file mark.
 _BINARY = re.compile(rb"[\x00-\x08\x0e-\x19\x1c-\x1f]")
+#: First lines of texts whose samples are coded in letters (GSE).
+_CODED = re.compile(rb"^(?:WID[12]|XW0[12]) ", re.MULTILINE)
 _DECIMAL = re.compile(r"[.,]\d")
 _DIGITS = re.compile(r"\d+")
 _LETTERS = re.compile(r"[^\W\d_]+")
+#: Letters that are part of a number, or stand for one.
+_OF_NUMBERS = re.compile(r"(?<=[\d.])[ed](?=[+-]?\d)|(?<![^\W\d_])(?:nan|inf|null|none|na)(?![^\W\d_])", re.IGNORECASE)
 #: No series has less groups of digits than 20 samples with a point have.
 _FEWEST = 40
 #: So many rows of numbers, one after the other, may be the beginning of data whatever stands before them.
 _RUN = 10
+
+#: Rows with the codes of so many channels in turn are still one series.
+_COMPONENTS = 4
 
 
 def is_quiet(name: str, opened: Callable[[], SourceFile]) -> bool:
@@ -63,28 +83,57 @@ def is_quiet(name: str, opened: Callable[[], SourceFile]) -> bool:
 def may_be_record(file: SourceFile) -> bool:
     """Whether a sign speaks for a record in a file that no reader has recognised: the suffix, binary data, or numbers.
 
-    Numbers count that are half of the rows, ten rows together, or half of all letters and digits, and no mere handful;
-    only the first bytes of the file are looked at.
+    Numbers count in rows that have the same words, or none: in a table of other things (stations, earthquakes, files)
+    the words change from row to row. Such rows are half of all, ten together, or have as many digits as the whole text
+    has letters, and they are no mere handful. Only the first bytes of the file are looked at.
     """
+    if _OTHER.match(file.head) or _METADATA.search(file.head):
+        return False
     suffix = file.path.suffix.lower()
     if _RECORDS.fullmatch(suffix):
         return True
-    if file.path.stem.lower() in _BESIDE or suffix in _DOCUMENTS:
+    stem = file.path.stem.lower()
+    if stem in _BESIDE or stem.startswith(_SEARCH_RESULTS) or suffix in _DOCUMENTS or _SEARCH_LINE in file.head:
         return False
-    if suffix in _SPREADSHEETS or _BINARY.search(file.head):
+    if suffix in _SPREADSHEETS or _BINARY.search(file.head) or _CODED.search(file.head):
         return True
     text = file.head.decode("utf-8", errors="replace")
-    if len(_DIGITS.findall(text)) < _FEWEST:
+    if _OWN_TABLE.match(file.head) or len(_DIGITS.findall(text)) < _FEWEST:
         return False
-    rows = [_of_numbers(line) for line in text.splitlines() if any(map(str.isalnum, line))]
-    together = max((len(list(run)) for numbers, run in groupby(rows) if numbers), default=0)
-    digits, letters = (sum(map(len, what.findall(text))) for what in (_DIGITS, _LETTERS))
-    return 2 * sum(rows) >= len(rows) or together >= _RUN or digits >= letters
+    return _is_series([line for line in text.splitlines() if any(map(str.isalnum, line))])
+
+
+def _is_series(lines: Sequence[str]) -> bool:
+    """Whether enough of the lines of a text are rows of numbers that have the same words."""
+    words = [_words(line) if _of_numbers(line) else None for line in lines]
+    digits: dict[tuple[str, ...], int] = defaultdict(int)
+    for line, key in zip(lines, words, strict=True):
+        if key is not None:
+            digits[key] += sum(map(len, _DIGITS.findall(line)))
+    if not digits:
+        return False
+    common = max(digits, key=lambda key: digits[key])
+    together = max(len(list(run)) for key, run in groupby(words) if key == common)
+    letters = sum(len(word) for line in lines for word in _LETTERS.findall(line))
+    if 2 * words.count(common) >= len(lines) or together >= _RUN:
+        return True
+    return digits[common] >= letters and _COMPONENTS * digits[common] >= sum(digits.values())
 
 
 def _of_numbers(line: str) -> bool:
     """Whether a line has a decimal, or as many numbers as words: columns without a gap, dates, labels, units too."""
     return bool(_DECIMAL.search(line)) or len(_DIGITS.findall(line)) >= len(_LETTERS.findall(line))
+
+
+def _words(line: str) -> tuple[str, ...]:
+    """The words of a row, but for those that belong to its numbers.
+
+    Examples
+    --------
+    >>> _words("t=0.01 s a=-1.2E-05 g"), _words("0.01,NaN"), _words("120111.txt Northridge 6.7")
+    (('t', 's', 'a', 'g'), (), ('txt', 'Northridge'))
+    """
+    return tuple(_LETTERS.findall(_OF_NUMBERS.sub(" ", line)))
 
 
 def advice(file: SourceFile) -> str:

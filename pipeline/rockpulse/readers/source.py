@@ -61,11 +61,11 @@ Neighbour = Callable[[str], bytes | None]
 
 
 class Unrecognised(RecordFormatError):
-    """No reader knows the file: skipped in a folder, an error where it was named."""
+    """No reader knows the file, which may hold a record: it failed, wherever it was met."""
 
 
 class NoRecord(Unrecognised):
-    """The file shows no sign of a record either: it is a text, a table, a picture."""
+    """No reader knows the file, and nothing speaks for a record in it: skipped in a folder, an error where named."""
 
 
 class NotAcceleration(RecordRefused):

@@ -14,10 +14,13 @@ import numpy as np
 
 from rockpulse.errors import RecordFormatError
 
-__all__ = ["STANDARD_GRAVITY", "Orientation", "Record", "distinct_ids", "id_matches", "record_id"]
+__all__ = ["BETWEEN", "STANDARD_GRAVITY", "Orientation", "Record", "distinct_ids", "id_matches", "record_id"]
 
 #: The file unit "g", always this value [m/s2].
 STANDARD_GRAVITY = 9.80665
+
+#: Between the files of a record that was made of several, and between their checksums.
+BETWEEN = "; "
 
 #: Largest sample that is taken for an acceleration [m/s2]; the squares of larger ones may overflow.
 STRONGEST = 1e9

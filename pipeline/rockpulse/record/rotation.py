@@ -21,7 +21,7 @@ from rockpulse.errors import RecordRefused
 from rockpulse.record.components import Pair
 from rockpulse.record.conditioning import condition
 from rockpulse.record.half_wave import half_waves
-from rockpulse.record.record import Record, record_id
+from rockpulse.record.record import BETWEEN, Record, record_id
 from rockpulse.remark import Remark, code_of, remarked
 
 __all__ = ["check_angle", "pair_id", "rotate", "rotated_id", "strongest_azimuth"]
@@ -197,7 +197,7 @@ def _name(record: Record, code: str) -> str:
 
 
 def _joined(first: str, second: str) -> str:
-    return "; ".join(dict.fromkeys(text for text in (first, second) if text))
+    return BETWEEN.join(dict.fromkeys(text for text in (first, second) if text))
 
 
 def _of_both(first: Record, second: Record, what: str) -> tuple[str, ...]:

@@ -25,6 +25,13 @@ ASSESSMENT = "assessment"
 #: What a file takes beyond its values, names and attributes mostly, at most [bytes].
 LAYOUT = 1024**2
 
+#: Suffixes of what other verbs make of results, and the verb.
+OTHERS = {
+    **dict.fromkeys((".csv", ".tsv", ".txt", ".xls", ".xlsx"), ("a table", "export", ".csv")),
+    **dict.fromkeys((".htm", ".html"), ("a report", "report", ".html")),
+    **{suffix: ("a picture", "plot", suffix) for suffix in (".svg", ".png", ".pdf")},
+}
+
 DAMAGED = "damaged file"
 SIGNATURE = b"\x89HDF\r\n\x1a\n"
 
@@ -33,13 +40,14 @@ def check_target(path: str | os.PathLike[str], overwrite: bool = False, kind: st
     """The file that results can be written to, links resolved; asked before any work is done.
 
     With `overwrite` an HDF5 file of rockpulse of the same `kind` (of any schema version), or a damaged one, may be
-    replaced; no other file ever is. A ResultsError for a file that exists, a folder that does not, or a place or name
-    that cannot be written.
+    replaced; no other file ever is. A ResultsError for a file that exists, a folder that does not, a place or name that
+    cannot be written, or a name that says table, report or picture.
     """
     target = Path(os.path.realpath(path))
     try:
         if target.exists():
             _check_replaceable(target, path, overwrite, kind)
+        _check_name(Path(path))
         if not target.parent.is_dir():
             raise ResultsError(f"{path}: there is no folder {target.parent}; create it first")
         part = _part(target)
@@ -100,6 +108,18 @@ def named(kind: str) -> str:
 
 def _part(target: Path) -> Path:
     return target.with_name(f".{target.name}.{secrets.token_hex(4)}.part")
+
+
+def _check_name(path: Path) -> None:
+    """Results are HDF5 under any name: one that says otherwise would be opened as what it is not."""
+    plain = path.with_suffix("") if path.suffix.lower() == ".gz" else path
+    if plain.suffix.lower() in OTHERS:
+        what, verb, suffix = OTHERS[plain.suffix.lower()]
+        results = plain.with_suffix(".h5")
+        raise ResultsError(
+            f"{path}: expected the name of a results file (HDF5), such as {results}, found that of {what}, which is "
+            f"made of results afterwards: rockpulse {verb} {results} -o {plain.with_suffix(suffix)}"
+        )
 
 
 def _check_replaceable(target: Path, path: str | os.PathLike[str], overwrite: bool, kind: str) -> None:

@@ -14,11 +14,9 @@ import h5netcdf
 from rockpulse.errors import RecordRefused, ResultsError, RockpulseError
 from rockpulse.readers.archive import Archive, is_archive
 from rockpulse.readers.source import open_source
+from rockpulse.record.record import BETWEEN
 
 __all__ = ["in_place", "input_checksums", "input_files", "record_folders", "stored_checksums"]
-
-#: Between the files of a record that was made of several, and between their checksums.
-BETWEEN = "; "
 
 
 def stored_checksums(file: h5netcdf.File) -> list[tuple[str, str]]:

@@ -15,6 +15,7 @@ COMPUTED = ("not_computed", "no", "yes")
 _CASES: Declared = {
     "record": text("record id"),
     "event": text("earthquake"),
+    "source": text("file the record was read from", since=1),
     "slenderness": real("1", "height over width"),
     "radius": real("m", "half-diagonal R"),
     "scale": real("1", "factor on the record"),

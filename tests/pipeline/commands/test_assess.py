@@ -207,7 +207,7 @@ def test_a_missing_file_named_explicitly_is_exit_code_one_and_the_others_are_ass
     assert assess(folder / "strong.AT2", folder / "absent.AT2", "-o", target, "--quiet") == 1
     captured = capsys.readouterr()
     assert captured.out == ""
-    assert "absent.AT2: no such file" in captured.err
+    assert captured.err == "rockpulse: 1 of 2 files used, 1 not: no such file or folder (absent.AT2).\n"
     assert len(values(target, "record")) == 1
 
 

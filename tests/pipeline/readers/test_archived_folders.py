@@ -8,7 +8,7 @@ import zipfile
 
 import numpy as np
 import pytest
-from source_files import ONE, TWO, VELOCITY, ids, kinds, make_zip
+from source_files import ONE, TWO, VELOCITY, ids, make_zip
 
 from rockpulse.readers import archive, source
 from rockpulse.readers.folders import read_all
@@ -65,7 +65,9 @@ def test_an_office_document_is_no_archive_of_records(tmp_path, first):
         target.writestr("a.AT2", ONE)
     records, failures = read_all(tmp_path)
     assert ids(records) == ["b.090"]
-    assert ("list.xlsx", "skipped") in kinds(failures)
+    (failure,) = failures
+    assert (failure.file, failure.kind) == (str(tmp_path / "list.xlsx"), "failed")
+    assert "it is a spreadsheet: save it as CSV" in failure.reason
 
 
 def test_a_member_compressed_beyond_the_limit_is_refused(tmp_path):

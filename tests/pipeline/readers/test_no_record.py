@@ -14,6 +14,12 @@ def opened(name, content):
     return SourceFile(name, content[:HEAD], lambda: content)
 
 
+def catalogue(template):
+    """Rows of a table of other things: their words change from one to the next."""
+    names = [f"{first}{second}" for first in "abcdefgh" for second in "mnopqrst"]
+    return "".join(template.format(name=name, k=k, x=k / 7.0) for k, name in enumerate(names))
+
+
 def rows(template):
     return "".join(template.format(t=0.01 * k, a=a) for k, a in enumerate(VALUES))
 
@@ -30,6 +36,9 @@ def rows(template):
         rows('{{"time in seconds": {t:.2f}, "acceleration in gravity": {a}}},\n'),
         rows("{t:.2f} 1,131.57\n"),
         rows("sample {t:.0f} counts 4711\n"),
+        "".join(f"{0.01 * k:.2f} {a * 1e-3 ** (k % 3):g} {'NaN' if k % 5 else a}\n" for k, a in enumerate(VALUES)),
+        "".join(f"2019-07-06T03:19:{k:02} HN{'NEZ'[k % 3]} {a:.4f} {a:.3f}\n" for k, a in enumerate(VALUES)),
+        "time,record\n" + rows("{t:.2f},{a}\n"),
         rows("{a:.5E}{a:.5E}\n").replace("E", "D"),
         PROSE * 200 + "-300.12-299.87\n" * 12,  # a long heading
         PROSE * 15 + "".join(f"{a:9.2f}" for a in VALUES * 3),  # all in one line
@@ -53,12 +62,27 @@ def test_numbers_and_binary_data_may_be_a_record_whatever_they_are_called(conten
         ("z.zip!DISCLAIMER.TXT", PROSE),
         ("_SearchResults.csv", "0.01,0.02,0.03\n" * 20),
         ("costs.csv", "item,pieces,price\nanchor,4,120.5\nbolt,16,2.25\n"),  # a handful of numbers
+        ("stations.csv", "code,latitude,longitude\n" + catalogue("{name},{x:.4f},{x:.3f}\n")),
+        ("events.tsv", catalogue("{k}.txt\t{name}\t1994-01-17\t6.7\t0.0100\t3000\t0.4158\n")),
+        ("flatfile.csv", catalogue("{name}," + "{x:.3f}," * 60 + "\n")),
+        ("list.txt", catalogue("{k:08}{name}{k:024}  sub/{name}.AT2\n")),
+        ("table.csv", "record,block,pga,safety_factor\n" + "CI.CCC..360@20190706T031937,wall-1,1.2,3.4\n" * 40),
+        ("weights.csv", "record,weight\n" + "h.1,0.5\n" * 40),
+        ("search.csv", " -- Summary of Metadata of Selected Records --\n" + "0.01,0.02,0.03\n" * 40),
+        ("_SearchResults (1).csv", "0.01,0.02,0.03\n" * 20),
+        ("all.log", "2026-11-22 10:00:00,123 ERROR m01.asc: cut\n" * 40),
+        ("run.txt", "2026-11-22 10:00:00,123 ERROR m01.asc: cut\n" * 40),
+        ("CI.CCC.stationxml", "<?xml version='1.0'?>\n<FDSNStationXML>\n" + "<Value>1.25</Value>\n" * 40),
+        ("RESP.CI.CCC..HNE", "# response\nB050F03     Station:     CCC\n" + "B053F09  0  1.2E+00  2.3E-01\n" * 40),
+        ("study.ipynb", rows('"{t:.2f} {a}",\n')),
+        ("plan.dat", b"%PDF-1.4\x00\x01"),
+        ("map.bin", b"\x89PNG\r\n\x1a\n" + bytes(range(256))),
         ("guide.pdf", b"%PDF-1.4\x00\x01"),
         ("plot.png", b"\x89PNG\r\n\x1a\n\x00\x00\x00\rIHDR"),
         ("station.xml", "<a>\n<b>text</b>\n</a>\n"),
     ],
 )
-def test_texts_and_pictures_are_no_records(name, content):
+def test_texts_tables_and_pictures_are_no_records(name, content):
     assert not may_be_record(opened(name, content))
 
 
@@ -71,3 +95,25 @@ def test_the_suffix_of_a_record_or_a_spreadsheet_speaks_for_one(name):
 def test_a_spreadsheet_is_to_be_saved_as_csv(name):
     assert "save it as CSV" in advice(opened(name, b"\xd0\xcf\x11\xe0"))
     assert "CSV" not in advice(opened("a.txt", "1"))
+
+
+def test_a_text_of_coded_samples_may_be_a_record():
+    coded = "WID2 2019/07/06 03:19:53.000 CCC   HNE      CM6    12000  100.000000\nDAT2\n" + "KJkVkOkHkJ\n" * 90
+    assert may_be_record(opened("a.txt", coded))
+    assert not may_be_record(opened("a.txt", coded.replace("WID2", "what")))
+
+
+def test_every_record_of_the_samples_is_known_for_one_by_its_content_alone(samples):
+    paths = [path for path in sorted((samples.parent / "formats").iterdir()) if path.suffix != ".xml"]
+    assert len(paths) > 30
+    assert [path.name for path in paths if not may_be_record(opened("anything.txt", path.read_bytes()))] == []
+
+
+def test_of_the_real_records_only_the_tables_and_station_metadata_are_none(records_folder):
+    found = {path.name for path in records_folder.rglob("*.*") if path.suffix not in (".zip", ".md")}
+    none = {
+        path.name
+        for path in records_folder.rglob("*.*")
+        if path.name in found and not may_be_record(opened("anything.txt", path.read_bytes()))
+    }
+    assert none == {"MANIFEST.tsv", "events.tsv", "CI.WCS2.xml", "AV.CKT.xml"}

@@ -20,7 +20,7 @@ from rockpulse.readers.csmip_layout import HEADER_LINES, channels
 from rockpulse.readers.format import Format, ReadOptions
 from rockpulse.readers.formats.csmip_v1 import read_uncorrected
 from rockpulse.readers.source import SourceFile
-from rockpulse.record.record import Record, record_id
+from rockpulse.record.record import BETWEEN, Record, record_id
 from rockpulse.remark import Remark, code_of
 
 __all__ = ["FORMATS", "Part", "is_renadic", "read_renadic", "whole_records"]
@@ -146,8 +146,8 @@ def _joined(pieces: Sequence[Part]) -> Record:
         first.plain(),
         acceleration=np.concatenate([piece.acceleration for piece in pieces]),
         id=record_id(*codes, first.start_time, first.whole, 1),
-        source="; ".join(piece.source for piece in pieces),
-        source_sha256="; ".join(piece.source_sha256 for piece in pieces),
+        source=BETWEEN.join(piece.source for piece in pieces),
+        source_sha256=BETWEEN.join(piece.source_sha256 for piece in pieces),
         header_peak=float(np.fmax.reduce([piece.header_peak for piece in pieces])),
         warnings=tuple(notes),
         processing=(f"parts {', '.join(str(piece.part) for piece in pieces)} joined",),

@@ -140,10 +140,11 @@ def _stretch(record: Record) -> Record:
 def motion_cases(motion: StrongMotion, scales: Sequence[float] = SCALES, threads: int | None = None) -> pd.DataFrame:
     """The cases of one motion under some factors [-], one row a case.
 
-    Columns: record, event, slenderness, radius [m], scale, the measures `march`, `build_up`, `uplift_ratio` and
-    `velocity_ratio` = p PGV/(g tan alpha) of the scaled motion [-], `overturns`, and `peak`, theta_max/alpha_c of the
-    nonlinear model. Cases that it cannot resolve are left out. Columns that begin with :data:`TRUTH` are the verdicts
-    of perturbed truths. Raises ValueError where a model refuses the numbers of the record.
+    Columns: record, event, source (the file of the record), slenderness, radius [m], scale, the measures `march`,
+    `build_up`, `uplift_ratio` and `velocity_ratio` = p PGV/(g tan alpha) of the scaled motion [-], `overturns`, and
+    `peak`, theta_max/alpha_c of the nonlinear model. Cases that it cannot resolve are left out. Columns that begin with
+    :data:`TRUTH` are the verdicts of perturbed truths. Raises ValueError where a model refuses the numbers of the
+    record.
     """
     bodies, record = blocks(), motion.record
     waves = half_waves(record)
@@ -156,6 +157,7 @@ def motion_cases(motion: StrongMotion, scales: Sequence[float] = SCALES, threads
             {
                 "record": record.id,
                 "event": motion.event,
+                "source": record.source,
                 "slenderness": bodies.slenderness,
                 "radius": bodies.radius,
                 "scale": scale,
@@ -220,5 +222,5 @@ def rule_cases(
             reason = f"{motion.record.id}: {error}"
             logger.error("%s", reason)
             failures.append(Failure(file=motion.record.source, stage="rule", reason=reason, kind="failed"))
-    empty = pd.DataFrame({"record": [], "event": [], "overturns": []})
+    empty = pd.DataFrame({"record": [], "event": [], "source": [], "overturns": []})
     return (pd.concat(frames, ignore_index=True) if frames else empty), failures

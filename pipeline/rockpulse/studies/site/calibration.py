@@ -13,7 +13,7 @@ from rockpulse.config.bodies import gather_bodies
 from rockpulse.config.configuration import Config, located
 from rockpulse.config.settings import WEIGHTS
 from rockpulse.errors import RecordRefused
-from rockpulse.failures import Failure
+from rockpulse.failures import Failure, alike, told
 from rockpulse.motions.directions import PlannedMotion, planned_ids
 from rockpulse.motions.runner import Analysis, Blocks, Part, Prepared, Work, joined, run
 from rockpulse.motions.tables import read_weight_table, record_weights
@@ -112,7 +112,8 @@ class SiteCalibration(Analysis):
     def collect(self, parts: Sequence[Part], planned: Sequence[PlannedMotion], failures: list[Failure]) -> xr.DataTree:
         """Describe the distribution of the sequences, and choose and judge the design sequence."""
         if not parts:
-            reasons = "".join(f"\n  {row.reason}" for row in failures if row.kind != "vertical")
+            rows = [row for row in failures if row.kind != "vertical"]
+            reasons = "".join(f"\n  {told(group)}" for group in alike(rows))
             raise RecordRefused(f"not one record could be calibrated, so there is no site to describe{reasons}")
         done = joined(parts)
         ids, events = done["record"].tolist(), done["event"].tolist()

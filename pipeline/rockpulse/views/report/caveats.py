@@ -15,6 +15,7 @@ from rockpulse.motions.events import CONFIDENCE, FEWEST_EVENTS, largest_share
 from rockpulse.remark import Remark, remarked
 from rockpulse.views.report.pairing import listed
 from rockpulse.views.report.statements import noun, of_bodies, of_unknown_event
+from rockpulse.views.shared.files_used import FilesUsed
 from rockpulse.views.shared.record_marks import doubt_notes, record_cells
 from rockpulse.views.shared.terminal import figure, ratio, several, share
 from rockpulse.views.text.site import coverage
@@ -43,13 +44,13 @@ class Caveat:
 def caveats(
     answers: Answers,
     found: Sequence[BodyVerdict],
-    failed: int,
+    files: FilesUsed,
     site: xr.Dataset | None = None,
     components: str = "",
 ) -> list[Caveat]:
     """Everything that the verdict on the bodies by a model does not say by itself, the gravest first.
 
-    `failed` counts the files and channels that failed; `site` is the node /site of a site file; `components` says
+    `files` says what failed; `site` is the node /site of a site file; `components` says
     which direction of a pair of channels was assessed ([records] components).
     """
     summary, motions, model = answers.summary, answers.motions, answers.model
@@ -75,14 +76,9 @@ def caveats(
                 "The full equation of motion (nonlinear) was not among the models; its verdicts may differ.",
             )
         )
-    if failed:
-        said.append(
-            Caveat(
-                True,
-                f"{failed} {'files or channels' if failed > 1 else 'file or channel'} failed",
-                "They are no part of this verdict; see below.",
-            )
-        )
+    if files.line:
+        head = files.counted or f"{several(len(files.beside), 'channel')} failed"
+        said.append(Caveat(True, head, f"No part of this verdict, see below: {files.reasons}."))
     said += [_doubt(kind, found, motions) for kind in (Standing.WEAKER_OVERTURNS, Standing.UNKNOWN, Standing.NO_MARGIN)]
     said += [_thin(answers, found), _at_rest(found, motions), _drift(answers), _several_restitutions(found)]
     if components == "horizontal" and motions.kind == "record":

@@ -18,8 +18,8 @@ from rockpulse.views.report.pairing import Paired
 from rockpulse.views.report.parts import Part, describe_fragility, describe_site
 from rockpulse.views.report.provenance import failure_table, input_table, versions, warning_table
 from rockpulse.views.report.statements import counted_by, headline
+from rockpulse.views.shared.files_used import files_used
 from rockpulse.views.shared.table import Fact, Table
-from rockpulse.views.text.left_out import by_kind
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -67,20 +67,20 @@ def gather(tree: xr.DataTree, site: Paired | None = None, fragility: Paired | No
     cells = AnswerCells(answers)
     assessed = 0 if motions.kind == "sequence" else summary.sizes["record"]
     sections = tomllib.loads(str(tree.attrs.get("configuration", "")))
-    failed = len(by_kind(tree).get("failed", ()))
+    files = files_used(tree)
     return Content(
         title=str(tree.attrs.get("title", "")),
         description=str(tree.attrs.get("site_description", "")),
         history=tuple(str(tree.attrs.get("history", "")).splitlines()),
         motions=motions,
         found=tuple(found),
-        headline=tuple(headline(answers, found)),
+        headline=tuple(headline(answers, found, files.counted)),
         counted_by=counted_by(answers),
         caveats=tuple(
             caveats(
                 answers,
                 found,
-                failed,
+                files,
                 None if site is None else site.tree["site"].to_dataset(),
                 str(sections.get("records", {}).get("components", "")),
             )

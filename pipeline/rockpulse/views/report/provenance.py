@@ -50,9 +50,9 @@ def input_table(summary: xr.Dataset) -> Table:
 def failure_table(tree: xr.DataTree) -> Table:
     """Files and channels that were not assessed, and why; those that failed first."""
     rows = tuple(
-        (Cell(kind, grade="bad" if kind == "failed" else ""), Cell(stage), Cell(file), Cell(reason))
+        (Cell(kind, grade="bad" if kind == "failed" else ""), Cell(row.stage), Cell(row.file), Cell(row.reason))
         for kind, entries in by_kind(tree).items()
-        for file, stage, reason in entries
+        for row in entries
     )
     headings = tuple(map(Heading, ("kind", "step", "file", "reason")))
     return Table("failures", "Files and channels that are not part of the verdict", headings, rows)

@@ -43,12 +43,15 @@ _UNKNOWN_DEMAND = (
 _NOT_SHOWN = ("is not shown to be safe", "are not shown to be safe")
 
 
-def headline(answers: Answers, found: Sequence[BodyVerdict]) -> list[str]:
-    """One sentence for every grade that occurs, from worst to best; then one for every demand."""
+def headline(answers: Answers, found: Sequence[BodyVerdict], files: str = "") -> list[str]:
+    """One sentence for every grade that occurs, from worst to best; then one for every demand.
+
+    The first says how many of the `files` were used, where not all were.
+    """
     motions, model = answers.motions, answers.model
     searched = any(not math.isnan(one.margin.smallest) for one in found)
     how = "" if motions.kind == "sequence" else ", as recorded and weaker" if searched else ", as recorded"
-    under = f"under {counted(motions)}{how}"
+    under = f"under {counted(motions)}{f' ({files})' if files else ''}{how}"
     sentences = []
     for grade in sorted(_HEADS, reverse=True):
         own = [one for one in found if one.overall == grade]
@@ -57,7 +60,7 @@ def headline(answers: Answers, found: Sequence[BodyVerdict]) -> list[str]:
             head = heads[len(own) != 1].format(these="it" if motions.kind == "sequence" else "these")
             sentences.append(f"{of_bodies(len(own), len(found))} {head}: {_named(own)}.")
     if not sentences:
-        return ["There is no body to judge."]
+        return [f"There is no body to judge{f' ({files})' if files else ''}."]
     sentences[0] = f"By the {_model(model)}, {under}: {sentences[0][0].lower()}{sentences[0][1:]}"
     of_demands = zip(*(one.demands for one in found), strict=True)
     return [*sentences, *(_demand(answers, found, every) for every in of_demands)]

@@ -9,8 +9,10 @@ import numpy as np
 
 from rockpulse.motions.events import UNKNOWN
 from rockpulse.storage.fragility_variables import STATED, STRENGTH
+from rockpulse.views.shared.files_used import files_used
 from rockpulse.views.shared.table import Cell, Heading, Mark, Table, number, text
 from rockpulse.views.shared.terminal import ABSENT, paragraph, ratio, several
+from rockpulse.views.text.left_out import unused
 from rockpulse.views.text.site import explained
 
 if TYPE_CHECKING:
@@ -37,6 +39,7 @@ def fragility_overview(tree: xr.DataTree) -> str:
     found = [records_words(tree), several(curves.sizes["block"], "body"), f"data: {tree.attrs['data']}"]
     parts = [
         f"{tree.attrs['title']}: {', '.join(found)}",
+        unused(files_used(tree).sentence),
         explained(median_table(tree)),
         _pooled(curves, efficiency),
         *map(text, sufficiency_tables(efficiency)),

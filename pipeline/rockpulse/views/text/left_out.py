@@ -6,19 +6,22 @@ import re
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from rockpulse.failures import NO_RECORD
+from rockpulse.failures import NO_RECORD, Failure, alike, told
 from rockpulse.remark import PLAIN
+from rockpulse.views.shared.files_used import failure_rows
 from rockpulse.views.shared.terminal import paragraph
 
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["by_kind", "failure_list", "left_out", "not_used"]
+__all__ = ["by_kind", "failure_list", "left_out", "not_used", "rows_not_used", "unused"]
 
-#: Rows of a kind that is no failure in the overview.
+#: Rows of a kind that is no failure in the overview, those of one reason as one.
 LISTED = 12
 #: The same in a brief one.
 FEW = 3
+#: Kinds whose rows of one reason are told once; the reasons of the others name other records.
+_TOLD_ONCE = frozenset({"failed", "skipped"})
 #: Words of a warning without a code, numbers aside, by which it is known for one of a kind.
 _TELLING_WORDS = 4
 
@@ -41,14 +44,16 @@ def left_out(tree: xr.DataTree, brief: bool = False) -> str:
     summary = tree["summary"].to_dataset()
     acted = int((summary["vertical_channel"] != "").sum())
     found, beside = _apart(by_kind(tree))
-    for kind, entries in found.items():
+    for kind, rows in found.items():
+        entries = _entries(kind, rows)
         title = f"vertical, acting on {acted} records" if kind == "vertical" and acted else _KINDS.get(kind, kind)
-        lines.append(f"{title}: {len(entries)}")
+        lines.append(f"{title}: {len(rows)}")
         whole = len(entries) if not brief else LISTED
         shown = entries[: whole if kind == "failed" else FEW if brief else LISTED]
-        lines += [paragraph(_told(file, reason), "      ", "  ") for file, _, reason in shown]
+        lines += [paragraph(told(group), "      ", "  ") for group in shown]
         if len(shown) < len(entries):
-            lines.append(f"  and {len(entries) - len(shown)} more (rockpulse inspect RESULTS --failures shows them)")
+            more = sum(map(len, entries[len(shown) :]))
+            lines.append(f"  and {more} more (rockpulse inspect RESULTS --failures shows them)")
     if beside:
         lines.append(_beside(beside))
     warned = [
@@ -63,16 +68,27 @@ def left_out(tree: xr.DataTree, brief: bool = False) -> str:
     return "\n".join([*lines, *_warnings(summary)])
 
 
+def unused(sentence: str) -> str:
+    """The sentence of `rockpulse.views.shared.files_used` as a loud line; empty where all files were used."""
+    return paragraph(sentence, "  ", "! ") if sentence else ""
+
+
 def not_used(tree: xr.DataTree) -> str:
     """Files and channels that were not used, by kind, a few of each; vertical channels are not among them."""
+    return rows_not_used(failure_rows(tree))
+
+
+def rows_not_used(rows: Sequence[Failure], more_in: str = " (group /failures)", listed: int = LISTED) -> str:
+    """The text of :func:`not_used` for some rows; `more_in` says where those are that are not `listed`."""
     lines = []
-    found, beside = _apart(by_kind(tree))
-    for kind, entries in found.items():
+    found, beside = _apart(_grouped(rows))
+    for kind, own in found.items():
         if kind != "vertical":
-            shown = entries if kind == "failed" else entries[:LISTED]
+            entries = _entries(kind, own)
+            shown = entries if kind == "failed" else entries[:listed]
             lines += _with_kind(kind, shown)
             if len(shown) < len(entries):
-                lines.append(f"{kind}: and {len(entries) - len(shown)} more (group /failures)")
+                lines.append(f"{kind}: and {sum(map(len, entries[len(shown) :]))} more{more_in}")
     if beside:
         lines.append(_beside(beside))
     return "\n".join(lines)
@@ -81,30 +97,29 @@ def not_used(tree: xr.DataTree) -> str:
 def failure_list(tree: xr.DataTree, kinds: Sequence[str] | None = None) -> str:
     """Everything that was not assessed, of some kinds or all: kind, stage, file and reason; empty for nothing."""
     found = by_kind(tree)
-    return "\n".join(line for kind in found if kinds is None or kind in kinds for line in _with_kind(kind, found[kind]))
+    named = [kind for kind in found if kinds is None or kind in kinds]
+    return "\n".join(line for kind in named for line in _with_kind(kind, [[row] for row in found[kind]]))
 
 
-def _with_kind(kind: str, entries: list[tuple[str, str, str]]) -> list[str]:
-    return [paragraph(_told(file, reason), "      ", f"{kind} ({stage}) ") for file, stage, reason in entries]
+def _with_kind(kind: str, entries: Sequence[Sequence[Failure]]) -> list[str]:
+    return [paragraph(told(group), "      ", f"{kind} ({group[0].stage}) ") for group in entries]
 
 
-def _told(file: str, reason: str) -> str:
-    """Most reasons begin with the file and a line in it."""
-    return reason if reason.startswith(file) else f"{file}: {reason}"
+def _entries(kind: str, rows: Sequence[Failure]) -> Sequence[Sequence[Failure]]:
+    """The rows of a kind as they are told: those of one reason together, or each alone."""
+    return alike(rows) if kind in _TOLD_ONCE else [[row] for row in rows]
 
 
-def _apart(
-    found: dict[str, list[tuple[str, str, str]]],
-) -> tuple[dict[str, list[tuple[str, str, str]]], list[str]]:
+def _apart(found: dict[str, list[Failure]]) -> tuple[dict[str, list[Failure]], list[str]]:
     """The files that might have been used, by kind, and the names of the files beside it that are no records."""
-    beside = [file for file, _, reason in found.get("skipped", ()) if _is_beside(file, reason)]
-    skipped = [row for row in found.get("skipped", ()) if not _is_beside(row[0], row[2])]
+    beside = [row.file for row in found.get("skipped", ()) if _is_beside(row)]
+    skipped = [row for row in found.get("skipped", ()) if not _is_beside(row)]
     rest = {kind: rows for kind, rows in (found | {"skipped": skipped}).items() if rows}
     return rest, [re.split(r"[/\\!]", file)[-1] for file in beside]
 
 
-def _is_beside(file: str, reason: str) -> bool:
-    return reason == f"{file}: {NO_RECORD}"
+def _is_beside(row: Failure) -> bool:
+    return row.reason == f"{row.file}: {NO_RECORD}"
 
 
 def _beside(names: Sequence[str]) -> str:
@@ -112,13 +127,15 @@ def _beside(names: Sequence[str]) -> str:
     return paragraph(f"{', '.join(names[:LISTED])}{more}", "  ", "not records: ")
 
 
-def by_kind(tree: xr.DataTree) -> dict[str, list[tuple[str, str, str]]]:
-    """The rows (file, stage, reason) of /failures by kind; the failed ones first."""
-    failures = tree["failures"].to_dataset()
-    grouped: dict[str, list[tuple[str, str, str]]] = {}
-    for kind, *row in zip(*(failures[name].values for name in ("kind", "file", "stage", "reason")), strict=True):
-        file, stage, reason = map(str, row)
-        grouped.setdefault(str(kind), []).append((file, stage, reason))
+def by_kind(tree: xr.DataTree) -> dict[str, list[Failure]]:
+    """The rows of /failures by kind; the failed ones first."""
+    return _grouped(failure_rows(tree))
+
+
+def _grouped(rows: Sequence[Failure]) -> dict[str, list[Failure]]:
+    grouped: dict[str, list[Failure]] = {}
+    for row in rows:
+        grouped.setdefault(row.kind, []).append(row)
     order = [*_KINDS, *sorted(set(grouped) - set(_KINDS))]
     return {kind: grouped[kind] for kind in order if kind in grouped}
 

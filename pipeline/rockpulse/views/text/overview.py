@@ -5,11 +5,12 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from rockpulse.assessment.answers import answers_of
+from rockpulse.views.shared.files_used import files_used
 from rockpulse.views.shared.terminal import paragraph, several
 from rockpulse.views.text.capacity import smallest_capacities
 from rockpulse.views.text.directions import direction_table
 from rockpulse.views.text.large_overview import hints, is_large, large_overview
-from rockpulse.views.text.left_out import left_out
+from rockpulse.views.text.left_out import left_out, unused
 from rockpulse.views.text.verdicts import governing, overturned, verdict_table
 
 if TYPE_CHECKING:
@@ -24,16 +25,17 @@ def overview(tree: xr.DataTree) -> str:
     Of more verdicts than can be shown one by one counts and the worst. Values that are not yet read from a file are
     read as far as they are shown.
     """
-    head = headline(tree)
+    head, files = headline(tree), files_used(tree).sentence
     answers = answers_of(tree)
     directions = tree["directions"].to_dataset() if "directions" in tree.children else None
     if is_large(answers):
-        return "\n\n".join([head, large_overview(answers, directions), left_out(tree, brief=True), hints()])
+        parts = [head, unused(files), large_overview(answers, directions), left_out(tree, brief=True), hints()]
+        return "\n\n".join(filter(None, parts))
     summary = answers.summary.load()  # all of it is shown: read at once, not value by value
     if directions is None:
-        shown = [verdict_table(summary), overturned(answers)]
+        shown = [verdict_table(summary), overturned(answers, files)]
     else:
-        shown = [direction_table(summary, directions.load())]
+        shown = [direction_table(summary, directions.load()), unused(files)]
     parts = [head, *shown, governing(answers), smallest_capacities(answers), left_out(tree)]
     return "\n\n".join(part for part in parts if part)
 

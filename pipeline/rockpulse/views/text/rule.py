@@ -8,8 +8,10 @@ from typing import TYPE_CHECKING, Any
 
 import pandas as pd
 
+from rockpulse.views.shared.files_used import files_used
 from rockpulse.views.shared.table import Cell, Heading, Table, lines, number
 from rockpulse.views.shared.terminal import fixed, paragraph
+from rockpulse.views.text.left_out import unused
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -27,8 +29,9 @@ _ORDER = ("balanced", "conservative", "in-sample", "left-out", "as-given", *NAME
 
 def rule_overview(tree: xr.DataTree) -> str:
     """The tables of :func:`rockpulse.studies.rule.judgement.judge_rules`, or the statement that there is none."""
+    files = unused(files_used(tree).sentence)
     if tree.attrs["statement"]:
-        return paragraph(f"no verdict on the rule: {tree.attrs['statement']}")
+        return "\n".join(filter(None, (files, paragraph(f"no verdict on the rule: {tree.attrs['statement']}"))))
     rates, at, areas = (tree[name].to_dataset().to_dataframe() for name in ("rates", "at_missed", "areas"))
     fallen, stood = int(rates["overturnings"].iloc[0]), int(rates["survivors"].iloc[0])
     head = (
@@ -59,7 +62,14 @@ def rule_overview(tree: xr.DataTree) -> str:
     ]
     truth = "Over perturbed truths (record and restitution by 0.1 %, ends of the record otherwise filtered):"
     compared = ["False alarms at a missed share:", *lines(_compared(at))]
-    parts = [[paragraph(head)], lines(_verdicts(rows)), margins, compared, surfaces, [truth, *perturbed]]
+    parts = [
+        [*filter(None, [files]), paragraph(head)],
+        lines(_verdicts(rows)),
+        margins,
+        compared,
+        surfaces,
+        [truth, *perturbed],
+    ]
     return "\n\n".join("\n".join(part) for part in parts)
 
 

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from rockpulse.views.shared.files_used import files_used
 from rockpulse.views.shared.table import Cell, Heading, Table, lines, number, text
 from rockpulse.views.shared.terminal import (
     ABSENT,
@@ -20,7 +21,7 @@ from rockpulse.views.shared.terminal import (
     several,
     share,
 )
-from rockpulse.views.text.left_out import not_used
+from rockpulse.views.text.left_out import not_used, unused
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -48,6 +49,7 @@ def site_overview(tree: xr.DataTree) -> str:
     """The tree of :func:`rockpulse.calibrate_site` as text for the terminal."""
     site = tree["site"].to_dataset()
     parts = [
+        unused(files_used(tree).sentence),
         "\n".join(paragraph(line, "  ", "! ") for line in remarks(site)),
         "\n".join(paragraph(line, "  ", "") for line in about_records(site)),
         explained(parameter_table(site)),

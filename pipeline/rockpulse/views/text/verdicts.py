@@ -61,17 +61,18 @@ def factor_table(summary: xr.Dataset) -> str:
     return "\n".join([*_lines(answers, columns), "", *(paragraph(note, "  ") for note in notes)])
 
 
-def overturned(answers: Answers) -> str:
+def overturned(answers: Answers, files: str = "") -> str:
     """The part of the overview on overturning: the records that overturn each block, by the fullest model in use.
 
-    Below stand the counts of every model, and the pairs in which a block rocks under a record but is overturned by a
-    weaker copy of it, which is no safer.
+    Before them stands what is to be known of the `files`, where not all are among these records. Below stand the counts
+    of every model, and the pairs in which a block rocks under a record but is overturned by a weaker copy of it, which
+    is no safer.
     """
     names = [cell.marked for cell in record_cells(answers.summary)]
     fallen = answers.by_block(np.logical_or, answers.overturned)
     smallest = answers.by_block(np.fmin, answers["safety_factor"])
     counts = [one.overturnings("block") for one in answers.of_models.values()]
-    told = [f"What overturns (by the {answers.model} model):"]
+    told = [f"What overturns (by the {answers.model} model):", *([paragraph(files, "    ", "  ! ")] if files else [])]
     rows, by_weaker = [], []
     for place, block in enumerate(answers.blocks):
         weaker = [

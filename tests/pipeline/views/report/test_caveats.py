@@ -7,6 +7,7 @@ from report_cases import answers, motions, summary_of, verdict
 
 from rocking.response import Outcome
 from rockpulse.views.report.caveats import caveats
+from rockpulse.views.shared.files_used import FilesUsed
 
 
 def site(peaks, design=0.2, upper=0.3):
@@ -31,7 +32,7 @@ def site(peaks, design=0.2, upper=0.3):
 
 def heads(summary, kind="sequence", **options):
     of = motions(summary.sizes["record"], kind=kind)
-    found = caveats(answers(summary, of), [verdict(summary, of)], 0, **options)
+    found = caveats(answers(summary, of), [verdict(summary, of)], FilesUsed(1), **options)
     return {one.head: one for one in found}
 
 

@@ -105,7 +105,7 @@ def test_the_verdict_names_what_is_counted(page, results):
         "1 of 3 bodies is lifted by none of these, so that they say nothing of it: plinth (never lifted, no ",
         "With 90% confidence",
         "Clopper and Pearson",
-        "1 file or channel failed",
+        "4 of 5 files used, 1 not",
         "upper-bound type input",
         "the body is not lifted",
     ):

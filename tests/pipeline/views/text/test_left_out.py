@@ -24,11 +24,28 @@ def test_left_out_lists_by_kind_with_the_failed_first():
 
 def test_a_long_list_of_what_is_no_failure_is_cut_and_says_so():
     tree = results_tree()
-    tree["failures"] = tree["failures"].isel(failure=[1] * 40 + [2] * 40)
+    names = [f"n{number}" for number in range(40)]
+    rows = [Failure(f"{name}.AT2", "read", f"{name}.AT2:4: expected {name}", "failed") for name in names]
+    rows += [Failure(f"{name}.VT2", "read", f"{name}.VT2:4: velocity {name}", "skipped") for name in names]
+    tree["failures"] = xr.DataTree(failure_table(rows))
+    text = left_out(tree)
+    assert text.count("AT2:4: expected n") == 40
+    assert text.count("VT2:4: velocity n") == 12
+    assert "  and 28 more (rockpulse inspect RESULTS --failures shows them)" in text.splitlines()
+
+
+def test_one_reason_of_many_files_is_told_once_with_their_number_and_two_of_them():
+    names = [f"campaign/m{number:02}.asc" for number in range(24)]
+    reason = "no reader recognises the file; convert it"
+    rows = [Failure(name, "read", f"{name}: {reason}", "failed") for name in names]
+    rows.insert(3, Failure("cut.AT2", "read", "cut.AT2:4: truncated", "failed"))
+    tree = results_tree()
+    tree["failures"] = xr.DataTree(failure_table(rows))
+    told = f"24 files (campaign/m00.asc, campaign/m01.asc and 22 more): {reason}"
     lines = left_out(tree).splitlines()
-    assert lines.count("  cut.AT2:4: expected 100 samples, found 3") == 40
-    assert lines.count("  notes.txt: no record") == 12
-    assert "  and 28 more (rockpulse inspect RESULTS --failures shows them)" in lines
+    assert lines[:3] == ["failed: 25", f"  {told}", "  cut.AT2:4: truncated"]
+    assert f"failed (read) {told}" in " ".join(not_used(tree).split())
+    assert len(failure_list(tree).splitlines()) == 25
 
 
 def test_files_that_are_no_records_are_one_line_and_data_that_cannot_be_used_one_each():
@@ -103,7 +120,7 @@ def test_a_vertical_channel_that_acted_is_told(name, title):
     assert title in left_out(acted).splitlines()
 
 
-def test_what_was_not_used_is_listed_by_kind_and_long_lists_are_cut():
+def test_what_was_not_used_is_listed_by_kind():
     rows = {
         "file": ["up", "bad", *[f"note {k}" for k in range(15)]],
         "stage": ["assess", *["read"] * 16],
@@ -112,6 +129,5 @@ def test_what_was_not_used_is_listed_by_kind_and_long_lists_are_cut():
     }
     text = not_used(xr.DataTree.from_dict({"/failures": xr.Dataset({k: ("failure", v) for k, v in rows.items()})}))
     assert text.splitlines()[0] == "failed (read) bad: truncated"
-    assert text.count("skipped (read)") == 12
-    assert text.endswith("skipped: and 3 more (group /failures)")
+    assert "skipped (read) 15 files (note 0, note 1 and 13 more): no reader" in text
     assert "vertical" not in text

@@ -1,0 +1,156 @@
+"""How many of the files that were given are in the results, and why the others are not: one count for every view.
+
+A file is used where one of its channels is in the results: assessed, or left out as a vertical one, one on a structure,
+or one whose motion another record has. It is not used where it has failed and nothing of it is in the results. Files
+that were skipped (texts, tables, pictures, velocities, spectra, records too weak for the purpose) do not count.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+from rockpulse.failures import Failure, alike
+from rockpulse.record.record import BETWEEN
+from rockpulse.views.shared.terminal import several
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = ["FilesUsed", "count_files", "failure_rows", "files_used"]
+
+#: Kinds of rows of channels that were read, and are in the results or stand for a motion that is.
+_READ = frozenset({"vertical", "structural", "duplicate", "depth"})
+#: Steps that leave out the one file of a row as it was named; the rows of later ones have the files of a record.
+_OF_FILES = frozenset({"find", "read"})
+#: The step whose rows are about a table of the user, no file of records.
+_OF_TABLES = "events"
+#: Groups with a row for each record of the results, by the kind of file; the first that is there counts.
+_GROUPS = ("summary", "site", "capacities", "cases")
+#: Reasons in a sentence, files named with each, and characters of each.
+_REASONS, _NAMED, _LONGEST = 3, 2, 120
+
+
+@dataclass(frozen=True)
+class FilesUsed:
+    """The files that were used, as a number, and the rows of what failed.
+
+    ``unused`` has a row for each file that failed, its first; ``beside`` are the other rows of kind "failed": channels
+    of files that are used, and a table of earthquakes. ``used`` is None where records do not tell their files.
+    """
+
+    used: int | None
+    unused: tuple[Failure, ...] = ()
+    beside: tuple[Failure, ...] = ()
+
+    @property
+    def counted(self) -> str:
+        """How many files were used and how many not; empty where all were.
+
+        Examples
+        --------
+        >>> FilesUsed(3, (Failure("a.txt", "read", "a.txt: damaged", "failed"),)).counted
+        '3 of 4 files used, 1 not'
+        """
+        count = len(self.unused)
+        if not count:
+            return ""
+        if self.used is None:
+            return f"{several(count, 'file')} not used"
+        return f"{self.used} of {several(self.used + count, 'file')} used, {count} not"
+
+    @property
+    def sentence(self) -> str:
+        """The numbers and the reasons; empty where all files were used.
+
+        Examples
+        --------
+        >>> FilesUsed(3, (Failure("a.txt", "read", "a.txt: damaged; download it again", "failed"),)).sentence
+        '3 of 4 files used, 1 not: damaged (a.txt).'
+        """
+        return f"{self.counted}: {_reasons(self.unused)}." if self.unused else ""
+
+    @property
+    def reasons(self) -> str:
+        """Why something failed: files that are not used, then channels of files that are."""
+        return "; ".join(_reasons(rows) for rows in (self.unused, self.beside) if rows)
+
+    @property
+    def line(self) -> str:
+        """Everything that failed in one line; empty where nothing did."""
+        channels = f"failed beside: {_reasons(self.beside)}." if self.beside else ""
+        return " ".join(filter(None, (self.sentence, channels if self.unused else channels.replace(" beside", ""))))
+
+
+def files_used(tree: xr.DataTree) -> FilesUsed:
+    """The count of a file of results, or of its groups with the records and /failures."""
+    group = next((name for name in _GROUPS if name in tree.children), None)
+    if group is None:
+        return count_files((), failure_rows(tree))
+    records = tree[group].to_dataset()
+    if "source" not in records:  # a file of rule verdicts of before 0.2.0
+        return FilesUsed(None)
+    sources = records["source"].values.tolist()
+    if "source_sha256" not in records:
+        return count_files((name for source in sources for name in source.split(BETWEEN)), failure_rows(tree))
+    pairs = zip(sources, records["source_sha256"].values.tolist(), strict=True)
+    return count_files((name for pair in set(pairs) for name in _files_of(*pair)), failure_rows(tree))
+
+
+def count_files(used: Iterable[str], rows: Iterable[Failure]) -> FilesUsed:
+    """The count of a run, from the files that its records were read from and the rows of what was left out."""
+    rows = list(rows)
+    names = {*used, *(name for row in rows if row.kind in _READ for name in _named(row))}
+    unused: dict[str, Failure] = {}
+    beside = []
+    for row in rows:
+        if row.kind != "failed":
+            continue
+        missing = [] if row.stage == _OF_TABLES else [name for name in _named(row) if name not in names]
+        if not missing:
+            beside.append(row)
+        for name in missing:
+            unused.setdefault(name, replace(row, file=name))
+    # A record that was made by hand has no file.
+    return FilesUsed(None if "" in names else len(names), tuple(unused.values()), tuple(beside))
+
+
+def failure_rows(tree: xr.DataTree) -> list[Failure]:
+    """The rows of /failures, in their order; none where there is no such group."""
+    if "failures" not in tree.children:
+        return []
+    failures = tree["failures"].to_dataset()
+    columns = (failures[name].values.tolist() for name in ("file", "stage", "reason", "kind"))
+    return [Failure(*row) for row in zip(*columns, strict=True)]
+
+
+def _named(row: Failure) -> list[str]:
+    return [row.file] if row.stage in _OF_FILES else row.file.split(BETWEEN)
+
+
+def _files_of(source: str, checksums: str) -> list[str]:
+    """The files of a record: one for each SHA-256, for the name of a file may hold the sign between them."""
+    names = source.split(BETWEEN)
+    return names if len(names) == len(checksums.split(BETWEEN)) else [source]
+
+
+def _reasons(rows: Iterable[Failure]) -> str:
+    groups = sorted(alike(rows), key=len, reverse=True)
+    said = [_reason(group) for group in groups[:_REASONS]]
+    rest = sum(map(len, groups[_REASONS:]))
+    return "; ".join([*said, *([f"{rest} more for other reasons"] if rest else [])])
+
+
+def _reason(group: list[Failure]) -> str:
+    """The first part of a reason, which says what was found; what to do stands in the list of failures."""
+    words = " ".join(group[0].bare.split()).partition("; ")[0]
+    if len(words) > _LONGEST:
+        words = f"{words[:_LONGEST].rpartition(' ')[0]} ..."
+    names = ", ".join(_last(row.file) for row in group[:_NAMED]) + (", ..." if len(group) > _NAMED else "")
+    return f"{words} ({f'{len(group)}: ' if len(group) > _NAMED else ''}{names})"
+
+
+def _last(file: str) -> str:
+    """The last part of the name of a file or a member of an archive."""
+    return file.replace("\\", "/").rpartition("!")[2].rpartition("/")[2] or file

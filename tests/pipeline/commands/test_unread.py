@@ -1,0 +1,154 @@
+"""Motions that no reader takes are never lost quietly: exit code, verdict, report, ``inspect``, and one quiet line."""
+
+import re
+import zipfile
+
+import numpy as np
+import pytest
+from record_writers import at2, pulse
+
+import rockpulse as rp
+from rockpulse.cli import main
+
+#: Layouts that no reader takes, as agencies change theirs from one year to the next.
+HEADER = "".join(f"NEW_KEY_{number}: value {number}.5\n" for number in range(70))
+ROWS = "".join(f"{number:6d}: {np.sin(number):9.4f} {np.cos(number):9.4f}\n" for number in range(400))
+GOOD, UNREAD = 3, 24
+COUNT = "3 of 27 files used, 24 not"
+WHY = "no reader recognises the file (24: m00.asc, m01.txt, ...)"
+BLOCK = ["--block", "statue=0.6x1.9"]
+
+
+def motions():
+    """Names and contents of three good motions and of twenty-four that no reader takes, each another motion."""
+    good = {f"good{number}.AT2": at2(pulse(400, 0.3 + 0.01 * number)) for number in range(GOOD)}
+    suffixes = ("asc", "txt", "acc")
+    unread = {
+        f"m{number:02}.{suffixes[number % 3]}": f"{HEADER}STATION: {number}\n{ROWS}".encode()
+        for number in range(UNREAD)
+    }
+    beside = {"notes.txt": b"Visit on 3 May, battery changed.\n", "list.csv": b"file,event\nm00.asc,Kobe\n"}
+    return {**good, **unread, **beside}
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("motions")
+    for name, content in motions().items():
+        (folder / name).write_bytes(content)
+    return folder
+
+
+@pytest.fixture(scope="module")
+def assessed(folder, tmp_path_factory):
+    target = tmp_path_factory.mktemp("results") / "results.h5"
+    assert main(["assess", str(folder), *BLOCK, "-o", str(target), "--quiet"]) == 1
+    return target
+
+
+def flat(text):
+    return " ".join(text.split())
+
+
+def test_the_count_stands_beside_the_verdict_and_the_reason_is_told_once(folder, tmp_path, capsys):
+    assert main(["assess", str(folder), *BLOCK, "-o", str(tmp_path / "results.h5")]) == 1
+    out = capsys.readouterr().out
+    told = flat(out)
+    assert re.search(rf"What overturns \(by the nonlinear model\): ! {re.escape(f'{COUNT}: {WHY}')}\. statue: ", told)
+    assert f"failed: 24 24 files ({folder}/m00.asc, {folder}/m01.txt and 22 more): no reader recognises the" in told
+    assert told.count("formats tried") == 1
+    assert "not records: list.csv, notes.txt" in out
+
+
+def test_with_quiet_it_is_one_line(folder, tmp_path, capsys):
+    assert main(["assess", str(folder), *BLOCK, "-o", str(tmp_path / "results.h5"), "--quiet"]) == 1
+    assert capsys.readouterr() == ("", f"rockpulse: {COUNT}: {WHY}.\n")
+
+
+def test_inspect_tells_the_count_and_lists_every_file_where_asked_for(assessed, capsys):
+    assert main(["inspect", str(assessed)]) == 0
+    assert f"! {COUNT}: {WHY}." in flat(capsys.readouterr().out)
+    assert main(["inspect", str(assessed), "--failures"]) == 0
+    assert capsys.readouterr().out.count("no reader recognises the file") == UNREAD
+
+
+def test_the_first_sentence_of_the_report_has_the_count(assessed, tmp_path):
+    assert main(["report", str(assessed), "-o", str(tmp_path / "report.html")]) == 0
+    page = (tmp_path / "report.html").read_text(encoding="utf-8")
+    first = page.split('class="headline"', 1)[1].split("</p>", 1)[0]
+    assert f"({COUNT})" in first
+    assert f"No part of this verdict, see below: {WHY}." in page
+    assert page.count("m23.acc: no reader recognises the file") == 1  # the annex has every file
+
+
+def test_members_of_an_archive_are_lost_no_more_than_files(tmp_path, capsys):
+    with zipfile.ZipFile(tmp_path / "all.zip", "w") as target:
+        for name, content in motions().items():
+            target.writestr(f"sub/{name}", content)
+    path = tmp_path / "results.h5"
+    assert main(["assess", str(tmp_path / "all.zip"), *BLOCK, "-o", str(path), "--quiet"]) == 1
+    assert capsys.readouterr().err == f"rockpulse: {COUNT}: {WHY}.\n"
+    kinds = rp.load(path)["failures"]["kind"].values.tolist()
+    assert (kinds.count("failed"), kinds.count("skipped")) == (UNREAD, 2)
+
+
+@pytest.mark.parametrize("quiet", [True, False])
+def test_where_nothing_can_be_used_the_count_and_the_reason_are_told(folder, tmp_path, capsys, quiet):
+    given = ["assess", str(folder / "m*"), *BLOCK, "-o", str(tmp_path / "results.h5"), *(["--quiet"] if quiet else [])]
+    assert main(given) == 1
+    said = capsys.readouterr().err
+    line = f"rockpulse: not one record could be assessed, nothing was written: 0 of 24 files used, 24 not: {WHY}.\n"
+    assert said.endswith(line)
+    assert (said == line) == quiet
+    assert said.count("formats tried") == (0 if quiet else 1)
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_strict_run_stops_at_the_first_of_them(folder, tmp_path, capsys):
+    given = ["assess", str(folder), *BLOCK, "-o", str(tmp_path / "results.h5"), "--strict", "--quiet"]
+    assert main(given) == 1
+    assert "stopped at the first failure (--strict)" in capsys.readouterr().err
+    assert not (tmp_path / "results.h5").exists()
+
+
+@pytest.mark.sweep
+@pytest.mark.parametrize("verb", ["fragility", "calibrate"])
+def test_a_fragility_file_and_a_site_tell_the_count(folder, tmp_path, capsys, verb):
+    config = tmp_path / "site.toml"
+    config.write_text("[search]\npoints = 16\n[calibration]\nbootstrap = 100\n")
+    path = tmp_path / "out.h5"
+    block = ["--block", "wall=0.3x2.4"]
+    assert main([verb, str(folder), *block, "--config", str(config), "-o", str(path), "--quiet"]) == 1
+    assert capsys.readouterr().err == f"rockpulse: {COUNT}: {WHY}.\n"
+    assert main(["inspect", str(path)]) == 0
+    assert f"! {COUNT}: {WHY}." in flat(capsys.readouterr().out)
+
+
+def test_verdicts_of_the_rule_tell_the_count(folder, tmp_path, capsys):
+    path = tmp_path / "out.h5"
+    assert main(["rule", "judge", str(folder), "-o", str(path), "--quiet"]) == 1
+    assert capsys.readouterr().err == f"rockpulse: {COUNT}: {WHY}.\n"
+    assert main(["inspect", str(path)]) == 0
+    assert f"! {COUNT}: {WHY}." in flat(capsys.readouterr().out)
+
+
+def test_what_is_converted_is_counted_too(folder, tmp_path, capsys):
+    assert main(["convert", str(folder), "-o", str(tmp_path / "all.mseed"), "--quiet"]) == 1
+    assert capsys.readouterr() == ("", f"rockpulse: {COUNT}: {WHY}.\n")
+
+
+@pytest.mark.parametrize(
+    ("name", "advice"),
+    [
+        ("r.csv", "rockpulse export r.h5 -o r.csv"),
+        ("r.CSV.gz", "rockpulse export r.h5 -o r.csv"),
+        ("r.html", "rockpulse report r.h5 -o r.html"),
+        ("r.svg", "rockpulse plot r.h5 -o r.svg"),
+    ],
+)
+@pytest.mark.parametrize("verb", ["assess", "calibrate", "fragility"])
+def test_a_name_that_tells_table_or_picture_is_refused_at_once(tmp_path, capsys, monkeypatch, verb, name, advice):
+    monkeypatch.chdir(tmp_path)
+    assert main([verb, "absent.AT2", *BLOCK, "-o", name]) == 2
+    assert advice in capsys.readouterr().err
+    assert not list(tmp_path.iterdir())
