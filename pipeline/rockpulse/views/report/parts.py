@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from rockpulse.ladder import SEQUENCE_MODELS
 from rockpulse.views.report.pairing import Paired, listed
+from rockpulse.views.shared.files_used import files_used
 from rockpulse.views.shared.table import Cell, Heading, Table, number
 from rockpulse.views.shared.terminal import several, share
 from rockpulse.views.text.fragility import median_table, records_words, shown_measure, state_words, sufficiency_tables
@@ -43,10 +44,15 @@ def describe_site(of: Paired, assessed: int) -> Part:
     """The section on the site; no record is assessed where its design sequence stands for them."""
     site = of.tree["site"].to_dataset()
     return Part(
-        (*of.other_motions("The calibration and its design are", assessed), *remarks(site)),
+        (*_files(of), *of.other_motions("The calibration and its design are", assessed), *remarks(site)),
         (*about_records(site), *_common(of, site, assessed), design(site), coverage(site)),
         (parameter_table(site), block_table(site), _events(site), _every_record(site)),
     )
+
+
+def _files(of: Paired) -> list[str]:
+    """A sentence on the files that were not used for the site or the curves; none where all were."""
+    return [sentence] if (sentence := files_used(of.tree).sentence) else []
 
 
 def _common(of: Paired, site: xr.Dataset, assessed: int) -> list[str]:
@@ -120,7 +126,7 @@ def describe_fragility(of: Paired, assessed: int, model: str) -> Part:
     statement = f"From {records_words(tree)} ({common}); {_DATA[tree.attrs['data']]}."
     said = _remark_table(own)
     return Part(
-        tuple(_differences(of, assessed, model)),
+        (*_files(of), *_differences(of, assessed, model)),
         (statement,),
         (median_table(tree), *((said,) if said.rows else ()), *sufficiency_tables(tree["efficiency"].to_dataset())),
         tuple(own["block"].values.tolist()),

@@ -4,7 +4,10 @@ import html
 
 import numpy as np
 import pytest
+import xarray as xr
 
+from rockpulse.failures import Failure
+from rockpulse.storage.variables import failure_table
 from rockpulse.views.report.pairing import Paired
 from rockpulse.views.report.parts import describe_fragility
 from rockpulse.views.report.writing import typeset
@@ -85,3 +88,11 @@ def test_small_print_of_the_headings_is_a_note_on_the_terminal(site, fragility, 
             assert f"<small>{typeset(heading.note)}</small>" in page
             assert f": {heading.note}." in told
     assert "dispersion, low, high: of the logarithm." in " ".join(site_overview(site).split())
+
+
+def test_the_files_that_curves_do_not_rest_on_are_said_before_them(fragility, curves):
+    tree = with_curves(fragility, curves)
+    tree["failures"] = xr.DataTree(failure_table([Failure("a.asc", "read", "a.asc: no reader", "failed")]))
+    files = tree["capacities"].sizes["record"]
+    first, *_ = describe_fragility(Paired(tree, (), (), 0, 0, (), ()), 0, "nonlinear").remarks
+    assert first == f"{files} of {files + 1} files used, 1 not: no reader (a.asc)."
