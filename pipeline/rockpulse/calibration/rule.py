@@ -22,6 +22,7 @@ from typing import Any
 import numpy as np
 
 from rocking.block import Block
+from rocking.block_limits import radius_of_rectangle
 from rocking.half_wave_demand import HalfWaveDemand, demand_of_half_waves
 from rocking.main_sequence_kernel import effective_amplification
 from rocking.sequence import ImpulseSequence
@@ -212,13 +213,17 @@ def _range(table: Mapping[str, Any], source: str) -> dict[str, tuple[float, floa
 
 
 def traits(block: Block) -> dict[str, np.ndarray]:
-    """The quantities that the range of a rule is stated in, each (m,): p [1/s], R [m], a/b [-], C/Housner's [-]."""
+    """The quantities that the range of a rule is stated in, each (m,): p [1/s], R [m], a/b [-], C/Housner's [-].
+
+    R and Housner's C are those of the rectangle with the same p and alpha.
+    """
     alpha = np.atleast_1d(block.alpha_c)
     housner = 1.0 - 1.5 * np.sin(alpha) ** 2
     ratio = np.divide(block.restitution, housner, out=np.full(alpha.shape, np.inf), where=housner > 0.0)
     return {
         "p": np.atleast_1d(block.p),
-        "radius": np.atleast_1d(block.radius),
+        # Of two bodies of one p the motion is the same, whatever their own R: the range is one of rectangles.
+        "radius": np.atleast_1d(radius_of_rectangle(block.p, block.gravity)),
         "slenderness": np.atleast_1d(block.slenderness),
         "restitution_ratio": ratio,
     }

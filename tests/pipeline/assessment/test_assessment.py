@@ -24,6 +24,8 @@ from rockpulse.failures import Failure
 from rockpulse.models import Block, Outcome, Reason, recorded_response
 from rockpulse.record.intensity import pgv
 from rockpulse.record.record import Record
+from rockpulse.storage.save_load import load, save
+from rockpulse.views.plots.selection import block_of
 
 DT = 0.01
 WALL = BlockSettings(name="wall", width=0.4, height=3.0)
@@ -251,6 +253,22 @@ def test_every_estimator_gives_an_assessment_with_safety_factors(options):
     tree = assess([record("one")], config)
     assert tree["failures"].sizes["failure"] == 0
     assert np.all(tree["summary"]["safety_factor"] > 0.0)
+
+
+def test_a_body_with_its_own_radius_answers_as_without_and_keeps_it(tmp_path):
+    own = BlockSettings(name="own", p=2.385, alpha=0.2445, radius=1.136, restitution=[0.87, 0.92])
+    without = BlockSettings(name="without", p=2.385, alpha=0.2445, restitution=[0.87, 0.92])
+    config = Config(blocks=(own, without))
+    path = tmp_path / "results.h5"
+    save(assess([record("one")], config), path)
+    summary = load(path)["summary"].to_dataset()
+    assert summary["radius"].values == pytest.approx([1.136, 1.2930], abs=1e-4)
+    assert summary["block_warnings"].values[0] == ""
+    assert "of a rectangle with this alpha" in summary["block_warnings"].values[1]
+    for name in ("peak_rotation_ratio", "safety_factor", "outcome", "applicable", "impacts"):
+        assert np.array_equal(*(summary[name].sel(block=body).values for body in ("own", "without")), equal_nan=True)
+    assert block_of(summary, "own", 2).radius == 1.136
+    assert block_of(summary, "without", 2).radius == pytest.approx(1.2930, abs=1e-4)
 
 
 def test_body_beyond_the_reach_of_the_sequence_leaves_the_others_their_answers():

@@ -133,6 +133,7 @@ def test_the_range_is_that_of_the_bodies_of_the_fit():
         ({"p": 2.75}, False),
         ({"restitution": 0.9 * usual["restitution"]}, False),
         ({"restitution": 0.98}, True),
+        ({"radius": 0.9}, True),  # that of its own: the motion is that of the rectangle with its p
         ({"alpha": np.arctan(1.0 / 3.5)}, False),
         ({"alpha": np.arctan(1.0 / 13.0)}, False),
     ):

@@ -27,8 +27,9 @@ _ASSUMPTIONS = (
     ),
     (
         "Impact",
-        "instantaneous, without bouncing; it leaves the fraction C of the rotation speed. C is Housner's 1 − 1.5 "
-        "sin²α_c unless given; C of real masonry scatters.",
+        "instantaneous, without bouncing; it leaves the fraction C of the rotation speed. Unless given, C is the most "
+        "that angular momentum allows: Housner's 1 − 1.5 sin²α_c, or 1 − 2 (p²R/g) sin²α_c for a body whose R is "
+        "given with p and α_c. C of real masonry scatters.",
     ),
     (
         "Ground motion",

@@ -112,6 +112,20 @@ def test_a_block_lists_its_restitutions_and_warnings():
     assert shown["warning"] == "slenderness 2.5 is below 3"
 
 
+@pytest.mark.parametrize(
+    ("radius", "shown"),
+    [
+        (0.75 * 9.81 / 2.6**2, "1.09 m (of the rectangle with this p)"),
+        (0.96, "0.96 m (from the corner to the centre of mass)"),
+    ],
+)
+def test_the_radius_of_a_body_that_is_no_rectangle_says_whose_it_is(radius, shown):
+    summary = results_tree()["summary"].to_dataset()
+    summary["radius"].values[2] = radius
+    text = block_details(summary.assign(gravity=("block", [9.81] * 3)), "cabinet")
+    assert {name: words.strip() for name, words in entries(text)}["half the diagonal R"] == shown
+
+
 @pytest.mark.parametrize("cases", [None, 2])
 def test_the_model_that_answered_for_auto_is_named_for_every_body_and_record(cases):
     summary = results_tree(cases)["summary"].to_dataset()
