@@ -9,7 +9,7 @@ import io
 import re
 import zlib
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path, PurePosixPath
 from typing import BinaryIO
@@ -120,7 +120,7 @@ class SourceFile:
         first = self.content[:half]
         if not self.content.endswith(first):
             return None
-        return SourceFile(self.name, first[:HEAD], lambda: first, self.station_files, self.chosen)
+        return replace(self, head=first[:HEAD], load=lambda: first)
 
     @property
     def path(self) -> PurePosixPath:

@@ -72,6 +72,6 @@ def find_layout(lines: Sequence[str]) -> Layout | None:
     return None
 
 
-def end_of_numbers(lines: Sequence[str], layout: Layout) -> int:
-    """Index of the first line of words behind the numbers; the number of lines where there is none."""
-    return next((at for at in range(layout.start, len(lines)) if _WORDS.match(lines[at])), len(lines))
+def end_of_numbers(lines: Sequence[str], start: int) -> int:
+    """Index of the first line of words behind the numbers, which begin at `start`; the number of lines if none is."""
+    return next((at for at in range(start, len(lines)) if _WORDS.match(lines[at])), len(lines))

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import re
 from collections import Counter
 from dataclasses import replace
 
 import fuzz
+import fuzz_checks
 import numpy as np
 import pytest
 
@@ -81,3 +83,41 @@ def test_the_fuzzer_sees_what_is_wrong(monkeypatch, reader, words):
     (fault,) = fuzz.faults(whole)
     assert fault.startswith("seed 0: CLC090.AT2")
     assert words in fault
+
+
+def test_only_the_samples_of_these_names():
+    names = {fuzz.case(seed, only=("*.acc", "*.g3")).sample for seed in range(40)}
+    assert names == {"clc_H2.cor.acc", "clc_V.cor.acc", "clc_rows.g3"}
+
+
+def read_otherwise(**changes):
+    """A reader that gets a fact wrong and says nothing of it."""
+
+    def read_wrongly(file, options):
+        return [replace(record, warnings=(), **changes) for record in read_source(file, options)]
+
+    return read_wrongly
+
+
+@pytest.mark.parametrize("name", ["20190706031958_CLC_ap_AAD_Acc_E.asc", "clc_H2.cor.acc", "clc_end_data.txt"])
+def test_what_contradicts_the_header_is_seen(monkeypatch, name):
+    options = fuzz.ReadOptions(**fuzz.read_options().get(name, {}))
+    whole = replace(fuzz.case(0), sample=name, content=fuzz.corpus()[0][name], beside=(), options=options)
+    assert fuzz.outcome(whole) == ("silent", 1, "")
+    (record,) = read_source(fuzz.SourceFile(name, whole.content, lambda: whole.content), options)
+    wrong = [("step", {"dt": 0.02}), ("count", {"acceleration": record.acceleration[:-1]})]
+    wrong += [("unit", {"unit_factor": 0.5 * record.unit_factor})]
+    if name != "clc_end_data.txt":
+        wrong += [("gal|m/s2", {"acceleration": 2.0 * record.acceleration})]
+    for fact, changes in wrong:
+        monkeypatch.setattr(fuzz, "read_source", read_otherwise(**changes))
+        kind, _, fault = fuzz.outcome(whole)
+        assert kind == "silent"
+        assert re.search(f"the header states the ({fact}) ", fault)
+    assert fuzz_checks.contradiction(replace(record, dt=0.02, warnings=("told",)), whole.content) == ""
+
+
+def test_a_count_of_damaged_files_of_the_formats_in_words_and_numbers(capsys):
+    only = ("*AAD*", "*.acc", "*.g3", "*end_data*")
+    assert fuzz.count_cases(300, 5000, "", only) == 0
+    assert " 300 files " in capsys.readouterr().out.splitlines()[-1]

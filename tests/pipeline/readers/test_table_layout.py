@@ -84,3 +84,11 @@ def test_fewer_numbers_before_the_words_than_the_header_states(write):
         (record,) = read(path, units="g")
         notes = " ".join(record.warnings)
         assert all(words in notes for words in ("the numbers stop at", "speaks of 300", "as one series"))
+
+
+@pytest.mark.parametrize("number", ["0.02e-320", "0.02E+999"])
+def test_an_interval_with_an_exponent_beyond_all_numbers_is_no_interval(write, number):
+    rows = wrapped(VALUES, 8, field="{:10.5f}").decode()
+    path = write(PEKNOLD.format(count=200).replace("0.02", number).encode() + rows.encode())
+    with pytest.raises(RecordFormatError, match="option dt for the sampling interval"):
+        read(path, units="g")

@@ -17,6 +17,7 @@ from rockpulse.readers.fields import check_count, fixed_width, free_numbers, tex
 from rockpulse.readers.format import Format, ReadOptions
 from rockpulse.readers.peer_table import listed
 from rockpulse.readers.source import NotAcceleration, SourceFile
+from rockpulse.readers.table_layout import end_of_numbers
 from rockpulse.readers.units import canonical_unit
 from rockpulse.record.record import Record
 
@@ -114,7 +115,9 @@ def read_at2(file: SourceFile, options: ReadOptions) -> list[Record]:
     count, step = int(match["count"].replace(",", "")), float(re.sub("[dD]", "e", match["step"]))
     if not (np.isfinite(step) and step > 0.0) or _MILLISECONDS.search(header[end]):
         raise RecordFormatError(f"{file.name}:{end + 1}: expected a positive DT in s, found {header[end].strip()!r}")
-    samples, warnings = _samples(file.name, lines, _first_value(lines, end + 1), count)
+    first = _first_value(lines, end + 1)
+    stop, behind = _numbers_stop(file.name, lines, first, count)
+    samples, warnings = _samples(file.name, lines[:stop], first, count)
     component = re.sub(r"\s*\(.*?\)\s*$", "", title[-1]) if len(title) > 1 else ""
     written = _WRITTEN.match(header[0])
     found, notes = listed(file)
@@ -134,9 +137,28 @@ def read_at2(file: SourceFile, options: ReadOptions) -> list[Record]:
             station_name=station or found.station_name,
             event=", ".join(title[:event]) or found.event,
             facts=found.facts,
-            warnings=[*warnings, *notes],
+            warnings=[*warnings, *behind, *notes],
         )
     ]
+
+
+def _numbers_stop(name: str, lines: Sequence[str], first: int, count: int) -> tuple[int, list[str]]:
+    """Index of the line behind the numbers, and a warning for numbers behind words.
+
+    Words end the numbers only where `count` of them stand before; else they are damage. A second header is refused.
+    """
+    stop = end_of_numbers(lines, first)
+    if stop == len(lines) or sum(len(line.split()) for line in lines[first:stop]) < count:
+        return len(lines), []
+    behind = lines[stop:]
+    if _header_end(behind) is not None:
+        raise RecordFormatError(
+            f"{name}:{stop + 1}: expected the end of the file, found {behind[0][:60].strip()!r}, the beginning of "
+            "another record; write each record into a file of its own"
+        )
+    rows = sum(bool(_VALUE.match(line)) for line in behind)
+    found = f"line {stop + 1}: the numbers stop at {behind[0][:60].strip()!r}; {rows} rows of numbers behind it"
+    return stop, [f"{found} were left out"] if rows else []
 
 
 def _first_value(lines: Sequence[str], after: int) -> int:

@@ -100,7 +100,7 @@ def read_columns(file: SourceFile, options: ReadOptions) -> list[Record]:
         )
     headings, end = column_headings(lines[: layout.start], layout)
     prose = lines[:end]
-    stop = end_of_numbers(lines, layout)
+    stop = end_of_numbers(lines, layout.start)
     lines, behind = lines[:stop], lines[stop:]
     numbered = number_lines(file.name, lines, layout, names_time(headings))
     where = f"{file.name}:{numbered.start + 1}"

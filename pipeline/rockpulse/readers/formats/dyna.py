@@ -34,6 +34,8 @@ _TELLING = ("EVENT_DATE_YYYYMMDD", "STATION_CODE", "SAMPLING_INTERVAL_S", "NDATA
 _FEWEST_KEYS, _LINES_BEFORE = 3, 200
 #: Keys that decide how the samples are read; one that is there with two values is an error, others are told.
 _DECISIVE = frozenset({"SAMPLING_INTERVAL_S", "NDATA", "UNITS", "DATA_TYPE"})
+#: Keys that are held against the samples; what is no number there is told.
+_HELD = ("DURATION_S", "PGA_CM/S^2", "TIME_PGA_S", "LOW_CUT_FREQUENCY_HZ", "HIGH_CUT_FREQUENCY_HZ")
 #: The keys of AFAD before the title that are known, and the title of its corrected files.
 _AAD = "AAD_"
 _AAD_KEYS = tuple(
@@ -270,7 +272,12 @@ def _band(low: float, high: float) -> str:
 
 def _remarks(header: _Header, step: float, samples: np.ndarray) -> list[str]:
     """Warnings where the header contradicts the samples."""
-    notes, count = [], samples.size
+    count = samples.size
+    notes = [
+        f"line {header.lines[key]}: {key} is no number that can be: {header.text(key)[:40]!r}"
+        for key in _HELD
+        if header.text(key) and not _DECIMAL.fullmatch(header.text(key))
+    ]
     if header.text("LATE/NORMAL_TRIGGERED").upper().startswith("L"):
         notes.append("late triggered (header): the beginning of the motion is missing")
     if "NOT REMOVED" in header.text("BASELINE_CORRECTION").upper() and header.text("PROCESSING").lower() != "none":

@@ -44,7 +44,7 @@ _KINDS = {"a": "acceleration", "v": "velocity", "d": "displacement"}
 _COUNT = re.compile(r"\d{1,9}", re.ASCII)
 _DECIMAL = re.compile(r"[+-]?(?:\d{1,9}\.?\d{0,12}|\.\d{1,12})(?:[eEdD][+-]?\d{1,2})?", re.ASCII)
 _CORNERS = re.compile(r"(\d{1,6}\.?\d{0,6})\s*-\s*(\d{1,6}\.?\d{0,6})", re.ASCII)
-_WIDTH, _PER_ROW = 14, 5
+_WIDTH = 14
 #: Rows that show how the fields are written.
 _LOOK_AT = 50
 #: The components that run from the first letter to the second, under their usual names.
@@ -108,6 +108,9 @@ def read_sigma(file: SourceFile, options: ReadOptions) -> list[Record]:
         )
     samples, notes = _samples(file.name, lines, header.at + 1, int(count))
     peak, rounding = _peak(header)
+    if np.isnan(peak) and header.text("pga"):
+        line, found = header.values["pga"].line, header.text("pga")[:40]
+        notes.append(f"line {line}: the peak is no number that can be: {found!r}")
     network, _, _ = header.text("network").partition("(")
     station, _, place = header.text("station code / name").partition("/")
     component = header.text("orientation")
@@ -163,13 +166,13 @@ def _header(name: str, lines: Sequence[str]) -> _Header:
 
 def _step(header: _Header) -> float:
     """The sampling interval [s]."""
-    stated = header.values.get("time increment", _Value("", "s", 0))
-    if not (_DECIMAL.fullmatch(stated.text) and stated.unit.lower() in ("", "s", "sec")):
+    said = header.values.get("time increment", _Value("", "s", 0))
+    if not (_DECIMAL.fullmatch(said.text) and said.unit.lower() in ("", "s", "sec")):
         raise RecordFormatError(
-            f"{header.where('time increment')}: expected 'Time Increment (s) : dt', found {stated.text[:40]!r} "
-            f"({stated.unit or 'no unit'}); the header is damaged: download the file again"
+            f"{header.where('time increment')}: expected 'Time Increment (s) : dt', found {said.text[:40]!r} "
+            f"({said.unit or 'no unit'}); the header is damaged: download the file again"
         )
-    return printed_number(stated.text)[0]
+    return printed_number(said.text)[0]
 
 
 def _samples(name: str, lines: Sequence[str], first: int, count: int) -> tuple[np.ndarray, list[str]]:
@@ -199,23 +202,23 @@ def _samples(name: str, lines: Sequence[str], first: int, count: int) -> tuple[n
 
 def _peak(header: _Header) -> tuple[float, float]:
     """The peak that the header states and half a unit of its last digit [m/s2]; NaN and 0 where it states none."""
-    stated = header.values.get("pga")
-    if stated is None or not _DECIMAL.fullmatch(stated.text):
+    said = header.values.get("pga")
+    if said is None or not _DECIMAL.fullmatch(said.text):
         return float("nan"), 0.0
-    value, rounding = printed_number(stated.text)
-    factor = UNITS[canonical_unit(stated.unit or header.series[2], header.where("pga"))]
+    value, rounding = printed_number(said.text)
+    factor = UNITS[canonical_unit(said.unit or header.series[2], header.where("pga"))]
     return value * factor, rounding * factor
 
 
 def _processing(header: _Header) -> tuple[bool | None, list[str]]:
     """Whether the volume is a corrected one, and the words of the file for what was done."""
-    words, stated = header.text("processing info"), header.text("filter cut-off frequency")
-    corners = _CORNERS.fullmatch(stated)
+    words, said = header.text("processing info"), header.text("filter cut-off frequency")
+    corners = _CORNERS.fullmatch(said)
     notes = [f"file: {' '.join(words.split())}"] if words else []
     if corners:
         notes.append(f"file: filtered, {float(corners[1]):g}-{float(corners[2]):g} Hz")
-    elif stated:
-        notes.append(f"file: filter {stated}")
+    elif said:
+        notes.append(f"file: filter {said}")
     if corners or "filter" in words.lower():
         return True, notes
     return (False if words.lower() in ("none", "unprocessed", "raw") else None), notes

@@ -262,3 +262,31 @@ def test_the_name_of_an_event_may_have_a_comma(write):
     (record,) = read(write(at2(pulse(), title="Chi-Chi, Taiwan, 9/20/1999, CHY101, E")))
     assert (record.event, record.station_name) == ("Chi-Chi, Taiwan, 9/20/1999", "CHY101")
     assert record.azimuth == 90.0
+
+
+PEKNOLD = (
+    "Data for El Centro 1940 North South Component (Peknold Version)\n"
+    "61 points at equal spacing of 0.02 sec, in the format of 8F10.5, 8 points across in a row\n"
+    "The units are (g)\nNPTS=  61, DT= .02000 SEC\n"
+)
+
+
+def test_words_behind_the_numbers_end_them(tmp_path):
+    values = np.round(pulse(61), 5)
+    rows = "\n".join("".join(f"{value:10.5f}" for value in values[at : at + 8]) for at in range(0, 61, 8)) + "\n"
+    path = tmp_path / "elCentro.at2"
+    for behind, told in (
+        ("*** End data ***\n", ""),
+        (f"Velocity\n{rows}", "line 13: the numbers stop at 'Velocity'; 8 rows"),
+    ):
+        path.write_text(PEKNOLD + rows + behind)
+        (record,) = read(path)
+        assert record.acceleration / STANDARD_GRAVITY == pytest.approx(values, abs=1e-9)
+        assert "".join(record.warnings).startswith(told)
+        assert bool(told) is bool(record.warnings)
+    path.write_text(PEKNOLD + rows + PEKNOLD + rows.replace("1", "2"))
+    with pytest.raises(RecordFormatError, match=r"elCentro.at2:13: .* the beginning of another record"):
+        read(path)
+    path.write_text(PEKNOLD + rows[:200] + "\nEnd\n")
+    with pytest.raises(RecordFormatError, match="found 'End'"):
+        read(path)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+from datetime import UTC, datetime
 
 import numpy as np
 import pytest
@@ -33,6 +34,7 @@ def test_the_real_file(records_folder):
     assert (record.network, record.station) == ("DPC", "3614")
     assert record.station_name == "L Aquila - V. Aterno - Centro Valle, Italy"
     assert (record.event, record.start_time) == ("2009-04-06 01:32:39", None)
+    assert record.origin_time == datetime(2009, 4, 6, 1, 32, 39, tzinfo=UTC)
     assert (record.processed, record.warnings, record.id) == (True, (), "16837_H2.cor.WE")
     assert record.processing == (
         "file: Acausal Butterworth bandpass filtering (4pole-4pole). Post processed to remove leading and trailing "
@@ -150,6 +152,18 @@ def test_damage_is_named_with_file_and_line(content, message):
 def test_a_count_below_the_numbers_of_the_file_is_reported():
     for count, told in ((301, "line 71: 1 numbers beyond"), (300, "line 71: 1 rows beyond the declared count")):
         assert told in got(sigma(VALUES, count=count)).warnings[0]
+
+
+@pytest.mark.parametrize("moment", ["6 April 2009", "2009-13-06 01:32", "2009-04-06"])
+def test_a_time_of_the_earthquake_that_is_none_is_left_out(moment):
+    record = got(sigma(VALUES, event=moment))
+    assert (record.event, record.origin_time) == (moment, None)
+
+
+def test_a_peak_that_is_no_number_is_told():
+    record = got(CONTENT.replace(b": 2.0000000E+00", b": 2.0000000E+999"))
+    assert record.warnings == ("line 9: the peak is no number that can be: '2.0000000E+999'",)
+    assert np.isnan(record.header_peak)
 
 
 def test_another_record_in_the_file_is_refused():
