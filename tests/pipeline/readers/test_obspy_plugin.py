@@ -12,6 +12,7 @@ from pathlib import Path
 import numpy as np
 import obspy
 import pytest
+from make_format_samples import read_options
 from record_writers import at2, csmip_equal, pulse
 
 import rockpulse as rp
@@ -123,6 +124,27 @@ def test_columns_are_read_where_they_are_asked_for_only(tmp_path):
     assert (trace.stats.delta, trace.stats.npts) == (0.02, 50)
     with pytest.raises(UnitError, match="plain columns do not state their unit"):
         obspy.read(path, format="columns")
+
+
+#: One sample of each layout that is told by its content, or read as columns where that is asked for.
+LAYOUTS = {
+    "20190706031958_CLC_RawAcc_E.asc": "DYNA",
+    "20190706031958_CLC_ap_AAD_Acc_E.asc": "DYNA",
+    "clc_H2.cor.acc": "SIGMA",
+    "clc_V.cor.acc": "SIGMA",
+    "clc_rows.g3": "COLUMNS",
+    "clc_end_data.txt": "COLUMNS",
+}
+
+
+@pytest.mark.parametrize("name", LAYOUTS)
+def test_a_sample_of_a_text_format_by_obspy(samples, name):
+    path, options = samples.parent / "formats" / name, read_options().get(name, {})
+    (record,) = rp.read(path, **options)
+    (trace,) = obspy.read(path, **options, **({"format": "COLUMNS"} if LAYOUTS[name] == "COLUMNS" else {}))
+    assert np.array_equal(trace.data, record.acceleration)
+    assert (trace.stats._format, trace.stats.delta, trace.stats.calib) == (LAYOUTS[name], record.dt, 1.0)
+    assert rp.from_trace(trace).processing == record.processing
 
 
 def test_options_of_other_formats_are_ignored_and_logged(path, caplog):
