@@ -24,6 +24,7 @@ from rockpulse.views.plots.site import calibration
 from rockpulse.views.plots.spectrum_map import rocking_spectrum
 from rockpulse.views.plots.words import plain
 from rockpulse.views.plots.work_precision_diagram import work_precision
+from rockpulse.views.shared.facts import Known
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -39,6 +40,11 @@ def _figure(ax: Axes) -> Figure:
     return figure
 
 
+def _title(summary: xr.Dataset, record: str, body: str) -> str:
+    """Record and body, and in a second line what is known of the record in words."""
+    return "\n".join(filter(None, (f"{plain(record)}, {plain(body)}", plain(Known(summary, record=record).described))))
+
+
 def _accelerogram(tree: xr.DataTree, record: str | None = None) -> Figure:
     return _figure(accelerogram(stored_motion(tree, one_name(tree["summary"].to_dataset(), "record", record)))[0])
 
@@ -49,7 +55,7 @@ def _limit_accelerogram(
     summary = tree["summary"].to_dataset()
     record, block = one_name(summary, "record", record), one_name(summary, "block", block)
     body = block_of(summary, block, case)
-    name = f"{plain(record)}, {plain(named_body(summary, block, case))}"
+    name = _title(summary, record, named_body(summary, block, case))
     try:
         return _figure(limit_accelerogram(body, sequence_of(tree, record), name=name)[0])
     except ResultsError:
@@ -67,7 +73,7 @@ def _rotation_history(
 ) -> Figure:
     summary = tree["summary"].to_dataset()
     record, block = one_name(summary, "record", record), one_name(summary, "block", block)
-    name = f"{plain(record)}, {plain(named_body(summary, block, case))}"
+    name = _title(summary, record, named_body(summary, block, case))
     return _figure(rotation_history(histories(tree, record, block, models, case), title=name)[0])
 
 

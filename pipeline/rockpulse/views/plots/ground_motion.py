@@ -75,7 +75,8 @@ def accelerogram(motion: xr.Dataset, axes: Any = None) -> np.ndarray:
     _whole(motion, panels[0])
     _half_waves(motion, phase, window, panels[1])
     _impulses(motion, phase, window, panels[2])
-    title(panels[0], plain(motion.attrs["record"]))
+    names = [motion.attrs["record"], *([motion.attrs["words"]] if axes is None and motion.attrs["words"] else [])]
+    title(panels[0], "\n".join(map(plain, names)))
     panels[0].set_xlim(0.0, end)
     for ax in panels[1:]:
         ax.set_xlim(*window)

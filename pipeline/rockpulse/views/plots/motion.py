@@ -16,6 +16,7 @@ from rockpulse.storage.assessment_variables import WAVES
 from rockpulse.storage.summary_variables import RECORD
 from rockpulse.storage.variables import real
 from rockpulse.views.plots.selection import ragged
+from rockpulse.views.shared.facts import Known, record_words
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -27,6 +28,9 @@ STORE = 'the file does not hold the accelerograms: assess again with [records] s
 
 #: Scalars of a motion, by their names in /summary.
 _SCALARS = ("dt", "intense_start", "intense_end", "main_impulse", "secondary_impulse")
+
+#: Stored variables that are fields of a record by another name: by it alone no record is counted to an earthquake.
+_FIELDS = {"event_title": "event"}
 
 _ACCELERATION = real("m s-2", "ground acceleration", dims=("sample",))
 _TIME = real("s", "time from the first sample", dims=("sample",))
@@ -68,6 +72,7 @@ def stored_motion(tree: xr.DataTree, record: str) -> xr.Dataset:
     )
     motion["time"] = _TIME.variable(float(own["dt"]) * np.arange(motion.sizes["sample"]))
     motion.attrs["record"] = record
+    motion.attrs["words"] = Known(tree["summary"].to_dataset(), record=record).described
     return motion
 
 
@@ -128,6 +133,7 @@ def motion_of_record(
         }
     )
     motion.attrs["record"] = record.id
+    motion.attrs["words"] = record_words(lambda name: getattr(record, _FIELDS.get(name, name)))
     return motion
 
 

@@ -72,7 +72,7 @@ def _date(value: Callable[[str], Any]) -> str:
 
 
 def _station(value: Callable[[str], Any]) -> str:
-    code, name = _text(value, "station"), _text(value, "station_name")
+    code, name = _text(value, "station"), _text(value, "station_name").replace("_", " ")
     if not code.strip("0") or code.casefold() == name.casefold():
         code, name = name, ""
     return f"station {code} ({name})" if name else f"station {code}" if code else ""

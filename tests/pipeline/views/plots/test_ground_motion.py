@@ -110,5 +110,15 @@ def test_axes_that_are_given_are_used(motion):
     axes = figure.subplots(3, 1)
     assert list(accelerogram(motion, axes)) == list(axes)
     assert figure.get_supxlabel() == ""
+    assert axes[0].get_title(loc="left") == motion.attrs["record"]
     with pytest.raises(ValueError, match="expected 3 x 1"):
         accelerogram(motion, axes[:2])
+
+
+def test_the_title_tells_the_record_in_words_where_something_is_known_of_it(assessed, clc, motion, panels):
+    words = "earthquake of 2019-07-06, station CLC (China Lake, G2 Tower Rd.)"
+    assert motion.attrs["words"].startswith(words)
+    assert panels[0].figure.get_suptitle().replace("\n", " ").startswith(f"{motion.attrs['record']} {words}")
+    assert motion_of_record(clc[0]).attrs["words"] == motion.attrs["words"]
+    plain = motion_of_record(Record(motion["acceleration"].values, dt=0.01, id="plain"))
+    assert accelerogram(plain)[0].figure.get_suptitle() == "plain"

@@ -37,6 +37,8 @@ def test_kinds_of_an_assessment(assessed, kind, options):
     ET.fromstring(text)
     shown = chosen["record"] if "record" in options else COLUMN
     assert shown in text
+    told = "earthquake of 2019-07-06, station CLC (China Lake, G2 Tower Rd.)" in text.replace("\n", " ")
+    assert told == (kind in ("accelerogram", "limit-accelerogram", "rotation-history"))
     assert figure.get_size_inches()[0] == 6.3
     for ax in figure.axes:
         if ax.axison and ax.get_label() != "<colorbar>":
