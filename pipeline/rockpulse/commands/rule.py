@@ -7,7 +7,7 @@ import sys
 from typing import TYPE_CHECKING
 
 from rockpulse.commands.progress import compiling_told, progress_bars
-from rockpulse.commands.record_input import add_reading_arguments, reading_options
+from rockpulse.commands.record_input import add_confirm_argument, add_reading_arguments, reading_options
 from rockpulse.commands.telling import QUIET, tell
 from rockpulse.commands.verb import Verb
 
@@ -46,6 +46,7 @@ def _add_arguments(parser: argparse.ArgumentParser) -> None:
                 "--rule", metavar="RULE", help="rule to judge, of rockpulse rule fit; default: the shipped one"
             )
         add_reading_arguments(action)
+        add_confirm_argument(action)
         action.add_argument("--seed", type=int, default=0, metavar="N", help="seed of the bootstrap; default: 0")
         action.add_argument("--overwrite", action="store_true", help="replace a file that exists")
         action.add_argument("--quiet", action="store_true", help=QUIET)
@@ -113,7 +114,7 @@ def _cases(args: argparse.Namespace) -> tuple[pd.DataFrame, list[Failure]]:
     options = reading_options(args)
     bars = progress_bars(args.quiet)
     records, failures = read_all(args.paths, options.units, dt=options.dt)
-    motions, left_out = strong_motions(records)
+    motions, left_out = strong_motions(records, args.confirm)
     with compiling_told(args.quiet):
         cases, refused = rule_cases(motions, progress=lambda every: bars(every, desc="judging", unit=" channels"))
     return cases, [*failures, *left_out, *refused]

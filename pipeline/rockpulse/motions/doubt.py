@@ -61,6 +61,6 @@ def _advice(channels: Sequence[Record]) -> str:
     names = ", ".join(f'"{one.id}"' for one in channels)
     return (
         f"A peak above {CREDIBLE_PEAK_G[1]:g} g after conditioning does not count before it is confirmed: correct the "
-        f"unit ([records] units or [[records.file]], or the file), or, if it is right, give {options} or confirm = "
-        f"[{names}] under [records]"
+        f"unit (--units, units under [records] or [[records.file]], or the file), or, if it is right, give {options}, "
+        f"or confirm = [{names}] under [records]"
     )

@@ -397,7 +397,7 @@ def test_a_record_in_the_wrong_unit_fails_until_it_is_confirmed(folder, tmp_path
     assert values(target, "record") == ["strong.90"]
     assert values(target, "failures/kind") == ["failed"]
     assert "odd.90: peak 432 g in the unit g; the values would be 0.44 g if it were cm/s2" in said
-    assert "if it is right, give --confirm odd.90 or confirm" in said
+    assert "if it is right, give --confirm odd.90, or confirm" in said
     again = [folder / "strong.AT2", tmp_path / "odd.AT2", "-o", target, "--overwrite"]
     assert assess(*again, "--confirm", "strong*", "--confirm", "odd.*") == 0
     said = " ".join(capsys.readouterr().out.split())

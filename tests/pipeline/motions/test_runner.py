@@ -105,8 +105,8 @@ def test_a_peak_above_five_g_does_not_count_before_it_is_confirmed():
     assert reason == (
         "XX.A..HNE@20230206T011732: peak 62.3 g in the unit g; the values would be 0.0635 g if it were cm/s2 or "
         "0.00635 g if it were mm/s2. A peak above 5 g after conditioning does not count before it is confirmed: "
-        "correct the unit ([records] units or [[records.file]], or the file), or, if it is right, give "
-        '--confirm XX.A..HNE@20230206T011732 or confirm = ["XX.A..HNE@20230206T011732"] under [records]'
+        "correct the unit (--units, units under [records] or [[records.file]], or the file), or, if it is right, give "
+        '--confirm XX.A..HNE@20230206T011732, or confirm = ["XX.A..HNE@20230206T011732"] under [records]'
     )
     assert seen([odd], confirm=("XX.A*",)) == ([odd.id], [])
     with pytest.raises(ConfigError, match=r"confirm: no record has an id that fits XX.A; the ids are XX.A\.\."):
@@ -149,8 +149,8 @@ def test_a_pair_that_only_its_turning_brings_above_five_g_needs_both_confirmed()
     names, (row,) = seen(pair(40.0, 40.0), **swept)
     assert names == []
     assert row[3].startswith(".A..HNE-HNN@20230206T000000: peak 5.77 g, turned to 45 degrees. A peak above 5 g")
-    assert 'give --confirm a.E --confirm a.N or confirm = ["a.E", "a.N"] under [records]' in row[3]
-    assert "give --confirm a.N or" in seen(pair(40.0, 40.0), **swept, confirm=("a.E",))[1][0][3]
+    assert 'give --confirm a.E --confirm a.N, or confirm = ["a.E", "a.N"] under [records]' in row[3]
+    assert "give --confirm a.N, or" in seen(pair(40.0, 40.0), **swept, confirm=("a.E",))[1][0][3]
     assert len(seen(pair(40.0, 39.0), **swept, confirm=("a.*",))[0]) == 3  # at 135 degrees nothing is left
     assert len(seen(pair(40.0, 4.0), **swept)[0]) == 4
 

@@ -27,6 +27,7 @@ from rocking.response import Outcome
 from rockpulse.calibration.rule import traits
 from rockpulse.errors import RockpulseError
 from rockpulse.failures import Failure
+from rockpulse.motions.doubt import unconfirmed
 from rockpulse.motions.events import group_events
 from rockpulse.motions.votes import one_vote_each
 from rockpulse.record.components import select_horizontal
@@ -84,11 +85,12 @@ class StrongMotion:
     otherwise: dict[str, Record] = field(default_factory=dict)
 
 
-def strong_motions(records: Iterable[Record]) -> tuple[list[StrongMotion], list[Failure]]:
+def strong_motions(records: Iterable[Record], confirm: Sequence[str] = ()) -> tuple[list[StrongMotion], list[Failure]]:
     """The strong horizontal ground channels among records as read, one of each shaking, in the order given.
 
     The failures are the channels that are no horizontal ground motion, that another record of the same shaking stands
-    for, or that cannot be conditioned. Weak ones are not named.
+    for, that cannot be conditioned, or whose peak lies above 5 g and is not confirmed by a pattern of its id. Weak ones
+    are not named.
     """
     voting, outvoted = one_vote_each(list(records))
     horizontal, left_out = select_horizontal(voting)
@@ -102,7 +104,10 @@ def strong_motions(records: Iterable[Record]) -> tuple[list[StrongMotion], list[
             logger.error("%s: %s", record.id, error)
             failures.append(Failure(file=record.source, stage="rule", reason=str(error), kind="failed"))
             continue
-        if conditioned.pga > STRONG:
+        if doubt := unconfirmed(conditioned, confirm):
+            logger.error("%s", doubt)
+            failures.append(Failure(file=record.source, stage="rule", reason=doubt, kind="failed"))
+        elif conditioned.pga > STRONG:
             found.append((record, _stretch(conditioned), others))
     events = group_events([record for record, _, _ in found])
     return [

@@ -1,5 +1,6 @@
 """Fitting and judging: limits come from the other earthquakes, small ensembles get a statement."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -199,6 +200,17 @@ def test_the_protocol_takes_strong_horizontal_channels(ridgecrest):
         assert record.duration <= 68.0 + 1e-9
         assert np.all(record.acceleration[-round(8.0 / record.dt) :] == 0.0)
         assert record.pga > 0.15 * 9.80665
+
+
+def test_a_channel_above_five_g_is_no_case_before_it_is_confirmed(ridgecrest):
+    odd = replace(ridgecrest[0], acceleration=100.0 * ridgecrest[0].acceleration, id="odd", station="")
+    motions, failures = strong_motions([odd])
+    assert motions == []
+    ((stage, kind, reason),) = [(row.stage, row.kind, row.reason) for row in failures]
+    assert (stage, kind) == ("rule", "failed")
+    assert reason.startswith("odd: peak ")
+    assert "give --confirm odd, or" in reason
+    assert [motion.record.id for motion in strong_motions([odd], ["o*"])[0]] == ["odd"]
 
 
 def test_the_protocol_gives_these_figures_on_a_sample(ridgecrest):
