@@ -17,8 +17,8 @@ __all__ = ["doubt", "doubt_notes", "record_cells"]
 
 _PEAK = Mark(
     " (peak?)",
-    "(peak?): a peak above 5 g or below 1e-6 g, or one and a half times that of the file's header, or the other way "
-    "round: the unit may be wrong ([records] units), and with it every verdict under the record.",
+    "(peak?): a peak above 5 g or below 1e-6 g, or that of the file's header differs from it by a factor of 1.5 or "
+    "more: the unit may be wrong ([records] units), and with it every verdict under the record.",
 )
 _CLIPPED = Mark(
     " (clipped?)",
