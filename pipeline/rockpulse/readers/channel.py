@@ -40,7 +40,7 @@ def odd_peak(peak: float, unit: str, factor: float) -> Remark:
 
     The unit and the m/s2 of one unit are those of the file; without a unit the samples came in m/s2.
     """
-    unit, factor = (unit, abs(factor)) if unit else ("m/s2", 1.0)
+    unit, factor = (unit, UNITS.get(unit, abs(factor))) if unit else ("m/s2", 1.0)
     named = unit if unit in UNITS else f"{unit} x {factor:.4g} m/s2"
     readings = other_readings(peak / factor, unit)
     return Remark("odd_peak", peak=peak / STANDARD_GRAVITY, unit=named, readings=readings)
