@@ -46,8 +46,9 @@ def one_vote_each(
     Volumes vote in this order: at the surface before at depth; where ``[records] components`` asks for pairs, those
     with a pair; where ``include_vertical`` asks for it, those with a vertical channel; processed before perhaps
     processed before raw; the higher sampling rate; the longer; the first by path. A direction that no other volume has
-    votes in any case. A vertical channel goes with the horizontal ones of its volume. A dead channel yields to any
-    other of its motion.
+    votes in any case. A vertical channel goes with the horizontal ones of its volume. A dead channel, and one whose
+    peak was read as hardly an earthquake's and that ``[records] confirm`` does not confirm, yield to any other of their
+    motion.
 
     The others are rows of the kinds "depth", for one recorded deeper than the one that votes, and "duplicate". Records
     that fit ``[records] keep`` are assessed beside the one that votes. A pattern that fits none is an error, or a row
@@ -181,10 +182,10 @@ class _Poll:
             return
         self.volumes = sorted(_volumes(records), key=lambda volume: volume.rank(settings))
         self.voters: list[tuple[Record, _Volume]] = []
-        for dead in (False, True):
+        for yields in (False, True):
             for volume in self.volumes:
                 for record in volume.horizontal:
-                    if _dead(record) is dead:
+                    if bool(self._fault(record)) is yields:
                         self._ask(record, volume)
         self._verticals()
 
@@ -196,6 +197,15 @@ class _Poll:
         elif not id_matches(record.id, self.settings.keep):
             nearest = next((rival for rival in rivals if _one_direction(record, rival[0])), rivals[0])
             self.outvoted[id(record)] = self._row(record, volume, *nearest)
+
+    def _fault(self, record: Record) -> str:
+        """Why a record yields to any other of its motion; an empty text for most."""
+        if _dead(record):
+            return "this channel is dead"
+        odd = find(record.warnings, "odd_peak")
+        if odd is None or id_matches(record.id, self.settings.confirm):
+            return ""
+        return f"this one has a peak of {odd.values['peak']:.3g} g, which nobody has confirmed"
 
     def _verticals(self) -> None:
         """Vertical channels go with the horizontal ones of their volume; of the others one of each motion stays."""
@@ -228,8 +238,8 @@ class _Poll:
 
     def _why(self, record: Record, volume: _Volume, voter: Record, elected: _Volume) -> str:
         """The rule by which one goes before the other."""
-        if _dead(record) and not _dead(voter):
-            return "this channel is dead"
+        if (fault := self._fault(record)) and not self._fault(voter):
+            return fault
         if record.orientation == "vertical" and volume.rank(self.settings) < elected.rank(self.settings):
             return "the horizontal channels of its volume are assessed"
         ranks = zip(volume.rank(self.settings), elected.rank(self.settings), strict=True)

@@ -200,6 +200,18 @@ def test_a_dead_channel_yields_to_a_live_one_of_any_volume():
     assert vote(dead) == (["b.0"], {})
 
 
+def test_a_peak_that_nobody_has_confirmed_yields_to_another_record_of_its_motion():
+    odd = Remark("odd_peak", peak=53.0, unit="m/s2", readings="0.53 g if it were cm/s2")
+    wrong = volume("b.V2A", processed=True, warnings=(odd,))
+    raw = volume("a.V1A")
+    for settings in (None, PAIRS):
+        assert vote(*raw, *wrong, settings=settings) == (ids("a.V1A"), dict.fromkeys(ids("b.V2A"), "duplicate"))
+    assert "this one has a peak of 53 g, which nobody has confirmed" in reason(raw[0], wrong[0])
+    assert vote(*wrong) == (ids("b.V2A"), {})
+    confirmed = RecordSettings(confirm=("b.V2A.*",))
+    assert vote(*raw, *wrong, settings=confirmed)[0] == ids("b.V2A")
+
+
 def test_places_on_a_structure_are_motions_of_their_own():
     def roof(place, source, **options):
         return channel(0.0, source, component=f"0 Deg ({place})", orientation="structural", **options)
