@@ -17,5 +17,18 @@ def pulse(count: int = 400, peak: float = 0.3, dt: float = 0.01) -> np.ndarray:
     return peak * wave / np.max(np.abs(wave))
 
 
+def retold(content: bytes, *pairs: tuple[str, str]) -> bytes:
+    """The content of a file with texts of its header replaced, each wherever it stands; a KeyError where one is not.
+
+    The samples tell the earthquake of their motion, as the catalogue of the USGS has it (ci38457511): 2019-07-06
+    03:19:53.04 UTC, 35.770 N 117.599 W, 8.0 km deep, Mw 7.1; the station CLC stands at 35.81574 N 117.59751 W.
+    """
+    for before, after in pairs:
+        if before.encode() not in content:
+            raise KeyError(before)
+        content = content.replace(before.encode(), after.encode())
+    return content
+
+
 def rows(fields: Sequence[str], per_row: int) -> list[str]:
     return ["".join(fields[start : start + per_row]) for start in range(0, len(fields), per_row)]

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from record_writers._shared import NOTE
+from record_writers._shared import NOTE, retold
 from rockpulse.record.record import Record
 
 _RULE, _DASHES = "=" * 80, "---------+" * 8
@@ -158,5 +158,15 @@ def samples(channels: Sequence[Record]) -> dict[str, bytes]:
         date="2019/07/06",
         origin="03:19:53.0",
         start=f"{start:%H:%M:%S.%f}",
+    )
+    content = retold(
+        content,
+        ("19.33024 LAT. N", "35.81574 LAT. N"),
+        ("99.181076 LONG. W", "117.59751 LONG. W"),
+        ("ROCA BASALTICA", ""),
+        ("/Mb=5.2/Ms=5.8", "/Mw=7.1"),
+        ("17.30 LAT. N", "35.770 LAT. N"),
+        ("101.36 LONG. W", "117.599 LONG. W"),
+        ("PROFUNDIDAD FOCAL (Km)                 : 14", "PROFUNDIDAD FOCAL (Km)                 : 8"),
     )
     return {"clc_asa.061": content}

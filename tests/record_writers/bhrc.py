@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from record_writers._shared import NOTE, rows
+from record_writers._shared import NOTE, retold, rows
 from rockpulse.record.record import STANDARD_GRAVITY, Record
 
 
@@ -69,4 +69,11 @@ def samples(channels: Sequence[Record]) -> dict[str, bytes]:
     """Three channels."""
     east, north, up = (10.0 * channel.acceleration / STANDARD_GRAVITY for channel in channels)
     content = bhrc([east, up, north], channels[0].dt, "Azimuth L 90    T 360", NOTE, "CHINA LAKE")
+    content = retold(
+        content,
+        ("2012/08/11   12:23:16", "2019/07/06   03:19:53"),
+        ("38.474 N 47.059 E", "35.816 N 117.598 W"),
+        ("38.520 N 46.860 E   FD 12 Km", "35.770 N 117.599 W   FD 8 Km"),
+        ("Mw6.1", "Mw7.1"),
+    )
     return {"clc_bhrc.V1": content}

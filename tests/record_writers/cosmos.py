@@ -7,7 +7,7 @@ from datetime import UTC, datetime
 
 import numpy as np
 
-from record_writers._shared import NOTE, rows
+from record_writers._shared import NOTE, retold, rows
 from rockpulse.record.record import STANDARD_GRAVITY, Record
 
 NULL = -999
@@ -137,4 +137,10 @@ def samples(channels: Sequence[Record]) -> dict[str, bytes]:
     volume2 = cosmos(east, kind="Corrected acceleration", sections=sections, **east_of)  # type: ignore[arg-type]
     raw = np.round(channels[0].acceleration / STANDARD_GRAVITY * 1.25 / 0.298024e-6).astype(int)
     volume0 = counts(raw, **east_of)  # type: ignore[arg-type]
-    return {"clc_cosmos.V1C": volume1, "clc_cosmos.V2": volume2, "clc_cosmos.V0C": volume0}
+    told = (
+        ("Coords: 34.063  -117.785", "Coords: 35.816  -117.598"),
+        ("34.062500", "35.815740"),
+        ("-117.785000", "-117.597510"),
+    )
+    files = {"clc_cosmos.V1C": volume1, "clc_cosmos.V2": volume2, "clc_cosmos.V0C": volume0}
+    return {name: retold(content, *told) for name, content in files.items()}

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from record_writers._shared import NOTE, rows
+from record_writers._shared import NOTE, retold, rows
 from rockpulse.record.record import STANDARD_GRAVITY, Record
 
 
@@ -100,4 +100,8 @@ def samples(channels: Sequence[Record]) -> dict[str, bytes]:
         values = channel.acceleration / STANDARD_GRAVITY
         old += csmip_pairs(channel.time, 10.0 * values, number, component, start=start, note=NOTE)
         new += csmip_equal(values, number=number, component=component, start=start, note=NOTE)
-    return {"CLC_OLD.V1": old, "CLC_NEW.V1": new}
+    told = (
+        ("33.929N, 118.260W", "35.816N, 117.598W"),
+        ("HYPOCENTER: 34.215N, 118.538W, H=18KM.", "HYPOCENTER: 35.770N, 117.599W, H=8KM. MW=7.1"),
+    )
+    return {"CLC_OLD.V1": retold(old, *told), "CLC_NEW.V1": retold(new, *told)}

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from record_writers._shared import NOTE, rows
+from record_writers._shared import NOTE, retold, rows
 from rockpulse.record.record import Record
 
 
@@ -63,12 +63,19 @@ def samples(channels: Sequence[Record]) -> dict[str, bytes]:
     """One file for each component."""
     files = {}
     for channel, component in zip(channels, ("EW", "NS", "UD"), strict=True):
-        files[f"clc_csmnc.{component}.dat"] = csmnc(
+        content = csmnc(
             100.0 * channel.acceleration,
             component=component,
             dt="0.01",
             station="CLC",
             event=NOTE,
             origin="0190706111953 2019-07-06 11:19:53 BTM",
+        )
+        files[f"clc_csmnc.{component}.dat"] = retold(
+            content,
+            ("30.300N 103.000E DEPTH 13 KM", "35.770N 117.599W DEPTH 8 KM"),
+            ("7.0(Ms)", "7.1(Mw)"),
+            ("30.400N 102.800E", "35.816N 117.598W"),
+            ("SITE CONDITION: ROCK", "SITE CONDITION: UNKNOWN"),
         )
     return files

@@ -7,7 +7,7 @@ from datetime import timedelta
 
 import numpy as np
 
-from record_writers._shared import NOTE
+from record_writers._shared import NOTE, retold
 from rockpulse.record.record import Record
 
 EAST_OF_GREENWICH = timedelta(hours=8)
@@ -80,9 +80,18 @@ def samples(channels: Sequence[Record]) -> dict[str, bytes]:
         [up, north, east],
         rate=1.0 / channels[0].dt,
         start=f"StartTime(GMT+08): {local:%Y/%m/%d-%H:%M:%S}.{local.microsecond // 1000:03d}",
-        origin=f"Origin Time(GMT+08): {local:%Y/%m/%d-%H:%M:%S}",
+        origin="Origin Time(GMT+08): 2019/07/06-11:19:53",
         station="CLC",
         name="China Lake",
         kind=NOTE,
+    )
+    content = retold(
+        content,
+        ("EpicenterLongitude(E): 121.69", "EpicenterLongitude(E): -117.599"),
+        ("EpicenterLatitude(N): 24.14", "EpicenterLatitude(N): 35.770"),
+        ("Depth(km): 10.0", "Depth(km): 8.0"),
+        ("Magnitude(Ml): 6.0", "Magnitude(Mw): 7.1"),
+        ("StationLongitude(E): 121.483", "StationLongitude(E): -117.598"),
+        ("StationLatitude(N): 23.685", "StationLatitude(N): 35.816"),
     )
     return {"clc_cwb.dat": content}

@@ -133,13 +133,24 @@ def samples(channels: Sequence[Record]) -> dict[str, bytes]:
     for channel, stream in zip(channels, ("HNE", "HNN", "HNZ"), strict=True):
         common = {
             "EVENT_NAME": NOTE,
-            "EVENT_ID": "",
+            "EVENT_ID": "38457511",
+            "EVENT_LATITUDE_DEGREE": "35.7700",
+            "EVENT_LONGITUDE_DEGREE": "-117.5990",
+            "EVENT_DEPTH_KM": "8.0",
+            "HYPOCENTER_REFERENCE": "USGS",
+            "MAGNITUDE_W": "7.1",
+            "MAGNITUDE_W_REFERENCE": "USGS",
+            "MAGNITUDE_L": "",
+            "MAGNITUDE_L_REFERENCE": "",
+            "EPICENTRAL_DISTANCE_KM": "5.1",
+            "STATION_LATITUDE_DEGREE": "35.815740",
+            "STATION_LONGITUDE_DEGREE": "-117.597510",
             "NETWORK": "CI",
             "STATION_CODE": "CLC",
             "STATION_NAME": "China Lake",
             "STREAM": stream,
             "EVENT_DATE_YYYYMMDD": f"{moment:%Y%m%d}",
-            "EVENT_TIME_HHMMSS": f"{moment:%H%M%S}",
+            "EVENT_TIME_HHMMSS": "031953",
         }
         values = 100.0 * channel.acceleration
         first = f"{moment:%Y%m%d_%H%M%S}.{moment.microsecond // 1000:03d}"
@@ -150,7 +161,7 @@ def samples(channels: Sequence[Record]) -> dict[str, bytes]:
             "DATE_TIME_FIRST_SAMPLE_YYYYMMDD_HHMMSS": f"{moment:%d/%m/%Y %H:%M:%S}.{moment.microsecond // 1000:03d}",
             "DATE_TIME_FIRST_SAMPLE_PRECISION": "millisecond",
             "EVENT_DATE_YYYYMMDD": f"{moment:%Y/%m/%d}",
-            "EVENT_TIME_HHMMSS": f"{moment:%H:%M:%S}.00",
+            "EVENT_TIME_HHMMSS": "03:19:53.04",
             "STATION_NAME": "",
             "LOCATION": "CHINA_LAKE",
             "DATA_TYPE": "Acceleration",

@@ -7,7 +7,7 @@ from datetime import UTC, datetime
 
 import numpy as np
 
-from record_writers._shared import NOTE, rows
+from record_writers._shared import NOTE, retold, rows
 from rockpulse.readers.facing import direction
 from rockpulse.record.record import Record
 
@@ -101,16 +101,33 @@ def geonet(
     return (end.join(lines) + end).encode()
 
 
+#: Integers of the header: of the template, and of the samples.
+_PLACES = (
+    ((42, 41, 33, 173, 1, 19, 15), (35, 46, 12, 117, 35, 56, 8)),
+    ((42, 31, 24, 172, 49, 50), (35, 48, 57, 117, 35, 51)),
+    ((140, 25), (2, 5)),
+)
+
+
+def row(integers: Sequence[int]) -> str:
+    return "".join(f"{integer:8d}" for integer in integers)
+
+
 def samples(channels: Sequence[Record]) -> dict[str, bytes]:
     """Three channels, uncorrected and corrected."""
     columns = [1000.0 * channel.acceleration for channel in channels]
     start, dt = channels[0].start_time, channels[0].dt
     assert start is not None
-    origin = start.replace(microsecond=0)
+    origin = start.replace(second=53, microsecond=0)
     common = {"dt": dt, "site": "CLC", "place": "China Lake", "region": NOTE, "owner": "", "start": start}
     return {
-        f"clc_geonet.V{volume}A": geonet(
-            columns, ("N90E", "N00E", "Up"), corrected=volume == 2, origin=origin, **common
+        f"clc_geonet.V{volume}A": retold(
+            geonet(columns, ("N90E", "N00E", "Up"), corrected=volume == 2, origin=origin, **common),
+            ("42 31 24S  172 49 50E", "35 48 57N  117 35 51W"),
+            ("42 41 33S 173 01 19E  Bearing S40E", "35 46 12N 117 35 56W  Bearing N02E"),
+            ("Dist   25km  Depth   15km Mw 7.82", "Dist    5km  Depth    8km Mw 7.10"),
+            *((row(before), row(after)) for before, after in _PLACES),
+            ("  42.523 172.830  42.693 173.022    7.82", "  35.816 117.598  35.770 117.599    7.10"),
         )
         for volume in (1, 2)
     }

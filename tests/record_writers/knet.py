@@ -7,7 +7,7 @@ from datetime import timedelta
 
 import numpy as np
 
-from record_writers._shared import NOTE, rows
+from record_writers._shared import NOTE, retold, rows
 from rockpulse.record.record import Record
 
 
@@ -60,5 +60,14 @@ def samples(channels: Sequence[Record]) -> dict[str, bytes]:
             origin="2019/07/06 12:19:53",
             record_time=f"{record_time:%Y/%m/%d %H:%M:%S}",
             note=NOTE,
+        )
+        files[f"CLC0011907061219.{code}"] = retold(
+            files[f"CLC0011907061219.{code}"],
+            ("38.920", "35.770"),
+            ("140.630", "-117.599"),
+            ("Depth. (km)       7\n", "Depth. (km)       8\n"),
+            ("Mag.              5.9", "Mag.              7.1"),
+            ("39.6069", "35.8157"),
+            ("140.3213", "-117.5975"),
         )
     return files

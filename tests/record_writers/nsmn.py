@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from record_writers._shared import NOTE
+from record_writers._shared import NOTE, retold
 from rockpulse.record.record import Record
 
 
@@ -59,5 +59,12 @@ def samples(channels: Sequence[Record]) -> dict[str, bytes]:
         event="2019/07/06 03:19:53 (GMT)",
         start=f"{start:%d/%m/%Y %H:%M:%S.%f} (GMT)",
         station="CLC",
+    )
+    content = retold(
+        content,
+        ("36.91980N-27.44350E", "35.77000N-117.59900W"),
+        (": 19.44", ": 8.00"),
+        (": 6.5 Mw", ": 7.1 Mw"),
+        ("37.87470N-27.59223E", "35.81574N-117.59751W"),
     )
     return {"clc_nsmn.txt": content}

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from record_writers._shared import NOTE, rows
+from record_writers._shared import NOTE, retold, rows
 from record_writers.csmip_v2 import correction_lines, fortran, integral, number_lines
 from rockpulse.record.record import Record
 
@@ -106,8 +106,9 @@ def samples(channels: Sequence[Record]) -> dict[str, bytes]:
         "moment": "JUL 06, 2019 -0319 GMT",
         "site": "0000   35 48 57N, 117 35 53W",
     }
+    epicentre = ("34 12 48N, 118 32 13W", "35 46 12N, 117 35 56W")
     tenths = north.acceleration / 0.980665
     return {
-        "clc_usc.v1": usc_v1(north.time, tenths, component="N00E", **common),
-        "clc_usc.v2": usc_v2(100.0 * east.acceleration, east.dt, component="N90E", **common),
+        "clc_usc.v1": retold(usc_v1(north.time, tenths, component="N00E", **common), epicentre),
+        "clc_usc.v2": retold(usc_v2(100.0 * east.acceleration, east.dt, component="N90E", **common), epicentre),
     }

@@ -286,51 +286,52 @@ def test_what_real_records_do_not_state_is_unknown(records_folder, name):
     assert {fact for record in read(records_folder / name) for fact in known(record)} == UNKNOWN[name]
 
 
-#: Facts of the format samples, whose headers are those of other earthquakes: their motion is none of them.
+ORIGIN = when(2019, 7, 6, 3, 19, 53)
+SIZE = {"magnitude": 7.1, "magnitude_type": "Mw"}
+HYPOCENTRE = {"hypocentre_latitude": 35.77, "hypocentre_longitude": -117.599, "hypocentre_depth": 8000.0}
+STATION = {"station_latitude": 35.81574, "station_longitude": -117.59751}
+ROUNDED = {"station_latitude": 35.816, "station_longitude": -117.598}
+#: Facts of the format samples, which tell the earthquake of their motion in the manner of each agency.
 SAMPLES = {
     "20190706031958_CLC_RawAcc_E.asc": {
-        "origin_time": when(2019, 7, 6, 3, 19, 58),
-        "magnitude": 4.6,
-        "magnitude_type": "ML",
-        "hypocentre_latitude": 38.1,
-        "hypocentre_longitude": 23.54,
-        "hypocentre_depth": 9000.0,
-        "epicentral_distance": 88100.0,
-        "station_latitude": 37.6349,
-        "station_longitude": 22.7293,
+        "event_id": "38457511",
+        "origin_time": when(2019, 7, 6, 3, 19, 53, 40000),
+        "epicentral_distance": 5100.0,
+        **SIZE,
+        **HYPOCENTRE,
+        **STATION,
     },
-    "clc_nsmn.txt": {"origin_time": when(2019, 7, 6, 3, 19, 53), "magnitude": 6.5, "station_latitude": 37.8747},
-    "clc_geonet.V1A": {"magnitude": 7.82, "epicentral_distance": 25000.0, "station_latitude": -42.523333},
-    "clc_cosmos.V1C": {"station_latitude": 34.0625, "station_longitude": -117.785},
-    "CLC_NEW.V1": {"hypocentre_latitude": 34.215, "hypocentre_depth": 18000.0, "station_longitude": -118.26},
+    "clc_nsmn.txt": {"origin_time": ORIGIN, **SIZE, **HYPOCENTRE, **STATION},
+    "clc_geonet.V1A": {
+        "origin_time": ORIGIN,
+        "epicentral_distance": 5000.0,
+        "hypocentre_latitude": 35.77,
+        "hypocentre_longitude": -117.598889,
+        "station_latitude": 35.815833,
+        **SIZE,
+    },
+    "clc_cosmos.V1C": STATION,
+    "CLC_NEW.V1": {**SIZE, **HYPOCENTRE, **ROUNDED},
     "clc_90.v2": {"station_latitude": 35.816},
     "clc_1.smc": {"origin_time": when(2019, 7, 6, 3, 19)},
     "clc_usc.v1": {
         "origin_time": when(2019, 7, 6, 3, 19),
-        "hypocentre_latitude": 34.213333,
+        "hypocentre_latitude": 35.77,
         "station_latitude": 35.815833,
     },
     "clc_usc.v2": {"origin_time": when(2019, 7, 6, 3, 19)},
-    "clc_bhrc.V1": {"origin_time": when(2012, 8, 11, 12, 23, 16), "magnitude": 6.1, "hypocentre_depth": 12000.0},
-    "clc_cwb.dat": {"origin_time": when(2019, 7, 6, 3, 19, 58), "magnitude": 6.0, "magnitude_type": "ML"},
-    "clc_csmnc.EW.dat": {
-        "origin_time": when(2019, 7, 6, 3, 19, 53),
-        "magnitude": 7.0,
-        "magnitude_type": "Ms",
-        "hypocentre_latitude": 30.3,
-        "hypocentre_depth": 13000.0,
-        "station_longitude": 102.8,
-        "site_class": "ROCK",
-    },
-    "clc_asa.061": {"magnitude": 5.8, "magnitude_type": "Ms", "site_class": "ROCA BASALTICA"},
+    "clc_bhrc.V1": {"origin_time": ORIGIN, **SIZE, **HYPOCENTRE, **ROUNDED},
+    "clc_cwb.dat": {"origin_time": ORIGIN, **SIZE, **HYPOCENTRE, **ROUNDED},
+    "clc_csmnc.EW.dat": {"origin_time": ORIGIN, **SIZE, **HYPOCENTRE, **ROUNDED},
+    "clc_asa.061": {"origin_time": ORIGIN, **SIZE, **HYPOCENTRE, **STATION},
     "CLC0011907061219.EW": {
-        "origin_time": when(2019, 7, 6, 3, 19, 53),
-        "magnitude": 5.9,
-        "hypocentre_latitude": 38.92,
-        "hypocentre_depth": 7000.0,
-        "station_longitude": 140.3213,
+        "origin_time": ORIGIN,
+        "magnitude": 7.1,
+        "station_latitude": 35.8157,
+        "station_longitude": -117.5975,
+        **HYPOCENTRE,
     },
-    "CI.CLC.mseed": {"station_latitude": 35.816, "station_longitude": -117.598},
+    "CI.CLC.mseed": ROUNDED,
 }
 
 
