@@ -118,7 +118,7 @@ def test_a_name_of_no_record_is_told_also_where_little_is(folder, tmp_path, caps
     )
     options = ["--config", str(tmp_path / "site.toml"), "--block", "wall=0.3x2.4", "--quiet"]
     assert main([verb, str(folder), *options, "-o", str(tmp_path / "x.h5")]) == 1
-    assert capsys.readouterr().err.count("[records] events names records that were not read: elsewhere; ") == 1
+    assert capsys.readouterr().err.count("[records] events names records that were not read: elsewhere") == 1
 
 
 def test_a_table_that_was_corrected_costs_no_record(tmp_path):

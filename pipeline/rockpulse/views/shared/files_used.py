@@ -79,8 +79,8 @@ class FilesUsed:
     @property
     def line(self) -> str:
         """Everything that failed in one line; empty where nothing did."""
-        channels = f"failed beside: {_reasons(self.beside)}." if self.beside else ""
-        return " ".join(filter(None, (self.sentence, channels if self.unused else channels.replace(" beside", ""))))
+        channels = f"also failed: {_reasons(self.beside)}." if self.beside else ""
+        return " ".join(filter(None, (self.sentence, channels if self.unused else channels.removeprefix("also "))))
 
 
 def files_used(tree: xr.DataTree) -> FilesUsed:

@@ -47,7 +47,7 @@ def test_a_channel_that_failed_in_a_used_file_is_no_file_but_is_told_in_the_line
     assert (found.counted, found.sentence) == ("", "")
     assert found.line == "failed: too short (a.v1)."
     both = files_used(results("summary", ["a.v1"], [row("a.v1", reason="a.90: too short", stage="assess"), row("b")]))
-    assert both.line == "1 of 2 files used, 1 not: damaged (b). failed beside: too short (a.v1)."
+    assert both.line == "1 of 2 files used, 1 not: damaged (b). also failed: too short (a.v1)."
 
 
 def test_a_table_of_earthquakes_is_no_file_of_records():
