@@ -29,7 +29,7 @@ test-slow:  ## the long sweeps
 	$(PYTHON) -m pytest -m slow
 
 test-sweeps:  ## what takes seconds a test: oracles, kills, compilation, memory (a minute)
-	$(PYTHON) -m pytest -q -n 2 --dist worksteal -m sweep
+	$(PYTHON) -m pytest -q -n 2 --dist worksteal -m "sweep and not slow"
 
 test-python:  ## the kernels' tests with the kernels as plain Python (under 2 minutes)
 	@# Plain Python warns of the arithmetic of empty slots, which nobody reads.

@@ -68,13 +68,21 @@ def assessed(ridgecrest, tmp_path_factory):
     return made
 
 
-QUICK = {("plain", 60_000), ("histories", 60_000), ("cases and demands", 1), ("sweep", 1)}
+#: Those of the default tests, and those of the sweep.
+QUICK = ("plain", 60_000)
+SWEPT = {("histories", 60_000), ("cases and demands", 1), ("sweep", 1)}
+
+
+def _marks(name, chunk):
+    if (name, chunk) == QUICK:
+        return ()
+    return pytest.mark.sweep if (name, chunk) in SWEPT else pytest.mark.slow
 
 
 @pytest.mark.parametrize(
     ("name", "chunk"),
     [
-        pytest.param(name, chunk, marks=() if (name, chunk) in QUICK else pytest.mark.slow)
+        pytest.param(name, chunk, marks=_marks(name, chunk))
         for name in CONFIGURATIONS
         for chunk in (1, 60_000, assembly.CHUNK)
     ],

@@ -69,6 +69,7 @@ def test_no_room_for_the_results_keeps_what_is_finished(folder, tmpfs, undisturb
     assert names(place) == [target.name]
 
 
+@pytest.mark.sweep
 def test_a_disk_that_fills_up_while_the_results_are_written(folder, tmpfs, undisturbed, monkeypatch, capfd):
     place, change = tmpfs
     target = place / "results.h5"
@@ -85,6 +86,7 @@ def test_a_disk_that_fills_up_while_the_results_are_written(folder, tmpfs, undis
     assert_contents(target, undisturbed)
 
 
+@pytest.mark.sweep
 def test_a_fault_of_the_disk_while_the_results_are_written(folder, tmp_path, undisturbed, monkeypatch, capsys):
     target = tmp_path / "results.h5"
 

@@ -139,7 +139,7 @@ def test_fragility_that_was_killed_goes_on_with_what_is_missing(folder, tmp_path
 
 # A kill in the middle of the assembly itself: test_assembly.py.
 POINTS = [
-    ("rename", 1),
+    pytest.param("rename", 1, marks=pytest.mark.sweep),
     pytest.param("assembly", 40, marks=pytest.mark.slow),
     pytest.param("renamed", 1, marks=pytest.mark.slow),
 ]
@@ -157,7 +157,7 @@ def test_a_run_killed_while_it_writes_the_results_goes_on(folder, tmp_path, undi
 
 
 INTERRUPTIONS = [
-    ("interrupt", 1),
+    pytest.param("interrupt", 1, marks=pytest.mark.sweep),
     pytest.param("interrupt", 2, marks=pytest.mark.slow),
     pytest.param("terminate", 1, marks=pytest.mark.slow),
 ]

@@ -81,6 +81,7 @@ def test_a_stopped_run_is_not_begun_anew_unasked(stopped, capsys):
     assert len(contents(target)["summary/record"]["values"]) == RECORDS
 
 
+@pytest.mark.sweep
 def test_resuming_with_other_options_does_all_again_and_says_so(stopped, monkeypatch, capsys):
     mine, target = stopped
     (mine / "site.toml").write_text(CONFIGURATION.replace("0.4", "0.5"))
@@ -170,6 +171,7 @@ def test_a_log_goes_to_the_end_of_no_other_file(folder, tmp_path, capsys):
     assert not (tmp_path / "results.h5").exists()
 
 
+@pytest.mark.sweep
 def test_the_log_file_tells_the_run_and_is_added_to(folder, tmp_path):
     log = tmp_path / "log.txt"
     log.write_text("2026-01-01 00:00:00,000 INFO what was there\n")

@@ -116,6 +116,7 @@ def stopped_after_writing(paths, output, monkeypatch):
             assess_files(paths, CONFIG, output, BatchOptions(workers=1))
 
 
+@pytest.mark.sweep
 def test_resuming_a_run_that_had_only_its_journal_left_does_what_is_asked_for(folder, tmp_path, monkeypatch):
     paths, output = sorted(folder.glob("r*")), tmp_path / "results.h5"
     resume = BatchOptions(workers=1, resume=True)
@@ -211,6 +212,7 @@ def interrupted(*args):
     raise KeyboardInterrupt
 
 
+@pytest.mark.sweep
 def test_nobody_who_reads_is_no_reason_to_stop(folder, tmp_path):
     """Both streams go into a pipe whose reader has left; one file fails."""
     (tmp_path / "cut.AT2").write_bytes((folder / "r0.AT2").read_bytes()[:900])

@@ -92,6 +92,7 @@ def test_the_file_of_an_assessment_is_the_tree_in_memory(folder, tmp_path, name)
 OTHERS = {"calibrate": (rp.calibrate_site, calibrate_files), "fragility": (rp.fragility_curves, fragility_files)}
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize("verb", OTHERS)
 @pytest.mark.parametrize("components", ["horizontal", pytest.param("sweep", marks=pytest.mark.slow)])
 def test_the_file_of_a_site_and_of_fragility_is_the_tree_in_memory(folder, tmp_path, verb, components):
@@ -135,6 +136,7 @@ def test_two_workers_give_the_same_site_and_the_same_curves(folder, tmp_path, ve
     assert_contents(tmp_path / "1.h5", contents(tmp_path / "2.h5"))
 
 
+@pytest.mark.sweep
 def test_the_number_of_workers_is_that_of_the_configuration(folder, tmp_path, monkeypatch):
     hired = []
     monkeypatch.setattr(run.Crew, "local", lambda workers: hired.append(workers) or run.Crew(None, lambda: workers))
@@ -146,6 +148,7 @@ def test_the_number_of_workers_is_that_of_the_configuration(folder, tmp_path, mo
     assert hired == [3, 2]
 
 
+@pytest.mark.sweep
 def test_the_records_of_an_archive_are_worked_on_by_as_many_processes_as_those_of_a_folder(tmp_path, monkeypatch):
     hired = []
     monkeypatch.setattr(run, "available_cores", lambda: 2)

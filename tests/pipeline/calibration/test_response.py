@@ -161,6 +161,7 @@ def test_what_is_reported_is_that_of_the_sequence(fit):
         assert fit.intervals[name][0] <= fit.parameters[name] <= fit.intervals[name][1]
 
 
+@pytest.mark.sweep
 def test_the_answer_depends_neither_on_threads_nor_on_the_hour(fit, strong):
     again = calibrate_response(strong, THIRD, threads=2)
     assert again.parameters == fit.parameters

@@ -48,6 +48,7 @@ def test_no_ratio_is_searched_at_which_the_block_would_touch_the_ground():
         assert not np.any(sequence_response(block_family(), sequence, table_rows=0, threads=1).ground_contact)
 
 
+@pytest.mark.sweep
 def test_every_candidate_is_inside_the_limits_and_the_start_is_the_first():
     given = ImpulseSequence(0.3, 0.18, 0.2, np.inf, main_count=3)
     data = targets(given)

@@ -252,6 +252,7 @@ def test_a_diagram_that_cannot_be_written_leaves_no_half_file(measured, tmp_path
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.sweep
 def test_records_that_fail_are_named_and_the_rest_goes_on(tmp_path, capsys):
     """One that is no whole file, and one that can be read but never shakes."""
     (tmp_path / "broken.AT2").write_text("PEER STRONG MOTION DATABASE RECORD\n")

@@ -268,6 +268,7 @@ def test_columns_are_read_once_the_unit_is_named(tmp_path, capsys):
     assert f"PGA {peak:.3g} g" in capsys.readouterr().out
 
 
+@pytest.mark.sweep
 def test_one_column_is_read_once_unit_and_interval_are_named(tmp_path, capsys):
     path = tmp_path / "column.txt"
     np.savetxt(path, STRONG, fmt="%.6f")
@@ -336,6 +337,7 @@ def test_the_configuration_names_records_and_blocks(folder, tmp_path, capsys):
     assert "resonance" not in out
 
 
+@pytest.mark.sweep
 def test_each_remark_on_a_body_is_logged_once_with_its_name(folder, tmp_path):
     config, log = tmp_path / "site.toml", tmp_path / "run.log"
     config.write_text(
@@ -389,6 +391,7 @@ def test_a_file_name_in_an_odd_encoding_is_assessed(folder, tmp_path, capsys):
     assert values(tmp_path / "results.h5", "source")[0].endswith("caf\ufffd.AT2")
 
 
+@pytest.mark.sweep
 def test_a_record_in_the_wrong_unit_fails_until_it_is_confirmed(folder, tmp_path, capsys):
     write_at2(tmp_path / "odd.AT2", 1000.0 * STRONG)
     target = tmp_path / "results.h5"
@@ -424,6 +427,7 @@ def test_what_is_confirmed_is_done_when_a_run_is_resumed_and_the_rest_is_kept(tm
     assert len(values(tmp_path / "results.h5", "record")) == 2
 
 
+@pytest.mark.sweep
 def test_unit_and_interval_of_some_files_yield_to_the_command_line(tmp_path, capsys):
     for name in ("a.g3", "b.txt"):
         (tmp_path / name).write_text("\n".join(f"{value:.8f}" for value in STRONG * (1.0 if name == "a.g3" else 98.0)))

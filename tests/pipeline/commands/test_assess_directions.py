@@ -56,6 +56,7 @@ def test_inspect_shows_the_directions(swept, capsys):
     assert "rotated to 20 degrees" in " ".join(capsys.readouterr().out.split())
 
 
+@pytest.mark.sweep
 def test_the_strongest_direction_is_one_record_with_its_exact_azimuth(samples, tmp_path, capsys):
     code, target = run(tmp_path, samples / "CICLC.v1", 'components = "strongest"')
     assert code == 0

@@ -177,6 +177,7 @@ def test_files_of_another_kind_are_refused(assessed, samples, config, tmp_path, 
     assert "not replaced even with --overwrite" in capsys.readouterr().err
 
 
+@pytest.mark.sweep
 def test_tables_count_from_the_folder_of_the_configuration(samples, loaded, tmp_path):
     site = tmp_path / "site"
     site.mkdir()
@@ -227,6 +228,7 @@ def test_a_record_that_lifts_nothing_is_skipped_with_its_reason_and_exit_code_ze
     assert direct.identical(rows)
 
 
+@pytest.mark.sweep
 def test_a_list_of_restitutions_for_one_body_of_two_leaves_the_other_single(samples, tmp_path, capsys):
     config, target, design = (tmp_path / name for name in ("site.toml", "site.h5", "design.h5"))
     config.write_text(TOML + "restitution = [0.85, 0.9]\n")

@@ -48,6 +48,7 @@ def test_the_file_holds_curves_of_one_event_without_a_band(made):
     assert "[fragility]" in tree.attrs["configuration"]
 
 
+@pytest.mark.sweep
 def test_a_list_of_restitutions_for_one_body_of_two_leaves_the_other_single(samples, tmp_path, capsys):
     config, target = tmp_path / "site.toml", tmp_path / "fragility.h5"
     config.write_text(CONFIG + "restitution = [0.85, 0.9]\n[[block]]\nname = 'wall'\nwidth = 0.3\nheight = 2.4\n")

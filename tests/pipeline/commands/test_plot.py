@@ -71,6 +71,7 @@ def test_a_picture_is_the_same_on_every_run(results, tmp_path):
     assert pictures[0].read_bytes() == pictures[1].read_bytes()
 
 
+@pytest.mark.sweep
 def test_models_and_options_are_passed_on(results, study, tmp_path):
     target = tmp_path / "picture.svg"
     words = ["--model", "nonlinear", "--model", "resonance", "-o", str(target), "--quiet"]

@@ -48,6 +48,7 @@ def test_a_rule_is_fitted_written_and_judged(folder, tmp_path, capsys):
     assert {"march", "velocity_ratio", "velocity_alone"} == set(tree["curves"]["score"].values)
 
 
+@pytest.mark.sweep
 def test_one_earthquake_gives_a_statement(samples, tmp_path, capsys):
     out = tmp_path / "verdicts.h5"
     code, said = run(capsys, "rule", "judge", samples / "CICCC.RAW", "-o", out)

@@ -72,6 +72,7 @@ def test_inspect_tells_the_count_and_lists_every_file_where_asked_for(assessed, 
     assert capsys.readouterr().out.count("no reader recognises the file") == UNREAD
 
 
+@pytest.mark.sweep
 def test_the_first_sentence_of_the_report_has_the_count(assessed, tmp_path):
     assert main(["report", str(assessed), "-o", str(tmp_path / "report.html")]) == 0
     page = (tmp_path / "report.html").read_text(encoding="utf-8")
@@ -81,6 +82,7 @@ def test_the_first_sentence_of_the_report_has_the_count(assessed, tmp_path):
     assert page.count("m23.acc: no reader recognises the file") == 1  # the annex has every file
 
 
+@pytest.mark.sweep
 def test_members_of_an_archive_are_lost_no_more_than_files(tmp_path, capsys):
     with zipfile.ZipFile(tmp_path / "all.zip", "w") as target:
         for name, content in motions().items():
@@ -124,6 +126,7 @@ def test_a_fragility_file_and_a_site_tell_the_count(folder, tmp_path, capsys, ve
     assert f"! {COUNT}: {WHY}." in flat(capsys.readouterr().out)
 
 
+@pytest.mark.sweep
 def test_verdicts_of_the_rule_tell_the_count(folder, tmp_path, capsys):
     path = tmp_path / "out.h5"
     assert main(["rule", "judge", str(folder), "-o", str(path), "--quiet"]) == 1

@@ -17,6 +17,7 @@ from rockpulse.readers import FORMATS, read_source
 SEEDS = 2000
 
 
+@pytest.mark.sweep
 @pytest.mark.filterwarnings("ignore::UserWarning:obspy")
 def test_damaged_files_give_records_or_a_refusal_on_every_reader():
     counts: Counter[str] = Counter()

@@ -96,6 +96,7 @@ def test_without_the_sequence_model_the_spacing_of_schema_1_0_is_the_configurati
     assert load(path)["summary"]["spacing"].values.tolist() == [0]
 
 
+@pytest.mark.sweep
 def test_an_open_file_of_schema_1_0_holds_what_a_loaded_one_does(tmp_path):
     path = tmp_path / "results.h5"
     _of_schema_1_0(path, "middle", {"wall": Block(0.15, 1.5), "statue": Block(0.4, 2.0)})

@@ -271,6 +271,7 @@ def test_a_record_that_fails_is_a_row_and_never_the_end():
         rp.calibrate_site([dead], config(), BLOCKS)
 
 
+@pytest.mark.sweep
 def test_a_record_that_moves_too_few_blocks_is_skipped_and_no_failure(tmp_path):
     weak = shake(9, 0.003, name="weak")
     settings = config(method="response")

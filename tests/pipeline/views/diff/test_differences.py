@@ -139,6 +139,7 @@ def test_a_changed_value_is_found_and_its_place_is_named(order, group, name, pla
     assert np.isnan(one.largest) != number
 
 
+@pytest.mark.sweep
 def test_files_are_compared_as_trees_are(compare_files):
     changed = reordered(tree(), [1, 2, 0])
     changed["summary"]["pga"].values[0] *= 1.0 + 1e-6

@@ -160,6 +160,7 @@ def test_cases_of_restitution_are_bodies_of_their_own():
     assert "column, C = 0.830" in words
 
 
+@pytest.mark.sweep
 def test_the_design_sequence_of_a_site(tmp_path, site, bodies):
     rp.save(site, tmp_path / "site.h5")
     sequence = rp.load_design(tmp_path / "site.h5")
@@ -241,6 +242,7 @@ def test_the_file_is_written_and_only_a_report_is_replaced(tmp_path):
         write_report(tree, tmp_path, overwrite=True)
 
 
+@pytest.mark.sweep
 def test_files_of_another_kind_are_refused(tmp_path, results, site):
     rp.save(site, tmp_path / "site.h5")
     rp.save(results, tmp_path / "results.h5")
