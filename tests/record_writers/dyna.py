@@ -170,7 +170,7 @@ def samples(channels: Sequence[Record]) -> dict[str, bytes]:
             f"{moment:%Y%m%d%H%M%S}_CLC_RawAcc_E.asc",
             dyna(values, channel.dt, **common | afad),
         )
-        corrected = CORRECTED | {"LOW_CUT_FREQUENCY_HZ": "", "HIGH_CUT_FREQUENCY_HZ": ""}
+        corrected = CORRECTED | {"LOW_CUT_FREQUENCY_HZ": "", "HIGH_CUT_FREQUENCY_HZ": "", "LOCATION": "RIDGECREST"}
         files.setdefault(
             f"{moment:%Y%m%d%H%M%S}_CLC_ap_AAD_Acc_E.asc",
             TADAS.encode() + dyna(values, channel.dt, **common | afad | corrected),

@@ -159,6 +159,9 @@ def read_dyna(file: SourceFile, options: ReadOptions) -> list[Record]:
     peak, rounding = printed_number(stated) if _DECIMAL.fullmatch(stated) else (float("nan"), 0.0)
     location = header.text("LOCATION").strip("-")
     is_code = bool(re.fullmatch(r"\w{0,2}", location))
+    # AFAD writes a place where ESM has a code: once that of the station, in the files with AAD lines the earthquake's.
+    place = "" if is_code else location
+    of_event = any(key.startswith("AAD_") for key in header.values)
     return [
         build_record(
             file,
@@ -172,9 +175,8 @@ def read_dyna(file: SourceFile, options: ReadOptions) -> list[Record]:
             network=header.text("NETWORK"),
             station=header.text("STATION_CODE"),
             location=location if is_code else "",
-            # AFAD writes the place where ESM has a code.
-            station_name=header.text("STATION_NAME") or ("" if is_code else location),
-            event=header.text("EVENT_NAME"),
+            station_name=header.text("STATION_NAME") or ("" if of_event else place),
+            event=(place.replace("_", " ") if of_event else "") or header.text("EVENT_NAME"),
             start_time=start_time,
             sensor_depth=header.number("SENSOR_DEPTH_M"),
             facts=_facts(header),

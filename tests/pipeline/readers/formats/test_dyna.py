@@ -75,6 +75,7 @@ def test_the_format_samples_give_back_the_channels():
     assert {(record.network, record.station, record.station_name) for record in records} == {
         ("CI", "CLC", "China Lake"),
         ("CI", "CLC", "CHINA_LAKE"),
+        ("CI", "CLC", ""),  # the place in a file of TADAS is the earthquake's
     }
     by_stream = {record.channel: record for record in records}
     for stream, channel in zip(("HNE", "HNN", "HNZ"), channels, strict=True):
@@ -233,7 +234,7 @@ def test_a_real_file_of_the_portal_of_today(records_folder):
     assert record.header_peak == pytest.approx(8.7995, rel=1e-6)
     assert record.id == "TK.0201..HNE@20230206T011732"
     assert (record.processed, record.processing) == (True, FILTERED)
-    assert record.station_name == "Kahramanmaras_Pazarck_Turkiye"
+    assert (record.event, record.station_name) == ("Kahramanmaras Pazarck Turkiye", "")
 
 
 def test_the_lines_of_afad_before_the_title_are_the_processing():
