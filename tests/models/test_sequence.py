@@ -335,6 +335,7 @@ def test_interval_that_cannot_be_told_from_the_limit_is_refused():
         sequence_response(body, sequence(body, 0.3, 0.5, intermediate_count=2_000_000))
 
 
+@pytest.mark.sweep
 def test_kernels_give_the_same_without_compilation():
     code = (
         "import numpy as np\n"

@@ -87,9 +87,9 @@ def configuration_fingerprint(config: Config, verb: str) -> str:
 
     Paths of records, which of them are kept beside others of the same shaking, and the number of workers change
     nothing, nor does the name of the site, or what is looked at when all records are done: the tables of events and
-    weights, and the options of statistics and fits. Unit and interval of a file are told by its records as they were
-    read, and what is confirmed by each task for itself. The seed and the level of confidence are asked for where the
-    response of each record is matched.
+    weights, and the options of statistics and fits. A body is the same whether its size was confirmed or not. Unit and
+    interval of a file are told by its records as they were read, and what is confirmed by each task for itself. The
+    seed and the level of confidence are asked for where the response of each record is matched.
     """
     matched = verb == "calibrate" and config.calibration.method == "response"
     config = replace(
@@ -100,7 +100,8 @@ def configuration_fingerprint(config: Config, verb: str) -> str:
         run=replace(config.run, workers=1, seed=config.run.seed if matched else 0),
     )
     sections = [repr(getattr(config, name)) for name in SECTIONS if name not in IDLE[verb]]
-    bodies = [repr(entry) for entry in (*config.blocks, *config.demands)]
+    blocks = [replace(block, confirm_size=True) for block in config.blocks]
+    bodies = [repr(entry) for entry in (*blocks, *config.demands)]
     return _digest([verb, __version__, program_digest(), SCHEMA_VERSION, *sections, *bodies])
 
 

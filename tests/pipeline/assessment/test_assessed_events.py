@@ -92,6 +92,7 @@ def test_a_missing_or_wrong_table_is_refused_before_records_are_read(folder, tmp
         rp.assess([], config)
 
 
+@pytest.mark.sweep
 def test_unknown_ids_are_refused_or_told_where_a_file_was_not_read(folder, tmp_path):
     config = with_table(tmp_path, "record,event\nelsewhere,Kobe\n")
     with pytest.raises(ConfigError, match="no record has the id elsewhere"):

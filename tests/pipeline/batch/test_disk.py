@@ -51,6 +51,7 @@ def test_a_journal_that_cannot_grow_keeps_what_is_finished(folder, tmp_path, und
     assert_contents(target, undisturbed)
 
 
+@pytest.mark.sweep
 def test_no_room_for_the_results_keeps_what_is_finished(folder, tmpfs, undisturbed, capsys):
     place, change = tmpfs
     target = place / "results.h5"

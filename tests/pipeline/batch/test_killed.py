@@ -105,6 +105,7 @@ def assert_resumed(folder, target, undisturbed, *options, verb="assess"):
     assert [path.name for path in target.parent.iterdir()] == [target.name]
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize("workers", [1, pytest.param(2, marks=pytest.mark.slow)])
 def test_a_run_killed_between_two_records_goes_on_with_what_is_missing(folder, tmp_path, undisturbed, workers):
     target, log = tmp_path / "out" / "results.h5", tmp_path / "log"

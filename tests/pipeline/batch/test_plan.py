@@ -201,6 +201,15 @@ def test_the_fingerprint_of_the_configuration_knows_verb_version_program_and_sch
     assert len(seen) == 6
 
 
+def test_a_body_is_the_same_whether_its_size_was_confirmed_or_not():
+    wall = rp.BlockSettings(name="wall", width=0.3, height=2.4)
+    one, other = (
+        configuration_fingerprint(rp.Config(blocks=(body,)), "assess")
+        for body in (wall, replace(wall, confirm_size=True))
+    )
+    assert one == other
+
+
 @pytest.mark.parametrize("package", ["rocking", "rockpulse"])
 def test_the_program_is_known_by_its_sources(monkeypatch, tmp_path, package):
     from rockpulse.batch import plan as module

@@ -97,7 +97,9 @@ def carried_out(paths, analysis) -> tuple[list[tuple[str, Done]], list, list]:
     return [(prepared.events[one.key], one) for one in done], prepared.planned, rows
 
 
-@pytest.mark.parametrize("name", CONFIGURATIONS)
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=pytest.mark.sweep if name == "strongest" else ()) for name in CONFIGURATIONS]
+)
 def test_tasks_one_by_one_give_the_arrays_of_the_assessment_in_memory(samples, name):
     config = CONFIGURATIONS[name]
     paths = samples / "CICLC.v1" if name == "strongest" else samples  # the search for the direction takes its time

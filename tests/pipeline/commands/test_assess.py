@@ -150,6 +150,7 @@ def test_the_results_hold_the_configuration_that_was_resolved(tree, tmp_path):
     assert [name.rpartition("/")[2] for name in config.records.paths] == ["strong.AT2", "weak.AT2"]
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize(
     ("given", "by_command_line"),
     [
@@ -352,6 +353,7 @@ def test_each_remark_on_a_body_is_logged_once_with_its_name(folder, tmp_path):
     ]
 
 
+@pytest.mark.sweep
 def test_sizes_in_millimetres_are_exit_code_two_before_any_work_unless_confirmed(folder, tmp_path, capsys):
     target = tmp_path / "results.h5"
     arguments = [folder / "strong.AT2", "--block", "statue=600x1700", "-o", target]

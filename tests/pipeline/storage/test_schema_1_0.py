@@ -64,6 +64,7 @@ def path(written, tmp_path):
     return shutil.copy(written, tmp_path / "results.h5")
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize(
     ("spacing", "restitution"), [("end", [0.85, 0.9]), ("middle", "housner"), ("continuous", [0.85, 0.9])]
 )

@@ -128,7 +128,9 @@ def test_a_change_is_found_and_named(results, name):
     assert message in "\n".join(verify(results, inputs=False).differences)
 
 
-@pytest.mark.parametrize("count", [10, pytest.param(300, marks=pytest.mark.slow)])
+@pytest.mark.parametrize(
+    "count", [pytest.param(10, marks=pytest.mark.sweep), pytest.param(300, marks=pytest.mark.slow)]
+)
 def test_any_damaged_byte_is_found_or_changes_nothing(results, count):
     whole = results.read_bytes()
     untouched = load(results)
