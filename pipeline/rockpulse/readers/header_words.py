@@ -20,7 +20,7 @@ _KINDS = {
     "velocity": rf"vel{_AXIS}|velocity|velocit(?:a|ies)|velocidad(?:e|es)?|vitesses?|geschwindigkeit(?:en)?|h[iy]z",
     "displacement": rf"disp{_AXIS}|displ|displacements?|desplazamientos?|spostament[io]|deplacements?|"
     r"verschiebung(?:en)?|auslenkung|deslocamentos?|deplasman|yerdegistirme",
-    "spectrum": r"ps[av]|spectr(?:um|al|a|e|es)|espectros?|spettr[oi]|spektr(?:um|en)|fas|fft|fourier|"
+    "spectrum": r"p?s[av]|sd|spectr(?:um|al|a|e|es)|espectros?|spettr[oi]|spektr(?:um|en)|fas|fft|fourier|"
     r"period[oes]?|periodos|freq|frequency|frecuencia|frequenza|frequenz|frequence|frequencia|frekans",
     "acceleration": rf"acc{_AXIS}|accn|accel{_AXIS}|accelerations?|aceleracion(?:es)?|accelerazion[ei]|"
     r"beschleunigung(?:en)?|aceleracao|aceleracoes|ivme",

@@ -32,6 +32,9 @@ OTHERS = {
     **{suffix: ("a picture", "plot", suffix) for suffix in (".svg", ".png", ".pdf")},
 }
 
+#: Suffixes of other files that a slip of the pen would name.
+TEXTS = (".toml", ".json", ".md", ".parquet")
+
 DAMAGED = "damaged file"
 SIGNATURE = b"\x89HDF\r\n\x1a\n"
 
@@ -119,6 +122,12 @@ def _check_name(path: Path) -> None:
         raise ResultsError(
             f"{path}: expected the name of a results file (HDF5), such as {results}, found that of {what}, which is "
             f"made of results afterwards: rockpulse {verb} {results} -o {plain.with_suffix(suffix)}"
+        )
+    if plain.suffix.lower() in TEXTS:
+        results = plain.with_suffix(".h5")
+        raise ResultsError(
+            f"{path}: expected the name of a results file (HDF5), such as {results}, found the suffix {plain.suffix}, "
+            "which says that the file holds something else"
         )
 
 

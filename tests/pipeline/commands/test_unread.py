@@ -147,6 +147,8 @@ def test_what_is_converted_is_counted_too(folder, tmp_path, capsys):
         ("r.CSV.gz", "rockpulse export r.h5 -o r.csv"),
         ("r.html", "rockpulse report r.h5 -o r.html"),
         ("r.svg", "rockpulse plot r.h5 -o r.svg"),
+        ("site.toml", "such as site.h5, found the suffix .toml"),
+        ("r.json", "such as r.h5, found the suffix .json"),
     ],
 )
 @pytest.mark.parametrize("verb", ["assess", "calibrate", "fragility"])

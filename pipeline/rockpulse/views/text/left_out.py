@@ -62,7 +62,9 @@ def left_out(tree: xr.DataTree, brief: bool = False) -> str:
         if words
     ]
     shown_blocks = warned[:LISTED] if brief else warned
-    lines += [paragraph(f"block {block}: {words}", "      ", "") for block, words in shown_blocks]
+    lines += [
+        paragraph(f"block {block}: {'; '.join(words.splitlines())}", "      ", "") for block, words in shown_blocks
+    ]
     if len(shown_blocks) < len(warned):
         lines.append(f"and {len(warned) - len(shown_blocks)} more blocks with warnings")
     return "\n".join([*lines, *_warnings(summary)])
