@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import sys
 
-from rockpulse.commands.batch_input import add_batch_arguments, batch_options, recorded, told
+from rockpulse.commands.batch_input import add_batch_arguments, batch_options, nothing_written, recorded, told
 from rockpulse.commands.record_input import add_record_arguments, resolved
 from rockpulse.commands.telling import tell
 from rockpulse.commands.verb import Verb
@@ -24,11 +24,14 @@ def _run(args: argparse.Namespace) -> int:
     from rockpulse.batch.run import calibrate_files
     from rockpulse.errors import RecordRefused
     from rockpulse.storage.save_load import load
+    from rockpulse.studies.site.calibration import NothingCalibrated
     from rockpulse.views.text.site import site_overview
 
     try:
         with recorded(args):
             calibrate_files(paths, config, args.output, batch_options(args))
+    except NothingCalibrated as error:
+        return nothing_written(error.failures, "calibrated", args.quiet)
     except RecordRefused as error:
         first = "; ".join(line.strip().partition("; ")[0] for line in str(error).splitlines())
         why = first if args.quiet else f"{error}\nrockpulse"

@@ -114,7 +114,7 @@ def _cases(args: argparse.Namespace) -> tuple[pd.DataFrame, list[Failure]]:
     options = reading_options(args)
     bars = progress_bars(args.quiet)
     records, failures = read_all(args.paths, options.units, dt=options.dt)
-    motions, left_out = strong_motions(records, args.confirm)
+    motions, left_out = strong_motions(records, args.confirm, failures)
     with compiling_told(args.quiet):
         cases, refused = rule_cases(motions, progress=lambda every: bars(every, desc="judging", unit=" channels"))
     return cases, [*failures, *left_out, *refused]

@@ -19,20 +19,21 @@ logger = logging.getLogger("rockpulse")
 LARGEST = CREDIBLE_PEAK_G[1] * STANDARD_GRAVITY
 
 
-def unconfirmed(conditioned: Record, confirm: Iterable[str]) -> str:
+def unconfirmed(conditioned: Record, confirm: Iterable[str], configured: bool = True) -> str:
     """Why a channel does not count, and what to do: its peak lies above 5 g, and no pattern of its id confirms it.
 
-    Empty for every other channel.
+    Empty for every other channel. Without a configuration (`configured`) the advice names command-line options alone.
     """
     if not conditioned.pga > LARGEST or id_matches(conditioned.id, confirm):
         return ""
     found = odd_peak(conditioned.pga, conditioned.source_unit, conditioned.unit_factor)
-    return f"{conditioned.id}: {found}. {_advice([conditioned])}"
+    return f"{conditioned.id}: {found}. {_advice([conditioned], configured)}"
 
 
 def unconfirmed_peaks(planned: PlannedMotion, motions: Sequence[Motion], config: Config, stage: str) -> list[Failure]:
     """A row for each channel for which a channel or a pair is left out, its vertical one among them; mostly none.
 
+    A horizontal channel that is left out with such a channel has a row of its own, behind them.
     A pair of which only a rotated motion lies above 5 g is left out as a whole, unless both channels are confirmed.
     """
     confirm = config.records.confirm
@@ -41,11 +42,20 @@ def unconfirmed_peaks(planned: PlannedMotion, motions: Sequence[Motion], config:
     acting = [(of_pair, one) for one in channels]
     if up is not None:
         acting.append((f"{planned.name}: its vertical channel ", up))
+    doubted = {id(one): told for _, one in acting if (told := unconfirmed(one, confirm))}
     rows = [
-        Failure(one.source, stage, f"{whose}{told}", "failed")
+        Failure(one.source, stage, f"{whose}{doubted[id(one)]}", "failed")
         for whose, one in acting
-        if (told := unconfirmed(one, confirm))
+        if id(one) in doubted
     ]
+    if doubted:
+        cause = next(one for _, one in acting if id(one) in doubted)
+        peak = f"whose peak of {cause.pga / STANDARD_GRAVITY:.3g} g nobody has confirmed"
+        rows += [
+            Failure(one.source, stage, f"{of_pair}{one.id}: left out with {cause.id}, {peak}", "failed")
+            for one in channels
+            if id(one) not in doubted
+        ]
     strongest = max((motion.record for motion in motions), key=lambda record: record.pga)
     open_to_doubt = [one for one in channels if not id_matches(one.id, confirm)]
     if planned.rotated and not rows and open_to_doubt and strongest.pga > LARGEST:
@@ -56,11 +66,12 @@ def unconfirmed_peaks(planned: PlannedMotion, motions: Sequence[Motion], config:
     return rows
 
 
-def _advice(channels: Sequence[Record]) -> str:
+def _advice(channels: Sequence[Record], configured: bool = True) -> str:
     options = " ".join(f"--confirm {one.id}" for one in channels)
     names = ", ".join(f'"{one.id}"' for one in channels)
+    units = "--units, units under [records] or [[records.file]], or the file" if configured else "--units, or the file"
+    confirm = f"{options}, or confirm = [{names}] under [records]" if configured else options
     return (
         f"A peak above {CREDIBLE_PEAK_G[1]:g} g after conditioning does not count before it is confirmed: correct the "
-        f"unit (--units, units under [records] or [[records.file]], or the file), or, if it is right, give {options}, "
-        f"or confirm = [{names}] under [records]"
+        f"unit ({units}), or, if it is right, give {confirm}"
     )

@@ -101,7 +101,9 @@ class Analysis(ABC):
             raise ConfigError(f"records: expected different ids, found more than one record with id {', '.join(twice)}")
         rows = list(failures)
         event_of, unread = events_by_id(every, self.named_events, rows)
-        idle = unmatched_patterns("confirm", self.config.records.confirm, [record.id for record in every], rows)
+        idle = unmatched_patterns(
+            "[records] confirm", self.config.records.confirm, [record.id for record in every], rows
+        )
         voting, outvoted = one_vote_each(every, self.config.records, rows)
         planned, left_out = plan_motions(voting, self.config)
         events = {one.name: event_of[one.channels[0].id] for one in planned}
@@ -141,7 +143,7 @@ def worked(
     """Work on every motion of a channel or pair, whose samples are there.
 
     Each motion yields its part or a row; so do a channel that cannot be conditioned, both of a pair that cannot be
-    rotated, and channels whose peak has to be confirmed.
+    rotated, and channels whose peak has to be confirmed, with those that are left out for them.
     """
     try:
         with watch("condition"):

@@ -39,7 +39,10 @@ _PROCESSED = {True: "a processed volume", None: "one that may be processed", Fal
 
 
 def one_vote_each(
-    records: Sequence[Record], settings: RecordSettings | None = None, failures: Iterable[Failure] = ()
+    records: Sequence[Record],
+    settings: RecordSettings | None = None,
+    failures: Iterable[Failure] = (),
+    advice: str = "[records] keep with this id assesses both",
 ) -> tuple[list[Record], list[Failure]]:
     """The records that are assessed, one of each motion, in the order given; of the samples only their number is asked.
 
@@ -52,10 +55,11 @@ def one_vote_each(
 
     The others are rows of the kinds "depth", for one recorded deeper than the one that votes, and "duplicate". Records
     that fit ``[records] keep`` are assessed beside the one that votes. A pattern that fits none is an error, or a row
-    where `failures` tell of files that could not be read, as by :func:`unmatched_patterns`.
+    where `failures` tell of files that could not be read, as by :func:`unmatched_patterns`. Each row of a record ends
+    with `advice`, which is empty where no settings can be given.
     """
     settings = settings or RecordSettings()
-    rows = unmatched_patterns("keep", settings.keep, [record.id for record in records], failures)
+    rows = unmatched_patterns("[records] keep", settings.keep, [record.id for record in records], failures)
     sites: dict[tuple[str, ...], list[Record]] = defaultdict(list)
     for record in records:
         site = _site(record, settings.structural)
@@ -64,27 +68,28 @@ def one_vote_each(
     outvoted: dict[int, Failure] = {}
     for members in sites.values():
         for at_once in _at_once(members):
-            outvoted |= _Poll(at_once, settings).outvoted
+            outvoted |= _Poll(at_once, settings, advice).outvoted
     voting = [record for record in records if id(record) not in outvoted]
     return voting, [*rows, *(outvoted[id(record)] for record in records if id(record) in outvoted)]
 
 
 def unmatched_patterns(
-    key: str, patterns: Sequence[str], ids: Sequence[str], failures: Iterable[Failure] = ()
+    option: str, patterns: Sequence[str], ids: Sequence[str], failures: Iterable[Failure] = ()
 ) -> list[Failure]:
-    """A row where patterns of ``[records] key`` fit no id and may be meant for files that could not be read.
+    """A row where patterns of an option fit no id and may be meant for files that could not be read.
 
-    Which files could not be read is told by the failures of reading. Where every file was read, ConfigError.
+    The option is named as the user gave it, as "[records] keep". Which files could not be read is told by the failures
+    of reading. Where every file was read, ConfigError.
     """
     idle = [pattern for pattern in patterns if not any(id_matches(name, [pattern]) for name in ids)]
     if not idle:
         return []
     found = (", ".join(ids[:3]) + (f" and {len(ids) - 3} more" if len(ids) > 3 else "")) or "none"
-    reason = f"[records] {key}: no record has an id that fits {', '.join(idle)}; the ids are {found}"
+    reason = f"{option}: no record has an id that fits {', '.join(idle)}; the ids are {found}"
     if not any(row.kind == "failed" and row.stage in ("find", "read") for row in failures):
         raise ConfigError(f"{reason}; correct the pattern or take it out")
     told = f"{reason}; correct the pattern unless it is meant for one of the files that could not be read"
-    return [Failure(f"[records] {key}", "select", told, "failed")]
+    return [Failure(option, "select", told, "failed")]
 
 
 def _site(record: Record, structural: bool) -> tuple[str, ...] | None:
@@ -122,6 +127,7 @@ class _Volume:
     """The channels that one instrument recorded together, no two of one direction."""
 
     channels: list[Record]
+    confirm: Sequence[str]  # patterns of the ids of channels whose peak is right
 
     @cached_property
     def horizontal(self) -> list[Record]:
@@ -135,8 +141,8 @@ class _Volume:
 
     @cached_property
     def pair(self) -> tuple[Record, ...]:
-        """The two horizontal channels that can be rotated; empty where there are none."""
-        pairs, _ = find_pairs([one for one in self.horizontal if not _dead(one)])
+        """The two horizontal channels without a fault that can be rotated; empty where there are none."""
+        pairs, _ = find_pairs([one for one in self.horizontal if not _fault(one, self.confirm)])
         return pairs[0].channels if len(pairs) == 1 else ()
 
     @property
@@ -164,7 +170,7 @@ class _Volume:
         return (
             self.level,
             settings.components != "horizontal" and not self.pair,
-            settings.include_vertical and not self.vertical,
+            settings.include_vertical and all(_fault(one, self.confirm) for one in self.vertical),
             [True, None, False].index(self.processed),
             self.dt,
             -self.duration,
@@ -175,17 +181,18 @@ class _Volume:
 class _Poll:
     """The vote among the records that a site made at one time."""
 
-    def __init__(self, records: Sequence[Record], settings: RecordSettings) -> None:
+    def __init__(self, records: Sequence[Record], settings: RecordSettings, advice: str) -> None:
         self.settings = settings
+        self.advice = advice
         self.outvoted: dict[int, Failure] = {}
         if len(records) == 1:
             return
-        self.volumes = sorted(_volumes(records), key=lambda volume: volume.rank(settings))
+        self.volumes = sorted(_volumes(records, settings.confirm), key=lambda volume: volume.rank(settings))
         self.voters: list[tuple[Record, _Volume]] = []
         for yields in (False, True):
             for volume in self.volumes:
                 for record in volume.horizontal:
-                    if bool(self._fault(record)) is yields:
+                    if bool(_fault(record, settings.confirm)) is yields:
                         self._ask(record, volume)
         self._verticals()
 
@@ -197,15 +204,6 @@ class _Poll:
         elif not id_matches(record.id, self.settings.keep):
             nearest = next((rival for rival in rivals if _one_direction(record, rival[0])), rivals[0])
             self.outvoted[id(record)] = self._row(record, volume, *nearest)
-
-    def _fault(self, record: Record) -> str:
-        """Why a record yields to any other of its motion; an empty text for most."""
-        if _dead(record):
-            return "this channel is dead"
-        odd = find(record.warnings, "odd_peak")
-        if odd is None or id_matches(record.id, self.settings.confirm):
-            return ""
-        return f"this one has a peak of {odd.values['peak']:.3g} g, which nobody has confirmed"
 
     def _verticals(self) -> None:
         """Vertical channels go with the horizontal ones of their volume; of the others one of each motion stays."""
@@ -233,12 +231,13 @@ class _Poll:
         bare = uncovered(voter, record)
         if bare > 0.5 * record.duration:
             told += f"; {bare:.0f} of the {record.duration:.0f} s of this one are not in it"
-        told += "; [records] keep with this id assesses both"
+        told += f"; {self.advice}" if self.advice else ""
         return Failure(record.source, "select", told, "depth" if deeper else "duplicate")
 
     def _why(self, record: Record, volume: _Volume, voter: Record, elected: _Volume) -> str:
         """The rule by which one goes before the other."""
-        if (fault := self._fault(record)) and not self._fault(voter):
+        confirm = self.settings.confirm
+        if (fault := _fault(record, confirm)) and not _fault(voter, confirm):
             return fault
         if record.orientation == "vertical" and volume.rank(self.settings) < elected.rank(self.settings):
             return "the horizontal channels of its volume are assessed"
@@ -247,8 +246,8 @@ class _Poll:
         depth = "at the bottom of a borehole" if math.isinf(volume.level) else f"{volume.level:g} m below the ground"
         rules = (
             f"this one was recorded {depth}, the other {'at' if elected.level == 0.0 else 'nearer to'} the surface",
-            "its volume holds a pair of horizontal channels, that of this one does not",
-            "its volume holds a vertical channel, that of this one does not",
+            "its volume holds a pair of horizontal channels that can be used, that of this one does not",
+            "its volume holds a vertical channel that can be used, that of this one does not",
             f"{_PROCESSED[elected.processed]} goes before {_PROCESSED[volume.processed]}",
             f"it has a sample every {elected.dt:g} s, this one every {volume.dt:g} s",
             f"it lasts {elected.duration:.6g} s, this one {volume.duration:.6g} s",
@@ -257,17 +256,19 @@ class _Poll:
         return rules[place]
 
 
-def _volumes(records: Sequence[Record]) -> list[_Volume]:
+def _volumes(records: Sequence[Record], confirm: Sequence[str]) -> list[_Volume]:
     """The volumes of the records of a site; a second channel of one direction begins another."""
     channels = Counter(record.source for record in records)
     groups: dict[tuple[object, ...], list[_Volume]] = defaultdict(list)
     for record in sorted(records, key=attrgetter("start_time", "source", "channel", "id")):
-        together = record.source if channels[record.source] > 1 else str(PurePath(record.source).parent)
+        # Members of an archive lie in folders of it.
+        folder = str(PurePath(record.source.replace("!", "/")).parent)
+        together = record.source if channels[record.source] > 1 else folder
         found = groups[*instrument(record), together]
         fits = (one for one in found if all(_beside(record, other) for other in one.channels))
         volume = next(fits, None)
         if volume is None:
-            found.append(_Volume([record]))
+            found.append(_Volume([record], confirm))
         else:
             volume.channels.append(record)
     return [volume for found in groups.values() for volume in found]
@@ -285,5 +286,11 @@ def _one_direction(record: Record, other: Record) -> bool:
     return abs(math.remainder(record.azimuth - other.azimuth, 180.0)) <= SAME_DIRECTION
 
 
-def _dead(record: Record) -> bool:
-    return bool(find(record.warnings, "dead_channel"))
+def _fault(record: Record, confirm: Sequence[str]) -> str:
+    """Why a record yields to any other of its motion; an empty text for most."""
+    if find(record.warnings, "dead_channel"):
+        return "this channel is dead"
+    odd = find(record.warnings, "odd_peak")
+    if odd is None or id_matches(record.id, confirm):
+        return ""
+    return f"this one has a peak of {odd.values['peak']:.3g} g, which nobody has confirmed"

@@ -253,6 +253,20 @@ def test_nothing_calibrated_is_exit_code_one_and_no_file(samples, config, tmp_pa
     assert not target.exists()
 
 
+@pytest.mark.parametrize("quiet", [True, False])
+def test_where_nothing_can_be_used_the_count_is_told(config, tmp_path, capsys, quiet):
+    for name in "ab":
+        (tmp_path / f"{name}.AT2").write_text("damaged")
+    target = tmp_path / "site.h5"
+    given = [str(tmp_path), "--config", str(config), "-o", str(target), *(["--quiet"] if quiet else [])]
+    assert main(["calibrate", *given]) == 1
+    said = capsys.readouterr().err
+    line = "rockpulse: not one record could be calibrated, nothing was written: 0 of 2 files used, 2 not: "
+    assert said.splitlines()[-1].startswith(line)
+    assert (said.count("\n") == 1) == quiet
+    assert not target.exists()
+
+
 def test_without_records_it_is_wrong_usage(config, tmp_path, capsys):
     assert main(["calibrate", "--config", str(config), "-o", str(tmp_path / "site.h5")]) == 2
     assert "no records: name files" in capsys.readouterr().err

@@ -123,8 +123,15 @@ def test_a_vertical_channel_above_five_g_keeps_its_neighbours_from_counting_wher
     east = replace(record("a.E", 2.0), **near, channel="HNE", orientation="horizontal", azimuth=90.0)
     up = replace(record("a.Z", 60.0), **near, channel="HNZ", orientation="vertical")
     assert seen([east, up]) == (["a.E"], [])
-    names, (row,) = seen([east, up], include_vertical=True)
-    assert (names, row[0]) == ([], "a.txt")
+    apart = [east, replace(up, source="up.txt")]
+    names, (row, beside) = seen(apart, include_vertical=True)
+    assert (names, row[0]) == ([], "up.txt")
+    assert beside == (
+        "a.txt",
+        "measure",
+        "failed",
+        "a.E: left out with a.Z, whose peak of 6.12 g nobody has confirmed",
+    )
     assert row[3].startswith("a.E: its vertical channel a.Z: peak 6.1")
     assert seen([east, up], include_vertical=True, confirm=("a.Z",)) == (["a.E"], [])
 
@@ -139,8 +146,10 @@ def test_a_pair_counts_where_each_channel_above_five_g_is_confirmed():
     turned = {"components": "azimuth", "azimuth": 0.0}
     names, rows = seen(pair(60.0, 2.0), **turned)
     name = ".A..HNE-HNN@20230206T000000"
-    assert (names, [row[3][:40] for row in rows]) == ([], [f"{name}: a.E: peak 6"])
-    assert [row[3][:33] for row in seen(pair(60.0, 60.0), **turned, confirm=("a.E",))[1]] == [f"{name}: a.N:"]
+    assert (names, [row[3][:40] for row in rows]) == ([], [f"{name}: a.E: peak 6", f"{name}: a.N: left o"])
+    rows = seen(pair(60.0, 60.0), **turned, confirm=("a.E",))[1]
+    assert [row[3][:33] for row in rows] == [f"{name}: a.N:", f"{name}: a.E:"]
+    assert rows[1][3].startswith(f"{name}: a.E: left out with a.N, whose peak of 6.1")
     assert len(seen(pair(60.0, 60.0), **turned, confirm=("a.?",))[0]) == 1
 
 

@@ -212,6 +212,39 @@ def test_a_peak_that_nobody_has_confirmed_yields_to_another_record_of_its_motion
     assert vote(*raw, *wrong, settings=confirmed)[0] == ids("b.V2A")
 
 
+def test_a_volume_whose_pair_nobody_has_confirmed_does_not_go_first():
+    odd = Remark("odd_peak", peak=7.0, unit="g", readings="0.007 g if it were cm/s2")
+    raw, processed = volume("a.V1A"), volume("b.V2A", processed=True)
+    turned = RecordSettings(components="strongest")
+    doubted = [processed[0], replace(processed[1], warnings=(odd,)), processed[2]]
+    assert vote(*raw, *doubted, settings=turned) == (ids("a.V1A"), dict.fromkeys(ids("b.V2A"), "duplicate"))
+    assert "a pair of horizontal channels that can be used" in reason(*raw[:2], doubted[0], settings=turned)
+    confirmed = replace(turned, confirm=("b.V2A.90",))
+    assert vote(*raw, *doubted, settings=confirmed)[0] == ids("b.V2A")
+    # The same of the vertical channel where it acts.
+    upwards = RecordSettings(include_vertical=True)
+    doubted = [*processed[:2], replace(processed[2], warnings=(odd,))]
+    assert vote(*raw, *doubted, settings=upwards)[0] == ids("a.V1A")
+    assert vote(*raw, *doubted, settings=replace(upwards, confirm=("*",)))[0] == ids("b.V2A")
+
+
+def test_members_at_the_root_of_two_archives_are_of_two_volumes():
+    def members(archive, **options):
+        named = (("E", 90.0), ("N", 0.0))
+        return [channel(az, f"/d/{archive}.zip!{name}", id=f"{archive}.{name}", **options) for name, az in named]
+
+    one, two = members("one"), members("two")
+    one[1] = replace(one[1], start_time=START + timedelta(seconds=0.002))
+    two[0] = replace(two[0], start_time=START + timedelta(seconds=0.001))
+    two[1] = replace(two[1], acceleration=np.broadcast_to(0.0, 9000))
+    assert vote(*one, *two)[0] == ["two.E", "two.N"]
+
+
+def test_without_settings_no_row_advises_one():
+    (row,) = one_vote_each([channel(), channel(source="b", processed=True)], advice="")[1]
+    assert row.reason.endswith("a processed volume goes before a raw one")
+
+
 def test_places_on_a_structure_are_motions_of_their_own():
     def roof(place, source, **options):
         return channel(0.0, source, component=f"0 Deg ({place})", orientation="structural", **options)
@@ -239,7 +272,7 @@ def test_a_pattern_that_fits_no_record_is_an_error_where_every_file_was_read():
     assert (row.file, row.stage, row.kind) == ("[records] keep", "select", "failed")
     assert "x.*" in row.reason
     with pytest.raises(ConfigError, match="the ids are none; correct"):
-        unmatched_patterns("keep", ["*"], [])
+        unmatched_patterns("[records] keep", ["*"], [])
 
 
 def test_a_long_record_that_is_left_out_for_a_short_one_is_told_as_such():

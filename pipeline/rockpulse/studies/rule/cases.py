@@ -25,11 +25,12 @@ from rocking.half_wave_demand import demand_of_half_waves
 from rocking.recorded import recorded_response
 from rocking.response import Outcome
 from rockpulse.calibration.rule import traits
+from rockpulse.config.settings import RecordSettings
 from rockpulse.errors import RockpulseError
 from rockpulse.failures import Failure
 from rockpulse.motions.doubt import unconfirmed
 from rockpulse.motions.events import group_events
-from rockpulse.motions.votes import one_vote_each
+from rockpulse.motions.votes import one_vote_each, unmatched_patterns
 from rockpulse.record.components import select_horizontal
 from rockpulse.record.conditioning import condition
 from rockpulse.record.half_wave import half_waves
@@ -85,16 +86,21 @@ class StrongMotion:
     otherwise: dict[str, Record] = field(default_factory=dict)
 
 
-def strong_motions(records: Iterable[Record], confirm: Sequence[str] = ()) -> tuple[list[StrongMotion], list[Failure]]:
+def strong_motions(
+    records: Iterable[Record], confirm: Sequence[str] = (), failures: Iterable[Failure] = ()
+) -> tuple[list[StrongMotion], list[Failure]]:
     """The strong horizontal ground channels among records as read, one of each shaking, in the order given.
 
-    The failures are the channels that are no horizontal ground motion, that another record of the same shaking stands
-    for, that cannot be conditioned, or whose peak lies above 5 g and is not confirmed by a pattern of its id. Weak ones
-    are not named.
+    With them come rows for the channels that are no horizontal ground motion, that another record of the same shaking
+    stands for, that cannot be conditioned, or whose peak lies above 5 g and is not confirmed by a pattern of its id.
+    Weak ones are not named. A pattern that fits no id is an error, or a row where `failures` tell of files that could
+    not be read.
     """
-    voting, outvoted = one_vote_each(list(records))
+    every = list(records)
+    idle = unmatched_patterns("--confirm", confirm, [record.id for record in every], failures)
+    voting, outvoted = one_vote_each(every, RecordSettings(confirm=tuple(confirm)), advice="")
     horizontal, left_out = select_horizontal(voting)
-    failures = [*outvoted, *left_out]
+    rows = [*idle, *outvoted, *left_out]
     found = []
     for record in horizontal:
         try:
@@ -102,17 +108,17 @@ def strong_motions(records: Iterable[Record], confirm: Sequence[str] = ()) -> tu
             others = {"tapered": _stretch(tapered), "reflected": _stretch(_reflected(record))}
         except (RockpulseError, ValueError) as error:  # scipy refuses records shorter than its pads
             logger.error("%s: %s", record.id, error)
-            failures.append(Failure(file=record.source, stage="rule", reason=str(error), kind="failed"))
+            rows.append(Failure(file=record.source, stage="rule", reason=str(error), kind="failed"))
             continue
-        if doubt := unconfirmed(conditioned, confirm):
+        if doubt := unconfirmed(conditioned, confirm, configured=False):
             logger.error("%s", doubt)
-            failures.append(Failure(file=record.source, stage="rule", reason=doubt, kind="failed"))
+            rows.append(Failure(file=record.source, stage="rule", reason=doubt, kind="failed"))
         elif conditioned.pga > STRONG:
             found.append((record, _stretch(conditioned), others))
     events = group_events([record for record, _, _ in found])
     return [
         StrongMotion(stretch, event, others) for (_, stretch, others), event in zip(found, events, strict=True)
-    ], failures
+    ], rows
 
 
 def _corners(record: Record) -> tuple[float, float | None]:

@@ -25,7 +25,7 @@ from rockpulse.studies.site.tree import build_site_tree
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["SiteCalibration", "calibrate_site", "site_family"]
+__all__ = ["NothingCalibrated", "SiteCalibration", "calibrate_site", "site_family"]
 
 
 def calibrate_site(
@@ -83,6 +83,14 @@ def calibrate_site(
     return run(SiteCalibration(config or Config(), blocks), records, failures, progress)
 
 
+class NothingCalibrated(RecordRefused):
+    """Not one record could be calibrated; ``failures`` are the rows of all that was left out."""
+
+    def __init__(self, message: str, failures: Sequence[Failure]) -> None:
+        super().__init__(message)
+        self.failures = failures
+
+
 class SiteCalibration(Analysis):
     """The sequence of every motion, and of all together the design sequence of a site."""
 
@@ -114,7 +122,8 @@ class SiteCalibration(Analysis):
         if not parts:
             rows = [row for row in failures if row.kind != "vertical"]
             reasons = "".join(f"\n  {told(group)}" for group in alike(rows))
-            raise RecordRefused(f"not one record could be calibrated, so there is no site to describe{reasons}")
+            what = f"not one record could be calibrated, so there is no site to describe{reasons}"
+            raise NothingCalibrated(what, failures)
         done = joined(parts)
         ids, events = done["record"].tolist(), done["event"].tolist()
         weights = record_weights(ids, events, self.config.calibration.weights, self.weights)

@@ -24,8 +24,8 @@ __all__ = ["FilesUsed", "count_files", "failure_rows", "files_used"]
 _READ = frozenset({"vertical", "structural", "duplicate", "depth"})
 #: Steps that leave out the one file of a row as it was named; the rows of later ones have the files of a record.
 _OF_FILES = frozenset({"find", "read"})
-#: The step whose rows are about a table of the user, no file of records.
-_OF_TABLES = "events"
+#: The steps whose rows of what failed are about a table or a pattern of the user, no file of records.
+_OF_OPTIONS = frozenset({"events", "select"})
 #: Groups with a row for each record of the results, by the kind of file; the first that is there counts.
 _GROUPS = ("summary", "site", "capacities", "cases")
 #: Reasons in a sentence, files named with each, and characters of each.
@@ -37,7 +37,8 @@ class FilesUsed:
     """The files that were used, as a number, and the rows of what failed.
 
     ``unused`` has a row for each file that failed, its first; ``beside`` are the other rows of kind "failed": channels
-    of files that are used, and a table of earthquakes. ``used`` is None where records do not tell their files.
+    of files that are used, a table of earthquakes, and patterns that fit no record. ``used`` is None where records do
+    not tell their files.
     """
 
     used: int | None
@@ -93,7 +94,7 @@ def files_used(tree: xr.DataTree) -> FilesUsed:
         return FilesUsed(None)
     sources = records["source"].values.tolist()
     if "source_sha256" not in records:
-        return count_files((name for source in sources for name in source.split(BETWEEN)), failure_rows(tree))
+        return count_files((name for source in sources for name in _apart(source)), failure_rows(tree))
     pairs = zip(sources, records["source_sha256"].values.tolist(), strict=True)
     return count_files((name for pair in set(pairs) for name in _files_of(*pair)), failure_rows(tree))
 
@@ -107,7 +108,7 @@ def count_files(used: Iterable[str], rows: Iterable[Failure]) -> FilesUsed:
     for row in rows:
         if row.kind != "failed":
             continue
-        missing = [] if row.stage == _OF_TABLES else [name for name in _named(row) if name not in names]
+        missing = [] if row.stage in _OF_OPTIONS else [name for name in _named(row) if name not in names]
         if not missing:
             beside.append(row)
         for name in missing:
@@ -126,7 +127,18 @@ def failure_rows(tree: xr.DataTree) -> list[Failure]:
 
 
 def _named(row: Failure) -> list[str]:
-    return [row.file] if row.stage in _OF_FILES else row.file.split(BETWEEN)
+    return [row.file] if row.stage in _OF_FILES else _apart(row.file)
+
+
+def _apart(source: str) -> list[str]:
+    """The files of a record without their checksums; a name that holds the sign between two is told by its parts.
+
+    Of several files all or none stand in a folder or an archive, and all or none have an ending.
+    """
+    names = source.split(BETWEEN)
+    inside = {any(sign in name for sign in "/\\!") for name in names}
+    ending = {"." in _last(name) for name in names}
+    return names if len(inside) == len(ending) == 1 else [source]
 
 
 def _files_of(source: str, checksums: str) -> list[str]:

@@ -11,10 +11,12 @@ import rockpulse as rp
 from rockpulse.assessment.scene import extract
 from rockpulse.calibration.rule import POINTS, Rule, load_rule
 from rockpulse.errors import ConfigError
+from rockpulse.failures import Failure
 from rockpulse.ladder import MODELS
 from rockpulse.models import Outcome
 from rockpulse.record.intensity import pgv
 from rockpulse.record.synthetic import synthetic_motion
+from rockpulse.remark import Remark
 from rockpulse.storage.rule_variables import RULE_TABLES
 from rockpulse.studies.rule.cases import TRUTH, StrongMotion, motion_cases, rule_cases, strong_motions
 from rockpulse.studies.rule.judgement import fit_rules, judge_rules, too_few
@@ -209,8 +211,27 @@ def test_a_channel_above_five_g_is_no_case_before_it_is_confirmed(ridgecrest):
     ((stage, kind, reason),) = [(row.stage, row.kind, row.reason) for row in failures]
     assert (stage, kind) == ("rule", "failed")
     assert reason.startswith("odd: peak ")
-    assert "give --confirm odd, or" in reason
+    assert reason.endswith("correct the unit (--units, or the file), or, if it is right, give --confirm odd")
     assert [motion.record.id for motion in strong_motions([odd], ["o*"])[0]] == ["odd"]
+
+
+def test_what_is_confirmed_votes_in_the_protocol_too(ridgecrest):
+    (record,) = (one for one in ridgecrest if one.id.startswith("CI.CCC..90"))
+    odd = Remark("odd_peak", peak=7.0, unit="g", readings="0.007 g if it were cm/s2")
+    processed = replace(record, id="b", source="b", processed=True, warnings=(odd,))
+    raw = replace(record, id="a", source="a", processed=False)
+    for confirm, votes in (([], "a"), (["b"], "b")):
+        (motion,), (row,) = strong_motions([raw, processed], confirm)
+        assert motion.record.id == votes
+        assert (row.kind, "[records]" in row.reason) == ("duplicate", False)
+
+
+def test_a_pattern_that_fits_no_record_is_no_silent_one(ridgecrest):
+    with pytest.raises(ConfigError, match=r"^--confirm: no record has an id that fits typo\*"):
+        strong_motions(ridgecrest[:1], ["typo*"])
+    unread = Failure("x", "read", "x: damaged", "failed")
+    row = strong_motions(ridgecrest[:1], ["typo*"], [unread])[1][0]
+    assert (row.file, row.kind) == ("--confirm", "failed")
 
 
 def test_the_protocol_gives_these_figures_on_a_sample(ridgecrest):

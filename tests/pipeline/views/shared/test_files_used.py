@@ -57,6 +57,20 @@ def test_a_table_of_earthquakes_is_no_file_of_records():
     assert found.line == f"failed: {reason} ([records] events)."
 
 
+@pytest.mark.parametrize("option", ["[records] keep", "[records] confirm", "--confirm"])
+def test_a_pattern_that_fits_no_record_is_no_file(option):
+    reason = f"{option}: no record has an id that fits x; correct it"
+    found = files_used(results("summary", ["a"], [row("b"), row(option, reason=reason, stage="select")]))
+    assert found.counted == "1 of 2 files used, 1 not"
+    assert found.line.endswith(f"also failed: no record has an id that fits x ({option}).")
+
+
+@pytest.mark.parametrize("name", ["d/c; d.txt", "all.zip!c; d.txt", "c; d.txt"])
+def test_a_name_that_holds_the_sign_between_files_is_one_file_at_every_step(name):
+    found = files_used(results("summary", ["d/a.txt; d/b.txt"], [row(name, stage="assess")], ["1; 2"]))
+    assert found.counted == "2 of 3 files used, 1 not"
+
+
 def test_a_rotated_pair_has_the_files_of_both_channels():
     rows = [row("n; e", reason="pair: not the same length", stage="rotate"), row("c; d.txt")]
     found = files_used(results("summary", ["e; f", "g; h"], rows, ["1; 2", "3"]))
