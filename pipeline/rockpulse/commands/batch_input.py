@@ -105,13 +105,16 @@ def recorded(args: argparse.Namespace) -> Iterator[None]:
 
 def nothing_written(failures: Sequence[Failure], what: str, quiet: bool) -> int:
     """Tell why not one record could be used, in a quiet run in one line; the exit code."""
+    from rockpulse.failures import alike
     from rockpulse.views.shared.files_used import count_files
     from rockpulse.views.text.left_out import rows_not_used
 
     listed = "" if quiet else rows_not_used(failures, more_in="")
     told = f"rockpulse: not one record could be {what}, nothing was written"
-    failed = count_files((), failures).line
-    tell("\n".join(filter(None, (listed, f"{told}: {failed}" if failed else told))), sys.stderr)
+    # Where nothing failed, records that were too weak are why.
+    weak = [row for row in failures if row.kind == "skipped" and row.stage not in ("find", "read")]
+    why = count_files((), failures).line or "; ".join(f"{group[0].place}: {group[0].bare}" for group in alike(weak))
+    tell("\n".join(filter(None, (listed, f"{told}: {why}" if why else told))), sys.stderr)
     return 1
 
 

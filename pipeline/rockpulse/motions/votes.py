@@ -50,8 +50,8 @@ def one_vote_each(
     with a pair; where ``include_vertical`` asks for it, those with a vertical channel; processed before perhaps
     processed before raw; the higher sampling rate; the longer; the first by path. A direction that no other volume has
     votes in any case. A vertical channel goes with the horizontal ones of its volume. A dead channel, and one whose
-    peak was read as hardly an earthquake's and that ``[records] confirm`` does not confirm, yield to any other of their
-    motion.
+    peak was read as hardly an earthquake's and that ``[records] confirm`` does not confirm, make no pair, do not count
+    as a vertical channel, and yield to any other of their motion.
 
     The others are rows of the kinds "depth", for one recorded deeper than the one that votes, and "duplicate". Records
     that fit ``[records] keep`` are assessed beside the one that votes. A pattern that fits none is an error, or a row

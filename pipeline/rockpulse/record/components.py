@@ -33,8 +33,9 @@ __all__ = [
 
 _REASONS = {
     "vertical": "vertical channel: read, not assessed as horizontal",
-    "structural": "channel on a structure: read, not assessed as ground motion ([records] structural = true does that)",
+    "structural": "channel on a structure: read, not assessed as ground motion",
 }
+_TAKEN = " ([records] structural = true does that)"
 _UPWARDS = "channel on a structure, vertical or in an unknown direction: read, not assessed as horizontal"
 _INSTEAD = 'components = "horizontal" assesses it as it was recorded'
 _BOTH_IN_ONE = "put both directions into one file with headings such as 'time [s],acc N [g],acc E [g]'"
@@ -106,12 +107,14 @@ class Neighbours:
         return [self._records[place] for place in sorted(places)]
 
 
-def select_horizontal(records: Iterable[Record], structural: bool = False) -> tuple[list[Record], list[Failure]]:
+def select_horizontal(
+    records: Iterable[Record], structural: bool = False, configured: bool = True
+) -> tuple[list[Record], list[Failure]]:
     """Keep the channels that are assessed as horizontal ground motion, in the order given.
 
     Channels of unknown orientation and, if `structural`, those on structures whose azimuth is known are kept with a
     warning (the others on structures are vertical or may be). Each channel left out gives a row of kind "vertical" or
-    "structural".
+    "structural", which names the setting that takes the latter unless there is no configuration (`configured`).
     """
     horizontal, failures = [], []
     for record in records:
@@ -120,6 +123,8 @@ def select_horizontal(records: Iterable[Record], structural: bool = False) -> tu
             horizontal.append(record.with_warning(Remark("on_structure")))
         elif kind == "vertical" or kind == "structural":
             reason = _UPWARDS if kind == "structural" and structural else _REASONS[kind]
+            if kind == "structural" and configured and not structural:
+                reason += _TAKEN
             failures.append(Failure(record.source, "select", f"{record.id}: {reason}", kind))
         elif kind == "unknown":
             horizontal.append(record.with_warning(Remark("orientation_unknown")))

@@ -267,6 +267,17 @@ def test_where_nothing_can_be_used_the_count_is_told(config, tmp_path, capsys, q
     assert not target.exists()
 
 
+def test_where_every_record_is_too_weak_a_quiet_run_says_so(config, tmp_path, capsys):
+    time = np.arange(0.0, 10.0, 0.01)
+    np.savetxt(tmp_path / "still.txt", 0.01 * np.where(abs(time - 5.0) < 0.5, np.cos(np.pi * (time - 5.0)), 0.0))
+    given = ["--config", str(config), "--units", "m/s2", "--dt", "0.01", "-o", str(tmp_path / "site.h5"), "--quiet"]
+    assert main(["calibrate", str(tmp_path / "still.txt"), *given]) == 1
+    said = capsys.readouterr().err
+    assert said.startswith("rockpulse: not one record could be calibrated, nothing was written: ")
+    assert "no impulse sequence" in said
+    assert said.count("\n") == 1
+
+
 def test_without_records_it_is_wrong_usage(config, tmp_path, capsys):
     assert main(["calibrate", "--config", str(config), "-o", str(tmp_path / "site.h5")]) == 2
     assert "no records: name files" in capsys.readouterr().err

@@ -203,6 +203,7 @@ def test_structures_are_assessed_where_asked_for_but_not_what_may_be_vertical(az
     (listed,) = select_horizontal([channel])[1]
     assert listed.kind == "structural"
     assert "[records] structural = true" in listed.reason
+    assert "[records]" not in select_horizontal([channel], configured=False)[1][0].reason
     chosen, failures = select_horizontal([channel], structural=True)
     assert len(chosen) == kept
     assert all("as if this were ground motion" in one.warnings[0] for one in chosen)

@@ -92,7 +92,7 @@ def accuracy(
     if not 0 <= seed <= 2**32 - effort.motions:
         raise ConfigError(f"seed: expected 0 to {2**32 - effort.motions}, got {seed}")
     voting, outvoted = one_vote_each(list(records), advice="")
-    horizontal, left_out = select_horizontal(voting)
+    horizontal, left_out = select_horizontal(voting, configured=False)
     rows = [*failures, *outvoted, *left_out]
     reference, ground = _reference(horizontal, effort)
     measured = work_precision(

@@ -99,7 +99,7 @@ def strong_motions(
     every = list(records)
     idle = unmatched_patterns("--confirm", confirm, [record.id for record in every], failures)
     voting, outvoted = one_vote_each(every, RecordSettings(confirm=tuple(confirm)), advice="")
-    horizontal, left_out = select_horizontal(voting)
+    horizontal, left_out = select_horizontal(voting, configured=False)
     rows = [*idle, *outvoted, *left_out]
     found = []
     for record in horizontal:
