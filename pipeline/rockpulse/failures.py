@@ -30,8 +30,9 @@ class Failure:
     "events", "select", "pair", "rotate", "assess", "calibrate" or "fragility". `kind` is "failed", which needs
     attention: a record, or what may be one, gave no result; "skipped" for a text, table, picture, velocity or spectrum
     that was met in a folder, glob or zip, or a record too weak for the purpose; "duplicate" where the same content was
-    read already, or another record of the same shaking is assessed in its place; "depth" where that one was recorded
-    nearer to the surface; "vertical" or "structural" where it was read, but not assessed as horizontal ground motion.
+    read already, or another record of the same shaking is assessed in its place; "depth" where a record of the same
+    shaking that was recorded nearer to the surface is assessed in its place; "vertical" or "structural" where it was
+    read, but not assessed as horizontal ground motion.
     """
 
     file: str

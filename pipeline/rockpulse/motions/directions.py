@@ -12,6 +12,7 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 
 from rockpulse.config.configuration import Config
+from rockpulse.errors import RecordRefused, RockpulseError
 from rockpulse.failures import Failure
 from rockpulse.record.components import Neighbours, Pair, find_pairs, matching_vertical, select_horizontal
 from rockpulse.record.conditioning import condition
@@ -24,6 +25,7 @@ __all__ = [
     "DIRECTIONS",
     "Motion",
     "PlannedMotion",
+    "VerticalRefused",
     "conditioned_motions",
     "plan_motions",
     "planned_ids",
@@ -65,6 +67,10 @@ class Motion:
     channels: tuple[Record, ...] = ()  # that it is made of, conditioned
 
 
+class VerticalRefused(RecordRefused):
+    """The vertical channel that acts with a motion cannot be conditioned."""
+
+
 def plan_motions(records: Sequence[Record], config: Config) -> tuple[list[PlannedMotion], list[Failure]]:
     """The channels and pairs to work on, as section [records] asks for them, in the order of the (first) channels.
 
@@ -97,9 +103,10 @@ def plan_motions(records: Sequence[Record], config: Config) -> tuple[list[Planne
 def conditioned_motions(planned: PlannedMotion, config: Config) -> list[Motion]:
     """The conditioned motions to work on: the channel, or the pair in every direction that is asked for.
 
-    Raises RockpulseError where a channel cannot be conditioned, or a pair cannot be rotated.
+    Raises RockpulseError where a channel cannot be conditioned, or a pair cannot be rotated; VerticalRefused where that
+    is the vertical channel.
     """
-    up = None if planned.vertical is None else condition(planned.vertical, **config.conditioning)
+    up = _conditioned_vertical(planned, config)
     if not planned.rotated:  # with the remarks first: conditioning adds its own behind them
         remarked = _remarked(planned.channels[0], planned.remarks)
         conditioned = condition(remarked, **config.conditioning)
@@ -108,6 +115,19 @@ def conditioned_motions(planned: PlannedMotion, config: Config) -> list[Motion]:
     azimuths = DIRECTIONS[config.records.components](pair, config)
     turned = [replace(rotate(pair, azimuth), id=planned.direction_id(azimuth)) for azimuth in azimuths]
     return [Motion(_remarked(record, planned.remarks), up, pair.channels) for record in turned]
+
+
+def _conditioned_vertical(planned: PlannedMotion, config: Config) -> Record | None:
+    if planned.vertical is None:
+        return None
+    try:
+        return condition(planned.vertical, **config.conditioning)
+    except RockpulseError as error:
+        raise VerticalRefused(
+            f"the vertical channel {planned.vertical.id} of {planned.name} cannot be conditioned: {error}. "
+            "Correct its file or section [conditioning], or leave vertical motion out: include_vertical = false under "
+            "[records]"
+        ) from error
 
 
 def _remarked(record: Record, remarks: Iterable[str]) -> Record:

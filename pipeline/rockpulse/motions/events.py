@@ -46,7 +46,7 @@ FEWEST_EVENTS = 3
 JOINED_WITHIN_S = 600.0
 
 #: Earthquakes whose stated origin times lie within this are one [s], if their stated magnitudes, of whatever scale, do
-#: not differ by more than that; those further apart than `JOINED_WITHIN_S` are two.
+#: not differ by more than that; those further apart than `JOINED_WITHIN_S` are two, unless further records join them.
 SAME_ORIGIN_S = 60.0
 SAME_MAGNITUDE = 1.0
 
@@ -123,9 +123,10 @@ def group_events(records: Sequence[Record], named: Mapping[str, str] | None = No
 
     Only records of one file are joined where the stated origin times lie more than :data:`JOINED_WITHIN_S` apart:
     shocks of one sequence share a name, and often an hour. Different ids keep nothing apart, since agencies, and the
-    versions of one catalogue, number one earthquake differently. Joining is transitive: a title that tells less, as
-    "Imperial Valley" does, may join them after all. Records that state neither a title nor a time, as plain columns do,
-    may all be of one earthquake, and are counted so.
+    versions of one catalogue, number one earthquake differently. Joining is transitive, and so two shocks may be joined
+    after all: by a title that tells less, as "Imperial Valley" does, or by a record of their name that states no origin
+    time. The table of events keeps them apart. Records that state neither a title nor a time, as plain columns do, may
+    all be of one earthquake, and are counted so.
 
     Examples
     --------
@@ -224,9 +225,9 @@ def _pairs(records: Sequence[Record], free: Sequence[int]) -> Iterator[tuple[int
     told = [(origin, index) for index in free if (origin := records[index].origin_time) is not None]
     yield from _near(records, told, SAME_ORIGIN_S, _alike)
     for members in by_id.values():
-        yield from _agreeing(records, members, _may_be_one)
+        yield from _agreeing(records, members, _may_be_one, _origin)
     for members in by_name.values():
-        yield from _agreeing(records, members, _agree)
+        yield from _agreeing(records, members, _agree, _said)
 
 
 def _near(
@@ -237,7 +238,8 @@ def _near(
 ) -> Iterator[tuple[int, int]]:
     """Pairs of records that agree, whose moments lie within so many seconds, enough of them to connect each group.
 
-    Records that state the same origin and magnitude agree with the same others: the last of them stands for all.
+    Records that state the same origin and magnitude agree with the same others. So a record is held against the latest
+    one of each origin and magnitude alone.
     """
     last: dict[Hashable, tuple[datetime, int]] = {}
     for moment, index in sorted(timed):
@@ -249,18 +251,30 @@ def _near(
 
 
 def _agreeing(
-    records: Sequence[Record], members: Sequence[int], agree: Callable[[Record, Record], bool]
+    records: Sequence[Record],
+    members: Sequence[int],
+    agree: Callable[[Record, Record], bool],
+    said: Callable[[Record], Hashable],
 ) -> Iterator[tuple[int, int]]:
-    """Pairs of the records that agree; one of all that say the same stands for them."""
+    """Pairs of the records that agree; the first of all that say the same, by `said`, stands for them."""
     alike = defaultdict(list)
     for index in members:
-        record = records[index]
-        alike[record.event.strip(), record.start_time, record.origin_time].append(index)
+        alike[said(records[index])].append(index)
     for same in alike.values():
         yield from pairwise(same)
     for one, other in combinations([same[0] for same in alike.values()], 2):
         if agree(records[one], records[other]):
             yield one, other
+
+
+def _origin(record: Record) -> datetime | None:
+    """What `_may_be_one` looks at."""
+    return record.origin_time
+
+
+def _said(record: Record) -> Hashable:
+    """What `_agree` looks at."""
+    return record.event.strip(), record.start_time, record.origin_time
 
 
 def _moment(record: Record) -> datetime | None:

@@ -21,7 +21,7 @@ from rockpulse.config.block_settings import BlockSettings
 from rockpulse.config.configuration import Config
 from rockpulse.errors import ConfigError, TooWeak
 from rockpulse.failures import Failure
-from rockpulse.motions.directions import Motion, PlannedMotion, conditioned_motions, plan_motions
+from rockpulse.motions.directions import Motion, PlannedMotion, VerticalRefused, conditioned_motions, plan_motions
 from rockpulse.motions.doubt import unconfirmed_peaks
 from rockpulse.motions.events import event_table, events_by_id
 from rockpulse.motions.votes import one_vote_each, unmatched_patterns
@@ -143,11 +143,17 @@ def worked(
     """Work on every motion of a channel or pair, whose samples are there.
 
     Each motion yields its part or a row; so do a channel that cannot be conditioned, both of a pair that cannot be
-    rotated, and channels whose peak has to be confirmed, with those that are left out for them.
+    rotated, and channels whose peak has to be confirmed, with those that are left out for them. A vertical channel that
+    cannot be conditioned has a row beside those of the channels that it acts with.
     """
     try:
         with watch("condition"):
             motions = conditioned_motions(planned, config)
+    except VerticalRefused as error:
+        refused = [channel for channel in (planned.vertical, *planned.channels) if channel is not None]
+        logger.error("%s", error)
+        yield from (Failure(channel.source, stage, f"{channel.id}: {error}", "failed") for channel in refused)
+        return
     except ValueError as error:
         if not planned.rotated:
             yield _failure(planned.channels[0], stage, error)

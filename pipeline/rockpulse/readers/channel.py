@@ -32,6 +32,9 @@ CREDIBLE_PEAK_G = (1e-6, 5.0)
 CREDIBLE_INTERVAL = 0.1
 
 # From the first of the blanks on only, or a line of blanks would cost the square of its length.
+#: No instrument hangs deeper below the ground than the deepest boreholes go, about 10 km [m]; headers have -9999 where
+#: nothing is known.
+_DEEPEST_SENSOR = 10e3
 _DEGREES = re.compile(r"(?<!\s)\s*DEG(?:REES)?$", re.IGNORECASE)
 
 
@@ -97,11 +100,11 @@ def build_record(
 
     `samples` are in the file's `unit`: a key of `UNITS`, or "counts" with a `factor` [m/s2 per count]. `facing` is
     given where the format knows more than the wording of `component`; `channel`, where it is SEED's code of a vertical
-    channel, says more than a horizontal direction. `header_peak` and half a unit of its last digit,
-    `peak_rounding`, are in m/s2; the header describes `original_peak`, the largest absolute value before resampling
-    [unit], where that is given. `number` counts the channels of the file from 1. A start time [UTC] that `clock_fault`
-    rejects is left out with a warning. A channel that is positive downwards changes its sign, so that vertical motion
-    is positive up.
+    channel, says more than a horizontal direction. `header_peak` and half a unit of its last digit, `peak_rounding`,
+    are in m/s2; the header describes `original_peak`, the largest absolute value before resampling [unit], where that
+    is given. `number` counts the channels of the file from 1. A start time [UTC] that `clock_fault` rejects is left out
+    with a warning; a `sensor_depth` [m] that cannot be, such as -9999, without one. A channel that is positive
+    downwards changes its sign, so that vertical motion is positive up.
 
     Raises RecordFormatError for fewer than two samples, values that are not finite, and dt <= 0.
     """
@@ -128,6 +131,7 @@ def build_record(
     if fault:
         start_time = None
     notes += [note for note in (fault, facing.note) if note]
+    sensor_depth = sensor_depth if 0.0 <= sensor_depth <= _DEEPEST_SENSOR else float("nan")
     if sensor_depth > SHALLOW:
         notes.append(f"the sensor lies {sensor_depth:g} m below the ground: motion at depth, not at the ground surface")
     if facing.sign < 0.0:

@@ -19,11 +19,15 @@ _CLOCK_ORIGINS = tuple(datetime(*day, tzinfo=UTC) for day in ((1970, 1, 1), (198
 _CLOCK_RUN = timedelta(hours=1)
 
 #: Hours by which the clocks of a zone are ahead of UTC.
-ZONES = {"": 0.0, "UTC": 0.0, "GMT": 0.0, "UT": 0.0, "PST": -8.0, "PDT": -7.0}
-#: 06/16/2005, 20:53:26.1 UTC or 2018/11/30 17:29:29 or 2009-04-06 01:32:39, and the zone, if it is given.
+ZONES = {"UTC": 0.0, "GMT": 0.0, "UT": 0.0, "Z": 0.0, "PST": -8.0, "PDT": -7.0}
+#: Letters behind a time that tell of another clock, which is not known: zones (JST, LT), halves of the day. Others, as
+#: the scale of a magnitude, say nothing of the time.
+_OTHER_CLOCK = re.compile(r"(?!AT$)[A-Z]{1,3}T|[AP]M|LOC")
+#: 06/16/2005, 20:53:26.1 UTC or 2018/11/30 17:29:29 or 2009-04-06T01:32:39+01:00, and the zone, if it is given.
 _DATE = r"(?<!\d)(?:(\d{1,2})/\s?(\d{1,2})/\s?(\d{2}|\d{4})|(\d{4})([/-])\s?(\d{1,2})\5\s?(\d{1,2}))"
-_TIME = r"(\d{1,2}):\s?(\d{1,2}):\s?(\d{1,2}(?:\.\d{0,6})?|\.\d{1,6})(?:\s{0,4}([A-Z]{2,4})\b)?"
-_WRITTEN = re.compile(rf"{_DATE},?\s+{_TIME}", re.ASCII | re.IGNORECASE)
+_TIME = r"(\d{1,2}):\s?(\d{1,2}):\s?(\d{1,2}(?:\.\d{0,6})?|\.\d{1,6})"
+_ZONE = r"(?:\s{0,4}(Z|[A-Z]{2,4})\b|([+-]\d\d):?(\d\d)(?!\d))?"
+_WRITTEN = re.compile(rf"{_DATE}(?:T|,?\s+){_TIME}{_ZONE}", re.ASCII | re.IGNORECASE)
 #: The century of a year of two digits: accelerographs came in the thirties.
 _CENTURY = 30
 
@@ -78,21 +82,32 @@ def near_event(start: datetime | None, origin: datetime | None) -> tuple[datetim
 
 
 def written(text: str) -> datetime | None:
-    """UTC time from the first date and time in a text, year or month first; None where there is none.
+    """UTC time from the first date and time in a text, year or month first.
+
+    None where there is none, or where its zone is not known.
 
     Examples
     --------
     >>> written("(ORIGIN(CIT): 01/17/94, 12:30:55.4 GMT)")
     datetime.datetime(1994, 1, 17, 12, 30, 55, 400000, tzinfo=datetime.timezone.utc)
+    >>> written("2009-04-06T01:32:39 ML 5.8")
+    datetime.datetime(2009, 4, 6, 1, 32, 39, tzinfo=datetime.timezone.utc)
     >>> written("Origin: To be determined") is None
     True
     """
     found = _WRITTEN.search(text)
-    if not found or (found[11] or "").upper() not in ZONES:
+    if not found:
         return None
+    letters = (found[11] or "").upper()
+    if letters not in ZONES and _OTHER_CLOCK.fullmatch(letters):
+        return None
+    ahead = 0.0
+    if found[12]:
+        ahead = int(found[12][1:]) + int(found[13]) / 60.0
+        ahead = -ahead if found[12].startswith("-") else ahead
     date = (found[4], found[6], found[7]) if found[4] else (found[3], found[1], found[2])
     year, month, day = map(int, date)
     if year < 100:
         year += 1900 if year >= _CENTURY else 2000
     clock = (int(found[8]), int(found[9]), float(found[10]))
-    return instant((year, month, day), clock, ZONES[(found[11] or "").upper()])
+    return instant((year, month, day), clock, ZONES.get(letters, ahead))

@@ -45,7 +45,8 @@ class FileSettings(Section):
     match : str
         The end of a path, as ``*.g3``, ``site 2/*``, ``old.zip`` (every member of the archive), ``*/a.g3``; ``*`` and
         ``?`` stand for any letters, also for ``/``. Members of archives are chosen by their own path too. Capitals
-        count; ``.gz`` at the end of a file's name does not.
+        count; ``.gz`` at the end of a file's name does not. Brackets stand for themselves, a backslash for ``/``;
+        ``./`` in front is passed over.
     units : str or None
         Unit of the accelerations, a key of `rockpulse.readers.UNITS`.
     dt : float or None
@@ -85,11 +86,12 @@ class FileSettings(Section):
 
     def chooses(self, name: str) -> bool:
         """Whether the pattern chooses a file, or the member of an archive, by its name as in `Record.source`."""
-        path = Path(os.path.abspath(name)).as_posix()  # noqa: PTH100 - links stay what they are
+        path = Path(os.path.abspath(name)).as_posix().replace("\\", "/")  # noqa: PTH100 - links stay what they are
         archive, _, member = path.partition("!")
         parts = [path, archive, f"/{member}"] if member else [path]
         parts += [part[:-3] for part in parts if part.lower().endswith(".gz")]
-        return any(fnmatchcase(part, wanted) for part in parts for wanted in (self.match, f"*/{self.match}"))
+        pattern = self.match.replace("\\", "/").removeprefix("./").replace("[", "[[]")
+        return any(fnmatchcase(part, wanted) for part in parts for wanted in (pattern, f"*/{pattern}"))
 
 
 @dataclass(frozen=True)

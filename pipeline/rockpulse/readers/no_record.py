@@ -26,9 +26,9 @@ _METADATA = re.compile(rb"<(?:\w+:)?(?:FDSNStationXML|quakeml)\b", re.IGNORECASE
 _BESIDE = frozenset({"readme", "disclaimer", "license", "licence", "copyright", "citation"})
 #: Beginning of the name of PEER's list of what was found, which holds spectra, and so rows of numbers.
 _SEARCH_RESULTS = "_searchresults"
-#: Suffixes of pictures, documents, maps, programs and logs.
+#: Suffixes of pictures, documents, maps and programs; of .log and .ini files the content decides, as of texts.
 _SUFFIXES = (
-    ".bib .bmp .cpg .dbf .dll .doc .docx .eps .exe .gif .htm .html .ini .ipynb .jpeg .jpg .kml .kmz .lnk .log .md .odt "
+    ".bib .bmp .cpg .dbf .dll .doc .docx .eps .exe .gif .htm .html .ipynb .jpeg .jpg .kml .kmz .lnk .md .odt "
     ".pdf .png .ppt .pptx .prj .ps .py .pyc .rtf .shp .shx .sqlite .svg .tex .tif .tiff .webp"
 )
 _DOCUMENTS = frozenset(_SUFFIXES.split())
@@ -40,8 +40,14 @@ _OTHER = re.compile(
 )
 #: A line of PEER's list of what was found, under any name.
 _SEARCH_LINE = b"-- Summary of Metadata of Selected Records"
-#: First headings of the tables that the program writes (``rockpulse export``) or takes (events, weights).
-_OWN_TABLE = re.compile(rb"(?:record|block|pair|file|event)[,;](?!\s*\"?acc)", re.IGNORECASE)
+#: First two headings of the tables that the program writes (``rockpulse export``) or takes (events, weights). One
+#: word alone would not do: a series may be headed "event,NS,EW".
+_OWN_TABLE = re.compile(
+    rb"(?:\xef\xbb\xbf)?(?:record[,;] *(?:block|case|model|demand|source|event|weight)|(?:event|weight)[,;] *record|"
+    rb"block[,;] *(?:case|model|demand|limit_state|measure|width)|pair[,;] *(?:direction|block|case|model|pga_median)|"
+    rb"file[,;] *stage)\b",
+    re.IGNORECASE,
+)
 _SPREADSHEETS = frozenset({".ods", ".xls", ".xlsm", ".xlsx"})
 #: Suffixes that records have; those of texts and tables (.txt, .csv) tell nothing.
 _RECORDS = re.compile(

@@ -32,7 +32,7 @@ class Listed:
 
 
 def listed(file: SourceFile) -> tuple[Listed, list[str]]:
-    """The row of a file in the list beside it, by its name, and a warning where there is a list but no use of it."""
+    """The row of a file in the list beside it, by its name, and a warning where there is a list that cannot be read."""
     try:
         content = file.beside(_NAME)
         rows = {} if content is None else _rows(content)

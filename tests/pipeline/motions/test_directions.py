@@ -27,6 +27,7 @@ from rockpulse.record.half_wave import half_waves
 from rockpulse.record.record import Record
 from rockpulse.remark import code_of
 from rockpulse.views.report.bodies import body_table
+from rockpulse.views.shared.files_used import failure_rows, files_used
 from rockpulse.views.text import large_overview
 from rockpulse.views.text.capacity import smallest_capacities
 from rockpulse.views.text.directions import direction_table
@@ -467,3 +468,18 @@ def test_smallest_safety_factor(values, smallest, place):
     found, at = smallest_over(np.array([values]))
     assert found == pytest.approx([smallest], nan_ok=True)
     assert at == [place]
+
+
+@pytest.mark.parametrize("components", ["horizontal", "sweep"])
+def test_a_vertical_channel_that_cannot_be_conditioned_is_the_one_that_is_named(components):
+    up = replace(upwards(), source="up.v1", acceleration=upwards().acceleration[:200])
+    options = replace(
+        config(components, blocks=(TOWER,), include_vertical=True), conditioning=ConditioningSettings(resample_s=5.0)
+    )
+    tree = assess([channel(90.0), channel(0.0), up], options)
+    rows = [row for row in failure_rows(tree) if row.kind == "failed"]
+    assert {row.stage for row in rows} == {"assess"}
+    assert all("the vertical channel CCC.up of " in row.reason for row in rows)
+    assert {row.file for row in rows} == {"CCC.v1", "up.v1"}
+    assert {row.place for row in rows if row.file == "up.v1"} == {"CCC.up"}
+    assert {row.file for row in files_used(tree).unused} == {"CCC.v1", "up.v1"}

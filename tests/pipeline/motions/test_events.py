@@ -1,6 +1,7 @@
 """Which records are of one earthquake: by file, time and name; the user's table; labels that keep events apart."""
 
 import random
+import time
 from datetime import UTC, datetime, timedelta
 
 import pytest
@@ -322,3 +323,20 @@ def test_thousands_of_records_of_stated_earthquakes_are_grouped_at_once():
         for place in range(3000)
     ]
     assert len(partition(many)) == 50
+
+
+def test_thousands_of_records_of_one_event_id_are_grouped_at_once():
+    origins = (None, 0.0, 30.0)
+    records = [
+        record(f"r{k}", start=86400.0 * k, origin=origins[k % 3], event_id="38457511", format="sac")
+        for k in range(4000)
+    ]
+    began = time.perf_counter()
+    assert len(set(group_events(records))) == 1
+    assert time.perf_counter() - began < 2.0
+
+
+def test_shocks_apart_are_joined_by_a_record_of_their_name_without_origin_time():
+    shocks = [record("a", "Pazarcik", origin=0.0), record("b", "Pazarcik", origin=9 * 3600.0)]
+    assert partition(shocks) == [["a"], ["b"]]
+    assert partition([*shocks, record("c", "Pazarcik")]) == [["a", "b", "c"]]

@@ -112,3 +112,10 @@ def test_a_component_of_blanks_costs_no_time():
 @pytest.mark.parametrize("component", ["90 Deg", "90DEG", "90  degrees", "90"])
 def test_the_channel_is_the_component_without_its_unit(component):
     assert record(component=component).channel == "90"
+
+
+@pytest.mark.parametrize(
+    ("stated", "kept"), [(0.0, 0.0), (260.0, 260.0), (-9999.0, np.nan), (-1.0, np.nan), (99999.0, np.nan)]
+)
+def test_a_depth_of_the_sensor_that_cannot_be_is_left_out(stated, kept):
+    np.testing.assert_equal(record(sensor_depth=stated).sensor_depth, kept)

@@ -281,10 +281,10 @@ def test_a_column_of_something_else_is_left_out(write):
 )
 def test_prose_above_a_wrapped_series_names_no_columns(write, header, per_row):
     path = write(wrapped(VALUES, per_row, header))
-    with pytest.raises(RecordFormatError, match=rf"record.txt:\d+: .* one series in rows of {per_row}\? .*NPTS"):
+    with pytest.raises(RecordFormatError, match=rf"record.txt:\d+: .* one series in rows of {per_row}\. .*NPTS"):
         read(path, dt=STEP)
     if per_row == 2:  # one more than time, or two components
-        with pytest.raises(RecordFormatError, match=r"one series in rows of 2\? rows of up to 4 numbers"):
+        with pytest.raises(RecordFormatError, match=r"one series in rows of 2\. Rows of up to 4 numbers"):
             read(path, units="g", dt=STEP)
         return
     (record,) = read(path, units="g", dt=STEP)
@@ -369,3 +369,9 @@ def test_words_of_a_header(line, kinds, units, steps, counts):
     assert sorted({unit.wording for unit in stated_units([line])}) == units
     assert [step.value for step in stated_steps([line])] == pytest.approx(steps)
     assert [count.value for count in stated_counts([line])] == counts
+
+
+def test_four_columns_beside_the_times_need_headings(write):
+    rows = "".join(f"{0.01 * k:.2f} {np.sin(k):.5f} {np.cos(3 * k):.5f} 0.1 {-k % 7}\n" for k in range(40))
+    with pytest.raises(RecordFormatError, match=r"record.txt:1: .* at most 3 columns beside the times, found 4"):
+        read(write(rows.encode()), units="g")

@@ -39,6 +39,8 @@ def rows(template):
         "".join(f"{0.01 * k:.2f} {a * 1e-3 ** (k % 3):g} {'NaN' if k % 5 else a}\n" for k, a in enumerate(VALUES)),
         "".join(f"2019-07-06T03:19:{k:02} HN{'NEZ'[k % 3]} {a:.4f} {a:.3f}\n" for k, a in enumerate(VALUES)),
         "time,record\n" + rows("{t:.2f},{a}\n"),
+        "event,NS,EW\n" + rows("{t:.2f},{a},{a}\n"),
+        "record,a1,a2\n" + rows("{t:.2f},{a},{a}\n"),
         rows("{a:.5E}{a:.5E}\n").replace("E", "D"),
         PROSE * 200 + "-300.12-299.87\n" * 12,  # a long heading
         PROSE * 15 + "".join(f"{a:9.2f}" for a in VALUES * 3),  # all in one line
@@ -47,7 +49,7 @@ def rows(template):
         b"\x01\x02abc def ghi",
     ],
 )
-@pytest.mark.parametrize("name", ["noext", "a.txt", "a.csv", "b.zip!sub/a.json", "a.xml", "a.yaml"])
+@pytest.mark.parametrize("name", ["noext", "a.txt", "a.csv", "b.zip!sub/a.json", "a.xml", "a.yaml", "a.log", "a.ini"])
 def test_numbers_and_binary_data_may_be_a_record_whatever_they_are_called(content, name):
     assert may_be_record(opened(name, content))
 
@@ -68,6 +70,11 @@ def test_numbers_and_binary_data_may_be_a_record_whatever_they_are_called(conten
         ("list.txt", catalogue("{k:08}{name}{k:024}  sub/{name}.AT2\n")),
         ("table.csv", "record,block,pga,safety_factor\n" + "CI.CCC..360@20190706T031937,wall-1,1.2,3.4\n" * 40),
         ("weights.csv", "record,weight\n" + "h.1,0.5\n" * 40),
+        ("events.csv", "\ufeffrecord, event\n" + "h.1,38457511\n" * 40),
+        ("capacities.csv", "block,limit_state,measure,median\n" + "wall,overturning,pga,1.25\n" * 40),
+        ("failures.csv", "file,stage,reason,kind\n" + "m01.asc,read,cut at 1.25,failed\n" * 40),
+        ("tool.ini", "[view]\nsize = 12\nlanguage = en\n"),
+        ("setup.log", PROSE * 20),
         ("search.csv", " -- Summary of Metadata of Selected Records --\n" + "0.01,0.02,0.03\n" * 40),
         ("_SearchResults (1).csv", "0.01,0.02,0.03\n" * 20),
         ("all.log", "2026-11-22 10:00:00,123 ERROR m01.asc: cut\n" * 40),

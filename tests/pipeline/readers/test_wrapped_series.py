@@ -27,10 +27,10 @@ def write(tmp_path):
 @pytest.mark.parametrize("per_row", [5, 6, 8])
 def test_a_series_in_rows_that_run_on_is_read_where_unit_and_interval_are_given(write, per_row):
     path = write(wrapped(VALUES, per_row))
-    advice = r"record.txt:\d+: .* one series in rows of \d\? with unit and interval given \(options units and dt\)"
-    for missing in ({"units": "g"}, {"dt": 0.01}):
-        with pytest.raises(RecordFormatError, match=advice):
-            read(path, **missing)
+    interval, unit = r"the interval too \(--dt\)", r"the unit too \(--units\)"
+    for given, asked in (({"units": "g"}, interval), ({"dt": 0.01}, unit), ({}, f"{unit} and {interval}")):
+        with pytest.raises(RecordFormatError, match=rf"record.txt:\d+: .* in rows of \d\. Give {asked}: then"):
+            read(path, **given)
     (record,) = read(path, units="g", dt=0.01)
     assert record.acceleration / record.unit_factor == pytest.approx(VALUES, abs=0.51e-6)
     assert record.warnings == (
@@ -46,14 +46,14 @@ def test_channels_side_by_side_are_no_series_in_rows(write, width, short):
     motion = [np.convolve(random.standard_normal(230), np.hanning(31), "valid") for _ in range(width)]
     rows = [" ".join(f"{value:.5f}" for value in row) for row in np.column_stack(motion)]
     path = write("\n".join([*rows, "0.1 0.2 0.3"] if short else rows).encode())
-    with pytest.raises(RecordFormatError, match=r"do not run on from row to row .*Write one value to a line"):
+    with pytest.raises(RecordFormatError, match=r"do not run on from row to row .*Or write one value to a line"):
         read(path, units="g", dt=0.01)
 
 
 def test_a_short_last_row_of_narrow_rows_that_run_on_is_the_end_of_a_series(write):
     (record,) = read(write(wrapped(VALUES, 3)), units="m/s2", dt=0.01)
     assert record.acceleration == pytest.approx(VALUES, abs=0.51e-6)
-    with pytest.raises(RecordFormatError, match=r"rows of 4\? rows of up to 4 numbers may be those of a station"):
+    with pytest.raises(RecordFormatError, match=r"rows of 4\. Rows of up to 4 numbers .* may be those of a station"):
         read(write(wrapped(VALUES, 4)), units="m/s2", dt=0.01)
 
 

@@ -41,6 +41,8 @@ _SHOWN = 60
 _INTEGRAL = 0.95
 #: Characters of a list in a message.
 _LISTED = 200
+#: What one series in rows needs, as a message asks for it.
+_UNIT_TOO, _INTERVAL_TOO = "the unit too (--units)", "the interval too (--dt)"
 _NAME_THEM = "name the columns in the line above the numbers, such as 'time acc_NS acc_EW'"
 
 
@@ -106,8 +108,8 @@ def read_columns(file: SourceFile, options: ReadOptions) -> list[Record]:
     where = f"{file.name}:{numbered.start + 1}"
     steps = {f"line {said.line}: {said.wording!r}": said.value for said in stated_steps(lines[: layout.start])}
     declared = next((step for step in (options.dt, numbered.step, *steps.values()) if step is not None), None)
-    known = declared is not None and options.units is not None
-    columns = _columns(file.name, lines, layout, headings, numbered, prose, known, behind)
+    lacking = [_UNIT_TOO] * (options.units is None) + [_INTERVAL_TOO] * (declared is None)
+    columns = _columns(file.name, lines, layout, headings, numbered, prose, lacking, behind)
     if columns.table.shape[1] > 1 and counts_rows(columns.table, columns.headings):
         rest = range(1, columns.table.shape[1])
         columns = columns.picked(rest, "the first column counts the rows; it was left out")
@@ -125,9 +127,9 @@ def read_columns(file: SourceFile, options: ReadOptions) -> list[Record]:
             )
         columns = columns.picked(range(1, columns.table.shape[1]))
     wide = step is None and not columns.headings and columns.table.shape[1] > _NO_STATION
-    if known and wide and runs_on(columns.table):
+    if not lacking and wide and runs_on(columns.table):
         columns = _in_reading_order(columns, np.empty(0), guessed=True)
-    _check_apart(where, columns, step is not None, known)
+    _check_apart(where, columns, step is not None, lacking)
     columns = _accelerations(file.name, columns, prose)
     units = _units(file.name, columns.headings or [Heading("")] * columns.table.shape[1], prose, options)
     sources = {"time column": step, "first line": numbered.step, **steps}
@@ -141,12 +143,12 @@ def _columns(
     headings: tuple[Heading, ...],
     numbered: Numbered,
     prose: Sequence[str],
-    known: bool,
+    lacking: Sequence[str],
     behind: Sequence[str],
 ) -> _Columns:
     """The table of the file, or the one series that is wrapped into its rows, and what is said of the lines `behind`.
 
-    `known` tells that the unit and the interval of a series are given.
+    `lacking` names the unit and the interval of a series where they are not given.
     """
     first = numbered.start + 1
     rows = lines[numbered.start :]
@@ -168,12 +170,12 @@ def _columns(
         available, unit = (values, "values") if layout.width > 2 else (len(filled), "rows")
         check_count(f"{name}:{len(lines)}", numbered.count, available, unit)
     if is_short:
-        if known and runs_on(body.table):
+        if not lacking and runs_on(body.table):
             if said:
                 body = replace(body, warnings=(*body.warnings, _other_count(said, values, "numbers")))
             return _in_reading_order(body, end, guessed=True)
         found = f"a last row of {len(last)} below rows of {layout.width}"
-        raise _wrapped(f"{name}:{first + filled[-1]}", layout.width, found, known)
+        raise _wrapped(f"{name}:{first + filled[-1]}", layout.width, found, lacking)
     table = read_table(name, rows, layout, first)
     if numbered.step is not None:
         check_count(f"{name}:{len(lines)}", numbered.count, len(table), "rows")
@@ -225,16 +227,17 @@ def _in_reading_order(columns: _Columns, end: np.ndarray, guessed: bool = False)
     return _Columns(series[:, None], (), (*columns.warnings, note) if guessed else columns.warnings)
 
 
-def _wrapped(where: str, width: int, found: str, known: bool) -> RecordFormatError:
-    series = "the values do not run on from row to row as those of one series do"
-    if not known:
-        series = "with unit and interval given (options units and dt) a series whose values run on is read"
-    elif width <= _NO_STATION and "last row" not in found:
-        series = f"rows of up to {_NO_STATION} numbers may be those of a station"
+def _wrapped(where: str, width: int, found: str, lacking: Sequence[str]) -> RecordFormatError:
+    if width <= _NO_STATION and "last row" not in found:
+        series = f"Rows of up to {_NO_STATION} numbers are not taken for one series, for they may be those of a station"
+    elif lacking:
+        series = f"Give {' and '.join(lacking)}: then one series is read if its values run on from row to row"
+    else:
+        series = "The values do not run on from row to row as those of one series do"
     return RecordFormatError(
-        f"{where}: expected a time column, headings, or one column, found {found}: channels side by side, or one "
-        f"series in rows of {width}? {series}. Write one value to a line, state the number of values in the header "
-        f"(NPTS = ...), or {_NAME_THEM}"
+        f"{where}: expected a time column, headings, or one column, found {found}. They may be channels side by side "
+        f"or one series in rows of {width}. {series}. Or write one value to a line, state the number of values in the "
+        f"header (NPTS = ...), or {_NAME_THEM}"
     )
 
 
@@ -268,7 +271,7 @@ def _check_abscissa(where: str, columns: _Columns) -> None:
         )
 
 
-def _check_apart(where: str, columns: _Columns, timed: bool, known: bool) -> None:
+def _check_apart(where: str, columns: _Columns, timed: bool, lacking: Sequence[str]) -> None:
     """Refuse columns if nothing tells which quantity each of them holds."""
     width = columns.table.shape[1]
     late = [index for index in range(width) if climbs(columns.table[:, index])]
@@ -279,8 +282,13 @@ def _check_apart(where: str, columns: _Columns, timed: bool, known: bool) -> Non
         )
     if columns.headings or width == 1:
         return
-    if not timed or width > _COMPONENTS:
-        raise _wrapped(where, width, f"{width} columns of numbers", known)
+    if timed and width > _COMPONENTS:
+        raise RecordFormatError(
+            f"{where}: expected headings, or at most {_COMPONENTS} columns beside the times, found {width} columns of "
+            f"numbers and no headings; {_NAME_THEM}"
+        )
+    if not timed:
+        raise _wrapped(where, width, f"{width} columns of numbers", lacking)
     for before in range(width - 1):
         if _integrates(columns.table[:, before], columns.table[:, before + 1]):
             raise RecordFormatError(

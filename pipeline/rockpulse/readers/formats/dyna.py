@@ -155,8 +155,8 @@ def read_dyna(file: SourceFile, options: ReadOptions) -> list[Record]:
         )
     processed, processing, notes = _processed(header)
     start_time, time_notes = _start_time(header)
-    stated = header.text("PGA_CM/S^2")
-    peak, rounding = printed_number(stated) if _DECIMAL.fullmatch(stated) else (float("nan"), 0.0)
+    printed = header.text("PGA_CM/S^2")
+    peak, rounding = printed_number(printed) if _DECIMAL.fullmatch(printed) else (float("nan"), 0.0)
     location = header.text("LOCATION").strip("-")
     is_code = bool(re.fullmatch(r"\w{0,2}", location))
     # AFAD writes a place where ESM has a code: once that of the station, in the files with AAD lines the earthquake's.
@@ -253,10 +253,10 @@ def _processed(header: _Header) -> tuple[bool | None, list[str], list[str]]:
         notes.append(f"the file states two filters: {' and '.join(done)}")
     if done or header.text(_AAD).lower() == "filtered":
         return True, [*done.values(), *baseline], notes
-    stated = header.text("PROCESSING")
-    if not stated or stated.lower() == "none":
-        return (False if stated else None), baseline, notes
-    note = f"the header says {stated!r} but states no corner frequency: whether the record was filtered is not known"
+    wording = header.text("PROCESSING")
+    if not wording or wording.lower() == "none":
+        return (False if wording else None), baseline, notes
+    note = f"the header says {wording!r} but states no corner frequency: whether the record was filtered is not known"
     return None, baseline, [note]
 
 
@@ -301,12 +301,12 @@ def _remarks(header: _Header, step: float, samples: np.ndarray) -> list[str]:
 
 def _start_time(header: _Header) -> tuple[datetime | None, list[str]]:
     """UTC time of the first sample, and warnings about it."""
-    stated = header.text("DATE_TIME_FIRST_SAMPLE_YYYYMMDD_HHMMSS")
-    if not stated:
+    written = header.text("DATE_TIME_FIRST_SAMPLE_YYYYMMDD_HHMMSS")
+    if not written:
         return None, []
-    start = _moment(stated)
+    start = _moment(written)
     if start is None:
-        return None, [f"the start time {stated!r} cannot be read"]
+        return None, [f"the start time {written!r} cannot be read"]
     start, notes = near_event(start, _origin(header))
     precision = header.text("DATE_TIME_FIRST_SAMPLE_PRECISION")
     if precision and start is not None and not _PRECISION.fullmatch(precision):

@@ -102,7 +102,9 @@ def files_used(tree: xr.DataTree) -> FilesUsed:
 def count_files(used: Iterable[str], rows: Iterable[Failure]) -> FilesUsed:
     """The count of a run, from the files that its records were read from and the rows of what was left out."""
     rows = list(rows)
-    names = {*used, *(name for row in rows if row.kind in _READ for name in _named(row))}
+    failed = {(row.file, row.place) for row in rows if row.kind == "failed"}  # a vertical channel may fail later
+    read = [row for row in rows if row.kind in _READ and (row.file, row.place) not in failed]
+    names = {*used, *(name for row in read for name in _named(row))}
     unused: dict[str, Failure] = {}
     beside = []
     for row in rows:
