@@ -46,12 +46,12 @@ def one_vote_each(
 ) -> tuple[list[Record], list[Failure]]:
     """The records that are assessed, one of each motion, in the order given; of the samples only their number is asked.
 
-    Volumes vote in this order: at the surface before at depth; where ``[records] components`` asks for pairs, those
-    with a pair; where ``include_vertical`` asks for it, those with a vertical channel; processed before perhaps
-    processed before raw; the higher sampling rate; the longer; the first by path. A direction that no other volume has
-    votes in any case. A vertical channel goes with the horizontal ones of its volume. A dead channel, and one whose
-    peak was read as hardly an earthquake's and that ``[records] confirm`` does not confirm, make no pair, do not count
-    as a vertical channel, and yield to any other of their motion.
+    Volumes vote in this order: at the surface before at depth; those whose horizontal channels can all be used; where
+    ``[records] components`` asks for pairs, those with a pair; where ``include_vertical`` asks for it, those with a
+    vertical channel; processed before perhaps processed before raw; the higher sampling rate; the longer; the first by
+    path. A direction that no other volume has votes in any case. A vertical channel goes with the horizontal ones of
+    its volume. A dead channel, and one whose peak was read as hardly an earthquake's and that ``[records] confirm``
+    does not confirm, make no pair, do not count as a vertical channel, and yield to any other of their motion.
 
     The others are rows of the kinds "depth", for one recorded deeper than the one that votes, and "duplicate". Records
     that fit ``[records] keep`` are assessed beside the one that votes. A pattern that fits none is an error, or a row
@@ -169,6 +169,7 @@ class _Volume:
         """Key that sorts volumes by their claim to vote."""
         return (
             self.level,
+            any(_fault(one, self.confirm) for one in self.horizontal),
             settings.components != "horizontal" and not self.pair,
             settings.include_vertical and all(_fault(one, self.confirm) for one in self.vertical),
             [True, None, False].index(self.processed),
@@ -246,6 +247,7 @@ class _Poll:
         depth = "at the bottom of a borehole" if math.isinf(volume.level) else f"{volume.level:g} m below the ground"
         rules = (
             f"this one was recorded {depth}, the other {'at' if elected.level == 0.0 else 'nearer to'} the surface",
+            "all horizontal channels of its volume can be used, of the volume of this one not all",
             "its volume holds a pair of horizontal channels that can be used, that of this one does not",
             "its volume holds a vertical channel that can be used, that of this one does not",
             f"{_PROCESSED[elected.processed]} goes before {_PROCESSED[volume.processed]}",

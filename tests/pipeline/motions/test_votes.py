@@ -212,6 +212,14 @@ def test_a_peak_that_nobody_has_confirmed_yields_to_another_record_of_its_motion
     assert vote(*raw, *wrong, settings=confirmed)[0] == ids("b.V2A")
 
 
+@pytest.mark.parametrize("settings", [None, PAIRS, RecordSettings(include_vertical=True)])
+@pytest.mark.parametrize("fault", [Remark("dead_channel"), Remark("odd_peak", peak=9.0, unit="g", readings="-")])
+def test_of_a_volume_with_one_channel_that_cannot_be_used_nothing_is_mixed_with_another(fault, settings):
+    raw, processed = volume("a.V1A"), volume("b.V2A", processed=True)
+    processed[0] = replace(processed[0], warnings=(fault,))
+    assert vote(*raw, *processed, settings=settings) == (ids("a.V1A"), dict.fromkeys(ids("b.V2A"), "duplicate"))
+
+
 def test_a_volume_whose_pair_nobody_has_confirmed_does_not_go_first():
     odd = Remark("odd_peak", peak=7.0, unit="g", readings="0.007 g if it were cm/s2")
     raw, processed = volume("a.V1A"), volume("b.V2A", processed=True)

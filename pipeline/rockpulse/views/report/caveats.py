@@ -77,7 +77,7 @@ def caveats(
             )
         )
     if files.line:
-        head = files.counted or f"{several(len(files.beside), 'channel')} failed"
+        head = files.counted or "A pattern or a table names records that were not read"
         said.append(Caveat(True, head, f"No part of this verdict, see below: {files.reasons}."))
     said += [_doubt(kind, found, motions) for kind in (Standing.WEAKER_OVERTURNS, Standing.UNKNOWN, Standing.NO_MARGIN)]
     said += [_thin(answers, found), _at_rest(found, motions), _drift(answers), _several_restitutions(found)]

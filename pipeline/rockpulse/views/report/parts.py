@@ -52,7 +52,7 @@ def describe_site(of: Paired, assessed: int) -> Part:
 
 def _files(of: Paired) -> list[str]:
     """A sentence on the files that were not used for the site or the curves; none where all were."""
-    return [sentence] if (sentence := files_used(of.tree).sentence) else []
+    return [sentence] if (sentence := files_used(of.tree).line) else []
 
 
 def _common(of: Paired, site: xr.Dataset, assessed: int) -> list[str]:

@@ -47,13 +47,18 @@ class FilesUsed:
 
     @property
     def counted(self) -> str:
-        """How many files were used and how many not; empty where all were.
+        """How many files were used and how many not, and how many channels of those used failed; empty for none.
 
         Examples
         --------
         >>> FilesUsed(3, (Failure("a.txt", "read", "a.txt: damaged", "failed"),)).counted
         '3 of 4 files used, 1 not'
         """
+        channels = sum(row.stage not in _OF_OPTIONS for row in self.beside)
+        return ", ".join(filter(None, (self._files, f"{several(channels, 'channel')} failed" if channels else "")))
+
+    @property
+    def _files(self) -> str:
         count = len(self.unused)
         if not count:
             return ""
@@ -70,7 +75,7 @@ class FilesUsed:
         >>> FilesUsed(3, (Failure("a.txt", "read", "a.txt: damaged; download it again", "failed"),)).sentence
         '3 of 4 files used, 1 not: damaged (a.txt).'
         """
-        return f"{self.counted}: {_reasons(self.unused)}." if self.unused else ""
+        return f"{self._files}: {_reasons(self.unused)}." if self.unused else ""
 
     @property
     def reasons(self) -> str:
@@ -102,8 +107,9 @@ def files_used(tree: xr.DataTree) -> FilesUsed:
 def count_files(used: Iterable[str], rows: Iterable[Failure]) -> FilesUsed:
     """The count of a run, from the files that its records were read from and the rows of what was left out."""
     rows = list(rows)
-    failed = {(row.file, row.place) for row in rows if row.kind == "failed"}  # a vertical channel may fail later
-    read = [row for row in rows if row.kind in _READ and (row.file, row.place) not in failed]
+    failed = {row.file for row in rows if row.kind == "failed"}
+    # The vertical channel alone, beside horizontal ones that failed, or failed itself, makes no file used.
+    read = [row for row in rows if row.kind in _READ and not (row.kind == "vertical" and row.file in failed)]
     names = {*used, *(name for row in read for name in _named(row))}
     unused: dict[str, Failure] = {}
     beside = []

@@ -39,7 +39,7 @@ def fragility_overview(tree: xr.DataTree) -> str:
     found = [records_words(tree), several(curves.sizes["block"], "body"), f"data: {tree.attrs['data']}"]
     parts = [
         f"{tree.attrs['title']}: {', '.join(found)}",
-        unused(files_used(tree).sentence),
+        unused(files_used(tree).line),
         explained(median_table(tree)),
         _pooled(curves, efficiency),
         *map(text, sufficiency_tables(efficiency)),

@@ -25,7 +25,7 @@ def overview(tree: xr.DataTree) -> str:
     Of more verdicts than can be shown one by one counts and the worst. Values that are not yet read from a file are
     read as far as they are shown.
     """
-    head, files = headline(tree), files_used(tree).sentence
+    head, files = headline(tree), files_used(tree).line
     answers = answers_of(tree)
     directions = tree["directions"].to_dataset() if "directions" in tree.children else None
     if is_large(answers):

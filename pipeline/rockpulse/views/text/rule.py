@@ -29,7 +29,7 @@ _ORDER = ("balanced", "conservative", "in-sample", "left-out", "as-given", *NAME
 
 def rule_overview(tree: xr.DataTree) -> str:
     """The tables of :func:`rockpulse.studies.rule.judgement.judge_rules`, or the statement that there is none."""
-    files = unused(files_used(tree).sentence)
+    files = unused(files_used(tree).line)
     if tree.attrs["statement"]:
         return "\n".join(filter(None, (files, paragraph(f"no verdict on the rule: {tree.attrs['statement']}"))))
     rates, at, areas = (tree[name].to_dataset().to_dataframe() for name in ("rates", "at_missed", "areas"))

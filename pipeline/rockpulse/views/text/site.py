@@ -49,7 +49,7 @@ def site_overview(tree: xr.DataTree) -> str:
     """The tree of :func:`rockpulse.calibrate_site` as text for the terminal."""
     site = tree["site"].to_dataset()
     parts = [
-        unused(files_used(tree).sentence),
+        unused(files_used(tree).line),
         "\n".join(paragraph(line, "  ", "! ") for line in remarks(site)),
         "\n".join(paragraph(line, "  ", "") for line in about_records(site)),
         explained(parameter_table(site)),

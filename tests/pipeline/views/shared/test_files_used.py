@@ -44,10 +44,16 @@ def test_a_skipped_file_counts_neither_way():
 
 def test_a_channel_that_failed_in_a_used_file_is_no_file_but_is_told_in_the_line():
     found = files_used(results("summary", ["a.v1"], [row("a.v1", reason="a.90: too short", stage="assess")]))
-    assert (found.counted, found.sentence) == ("", "")
+    assert (found.counted, found.sentence) == ("1 channel failed", "")
     assert found.line == "failed: too short (a.v1)."
     both = files_used(results("summary", ["a.v1"], [row("a.v1", reason="a.90: too short", stage="assess"), row("b")]))
     assert both.line == "1 of 2 files used, 1 not: damaged (b). also failed: too short (a.v1)."
+
+
+def test_a_vertical_channel_beside_horizontal_ones_that_failed_makes_no_file_used():
+    failed = [row("b.v2", reason=f"b.{code}: peak 9 g", stage="assess") for code in ("0", "90")]
+    found = files_used(results("summary", ["a.v1"], [row("b.v2", reason="b.up: vertical", kind="vertical"), *failed]))
+    assert found.counted == "1 of 2 files used, 1 not"
 
 
 def test_a_table_of_earthquakes_is_no_file_of_records():
