@@ -225,9 +225,9 @@ def _pairs(records: Sequence[Record], free: Sequence[int]) -> Iterator[tuple[int
     told = [(origin, index) for index in free if (origin := records[index].origin_time) is not None]
     yield from _near(records, told, SAME_ORIGIN_S, _alike)
     for members in by_id.values():
-        yield from _agreeing(records, members, _may_be_one, _origin)
+        yield from _agreeing(records, _by_origin(records, members), _may_be_one)
     for members in by_name.values():
-        yield from _agreeing(records, members, _agree, _said)
+        yield from _agreeing(records, _by_day(records, members), _agree)
 
 
 def _near(
@@ -251,30 +251,47 @@ def _near(
 
 
 def _agreeing(
-    records: Sequence[Record],
-    members: Sequence[int],
-    agree: Callable[[Record, Record], bool],
-    said: Callable[[Record], Hashable],
+    records: Sequence[Record], groups: Iterable[Sequence[int]], agree: Callable[[Record, Record], bool]
 ) -> Iterator[tuple[int, int]]:
-    """Pairs of the records that agree; the first of all that say the same, by `said`, stands for them."""
-    alike = defaultdict(list)
-    for index in members:
-        alike[said(records[index])].append(index)
-    for same in alike.values():
+    """Pairs of the records that agree, enough of them to connect each group.
+
+    The records of one of the `groups` agree, and others agree with one of them if they do with the first or the last.
+    """
+    ends: list[int] = []
+    for same in groups:
         yield from pairwise(same)
-    for one, other in combinations([same[0] for same in alike.values()], 2):
+        ends += dict.fromkeys((same[0], same[-1]))
+    for one, other in combinations(ends, 2):
         if agree(records[one], records[other]):
             yield one, other
 
 
-def _origin(record: Record) -> datetime | None:
-    """What `_may_be_one` looks at."""
-    return record.origin_time
+def _by_origin(records: Sequence[Record], members: Iterable[int]) -> list[list[int]]:
+    """The records in groups of one stated origin time, which is all that `_may_be_one` asks for."""
+    groups: dict[datetime | None, list[int]] = defaultdict(list)
+    for index in members:
+        groups[records[index].origin_time].append(index)
+    return list(groups.values())
 
 
-def _said(record: Record) -> Hashable:
-    """What `_agree` looks at."""
-    return record.event.strip(), record.start_time, record.origin_time
+def _by_day(records: Sequence[Record], members: Iterable[int]) -> list[list[int]]:
+    """The records in groups of one title and stated origin time, in the order of their times, `CLOCK_S` long at most.
+
+    So `_agree` holds between those of a group, and what it says of another record it says of the first or the last.
+    """
+    groups: dict[Hashable, list[tuple[datetime | None, int]]] = defaultdict(list)
+    for index in members:
+        record, moment = records[index], _moment(records[index])
+        groups[record.event.strip(), record.origin_time, moment is None].append((moment, index))
+    runs: list[list[int]] = []
+    for group in groups.values():
+        first: datetime | None = None
+        for place, (moment, index) in enumerate(sorted(group)):
+            if not place or (first and moment and (moment - first).total_seconds() > CLOCK_S):
+                first = moment
+                runs.append([])
+            runs[-1].append(index)
+    return runs
 
 
 def _moment(record: Record) -> datetime | None:

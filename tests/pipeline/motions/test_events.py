@@ -3,13 +3,23 @@
 import random
 import time
 from datetime import UTC, datetime, timedelta
+from itertools import combinations
 
 import pytest
 
 from rockpulse.config.configuration import Config, load_config
 from rockpulse.errors import ConfigError
 from rockpulse.failures import Failure
-from rockpulse.motions.events import JOINED_WITHIN_S, UNKNOWN, event_table, events_by_id, group_events
+from rockpulse.motions.events import (
+    JOINED_WITHIN_S,
+    UNKNOWN,
+    _agree,
+    _agreeing,
+    _by_day,
+    event_table,
+    events_by_id,
+    group_events,
+)
 from rockpulse.readers.folders import read_all
 from rockpulse.record.record import Record
 
@@ -325,15 +335,39 @@ def test_thousands_of_records_of_stated_earthquakes_are_grouped_at_once():
     assert len(partition(many)) == 50
 
 
-def test_thousands_of_records_of_one_event_id_are_grouped_at_once():
+@pytest.mark.parametrize(
+    ("apart", "known"),
+    [(86400.0, {"event_id": "38457511", "format": "sac"}), (1.0, {"event": "Kobe"}), (900.0, {"event": "Kobe"})],
+)
+def test_thousands_of_records_of_one_earthquake_by_its_id_or_name_are_grouped_at_once(apart, known):
     origins = (None, 0.0, 30.0)
-    records = [
-        record(f"r{k}", start=86400.0 * k, origin=origins[k % 3], event_id="38457511", format="sac")
-        for k in range(4000)
-    ]
+    records = [record(f"r{k}", start=apart * k, origin=origins[k % 3], **known) for k in range(4000)]
     began = time.perf_counter()
     assert len(set(group_events(records))) == 1
     assert time.perf_counter() - began < 2.0
+
+
+def test_records_of_one_name_are_joined_as_if_each_was_held_against_each():
+    draw = random.Random(7)
+    titles = ("Kobe", "KOBE 01/16/95", "Kobe-02", "Kobe-03")
+    for _ in range(40):
+        times = [draw.choice((None, draw.randrange(0, 86400 * 400, 43000))) for _ in range(12)]
+        records = [
+            record(f"r{k}", draw.choice(titles), start, origin=draw.choice((None, None, 0.0, 7200.0)))
+            for k, start in enumerate(times)
+        ]
+        free = range(len(records))
+        by_all = connected(free, [pair for pair in combinations(free, 2) if _agree(*(records[k] for k in pair))])
+        assert connected(free, _agreeing(records, _by_day(records, free), _agree)) == by_all
+
+
+def connected(free, pairs):
+    """The sets that pairs connect."""
+    groups = {k: {k} for k in free}
+    for one, other in pairs:
+        joined = groups[one] | groups[other]
+        groups.update(dict.fromkeys(joined, joined))
+    return sorted(map(sorted, {frozenset(group) for group in groups.values()}))
 
 
 def test_shocks_apart_are_joined_by_a_record_of_their_name_without_origin_time():
