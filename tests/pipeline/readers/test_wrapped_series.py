@@ -27,7 +27,7 @@ def write(tmp_path):
 @pytest.mark.parametrize("per_row", [5, 6, 8])
 def test_a_series_in_rows_that_run_on_is_read_where_unit_and_interval_are_given(write, per_row):
     path = write(wrapped(VALUES, per_row))
-    interval, unit = r"the interval too \(--dt\)", r"the unit too \(--units\)"
+    interval, unit = r"the interval too \(option dt, --dt\)", r"the unit too \(option units, --units\)"
     for given, asked in (({"units": "g"}, interval), ({"dt": 0.01}, unit), ({}, f"{unit} and {interval}")):
         with pytest.raises(RecordFormatError, match=rf"record.txt:\d+: .* in rows of \d\. Give {asked}: then"):
             read(path, **given)

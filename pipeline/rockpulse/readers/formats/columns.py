@@ -42,7 +42,7 @@ _INTEGRAL = 0.95
 #: Characters of a list in a message.
 _LISTED = 200
 #: What one series in rows needs, as a message asks for it.
-_UNIT_TOO, _INTERVAL_TOO = "the unit too (--units)", "the interval too (--dt)"
+_UNIT_TOO, _INTERVAL_TOO = "the unit too (option units, --units)", "the interval too (option dt, --dt)"
 _NAME_THEM = "name the columns in the line above the numbers, such as 'time acc_NS acc_EW'"
 
 
