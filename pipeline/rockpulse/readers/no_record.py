@@ -28,8 +28,8 @@ _BESIDE = frozenset({"readme", "disclaimer", "license", "licence", "copyright", 
 _SEARCH_RESULTS = "_searchresults"
 #: Suffixes of pictures, documents, maps and programs; of .log and .ini files the content decides, as of texts.
 _SUFFIXES = (
-    ".avi .bib .bmp .cpg .db .dbf .dll .doc .docx .eps .exe .gif .heic .htm .html .ipynb .jpeg .jpg .kml .kmz .lnk .md .mov .mp4 .odt "
-    ".pdf .png .ppt .pptx .prj .ps .py .pyc .rtf .shp .shx .sqlite .svg .tex .tif .tiff .webp"
+    ".avi .bib .bmp .cpg .db .dbf .dll .doc .docx .eps .exe .gif .heic .htm .html .ipynb .jpeg .jpg .kml .kmz .lnk .md "
+    ".mov .mp4 .odt .pdf .png .ppt .pptx .prj .ps .py .pyc .rtf .shp .shx .sqlite .svg .tex .tif .tiff .webp"
 )
 _DOCUMENTS = frozenset(_SUFFIXES.split())
 #: Beginnings of files that hold no record whatever they are called: pictures, documents, programs, data bases, logs
