@@ -333,9 +333,14 @@ def test_the_shipped_rule_holds_on_motions_that_no_choice_was_made_on():
     assert rates.loc[("as-given", "march", "conservative")].missed_share < 0.03
 
 
+#: Folders of records that came after the fit of the shipped rule: no part of its set.
+LATER = {"dyna_asc_afad", "sigma_itaca", "fema_p695"}
+
+
 @pytest.mark.slow
 def test_the_acceptance_figures_on_real_records(records_folder, samples):
-    records, _ = rp.read_all([records_folder, samples])
+    folders = [folder for folder in sorted(records_folder.iterdir()) if folder.is_dir() and folder.name not in LATER]
+    records, _ = rp.read_all([*folders, samples])
     motions, _ = strong_motions(records)
     cases, refused = rule_cases(motions)
     assert not refused
