@@ -8,27 +8,12 @@ from pathlib import Path
 import h5py
 import numpy as np
 import pytest
+from assess_command import DT, STRONG, TIME, assess, configuration, values, write_at2
 
 import rockpulse as rp
 from rockpulse.cli import main
 
 SCHEMA = Path(__file__).parents[3] / "docs" / "schema.md"
-DT = 0.01
-TIME = DT * np.arange(800)
-#: A burst of 1 Hz with 0.45 g in its middle and next to nothing at its ends [g].
-STRONG = 0.45 * np.sin(2.0 * np.pi * TIME) * np.exp(-(((TIME - 4.0) / 1.2) ** 2))
-
-
-def write_at2(path, acceleration, component="90"):
-    lines = [
-        "PEER STRONG MOTION DATABASE RECORD",
-        f"TEST EVENT, STATION A, {component}",
-        "ACCELERATION TIME SERIES IN UNITS OF G",
-    ]
-    lines.append(f"NPTS= {acceleration.size}, DT= {DT:.4f} SEC")
-    lines += ["".join(f"{value:15.7E}" for value in row) for row in np.split(acceleration, acceleration.size // 5)]
-    path.write_text("\n".join(lines) + "\n")
-    return path
 
 
 @pytest.fixture(scope="module")
@@ -41,25 +26,6 @@ def folder(tmp_path_factory):
     (folder / "cut.AT2").write_text("\n".join(cut[:30]) + "\n")
     (folder / "notes.txt").write_text("no record at all\n")
     return folder
-
-
-BLOCKS = ["--block", "thin wall=0.2x2.2", "--block", "pier=1.0x3.0"]
-
-
-def assess(*arguments):
-    return main(["assess", *map(str, arguments), *BLOCKS])
-
-
-def values(path, name):
-    """A variable of /summary, or of another group that is named, by bare h5py."""
-    with h5py.File(path) as file:
-        found = file[name if "/" in name else f"summary/{name}"]
-        return (found.asstr() if found.dtype == object else found)[:].tolist()
-
-
-def configuration(path):
-    with h5py.File(path) as file:
-        return file.attrs["configuration"]
 
 
 @pytest.fixture(scope="module")
@@ -338,35 +304,6 @@ def test_the_configuration_names_records_and_blocks(folder, tmp_path, capsys):
     assert "resonance" not in out
 
 
-@pytest.mark.sweep
-def test_each_remark_on_a_body_is_logged_once_with_its_name(folder, tmp_path):
-    config, log = tmp_path / "site.toml", tmp_path / "run.log"
-    config.write_text(
-        "[models]\nuse = ['sequence']\n[[block]]\nname = 'statue'\np = 2.0\nalpha = 0.2\nrestitution = 0.99\n"
-    )
-    options = ["--config", config, "--block", "chest=1.0x2.2", "-o", tmp_path / "results.h5", "--log-file", log]
-    assert assess(folder / "strong.AT2", *options, "--workers", "2") == 0
-    told = [line for line in log.read_text().splitlines() if "Housner" in line or "slenderness" in line]
-    assert [line.partition(" WARNING ")[2].partition(" is ")[0] for line in told] == [
-        "block statue: restitution 0.99",
-        "block chest: slenderness 2.2",
-    ]
-
-
-@pytest.mark.sweep
-def test_sizes_in_millimetres_are_exit_code_two_before_any_work_unless_confirmed(folder, tmp_path, capsys):
-    target = tmp_path / "results.h5"
-    arguments = [folder / "strong.AT2", "--block", "statue=600x1700", "-o", target]
-    assert assess(*arguments) == 2
-    assert capsys.readouterr().err.startswith('rockpulse: --block "statue=600x1700": 600 x 1700: millimetres? A body ')
-    assert not target.exists()
-    assert assess(*arguments, "--confirm-size") == 0
-    stored = tmp_path / "stored.toml"
-    stored.write_text(rp.load(target).attrs["configuration"])
-    assert rp.load_config(stored).blocks[0].confirm_size
-    assert "600 m wide and 1700 m high" in rp.load(target)["summary"]["block_warnings"].values[0]
-
-
 def test_an_unknown_key_is_exit_code_two_naming_file_and_key(folder, tmp_path, capsys):
     config = tmp_path / "site.toml"
     config.write_text("[conditioning]\nhigpass_hz = 0.1\n")
@@ -391,74 +328,3 @@ def test_a_file_name_in_an_odd_encoding_is_assessed(folder, tmp_path, capsys):
         pytest.skip("this file system takes no name outside UTF-8")
     assert assess(odd, "-o", tmp_path / "results.h5") == 0
     assert values(tmp_path / "results.h5", "source")[0].endswith("caf\ufffd.AT2")
-
-
-@pytest.mark.sweep
-def test_a_record_in_the_wrong_unit_fails_until_it_is_confirmed(folder, tmp_path, capsys):
-    write_at2(tmp_path / "odd.AT2", 1000.0 * STRONG)
-    target = tmp_path / "results.h5"
-    assert assess(folder / "strong.AT2", tmp_path / "odd.AT2", "-o", target) == 1
-    said = " ".join(capsys.readouterr().out.split())
-    assert values(target, "record") == ["strong.90"]
-    assert values(target, "failures/kind") == ["failed"]
-    assert "odd.90: peak 432 g in the unit g; the values would be 0.44 g if it were cm/s2" in said
-    assert "if it is right, give --confirm odd.90, or confirm" in said
-    again = [folder / "strong.AT2", tmp_path / "odd.AT2", "-o", target, "--overwrite"]
-    assert assess(*again, "--confirm", "strong*", "--confirm", "odd.*") == 0
-    said = " ".join(capsys.readouterr().out.split())
-    assert sorted(values(target, "record")) == ["odd.90", "strong.90"]
-    assert "odd.90 (peak?)" in said
-    assert "odd_peak" in values(target, "warning_codes")[values(target, "record").index("odd.90")]
-    assert 'confirm = ["strong*", "odd.*"]' in configuration(target)
-    config = tmp_path / "site.toml"
-    config.write_text('[records]\nconfirm = ["odd.90"]\n')
-    assert assess(*again, "--config", config) == 0
-    capsys.readouterr()
-    assert assess(*again, "--confirm", "nothing") == 2
-    assert "no record has an id that fits nothing; the ids are" in capsys.readouterr().err
-
-
-def test_what_is_confirmed_is_done_when_a_run_is_resumed_and_the_rest_is_kept(tmp_path, capsys):
-    write_at2(tmp_path / "a.AT2", STRONG)
-    write_at2(tmp_path / "odd.AT2", 1000.0 * STRONG)
-    given = [tmp_path / "a.AT2", tmp_path / "odd.AT2", "-o", tmp_path / "results.h5", "--workers", "1"]
-    assert assess(*given, "--strict") == 1
-    assert "peak 432 g" in capsys.readouterr().err
-    assert assess(*given, "--resume", "--confirm", "odd*") == 0
-    assert "1 of 2 records were finished before" in capsys.readouterr().err
-    assert len(values(tmp_path / "results.h5", "record")) == 2
-
-
-@pytest.mark.sweep
-def test_unit_and_interval_of_some_files_yield_to_the_command_line(tmp_path, capsys):
-    for name in ("a.g3", "b.txt"):
-        (tmp_path / name).write_text("\n".join(f"{value:.8f}" for value in STRONG * (1.0 if name == "a.g3" else 98.0)))
-    config, target = tmp_path / "site.toml", tmp_path / "results.h5"
-    config.write_text(
-        '[records]\npaths = ["a.g3", "b.txt"]\nunits = "cm/s2"\ndt = 0.01\n'
-        '[[records.file]]\nmatch = "*.g3"\nunits = "g"\ndt = 0.02\n'
-    )
-    assert assess("--config", config, "-o", target) == 0
-    assert values(target, "record") == ["a.1", "b.1"]
-    assert values(target, "pga") == pytest.approx([0.45 * 9.80665, 0.45 * 0.98], rel=0.05)
-    assert values(target, "dt") == [0.02, 0.01]
-    assert assess("--config", config, "-o", target, "--overwrite", "--dt", "0.005") == 0
-    assert values(target, "dt") == [0.005, 0.005]
-    assert values(target, "pga") == pytest.approx([0.45 * 9.80665, 0.45 * 0.98], rel=0.05)
-    assert 'match = "*.g3"\nunits = "g"\n' in configuration(target)
-    assert assess("--config", config, "-o", target, "--overwrite", "--dt", "0.005", "--units", "m/s2") == 0
-    assert "[[records.file]]" not in configuration(target)
-
-
-def test_a_pattern_that_chooses_no_file_is_exit_code_two_before_any_work(folder, tmp_path, capsys):
-    config, target = tmp_path / "site.toml", tmp_path / "results.h5"
-    config.write_text('[[records.file]]\nmatch = "*.g3"\nunits = "g"\n')
-    assert assess(folder, "--config", config, "-o", target) == 2
-    err = capsys.readouterr().err
-    assert err.startswith('rockpulse: [[records.file]] match = "*.g3": expected the end of the path of a file to read')
-    assert sorted(path.name for path in tmp_path.iterdir()) == ["site.toml"]
-
-
-def test_a_design_sequence_has_nothing_to_confirm(tmp_path, capsys):
-    assert assess("--sequence", tmp_path / "site.h5", "-o", tmp_path / "results.h5", "--confirm", "*") == 2
-    assert "drop --confirm, or --sequence" in capsys.readouterr().err

@@ -1,77 +1,38 @@
 """Which motions are assessed, and what the answers of all directions come to."""
 
 from dataclasses import replace
-from datetime import UTC, datetime, timedelta
+from datetime import timedelta
 
 import numpy as np
 import pytest
-import xarray as xr
+from swept_motions import (
+    ALONG,
+    POLARISED,
+    START,
+    TOWER,
+    WALL,
+    channel,
+    config,
+    motions_under,
+    sweep,
+    upwards,
+)
 
 from rockpulse import (
     BlockSettings,
     ConditioningSettings,
-    DemandSettings,
     IntensePhaseSettings,
     ModelSettings,
-    RecordSettings,
 )
-from rockpulse.assessment.answers import answers_of
 from rockpulse.assessment.assessment import assess
-from rockpulse.assessment.direction_statistics import largest_over, median_over, smallest_over
-from rockpulse.assessment.verdict import verdicts
 from rockpulse.config.configuration import Config
 from rockpulse.models import Outcome
 from rockpulse.motions.directions import conditioned_motions, plan_motions, planned_ids, sweep_azimuths
 from rockpulse.record.conditioning import condition
 from rockpulse.record.half_wave import half_waves
-from rockpulse.record.record import Record
 from rockpulse.remark import code_of
-from rockpulse.views.report.bodies import body_table
 from rockpulse.views.shared.files_used import failure_rows, files_used
-from rockpulse.views.text import large_overview
-from rockpulse.views.text.capacity import smallest_capacities
 from rockpulse.views.text.directions import direction_table
-from rockpulse.views.text.overview import overview
-
-START = datetime(2019, 7, 6, 3, 19, 53, tzinfo=UTC)
-DT = 0.01
-TIME = DT * np.arange(1200)
-#: A burst along the azimuth of 40 degrees, and a tenth of it across.
-ALONG = 4.5 * np.sin(2.0 * np.pi * TIME) * np.exp(-(((TIME - 5.0) / 1.5) ** 2))
-ACROSS = 0.1 * 4.5 * np.cos(3.0 * np.pi * TIME) * np.exp(-(((TIME - 5.0) / 1.5) ** 2))
-POLARISED = 40.0
-WALL = BlockSettings(name="wall", width=0.4, height=3.0)
-TOWER = BlockSettings(name="tower", width=3.0, height=9.0)
-
-
-def channel(azimuth, station="CCC", across=ACROSS, **options):
-    turn = np.radians(azimuth - POLARISED)
-    code = f"{azimuth:g}"
-    known = {"id": f"CI.{station}..{code}@20190706T031953", "network": "CI", "station": station, "channel": code}
-    known |= {"start_time": START, "processed": True, "source": f"{station}.v1", "orientation": "horizontal"}
-    return Record(ALONG * np.cos(turn) + across * np.sin(turn), DT, azimuth=azimuth, **known | options)
-
-
-def upwards(station="CCC"):
-    return channel(0.0, station, id=f"{station}.up", channel="Up", orientation="vertical")
-
-
-def config(components, blocks=(WALL, TOWER), models=None, **records):
-    return Config(
-        blocks=blocks, records=RecordSettings(components=components, **records), models=models or ModelSettings()
-    )
-
-
-def sweep(*records, **options):
-    return assess(records, config("sweep", azimuth_step=20.0, **options))
-
-
-def motions_under(records, options):
-    """The motions that come of all channels, and the names of what they come of."""
-    planned, failures = plan_motions(records, options)
-    assert not failures
-    motions = [(one.name, motion) for one in planned for motion in conditioned_motions(one, options)]
-    return [motion for _, motion in motions], [name for name, _ in motions]
 
 
 @pytest.fixture(scope="module")
@@ -281,34 +242,6 @@ def test_a_range_of_restitution_keeps_its_dimension():
     assert direction_table(found["summary"].to_dataset(), found["directions"].to_dataset()).count("  wall") == 2
 
 
-def test_the_overview_of_a_sweep_is_one_table_for_each_pair(tree):
-    text = overview(tree)
-    head, tables = text.split("\n\n", 1)
-    pair = tables.splitlines()[0]
-    assert ": 1 pair, 9 directions, 2 blocks; " in head
-    assert pair.startswith("CI.CCC..90-0@20190706T031953  PGA ")
-    assert "(at 40°)" in pair
-    assert text.count("  wall") == 1
-    assert "H040" not in tables.split("\n\n", 1)[0]
-    assert "Median and largest over 9 directions" in text
-    assert "OVERTURNS" in text
-    assert "upper-bound type input" in text
-
-
-@pytest.mark.sweep
-def test_of_a_large_sweep_the_worst_pairs_are_shown(monkeypatch):
-    records = [channel(azimuth, f"S{k}", id=f"S{k}.{azimuth:g}") for k in range(4) for azimuth in (90.0, 0.0)]
-    records = [replace(one, acceleration=one.acceleration * (1 + 0.1 * (k // 2))) for k, one in enumerate(records)]
-    tree = sweep(*records, models=ModelSettings(use=("linear",)))
-    text = overview(tree)
-    assert "worst of" not in text
-    monkeypatch.setattr(large_overview, "WHOLE", 50)
-    text = overview(tree)
-    assert ": 4 pairs, 9 directions, 2 blocks; linear" in text
-    assert "The 3 worst of 4 pairs of channels:" in text
-    assert [f"\nCI.S{k}" in text for k in range(4)] == [False, True, True, True]
-
-
 @pytest.mark.parametrize(
     ("recorded", "asked", "words"),
     [
@@ -349,125 +282,6 @@ def test_against_the_azimuth_a_body_that_rocks_to_both_sides_does_the_same():
     for name in ("peak_rotation_ratio", "outcome", "safety_factor"):
         one, other = (tree["summary"][name].values for tree in trees)
         np.testing.assert_allclose(one, other, rtol=1e-6)
-
-
-def test_a_table_of_a_sweep_marks_a_doubtful_peak_and_says_how_far_was_searched(tree):
-    summary, directions = (tree[name].to_dataset().copy(deep=True) for name in ("summary", "directions"))
-    assert "peak?" not in direction_table(summary, directions)
-    directions["pga_largest"][0] = 60.0
-    summary["safety_factor"][:], summary["safe_up_to"][:] = np.inf, 10.0
-    directions["smallest_safety_factor"][:], directions["safety_factor_azimuth"][:] = np.inf, np.nan
-    text = direction_table(summary, directions)
-    assert f"{directions['pair'].values[0]} (peak?)  PGA" in text
-    assert "(peak?): a peak above 5 g" in text
-    assert next(line for line in text.splitlines() if line.startswith("  wall")).split()[5:7] == [">10", "-"]
-    assert ">10: none found up to there" in " ".join(text.split())
-    one, other = directions["record_index"].values[0, :2]
-    for first, second, shown in ((0.0, 10.0, ">0"), (10.0, 0.0, ">0"), (10.0, np.nan, "none"), (np.nan, 10.0, "none")):
-        summary["safe_up_to"][one], summary["safe_up_to"][other] = first, second
-        text = direction_table(summary, directions)
-        assert next(line for line in text.splitlines() if line.startswith("  wall")).split()[5] == shown
-
-
-def test_the_overview_of_a_sweep_shows_the_smallest_factor_and_capacity_over_direction():
-    demands = (DemandSettings(name="collapse", acceleration=2.5),)
-    options = config("sweep", (WALL,), ModelSettings(use=("nonlinear",)), azimuth_step=20.0)
-    tree = assess([channel(90.0), channel(0.0)], replace(options, demands=demands))
-    summary, directions = tree["summary"].to_dataset(), tree["directions"].to_dataset()
-    found = directions.isel(pair=0, block=0, model=0)
-    factor, azimuth = found["smallest_safety_factor"].item(), found["safety_factor_azimuth"].item()
-    text = overview(tree)
-    rows = [line.split() for line in text.splitlines() if line.startswith("  wall")]
-    assert rows[0][5:7] == [f"{factor:.2f}", f"{azimuth:g}°"]
-    assert "SF: smallest factor on the record, over direction, at which the block overturns" in text
-    assert "of the pairs, each in its worst direction" in " ".join(text.split())
-    capacity = f"{summary['capacity_ratio'].min().item():.2f}"
-    assert rows[1][2:] == [f"{capacity},", capacity]
-    assert "SF" not in direction_table(summary.drop_vars("safety_factor"), directions)
-    summary["factor_resolved"][int(np.argmin(summary["safety_factor"].values))] = 0
-    marked = direction_table(summary, directions)
-    assert next(line for line in marked.splitlines() if line.startswith("  wall")).split()[5] == f"{factor:.2f}!"
-    lost = int(np.argmax(summary["capacity_ratio"].values[directions["record_index"].values[0]].ravel()))
-    directions["record_index"][0, lost] = -1
-    assert float(capacity) < 1.0
-    tree["directions"] = xr.DataTree(directions)
-    assert f"≤{capacity}" in smallest_capacities(answers_of(tree))  # fails whatever the lost one would say
-    tree["summary"] = xr.DataTree(summary.assign(capacity_ratio=summary["capacity_ratio"] * 10.0))
-    told = " ".join(smallest_capacities(answers_of(tree)).split())
-    assert f"≤{10.0 * summary['capacity_ratio'].min().item():.2f}!, -" in told
-    assert "≤: may be less, for a direction has no answer; left out of the median (up to 1 of the pairs)" in told
-
-
-def capacity_part(text):
-    """The table of capacities over demand in an overview, as far as the blank line behind its note."""
-    return text[text.index("Capacity (safety factor x PGA") :].split("\n\n")[:3]
-
-
-def test_all_views_of_a_sweep_tell_the_same_margins(monkeypatch):
-    """Over all rotated records of two pairs of different strength the median would be another than over the pairs."""
-    records = [channel(azimuth, f"S{k}", across=(1.0 - 0.3 * k) * ACROSS) for k in range(2) for azimuth in (90.0, 0.0)]
-    records = [replace(r, acceleration=r.acceleration * (0.7 if r.station == "S1" else 1.0)) for r in records]
-    options = config("sweep", (WALL, TOWER), ModelSettings(use=("linear", "nonlinear")), azimuth_step=45.0)
-    tree = assess(records, replace(options, demands=(DemandSettings(name="collapse", acceleration=2.5),)))
-    answers = answers_of(tree)
-    index = tree["directions"]["record_index"].values
-    found = []
-    for name in ("safety_factor", "capacity_ratio"):
-        every = tree["summary"][name].sel(model="nonlinear", block="wall").values.ravel()
-        pairs = every[index].min(axis=1)
-        assert f"{np.median(every):.2f}" != f"{np.median(pairs):.2f}"
-        found.append((f"{pairs.min():.2f}", f"{np.median(pairs):.2f}"))
-    (smallest, median), capacities = found
-    whole = overview(tree)
-    assert ", ".join(capacities) in " ".join(whole.split())
-    monkeypatch.setattr(large_overview, "WHOLE", 1)
-    large = overview(tree)
-    assert "Verdicts, " in large
-    assert "Verdicts, " not in whole
-    assert capacity_part(large) == capacity_part(whole)
-    fallen = (tree["summary"]["outcome"].sel(model="nonlinear", block="wall").values[index] == Outcome.OVERTURNS).any(1)
-    blocks = large[large.index("pairs that overturn it") :].splitlines()
-    row = next(line.split() for line in blocks if line.startswith("  wall"))
-    assert row[2:] == [str(fallen.sum()), "of", "2", f"{fallen.mean():.1%}", median]
-    in_report = next(row for row in body_table(answers, verdicts(answers)).rows if row[0].text == "wall")
-    assert [in_report[3].marked, in_report[5].marked] == [smallest, median]
-    assert in_report[6].text == f"{capacities[0]}, median {capacities[1]}"
-
-
-INF, NAN = np.inf, np.nan
-
-
-@pytest.mark.parametrize(
-    ("values", "median", "largest", "place"),
-    [
-        ([0.1, 0.4, 0.2], 0.2, 0.4, 1),
-        ([0.1, 0.4, 0.2, 0.3], 0.25, 0.4, 1),
-        ([0.1, INF, 0.2], 0.2, INF, 1),
-        ([INF, 0.1, INF], INF, INF, 0),
-        ([INF, 0.1], INF, INF, 0),
-        ([0.0, 0.0, 0.0], 0.0, 0.0, 0),
-        ([0.1, NAN, 0.2], NAN, NAN, -1),
-        ([0.2, NAN, 0.2], 0.2, NAN, -1),
-        ([INF, NAN, INF, INF], INF, INF, 0),
-        ([NAN, NAN], NAN, NAN, -1),
-    ],
-)
-def test_median_and_largest_with_overturning_and_without_an_answer(values, median, largest, place):
-    row = np.array([values])
-    assert median_over(row) == pytest.approx([median], nan_ok=True)
-    found, at = largest_over(row)
-    assert found == pytest.approx([largest], nan_ok=True)
-    assert at == [place]
-
-
-@pytest.mark.parametrize(
-    ("values", "smallest", "place"),
-    [([2.0, 0.5, 1.0], 0.5, 1), ([INF, 3.0], 3.0, 1), ([INF, INF], INF, -1), ([NAN, 0.5], NAN, -1)],
-)
-def test_smallest_safety_factor(values, smallest, place):
-    found, at = smallest_over(np.array([values]))
-    assert found == pytest.approx([smallest], nan_ok=True)
-    assert at == [place]
 
 
 @pytest.mark.parametrize("components", ["horizontal", "sweep"])

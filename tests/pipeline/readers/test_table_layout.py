@@ -14,16 +14,6 @@ VALUES = np.round(pulse(200, peak=3.0), 6)
 TABLE = columns(np.column_stack([0.01 * np.arange(200), VALUES])).decode()
 
 
-@pytest.fixture
-def write(tmp_path):
-    def written(content: bytes, name: str = "record.txt"):
-        path = tmp_path / name
-        path.write_bytes(content)
-        return path
-
-    return written
-
-
 PEKNOLD = (
     "Data for El Centro 1940 North South Component (Peknold Version)\n"
     "{count} points at equal spacing of 0.02 sec\n"

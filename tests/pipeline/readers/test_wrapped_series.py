@@ -14,16 +14,6 @@ from rockpulse.readers.wrapped_series import FEWEST_ROWS, runs_on
 VALUES = np.round(pulse(200, peak=3.0), 6)
 
 
-@pytest.fixture
-def write(tmp_path):
-    def written(content: bytes, name: str = "record.txt"):
-        path = tmp_path / name
-        path.write_bytes(content)
-        return path
-
-    return written
-
-
 @pytest.mark.parametrize("per_row", [5, 6, 8])
 def test_a_series_in_rows_that_run_on_is_read_where_unit_and_interval_are_given(write, per_row):
     path = write(wrapped(VALUES, per_row))

@@ -1,0 +1,145 @@
+"""The overview of a sweep over direction: pairs of channels, their worst directions, the same figures everywhere."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import xarray as xr
+from swept_motions import (
+    ACROSS,
+    TOWER,
+    WALL,
+    channel,
+    config,
+    sweep,
+)
+
+from rockpulse import (
+    DemandSettings,
+    ModelSettings,
+)
+from rockpulse.assessment.answers import answers_of
+from rockpulse.assessment.assessment import assess
+from rockpulse.assessment.verdict import verdicts
+from rockpulse.models import Outcome
+from rockpulse.views.report.bodies import body_table
+from rockpulse.views.text import large_overview
+from rockpulse.views.text.capacity import smallest_capacities
+from rockpulse.views.text.directions import direction_table
+from rockpulse.views.text.overview import overview
+
+
+@pytest.fixture(scope="module")
+def tree():
+    return sweep(channel(90.0), channel(0.0))
+
+
+def test_the_overview_of_a_sweep_is_one_table_for_each_pair(tree):
+    text = overview(tree)
+    head, tables = text.split("\n\n", 1)
+    pair = tables.splitlines()[0]
+    assert ": 1 pair, 9 directions, 2 blocks; " in head
+    assert pair.startswith("CI.CCC..90-0@20190706T031953  PGA ")
+    assert "(at 40°)" in pair
+    assert text.count("  wall") == 1
+    assert "H040" not in tables.split("\n\n", 1)[0]
+    assert "Median and largest over 9 directions" in text
+    assert "OVERTURNS" in text
+    assert "upper-bound type input" in text
+
+
+@pytest.mark.sweep
+def test_of_a_large_sweep_the_worst_pairs_are_shown(monkeypatch):
+    records = [channel(azimuth, f"S{k}", id=f"S{k}.{azimuth:g}") for k in range(4) for azimuth in (90.0, 0.0)]
+    records = [replace(one, acceleration=one.acceleration * (1 + 0.1 * (k // 2))) for k, one in enumerate(records)]
+    tree = sweep(*records, models=ModelSettings(use=("linear",)))
+    text = overview(tree)
+    assert "worst of" not in text
+    monkeypatch.setattr(large_overview, "WHOLE", 50)
+    text = overview(tree)
+    assert ": 4 pairs, 9 directions, 2 blocks; linear" in text
+    assert "The 3 worst of 4 pairs of channels:" in text
+    assert [f"\nCI.S{k}" in text for k in range(4)] == [False, True, True, True]
+
+
+def test_a_table_of_a_sweep_marks_a_doubtful_peak_and_says_how_far_was_searched(tree):
+    summary, directions = (tree[name].to_dataset().copy(deep=True) for name in ("summary", "directions"))
+    assert "peak?" not in direction_table(summary, directions)
+    directions["pga_largest"][0] = 60.0
+    summary["safety_factor"][:], summary["safe_up_to"][:] = np.inf, 10.0
+    directions["smallest_safety_factor"][:], directions["safety_factor_azimuth"][:] = np.inf, np.nan
+    text = direction_table(summary, directions)
+    assert f"{directions['pair'].values[0]} (peak?)  PGA" in text
+    assert "(peak?): a peak above 5 g" in text
+    assert next(line for line in text.splitlines() if line.startswith("  wall")).split()[5:7] == [">10", "-"]
+    assert ">10: none found up to there" in " ".join(text.split())
+    one, other = directions["record_index"].values[0, :2]
+    for first, second, shown in ((0.0, 10.0, ">0"), (10.0, 0.0, ">0"), (10.0, np.nan, "none"), (np.nan, 10.0, "none")):
+        summary["safe_up_to"][one], summary["safe_up_to"][other] = first, second
+        text = direction_table(summary, directions)
+        assert next(line for line in text.splitlines() if line.startswith("  wall")).split()[5] == shown
+
+
+def test_the_overview_of_a_sweep_shows_the_smallest_factor_and_capacity_over_direction():
+    demands = (DemandSettings(name="collapse", acceleration=2.5),)
+    options = config("sweep", (WALL,), ModelSettings(use=("nonlinear",)), azimuth_step=20.0)
+    tree = assess([channel(90.0), channel(0.0)], replace(options, demands=demands))
+    summary, directions = tree["summary"].to_dataset(), tree["directions"].to_dataset()
+    found = directions.isel(pair=0, block=0, model=0)
+    factor, azimuth = found["smallest_safety_factor"].item(), found["safety_factor_azimuth"].item()
+    text = overview(tree)
+    rows = [line.split() for line in text.splitlines() if line.startswith("  wall")]
+    assert rows[0][5:7] == [f"{factor:.2f}", f"{azimuth:g}°"]
+    assert "SF: smallest factor on the record, over direction, at which the block overturns" in text
+    assert "of the pairs, each in its worst direction" in " ".join(text.split())
+    capacity = f"{summary['capacity_ratio'].min().item():.2f}"
+    assert rows[1][2:] == [f"{capacity},", capacity]
+    assert "SF" not in direction_table(summary.drop_vars("safety_factor"), directions)
+    summary["factor_resolved"][int(np.argmin(summary["safety_factor"].values))] = 0
+    marked = direction_table(summary, directions)
+    assert next(line for line in marked.splitlines() if line.startswith("  wall")).split()[5] == f"{factor:.2f}!"
+    lost = int(np.argmax(summary["capacity_ratio"].values[directions["record_index"].values[0]].ravel()))
+    directions["record_index"][0, lost] = -1
+    assert float(capacity) < 1.0
+    tree["directions"] = xr.DataTree(directions)
+    assert f"≤{capacity}" in smallest_capacities(answers_of(tree))  # fails whatever the lost one would say
+    tree["summary"] = xr.DataTree(summary.assign(capacity_ratio=summary["capacity_ratio"] * 10.0))
+    told = " ".join(smallest_capacities(answers_of(tree)).split())
+    assert f"≤{10.0 * summary['capacity_ratio'].min().item():.2f}!, -" in told
+    assert "≤: may be less, for a direction has no answer; left out of the median (up to 1 of the pairs)" in told
+
+
+def capacity_part(text):
+    """The table of capacities over demand in an overview, as far as the blank line behind its note."""
+    return text[text.index("Capacity (safety factor x PGA") :].split("\n\n")[:3]
+
+
+def test_all_views_of_a_sweep_tell_the_same_margins(monkeypatch):
+    """Over all rotated records of two pairs of different strength the median would be another than over the pairs."""
+    records = [channel(azimuth, f"S{k}", across=(1.0 - 0.3 * k) * ACROSS) for k in range(2) for azimuth in (90.0, 0.0)]
+    records = [replace(r, acceleration=r.acceleration * (0.7 if r.station == "S1" else 1.0)) for r in records]
+    options = config("sweep", (WALL, TOWER), ModelSettings(use=("linear", "nonlinear")), azimuth_step=45.0)
+    tree = assess(records, replace(options, demands=(DemandSettings(name="collapse", acceleration=2.5),)))
+    answers = answers_of(tree)
+    index = tree["directions"]["record_index"].values
+    found = []
+    for name in ("safety_factor", "capacity_ratio"):
+        every = tree["summary"][name].sel(model="nonlinear", block="wall").values.ravel()
+        pairs = every[index].min(axis=1)
+        assert f"{np.median(every):.2f}" != f"{np.median(pairs):.2f}"
+        found.append((f"{pairs.min():.2f}", f"{np.median(pairs):.2f}"))
+    (smallest, median), capacities = found
+    whole = overview(tree)
+    assert ", ".join(capacities) in " ".join(whole.split())
+    monkeypatch.setattr(large_overview, "WHOLE", 1)
+    large = overview(tree)
+    assert "Verdicts, " in large
+    assert "Verdicts, " not in whole
+    assert capacity_part(large) == capacity_part(whole)
+    fallen = (tree["summary"]["outcome"].sel(model="nonlinear", block="wall").values[index] == Outcome.OVERTURNS).any(1)
+    blocks = large[large.index("pairs that overturn it") :].splitlines()
+    row = next(line.split() for line in blocks if line.startswith("  wall"))
+    assert row[2:] == [str(fallen.sum()), "of", "2", f"{fallen.mean():.1%}", median]
+    in_report = next(row for row in body_table(answers, verdicts(answers)).rows if row[0].text == "wall")
+    assert [in_report[3].marked, in_report[5].marked] == [smallest, median]
+    assert in_report[6].text == f"{capacities[0]}, median {capacities[1]}"
