@@ -7,7 +7,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
-__all__ = ["NO_RECORD", "Failure", "FailureKind", "alike", "told"]
+__all__ = ["NO_RECORD", "Failure", "FailureKind", "alike", "last_part", "some", "told", "unread"]
 
 #: Why a text, a table or a picture that lies beside records was passed over.
 NO_RECORD = "no record"
@@ -77,6 +77,32 @@ def told(group: Sequence[Failure]) -> str:
     if len(group) == 1:  # most reasons begin with the file and a line in it
         return first.reason if first.file in first.reason else f"{first.file}: {first.reason}"
     counted = "files" if len({row.file for row in group}) == len(group) else "channels"
-    places = ", ".join(row.place for row in group[:_EXAMPLES])
-    more = f" and {len(group) - _EXAMPLES} more" if len(group) > _EXAMPLES else ""
-    return f"{len(group)} {counted} ({places}{more}): {first.bare}"
+    return f"{len(group)} {counted} ({some([row.place for row in group], _EXAMPLES)}): {first.bare}"
+
+
+def some(names: Sequence[str], most: int) -> str:
+    """The first of some names, and how many more there are.
+
+    Examples
+    --------
+    >>> some(["a", "b", "c"], 2), some([], 2)
+    ('a, b and 1 more', 'none')
+    """
+    more = f" and {len(names) - most} more" if len(names) > most else ""
+    return (", ".join(names[:most]) or "none") + more
+
+
+def unread(rows: Iterable[Failure]) -> bool:
+    """Whether a file could not be read, so that a name or a pattern that fits no record may be meant for it."""
+    return any(row.kind == "failed" and row.stage in ("find", "read") for row in rows)
+
+
+def last_part(file: str) -> str:
+    """The last part of the name of a file, or of a member of an archive.
+
+    Examples
+    --------
+    >>> last_part("data/b.zip!in/a.AT2")
+    'a.AT2'
+    """
+    return file.replace("\\", "/").rpartition("!")[2].rpartition("/")[2] or file

@@ -18,7 +18,7 @@ from itertools import combinations, pairwise
 
 from rockpulse.config.configuration import Config, located
 from rockpulse.errors import ConfigError
-from rockpulse.failures import Failure
+from rockpulse.failures import Failure, some, unread
 from rockpulse.motions.tables import read_event_table
 from rockpulse.record.record import Record
 
@@ -138,8 +138,8 @@ def group_events(records: Sequence[Record], named: Mapping[str, str] | None = No
     ids = [record.id for record in records]
     if unknown := sorted(set(named) - set(ids)):
         raise ConfigError(
-            f"[records] events: no record has the id {_some(unknown, 5)}; expected ids of channels as they were "
-            f"read, such as {_some(ids, 3)}"
+            f"[records] events: no record has the id {some(unknown, 5)}; expected ids of channels as they were "
+            f"read, such as {some(ids, 3)}"
         )
     if empty := sorted(name for name, label in named.items() if not label.strip()):
         raise ConfigError(f"events: expected a label for {', '.join(empty[:5])}, got an empty one")
@@ -188,21 +188,14 @@ def events_by_id(
     failures of reading. Where every file was read, ConfigError as by :func:`group_events`.
     """
     ids = [record.id for record in records]
-    failed = any(row.kind == "failed" and row.stage in ("find", "read") for row in failures)
-    unknown = sorted(set(named) - set(ids)) if failed else []
+    unknown = sorted(set(named) - set(ids)) if unread(failures) else []
     labels = group_events(records, {name: label for name, label in named.items() if name not in unknown})
     reason = (
-        f"[records] events names records that were not read: {_some(unknown, 5)}; the records read are such as "
-        f"{_some(ids, 3)}: if these are no records of the files that failed, correct the names"
+        f"[records] events names records that were not read: {some(unknown, 5)}; the records read are such as "
+        f"{some(ids, 3)}: if these are no records of the files that failed, correct the names"
     )
-    unread = [Failure("[records] events", "events", reason, "failed")] if unknown else []
-    return dict(zip(ids, labels, strict=True)), unread
-
-
-def _some(names: Sequence[str], count: int) -> str:
-    """The first of some names, and how many more there are."""
-    more = f" and {len(names) - count} more" if len(names) > count else ""
-    return (", ".join(names[:count]) or "none") + more
+    rows = [Failure("[records] events", "events", reason, "failed")] if unknown else []
+    return dict(zip(ids, labels, strict=True)), rows
 
 
 def _pairs(records: Sequence[Record], free: Sequence[int]) -> Iterator[tuple[int, int]]:

@@ -25,7 +25,7 @@ from pathlib import PurePath
 
 from rockpulse.config.settings import RecordSettings
 from rockpulse.errors import ConfigError
-from rockpulse.failures import Failure
+from rockpulse.failures import Failure, some, unread
 from rockpulse.record.components import concurrent, find_pairs, instrument, place_on_structure, sensor_level, uncovered
 from rockpulse.record.record import Record, id_matches
 from rockpulse.remark import find
@@ -84,9 +84,8 @@ def unmatched_patterns(
     idle = [pattern for pattern in patterns if not any(id_matches(name, [pattern]) for name in ids)]
     if not idle:
         return []
-    found = (", ".join(ids[:3]) + (f" and {len(ids) - 3} more" if len(ids) > 3 else "")) or "none"
-    reason = f"{option}: no record has an id that fits {', '.join(idle)}; the ids are {found}"
-    if not any(row.kind == "failed" and row.stage in ("find", "read") for row in failures):
+    reason = f"{option}: no record has an id that fits {', '.join(idle)}; the ids are {some(ids, 3)}"
+    if not unread(failures):
         raise ConfigError(f"{reason}; correct the pattern or take it out")
     told = f"{reason}; correct the pattern unless it is meant for one of the files that could not be read"
     return [Failure(option, "select", told, "failed")]

@@ -11,7 +11,7 @@ from pathlib import PurePath
 
 import numpy as np
 
-from rockpulse.failures import Failure
+from rockpulse.failures import Failure, some
 from rockpulse.record.record import Record
 from rockpulse.remark import Remark
 
@@ -276,9 +276,8 @@ def _no_pair(record: Record, found: Sequence[Record], partners: dict[int, list[R
     return f"expected one other horizontal channel recorded together with it, found {len(found)}: {_listed(found)}"
 
 
-def _listed(records: Sequence[Record], most: int = 4) -> str:
-    names = ", ".join(record.id for record in records[:most])
-    return names if len(records) <= most else f"{names} and {len(records) - most} more"
+def _listed(records: Sequence[Record]) -> str:
+    return some([record.id for record in records], 4)
 
 
 def _together(record: Record, other: Record) -> bool:

@@ -12,6 +12,7 @@ import numpy as np
 
 from rockpulse.assessment.answers import Answers, Body, bodies_of
 from rockpulse.errors import ResultsError
+from rockpulse.failures import some
 from rockpulse.storage.fragility_variables import FRAGILITY
 from rockpulse.storage.hdf5_reader import flag_words
 from rockpulse.storage.site_variables import SITE_KIND
@@ -116,9 +117,7 @@ def listed(names: Iterable[str]) -> str:
     >>> listed("abcdefgh")
     'a, b, c, d, e, f and 2 more'
     """
-    every = list(names)
-    more = f" and {len(every) - NAMED} more" if len(every) > NAMED else ""
-    return ", ".join(every[:NAMED]) + more
+    return some(list(names), NAMED)
 
 
 def _bodies(

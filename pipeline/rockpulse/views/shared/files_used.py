@@ -11,7 +11,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from rockpulse.failures import Failure, alike
+from rockpulse.failures import Failure, alike, last_part
 from rockpulse.record.record import BETWEEN
 from rockpulse.views.shared.terminal import several
 
@@ -145,7 +145,7 @@ def _apart(source: str) -> list[str]:
     """
     names = source.split(BETWEEN)
     inside = {any(sign in name for sign in "/\\!") for name in names}
-    ending = {"." in _last(name) for name in names}
+    ending = {"." in last_part(name) for name in names}
     return names if len(inside) == len(ending) == 1 else [source]
 
 
@@ -167,10 +167,5 @@ def _reason(group: list[Failure]) -> str:
     words = " ".join(group[0].bare.split()).partition("; ")[0]
     if len(words) > _LONGEST:
         words = f"{words[:_LONGEST].rpartition(' ')[0]} ..."
-    names = ", ".join(_last(row.file) for row in group[:_NAMED]) + (", ..." if len(group) > _NAMED else "")
+    names = ", ".join(last_part(row.file) for row in group[:_NAMED]) + (", ..." if len(group) > _NAMED else "")
     return f"{words} ({f'{len(group)}: ' if len(group) > _NAMED else ''}{names})"
-
-
-def _last(file: str) -> str:
-    """The last part of the name of a file or a member of an archive."""
-    return file.replace("\\", "/").rpartition("!")[2].rpartition("/")[2] or file

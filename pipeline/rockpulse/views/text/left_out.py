@@ -6,7 +6,7 @@ import re
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from rockpulse.failures import NO_RECORD, Failure, alike, told
+from rockpulse.failures import NO_RECORD, Failure, alike, last_part, some, told
 from rockpulse.remark import PLAIN
 from rockpulse.views.shared.files_used import failure_rows
 from rockpulse.views.shared.terminal import paragraph
@@ -117,7 +117,7 @@ def _apart(found: dict[str, list[Failure]]) -> tuple[dict[str, list[Failure]], l
     beside = [row.file for row in found.get("skipped", ()) if _is_beside(row)]
     skipped = [row for row in found.get("skipped", ()) if not _is_beside(row)]
     rest = {kind: rows for kind, rows in (found | {"skipped": skipped}).items() if rows}
-    return rest, [re.split(r"[/\\!]", file)[-1] for file in beside]
+    return rest, [last_part(file) for file in beside]
 
 
 def _is_beside(row: Failure) -> bool:
@@ -125,8 +125,7 @@ def _is_beside(row: Failure) -> bool:
 
 
 def _beside(names: Sequence[str]) -> str:
-    more = f" and {len(names) - LISTED} more" if len(names) > LISTED else ""
-    return paragraph(f"{', '.join(names[:LISTED])}{more}", "  ", "not records: ")
+    return paragraph(some(names, LISTED), "  ", "not records: ")
 
 
 def by_kind(tree: xr.DataTree) -> dict[str, list[Failure]]:

@@ -10,6 +10,7 @@ import numpy as np
 
 from rockpulse.assessment.answers import Answers
 from rockpulse.assessment.verdict import verdicts
+from rockpulse.failures import some
 from rockpulse.views.shared.answer_cells import answer_cells, factor_cells, marks_of
 from rockpulse.views.shared.facts import Known
 from rockpulse.views.shared.record_marks import record_cells
@@ -103,8 +104,7 @@ def governing(answers: Answers) -> str:
     told = []
     for row, blocks in sorted(ruled.items(), key=lambda item: -len(item[1]))[:NAMED]:
         if known := Known(answers.summary, record=answers.records[row]).described:
-            more = f" and {len(blocks) - NAMED} more" if len(blocks) > NAMED else ""
-            of = ", ".join(list(blocks)[:NAMED]) + more
+            of = some(list(blocks), NAMED)
             told.append(paragraph(f"{answers.records[row]}: {known} (for {of})", "      ", "  "))
     if not told:
         return ""
