@@ -58,7 +58,7 @@ class Uncertainty:
     def __post_init__(self) -> None:
         if not LEAST_SPREAD <= self.factor <= LARGEST_SPREAD:
             raise ValueError(
-                f"factor: expected a standard deviation from {LEAST_SPREAD:g} to {LARGEST_SPREAD:g}, got {self.factor!r}"
+                f"factor: expected a standard deviation of {LEAST_SPREAD:g} to {LARGEST_SPREAD:g}, got {self.factor!r}"
             )
         least, most = self.restitution
         if not 0.0 < least <= most <= 1.0:
