@@ -14,6 +14,9 @@ from scipy.optimize import isotonic_regression
 
 __all__ = ["factor_at", "mean_capacity", "rising"]
 
+#: Falls of a probability that are rounding.
+ROUNDING = 1e-12
+
 
 def rising(probability: np.ndarray, weights: np.ndarray | None = None) -> np.ndarray:
     """The isotonic fit of probabilities along their last axis.
@@ -37,9 +40,9 @@ def rising(probability: np.ndarray, weights: np.ndarray | None = None) -> np.nda
     """
     fitted = np.array(probability, dtype=float)
     rows = fitted.reshape(-1, fitted.shape[-1])
-    for row in np.flatnonzero(np.any(np.diff(rows, axis=1) < 0.0, axis=1)):
+    for row in np.flatnonzero(np.any(np.diff(rows, axis=1) < -ROUNDING, axis=1)):
         rows[row] = isotonic_regression(rows[row], weights=weights).x
-    return rows.reshape(fitted.shape)
+    return np.maximum.accumulate(rows, axis=1).reshape(fitted.shape)
 
 
 def factor_at(share: float, level: np.ndarray, probability: np.ndarray) -> np.ndarray:

@@ -14,8 +14,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from scipy.special import ndtr
-from scipy.stats import skewnorm
+from scipy.special import ndtr, owens_t
 
 __all__ = ["Uncertainty"]
 
@@ -83,5 +82,5 @@ class Uncertainty:
 
     def below(self, shift: Any) -> np.ndarray:
         """Probability that the shift Z of :meth:`density` is no larger than the given one [-]."""
-        scale = math.hypot(self.factor, self.geometry)
-        return skewnorm.cdf(np.asarray(shift, dtype=float), self.geometry / self.factor, scale=scale)
+        at = np.asarray(shift, dtype=float) / math.hypot(self.factor, self.geometry)
+        return ndtr(at) - 2.0 * owens_t(at, self.geometry / self.factor)

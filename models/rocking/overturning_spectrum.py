@@ -1,0 +1,292 @@
+"""The overturning spectrum of a ground motion: one curve that tells every slender free-standing block its capacity.
+
+.. note:: With x = f p/(g tan alpha) the capacity of a slender block under a record depends on its p and C alone
+   (:mod:`rocking.spectrum_lanes`). So a record has P(x; p, C), the probability that a block of nominal restitution C
+   overturns under the stated uncertainty, and a spectrum S(p, C) = 1/exp(E ln x_c) [m/s], x_c the x at which it
+   overturns: the effective impulse that such a block takes from the record. A block overturns where S exceeds
+   g tan(alpha)/p, its capacity is (g tan(alpha)/p)/S.
+
+   A draw of factor and geometry moves ln x by a shift Z whose distribution is known
+   (:class:`rocking.uncertainty.Uncertainty`), so P is the verdict of the lanes smoothed by the density of Z, over the
+   lanes whose restitution lies in the range of the block:
+
+   P(x) = sum_i w_i h(ln x_i - ln x) v_i/sum_i w_i h(ln x_i - ln x),  v_i = 1 where lane i overturns.
+
+   Nothing overturns below the lowest lane, everything above the highest one. Between two frequency parameters P is
+   linear in ln p.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+from typing import Any
+
+import numpy as np
+
+from rocking.block import Block
+from rocking.crossing import factor_at, mean_capacity, rising
+from rocking.spectrum_lanes import LEAST_RESTITUTION, SpectrumLanes
+from rocking.uncertainty import Uncertainty
+
+__all__ = ["LEVEL_STEP", "OverturningFactors", "OverturningSpectrum"]
+
+#: Levels of x are exp(LEVEL_STEP k), k whole: those of two records are the same numbers.
+LEVEL_STEP = 0.05
+
+#: Standard deviations of the shift beyond which it does not reach.
+REACH = 6.0
+
+#: Standard normal quantile of intervals of 90 %.
+TWO_SIDED = 1.6448536269514722
+
+#: Error of the similarity and of the interpolation in ln p, as a standard deviation of ln f, part of every interval
+#: (docs/decisions/024).
+INTERPOLATION = 0.02
+
+#: Slenderness from which on the spectrum stands for a block (docs/decisions/024).
+LEAST_SLENDERNESS = 3.5
+
+
+@dataclass(frozen=True, eq=False)
+class OverturningFactors:
+    """Probability of overturning of (m,) blocks under a record, and the factors on it that it grows with.
+
+    `_low` and `_high` are the ends of intervals of 90 %. A factor that is not reached by the largest one asked for is
+    inf, its `_low` that largest one.
+
+    Attributes
+    ----------
+    at_one : (m,) ndarray
+        Probability of overturning under the record as it is [-].
+    factor_10, factor_50 : (m,) ndarray
+        Factor on the record at which the probability is 0.1, 0.5 [-].
+    capacity_mean : (m,) ndarray
+        exp of the mean logarithm of the factor at which the block overturns [-].
+    """
+
+    at_one: np.ndarray
+    at_one_low: np.ndarray
+    at_one_high: np.ndarray
+    factor_10: np.ndarray
+    factor_10_low: np.ndarray
+    factor_10_high: np.ndarray
+    factor_50: np.ndarray
+    factor_50_low: np.ndarray
+    factor_50_high: np.ndarray
+    capacity_mean: np.ndarray
+    capacity_mean_low: np.ndarray
+    capacity_mean_high: np.ndarray
+
+    def up_to(self, factor_max: float) -> OverturningFactors:
+        """The same, with every factor above the largest one asked for inf, and its `_low` at most that one."""
+        found = {one.name: getattr(self, one.name) for one in fields(self)}
+        for name in ("factor_10", "factor_50", "capacity_mean"):
+            beyond = found[name] > factor_max
+            found[name] = np.where(beyond, np.inf, found[name])
+            found[f"{name}_low"] = np.minimum(found[f"{name}_low"], factor_max)
+            found[f"{name}_high"] = np.where(found[f"{name}_high"] > factor_max, np.inf, found[f"{name}_high"])
+        return OverturningFactors(**found)
+
+
+class OverturningSpectrum:
+    """The overturning spectrum of one record under one uncertainty, from its marched lanes.
+
+    Parameters
+    ----------
+    lanes : SpectrumLanes
+        Marched lanes (:func:`rocking.spectrum_lanes`).
+    uncertainty : Uncertainty
+        Of factor and geometry; that of the restitution is given with each block.
+
+    Attributes
+    ----------
+    p : (a,) ndarray
+        Frequency parameters [1/s].
+    level : (k,) ndarray
+        Levels of x = f p/(g tan alpha) [s/m].
+    """
+
+    def __init__(self, lanes: SpectrumLanes, uncertainty: Uncertainty | None = None) -> None:
+        self.lanes = lanes
+        self.uncertainty = uncertainty or Uncertainty()
+        self.p = lanes.p
+        reach = REACH * self.uncertainty.spread
+        first = np.floor((np.min(lanes.bottom) - reach) / LEVEL_STEP)
+        last = np.ceil((np.max(lanes.top) + reach) / LEVEL_STEP)
+        self._logs = LEVEL_STEP * np.arange(first, last + 1.0)
+        self.level = np.exp(self._logs)
+        apart = self._logs[:, np.newaxis] - self._logs
+        self._alike = np.exp(
+            -((0.5 * apart / self.uncertainty.spread) ** 2)
+        )  # how errors of P at two levels go together
+        self._bells = [self._bell(place) for place in range(self.p.size)]
+        self._sums = [self._cumulated(place, np.isinf(lanes.peak[place])) for place in range(self.p.size)]
+
+    def _bell(self, place: int) -> np.ndarray:
+        """(n, k) weight of each lane at each level."""
+        lanes = self.lanes
+        shift = lanes.log_x[place][:, np.newaxis] - self._logs
+        return self.uncertainty.density(shift) * lanes.weight[place][:, np.newaxis]
+
+    def _cumulated(self, place: int, over: np.ndarray) -> np.ndarray:
+        """(n + 1, 4, k) sums over the lanes up to a restitution: weights, those of exceedance, the squares of both."""
+        bell = self._bells[place]
+        hit = bell * over[:, np.newaxis]
+        sums = np.zeros((bell.shape[0] + 1, 4, bell.shape[1]))
+        np.cumsum(np.stack([bell, hit, bell * bell, hit * bell], axis=1), axis=0, out=sums[1:])
+        return sums
+
+    def _share(
+        self, sums: np.ndarray, place: int, least: np.ndarray, most: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """P (r, k) at one frequency parameter for (r,) ranges of restitution, and its variance."""
+        lanes = self.lanes
+        first = np.searchsorted(lanes.restitution[place], least, side="left")
+        last = np.searchsorted(lanes.restitution[place], most, side="right")
+        weight, hit, square, hit_square = np.moveaxis(sums[last] - sums[first], 1, 0)
+        some = weight > 1e-9
+        share = np.clip(np.divide(hit, weight, out=np.zeros(hit.shape), where=some), 0.0, 1.0)
+        spread = np.maximum(hit_square * (1.0 - 2.0 * share) + share**2 * square, 0.0)
+        variance = np.divide(spread, weight**2, out=np.zeros(hit.shape), where=some)
+        below = self.uncertainty.below(lanes.bottom[place] - self._logs)
+        above = 1.0 - self.uncertainty.below(lanes.top[place] - self._logs)
+        inside = 1.0 - below - above
+        return inside * share + above, inside**2 * variance
+
+    def probability(self, restitution: Any, rotation: float = np.inf) -> np.ndarray:
+        """P(x; p, C) at the levels, fitted so that it never falls with x.
+
+        Parameters
+        ----------
+        restitution : (c,) array_like
+            Nominal C [-]; the restitution of a draw lies between the shares of it that the uncertainty tells.
+        rotation : float
+            Limit state as theta/alpha [-]: the probability of reaching it. inf for overturning.
+
+        Returns
+        -------
+        (a, c, k) ndarray
+            Probability [-].
+
+        Raises
+        ------
+        ValueError
+            For a C whose draws lie outside the lanes, or a rotation that is not positive.
+        """
+        least, most = self._range(restitution)
+        if not rotation > 0.0:
+            raise ValueError(f"rotation: expected a positive theta/alpha, or inf, got {rotation!r}")
+        found = np.empty((self.p.size, least.size, self.level.size))
+        for place, peak in enumerate(self.lanes.peak):
+            # A lane is marched to overturning, so that it has passed every rotation.
+            sums = self._sums[place] if rotation == np.inf else self._cumulated(place, peak >= rotation)
+            found[place] = self._share(sums, place, least, most)[0]
+        return rising(found)
+
+    def spectrum(self, restitution: Any, rotation: float = np.inf) -> np.ndarray:
+        """S(p, C) = 1/exp(E ln x_c) [m/s], (a, c), for nominal C (c,) and a limit state as for :meth:`probability`."""
+        return 1.0 / mean_capacity(self.level, self.probability(restitution, rotation))
+
+    def covers(self, block: Block, least: np.ndarray, most: np.ndarray) -> np.ndarray:
+        """True, (m,), for the blocks that the spectrum stands for, with C between `least` and `most` (m,).
+
+        They are free and symmetric, of a slenderness of at least 3.5, and p and C lie within those of the lanes.
+        """
+        slender = np.asarray(block.slenderness) >= LEAST_SLENDERNESS * (1.0 - 1e-9)
+        inside = (np.asarray(block.p) >= self.p[0] * (1.0 - 1e-9)) & (np.asarray(block.p) <= self.p[-1] * (1.0 + 1e-9))
+        return slender & inside & (least >= LEAST_RESTITUTION * (1.0 - 1e-9)) & (most <= 1.0 + 1e-9)
+
+    def factors(
+        self, block: Block, least: Any = None, most: Any = None, factor_max: float = np.inf
+    ) -> OverturningFactors:
+        """Probability of overturning of blocks under the record, and the factors on it that it grows with.
+
+        Parameters
+        ----------
+        block : Block
+            (m,) blocks that the spectrum covers (:meth:`covers`).
+        least, most : (m,) array_like, optional
+            C between which that of a draw is uniform [-]; the shares of the nominal one of the uncertainty without.
+        factor_max : float
+            Largest factor that is asked for [-]; above it factors are inf.
+
+        Returns
+        -------
+        OverturningFactors
+
+        Raises
+        ------
+        ValueError
+            For blocks that the spectrum does not cover.
+        """
+        nominal = np.asarray(block.restitution, dtype=float)
+        least = self.uncertainty.restitution[0] * nominal if least is None else np.asarray(least, dtype=float)
+        most = self.uncertainty.restitution[1] * nominal if most is None else np.asarray(most, dtype=float)
+        outside = np.flatnonzero(~self.covers(block, least, most))
+        if outside.size:
+            raise ValueError(
+                f"block: the spectrum stands for free blocks of slenderness {LEAST_SLENDERNESS:g} and more, p from "
+                f"{self.p[0]:g} to {self.p[-1]:g} 1/s and C from {LEAST_RESTITUTION:g} to 1, not for {outside.size} of "
+                f"{nominal.size}, the first one at place {int(outside[0])}"
+            )
+        probability, error = self._between(np.asarray(block.p), least, most)
+        speed = np.asarray(block.gravity * np.tan(block.alpha_c) / block.p)
+        # A higher probability is a lower factor; an end of an interval is the outermost crossing of its band.
+        upper = np.maximum.accumulate(np.minimum(probability + TWO_SIDED * error, 1.0), axis=1)
+        lower = np.minimum.accumulate(np.maximum(probability - TWO_SIDED * error, 0.0)[:, ::-1], axis=1)[:, ::-1]
+        middle, high, low = (_crossings(self._logs, rows, speed) for rows in (rising(probability), upper, lower))
+        found = {"at_one": middle[0], "at_one_low": low[0], "at_one_high": high[0]}
+        capacity = mean_capacity(self.level, probability) * speed
+        of_mean = np.sqrt(np.sum(error @ self._alike * error, axis=1)) * LEVEL_STEP
+        widths = [np.abs(np.log(end / value)) for end, value in zip(high[1:] + low[1:], middle[1:] * 2, strict=True)]
+        for name, value, below, above in (
+            ("factor_10", middle[1], widths[0], widths[2]),
+            ("factor_50", middle[2], widths[1], widths[3]),
+            ("capacity_mean", capacity, TWO_SIDED * of_mean, TWO_SIDED * of_mean),
+        ):
+            found[name] = value
+            found[f"{name}_low"] = value * np.exp(-np.hypot(below, TWO_SIDED * INTERPOLATION))
+            found[f"{name}_high"] = value * np.exp(np.hypot(above, TWO_SIDED * INTERPOLATION))
+        return OverturningFactors(**found).up_to(factor_max)
+
+    def _range(self, restitution: Any) -> tuple[np.ndarray, np.ndarray]:
+        nominal = np.atleast_1d(np.asarray(restitution, dtype=float))
+        least, most = (share * nominal for share in self.uncertainty.restitution)
+        if not (np.all(least >= LEAST_RESTITUTION * (1.0 - 1e-9)) and np.all(most <= 1.0 + 1e-9)):
+            raise ValueError(
+                f"restitution: expected a nominal C whose draws, {self.uncertainty.restitution[0]:g} to "
+                f"{self.uncertainty.restitution[1]:g} of it, lie in {LEAST_RESTITUTION:g} to 1, got {restitution!r}"
+            )
+        return least, most
+
+    def _between(self, p: np.ndarray, least: np.ndarray, most: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """P (m, k) of blocks, linear in ln p between the frequency parameters, and its standard error."""
+        above = (
+            np.clip(np.searchsorted(self.p, p), 1, max(self.p.size - 1, 1))
+            if self.p.size > 1
+            else np.zeros(p.size, int)
+        )
+        below = np.maximum(above - 1, 0)
+        step = np.log(self.p[above] / self.p[below])
+        share = np.clip(np.divide(np.log(p / self.p[below]), step, out=np.ones(p.size), where=step > 0.0), 0.0, 1.0)
+        probability, variance = np.zeros((p.size, self.level.size)), np.zeros((p.size, self.level.size))
+        for places, weights in ((below, 1.0 - share), (above, share)):
+            for place in np.unique(places):
+                here = np.flatnonzero(places == place)
+                own, spread = self._share(self._sums[place], place, least[here], most[here])
+                probability[here] += weights[here, np.newaxis] * own
+                variance[here] += weights[here, np.newaxis] ** 2 * spread
+        return probability, np.sqrt(variance)
+
+
+def _crossings(
+    logs: np.ndarray, probability: np.ndarray, speed: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """P at a factor of one, and the factors of 10 and 50 %, from rising P(x) and the speeds g tan(alpha)/p."""
+    place = (-np.log(speed) - logs[0]) / LEVEL_STEP
+    below = np.clip(np.floor(place).astype(int), 0, logs.size - 2)
+    share = np.clip(place - below, 0.0, 1.0)
+    rows = np.arange(speed.size)
+    at_one = (1.0 - share) * probability[rows, below] + share * probability[rows, below + 1]
+    level = np.exp(logs)
+    return at_one, factor_at(0.1, level, probability) * speed, factor_at(0.5, level, probability) * speed

@@ -1,0 +1,195 @@
+"""Lanes of an overturning spectrum: nonlinear marches of slender blocks, spread over strength, p and restitution.
+
+.. note:: A slender block under a record times f sees x = f p/(g tan alpha) [s/m], its p and its C, and nothing else of
+   its size and shape: with phi = theta/alpha and tau = p t the equation of motion tends to
+
+   phi'' = phi - s - (x/p) a_g(tau/p),  lifted at abs(a_g) > p/x,  phi' -> C phi' at an impact
+
+   as alpha -> 0 (Dimitrakopoulos & DeJong 2012, doi:10.1098/rspa.2012.0026; Zhang & Makris 2001). So the lanes are
+   marched once, on a body of slenderness 8 that stands for all. At each p they fill (ln x, C) by a lattice of golden
+   ratio: a first part from uplift to where everything overturns, a second one where the first does not agree with
+   itself. A lane stands for the share of ln x that lies between it and its neighbours, 1 over their density.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from rocking.arguments import numbers, positive
+from rocking.block import STANDARD_GRAVITY, Block
+from rocking.demand import ground_demand
+from rocking.recorded import recorded_response
+
+__all__ = ["RATES", "SpectrumLanes", "spectrum_lanes"]
+
+#: The body that stands for all slender ones.
+SLENDERNESS = 8.0
+
+#: Default frequency parameters [1/s], 24 from 0.5 to 8 at a ratio of 1.128: rectangles with R from 29 m down to 0.11 m.
+RATES = np.geomspace(0.5, 8.0, 24)
+
+#: Restitutions that the lanes cover. A block of C = 1 never comes to rest: its lane costs twenty times one of 0.99.
+LEAST_RESTITUTION, MOST_RESTITUTION = 0.675, 0.999
+
+#: Lanes of each p in the first and in the second part.
+FIRST, SECOND = 100, 484
+
+#: The first part ends where the measure of :mod:`rocking.demand` is so many times what overturns a block...
+HIGHEST = 1.0 / 0.06
+
+#: ... and at least this far above uplift [-], in ln x.
+LEAST_SPAN = 0.7
+
+#: Where a lane of the last share of the first part still stands, that part is made longer, at most so many times.
+LAST_SHARE, WIDENINGS = 0.1, 6
+
+#: Capacities fall with C: lanes of one expected verdict lie along ln x + SLOPE (C - MIDDLE).
+SLOPE, MIDDLE = 1.3, 0.85
+
+#: Width over which verdicts of the first part count as neighbours in ln x, and the least density of the second part
+#: over that of lanes in full disagreement.
+NEIGHBOURS, FLOOR = 0.12, 0.08
+
+#: Points on which the density of the second part is worked out.
+POINTS = 161
+
+_GOLDEN = 0.5 * (math.sqrt(5.0) - 1.0)
+
+
+@dataclass(frozen=True, eq=False)
+class SpectrumLanes:
+    """Marched lanes under one record, n at each of a frequency parameters, in ascending order of their restitution.
+
+    Attributes
+    ----------
+    p : (a,) ndarray
+        Frequency parameters, ascending [1/s].
+    log_x : (a, n) ndarray
+        ln of x = f p/(g tan alpha), x in s/m.
+    restitution : (a, n) ndarray
+        C of each lane [-].
+    weight : (a, n) ndarray
+        Stretch of ln x times share of the restitutions that a lane stands for [-].
+    peak : (a, n) ndarray
+        Largest abs(theta)/alpha [-]; inf where the lane overturns, or cannot be answered.
+    bottom, top : (a,) ndarray
+        ln x below which nothing is lifted, and above which everything counts as overturned.
+    """
+
+    p: np.ndarray
+    log_x: np.ndarray
+    restitution: np.ndarray
+    weight: np.ndarray
+    peak: np.ndarray
+    bottom: np.ndarray
+    top: np.ndarray
+
+
+def spectrum_lanes(acceleration: Any, dt: float, p: Any = RATES, threads: int | None = None) -> SpectrumLanes:
+    """March the lanes of a record's overturning spectrum.
+
+    Parameters
+    ----------
+    acceleration : (n,) array_like
+        Horizontal ground acceleration a_g [m/s2], not all zero, as for :func:`~rocking.recorded_response`.
+    dt : float
+        Sampling interval [s].
+    p : (a,) array_like
+        Frequency parameters [1/s], ascending.
+    threads : int, optional
+        Threads that share the lanes; None for all available cores. The answer does not depend on it.
+
+    Returns
+    -------
+    SpectrumLanes
+
+    Raises
+    ------
+    ValueError
+        For p that do not ascend, a record of zeros, or what :func:`~rocking.recorded_response` refuses.
+    """
+    rates = np.atleast_1d(positive("p", p, "1/s"))
+    if np.any(np.diff(rates) <= 0.0):
+        raise ValueError(f"p: expected ascending frequency parameters in 1/s, got {p!r:.80}")
+    ground = np.asarray(acceleration, dtype=float)
+    slender = Block.from_parameters(p=rates, alpha=math.atan(1.0 / SLENDERNESS), restitution=MIDDLE, log=False)
+    speed = STANDARD_GRAVITY / SLENDERNESS / rates  # g tan(alpha)/p
+    demand = ground_demand(slender, ground, float(numbers("dt", dt, "an interval in s", lanes=False))).build_up * speed
+    if not np.all(demand > 0.0):
+        raise ValueError("acceleration: expected a ground motion, got nothing but zeros")
+    bottom = np.log(rates / np.max(np.abs(ground)))
+    top = np.maximum(np.log(HIGHEST / demand), bottom + LEAST_SPAN)
+
+    def march(log_x: np.ndarray, restitution: np.ndarray) -> np.ndarray:
+        lanes = Block.from_parameters(
+            p=np.repeat(rates, log_x.shape[1]),
+            alpha=math.atan(1.0 / SLENDERNESS),
+            restitution=restitution.reshape(-1),
+            log=False,
+        )
+        factors = (np.exp(log_x) * speed[:, np.newaxis]).reshape(-1)
+        found = recorded_response(lanes, ground, dt, block_scale=factors, threads=threads).peak_rotation_ratio
+        return np.where(np.isnan(found), np.inf, found).reshape(log_x.shape)
+
+    restitution = np.tile(_restitutions(FIRST, 0.5), (rates.size, 1))
+    for _ in range(WIDENINGS):
+        log_x = bottom[:, np.newaxis] + (top - bottom)[:, np.newaxis] * ((np.arange(FIRST) + 0.5) / FIRST)
+        peak = march(log_x, restitution)
+        late = log_x > (bottom + (1.0 - LAST_SHARE) * (top - bottom))[:, np.newaxis]
+        standing = np.any(late & np.isfinite(peak), axis=1)
+        if not np.any(standing):
+            break
+        top = np.where(standing, top + LEAST_SPAN, top)
+    placed = [
+        _where_verdicts_differ(*one)
+        for one in zip(
+            _level(log_x, restitution),
+            np.isinf(peak),
+            _level(bottom, LEAST_RESTITUTION),
+            _level(top, MOST_RESTITUTION),
+            strict=True,
+        )
+    ]
+    places, grid, density = (np.stack(column) for column in zip(*placed, strict=True))
+    more = np.tile(_restitutions(SECOND, 0.25), (rates.size, 1))
+    above = places - SLOPE * (more - MIDDLE)
+    log_x, restitution = np.hstack([log_x, above]), np.hstack([restitution, more])
+    peak = np.hstack([peak, march(above, more)])
+    first = (FIRST / (top - bottom))[:, np.newaxis] * (log_x <= top[:, np.newaxis])
+    second = np.stack([np.interp(*one) for one in zip(_level(log_x, restitution), grid, density, strict=True)])
+    inside = (log_x > bottom[:, np.newaxis]) & (log_x <= top[:, np.newaxis])
+    weight = np.where(inside, 1.0 / (first + second), 0.0)
+    order = np.argsort(restitution, axis=1, kind="stable")
+    ordered = [np.take_along_axis(values, order, axis=1) for values in (log_x, restitution, weight, peak)]
+    return SpectrumLanes(rates, *ordered, bottom=bottom, top=top)
+
+
+def _restitutions(count: int, start: float) -> np.ndarray:
+    """Restitutions (count,) of one part of the lattice."""
+    return LEAST_RESTITUTION + (MOST_RESTITUTION - LEAST_RESTITUTION) * ((np.arange(count) * _GOLDEN + start) % 1.0)
+
+
+def _level(log_x: np.ndarray, restitution: Any) -> np.ndarray:
+    """ln x moved along the slope, so that lanes of any restitution with one expected verdict have one level."""
+    return log_x + SLOPE * (restitution - MIDDLE)
+
+
+def _where_verdicts_differ(
+    level: np.ndarray, over: np.ndarray, lowest: float, highest: float
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Levels (SECOND,) of the second part, and the density of its lanes per unit of level on a grid (POINTS,).
+
+    The density follows the standard deviation sqrt(P (1 - P)) of a verdict, P the share that overturns nearby.
+    """
+    grid = np.linspace(lowest, highest, POINTS)
+    near = np.exp(-0.5 * ((level - grid[:, np.newaxis]) / NEIGHBOURS) ** 2)
+    share = np.clip(near @ over / np.maximum(np.sum(near, axis=1), 1e-300), 0.0, 1.0)
+    wanted = np.sqrt(share * (1.0 - share)) + FLOOR * 0.5
+    step = grid[1] - grid[0]
+    filled = np.append(0.0, np.cumsum(0.5 * (wanted[1:] + wanted[:-1]))) * step
+    places = np.interp((np.arange(SECOND) + 0.5) / SECOND * filled[-1], filled, grid)
+    return places, grid, SECOND * wanted / filled[-1]
