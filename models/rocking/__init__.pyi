@@ -13,6 +13,8 @@ from .impulsive import impulsive_response as impulsive_response
 from .main_sequence import critical_impulse_at as critical_impulse_at
 from .main_sequence import resonance as resonance
 from .main_sequence import resonance_safety as resonance_safety
+from .overturning_spectrum import OverturningFactors as OverturningFactors
+from .overturning_spectrum import OverturningSpectrum as OverturningSpectrum
 from .periodic import SteadyState as SteadyState
 from .periodic import steady_state as steady_state
 from .predictability import predictable as predictable
@@ -28,3 +30,6 @@ from .sequence import impulse_train as impulse_train
 from .sequence import sequence_response as sequence_response
 from .sequence_safety import resonance_critical_scale as resonance_critical_scale
 from .sequence_safety import sequence_critical_scale as sequence_critical_scale
+from .spectrum_lanes import SpectrumLanes as SpectrumLanes
+from .spectrum_lanes import spectrum_lanes as spectrum_lanes
+from .uncertainty import Uncertainty as Uncertainty

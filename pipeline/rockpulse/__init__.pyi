@@ -3,6 +3,8 @@ from . import plots as plots
 from . import study as study
 from .assessment.assessment import assess as assess
 from .assessment.design_sequence import assess_sequence as assess_sequence
+from .assessment.overturning import overturning_factors as overturning_factors
+from .assessment.overturning import overturning_spectrum as overturning_spectrum
 from .assessment.spectrum import rocking_spectrum as rocking_spectrum
 from .batch.options import BatchOptions as BatchOptions
 from .batch.run import BatchReport as BatchReport

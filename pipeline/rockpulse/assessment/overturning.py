@@ -1,0 +1,204 @@
+"""The overturning spectrum of a record as a dataset: by the nonlinear equation, or by the rule from half-waves alone.
+
+.. note:: S(p, C) [m/s] is the effective impulse that a slender free-standing block takes from a record: its mean
+   capacity, as a factor on the record, is (g tan(alpha)/p)/S, and it overturns where S exceeds g tan(alpha)/p
+   (:mod:`rocking.overturning_spectrum`). The probability is stored over the factor divided by that capacity.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any, Literal
+
+import numpy as np
+
+from rocking.block import Block
+from rocking.crossing import factor_at, mean_capacity
+from rocking.overturning_spectrum import LEAST_SLENDERNESS, OverturningSpectrum
+from rocking.spectrum_lanes import RATES, spectrum_lanes
+from rocking.uncertainty import Uncertainty
+from rockpulse.record.record import Record
+from rockpulse.storage.spectrum_variables import LEVELS, RESTITUTIONS, ROTATIONS, SPECTRUM, SPECTRUM_AXES
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = ["overturning_factors", "overturning_spectrum", "spectrum_values"]
+
+#: The angle of the blocks that stand for all [rad]; their capacity over g tan(alpha)/p does not depend on it.
+ALPHA = 0.1
+
+#: Words of `method`.
+METHODS = ("nonlinear", "rule")
+
+
+def overturning_spectrum(
+    record: Record,
+    p: Sequence[float] | np.ndarray = RATES,
+    restitution: Sequence[float] | np.ndarray = RESTITUTIONS,
+    method: Literal["nonlinear", "rule"] = "nonlinear",
+    uncertainty: Uncertainty | None = None,
+    threads: int | None = None,
+) -> xr.Dataset:
+    """The overturning spectrum of a record, with the probability of overturning.
+
+    Parameters
+    ----------
+    record : Record
+        Conditioned; not all zeros.
+    p : sequence of float, length a
+        Frequency parameters [1/s], ascending.
+    restitution : sequence of float, length c
+        Nominal restitutions C [-], 0.75 to 1 with the default uncertainty.
+    method : {"nonlinear", "rule"}
+        The nonlinear equation, or the rule of :func:`rockpulse.load_rule` from the half-waves of the record alone.
+    uncertainty : Uncertainty, optional
+        Of factor, restitution and geometry; that of :class:`rockpulse.models.Uncertainty` without. The rule was fitted
+        under that one and takes no other.
+    threads : int, optional
+        Threads that share the work; None for all available cores. The answer does not depend on it.
+
+    Returns
+    -------
+    xarray.Dataset
+        `spectrum`, `spectrum_low`, `spectrum_high` [m/s] over (p, restitution), `probability` over (p, restitution,
+        level), level the factor on the record over the mean capacity, and `rotation_spectrum` [m/s] over (rotation, p,
+        restitution), of the nonlinear equation only; attributes `record` and `method`.
+
+    Raises
+    ------
+    ValueError
+        For an unknown method, a record of zeros, or a p or restitution that the method does not cover.
+
+    References
+    ----------
+    Dimitrakopoulos, E. G., DeJong, M. J. (2012), Proc. R. Soc. A 468(2144), doi:10.1098/rspa.2012.0026 (similarity of
+    slender blocks).
+
+    Examples
+    --------
+    >>> sine = Record(3.0 * np.sin(2.0 * np.pi * np.arange(0.0, 1.005, 0.01)), dt=0.01, id="one sine")
+    >>> spectrum = overturning_spectrum(sine, p=[1.5, 1.7, 1.9], restitution=[0.9])
+    >>> dict(spectrum.sizes)
+    {'p': 3, 'restitution': 1, 'rotation': 4, 'level': 65}
+    """
+    import xarray as xr
+
+    rates, nominal = np.atleast_1d(np.asarray(p, dtype=float)), np.atleast_1d(np.asarray(restitution, dtype=float))
+    if method == "nonlinear":
+        lanes = spectrum_lanes(record.acceleration, record.dt, rates, threads)
+        values = spectrum_values(OverturningSpectrum(lanes, uncertainty), nominal)
+    else:
+        raise ValueError(f"method: expected one of {', '.join(METHODS)}, got {method!r}")
+    axes = {"p": rates, "restitution": nominal, "level": LEVELS, "rotation": ROTATIONS}
+    found = xr.Dataset(
+        {name: SPECTRUM[name].variable(array) for name, array in values.items()},
+        {name: SPECTRUM_AXES[name].variable(array) for name, array in axes.items()},
+    )
+    found.attrs.update(record=record.id, method=method)
+    return found
+
+
+def spectrum_values(spectrum: OverturningSpectrum, restitution: np.ndarray = RESTITUTIONS) -> dict[str, np.ndarray]:
+    """The variables of :data:`~rockpulse.storage.spectrum_variables.SPECTRUM` of a spectrum, at nominal C (c,)."""
+    shape = (spectrum.p.size, restitution.size)
+    rates, nominal = (values.ravel() for values in np.meshgrid(spectrum.p, restitution, indexing="ij"))
+    blocks = Block.from_parameters(p=rates, alpha=ALPHA, restitution=nominal, log=False)
+    speed = blocks.gravity * np.tan(ALPHA) / rates
+    read = spectrum.factors(blocks)
+    capacity = (speed / read.capacity_mean).reshape(shape)
+    probability = spectrum.probability(restitution)
+    logs, relative = np.log(spectrum.level), np.log(LEVELS)
+    return {
+        "spectrum": capacity,
+        "spectrum_low": (speed / read.capacity_mean_high).reshape(shape),
+        "spectrum_high": (speed / read.capacity_mean_low).reshape(shape),
+        "rotation_spectrum": np.stack(
+            [1.0 / mean_capacity(spectrum.level, spectrum.probability(restitution, one)) for one in ROTATIONS]
+        ),
+        "probability": np.array(
+            [
+                [np.interp(relative - np.log(value), logs, row) for value, row in zip(*one, strict=True)]
+                for one in zip(capacity, probability, strict=True)
+            ]
+        ),
+    }
+
+
+def overturning_factors(spectrum: xr.Dataset, block: Block) -> dict[str, np.ndarray]:
+    """The probability of overturning of blocks, and the factors that it grows with, from an overturning spectrum.
+
+    Parameters
+    ----------
+    spectrum : xarray.Dataset
+        Of :func:`overturning_spectrum`, or one record of /spectra of a results file.
+    block : Block
+        One block, which counts as (1,), or (m,) slender free-standing ones inside the p and C of the spectrum.
+
+    Returns
+    -------
+    dict of str to (m,) ndarray
+        `overturning_probability` under the record as it is, `factor_10`, `factor_50` and `capacity_mean` [-], the
+        names of /summary.
+
+    Raises
+    ------
+    ValueError
+        For a block outside the spectrum.
+
+    Notes
+    -----
+    ln S and P are linear in ln p and in C between the values of the spectrum.
+
+    Examples
+    --------
+    >>> sine = Record(3.0 * np.sin(2.0 * np.pi * np.arange(0.0, 1.005, 0.01)), dt=0.01, id="one sine")
+    >>> spectrum = overturning_spectrum(sine, p=[1.8, 2.0], restitution=[0.85, 0.9])
+    >>> read = overturning_factors(spectrum, Block(half_width=0.5, half_height=1.9365, restitution=0.9))
+    >>> bool(read["factor_10"][0] < read["factor_50"][0])
+    True
+    """
+    block = block if block.shape else block.lanes(1)
+    inside = np.full(block.shape, True)
+    grid = []
+    for name, values in (("p", np.log(block.p)), ("restitution", np.asarray(block.restitution, dtype=float))):
+        axis = np.log(spectrum[name].values) if name == "p" else spectrum[name].values
+        inside &= (values >= axis[0] - 1e-9) & (values <= axis[-1] + 1e-9)
+        grid.append((axis, np.broadcast_to(values, block.shape)))
+    inside &= np.asarray(block.slenderness) >= LEAST_SLENDERNESS * (1.0 - 1e-9)
+    if not np.all(inside):
+        raise ValueError(
+            f"block: the spectrum stands for free blocks of slenderness {LEAST_SLENDERNESS:g} and more with its p and "
+            f"C, not for {np.count_nonzero(~inside)} of {inside.size}, the first one at place {int(np.argmin(inside))}"
+        )
+    speed = block.gravity * np.tan(block.alpha_c) / block.p
+    capacity = speed / np.exp(_bilinear(grid, np.log(spectrum["spectrum"].values)[..., np.newaxis])[:, 0])
+    level = spectrum["level"].values
+    probability = _bilinear(grid, spectrum["probability"].values)
+    at_one = [np.interp(-np.log(one), np.log(level), row) for one, row in zip(capacity, probability, strict=True)]
+    return {
+        "overturning_probability": np.array(at_one),
+        "factor_10": factor_at(0.1, level, probability) * capacity,
+        "factor_50": factor_at(0.5, level, probability) * capacity,
+        "capacity_mean": capacity,
+    }
+
+
+def _bilinear(grid: list[tuple[np.ndarray, np.ndarray]], values: np.ndarray) -> np.ndarray:
+    """Values (a, c, k) over two axes at (m,) places: (m, k), linear along both."""
+    found: Any = 0.0
+    (first, first_share), (second, second_share) = (_place(axis, at) for axis, at in grid)
+    for i in (0, 1):
+        for j in (0, 1):
+            share = np.abs(1.0 - i - first_share) * np.abs(1.0 - j - second_share)
+            row, column = np.minimum(first + i, values.shape[0] - 1), np.minimum(second + j, values.shape[1] - 1)
+            found = found + share[:, np.newaxis] * values[row, column]
+    return np.asarray(found)
+
+
+def _place(axis: np.ndarray, at: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The value of an axis below each place, and how far it is to the next one, 0 to 1."""
+    below = np.clip(np.searchsorted(axis, at, side="right") - 1, 0, max(axis.size - 2, 0))
+    if axis.size == 1:
+        return below, np.zeros(np.shape(at))
+    return below, np.clip((at - axis[below]) / (axis[below + 1] - axis[below]), 0.0, 1.0)
