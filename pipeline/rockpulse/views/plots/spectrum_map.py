@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.axes import Axes
 
-__all__ = ["rocking_spectrum"]
+__all__ = ["body_marks", "rocking_spectrum", "size_scale"]
 
 #: Sizes whose p is marked along the top [m].
 _RADII = (0.2, 0.3, 0.5, 1.0, 2.0, 4.0, 8.0)
@@ -81,12 +81,12 @@ def rocking_spectrum(
         row, column = np.nonzero(outcome == Outcome.UNRESOLVED)
         ax.plot(p[column], alpha[row], ls="none", marker="x", ms=3, color=RED, label="unresolved")
         handles += ax.get_legend_handles_labels()[0]
-    handles += _bodies(ax, dict(bodies or {}))
+    handles += body_marks(ax, dict(bodies or {}))
     ax.set_xlim(_edges(p))
     ax.set_ylim(_edges(alpha))
     ax.set_xlabel(label(spectrum["p"].attrs, symbol="$p$"))
     ax.set_ylabel(label(spectrum["alpha_c"].attrs, symbol=r"$\alpha_c$"))
-    _sizes(ax, float(spectrum.attrs["gravity"]))
+    size_scale(ax, float(spectrum.attrs["gravity"]))
     columns = 3
     legend_above(ax, columns, across=True, lift=32.0, handles=handles)
     factor = float(spectrum.attrs["scale"])
@@ -103,7 +103,7 @@ def rocking_spectrum(
     return ax
 
 
-def _bodies(ax: Axes, bodies: dict[str, tuple[float, float]]) -> list[Any]:
+def body_marks(ax: Axes, bodies: dict[str, tuple[float, float]]) -> list[Any]:
     """Draw numbers on the map for the bodies, and list their names in the legend."""
     from matplotlib.lines import Line2D
 
@@ -134,7 +134,7 @@ def _edges(values: np.ndarray) -> tuple[float, float]:
     return float(values[0] - 0.5 * first), float(values[-1] + 0.5 * last)
 
 
-def _sizes(ax: Axes, gravity: float) -> None:
+def size_scale(ax: Axes, gravity: float) -> None:
     """Draw a scale of R of a rectangle along the top: p^2 = 3 g/(4 R)."""
 
     def swapped(values: Any) -> np.ndarray:

@@ -1,0 +1,120 @@
+"""The overturning spectra of records as curves over p, with the bodies as points that stand or fall by them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from rockpulse.studies.site.statistics import weighted_quantile
+from rockpulse.views.plots.spectrum_map import body_marks, size_scale
+from rockpulse.views.plots.style import BLACK, BLUE, GREY, PALE, RED, caption, legend_above, one_axes, title
+from rockpulse.views.plots.words import label, plain
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from matplotlib.axes import Axes
+
+__all__ = ["overturning_spectra"]
+
+#: Spectra of single records that are drawn; more are a grey area.
+_DRAWN = 200
+
+#: The higher of the two quantiles over the records of a site.
+_UPPER = 0.84
+
+
+def overturning_spectra(
+    spectra: xr.Dataset,
+    ax: Axes | None = None,
+    restitution: float | None = None,
+    bodies: Mapping[str, tuple[float, float]] | None = None,
+    events: Sequence[str] | None = None,
+    demands: Mapping[str, np.ndarray] | None = None,
+    gravity: float = 9.80665,
+) -> Axes:
+    """Overturning spectra S(p) at one restitution; a body overturns where S lies above its point.
+
+    Parameters
+    ----------
+    spectra : xarray.Dataset
+        `spectrum`, `spectrum_low`, `spectrum_high` [m/s] over (record, p, restitution), /spectra of a results file, or
+        over (p, restitution) as :func:`rockpulse.overturning_spectrum` returns it.
+    ax : matplotlib Axes, optional
+        Where to draw; by default on a figure of its own.
+    restitution : float, optional
+        C of the blocks [-]; the nearest one of the spectra is drawn. Without, the largest one.
+    bodies : mapping of str to (float, float), optional
+        p [1/s] and alpha_c [rad] of bodies, by their names.
+    events : sequence of str, optional
+        The earthquake of each record; earthquakes weigh alike in the quantiles. Without, the records do.
+    demands : mapping of str to (records,) ndarray, optional
+        Factors on the records that bring each to a demand, by its name: the median spectrum there is drawn as well.
+    gravity : float
+        At the bodies [m/s2].
+
+    Returns
+    -------
+    matplotlib Axes
+        Logarithmic in p and S.
+    """
+    ax = one_axes(ax, height=4.4)
+    several = spectra if "record" in spectra.dims else spectra.expand_dims("record")
+    grid = several["restitution"].values
+    chosen = int(np.argmin(np.abs(grid - (grid[-1] if restitution is None else restitution))))
+    at = several.isel(restitution=chosen).transpose("record", "p", ...)
+    p, curves = at["p"].values, at["spectrum"].values
+    known = np.flatnonzero(np.all(np.isfinite(curves), axis=1))
+    curves = curves[known]
+    ax.set_xscale("log")
+    ax.set_yscale("log")
+    if known.size == 1:
+        low, high = (at[name].values[known[0]] for name in ("spectrum_low", "spectrum_high"))
+        ax.fill_between(p, low, high, color=PALE, lw=0, label="90 % interval")
+        ax.plot(p, curves[0], color=BLUE, label="spectrum of the record")
+    elif known.size:
+        for place, curve in enumerate(curves[:_DRAWN]):
+            ax.plot(p, curve, color=GREY, lw=0.5, alpha=0.6, label="" if place else f"{known.size} records")
+        weights = _alike(None if events is None else [events[place] for place in known], known.size)
+        for level, style, name in ((0.5, "-", "median"), (_UPPER, "--", "84 %")):
+            ax.plot(p, _quantile(curves, level, weights), color=BLUE, ls=style, lw=1.8, label=name)
+        for place, (name, factors) in enumerate((demands or {}).items()):
+            scaled = curves * np.asarray(factors, dtype=float)[known, np.newaxis]
+            style = ((0, (1.2, 1.2)), (0, (6, 1.5, 1, 1.5)))[place % 2]
+            words = f"median at the demand {plain(name)}"
+            ax.plot(p, _quantile(scaled, 0.5, weights), color=RED, ls=style, lw=1.8, label=words)
+    points = {name: (rate, gravity * np.tan(alpha) / rate) for name, (rate, alpha) in (bodies or {}).items()}
+    handles = [*ax.get_legend_handles_labels()[0], *body_marks(ax, points)]
+    ax.set_xlim(p[0], p[-1])
+    ticks = [value for value in (0.5, 0.7, 1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 8.0) if p[0] <= value <= p[-1]]
+    ax.set_xticks(ticks, [f"{value:g}" for value in ticks])
+    ax.minorticks_off()
+    ax.set_xlabel(label(several["p"].attrs, symbol="$p$"))
+    ax.set_ylabel(r"effective impulse $S$, or $g\,\tan\alpha_c/p$ of a body [m/s]")
+    size_scale(ax, gravity)
+    columns = 3
+    legend_above(ax, columns, across=True, lift=32.0, handles=handles)
+    names = several["record"].values if "record" in several.coords else [several.attrs.get("record", "")]
+    words = plain(names[known[0]]) if known.size == 1 else f"{known.size} records"
+    title(ax, f"{words}, $C$ = {grid[chosen]:g}", rows=3 - (-len(handles) // columns))
+    remarks = ["A body overturns, at its mean capacity, under a record whose curve lies above its point."]
+    if bodies:
+        remarks.append("A body with a larger C falls under a higher curve, one with a smaller C under a lower one.")
+    if known.size < curves.shape[0] or not known.size:
+        remarks.append("No spectrum was stored.")
+    caption(ax, " ".join(remarks))
+    ax.spines["bottom"].set_color(BLACK)
+    return ax
+
+
+def _alike(events: Sequence[str] | None, count: int) -> np.ndarray:
+    """Weights (records,) with which every earthquake counts the same, that sum up to one."""
+    if events is None:
+        return np.full(count, 1.0 / count)
+    _, place, sizes = np.unique(np.asarray(events, dtype=str), return_inverse=True, return_counts=True)
+    return 1.0 / (sizes[place] * sizes.size)
+
+
+def _quantile(curves: np.ndarray, level: float, weights: np.ndarray) -> np.ndarray:
+    return np.array([weighted_quantile(column, level, weights) for column in curves.T])

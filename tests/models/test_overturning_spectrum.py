@@ -1,0 +1,131 @@
+"""The overturning spectrum against pulses with known capacities, exact similarities and lanes of a body's own."""
+
+import math
+
+import numpy as np
+import pytest
+from scipy.special import ndtr
+
+from rocking import Block, OverturningSpectrum, Uncertainty, critical_scale, spectrum_lanes
+from rocking.overturning_spectrum import INTERPOLATION, TWO_SIDED
+from rockpulse.record.synthetic import synthetic_motion
+
+DT = 0.01
+MOTION = synthetic_motion(3, pga=3.0)[:2000]
+P = np.array([1.5, 1.7])
+
+
+def pulse(length, peak=3.0):
+    """Half a sine of some length [s], and a second of rest."""
+    time = np.arange(0.0, length + DT / 2, DT)
+    return np.append(peak * np.sin(math.pi * time / length), np.zeros(100))
+
+
+def spectrum_of(motion, p=P, uncertainty=None, dt=DT):
+    return OverturningSpectrum(spectrum_lanes(motion, dt, p), uncertainty)
+
+
+@pytest.fixture(scope="module")
+def spectrum():
+    return spectrum_of(MOTION)
+
+
+def test_a_short_pulse_gives_its_impulse():
+    """The block falls at the energy of its unstable equilibrium, 2 g sin(alpha/2)/(p cos alpha): S = I cos(alpha/2)."""
+    motion = pulse(0.02, peak=50.0)
+    impulse = np.sum(motion) * DT
+    wide = Uncertainty(factor=0.05, restitution=(0.95, 1.0), geometry=0.0)
+    found = spectrum_of(motion, [0.5], wide).spectrum([0.9])[0, 0]
+    assert found == pytest.approx(impulse * math.cos(0.5 * math.atan(1.0 / 8.0)), rel=0.01)
+
+
+def test_a_pulse_that_overturns_without_an_impact_has_its_capacity_and_its_lognormal():
+    motion = pulse(0.5)
+    block = Block.from_parameters(p=P, alpha=math.atan(1.0 / 8.0), restitution=0.9, log=False)
+    capacity = critical_scale(block, motion, DT).safety_factor
+    wide = Uncertainty(factor=0.05, restitution=(0.9, 1.0), geometry=0.0)
+    read = spectrum_of(motion, uncertainty=wide).factors(block)
+    assert read.capacity_mean == pytest.approx(capacity, rel=0.01)
+    assert read.factor_50 == pytest.approx(capacity, rel=0.01)
+    assert np.log(read.factor_10 / capacity) == pytest.approx(-1.2816 * 0.05, abs=0.012)
+    assert read.at_one == pytest.approx(ndtr(-np.log(capacity) / 0.05), abs=0.03)
+
+
+def test_a_record_twice_as_strong_has_twice_the_spectrum(spectrum):
+    twice = spectrum_of(2.0 * MOTION).spectrum([0.85, 0.95])
+    assert twice / spectrum.spectrum([0.85, 0.95]) == pytest.approx(np.full((2, 2), 2.0), rel=2e-3)
+
+
+def test_time_and_size_stretched_together(spectrum):
+    """phi'' = phi - s - (x/p) a_g(tau/p): twice the time at half the p is the same motion at half the x."""
+    stretched = spectrum_of(MOTION, 0.5 * P, dt=2.0 * DT).spectrum([0.85, 0.95])
+    assert stretched / spectrum.spectrum([0.85, 0.95]) == pytest.approx(np.full((2, 2), 2.0), rel=2e-3)
+
+
+def test_a_bouncier_block_and_a_lower_limit_state_take_more(spectrum):
+    of_overturning = spectrum.spectrum([0.75, 0.85, 0.95])
+    assert np.all(np.diff(of_overturning, axis=1) > 0.0)
+    assert np.all(spectrum.spectrum([0.85], rotation=0.1) > spectrum.spectrum([0.85], rotation=1.0))
+    assert np.all(spectrum.spectrum([0.85], rotation=1.0) >= spectrum.spectrum([0.85]))
+
+
+def test_probability_rises_from_zero_to_one(spectrum):
+    found = spectrum.probability([0.9])
+    assert np.all(np.diff(found, axis=-1) >= 0.0)
+    assert found[..., 0] == pytest.approx(0.0, abs=1e-6)
+    assert found[..., -1] == pytest.approx(1.0, abs=1e-6)
+
+
+def test_a_wider_uncertainty_has_an_earlier_ten_percent():
+    block = Block.from_parameters(p=[1.6], alpha=0.1, restitution=0.95, log=False)
+    lanes = spectrum_lanes(MOTION, DT, P)
+    narrow, wide = (OverturningSpectrum(lanes, Uncertainty(factor=one)).factors(block) for one in (0.05, 0.3))
+    assert wide.factor_10 < narrow.factor_10
+    assert wide.factor_50_low < wide.factor_50 < wide.factor_50_high
+
+
+def test_a_range_of_restitution_takes_the_place_of_the_shares(spectrum):
+    block = Block.from_parameters(p=[1.6], alpha=0.1, restitution=0.9, log=False)
+    own, same = spectrum.factors(block), spectrum.factors(block, least=[0.81], most=[0.9])
+    assert own.capacity_mean == pytest.approx(same.capacity_mean)
+    lively = spectrum.factors(block, least=[0.9], most=[0.99])
+    assert lively.capacity_mean < own.capacity_mean
+
+
+def test_factor_beyond_the_largest_one_is_not_reached(spectrum):
+    block = Block.from_parameters(p=[1.6], alpha=0.1, restitution=0.9, log=False)
+    free = spectrum.factors(block)
+    limit = 0.5 * (free.factor_10[0] + free.factor_50[0])
+    read = spectrum.factors(block, factor_max=limit)
+    assert read.factor_10 == free.factor_10
+    assert np.isinf(read.factor_50)
+    assert read.factor_50_low == min(limit, free.factor_50_low[0])
+    assert read.at_one == free.at_one
+
+
+def test_the_interval_holds_the_error_of_the_interpolation(spectrum):
+    read = spectrum.factors(Block.from_parameters(p=[1.6], alpha=0.1, restitution=0.9, log=False))
+    for name in ("factor_10", "factor_50", "capacity_mean"):
+        value, low, high = (getattr(read, name + end)[0] for end in ("", "_low", "_high"))
+        assert min(math.log(value / low), math.log(high / value)) >= TWO_SIDED * INTERPOLATION * (1.0 - 1e-9)
+
+
+def test_blocks_that_the_spectrum_does_not_stand_for(spectrum):
+    blocks = Block.from_parameters(
+        p=[1.6, 1.6, 3.0, 1.6], alpha=[0.1, 0.4, 0.1, 0.1], restitution=[0.9, 0.8, 0.9, 0.5], log=False
+    )
+    covered = spectrum.covers(blocks, 0.9 * blocks.restitution, blocks.restitution)
+    assert covered.tolist() == [True, False, False, False]
+    with pytest.raises(ValueError, match=r"not for 3 of 4, the first one at place 1"):
+        spectrum.factors(blocks)
+
+
+@pytest.mark.parametrize("restitution", [0.7, 1.2])
+def test_restitution_outside_the_lanes(spectrum, restitution):
+    with pytest.raises(ValueError, match="nominal C"):
+        spectrum.spectrum([restitution])
+
+
+def test_rotation_must_be_positive(spectrum):
+    with pytest.raises(ValueError, match="rotation"):
+        spectrum.probability([0.9], rotation=0.0)

@@ -1,0 +1,82 @@
+"""The lanes of a spectrum lie where they should and stand for all slender blocks."""
+
+import math
+
+import numpy as np
+import pytest
+
+from rocking import Block, Outcome, recorded_response, spectrum_lanes
+from rocking.spectrum_lanes import FIRST, LEAST_RESTITUTION, MOST_RESTITUTION, RATES, SECOND
+from rockpulse.record.synthetic import synthetic_motion
+
+DT = 0.01
+MOTION = synthetic_motion(3, pga=3.0)[:2000]
+P = np.array([1.5, 3.0])
+
+
+@pytest.fixture(scope="module")
+def lanes():
+    return spectrum_lanes(MOTION, DT, P)
+
+
+def test_default_frequency_parameters_are_close_enough_to_interpolate():
+    assert RATES[0] == pytest.approx(0.5)
+    assert RATES[-1] == pytest.approx(8.0)
+    assert np.all(RATES[1:] / RATES[:-1] <= 1.13)
+
+
+def test_lanes_fill_strength_and_restitution(lanes):
+    assert lanes.log_x.shape == (P.size, FIRST + SECOND)
+    assert np.all(np.diff(lanes.restitution, axis=1) >= 0.0)
+    assert lanes.restitution.min() >= LEAST_RESTITUTION
+    assert lanes.restitution.max() <= MOST_RESTITUTION
+    assert np.all(lanes.bottom == pytest.approx(np.log(P / np.max(np.abs(MOTION)))))
+    inside = (lanes.log_x > lanes.bottom[:, None]) & (lanes.log_x <= lanes.top[:, None])
+    assert np.array_equal(lanes.weight > 0.0, inside)
+    # The weights sum up to the stretch of ln x that the lanes fill, but for the slanted ends of the second part.
+    assert np.sum(lanes.weight, axis=1) == pytest.approx(lanes.top - lanes.bottom, rel=0.1)
+
+
+def test_nothing_is_lifted_at_the_bottom_and_all_falls_at_the_top(lanes):
+    low = lanes.log_x <= lanes.bottom[:, None]
+    assert np.all(lanes.peak[low] == 0.0)
+    late = lanes.log_x > (lanes.bottom + 0.9 * (lanes.top - lanes.bottom))[:, None]
+    assert np.mean(np.isinf(lanes.peak[late])) > 0.99
+
+
+@pytest.mark.parametrize("slenderness", [6.0, 20.0])
+def test_a_block_of_another_slenderness_has_the_same_verdict(lanes, slenderness):
+    """Similarity of slender blocks: verdicts differ only within a per cent or two of an edge."""
+    p = np.repeat(P, lanes.log_x.shape[1])
+    alpha = math.atan(1.0 / slenderness)
+    block = Block.from_parameters(p=p, alpha=alpha, restitution=lanes.restitution.ravel(), log=False)
+    factor = np.exp(lanes.log_x.ravel()) * block.gravity * math.tan(alpha) / p
+    over = recorded_response(block, MOTION, DT, block_scale=factor).outcome == Outcome.OVERTURNS
+    assert np.mean(over != np.isinf(lanes.peak.ravel())) < 0.04
+
+
+def test_the_mirror_image_has_the_same_lanes(lanes):
+    mirrored = spectrum_lanes(-MOTION, DT, P)
+    assert np.array_equal(mirrored.log_x, lanes.log_x)
+    assert np.array_equal(mirrored.peak, lanes.peak)
+
+
+def test_threads_do_not_matter(lanes):
+    assert np.array_equal(spectrum_lanes(MOTION, DT, P, threads=1).peak, lanes.peak)
+
+
+def test_survivors_at_the_top_make_the_lanes_reach_further():
+    """A pulse after a long weak shaking: the measure of the build-up is far above what overturns the block."""
+    many = np.tile([0.5, -0.5], 500)
+    found = spectrum_lanes(np.repeat(many, 4), DT, [1.0])
+    late = found.log_x[0] > found.top[0] - 0.1 * (found.top[0] - found.bottom[0])
+    assert np.all(np.isinf(found.peak[0][late]))
+
+
+@pytest.mark.parametrize(
+    ("acceleration", "p", "told"),
+    [(np.zeros(10), [1.0], "nothing but zeros"), (MOTION, [2.0, 1.0], "ascending"), (MOTION, [-1.0], "positive")],
+)
+def test_what_has_no_spectrum(acceleration, p, told):
+    with pytest.raises(ValueError, match=told):
+        spectrum_lanes(acceleration, DT, p)
