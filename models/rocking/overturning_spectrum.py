@@ -10,10 +10,9 @@
    (:class:`rocking.uncertainty.Uncertainty`), so P is the verdict of the lanes smoothed by the density of Z, over the
    lanes whose restitution lies in the range of the block:
 
-   P(x) = sum_i w_i h(ln x_i - ln x) v_i/sum_i w_i h(ln x_i - ln x),  v_i = 1 where lane i overturns.
+   P(x) = sum_i w_i h(ln x_i - ln x) v_i/sum_i w_i h(ln x_i - ln x),  v_i = 1 where lane i overturns
 
-   Nothing overturns below the lowest lane, everything above the highest one. Between two frequency parameters P is
-   linear in ln p.
+   (:mod:`rocking.lane_probability`). Between two frequency parameters P is linear in ln p.
 """
 
 from __future__ import annotations
@@ -25,6 +24,7 @@ import numpy as np
 
 from rocking.block import Block
 from rocking.crossing import factor_at, mean_capacity, rising
+from rocking.lane_probability import NO_LANE, lane_bells, lane_probability, tail_masses
 from rocking.spectrum_lanes import LEAST_RESTITUTION, SpectrumLanes
 from rocking.uncertainty import Uncertainty
 
@@ -119,14 +119,17 @@ class OverturningSpectrum:
         self._alike = np.exp(
             -((0.5 * apart / self.uncertainty.spread) ** 2)
         )  # how errors of P at two levels go together
+        self._tails = [
+            tail_masses(bottom, top, self._logs, self.uncertainty)
+            for bottom, top in zip(lanes.bottom, lanes.top, strict=True)
+        ]
         self._bells = [self._bell(place) for place in range(self.p.size)]
         self._sums = [self._cumulated(place, np.isinf(lanes.peak[place])) for place in range(self.p.size)]
 
     def _bell(self, place: int) -> np.ndarray:
         """(n, k) weight of each lane at each level."""
         lanes = self.lanes
-        shift = lanes.log_x[place][:, np.newaxis] - self._logs
-        return self.uncertainty.density(shift) * lanes.weight[place][:, np.newaxis]
+        return lane_bells(lanes.log_x[place], lanes.weight[place], self._logs, self.uncertainty)
 
     def _cumulated(self, place: int, over: np.ndarray) -> np.ndarray:
         """(n + 1, 4, k) sums over the lanes up to a restitution: weights, those of exceedance, the squares of both."""
@@ -144,14 +147,12 @@ class OverturningSpectrum:
         first = np.searchsorted(lanes.restitution[place], least, side="left")
         last = np.searchsorted(lanes.restitution[place], most, side="right")
         weight, hit, square, hit_square = np.moveaxis(sums[last] - sums[first], 1, 0)
-        some = weight > 1e-9
-        share = np.clip(np.divide(hit, weight, out=np.zeros(hit.shape), where=some), 0.0, 1.0)
-        spread = np.maximum(hit_square * (1.0 - 2.0 * share) + share**2 * square, 0.0)
-        variance = np.divide(spread, weight**2, out=np.zeros(hit.shape), where=some)
-        below = self.uncertainty.below(lanes.bottom[place] - self._logs)
-        above = 1.0 - self.uncertainty.below(lanes.top[place] - self._logs)
+        found = lane_probability(hit, weight, *self._tails[place])
+        below, above = self._tails[place]
         inside = 1.0 - below - above
-        return inside * share + above, inside**2 * variance
+        share = np.divide(found - above, inside, out=np.zeros(hit.shape), where=inside > 0.0)
+        spread = np.maximum(hit_square * (1.0 - 2.0 * share) + share**2 * square, 0.0)
+        return found, inside**2 * np.divide(spread, weight**2, out=np.zeros(hit.shape), where=weight > NO_LANE)
 
     def probability(self, restitution: Any, rotation: float = np.inf) -> np.ndarray:
         """P(x; p, C) at the levels, fitted so that it never falls with x.
