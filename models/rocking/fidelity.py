@@ -20,7 +20,7 @@ from rocking.impulsive import impulsive_response
 from rocking.recorded import recorded_response
 from rocking.response import Outcome, Response, drop_axes, squeezed
 
-__all__ = ["MEASURED_RANGE", "Rung", "choose_response"]
+__all__ = ["MEASURED_RANGE", "Rung", "choose_response", "within_measured_range"]
 
 
 class Rung(IntEnum):
@@ -156,6 +156,25 @@ def choose_response(
     return drop_axes(lanes.response, drop), squeezed(lanes.model_used, drop)
 
 
+def within_measured_range(block: Block, dt: float) -> np.ndarray:
+    """True, (m,), for the blocks that lie within :data:`MEASURED_RANGE` on a record sampled at dt [s]."""
+    housner = 1.0 - 1.5 * np.sin(block.alpha_c) ** 2
+    measured = {
+        "p": block.p,
+        "alpha": block.alpha_c,
+        "restitution": block.restitution / np.where(housner > 0.0, housner, np.inf),
+        "p_dt": block.p * dt,
+    }
+    # Housner's own value may come back as 1 + 1e-16 times itself.
+    return np.all(
+        [
+            (values >= low * (1.0 - ROUNDING)) & (values <= high * (1.0 + ROUNDING))
+            for values, (low, high) in ((measured[name], MEASURED_RANGE[name]) for name in measured)
+        ],
+        axis=0,
+    )
+
+
 def _strongest(times: np.ndarray, impulses: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """The strongest half-waves, in their order; the impulsive model refuses what is no list of them."""
     if times.shape != impulses.shape or times.ndim != 1 or times.size <= STRONGEST_WAVES:
@@ -196,21 +215,7 @@ class _Lanes:
         )
         self.model_used = np.full(shape, int(Rung.STATIC), dtype=np.int8)
         self.open = np.ones(shape, dtype=bool)
-        housner = 1.0 - 1.5 * np.sin(blocks.alpha_c) ** 2
-        measured = {
-            "p": blocks.p,
-            "alpha": blocks.alpha_c,
-            "restitution": blocks.restitution / np.where(housner > 0.0, housner, np.inf),
-            "p_dt": blocks.p * dt,
-        }
-        # Housner's own value may come back as 1 + 1e-16 times itself.
-        self.inside = np.all(
-            [
-                (values >= low * (1.0 - ROUNDING)) & (values <= high * (1.0 + ROUNDING))
-                for values, (low, high) in ((measured[name], MEASURED_RANGE[name]) for name in measured)
-            ],
-            axis=0,
-        )
+        self.inside = within_measured_range(blocks, dt)
 
     def rest(self) -> None:
         """Static: not even the largest horizontal and vertical acceleration together lift the block."""

@@ -1,0 +1,150 @@
+"""The probability of overturning of any body under a record, by nonlinear marches of its own.
+
+.. note:: P(f) is the probability that a body overturns under the record times f, its restitution, its angle and the
+   factor being known as an :class:`rocking.uncertainty.Uncertainty` tells. Its lanes (:mod:`rocking.probability_lanes`)
+   need no similarity: the body may be squat, and the vertical may act. The intervals draw the lanes again, with
+   replacement and as if they were independent; lanes of a Sobol set scatter less than that.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from rocking.arguments import numbers, positive
+from rocking.block import Block
+from rocking.lane_factors import LEVEL_STEP, lane_factors
+from rocking.overturning_spectrum import OverturningFactors
+from rocking.probability_lanes import REACH, probability_lanes
+from rocking.recorded import recorded_response
+from rocking.uncertainty import Uncertainty
+
+__all__ = ["OverturningProbability", "overturning_probability"]
+
+#: A largest factor that is a level counts as one, whatever its logarithm is rounded to.
+ROUNDING = 1e-9
+
+
+@dataclass(frozen=True, eq=False)
+class OverturningProbability(OverturningFactors):
+    """Probability of overturning of (m,) bodies over the factor on a record, by lanes of their own.
+
+    Attributes
+    ----------
+    level : (k,) ndarray
+        Factors on the record, ascending, from where the weakest draw lifts off; 1 is one of them.
+    probability : (m, k) ndarray
+        Probability of overturning at the levels, fitted so that it never falls [-].
+    unresolved : (m,) ndarray
+        Share of the lanes that the equation cannot answer (free flight); they count as overturning [-].
+    """
+
+    level: np.ndarray
+    probability: np.ndarray
+    unresolved: np.ndarray
+
+
+def overturning_probability(
+    block: Block,
+    acceleration: Any,
+    dt: float,
+    uncertainty: Uncertainty | None = None,
+    vertical: Any = None,
+    factor_max: float = 10.0,
+    *,
+    least: Any = None,
+    most: Any = None,
+    guess: Any = None,
+    seed: int = 0,
+    threads: int | None = None,
+) -> OverturningProbability:
+    """Probability that bodies overturn under a record times a factor, by the nonlinear equation.
+
+    Parameters
+    ----------
+    block : Block
+        One body, which counts as (1,), or (m,) of them: the nominal ones.
+    acceleration : (n,) array_like
+        Horizontal ground acceleration a_g [m/s2], as for :func:`~rocking.recorded_response`.
+    dt : float
+        Sampling interval [s].
+    uncertainty : Uncertainty, optional
+        Of factor, restitution and geometry; the default one without.
+    vertical : (n,) array_like, optional
+        Vertical ground acceleration a_v [m/s2], positive up. The factor is on both.
+    factor_max : float
+        Largest factor that is asked for [-].
+    least, most : (m,) array_like, optional
+        C between which that of a draw is uniform [-], where a body has a range of its own; the shares of its nominal
+        C that the uncertainty tells without. A draw is at most 0.999.
+    guess : (m,) array_like, optional
+        Factor near which a body may overturn [-]. It saves lanes where it is good and costs some where it is not.
+    seed : int
+        Of the draws, not negative.
+    threads : int, optional
+        Threads that share the lanes; None for all available cores. The answer does not depend on it.
+
+    Returns
+    -------
+    OverturningProbability
+        Of (m,) bodies. A factor that is not reached by `factor_max` is inf with a `_low` of `factor_max`, or, of
+        `capacity_mean`, of what it is at least.
+
+    Raises
+    ------
+    ValueError
+        For a range of C outside 0 to 1, a guess or a factor_max that is not positive, a negative seed, and what
+        :func:`~rocking.recorded_response` refuses.
+
+    Examples
+    --------
+    >>> block = Block(half_width=0.3, half_height=1.2)
+    >>> sine = np.sin(2.0 * np.pi * np.arange(0.0, 1.005, 0.01))
+    >>> found = overturning_probability(block, sine, 0.01)
+    >>> bool(found.factor_10[0] < found.factor_50[0]), bool(found.factor_50_low[0] < 3.2 < found.factor_50_high[0])
+    (True, True)
+    """
+    uncertainty = uncertainty or Uncertainty()
+    blocks = block if block.shape else block.lanes(1)
+    # A record at factor zero lifts nothing: this has the arguments checked before anything is made of them.
+    recorded_response(blocks, acceleration, dt, scale=0.0, vertical=vertical, threads=threads)
+    ground = np.ascontiguousarray(acceleration, dtype=float)
+    up = None if vertical is None else np.ascontiguousarray(vertical, dtype=float)
+    limit = float(positive("factor_max", factor_max, "of the record", lanes=False))
+    nominal = np.asarray(blocks.restitution)
+    ends = [
+        np.broadcast_to(share * nominal if given is None else numbers(name, given, "a C from 0 to 1"), nominal.shape)
+        for name, given, share in zip(("least", "most"), (least, most), uncertainty.restitution, strict=True)
+    ]
+    if not (np.all(ends[0] >= 0.0) and np.all(ends[0] <= ends[1]) and np.all(ends[1] <= 1.0 + 1e-9)):
+        raise ValueError(f"least, most: expected 0 <= least <= most <= 1, got {least!r:.80} and {most!r:.80}")
+    near = None if guess is None else np.broadcast_to(positive("guess", guess, "of the record"), nominal.shape)
+    # P at the largest factor, and at 1, takes lanes beyond it, as far as a draw of the factor reaches.
+    log_max = max(math.log(limit), 0.0)
+    reach = REACH * uncertainty.factor
+    bottom, lanes = probability_lanes(
+        blocks,
+        ground,
+        float(dt),
+        up,
+        uncertainty,
+        *ends,
+        log_max=log_max + reach,
+        guess=near,
+        seed=seed,
+        threads=threads,
+    )
+    shift = Uncertainty(factor=uncertainty.factor, geometry=0.0)
+    rows = [lane_factors(one, shift, reach, limit) for one in lanes]
+    highest = min(max((one.top + reach for one in lanes if one is not None), default=0.0), log_max)
+    first = math.floor(min(float(np.min(bottom)) - reach, 0.0) / LEVEL_STEP)
+    places = np.arange(first, max(math.floor(highest / LEVEL_STEP + ROUNDING), 0) + 1)
+    return OverturningProbability(
+        **{name: np.array([row.found[name] for row in rows]) for name in rows[0].found},
+        level=np.exp(LEVEL_STEP * places),
+        probability=np.array([row.at(places) for row in rows]),
+        unresolved=np.array([0.0 if one is None else float(np.mean(one.unresolved)) for one in lanes]),
+    )
