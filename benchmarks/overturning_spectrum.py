@@ -176,7 +176,7 @@ def cost(motion: StrongMotion, runs: int) -> None:
 def main() -> None:
     """Run the benchmark."""
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
-    parser.add_argument("records", help="folder or archive of records")
+    parser.add_argument("records", nargs="+", help="folders or archives of records")
     parser.add_argument("--units", help="unit of files that do not name one")
     parser.add_argument("--dt", type=float, help="interval of files that do not name one [s]")
     parser.add_argument("--pairs", type=int, default=500, help="pairs of record and body")

@@ -13,10 +13,10 @@ from .impulsive import impulsive_response as impulsive_response
 from .main_sequence import critical_impulse_at as critical_impulse_at
 from .main_sequence import resonance as resonance
 from .main_sequence import resonance_safety as resonance_safety
-from .overturning_spectrum import OverturningFactors as OverturningFactors
-from .overturning_spectrum import OverturningSpectrum as OverturningSpectrum
 from .overturning_probability import OverturningProbability as OverturningProbability
 from .overturning_probability import overturning_probability as overturning_probability
+from .overturning_spectrum import OverturningFactors as OverturningFactors
+from .overturning_spectrum import OverturningSpectrum as OverturningSpectrum
 from .periodic import SteadyState as SteadyState
 from .periodic import steady_state as steady_state
 from .predictability import predictable as predictable
