@@ -9,7 +9,7 @@ import numpy as np
 
 from rockpulse.studies.site.statistics import weighted_quantile
 from rockpulse.views.plots.spectrum_map import body_marks, size_scale
-from rockpulse.views.plots.style import BLACK, BLUE, GREY, PALE, RED, caption, legend_above, one_axes, title
+from rockpulse.views.plots.style import BLUE, GREY, PALE, RED, caption, legend_above, one_axes, title
 from rockpulse.views.plots.words import label, plain
 
 if TYPE_CHECKING:
@@ -97,14 +97,14 @@ def overturning_spectra(
     legend_above(ax, columns, across=True, lift=32.0, handles=handles)
     names = several["record"].values if "record" in several.coords else [several.attrs.get("record", "")]
     words = plain(names[known[0]]) if known.size == 1 else f"{known.size} records"
+    left_out = (
+        f" {len(names) - known.size} of {len(names)} records have no spectrum." if known.size < len(names) else ""
+    )
     title(ax, f"{words}, $C$ = {grid[chosen]:g}", rows=3 - (-len(handles) // columns))
     remarks = ["A body overturns, at its mean capacity, under a record whose curve lies above its point."]
     if bodies:
         remarks.append("A body with a larger C falls under a higher curve, one with a smaller C under a lower one.")
-    if known.size < curves.shape[0] or not known.size:
-        remarks.append("No spectrum was stored.")
-    caption(ax, " ".join(remarks))
-    ax.spines["bottom"].set_color(BLACK)
+    caption(ax, " ".join(remarks) + ("" if known.size else " No spectrum was stored.") + left_out)
     return ax
 
 

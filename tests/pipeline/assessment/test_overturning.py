@@ -1,0 +1,94 @@
+"""The overturning spectrum of a record as a dataset, and what bodies read from it."""
+
+import math
+
+import numpy as np
+import pytest
+import xarray as xr
+
+import rockpulse as rp
+from rocking import Block, OverturningSpectrum, spectrum_lanes
+from rockpulse.assessment.overturning import overturning_factors, overturning_spectrum
+from rockpulse.record.synthetic import synthetic_motion
+from rockpulse.storage.spectrum_variables import LEVELS, ROTATIONS
+
+RECORD = rp.Record(synthetic_motion(3, pga=3.0)[:2000], dt=0.01, id="synthetic", processed=True)
+P = np.array([1.5, 1.7, 1.9])
+C = np.array([0.85, 0.95])
+BODIES = Block.from_parameters(p=[1.5, 1.7, 1.9], alpha=[0.1, 0.2, 0.25], restitution=[0.85, 0.95, 0.85], log=False)
+
+
+@pytest.fixture(scope="module")
+def spectrum():
+    return overturning_spectrum(RECORD, P, C)
+
+
+def test_the_variables_tell_their_units_and_axes(spectrum):
+    assert spectrum["spectrum"].dims == ("p", "restitution")
+    assert spectrum["probability"].dims == ("p", "restitution", "level")
+    assert spectrum["rotation_spectrum"].dims == ("rotation", "p", "restitution")
+    assert spectrum["spectrum"].attrs["units"] == "m s-1"
+    assert spectrum["p"].attrs["units"] == "s-1"
+    assert spectrum["level"].values.tolist() == LEVELS.tolist()
+    assert spectrum["rotation"].values.tolist() == ROTATIONS.tolist()
+    assert spectrum.attrs == {"record": "synthetic", "method": "nonlinear"}
+
+
+def test_the_interval_holds_the_spectrum_and_probability_reaches_both_ends(spectrum):
+    assert np.all(spectrum["spectrum_low"] < spectrum["spectrum"])
+    assert np.all(spectrum["spectrum"] < spectrum["spectrum_high"])
+    assert np.all(spectrum["probability"].diff("level") >= 0.0)
+    assert np.all(spectrum["probability"][..., 0] < 1e-3)
+    assert np.all(spectrum["probability"][..., -1] > 0.999)
+    # A smaller rotation is reached by a weaker motion: it takes more from the record.
+    assert np.all(spectrum["rotation_spectrum"].diff("rotation") <= 1e-12)
+
+
+def test_on_the_axes_a_body_reads_what_it_reads_from_the_lanes(spectrum):
+    read = overturning_factors(spectrum, BODIES)
+    direct = OverturningSpectrum(spectrum_lanes(RECORD.acceleration, RECORD.dt, P)).factors(BODIES)
+    assert read["capacity_mean"] == pytest.approx(direct.capacity_mean, rel=1e-3)
+    assert read["factor_10"] == pytest.approx(direct.factor_10, rel=0.01)
+    assert read["factor_50"] == pytest.approx(direct.factor_50, rel=0.01)
+    assert read["overturning_probability"] == pytest.approx(direct.at_one, abs=0.01)
+
+
+def test_capacity_is_the_speed_over_the_spectrum(spectrum):
+    read = overturning_factors(spectrum, BODIES)
+    speed = BODIES.gravity * np.tan(BODIES.alpha_c) / BODIES.p
+    own = [spectrum["spectrum"].sel(p=p, restitution=c).item() for p, c in zip(P, BODIES.restitution, strict=True)]
+    assert read["capacity_mean"] == pytest.approx(speed / own)
+
+
+def test_between_the_axes_the_logarithm_is_linear():
+    """On a made-up spectrum S = p^2 with P a step, the capacity of any p is g tan(alpha)/p^3."""
+    p, level = np.array([1.0, 2.0]), np.array([0.5, 0.999, 1.001, 2.0])
+    made = xr.Dataset(
+        {
+            "spectrum": (("p", "restitution"), (p**2)[:, None]),
+            "probability": (("p", "restitution", "level"), np.broadcast_to([0.0, 0.0, 1.0, 1.0], (2, 1, 4))),
+        },
+        {"p": p, "restitution": [0.9], "level": level},
+    )
+    block = Block.from_parameters(p=math.sqrt(2.0), alpha=0.1, restitution=0.9, log=False)
+    read = overturning_factors(made, block)
+    assert read["capacity_mean"] == pytest.approx([block.gravity * math.tan(0.1) / math.sqrt(2.0) ** 3])
+    assert read["factor_50"] == pytest.approx(read["capacity_mean"], rel=1e-6)
+
+
+@pytest.mark.parametrize(
+    "block",
+    [
+        Block.from_parameters(p=3.0, alpha=0.1, restitution=0.9, log=False),
+        Block.from_parameters(p=1.7, alpha=0.1, restitution=0.7, log=False),
+        Block.from_parameters(p=1.7, alpha=0.5, restitution=0.9, log=False),
+    ],
+)
+def test_a_body_outside_the_spectrum_is_refused(spectrum, block):
+    with pytest.raises(ValueError, match="not for 1 of 1"):
+        overturning_factors(spectrum, block)
+
+
+def test_an_unknown_method_is_refused():
+    with pytest.raises(ValueError, match="nonlinear, rule"):
+        overturning_spectrum(RECORD, P, C, method="linear")
