@@ -9,6 +9,7 @@ from .model_histories import History as History
 from .model_histories import histories as histories
 from .motion import motion_of_record as motion_of_record
 from .motion import stored_motion as stored_motion
+from .overturning_curves import overturning_spectra as overturning_spectra
 from .paper import figure4 as figure4
 from .paper import figure5 as figure5
 from .picture import picture_bytes as picture_bytes
