@@ -236,6 +236,10 @@ class Block:
         """A block of shape (count,): a single block repeated, or itself where it has that shape already."""
         return self._with(lambda values: np.broadcast_to(values, (count,)))
 
+    def chosen(self, places: Any) -> Block:
+        """Some lanes of an array of blocks: by their places, a mask or a slice."""
+        return self._with(lambda values: np.ascontiguousarray(values[places]))
+
     @classmethod
     def stack(cls, blocks: Sequence[Block]) -> Block:
         """Several blocks in the same gravity as the lanes of one, in their order.

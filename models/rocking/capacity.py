@@ -184,7 +184,7 @@ def _search(
     points: int,
 ) -> ScaleIntervals:
     def answers(lanes: np.ndarray, factors: np.ndarray) -> Response:
-        return respond(blocks._with(lambda values: np.ascontiguousarray(values[lanes])), factors)
+        return respond(blocks.chosen(lanes), factors)
 
     unresolved = False
 

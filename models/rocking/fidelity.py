@@ -299,4 +299,4 @@ def _answers(response: Response) -> dict[str, np.ndarray]:
 
 
 def _part(blocks: Block, chosen: np.ndarray) -> Block:
-    return blocks._with(lambda values: np.ascontiguousarray(values[chosen]))
+    return blocks.chosen(chosen)

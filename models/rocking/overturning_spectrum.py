@@ -25,10 +25,10 @@ import numpy as np
 from rocking.block import Block
 from rocking.crossing import factor_at, mean_capacity, rising
 from rocking.lane_probability import NO_LANE, lane_bells, lane_probability, tail_masses
-from rocking.spectrum_lanes import LEAST_RESTITUTION, SpectrumLanes
+from rocking.spectrum_lanes import LEAST_RESTITUTION, RATES, SpectrumLanes
 from rocking.uncertainty import Uncertainty
 
-__all__ = ["LEVEL_STEP", "OverturningFactors", "OverturningSpectrum"]
+__all__ = ["LEVEL_STEP", "OverturningFactors", "OverturningSpectrum", "covered"]
 
 #: Levels of x are exp(LEVEL_STEP k), k whole: those of two records are the same numbers.
 LEVEL_STEP = 0.05
@@ -86,6 +86,17 @@ class OverturningFactors:
             found[f"{name}_low"] = np.minimum(found[f"{name}_low"], factor_max)
             found[f"{name}_high"] = np.where(found[f"{name}_high"] > factor_max, np.inf, found[f"{name}_high"])
         return OverturningFactors(**found)
+
+
+def covered(block: Block, least: np.ndarray, most: np.ndarray, p: np.ndarray = RATES) -> np.ndarray:
+    """True, (m,), for the blocks that a spectrum stands for, with C between `least` and `most` (m,).
+
+    They are free and symmetric, of a slenderness of at least 3.5, and their p and C lie within those of the lanes, p
+    the (a,) frequency parameters of the spectrum [1/s].
+    """
+    slender = np.asarray(block.slenderness) >= LEAST_SLENDERNESS * (1.0 - 1e-9)
+    inside = (np.asarray(block.p) >= p[0] * (1.0 - 1e-9)) & (np.asarray(block.p) <= p[-1] * (1.0 + 1e-9))
+    return slender & inside & (least >= LEAST_RESTITUTION * (1.0 - 1e-9)) & (most <= 1.0 + 1e-9)
 
 
 class OverturningSpectrum:
@@ -189,13 +200,8 @@ class OverturningSpectrum:
         return 1.0 / mean_capacity(self.level, self.probability(restitution, rotation))
 
     def covers(self, block: Block, least: np.ndarray, most: np.ndarray) -> np.ndarray:
-        """True, (m,), for the blocks that the spectrum stands for, with C between `least` and `most` (m,).
-
-        They are free and symmetric, of a slenderness of at least 3.5, and p and C lie within those of the lanes.
-        """
-        slender = np.asarray(block.slenderness) >= LEAST_SLENDERNESS * (1.0 - 1e-9)
-        inside = (np.asarray(block.p) >= self.p[0] * (1.0 - 1e-9)) & (np.asarray(block.p) <= self.p[-1] * (1.0 + 1e-9))
-        return slender & inside & (least >= LEAST_RESTITUTION * (1.0 - 1e-9)) & (most <= 1.0 + 1e-9)
+        """True, (m,), for the blocks that this spectrum stands for (:func:`covered`)."""
+        return covered(block, least, most, self.p)
 
     def factors(
         self, block: Block, least: Any = None, most: Any = None, factor_max: float = np.inf

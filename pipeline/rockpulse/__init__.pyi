@@ -29,6 +29,7 @@ from .config.settings import RecordSettings as RecordSettings
 from .config.settings import RunSettings as RunSettings
 from .config.settings import SequenceSettings as SequenceSettings
 from .config.settings import SiteSettings as SiteSettings
+from .config.uncertainty_settings import UncertaintySettings as UncertaintySettings
 from .errors import ConfigError as ConfigError
 from .errors import RecordFormatError as RecordFormatError
 from .errors import RecordRefused as RecordRefused

@@ -180,6 +180,9 @@ class Model:
     of_sequence: bool = False
     #: Whether `respond` takes factors on the record as well, with which predictability is checked.
     checkable: bool = False
+    #: Whether its factors are searched for by hundreds of runs, which `[search] intervals` asks for; those of the other
+    #: models cost as good as nothing and are always told.
+    searched: bool = False
     #: How its input is an upper bound, so that its overturning says no more than that a body may be unsafe.
     upper_bound: str = ""
 
@@ -245,6 +248,7 @@ _ROWS = (
         search=_search_impulsive,
         look=("green", (0, (2, 1)), "^"),
         checkable=True,
+        searched=True,
     ),
     Model(
         name="linear",
@@ -254,6 +258,7 @@ _ROWS = (
         search=partial(_search_recorded, equation="linear"),
         look=("red", (0, (4, 1.2)), "D"),
         checkable=True,
+        searched=True,
     ),
     Model(
         name="nonlinear",
@@ -265,6 +270,7 @@ _ROWS = (
         look=("blue", "-", "o"),
         slender=False,
         checkable=True,
+        searched=True,
     ),
     Model(
         name="auto",
@@ -276,6 +282,7 @@ _ROWS = (
         look=("black", "-", "P"),
         slender=False,
         checkable=True,
+        searched=True,
     ),
 )
 
@@ -327,10 +334,11 @@ class ModelSettings(Section):
 
 @dataclass(frozen=True)
 class SearchSettings(Section):
-    """The grid of factors on which overturning is searched."""
+    """The models whose factors of overturning are told, and the grid of factors on which they are searched."""
 
     heading = "[search]"
     models: tuple[str, ...] = choices(NAMES, NAMES, empty=True)
+    intervals: bool = boolean(False)
     factor_max: float = number(10.0, low=1.0, high=1e6)
     points: int = count(256, low=2, high=100_000)
     step: float = number(1.005, low=1.0001)
@@ -366,7 +374,7 @@ def critical_scales(block: rocking.Block, scene: Scene) -> dict[str, rocking.Sca
         searched = "nonlinear" if model == "auto" else model
         if searched in found:
             found[model] = found[searched]
-        elif searched in scene.search.models:
+        elif searched in scene.search.models and (scene.search.intervals or not MODELS[model].searched):
             found[model] = MODELS[model].search(block, scene)
         else:
             found[model] = _not_searched(block)

@@ -12,6 +12,7 @@ import numpy as np
 from rocking.block import Block
 from rocking.predictability import NOT_CHECKED, predictable
 from rocking.response import Response
+from rockpulse.assessment.probability import record_probability
 from rockpulse.assessment.record_assessment import RecordAssessment
 from rockpulse.assessment.scene import extract
 from rockpulse.assessment.tree import EVENT, build_tree, record_part, template
@@ -141,6 +142,7 @@ def assess_scene(scene: Scene, bodies: Bodies, config: Config) -> RecordAssessme
                 f"({rule.range_text}): its rates of error do not hold for them"
             )
             scene = replace(scene, record=scene.record.with_warning(warning))
+    overturning = record_probability(scene, bodies, config)
     return RecordAssessment(
         scene=scene,
         bodies=bodies,
@@ -150,6 +152,8 @@ def assess_scene(scene: Scene, bodies: Bodies, config: Config) -> RecordAssessme
         used=used,
         applicable={name: MODELS[name].applicable(lanes).astype(np.int8) for name in responses},
         predictable={name: _predictable(name, lanes, scene, one) for name, one in responses.items()},
+        probability=overturning.values,
+        spectrum=overturning.spectrum,
     )
 
 

@@ -91,6 +91,7 @@ def assess_sequence(
         models=replace(asked_for.models, use=use, auto=False, predictability=False, histories=False),
         records=replace(asked_for.records, components="horizontal", azimuth=None, store="none"),
         sequence=replace(asked_for.sequence, spacing=sequence.spacing),
+        uncertainty=replace(asked_for.uncertainty, probability=False, azimuth=False),
         demands=(),
     )
     bodies = gather_bodies(config.blocks if blocks is None else blocks)

@@ -15,16 +15,23 @@ import xarray as xr
 from rocking.response import Outcome
 from rockpulse.storage.assessment_variables import DIRECTIONS
 
-__all__ = ["direction_statistics", "largest_over", "median_over", "smallest_over"]
+__all__ = ["MEAN", "direction_statistics", "largest_over", "median_over", "smallest_over"]
+
+#: The mean over direction of the probability of overturning: that of a body whose direction is not known.
+MEAN = "overturning_probability_mean"
 
 
 def direction_statistics(
-    summary: xr.Dataset, azimuths: Sequence[float] | np.ndarray, pairs: Mapping[str, Sequence[str]]
+    summary: xr.Dataset,
+    azimuths: Sequence[float] | np.ndarray,
+    pairs: Mapping[str, Sequence[str]],
+    with_probability: bool = False,
 ) -> xr.Dataset:
     """The node /directions of the results, from /summary, in which the directions are records.
 
     `azimuths` are the d directions of the sweep [degrees]; `pairs` has the name of each pair, and the ids of its
-    records in the d directions. A pair is left out if none of them is a record.
+    records in the d directions. A pair is left out if none of them is a record. `with_probability` adds the mean over
+    direction of the probability of overturning.
 
     References
     ----------
@@ -64,11 +71,12 @@ def direction_statistics(
         "smallest_safety_factor": smallest,
         "safety_factor_azimuth": _at(directions, factor_at),
     }
-    dims = ("pair", *(str(dim) for dim in summary["peak_rotation_ratio"].dims[1:]))
+    dims = dict.fromkeys(answers, ("pair", *(str(dim) for dim in summary["peak_rotation_ratio"].dims[1:])))
+    if with_probability:
+        answers[MEAN] = swept("overturning_probability").mean(axis=1)
+        dims[MEAN] = ("pair", *(str(dim) for dim in summary["overturning_probability"].dims[1:]))
     values = measures | answers
-    variables = {
-        name: one.variable(values[name], dims if name in answers else None) for name, one in DIRECTIONS.items()
-    }
+    variables = {name: one.variable(values[name], dims.get(name)) for name, one in DIRECTIONS.items() if name in values}
     return xr.Dataset(variables, {"pair": variables.pop("pair"), "block": summary["block"], "model": summary["model"]})
 
 

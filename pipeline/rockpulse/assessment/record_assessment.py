@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from rocking.overturning_spectrum import OverturningSpectrum
 from rocking.response import Response
 from rocking.scale_search import ScaleIntervals
 from rocking.sequence import ImpulseSequence
@@ -46,6 +47,8 @@ class RecordAssessment:
     used: dict[str, np.ndarray]  # the flags `model_used`, `applicable` and `predictable`
     applicable: dict[str, np.ndarray]
     predictable: dict[str, np.ndarray]
+    probability: dict[str, np.ndarray]  # of overturning, by variable, of all lanes
+    spectrum: OverturningSpectrum | None = None  # None where no body is read from it
     shaken: bool = True  # False where a sequence of impulses stands in place of a record
 
     @property

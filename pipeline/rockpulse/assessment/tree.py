@@ -58,7 +58,7 @@ def build_tree(
     nodes["/failures"] = failure_table(failures)
     if swept is not None:
         azimuths = sweep_azimuths(config.records.azimuth_step)
-        nodes["/directions"] = direction_statistics(nodes["/summary"], azimuths, swept)
+        nodes["/directions"] = direction_statistics(nodes["/summary"], azimuths, swept, config.uncertainty.azimuth)
     if "/records" in groups:
         nodes["/records"] = xr.Dataset(groups["/records"])
     tree = xr.DataTree.from_dict(nodes)

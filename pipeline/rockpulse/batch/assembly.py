@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from rockpulse.assessment.assessment import Assessment
-from rockpulse.assessment.direction_statistics import direction_statistics
+from rockpulse.assessment.direction_statistics import MEAN, direction_statistics
 from rockpulse.assessment.tree import joined_parts
 from rockpulse.batch.journal import Journal
 from rockpulse.batch.packing import unpack
@@ -41,6 +41,7 @@ PER_TEXT = 32
 #: What /directions is made of, in /summary: of the record, and of its answers.
 SWEPT_RECORD = ("record", "pga", "main_impulse")
 SWEPT_ANSWER = ("peak_rotation_ratio", "outcome", "overturning_time", "safety_factor")
+SWEPT_PROBABILITY = ("overturning_probability",)
 
 
 @dataclass(frozen=True)
@@ -222,6 +223,8 @@ def _write_directions(
     per_pair = len(SWEPT_ANSWER) * 8 * len(azimuths) * int(np.prod(answers.shape[1:]))
     at_once = max(1, chunk // per_pair)
     dims = dict.fromkeys(SWEPT_RECORD, ("record",)) | dict.fromkeys(SWEPT_ANSWER, ("record", *answers.dims[1:]))
+    if with_probability := MEAN in empty:
+        dims |= dict.fromkeys(SWEPT_PROBABILITY, ("record", *empty[MEAN].dims[1:]))
     names = list(pairs)
     for start in range(0, len(names), at_once):
         some = {name: pairs[name] for name in names[start : start + at_once]}
@@ -231,7 +234,7 @@ def _write_directions(
             {name: (dims[name], writer.read(f"/summary/{name}", begin, end)) for name in dims},
             {name: empty[name].variable for name in ("block", "model")},
         )
-        found = direction_statistics(summary, azimuths, some)
+        found = direction_statistics(summary, azimuths, some, with_probability)
         for name, variable in found.variables.items():
             if variable.dims[:1] == ("pair",):
                 values: Any = variable.values

@@ -25,8 +25,8 @@ __all__ = ["Task", "configuration_fingerprint", "program_digest", "read_options"
 #: Sections of the configuration on which no record's numbers depend, by verb.
 IDLE = {
     "assess": {"site", "calibration", "fragility"},
-    "calibrate": {"site", "models", "search", "fragility"},
-    "fragility": {"site", "models", "calibration"},
+    "calibrate": {"site", "models", "search", "uncertainty", "fragility"},
+    "fragility": {"site", "models", "uncertainty", "calibration"},
 }
 
 #: Keys of [calibration] that are used when all records are done, those that only matching a response asks for, and keys
@@ -89,15 +89,18 @@ def configuration_fingerprint(config: Config, verb: str) -> str:
     nothing, nor does the name of the site, or what is looked at when all records are done: the tables of events and
     weights, and the options of statistics and fits. A body is the same whether its size was confirmed or not. Unit and
     interval of a file are told by its records as they were read, and what is confirmed by each task for itself. The
-    seed and the level of confidence are asked for where the response of each record is matched.
+    seed and the level of confidence are asked for where the response of each record is matched, the seed also where
+    bodies have a probability of overturning.
     """
     matched = verb == "calibrate" and config.calibration.method == "response"
+    seeded = matched or (verb == "assess" and config.uncertainty.probability)
     config = replace(
         config,
         records=replace(config.records, paths=(), events=None, keep=(), units=None, dt=None, files=(), confirm=()),
         calibration=_as_default(config.calibration, LATE if matched else LATE + OF_MATCHING),
         fragility=_as_default(config.fragility, OF_FITS),
-        run=replace(config.run, workers=1, seed=config.run.seed if matched else 0),
+        uncertainty=replace(config.uncertainty, azimuth=False),
+        run=replace(config.run, workers=1, seed=config.run.seed if seeded else 0),
     )
     sections = [repr(getattr(config, name)) for name in SECTIONS if name not in IDLE[verb]]
     blocks = [replace(block, confirm_size=True) for block in config.blocks]

@@ -24,6 +24,7 @@ def warm_up(analysis: Analysis) -> None:
     plain = Config(
         models=config.models,
         search=replace(config.search, points=8, step=1.2),
+        uncertainty=replace(config.uncertainty, azimuth=False),
         calibration=CalibrationSettings(method="statistics"),
         fragility=replace(config.fragility, pga_min=0.0),
     )

@@ -29,6 +29,7 @@ from rockpulse.config.settings import (
     SequenceSettings,
     SiteSettings,
 )
+from rockpulse.config.uncertainty_settings import UncertaintySettings
 from rockpulse.errors import ConfigError
 from rockpulse.ladder import ModelSettings, SearchSettings
 from rockpulse.option import Section, hint
@@ -43,7 +44,7 @@ class Config:
     Attributes
     ----------
     site, records, conditioning, half_waves, intense_phase, sequence, models, search : Section
-    calibration, fragility, run : Section
+    uncertainty, calibration, fragility, run : Section
         One dataclass per section of the TOML file, each usable as keyword arguments:
         ``condition(record, **config.conditioning)``.
     blocks : tuple of BlockSettings
@@ -56,8 +57,8 @@ class Config:
     Raises
     ------
     ConfigError
-        For two blocks or two demands of one name, restitution lists of different lengths, or histories that would not
-        be stored.
+        For two blocks or two demands of one name, restitution lists of different lengths, histories that would not be
+        stored, or an uncertain azimuth without a sweep over direction.
 
     Examples
     --------
@@ -73,6 +74,7 @@ class Config:
     sequence: SequenceSettings = field(default_factory=SequenceSettings)
     models: ModelSettings = field(default_factory=ModelSettings)
     search: SearchSettings = field(default_factory=SearchSettings)
+    uncertainty: UncertaintySettings = field(default_factory=UncertaintySettings)
     calibration: CalibrationSettings = field(default_factory=CalibrationSettings)
     fragility: FragilitySettings = field(default_factory=FragilitySettings)
     run: RunSettings = field(default_factory=RunSettings)
@@ -91,6 +93,11 @@ class Config:
             raise ConfigError(
                 '[models] histories: true, but [records] store = "none" leaves them out of the results; '
                 'set store = "half_waves" or "all", or histories = false'
+            )
+        if self.uncertainty.azimuth and self.records.components != "sweep":
+            raise ConfigError(
+                "[uncertainty] azimuth: true, the mean over the directions of a pair of channels, needs [records] "
+                f'components = "sweep", found "{self.records.components}"; change one of them'
             )
 
     def record_paths(self) -> list[Path]:

@@ -6,6 +6,7 @@ import math
 from dataclasses import MISSING, dataclass
 
 from rockpulse.config.fragility_settings import FragilitySettings
+from rockpulse.config.uncertainty_settings import UncertaintySettings
 from rockpulse.errors import ConfigError
 from rockpulse.ladder import ModelSettings, SearchSettings
 from rockpulse.option import KeyType, Section, boolean, choice, count, entries, key, number, text, texts
@@ -238,6 +239,7 @@ SECTIONS: dict[str, type[Section]] = {
     "sequence": SequenceSettings,
     "models": ModelSettings,
     "search": SearchSettings,
+    "uncertainty": UncertaintySettings,
     "calibration": CalibrationSettings,
     "fragility": FragilitySettings,
     "run": RunSettings,

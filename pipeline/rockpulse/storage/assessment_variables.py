@@ -142,6 +142,14 @@ DIRECTIONS: Declared = {
             "safety_factor_azimuth": real("degree", "azimuth of the smallest safety factor; NaN without a finite one"),
         },
     ),
+    "overturning_probability_mean": real(
+        "1",
+        "mean over direction of the probability of overturning; NaN where one is not known",
+        dims=("pair", *LANES[1:]),
+        since=3,
+        explanation="that of a body whose direction is not known; only with `[uncertainty] azimuth = true`",
+        stored=lambda config: config.uncertainty.azimuth,
+    ),
 }
 
 WAVES = along(

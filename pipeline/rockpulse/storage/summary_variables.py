@@ -20,6 +20,7 @@ from rockpulse.ladder import USED
 from rockpulse.record.intensity import arias_intensity, pgv
 from rockpulse.remark import find, with_codes
 from rockpulse.storage.fact_variables import FACTS
+from rockpulse.storage.probability_variables import PROBABILITY
 from rockpulse.storage.variables import NOT_KNOWN, Declared, along, flag, real, text, whole
 
 __all__ = ["ANSWER", "BLOCK", "CASE", "DEMAND", "RECORD", "SUMMARY"]
@@ -349,6 +350,7 @@ SUMMARY: Declared = {
     **RECORD,
     **DEMAND,
     **ANSWER,
+    **along(LANES, PROBABILITY),
     "capacity_ratio": CAPACITY_RATIO,
     **BLOCK,
     **CASE,

@@ -1,0 +1,108 @@
+"""The probability of overturning of every body under one record.
+
+.. note:: One overturning spectrum (:class:`rocking.OverturningSpectrum`) serves every body that it stands for. A body
+   that it does not stand for, and every body where the vertical acts, is marched in lanes of its own
+   (:func:`rocking.overturning_probability`). Bodies do not change each other's numbers: the spectrum is always that of
+   the default frequency parameters, and each of the others has its own draws.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from rocking.overturning_probability import overturning_probability
+from rocking.overturning_spectrum import OverturningFactors, OverturningSpectrum, covered
+from rocking.spectrum_lanes import spectrum_lanes
+from rocking.uncertainty import Uncertainty
+from rockpulse.config.bodies import Bodies
+from rockpulse.config.configuration import Config
+from rockpulse.ladder import Scene
+from rockpulse.storage.probability_variables import PROBABILITY, READ, SOURCES
+
+__all__ = ["RecordProbability", "record_probability"]
+
+ENDS = ("", "_low", "_high")
+
+
+@dataclass(frozen=True, eq=False)
+class RecordProbability:
+    """The variables of :data:`~rockpulse.storage.probability_variables.PROBABILITY` under one record.
+
+    Attributes
+    ----------
+    values : dict of str to (b x c,) ndarray
+        By name, of all lanes of the bodies.
+    spectrum : OverturningSpectrum or None
+        That of the record; None where no body is read from it.
+    """
+
+    values: dict[str, np.ndarray]
+    spectrum: OverturningSpectrum | None
+
+
+def record_probability(scene: Scene, bodies: Bodies, config: Config) -> RecordProbability:
+    """The probability of overturning of bodies under a record that was made ready.
+
+    It is that of the nonlinear model: without ``nonlinear`` or ``auto`` among the models, and where the configuration
+    switches it off, every value is NaN and the source "none". All restitutions of a body have the same.
+    """
+    count = len(bodies.names)
+    values = {name: np.full(count, np.nan) for name in PROBABILITY}
+    values["probability_source"] = np.full(count, SOURCES.index("none"))
+    spectrum = None
+    if config.uncertainty.probability and not {"nonlinear", "auto"}.isdisjoint(scene.models.answering):
+        spectrum = _fill(values, scene, bodies, config)
+    return RecordProbability({name: np.repeat(own, bodies.cases) for name, own in values.items()}, spectrum)
+
+
+def _fill(values: dict[str, np.ndarray], scene: Scene, bodies: Bodies, config: Config) -> OverturningSpectrum | None:
+    """Put the values of b bodies in; the spectrum where one of them is read from it."""
+    uncertainty, limit = config.uncertainty.of_draws(), scene.search.factor_max
+    blocks, (least, most) = bodies.lanes.chosen(slice(None, None, bodies.cases)), _ranges(bodies, uncertainty)
+    uplift = scene.record.pga / (blocks.gravity * np.tan(blocks.alpha_c))
+    with np.errstate(divide="ignore"):
+        values["uplift_probability"] = 1.0 - uncertainty.below(-np.log(uplift))
+    slender = covered(blocks, least, most) & (scene.vertical is None)
+    values["probability_source"] = np.where(slender, SOURCES.index("spectrum"), SOURCES.index("own_lanes"))
+
+    def put(places: np.ndarray, found: OverturningFactors) -> None:
+        for name, own in READ.items():
+            for end in ENDS:
+                values[name + end][places] = getattr(found, own + end)
+
+    spectrum = None
+    served = np.flatnonzero(slender)
+    if served.size and np.any(scene.record.acceleration):
+        spectrum = OverturningSpectrum(spectrum_lanes(scene.record.acceleration, scene.record.dt), uncertainty)
+        put(served, spectrum.factors(blocks.chosen(served), least[served], most[served], limit))
+        served = served[:0]
+    key = np.random.SeedSequence([config.run.seed, *scene.record.id.encode()])
+    seed = int(key.generate_state(1)[0])
+    # One body a call: its draws do not depend on how far the lanes of others have to reach.
+    for place in [*served, *np.flatnonzero(~slender)]:
+        one = np.array([place])
+        found = overturning_probability(
+            blocks.chosen(one),
+            scene.record.acceleration,
+            scene.record.dt,
+            uncertainty,
+            vertical=scene.vertical,
+            factor_max=limit,
+            least=least[one],
+            most=most[one],
+            seed=seed,
+        )
+        put(one, found)
+    return spectrum
+
+
+def _ranges(bodies: Bodies, uncertainty: Uncertainty) -> tuple[np.ndarray, np.ndarray]:
+    """Least and most C of each of b bodies: the ends of its list, or the shares of its one value."""
+    restitution = bodies.per_case(np.asarray(bodies.lanes.restitution, dtype=float))
+    low, high = restitution.min(axis=1), restitution.max(axis=1)
+    several = low < high
+    return tuple(
+        np.where(several, end, share * end) for end, share in zip((low, high), uncertainty.restitution, strict=True)
+    )

@@ -1,0 +1,99 @@
+"""The variables of /summary that tell the probability of overturning of a body, and the factors that it grows with."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from rockpulse.config.configuration import Config
+from rockpulse.storage.variables import Declared, StoredVariable, flag, real
+
+__all__ = ["PROBABILITY", "READ", "SOURCES"]
+
+#: What gave the probability, in the order of the flag.
+SOURCES = ("none", "spectrum", "own_lanes")
+
+#: Variables by the names that :class:`rocking.OverturningFactors` has for them.
+READ = {
+    "overturning_probability": "at_one",
+    "factor_10": "factor_10",
+    "factor_50": "factor_50",
+    "capacity_mean": "capacity_mean",
+}
+
+
+def _of_lanes(name: str) -> Callable[[Any], np.ndarray]:
+    return lambda one: one.per_lane(one.probability[name])
+
+
+def _comment(config: Config) -> str:
+    known = config.uncertainty
+    least, most = known.restitution
+    return (
+        f"by the nonlinear model; standard deviation of ln factor {known.factor:g}, restitution {least:g} to {most:g} "
+        f"of the nominal one or the range of a list, loss of alpha_c {known.geometry:g} |N|; factors up to "
+        f"{config.search.factor_max:g}"
+    )
+
+
+def _with_ends(name: str, long_name: str, explanation: str) -> dict[str, StoredVariable]:
+    """A value and the ends of its interval of 90 %."""
+    told = {
+        name: long_name,
+        f"{name}_low": f"lower end of the interval of 90 % of {name}",
+        f"{name}_high": f"upper end of the interval of 90 % of {name}",
+    }
+    return {
+        key: real(
+            "1",
+            words,
+            _of_lanes(key),
+            since=3,
+            of_ground=True,
+            explanation=explanation if key == name else "",
+            comment=_comment,
+        )
+        for key, words in told.items()
+    }
+
+
+PROBABILITY: Declared = {
+    **_with_ends(
+        "overturning_probability",
+        "probability that the body overturns under the record as it is; NaN where not computed",
+        "by the nonlinear model, under the uncertainty of `[uncertainty]`",
+    ),
+    **_with_ends(
+        "factor_10",
+        "factor on the record at which the probability of overturning is 10 %; NaN where not computed",
+        "inf: not reached up to `[search] factor_max`, which is then its `_low`",
+    ),
+    **_with_ends(
+        "factor_50", "factor on the record at which the probability of overturning is 50 %; NaN where not computed", ""
+    ),
+    **_with_ends(
+        "capacity_mean",
+        "exp of the mean logarithm of the factor on the record at which the body overturns; NaN where not computed",
+        "",
+    ),
+    "uplift_probability": real(
+        "1",
+        "probability that the body lifts off under the record as it is; NaN where not computed",
+        _of_lanes("uplift_probability"),
+        since=3,
+        of_ground=True,
+        explanation="in closed form, from `uplift_ratio`: without the vertical acceleration",
+        comment=_comment,
+    ),
+    "probability_source": flag(
+        SOURCES,
+        "what the probability of overturning was read from",
+        _of_lanes("probability_source"),
+        since=3,
+        explanation="spectrum: the overturning spectrum of the record, which is the same for all slender bodies; own "
+        "lanes: motions of the body itself, where the spectrum does not hold (slenderness below 3.5, p or C outside "
+        "it, vertical acceleration)",
+    ),
+}
