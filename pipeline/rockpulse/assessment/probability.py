@@ -8,7 +8,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 
 import numpy as np
 
@@ -24,6 +24,9 @@ from rockpulse.storage.probability_variables import PROBABILITY, READ, SOURCES
 __all__ = ["RecordProbability", "record_probability"]
 
 ENDS = ("", "_low", "_high")
+
+#: Probability of uplift at the largest factor below which a body counts as one that never moves.
+NEVER = 1e-6
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,11 +62,11 @@ def record_probability(scene: Scene, bodies: Bodies, config: Config) -> RecordPr
 
 def _fill(values: dict[str, np.ndarray], scene: Scene, bodies: Bodies, config: Config) -> OverturningSpectrum | None:
     """Put the values of b bodies in; the spectrum where one of them is read from it."""
-    uncertainty, limit = config.uncertainty.of_draws(), scene.search.factor_max
+    record, uncertainty, limit = scene.record, config.uncertainty.of_draws(), scene.search.factor_max
     blocks, (least, most) = bodies.lanes.chosen(slice(None, None, bodies.cases)), _ranges(bodies, uncertainty)
-    uplift = scene.record.pga / (blocks.gravity * np.tan(blocks.alpha_c))
     with np.errstate(divide="ignore"):
-        values["uplift_probability"] = 1.0 - uncertainty.below(-np.log(uplift))
+        lifting = np.log(blocks.gravity * np.tan(blocks.alpha_c) / record.pga)
+    values["uplift_probability"] = 1.0 - uncertainty.below(lifting)
     slender = covered(blocks, least, most) & (scene.vertical is None)
     values["probability_source"] = np.where(slender, SOURCES.index("spectrum"), SOURCES.index("own_lanes"))
 
@@ -72,29 +75,30 @@ def _fill(values: dict[str, np.ndarray], scene: Scene, bodies: Bodies, config: C
             for end in ENDS:
                 values[name + end][places] = getattr(found, own + end)
 
-    spectrum = None
-    served = np.flatnonzero(slender)
-    if served.size and np.any(scene.record.acceleration):
-        spectrum = OverturningSpectrum(spectrum_lanes(scene.record.acceleration, scene.record.dt), uncertainty)
+    still = slender & (1.0 - uncertainty.below(lifting - np.log(limit)) < NEVER)
+    nothing = {
+        own.name: np.array(0.0 if own.name.startswith("at_one") else np.inf) for own in fields(OverturningFactors)
+    }
+    put(np.flatnonzero(still), OverturningFactors(**nothing).up_to(limit))
+    spectrum, served = None, np.flatnonzero(slender & ~still)
+    if served.size:
+        spectrum = OverturningSpectrum(spectrum_lanes(record.acceleration, record.dt), uncertainty)
         put(served, spectrum.factors(blocks.chosen(served), least[served], most[served], limit))
-        served = served[:0]
-    key = np.random.SeedSequence([config.run.seed, *scene.record.id.encode()])
-    seed = int(key.generate_state(1)[0])
+    seed = int(np.random.SeedSequence([config.run.seed, *record.id.encode()]).generate_state(1)[0])
     # One body a call: its draws do not depend on how far the lanes of others have to reach.
-    for place in [*served, *np.flatnonzero(~slender)]:
-        one = np.array([place])
-        found = overturning_probability(
-            blocks.chosen(one),
-            scene.record.acceleration,
-            scene.record.dt,
+    for place in np.flatnonzero(~slender)[:, np.newaxis]:
+        own = overturning_probability(
+            blocks.chosen(place),
+            record.acceleration,
+            record.dt,
             uncertainty,
             vertical=scene.vertical,
             factor_max=limit,
-            least=least[one],
-            most=most[one],
+            least=least[place],
+            most=most[place],
             seed=seed,
         )
-        put(one, found)
+        put(place, own)
     return spectrum
 
 
