@@ -121,6 +121,8 @@ def overturning_probability(
     ]
     if not (np.all(ends[0] >= 0.0) and np.all(ends[0] <= ends[1]) and np.all(ends[1] <= 1.0 + 1e-9)):
         raise ValueError(f"least, most: expected 0 <= least <= most <= 1, got {least!r:.80} and {most!r:.80}")
+    if isinstance(seed, bool) or not isinstance(seed, int | np.integer) or seed < 0:
+        raise ValueError(f"seed: expected a whole number of at least 0, got {seed!r}")
     near = None if guess is None else np.broadcast_to(positive("guess", guess, "of the record"), nominal.shape)
     # P at the largest factor, and at 1, takes lanes beyond it, as far as a draw of the factor reaches.
     log_max = max(math.log(limit), 0.0)

@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from itertools import count
 
 import numpy as np
 from scipy.special import ndtri
@@ -121,15 +122,15 @@ class _March:
         self.seed, self.threads = seed, threads
         self.parts: list[_Part] = []
 
-    def add(self, body: np.ndarray, bottom: np.ndarray, top: np.ndarray, count: int) -> None:
-        """March `count` lanes for each of (b,) bodies, between its `bottom` and `top`."""
-        place = qmc.Sobol(3, seed=np.random.default_rng([self.seed, len(self.parts)])).random(count)
+    def add(self, body: np.ndarray, bottom: np.ndarray, top: np.ndarray, number: int, part: int) -> None:
+        """March `number` lanes for each of (b,) bodies, between its `bottom` and `top`; each `part` has its own draws."""
+        place = qmc.Sobol(3, seed=np.random.default_rng([self.seed, part])).random(number)
         reached = 2.0 * _normal_below(REACH) - 1.0
         loss = self.uncertainty.geometry * ndtri(0.5 + 0.5 * reached * place[:, 2])
         log_factor = bottom[:, np.newaxis] + (top - bottom)[:, np.newaxis] * place[:, 0]
         least, most = np.minimum(self.least[body], MOST_RESTITUTION), self.most[body]
         lanes = Block.from_parameters(
-            p=np.repeat(np.asarray(self.block.p)[body], count),
+            p=np.repeat(np.asarray(self.block.p)[body], number),
             alpha=(np.asarray(self.block.alpha_c)[body][:, np.newaxis] * np.exp(-loss)).reshape(-1),
             restitution=(least[:, np.newaxis] + (most - least)[:, np.newaxis] * place[:, 1]).reshape(-1),
             gravity=self.block.gravity,
@@ -239,7 +240,7 @@ def probability_lanes(
     centre = np.clip(np.log(guess[some]), bottom[some], log_max)
     low = np.maximum(np.minimum(centre - FIRST_HALF, log_max - 2.0 * FIRST_HALF), bottom[some])
     high = np.minimum(low + 2.0 * FIRST_HALF, log_max)
-    march.add(some, low, high, FIRST)
+    march.add(some, low, high, FIRST, 0)
     standing = _lengthen(march, some, bottom, log_max)
     shift = Uncertainty(factor=uncertainty.factor, geometry=0.0)
     half = max(SECOND_HALF, SECOND_DEVIATIONS * uncertainty.factor)
@@ -254,7 +255,7 @@ def probability_lanes(
     if second.size:
         centre = np.array(list(centres.values()))
         low, high = np.maximum(centre - half, bottom[second]), np.minimum(centre + half, log_max)
-        march.add(second, low, high, SECOND)
+        march.add(second, low, high, SECOND, 1)
     for body in some:
         found[body] = march.lanes(body, bool(standing[body]))
     return bottom, found
@@ -264,26 +265,24 @@ def _lengthen(march: _March, some: np.ndarray, bottom: np.ndarray, log_max: floa
     """Make the first part longer, down to uplift and up to the largest factor; (m,), where lanes stand up there."""
     low, high = np.full(bottom.size, np.inf), np.full(bottom.size, -np.inf)
     standing = np.zeros(bottom.size, dtype=bool)
-    down = up = some
     seen = 0
-    while down.size or up.size:
-        for part in march.parts[seen:]:
-            low[part.body] = np.minimum(low[part.body], part.bottom)
-            high[part.body] = np.maximum(high[part.body], part.top)
-        last = march.parts[seen:]
-        seen = len(march.parts)
+    for turn in count(1):
         falls, stands = np.zeros(bottom.size, dtype=bool), np.zeros(bottom.size, dtype=bool)
-        for part in last:
-            place = part.log_factor
-            falls[part.body] |= np.any(part.over & (place < (low[part.body] + QUIET)[:, np.newaxis]), axis=1)
-            stands[part.body] |= np.any(~part.over & (place > (high[part.body] - QUIET)[:, np.newaxis]), axis=1)
+        for part in march.parts[seen:]:
+            body = part.body
+            low[body], high[body] = np.minimum(low[body], part.bottom), np.maximum(high[body], part.top)
+            lowest, highest = (low[body] + QUIET)[:, np.newaxis], (high[body] - QUIET)[:, np.newaxis]
+            falls[body] |= np.any(part.over & (part.log_factor < lowest), axis=1)
+            stands[body] |= np.any(~part.over & (part.log_factor > highest), axis=1)
+        seen = len(march.parts)
         standing |= stands & (high >= log_max)
-        down = np.flatnonzero(falls & (low > bottom))
-        up = np.flatnonzero(stands & (high < log_max))
+        down, up = np.flatnonzero(falls & (low > bottom)), np.flatnonzero(stands & (high < log_max))
         if down.size:
-            march.add(down, np.maximum(low[down] - MORE_LENGTH, bottom[down]), low[down], MORE)
+            march.add(down, np.maximum(low[down] - MORE_LENGTH, bottom[down]), low[down], MORE, 2 * turn)
         if up.size:
-            march.add(up, high[up], np.minimum(high[up] + MORE_LENGTH, log_max), MORE)
+            march.add(up, high[up], np.minimum(high[up] + MORE_LENGTH, log_max), MORE, 2 * turn + 1)
+        if seen == len(march.parts):
+            break
     return standing
 
 

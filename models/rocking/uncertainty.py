@@ -16,6 +16,8 @@ from typing import Any
 import numpy as np
 from scipy.special import ndtr, owens_t
 
+from rocking.arguments import numbers
+
 __all__ = ["Uncertainty"]
 
 #: Least spread of the factor on the record [-]: lanes on a finite number of levels cannot show a narrower one.
@@ -55,18 +57,16 @@ class Uncertainty:
     geometry: float = 0.05
 
     def __post_init__(self) -> None:
-        if not LEAST_SPREAD <= self.factor <= LARGEST_SPREAD:
-            raise ValueError(
-                f"factor: expected a standard deviation of {LEAST_SPREAD:g} to {LARGEST_SPREAD:g}, got {self.factor!r}"
-            )
-        least, most = self.restitution
-        if not 0.0 < least <= most <= 1.0:
-            raise ValueError(
-                "restitution: expected the least and the most of C over the nominal one, above 0 and at most 1, got "
-                f"{self.restitution!r}"
-            )
-        if not 0.0 <= self.geometry <= LARGEST_SPREAD:
-            raise ValueError(f"geometry: expected a share from 0 to {LARGEST_SPREAD:g}, got {self.geometry!r}")
+        expected = f"a standard deviation of {LEAST_SPREAD:g} to {LARGEST_SPREAD:g}"
+        if not LEAST_SPREAD <= numbers("factor", self.factor, expected, lanes=False) <= LARGEST_SPREAD:
+            raise ValueError(f"factor: expected {expected}, got {self.factor!r}")
+        expected = "the least and the most of C over the nominal one, above 0 and at most 1"
+        shares = numbers("restitution", self.restitution, expected)
+        if shares.shape != (2,) or not 0.0 < shares[0] <= shares[1] <= 1.0:
+            raise ValueError(f"restitution: expected {expected}, got {self.restitution!r}")
+        expected = f"a share from 0 to {LARGEST_SPREAD:g}"
+        if not 0.0 <= numbers("geometry", self.geometry, expected, lanes=False) <= LARGEST_SPREAD:
+            raise ValueError(f"geometry: expected {expected}, got {self.geometry!r}")
 
     @property
     def spread(self) -> float:
