@@ -18,11 +18,14 @@ import statistics
 import time
 
 import numpy as np
+from scipy.interpolate import RegularGridInterpolator
 from scipy.stats import norm, qmc
 
 import rockpulse as rp
-from rocking import Block, Outcome, OverturningSpectrum, Uncertainty, recorded_response, spectrum_lanes
+from rocking import Block, OverturningSpectrum, Uncertainty, recorded_response, spectrum_lanes
 from rocking.crossing import factor_at, mean_capacity, rising
+from rocking.spectrum_lanes import RATES
+from rockpulse.storage.spectrum_variables import RESTITUTIONS, ROTATIONS
 from rockpulse.studies.rule.cases import StrongMotion, strong_motions
 
 UNCERTAINTY = Uncertainty()
@@ -35,9 +38,9 @@ QUANTITIES = ("capacity_mean", "factor_10", "factor_50")
 
 
 def own_lanes(
-    motion: StrongMotion, body: Block, centre: float, reach: float, draws: int, seed: int
+    motion: StrongMotion, body: Block, centre: float, reach: float, draws: int, seed: int, rotation: float = np.inf
 ) -> dict[str, float]:
-    """The quantities of one body from lanes of its own, and P at a factor of one."""
+    """The quantities of one body from lanes of its own, and P at a factor of one; of reaching a rotation if given."""
     drawn = qmc.Sobol(3, seed=seed).random(draws)
     least, most = UNCERTAINTY.restitution
     restitution = np.minimum(body.restitution * (least + (most - least) * drawn[:, 0]), 0.999)
@@ -47,8 +50,8 @@ def own_lanes(
         p=np.full(draws, body.p), alpha=alpha, restitution=restitution, gravity=body.gravity, log=False
     )
     record = motion.record
-    outcome = recorded_response(lanes, record.acceleration, record.dt, block_scale=np.exp(logs)).outcome
-    over = (outcome == Outcome.OVERTURNS) | (outcome == Outcome.UNRESOLVED)
+    peak = recorded_response(lanes, record.acceleration, record.dt, block_scale=np.exp(logs)).peak_rotation_ratio
+    over = np.where(np.isnan(peak), np.inf, peak) >= rotation
     spread = UNCERTAINTY.factor
     levels = np.arange(centre - reach - 5 * spread, centre + reach + 5 * spread, 0.02)
     bell = norm.pdf((logs - levels[:, np.newaxis]) / spread)
@@ -62,6 +65,25 @@ def own_lanes(
         "factor_50": float(factor_at(0.5, factors, fitted)),
         "at_one": float(np.interp(0.0, levels, fitted)),
     }
+
+
+def rotation_error(motions: list[StrongMotion], pairs: int) -> None:
+    """Print bias and dispersion of the mean factors at which bodies reach rotations, read from S of each of them."""
+    tables = []
+    for one in motions:
+        spectrum = OverturningSpectrum(spectrum_lanes(one.record.acceleration, one.record.dt), UNCERTAINTY)
+        tables.append([np.log(spectrum.spectrum(RESTITUTIONS, rotation)) for rotation in ROTATIONS])
+    logs = np.empty((pairs, ROTATIONS.size))
+    for pair in range(pairs):
+        motion, body = motions[pair % len(motions)], drawn_body(np.random.default_rng([17, pair]))
+        speed = math.log(body.gravity * math.tan(body.alpha_c) / body.p)
+        for place, rotation in enumerate(ROTATIONS):
+            table = RegularGridInterpolator((np.log(RATES), RESTITUTIONS), tables[pair % len(motions)][place])
+            read = speed - table([[math.log(body.p), body.restitution]])[0]
+            truth = own_lanes(motion, body, read, 2.5, DRAWS, pair, rotation)["capacity_mean"]
+            logs[pair, place] = read - math.log(truth)
+    for rotation, values in zip(ROTATIONS, logs.T, strict=True):
+        print(f"rotation {rotation:g}: median {np.exp(np.median(values)):.3f} dispersion {np.std(values):.3f}")
 
 
 def drawn_body(random: np.random.Generator) -> Block:
@@ -181,6 +203,7 @@ def main() -> None:
     parser.add_argument("--dt", type=float, help="interval of files that do not name one [s]")
     parser.add_argument("--pairs", type=int, default=500, help="pairs of record and body")
     parser.add_argument("--cost", action="store_true", help="time it instead")
+    parser.add_argument("--rotation", action="store_true", help="the limit states of rotation instead")
     parser.add_argument("--runs", type=int, default=5, help="calls of which the median is taken")
     args = parser.parse_args()
     logging.disable(logging.CRITICAL)
@@ -188,6 +211,8 @@ def main() -> None:
     motions, _ = strong_motions(records)
     if args.cost:
         cost(motions[0], args.runs)
+    elif args.rotation:
+        rotation_error(motions, args.pairs)
     else:
         error(motions, args.pairs)
 
