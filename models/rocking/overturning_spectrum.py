@@ -18,6 +18,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, fields
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -127,43 +128,9 @@ class OverturningSpectrum:
         self._logs = LEVEL_STEP * np.arange(first, last + 1.0)
         self.level = np.exp(self._logs)
         apart = self._logs[:, np.newaxis] - self._logs
-        self._alike = np.exp(
-            -((0.5 * apart / self.uncertainty.spread) ** 2)
-        )  # how errors of P at two levels go together
-        self._tails = [
-            tail_masses(bottom, top, self._logs, self.uncertainty)
-            for bottom, top in zip(lanes.bottom, lanes.top, strict=True)
-        ]
-        self._bells = [self._bell(place) for place in range(self.p.size)]
-        self._sums = [self._cumulated(place, np.isinf(lanes.peak[place])) for place in range(self.p.size)]
-
-    def _bell(self, place: int) -> np.ndarray:
-        """(n, k) weight of each lane at each level."""
-        lanes = self.lanes
-        return lane_bells(lanes.log_x[place], lanes.weight[place], self._logs, self.uncertainty)
-
-    def _cumulated(self, place: int, over: np.ndarray) -> np.ndarray:
-        """(n + 1, 4, k) sums over the lanes up to a restitution: weights, those of exceedance, the squares of both."""
-        bell = self._bells[place]
-        hit = bell * over[:, np.newaxis]
-        sums = np.zeros((bell.shape[0] + 1, 4, bell.shape[1]))
-        np.cumsum(np.stack([bell, hit, bell * bell, hit * bell], axis=1), axis=0, out=sums[1:])
-        return sums
-
-    def _share(
-        self, sums: np.ndarray, place: int, least: np.ndarray, most: np.ndarray
-    ) -> tuple[np.ndarray, np.ndarray]:
-        """P (r, k) at one frequency parameter for (r,) ranges of restitution, and its variance."""
-        lanes = self.lanes
-        first = np.searchsorted(lanes.restitution[place], least, side="left")
-        last = np.searchsorted(lanes.restitution[place], most, side="right")
-        weight, hit, square, hit_square = np.moveaxis(sums[last] - sums[first], 1, 0)
-        found = lane_probability(hit, weight, *self._tails[place])
-        below, above = self._tails[place]
-        inside = 1.0 - below - above
-        share = np.divide(found - above, inside, out=np.zeros(hit.shape), where=inside > 0.0)
-        spread = np.maximum(hit_square * (1.0 - 2.0 * share) + share**2 * square, 0.0)
-        return found, inside**2 * np.divide(spread, weight**2, out=np.zeros(hit.shape), where=weight > NO_LANE)
+        # Errors of P at two levels go together as far as the same lanes make them.
+        self._alike = np.exp(-((0.5 * apart / self.uncertainty.spread) ** 2))
+        self._at = [_AtOneRate(lanes, place, self._logs, self.uncertainty) for place in range(self.p.size)]
 
     def probability(self, restitution: Any, rotation: float = np.inf) -> np.ndarray:
         """P(x; p, C) at the levels, fitted so that it never falls with x.
@@ -188,12 +155,7 @@ class OverturningSpectrum:
         least, most = self._range(restitution)
         if not rotation > 0.0:
             raise ValueError(f"rotation: expected a positive theta/alpha, or inf, got {rotation!r}")
-        found = np.empty((self.p.size, least.size, self.level.size))
-        for place, peak in enumerate(self.lanes.peak):
-            # A lane is marched to overturning, so that it has passed every rotation.
-            sums = self._sums[place] if rotation == np.inf else self._cumulated(place, peak >= rotation)
-            found[place] = self._share(sums, place, least, most)[0]
-        return rising(found)
+        return rising(np.stack([one.reaching(rotation, least, most) for one in self._at]))
 
     def spectrum(self, restitution: Any, rotation: float = np.inf) -> np.ndarray:
         """S(p, C) = 1/exp(E ln x_c) [m/s], (a, c), for nominal C (c,) and a limit state as for :meth:`probability`."""
@@ -280,10 +242,55 @@ class OverturningSpectrum:
         for places, weights in ((below, 1.0 - share), (above, share)):
             for place in np.unique(places):
                 here = np.flatnonzero(places == place)
-                own, spread = self._share(self._sums[place], place, least[here], most[here])
+                own, spread = self._at[place].overturning(least[here], most[here])
                 probability[here] += weights[here, np.newaxis] * own
                 variance[here] += weights[here, np.newaxis] ** 2 * spread
         return probability, np.sqrt(variance)
+
+
+class _AtOneRate:
+    """The lanes of one frequency parameter at the (k,) levels; below those that they reach P is 0, above them 1."""
+
+    def __init__(self, lanes: SpectrumLanes, place: int, logs: np.ndarray, uncertainty: Uncertainty) -> None:
+        bottom, top, reach = lanes.bottom[place], lanes.top[place], REACH * uncertainty.spread
+        self.levels = logs.size
+        self.span = slice(*np.searchsorted(logs, [bottom - reach, top + reach]))
+        self.restitution, self.peak = lanes.restitution[place], lanes.peak[place]
+        own = logs[self.span]
+        self.tails = tail_masses(bottom, top, own, uncertainty)
+        self.bells = lane_bells(lanes.log_x[place], lanes.weight[place], own, uncertainty)
+
+    @cached_property
+    def sums(self) -> np.ndarray:
+        """(n + 1, 4, s) over the lanes up to a restitution: bells, those of overturning, the squares of both."""
+        hit = self.bells * np.isinf(self.peak)[:, np.newaxis]
+        sums = np.zeros((self.bells.shape[0] + 1, 4, self.bells.shape[1]))
+        np.cumsum(np.stack([self.bells, hit, self.bells**2, hit**2], axis=1), axis=0, out=sums[1:])
+        return sums
+
+    def overturning(self, least: np.ndarray, most: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """P (r, k) for (r,) ranges of restitution, and its variance."""
+        first = np.searchsorted(self.restitution, least, side="left")
+        last = np.searchsorted(self.restitution, most, side="right")
+        weight, hit, square, hit_square = np.moveaxis(self.sums[last] - self.sums[first], 1, 0)
+        found = lane_probability(hit, weight, *self.tails)
+        below, above = self.tails
+        inside = 1.0 - below - above
+        share = np.divide(found - above, inside, out=np.zeros(hit.shape), where=inside > 0.0)
+        spread = np.maximum(hit_square * (1.0 - 2.0 * share) + share**2 * square, 0.0)
+        variance = inside**2 * np.divide(spread, weight**2, out=np.zeros(hit.shape), where=weight > NO_LANE)
+        return self._at_all(found, 1.0), self._at_all(variance, 0.0)
+
+    def reaching(self, rotation: float, least: np.ndarray, most: np.ndarray) -> np.ndarray:
+        """P (r, k) of reaching a rotation, for (r,) ranges of restitution; what overturns has reached every one."""
+        within = (self.restitution >= least[:, np.newaxis]) & (self.restitution <= most[:, np.newaxis])
+        hit = (within & (self.peak >= rotation)).astype(float) @ self.bells
+        return self._at_all(lane_probability(hit, within.astype(float) @ self.bells, *self.tails), 1.0)
+
+    def _at_all(self, values: np.ndarray, above: float) -> np.ndarray:
+        found = np.zeros((values.shape[0], self.levels))
+        found[:, self.span], found[:, self.span.stop :] = values, above
+        return found
 
 
 def _crossings(

@@ -123,7 +123,7 @@ class _March:
         self.parts: list[_Part] = []
 
     def add(self, body: np.ndarray, bottom: np.ndarray, top: np.ndarray, number: int, part: int) -> None:
-        """March `number` lanes for each of (b,) bodies, between its `bottom` and `top`; each `part` has its own draws."""
+        """March `number` lanes of (b,) bodies each, between its `bottom` and `top`; each `part` has its own draws."""
         place = qmc.Sobol(3, seed=np.random.default_rng([self.seed, part])).random(number)
         reached = 2.0 * _normal_below(REACH) - 1.0
         loss = self.uncertainty.geometry * ndtri(0.5 + 0.5 * reached * place[:, 2])

@@ -13,12 +13,20 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 
 from rocking.block import Block
-from rocking.crossing import factor_at, mean_capacity
+from rocking.crossing import factor_at
 from rocking.overturning_spectrum import LEAST_SLENDERNESS, OverturningSpectrum
-from rocking.spectrum_lanes import RATES, spectrum_lanes
+from rocking.spectrum_lanes import LEAST_RESTITUTION, RATES, spectrum_lanes
 from rocking.uncertainty import Uncertainty
 from rockpulse.record.record import Record
-from rockpulse.storage.spectrum_variables import LEVELS, RESTITUTIONS, ROTATIONS, SPECTRUM, SPECTRUM_AXES
+from rockpulse.storage.spectrum_variables import (
+    AXIS_SIZES,
+    LEVELS,
+    RESTITUTIONS,
+    ROTATIONS,
+    SPECTRUM,
+    SPECTRUM_AXES,
+)
+from rockpulse.storage.variables import StoredVariable
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -101,11 +109,18 @@ def overturning_spectrum(
 
 def spectrum_values(spectrum: OverturningSpectrum, restitution: np.ndarray = RESTITUTIONS) -> dict[str, np.ndarray]:
     """The variables of :data:`~rockpulse.storage.spectrum_variables.SPECTRUM` of a spectrum, at nominal C (c,)."""
-    shape = (spectrum.p.size, restitution.size)
+    least, most = (share * restitution for share in spectrum.uncertainty.restitution)
+    if np.any(outside := (least < LEAST_RESTITUTION * (1.0 - 1e-9)) | (most > 1.0 + 1e-9)):
+        # With a wide range of restitutions the lanes do not reach down to those of the least nominal ones.
+        inner = spectrum_values(spectrum, restitution[~outside]) if not np.all(outside) else {}
+        return {
+            name: _with_gaps(variable, inner.get(name), outside, spectrum.p.size) for name, variable in SPECTRUM.items()
+        }
     rates, nominal = (values.ravel() for values in np.meshgrid(spectrum.p, restitution, indexing="ij"))
     blocks = Block.from_parameters(p=rates, alpha=ALPHA, restitution=nominal, log=False)
     speed = blocks.gravity * np.tan(ALPHA) / rates
     read = spectrum.factors(blocks)
+    shape = (spectrum.p.size, restitution.size)
     capacity = (speed / read.capacity_mean).reshape(shape)
     probability = spectrum.probability(restitution)
     logs, relative = np.log(spectrum.level), np.log(LEVELS)
@@ -113,9 +128,7 @@ def spectrum_values(spectrum: OverturningSpectrum, restitution: np.ndarray = RES
         "spectrum": capacity,
         "spectrum_low": (speed / read.capacity_mean_high).reshape(shape),
         "spectrum_high": (speed / read.capacity_mean_low).reshape(shape),
-        "rotation_spectrum": np.stack(
-            [1.0 / mean_capacity(spectrum.level, spectrum.probability(restitution, one)) for one in ROTATIONS]
-        ),
+        "rotation_spectrum": np.stack([spectrum.spectrum(restitution, one) for one in ROTATIONS]),
         "probability": np.array(
             [
                 [np.interp(relative - np.log(value), logs, row) for value, row in zip(*one, strict=True)]
@@ -123,6 +136,17 @@ def spectrum_values(spectrum: OverturningSpectrum, restitution: np.ndarray = RES
             ]
         ),
     }
+
+
+def _with_gaps(variable: StoredVariable, inner: np.ndarray | None, outside: np.ndarray, rates: int) -> np.ndarray:
+    """The values of a variable at the restitutions that the lanes reach, NaN at the others."""
+    sizes = {**AXIS_SIZES, "p": rates, "restitution": outside.size}
+    found = np.full([sizes[dim] for dim in variable.dims], np.nan)
+    if inner is not None:
+        place: list[Any] = [slice(None)] * found.ndim
+        place[variable.dims.index("restitution")] = ~outside
+        found[tuple(place)] = inner
+    return found
 
 
 def overturning_factors(spectrum: xr.Dataset, block: Block) -> dict[str, np.ndarray]:

@@ -55,7 +55,7 @@ def record_probability(scene: Scene, bodies: Bodies, config: Config) -> RecordPr
     values = {name: np.full(count, np.nan) for name in PROBABILITY}
     values["probability_source"] = np.full(count, SOURCES.index("none"))
     spectrum = None
-    if config.uncertainty.probability and not {"nonlinear", "auto"}.isdisjoint(scene.models.answering):
+    if config.has_probability:
         spectrum = _fill(values, scene, bodies, config)
     return RecordProbability({name: np.repeat(own, bodies.cases) for name, own in values.items()}, spectrum)
 

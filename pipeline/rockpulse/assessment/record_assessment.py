@@ -13,10 +13,12 @@ from rocking.overturning_spectrum import OverturningSpectrum
 from rocking.response import Response
 from rocking.scale_search import ScaleIntervals
 from rocking.sequence import ImpulseSequence
+from rockpulse.assessment.overturning import spectrum_values
 from rockpulse.config.bodies import Bodies
 from rockpulse.config.configuration import Config
 from rockpulse.ladder import Scene
 from rockpulse.record.record import Record
+from rockpulse.storage.spectrum_variables import AXIS_SIZES, SPECTRUM
 
 __all__ = ["RecordAssessment", "Rows"]
 
@@ -55,6 +57,15 @@ class RecordAssessment:
     def record(self) -> Record:
         """The conditioned record."""
         return self.scene.record
+
+    @cached_property
+    def spectra(self) -> dict[str, np.ndarray]:
+        """The variables of the overturning spectrum; NaN where no body is read from one."""
+        if self.spectrum is not None:
+            return spectrum_values(self.spectrum)
+        return {
+            name: np.full([AXIS_SIZES[dim] for dim in variable.dims], np.nan) for name, variable in SPECTRUM.items()
+        }
 
     @property
     def sequence(self) -> ImpulseSequence | None:

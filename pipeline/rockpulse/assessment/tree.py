@@ -19,6 +19,7 @@ from rockpulse.config.configuration import Config
 from rockpulse.failures import Failure
 from rockpulse.motions.directions import sweep_azimuths
 from rockpulse.storage.assessment_variables import ASSESSMENT_GROUPS, GROWING
+from rockpulse.storage.spectrum_variables import AXIS_SIZES
 from rockpulse.storage.variables import StoredVariable, failure_table
 
 if TYPE_CHECKING:
@@ -59,8 +60,7 @@ def build_tree(
     if swept is not None:
         azimuths = sweep_azimuths(config.records.azimuth_step)
         nodes["/directions"] = direction_statistics(nodes["/summary"], azimuths, swept, config.uncertainty.azimuth)
-    if "/records" in groups:
-        nodes["/records"] = xr.Dataset(groups["/records"])
+    nodes |= {group: xr.Dataset(groups[group]) for group in ("/spectra", "/records") if group in groups}
     tree = xr.DataTree.from_dict(nodes)
     tree.attrs["title"] = config.site.name or "Rocking response of rigid blocks to recorded ground motions"
     tree.attrs["site_description"] = config.site.description
@@ -116,7 +116,7 @@ def _variables(config: Config) -> dict[str, StoredVariable]:
     """The variables that an assessment by a configuration has, less those of /failures and /directions, by path."""
     return {
         f"{group}/{name}": variable
-        for group in ("/summary", "/half_cycles", "/overturning_intervals", "/records")
+        for group in ("/summary", "/half_cycles", "/overturning_intervals", "/spectra", "/records")
         for name, variable in ASSESSMENT_GROUPS[group].items()
         if variable.stored is None or variable.stored(config)
     }
@@ -140,6 +140,6 @@ def _in_dims(variable: StoredVariable, values: np.ndarray, bodies: Bodies) -> np
 def _absent(variable: StoredVariable, rows: int, bodies: Bodies, config: Config) -> np.ndarray:
     """So many rows without a value."""
     sizes = {"block": len(bodies.names), "case": bodies.cases, "model": len(config.models.answering)}
-    sizes["demand"] = len(config.demands)
+    sizes |= {"demand": len(config.demands), **AXIS_SIZES}
     shape = (rows, *(sizes[dim] for dim in _dims(variable, bodies)[1:]))
     return np.full(shape, variable.absent, dtype=variable.kind)

@@ -100,6 +100,11 @@ class Config:
                 f'components = "sweep", found "{self.records.components}"; change one of them'
             )
 
+    @property
+    def has_probability(self) -> bool:
+        """Whether a probability of overturning is worked out: asked for, and the nonlinear equation among the models."""
+        return self.uncertainty.probability and not {"nonlinear", "auto"}.isdisjoint(self.models.answering)
+
     def record_paths(self) -> list[Path]:
         """``records.paths`` as they are found from the current folder."""
         return [located(path, self.folder) for path in self.records.paths]

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from rockpulse.storage.spectrum_variables import SPECTRA
 from rockpulse.storage.summary_variables import LANES, SUMMARY
 from rockpulse.storage.variables import FAILURE, Declared, StoredVariable, along, flag, real, text, whole
 
@@ -229,6 +230,7 @@ ASSESSMENT_GROUPS: dict[str, Declared] = {
     "/summary": SUMMARY,
     "/half_cycles": HALF_CYCLE,
     "/overturning_intervals": OVERTURNING,
+    "/spectra": {"record": replace(SUMMARY["record"], since=3, stored=SPECTRA["spectrum"].stored), **SPECTRA},
     "/failures": FAILURE,
     "/directions": DIRECTIONS,
     "/records": {
@@ -250,5 +252,5 @@ def always_stored(schema: str) -> dict[str, Declared]:
     return {
         group: {name: one for name, one in declared.items() if one.stored is None and one.since <= last}
         for group, declared in ASSESSMENT_GROUPS.items()
-        if group not in ("/directions", "/records")
+        if group not in ("/spectra", "/directions", "/records")
     }

@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
+
 import numpy as np
 
 from rocking.spectrum_lanes import RATES
-from rockpulse.storage.variables import Declared, along, real
+from rockpulse.config.configuration import Config
+from rockpulse.storage.variables import Declared, StoredVariable, along, real
 
-__all__ = ["LEVELS", "RESTITUTIONS", "ROTATIONS", "SPECTRUM", "SPECTRUM_AXES"]
+__all__ = ["AXIS_SIZES", "LEVELS", "RESTITUTIONS", "ROTATIONS", "SPECTRA", "SPECTRUM", "SPECTRUM_AXES"]
 
 #: Nominal restitutions of a stored spectrum [-].
 RESTITUTIONS = np.linspace(0.75, 1.0, 6)
@@ -60,4 +65,23 @@ SPECTRUM: Declared = {
         "probability of overturning of a block under the record times level times its mean capacity",
         dims=("p", "restitution", "level"),
     ),
+}
+
+#: Lengths of these axes.
+AXIS_SIZES = {"p": RATES.size, "restitution": RESTITUTIONS.size, "level": LEVELS.size, "rotation": ROTATIONS.size}
+
+
+def _has(config: Config) -> bool:
+    return config.has_probability
+
+
+def _of_record(name: str, variable: StoredVariable) -> StoredVariable:
+    take: Callable[[Any], np.ndarray] = lambda one: one.spectra[name]  # noqa: E731
+    return replace(variable, dims=("record", *variable.dims), take=take, since=3, stored=_has, of_ground=True)
+
+
+#: The group /spectra of an assessment, without the names of records; NaN where no body of a record needs its spectrum.
+SPECTRA: Declared = {
+    **{name: replace(axis, since=3, stored=_has) for name, axis in SPECTRUM_AXES.items()},
+    **{name: _of_record(name, variable) for name, variable in SPECTRUM.items()},
 }
