@@ -11,8 +11,8 @@ levels. Here the draws of the factor are integrated over instead of drawn: lanes
 C and alpha drawn for each alone, with the normal density of ln F as the weight of a lane at a level. That is the mean
 of the verdict over F in closed form, so that its expectation is P itself; 20480 lanes over 2.5 in ln f are 2900
 effective draws at each level (8192 times 2 sqrt(pi) 0.1), with an error of 0.009 in P and 0.2 % in the crossing,
-against 2 % of what is judged. `--whole` cases are worked out by the whole definition too: 4096 draws, each at all
-levels 2 % apart.
+against 3 % of what is judged. `--whole` cases are worked out by the whole definition too: 4096 draws, each at all levels
+2 % apart.
 The lanes of the truth know nothing of those that are judged: other seeds, other places, no Sobol set, whole marches.
 """
 

@@ -3,9 +3,9 @@
 .. note:: Where the similarity of slender blocks does not hold, a body is marched for itself. A lane takes a factor f
    that is known exactly, a C and an alpha that are drawn, from one scrambled Sobol set for all bodies of a call; the
    uncertainty of f is a kernel in ln f afterwards (:mod:`rocking.lane_probability`) and is not drawn. A first part lies
-   about a guess of the capacity, made longer where its lowest lanes overturn or its highest ones stand; a second part
-   lies about the crossing of 50 % that the first one shows. Each lane stands for 1 over the density of the lanes at
-   its place.
+   about a guess of the capacity, made longer where its lowest lanes overturn or its highest ones stand. A second part
+   lies where verdicts differ: its density follows the standard deviation sqrt(P (1 - P)) of a verdict, P the share of
+   the first part that overturns nearby. Each lane stands for 1 over the density of all lanes at its place.
 """
 
 from __future__ import annotations
@@ -15,15 +15,15 @@ from dataclasses import dataclass
 from itertools import count
 
 import numpy as np
+from scipy.integrate import cumulative_trapezoid
 from scipy.special import ndtri
 from scipy.stats import qmc
 
 from rocking.block import Block
 from rocking.capacity import uplift_scale
-from rocking.crossing import factor_at, rising
 from rocking.demand import ground_demand
 from rocking.fidelity import within_measured_range
-from rocking.lane_probability import Shift, lane_bells, lane_probability, tail_masses
+from rocking.lane_probability import Shift, lane_bells, tail_masses
 from rocking.recorded import recorded_response
 from rocking.response import Outcome
 from rocking.uncertainty import Uncertainty
@@ -48,9 +48,14 @@ MORE, MORE_LENGTH = 32, 0.8
 #: The first part ends where no lane overturns in so much of ln f at its bottom, and none stands at its top.
 QUIET = 0.2
 
-#: Lanes of the second part, over so much of ln f to either side of the crossing, and no less than that many standard
-#: deviations of the factor.
-SECOND, SECOND_HALF, SECOND_DEVIATIONS = 128, 0.3, 3.0
+#: Lanes of the second part, and the least density of them over that of lanes in full disagreement.
+SECOND, FLOOR = 192, 0.2
+
+#: Width in ln f over which verdicts of the first part count as neighbours, and points at which their density is known.
+NEIGHBOURS, POINTS = 0.12, 201
+
+#: Points of a Sobol set that are drawn at once: the lanes of each part are a multiple of it.
+SET = 32
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,19 +89,14 @@ class BodyLanes:
         bells = lane_bells(self.log_factor, self.weight, log_level, shift)
         return bells, tail_masses(self.bottom, self.top, log_level, shift)
 
-    def probability(self, log_level: np.ndarray, shift: Shift) -> np.ndarray:
-        """P at (k,) levels [-], not fitted."""
-        bells, tails = self.sums(log_level, shift)
-        return lane_probability(self.over @ bells, bells.sum(axis=0), *tails)
-
 
 @dataclass(frozen=True, eq=False)
 class _Part:
-    """Lanes (b, n) of some of the bodies, at equal density between (b,) `bottom` and `top`."""
+    """Lanes (b, n) of (b,) bodies, with their density per unit of ln f on a grid (b, g) of it, linear between."""
 
     body: np.ndarray
-    bottom: np.ndarray
-    top: np.ndarray
+    grid: np.ndarray
+    density: np.ndarray
     log_factor: np.ndarray
     over: np.ndarray
     unresolved: np.ndarray
@@ -122,12 +122,20 @@ class _March:
         self.seed, self.threads = seed, threads
         self.parts: list[_Part] = []
 
-    def add(self, body: np.ndarray, bottom: np.ndarray, top: np.ndarray, number: int, part: int) -> None:
-        """March `number` lanes of (b,) bodies each, between its `bottom` and `top`; each `part` has its own draws."""
-        place = qmc.Sobol(3, seed=np.random.default_rng([self.seed, part])).random(number)
+    def add(self, body: np.ndarray, grid: np.ndarray, wanted: np.ndarray, number: int, part: int) -> None:
+        """March `number` lanes for each of (b,) bodies, their density on a grid (b, g) of ln f as `wanted` (b, g) is.
+
+        Each `part` has draws of its own, so that those of a body do not depend on the other bodies.
+        """
+        points = qmc.Sobol(3, seed=np.random.default_rng([self.seed, part]))
+        place = np.concatenate([points.random(SET) for _ in range(number // SET)])
+        filled = cumulative_trapezoid(wanted, grid, axis=1, initial=0.0)
+        log_factor = np.array(
+            [np.interp(place[:, 0] * one[-1], one, own) for one, own in zip(filled, grid, strict=True)]
+        )
+        density = number * wanted / filled[:, -1:]
         reached = 2.0 * _normal_below(REACH) - 1.0
         loss = self.uncertainty.geometry * ndtri(0.5 + 0.5 * reached * place[:, 2])
-        log_factor = bottom[:, np.newaxis] + (top - bottom)[:, np.newaxis] * place[:, 0]
         least, most = np.minimum(self.least[body], MOST_RESTITUTION), self.most[body]
         lanes = Block.from_parameters(
             p=np.repeat(np.asarray(self.block.p)[body], number),
@@ -139,7 +147,7 @@ class _March:
         outcome = self._outcome(lanes, np.exp(log_factor).reshape(-1)).reshape(log_factor.shape)
         unresolved = outcome == Outcome.UNRESOLVED
         over = (outcome == Outcome.OVERTURNS) | unresolved
-        self.parts.append(_Part(body, bottom, top, log_factor, over, unresolved))
+        self.parts.append(_Part(body, grid, density, log_factor, over, unresolved))
 
     def _outcome(self, lanes: Block, factor: np.ndarray) -> np.ndarray:
         """Outcome of each lane; without vertical and within the measured range a march ends where it is settled."""
@@ -172,10 +180,13 @@ class _March:
         )
         density = np.zeros(log_factor.size)
         for part, row in own:
-            bottom, top = part.bottom[row], part.top[row]
-            density += part.log_factor.shape[1] / (top - bottom) * ((log_factor >= bottom) & (log_factor <= top))
-        bottom, top = min(part.bottom[row] for part, row in own), max(part.top[row] for part, row in own)
+            density += np.interp(log_factor, part.grid[row], part.density[row], left=0.0, right=0.0)
+        bottom, top = (pick([part.grid[row, end] for part, row in own]) for pick, end in ((min, 0), (max, -1)))
         return BodyLanes(log_factor, 1.0 / density, over, unresolved, float(bottom), float(top), open_top)
+
+    def evenly(self, body: np.ndarray, bottom: np.ndarray, top: np.ndarray, number: int, part: int) -> None:
+        """March lanes of one density between the (b,) `bottom` and `top` of (b,) bodies."""
+        self.add(body, np.stack([bottom, top], axis=1), np.ones((body.size, 2)), number, part)
 
 
 def probability_lanes(
@@ -240,22 +251,13 @@ def probability_lanes(
     centre = np.clip(np.log(guess[some]), bottom[some], log_max)
     low = np.maximum(np.minimum(centre - FIRST_HALF, log_max - 2.0 * FIRST_HALF), bottom[some])
     high = np.minimum(low + 2.0 * FIRST_HALF, log_max)
-    march.add(some, low, high, FIRST, 0)
+    march.evenly(some, low, high, FIRST, 0)
     standing = _lengthen(march, some, bottom, log_max)
-    shift = Uncertainty(factor=uncertainty.factor, geometry=0.0)
-    half = max(SECOND_HALF, SECOND_DEVIATIONS * uncertainty.factor)
-    centres = {}
-    for body in some:
-        lanes = march.lanes(body, bool(standing[body]))
-        if lanes.over.any():
-            levels = np.arange(lanes.bottom - half, lanes.top + half, 0.02)
-            crossing = factor_at(0.5, np.exp(levels), rising(lanes.probability(levels, shift)))
-            centres[body] = min(math.log(crossing), log_max)
-    second = np.array(list(centres), dtype=np.int64)
-    if second.size:
-        centre = np.array(list(centres.values()))
-        low, high = np.maximum(centre - half, bottom[second]), np.minimum(centre + half, log_max)
-        march.add(second, low, high, SECOND, 1)
+    pilot = [march.lanes(body, bool(standing[body])) for body in some]
+    second = [(body, *_where_verdicts_differ(one)) for body, one in zip(some, pilot, strict=True) if one.over.any()]
+    if second:
+        body, grid, wanted = (np.array(column) for column in zip(*second, strict=True))
+        march.add(body, grid, wanted, SECOND, 1)
     for body in some:
         found[body] = march.lanes(body, bool(standing[body]))
     return bottom, found
@@ -270,7 +272,7 @@ def _lengthen(march: _March, some: np.ndarray, bottom: np.ndarray, log_max: floa
         falls, stands = np.zeros(bottom.size, dtype=bool), np.zeros(bottom.size, dtype=bool)
         for part in march.parts[seen:]:
             body = part.body
-            low[body], high[body] = np.minimum(low[body], part.bottom), np.maximum(high[body], part.top)
+            low[body], high[body] = np.minimum(low[body], part.grid[:, 0]), np.maximum(high[body], part.grid[:, -1])
             lowest, highest = (low[body] + QUIET)[:, np.newaxis], (high[body] - QUIET)[:, np.newaxis]
             falls[body] |= np.any(part.over & (part.log_factor < lowest), axis=1)
             stands[body] |= np.any(~part.over & (part.log_factor > highest), axis=1)
@@ -278,12 +280,20 @@ def _lengthen(march: _March, some: np.ndarray, bottom: np.ndarray, log_max: floa
         standing |= stands & (high >= log_max)
         down, up = np.flatnonzero(falls & (low > bottom)), np.flatnonzero(stands & (high < log_max))
         if down.size:
-            march.add(down, np.maximum(low[down] - MORE_LENGTH, bottom[down]), low[down], MORE, 2 * turn)
+            march.evenly(down, np.maximum(low[down] - MORE_LENGTH, bottom[down]), low[down], MORE, 2 * turn)
         if up.size:
-            march.add(up, high[up], np.minimum(high[up] + MORE_LENGTH, log_max), MORE, 2 * turn + 1)
+            march.evenly(up, high[up], np.minimum(high[up] + MORE_LENGTH, log_max), MORE, 2 * turn + 1)
         if seen == len(march.parts):
             break
     return standing
+
+
+def _where_verdicts_differ(lanes: BodyLanes) -> tuple[np.ndarray, np.ndarray]:
+    """A grid (g,) of ln f, and the density of the second part on it, in a unit of its own."""
+    grid = np.linspace(lanes.bottom, lanes.top, POINTS)
+    near = np.exp(-0.5 * ((lanes.log_factor - grid[:, np.newaxis]) / NEIGHBOURS) ** 2) * lanes.weight
+    share = np.clip(near @ lanes.over / np.maximum(np.sum(near, axis=1), 1e-300), 0.0, 1.0)
+    return grid, np.sqrt(share * (1.0 - share)) + FLOOR * 0.5
 
 
 def _normal_below(deviations: float) -> float:
