@@ -9,6 +9,7 @@ from .fidelity import choose_response as choose_response
 from .half_wave_demand import HalfWaveDemand as HalfWaveDemand
 from .half_wave_demand import demand_of_half_waves as demand_of_half_waves
 from .half_wave_demand import impulse_lobes as impulse_lobes
+from .half_wave_demand import lobe_shapes as lobe_shapes
 from .impulsive import impulsive_response as impulsive_response
 from .main_sequence import critical_impulse_at as critical_impulse_at
 from .main_sequence import resonance as resonance

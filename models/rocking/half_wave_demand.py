@@ -30,7 +30,7 @@ from rocking.demand import HANDED_ON
 from rocking.recorded import recorded_response
 from rocking.response import Outcome
 
-__all__ = ["HalfWaveDemand", "Lobes", "demand_of_half_waves", "impulse_lobes"]
+__all__ = ["HalfWaveDemand", "Lobes", "demand_of_half_waves", "impulse_lobes", "lobe_shapes"]
 
 #: Points of each side of a triangle on which E is computed.
 POINTS = 16
@@ -215,6 +215,35 @@ def demand_of_half_waves(
         ratio=np.array([ratio for _, ratio, _ in shape]),
         interval=np.array([interval for _, _, interval in shape]),
     )
+
+
+def lobe_shapes(
+    start: Any, centroid: Any, end: Any, impulse: Any, rates: Any
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """The shape of half-waves on the time scale of blocks: number of main lobes, ratio of the others, spacing.
+
+    Parameters
+    ----------
+    start, centroid, end, impulse : (k,) array_like
+        Half-waves, as for :func:`demand_of_half_waves`.
+    rates : (a,) array_like
+        Frequency parameters p [1/s].
+
+    Returns
+    -------
+    main_count, ratio, interval : (a,) ndarray
+        As in :class:`HalfWaveDemand`.
+
+    Examples
+    --------
+    >>> count, ratio, _ = lobe_shapes([0.0, 0.5], [0.25, 0.7], [0.5, 1.0], [0.4, -0.38], [0.5, 8.0])
+    >>> count.tolist(), ratio.tolist()
+    ([1, 2], [0.0, 0.0])
+    """
+    waves = _checked(start, centroid, end, impulse, dt=1.0)
+    shapes = [_main_lobes(impulse_lobes(*waves, rate)) for rate in np.atleast_1d(rates)]
+    count, ratio, interval = (np.array(column) for column in zip(*shapes, strict=True))
+    return count, ratio, interval
 
 
 def _main_lobes(lobes: Lobes) -> tuple[int, float, float]:

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from rocking.half_cycle import CONTINUOUS, END, MIDDLE, OPEN, START
+from rocking.main_sequence_kernel import effective_amplification
 
 __all__ = ["SPACINGS", "ImpulseSequence"]
 
@@ -139,6 +140,51 @@ class ImpulseSequence:
         factor = _numbers("factor", factor)
         _require(np.isfinite(factor) & (factor >= 0.0), "factor: expected a finite number that is not negative", factor)
         return replace(self, main=factor * self.main, secondary=factor * self.secondary)
+
+    def effective_impulse(self, restitution: Any) -> Any:
+        """I_eff, the one number by which the sequence acts on blocks of a restitution: it overturns iff I_eff >= I_1c.
+
+        Parameters
+        ----------
+        restitution : float or (q,) array_like
+            C of the block [-], 0 to 1; with several sequences one number, or one a sequence.
+
+        Returns
+        -------
+        float or (q,) ndarray
+            I_eff = I [(1 - sigma) S_N + sigma/2] [m/s], sigma = I_s/I, S_N = (1 - C^N)/(1 - C). Without a `main_count`
+            N is without limit: the supremum, which itself does not overturn.
+
+        Raises
+        ------
+        ValueError
+            For another spacing than "continuous" with secondary impulses, whose effect no one number tells, for a
+            finite duration, or a C outside 0 to 1.
+
+        Notes
+        -----
+        Half-cycle k is decided by I [(1 - sigma) S_k + sigma/2] (VALIDATION F4, n -> infinity), which grows with k for
+        0 <= sigma <= 1 and C >= 0, so that the last main impulse decides (V27). I, sigma and N that have one I_eff
+        cannot be told apart by what they overturn.
+
+        Examples
+        --------
+        >>> sequence = ImpulseSequence(0.5, 0.2, np.nan, np.inf, main_count=2, spacing="continuous")
+        >>> round(sequence.effective_impulse(0.9), 12)  # 0.5 [(1 - 0.4) 1.9 + 0.2]
+        0.67
+        """
+        ratio = np.divide(self.secondary, self.main, out=np.zeros(self.shape), where=np.asarray(self.main) > 0.0)
+        _require((self.spacing == "continuous") | (ratio == 0.0), 'spacing: expected "continuous"', self.spacing)
+        _require(np.isinf(self.duration), "duration: expected inf, the number of main impulses alone", self.duration)
+        c = _numbers("restitution", restitution)
+        _require((c >= 0.0) & (c <= 1.0), "restitution: expected a velocity ratio from 0 to 1", restitution)
+        if self.main_count is None:
+            with np.errstate(divide="ignore", invalid="ignore"):
+                reached = np.where(ratio < 1.0, (1.0 - ratio) / (1.0 - c), 0.0) + 0.5 * ratio
+        else:
+            reached = np.vectorize(effective_amplification, otypes=[float])(c, ratio, self.main_count)
+        found = self.main * reached
+        return found.item() if np.ndim(found) == 0 else found
 
 
 def _numbers(name: str, value: Any) -> np.ndarray:

@@ -3,7 +3,9 @@
 import numpy as np
 import pytest
 
-from rocking.sequence import ImpulseSequence
+from rocking.block import Block
+from rocking.response import Outcome
+from rocking.sequence import ImpulseSequence, sequence_response
 
 
 def test_scaling_keeps_the_ratio_and_the_counts():
@@ -58,3 +60,63 @@ def test_fields_are_broadcast_and_cannot_be_changed():
         series.main[0] = 1.0
     with pytest.raises(AttributeError):
         series.main = 1.0
+
+
+def continuous(main, ratio, count):
+    return ImpulseSequence(main, ratio * main, np.nan, np.inf, main_count=count, spacing="continuous")
+
+
+def test_a_sequence_overturns_where_its_effective_impulse_reaches_that_of_one_impulse():  # VALIDATION V27 (D)
+    generator = np.random.default_rng(27)
+    count, restitution = generator.integers(1, 16, 400), generator.uniform(0.0, 1.0, 400)
+    ratio = generator.uniform(0.0, 1.0, 400)
+    block = Block.from_parameters(p=generator.uniform(0.5, 8.0, 400), alpha=0.15, restitution=restitution, log=False)
+    critical = block.critical_impulse
+    # Half of them within a thousandth of the edge, on both sides of it.
+    near = np.where(
+        np.arange(400) % 2, np.exp(generator.uniform(-1.0, 1.0, 400)), generator.choice([0.999, 1.001], 400)
+    )
+    main = near * critical / continuous(np.ones(400), ratio, count).effective_impulse(restitution)
+    sequence = continuous(main, ratio, count)
+    overturns = sequence.effective_impulse(restitution) >= critical
+    assert 150 < np.count_nonzero(overturns) < 250
+    response = sequence_response(block, sequence, table_rows=0, paired=True)
+    np.testing.assert_array_equal(response.outcome == Outcome.OVERTURNS, overturns)
+    # The largest over k <= N is at k = N, with the recurrence u_(k+1) = C (u_k - sigma u_1) + u_1 of F4 written out.
+    for one in range(0, 400, 10):
+        speed, reached = 1.0, []
+        for _ in range(count[one]):
+            reached.append(speed - 0.5 * ratio[one])
+            speed = restitution[one] * (speed - ratio[one]) + 1.0
+        assert max(reached) == reached[-1]
+        assert reached[-1] * main[one] == pytest.approx(sequence.effective_impulse(restitution)[one], rel=1e-12)
+
+
+def test_two_calibrations_of_one_effect_have_close_effective_impulses():
+    restitution = np.linspace(0.9, 0.98, 9)
+    one, other = continuous(0.247, 0.24, 6), continuous(0.304, 0.66, 11)
+    effect = [series.effective_impulse(restitution) for series in (one, other)]
+    apart = np.log(effect[1] / effect[0])
+    assert other.main / one.main == pytest.approx(1.23, abs=0.005)  # 23 % apart in I, and in their effect:
+    np.testing.assert_allclose(np.exp(apart[[0, 4, 8]]) - 1.0, [-0.110, -0.049, 0.026], atol=5e-4)
+    assert np.max(np.abs(apart)) == -apart[0]
+
+
+def test_without_a_last_main_impulse_the_effect_is_the_limit_of_many():
+    for ratio in (0.0, 0.4):
+        limit = continuous(0.3, ratio, None).effective_impulse(0.9)
+        assert limit == pytest.approx(continuous(0.3, ratio, 1000).effective_impulse(0.9), rel=1e-12)
+    assert continuous(0.3, 0.4, None).effective_impulse(1.0) == np.inf
+    assert continuous(0.3, 1.0, None).effective_impulse(1.0) == 0.15
+
+
+@pytest.mark.parametrize(
+    ("field", "value"), [("spacing", "end"), ("duration", 20.0), ("restitution", 1.1), ("restitution", -0.1)]
+)
+def test_the_effect_of_other_sequences_is_no_one_number(field, value):
+    arguments = {"interval": 0.1, "duration": np.inf, "main_count": 3, "spacing": "continuous"}
+    restitution = value if field == "restitution" else 0.9
+    if field != "restitution":
+        arguments[field] = value
+    with pytest.raises(ValueError, match=f"^{field}: "):
+        ImpulseSequence(0.5, 0.2, **arguments).effective_impulse(restitution)
