@@ -8,7 +8,7 @@ from rockpulse.storage.assessment_variables import ASSESSMENT_GROUPS
 from rockpulse.storage.fragility_variables import FRAGILITY_GROUPS
 from rockpulse.storage.rule_variables import RULE_TABLES
 from rockpulse.storage.save_load import SCHEMA_VERSION
-from rockpulse.storage.site_variables import SITE_GROUPS
+from rockpulse.storage.site_spectrum_variables import SITE_GROUPS
 from rockpulse.storage.study_variables import STUDY_GROUPS
 
 PAGE = Path(__file__).parents[1] / "docs" / "schema.md"

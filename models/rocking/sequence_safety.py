@@ -69,6 +69,7 @@ def sequence_critical_scale(
     factor_max: float = 10.0,
     step: float = STEP,
     threads: int | None = None,
+    paired: bool = False,
 ) -> ScaleIntervals:
     """Factors on the main impulse, I_s/I and main count kept, at which a sequence overturns each block.
 
@@ -77,7 +78,7 @@ def sequence_critical_scale(
     block : Block
         One block, which counts as (1,), or (m,) of them.
     sequence : ImpulseSequence
-        One sequence.
+        One sequence; (m,) for pairs.
     factor_max : float
         End of the search [-].
     step : float
@@ -85,6 +86,8 @@ def sequence_critical_scale(
         because the number of secondary impulses in a half-cycle comes from the march.
     threads : int, optional
         Threads that share the lanes; None for all available cores. The factors do not depend on it.
+    paired : bool
+        Every block has a sequence of its own, of spacing "continuous" and with a `main_count`.
 
     Returns
     -------
@@ -94,7 +97,7 @@ def sequence_critical_scale(
     Raises
     ------
     ValueError
-        For several sequences, or a step that is not above 1.
+        For several sequences that are no pairs with the blocks in closed form, or a step that is not above 1.
 
     Notes
     -----
@@ -126,11 +129,11 @@ def sequence_critical_scale(
     >>> sequence_critical_scale(block, sequence).safety_factor.round(6)  # 2/((1 - 0.4) (1 + C) + 0.4/2)
     array([1.492537])
     """
-    _check(sequence, factor_max)
+    blocks = block if block.shape else block.lanes(1)
+    _check(sequence, factor_max, blocks.shape if paired else ())
     if not (math.isfinite(step) and step > 1.0):
         raise ValueError(f"step: expected a ratio above 1, got {step!r}")
-    blocks = block if block.shape else block.lanes(1)
-    if sequence.spacing == "continuous" or sequence.secondary == 0.0:
+    if sequence.spacing == "continuous" or np.all(sequence.secondary == 0.0):
         return _bands(blocks, sequence, factor_max)
     main = float(sequence.main)
     start = np.maximum(
@@ -146,9 +149,12 @@ def sequence_critical_scale(
     return replace(found, resolved=answer != Outcome.UNRESOLVED)
 
 
-def _check(sequence: ImpulseSequence, factor_max: float) -> None:
-    if sequence.shape:
-        raise ValueError(f"sequence: expected one sequence, got shape {sequence.shape}")
+def _check(sequence: ImpulseSequence, factor_max: float, pairs: tuple[int, ...] = ()) -> None:
+    if sequence.shape != pairs:
+        expected = f"one for each of {pairs[0]} blocks" if pairs else "one sequence"
+        raise ValueError(f"sequence: expected {expected}, got shape {sequence.shape}")
+    if pairs and (sequence.spacing != "continuous" or sequence.main_count is None):
+        raise ValueError('sequence: of pairs expected spacing "continuous" and a main_count')
     if not (math.isfinite(factor_max) and factor_max > 0.0):
         raise ValueError(f"factor_max: expected a positive number, got {factor_max}")
 
@@ -156,11 +162,16 @@ def _check(sequence: ImpulseSequence, factor_max: float) -> None:
 def _bands(block: Block, sequence: ImpulseSequence, factor_max: float) -> ScaleIntervals:
     """The bands of all half-cycles that are reached, those that touch put together."""
     count = block.shape[0]
-    most = UNLIMITED if sequence.main_count is None else int(sequence.main_count)
-    ratio = sequence.secondary / sequence.main if sequence.main > 0.0 else 0.0
+    most = UNLIMITED if sequence.main_count is None else sequence.main_count
+    of_sequence = (sequence.main, sequence.secondary, sequence.duration, most)
+    inputs = zip(
+        *(np.broadcast_to(values, count) for values in of_sequence),
+        *(block.critical_impulse, block.restitution, block.p),
+        strict=True,
+    )
     parts = [
-        _bands_of(sequence.main / critical, ratio, c, p * sequence.duration, most, factor_max)
-        for critical, c, p in zip(block.critical_impulse, block.restitution, block.p, strict=True)
+        _bands_of(main / critical, secondary / main if main > 0.0 else 0.0, c, p * duration, int(last), factor_max)
+        for main, secondary, duration, last, critical, c, p in inputs
     ]
     lane = np.repeat(np.arange(count), [part.shape[1] for part in parts])
     lower, upper = np.concatenate(parts, axis=1) if parts else np.empty((2, 0))

@@ -56,13 +56,17 @@ def _search_resonance(block: rocking.Block, scene: Scene) -> rocking.ScaleInterv
 
 
 def _sequence(block: rocking.Block, scene: Scene) -> rocking.Response:
-    return _no_sequence(block) if scene.sequence is None else rocking.sequence_response(block, scene.sequence)
+    sequence = scene.sequence
+    if sequence is None:
+        return _no_sequence(block)
+    return rocking.sequence_response(block, sequence, paired=sequence.shape != ())
 
 
 def _search_sequence(block: rocking.Block, scene: Scene) -> rocking.ScaleIntervals:
     if scene.sequence is None:
         return _not_searched(block)
-    return rocking.sequence_critical_scale(block, scene.sequence, scene.search.factor_max, scene.search.step)
+    search, paired = scene.search, scene.sequence.shape != ()
+    return rocking.sequence_critical_scale(block, scene.sequence, search.factor_max, search.step, paired=paired)
 
 
 def _rule(block: rocking.Block, scene: Scene, *, point: str) -> rocking.Response:
@@ -350,7 +354,7 @@ class Scene:
 
     `vertical` is the vertical ground acceleration on the samples of the record, (n,) [m/s2], for the nonlinear model;
     `phase` is the stretch that the sequence is calibrated on. The sequence is None where the phase holds too few
-    half-waves.
+    half-waves; a design by the spectrum has one for each block, (m,), which the sequence model alone takes.
     """
 
     record: Record

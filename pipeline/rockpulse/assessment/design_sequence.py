@@ -13,6 +13,7 @@ from rocking.block import Block
 from rocking.sequence import ImpulseSequence
 from rockpulse.assessment.assessment import assess_scene
 from rockpulse.assessment.tree import EVENT, build_tree, record_part
+from rockpulse.calibration.design_spectrum import DesignSpectrum
 from rockpulse.config.block_settings import BlockSettings
 from rockpulse.config.bodies import gather_bodies
 from rockpulse.config.configuration import Config
@@ -30,18 +31,18 @@ __all__ = ["assess_sequence"]
 
 
 def assess_sequence(
-    sequence: ImpulseSequence,
+    sequence: ImpulseSequence | DesignSpectrum,
     config: Config | None = None,
     blocks: Mapping[str, Block] | Sequence[BlockSettings] | None = None,
     name: str = "design sequence",
     source: str = "",
 ) -> xr.DataTree:
-    """Assess bodies under one sequence of impulses.
+    """Assess bodies under the design of a site: one sequence of impulses for all of them, or one for each.
 
     Parameters
     ----------
-    sequence : ImpulseSequence
-        One sequence, such as :func:`rockpulse.load_design` reads.
+    sequence : ImpulseSequence or DesignSpectrum
+        One sequence, or a design spectrum, as :func:`rockpulse.load_design` reads them.
     config : Config, optional
         Sections site, models, search and the bodies are used; a [[demand]] is one on the PGA, which a sequence has not.
     blocks : mapping of str to Block, or sequence of BlockSettings, optional
@@ -55,13 +56,14 @@ def assess_sequence(
     -------
     xarray.DataTree
         As :func:`rockpulse.assess` returns it, with one row whose columns of a record are empty. The models that need a
-        record (impulsive, linear, nonlinear, auto) are left out, and a warning of the row says so.
+        record (impulsive, linear, nonlinear, auto) are left out, and a warning of the row says so; under a design
+        spectrum resonance too, and the columns of the sequence are empty: every body has its own.
 
     Raises
     ------
     ConfigError
-        Without a body, for several sequences or one that ends by no limit, or where ``[models] use`` names none of the
-        sequence models.
+        Without a body, for several sequences or one that ends by no limit, for bodies outside the design spectrum, or
+        where ``[models] use`` names no model that the design can be given to.
 
     Examples
     --------
@@ -72,13 +74,22 @@ def assess_sequence(
     ['resonance', 'sequence']
     """
     asked_for = config or Config()
-    if sequence.shape:
-        raise ConfigError(f"sequence: expected one sequence, found {sequence.shape[0]}")
+    bodies = gather_bodies(asked_for.blocks if blocks is None else blocks)
+    if isinstance(sequence, DesignSpectrum):
+        what, answering = "a design spectrum", ("sequence",)  # resonance knows one sequence for all bodies
+        try:
+            sequence = sequence.sequence(bodies.lanes)
+        except ValueError as error:
+            raise ConfigError(str(error)) from None
+    else:
+        what, answering = "a sequence", SEQUENCE_MODELS
+        if sequence.shape:
+            raise ConfigError(f"sequence: expected one sequence, found {sequence.shape[0]}")
     asked = asked_for.models.answering
-    use = tuple(model for model in asked_for.models.use if model in SEQUENCE_MODELS)
+    use = tuple(model for model in asked_for.models.use if model in answering)
     if not use:
         raise ConfigError(
-            f"[models] use: {', '.join(asked)} need a record; a sequence is answered by {' and '.join(SEQUENCE_MODELS)}"
+            f"[models] use: {', '.join(asked)} cannot answer {what}; it is answered by {' and '.join(answering)}"
         )
     if "resonance" in use and sequence.main_count is None and math.isinf(sequence.duration):
         raise ConfigError(
@@ -94,7 +105,6 @@ def assess_sequence(
         uncertainty=replace(asked_for.uncertainty, probability=False, azimuth=False),
         demands=(),
     )
-    bodies = gather_bodies(config.blocks if blocks is None else blocks)
     # The ground is at rest: the models in use take the sequence and nothing else.
     rest = Record(np.zeros(2), dt=1.0, id=name, source=source)
     nothing = np.zeros(0)
@@ -102,7 +112,7 @@ def assess_sequence(
         record=rest,
         vertical=None,
         waves=HalfWaves(nothing, nothing, nothing, nothing, nothing, nothing, dt=rest.dt, record_id=name),
-        phase=IntensePhase(0.0, sequence.duration),
+        phase=IntensePhase(0.0, float(np.max(sequence.duration))),
         sequence=sequence,
         models=config.models,
         search=config.search,
@@ -111,7 +121,7 @@ def assess_sequence(
     warnings = []
     if dropped:
         verb = "is" if len(dropped) == 1 else "are"
-        warnings.append(f"a sequence, not a record: {', '.join(dropped)} cannot answer it and {verb} left out")
+        warnings.append(f"{what}, not a record: {', '.join(dropped)} cannot answer it and {verb} left out")
     if asked_for.demands:
         warnings.append(Remark("demand_not_compared"))
     record = replace(done.record, warnings=(*done.record.warnings, *warnings))

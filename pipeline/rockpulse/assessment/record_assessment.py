@@ -69,8 +69,9 @@ class RecordAssessment:
 
     @property
     def sequence(self) -> ImpulseSequence | None:
-        """The calibrated sequence; None where the record gave none."""
-        return self.scene.sequence
+        """The calibrated sequence; None where the record gave none, or every body has one of its own."""
+        sequence = self.scene.sequence
+        return None if sequence is None or sequence.shape else sequence
 
     def per_lane(self, values: np.ndarray) -> np.ndarray:
         """(b x c, ...) values as (b, c, ...)."""

@@ -121,8 +121,8 @@ def configured(args: argparse.Namespace) -> Config:
     records, calibration = config.records, config.calibration
     if records.events is not None:
         records = replace(records, events=str(located(records.events, config.folder).resolve()))
-    if calibration.weights not in WEIGHTS:
-        calibration = replace(calibration, weights=str(located(calibration.weights, config.folder).resolve()))
+    if calibration.weighting not in WEIGHTS:
+        calibration = replace(calibration, weights=str(located(calibration.weighting, config.folder).resolve()))
     blocks = (*config.blocks, *(parse_block_option(option, args.confirm_size) for option in args.block))
     return replace(config, records=records, calibration=calibration, blocks=blocks)
 

@@ -37,7 +37,8 @@ SECONDARIES = ("rms", "median", "mean")
 INTERVALS = ("median", "mean")
 MAIN_COUNTS = ("half-largest", "none")
 SPACINGS = ("end", "middle", "start", "open", "continuous")
-METHODS = ("response", "statistics")
+METHODS = ("spectrum", "response", "statistics")
+SPECTRA = ("rule", "nonlinear")
 #: Words of `weights`, which also takes the name of a table.
 WEIGHTS = ("equal", "event")
 SCALES = ("none", "pga", "pgv", "impulse")
@@ -192,12 +193,16 @@ class DemandSettings(Section):
 
 @dataclass(frozen=True)
 class CalibrationSettings(Section):
-    """The way from the records of a site to its design sequence (:func:`rockpulse.calibrate_site`)."""
+    """The way from the records of a site to its design sequence (:func:`rockpulse.calibrate_site`).
+
+    Without `weights` earthquakes are alike with the method "spectrum", and records are with the other ones.
+    """
 
     heading = "[calibration]"
-    method: str = choice("response", METHODS)
+    method: str = choice("spectrum", METHODS)
+    spectrum: str = choice("rule", SPECTRA)
     family: str = choice("default", FAMILIES)
-    weights: str = text("equal")
+    weights: str | None = text(None)
     scale_to: str = choice("none", SCALES)
     target: float | None = number(None, low=0.0, above=True, unit="m/s2 (pga) or m/s (pgv, impulse)")
     design: str = choice("response", DESIGNS)
@@ -207,7 +212,7 @@ class CalibrationSettings(Section):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        if not self.weights.strip():
+        if self.weights is not None and not self.weights.strip():
             raise ConfigError(
                 '[calibration] weights: expected "equal", "event" or the name of a CSV table, found nothing'
             )
@@ -218,6 +223,13 @@ class CalibrationSettings(Section):
                 '[calibration] target: it belongs to scale_to = "pga", "pgv" or "impulse", found scale_to = "none"; '
                 "drop it or say what is scaled to it"
             )
+
+    @property
+    def weighting(self) -> str:
+        """The weights in use: the given ones, or those of the method."""
+        if self.weights is not None:
+            return self.weights
+        return "event" if self.method == "spectrum" else "equal"
 
 
 @dataclass(frozen=True)

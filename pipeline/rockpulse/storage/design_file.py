@@ -1,11 +1,14 @@
-"""The design sequence of a site file."""
+"""The design of a site file."""
 
 from __future__ import annotations
 
 import math
 from pathlib import Path
 
+import numpy as np
+
 from rocking.sequence import ImpulseSequence
+from rockpulse.calibration.design_spectrum import DesignSpectrum
 from rockpulse.errors import ResultsError
 from rockpulse.storage.save_load import ASSESSMENT, load, named
 from rockpulse.storage.site_variables import SITE_KIND
@@ -13,8 +16,8 @@ from rockpulse.storage.site_variables import SITE_KIND
 __all__ = ["load_design"]
 
 
-def load_design(path: str | Path) -> ImpulseSequence:
-    """The design sequence that ``rockpulse calibrate`` has stored.
+def load_design(path: str | Path) -> DesignSpectrum | ImpulseSequence:
+    """The design that ``rockpulse calibrate`` has stored.
 
     Parameters
     ----------
@@ -23,13 +26,14 @@ def load_design(path: str | Path) -> ImpulseSequence:
 
     Returns
     -------
-    ImpulseSequence
-        The `design` of the file.
+    DesignSpectrum or ImpulseSequence
+        The design spectrum, which has a sequence for every body; one sequence for all of them where the file was made
+        by the method "response" or "statistics".
 
     Raises
     ------
     ResultsError
-        For a file that is no results file of rockpulse, or of another kind.
+        For a file that is no results file of rockpulse, of another kind, or of too few earthquakes for a design.
     OSError
         Where the file cannot be opened.
     """
@@ -38,6 +42,17 @@ def load_design(path: str | Path) -> ImpulseSequence:
     if kind != SITE_KIND:
         raise ResultsError(f"{path}: expected a site file of 'rockpulse calibrate', found {named(kind)}")
     site = tree["site"].to_dataset()
+    if site.attrs["method"] == "spectrum":
+        spectra = tree["spectra"].to_dataset()
+        if np.isnan(spectra["spectrum_design"].values).any():
+            raise ResultsError(f"{path}: no design: {str(site['remarks'].item()).splitlines()[0]}")
+        return DesignSpectrum(
+            spectra["p"].values,
+            spectra["restitution"].values,
+            spectra["spectrum_design"].values,
+            spectra["ratio"].values,
+            spectra["main_count"].values.astype(int),
+        )
     value = dict(zip(site["parameter"].values.tolist(), site["design"].values.tolist(), strict=True))
     return ImpulseSequence(
         main=value["main"],

@@ -1,11 +1,11 @@
-"""The variables of a site file."""
+"""The variables of a site file; those of one by the spectrum are in :mod:`.site_spectrum_variables`."""
 
 from __future__ import annotations
 
 from rockpulse.storage.fact_variables import FACTS
-from rockpulse.storage.variables import FAILURE, Declared, along, flag, real, text, whole
+from rockpulse.storage.variables import Declared, along, flag, real, text, whole
 
-__all__ = ["COORDINATES", "PARAMETER", "SITE_GROUPS", "SITE_KIND", "VARIABLES"]
+__all__ = ["COORDINATES", "OF_RECORDS", "PARAMETER", "SITE_KIND", "VARIABLES"]
 
 #: Root attribute `kind` of a site file.
 SITE_KIND = "site calibration"
@@ -22,7 +22,25 @@ PARAMETER: dict[str, tuple[str, str]] = {
 #: What stands for the unit where it differs from parameter to parameter.
 _OF_PARAMETER = "parameter_unit"
 
-#: Of the whole site, of its parameters, records, blocks and events, in the order of the file.
+#: Of every record, whatever is worked out from it.
+OF_RECORDS: Declared = along(
+    ("record",),
+    {
+        "source": text("file the record was read from"),
+        "source_sha256": text("SHA-256 of the source file"),
+        "event": text("event that the record belongs to, by the user's table, the title or the time"),
+        "weight": real("1", "weight of the record, of mean one"),
+        "scale_factor": real("1", "factor on the conditioned record"),
+        "pga": real("m s-2", "peak ground acceleration of the scaled record"),
+        "pgv": real("m s-1", "peak ground velocity of the scaled record"),
+        "largest_impulse": real("m s-1", "largest half-wave impulse of the scaled record"),
+        "warnings": text("remarks on the record"),
+        "processing": text("conditioning steps in their order, and the scaling"),
+        **FACTS,
+    },
+)
+
+#: Of a site by the sequences of its records: of the whole site, of its parameters, records, blocks and events, in the order of the file.
 VARIABLES: Declared = {
     "quantile": real("1", "share of the recorded rotations that the design is to cover"),
     "confidence": real("1", "confidence of all intervals"),
@@ -83,17 +101,10 @@ VARIABLES: Declared = {
             ),
         },
     ),
+    **OF_RECORDS,
     **along(
         ("record",),
         {
-            "source": text("file the record was read from"),
-            "source_sha256": text("SHA-256 of the source file"),
-            "event": text("event that the record belongs to, by the user's table, the title or the time"),
-            "weight": real("1", "weight of the record, of mean one"),
-            "scale_factor": real("1", "factor on the conditioned record"),
-            "pga": real("m s-2", "peak ground acceleration of the scaled record"),
-            "pgv": real("m s-1", "peak ground velocity of the scaled record"),
-            "largest_impulse": real("m s-1", "largest half-wave impulse of the scaled record"),
             "misfit": real(
                 "1",
                 "root mean square of ln(sequence/recorded) of the peak rotations where both rock; NaN where nothing "
@@ -109,9 +120,6 @@ VARIABLES: Declared = {
                 "main impulse of the design sequence made without the event of the record; NaN without such a design",
             ),
             "calibration_remarks": text("what the calibration of its sequence says of itself, one remark a line"),
-            "warnings": text("remarks on the record"),
-            "processing": text("conditioning steps in their order, and the scaling"),
-            **FACTS,
         },
     ),
     **along(
@@ -173,6 +181,3 @@ COORDINATES: Declared = {
     "parameter_unit": text("unit of the parameter", dims=("parameter",)),
     "parameter_name": text("meaning of the parameter", dims=("parameter",)),
 }
-
-#: Every variable of a site file, by its group.
-SITE_GROUPS: dict[str, Declared] = {"/site": {**COORDINATES, **VARIABLES}, "/failures": FAILURE}

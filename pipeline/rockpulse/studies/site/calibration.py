@@ -20,6 +20,8 @@ from rockpulse.motions.tables import read_weight_table, record_weights
 from rockpulse.record.record import Record
 from rockpulse.storage.site_variables import SITE_KIND
 from rockpulse.studies.site.record import site_record
+from rockpulse.studies.site.record_spectrum import site_spectrum_record
+from rockpulse.studies.site.spectrum_tree import build_spectrum_tree
 from rockpulse.studies.site.tree import build_site_tree
 
 if TYPE_CHECKING:
@@ -92,7 +94,7 @@ class NothingCalibrated(RecordRefused):
 
 
 class SiteCalibration(Analysis):
-    """The sequence of every motion, and of all together the design sequence of a site."""
+    """The overturning spectrum or the sequence of every motion, and of all together the design of a site."""
 
     name = "calibrate"
     doing = "calibrating"
@@ -100,25 +102,36 @@ class SiteCalibration(Analysis):
 
     def __init__(self, config: Config, blocks: Blocks | None = None) -> None:
         super().__init__(config)
-        self.block_names, self.lanes = site_family(config.blocks if blocks is None else blocks)
-        rule = config.calibration.weights
+        self.block_names, self.lanes = self._bodies(config.blocks if blocks is None else blocks)
+        rule = config.calibration.weighting
         self.weights = None if rule in WEIGHTS else read_weight_table(located(rule, config.folder))
 
     @property
     def work(self) -> Work:
-        """Calibrate the sequence of a motion."""
+        """Work out the spectrum of a motion, or calibrate its sequence."""
+        if self.lanes is None or self.by_spectrum:
+            return partial(site_spectrum_record, config=self.config)
         return partial(site_record, blocks=self.lanes, config=self.config)
+
+    @property
+    def by_spectrum(self) -> bool:
+        """Whether the site is described by the overturning spectra of its records, and not by their sequences."""
+        return self.config.calibration.method == "spectrum"
+
+    def _bodies(self, blocks: Blocks) -> tuple[list[str], Block | None]:
+        """Names and lanes of the bodies; a spectrum needs none."""
+        return ([], None) if self.by_spectrum and not blocks else site_family(blocks)
 
     def prepare(self, records: Iterable[Record], failures: Iterable[Failure] = ()) -> Prepared:
         """Plan the motions; a record without a weight is refused before the long part where its id is known."""
         prepared = super().prepare(records, failures)
         known = [name for one in prepared.planned for name in planned_ids(one, self.config)]
         if self.weights is not None and known:
-            record_weights(known, [], self.config.calibration.weights, self.weights)
+            record_weights(known, [], self.config.calibration.weighting, self.weights)
         return prepared
 
     def collect(self, parts: Sequence[Part], planned: Sequence[PlannedMotion], failures: list[Failure]) -> xr.DataTree:
-        """Describe the distribution of the sequences, and choose and judge the design sequence."""
+        """Describe the distribution over the records, and choose the design."""
         if not parts:
             rows = [row for row in failures if row.kind != "vertical"]
             reasons = "".join(f"\n  {told(group)}" for group in alike(rows))
@@ -126,9 +139,11 @@ class SiteCalibration(Analysis):
             raise NothingCalibrated(what, failures)
         done = joined(parts)
         ids, events = done["record"].tolist(), done["event"].tolist()
-        weights = record_weights(ids, events, self.config.calibration.weights, self.weights)
+        weights = record_weights(ids, events, self.config.calibration.weighting, self.weights)
         rows = sorted(failures, key=lambda row: row.stage == "events")
         remarks = [row.reason for row in rows if row.stage == "events"]
+        if self.lanes is None or self.by_spectrum:
+            return build_spectrum_tree(done, weights, self.block_names, self.lanes, self.config, rows, remarks)
         return build_site_tree(done, weights, self.block_names, self.lanes, self.config, rows, remarks)
 
 

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 
@@ -18,12 +20,13 @@ from rockpulse.ladder import Scene
 from rockpulse.motions.directions import Motion
 from rockpulse.motions.runner import Part, Watch
 from rockpulse.record.intensity import pgv
+from rockpulse.record.record import Record
 from rockpulse.remark import Remark, find
 from rockpulse.storage.fact_variables import facts_of
 from rockpulse.studies.site.design import PARAMETERS
 from rockpulse.studies.site.scaling import largest_impulse, scale_factor, scaled
 
-__all__ = ["USUAL_FACTORS", "rotation_to_cover", "site_record"]
+__all__ = ["USUAL_FACTORS", "facts_of_record", "rotation_to_cover", "scaled_motion", "site_record"]
 
 #: Smaller recorded peaks do not enter a misfit: just after uplift no sequence is comparable [-].
 SMALLEST_PEAK = 0.01
@@ -56,14 +59,9 @@ def site_record(motion: Motion, watch: Watch, blocks: Block, config: Config) -> 
     Raises ValueError where the motion cannot be scaled or calibrated, TooWeak where it moves too few blocks.
     """
     with watch("solve"):
-        vertical, conditioned = motion.vertical, motion.record
-        factor = scale_factor(conditioned, config)
-        if not USUAL_FACTORS[0] <= factor <= USUAL_FACTORS[1]:
-            low, high = USUAL_FACTORS
-            conditioned = conditioned.with_warning(Remark("scaled_far", factor=factor, low=low, high=high))
-        if config.calibration.scale_to == "pgv" and find(conditioned.warnings, "baseline_drift"):
-            conditioned = conditioned.with_warning(Remark("scaled_to_drift"))
-        scene = extract(scaled(conditioned, factor), config, None if vertical is None else scaled(vertical, factor))
+        conditioned, factor = scaled_motion(motion, config)
+        vertical = None if motion.vertical is None else scaled(motion.vertical, factor)
+        scene = extract(conditioned, config, vertical)
         record = scene.record
         response = recorded_response(blocks, record.acceleration, record.dt, vertical=scene.vertical)
         peaks = np.where(response.outcome == Outcome.UNRESOLVED, np.nan, response.peak_rotation_ratio)
@@ -74,25 +72,46 @@ def site_record(motion: Motion, watch: Watch, blocks: Block, config: Config) -> 
         misfit, unsafe = _compared(peaks, sequence, blocks)
     ends = [intervals.get(name, (math.nan, math.nan)) for name in PARAMETERS]
     found = {
-        "record": record.id,
-        "source": record.source,
-        "source_sha256": record.source_sha256,
-        "warnings": "\n".join(record.warnings),
-        "processing": "\n".join(record.processing),
+        **facts_of_record(record, factor, config),
         "calibration_remarks": "\n".join(remarks),
-        "scale_factor": factor,
-        "pga": record.pga,
-        "pgv": pgv(record),
-        "largest_impulse": largest_impulse(record, config),
         "misfit": misfit,
         "unsafe_share": unsafe,
         "value": _parameters(sequence),
         "value_lower": [lower for lower, _ in ends],
         "value_upper": [upper for _, upper in ends],
         "peaks": peaks,
-        **facts_of(scene),
     }
     return {name: np.array([values]) for name, values in found.items()}
+
+
+def scaled_motion(motion: Motion, config: Config) -> tuple[Record, float]:
+    """The conditioned record of a motion times the factor [-] that takes it to the configured target, and that factor.
+
+    A RecordRefused where it cannot be scaled.
+    """
+    conditioned, factor = motion.record, scale_factor(motion.record, config)
+    if not USUAL_FACTORS[0] <= factor <= USUAL_FACTORS[1]:
+        low, high = USUAL_FACTORS
+        conditioned = conditioned.with_warning(Remark("scaled_far", factor=factor, low=low, high=high))
+    if config.calibration.scale_to == "pgv" and find(conditioned.warnings, "baseline_drift"):
+        conditioned = conditioned.with_warning(Remark("scaled_to_drift"))
+    return scaled(conditioned, factor), factor
+
+
+def facts_of_record(record: Record, factor: float, config: Config) -> dict[str, Any]:
+    """What a site file has of every record, whatever is worked out from it; the record is the scaled one."""
+    return {
+        "record": record.id,
+        "source": record.source,
+        "source_sha256": record.source_sha256,
+        "warnings": "\n".join(record.warnings),
+        "processing": "\n".join(record.processing),
+        "scale_factor": factor,
+        "pga": record.pga,
+        "pgv": pgv(record),
+        "largest_impulse": largest_impulse(record, config),
+        **facts_of(SimpleNamespace(record=record)),
+    }
 
 
 def _parameters(sequence: ImpulseSequence) -> list[float]:

@@ -10,7 +10,7 @@ import numpy as np
 
 from rockpulse.studies.site.record import USUAL_FACTORS
 
-__all__ = ["FEWEST_EVENTS", "FEWEST_RECORDS", "site_remarks"]
+__all__ = ["FEWEST_EVENTS", "FEWEST_RECORDS", "scaled_far", "site_remarks"]
 
 #: With fewer than these the intervals are those of a guess, and are called so.
 FEWEST_RECORDS, FEWEST_EVENTS = 10, 5
@@ -98,15 +98,20 @@ def site_remarks(
             f"only {site['lifted_share']:.1%} of the pairs of record and block count, for the other records do not "
             "lift the other blocks: the design rests on few of them"
         )
+    return remarks + scaled_far(factors)
+
+
+def scaled_far(factors: np.ndarray) -> list[str]:
+    """The remark on records whose scale factors (n,) make another kind of earthquake of them; none without any."""
     low, high = USUAL_FACTORS
     odd = int(np.count_nonzero((factors < low) | (factors > high)))
-    if odd:
-        remarks.append(
-            f"{odd} of {factors.size} records are scaled by less than {low:g} or more than {high:g} (from "
-            f"{factors.min():.2g} to {factors.max():.2g}): their duration and interval are those of earthquakes of "
-            "another size"
-        )
-    return remarks
+    if not odd:
+        return []
+    return [
+        f"{odd} of {factors.size} records are scaled by less than {low:g} or more than {high:g} (from "
+        f"{factors.min():.2g} to {factors.max():.2g}): their duration and interval are those of earthquakes of "
+        "another size"
+    ]
 
 
 def _tail(records: int, quantile: float) -> str:

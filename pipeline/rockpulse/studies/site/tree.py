@@ -120,7 +120,7 @@ def build_site_tree(
         "design": settings.design,
         "spacing": config.sequence.spacing,
         "scaled_to": settings.scale_to if settings.target is None else f"{settings.scale_to} {settings.target:g}",
-        "weights": settings.weights,
+        "weights": settings.weighting,
     }
     tree = xr.DataTree.from_dict({"/site": dataset, "/failures": failure_table(failures)})
     tree.attrs["kind"] = SITE_KIND

@@ -1,0 +1,74 @@
+"""The overturning spectrum of a site: quantiles over earthquakes of the spectra of its records, with intervals.
+
+.. note:: At every p and C the quantile is the smallest S with at least that share of the weight at or below it. The
+   intervals resample earthquakes (:mod:`rockpulse.studies.site.statistics`), for records of one are no independent
+   observations. What is said of a quantile needs earthquakes beyond it: with fewer than 1/(1 - quantile) of them it is
+   the largest one seen, and no interval says how much larger the next one is.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from rockpulse.studies.site.remarks import FEWEST_EVENTS
+from rockpulse.studies.site.statistics import ROUNDING, bootstrap_interval
+
+__all__ = ["QuantileSample", "Quantiles", "fewest_events"]
+
+
+def fewest_events(quantile: float) -> int:
+    """Earthquakes below which no quantile of a site is stated: one lies beyond it, and at least five.
+
+    Examples
+    --------
+    >>> fewest_events(0.5), fewest_events(0.84), fewest_events(0.95)
+    (5, 7, 20)
+    """
+    return max(FEWEST_EVENTS, math.ceil((1.0 - ROUNDING) / min(quantile, 1.0 - quantile)))
+
+
+@dataclass(frozen=True, eq=False)
+class Quantiles:
+    """A quantile of k values over records, with its interval; NaN with a single event."""
+
+    value: np.ndarray  # (k,)
+    lower: np.ndarray  # (k,)
+    upper: np.ndarray  # (k,)
+
+
+@dataclass(frozen=True, eq=False)
+class QuantileSample:
+    """Weights and events of n records, and resamples of the events, of which quantiles are taken."""
+
+    weights: np.ndarray  # (n,) above zero
+    events: np.ndarray  # (n,) number of each record's event
+    draws: np.ndarray  # (b, g) how often each event is in each resample
+    confidence: float
+
+    def quantiles(self, values: np.ndarray, levels: list[float], logarithmic: bool) -> list[Quantiles]:
+        """Quantiles over the records of values (n, ...), one for each level, of the shape of the values of a record.
+
+        The interval of positive values is worked out on their logarithms where these are asked for.
+        """
+        flat = values.reshape(values.shape[0], -1)
+        found = np.empty((len(levels), 3, flat.shape[1]))
+        sizes = np.bincount(self.events, self.weights)
+        drawn = self.draws[:, self.events] * self.weights
+        for column in range(flat.shape[1]):
+            order = np.argsort(flat[:, column], kind="stable")
+            ordered = flat[order, column]
+            below, of_draws = np.cumsum(self.weights[order]), np.cumsum(drawn[:, order], axis=1)
+            for row, level in enumerate(levels):
+                share = level - ROUNDING
+                value = ordered[np.searchsorted(below, share * below[-1])]
+                # As many records lie below the quantile as there are sums below the share.
+                resampled = ordered[np.sum(of_draws < share * of_draws[:, -1:], axis=1)]
+                if logarithmic:
+                    ends = np.exp(bootstrap_interval(np.log(value), np.log(resampled), sizes, self.confidence))
+                else:
+                    ends = np.array(bootstrap_interval(float(value), resampled, sizes, self.confidence))
+                found[row, :, column] = value, *ends
+        return [Quantiles(*one) for one in found.reshape(len(levels), 3, *values.shape[1:])]
