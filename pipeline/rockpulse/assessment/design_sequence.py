@@ -75,16 +75,16 @@ def assess_sequence(
     """
     asked_for = config or Config()
     bodies = gather_bodies(asked_for.blocks if blocks is None else blocks)
+    answering: tuple[str, ...] = SEQUENCE_MODELS
+    what = "a sequence"
     if isinstance(sequence, DesignSpectrum):
         what, answering = "a design spectrum", ("sequence",)  # resonance knows one sequence for all bodies
         try:
             sequence = sequence.sequence(bodies.lanes)
         except ValueError as error:
             raise ConfigError(str(error)) from None
-    else:
-        what, answering = "a sequence", SEQUENCE_MODELS
-        if sequence.shape:
-            raise ConfigError(f"sequence: expected one sequence, found {sequence.shape[0]}")
+    elif sequence.shape:
+        raise ConfigError(f"sequence: expected one sequence, found {sequence.shape[0]}")
     asked = asked_for.models.answering
     use = tuple(model for model in asked_for.models.use if model in answering)
     if not use:

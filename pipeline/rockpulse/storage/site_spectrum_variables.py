@@ -65,7 +65,9 @@ SPECTRA: Declared = {
         {
             **_with_interval("spectrum_50", "m s-1", "weighted median of the overturning spectra, a value that occurs"),
             **_with_interval("spectrum_84", "m s-1", "weighted 84 % quantile of the spectra, a value that occurs"),
-            **_with_interval("spectrum_design", "m s-1", "design spectrum: the weighted quantile of `quantile` in /site"),
+            **_with_interval(
+                "spectrum_design", "m s-1", "design spectrum: the weighted quantile of `quantile` in /site"
+            ),
         },
     ),
     **along(

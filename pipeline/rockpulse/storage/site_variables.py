@@ -40,7 +40,8 @@ OF_RECORDS: Declared = along(
     },
 )
 
-#: Of a site by the sequences of its records: of the whole site, of its parameters, records, blocks and events, in the order of the file.
+#: Of a site by the sequences of its records: of the whole site, of its parameters, records, blocks and events, in
+#: the order of the file.
 VARIABLES: Declared = {
     "quantile": real("1", "share of the recorded rotations that the design is to cover"),
     "confidence": real("1", "confidence of all intervals"),

@@ -68,7 +68,9 @@ def test_models_that_need_a_record_are_left_out_in_words(tree):
 
 
 def test_a_configuration_without_a_sequence_model_is_refused():
-    with pytest.raises(ConfigError, match="nonlinear, auto cannot answer a sequence; it is answered by resonance and seq"):
+    with pytest.raises(
+        ConfigError, match="nonlinear, auto cannot answer a sequence; it is answered by resonance and seq"
+    ):
         rp.assess_sequence(SEQUENCE, Config(models=ModelSettings(use=["nonlinear"], auto=True)), BLOCKS)
 
 

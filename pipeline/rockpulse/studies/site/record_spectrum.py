@@ -1,4 +1,4 @@
-"""One motion of a site: scaled, its overturning spectrum, and the shape of its half-waves on the time scale of blocks."""
+"""One motion of a site: scaled, its overturning spectrum, and the shape of its half-waves at each p."""
 
 from __future__ import annotations
 

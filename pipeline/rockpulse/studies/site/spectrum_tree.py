@@ -55,7 +55,10 @@ def build_spectrum_tree(
         )
         spectra |= _quantiles(sample, {name: values[counted] for name, values in spectra.items()}, settings.quantile)
     else:
-        remarks = [f"not enough earthquakes ({count}; at least {least} for the quantile {settings.quantile:g})", *remarks]
+        remarks = [
+            f"not enough earthquakes ({count}; at least {least} for the quantile {settings.quantile:g})",
+            *remarks,
+        ]
         spectra |= {
             name: np.full([{"p": RATES.size, "restitution": RESTITUTIONS.size}[dim] for dim in one.dims], math.nan)
             for name, one in SPECTRA.items()
@@ -138,7 +141,7 @@ def _bodies(spectra: Mapping[str, np.ndarray], blocks: Block | None, weights: np
     inside = np.flatnonzero(middle.covers(blocks))
     if not inside.size:
         return found
-    covered = Block.stack([blocks.lane(place) for place in inside])
+    covered = Block.stack([blocks.lane(int(place)) for place in inside])
     for end, opposite in (("", ""), ("_lower", "_upper"), ("_upper", "_lower")):
         if np.all(np.isfinite(spectra[f"spectrum_design{end}"])):
             one = design(spectra[f"spectrum_design{end}"])

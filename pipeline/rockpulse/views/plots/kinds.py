@@ -81,7 +81,7 @@ KINDS = {
         ("block", "measure", "limit_states"),
     ),
     "calibration": PictureKind(
-        "distribution of the records of a site over the parameters of the sequence, and the design",
+        "overturning spectrum of a site and its bodies, or the records over the parameters of the design sequence",
         SITE_KIND,
         "rockpulse calibrate",
         (),

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from scipy.special import ndtr
 
+from rockpulse.views.plots.site_spectrum import site_spectrum
 from rockpulse.views.plots.style import (
     BLACK,
     BLUE,
@@ -43,23 +44,25 @@ _REMARK = 230
 
 
 def calibration(tree: xr.DataTree, axes: Any = None) -> np.ndarray:
-    """Distribution of the records over each parameter, the lognormal fit, and the design sequence.
+    """The design of a site among its records: their overturning spectra, or the parameters of their sequences.
 
     Parameters
     ----------
     tree : xarray.DataTree
         As :func:`rockpulse.calibrate_site` returns it.
     axes : array_like of six matplotlib Axes, optional
-        Where to draw; by default on a figure of their own.
+        Where to draw; by default on a figure of their own. A site by the spectrum takes the first one.
 
     Returns
     -------
     (6,) ndarray of Axes
         Main impulse, I_s/I, interval, number of main impulses, duration; the last one holds the legend. Each step of a
         distribution is a record, as high as its weight; where a record's own calibration gave an interval it is a
-        horizontal line.
+        horizontal line. (1,) for a site by the spectrum: :func:`~rockpulse.views.plots.site_spectrum.site_spectrum`.
     """
     site = tree["site"].to_dataset()
+    if site.attrs["method"] == "spectrum":
+        return np.array([site_spectrum(tree, None if axes is None else np.ravel(axes)[0])])
     panels = several_axes(axes, *SITE_PANELS, height=7.2).ravel()
     names = [str(name) for name in site["parameter"].values]
     for ax, name in zip(panels, names, strict=False):

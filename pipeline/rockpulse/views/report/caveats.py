@@ -139,6 +139,8 @@ def _of_design(site: xr.Dataset, found: Sequence[BodyVerdict]) -> list[Caveat]:
     """The caveats of a body that stands under the design sequence of its site."""
     said = []
     standing = [one for one in found if one.grade < Grade.NOT_KNOWN]
+    if site.attrs["method"] == "spectrum":
+        return _of_spectrum(site, standing)
     low, high = (float(site[f"design_{end}"].sel(parameter="main")) for end in ("lower", "upper"))
     factor = high / float(site["design"].sel(parameter="main"))
     within = [f"{one.body.name} (SF {ratio(one.margin.smallest)})" for one in standing if one.margin.smallest <= factor]
@@ -163,6 +165,37 @@ def _of_design(site: xr.Dataset, found: Sequence[BodyVerdict]) -> list[Caveat]:
                 True,
                 f"Records of the site, scaled as they were calibrated, overturn {listed(fallen)}",
                 "The design covers a share of the recorded rotations, not all; assess the records themselves too.",
+            )
+        )
+    return said
+
+
+def _of_spectrum(site: xr.Dataset, standing: Sequence[BodyVerdict]) -> list[Caveat]:
+    """The caveats of a body that stands under the design spectrum of its site."""
+    names = [str(name) for name in site["block"].values]
+    of = {name: site.isel(block=place) for place, name in enumerate(names)}
+    own = {one.body.name: of[one.body.name] for one in standing if one.body.name in of}
+    said = []
+    within = [name for name, one in own.items() if float(one["design_factor_lower"]) <= 1.0]
+    if within:
+        said.append(
+            Caveat(
+                True,
+                f"Within the {float(site['confidence']):.0%} interval of the design it overturns {listed(within)}",
+                "The interval is that of the effective impulse, earthquakes resampled.",
+            )
+        )
+    fallen = [
+        f"{name} ({share(float(one['overturned_share']))})"
+        for name, one in own.items()
+        if float(one["overturned_share"]) > 0.0
+    ]
+    if fallen:
+        said.append(
+            Caveat(
+                True,
+                f"Records of the site, scaled as they were calibrated, overturn {listed(fallen)}",
+                "The share is that of their weight; the design is a quantile of them, not the largest.",
             )
         )
     return said

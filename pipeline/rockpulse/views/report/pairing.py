@@ -160,6 +160,8 @@ def _of_capacities(capacities: xr.Dataset) -> tuple[np.ndarray, np.ndarray]:
 
 def _check_design(summary: xr.Dataset, site: xr.Dataset, name: str) -> None:
     """Whether the sequence that was assessed is the design of a site; its limits are inf and -1, or NaN in the site."""
+    if site.attrs["method"] == "spectrum":
+        return _check_factors(summary, site, name)
     value = dict(zip(map(str, site["parameter"].values), site["design"].values.tolist(), strict=True))
     secondary = min(value["ratio"] * value["main"], value["main"])
     design = [value["main"], secondary, value["interval"], value["duration"], np.floor(value["main_count"])]
@@ -174,6 +176,22 @@ def _check_design(summary: xr.Dataset, site: xr.Dataset, name: str) -> None:
             f"the results, {_sequence(design, site.attrs['spacing'])} in the site file; run 'rockpulse assess "
             "--sequence' with this site file, or give the one that it was run with"
         )
+
+
+def _check_factors(summary: xr.Dataset, site: xr.Dataset, name: str) -> None:
+    """Whether the bodies have the factors that the design spectrum of a site gives them."""
+    designed = dict(zip(map(str, site["block"].values), site["design_factor"].values.tolist(), strict=True))
+    factors = summary["safety_factor"].isel(record=0).sel(model="sequence")
+    for body in bodies_of(summary):
+        own = factors.isel(block=body.place)
+        here = float(own.isel(case=body.case) if "case" in own.dims else own)
+        there = designed.get(body.name, np.nan)
+        if np.isfinite(here) and not _close((here,), (there,)):
+            raise ResultsError(
+                f"{name}: the design that was assessed is not that of this site: the factor of {body.name} is "
+                f"{here:.7g} in the results, {there:.7g} in the site file; run 'rockpulse assess --sequence' with this "
+                "site file, or give the one that it was run with"
+            )
 
 
 def _other_settings(results: xr.DataTree, other: xr.DataTree) -> tuple[str, ...]:

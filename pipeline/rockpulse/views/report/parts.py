@@ -13,6 +13,7 @@ from rockpulse.views.shared.table import Cell, Heading, Table, number
 from rockpulse.views.shared.terminal import several, share
 from rockpulse.views.text.fragility import median_table, records_words, shown_measure, state_words, sufficiency_tables
 from rockpulse.views.text.site import about_records, block_table, coverage, design, parameter_table, remarks
+from rockpulse.views.text.site_spectrum import design_table, sequence_table
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -43,10 +44,16 @@ class Part:
 def describe_site(of: Paired, assessed: int) -> Part:
     """The section on the site; no record is assessed where its design sequence stands for them."""
     site = of.tree["site"].to_dataset()
+    if site.attrs["method"] == "spectrum":
+        said: tuple[str, ...] = (coverage(site),)
+        tables = tuple(table for table in (design_table(site), sequence_table(site)) if table.rows)
+    else:
+        said = (design(site), coverage(site))
+        tables = (parameter_table(site), block_table(site), _events(site), _every_record(site))
     return Part(
         (*_files(of), *of.other_motions("The calibration and its design are", assessed), *remarks(site)),
-        (*about_records(site), *_common(of, site, assessed), design(site), coverage(site)),
-        (parameter_table(site), block_table(site), _events(site), _every_record(site)),
+        (*about_records(site), *_common(of, site, assessed), *said),
+        tables,
     )
 
 

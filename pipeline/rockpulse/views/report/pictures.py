@@ -132,7 +132,7 @@ class Pictures:
         )
 
     def site(self) -> Picture:
-        """The sequences of the records of the site, and its design; only asked for with a site."""
+        """The records of the site, and its design; only asked for with a site."""
         from rockpulse.views.plots.site import calibration
 
         tree = self._site
@@ -140,7 +140,9 @@ class Pictures:
         return _drawn(
             lambda: calibration(tree).flat[0],
             "site",
-            "Parameters of the sequence of each record, and of the design sequence.",
+            "Overturning spectrum of the site, and of each record."
+            if tree["site"].attrs["method"] == "spectrum"
+            else "Parameters of the sequence of each record, and of the design sequence.",
         )
 
     def fragility(self, block: str) -> Picture:

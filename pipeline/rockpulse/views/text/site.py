@@ -22,6 +22,7 @@ from rockpulse.views.shared.terminal import (
     share,
 )
 from rockpulse.views.text.left_out import not_used, unused
+from rockpulse.views.text.site_spectrum import design_table, sequence_table, spectrum_table
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -42,6 +43,9 @@ __all__ = [
 #: Rows of a table of blocks, and names of events, that are listed one by one.
 LISTED = 12
 
+#: How the spectrum of a record is made, by the word of [calibration] spectrum.
+_SPECTRA = {"rule": "by the rule, from its half-waves alone", "nonlinear": "by the nonlinear equation of motion"}
+
 _UNITS = {"m s-1": "m/s", "s": "s", "1": ""}
 
 
@@ -52,14 +56,29 @@ def site_overview(tree: xr.DataTree) -> str:
         unused(files_used(tree).line),
         "\n".join(paragraph(line, "  ", "! ") for line in remarks(site)),
         "\n".join(paragraph(line, "  ", "") for line in about_records(site)),
-        explained(parameter_table(site)),
-        "\n".join("  " + line for line in lines(_correlation(site))),
-        paragraph(design(site), "  ", ""),
-        _coverage(site),
+        *(_by_spectrum(tree, site) if site.attrs["method"] == "spectrum" else _by_sequences(site)),
         _warnings(site),
         not_used(tree),
     ]
     return "\n\n".join(part for part in parts if part)
+
+
+def _by_spectrum(tree: xr.DataTree, site: xr.Dataset) -> list[str]:
+    """The design of every body, or the spectrum where there is none; nothing where too few earthquakes make it."""
+    spectra = tree["spectra"].to_dataset()
+    if spectra["spectrum_design"].isnull().any():
+        return []
+    tables = (design_table(site), sequence_table(site)) if site.sizes["block"] else (spectrum_table(spectra, site),)
+    return [explained(table) for table in tables if table.rows]
+
+
+def _by_sequences(site: xr.Dataset) -> list[str]:
+    return [
+        explained(parameter_table(site)),
+        "\n".join("  " + line for line in lines(_correlation(site))),
+        paragraph(design(site), "  ", ""),
+        _coverage(site),
+    ]
 
 
 def remarks(site: xr.Dataset) -> list[str]:
@@ -75,10 +94,16 @@ def about_records(site: xr.Dataset) -> list[str]:
     more = f", and {len(events) - LISTED} more" if len(events) > LISTED else ""
     scaled = str(site.attrs["scaled_to"])
     unit = "m/s2" if scaled.startswith("pga") else "m/s"
-    return [
+    on_records = (
         f"Calibrated on {several(site.sizes['record'], 'record')} of {several(len(events), 'earthquake')}, "
-        f"{'not scaled' if scaled == 'none' else f'scaled to {scaled} {unit}'}: {', '.join(listed)}{more}.",
-        f'The sequence of each record by the method "{site.attrs["method"]}"; weights: "{site.attrs["weights"]}". Its '
+        f"{'not scaled' if scaled == 'none' else f'scaled to {scaled} {unit}'}: {', '.join(listed)}{more}."
+    )
+    weights = f'weights: "{site.attrs["weights"]}"'
+    if site.attrs["method"] == "spectrum":
+        return [on_records, f"The overturning spectrum of each record {_SPECTRA[site.attrs['spectrum']]}; {weights}."]
+    return [
+        on_records,
+        f'The sequence of each record by the method "{site.attrs["method"]}"; {weights}. Its '
         f"misfit (ln, median over records) is {figure(_median(site['misfit']))}; its rotation is below the recorded "
         f"one for {share(_median(site['unsafe_share']))} of the blocks (median).",
     ]
@@ -124,7 +149,13 @@ def design(site: xr.Dataset) -> str:
 
 
 def coverage(site: xr.Dataset) -> str:
-    """The share of the recorded rotations that the design covers, of events that it does not know."""
+    """The share of the recorded rotations that the design covers, of events it does not know; or its quantile."""
+    if site.attrs["method"] == "spectrum":
+        return (
+            f"The design is the {share(_number(site, 'quantile'))} quantile of the overturning spectra of "
+            f"{several(int(site['record_count']), 'record')} of {several(int(site['event_count']), 'earthquake')}, its "
+            f"intervals of {share(_number(site, 'confidence'))} those of other sets of so many earthquakes."
+        )
     in_sample, nominal = (share(_number(site, name)) for name in ("coverage_in_sample", "quantile"))
     if math.isnan(_number(site, "coverage")):
         why = (
