@@ -1,8 +1,7 @@
 """The demand of the half-waves of a record on a block: on the block's own time scale, and by marching through them.
 
 .. note:: A half-wave is taken as the triangle that has its ends, its impulse and its centroid. Two measures of the
-   motion that they make, both proportional to a factor on it (the march up to rounding: on noisy or drifting records
-   a single copy may flip, which moves it by 0.7 to 1.4 %):
+   motion that they make, both proportional to a factor on it:
 
    *Build-up of E.* While a block rocks on the side s, the growing mode y = s theta/alpha - 1 + s theta'/(p alpha) of
    the linear equation obeys y' = p y - s p a_g/(g alpha) (:mod:`rocking.demand`): a later impulse counts
@@ -13,22 +12,25 @@
    because the ground is seldom in step.
 
    *March.* 1 over the factor at which the linear equation (Eqs. 1-2), lifted at g tan(alpha), overturns under the
-   half-waves in their own order. One march is chaotic; the geometric mean over copies of the motion is taken, with
-   impulses that differ by a few per cent.
+   half-waves in their own order. One march is chaotic; with the stated uncertainty of the body and of the strength of
+   its motion it has a distribution (:class:`rocking.OverturningSpectrum` of :mod:`rocking.half_wave_lanes`), of which
+   the mean logarithm and the factor of 10 % probability are taken.
 """
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numba import njit
 
 from rocking.block import Block
 from rocking.demand import HANDED_ON
-from rocking.recorded import recorded_response
-from rocking.response import Outcome
+from rocking.half_wave_kernel import weighted_impulse
+from rocking.half_wave_lanes import checked_half_waves, half_wave_lanes, triangles
+from rocking.overturning_spectrum import OverturningSpectrum
+from rocking.spectrum_lanes import LEAST_RESTITUTION, MOST_RESTITUTION, RATES
 
 __all__ = ["HalfWaveDemand", "Lobes", "demand_of_half_waves", "impulse_lobes", "lobe_shapes"]
 
@@ -38,15 +40,12 @@ POINTS = 16
 #: Lobes of E above this share of the largest one are main impulses.
 MAIN_SHARE = 0.5
 
-#: Copies of the motion that are marched through, and the standard deviation of the logarithm of their impulses [-].
-COPIES, SPREAD = 16, 0.1
+#: Frequency parameters of the marches are RATES[0] STEP^k, k whole: those of the default spectrum and beyond.
+STEP = (RATES[-1] / RATES[0]) ** (1.0 / (RATES.size - 1))
 
-#: The copies differ in the same way for every record and block.
-SEED = 2017
-
-#: March over build-up where it is searched, and the ratio of neighbouring factors. On the 64 recorded and synthetic
-#: motions and 12 blocks of docs/decisions/012 it lay between 0.14 and 0.76.
-LOWEST, HIGHEST, STEP = 0.08, 1.2, 1.12
+#: Restitutions of the marches: a band of each, from the share 0.9 of the lowest nominal C in it to the highest one. A
+#: body of a lower C than the last holds is taken as if it had that: an impact leaves next to nothing of its speed.
+BANDS = ((LEAST_RESTITUTION, MOST_RESTITUTION), *((0.45 / 1.5**k, 0.75 / 1.5**k) for k in range(6)))
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,12 +58,14 @@ class Lobes:
 
 @dataclass(frozen=True, eq=False)
 class HalfWaveDemand:
-    """Demand of half-waves on (m,) blocks, `build_up` proportional to a factor on the record, `march` up to rounding.
+    """Demand of half-waves on (m,) blocks, proportional to a factor on the record up to rounding.
 
     Attributes
     ----------
     march : (m,) ndarray
-        1 over the factor at which the march overturns [-], within 0.08 to 1.2 times the build-up.
+        1 over the mean capacity of the march: exp of the mean logarithm of the factor at which it overturns [-].
+    march_10 : (m,) ndarray
+        1 over the factor at which the march overturns with a probability of 10 % [-].
     build_up : (m,) ndarray
         Sum over k of (0.9 C)^k p E_k/(g tan alpha), E_k the lobes in descending order [-].
     largest : (m,) ndarray
@@ -79,27 +80,12 @@ class HalfWaveDemand:
     """
 
     march: np.ndarray
+    march_10: np.ndarray
     build_up: np.ndarray
     largest: np.ndarray
     main_count: np.ndarray
     ratio: np.ndarray
     interval: np.ndarray
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
-def _weighted_impulse(times: np.ndarray, ground: np.ndarray, rate: float) -> np.ndarray:
-    """E at the points of a piecewise linear ground, exact, by one backward pass."""
-    weighted = np.zeros(times.shape[0])
-    for i in range(times.shape[0] - 2, -1, -1):
-        step = times[i + 1] - times[i]
-        if step <= 0.0:
-            weighted[i] = weighted[i + 1]
-            continue
-        decay = np.exp(-rate * step)
-        whole = -np.expm1(-rate * step) / rate
-        late = (whole - step * decay) / (rate * step)
-        weighted[i] = decay * weighted[i + 1] + (whole - late) * ground[i] + late * ground[i + 1]
-    return weighted
 
 
 def impulse_lobes(start: Any, centroid: Any, end: Any, impulse: Any, rate: float) -> Lobes:
@@ -125,8 +111,12 @@ def impulse_lobes(start: Any, centroid: Any, end: Any, impulse: Any, rate: float
     >>> lobes.sizes.round(2).tolist()  # 0.3 - 0.2/e, and the second one alone
     [0.23, -0.2]
     """
-    times, ground = _triangles(*(np.asarray(values, dtype=float) for values in (start, centroid, end, impulse)))
-    weighted = _weighted_impulse(times, ground, float(rate))
+    corners, tops = triangles(*(np.asarray(values, dtype=float) for values in (start, centroid, end, impulse)))
+    share = np.arange(POINTS) / POINTS
+    sides = np.diff(corners, append=corners[-1:])
+    times = (corners[:, None] + np.outer(sides, share)).reshape(-1)
+    ground = np.interp(times, corners, tops) if times.size else times
+    weighted = weighted_impulse(times, ground, float(rate))
     present = np.flatnonzero(weighted)
     times, weighted = times[present], weighted[present]
     if not weighted.size:
@@ -138,27 +128,8 @@ def impulse_lobes(start: Any, centroid: Any, end: Any, impulse: Any, rate: float
     return Lobes(times[tops], weighted[tops])
 
 
-def _triangles(
-    start: np.ndarray, centroid: np.ndarray, end: np.ndarray, impulse: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
-    """Points and ground accelerations of the half-waves as triangles.
-
-    A triangle from start to end has its centroid at (start + apex + end)/3, in the middle third; an apex that would lie
-    outside goes to the nearer end.
-    """
-    apex = np.clip(3.0 * centroid - start - end, start, end)
-    length = end - start
-    peak = np.divide(2.0 * impulse, length, out=np.zeros_like(impulse), where=length > 0.0)
-    share = np.arange(POINTS) / POINTS
-    rising = start[:, None] + np.outer(apex - start, share)
-    falling = apex[:, None] + np.outer(end - apex, np.append(share, 1.0))
-    times = np.concatenate([rising, falling], axis=1)
-    ground = peak[:, None] * np.append(share, np.append(1.0 - share, 0.0))
-    return times.reshape(-1), ground.reshape(-1)
-
-
 def demand_of_half_waves(
-    block: Block, start: Any, centroid: Any, end: Any, impulse: Any, dt: float, threads: int | None = None
+    block: Block, start: Any, centroid: Any, end: Any, impulse: Any, threads: int | None = None
 ) -> HalfWaveDemand:
     """Demand of half-waves on blocks.
 
@@ -170,8 +141,6 @@ def demand_of_half_waves(
         Times of the half-waves [s], in order, centroids inside.
     impulse : (k,) array_like
         Their signed impulses [m/s].
-    dt : float
-        Interval on which the triangles are sampled for the march, that of the record [s].
     threads : int, optional
         Threads that share the lanes; None for all available cores. The results do not depend on it.
 
@@ -183,37 +152,44 @@ def demand_of_half_waves(
     Raises
     ------
     ValueError
-        For arrays that are not finite, not of one length or out of order, or dt <= 0.
+        For arrays that are not finite, not of one length or out of order.
 
     Notes
     -----
-    The march is tried at factors of 1/1.2 to 1/0.08 over the build-up, 12 % apart, and the smallest at which it
-    overturns counts. A factor that it cannot answer (UNRESOLVED) counts as overturning.
+    With the linear equation the march sees nothing of a block but p, C and x = f p/(g tan alpha). It is made at
+    frequency parameters a ratio of 1.128 apart and read between them, probabilities linear in ln p, which a march at
+    the p of the body itself meets within 2 % (docs/decisions/012). C is uniform in 0.9 to 1 times that of the block.
 
     Examples
     --------
     >>> import numpy as np
     >>> block = Block.from_parameters(p=[2.0], alpha=[0.1], restitution=0.9)
-    >>> once = demand_of_half_waves(block, [0.0, 0.5], [0.25, 0.7], [0.5, 1.0], [0.4, -0.3], dt=0.01)
-    >>> twice = demand_of_half_waves(block, [0.0, 0.5], [0.25, 0.7], [0.5, 1.0], [0.8, -0.6], dt=0.01)
+    >>> once = demand_of_half_waves(block, [0.0, 0.5], [0.25, 0.7], [0.5, 1.0], [0.4, -0.3])
+    >>> twice = demand_of_half_waves(block, [0.0, 0.5], [0.25, 0.7], [0.5, 1.0], [0.8, -0.6])
     >>> (twice.march / once.march).round(9), once.main_count
     (array([2.]), array([2]))
     """
-    start, centroid, end, impulse = _checked(start, centroid, end, impulse, dt)
+    waves = checked_half_waves(start, centroid, end, impulse)
     block = block if block.shape else block.lanes(1)
-    lobes = [impulse_lobes(start, centroid, end, impulse, rate) for rate in np.asarray(block.p)]
+    rates, of_body = np.unique(np.asarray(block.p, dtype=float), return_inverse=True)
+    lobes = [impulse_lobes(*waves, rate) for rate in rates]
     over = np.asarray(block.p) / (block.gravity * np.tan(block.alpha_c))
     descending = [np.sort(np.abs(lobe.sizes))[::-1] for lobe in lobes]
     handed = HANDED_ON * np.broadcast_to(np.asarray(block.restitution, dtype=float), over.shape)
-    build_up = over * [float(np.sum(h ** np.arange(e.size) * e)) for h, e in zip(handed, descending, strict=True)]
-    shape = [_main_lobes(lobe) for lobe in lobes]
+    sums = [
+        float(np.sum(h ** np.arange(descending[i].size) * descending[i])) for h, i in zip(handed, of_body, strict=True)
+    ]
+    largest = np.array([np.max(e, initial=0.0) for e in descending])
+    count, ratio, interval = (np.array(column) for column in zip(*map(_main_lobes, lobes), strict=True))
+    mean, at_10 = _spectra(waves, block, threads) if np.any(waves[3]) else np.zeros((2, over.size))
     return HalfWaveDemand(
-        march=_march(block, start, centroid, end, impulse, dt, build_up, threads),
-        build_up=build_up,
-        largest=over * [float(np.max(e, initial=0.0)) for e in descending],
-        main_count=np.array([count for count, _, _ in shape], dtype=np.int64),
-        ratio=np.array([ratio for _, ratio, _ in shape]),
-        interval=np.array([interval for _, _, interval in shape]),
+        march=over * mean,
+        march_10=over * at_10,
+        build_up=over * sums,
+        largest=over * largest[of_body],
+        main_count=count[of_body],
+        ratio=ratio[of_body],
+        interval=interval[of_body],
     )
 
 
@@ -258,47 +234,19 @@ def _main_lobes(lobes: Lobes) -> tuple[int, float, float]:
     return main.size, ratio, float(np.median(np.diff(lobes.times[within])))
 
 
-def _march(
-    block: Block,
-    start: np.ndarray,
-    centroid: np.ndarray,
-    end: np.ndarray,
-    impulse: np.ndarray,
-    dt: float,
-    build_up: np.ndarray,
-    threads: int | None,
-) -> np.ndarray:
-    if not np.any(build_up):
-        return np.zeros(build_up.size)
-    # RandomState, whose stream is frozen: stored factors must not change with the version of numpy.
-    copies = np.exp(SPREAD * np.random.RandomState(SEED).standard_normal((impulse.size, COPIES)))
-    samples = start[0] + dt * np.arange(int(np.ceil((end[-1] - start[0]) / dt)) + 2)
-    factors = np.geomspace(1.0 / HIGHEST, 1.0 / LOWEST, 1 + int(np.ceil(np.log(HIGHEST / LOWEST) / np.log(STEP))))
-    alpha = np.asarray(block.alpha_c)
-    own = alpha / np.tan(alpha) / build_up  # lifted at g tan(alpha); the factors count from the build-up
-    logs = np.zeros(build_up.size)
-    for copy in copies.T:
-        motion = np.interp(samples, *_triangles(start, centroid, end, impulse * copy))
-        outcome = recorded_response(
-            block, motion, dt, equation="linear", scale=factors, block_scale=own, threads=threads
-        ).outcome
-        over = (outcome == Outcome.OVERTURNS) | (outcome == Outcome.UNRESOLVED)
-        logs += np.log(np.where(np.any(over, axis=0), factors[np.argmax(over, axis=0)], factors[-1]))
-    return build_up * np.exp(-logs / COPIES)
-
-
-def _checked(start: Any, centroid: Any, end: Any, impulse: Any, dt: float) -> tuple[np.ndarray, ...]:
-    arrays = tuple(np.atleast_1d(np.asarray(values, dtype=float)) for values in (start, centroid, end, impulse))
-    if len({values.shape for values in arrays}) != 1 or arrays[0].ndim != 1:
-        raise ValueError(
-            "start, centroid, end, impulse: expected four (k,) arrays, got shapes "
-            + ", ".join(str(values.shape) for values in arrays)
-        )
-    if not all(np.all(np.isfinite(values)) for values in arrays):
-        raise ValueError("start, centroid, end, impulse: expected finite numbers")
-    first, middle, last, _ = arrays
-    if np.any(middle < first) or np.any(last < middle) or np.any(first[1:] < last[:-1] - 1e-9):
-        raise ValueError("half-waves: expected start <= centroid <= end, one after the other")
-    if not (np.isfinite(dt) and dt > 0.0):
-        raise ValueError(f"dt: expected a positive sampling interval [s], got {dt!r}")
-    return arrays
+def _spectra(waves: tuple[np.ndarray, ...], block: Block, threads: int | None) -> np.ndarray:
+    """Effective impulses (2, m) [m/s] that blocks take from the half-waves: in the mean, and with 10 % probability."""
+    found = np.empty((2, block.p.size))
+    nominal = np.maximum(np.broadcast_to(np.asarray(block.restitution, dtype=float), block.p.shape), BANDS[-1][0] / 0.9)
+    below = np.floor(np.log(np.asarray(block.p) / RATES[0]) / math.log(STEP) + 1e-9)
+    band = np.sum(nominal[:, np.newaxis] < [least / 0.9 * (1.0 - 1e-12) for least, _ in BANDS[:-1]], axis=1)
+    for one in np.unique(band):
+        here = np.flatnonzero(band == one)
+        nodes = RATES[0] * STEP ** np.unique([below[here], below[here] + 1.0])
+        spectrum = OverturningSpectrum(half_wave_lanes(*waves, p=nodes, between=BANDS[one], threads=threads))
+        # A slender block of the same p and C stands for each.
+        slender = Block.from_parameters(p=block.p[here], alpha=0.1, restitution=nominal[here], log=False)
+        read = spectrum.factors(slender)
+        speed = slender.gravity * np.tan(0.1) / slender.p
+        found[:, here] = speed / read.capacity_mean, speed / read.factor_10
+    return found

@@ -15,7 +15,7 @@ import math
 import numpy as np
 from numba import njit
 
-__all__ = ["march_pieces"]
+__all__ = ["march_pieces", "weighted_impulse"]
 
 #: Slower impacts, as u' [-], end the rocking where the ground does not lift the block: u would reach 5e-7.
 SLOWEST = 1e-3
@@ -140,3 +140,19 @@ def march_pieces(first, last, place, strength, restitution, length, growth, grou
     for lane in range(first, last):
         k = place[lane]
         peak[lane] = _march(strength[lane], restitution[lane], length[k], growth[k], ground, left)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def weighted_impulse(times: np.ndarray, ground: np.ndarray, rate: float) -> np.ndarray:
+    """E [m/s] at the points (k,) of a piecewise linear ground, exact, by one backward pass (:mod:`rocking.demand`)."""
+    weighted = np.zeros(times.shape[0])
+    for i in range(times.shape[0] - 2, -1, -1):
+        step = times[i + 1] - times[i]
+        if step <= 0.0:
+            weighted[i] = weighted[i + 1]
+            continue
+        decay = np.exp(-rate * step)
+        whole = -np.expm1(-rate * step) / rate
+        late = (whole - step * decay) / (rate * step)
+        weighted[i] = decay * weighted[i + 1] + (whole - late) * ground[i] + late * ground[i + 1]
+    return weighted

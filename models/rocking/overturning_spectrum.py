@@ -89,15 +89,21 @@ class OverturningFactors:
         return OverturningFactors(**found)
 
 
-def covered(block: Block, least: np.ndarray, most: np.ndarray, p: np.ndarray = RATES) -> np.ndarray:
+def covered(
+    block: Block,
+    least: np.ndarray,
+    most: np.ndarray,
+    p: np.ndarray = RATES,
+    between: tuple[float, float] = (LEAST_RESTITUTION, 1.0),
+) -> np.ndarray:
     """True, (m,), for the blocks that a spectrum stands for, with C between `least` and `most` (m,).
 
     They are free and symmetric, of a slenderness of at least 3.5, and their p and C lie within those of the lanes, p
-    the (a,) frequency parameters of the spectrum [1/s].
+    the (a,) frequency parameters of the spectrum [1/s] and `between` its restitutions.
     """
     slender = np.asarray(block.slenderness) >= LEAST_SLENDERNESS * (1.0 - 1e-9)
     inside = (np.asarray(block.p) >= p[0] * (1.0 - 1e-9)) & (np.asarray(block.p) <= p[-1] * (1.0 + 1e-9))
-    return slender & inside & (least >= LEAST_RESTITUTION * (1.0 - 1e-9)) & (most <= 1.0 + 1e-9)
+    return slender & inside & (least >= between[0] * (1.0 - 1e-9)) & (most <= between[1] * (1.0 + 1e-9))
 
 
 class OverturningSpectrum:
@@ -163,7 +169,7 @@ class OverturningSpectrum:
 
     def covers(self, block: Block, least: np.ndarray, most: np.ndarray) -> np.ndarray:
         """True, (m,), for the blocks that this spectrum stands for (:func:`covered`)."""
-        return covered(block, least, most, self.p)
+        return covered(block, least, most, self.p, self.lanes.between)
 
     def factors(
         self, block: Block, least: Any = None, most: Any = None, factor_max: float = np.inf
@@ -195,8 +201,9 @@ class OverturningSpectrum:
         if outside.size:
             raise ValueError(
                 f"block: the spectrum stands for free blocks of slenderness {LEAST_SLENDERNESS:g} and more, p from "
-                f"{self.p[0]:g} to {self.p[-1]:g} 1/s and C from {LEAST_RESTITUTION:g} to 1, not for {outside.size} of "
-                f"{nominal.size}, the first one at place {int(outside[0])}"
+                f"{self.p[0]:g} to {self.p[-1]:g} 1/s and C from {self.lanes.between[0]:g} to "
+                f"{self.lanes.between[1]:g}, not for {outside.size} of {nominal.size}, the first one at place "
+                f"{int(outside[0])}"
             )
         probability, error = self._between(np.asarray(block.p), least, most)
         speed = np.asarray(block.gravity * np.tan(block.alpha_c) / block.p)
@@ -221,10 +228,11 @@ class OverturningSpectrum:
     def _range(self, restitution: Any) -> tuple[np.ndarray, np.ndarray]:
         nominal = np.atleast_1d(np.asarray(restitution, dtype=float))
         least, most = (share * nominal for share in self.uncertainty.restitution)
-        if not (np.all(least >= LEAST_RESTITUTION * (1.0 - 1e-9)) and np.all(most <= 1.0 + 1e-9)):
+        lowest, highest = self.lanes.between
+        if not (np.all(least >= lowest * (1.0 - 1e-9)) and np.all(most <= highest * (1.0 + 1e-9))):
             raise ValueError(
                 f"restitution: expected a nominal C whose draws, {self.uncertainty.restitution[0]:g} to "
-                f"{self.uncertainty.restitution[1]:g} of it, lie in {LEAST_RESTITUTION:g} to 1, got {restitution!r}"
+                f"{self.uncertainty.restitution[1]:g} of it, lie in {lowest:g} to {highest:g}, got {restitution!r}"
             )
         return least, most
 

@@ -14,6 +14,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -24,7 +25,7 @@ from rocking.block import STANDARD_GRAVITY, Block
 from rocking.demand import ground_demand
 from rocking.recorded import recorded_response
 
-__all__ = ["RATES", "SpectrumLanes", "spectrum_lanes"]
+__all__ = ["RATES", "SpectrumLanes", "fill_lanes", "frequency_parameters", "spectrum_lanes"]
 
 #: The body that stands for all slender ones.
 SLENDERNESS = 8.0
@@ -78,6 +79,8 @@ class SpectrumLanes:
         Largest abs(theta)/alpha [-]; inf where the lane overturns, or cannot be answered.
     bottom, top : (a,) ndarray
         ln x below which nothing is lifted, and above which everything counts as overturned.
+    between : (float, float)
+        Restitutions that the lanes stand for [-].
     """
 
     p: np.ndarray
@@ -87,6 +90,7 @@ class SpectrumLanes:
     peak: np.ndarray
     bottom: np.ndarray
     top: np.ndarray
+    between: tuple[float, float] = (LEAST_RESTITUTION, 1.0)
 
 
 def spectrum_lanes(acceleration: Any, dt: float, p: Any = RATES, threads: int | None = None) -> SpectrumLanes:
@@ -112,9 +116,7 @@ def spectrum_lanes(acceleration: Any, dt: float, p: Any = RATES, threads: int | 
     ValueError
         For p that do not ascend, a record of zeros, or what :func:`~rocking.recorded_response` refuses.
     """
-    rates = np.atleast_1d(positive("p", p, "1/s"))
-    if np.any(np.diff(rates) <= 0.0):
-        raise ValueError(f"p: expected ascending frequency parameters in 1/s, got {p!r:.80}")
+    rates = frequency_parameters(p)
     ground = np.asarray(acceleration, dtype=float)
     slender = Block.from_parameters(p=rates, alpha=math.atan(1.0 / SLENDERNESS), restitution=MIDDLE, log=False)
     speed = STANDARD_GRAVITY / SLENDERNESS / rates  # g tan(alpha)/p
@@ -135,7 +137,30 @@ def spectrum_lanes(acceleration: Any, dt: float, p: Any = RATES, threads: int | 
         found = recorded_response(lanes, ground, dt, block_scale=factors, threads=threads).peak_rotation_ratio
         return np.where(np.isnan(found), np.inf, found).reshape(log_x.shape)
 
-    restitution = np.tile(_restitutions(FIRST, 0.5), (rates.size, 1))
+    return fill_lanes(rates, bottom, top, march)
+
+
+def frequency_parameters(p: Any) -> np.ndarray:
+    """Frequency parameters [1/s] as (a,); ValueError where they do not ascend from above 0."""
+    rates = np.atleast_1d(positive("p", p, "1/s"))
+    if np.any(np.diff(rates) <= 0.0):
+        raise ValueError(f"p: expected ascending frequency parameters in 1/s, got {p!r:.80}")
+    return rates
+
+
+def fill_lanes(
+    rates: np.ndarray,
+    bottom: np.ndarray,
+    top: np.ndarray,
+    march: Callable[[np.ndarray, np.ndarray], np.ndarray],
+    between: tuple[float, float] = (LEAST_RESTITUTION, MOST_RESTITUTION),
+) -> SpectrumLanes:
+    """Lanes at frequency parameters (a,), placed from uplift at `bottom` to `top` (a,) in ln x, and marched.
+
+    `march` takes ln x and restitution, (a, n) each, and answers with the largest abs(theta)/alpha, inf where a lane
+    overturns. Where the last lanes below `top` still stand, that is raised. Restitutions lie `between` two values.
+    """
+    restitution = np.tile(_restitutions(FIRST, 0.5, between), (rates.size, 1))
     for _ in range(WIDENINGS):
         log_x = bottom[:, np.newaxis] + (top - bottom)[:, np.newaxis] * ((np.arange(FIRST) + 0.5) / FIRST)
         peak = march(log_x, restitution)
@@ -149,13 +174,13 @@ def spectrum_lanes(acceleration: Any, dt: float, p: Any = RATES, threads: int | 
         for one in zip(
             _level(log_x, restitution),
             np.isinf(peak),
-            _level(bottom, LEAST_RESTITUTION),
-            _level(top, MOST_RESTITUTION),
+            _level(bottom, between[0]),
+            _level(top, between[1]),
             strict=True,
         )
     ]
     places, grid, density = (np.stack(column) for column in zip(*placed, strict=True))
-    more = np.tile(_restitutions(SECOND, 0.25), (rates.size, 1))
+    more = np.tile(_restitutions(SECOND, 0.25, between), (rates.size, 1))
     above = places - SLOPE * (more - MIDDLE)
     log_x, restitution = np.hstack([log_x, above]), np.hstack([restitution, more])
     peak = np.hstack([peak, march(above, more)])
@@ -165,12 +190,15 @@ def spectrum_lanes(acceleration: Any, dt: float, p: Any = RATES, threads: int | 
     weight = np.where(inside, 1.0 / (first + second), 0.0)
     order = np.argsort(restitution, axis=1, kind="stable")
     ordered = [np.take_along_axis(values, order, axis=1) for values in (log_x, restitution, weight, peak)]
-    return SpectrumLanes(rates, *ordered, bottom=bottom, top=top)
+    # One next to 1 stands for it.
+    covered = (between[0], 1.0 if between[1] == MOST_RESTITUTION else between[1])
+    return SpectrumLanes(rates, *ordered, bottom=bottom, top=top, between=covered)
 
 
-def _restitutions(count: int, start: float) -> np.ndarray:
+def _restitutions(count: int, start: float, between: tuple[float, float]) -> np.ndarray:
     """Restitutions (count,) of one part of the lattice."""
-    return LEAST_RESTITUTION + (MOST_RESTITUTION - LEAST_RESTITUTION) * ((np.arange(count) * _GOLDEN + start) % 1.0)
+    least, most = between
+    return least + (most - least) * ((np.arange(count) * _GOLDEN + start) % 1.0)
 
 
 def _level(log_x: np.ndarray, restitution: Any) -> np.ndarray:
