@@ -22,7 +22,8 @@ __all__ = ["VERB"]
 #: Why there is no configuration.
 PROTOCOL = (
     "The protocol is fixed, so that verdicts can be compared, and takes no configuration: channels above 0.15 g, "
-    "band-passed from 0.1 to 25 Hz, at factors 0.5 and 1 on twelve bodies of its own (slenderness 4 to 12, R 1 to 4 m)."
+    "band-passed from 0.1 to 25 Hz, on twelve bodies of its own (slenderness 4 to 12, R 1 to 4 m), under the default "
+    "uncertainty. A channel takes about a second of one core."
 )
 
 
@@ -35,8 +36,9 @@ def _add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     judge = actions.add_parser(
         "judge",
-        help="compare the rule with the nonlinear model and p PGV/(g tan alpha)",
-        description=f"Missed overturnings and false alarms of the rule, on earthquakes left out. {PROTOCOL}",
+        help="compare the rule and other measures with the nonlinear model",
+        description="Bias and scatter of the rule and of other measures against the capacity by the nonlinear model, "
+        f"and their missed and false alarms, on earthquakes left out. {PROTOCOL}",
     )
     for action, output, kind in ((fit, "RULE", "TOML"), (judge, "VERDICTS", "HDF5")):
         action.add_argument("paths", nargs="+", metavar="PATHS", help="files, folders, zips or globs of records")
@@ -47,6 +49,12 @@ def _add_arguments(parser: argparse.ArgumentParser) -> None:
             )
         add_reading_arguments(action)
         add_confirm_argument(action)
+        action.add_argument(
+            "--events",
+            metavar="TABLE",
+            help="CSV table with the columns record, event: the earthquake of channels whose files name none, such as "
+            '"Kobe 1995-01-16"',
+        )
         action.add_argument("--seed", type=int, default=0, metavar="N", help="seed of the bootstrap; default: 0")
         action.add_argument("--overwrite", action="store_true", help="replace a file that exists")
         action.add_argument("--quiet", action="store_true", help=QUIET)
@@ -62,6 +70,8 @@ def _run(args: argparse.Namespace) -> int:
 
 def _fit(args: argparse.Namespace) -> int:
     from datetime import UTC, datetime
+
+    import numpy as np
 
     from rockpulse.studies.rule.cases import PROCESSING
     from rockpulse.studies.rule.judgement import fit_rules, judge_rules
@@ -82,8 +92,9 @@ def _fit(args: argparse.Namespace) -> int:
         "channels": int(cases["record"].nunique()),
         "earthquakes": int(cases["event"].nunique()),
         "cases": len(cases),
-        "overturnings": int(cases["overturns"].sum()),
+        "reached": int(np.isfinite(cases["capacity_mean"]).sum()),
         "processing": PROCESSING,
+        "events": sorted(cases["event"].unique()),
         "records": sorted(cases["record"].unique()),
     }
     write_files({target: rule_text(rules, tree, provenance).encode()})
@@ -108,13 +119,17 @@ def _judge(args: argparse.Namespace) -> int:
 
 
 def _cases(args: argparse.Namespace) -> tuple[pd.DataFrame, list[Failure]]:
+    from pathlib import Path
+
+    from rockpulse.motions.tables import read_event_table
     from rockpulse.readers.folders import read_all
     from rockpulse.studies.rule.cases import rule_cases, strong_motions
 
     options = reading_options(args)
     bars = progress_bars(args.quiet)
     records, failures = read_all(args.paths, options.units, dt=options.dt)
-    motions, left_out = strong_motions(records, args.confirm, failures)
+    titles = read_event_table(Path(args.events)) if args.events else None
+    motions, left_out = strong_motions(records, args.confirm, failures, titles)
     with compiling_told(args.quiet):
         cases, refused = rule_cases(motions, progress=lambda every: bars(every, desc="judging", unit=" channels"))
     return cases, [*failures, *left_out, *refused]
@@ -146,8 +161,8 @@ def _report(args: argparse.Namespace, cases: pd.DataFrame, failures: list[Failur
 VERB = Verb(
     name="rule",
     summary="fit or judge the rule from half-waves to sequences",
-    description="Fit the rule that turns the half-waves of a record into an impulse sequence, or judge its verdicts on "
-    "records against the nonlinear model, with p PGV/(g tan alpha) beside it.",
+    description="Fit the rule that turns the half-waves of a record into an impulse sequence, or judge it on records "
+    "against the nonlinear model, with other measures beside it.",
     add_arguments=_add_arguments,
     run=_run,
     examples=("rockpulse rule judge records/ -o verdicts.h5", "rockpulse rule fit records/ -o rule.toml"),

@@ -12,91 +12,77 @@ RULE_KIND = "rule verdicts"
 #: Words of a verdict.
 COMPUTED = ("not_computed", "no", "yes")
 
+_DEMANDS: Declared = {
+    "march": real("1", "1 over the mean capacity of the march through the half-waves"),
+    "march_10": real("1", "1 over the factor at which the march overturns with a probability of 10 %", since=2),
+    "single_ratio": real("1", "1 over the safety factor of one nonlinear analysis", since=2),
+    "change_ratio": real("1", "largest change of velocity within 2/p over g tan(alpha)/p", since=2),
+    "intensity_ratio": real("1", "mean pseudo-velocity, 5 % damping, 0.1 to 2.5 s, over g tan(alpha)/p", since=2),
+    "velocity_ratio": real("1", "p PGV/(g tan alpha)"),
+    "impulse_ratio": real("1", "largest half-wave over g tan(alpha)/p", since=2),
+    "uplift_ratio": real("1", "PGA/(g tan alpha)"),
+    "ishiyama_ratio": real("1", "PGV over 0.4 sqrt(8 g R (1 - cos alpha)/(3 cos^2 alpha))", since=2),
+}
+
 _CASES: Declared = {
     "record": text("record id"),
     "event": text("earthquake"),
     "source": text("file the record was read from", since=1),
     "slenderness": real("1", "height over width"),
     "radius": real("m", "half-diagonal R"),
-    "scale": real("1", "factor on the record"),
-    "march": real("1", "1 over the factor at which the march through the half-waves overturns"),
-    "build_up": real("1", "speed that the lobes of the exponentially weighted impulse build up"),
-    "uplift_ratio": real("1", "PGA/(g tan alpha)"),
-    "velocity_ratio": real("1", "p PGV/(g tan alpha)"),
-    "overturns": flag(COMPUTED, "verdict of the nonlinear model", first=-1),
-    "peak": real("1", "theta_max/alpha_c of the nonlinear model"),
-    "left_out_march": real("1", "march over the balanced limit fitted without the earthquake"),
-    "left_out_velocity_ratio": real("1", "p PGV/(g tan alpha) over its balanced limit fitted without the earthquake"),
-    "flips": whole("perturbed truths that give another verdict than the nonlinear model"),
-    "balanced": flag(COMPUTED, "verdict of the balanced rule fitted without the earthquake", first=-1),
-    "conservative": flag(COMPUTED, "verdict of the conservative rule fitted without the earthquake", first=-1),
+    **_DEMANDS,
+    "capacity_mean": real("1", "exp of the mean logarithm of the factor at which the body overturns", since=2),
+    "capacity_mean_low": real("1", "what that is at least where it is not reached", since=2),
+    "factor_10": real("1", "factor at which the body overturns with a probability of 10 %", since=2),
+    "factor_50": real("1", "factor at which the body overturns with a probability of 50 %", since=2),
+    "probability_half": real("1", "probability of overturning at a factor of 0.5", since=2),
+    "probability_one": real("1", "probability of overturning at a factor of 1", since=2),
+    "overturns_half": flag(COMPUTED, "nonlinear verdict at a factor of 0.5", first=-1, since=2),
+    "overturns_one": flag(COMPUTED, "nonlinear verdict at a factor of 1", first=-1, since=2),
+    "left_out_balanced": real("1", "demand of the balanced rule fitted without the earthquake", since=2),
+    "left_out_conservative": real("1", "demand of the conservative rule fitted without the earthquake", since=2),
 }
 
-_SCORE = text(
-    "march (the rule), velocity_ratio (p PGV/(g tan alpha), alarms where uplift is possible) or velocity_alone "
-    "(without that condition)"
-)
+_MEASURE = text("name of the demand in /cases", since=2)
+
+_CAPACITIES: Declared = {
+    "measure": _MEASURE,
+    "target": text("capacity_mean or factor_10", since=2),
+    "kind": text("left-out (coefficient fitted without the earthquake) or as-given (a stored rule)"),
+    "coefficient": real("1", "coefficient of the measure; its median over earthquakes left out", since=2),
+    "bias": real("1", "median of predicted over nonlinear capacity, earthquakes alike", since=2),
+    "bias_low": real("1", "lower end of its 95 % interval, earthquakes resampled", since=2),
+    "bias_high": real("1", "upper end of its 95 % interval, earthquakes resampled", since=2),
+    "dispersion": real("1", "standard deviation of the logarithm of that ratio", since=2),
+    "within": real("1", "the same about the mean of each body", since=2),
+    "within_low": real("1", "lower end of its 95 % interval, earthquakes resampled", since=2),
+    "within_high": real("1", "upper end of its 95 % interval, earthquakes resampled", since=2),
+    "reached": whole("capacities that are reached", since=2),
+    "censored_share": real("1", "share of the capacities that are not reached by a factor of 10", since=2),
+}
 
 _RATES: Declared = {
-    "score": _SCORE,
-    "point": text("working point"),
-    "kind": text("in-sample, left-out (limit fitted without the earthquake) or as-given (a stored rule)"),
-    "overturnings": whole("cases that overturn"),
+    "score": text("name of the demand in /cases"),
+    "point": text("working point of the rule; empty for other scores"),
+    "kind": text("left-out, as-given (a stored rule) or as published"),
+    "overturnings": whole("cases that overturn, at factors of 0.5 and 1"),
     "survivors": whole("cases that survive"),
     "missed": whole("overturnings without an alarm"),
     "false": whole("survivors with an alarm"),
     "missed_share": real("1", "missed over overturnings"),
-    "missed_low": real("1", "missed share, lower end of the 95 % interval, earthquakes resampled and limits refitted"),
-    "missed_high": real("1", "missed share, upper end of the 95 % interval, earthquakes resampled and limits refitted"),
-    "missed_bound": real("1", "missed share, 95 % upper bound as if cases were independent (Clopper-Pearson)"),
-    "missed_bound_clustered": real("1", "missed share, 95 % upper bound, earthquakes resampled and limits refitted"),
+    "missed_low": real("1", "missed share, lower end of the 95 % interval, earthquakes resampled"),
+    "missed_high": real("1", "missed share, upper end of the 95 % interval, earthquakes resampled"),
     "false_share": real("1", "false over survivors"),
-    "false_low": real("1", "false share, lower end of the 95 % interval, earthquakes resampled and limits refitted"),
-    "false_high": real("1", "false share, upper end of the 95 % interval, earthquakes resampled and limits refitted"),
-    "missed_least": real("1", "least missed share over the perturbed truths, limits refitted"),
-    "missed_most": real("1", "largest missed share over the perturbed truths, limits refitted"),
-    "false_least": real("1", "least false share over the perturbed truths, limits refitted"),
-    "false_most": real("1", "largest false share over the perturbed truths, limits refitted"),
-    "false_difference": real("1", "false share of the rule at this point and kind less this one"),
-    "false_difference_low": real("1", "lower end of its 95 % interval, earthquakes resampled and limits refitted"),
-    "false_difference_high": real("1", "upper end of its 95 % interval, earthquakes resampled and limits refitted"),
-    "peaks": whole("survivors without an alarm whose nonlinear peak is above 0.05"),
-    "peak_bias": real("1", "median ratio of the sequence's peak to the nonlinear one of those that move"),
-    "peak_dispersion": real("1", "standard deviation of the logarithm of that ratio"),
+    "false_low": real("1", "false share, lower end of the 95 % interval, earthquakes resampled"),
+    "false_high": real("1", "false share, upper end of the 95 % interval, earthquakes resampled"),
 }
 
 _AT_MISSED: Declared = {
-    "kind": text("in-sample or left-out scores"),
+    "score": text("name of the demand in /cases, or limit: the probability of overturning by the nonlinear equation"),
     "missed_share": real("1", "share of overturnings that may be missed"),
-    "march": real("1", "false share of the rule"),
-    "velocity_ratio": real("1", "false share of p PGV/(g tan alpha)"),
-    "velocity_alone": real("1", "false share of p PGV/(g tan alpha) with alarms where nothing lifts"),
-    "difference": real("1", "false share of the rule less that of p PGV/(g tan alpha)"),
-    "difference_low": real("1", "lower end of its 95 % interval, earthquakes resampled and limits refitted"),
-    "difference_high": real("1", "upper end of its 95 % interval, earthquakes resampled and limits refitted"),
-    "difference_alone": real("1", "false share of the rule less that of velocity_alone"),
-    "difference_alone_low": real("1", "lower end of its 95 % interval"),
-    "difference_alone_high": real("1", "upper end of its 95 % interval"),
-}
-
-_AREAS: Declared = {
-    "kind": text("in-sample or left-out scores"),
-    "march": real("1", "area under the ROC curve of the rule"),
-    "velocity_ratio": real("1", "area under the ROC curve of p PGV/(g tan alpha)"),
-    "velocity_alone": real("1", "area under the ROC curve of p PGV/(g tan alpha) with alarms where nothing lifts"),
-    "difference": real("1", "area of the rule less that of p PGV/(g tan alpha)"),
-    "difference_low": real("1", "lower end of its 95 % interval, earthquakes resampled and limits refitted"),
-    "difference_high": real("1", "upper end of its 95 % interval, earthquakes resampled and limits refitted"),
-    "difference_alone": real("1", "area of the rule less that of velocity_alone"),
-    "difference_alone_low": real("1", "lower end of its 95 % interval"),
-    "difference_alone_high": real("1", "upper end of its 95 % interval"),
-}
-
-_CURVES: Declared = {
-    "score": _SCORE,
-    "kind": text("in-sample or left-out scores"),
-    "missed_share": real("1", "share of overturnings that are missed"),
-    "false_share": real("1", "share of survivors that raise an alarm"),
+    "false_share": real("1", "share of survivors that raise an alarm at that limit"),
+    "false_low": real("1", "lower end of its 95 % interval, earthquakes resampled and limits refitted"),
+    "false_high": real("1", "upper end of its 95 % interval, earthquakes resampled and limits refitted"),
 }
 
 #: Variables of each table.
@@ -104,9 +90,8 @@ RULE_TABLES: dict[str, Declared] = {
     name: along(("row",), table)
     for name, table in {
         "rates": _RATES,
+        "capacities": _CAPACITIES,
         "at_missed": _AT_MISSED,
-        "areas": _AREAS,
-        "curves": _CURVES,
         "cases": _CASES,
         "failures": FAILURE,
     }.items()

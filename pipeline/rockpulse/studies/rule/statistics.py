@@ -1,84 +1,113 @@
-"""Quality of a score that should tell overturning from survival: rates, curves, bounds, and events resampled.
+"""Quality of a demand that should tell a capacity: its bias and scatter, the coefficient that it needs, and its verdicts.
 
-.. note:: A case raises the alarm where its score is at or above a limit. `missed` is the share of the overturnings
-   without an alarm, `false` the share of the survivors with one. Cases of one earthquake are no independent
-   observations, so confidence comes from resampling earthquakes. `scores` (n,), `over` (n,) bool, `events` (n,) are the
-   score of each case, whether it overturns, and the label of its earthquake.
+.. note:: ln(demand x capacity) of every case is 0 for a perfect demand. Cases of one earthquake are no independent
+   observations: earthquakes weigh alike, each with all its cases, and confidence comes from resampling them. A capacity
+   that was not reached by the largest factor is known from below only (censored). `error` (n,), `weight` (n,), `events`
+   (n,) and `bodies` (n,) are that logarithm, the weight, the label of the earthquake and that of the body of each case.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable, Mapping
-from typing import TypeVar
+from collections.abc import Callable
 
 import numpy as np
-from scipy.stats import beta
+from scipy.optimize import minimize
+from scipy.stats import norm
 
 __all__ = [
     "RESAMPLES",
-    "Resampled",
-    "area",
-    "curve",
+    "alike",
+    "between",
+    "coefficient",
+    "dispersion",
     "false_at",
-    "left_out",
-    "limit",
-    "missed_bound",
-    "over_limit",
+    "missed_and_false",
     "resampled",
+    "weighted_median",
 ]
-
-K = TypeVar("K", bound=Hashable)
 
 #: Resamples of the bootstrap.
 RESAMPLES = 1000
 
+#: Confidence of the intervals [-].
+CONFIDENCE = 0.95
 
-def limit(fallen: np.ndarray, share: float) -> float:
-    """The highest limit that misses no more than a share of the overturnings, from their scores (n,), n at least 1.
 
-    The share is 0 to 1, 1 excluded.
+def alike(events: np.ndarray) -> np.ndarray:
+    """Weights (n,) with which earthquakes weigh alike, of mean one.
 
     Examples
     --------
-    >>> limit(np.array([3.0, 1.0, 2.0, 4.0]), 0.25)
+    >>> alike(np.array(["a", "b", "b"])).tolist()
+    [1.5, 0.75, 0.75]
+    """
+    _, place, count = np.unique(events, return_inverse=True, return_counts=True)
+    weight = 1.0 / count[place]
+    return np.asarray(weight / np.mean(weight)) if weight.size else weight
+
+
+def coefficient(error: np.ndarray, open_ended: np.ndarray, weight: np.ndarray) -> tuple[float, float]:
+    """Centre and standard deviation of normal errors (n,), of which some are known from below only.
+
+    They are the most likely ones, each case with its weight; an `open_ended` case counts by the probability of an error
+    above the given one.
+
+    Examples
+    --------
+    >>> centre, spread = coefficient(np.array([0.1, 0.3]), np.array([False, False]), np.ones(2))
+    >>> round(centre, 4), round(spread, 4)
+    (0.2, 0.1)
+    """
+    known = ~open_ended
+    start = float(np.average(error[known], weights=weight[known]))
+    scatter = float(np.sqrt(np.average((error[known] - start) ** 2, weights=weight[known])))
+    if np.all(known) or scatter == 0.0:
+        return start, scatter
+
+    def unlikeliness(at: np.ndarray) -> float:
+        score = (error - at[0]) / np.exp(at[1])
+        return -float(np.sum(weight * np.where(open_ended, norm.logsf(score), norm.logpdf(score) - at[1])))
+
+    found = minimize(unlikeliness, np.array([start, np.log(scatter)]), method="Nelder-Mead").x
+    return float(found[0]), float(np.exp(found[1]))
+
+
+def weighted_median(values: np.ndarray, weight: np.ndarray) -> float:
+    """The value with half the weight below it.
+
+    Examples
+    --------
+    >>> weighted_median(np.array([1.0, 2.0, 9.0]), np.array([1.0, 1.0, 1.0]))
     2.0
     """
-    return float(np.sort(fallen)[int(share * fallen.size * (1.0 + 1e-12))])
+    order = np.argsort(values)
+    half = np.searchsorted(np.cumsum(weight[order]), 0.5 * np.sum(weight))
+    return float(values[order][min(half, values.size - 1)])
 
 
-def over_limit(scores: np.ndarray, lowest: float) -> np.ndarray:
-    """Scores over a limit; NaN for a limit of 0, which an overturning without any score makes.
-
-    Examples
-    --------
-    >>> over_limit(np.array([0.0, 3.0]), 2.0).tolist(), over_limit(np.array([0.0, 3.0]), 0.0).tolist()
-    ([0.0, 1.5], [nan, nan])
-    """
-    return scores / lowest if lowest > 0.0 else np.full(scores.shape, np.nan)
-
-
-def left_out(scores: np.ndarray, over: np.ndarray, events: np.ndarray, share: float) -> np.ndarray:
-    """Scores (n,) over the limit that the cases of the other earthquakes give: an alarm at 1 and above.
-
-    Cases overturn in at least two earthquakes. NaN where the limit is 0 (:func:`over_limit`).
+def dispersion(error: np.ndarray, weight: np.ndarray, bodies: np.ndarray | None = None) -> float:
+    """Standard deviation of errors [-]; with `bodies` about the mean of each body.
 
     Examples
     --------
-    >>> left_out(np.array([2.0, 8.0, 4.0]), np.array([True, True, False]), np.array(["a", "b", "b"]), 0.0).tolist()
-    [0.25, 4.0, 2.0]
+    >>> errors, bodies = np.array([0.1, 0.3, 1.1, 1.3]), np.array([0, 0, 1, 1])
+    >>> round(dispersion(errors, np.ones(4)), 3), round(dispersion(errors, np.ones(4), bodies), 3)
+    (0.589, 0.141)
     """
-    margins = np.empty(scores.size)
-    for event in np.unique(events):
-        out = events == event
-        margins[out] = over_limit(scores[out], limit(scores[over & ~out], share))
-    return margins
+    labels = np.zeros(error.size, dtype=int) if bodies is None else np.unique(bodies, return_inverse=True)[1]
+    whole = np.bincount(labels, weight)
+    centre = np.bincount(labels, weight * error) / whole
+    left = error.size - whole.size
+    if left < 1:
+        return float("nan")
+    share = np.sum(weight * (error - centre[labels]) ** 2) / np.sum(weight)
+    return float(np.sqrt(share * error.size / left))
 
 
-def curve(scores: np.ndarray, over: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Missed and false shares (k,) [-] as the limit falls through the k overturnings; `missed` falls to 0."""
-    fallen, stood = np.sort(scores[over])[::-1], np.sort(scores[~over])
-    missed = 1.0 - np.searchsorted(-fallen, -fallen, side="right") / fallen.size
-    return missed, 1.0 - np.searchsorted(stood, fallen, side="left") / stood.size
+def missed_and_false(alarm: np.ndarray, over: np.ndarray) -> tuple[float, float]:
+    """Share of the overturnings without an alarm, and of the survivors with one [-]; NaN where there are none."""
+    missed = float(np.mean(~alarm[over])) if np.any(over) else float("nan")
+    return missed, float(np.mean(alarm[~over])) if np.any(~over) else float("nan")
 
 
 def false_at(scores: np.ndarray, over: np.ndarray, share: float) -> float:
@@ -89,73 +118,31 @@ def false_at(scores: np.ndarray, over: np.ndarray, share: float) -> float:
     >>> false_at(np.array([1.0, 2.0, 3.0, 4.0]), np.array([False, True, False, True]), 0.0)
     0.5
     """
-    return float(np.mean(scores[~over] >= limit(scores[over], share)))
-
-
-def area(scores: np.ndarray, over: np.ndarray) -> float:
-    """Area under the ROC curve [-]: the chance that an overturning has the larger score, ties counting half."""
-    fallen, stood = scores[over], np.sort(scores[~over])
-    below = np.searchsorted(stood, fallen, side="left") + np.searchsorted(stood, fallen, side="right")
-    return float(0.5 * np.mean(below) / stood.size)
-
-
-def missed_bound(missed: int, overturnings: int, confidence: float = 0.95) -> float:
-    """Upper bound of the missed share as if all cases were independent (Clopper & Pearson 1934) [-].
-
-    Examples
-    --------
-    >>> round(missed_bound(0, 100), 4), missed_bound(3, 3)
-    (0.0295, 1.0)
-    """
-    if missed >= overturnings:
-        return 1.0
-    return float(beta.ppf(confidence, missed + 1, overturnings - missed))
-
-
-class Resampled:
-    """Values (b,) of a statistic over resamples of the earthquakes; NaN where a resample gives none."""
-
-    def __init__(self, values: np.ndarray) -> None:
-        self.values = values
-
-    def between(self, confidence: float = 0.95) -> tuple[float, float]:
-        """Both ends of the percentile interval; NaN where fewer than half of the resamples have a value."""
-        known = self.values[np.isfinite(self.values)]
-        if known.size < 0.5 * self.values.size:
-            return float("nan"), float("nan")
-        low, high = np.quantile(known, [0.5 - 0.5 * confidence, 0.5 + 0.5 * confidence])
-        return float(low), float(high)
-
-    def below(self, confidence: float = 0.95) -> float:
-        """Upper bound of the percentile kind."""
-        return self.between(2.0 * confidence - 1.0)[1]
-
-    def __sub__(self, other: Resampled) -> Resampled:
-        """The difference of two statistics, resample by resample."""
-        return Resampled(self.values - other.values)
+    fallen = np.sort(scores[over])
+    if not fallen.size or np.all(over):
+        return float("nan")
+    limit = fallen[int(share * fallen.size * (1.0 + 1e-12))]
+    return float(np.mean(scores[~over] >= limit))
 
 
 def resampled(
-    events: np.ndarray,
-    over: np.ndarray,
-    statistics: Callable[[np.ndarray], Mapping[K, float]],
-    seed: int = 0,
-    resamples: int = RESAMPLES,
-) -> dict[K, Resampled]:
-    """Statistics over resamples of the earthquakes, each with all its cases.
+    events: np.ndarray, statistic: Callable[[np.ndarray], float], seed: int = 0, resamples: int = RESAMPLES
+) -> np.ndarray:
+    """A statistic (b,) over resamples of the earthquakes, each with all its cases.
 
-    `statistics` takes the indices of the cases drawn, (k,) int, and returns numbers by name. It is not called for
-    resamples that hold no survivor or overturnings of fewer than two earthquakes: a copy of an earthquake is no other
-    one. All calls with one seed see the same resamples.
+    `statistic` takes the indices of the cases drawn, (k,) int. All calls with one seed see the same resamples.
     """
     labels = np.unique(events)
     members = [np.flatnonzero(events == label) for label in labels]
     random = np.random.default_rng(np.random.SeedSequence([seed, *b"rule"]))
-    found: list[Mapping[K, float]] = []
-    for draw in random.integers(labels.size, size=(resamples, labels.size)):
-        drawn = np.concatenate([members[event] for event in draw])
-        fallen = over[drawn]
-        enough = not fallen.all() and np.unique(events[drawn][fallen]).size >= 2
-        found.append(statistics(drawn) if enough else {})
-    names = dict.fromkeys(name for one in found for name in one)
-    return {name: Resampled(np.array([one.get(name, np.nan) for one in found])) for name in names}
+    drawn = random.integers(labels.size, size=(resamples, labels.size))
+    return np.array([statistic(np.concatenate([members[event] for event in draw])) for draw in drawn])
+
+
+def between(values: np.ndarray) -> tuple[float, float]:
+    """Both ends of the percentile interval of 95 %; NaN where fewer than half of the resamples have a value."""
+    known = values[np.isfinite(values)]
+    if known.size < 0.5 * max(values.size, 1):
+        return float("nan"), float("nan")
+    low, high = np.quantile(known, [0.5 - 0.5 * CONFIDENCE, 0.5 + 0.5 * CONFIDENCE])
+    return float(low), float(high)

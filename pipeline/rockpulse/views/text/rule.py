@@ -6,25 +6,27 @@ import json
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
-import pandas as pd
-
+from rockpulse.calibration.rule import POINTS
+from rockpulse.studies.rule.judgement import LIMIT
+from rockpulse.studies.rule.measures import MEASURES
 from rockpulse.views.shared.files_used import files_used
 from rockpulse.views.shared.table import Cell, Heading, Table, lines, number
 from rockpulse.views.shared.terminal import fixed, paragraph
 from rockpulse.views.text.left_out import unused
 
 if TYPE_CHECKING:
+    import pandas as pd
     import xarray as xr
 
     from rockpulse.calibration.rule import Rule
 
 __all__ = ["rule_overview", "rule_text"]
 
-#: What the scores are called.
-NAMES = {"march": "rule", "velocity_ratio": "p PGV/(g tan a)", "velocity_alone": "p PGV, no cap"}
+#: What the capacities are called.
+TARGETS = {"capacity_mean": "mean capacity", "factor_10": "factor of 10 %"}
 
-#: The order of the rows, by point, kind and score.
-_ORDER = ("balanced", "conservative", "in-sample", "left-out", "as-given", *NAMES)
+#: What the scores are called.
+NAMES = MEASURES | {LIMIT: "the limit: P, nonlinear"}
 
 
 def rule_overview(tree: xr.DataTree) -> str:
@@ -32,93 +34,93 @@ def rule_overview(tree: xr.DataTree) -> str:
     files = unused(files_used(tree).line)
     if tree.attrs["statement"]:
         return "\n".join(filter(None, (files, paragraph(f"no verdict on the rule: {tree.attrs['statement']}"))))
-    rates, at, areas = (tree[name].to_dataset().to_dataframe() for name in ("rates", "at_missed", "areas"))
+    capacities, rates, at_missed = (
+        tree[name].to_dataset().to_dataframe() for name in ("capacities", "rates", "at_missed")
+    )
     fallen, stood = int(rates["overturnings"].iloc[0]), int(rates["survivors"].iloc[0])
     head = (
-        f"{tree.attrs['channels']} channels of {tree.attrs['earthquakes']} earthquakes: {fallen} of {fallen + stood} "
-        f"cases overturn by the nonlinear model. Rule as given: {tree.attrs['rule']}. Shares in %, 95 % intervals with "
-        "earthquakes resampled and limits refitted; [..] bound of the missed share: cases independent, earthquakes "
-        "resampled. p PGV raises alarms where uplift is possible, as the rule does; no cap: everywhere."
+        f"{tree.attrs['channels']} channels of {tree.attrs['earthquakes']} earthquakes on twelve bodies, against the "
+        "nonlinear equation with 10 % on the factor, C times U(0.9, 1), alpha less 5 % |N|. Rule as given: "
+        f"{tree.attrs['rule']}. Each measure has one coefficient, fitted without the earthquake that it is judged on. "
+        "Intervals: 95 %, earthquakes resampled."
     )
-    ordered = rates.sort_values(["point", "kind", "score"], key=lambda values: values.map(_ORDER.index))
-    rows: list[Any] = list(ordered.itertuples())
-    margins = [
-        f"{row.point}, {row.kind}: false of the rule less that of {NAMES[row.score]} {_percent(row.false_difference)} "
-        f"({_percent(row.false_difference_low)} to {_percent(row.false_difference_high)})"
-        for row in rows
-        if row.kind != "as-given" and row.score != "march"
-    ]
-    surfaces = [
-        f"area under the curve, {row.kind}: rule {row.march:.3f}, {NAMES['velocity_ratio']} {row.velocity_ratio:.3f} "
-        f"({NAMES['velocity_alone']} {row.velocity_alone:.3f}), difference "
-        f"{row.difference_low:+.3f} to {row.difference_high:+.3f}"
-        for row in areas.itertuples()
-    ]
-    perturbed = [
-        f"{row.point}, {row.kind}, {NAMES[row.score]}: missed {_percent(row.missed_least)} to "
-        f"{_percent(row.missed_most)} %, false {_percent(row.false_least)} to {_percent(row.false_most)} %"
-        for row in rows
-        if row.kind != "in-sample" and row.score != "velocity_alone"
-    ]
-    truth = "Over perturbed truths (record and restitution by 0.1 %, ends of the record otherwise filtered):"
-    compared = ["False alarms at a missed share:", *lines(_compared(at))]
-    parts = [
-        [*filter(None, [files]), paragraph(head)],
-        lines(_verdicts(rows)),
-        margins,
-        compared,
-        surfaces,
-        [truth, *perturbed],
-    ]
+    parts = [[*filter(None, [files]), paragraph(head)]]
+    for target, words in TARGETS.items():
+        rows = capacities[capacities["target"] == target]
+        share = _percent(float(rows["censored_share"].iloc[0]))
+        told = f"Against the {words} ({int(rows['reached'].iloc[0])} reached by a factor of 10, {share} % not):"
+        parts.append([told, *lines(_capacities(rows))])
+    told = f"Verdicts at factors of 0.5 and 1, where {fallen} of {fallen + stood} cases overturn, in %:"
+    parts += [[told, *lines(_rates(rates))], ["False alarms in % at a missed share:", *lines(_at_missed(at_missed))]]
     return "\n\n".join("\n".join(part) for part in parts)
 
 
-def _verdicts(rows: list[Any]) -> Table:
-    """Missed and false verdicts of every point, score and kind of limit."""
-    heads = ("point", "score", "limit", "missed", "interval", "[95 % bound]", "false", "interval", "peak bias", "disp.")
+def _capacities(rows: pd.DataFrame) -> Table:
+    heads = ("measure", "coefficient", "times", "bias", "interval", "log-dispersion", "within a body", "interval")
     cells = tuple(
         (
-            Cell(row.point),
-            Cell(NAMES[row.score]),
+            Cell(NAMES[row.measure]),
+            Cell(row.kind),
+            number(row.coefficient, fixed),
+            number(row.bias, fixed),
+            Cell(f"{fixed(row.bias_low)}-{fixed(row.bias_high)}", row.bias_low),
+            number(row.dispersion, _three),
+            number(row.within, _three),
+            Cell(f"{_three(row.within_low)}-{_three(row.within_high)}", row.within_low),
+        )
+        for row in _tuples(rows)
+    )
+    return Table("rule-capacities", "", tuple(map(Heading, heads)), cells)
+
+
+def _rates(rates: pd.DataFrame) -> Table:
+    heads = ("verdict", "coefficient", "missed", "interval", "false", "interval")
+    cells = tuple(
+        (
+            Cell(row.point or NAMES[row.score]),
             Cell(row.kind),
             Cell(f"{row.missed} = {_percent(row.missed_share)}", row.missed),
             Cell(f"{_percent(row.missed_low)}-{_percent(row.missed_high)}", row.missed_low),
-            Cell(f"[{_percent(row.missed_bound)}, {_percent(row.missed_bound_clustered)}]", row.missed_bound),
             Cell(f"{row.false} = {_percent(row.false_share)}", row.false),
             Cell(f"{_percent(row.false_low)}-{_percent(row.false_high)}", row.false_low),
-            number(row.peak_bias, fixed),
-            number(row.peak_dispersion, fixed),
         )
-        for row in rows
+        for row in _tuples(rates)
     )
     return Table("rule-verdicts", "", tuple(map(Heading, heads)), cells)
 
 
-def _compared(at: pd.DataFrame) -> Table:
-    """False alarms of the scores at the same share of missed overturnings."""
-    others = {"velocity_ratio": "difference", "velocity_alone": "difference_alone"}
-    heads = [head for name in others for head in (NAMES[name], "difference", "95 % interval")]
-    rows = []
-    for row in at.to_dict("records"):
-        cells = [Cell(row["kind"]), number(row["missed_share"], _percent), number(row["march"], _percent)]
-        for name, less in others.items():
-            low, high = row[f"{less}_low"], row[f"{less}_high"]
-            cells += [number(row[name], _percent), number(row[less], _percent)]
-            cells.append(Cell(f"{_percent(low)} to {_percent(high)}", low))
-        rows.append(tuple(cells))
-    return Table("rule-compared", "", tuple(map(Heading, ("scores", "missed", "false: rule", *heads))), tuple(rows))
+def _at_missed(at_missed: pd.DataFrame) -> Table:
+    shares = sorted(at_missed["missed_share"].unique())
+    heads = ["score", *(words for share in shares for words in (f"at {_percent(share)}", "interval"))]
+    cells = []
+    for score, rows in at_missed.groupby("score", sort=False):
+        row = [Cell(NAMES[str(score)])]
+        for one in _tuples(rows.sort_values("missed_share")):
+            row.append(number(one.false_share, _percent))
+            row.append(Cell(f"{_percent(one.false_low)}-{_percent(one.false_high)}", one.false_low))
+        cells.append(tuple(row))
+    return Table("rule-compared", "", tuple(map(Heading, heads)), tuple(cells))
+
+
+def _tuples(rows: pd.DataFrame) -> list[Any]:
+    return list(rows.itertuples())
 
 
 def _percent(value: float) -> str:
     return fixed(100.0 * value, 1)
 
 
+def _three(value: float) -> str:
+    return fixed(value, 3)
+
+
 def rule_text(rules: Mapping[str, Rule], tree: xr.DataTree, provenance: Mapping[str, Any]) -> str:
     """Fitted rules of one range as TOML, by working point, with their provenance and how they did on their cases."""
-    rates = tree["rates"].to_dataset().to_dataframe().set_index(["score", "kind", "point"])
+    capacities = tree["capacities"].to_dataset().to_dataframe().set_index(["measure", "target", "kind"])
     lines = [
         "# The rule of rockpulse.calibration.rule: demand = factor x march, an overturning at 1 and above.",
-        "# Written by `rockpulse rule fit`; missed and false shares against the nonlinear model.",
+        "# Written by `rockpulse rule fit`; bias and log-dispersion of 1/demand against the nonlinear capacity, on",
+        "# earthquakes left out.",
         "",
         "[provenance]",
         *(f"{key} = {json.dumps(value, ensure_ascii=False)}" for key, value in provenance.items()),
@@ -126,9 +128,8 @@ def rule_text(rules: Mapping[str, Rule], tree: xr.DataTree, provenance: Mapping[
     within = next(iter(rules.values())).within
     lines += ["", "[range]", *(f"{name} = [{least:.6g}, {most:.6g}]" for name, (least, most) in within.items())]
     for point, rule in rules.items():
-        lines += ["", f"[{point}]", f"factor = {rule.factor:.6g}"]
-        for kind in ("in-sample", "left-out"):
-            row: Any = rates.loc[pd.IndexSlice["march", kind, point], :]
-            name = kind.replace("-", "_")
-            lines += [f"{name}_missed = {row.missed_share:.4f}", f"{name}_false = {row.false_share:.4f}"]
+        measure, target = POINTS[point]
+        row: Any = capacities.loc[(measure, target, "left-out")]
+        lines += ["", f"[{point}]", f"factor = {rule.factor:.6g}", f"target = {json.dumps(target)}"]
+        lines += [f"{name} = {row[name]:.4f}" for name in ("bias", "dispersion", "within", "within_low", "within_high")]
     return "\n".join(lines) + "\n"
