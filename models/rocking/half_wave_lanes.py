@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from rocking.block import STANDARD_GRAVITY
 from rocking.half_wave_kernel import march_pieces, weighted_impulse
 from rocking.spectrum_lanes import (
     HIGHEST,
@@ -26,6 +27,9 @@ from rocking.spectrum_lanes import (
 from rocking.threads import split_lanes
 
 __all__ = ["checked_half_waves", "half_wave_lanes", "triangles"]
+
+#: Largest acceleration over gravity that is taken for a ground motion [-].
+STRONGEST = 1e6
 
 #: Shorter pieces are no pieces [s]: a triangle whose top stands at one of its ends has one only.
 SHORTEST = 1e-12
@@ -75,8 +79,8 @@ def half_wave_lanes(
     Raises
     ------
     ValueError
-        For arrays that are not finite, not of one length or out of order, impulses that are all zero, or p that do not
-        ascend.
+        For arrays that are not finite, not of one length or out of order, impulses that are all zero or no ground
+        motion, or p that do not ascend.
 
     Examples
     --------
@@ -93,6 +97,11 @@ def half_wave_lanes(
     ground = np.ascontiguousarray(np.stack([corners[1, :-1], corners[1, 1:]], axis=1)[pieces])
     if not np.any(ground):
         raise ValueError("impulse: expected a ground motion, got nothing but zeros")
+    if not np.max(np.abs(ground)) <= STRONGEST * STANDARD_GRAVITY:
+        raise ValueError(
+            f"acceleration: expected half-waves of at most {STRONGEST:g} times gravity, got "
+            f"{np.max(np.abs(ground)) / STANDARD_GRAVITY:g}; are the impulses in m/s?"
+        )
     left = np.append(np.maximum.accumulate(np.max(np.abs(ground), axis=1)[::-1])[::-1], 0.0)
     steps = np.outer(rates, length[pieces])
     growth = np.exp(steps)

@@ -24,8 +24,10 @@ import numpy as np
 from rocking.block import Block
 from rocking.block_limits import radius_of_rectangle
 from rocking.half_wave_demand import HalfWaveDemand, demand_of_half_waves
+from rocking.half_wave_lanes import half_wave_lanes
 from rocking.main_sequence_kernel import effective_amplification
 from rocking.sequence import ImpulseSequence
+from rocking.spectrum_lanes import RATES, SpectrumLanes
 from rockpulse.errors import ConfigError
 from rockpulse.record.half_wave import HalfWaves
 
@@ -130,6 +132,27 @@ class Rule:
         """
         of_waves = _half_wave_demand(waves, block)
         return sequence_of_demand(self.demand(waves, block), of_waves, block, _uplift(waves, block) > 1.0)
+
+    def spectrum_lanes(self, waves: HalfWaves, p: Any = RATES, threads: int | None = None) -> SpectrumLanes:
+        """Lanes of the overturning spectrum of a record by the rule: its march, with the factor of the point.
+
+        Parameters
+        ----------
+        waves : HalfWaves
+            All half-waves of the record, not all zero.
+        p : (a,) array_like
+            Frequency parameters [1/s], ascending.
+        threads : int, optional
+            Threads that share the lanes; None for all available cores.
+
+        Returns
+        -------
+        SpectrumLanes
+            For :class:`rockpulse.models.OverturningSpectrum`.
+        """
+        lanes = half_wave_lanes(waves.start, waves.centroid, waves.end, waves.impulse, p, threads=threads)
+        shift = math.log(self.factor)
+        return replace(lanes, log_x=lanes.log_x - shift, bottom=lanes.bottom - shift, top=lanes.top - shift)
 
     def applicable(self, block: Block) -> np.ndarray:
         """True for bodies like those that the rule was fitted on: inside its range, or no more than 1 % beyond.

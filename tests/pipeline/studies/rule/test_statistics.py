@@ -1,10 +1,19 @@
-"""Rates and curves of a score against counting by hand; earthquakes resampled."""
+"""Bias, scatter and rates against counting by hand and against other packages; earthquakes resampled."""
 
 import numpy as np
 import pytest
-from scipy.stats import binom, mannwhitneyu
+from scipy.stats import norm
 
-from rockpulse.studies.rule.statistics import area, curve, false_at, left_out, limit, missed_bound, resampled
+from rockpulse.studies.rule.statistics import (
+    alike,
+    between,
+    coefficient,
+    dispersion,
+    false_at,
+    missed_and_false,
+    resampled,
+    weighted_median,
+)
 
 
 def scores(seed, n=200):
@@ -14,91 +23,93 @@ def scores(seed, n=200):
 
 
 @pytest.mark.parametrize("share", [0.0, 0.01, 0.05, 0.1, 0.5])
-def test_the_limit_is_the_highest_that_misses_no_more(share):
+def test_false_alarms_are_those_of_the_highest_limit_that_misses_no_more(share):
     values, over = scores(1)
-    lowest = limit(values[over], share)
-    assert np.mean(values[over] < lowest) <= share
-    higher = np.min(values[over][values[over] > lowest])
-    assert np.mean(values[over] < higher) > share
-    assert false_at(values, over, share) == np.mean(values[~over] >= lowest)
+    limits = [one for one in np.unique(values) if np.mean(values[over] < one) <= share]
+    assert false_at(values, over, share) == np.mean(values[~over] >= max(limits))
 
 
 def test_a_share_that_is_a_whole_number_of_cases_may_be_missed_in_full():
-    assert limit(np.arange(20.0), 0.05) == 1.0
-    assert limit(np.arange(100.0), 0.07) == 7.0  # 0.07 * 100 is 7.000000000000001
-    assert limit(np.arange(100.0), 0.29) == 29.0  # 0.29 * 100 is 28.999999999999996
+    values = np.append(np.arange(100.0), [6.5, 7.5])
+    over = np.arange(102) < 100
+    assert false_at(values, over, 0.07) == 0.5  # 0.07 * 100 is 7.000000000000001
+    assert false_at(values, over, 0.29) == 0.0  # 0.29 * 100 is 28.999999999999996
 
 
-def test_the_curve_is_that_of_every_limit():
-    values, over = scores(2)
-    missed, false = curve(values, over)
-    for level, gone, wrong in zip(np.sort(values[over])[::-1], missed, false, strict=True):
-        assert gone == pytest.approx(np.mean(values[over] < level))
-        assert wrong == pytest.approx(np.mean(values[~over] >= level))
-    assert missed[-1] == 0.0
+def test_without_overturnings_or_survivors_there_is_no_share():
+    alarm = np.array([True, False])
+    assert np.isnan(false_at(np.ones(2), np.array([False, False]), 0.1))
+    assert np.isnan(missed_and_false(alarm, np.array([False, False]))[0])
+    assert missed_and_false(alarm, np.array([False, False]))[1] == 0.5
+    assert np.isnan(missed_and_false(alarm, np.array([True, True]))[1])
 
 
-def test_the_area_is_the_mann_whitney_statistic():
-    values, over = scores(3)
-    expected = mannwhitneyu(values[over], values[~over]).statistic / (np.sum(over) * np.sum(~over))
-    assert area(values, over) == pytest.approx(expected)
+def test_errors_known_from_below_count_by_what_they_may_be():
+    random = np.random.default_rng(3)
+    error = random.normal(0.1, 0.4, 4000)
+    end = 0.3
+    beyond = error > end
+    cut = np.where(beyond, end, error)
+    centre, spread = coefficient(cut, beyond, np.ones(4000))
+    assert (centre, spread) == pytest.approx((0.1, 0.4), abs=0.02)
+    # The most likely pair: any other is less so.
+    def likelihood(at, width):
+        return np.sum(np.where(beyond, norm.logsf(end, at, width), norm.logpdf(cut, at, width)))
+
+    best = likelihood(centre, spread)
+    for step in (-0.01, 0.01):
+        assert likelihood(centre + step, spread) < best
+        assert likelihood(centre, spread + step) < best
 
 
-def test_the_bound_of_the_missed_share_is_exact():
-    bound = missed_bound(3, 80)
-    assert binom.cdf(3, 80, bound) == pytest.approx(0.05)
+def test_weights_are_copies():
+    random = np.random.default_rng(4)
+    error, beyond = random.normal(size=60), random.uniform(size=60) < 0.2
+    weight = random.integers(1, 4, 60)
+    copied = np.repeat(np.arange(60), weight)
+    assert coefficient(error, beyond, weight) == pytest.approx(
+        coefficient(error[copied], beyond[copied], np.ones(copied.size)), abs=1e-3
+    )
+    odd = np.repeat(np.arange(61), np.append(weight, 1 + (np.sum(weight) % 2)))
+    values = np.append(error, 9.0)
+    assert weighted_median(values, np.append(weight, 1 + (np.sum(weight) % 2))) in (
+        np.sort(values[odd])[odd.size // 2 - 1],
+        np.sort(values[odd])[odd.size // 2],
+    )
 
 
-def test_left_out_scores_are_over_the_limit_of_the_other_earthquakes():
-    values, over = scores(4)
-    values = values + 10.0
-    events = np.repeat(list("abcdefghij"), 20)
-    margins = left_out(values, over, events, 0.05)
-    for event in "aj":
-        out = events == event
-        assert np.array_equal(margins[out], values[out] / limit(values[~out][over[~out]], 0.05))
-    # Copies of an earthquake leave together: drawn twice, it is judged as if drawn once.
-    twice = np.concatenate([np.arange(200), np.flatnonzero(events == "c")])
-    again = left_out(values[twice], over[twice], events[twice], 0.0)
-    assert np.array_equal(again[200:], left_out(values, over, events, 0.0)[events == "c"])
+def test_the_scatter_within_bodies_knows_nothing_of_their_means():
+    random = np.random.default_rng(5)
+    bodies = np.repeat(np.arange(5), 200)
+    error = random.normal(0.0, 0.2, 1000) + 3.0 * bodies
+    assert dispersion(error, np.ones(1000), bodies) == pytest.approx(0.2, rel=0.05)
+    assert dispersion(error, np.ones(1000)) > 4.0
+    assert np.isnan(dispersion(error[:1], np.ones(1)))
 
 
-def test_a_limit_of_zero_gives_no_number():
-    values, over, events = np.array([0.0, 8.0, 4.0]), np.array([True, True, False]), np.array(["a", "b", "b"])
-    with np.errstate(all="raise"):
-        margins = left_out(values, over, events, 0.0)
-    assert margins[0] == 0.0
-    assert np.isnan(margins[1:]).all()  # the other earthquake's one overturning has score 0
+def test_earthquakes_weigh_alike():
+    weight = alike(np.array(["a"] * 3 + ["b"]))
+    assert weight[:3].sum() == pytest.approx(weight[3])
+    assert weight.mean() == pytest.approx(1.0)
 
 
 def test_earthquakes_are_resampled_whole():
     events = np.repeat(["a", "b", "c"], [4, 6, 10])
-    over = np.tile([True, False], 10)
     sizes = {"a": 4, "b": 6, "c": 10}
 
     def seen(drawn):
         for event in "abc":
             times = np.bincount(drawn, minlength=20)[events == event]
             assert np.all(times == times[0])
-        return {"size": float(drawn.size), "negative": -float(drawn.size)}
+        return float(drawn.size)
 
-    found = resampled(events, over, seen, resamples=50)
-    values = found["size"].values
-    assert set(values[np.isfinite(values)]) <= {
-        float(i + j + k) for i in sizes.values() for j in sizes.values() for k in sizes.values()
-    }
-    same = resampled(events, over, seen, resamples=50)["size"]
-    assert np.array_equal(values, same.values, equal_nan=True)
-    assert not np.array_equal(values, resampled(events, over, seen, seed=1, resamples=50)["size"].values, True)
-    low, high = found["size"].between()
-    assert low < found["size"].below(0.9) <= high
-    assert (found["size"] - found["negative"]).between() == (2.0 * low, 2.0 * high)
+    values = resampled(events, seen, resamples=50)
+    assert set(values) <= {float(i + j + k) for i in sizes.values() for j in sizes.values() for k in sizes.values()}
+    assert np.array_equal(values, resampled(events, seen, resamples=50))
+    assert not np.array_equal(values, resampled(events, seen, seed=1, resamples=50))
+    low, high = between(values)
+    assert np.mean((values >= low) & (values <= high)) >= 0.95
 
 
-def test_resamples_of_one_verdict_or_one_earthquake_have_no_value():
-    events = np.array(["a", "b", "b"])
-    found = resampled(events, np.array([True, True, False]), lambda drawn: {"one": 1.0}, resamples=200)["one"]
-    assert 0.3 < np.mean(np.isnan(found.values)) < 0.7  # both draws the same earthquake
-    assert resampled(events, np.array([True, True, True]), lambda drawn: {"one": 1.0}, resamples=20) == {}
-    rare = resampled(np.arange(30), np.arange(30) < 1, lambda drawn: {"one": 1.0}, resamples=200)
-    assert rare == {}
+def test_an_interval_of_few_values_is_none():
+    assert np.isnan(between(np.array([1.0, np.nan, np.nan]))).all()
