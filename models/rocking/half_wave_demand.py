@@ -216,7 +216,7 @@ def lobe_shapes(
     >>> count.tolist(), ratio.tolist()
     ([1, 2], [0.0, 0.0])
     """
-    waves = _checked(start, centroid, end, impulse, dt=1.0)
+    waves = checked_half_waves(start, centroid, end, impulse)
     shapes = [_main_lobes(impulse_lobes(*waves, rate)) for rate in np.atleast_1d(rates)]
     count, ratio, interval = (np.array(column) for column in zip(*shapes, strict=True))
     return count, ratio, interval

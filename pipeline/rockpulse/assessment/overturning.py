@@ -15,8 +15,10 @@ import numpy as np
 from rocking.block import Block
 from rocking.crossing import factor_at
 from rocking.overturning_spectrum import LEAST_SLENDERNESS, OverturningSpectrum
-from rocking.spectrum_lanes import LEAST_RESTITUTION, RATES, spectrum_lanes
+from rocking.spectrum_lanes import LEAST_RESTITUTION, RATES, SpectrumLanes, spectrum_lanes
 from rocking.uncertainty import Uncertainty
+from rockpulse.calibration.rule import load_rule
+from rockpulse.record.half_wave import half_waves
 from rockpulse.calibration.rule import load_rule
 from rockpulse.record.half_wave import half_waves
 from rockpulse.record.record import Record
@@ -38,8 +40,17 @@ __all__ = ["overturning_factors", "overturning_spectrum", "spectrum_values"]
 #: The angle of the blocks that stand for all [rad]; their capacity over g tan(alpha)/p does not depend on it.
 ALPHA = 0.1
 
-#: Words of `method`.
-METHODS = ("nonlinear", "rule")
+
+def _of_rule(record: Record, rates: np.ndarray, threads: int | None) -> SpectrumLanes:
+    return load_rule("balanced").spectrum_lanes(half_waves(record), rates, threads)
+
+
+def _of_record(record: Record, rates: np.ndarray, threads: int | None) -> SpectrumLanes:
+    return spectrum_lanes(record.acceleration, record.dt, rates, threads)
+
+
+#: What marches the lanes of a record, by the words of `method`.
+LANES = {"nonlinear": _of_record, "rule": _of_rule}
 
 
 def overturning_spectrum(
@@ -73,7 +84,7 @@ def overturning_spectrum(
     xarray.Dataset
         `spectrum`, `spectrum_low`, `spectrum_high` [m/s] over (p, restitution), `probability` over (p, restitution,
         level), level the factor on the record over the mean capacity, and `rotation_spectrum` [m/s] over (rotation, p,
-        restitution), of the nonlinear equation only; attributes `record` and `method`.
+        restitution); attributes `record` and `method`.
 
     Raises
     ------

@@ -123,7 +123,9 @@ def _tables(cases: pd.DataFrame, given: Mapping[str, Rule], seed: int, resamples
     targets = [target for _, target in POINTS.values()]
     left_out = {(measure, target): _left_out(cases, measure, target) for target in targets for measure in MEASURES}
     own = {point: -left_out[of_point] for point, of_point in POINTS.items()}  # ln of the coefficient
-    cases = cases.assign(**{f"left_out_{point}": cases[POINTS[point][0]] * np.exp(values) for point, values in own.items()})
+    cases = cases.assign(
+        **{f"left_out_{point}": cases[POINTS[point][0]] * np.exp(values) for point, values in own.items()}
+    )
     capacities = [
         _capacity_row(cases, measure, target, centre, seed, resamples) for (measure, target), centre in left_out.items()
     ]

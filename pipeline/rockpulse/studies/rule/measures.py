@@ -76,7 +76,9 @@ def largest_change(record: Record, within: float) -> float:
     return float(np.max(np.abs(velocity[steps:] - velocity[:-steps])))
 
 
-def other_measures(bodies: Block, record: Record, waves: HalfWaves, threads: int | None = None) -> dict[str, np.ndarray]:
+def other_measures(
+    bodies: Block, record: Record, waves: HalfWaves, threads: int | None = None
+) -> dict[str, np.ndarray]:
     """The measures of :data:`MEASURES` but the rule's, (m,) [-]."""
     capacity = bodies.gravity * np.tan(bodies.alpha_c)
     speed = capacity / bodies.p

@@ -39,7 +39,11 @@ SEED = 2017
 
 
 def nonlinear_capacity(
-    bodies: Block, acceleration: np.ndarray, dt: float, uncertainty: Uncertainty | None = None, threads: int | None = None
+    bodies: Block,
+    acceleration: np.ndarray,
+    dt: float,
+    uncertainty: Uncertainty | None = None,
+    threads: int | None = None,
 ) -> dict[str, np.ndarray]:
     """Capacities (m,) of bodies [-], as factors on a record, under the default uncertainty or a given one.
 

@@ -74,7 +74,8 @@ def test_capacities_that_are_not_reached_still_count():
     beyond = cases["capacity_mean"] > 2.0
     assert 0.2 < np.mean(beyond) < 0.4
     cut = cases.assign(
-        capacity_mean=np.where(beyond, np.inf, cases["capacity_mean"]), capacity_mean_low=np.minimum(cases["capacity_mean"], 2.0)
+        capacity_mean=np.where(beyond, np.inf, cases["capacity_mean"]),
+        capacity_mean_low=np.minimum(cases["capacity_mean"], 2.0),
     )
     assert fit_rules(cut)["balanced"].factor == pytest.approx(fit_rules(cases)["balanced"].factor, rel=0.02)
     row = table(judge_rules(cut, GIVEN, resamples=2), "capacities").iloc[0]
@@ -142,7 +143,9 @@ def test_a_small_ensemble_gets_a_statement_not_a_number():
     assert len(table(tree, "cases")) == len(one)
     assert rule_overview(tree).startswith("no verdict on the rule: 10 strong channels of 1 earthquake,")
     alone = one.iloc[:1]
-    assert too_few(alone).startswith("1 strong channel of 1 earthquake, 1 of 1 capacity reached by a factor of 10, in 1")
+    assert too_few(alone).startswith(
+        "1 strong channel of 1 earthquake, 1 of 1 capacity reached by a factor of 10, in 1"
+    )
 
 
 def test_the_schema_has_every_variable_with_dimensions_unit_and_meaning():
@@ -188,12 +191,16 @@ def test_one_shaking_by_way_of_two_agencies_is_taken_once(ridgecrest):
     other = rp.Record(samples, dt=0.5 * record.dt, id="from elsewhere", orientation="horizontal")
     motions, rows = strong_motions([record, other])
     assert [motion.record.id for motion in motions] == [record.id]
-    assert [(row.kind, row.reason) for row in rows] == [("duplicate", f"from elsewhere: the same waveform as {record.id}")]
+    assert [(row.kind, row.reason) for row in rows] == [
+        ("duplicate", f"from elsewhere: the same waveform as {record.id}")
+    ]
 
 
 def test_a_table_names_the_earthquakes_of_files_that_do_not():
     records = [
-        rp.Record(synthetic_motion(seed, duration=8.0, pga=3.0), dt=0.01, id=f"m{seed}", event=event, orientation="horizontal")
+        rp.Record(
+            synthetic_motion(seed, duration=8.0, pga=3.0), dt=0.01, id=f"m{seed}", event=event, orientation="horizontal"
+        )
         for seed, event in enumerate(["KOBE 01/16/95 2046", "", "", "Kobe 2011"])
     ]
     titles = {"m1": "Kobe 1995-01-16", "m2": "Kocaeli 1999-08-17"}
@@ -312,14 +319,14 @@ def acceptance_cases(records_folder, samples, tmp_path):
     with ZipFile(folder / "records.zip") as archive:
         archive.extractall(tmp_path / "p695")
     told = pd.read_csv(folder / "events.tsv", sep="\t")
-    titles = {f"{name[:-4]}.1": f"{event} {date}" for name, event, date in zip(told.file, told.event, told.date, strict=True)}
+    titles = {
+        f"{name[:-4]}.1": f"{event} {date}" for name, event, date in zip(told.file, told.event, told.date, strict=True)
+    }
     unstated = {"columns", "sac", folder.name}
     stated = [one for one in sorted(records_folder.iterdir()) if one.is_dir() and one.name not in unstated]
     records = [*rp.read_all([*stated, samples])[0], *rp.read_all([tmp_path / "p695"], "g")[0]]
     motions, rows = strong_motions(records, titles=titles)
-    assert [row.reason for row in rows if "waveform" in row.reason] == [
-        "120712.1: the same waveform as NIS090.090"
-    ]
+    assert [row.reason for row in rows if "waveform" in row.reason] == ["120712.1: the same waveform as NIS090.090"]
     assert len(motions) == 67
     assert len({motion.event for motion in motions}) == 21
     cases, refused = rule_cases(motions)
@@ -349,7 +356,9 @@ def test_the_acceptance_figures_on_real_records(records_folder, samples, tmp_pat
             row = capacities.loc[(measure, target, kind)]
             assert 0.95 < row.bias < 1.05, name
             assert row.within < most, name
-            others = capacities.loc[[(other, target, "left-out") for other in MEASURES if not other.startswith("march")]]
+            others = capacities.loc[
+                [(other, target, "left-out") for other in MEASURES if not other.startswith("march")]
+            ]
             assert row.within_high < others["within"].min(), name
     rates = table(between["P-695 by the others"], "rates").set_index(["score", "point", "kind"])
     row = rates.loc[("march_10", "conservative", "as-given")]

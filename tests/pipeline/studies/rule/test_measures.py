@@ -9,7 +9,13 @@ from rocking import Block
 from rockpulse.record.half_wave import half_waves
 from rockpulse.record.intensity import pgv
 from rockpulse.studies.rule import measures
-from rockpulse.studies.rule.measures import ISHIYAMA, ishiyama_velocity, largest_change, other_measures, spectrum_intensity
+from rockpulse.studies.rule.measures import (
+    ISHIYAMA,
+    ishiyama_velocity,
+    largest_change,
+    other_measures,
+    spectrum_intensity,
+)
 
 BODIES = Block(half_width=[0.1, 0.3, 0.5], half_height=[0.8, 1.2, 3.0])
 
@@ -24,7 +30,9 @@ def test_ishiyamas_root_is_housners_speed_of_a_rectangle():
     # VALIDATION V26: an identity.
     expected = 2.0 * BODIES.gravity * np.sin(0.5 * BODIES.alpha_c) / (BODIES.p * np.cos(BODIES.alpha_c))
     assert ishiyama_velocity(BODIES) == pytest.approx(expected, rel=1e-12)
-    by_radius = np.sqrt(8.0 * BODIES.gravity * BODIES.radius * (1.0 - np.cos(BODIES.alpha_c)) / 3.0) / np.cos(BODIES.alpha_c)
+    by_radius = np.sqrt(8.0 * BODIES.gravity * BODIES.radius * (1.0 - np.cos(BODIES.alpha_c)) / 3.0) / np.cos(
+        BODIES.alpha_c
+    )
     assert ishiyama_velocity(BODIES) == pytest.approx(by_radius, rel=1e-12)
 
 

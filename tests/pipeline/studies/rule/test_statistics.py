@@ -52,6 +52,7 @@ def test_errors_known_from_below_count_by_what_they_may_be():
     cut = np.where(beyond, end, error)
     centre, spread = coefficient(cut, beyond, np.ones(4000))
     assert (centre, spread) == pytest.approx((0.1, 0.4), abs=0.02)
+
     # The most likely pair: any other is less so.
     def likelihood(at, width):
         return np.sum(np.where(beyond, norm.logsf(end, at, width), norm.logpdf(cut, at, width)))
