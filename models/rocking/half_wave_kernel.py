@@ -144,7 +144,7 @@ def march_pieces(first, last, place, strength, restitution, length, growth, grou
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def weighted_impulse(times: np.ndarray, ground: np.ndarray, rate: float) -> np.ndarray:
-    """E [m/s] at the points (k,) of a piecewise linear ground, exact, by one backward pass (:mod:`rocking.demand`)."""
+    """E [m/s] of :mod:`rocking.demand` at the points (k,) of a piecewise linear ground, by one backward pass."""
     weighted = np.zeros(times.shape[0])
     for i in range(times.shape[0] - 2, -1, -1):
         step = times[i + 1] - times[i]

@@ -227,8 +227,8 @@ _ROWS = (
     Model(
         name="balanced",
         label="balanced rule",
-        words="an impulse sequence for each record and body by a rule that was fitted to the verdicts of the "
-        "nonlinear model, missed and false alarms balanced.",
+        words="an impulse sequence for each record and body by a rule that predicts the mean capacity by the nonlinear "
+        "model under uncertainty: about even odds of overturning.",
         respond=partial(_rule, point="balanced"),
         search=partial(_search_rule, point="balanced"),
         look=("sky", (0, (3, 1, 1, 1, 1, 1)), "<"),
@@ -237,7 +237,7 @@ _ROWS = (
     Model(
         name="conservative",
         label="conservative rule",
-        words="the same with a limit that misses few overturnings, at the price of false alarms.",
+        words="the same for the factor at which the nonlinear model overturns with a probability of 10 %.",
         respond=partial(_rule, point="conservative"),
         search=partial(_search_rule, point="conservative"),
         look=("grey", (0, (8, 2)), ">"),

@@ -1,5 +1,7 @@
 """The demand of half-waves: E against the sampled one and the linear equation, the march in its limits."""
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -13,7 +15,7 @@ G = 9.80665
 BLOCK = Block.from_parameters(p=[1.0, 2.0, 4.0], alpha=[0.1, 0.15, 0.2], restitution=[0.95, 0.9, 0.9])
 
 
-def triangles(seed, count=30):
+def triangles(seed, count=30, dt=0.01):
     """Half-waves that are symmetric triangles with their ends and tops on samples, and the samples."""
     random = np.random.default_rng(seed)
     halves = random.integers(3, 25, count)
@@ -116,7 +118,7 @@ def test_every_restitution_has_a_march():
     march = demand_of_half_waves(block, *waves).march
     assert march[0] == march[1]  # below the last band
     assert np.all(march[1:] > 0.9 * march[:-1])  # more with C, but for the scatter of the lanes
-    assert all(upper[0] / 0.9 <= lower[1] * (1.0 + 1e-9) for upper, lower in zip(BANDS[:-1], BANDS[1:], strict=True))
+    assert all(upper[0] / 0.9 <= lower[1] * (1.0 + 1e-9) for upper, lower in pairwise(BANDS))
 
 
 @settings(derandomize=True, deadline=None, max_examples=10)

@@ -60,10 +60,10 @@ def too_few(cases: pd.DataFrame) -> str:
     if within >= FEWEST_EVENTS and reached.sum() >= FEWEST_CASES:
         return ""
     return (
-        f"{_several(cases['record'].nunique(), 'strong channel')} of {_several(cases['event'].nunique(), 'earthquake')},"
-        f" {int(reached.sum())} of {_several(reached.size, 'capacity', 'capacities')} reached by a factor of "
-        f"{FACTOR_MAX:g}, in {_several(within, 'earthquake')}: a rule is fitted and judged on at least {FEWEST_CASES} in "
-        f"{FEWEST_EVENTS} earthquakes; add records"
+        f"{_several(cases['record'].nunique(), 'strong channel')} of "
+        f"{_several(cases['event'].nunique(), 'earthquake')}, {int(reached.sum())} of {_several(reached.size, 'capacity', 'capacities')} reached by a factor of "
+        f"{FACTOR_MAX:g}, in {_several(within, 'earthquake')}: a rule is fitted and judged on at least {FEWEST_CASES} "
+        f"in {FEWEST_EVENTS} earthquakes; add records"
     )
 
 
@@ -72,7 +72,7 @@ def _several(count: int, word: str, words: str = "") -> str:
 
 
 def fit_rules(cases: pd.DataFrame) -> dict[str, Rule]:
-    """The rule at each of its working points, unbiased on the cases of :func:`~rockpulse.studies.rule.cases.rule_cases`.
+    """The rule at each of its working points, unbiased on cases of :func:`~rockpulse.studies.rule.cases.rule_cases`.
 
     Raises ConfigError where they are :func:`too_few`.
     """

@@ -1,5 +1,6 @@
-"""Measures of the strength of a motion beside the rule's, each as a demand: 1 over the factor at which it says that a
-body overturns, but for a coefficient.
+"""Measures of the strength of a motion beside the rule's, as demands on a body.
+
+A demand is, but for a coefficient, 1 over the factor at which the measure says that the body overturns.
 
 .. note:: With u_c = g tan(alpha)/p: PGV/u_c; Housner's intensity (his SI, pseudo-velocities of 5 % damping from 0.1 to
    2.5 s) over u_c; the largest change of velocity within 2/p over u_c; the largest half-wave over u_c; PGA/(g tan

@@ -1,4 +1,4 @@
-"""Quality of a demand that should tell a capacity: its bias and scatter, the coefficient that it needs, and its verdicts.
+"""Quality of a demand that should tell a capacity: its bias and scatter, its coefficient, and its verdicts.
 
 .. note:: ln(demand x capacity) of every case is 0 for a perfect demand. Cases of one earthquake are no independent
    observations: earthquakes weigh alike, each with all its cases, and confidence comes from resampling them. A capacity
@@ -68,7 +68,7 @@ def coefficient(error: np.ndarray, open_ended: np.ndarray, weight: np.ndarray) -
         score = (error - at[0]) / np.exp(at[1])
         return -float(np.sum(weight * np.where(open_ended, norm.logsf(score), norm.logpdf(score) - at[1])))
 
-    found = minimize(unlikeliness, np.array([start, np.log(scatter)]), method="Nelder-Mead").x
+    found = minimize(unlikeliness, np.array([start, np.log(scatter)]), method="L-BFGS-B").x
     return float(found[0]), float(np.exp(found[1]))
 
 

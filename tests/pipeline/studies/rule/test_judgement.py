@@ -19,6 +19,7 @@ from rockpulse.record.intensity import pgv
 from rockpulse.record.synthetic import synthetic_motion
 from rockpulse.remark import Remark
 from rockpulse.storage.rule_variables import RULE_TABLES
+from rockpulse.studies.rule import truth
 from rockpulse.studies.rule.cases import StrongMotion, motion_cases, rule_cases, strong_motions
 from rockpulse.studies.rule.judgement import fit_rules, judge_rules, too_few
 from rockpulse.studies.rule.measures import MEASURES
@@ -101,7 +102,9 @@ def test_a_case_is_judged_by_a_coefficient_without_its_earthquake():
     assert left.within_low < left.within < left.within_high
     assert capacities.loc[("velocity_ratio", "capacity_mean", "left-out")].within == pytest.approx(0.5, rel=0.1)
     given = capacities.loc[("march", "capacity_mean", "as-given")]
-    assert given.bias == pytest.approx(1.25, rel=0.02)  # with a factor of one: too small a demand
+    # With a factor of one the demand is too small: 1/0.8, and more in one earthquake of six.
+    assert given.bias == pytest.approx(np.exp(-np.median(np.log(cases.march * cases.capacity_mean))), rel=5e-3)
+    assert given.bias > 1.25
 
 
 def test_verdicts_are_counted_at_both_factors():
@@ -256,15 +259,16 @@ def test_a_pattern_that_fits_no_record_is_no_silent_one(ridgecrest):
     assert (row.file, row.kind) == ("--confirm", "failed")
 
 
-def test_the_protocol_gives_these_figures_on_a_sample(ridgecrest):
+def test_the_protocol_gives_these_figures_on_a_sample(ridgecrest, monkeypatch):
     # Pinned: another order, band, taper, stretch or set of lanes gives others by more than the tolerance.
+    monkeypatch.setattr(truth, "LANES", 128)
     (motion,), _ = strong_motions([record for record in ridgecrest if record.id.startswith("CI.CCC..90")])
     cases = motion_cases(motion)
     assert motion.record.pga == pytest.approx(5.06060, rel=1e-5)
     case = cases[np.isclose(cases.slenderness, 8.0) & np.isclose(cases.radius, 2.0)].iloc[0]
     assert case.uplift_ratio == pytest.approx(motion.record.pga * 8.0 / 9.80665)
     assert case.velocity_ratio == pytest.approx(0.649399, rel=1e-5)
-    assert case.march == pytest.approx(1.0, rel=1e-3)
+    assert case.march == pytest.approx(1.09543, rel=2e-3)
     assert case.capacity_mean * case.march == pytest.approx(1.0, abs=0.2)
     assert case.factor_10 * case.march_10 == pytest.approx(1.0, abs=0.3)
     assert (len(cases), int(cases.overturns_half.sum()), int(cases.overturns_one.sum())) == (12, 0, 5)
@@ -280,7 +284,8 @@ def test_a_motion_with_impossible_numbers_is_a_failure():
     assert "huge: acceleration" in failures[0].reason
 
 
-def test_cases_are_those_of_the_models():
+def test_cases_are_those_of_the_models(monkeypatch):
+    monkeypatch.setattr(truth, "LANES", 32)
     motion = synthetic_motion(5, duration=15.0, pga=4.0)
     record = rp.Record(motion, dt=0.01, id="five", orientation="horizontal", processed=True)
     cases = motion_cases(StrongMotion(record, "made up"))
@@ -288,8 +293,8 @@ def test_cases_are_those_of_the_models():
     scene = extract(record, rp.Config())
     from rockpulse.studies.accuracy.model_form import blocks
 
-    truth = MODELS["nonlinear"].respond(blocks(), scene)
-    assert np.array_equal(cases["overturns_one"], truth.outcome == Outcome.OVERTURNS)
+    nonlinear = MODELS["nonlinear"].respond(blocks(), scene)
+    assert np.array_equal(cases["overturns_one"], nonlinear.outcome == Outcome.OVERTURNS)
     alarm = np.minimum(load_rule("balanced").factor * cases["march"], cases["uplift_ratio"]) >= 1.0
     assert np.array_equal(alarm, MODELS["balanced"].respond(blocks(), scene).outcome == Outcome.OVERTURNS)
 
@@ -341,7 +346,7 @@ def test_the_acceptance_figures_on_real_records(records_folder, samples, tmp_pat
         assert load_rule(point).factor == pytest.approx(rule.factor, rel=2e-3)
     p695 = cases["source"].str.contains("p695") | (cases["record"] == "NIS090.090")
     common = set(cases["event"][p695]) & set(cases["event"][~p695])
-    assert len(common) == 4
+    assert len(common) == 3
     apart = ~p695 & ~cases["event"].isin(common)
     between = {
         "union": judge_rules(cases, {}, resamples=200),
