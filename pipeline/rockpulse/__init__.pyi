@@ -11,6 +11,7 @@ from .batch.run import BatchReport as BatchReport
 from .batch.run import assess_files as assess_files
 from .batch.run import calibrate_files as calibrate_files
 from .batch.run import fragility_files as fragility_files
+from .calibration.design_spectrum import DesignSpectrum as DesignSpectrum
 from .calibration.estimators import calibrate as calibrate
 from .calibration.response import calibrate_response as calibrate_response
 from .calibration.response_result import ResponseCalibration as ResponseCalibration

@@ -1,4 +1,4 @@
-"""``rockpulse calibrate``: make the design sequence of a site from its records, and show its uncertainty."""
+"""``rockpulse calibrate``: make the design of a site from its records, and show its uncertainty."""
 
 from __future__ import annotations
 
@@ -42,10 +42,10 @@ def _run(args: argparse.Namespace) -> int:
 
 VERB = Verb(
     name="calibrate",
-    summary="calibrate the design sequence of a site on its records",
-    description="Read the records of a site, calibrate the impulse sequence of each, describe their distribution with "
-    "intervals clustered by event, choose the design sequence at a quantile, and judge it on events left out. "
-    "Without blocks the rotations to be covered are those of a family of 100.",
+    summary="calibrate the design of a site on its records",
+    description="Read the records of a site, work out the overturning spectrum of each and its quantiles over "
+    "earthquakes, with intervals by resampling earthquakes, and read from them an effective impulse and a sequence for "
+    "every block. [calibration] method asks for one sequence for all blocks instead, fitted to the rotations.",
     add_arguments=_add_arguments,
     run=_run,
     examples=(

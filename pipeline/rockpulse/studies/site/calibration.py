@@ -37,7 +37,11 @@ def calibrate_site(
     failures: Iterable[Failure] = (),
     progress: Callable[[Sequence[PlannedMotion]], Iterable[PlannedMotion]] | None = None,
 ) -> xr.DataTree:
-    """Calibrate the design sequence of a site on a set of records.
+    """Calibrate the design of a site on a set of records.
+
+    By default it is a quantile over earthquakes of the overturning spectra of the records, with a sequence for every
+    body; ``[calibration] method`` asks for one sequence for all bodies, fitted to the rotations or taken from the
+    statistics of the half-waves.
 
     Parameters
     ----------
@@ -48,8 +52,9 @@ def calibrate_site(
         Sections records, conditioning, half_waves, intense_phase, sequence, calibration, run and the bodies; the
         defaults without.
     blocks : mapping of str to Block, or sequence of BlockSettings, optional
-        The bodies whose rotations the design is to cover, in place of those of the configuration; where neither names
-        one, a family of 100 (:func:`rockpulse.calibration.response_targets.block_family`).
+        The bodies that the design is read for, or whose rotations it is to cover, in place of those of the
+        configuration. Where neither names one, the spectrum is stored alone, and one sequence covers a family of 100
+        (:func:`rockpulse.calibration.response_targets.block_family`).
     failures : iterable of Failure
         Files and channels that reading has left out, to be stored with the results.
     progress : callable, optional
@@ -58,8 +63,8 @@ def calibrate_site(
     Returns
     -------
     xarray.DataTree
-        /site and /failures, see docs/schema.md. What few records or events leave open is NaN, inf or a wide interval,
-        and said in `remarks`.
+        /site, /failures and by the spectrum /spectra, see docs/schema.md. What few records or events leave open is NaN,
+        inf or a wide interval, and said in `remarks`.
 
     Raises
     ------
@@ -67,7 +72,8 @@ def calibrate_site(
         For two records of one id, or tables of events or weights that do not fit.
     RecordRefused
         Where not one record could be calibrated (one that cannot, among others, is a row of /failures), or the records
-        make no design sequence: nothing rocks, or one record has no quantile.
+        make no design sequence: nothing rocks, or one record has no quantile. Too few earthquakes for a quantile of the
+        spectrum are no error: the first line of `remarks` says so.
 
     Examples
     --------

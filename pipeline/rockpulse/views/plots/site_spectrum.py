@@ -46,7 +46,7 @@ def site_spectrum(tree: xr.DataTree, ax: Axes | None = None) -> Axes:
     grid = spectra["restitution"].values
     nearest = float(np.clip(restitution, grid[0], grid[-1]))
     curves = {
-        str(name): np.exp(one.pipe(np.log).interp(restitution=nearest).transpose(..., "p").values)
+        str(name): np.exp(one.copy(data=np.log(one.values)).interp(restitution=nearest).transpose(..., "p").values)
         for name, one in spectra.items()
         if "restitution" in one.dims
     }
