@@ -1,0 +1,55 @@
+"""A site by the spectrum, of records whose overturning spectra are given numbers and not worked out."""
+
+from functools import cache
+
+import numpy as np
+
+import rockpulse as rp
+from rocking.spectrum_lanes import RATES
+from rockpulse import CalibrationSettings
+from rockpulse.models import Block
+from rockpulse.motions.tables import record_weights
+from rockpulse.storage.spectrum_variables import RESTITUTIONS
+from rockpulse.studies.site.record import facts_of_record
+from rockpulse.studies.site.spectrum_tree import build_spectrum_tree
+
+#: Slendernesses 10 and 4.5, and one that no spectrum stands for.
+BLOCKS = {"wall": Block(0.15, 1.5), "pier": Block(0.4, 1.8), "chest": Block(0.8, 1.8, restitution=0.8)}
+
+#: S of a record of strength 1 [m/s] over p and C: a power law, which interpolation in ln S, ln p and C meets exactly.
+BASE = 0.4 * RATES[:, np.newaxis] ** 0.5 * np.exp(2.0 * (RESTITUTIONS - 0.9))
+
+
+def base_at(block):
+    return 0.4 * block.p**0.5 * np.exp(2.0 * (block.restitution - 0.9))
+
+
+def done_with(strengths, events):
+    """What the work on records of such strengths would find."""
+    motion = rp.Record(np.sin(np.arange(0.0, 20.0, 0.1)), dt=0.1, id="motion", processed=True)
+    facts = facts_of_record(motion, 1.0, rp.Config())
+    count = len(strengths)
+    found = {name: np.array([value] * count) for name, value in facts.items()}
+    return found | {
+        "record": np.array([f"record{place:02d}" for place in range(count)]),
+        "event": np.array([f"Earthquake {event}" for event in events]),
+        "spectrum": np.asarray(strengths, dtype=float)[:, np.newaxis, np.newaxis] * BASE,
+        "record_ratio": np.outer(np.linspace(0.1, 0.5, count), np.ones(RATES.size)),
+        "record_main_count": np.outer(np.arange(2, 2 + count), np.ones(RATES.size, dtype=int)),
+    }
+
+
+def site_of(strengths, events=None, blocks=BLOCKS, failures=(), remarks=(), **calibration):
+    """The tree of such records, of one earthquake each without `events`."""
+    events = range(len(strengths)) if events is None else events
+    config = rp.Config(calibration=CalibrationSettings(**{"bootstrap": 200, **calibration}))
+    done = done_with(strengths, events)
+    weights = record_weights(done["record"].tolist(), done["event"].tolist(), config.calibration.weighting, None)
+    lanes = Block.stack([block.lanes(1) for block in blocks.values()]) if blocks else None
+    return build_spectrum_tree(done, weights, list(blocks or ()), lanes, config, failures, remarks)
+
+
+@cache
+def usual_site():
+    """Ten earthquakes; to be left as it is."""
+    return site_of(np.linspace(0.5, 1.4, 10))
