@@ -11,8 +11,8 @@ levels. Here the draws of the factor are integrated over instead of drawn: lanes
 C and alpha drawn for each alone, with the normal density of ln F as the weight of a lane at a level. That is the mean
 of the verdict over F in closed form, so that its expectation is P itself; 20480 lanes over 2.5 in ln f are 2900
 effective draws at each level (8192 times 2 sqrt(pi) 0.1), with an error of 0.009 in P and 0.2 % in the crossing,
-against 3 % of what is judged. `--whole` cases are worked out by the whole definition too: 4096 draws, each at all levels
-2 % apart.
+against 3 % of what is judged. `--whole` cases are worked out by the whole definition too: 4096 draws, each at all
+levels 2 % apart.
 The lanes of the truth know nothing of those that are judged: other seeds, other places, no Sobol set, whole marches.
 """
 
@@ -53,6 +53,9 @@ LANES, BELOW, ABOVE, FIRST_LANES = 20480, 1.5, 1.0, 1024
 
 #: Distance of the levels in ln f, and draws of the whole definition.
 STEP, DRAWS = 0.02, 4096
+
+#: P at one is a test of its interval between this and 1 less this.
+DOUBTFUL = 0.01
 
 #: Truths that are worked out together, until there are enough.
 AT_ONCE = 10
@@ -173,6 +176,17 @@ def judged(case: Case, seed: int) -> OverturningProbability:
     )
 
 
+def row_of(one: Truth, answer: OverturningProbability) -> dict[str, float]:
+    """What is compared: each factor with its ends and its truth, and P at one and at `factor_50`."""
+    row = {f"{name}_true": value for name, value in one.factors.items()}
+    inside = one.log_level[0] <= 0.0 <= one.log_level[-1]
+    row["at_one_true"] = float(np.interp(0.0, one.log_level, rising(one.probability))) if inside else math.nan
+    for name in ("at_one", "factor_10", "factor_50", "capacity_mean"):
+        row |= {f"{name}{end}": float(getattr(answer, f"{name}{end}")[0]) for end in ("", "_low", "_high")}
+    row["p_at_50"] = float(np.interp(math.log(row["factor_50"]), one.log_level, one.probability))
+    return row
+
+
 def report(name: str, rows: pd.DataFrame) -> None:
     """Print what a set of cases tells."""
     print(f"{name}: {len(rows)} cases; P at factor_50 in 0.4-0.6: {np.mean(abs(rows.p_at_50 - 0.5) <= 0.1):.3f}")
@@ -184,6 +198,14 @@ def report(name: str, rows: pd.DataFrame) -> None:
             f"  {factor:13s} covered {np.mean(inside):.3f}  bias {np.median(error):+.4f}  "
             f"log-dispersion {np.std(error):.4f}  worst {np.max(np.abs(error)):.3f}"
         )
+    # P at one is 0 or 1 to a hundredth in most cases, where an interval is no test.
+    open_ = rows[(rows.at_one_true > DOUBTFUL) & (rows.at_one_true < 1.0 - DOUBTFUL)]
+    inside = (open_.at_one_low <= open_.at_one_true) & (open_.at_one_true <= open_.at_one_high)
+    error = np.abs(open_.at_one - open_.at_one_true)
+    print(
+        f"  at_one        covered {np.mean(inside):.3f}  of {len(open_)} with P in 0.01 to 0.99; within 0.1: "
+        f"{np.mean(error <= 0.1):.3f}  worst {np.max(error):.3f}"
+    )
 
 
 def main() -> None:
@@ -206,14 +228,7 @@ def main() -> None:
         begin = time.process_time()
         answers = list(pool.map(lambda pair: judged(drawn[pair[0]], pair[0]), true))
         spent = (time.process_time() - begin) / len(true)
-        rows = []
-        for (_, one), answer in zip(true, answers, strict=True):
-            row = {f"{name}_true": value for name, value in one.factors.items()}
-            for name in ("factor_10", "factor_50", "capacity_mean"):
-                row |= {f"{name}{end}": float(getattr(answer, f"{name}{end}")[0]) for end in ("", "_low", "_high")}
-            row["p_at_50"] = float(np.interp(math.log(row["factor_50"]), one.log_level, one.probability))
-            rows.append(row)
-        table = pd.DataFrame(rows)
+        table = pd.DataFrame([row_of(one, answer) for (_, one), answer in zip(true, answers, strict=True)])
         print(f"{len(motions())} records, {1e3 * spent:.0f} ms a body")
         report("even cases (tuning)", table[::2])
         report("odd cases (result)", table[1::2])

@@ -16,8 +16,8 @@ import numpy as np
 from scipy.integrate import trapezoid
 
 from rocking.crossing import factor_at, mean_capacity, rising
+from rocking.lane_march import BodyLanes
 from rocking.lane_probability import Shift, lane_probability
-from rocking.probability_lanes import BodyLanes
 
 __all__ = ["LEVEL_STEP", "LaneFactors", "lane_factors"]
 

@@ -17,14 +17,15 @@ import numpy as np
 from rocking.arguments import numbers, positive
 from rocking.block import Block
 from rocking.lane_factors import LEVEL_STEP, lane_factors
+from rocking.lane_march import REACH, LaneMarch
 from rocking.overturning_spectrum import OverturningFactors
-from rocking.probability_lanes import REACH, probability_lanes
+from rocking.probability_lanes import probability_lanes
 from rocking.recorded import recorded_response
 from rocking.uncertainty import Uncertainty
 
 __all__ = ["OverturningProbability", "overturning_probability"]
 
-#: A largest factor that is a level counts as one, whatever its logarithm is rounded to.
+#: A largest factor that is a level counts as one, and a share of a C of 1 as no more than 1, however they are rounded.
 ROUNDING = 1e-9
 
 
@@ -115,11 +116,11 @@ def overturning_probability(
     up = None if vertical is None else np.ascontiguousarray(vertical, dtype=float)
     limit = float(positive("factor_max", factor_max, "of the record", lanes=False))
     nominal = np.asarray(blocks.restitution)
-    ends = [
+    low, high = (
         np.broadcast_to(share * nominal if given is None else numbers(name, given, "a C from 0 to 1"), nominal.shape)
         for name, given, share in zip(("least", "most"), (least, most), uncertainty.restitution, strict=True)
-    ]
-    if not (np.all(ends[0] >= 0.0) and np.all(ends[0] <= ends[1]) and np.all(ends[1] <= 1.0 + 1e-9)):
+    )
+    if not (np.all(low >= 0.0) and np.all(low <= high) and np.all(high <= 1.0 + ROUNDING)):
         raise ValueError(f"least, most: expected 0 <= least <= most <= 1, got {least!r:.80} and {most!r:.80}")
     if isinstance(seed, bool) or not isinstance(seed, int | np.integer) or seed < 0:
         raise ValueError(f"seed: expected a whole number of at least 0, got {seed!r}")
@@ -127,18 +128,8 @@ def overturning_probability(
     # P at the largest factor, and at 1, takes lanes beyond it, as far as a draw of the factor reaches.
     log_max = max(math.log(limit), 0.0)
     reach = REACH * uncertainty.factor
-    bottom, lanes = probability_lanes(
-        blocks,
-        ground,
-        float(dt),
-        up,
-        uncertainty,
-        *ends,
-        log_max=log_max + reach,
-        guess=near,
-        seed=seed,
-        threads=threads,
-    )
+    march = LaneMarch(blocks, ground, float(dt), up, uncertainty, low, high, int(seed), threads)
+    bottom, lanes = probability_lanes(march, log_max + reach, near)
     shift = Uncertainty(factor=uncertainty.factor, geometry=0.0)
     rows = [lane_factors(one, shift, reach, limit) for one in lanes]
     highest = min(max((one.top + reach for one in lanes if one is not None), default=0.0), log_max)
