@@ -192,7 +192,8 @@ def fill_lanes(
     ordered = [np.take_along_axis(values, order, axis=1) for values in (log_x, restitution, weight, peak)]
     # One next to 1 stands for it.
     covered = (between[0], 1.0 if between[1] == MOST_RESTITUTION else between[1])
-    return SpectrumLanes(rates, *ordered, bottom=bottom, top=top, between=covered)
+    log_x, restitution, weight, peak = ordered
+    return SpectrumLanes(rates, log_x, restitution, weight, peak, bottom, top, covered)
 
 
 def _restitutions(count: int, start: float, between: tuple[float, float]) -> np.ndarray:

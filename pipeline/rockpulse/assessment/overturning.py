@@ -19,8 +19,6 @@ from rocking.spectrum_lanes import LEAST_RESTITUTION, RATES, SpectrumLanes, spec
 from rocking.uncertainty import Uncertainty
 from rockpulse.calibration.rule import load_rule
 from rockpulse.record.half_wave import half_waves
-from rockpulse.calibration.rule import load_rule
-from rockpulse.record.half_wave import half_waves
 from rockpulse.record.record import Record
 from rockpulse.storage.spectrum_variables import (
     AXIS_SIZES,
@@ -106,15 +104,11 @@ def overturning_spectrum(
     import xarray as xr
 
     rates, nominal = np.atleast_1d(np.asarray(p, dtype=float)), np.atleast_1d(np.asarray(restitution, dtype=float))
-    if method == "nonlinear":
-        lanes = spectrum_lanes(record.acceleration, record.dt, rates, threads)
-    elif method == "rule":
-        if uncertainty is not None and uncertainty != Uncertainty():
-            raise ValueError(f"uncertainty: the rule was fitted under the default one, got {uncertainty!r}")
-        lanes = load_rule("balanced").spectrum_lanes(half_waves(record), rates, threads)
-    else:
-        raise ValueError(f"method: expected one of {', '.join(METHODS)}, got {method!r}")
-    values = spectrum_values(OverturningSpectrum(lanes, uncertainty), nominal)
+    if method not in LANES:
+        raise ValueError(f"method: expected one of {', '.join(LANES)}, got {method!r}")
+    if method == "rule" and uncertainty not in (None, Uncertainty()):
+        raise ValueError("uncertainty: the rule was fitted under the default one and takes no other")
+    values = spectrum_values(OverturningSpectrum(LANES[method](record, rates, threads), uncertainty), nominal)
     axes = {"p": rates, "restitution": nominal, "level": LEVELS, "rotation": ROTATIONS}
     found = xr.Dataset(
         {name: SPECTRUM[name].variable(array) for name, array in values.items()},

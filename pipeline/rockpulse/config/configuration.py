@@ -102,7 +102,7 @@ class Config:
 
     @property
     def has_probability(self) -> bool:
-        """Whether a probability of overturning is worked out: asked for, and the nonlinear equation among the models."""
+        """Whether a probability of overturning is worked out: it is asked for, and the nonlinear equation is in use."""
         return self.uncertainty.probability and not {"nonlinear", "auto"}.isdisjoint(self.models.answering)
 
     def record_paths(self) -> list[Path]:

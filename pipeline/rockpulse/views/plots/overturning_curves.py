@@ -76,9 +76,9 @@ def overturning_spectra(
     elif known.size:
         for place, curve in enumerate(curves[:_DRAWN]):
             ax.plot(p, curve, color=GREY, lw=0.5, alpha=0.6, label="" if place else f"{known.size} records")
-        weights = _alike(None if events is None else [events[place] for place in known], known.size)
-        for level, style, name in ((0.5, "-", "median"), (_UPPER, "--", "84 %")):
-            ax.plot(p, _quantile(curves, level, weights), color=BLUE, ls=style, lw=1.8, label=name)
+        weights = _alike(None if events is None else [events[int(place)] for place in known], known.size)
+        for level, dashes, name in ((0.5, "-", "median"), (_UPPER, "--", "84 %")):
+            ax.plot(p, _quantile(curves, level, weights), color=BLUE, ls=dashes, lw=1.8, label=name)
         for place, (name, factors) in enumerate((demands or {}).items()):
             scaled = curves * np.asarray(factors, dtype=float)[known, np.newaxis]
             style = ((0, (1.2, 1.2)), (0, (6, 1.5, 1, 1.5)))[place % 2]

@@ -40,7 +40,8 @@ def test_more_records_of_an_earthquake_count_no_more_than_one():
     values = np.concatenate([VALUES, VALUES[:3]])
     weights = 1.0 / np.bincount(twice)[twice]
     (alone,), (more,) = (
-        one.quantiles(of, [0.84], logarithmic=True) for one, of in ((sample(), VALUES), (sample(twice, weights), values))
+        one.quantiles(of, [0.84], logarithmic=True)
+        for one, of in ((sample(), VALUES), (sample(twice, weights), values))
     )
     for name in ("value", "lower", "upper"):
         np.testing.assert_allclose(getattr(alone, name), getattr(more, name), rtol=1e-12)
