@@ -169,10 +169,10 @@ def demand_of_half_waves(
     >>> (twice.march / once.march).round(9), once.main_count
     (array([2.]), array([2]))
     """
-    waves = checked_half_waves(start, centroid, end, impulse)
+    first, centre, last, impulses = checked_half_waves(start, centroid, end, impulse)
     block = block if block.shape else block.lanes(1)
     rates, of_body = np.unique(np.asarray(block.p, dtype=float), return_inverse=True)
-    lobes = [impulse_lobes(*waves, rate) for rate in rates]
+    lobes = [impulse_lobes(first, centre, last, impulses, rate) for rate in rates]
     over = np.asarray(block.p) / (block.gravity * np.tan(block.alpha_c))
     descending = [np.sort(np.abs(lobe.sizes))[::-1] for lobe in lobes]
     handed = HANDED_ON * np.broadcast_to(np.asarray(block.restitution, dtype=float), over.shape)
@@ -181,7 +181,8 @@ def demand_of_half_waves(
     ]
     largest = np.array([np.max(e, initial=0.0) for e in descending])
     count, ratio, interval = (np.array(column) for column in zip(*map(_main_lobes, lobes), strict=True))
-    mean, at_10 = _spectra(waves, block, threads) if np.any(waves[3]) else np.zeros((2, over.size))
+    waves = first, centre, last, impulses
+    mean, at_10 = _spectra(waves, block, threads) if np.any(impulses) else np.zeros((2, over.size))
     return HalfWaveDemand(
         march=over * mean,
         march_10=over * at_10,
@@ -234,19 +235,25 @@ def _main_lobes(lobes: Lobes) -> tuple[int, float, float]:
     return main.size, ratio, float(np.median(np.diff(lobes.times[within])))
 
 
-def _spectra(waves: tuple[np.ndarray, ...], block: Block, threads: int | None) -> np.ndarray:
+def _spectra(
+    waves: tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray], block: Block, threads: int | None
+) -> np.ndarray:
     """Effective impulses (2, m) [m/s] that blocks take from the half-waves: in the mean, and with 10 % probability."""
     found = np.empty((2, block.p.size))
+    # Over the largest impulse: then the levels on which the march is read grow with the record.
+    start, centroid, end, impulse = waves
+    largest = np.max(np.abs(impulse))
     nominal = np.maximum(np.broadcast_to(np.asarray(block.restitution, dtype=float), block.p.shape), BANDS[-1][0] / 0.9)
     below = np.floor(np.log(np.asarray(block.p) / RATES[0]) / math.log(STEP) + 1e-9)
     band = np.sum(nominal[:, np.newaxis] < [least / 0.9 * (1.0 - 1e-12) for least, _ in BANDS[:-1]], axis=1)
     for one in np.unique(band):
         here = np.flatnonzero(band == one)
         nodes = RATES[0] * STEP ** np.unique([below[here], below[here] + 1.0])
-        spectrum = OverturningSpectrum(half_wave_lanes(*waves, p=nodes, between=BANDS[one], threads=threads))
+        lanes = half_wave_lanes(start, centroid, end, impulse / largest, nodes, BANDS[one], threads)
+        spectrum = OverturningSpectrum(lanes)
         # A slender block of the same p and C stands for each.
         slender = Block.from_parameters(p=block.p[here], alpha=0.1, restitution=nominal[here], log=False)
         read = spectrum.factors(slender)
         speed = slender.gravity * np.tan(0.1) / slender.p
-        found[:, here] = speed / read.capacity_mean, speed / read.factor_10
+        found[:, here] = largest * speed / read.capacity_mean, largest * speed / read.factor_10
     return found

@@ -127,12 +127,17 @@ def _march(strength, restitution, length, growth, ground, left):
             whole = math.exp(remaining)
         if side != 0.0 and u - 1.0 + speed > strength * left[j + 1]:
             return np.inf
+    if side != 0.0 and speed > 0.0:
+        # On a still ground u - 1 = -sqrt((1 - u)^2 - u'^2) at the top.
+        peak = max(peak, 1.0 - math.sqrt(max((1.0 - u) ** 2 - speed * speed, 0.0)))
     return peak
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def march_pieces(first, last, place, strength, restitution, length, growth, ground, left, peak):
-    """Fill the largest u of lanes `first` to `last`: (n,) place of the frequency parameter, strength x/p, C; inf overturns.
+    """Fill the largest u of lanes `first` to `last`, inf where they overturn.
+
+    The lanes (n,) have the `place` of their frequency parameter, the `strength` x/p [s2/m] and C.
 
     `length` and `growth` (a, k) are the lengths of the pieces in tau and their e^tau, `ground` (k, 2) the acceleration
     at both ends of each [m/s2], `left` (k + 1,) the largest from each on.

@@ -100,7 +100,7 @@ def half_wave_lanes(
     if not np.max(np.abs(ground)) <= STRONGEST * STANDARD_GRAVITY:
         raise ValueError(
             f"acceleration: expected half-waves of at most {STRONGEST:g} times gravity, got "
-            f"{np.max(np.abs(ground)) / STANDARD_GRAVITY:g}; are the impulses in m/s?"
+            f"{np.max(np.abs(ground)) / STANDARD_GRAVITY:g}; is the record in m/s2?"
         )
     left = np.append(np.maximum.accumulate(np.max(np.abs(ground), axis=1)[::-1])[::-1], 0.0)
     steps = np.outer(rates, length[pieces])
@@ -123,7 +123,9 @@ def half_wave_lanes(
     return fill_lanes(rates, bottom, top, march, between)
 
 
-def checked_half_waves(start: Any, centroid: Any, end: Any, impulse: Any) -> tuple[np.ndarray, ...]:
+def checked_half_waves(
+    start: Any, centroid: Any, end: Any, impulse: Any
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """The four arrays (k,) of half-waves, or ValueError."""
     arrays = tuple(np.atleast_1d(np.asarray(values, dtype=float)) for values in (start, centroid, end, impulse))
     if len({values.shape for values in arrays}) != 1 or arrays[0].ndim != 1:
@@ -133,7 +135,7 @@ def checked_half_waves(start: Any, centroid: Any, end: Any, impulse: Any) -> tup
         )
     if not all(np.all(np.isfinite(values)) for values in arrays):
         raise ValueError("start, centroid, end, impulse: expected finite numbers")
-    first, middle, last, _ = arrays
+    first, middle, last, impulses = arrays
     if np.any(middle < first) or np.any(last < middle) or np.any(first[1:] < last[:-1] - 1e-9):
         raise ValueError("half-waves: expected start <= centroid <= end, one after the other")
-    return arrays
+    return first, middle, last, impulses

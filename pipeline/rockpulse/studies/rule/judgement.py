@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -43,6 +44,9 @@ __all__ = ["FEWEST_CASES", "FEWEST_EVENTS", "fit_rules", "judge_rules", "too_few
 #: and so many of these in all.
 FEWEST_EVENTS, FEWEST_CASES = 4, 20
 
+#: What is counted, and what it is called.
+COUNTED = {"record": "strong channel", "event": "earthquake"}
+
 #: Missed shares at which false alarms are compared [-].
 MISSED_SHARES = (0.01, 0.05)
 
@@ -59,11 +63,12 @@ def too_few(cases: pd.DataFrame) -> str:
     within = cases["event"][reached].nunique()
     if within >= FEWEST_EVENTS and reached.sum() >= FEWEST_CASES:
         return ""
+    channels, events = (_several(cases[name].nunique(), word) for name, word in COUNTED.items())
+    capacities = _several(reached.size, "capacity", "capacities")
     return (
-        f"{_several(cases['record'].nunique(), 'strong channel')} of "
-        f"{_several(cases['event'].nunique(), 'earthquake')}, {int(reached.sum())} of {_several(reached.size, 'capacity', 'capacities')} reached by a factor of "
-        f"{FACTOR_MAX:g}, in {_several(within, 'earthquake')}: a rule is fitted and judged on at least {FEWEST_CASES} "
-        f"in {FEWEST_EVENTS} earthquakes; add records"
+        f"{channels} of {events}, {int(reached.sum())} of {capacities} reached by a factor of {FACTOR_MAX:g}, in "
+        f"{_several(within, 'earthquake')}: a rule is fitted and judged on at least {FEWEST_CASES} in {FEWEST_EVENTS} "
+        "earthquakes; add records"
     )
 
 
@@ -149,10 +154,7 @@ def _tables(cases: pd.DataFrame, given: Mapping[str, Rule], seed: int, resamples
     for score in (*MEASURES, LIMIT):
         values = np.where(lifted, verdicts[score].to_numpy(dtype=float), 0.0)
         for share in MISSED_SHARES:
-            spread = resampled(
-                events, lambda drawn, v=values, s=share: false_at(v[drawn], over[drawn], s), seed, resamples
-            )
-            low, high = between(spread)
+            low, high = between(resampled(events, partial(_false_at, values, over, share), seed, resamples))
             row = {"score": score, "missed_share": share, "false_share": false_at(values, over, share)}
             at_missed.append(row | {"false_low": low, "false_high": high})
     return {
@@ -223,18 +225,14 @@ def _capacity_row(
 
 def _verdicts(cases: pd.DataFrame) -> pd.DataFrame:
     """The cases at every factor of SCALES: demands times the factor, the nonlinear verdict and its probability."""
-    demands = [*MEASURES, *(name for name in cases if str(name).startswith("left_out_"))]
-    return pd.concat(
-        [
-            cases[["event", *demands]].assign(
-                **{name: scale * cases[name] for name in demands},
-                overturns=cases[f"overturns_{name_of}"],
-                **{LIMIT: cases[f"probability_{name_of}"]},
-            )
-            for name_of, scale in SCALES.items()
-        ],
-        ignore_index=True,
-    )
+    demands = [*MEASURES, *(str(name) for name in cases if str(name).startswith("left_out_"))]
+    frames = []
+    for name, scale in SCALES.items():
+        frame = scale * cases[demands]
+        frame["event"], frame["overturns"] = cases["event"], cases[f"overturns_{name}"]
+        frame[LIMIT] = cases[f"probability_{name}"]
+        frames.append(frame)
+    return pd.concat(frames, ignore_index=True)
 
 
 def _rates(alarm: np.ndarray, over: np.ndarray, events: np.ndarray, seed: int, resamples: int) -> dict[str, Any]:
@@ -248,11 +246,17 @@ def _rates(alarm: np.ndarray, over: np.ndarray, events: np.ndarray, seed: int, r
         "false_share": false,
     }
     for place, name in enumerate(("missed", "false")):
-        spread = resampled(
-            events, lambda drawn, i=place: missed_and_false(alarm[drawn], over[drawn])[i], seed, resamples
-        )
+        spread = resampled(events, partial(_rate, alarm, over, place), seed, resamples)
         row[f"{name}_low"], row[f"{name}_high"] = between(spread)
     return row
+
+
+def _false_at(scores: np.ndarray, over: np.ndarray, share: float, drawn: np.ndarray) -> float:
+    return false_at(scores[drawn], over[drawn], share)
+
+
+def _rate(alarm: np.ndarray, over: np.ndarray, place: int, drawn: np.ndarray) -> float:
+    return missed_and_false(alarm[drawn], over[drawn])[place]
 
 
 def _dataset(name: str, table: pd.DataFrame) -> xr.Dataset:

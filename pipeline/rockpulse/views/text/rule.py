@@ -117,6 +117,7 @@ def _three(value: float) -> str:
 def rule_text(rules: Mapping[str, Rule], tree: xr.DataTree, provenance: Mapping[str, Any]) -> str:
     """Fitted rules of one range as TOML, by working point, with their provenance and how they did on their cases."""
     capacities = tree["capacities"].to_dataset().to_dataframe().set_index(["measure", "target", "kind"])
+    measured: dict[Any, Any] = capacities.to_dict("index")
     lines = [
         "# The rule of rockpulse.calibration.rule: demand = factor x march, an overturning at 1 and above.",
         "# Written by `rockpulse rule fit`; bias and log-dispersion of 1/demand against the nonlinear capacity, on",
@@ -129,7 +130,7 @@ def rule_text(rules: Mapping[str, Rule], tree: xr.DataTree, provenance: Mapping[
     lines += ["", "[range]", *(f"{name} = [{least:.6g}, {most:.6g}]" for name, (least, most) in within.items())]
     for point, rule in rules.items():
         measure, target = POINTS[point]
-        row: Any = capacities.loc[(measure, target, "left-out")]
+        row = measured[measure, target, "left-out"]
         lines += ["", f"[{point}]", f"factor = {rule.factor:.6g}", f"target = {json.dumps(target)}"]
         lines += [f"{name} = {row[name]:.4f}" for name in ("bias", "dispersion", "within", "within_low", "within_high")]
     return "\n".join(lines) + "\n"
