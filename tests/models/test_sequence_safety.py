@@ -202,3 +202,22 @@ def test_what_is_out_of_range_is_refused(change, message):
     sequence = ImpulseSequence(change.pop("main", 0.2), 0.1, 0.3, 15.0)
     with pytest.raises(ValueError, match=message):
         sequence_critical_scale(BLOCKS, sequence, **change)
+
+
+def test_pairs_have_the_factors_of_each_block_under_its_own_sequence():
+    restitution, ratio, count = np.array([0.75, 0.9, 1.0]), np.array([0.0, 0.4, 0.7]), np.array([1, 4, 9])
+    blocks = Block.from_parameters(p=np.array([0.6, 2.0, 7.0]), alpha=0.12, restitution=restitution, log=False)
+    main = np.array([0.9, 0.3, 0.05])
+    pairs = ImpulseSequence(main, ratio * main, np.nan, np.inf, main_count=count, spacing="continuous")
+    found = sequence_critical_scale(blocks, pairs, factor_max=1e3, paired=True).safety_factor
+    for place in range(3):
+        one = ImpulseSequence(
+            main[place], (ratio * main)[place], np.nan, np.inf, main_count=int(count[place]), spacing="continuous"
+        )
+        assert sequence_critical_scale(blocks.lane(place), one, factor_max=1e3).safety_factor[0] == found[place]
+    np.testing.assert_allclose(found, blocks.critical_impulse / pairs.effective_impulse(restitution), rtol=1e-12)
+    for wrong in (pairs.scaled(1.0), replace(pairs, main_count=None), replace(pairs, interval=0.1, spacing="end")):
+        with pytest.raises(ValueError, match="^sequence: "):
+            sequence_critical_scale(
+                blocks.lane(0) if wrong.main_count is pairs.main_count else blocks, wrong, paired=True
+            )

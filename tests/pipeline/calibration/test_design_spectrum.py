@@ -62,8 +62,14 @@ def test_ratio_and_number_are_those_at_the_nearest_p():
 
 @pytest.mark.parametrize(
     ("p", "slenderness", "restitution", "inside"),
-    [(0.5, 3.5, 0.75, True), (8.0, 20.0, 1.0, True), (0.49, 5, 0.9, False), (8.1, 5, 0.9, False), (2, 3.4, 0.9, False)]
-    + [(2.0, 5.0, 0.74, False)],
+    [
+        (0.5, 3.5, 0.75, True),
+        (8.0, 20.0, 1.0, True),
+        (0.49, 5.0, 0.9, False),
+        (8.1, 5.0, 0.9, False),
+        (2.0, 3.4, 0.9, False),
+        (2.0, 5.0, 0.74, False),
+    ],
 )
 def test_what_it_covers(p, slenderness, restitution, inside):
     block = Block.from_parameters(p=p, alpha=np.arctan(1.0 / slenderness), restitution=restitution, log=False)
