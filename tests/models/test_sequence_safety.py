@@ -216,8 +216,7 @@ def test_pairs_have_the_factors_of_each_block_under_its_own_sequence():
         )
         assert sequence_critical_scale(blocks.lane(place), one, factor_max=1e3).safety_factor[0] == found[place]
     np.testing.assert_allclose(found, blocks.critical_impulse / pairs.effective_impulse(restitution), rtol=1e-12)
-    for wrong in (pairs.scaled(1.0), replace(pairs, main_count=None), replace(pairs, interval=0.1, spacing="end")):
-        with pytest.raises(ValueError, match="^sequence: "):
-            sequence_critical_scale(
-                blocks.lane(0) if wrong.main_count is pairs.main_count else blocks, wrong, paired=True
-            )
+    no_count, ends = replace(pairs, main_count=None), replace(pairs, interval=0.1, spacing="end")
+    for block, wrong in ((blocks.lane(0), pairs), (blocks, no_count), (blocks, ends)):
+        with pytest.raises(ValueError, match=r"^sequence: "):
+            sequence_critical_scale(block, wrong, paired=True)

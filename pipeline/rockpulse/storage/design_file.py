@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -13,7 +14,10 @@ from rockpulse.errors import ResultsError
 from rockpulse.storage.save_load import ASSESSMENT, load, named
 from rockpulse.storage.site_variables import SITE_KIND
 
-__all__ = ["load_design"]
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = ["design_of", "load_design"]
 
 
 def load_design(path: str | Path) -> DesignSpectrum | ImpulseSequence:
@@ -41,11 +45,19 @@ def load_design(path: str | Path) -> DesignSpectrum | ImpulseSequence:
     kind = tree.attrs.get("kind", ASSESSMENT)
     if kind != SITE_KIND:
         raise ResultsError(f"{path}: expected a site file of 'rockpulse calibrate', found {named(kind)}")
+    return design_of(tree, str(path))
+
+
+def design_of(tree: xr.DataTree, name: str = "site") -> DesignSpectrum | ImpulseSequence:
+    """The design of a site in memory (:func:`rockpulse.calibrate_site`), as :func:`load_design` reads it from a file.
+
+    `name` stands for the site in the message where there is no design.
+    """
     site = tree["site"].to_dataset()
     if site.attrs["method"] == "spectrum":
         spectra = tree["spectra"].to_dataset()
         if np.isnan(spectra["spectrum_design"].values).any():
-            raise ResultsError(f"{path}: no design: {str(site['remarks'].item()).splitlines()[0]}")
+            raise ResultsError(f"{name}: no design: {str(site['remarks'].item()).splitlines()[0]}")
         return DesignSpectrum(
             spectra["p"].values,
             spectra["restitution"].values,

@@ -4,12 +4,15 @@ import dataclasses
 
 import numpy as np
 import pytest
+from site_spectra import BLOCKS as SPECTRUM_BLOCKS
+from site_spectra import usual_site
 
 import rockpulse as rp
 from rockpulse import ModelSettings
 from rockpulse.config.configuration import Config
 from rockpulse.errors import ConfigError
 from rockpulse.models import Block, ImpulseSequence, resonance, resonance_safety, sequence_response
+from rockpulse.storage.design_file import design_of
 
 SEQUENCE = ImpulseSequence(main=0.35, secondary=0.12, interval=0.15, duration=12.0, main_count=4)
 BLOCKS = {"wall": Block(0.15, 1.5), "pier": Block(0.4, 1.8), "column": Block(0.5, 4.0)}
@@ -88,3 +91,26 @@ def test_a_sequence_without_limits_is_told_as_such():
     summary = rp.assess_sequence(endless, Config(models=ModelSettings(use=["sequence"])), BLOCKS)["summary"]
     assert summary["main_count"].values.tolist() == [-1]
     assert summary["sequence_duration"].values.tolist() == [np.inf]
+
+
+def test_under_a_design_spectrum_every_body_has_its_own_sequence():
+    design = design_of(usual_site())
+    bodies = {name: SPECTRUM_BLOCKS[name] for name in ("wall", "pier")}
+    lanes = Block.stack([block.lanes(1) for block in bodies.values()])
+    tree = rp.assess_sequence(design, blocks=bodies, name="design", source="site.h5")
+    summary = tree["summary"].to_dataset().isel(record=0)
+    assert summary["model"].values.tolist() == ["sequence"]
+    found = summary["safety_factor"].sel(model="sequence").values
+    np.testing.assert_allclose(found, design.factor(lanes), rtol=1e-12)
+    np.testing.assert_allclose(found, usual_site()["site"]["design_factor"].sel(block=["wall", "pier"]), rtol=1e-12)
+    assert (summary["outcome"].sel(model="sequence") == np.where(found <= 1.0, 2, 1)).all()
+    assert np.isnan(summary["main_impulse"].item())
+    words = "a design spectrum, not a record: resonance, impulsive, linear, nonlinear cannot answer it"
+    assert words in summary["warnings"].item()
+
+
+def test_a_body_outside_the_design_spectrum_is_refused():
+    with pytest.raises(ConfigError, match=r"slenderness 3.5 and more, .* not for 1 of 3, the first one at place 2"):
+        rp.assess_sequence(design_of(usual_site()), blocks=SPECTRUM_BLOCKS)
+    with pytest.raises(ConfigError, match="resonance cannot answer a design spectrum; it is answered by sequence"):
+        rp.assess_sequence(design_of(usual_site()), Config(models=ModelSettings(use=["resonance"])), BLOCKS)

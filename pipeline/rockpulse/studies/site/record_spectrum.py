@@ -6,7 +6,6 @@ from collections.abc import Callable
 
 import numpy as np
 
-from rocking.block import Block
 from rocking.half_wave_demand import lobe_shapes
 from rocking.overturning_spectrum import OverturningSpectrum
 from rocking.spectrum_lanes import RATES, spectrum_lanes
@@ -22,16 +21,11 @@ from rockpulse.studies.site.record import facts_of_record, scaled_motion
 
 __all__ = ["SPECTRUM", "site_spectrum_record"]
 
-#: The angle of the blocks that stand for all [rad]: the demand of the rule times g tan(alpha)/p does not depend on it.
-ALPHA = 0.1
-
 
 def _by_rule(record: Record, waves: HalfWaves) -> np.ndarray:
-    """S (a, c) [m/s] by the balanced rule: D g tan(alpha)/p, uplift included."""
-    rates, ratios = (values.ravel() for values in np.meshgrid(RATES, RESTITUTIONS, indexing="ij"))
-    blocks = Block.from_parameters(p=rates, alpha=ALPHA, restitution=ratios, log=False)
-    speed = blocks.gravity * np.tan(ALPHA) / rates
-    return np.asarray(load_rule("balanced").demand(waves, blocks) * speed).reshape(RATES.size, RESTITUTIONS.size)
+    """S (a, c) [m/s] by the balanced rule, at most PGA/p, for without uplift nothing overturns."""
+    spectrum = OverturningSpectrum(load_rule("balanced").spectrum_lanes(waves)).spectrum(RESTITUTIONS)
+    return np.asarray(np.minimum(spectrum, record.pga / RATES[:, np.newaxis]))
 
 
 def _by_nonlinear(record: Record, waves: HalfWaves) -> np.ndarray:

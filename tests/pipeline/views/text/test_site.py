@@ -4,6 +4,7 @@ import re
 
 import numpy as np
 import pytest
+from site_spectra import site_of, usual_site
 
 import rockpulse as rp
 from rockpulse import CalibrationSettings
@@ -111,3 +112,30 @@ def test_many_blocks_are_told_by_their_extremes(tree):
     text = site_overview(tree)
     assert "The design overturns 10 of 20 blocks" in text
     assert text.count("stele") <= 1
+
+
+def test_the_effective_impulse_is_shown_before_the_sequence():
+    text = site_overview(usual_site())
+    assert text.startswith("! outside the spectrum, and without a design: chest")
+    assert 'by the rule, from its half-waves alone; weights: "event".' in text
+    first, second = text.partition("A sequence of that effect")[::2]
+    # S of the wall is 1.3 times that of strength 1, and it overturns at g tan(alpha)/p.
+    assert re.search(r"wall +0\.985 +0\.889 +0\.\d+ to 1\.\d+ +0\.444 +0\.50 OVERTURNS +90 %", first)
+    assert re.search(r"pier +0\.929 +0\.780 +", first.replace("0.78 ", "0.780"))
+    assert re.search(r"wall +0\.\d+ +0\.\d+ to 0\.\d+ +0\.278 +0\.\d+ to 0\.\d+ +6 +\d to \d", second)
+    assert "cannot be told apart: every sequence of one I_eff overturns the same" in " ".join(second.split())
+    assert not re.search(r"\bnan\b", text, re.I)
+
+
+def test_without_bodies_the_spectrum_is_shown():
+    text = site_overview(site_of(np.linspace(0.5, 1.4, 10), blocks=None, quantile=0.8))
+    assert "Effective impulse I_eff of blocks with C = 0.9" in text
+    assert re.search(r"p \[1/s\] +median \[m/s\] +84 % \[m/s\] +80 % \[m/s\] +90 % interval", text)
+    assert re.search(r"^ +0\.5 +0\.255 +0\.368 +0\.339 ", text, re.M)  # 0.4 sqrt(p) times 0.9, 1.3, 1.2
+
+
+def test_too_few_earthquakes_are_one_line_and_no_row():
+    text = site_overview(site_of(np.ones(3)))
+    assert text.startswith("! not enough earthquakes (3; at least 7 for the quantile 0.84)\n\nCalibrated on 3 records of")
+    assert "wall" not in text
+    assert "I_eff" not in text
