@@ -2,6 +2,7 @@
 
 import h5py
 import numpy as np
+from nominal import FILE
 
 from rockpulse.cli import main
 
@@ -27,7 +28,8 @@ BLOCKS = ["--block", "thin wall=0.2x2.2", "--block", "pier=1.0x3.0"]
 
 
 def assess(*arguments):
-    return main(["assess", *map(str, arguments), *BLOCKS])
+    given = [] if "--config" in arguments else ["--config", str(FILE)]
+    return main(["assess", *map(str, arguments), *given, *BLOCKS])
 
 
 def values(path, name):

@@ -3,10 +3,10 @@
 from datetime import UTC, datetime
 
 import numpy as np
+from nominal import Config
 
 from rockpulse import BlockSettings, ModelSettings, RecordSettings
 from rockpulse.assessment.assessment import assess
-from rockpulse.config.configuration import Config
 from rockpulse.motions.directions import conditioned_motions, plan_motions
 from rockpulse.record.record import Record
 

@@ -10,7 +10,14 @@ import pytest
 from make_schema import KINDS, TABLE, with_tables
 
 import rockpulse as rp
-from rockpulse import BlockSettings, DemandSettings, ModelSettings, RecordSettings
+from rockpulse import (
+    BlockSettings,
+    DemandSettings,
+    ModelSettings,
+    RecordSettings,
+    SearchSettings,
+    UncertaintySettings,
+)
 from rockpulse.assessment.tree import EVENT
 from rockpulse.record.synthetic import synthetic_motion
 from rockpulse.remark import TEMPLATES
@@ -35,6 +42,8 @@ def assessed(components="horizontal", blocks=(WALL, CHEST)):
     config = rp.Config(
         records=RecordSettings(components=components, azimuth_step=60.0),
         models=ModelSettings(use=("sequence", "nonlinear"), histories=True),
+        search=SearchSettings(intervals=True),
+        uncertainty=UncertaintySettings(azimuth=components == "sweep"),
         blocks=blocks,
         demands=(DemandSettings(name="collapse", acceleration=2.5),),
     )

@@ -4,11 +4,11 @@ from datetime import UTC, datetime
 
 import numpy as np
 import pytest
+from nominal import Config
 
 from rockpulse import DemandSettings, ModelSettings, RecordSettings, SearchSettings
 from rockpulse.assessment.assessment import assess
 from rockpulse.assessment.scene import prepare
-from rockpulse.config.configuration import Config
 from rockpulse.ladder import MODELS, NAMES, USED, critical_scales
 from rockpulse.models import (
     Block,

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from nominal import Config
 
 import rockpulse as rp
 from rockpulse import BlockSettings, ModelSettings, RecordSettings
@@ -18,7 +19,7 @@ from rockpulse.motions.events import UNKNOWN
 from rockpulse.readers.folders import read_all
 from rockpulse.views.report.statements import of_unknown_event
 
-CONFIG = rp.Config(
+CONFIG = Config(
     blocks=(BlockSettings(name="wall", width=0.3, height=2.4),),
     models=ModelSettings(use=("resonance",), predictability=False),
 )

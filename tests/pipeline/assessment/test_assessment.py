@@ -5,6 +5,7 @@ from datetime import UTC, datetime, timedelta
 import numpy as np
 import pytest
 from bursts import DT, TOWER, WALL, motion, record
+from nominal import Config
 
 from rocking.sequence import SPACINGS
 from rockpulse import (
@@ -19,7 +20,6 @@ from rockpulse import (
 from rockpulse.assessment.assessment import assess
 from rockpulse.assessment.scene import prepare
 from rockpulse.calibration.estimators import INTERVAL, MAIN, MAIN_COUNT, SECONDARY
-from rockpulse.config.configuration import Config
 from rockpulse.errors import ConfigError
 from rockpulse.failures import Failure
 from rockpulse.models import Block, Outcome, Reason, recorded_response
@@ -131,7 +131,7 @@ def test_a_sequence_that_overturns_has_a_factor_of_one_or_less(tree):
 
 
 def test_squat_block_is_marked_outside_the_range_of_the_linear_models(tree):
-    squat = assess([record("one")], blocks=[BlockSettings(name="chest", width=1.0, height=1.5)])["summary"]
+    squat = assess([record("one")], Config(), blocks=[BlockSettings(name="chest", width=1.0, height=1.5)])["summary"]
     applicable = squat["applicable"].squeeze().values
     assert list(applicable) == [0, 0, 0, 0, 1]
     assert np.all(tree["summary"]["applicable"] == 1)
@@ -177,10 +177,10 @@ def test_histories_are_kept_where_asked_for():
 
 def test_restitution_list_adds_a_dimension():
     several = BlockSettings(name="wall", width=0.4, height=3.0, restitution=[0.6, 0.9])
-    summary = assess([record("one", 0, 2.5)], blocks=[several, TOWER])["summary"]
+    summary = assess([record("one", 0, 2.5)], Config(), [several, TOWER])["summary"]
     assert summary["peak_rotation_ratio"].dims == ("record", "block", "case", "model")
     assert list(summary["restitution"].sel(block="wall").values) == [0.6, 0.9]
-    low, high = (assess([record("one", 0, 2.5)], blocks={"wall": Block(0.2, 1.5, c)})["summary"] for c in (0.6, 0.9))
+    low, high = (assess([record("one", 0, 2.5)], Config(), {"wall": Block(0.2, 1.5, c)})["summary"] for c in (0.6, 0.9))
     for case, single in enumerate((low, high)):
         assert np.array_equal(
             summary["peak_rotation_ratio"].sel(block="wall").values[0, case],

@@ -3,13 +3,13 @@
 import numpy as np
 import pytest
 from bursts import DT, TOWER, WALL, record
+from nominal import Config
 
 from rockpulse import (
     BlockSettings,
     ModelSettings,
 )
 from rockpulse.assessment.assessment import assess
-from rockpulse.config.configuration import Config
 from rockpulse.models import Block, Outcome, recorded_response
 from rockpulse.record.record import Record
 

@@ -30,7 +30,7 @@ from rockpulse.storage.verification import verify
 
 BLOCKS = '[[block]]\nname = "wall"\nwidth = 0.5\nheight = 4.0\n[[block]]\nname = "pier"\nwidth = 0.3\nheight = 1.5\n'
 CASES = BLOCKS.replace("width", "restitution = [0.9, 0.95]\nwidth")
-QUICKLY = "[search]\npoints = 16\nstep = 1.2"
+QUICKLY = "[search]\nintervals = true\npoints = 16\nstep = 1.2"
 FAST = f'use = ["resonance", "sequence", "linear"]\n{QUICKLY}'
 CONFIGURATIONS = {
     "plain": f"[models]\n{FAST}\n{BLOCKS}",
@@ -39,6 +39,8 @@ CONFIGURATIONS = {
     "histories": f'[models]\nuse = ["sequence", "linear"]\nhistories = true\n{QUICKLY}\n{CASES}',
     "cases and demands": f'[models]\n{FAST}\n[[demand]]\nname = "SLV"\nacceleration = 2.0\n{CASES}',
     "sweep": f'[models]\n{FAST}\n[records]\ncomponents = "sweep"\nazimuth_step = 60\n{BLOCKS}',
+    "probability": '[models]\nuse = ["nonlinear"]\n[records]\ncomponents = "sweep"\nazimuth_step = 90\n'
+    f"[uncertainty]\nazimuth = true\n{CASES}",
 }
 FAILURES = [
     Failure("a.txt", "read", "a.txt: no record", "skipped"),

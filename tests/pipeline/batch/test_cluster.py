@@ -9,6 +9,7 @@ import crew_functions as toys
 import pytest
 import xarray as xr
 from dask_cluster import dask_cluster, wait_for_workers
+from nominal import Config
 
 import rockpulse as rp
 from rockpulse import BlockSettings, ModelSettings, SearchSettings
@@ -102,7 +103,7 @@ def test_without_the_package_the_error_says_what_to_install(monkeypatch):
 @pytest.mark.slow
 @pytest.mark.usefixtures("needs_distributed")
 def test_an_assessment_on_a_cluster_is_that_of_one_process_also_when_a_worker_is_killed(samples, tmp_path):
-    config = rp.Config(
+    config = Config(
         blocks=(BlockSettings(name="wall", width=0.4, height=3.0),),
         models=ModelSettings(use=("sequence", "nonlinear")),
         search=SearchSettings(models=()),

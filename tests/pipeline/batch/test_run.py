@@ -10,6 +10,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from file_contents import assert_contents, contents
+from nominal import Config
 from record_writers import at2, pulse
 from record_writers.geonet import geonet
 
@@ -26,7 +27,6 @@ from rockpulse.assessment import assessment
 from rockpulse.batch import run
 from rockpulse.batch.options import BatchOptions
 from rockpulse.batch.run import assess_files, calibrate_files, fragility_files
-from rockpulse.config.configuration import Config
 from rockpulse.errors import ConfigError, RecordRefused, ResultsError, StoppedAtFailure
 from rockpulse.readers.folders import read_all
 

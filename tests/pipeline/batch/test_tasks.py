@@ -9,6 +9,7 @@ from functools import partial
 
 import numpy as np
 import pytest
+from nominal import Config
 from record_writers import at2, pulse
 
 from rockpulse import (
@@ -30,7 +31,6 @@ from rockpulse.batch.packing import unpack
 from rockpulse.batch.plan import read_options, tasks_of
 from rockpulse.batch.survey import gather, survey_file
 from rockpulse.batch.tasks import carry_out
-from rockpulse.config.configuration import Config
 from rockpulse.motions.runner import run
 from rockpulse.readers.folders import find_files, read_all
 from rockpulse.studies.fragility.assessment import FragilityAnalysis

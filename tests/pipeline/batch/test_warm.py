@@ -50,7 +50,7 @@ def work(kind):
         config = rp.Config(
             records=RecordSettings(include_vertical=True, components="strongest"),
             models=ModelSettings(use=everything, auto=True, predictability=True, histories=True),
-            search=SearchSettings(models=everything, points=16, step=1.2),
+            search=SearchSettings(models=everything, intervals=True, points=16, step=1.2),
         )
     warm_up(Assessment(config, blocks))
     yield

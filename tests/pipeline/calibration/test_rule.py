@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from nominal import Config
 
 import rockpulse as rp
 from rocking import OverturningSpectrum
@@ -165,7 +166,7 @@ def test_the_range_in_words_names_housners_restitution():
 
 
 def test_assessments_mark_bodies_unlike_those_of_the_fit():
-    config = rp.Config()
+    config = Config()
     config = replace(config, models=replace(config.models, use=("balanced", "conservative", "linear")))
     record = rp.Record(synthetic_motion(4, duration=12.0, pga=3.5), dt=0.01, id="four", processed=True)
     bodies = {"pier": Block(0.2, 1.6), "tiny": Block(0.02, 0.16), "soft": Block(0.2, 1.6, restitution=0.6)}
@@ -179,7 +180,7 @@ def test_assessments_mark_bodies_unlike_those_of_the_fit():
 
 
 def test_a_record_with_impossible_numbers_is_a_row_of_failures():
-    config = rp.Config(models=rp.ModelSettings(use=("balanced",)), records=rp.RecordSettings(confirm=("huge",)))
+    config = Config(models=rp.ModelSettings(use=("balanced",)), records=rp.RecordSettings(confirm=("huge",)))
     huge = rp.Record(1e8 * np.sin(0.1 * np.arange(500)), dt=0.01, id="huge", processed=True)
     fine = rp.Record(synthetic_motion(4, duration=12.0, pga=3.5), dt=0.01, id="fine", processed=True)
     tree = rp.assess([huge, fine], config, blocks={"pier": Block(0.2, 1.6)})
@@ -195,7 +196,7 @@ def test_an_unknown_point_is_refused():
 
 
 def test_assessments_take_both_points(samples):
-    config = rp.Config()
+    config = Config()
     config = replace(
         config,
         models=replace(config.models, use=("balanced", "conservative")),

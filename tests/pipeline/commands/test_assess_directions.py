@@ -4,6 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from nominal import FILE
 
 import rockpulse as rp
 from rockpulse.cli import main
@@ -14,7 +15,7 @@ BODIES = '[models]\nuse = ["resonance", "nonlinear"]\n[[block]]\nname = "pinnacl
 
 def run(tmp_path, path, records):
     config, target = tmp_path / "site.toml", tmp_path / "results.h5"
-    config.write_text(f"[records]\n{records}\n{BODIES}")
+    config.write_text(f"[records]\n{records}\n{BODIES}{FILE.read_text()}")
     return main(["assess", str(path), "--config", str(config), "-o", str(target)]), target
 
 

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from nominal import FILE
 from record_writers import knet, pulse
 from record_writers.cosmos import cosmos
 from record_writers.geonet import geonet
@@ -15,12 +16,15 @@ CONFIG = """
 use = ["sequence", "nonlinear"]
 [search]
 models = []
+[uncertainty]
+probability = false
 [[block]]
 name = "wall"
 width = 0.3
 height = 3.0
 [records]
 """
+WALL = ["--config", str(FILE), "--block", "wall=0.3x3"]
 WAVES = [pulse(COUNT, peak) for peak in (0.3, 0.2, 0.1)]
 RAW, CORRECTED, BOTTOM, SURFACE = "hses.V1A", "hses.V2A", "AKT0139608110312.{}1", "AKT0139608110312.{}2"
 
@@ -98,7 +102,7 @@ def test_a_processed_volume_that_is_refused_lets_the_raw_one_in(folder, tmp_path
     (tmp_path / RAW).write_bytes((folder / RAW).read_bytes())
     (tmp_path / CORRECTED).write_bytes((folder / CORRECTED).read_bytes()[:-400])
     output = tmp_path.parent / "refused.h5"
-    assert main(["assess", str(tmp_path), "--block", "wall=0.3x3", "-o", str(output), "--quiet"]) == 1
+    assert main(["assess", str(tmp_path), *WALL, "-o", str(output), "--quiet"]) == 1
     tree = rp.load(output)
     assert used(tree) == [RAW]
     assert left(tree) == [("failed", CORRECTED), ("vertical", RAW)]
@@ -108,7 +112,7 @@ def test_two_volumes_of_one_record_in_another_format(tmp_path):
     for name, dt in (("slow.V1C", 0.02), ("fast.V1C", 0.01)):
         (tmp_path / name).write_bytes(cosmos(pulse(COUNT, 0.3 + dt), dt=dt))
     output = tmp_path.parent / "rates.h5"
-    assert main(["assess", str(tmp_path), "--block", "wall=0.3x3", "-o", str(output), "--quiet"]) == 0
+    assert main(["assess", str(tmp_path), *WALL, "-o", str(output), "--quiet"]) == 0
     assert used(rp.load(output)) == ["fast.V1C"]
 
 

@@ -5,11 +5,11 @@ from dataclasses import replace
 import h5py
 import numpy as np
 import pytest
+from nominal import Config
 
 import rockpulse as rp
 from rockpulse import ModelSettings, SearchSettings
 from rockpulse.cli import main
-from rockpulse.config.configuration import Config
 
 
 @pytest.fixture(scope="module")

@@ -5,6 +5,7 @@ import zipfile
 
 import numpy as np
 import pytest
+from nominal import FILE
 from record_writers import at2, pulse
 
 import rockpulse as rp
@@ -16,7 +17,7 @@ ROWS = "".join(f"{number:6d}: {np.sin(number):9.4f} {np.cos(number):9.4f}\n" for
 GOOD, UNREAD = 3, 24
 COUNT = "3 of 27 files used, 24 not"
 WHY = "no reader recognises the file (24: m00.asc, m01.txt, ...)"
-BLOCK = ["--block", "statue=0.6x1.9"]
+BLOCK = ["--config", str(FILE), "--block", "statue=0.6x1.9"]
 
 
 def motions():

@@ -148,6 +148,16 @@ WRONG = [
     ("[search]\nfactor_max = 0.5", r"factor_max: expected a number >= 1 and <= 1e\+06, found 0.5"),
     ("[search]\npoints = 100000000000", r"points: expected an integer >= 2 and <= 100000, found 100000000000"),
     ("[search]\nfactor_max = 1" + 400 * "0", r"factor_max: expected a number"),
+    ("[search]\nintervals = 1", r"intervals: expected true or false, found 1"),
+    ("[uncertainty]\nprobabilty = true", r"\[uncertainty\] probabilty: unknown key; did you mean \"probability\""),
+    ("[uncertainty]\nfactor = 10", r"factor: expected a number >= 0.02 and <= 1, found 10"),
+    ("[uncertainty]\nfactor = 0", r"factor: expected a number >= 0.02 and <= 1, found 0"),
+    ("[uncertainty]\ngeometry = -0.1", r"geometry: expected a number >= 0 and <= 1, found -0.1"),
+    ("[uncertainty]\nrestitution = 0.9", r"restitution: expected \[least, most\], shares of .*, found 0.9"),
+    ("[uncertainty]\nrestitution = [1.0, 0.9]", r"restitution: expected \[least, most\].*, found \[1.0, 0.9\]"),
+    ("[uncertainty]\nrestitution = [0, 1]", r"restitution: expected \[least, most\].* above 0"),
+    ("[uncertainty]\nrestitution = [0.9, 0.95, 1]", r"restitution: expected \[least, most\], shares"),
+    ("[uncertainty]\nazimuth = true", r"azimuth: true, .* needs \[records\] components = \"sweep\", found \"horiz"),
     ("[run]\nworkers = 'al'", r"workers: expected one of \"all\" or an integer >= 1, found 'al'; did you mean \"all\""),
     ("[run]\nworkers = 0", r"workers: expected one of \"all\" or an integer >= 1, found 0"),
     ("site = 3", r"\[site\]: expected a section with keys, found 3"),
@@ -339,6 +349,17 @@ def test_wrong_units_of_some_files_are_refused(load, text, message):
 def test_files_are_sections_in_python_too():
     with pytest.raises(ConfigError, match=r"\[records\] files: expected a list of FileSettings, each of them \[\[rec"):
         rp.RecordSettings(files=({"match": "*"},))
+
+
+def test_the_uncertainty_is_read_and_written_and_is_that_of_the_solver(load):
+    text = '[records]\ncomponents = "sweep"\n[uncertainty]\nfactor = 0.2\nrestitution = [0.8, 1]\nazimuth = true\n'
+    config = load(text + "[search]\nintervals = true\n")
+    assert load(config.as_text()) == config
+    assert config.search.intervals
+    assert config.uncertainty.of_draws() == rp.models.Uncertainty(factor=0.2, restitution=(0.8, 1.0), geometry=0.05)
+    assert rp.UncertaintySettings().of_draws() == rp.models.Uncertainty()
+    for key, (low, high) in {"factor": (0.02, 1.0), "geometry": (0.0, 1.0)}.items():
+        assert [getattr(rp.UncertaintySettings(**{key: end}).of_draws(), key) for end in (low, high)] == [low, high]
 
 
 def test_no_model_may_be_searched(load):

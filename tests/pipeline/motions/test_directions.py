@@ -5,6 +5,7 @@ from datetime import timedelta
 
 import numpy as np
 import pytest
+from nominal import Config
 from swept_motions import (
     ALONG,
     POLARISED,
@@ -25,7 +26,6 @@ from rockpulse import (
     ModelSettings,
 )
 from rockpulse.assessment.assessment import assess
-from rockpulse.config.configuration import Config
 from rockpulse.models import Outcome
 from rockpulse.motions.directions import conditioned_motions, plan_motions, planned_ids, sweep_azimuths
 from rockpulse.record.conditioning import condition

@@ -7,9 +7,9 @@ import h5py
 import numpy as np
 import pytest
 import xarray as xr
+from nominal import Config
 
 import rockpulse as rp
-from rockpulse.config.configuration import Config
 from rockpulse.models import Block
 from rockpulse.record.record import Record
 from rockpulse.storage.fact_variables import FACTS, facts_of

@@ -9,6 +9,7 @@ import h5py
 import numpy as np
 import pytest
 import xarray as xr
+from nominal import Config
 from results_tree import results_tree
 
 import rockpulse as rp
@@ -48,7 +49,7 @@ def folder(tmp_path_factory):
         rp.Record(3.0 * np.sin(2.0 * np.pi * time), 0.01, f"r{number}", source=source, source_sha256=checksum)
         for number, (source, checksum) in enumerate(sources.items())
     ]
-    config = rp.Config(models=rp.Config().models.__class__(use=("resonance",)))
+    config = Config(models=Config().models.__class__(use=("resonance",)))
     blocks = {"pier": rp.models.Block(half_width=0.5, half_height=1.9365)}
     save(rp.assess(records, config, blocks), folder / "results.h5")
     return folder
@@ -228,7 +229,7 @@ def test_a_name_too_long_for_a_file_is_the_name_of_a_member(folder, results):
 
 def test_inputs_are_found_from_any_folder(samples, tmp_path, monkeypatch):
     """They were named from a folder that is not this one; the configuration knows where they are."""
-    config = rp.Config(
+    config = Config(
         records=RecordSettings(paths=(str(samples),), store="none"), models=ModelSettings(use=("resonance",))
     )
     blocks = {"pier": rp.models.Block(half_width=0.5, half_height=1.9365)}

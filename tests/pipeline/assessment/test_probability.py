@@ -1,0 +1,195 @@
+"""The probability of overturning of bodies under a record: what it is read from, and what it does not depend on."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from bursts import DT, WALL, motion, record
+from nominal import Config as nominal
+from numpy.testing import assert_allclose, assert_array_equal
+
+import rockpulse as rp
+from rockpulse.assessment.assessment import assess, assess_scene
+from rockpulse.assessment.probability import record_probability
+from rockpulse.assessment.scene import prepare
+from rockpulse.config.bodies import gather_bodies
+from rockpulse.models import Block, OverturningSpectrum, Uncertainty, overturning_probability, spectrum_lanes
+from rockpulse.storage.probability_variables import PROBABILITY, READ, SOURCES
+
+NONLINEAR = rp.ModelSettings(use=("nonlinear",))
+NAMES = [name + end for name in READ for end in ("", "_low", "_high")]
+PIER = rp.BlockSettings(name="pier", width=0.9, height=5.0)
+CHEST = rp.BlockSettings(name="chest", width=0.4, height=0.9)
+NONE, SPECTRUM, OWN = range(3)
+
+
+def configured(*blocks, **sections):
+    return rp.Config(**{"models": NONLINEAR, "blocks": blocks} | sections)
+
+
+def values(tree):
+    summary = tree["summary"].to_dataset()
+    return {name: summary[name].values[0] for name in PROBABILITY}
+
+
+def direct(block, ground=None, limit=10.0, uncertainty=None, **ranges):
+    """By name, from the spectrum of the record itself."""
+    lanes = spectrum_lanes(motion() if ground is None else ground, DT)
+    found = OverturningSpectrum(lanes, uncertainty).factors(block, factor_max=limit, **ranges)
+    return {name + end: getattr(found, own + end) for name, own in READ.items() for end in ("", "_low", "_high")}
+
+
+@pytest.fixture(scope="module")
+def found():
+    """A wall, a pier, and a chest that is too squat for the spectrum."""
+    return values(assess([record("one")], configured(WALL, PIER, CHEST)))
+
+
+def test_slender_bodies_have_what_the_spectrum_of_the_record_tells(found):
+    expected = direct(Block(half_width=np.array([0.2, 0.45]), half_height=np.array([1.5, 2.5])))
+    assert found["probability_source"].tolist() == [SPECTRUM, SPECTRUM, OWN]
+    for name in NAMES:
+        assert_array_equal(found[name][:2], expected[name], err_msg=name)
+    assert 0.0 < found["overturning_probability"][0] < 1.0  # a case that could tell something
+
+
+def test_a_body_below_the_slenderness_of_the_spectrum_has_lanes_of_its_own(found):
+    seed = int(np.random.SeedSequence([0, *b"one"]).generate_state(1)[0])
+    own = overturning_probability(Block(half_width=0.2, half_height=0.45), motion(), DT, seed=seed)
+    for name, field in READ.items():
+        assert found[name][2] == getattr(own, field)[0], name
+    assert 1.0 < found["factor_10"][2] < found["factor_50"][2] < 10.0
+
+
+def test_the_probability_of_uplift_is_that_of_draws(found):
+    block, rng = Block(half_width=0.45, half_height=2.5), np.random.default_rng(5)
+    strength = 1.8 * np.exp(0.1 * rng.standard_normal(200_000))
+    alpha = block.alpha_c * np.exp(-0.05 * np.abs(rng.standard_normal(200_000)))
+    drawn = np.mean(strength > block.gravity * np.tan(alpha))
+    near = values(assess([record("one", peak=1.8)], configured(PIER)))["uplift_probability"][0]
+    # In closed form tan(alpha) is taken as proportional to alpha.
+    assert 0.6 < near == pytest.approx(drawn, abs=0.005)
+    assert found["uplift_probability"][:2].tolist() == [1.0, 1.0]
+
+
+def test_bodies_do_not_change_each_others_numbers(found):
+    for place, one in enumerate((WALL, PIER, CHEST)):
+        alone = values(assess([record("one")], configured(one)))
+        for name in PROBABILITY:
+            assert alone[name][0] == found[name][place], (one.name, name)
+
+
+def test_where_the_vertical_acts_every_body_has_lanes_of_its_own():
+    records = [record("one", orientation="horizontal", station="S")]
+    records.append(replace(record("up", 3, 3.0, orientation="vertical", station="S"), source="one.txt"))
+    config = configured(WALL, records=rp.RecordSettings(include_vertical=True))
+    lifted = values(assess(records, config))
+    assert lifted["probability_source"].tolist() == [OWN]
+    seed = int(np.random.SeedSequence([0, *b"one"]).generate_state(1)[0])
+    own = overturning_probability(Block(0.2, 1.5), motion(), DT, vertical=motion(3, 3.0), seed=seed)
+    assert lifted["factor_50"][0] == own.factor_50[0]
+
+
+def test_a_list_of_restitutions_is_the_range_of_all_of_them():
+    several = replace(WALL, restitution=(0.95, 0.8))
+    summary = assess([record("one")], configured(several, PIER))["summary"]
+    assert summary["factor_50"].dims == ("record", "block", "case")
+    expected = direct(Block(0.2, 1.5).lanes(1), least=np.array([0.8]), most=np.array([0.95]))
+    for name in NAMES:
+        assert_array_equal(summary[name].values[0, 0], np.repeat(expected[name], 2), err_msg=name)
+    # A body with one value keeps the shares of it.
+    assert_array_equal(summary["factor_50"].values[0, 1], direct(Block(0.45, 2.5).lanes(1))["factor_50"].repeat(2))
+
+
+def test_the_uncertainty_is_that_of_the_configuration():
+    known = rp.UncertaintySettings(factor=0.05, restitution=(0.8, 0.95), geometry=0.0)
+    found = values(
+        assess([record("one")], configured(WALL, uncertainty=known, search=rp.SearchSettings(factor_max=3.0)))
+    )
+    expected = direct(
+        Block(0.2, 1.5).lanes(1), limit=3.0, uncertainty=Uncertainty(factor=0.05, restitution=(0.8, 0.95), geometry=0.0)
+    )
+    for name in NAMES:
+        assert_array_equal(found[name], expected[name], err_msg=name)
+
+
+def test_a_factor_beyond_the_search_is_inf_from_the_end_of_the_search_on():
+    found = values(assess([record("one", peak=0.5)], configured(WALL, search=rp.SearchSettings(factor_max=2.0))))
+    assert (found["overturning_probability"], found["probability_source"]) == ([0.0], [SPECTRUM])
+    for name in ("factor_10", "factor_50", "capacity_mean"):
+        assert [found[name + end][0] for end in ("", "_low", "_high")] == [np.inf, 2.0, np.inf]
+
+
+def test_a_record_that_lifts_nothing_needs_no_spectrum():
+    config = configured(WALL, CHEST)
+    scene, bodies = prepare(record("one"), config), gather_bodies(config.blocks)
+    assert record_probability(scene, bodies, config).spectrum is not None
+    for strength in (0.0, 1e-3):
+        still = replace(scene, record=replace(scene.record, acceleration=strength * motion()))
+        found = record_probability(still, bodies, config)
+        assert found.spectrum is None
+        assert found.values["probability_source"].tolist() == [SPECTRUM, OWN]
+        assert found.values["overturning_probability_high"][0] == 0.0
+        assert found.values["overturning_probability"].tolist() == [0.0, 0.0]
+        assert found.values["uplift_probability"] == pytest.approx([0.0, 0.0], abs=1e-12)
+        assert found.values["factor_10_low"].tolist() == [10.0, 10.0]
+        assert_array_equal([found.values[name] for name in ("factor_10", "factor_50", "capacity_mean")], np.inf)
+
+
+@pytest.mark.parametrize(
+    "sections",
+    [
+        {"uncertainty": rp.UncertaintySettings(probability=False)},
+        {"models": rp.ModelSettings(use=("sequence", "impulsive", "linear"))},
+    ],
+    ids=["switched off", "no nonlinear model"],
+)
+def test_what_is_not_asked_for_is_not_known(sections):
+    config = configured(WALL, CHEST, **sections)
+    one = assess_scene(prepare(record("one"), config), gather_bodies(config.blocks), config)
+    assert one.spectrum is None
+    assert one.probability["probability_source"].tolist() == [NONE, NONE]
+    assert all(np.isnan(one.probability[name]).all() for name in PROBABILITY if name != "probability_source")
+    assert SOURCES[NONE] == "none"
+
+
+def test_auto_has_the_probability_of_the_nonlinear_model():
+    models = rp.ModelSettings(use=("linear",), auto=True)
+    config = configured(WALL, models=models)
+    one = assess_scene(prepare(record("one"), config), gather_bodies(config.blocks), config)
+    assert one.spectrum is not None
+    assert_array_equal(one.probability["factor_50"], direct(Block(0.2, 1.5).lanes(1))["factor_50"])
+
+
+def test_a_design_sequence_has_none():
+    sequence = rp.models.ImpulseSequence(0.5, 0.1, interval=0.1, duration=10.0, main_count=3)
+    config = rp.Config(
+        blocks=(WALL,),
+        records=rp.RecordSettings(components="sweep"),
+        uncertainty=rp.UncertaintySettings(azimuth=True),
+    )
+    summary = rp.assess_sequence(sequence, config)["summary"]
+    assert summary["probability_source"].values.tolist() == [[NONE]]
+    assert np.isnan(summary["factor_10"].values).all()
+
+
+def test_lanes_of_a_body_are_drawn_by_the_seed_and_the_record():
+    def tell(name, seed):
+        config = configured(CHEST, run=rp.RunSettings(seed=seed))
+        return values(assess([record(name)], config))["factor_10_low"][0]
+
+    first = tell("one", 0)
+    assert first == tell("one", 0)
+    assert len({first, tell("one", 1), tell("two", 0)}) == 3
+
+
+def test_factors_that_are_searched_wait_for_the_key():
+    config = nominal(blocks=(WALL,), models=rp.ModelSettings(use=("resonance", "sequence", "balanced", "nonlinear")))
+    searched = assess([record("one")], config)
+    plain = assess([record("one")], replace(config, search=rp.SearchSettings()))
+    factors = [tree["summary"]["safety_factor"].values[0, 0] for tree in (searched, plain)]
+    assert_array_equal(factors[0][:3], factors[1][:3])
+    assert np.isfinite(factors[0][3])
+    assert np.isnan(factors[1][3])
+    assert set(plain["overturning_intervals"]["model_index"].values) <= {0, 1, 2}
+    assert_allclose(plain["summary"]["interval_count"].values[0, 0, 3], -1)
