@@ -53,3 +53,8 @@ def parse():
 @pytest.fixture(scope="session")
 def batch():
     return load("batch", "batch_benchmark")
+
+
+@pytest.fixture(scope="session")
+def probability_coverage():
+    return load("probability_coverage", "probability_coverage")
