@@ -12,11 +12,13 @@ from rockpulse.assessment.spectrum import rocking_spectrum as compute_spectrum
 from rockpulse.errors import ConfigError, ResultsError
 from rockpulse.studies.accuracy.measurement import table_of
 from rockpulse.views.plots.critical_factors import critical_scale, overturning_map
+from rockpulse.views.plots.demand_marks import demands_over_pga
 from rockpulse.views.plots.fragility_curves import fragility
 from rockpulse.views.plots.ground_motion import accelerogram
 from rockpulse.views.plots.impulse_sequences import limit_accelerogram
 from rockpulse.views.plots.model_histories import histories
 from rockpulse.views.plots.motion import had_vertical, stored_motion, stored_record
+from rockpulse.views.plots.overturning_curves import overturning_spectra
 from rockpulse.views.plots.paper import figure4, figure5
 from rockpulse.views.plots.rotation import rotation_history
 from rockpulse.views.plots.selection import block_of, named_body, one_name, sequence_of
@@ -103,6 +105,31 @@ def _reaching(values: Sequence[float], marked: Sequence[float]) -> list[float]:
     return np.linspace(low, high, len(values)).tolist()
 
 
+def _spectrum(tree: xr.DataTree, record: str | None = None, restitution: float | str | None = None) -> Figure:
+    summary, spectra = tree["summary"].to_dataset(), tree["spectra"].to_dataset()
+    if record is not None:
+        spectra = spectra.sel(record=[one_name(summary, "record", record)])
+    own = summary.sel(record=spectra["record"].values)
+    names = [str(name) for name in summary["block"].values]
+    if restitution == "housner":
+        raise ConfigError("restitution: the spectrum is drawn at one C; expected a number from 0.75 to 1")
+    # Half of the bodies have a larger C than the curve, half a smaller one.
+    c = float(summary["restitution"].median()) if restitution is None else float(restitution)
+    needed = demands_over_pga(summary, own["pga"].values, np.inf)
+    return _figure(
+        overturning_spectra(
+            spectra,
+            restitution=c,
+            bodies={
+                name: (float(summary["p"].sel(block=name)), float(summary["alpha_c"].sel(block=name))) for name in names
+            },
+            events=[str(event) for event in own["event"].values],
+            demands=needed if spectra.sizes["record"] > 1 else None,
+            gravity=block_of(summary, names[0]).gravity,
+        )
+    )
+
+
 def _overturning_map(
     tree: xr.DataTree, record: str | None = None, block: str | None = None, models: Sequence[str] | None = None
 ) -> Figure:
@@ -148,6 +175,7 @@ DRAWERS: dict[str, Callable[..., Figure]] = {
     "limit-accelerogram": _limit_accelerogram,
     "rotation-history": _rotation_history,
     "rocking-spectrum": _rocking_spectrum,
+    "spectrum": _spectrum,
     "overturning-map": _overturning_map,
     "critical-scale": _critical_scale,
     "fragility": _fragility,

@@ -62,6 +62,13 @@ KINDS = {
         _STORED,
         ("record", "restitution"),
     ),
+    "spectrum": PictureKind(
+        "overturning spectrum of a record, or of all with their median, and the bodies of the file",
+        ASSESSMENT,
+        _ASSESS,
+        ("record", "restitution"),
+        "spectra",
+    ),
     "overturning-map": PictureKind(
         "factors on the input that overturn, of all blocks under a record or all records on a block",
         ASSESSMENT,

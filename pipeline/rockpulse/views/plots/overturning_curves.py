@@ -76,14 +76,17 @@ def overturning_spectra(
     elif known.size:
         for place, curve in enumerate(curves[:_DRAWN]):
             ax.plot(p, curve, color=GREY, lw=0.5, alpha=0.6, label="" if place else f"{known.size} records")
-        weights = _alike(None if events is None else [events[int(place)] for place in known], known.size)
-        for level, dashes, name in ((0.5, "-", "median"), (_UPPER, "--", "84 %")):
+        labels = None if events is None else [events[int(place)] for place in known]
+        weights, few = _alike(labels, known.size), labels is not None and len(set(labels)) < FEWEST_EVENTS
+        for level, dashes, name in ((0.5, "-", "median"), (_UPPER, "--", "84 %")) if not few else ():
             ax.plot(p, _quantile(curves, level, weights), color=BLUE, ls=dashes, lw=1.8, label=name)
-        for place, (name, factors) in enumerate((demands or {}).items()):
+        for place, (name, factors) in enumerate((demands or {}).items() if not few else ()):
             scaled = curves * np.asarray(factors, dtype=float)[known, np.newaxis]
             style = ((0, (1.2, 1.2)), (0, (6, 1.5, 1, 1.5)))[place % 2]
             words = f"median at the demand {plain(name)}"
             ax.plot(p, _quantile(scaled, 0.5, weights), color=RED, ls=style, lw=1.8, label=words)
+        if few:
+            left_out = f" Fewer than {FEWEST_EVENTS} earthquakes have no median."
     points = {name: (rate, gravity * np.tan(alpha) / rate) for name, (rate, alpha) in (bodies or {}).items()}
     handles = [*ax.get_legend_handles_labels()[0], *body_marks(ax, points)]
     ax.set_xlim(p[0], p[-1])

@@ -136,6 +136,8 @@ def test_without_bodies_the_spectrum_is_shown():
 
 def test_too_few_earthquakes_are_one_line_and_no_row():
     text = site_overview(site_of(np.ones(3)))
-    assert text.startswith("! not enough earthquakes (3; at least 7 for the quantile 0.84)\n\nCalibrated on 3 records of")
+    assert text.startswith(
+        "! not enough earthquakes (3; at least 7 for the quantile 0.84)\n\nCalibrated on 3 records of"
+    )
     assert "wall" not in text
     assert "I_eff" not in text
