@@ -90,7 +90,21 @@ def overturning_spectra(
             words = f"median at the demand {plain(name)}"
             ax.plot(p, _quantile(scaled, 0.5, weights), color=RED, ls=style, lw=1.8, label=words)
         if few:
-            if known.size < len(names):
+            left_out = f" Fewer than {FEWEST_EVENTS} earthquakes have no median."
+    points = {name: (rate, gravity * np.tan(alpha) / rate) for name, (rate, alpha) in (bodies or {}).items()}
+    handles = [*ax.get_legend_handles_labels()[0], *body_marks(ax, points)]
+    ax.set_xlim(p[0], p[-1])
+    ticks = [value for value in (0.5, 0.7, 1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 8.0) if p[0] <= value <= p[-1]]
+    ax.set_xticks(ticks, [f"{value:g}" for value in ticks])
+    ax.minorticks_off()
+    ax.set_xlabel(label(several["p"].attrs, symbol="$p$"))
+    ax.set_ylabel(r"effective impulse $S$, or $g\,\tan\alpha_c/p$ of a body [m/s]")
+    size_scale(ax, gravity)
+    columns = 3
+    legend_above(ax, columns, across=True, lift=32.0, handles=handles)
+    names = several["record"].values if "record" in several.coords else [several.attrs.get("record", "")]
+    words = plain(names[known[0]]) if known.size == 1 else f"{known.size} records"
+    if known.size < len(names):
         left_out += f" {len(names) - known.size} of {len(names)} records have no spectrum."
     title(ax, f"{words}, $C$ = {grid[chosen]:g}", rows=3 - (-len(handles) // columns))
     remarks = ["A body overturns, at its mean capacity, under a record whose curve lies above its point."]
