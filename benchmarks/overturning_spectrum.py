@@ -16,6 +16,7 @@ import logging
 import math
 import statistics
 import time
+from dataclasses import replace
 
 import numpy as np
 from scipy.interpolate import RegularGridInterpolator
@@ -24,6 +25,7 @@ from scipy.stats import norm, qmc
 import rockpulse as rp
 from rocking import Block, OverturningSpectrum, Uncertainty, recorded_response, spectrum_lanes
 from rocking.crossing import factor_at, mean_capacity, rising
+from rocking.half_wave_lanes import half_wave_lanes
 from rocking.spectrum_lanes import RATES
 from rockpulse.storage.spectrum_variables import RESTITUTIONS, ROTATIONS
 from rockpulse.studies.rule.cases import StrongMotion, strong_motions
@@ -154,7 +156,7 @@ def _print(name: str, table: np.ndarray) -> None:
 
 
 def cost(motion: StrongMotion, runs: int) -> None:
-    """Print the time of a spectrum, of what it does beside the solver, and of a body that reads it."""
+    """Print the time of a spectrum, of what it does beside the solver, of a body that reads it, and of the rule's."""
     record = motion.record
     acceleration, dt = record.acceleration[: round(60.0 / record.dt)], record.dt
 
@@ -187,11 +189,15 @@ def cost(motion: StrongMotion, runs: int) -> None:
         * math.tan(0.125)
     )
     plain = median(lambda: recorded_response(blocks, acceleration, dt, block_scale=factors, threads=1)) / blocks.p.size
+    waves = rp.half_waves(replace(record, acceleration=acceleration))
+    parts = waves.start, waves.centroid, waves.end, waves.impulse
+    by_rule = median(lambda: half_wave_lanes(*parts, threads=1))
     count = lanes.log_x.size
     print(
         f"{record.id}, {acceleration.size} samples of {dt:g} s: {count} lanes in {marched:.2f} s, "
         f"{marched / count * 1e6:.0f} us a lane, {marched / count / acceleration.size * 1e9:.1f} ns a lane-sample "
-        f"({marched / count / plain:.2f} times a lane of C = 0.9); sums {summed:.2f} s; a body {read * 1e6:.0f} us"
+        f"({marched / count / plain:.2f} times a lane of C = 0.9); sums {summed:.2f} s; a body {read * 1e6:.0f} us; "
+        f"through its {len(waves)} half-waves {by_rule:.2f} s, {by_rule / count * 1e6:.0f} us a lane"
     )
 
 
