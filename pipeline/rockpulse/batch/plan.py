@@ -93,12 +93,13 @@ def configuration_fingerprint(config: Config, verb: str) -> str:
     bodies have a probability of overturning.
     """
     matched = verb == "calibrate" and config.calibration.method == "response"
-    seeded = matched or (verb == "assess" and config.uncertainty.probability)
+    seeded = matched or (verb == "assess" and config.has_probability)
     config = replace(
         config,
         records=replace(config.records, paths=(), events=None, keep=(), units=None, dt=None, files=(), confirm=()),
         calibration=_as_default(config.calibration, LATE if matched else LATE + OF_MATCHING),
         fragility=_as_default(config.fragility, OF_FITS),
+        search=config.search if verb == "assess" else replace(config.search, intervals=False),
         uncertainty=replace(config.uncertainty, azimuth=False),
         run=replace(config.run, workers=1, seed=config.run.seed if seeded else 0),
     )

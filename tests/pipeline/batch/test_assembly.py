@@ -72,7 +72,7 @@ def assessed(ridgecrest, tmp_path_factory):
 
 #: Those of the default tests, and those of the sweep.
 QUICK = ("plain", 60_000)
-SWEPT = {("histories", 60_000), ("cases and demands", 1), ("sweep", 1)}
+SWEPT = {("histories", 60_000), ("cases and demands", 1), ("sweep", 1), ("probability", 1)}
 
 
 def _marks(name, chunk):

@@ -24,6 +24,7 @@ from rockpulse import (
     SearchSettings,
     SequenceSettings,
     SiteSettings,
+    UncertaintySettings,
 )
 from rockpulse.assessment.assessment import Assessment
 from rockpulse.batch.plan import configuration_fingerprint, read_options, tasks_of
@@ -152,7 +153,8 @@ CHANGES = [
     # Told by the records that are read with them, and by each task.
     ({"records": RecordSettings(units="g", dt=0.02, files=(FileSettings(match="*", units="g"),))}, ""),
     ({"records": RecordSettings(confirm=("*",))}, ""),
-    ({"run": RunSettings(seed=3)}, "calibrate"),
+    ({"run": RunSettings(seed=3)}, "assess"),
+    ({"uncertainty": UncertaintySettings(factor=0.2)}, "assess"),
     ({"conditioning": ConditioningSettings(highpass_hz=0.1)}, "assess calibrate fragility"),
     ({"half_waves": HalfWaveSettings(merge=False)}, "assess calibrate fragility"),
     ({"intense_phase": IntensePhaseSettings(method="D5-75")}, "assess calibrate fragility"),
@@ -161,6 +163,7 @@ CHANGES = [
     ({"blocks": (replace(WALL, restitution=0.9),)}, "assess calibrate fragility"),
     ({"models": ModelSettings(use=("linear",))}, "assess"),
     ({"search": SearchSettings(factor_max=5.0)}, "assess fragility"),
+    ({"search": SearchSettings(intervals=True)}, "assess"),
     ({"demands": (DemandSettings(name="x", acceleration=1.0),)}, "assess calibrate fragility"),
     ({"calibration": CalibrationSettings(method="statistics")}, "calibrate"),
     ({"calibration": CalibrationSettings(confidence=0.8)}, "calibrate"),
@@ -186,6 +189,19 @@ def test_seed_and_confidence_count_only_where_a_response_is_matched():
     for change in ({"run": RunSettings(seed=3)}, {"calibration": replace(plain, confidence=0.8, family="blocks")}):
         changed = replace(config(), calibration=plain)
         assert configuration_fingerprint(replace(changed, **change), "calibrate") == before
+
+
+def test_the_seed_counts_in_an_assessment_only_where_there_is_a_probability():
+    off = replace(config(), uncertainty=UncertaintySettings(probability=False))
+    for plain, same in ((config(), False), (off, True)):
+        seeded = replace(plain, run=RunSettings(seed=3))
+        assert (configuration_fingerprint(plain, "assess") == configuration_fingerprint(seeded, "assess")) is same
+
+
+def test_the_mean_over_directions_is_taken_when_all_records_are_done():
+    swept = replace(config(), records=RecordSettings(components="sweep"))
+    mean = replace(swept, uncertainty=UncertaintySettings(azimuth=True))
+    assert configuration_fingerprint(swept, "assess") == configuration_fingerprint(mean, "assess")
 
 
 def test_the_fingerprint_of_the_configuration_knows_verb_version_program_and_schema(monkeypatch):

@@ -9,8 +9,9 @@ import sys
 from contextlib import AbstractContextManager
 from dataclasses import replace
 
+import numpy as np
 import pytest
-from file_contents import contents
+from file_contents import assert_contents, contents
 from record_writers import at2, pulse
 
 import rockpulse as rp
@@ -102,6 +103,30 @@ def test_a_file_that_could_not_be_read_is_read_by_a_run_that_resumes(folder, tmp
         report = assess_files(paths, CONFIG, output, BatchOptions(workers=1))
     assert (report.records, report.broken_off, [row.stage for row in report.failures]) == (2, 1, ["read"])
     assert_completed(paths, output)
+
+
+@pytest.mark.sweep
+def test_a_run_that_resumes_has_the_same_probabilities_and_so_have_two_workers(folder, tmp_path, monkeypatch):
+    """A wall that is read from the spectrum, and a chest that has lanes of its own."""
+    chest = BlockSettings(name="chest", width=0.4, height=0.9)
+    config = replace(CONFIG, models=ModelSettings(use=("nonlinear",)), blocks=(*CONFIG.blocks, chest))
+    paths, original = sorted(folder.glob("r*")), assessment.extract
+
+    def out_of_memory(record, config, vertical):
+        if record.id.startswith("r1"):
+            raise MemoryError
+        return original(record, config, vertical)
+
+    with monkeypatch.context() as patch:
+        patch.setattr(assessment, "extract", out_of_memory)
+        assess_files(paths, config, tmp_path / "resumed.h5", BatchOptions(workers=1))
+    report = assess_files(paths, config, tmp_path / "resumed.h5", BatchOptions(workers=1, resume=True))
+    assert (report.records, report.resumed) == (3, 2)
+    resumed = contents(tmp_path / "resumed.h5")
+    for workers in (1, 2):
+        assess_files(paths, config, tmp_path / f"{workers}.h5", BatchOptions(workers=workers))
+        assert_contents(tmp_path / f"{workers}.h5", resumed)
+    assert np.all((resumed["summary/factor_50"]["values"] > 0.5) & (resumed["summary/factor_50"]["values"] < 10.0))
 
 
 def stopped_after_writing(paths, output, monkeypatch):
