@@ -109,9 +109,8 @@ def test_a_list_of_restitutions_is_the_range_of_all_of_them():
 
 def test_the_uncertainty_is_that_of_the_configuration():
     known = rp.UncertaintySettings(factor=0.05, restitution=(0.8, 0.95), geometry=0.0)
-    found = values(
-        assess([record("one")], configured(WALL, uncertainty=known, search=rp.SearchSettings(factor_max=3.0)))
-    )
+    config = configured(WALL, uncertainty=known, search=rp.SearchSettings(factor_max=3.0))
+    found = told(record("one"), config)
     expected = direct(
         Block(0.2, 1.5).lanes(1), limit=3.0, uncertainty=Uncertainty(factor=0.05, restitution=(0.8, 0.95), geometry=0.0)
     )
