@@ -2,7 +2,8 @@
 
 The motions are the records; the pairs of channels of a sweep, each in its worst direction; or the design sequence of a
 site. Whatever shows a smallest or a median factor takes it from here, and variables that results may lack are filled in
-here, once.
+here, once. The factor is that at which the probability of overturning is 10 % where the results hold it, else the
+safety factor.
 """
 
 from __future__ import annotations
@@ -15,8 +16,10 @@ from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 import numpy as np
 
 from rocking.response import Outcome, Reason
-from rockpulse.motions.events import UNKNOWN
+from rockpulse.assessment.direction_statistics import MEAN
+from rockpulse.motions.events import UNKNOWN, share_interval
 from rockpulse.storage.hdf5_reader import flag_words, slab, worded
+from rockpulse.storage.probability_variables import PROBABILITY, SOURCES
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -26,13 +29,18 @@ __all__ = [
     "Body",
     "Margin",
     "Motions",
+    "Share",
     "answers_of",
     "bodies_of",
     "complete",
     "fullest_model",
     "lanes",
     "searched_up_to",
+    "swept_answers",
 ]
+
+#: Models whose probability of overturning results hold: that of the nonlinear one.
+PROBABLE = ("nonlinear", "auto")
 
 #: What stands in place of a variable along the answers, or along the records, that results lack: not computed, not
 #: marked.
@@ -48,6 +56,8 @@ ABSENT: dict[str, Any] = {
     "applicable": 1,
     "reason": Reason.NONE,
 }
+#: The same along records and bodies alone: results without a probability of overturning.
+ABSENT_OF_BODY: dict[str, Any] = dict.fromkeys(PROBABILITY, np.nan) | {"probability_source": 0}
 ABSENT_OF_RECORD: dict[str, Any] = {"event": UNKNOWN, "npts": 0, "pgv_drift": 0, "warning_codes": ""}
 
 #: Over what a margin is taken for: every body, every block with the worst of its restitutions, every motion with the
@@ -75,13 +85,15 @@ class Motions:
     """The ground motions of the results: ids of records or names of pairs, and the rows of /summary of each.
 
     ``index`` is (motions, directions), -1 where a direction was not assessed; ``events`` are the earthquakes of the
-    motions; ``kind`` is "record", "pair" or "sequence".
+    motions; ``kind`` is "record", "pair" or "sequence". ``any_azimuth`` says that the direction of the bodies is not
+    known: the probability of a pair is then the mean over its directions, not that of the worst.
     """
 
     names: list[str]
     index: np.ndarray
     events: list[str]
     kind: str
+    any_azimuth: bool = False
 
     @property
     def event_count(self) -> int:
@@ -95,6 +107,35 @@ class Motions:
     def anywhere(self, so: np.ndarray, missing: bool = False) -> np.ndarray:
         """(motions, ...) where something (records, ...) is so in one of the directions, or in a missing one."""
         return np.asarray(self.over(so, missing).any(axis=1))
+
+    def mean(self, values: np.ndarray) -> np.ndarray:
+        """Mean over the earthquakes, which weigh alike, of the mean over the motions of each: (...) of (motions, ...).
+
+        Motions that are NaN are left out; without any other it is NaN.
+        """
+        names = np.unique(np.array(self.events, dtype=str))
+        own = (np.array(self.events, dtype=str) == names[:, np.newaxis]).astype(float)
+        known = ~np.isnan(values)
+        counts, sums = (np.tensordot(own, table, 1) for table in (known, np.where(known, values, 0.0)))
+        with np.errstate(invalid="ignore"):
+            return np.asarray(np.sum(sums / counts, axis=0, where=counts > 0.0) / (counts > 0.0).sum(axis=0))
+
+
+class Share(NamedTuple):
+    """The probability that a motion overturns a body, over earthquakes that weigh alike, with its interval of 90 % [-].
+
+    Where results hold no probability it is the share of earthquakes whose motions overturn the body, as they are or
+    weaker. ``least`` and ``most`` are what it is if the motions that are not known never overturn the body, or always;
+    ``low`` and ``high`` the ends of the interval for other earthquakes like these, ``unknown`` the motions that are not
+    known.
+    """
+
+    value: float
+    low: float
+    high: float
+    least: float
+    most: float
+    unknown: int
 
 
 class Margin(NamedTuple):
@@ -172,10 +213,35 @@ class Answers:
         """(records, bodies) name of the model that gave the answer; empty where the results do not say."""
         return worded(self["model_used"], {-1: "", **flag_words(self.summary["model_used"])})
 
+    @cached_property
+    def source(self) -> np.ndarray:
+        """(records, bodies) what the probability was read from, in a word."""
+        return worded(self["probability_source"], dict(enumerate(SOURCES)))
+
     @property
     def searched(self) -> bool:
         """Whether safety factors of the model are known."""
         return not bool(np.isnan(self["safety_factor"]).all())
+
+    @cached_property
+    def probable(self) -> bool:
+        """Whether the probability of overturning by the model is known."""
+        return self.model in PROBABLE and not bool(np.isnan(self["overturning_probability"]).all())
+
+    @property
+    def factor(self) -> str:
+        """The variable that tells how much stronger the motions may be."""
+        return "factor_10" if self.probable else "safety_factor"
+
+    @property
+    def told(self) -> bool:
+        """Whether one of these factors is known."""
+        return not bool(np.isnan(self[self.factor]).all())
+
+    @property
+    def bound(self) -> np.ndarray:
+        """(records, bodies) whether the factor is a lower bound, for the model cannot answer there."""
+        return np.asarray(~self.probable & (self["factor_resolved"] == 0))
 
     @property
     def counts(self) -> list[int]:
@@ -195,12 +261,25 @@ class Answers:
 
     def proven(self, demand: str | None = None) -> np.ndarray:
         """(records, bodies) up to which factor, or up to how much of a demand, the search found no overturning."""
-        factor = self["safe_up_to"]
-        return factor if demand is None else (factor.T * self["pga"]).T / self.demands[demand]
+        factor = self[self.factor]
+        reached = np.where(np.isinf(factor), self["factor_10_low"], factor) if self.probable else self["safe_up_to"]
+        return self._over(reached, demand)
 
     def ratios(self, demand: str | None = None) -> np.ndarray:
-        """(records, bodies) safety factors, or capacities over a demand."""
-        return self["safety_factor"] if demand is None else self["capacity_ratio"][..., [*self.demands].index(demand)]
+        """(records, bodies) factors, or capacities over a demand: the factor times the PGA."""
+        return self._over(self[self.factor], demand)
+
+    def _over(self, factor: np.ndarray, demand: str | None) -> np.ndarray:
+        return factor if demand is None else (factor.T * self["pga"]).T / self.demands[demand]
+
+    @property
+    def least_over_direction(self) -> tuple[np.ndarray, np.ndarray]:
+        """(motions, bodies) the smallest factor of all directions, and the row of /summary that has it, -1 without."""
+        factor = self.motions.over(self[self.factor], np.nan)
+        place = np.argmin(np.where(np.isnan(factor), np.inf, factor), axis=1)
+        finite = np.isfinite(factor).any(axis=1)
+        row = np.take_along_axis(self.motions.index, place, axis=1)
+        return np.fmin.reduce(factor, axis=1), np.where(finite, row, -1)
 
     def by_block(self, worst: np.ufunc, table: np.ndarray) -> np.ndarray:
         """A table (..., bodies) as (..., blocks), of the restitutions of a block the worst."""
@@ -213,9 +292,9 @@ class Answers:
         return [int(count) for count in fallen.sum(axis=1 if of == "motion" else 0)]
 
     def margins(self, of: Of = "body", demand: str | None = None) -> list[Margin]:
-        """The margin of every body, block or motion in the safety factor, or in the capacity over a demand."""
+        """The margin of every body, block or motion in the factor, or in the capacity over a demand."""
         ratio = self.motions.over(self.ratios(demand), np.nan)
-        bound = self.motions.over(self["factor_resolved"] == 0, False)
+        bound = self.motions.over(self.bound, False)
         # The smallest that each may be, the smallest that it is at most, and how far all of it was searched.
         least, most = (np.fmin.reduce(values, axis=1) for values in (ratio, np.where(bound, np.inf, ratio)))
         reached = np.fmin.reduce(self.motions.over(self.proven(demand), np.nan), axis=1)
@@ -227,27 +306,61 @@ class Answers:
         return _margins(*(table.T for table in tables) if of == "motion" else tables)
 
 
+    def shares(self, overturns: np.ndarray) -> list[Share]:
+        """Of every body the probability of overturning over the earthquakes.
+
+        Where none is known `overturns` (records, bodies) is taken for it: 1 where a record does, NaN where not known.
+
+        Notes
+        -----
+        The interval is that of Clopper & Pearson (1934) for as many earthquakes, of which the sum of the probabilities
+        overturn the body. A sum of independent numbers between 0 and 1 spreads no more than a binomial one of the same
+        mean (Hoeffding 1956, Ann. Math. Stat. 27(3), 713-721, doi:10.1214/aoms/1177728178), so it covers at least what
+        it states: over 20 populations, 3 to 30 earthquakes, 0.94 to 1.00 at nominal 0.90, where percentiles of
+        resampled earthquakes cover 0.01 to 0.85 and the bootstrap-t 0.34 to 0.95. For none of n it is 1 - 0.05^(1/n),
+        the rule of three 3/n.
+        """
+        motions = self.motions
+        table = motions.over(self["overturning_probability"] if self.probable else overturns, np.nan)
+        # Of the directions of a pair the worst counts, unless that of the body is not known either.
+        over = np.mean if motions.any_azimuth else np.max
+        known, least, most = (
+            over(np.where(np.isnan(table), filled, table), axis=1) for filled in (np.nan, 0.0, 1.0)
+        )
+        known = np.where(least == most, least, known)
+        value, least, most = map(motions.mean, (known, least, most))
+        low, high = share_interval(value, motions.event_count)
+        tables = (value, low, high, least, most, np.isnan(known).sum(axis=0))
+        return [Share(*one) for one in zip(*(table.tolist() for table in tables), strict=True)]
+
+
 def answers_of(tree: xr.DataTree) -> Answers:
     """The answers of the fullest model under the motions of a tree of results."""
-    summary = complete(tree["summary"].to_dataset())
-    if "directions" not in tree.children:
-        return Answers(summary)
+    summary = tree["summary"].to_dataset()
+    return swept_answers(summary, tree["directions"].to_dataset()) if "directions" in tree.children else Answers(summary)
+
+
+def swept_answers(summary: xr.Dataset, directions: xr.Dataset) -> Answers:
+    """The answers of the fullest model under pairs of channels, whose directions are the records of /summary."""
+    summary = complete(summary)
     events = [str(event) for event in summary["event"].values]
-    directions = tree["directions"].to_dataset()
     index = directions["record_index"].transpose("pair", "direction").values
     kept = np.flatnonzero((index >= 0).any(axis=1))
     index = index[kept]
     names = [str(name) for name in directions["pair"].values[kept]]
-    return Answers(summary, Motions(names, index, [events[own[own >= 0][0]] for own in index], "pair"))
+    of = [events[own[own >= 0][0]] for own in index]
+    return Answers(summary, Motions(names, index, of, "pair", MEAN in directions))
 
 
 def complete(summary: xr.Dataset) -> xr.Dataset:
     """The node /summary with every variable that it lacks and that has a value of its own for that."""
     outcome = summary["outcome"].variable
+    of_body = tuple(dim for dim in outcome.dims if dim != "model")
     absent: dict[str, Any] = {
         name: (dims, np.broadcast_to(value, shape))
         for dims, shape, values in (
             (outcome.dims, outcome.shape, ABSENT),
+            (of_body, tuple(outcome.sizes[dim] for dim in of_body), ABSENT_OF_BODY),
             (("record",), (summary.sizes["record"],), ABSENT_OF_RECORD),
         )
         for name, value in values.items()

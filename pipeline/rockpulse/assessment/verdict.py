@@ -1,7 +1,9 @@
-"""The verdict on every body over all motions: whether it may be counted as safe, by how much, and what it rests on.
+"""The verdict on every body over all motions: the probability that they overturn it, and the words for it.
 
-.. note:: A model's outcome alone is no proof of safety. Rocking is not monotonic in the strength of the motion: a body
-   may rock under a record and be overturned by a weaker copy of it. Such a body is not counted as safe.
+.. note:: The probability is that of the nonlinear model under a stated uncertainty, over earthquakes that weigh alike.
+   Results without it (another model, a design sequence, files of before) have 0 or 1 for each motion: whether the model
+   overturns the body, as it is or weaker. Rocking is not monotonic in the strength of the motion: a body may rock under
+   a record and be overturned by a weaker copy of it.
 """
 
 from __future__ import annotations
@@ -13,60 +15,49 @@ from enum import IntEnum
 import numpy as np
 
 from rocking.response import Outcome, Reason
-from rockpulse.assessment.answers import Answers, Body, Margin
-from rockpulse.motions.events import largest_share
+from rockpulse.assessment.answers import Answers, Body, Margin, Share
+from rockpulse.ladder import is_upper_bound
 
-__all__ = ["BodyVerdict", "DemandVerdict", "Grade", "Standing", "standings", "thin_margin", "verdicts", "why_unknown"]
+__all__ = ["MAY_OVERTURN", "OVERTURNS", "BodyVerdict", "DemandVerdict", "Grade", "Standing", "standings", "verdicts", "why_unknown"]
 
-#: A smallest factor below this is hardly a margin: on strong long records a search of the default fineness finds 6 % of
-#: the factors more than a tenth too high (docs/decisions/011).
-THIN_MARGIN = 1.1
+#: Probabilities of overturning from which on a body may overturn, and overturns [-].
+MAY_OVERTURN, OVERTURNS = 0.05, 0.5
 
-#: So many steps of the search make the same margin where it is coarser: at the default fineness seven are a tenth.
-THIN_STEPS = 7.0
+#: Probability of uplift below which a body is said to stay at rest [-].
+NEVER_LIFTED = 1e-3
 
 
 class Standing(IntEnum):
-    """The verdict on a body under one record, from best to worst."""
+    """The answer of a model for a body under one record, from best to worst."""
 
-    STANDS = 0  #: neither the record nor a weaker copy overturns it
-    THIN = 1  #: the same, but a copy hardly stronger does: the search is not that fine
-    NO_MARGIN = 2  #: the record does not overturn it; weaker and stronger ones were not searched
-    UNKNOWN = 3  #: the model cannot say, or not reliably
-    WEAKER_OVERTURNS = 4  #: it survives the record as it is, a weaker copy overturns it
-    OVERTURNS = 5  #: the record overturns it
+    STANDS = 0  #: neither the record nor, where it was searched, a weaker copy overturns it
+    UNKNOWN = 1  #: the model cannot say, or not reliably
+    WEAKER_OVERTURNS = 2  #: it survives the record as it is, a weaker copy overturns it
+    OVERTURNS = 3  #: the record overturns it
 
 
 class Grade(IntEnum):
     """The verdict on a body under all motions, from best to worst."""
 
-    SAFE = 0
-    UNTESTED = 1  #: no motion lifts it
-    STANDS = 2  #: under a design sequence, which stands for other motions and does not bound them
-    THIN = 3
-    NO_MARGIN = 4
-    NOT_KNOWN = 5
-    NOT_SAFE = 6
+    STAYS = 0  #: no motion lifts it
+    ROCKS = 1  #: the probability of overturning is below 0.05
+    MAY_OVERTURN = 2  #: from 0.05 to 0.5; the worst that an upper-bound type input can show
+    NOT_KNOWN = 3  #: the motions that are not known decide
+    OVERTURNS = 4  #: 0.5 or more
 
-
-#: What the worst standing of a body makes of it.
-_GRADE = {
-    Standing.STANDS: Grade.SAFE,
-    Standing.THIN: Grade.THIN,
-    Standing.NO_MARGIN: Grade.NO_MARGIN,
-    Standing.UNKNOWN: Grade.NOT_KNOWN,
-    Standing.WEAKER_OVERTURNS: Grade.NOT_SAFE,
-    Standing.OVERTURNS: Grade.NOT_SAFE,
-}
+    @property
+    def word(self) -> str:
+        """The verdict as it is shown."""
+        return self.name.lower().replace("_", " ")
 
 
 @dataclass(frozen=True)
 class DemandVerdict:
     """A body against one ground acceleration that the site asks for, with its margin in capacity over demand.
 
-    The grade is NOT_SAFE where a motion overturns the body below the demand, NOT_KNOWN where that cannot be excluded,
-    THIN where the smallest capacity is hardly above it. ``below`` and ``unknown`` count the motions that overturn the
-    body below the demand, and those of which it is not known.
+    The capacity is the factor (of 10 % probability, else the safety factor) times the PGA. The grade is MAY_OVERTURN
+    where that of a motion lies below the demand, NOT_KNOWN where it may, else ROCKS. ``below`` and ``unknown`` count
+    these motions.
     """
 
     name: str
@@ -78,61 +69,37 @@ class DemandVerdict:
 
 @dataclass(frozen=True)
 class BodyVerdict:
-    """One body over all motions, by the model that is counted, with its margin in the safety factor.
+    """One body over all motions, by the model that is counted, with its margin in the factor.
 
-    The grade is that of its worst motion, as recorded and weaker. ``counts`` are the motions by standing, ``at_rest``
-    those that do not lift it, which say little of it. ``governing`` is the row of /summary with the smallest factor;
-    without a finite one, of the first motion that overturns the body; -1: none. ``events_hit`` are the earthquakes with
-    a motion that overturns it, as it is or weaker, or of which that is not known, ``largest_share`` the upper bound of
-    the share of such earthquakes; NaN where they are too few to say anything.
+    The grade follows from the probability over earthquakes, its ``share``. ``at_rest`` are the motions that do not lift
+    it, ``overturned`` those that overturn it as they are. ``governing`` is the row of /summary with the smallest
+    factor; without a finite one, of the first motion that overturns the body; -1: none.
     """
 
     body: Body
     grade: Grade
-    counts: dict[Standing, int]
+    share: Share
+    overturned: int
     at_rest: int
     margin: Margin
     governing: int
-    events_hit: int
-    largest_share: float
     demands: tuple[DemandVerdict, ...]
 
     @property
     def overall(self) -> Grade:
-        """The worst of its grade and those of the demands: what fails the demand of the site is not called safe."""
-        return max(self.grade, *(demand.grade for demand in self.demands), Grade.SAFE)
-
-    @property
-    def never_lifted(self) -> bool:
-        """Whether no motion lifts it: it was not tested."""
-        return 0 < self.at_rest == sum(self.counts.values())
-
-
-def thin_margin(search_step: np.ndarray) -> np.ndarray:
-    """Below which factor there is hardly a margin, by the ratio of neighbouring factors of the search.
-
-    A finer search may find a smaller factor; the ratio is NaN where there was no search.
-
-    Examples
-    --------
-    >>> thin_margin(np.array([1.0, 1.014, 1.06])).round(3).tolist()
-    [1.1, 1.1, 1.42]
-    """
-    return np.fmax(THIN_MARGIN, 1.0 + THIN_STEPS * (np.asarray(search_step) - 1.0))
+        """The worst of its grade and those of the demands."""
+        return max(self.grade, *(demand.grade for demand in self.demands), Grade.STAYS)
 
 
 def standings(answers: Answers) -> np.ndarray:
     """The :class:`Standing` of every body under every record, (records, bodies).
 
-    Overturning is overturning; a safety factor below 1 at which the model answers is overturning by a weaker record;
-    one below :func:`thin_margin` is hardly a margin, nor is a search that ended below it. Unresolved, outside the range
-    of the model, not predictable, or a factor below 1 at which the model cannot answer: not known. A body at rest
-    without a factor stands without a margin like any other.
+    Overturning is overturning; a safety factor below 1 at which the model answers is overturning by a weaker record.
+    Unresolved, outside the range of the model, not predictable, or a factor below 1 at which the model cannot answer:
+    not known.
     """
     factor = answers["safety_factor"]
     found = np.full(factor.shape, Standing.STANDS, dtype=np.int8)
-    found[np.isnan(factor)] = Standing.NO_MARGIN
-    found[~np.isnan(factor) & _thin(answers, factor, answers.proven())] = Standing.THIN
     for doubtful, _ in _doubts(answers):
         found[doubtful] = Standing.UNKNOWN
     found[(factor < 1.0) & (answers["factor_resolved"] != 0)] = Standing.WEAKER_OVERTURNS
@@ -153,59 +120,60 @@ def why_unknown(answers: Answers) -> np.ndarray:
 
 def verdicts(answers: Answers) -> list[BodyVerdict]:
     """The verdict on every body over the motions of the answers."""
-    motions = answers.motions
-    single = standings(answers)
-    worst = motions.over(single, Standing.UNKNOWN).max(axis=1)
-    resting = ~motions.anywhere(answers["outcome"] != Outcome.AT_REST)
+    motions, single = answers.motions, standings(answers)
+    overturns = np.where(single == Standing.UNKNOWN, np.nan, single >= Standing.WEAKER_OVERTURNS)
+    at_rest = ~motions.anywhere(answers["outcome"] != Outcome.AT_REST, missing=True)
+    lifted = ~(answers["uplift_probability"] < NEVER_LIFTED) if answers.probable else answers["outcome"] != Outcome.AT_REST
+    stays = ~motions.anywhere(lifted, missing=True).any(axis=0) & bool(motions.names)
     of_demands = [_demand_verdicts(answers, demand) for demand in answers.demands]
-    events = np.array(motions.events)
+    fallen, resting = answers.overturnings(), at_rest.sum(axis=0).tolist()
     found = []
-    for lane, (body, margin) in enumerate(zip(answers.bodies, answers.margins(), strict=True)):
-        own = worst[:, lane]
-        hit = min(len(set(events[own >= Standing.UNKNOWN].tolist())), motions.event_count)
-        at_rest = int(np.count_nonzero(resting[:, lane]))
-        best = Grade.UNTESTED if at_rest == own.size else Grade.SAFE
-        best = Grade.STANDS if motions.kind == "sequence" else best
+    for lane, (body, margin, share) in enumerate(
+        zip(answers.bodies, answers.margins(), answers.shares(overturns), strict=True)
+    ):
+        grade = Grade.STAYS if stays[lane] else _grade(share)
+        if grade == Grade.OVERTURNS and is_upper_bound(answers.model):
+            grade = Grade.MAY_OVERTURN
         found.append(
             BodyVerdict(
                 body=body,
-                grade=max(best, _GRADE[Standing(int(own.max()))]) if own.size else Grade.NOT_KNOWN,
-                counts={kind: int(np.count_nonzero(own == kind)) for kind in Standing},
-                at_rest=at_rest,
+                grade=grade,
+                share=share,
+                overturned=fallen[lane],
+                at_rest=resting[lane],
                 margin=margin,
-                governing=_governing(answers["safety_factor"][:, lane], single[:, lane]),
-                events_hit=hit,
-                largest_share=math.nan if motions.kind == "sequence" else largest_share(hit, motions.event_count),
+                governing=_governing(answers[answers.factor][:, lane], single[:, lane]),
                 demands=tuple(every[lane] for every in of_demands),
             )
         )
     return found
 
 
+def _grade(share: Share) -> Grade:
+    """The word for a probability; not known where the motions that are not known decide between two."""
+    low, high = (
+        Grade.OVERTURNS if value >= OVERTURNS else Grade.MAY_OVERTURN if value >= MAY_OVERTURN else Grade.ROCKS
+        for value in (share.least, share.most)
+    )
+    return low if low == high and not math.isnan(share.least) else Grade.NOT_KNOWN
+
+
 def _demand_verdicts(answers: Answers, demand: str) -> list[DemandVerdict]:
     """The verdict on every body against one demand."""
-    ratio, proven = answers.ratios(demand), answers.proven(demand)
-    bound = answers["factor_resolved"] == 0
+    ratio, bound = answers.ratios(demand), answers.bound
     below = (ratio < 1.0) & ~bound
     # A search that ends below the demand has shown nothing of what lies between.
-    unknown = np.isnan(ratio) | ((ratio < 1.0) & bound) | (np.isinf(ratio) & ~(proven >= 1.0))
-    unknown |= (answers["applicable"] == 0) | (answers["predictable"] == 0)
+    unknown = np.isnan(ratio) | ((ratio < 1.0) & bound) | (np.isinf(ratio) & ~(answers.proven(demand) >= 1.0))
+    if not answers.probable:
+        unknown |= (answers["applicable"] == 0) | (answers["predictable"] == 0)
     failed = answers.motions.anywhere(below)
     open_ = answers.motions.anywhere(unknown & ~below, missing=True)
-    thin = _thin(answers, ratio, proven)
     found = []
     for lane, margin in enumerate(answers.margins(demand=demand)):
-        enough = Grade.THIN if thin[:, lane].any() else Grade.SAFE
-        certain = len(open_) > 0 and not open_[:, lane].any()
-        grade = Grade.NOT_SAFE if failed[:, lane].any() else enough if certain else Grade.NOT_KNOWN
-        counts = (int(np.count_nonzero(one[:, lane])) for one in (failed, open_ & ~failed))
-        found.append(DemandVerdict(demand, grade, margin, *counts))
+        counts = [int(np.count_nonzero(one[:, lane])) for one in (failed, open_ & ~failed)]
+        known = Grade.ROCKS if len(open_) > 0 and not counts[1] else Grade.NOT_KNOWN
+        found.append(DemandVerdict(demand, Grade.MAY_OVERTURN if counts[0] else known, margin, *counts))
     return found
-
-
-def _thin(answers: Answers, ratio: np.ndarray, proven: np.ndarray) -> np.ndarray:
-    """True where a factor, or the end of a search that found none, is hardly a margin."""
-    return ~(np.where(np.isinf(ratio), proven, ratio) >= thin_margin(answers["search_step"]))
 
 
 def _doubts(answers: Answers) -> list[tuple[np.ndarray, str]]:

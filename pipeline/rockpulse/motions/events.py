@@ -9,12 +9,14 @@
 
 from __future__ import annotations
 
-import math
 import re
 from collections import Counter, defaultdict
 from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Sequence
 from datetime import datetime, timedelta
 from itertools import combinations, pairwise
+from typing import Any
+
+import numpy as np
 
 from rockpulse.config.configuration import Config, located
 from rockpulse.errors import ConfigError
@@ -30,14 +32,14 @@ __all__ = [
     "event_table",
     "events_by_id",
     "group_events",
-    "largest_share",
     "names_earthquake",
+    "share_interval",
 ]
 
 #: Label of all records together of which neither the files nor the user's table tell the earthquake.
 UNKNOWN = "unknown: neither name nor time stated, counted as one"
 
-#: Confidence of a bound on the share of earthquakes [-], and the fewest earthquakes that say something of others.
+#: Confidence of an interval of a probability over earthquakes [-], and the fewest earthquakes that say something of others.
 CONFIDENCE = 0.9
 FEWEST_EVENTS = 3
 
@@ -76,24 +78,25 @@ _CENTURY = 30
 _NUMBER = re.compile(r"[A-Za-z]-(\d\d)\b")
 
 
-def largest_share(hit: int, events: int) -> float:
-    """Upper bound of the share of earthquakes that hit, from those that did (Clopper & Pearson 1934).
+def share_interval(share: Any, events: int) -> tuple[np.ndarray, np.ndarray]:
+    """Ends of the interval of a mean probability over earthquakes (Clopper & Pearson 1934, two-sided).
 
-    One-sided, with the confidence :data:`CONFIDENCE`, as if the earthquakes were drawn at random from those that are to
-    be expected; NaN for fewer than :data:`FEWEST_EVENTS`.
+    With the confidence :data:`CONFIDENCE`, as if the earthquakes were drawn at random from those that are to be
+    expected. A mean of 0 or 1 gives the rule of three: its other end lies less than 3/n away.
 
     Examples
     --------
-    >>> round(largest_share(0, 3), 3), round(1.0 - 0.1 ** (1 / 3), 3), largest_share(0, 2)
-    (0.536, 0.536, nan)
+    >>> [round(float(end), 3) for end in share_interval(0.0, 10)], round(1.0 - 0.05 ** (1 / 10), 3)
+    ([0.0, 0.259], 0.259)
     """
-    if events < FEWEST_EVENTS:
-        return math.nan
-    if hit == events:
-        return 1.0
     from scipy.special import betaincinv
 
-    return float(betaincinv(hit + 1, events - hit, CONFIDENCE))
+    hit, tail = np.asarray(share, dtype=float) * events, 0.5 * (1.0 - CONFIDENCE)
+    with np.errstate(invalid="ignore"):
+        low = np.where(hit > 0.0, betaincinv(np.where(hit > 0.0, hit, 1.0), events - hit + 1.0, tail), hit)
+        rest = events - hit
+        high = np.where(rest > 0.0, betaincinv(hit + 1.0, np.where(rest > 0.0, rest, 1.0), 1.0 - tail), hit / events)
+    return low, high
 
 
 def group_events(records: Sequence[Record], named: Mapping[str, str] | None = None) -> list[str]:

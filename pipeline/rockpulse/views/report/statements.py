@@ -118,14 +118,6 @@ def counted_by(answers: Answers) -> str:
     return words
 
 
-def counted(motions: Motions) -> str:
-    """The number of motions in words: "7 records of 2 earthquakes"."""
-    if motions.kind == "sequence":
-        return "one design sequence, which stands for the records of its site calibration"
-    each = f", each in {motions.index.shape[1]} directions" if motions.kind == "pair" else ""
-    return f"{several(len(motions.names), noun(motions))} of {several(motions.event_count, 'earthquake')}{each}"
-
-
 def of_unknown_event(motions: Motions) -> str:
     """A sentence on the motions whose earthquake is unknown, after a blank; empty where all are known."""
     count = motions.events.count(UNKNOWN)
@@ -177,11 +169,6 @@ def of_bodies(count: int, total: int) -> str:
     '1 of 4 bodies'
     """
     return f"{count} of {several(total, 'body')}"
-
-
-def noun(motions: Motions) -> str:
-    """The word for a motion."""
-    return {"record": "record", "pair": "pair of channels", "sequence": "sequence"}[motions.kind]
 
 
 def acceleration(value: float) -> str:

@@ -1,4 +1,4 @@
-"""Answers as cells of a table: what a model says of a body under a record, a safety factor, a margin."""
+"""Answers as cells of a table: what a model says of a body under a record, its probability of overturning, a factor."""
 
 from __future__ import annotations
 
@@ -9,25 +9,30 @@ import numpy as np
 
 from rocking.response import Outcome
 from rockpulse.assessment.answers import Answers, Margin
-from rockpulse.views.shared.table import Cell, Mark
+from rockpulse.views.shared.table import Cell, Mark, number
 from rockpulse.views.shared.terminal import ABSENT, lower_bound, ratio
 from rockpulse.views.shared.verdict_notes import ESTIMATE, MARKED, NO_ANSWER, NONE_UP_TO, OUTSIDE, SO_FAR, UNPREDICTABLE
 
 __all__ = [
     "AT_MOST",
-    "NOT_MONOTONIC",
+    "NAMES",
+    "TITLES",
     "answer_cell",
     "answer_cells",
     "factor_cell",
     "factor_cells",
+    "factor_columns",
     "margin_cells",
     "marks_of",
-    "several_intervals",
+    "safety_cells",
     "unexplained",
 ]
 
-#: Behind a factor beyond which the body stands again; before a smallest one that may be smaller.
-NOT_MONOTONIC = Mark("+", "+: not monotonic, beyond SF the block stands again before it overturns again.")
+#: What the factors are called in a sentence, and in the heading of a column.
+NAMES = {"safety_factor": "safety factor", "factor_10": "factor of 10 %"}
+TITLES = {"safety_factor": "SF", "factor_10": "factor of 10 %", "factor_50": "of 50 %", "capacity_mean": "mean capacity"}
+
+#: Before a smallest factor that may be smaller.
 AT_MOST = Mark("≤", "≤: may be less, for a direction has no answer; left out of the median.", before=True)
 
 _WORDS = {Outcome.AT_REST: "at rest", Outcome.OVERTURNS: "overturns", Outcome.UNRESOLVED: "unresolved"}
@@ -69,31 +74,52 @@ def answer_cells(answers: Answers) -> list[list[Cell]]:
     return [[answer_cell(*each) for each in zip(*rows, strict=True)] for rows in zip(*tables, rungs, strict=True)]
 
 
-def factor_cells(answers: Answers, counted: bool = True) -> list[list[Cell]]:
+def factor_cells(answers: Answers, name: str = "") -> list[list[Cell]]:
+    """Of every record the factors on all bodies: those that the answers tell their margins by, or others by name."""
+    name = name or answers.factor
+    limits = answers.proven() if name == answers.factor else answers[f"{name}_low"]
+    tables = (answers[name], limits, answers.bound)
+    return [
+        [factor_cell(*one) for one in zip(*rows, strict=True)]
+        for rows in zip(*(table.tolist() for table in tables), strict=True)
+    ]
+
+
+def safety_cells(answers: Answers) -> list[list[Cell]]:
     """Of every record the safety factors on all bodies; where intervals of overturning are several, their number."""
     names = ("safety_factor", "safe_up_to", "factor_resolved", "interval_count")
     return [
         [
-            factor_cell(factor, limit, resolved == 0, several_intervals(count, counted))
+            factor_cell(factor, limit, resolved == 0, (Mark(f" ({count})", ""),) if count > 1 else ())
             for factor, limit, resolved, count in zip(*rows, strict=True)
         ]
         for rows in zip(*(answers[name].tolist() for name in names), strict=True)
     ]
 
 
-def factor_cell(factor: float, limit: float = math.nan, bound: bool = False, intervals: Mark | None = None) -> Cell:
-    """A safety factor, or a capacity over demand: marked where it is a lower bound.
+def factor_columns(answers: Answers) -> dict[str, list[list[Cell]]]:
+    """The columns of a table that tell how near to overturning a body is; none where that is not known."""
+    if not answers.told:
+        return {}
+    if not answers.probable:
+        return {TITLES["safety_factor"]: factor_cells(answers)}
+    probability = [[number(one, ratio) for one in row] for row in answers["overturning_probability"].tolist()]
+    return {"P": probability, TITLES["factor_10"]: factor_cells(answers)}
 
-    `limit` says how far was searched where none was found; `intervals` marks that there are several.
+
+def factor_cell(factor: float, limit: float = math.nan, bound: bool = False, more: tuple[Mark, ...] = ()) -> Cell:
+    """A factor, or a capacity over demand: marked where it is a lower bound, and with more marks.
+
+    `limit` says how far was searched where none was found.
 
     Examples
     --------
-    >>> [factor_cell(factor, 10.0, intervals=NOT_MONOTONIC).marked for factor in (1.31, math.inf)]
-    ['1.31+', '>10+']
+    >>> [factor_cell(factor, 10.0).marked for factor in (1.31, math.inf)]
+    ['1.31', '>10']
     >>> factor_cell(1.31, bound=True).marked, factor_cell(math.nan).marked, factor_cell(math.inf).marked
     ('1.31!', '-', 'none')
     """
-    marks = ([NO_ANSWER] if bound else []) + ([] if intervals is None else [intervals])
+    marks = ([NO_ANSWER] if bound else []) + [*more]
     if math.isnan(factor):
         return Cell(ABSENT, factor)
     if not math.isinf(factor):
@@ -102,13 +128,6 @@ def factor_cell(factor: float, limit: float = math.nan, bound: bool = False, int
         return Cell("none", factor, tuple(marks))
     shown = lower_bound(limit).removeprefix(NONE_UP_TO.sign)
     return Cell(shown.rstrip("0").rstrip(".") if "." in shown else shown, factor, (NONE_UP_TO, *marks))
-
-
-def several_intervals(count: int, counted: bool = True) -> Mark | None:
-    """The mark of a factor with several intervals of overturning: their number, or only that they are several."""
-    if count < 2:
-        return None
-    return Mark(f" ({count})", "") if counted else NOT_MONOTONIC
 
 
 def margin_cells(margin: Margin) -> tuple[Cell, Cell]:

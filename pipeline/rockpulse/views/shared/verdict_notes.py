@@ -7,12 +7,14 @@ from collections.abc import Collection
 import numpy as np
 
 from rocking.response import Outcome, Reason
-from rockpulse.assessment.answers import Answers
+from rockpulse.assessment.answers import Answers, Motions
+from rockpulse.assessment.verdict import MAY_OVERTURN, OVERTURNS
 from rockpulse.ladder import cautions
+from rockpulse.motions.events import FEWEST_EVENTS
 from rockpulse.storage.hdf5_reader import flag_words
 from rockpulse.views.shared.record_marks import doubt_notes, record_cells
 from rockpulse.views.shared.table import Mark
-from rockpulse.views.shared.terminal import lower_bound, rough
+from rockpulse.views.shared.terminal import lower_bound, rough, several
 
 __all__ = [
     "BEYOND_CRITICAL",
@@ -24,6 +26,9 @@ __all__ = [
     "SO_FAR",
     "UNPREDICTABLE",
     "beyond_critical",
+    "counted",
+    "noun",
+    "share_notes",
     "verdict_notes",
 ]
 
@@ -96,3 +101,30 @@ def beyond_critical(answers: Answers) -> bool:
         bool(((one["outcome"] == Outcome.ROCKS) & (one["peak_rotation_ratio"] > 1.0)).any())
         for one in answers.of_models.values()
     )
+
+
+def share_notes(answers: Answers) -> list[str]:
+    """The meaning of the words of the verdict and of the probability over earthquakes, in as few sentences."""
+    events = answers.motions.event_count
+    if answers.motions.kind == "sequence":
+        return []
+    what = "P: probability of overturning" if answers.probable else "share: share of earthquakes that overturn it"
+    first = f"{what}, mean over the motions of an earthquake, then over earthquakes; 90 %: its interval for other "
+    first += "earthquakes like these"
+    if events < FEWEST_EVENTS:
+        first += f" ({several(events, 'earthquake')} cannot tell {MAY_OVERTURN:g}: read the verdict with its upper end)"
+    words = f"overturns: {OVERTURNS:g} or more; may overturn: {MAY_OVERTURN:g} or more; rocks: below; stays: never lifted."
+    return [f"{first}. {words}"]
+
+
+def counted(motions: Motions) -> str:
+    """The number of motions in words: "7 records of 2 earthquakes"."""
+    if motions.kind == "sequence":
+        return "one design sequence, which stands for the records of its site calibration"
+    each = f", each in {motions.index.shape[1]} directions" if motions.kind == "pair" else ""
+    return f"{several(len(motions.names), noun(motions))} of {several(motions.event_count, 'earthquake')}{each}"
+
+
+def noun(motions: Motions) -> str:
+    """The word for a motion."""
+    return {"record": "record", "pair": "pair of channels", "sequence": "sequence"}[motions.kind]

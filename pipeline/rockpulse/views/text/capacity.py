@@ -1,4 +1,4 @@
-"""Safety factors and capacities as text: cells of the tables, and every body against what the site asks for."""
+"""Factors and capacities as text: what the columns mean, and every body against what the site asks for."""
 
 from __future__ import annotations
 
@@ -9,13 +9,20 @@ import numpy as np
 
 from rocking.response import Outcome
 from rockpulse.assessment.answers import Answers, Margin, searched_up_to
-from rockpulse.assessment.verdict import thin_margin
-from rockpulse.views.shared.answer_cells import AT_MOST, factor_cell, margin_cells, marks_of
+from rockpulse.views.shared.answer_cells import AT_MOST, NAMES, TITLES, factor_cell, margin_cells, marks_of
 from rockpulse.views.shared.table import Cell, Heading, Table, lines, number
 from rockpulse.views.shared.terminal import ABSENT, figure, paragraph, restitution
 from rockpulse.views.shared.verdict_notes import NO_ANSWER, NONE_UP_TO
 
-__all__ = ["NAME_WIDTH", "capacities", "factor_notes", "passed_over", "restitutions", "smallest_capacities"]
+__all__ = [
+    "NAME_WIDTH",
+    "capacities",
+    "factor_notes",
+    "passed_over",
+    "restitutions",
+    "smallest_capacities",
+    "uncertainty_words",
+]
 
 #: Longest block name in a table.
 NAME_WIDTH = 29
@@ -27,55 +34,52 @@ def restitutions(answers: Answers, place: int) -> Cell:
     return Cell(" to ".join(dict.fromkeys(map(restitution, (min(own), max(own))))), min(own))
 
 
-def passed_over(missed: float) -> str:
-    """The gaps that the search for a safety factor may have left by its widest step, 0.015 for factors 1.5 % apart."""
-    step = f"the step of the search (up to {missed:.1%})"
-    return f"Bands narrower than {step} may lie below it: do not read it to two digits"
+def uncertainty_words(answers: Answers) -> str:
+    """The uncertainty that the probability of overturning is stated under, as the results tell it."""
+    return str(answers.summary["overturning_probability"].attrs.get("comment", "by the nonlinear model"))
 
 
 def factor_notes(answers: Answers, swept: bool = False) -> list[str]:
-    """The meaning of the column SF of a table; nothing where the model was not searched.
+    """The meaning of the columns that tell how near to overturning a body is; nothing where that is not known.
 
-    In the table of a sweep SF is the smallest over direction.
+    In the table of a sweep the factor is the smallest over direction.
     """
-    if not answers.searched:
+    if not answers.told:
         return []
-    factor, count, step = (answers[name] for name in ("safety_factor", "interval_count", "search_step"))
+    factor = answers[answers.factor]
     of = "the main impulse (with I_s/I kept)" if answers.motions.kind == "sequence" else "the record"
     of += ", over direction," if swept else ""
-    notes = [f"SF: smallest factor on {of} at which the block overturns by the {answers.model} model."]
-    if np.isinf(factor).any():
-        notes[0] += f" {factor_cell(math.inf, searched_up_to(factor, answers.proven())).marked}{NONE_UP_TO.note[1:]}"
-    if not swept and (several := np.count_nonzero(count > 1)):
-        notes[0] += (
-            f" +: not monotonic, beyond it the block stands again before it overturns again ({several} of {count.size},"
-            f" up to {int(count.max())} intervals; group overturning_intervals)."
-        )
+    found = factor_cell(math.inf, searched_up_to(factor, answers.proven())).marked
+    none = f" {found}{NONE_UP_TO.note[1:]}" if np.isinf(factor).any() else ""
+    if answers.probable:
+        title = TITLES["factor_10"]
+        own = "" if swept else "P: probability of overturning under the record as it is; "
+        return [
+            f"{own}{title}: {'smallest ' if swept else ''}factor on {of} at which P is 10 %; "
+            f"{uncertainty_words(answers)}.{none}"
+        ]
+    notes = [f"SF: smallest factor on {of} at which the block overturns by the {answers.model} model.{none}"]
     # A step of one: in closed form, nothing is missed.
-    missed = float(np.max(step, initial=1.0, where=~np.isnan(step))) - 1.0
+    missed = float(np.nanmax(answers["search_step"], initial=1.0)) - 1.0
     if missed > 0.0:
-        key = "step" if answers.model == "sequence" else "points"
-        notes[0] += f" {passed_over(missed)} ([search] {key})."
-    bound = answers["factor_resolved"] == 0
-    if bounds := np.count_nonzero(bound):
+        notes[0] += f" {passed_over(missed)}."
+    if bounds := np.count_nonzero(answers.bound):
         notes.append(
-            f"!: from this factor on the model cannot answer, as in free flight ({bounds} of {bound.size}):"
+            f"!: from this factor on the model cannot answer, as in free flight ({bounds} of {answers.bound.size}):"
             " a lower bound, below it no overturning was found."
         )
     rocks = (answers["outcome"] == Outcome.ROCKS) & (factor < 1.0)
     if lucky := np.count_nonzero(rocks):
-        may = ", or may (!)" if np.any(rocks & bound) else ""
+        may = ", or may (!)" if np.any(rocks & answers.bound) else ""
         rock, them = ("that rocks", "it") if lucky == 1 else ("that rock", "them")
-        notes.append(
-            f"{lucky} with SF below 1 {rock}: a weaker record overturns {them}{may}; do not count {them} as safe."
-        )
-    margin = thin_margin(step)
-    if thin := np.count_nonzero((factor >= 1.0) & (factor < margin)):
-        notes.append(
-            f"{thin} with SF from 1 to {float(np.max(margin)):.2g}: hardly a margin, for a finer search may find a "
-            "lower factor."
-        )
+        notes.append(f"{lucky} with SF below 1 {rock}: a weaker record overturns {them}{may}.")
     return notes
+
+
+def passed_over(missed: float) -> str:
+    """The gaps that the search for a safety factor may have left by its widest step, 0.015 for factors 1.5 % apart."""
+    step = f"the step of the search (up to {missed:.1%})"
+    return f"Bands narrower than {step} may lie below it: do not read it to two digits"
 
 
 def smallest_capacities(answers: Answers, blocks: Collection[int] | None = None) -> str:
@@ -96,7 +100,7 @@ def smallest_capacities(answers: Answers, blocks: Collection[int] | None = None)
     of = f"{each}, each in its worst direction" if motions.kind == "pair" else each
     cells = [cell for margin in every for cell in margin_cells(margin)]
     marks = marks_of(cells)
-    note = "Below 1: the record overturns the block before it is as strong as the demand."
+    note = _below(answers)
     if NONE_UP_TO in marks:
         note += f" {NONE_UP_TO.note}"
     elif any(math.isinf(margin.smallest) or math.isinf(margin.median) for margin in every):
@@ -109,7 +113,7 @@ def smallest_capacities(answers: Answers, blocks: Collection[int] | None = None)
         note += f" {AT_MOST.note[:-1]} (up to {partial} of {each})."
     if weak := max(margin.weak for margin in every):
         note += f" Left out: those too weak for the search to reach the demand (up to {weak} of {each})."
-    heading = f"Capacity (safety factor x PGA, {answers.model} model) over demand: smallest and median of {of}"
+    heading = f"Capacity ({_capacity(answers)}) over demand: smallest and median of {of}"
     table = ["  " + line for line in _lines("", answers, rows)]
     return "\n".join([paragraph(heading), "", *table, "", paragraph(note, "  ")])
 
@@ -118,7 +122,7 @@ def capacities(answers: Answers, of: str) -> list[str]:
     """Lines with the capacity over each demand of every body, named by record or by block as `of` says."""
     if not answers.demands:
         return []
-    bound = answers["factor_resolved"] == 0
+    bound = answers.bound
     of_demands = [(answers.ratios(name), answers.proven(name)) for name in answers.demands]
     rows = []
     for row, record in enumerate(answers.records):
@@ -126,10 +130,20 @@ def capacities(answers: Answers, of: str) -> list[str]:
             at = row, lane
             cells = [factor_cell(float(one[at]), float(limit[at]), bool(bound[at])) for one, limit in of_demands]
             rows.append([Cell(record if of == "record" else body.block), number(body.restitution, restitution), *cells])
-    heading = f"Capacity (safety factor x PGA) over demand, by the {answers.model} model:"
+    heading = f"Capacity ({_capacity(answers)}) over demand:"
     notes = [NONE_UP_TO.note] if NONE_UP_TO in marks_of(cell for row in rows for cell in row) else []
     lines = ["  " + line for line in _lines(of, answers, rows)]
     return [heading, *lines, *(paragraph(note, "  ") for note in notes), ""]
+
+
+def _below(answers: Answers) -> str:
+    if answers.probable:
+        return "Below 1: brought to the demand, the record overturns the block with more than 10 % probability."
+    return "Below 1: the record overturns the block before it is as strong as the demand."
+
+
+def _capacity(answers: Answers) -> str:
+    return f"{NAMES[answers.factor]} x PGA, {'nonlinear' if answers.probable else answers.model} model"
 
 
 def _lines(of: str, answers: Answers, rows: list[list[Cell]]) -> list[str]:

@@ -16,7 +16,7 @@ from rockpulse.views.shared.terminal import ABSENT, figure, paragraph, restituti
 from rockpulse.views.text.capacity import capacities
 from rockpulse.views.text.large_overview import is_large
 from rockpulse.views.text.lists import case_list, worst_first
-from rockpulse.views.text.verdicts import factor_table, verdict_table
+from rockpulse.views.text.verdicts import factor_table, probability_table, verdict_table
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -28,7 +28,7 @@ WORST = 20
 
 
 def record_details(summary: xr.Dataset, record: str) -> str:
-    """Everything known about one record: measures, sequence, processing, warnings, verdicts and safety factors.
+    """Everything known about one record: measures, sequence, processing, warnings, verdicts, probabilities and factors.
 
     Raises ResultsError for an id that is not in the results.
     """
@@ -64,7 +64,7 @@ def record_details(summary: xr.Dataset, record: str) -> str:
 
 
 def block_details(summary: xr.Dataset, block: str) -> str:
-    """Everything known about one block: size, parameters, restitution, warnings, verdicts, safety factors.
+    """Everything known about one block: size, parameters, restitution, warnings, verdicts, factors.
 
     Raises ResultsError for a name that is not in the results.
     """
@@ -101,8 +101,8 @@ def _page(title: str, rows: list[tuple[str, str]], answers: Answers, of: str) ->
             "",
             *_answers_of_auto(answers, of),
             *capacities(answers, of),
-            "Safety factors: the smallest factor on the input of the model at which the block overturns",
-            factor_table(answers.summary),
+            *probability_table(answers),
+            *factor_table(answers),
         ]
     )
 

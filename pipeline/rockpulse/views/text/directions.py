@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from rocking.response import Outcome
-from rockpulse.assessment.answers import Answers, lanes
+from rockpulse.assessment.answers import Answers, lanes, swept_answers
 from rockpulse.ladder import cautions
 from rockpulse.record.record import STANDARD_GRAVITY
-from rockpulse.views.shared.answer_cells import factor_cell
+from rockpulse.views.shared.answer_cells import NAMES, TITLES, factor_cell
 from rockpulse.views.shared.record_marks import doubt, doubt_notes
 from rockpulse.views.shared.table import Cell, Heading, Table, lines, number
 from rockpulse.views.shared.terminal import ABSENT, figure, paragraph, ratio, restitution, shortened
@@ -24,8 +24,8 @@ __all__ = ["direction_table"]
 
 
 def direction_table(summary: xr.Dataset, directions: xr.Dataset) -> str:
-    """Rotations and smallest safety factor over direction by the fullest model; by every model, how many overturn."""
-    answers = Answers(summary)
+    """Rotations and smallest factor over direction by the fullest model; by every model, how many overturn."""
+    answers = swept_answers(summary, directions)
     count = directions.sizes["direction"]
     of_factors = factor_notes(answers, swept=True)
 
@@ -36,8 +36,8 @@ def direction_table(summary: xr.Dataset, directions: xr.Dataset) -> str:
     # A block that stays at rest in all directions has no azimuth of the largest.
     largest_at = np.where(largest == 0.0, np.nan, swept("largest_azimuth"))
     fallen = [(swept("overturning_share", model), swept("unanswered_count", model)) for model in answers.models]
-    factor, factor_at = swept("smallest_safety_factor"), swept("safety_factor_azimuth")
-    titles = ["SF", "at"] if of_factors else []
+    factor, row_of_factor = answers.least_over_direction
+    titles = [TITLES[answers.factor], "at"] if of_factors else []
     names, pair_headings, rows = [], [], []
     for pair in range(directions.sizes["pair"]):
         one = directions.isel(pair=pair)
@@ -46,8 +46,11 @@ def direction_table(summary: xr.Dataset, directions: xr.Dataset) -> str:
         index = directions["record_index"].values[pair]
         for lane, body in enumerate(answers.bodies):
             at = pair, lane
-            there = directions["direction_azimuth"].values == factor_at[at]
-            smallest = (_factor(answers, index, there, lane, float(factor[at])), number(factor_at[at], _degrees))
+            row = int(row_of_factor[at])
+            factor_at = directions["direction_azimuth"].values[index == row] if row >= 0 else [math.nan]
+            limit = float(np.min(answers.proven()[index[index >= 0], lane], initial=math.inf))
+            bound = row >= 0 and bool(answers.bound[row, lane])
+            smallest = (factor_cell(float(factor[at]), limit, bound), number(float(factor_at[0]), _degrees))
             rows.append(
                 (
                     Cell("  " + shortened(body.block, NAME_WIDTH)),
@@ -65,7 +68,7 @@ def direction_table(summary: xr.Dataset, directions: xr.Dataset) -> str:
     told, size = [], len(answers.bodies)
     for place, heading in enumerate(pair_headings):
         told += ["", heading, over, head, *laid[place * size : (place + 1) * size]]
-    smallest_of = " Smallest SF, and its azimuth." if of_factors else ""
+    smallest_of = f" Smallest {NAMES[answers.factor]}, and its azimuth." if of_factors else ""
     notes = [
         f"Median and largest over {count} directions of theta_max/alpha_c by the {answers.model} model, and the "
         "azimuth of the largest (where several overturn: of the one that does so first)."
@@ -94,14 +97,6 @@ def _strength(pair: xr.Dataset) -> list[str]:
             shown = f"{figure(median / scale)} (median), {figure(largest / scale, unit)} (at {_degrees(azimuth)})"
             parts.append(f"{title} {shown}")
     return parts
-
-
-def _factor(answers: Answers, index: np.ndarray, there: np.ndarray, lane: int, factor: float) -> Cell:
-    """The smallest safety factor over direction, marked where the model cannot answer in the direction of it."""
-    if there.any():
-        return factor_cell(factor, bound=bool(answers["factor_resolved"][index[there][0], lane] == 0))
-    # Without an answer in one direction it is not known how far all are safe.
-    return factor_cell(factor, float(np.min(answers.proven()[index[index >= 0], lane], initial=math.inf)))
 
 
 def _fallen(overturn: float, unanswered: int) -> Cell:

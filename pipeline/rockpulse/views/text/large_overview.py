@@ -6,18 +6,17 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from rockpulse.assessment.answers import Answers
+from rockpulse.assessment.answers import Answers, lanes
 from rockpulse.ladder import cautions
 from rockpulse.record.record import STANDARD_GRAVITY
 from rockpulse.storage.selection import Selection
-from rockpulse.views.shared.answer_cells import margin_cells
 from rockpulse.views.shared.record_marks import doubt_notes, record_cells
 from rockpulse.views.shared.table import Cell, Heading, Table, number, text
 from rockpulse.views.shared.terminal import ABSENT, fixed, paragraph
-from rockpulse.views.text.capacity import NAME_WIDTH, restitutions, smallest_capacities
+from rockpulse.views.text.capacity import smallest_capacities
 from rockpulse.views.text.directions import direction_table
 from rockpulse.views.text.lists import case_list, worst_first
-from rockpulse.views.text.verdicts import governing
+from rockpulse.views.text.verdicts import body_verdicts, governing
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -31,7 +30,10 @@ WHOLE = 200
 WORST, PAIRS = 12, 3
 
 #: What a table of the worst pairs is made of, beside the node /directions.
-OF_PAIRS = ("restitution", "outcome", "safety_factor", "safe_up_to", "interval_count", "search_step", "factor_resolved")
+OF_PAIRS = (
+    *("restitution", "outcome", "safety_factor", "safe_up_to", "search_step", "factor_resolved"),
+    *("overturning_probability", "factor_10", "factor_10_low"),
+)
 
 
 def is_large(answers: Answers) -> bool:
@@ -44,7 +46,7 @@ def large_overview(answers: Answers, directions: xr.Dataset | None) -> str:
 
     Of a sweep, whose node /directions is given, the worst pairs in place of the cases.
     """
-    parts = [_strength(answers), _verdicts(answers), _blocks(answers)]
+    parts = [_strength(answers), _verdicts(answers), body_verdicts(answers, WORST)]
     if directions is None:
         parts.append(case_list(answers.summary, worst_first(answers, Selection(limit=WORST))))
     else:
@@ -95,40 +97,22 @@ def _verdicts(answers: Answers) -> str:
         more = [number(count, lambda value: fixed(value, 0)) for count in (unresolved, weak, unsure)]
         rows.append((Cell(model), *counts, Cell(f"{over / total:.1%}", over / total), *more))
     headings = ["", "at rest", "rocks", "OVERTURNS", "", "unresolved", "SF < 1", "not predictable"]
-    if all(row[-1].text == ABSENT for row in rows):
-        headings, rows = headings[:-1], [row[:-1] for row in rows]
-    notes = ["SF < 1: overturns under the record, or under a weaker copy of it (rocking is not monotonic)."]
-    notes += cautions(answers.models)
+    kept = [place for place in range(len(headings)) if not all(row[place].text == ABSENT for row in rows)]
+    headings, rows = [headings[place] for place in kept], [tuple(row[place] for place in kept) for row in rows]
+    weak = ["SF < 1: overturns under the record, or under a weaker copy of it (rocking is not monotonic)."]
+    notes = (weak if "SF < 1" in headings else []) + cautions(answers.models)
     title = f"Verdicts, {total} by each model:"
     return text(Table("", title, tuple(map(Heading, headings)), tuple(rows), tuple(notes)))
 
 
-def _blocks(answers: Answers) -> str:
-    """The blocks that most records, or pairs of channels, overturn."""
-    fallen, margins = answers.overturnings("block"), answers.margins("block")
-    noun, of = ("pairs", "; each pair in its worst direction") if answers.motions.kind == "pair" else ("records", "")
-    total = len(answers.motions.names)
-    order = np.argsort(-np.array(fallen), kind="stable")[:WORST].tolist()
-    rows = []
-    for place in order:
-        _, median = margin_cells(margins[place])
-        share = fallen[place] / total
-        counts = (Cell(f"{fallen[place]} of {total}", float(fallen[place])), Cell(f"{share:.1%}", share))
-        rows.append((Cell(answers.blocks[place]), restitutions(answers, place), *counts, median))
-    headings = (Heading("", width=NAME_WIDTH), *map(Heading, ("C", f"{noun} that overturn it", "", "median SF")))
-    which = f"the {len(order)} that most {noun} overturn, of {len(fallen)}" if len(order) < len(fallen) else "all"
-    heading = f"The blocks by the {answers.model} model, {which}{of}:"
-    return text(Table("", heading, headings, tuple(rows)))
-
-
 def _pairs(answers: Answers, directions: xr.Dataset) -> str:
     """The pairs of channels of a sweep that are worst in some direction."""
-    key = directions["smallest_safety_factor"].sel(model=answers.model)
-    if bool(np.isnan(key.values).all()):  # not searched
-        key = -directions["largest_rotation_ratio"].sel(model=answers.model)
+    key = answers.least_over_direction[0]
+    if not answers.told:
+        key = -lanes(directions, "largest_rotation_ratio", answers.bodies, answers.model)
     order, blocks = (
-        np.sort(np.argsort(key.min([other for other in key.dims if other != dim]).values, kind="stable")[:most])
-        for dim, most in (("pair", PAIRS), ("block", WORST))
+        np.sort(np.argsort(np.fmin.reduce(table, axis=axis), kind="stable")[:most])
+        for table, axis, most in ((key, 1, PAIRS), (answers.by_block(np.fmin, key), 0, WORST))
     )
     part = directions.isel(pair=order, block=blocks).load()
     few = answers.summary[[*OF_PAIRS, "npts", "warning_codes"]].isel(block=blocks).load()

@@ -14,7 +14,7 @@ from rockpulse.assessment.answers import Answers, Margin, bodies_of, complete, f
 from rockpulse.record.record import STANDARD_GRAVITY
 from rockpulse.storage.hdf5_reader import flag_words, pointwise, worded
 from rockpulse.storage.selection import Selection, rows
-from rockpulse.views.shared.answer_cells import NOT_MONOTONIC, answer_cell, factor_cell, marks_of, several_intervals
+from rockpulse.views.shared.answer_cells import NAMES, TITLES, answer_cell, factor_cell, marks_of
 from rockpulse.views.shared.record_marks import doubt, doubt_notes
 from rockpulse.views.shared.table import Cell, Heading, Mark, Table, lines, number
 from rockpulse.views.shared.terminal import paragraph, ratio, restitution, several, shortened
@@ -34,17 +34,23 @@ ID_WIDTH = 36
 
 #: Variables of /summary that a verdict is told by, all that a list of cases has columns for, and what else these need.
 VERDICT = ("outcome", "peak_rotation_ratio", "predictable", "applicable")
-SHOWN = (*VERDICT, "pga", "uplift_ratio", "impulse_ratio", "safety_factor", "capacity_pga", "restitution")
-BESIDE = ("interval_count", "factor_resolved", "safe_up_to", "model_used", "warning_codes")
+SHOWN = (*VERDICT, "pga", "uplift_ratio", "impulse_ratio", "restitution")
+BESIDE = ("model_used", "warning_codes")
+
+#: The same of a factor, with how far was searched where none was found, and whether the model answers there.
+OF_FACTOR = {
+    "factor_10": ("overturning_probability", "factor_10", "factor_10_low"),
+    "safety_factor": ("safety_factor", "safe_up_to", "factor_resolved", "capacity_pga"),
+}
 
 #: Columns of what the files state, shown where one of them does: title, variable, and SI units in one of the title.
 STATED = (("M", "magnitude", 1.0), ("distance km", "epicentral_distance", 1000.0))
 
 
 def worst_first(answers: Answers, selection: Selection) -> Selection:
-    """A selection in the order of the safety factor, or of the rotation where the model was not searched."""
-    if answers.searched:
-        return replace(selection, sort="safety_factor", descending=False)
+    """A selection in the order of the factor, or of the rotation where none is known."""
+    if answers.told:
+        return replace(selection, sort=answers.factor, descending=False)
     return replace(selection, sort="peak_rotation_ratio", descending=True)
 
 
@@ -64,19 +70,22 @@ def case_list(summary: xr.Dataset, selection: Selection) -> str:
         return heading
     records, blocks, models = (summary[dim].values[places[dim]].tolist() for dim in ("record", "block", "model"))
     with_model = len(set(models)) > 1
-    get = _values(summary, (*SHOWN, *BESIDE), places)
+    told = [name for name, of in OF_FACTOR.items() if bool(summary[of[0]].notnull().any())]
+    shown = (*SHOWN, *(name for factor in told for name in OF_FACTOR[factor]))
+    get = _values(summary, (*shown, *BESIDE), places)
     rungs = worded(np.array(get["model_used"]), flag_words(summary["model_used"]))
-    more = [name for name in _of_interest(selection) if name not in SHOWN]
+    more = [name for name in _of_interest(selection) if name not in shown]
     extra = [_shown(summary, name, places) for name in more]
     headings = [Heading("record"), Heading("block", width=NAME_WIDTH), *([Heading("model")] if with_model else [])]
     title = "verdict" if with_model else models[0]
-    headings += map(Heading, ("C", "PGA/g", "a/a_up", "I/I_1c", title, "SF", "SF PGA/g", *more))
+    headings += map(Heading, ("C", "PGA/g", "a/a_up", "I/I_1c", title))
+    of_factor = {"factor_10": ("P", TITLES["factor_10"]), "safety_factor": ("SF", "SF PGA/g")}
+    headings += [Heading(one) for factor in told for one in of_factor[factor]] + [Heading(name) for name in more]
     table = []
     for k in range(count):
         one = {name: values[k] for name, values in get.items()}
-        pga, bound = one["pga"] / STANDARD_GRAVITY, one["factor_resolved"] == 0
+        pga = one["pga"] / STANDARD_GRAVITY
         outcome, peak, predictable, applicable = (one[name] for name in VERDICT)
-        intervals = several_intervals(one["interval_count"], counted=False)
         table.append(
             (
                 Cell(shortened(records[k], ID_WIDTH), marks=doubt(one["pga"], one["warning_codes"])),
@@ -85,14 +94,13 @@ def case_list(summary: xr.Dataset, selection: Selection) -> str:
                 number(one["restitution"], restitution),
                 *(number(value, ratio) for value in (pga, one["uplift_ratio"], one["impulse_ratio"])),
                 answer_cell(outcome, peak, predictable, applicable, rungs[k] if models[k] == "auto" else ""),
-                factor_cell(one["safety_factor"], one["safe_up_to"], bound, intervals),
-                factor_cell(one["capacity_pga"] / STANDARD_GRAVITY, one["safe_up_to"] * pga),
+                *(cell for factor in told for cell in _OF_FACTOR[factor](one, pga)),
                 *(cells[k] for cells in extra),
             )
         )
     rocking = zip(get["outcome"], get["peak_rotation_ratio"], strict=True)
     beyond = any(outcome == Outcome.ROCKS and peak > 1.0 for outcome, peak in rocking)
-    return _listed(heading, headings, table, _notes(table, beyond))
+    return _listed(heading, headings, table, _notes(table, beyond, told))
 
 
 def record_list(summary: xr.Dataset, selection: Selection) -> str:
@@ -129,10 +137,10 @@ def record_list(summary: xr.Dataset, selection: Selection) -> str:
             )
         )
     of_record = ("record", "PGA/g", "PGV m/s", "Arias m/s", "I m/s", *(title for title, _, _ in stated), "warnings")
-    titles = (*of_record, *more, "overturns", "SF", "of")
+    titles = (*of_record, *more, "overturns", TITLES[answers.factor], "of")
     notes = [
-        f"overturns: blocks that do, by the {answers.model} model; SF: smallest known safety factor by it, and of "
-        "which block.",
+        f"overturns: blocks that do, by the {answers.model} model; {TITLES[answers.factor]}: smallest known "
+        f"{NAMES[answers.factor]}, and of which block.",
         *_marked(table),
         *doubt_notes(row[0] for row in table),
     ]
@@ -160,10 +168,10 @@ def block_list(summary: xr.Dataset, selection: Selection) -> str:
                 *_smallest(margins[place], answers.records, ID_WIDTH),
             )
         )
-    titles = ("block", "b m", "h m", "alpha_c rad", "p 1/s", "I_1c m/s", "C", "overturned by", "SF", "under")
+    titles = ("block", "b m", "h m", "alpha_c rad", "p 1/s", "I_1c m/s", "C", "overturned by", TITLES[answers.factor], "under")
     notes = [
-        f"overturned by: records that do, by the {answers.model} model; SF: smallest known by it, and under which "
-        "record.",
+        f"overturned by: records that do, by the {answers.model} model; {TITLES[answers.factor]}: smallest known "
+        f"{NAMES[answers.factor]}, and under which record.",
         *_marked(table),
     ]
     return _listed(_counted("block", len(table), found, selection), map(Heading, titles), table, notes)
@@ -199,6 +207,26 @@ def _of_interest(selection: Selection) -> list[str]:
     """Variables that a selection is about."""
     names = [item.name for item in selection.conditions] + ([selection.sort] if selection.sort else [])
     return list(dict.fromkeys(names))
+
+
+def _probable_cells(one: dict[str, Any], pga: float) -> list[Cell]:
+    return [number(one["overturning_probability"], ratio), factor_cell(one["factor_10"], one["factor_10_low"])]
+
+
+def _searched_cells(one: dict[str, Any], pga: float) -> list[Cell]:
+    limit = one["safe_up_to"]
+    capacity = factor_cell(one["capacity_pga"] / STANDARD_GRAVITY, limit * pga)
+    return [factor_cell(one["safety_factor"], limit, one["factor_resolved"] == 0), capacity]
+
+
+_OF_FACTOR = {"factor_10": _probable_cells, "safety_factor": _searched_cells}
+
+#: What the columns of these are.
+_MEANING = {
+    "factor_10": "P: probability of overturning under the record as it is; factor of 10 %: factor on the record at "
+    "which it is 10 %; both by the nonlinear model.",
+    "safety_factor": "SF: smallest factor on the model's input that overturns; SF PGA: the capacity.",
+}
 
 
 def _values(summary: xr.Dataset, names: tuple[str, ...], places: dict[str, np.ndarray]) -> dict[str, list[Any]]:
@@ -247,20 +275,20 @@ def _marked(table: list[tuple[Cell, ...]]) -> list[str]:
     return [mark.note for mark in (DRIFT, NONE_UP_TO) if mark in marks]
 
 
-def _notes(table: list[tuple[Cell, ...]], beyond: bool) -> list[str]:
+def _notes(table: list[tuple[Cell, ...]], beyond: bool, told: list[str]) -> list[str]:
     """The meaning of the columns and the marks in a list of cases."""
     marks = marks_of(cell for row in table for cell in row)
-    told = {
+    meanings = {
         OUTSIDE: "*: outside the range of this model.",
         UNPREDICTABLE: UNPREDICTABLE.note,
         NO_ANSWER: "!: a lower bound, from this factor on the model cannot answer.",
-        NOT_MONOTONIC: NOT_MONOTONIC.note,
     }
     return [
         "Figures: theta_max/alpha_c. a/a_up: PGA over the acceleration of uplift. I/I_1c: main impulse over the one "
-        "that overturns alone. SF: smallest factor on the model's input that overturns; SF PGA: the capacity.",
+        "that overturns alone.",
+        *(_MEANING[factor] for factor in told),
         *([BEYOND_CRITICAL] if beyond else []),
         *([NONE_UP_TO.note] if NONE_UP_TO in marks else []),
         *doubt_notes(row[0] for row in table),
-        *(note for mark, note in told.items() if mark in marks),
+        *(note for mark, note in meanings.items() if mark in marks),
     ]

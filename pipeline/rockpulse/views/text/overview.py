@@ -11,7 +11,7 @@ from rockpulse.views.text.capacity import smallest_capacities
 from rockpulse.views.text.directions import direction_table
 from rockpulse.views.text.large_overview import hints, is_large, large_overview
 from rockpulse.views.text.left_out import left_out, unused
-from rockpulse.views.text.verdicts import governing, overturned, verdict_table
+from rockpulse.views.text.verdicts import body_verdicts, governing, overturned, verdict_table
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -33,9 +33,9 @@ def overview(tree: xr.DataTree) -> str:
         return "\n\n".join(filter(None, parts))
     summary = answers.summary.load()  # all of it is shown: read at once, not value by value
     if directions is None:
-        shown = [verdict_table(summary), overturned(answers, files)]
+        shown = [verdict_table(summary), body_verdicts(answers), overturned(answers, files)]
     else:
-        shown = [direction_table(summary, directions.load()), unused(files)]
+        shown = [direction_table(summary, directions.load()), body_verdicts(answers), unused(files)]
     parts = [head, *shown, governing(answers), smallest_capacities(answers), left_out(tree)]
     return "\n\n".join(part for part in parts if part)
 

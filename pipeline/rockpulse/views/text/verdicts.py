@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -11,18 +11,27 @@ import numpy as np
 from rockpulse.assessment.answers import Answers
 from rockpulse.assessment.verdict import verdicts
 from rockpulse.failures import some
-from rockpulse.views.shared.answer_cells import answer_cells, factor_cells, marks_of
+from rockpulse.views.shared.answer_cells import (
+    NAMES,
+    TITLES,
+    answer_cells,
+    factor_cells,
+    factor_columns,
+    margin_cells,
+    marks_of,
+    safety_cells,
+)
 from rockpulse.views.shared.facts import Known
 from rockpulse.views.shared.record_marks import record_cells
 from rockpulse.views.shared.table import Cell, Heading, Table, lines, number
-from rockpulse.views.shared.terminal import figure, paragraph, ratio, restitution, several, shortened
-from rockpulse.views.shared.verdict_notes import NO_ANSWER, NONE_UP_TO, verdict_notes
-from rockpulse.views.text.capacity import NAME_WIDTH, factor_notes
+from rockpulse.views.shared.terminal import between, figure, paragraph, ratio, restitution, several, shortened
+from rockpulse.views.shared.verdict_notes import NO_ANSWER, NONE_UP_TO, counted, share_notes, verdict_notes
+from rockpulse.views.text.capacity import NAME_WIDTH, factor_notes, uncertainty_words
 
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["factor_table", "governing", "overturned", "verdict_table"]
+__all__ = ["body_verdicts", "factor_table", "governing", "overturned", "probability_table", "verdict_table"]
 
 #: Records that govern, and bodies that each of them governs, which are named.
 NAMED = 3
@@ -39,19 +48,45 @@ def verdict_table(
     of_factors = factor_notes(answers)
     columns = {model: answer_cells(one) for model, one in answers.of_models.items()}
     marks = marks_of(cell for column in columns.values() for cells in column for cell in cells)
-    if of_factors:
-        columns["SF"] = factor_cells(answers, counted=False)
+    columns |= factor_columns(answers)
     notes = verdict_notes(answers, of_factors, marks)
     return "\n".join([*_lines(answers, columns), "", *(paragraph(note, "  ") for note in notes)])
 
 
-def factor_table(summary: xr.Dataset) -> str:
-    """The smallest factor on a model's input that overturns the block, laid out as the verdicts."""
-    answers = Answers(summary)
-    columns = {model: factor_cells(one) for model, one in answers.of_models.items()}
+def probability_table(answers: Answers) -> list[str]:
+    """Lines with the probability of overturning and the factors that it grows with, laid out as the verdicts.
+
+    Nothing where there is none.
+    """
+    if not answers.probable:
+        return []
+    columns = {
+        "P": [[_probability(*one) for one in zip(*rows, strict=True)] for rows in _with_ends(answers)],
+        **{TITLES[name]: factor_cells(answers, name) for name in ("factor_10", "factor_50", "capacity_mean")},
+        "read from": [[Cell(word.replace("_", " ")) for word in row] for row in answers.source.tolist()],
+    }
+    notes = [
+        "P: probability of overturning under the record as it is, in brackets its interval of 90 %; factor of 10 %, of "
+        f"50 %: factors on the record at which it is that; mean capacity: exp of the mean logarithm of the factor that "
+        f"overturns; {uncertainty_words(answers)}."
+    ]
+    cells = (cell for column in columns.values() for row in column for cell in row)
+    notes += [NONE_UP_TO.note] if NONE_UP_TO in marks_of(cells) else []
+    title = "Probability of overturning, and the factors on the record that it grows with"
+    return [title, *_lines(answers, columns), "", *(paragraph(note, "  ") for note in notes), ""]
+
+
+def factor_table(answers: Answers) -> list[str]:
+    """Lines with the smallest factor on a model's input that overturns the block, laid out as the verdicts.
+
+    Nothing where no model was searched.
+    """
+    if not any(one.searched for one in answers.of_models.values()):
+        return []
+    columns = {model: safety_cells(one) for model, one in answers.of_models.items() if one.searched}
     marks = marks_of(cell for column in columns.values() for row in column for cell in row)
     notes = [
-        "-: not computed for this model. (2): in two intervals of the factor; between them the block stands (group "
+        "-: not computed. (2): in two intervals of the factor; between them the block stands (group "
         "overturning_intervals)."
     ]
     if NONE_UP_TO in marks:
@@ -59,7 +94,18 @@ def factor_table(summary: xr.Dataset) -> str:
     elif any(np.isinf(one["safety_factor"]).any() for one in answers.of_models.values()):
         notes.insert(0, "none: not found up to the end of the search.")
     notes += ["!: a lower bound, from this factor on the model cannot answer."] if NO_ANSWER in marks else []
-    return "\n".join([*_lines(answers, columns), "", *(paragraph(note, "  ") for note in notes)])
+    title = "Safety factors: the smallest factor on the input of the model at which the block overturns"
+    return [title, *_lines(answers, columns), "", *(paragraph(note, "  ") for note in notes)]
+
+
+def _with_ends(answers: Answers) -> Iterator[tuple[list[float], ...]]:
+    tables = (answers[f"overturning_probability{end}"].tolist() for end in ("", "_low", "_high"))
+    return zip(*tables, strict=True)
+
+
+def _probability(value: float, low: float, high: float) -> Cell:
+    shown = ratio(value) if math.isnan(low) else f"{ratio(value)} ({between(low, high, ratio)})"
+    return Cell(shown, value)
 
 
 def overturned(answers: Answers, files: str = "") -> str:
@@ -71,14 +117,15 @@ def overturned(answers: Answers, files: str = "") -> str:
     """
     names = [cell.marked for cell in record_cells(answers.summary)]
     fallen = answers.by_block(np.logical_or, answers.overturned)
-    smallest = answers.by_block(np.fmin, answers["safety_factor"])
+    # A probability already counts what rocks by luck alone.
+    factor = np.full(fallen.shape, np.inf) if answers.probable else answers.by_block(np.fmin, answers["safety_factor"])
     counts = [one.overturnings("block") for one in answers.of_models.values()]
     told = [f"What overturns (by the {answers.model} model):", *([paragraph(files, "    ", "  ! ")] if files else [])]
     rows, by_weaker = [], []
     for place, block in enumerate(answers.blocks):
         weaker = [
-            f"{names[row]} ({figure(smallest[row, place])})"
-            for row in np.flatnonzero(~fallen[:, place] & (smallest[:, place] < 1.0))
+            f"{names[row]} ({figure(factor[row, place])})"
+            for row in np.flatnonzero(~fallen[:, place] & (factor[:, place] < 1.0))
         ]
         nothing = "nothing as recorded does, but see below" if weaker else "nothing does"
         named = ", ".join(names[row] for row in np.flatnonzero(fallen[:, place]))
@@ -92,10 +139,41 @@ def overturned(answers: Answers, files: str = "") -> str:
     return "\n".join(told)
 
 
+def body_verdicts(answers: Answers, most: int | None = None) -> str:
+    """The verdict on every body over all motions; of more than `most` those that are the most likely to overturn."""
+    found = verdicts(answers)
+    order = sorted(range(len(found)), key=lambda place: -found[place].share.value)[:most]
+    places = sorted(order) if most is None else order
+    motions, names = answers.motions, answers.factor
+    rows = []
+    for one in (found[place] for place in places):
+        share, (smallest, median) = one.share, margin_cells(one.margin)
+        rows.append(
+            (
+                Cell("  " + one.body.block),
+                number(one.body.restitution, restitution),
+                Cell(one.overall.word + (" at the demand" if one.overall > one.grade else "")),
+                number(share.value, ratio),
+                Cell(between(share.low, share.high, ratio)),
+                Cell(f"{one.overturned} of {len(motions.names)}", float(one.overturned)),
+                smallest,
+                median,
+            )
+        )
+    of = "P" if answers.probable else "share"
+    headings = ("", "C", "verdict", of, "90 %", "overturned by", f"smallest {TITLES[names]}", "median")
+    which = f"the {len(rows)} most likely to overturn of {len(found)} bodies" if len(rows) < len(found) else "each body"
+    title = f"Verdict on {which}, {counted(motions)} ({answers.model} model):"
+    widths = (NAME_WIDTH, *(None,) * (len(headings) - 1))
+    table = Table("", "", tuple(map(lambda name, width: Heading(name, width=width), headings, widths)), tuple(rows))
+    notes = [*share_notes(answers), *dict.fromkeys(mark.note for mark in marks_of(c for r in rows for c in r) if mark.note)]
+    return "\n".join([paragraph(title), *lines(table), *(paragraph(note, "  ") for note in notes)])
+
+
 def governing(answers: Answers) -> str:
     """The records that the verdicts rest on in words, with the bodies; empty where nothing is known of any.
 
-    Of every body that is the record of its smallest safety factor or, without one, the first that overturns it.
+    Of every body that is the record of its smallest factor or, without one, the first that overturns it.
     """
     ruled: dict[int, dict[str, None]] = {}
     for one in verdicts(answers):
@@ -109,7 +187,7 @@ def governing(answers: Answers) -> str:
     if not told:
         return ""
     others = [f"  and {several(len(ruled) - NAMED, 'other record')}"] if len(ruled) > NAMED else []
-    what = "of the smallest safety factor" if answers.searched else "that overturns"
+    what = f"of the smallest {NAMES[answers.factor]}" if answers.told else "that overturns"
     return "\n".join([f"What governs (the record {what}, by the {answers.model} model):", *told, *others])
 
 
