@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
 __all__ = [
+    "PROBABLE",
     "Answers",
     "Body",
     "Margin",
@@ -305,7 +306,6 @@ class Answers:
         tables = (least, most, reached, partial)
         return _margins(*(table.T for table in tables) if of == "motion" else tables)
 
-
     def shares(self, overturns: np.ndarray) -> list[Share]:
         """Of every body the probability of overturning over the earthquakes.
 
@@ -324,9 +324,7 @@ class Answers:
         table = motions.over(self["overturning_probability"] if self.probable else overturns, np.nan)
         # Of the directions of a pair the worst counts, unless that of the body is not known either.
         over = np.mean if motions.any_azimuth else np.max
-        known, least, most = (
-            over(np.where(np.isnan(table), filled, table), axis=1) for filled in (np.nan, 0.0, 1.0)
-        )
+        known, least, most = (over(np.where(np.isnan(table), filled, table), axis=1) for filled in (np.nan, 0.0, 1.0))
         known = np.where(least == most, least, known)
         value, least, most = map(motions.mean, (known, least, most))
         low, high = share_interval(value, motions.event_count)
@@ -337,7 +335,9 @@ class Answers:
 def answers_of(tree: xr.DataTree) -> Answers:
     """The answers of the fullest model under the motions of a tree of results."""
     summary = tree["summary"].to_dataset()
-    return swept_answers(summary, tree["directions"].to_dataset()) if "directions" in tree.children else Answers(summary)
+    return (
+        swept_answers(summary, tree["directions"].to_dataset()) if "directions" in tree.children else Answers(summary)
+    )
 
 
 def swept_answers(summary: xr.Dataset, directions: xr.Dataset) -> Answers:

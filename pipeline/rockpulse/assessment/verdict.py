@@ -18,7 +18,17 @@ from rocking.response import Outcome, Reason
 from rockpulse.assessment.answers import Answers, Body, Margin, Share
 from rockpulse.ladder import is_upper_bound
 
-__all__ = ["MAY_OVERTURN", "OVERTURNS", "BodyVerdict", "DemandVerdict", "Grade", "Standing", "standings", "verdicts", "why_unknown"]
+__all__ = [
+    "MAY_OVERTURN",
+    "OVERTURNS",
+    "BodyVerdict",
+    "DemandVerdict",
+    "Grade",
+    "Standing",
+    "standings",
+    "verdicts",
+    "why_unknown",
+]
 
 #: Probabilities of overturning from which on a body may overturn, and overturns [-].
 MAY_OVERTURN, OVERTURNS = 0.05, 0.5
@@ -123,7 +133,9 @@ def verdicts(answers: Answers) -> list[BodyVerdict]:
     motions, single = answers.motions, standings(answers)
     overturns = np.where(single == Standing.UNKNOWN, np.nan, single >= Standing.WEAKER_OVERTURNS)
     at_rest = ~motions.anywhere(answers["outcome"] != Outcome.AT_REST, missing=True)
-    lifted = ~(answers["uplift_probability"] < NEVER_LIFTED) if answers.probable else answers["outcome"] != Outcome.AT_REST
+    lifted = (
+        ~(answers["uplift_probability"] < NEVER_LIFTED) if answers.probable else answers["outcome"] != Outcome.AT_REST
+    )
     stays = ~motions.anywhere(lifted, missing=True).any(axis=0) & bool(motions.names)
     of_demands = [_demand_verdicts(answers, demand) for demand in answers.demands]
     fallen, resting = answers.overturnings(), at_rest.sum(axis=0).tolist()

@@ -39,7 +39,8 @@ __all__ = [
 #: Label of all records together of which neither the files nor the user's table tell the earthquake.
 UNKNOWN = "unknown: neither name nor time stated, counted as one"
 
-#: Confidence of an interval of a probability over earthquakes [-], and the fewest earthquakes that say something of others.
+#: Confidence of an interval of a probability over earthquakes [-], and the fewest earthquakes that say something of
+#: others.
 CONFIDENCE = 0.9
 FEWEST_EVENTS = 3
 

@@ -11,9 +11,11 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from rocking.response import Outcome
 from rockpulse.assessment.answers import Answers, fullest_model
 from rockpulse.views.diff.row_matching import Matched
-from rockpulse.views.shared.answer_cells import margin_cells
+from rockpulse.views.shared.answer_cells import TITLES, margin_cells
+from rockpulse.views.shared.terminal import ratio
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -21,7 +23,10 @@ if TYPE_CHECKING:
 __all__ = ["Changes", "Flip", "body_changes", "leading_model"]
 
 #: Variables that the margin of a body is told by.
-MARGIN = ("outcome", "safety_factor", "factor_resolved", "safe_up_to", "capacity_ratio")
+MARGIN = (
+    *("outcome", "safety_factor", "factor_resolved", "safe_up_to", "capacity_ratio"),
+    *("overturning_probability", "factor_10", "factor_10_low"),
+)
 
 
 class Flip(NamedTuple):
@@ -68,7 +73,7 @@ def leading_model(one: xr.Dataset, other: xr.Dataset) -> str:
 def body_changes(
     one: xr.Dataset, other: xr.Dataset, named: Mapping[str, Matched], model: str, ignore: Sequence[str] = ()
 ) -> list[str]:
-    """A line for every body whose margin changed: smallest safety factor, smallest capacity over demand, overturnings.
+    """A line for every body whose margin changed: probability, smallest factor and capacity over demand, overturnings.
 
     `named` are the rows of both nodes /summary along record and block, `ignore` the variables that are left out. Only
     records that both files have are counted, and where these are not all of both the line says so. A body with several
@@ -81,7 +86,13 @@ def body_changes(
     names = [name for name in MARGIN if name in one and name in other and not {name, f"/summary/{name}"} & set(ignore)]
     sides = []
     for dataset, side in ((one, "first"), (other, "second")):
-        beside = {"outcome", "pga", "restitution", *(["demand_acceleration"] if "capacity_ratio" in names else [])}
+        beside = {
+            "outcome",
+            "pga",
+            "event",
+            "restitution",
+            *(["demand_acceleration"] if "capacity_ratio" in names else []),
+        }
         whole = dataset[sorted({*names, *beside})]
         part = whole.isel(model=[whole["model"].values.tolist().index(model)]).load()
         sides.append(_told(part.isel(record=getattr(records, side), block=getattr(blocks, side)), names))
@@ -100,8 +111,12 @@ def _told(summary: xr.Dataset, names: list[str]) -> dict[str, list[str]]:
     """Words on the blocks by some variables: how much of every block."""
     answers = Answers(summary)
     told = {}
-    if "safety_factor" in names:
-        told["smallest SF"] = [margin_cells(margin)[0].marked for margin in answers.margins("block")]
+    if answers.probable:
+        shares = [share.value for share in answers.shares(answers["outcome"] == Outcome.OVERTURNS)]
+        told["P"] = [ratio(value) for value in answers.by_block(np.fmax, np.array([shares]))[0]]
+    if answers.factor in names:
+        margins = answers.margins("block")
+        told[f"smallest {TITLES[answers.factor]}"] = [margin_cells(margin)[0].marked for margin in margins]
     for demand in answers.demands:
         margins = answers.margins("block", demand)
         told[f"smallest capacity/demand {demand}"] = [margin_cells(margin)[0].marked for margin in margins]

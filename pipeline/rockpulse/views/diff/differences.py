@@ -34,6 +34,7 @@ PART = 1_000_000
 OUTCOME = "/summary/outcome"
 SAFETY = "/summary/safety_factor"
 CAPACITY = "/summary/capacity_ratio"
+FACTOR = "/summary/factor_10"
 
 #: Names of variables in a message, where none is close.
 LISTED = 8
@@ -103,7 +104,7 @@ def compare_results(
             f"expected two files of one kind, found {first.path} ({first.kind}) and {second.path} ({second.kind})"
         )
     _check_ignored(ignore, first, second)
-    found = Differences(sides={name: Changes(listed) for name in (OUTCOME, SAFETY, CAPACITY)})
+    found = Differences(sides={name: Changes(listed) for name in (OUTCOME, FACTOR, SAFETY, CAPACITY)})
     _compare_attributes(found, first.attrs, second.attrs)
     add_only(found.only, "groups", first.groups, second.groups)
     named: dict[str, Matched] = {}
@@ -220,7 +221,7 @@ class _Group:
 
     def _values(self, title: str, before: xr.Variable, after: xr.Variable, rows: list[Matched]) -> None:
         words = flag_words(before)
-        sides = self.found.sides.get(title) if "model" in before.dims else None
+        sides = self.found.sides.get(title)
         differing = compared = 0
         largest, worst = -1.0, None
         for start, old, new in self._parts(before, after, rows):
@@ -236,12 +237,15 @@ class _Group:
             apart = _apart(old, new, self.rtol, self.atol)
             if sides is not None:
                 changed = apart if title == OUTCOME else _crossed(apart, old, new)
-                axis = before.dims.index("model")
-                models = [rows[axis].names(k)[0] for k in range(old.shape[axis])]
-                leads = np.array([model == self.found.model for model in models], dtype=bool)
+                leads = np.ones(old.shape, dtype=bool)
+                if "model" in before.dims:
+                    axis = before.dims.index("model")
+                    names = [rows[axis].names(k)[0] for k in range(old.shape[axis])]
+                    own = np.array([name == self.found.model for name in names], dtype=bool)
+                    leads = np.moveaxis(np.broadcast_to(own, (*np.delete(old.shape, axis), own.size)), -1, axis)
                 sides.compared += old.size
-                sides.compared_by_model += old.size // max(leads.size, 1) * int(leads.sum())
-                sides.add(changed, leads[np.unravel_index(changed, old.shape)[axis]], told)
+                sides.compared_by_model += int(leads.sum())
+                sides.add(changed, leads.ravel()[changed], told)
             if apart.size:
                 differing += apart.size
                 sizes = _relative(old.reshape(-1)[apart], new.reshape(-1)[apart])

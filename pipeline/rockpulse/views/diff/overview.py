@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 from rockpulse.storage.hdf5_reader import ResultsFile
 from rockpulse.views.diff.answer_changes import Changes
-from rockpulse.views.diff.differences import CAPACITY, OUTCOME, SAFETY, Differences, OnlyIn
+from rockpulse.views.diff.differences import CAPACITY, FACTOR, OUTCOME, SAFETY, Differences, OnlyIn
 from rockpulse.views.shared.table import Cell, Heading, Table, lines, number, text
 from rockpulse.views.shared.terminal import ABSENT, paragraph, shortened
 
@@ -23,6 +23,7 @@ NAME_WIDTH = 34
 
 #: What is said of ratios that crossed one.
 CROSSED = {
+    FACTOR: "Factors of 10 % that crossed 1 (below it the record as it is overturns with more than 10 % probability)",
     SAFETY: "Safety factors that crossed 1 (below it a weaker copy of the record overturns)",
     CAPACITY: "Capacities over demand that crossed 1 (below it the record overturns before it reaches the demand)",
 }

@@ -7,13 +7,14 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from rockpulse.assessment.answers import complete, fullest_model
+from rockpulse.assessment.answers import PROBABLE, complete, fullest_model
 from rockpulse.errors import ResultsError
 from rockpulse.ladder import SEQUENCE_MODELS, UPPER_BOUND, SearchSettings, is_upper_bound
 from rockpulse.views.plots.demand_marks import demand_ticks, demands_over_pga, least, tick_notes
 from rockpulse.views.plots.selection import chosen_case, named_body, one_name, setting
 from rockpulse.views.plots.style import (
     BLACK,
+    BLUE,
     GREEN,
     GREY,
     PALE,
@@ -26,6 +27,7 @@ from rockpulse.views.plots.style import (
     title,
 )
 from rockpulse.views.plots.words import counted, label, plain, wrapped
+from rockpulse.views.shared.answer_cells import TITLES
 from rockpulse.views.shared.terminal import shortened
 
 if TYPE_CHECKING:
@@ -61,7 +63,18 @@ _NONE = 1.09
 #: Place of the arrow beside a mark, as a ratio of it.
 _ARROW = 1.06
 
-_SEARCH = "assess again with the model in [search] models"
+#: The factor that is shown of a probability, and the ends of its interval.
+TEN = TITLES["factor_10"]
+_ENDS = ("factor_10_low", "factor_10_high")
+
+_SEARCH = "assess again with the model in [search] models, and intervals = true for a model that is searched by runs"
+
+#: Words of the bars of a probability of overturning, from its lower end on, and how they look.
+_LEVELS: tuple[tuple[str, dict[str, Any]], ...] = (
+    ("P below 10 %", {"fc": "#E8F3EF", "ec": GREEN, "lw": 0.4}),
+    ("10 to 50 %", {"fc": "#BBDDF3", "ec": BLUE, "lw": 0.4}),
+    ("above 50 %", {"fc": RED, "ec": RED, "lw": 0.4}),
+)
 
 
 def overturning_map(
@@ -72,6 +85,8 @@ def overturning_map(
     ax: Axes | None = None,
 ) -> Axes:
     """Factors on the input at which blocks overturn, and the windows between them in which they stand.
+
+    Where intervals of overturning were not searched, the factors at which its probability is 10 and 50 %.
 
     Parameters
     ----------
@@ -89,13 +104,14 @@ def overturning_map(
     -------
     matplotlib Axes
         Bars with the labels "stands", "overturns", "stands again", "cannot answer", each interval at least a point
-        wide; a dot with the label "smallest factor"; a line at factor 1 and, where the results have a demand, a tick
-        at what it asks of each record.
+        wide, or "P below 10 %", "10 to 50 %", "above 50 %"; a dot with the label "smallest factor" or "factor of 10 %",
+        the latter with its interval of 90 %; a line at factor 1 and, where the results have a demand, a tick at what it
+        asks of each record.
 
     Raises
     ------
     ResultsError
-        For a name that is not there, or a model that was not searched.
+        For a name that is not there, or a model without factors and without a probability.
     """
     summary = tree["summary"].to_dataset()
     model = fullest_model(summary) if model is None else one_name(summary, "model", model)
@@ -108,9 +124,10 @@ def overturning_map(
     rows = [
         (one, body, case) for one in records for body in blocks for case in range(1, summary.sizes.get("case", 1) + 1)
     ]
-    factors, resolved = (
-        _of_rows(summary, name, records, blocks, model) for name in ("safety_factor", "factor_resolved")
-    )
+    name = "safety_factor"
+    if model in PROBABLE and not bool(summary[name].sel(model=model).notnull().any()):
+        name = "factor_10"
+    factors, resolved = (_of_rows(summary, one, records, blocks, model) for one in (name, "factor_resolved"))
     if np.all(np.isnan(factors)):
         raise ResultsError(f"{model}: no factors in these results: {_SEARCH}")
     kept = np.arange(len(rows))
@@ -121,17 +138,23 @@ def overturning_map(
     rows, factors, bound = [rows[place] for place in kept], factors[kept], resolved[kept] == 0
     end = float(setting(tree, "search", "factor_max", SearchSettings().factor_max))
     ax = one_axes(ax, height=1.5 + _ROW * max(len(rows), 3))
-    table = tree["overturning_intervals"].to_dataset()
+    ends = {one: _of_rows(summary, one, records, blocks, model)[kept] for one in ("factor_50", *_ENDS)}
     needed = demands_over_pga(summary, summary["pga"].sel(record=[one for one, _, _ in rows]).values, end)
     lowest = least(needed, float(np.nanmin(np.where(factors > 0.0, factors, np.nan), initial=1.0)))
     begin = _BELOW * lowest
     for place, (one, body, case) in enumerate(rows):
         if np.isnan(factors[place]):
-            ax.text(1.0, place, " not searched", fontsize=SMALL, color=GREY, va="center")
+            ax.text(1.0, place, " not known", fontsize=SMALL, color=GREY, va="center")
             continue
         at_end = not any(ticks[place] > np.sqrt(end) for ticks in needed.values())  # else under the words
+        if name == "factor_10":
+            _probability_bars(ax, place, [factors[place], ends["factor_50"][place]], begin, end, at_end)
+            continue
+        table = tree["overturning_intervals"].to_dataset()
         _bars(ax, place, _intervals(summary, table, one, body, case, model), begin, end, at_end)
-    _smallest(ax, factors, bound)
+    if name == "factor_10":
+        _whiskers(ax, *(np.clip(ends[one], begin, end) for one in _ENDS))
+    _smallest(ax, factors, bound & (name == "safety_factor"), "smallest factor" if name == "safety_factor" else TEN)
     demand_ticks(ax, needed)
     names = [_row_name(summary, row, len(records) > 1) for row in rows]
     _rows(ax, names, begin, end)
@@ -140,7 +163,12 @@ def overturning_map(
     heading = plain(records[0]) if len(records) == 1 else plain(blocks[0])
     title(ax, f"{heading}: {look(model).label} model", rows=legend_rows)
     outside = [body for (_, body, _), within in zip(rows, inside, strict=True) if within == 0]
-    words = _map_notes(model, end, float(np.nanmax(steps, initial=1.0)), outside, bool(np.any(bound)))
+    if name == "factor_10":
+        words = (
+            "Dashed: the record as it is. Line: interval of 90 %. " + str(summary[name].attrs.get("comment", "")) + "."
+        )
+    else:
+        words = _map_notes(model, end, float(np.nanmax(steps, initial=1.0)), outside, bool(np.any(bound)))
     caption(ax, " ".join([note + words, *tick_notes(needed)]))
     return ax
 
@@ -153,6 +181,8 @@ def critical_scale(
     ax: Axes | None = None,
 ) -> Axes:
     """The smallest factor on every record at which a block overturns, by each model.
+
+    Of the nonlinear model that at which the probability of overturning is 10 %, where its factors were not searched.
 
     Parameters
     ----------
@@ -181,6 +211,9 @@ def critical_scale(
     summary = tree["summary"].to_dataset()
     block = one_name(summary, "block", block)
     own = complete(summary).sel(block=block).isel(chosen_case(summary, case))
+    factors, without = own["safety_factor"], own["safety_factor"].isnull().all("record")
+    probable = [name for name in PROBABLE if name in own["model"].values and bool(without.sel(model=name))]
+    own["safety_factor"] = factors.where(~own["model"].isin(probable), own["factor_10"])
     known = [str(name) for name in summary["model"].values]
     asked = None if models is None else [one_name(summary, "model", name) for name in models]
     searched = [name for name in asked or known if bool(own["safety_factor"].sel(model=name).notnull().any())]
@@ -205,7 +238,8 @@ def critical_scale(
     ax.set_xlabel(wrapped(label(own["safety_factor"].attrs), 64))
     legend_rows = _once(ax, columns=3)
     title(ax, f"{plain(named_body(summary, block, case))}: critical scale of each record", rows=legend_rows)
-    caption(ax, " ".join([_scale_notes(own, shown, searched, leading, end), *tick_notes(needed)]))
+    told = [f"{name}: factor of 10 % probability." for name in searched if name in probable]
+    caption(ax, " ".join([_scale_notes(own, shown, searched, leading, end), *told, *tick_notes(needed)]))
     return ax
 
 
@@ -222,7 +256,8 @@ def _of_rows(summary: xr.Dataset, name: str, records: list[str], blocks: list[st
     count = len(records) * len(blocks) * summary.sizes.get("case", 1)
     if name not in summary:
         return np.full(count, np.nan)
-    own = summary[name].sel(record=records, block=blocks, model=model)
+    own = summary[name].sel(record=records, block=blocks)
+    own = own.sel(model=model) if "model" in own.dims else own
     order = ("record", "block", *(dim for dim in own.dims if dim == "case"))
     return np.asarray(own.transpose(*order).values.ravel(), dtype=float)
 
@@ -245,8 +280,7 @@ def _bars(ax: Axes, place: int, found: dict[str, np.ndarray], begin: float, end:
     first = float(lower[0]) if lower.size else end
     _bar(ax, place, begin, first, "stands", fc="#E8F3EF", ec=GREEN, lw=0.4)
     if not lower.size:
-        words, (where, side) = f"  none up to {end:g}  ", (end, "right") if at_end else (1.0, "left")
-        ax.text(where, place, words, fontsize=SMALL - 0.5, color=BLACK, ha=side, va="center")
+        _none(ax, place, end, at_end)
     for low, high, resolved in zip(lower, upper, found["resolved"], strict=True):
         if resolved:
             _bar(ax, place, low, high, "overturns", fc=RED, ec=RED, lw=0.4)
@@ -263,12 +297,31 @@ def _bars(ax: Axes, place: int, found: dict[str, np.ndarray], begin: float, end:
         _bar(ax, place, float(upper[-1]), end, "stands again", **_AGAIN)
 
 
+def _probability_bars(ax: Axes, place: int, factors: Sequence[float], begin: float, end: float, at_end: bool) -> None:
+    """Bars up to the factor of 10 %, from there to that of 50 %, and beyond, as far as they are within the search."""
+    edges = [begin, *np.clip(factors, begin, end), end]
+    for low, high, (words, style) in zip(edges[:-1], edges[1:], _LEVELS, strict=True):
+        if high > low:
+            _bar(ax, place, low, high, words, **style)
+    if np.isinf(factors[0]):
+        _none(ax, place, end, at_end)
+
+
+def _whiskers(ax: Axes, low: np.ndarray, high: np.ndarray) -> None:
+    ax.hlines(np.arange(low.size), low, high, color=BLACK, lw=0.9, zorder=2.5)
+
+
+def _none(ax: Axes, place: int, end: float, at_end: bool) -> None:
+    words, (where, side) = f"  none up to {end:g}  ", (end, "right") if at_end else (1.0, "left")
+    ax.text(where, place, words, fontsize=SMALL - 0.5, color=BLACK, ha=side, va="center")
+
+
 def _bar(ax: Axes, place: int, low: float, high: float, words: str, **style: Any) -> None:
     ax.barh(place, high - low, left=low, height=2.0 * _HALF, label=words, **style)
 
 
-def _smallest(ax: Axes, factors: np.ndarray, bound: np.ndarray) -> None:
-    """A dot at the smallest factor of every row, hollow where it is a lower bound."""
+def _smallest(ax: Axes, factors: np.ndarray, bound: np.ndarray, words: str) -> None:
+    """A dot at the factor of every row, hollow where it is a lower bound."""
     for rows, face in ((~bound, BLACK), (bound, "white")):
         shown = rows & np.isfinite(factors)
         if np.any(shown):
@@ -281,7 +334,7 @@ def _smallest(ax: Axes, factors: np.ndarray, bound: np.ndarray) -> None:
                 "mew": 0.7,
                 "zorder": 3,
             }
-            ax.plot(factors[shown], np.flatnonzero(shown), label="smallest factor", **dots)
+            ax.plot(factors[shown], np.flatnonzero(shown), label=words, **dots)
 
 
 def _rows(ax: Axes, names: Sequence[str], begin: float, end: float, last: float | None = None) -> None:

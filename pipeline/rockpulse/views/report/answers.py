@@ -2,11 +2,21 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from rocking.response import Outcome
 from rockpulse.assessment.answers import Answers
 from rockpulse.assessment.verdict import Standing, standings, why_unknown
 from rockpulse.ladder import UPPER_BOUND, is_upper_bound
-from rockpulse.views.shared.answer_cells import answer_cells, factor_cell, factor_cells, marks_of, unexplained
+from rockpulse.views.shared.answer_cells import (
+    NAMES,
+    TITLES,
+    answer_cells,
+    factor_cell,
+    factor_cells,
+    marks_of,
+    unexplained,
+)
 from rockpulse.views.shared.record_marks import record_cells
 from rockpulse.views.shared.table import Cell, Heading, Mark, Table, number
 from rockpulse.views.shared.terminal import ratio, restitution
@@ -16,11 +26,9 @@ __all__ = ["AnswerCells", "answer_table", "count_table", "model_column", "record
 #: Demand of a record on a body.
 DEMANDS = ("uplift_ratio", "velocity_ratio", "impulse_ratio")
 
-#: How a body stands under a record in words, and the grade of the cell.
+#: The answer for a body under a record in words, and the grade of the cell.
 _STANDINGS = {
-    Standing.STANDS: ("stands", "good"),
-    Standing.THIN: ("stands, hardly a margin", "fair"),
-    Standing.NO_MARGIN: ("stands, margin not computed", "fair"),
+    Standing.STANDS: ("rocks", "fair"),
     Standing.UNKNOWN: ("not known", "unknown"),
     Standing.WEAKER_OVERTURNS: ("a weaker copy overturns it", "bad"),
     Standing.OVERTURNS: ("overturns", "bad"),
@@ -49,7 +57,7 @@ class AnswerCells:
 
     @property
     def marks(self) -> set[Mark]:
-        """The marks of the answers of all models, and of the safety factors of the one that is counted."""
+        """The marks of the answers of all models, and of the factors of the one that is counted."""
         tables = (*self._of_models.values(), self._factors)
         return marks_of(cell for table in tables for row in table for cell in row)
 
@@ -58,21 +66,38 @@ class AnswerCells:
         return unexplained(self.names[record])._replace(link=f"record-{record}")
 
     def verdict(self, record: int, lane: int) -> Cell:
-        """The verdict on a body under a record, sorted from best to worst."""
+        """The probability of overturning under a record, which is a number; else the answer of the model in words.
+
+        It is sorted from best to worst.
+        """
+        if self.answers.probable:
+            return number(float(self.answers["overturning_probability"][record, lane]), ratio)
         kind = Standing(int(self.standing[record, lane]))
         words, grade = _STANDINGS[kind]
         why = f": {self._why[record, lane]}" if kind == Standing.UNKNOWN else ""
         if kind == Standing.STANDS and self.answers["outcome"][record, lane] == Outcome.AT_REST:
-            why = ", not lifted"  # says little of a stronger record
+            words = "at rest"  # says little of a stronger record
         return Cell(words + why, float(kind), grade=grade)
 
+    def worst(self, record: int) -> int:
+        """The place of the body for which a record is worst."""
+        table = self.answers["overturning_probability"] if self.answers.probable else self.standing
+        return int(np.argmax(np.nan_to_num(table[record])))
+
+    @property
+    def headings(self) -> tuple[Heading, Heading]:
+        """Of the columns of :meth:`verdict` and :meth:`factor`."""
+        probable, title = self.answers.probable, TITLES[self.answers.factor]
+        first = Heading("P", note="overturning") if probable else Heading("answer", note=self.answers.model)
+        return first, Heading(title, note="of the record" if probable else NAMES[self.answers.factor])
+
     def factor(self, record: int, lane: int) -> Cell:
-        """The safety factor, marked where it is a lower bound, with the number of intervals that overturn."""
+        """The factor, marked where it is a lower bound."""
         return unexplained(self._factors[record][lane])
 
     def capacities(self, record: int, lane: int) -> list[Cell]:
         """Capacity over every demand; none without a demand."""
-        bound = bool(self.answers["factor_resolved"][record, lane] == 0)
+        bound = bool(self.answers.bound[record, lane])
         at = record, lane
         found = (factor_cell(float(ratios[at]), float(proven[at]), bound) for ratios, proven in self._capacities)
         return [*map(unexplained, found)]
@@ -93,8 +118,7 @@ def answer_table(cells: AnswerCells) -> Table:
         Heading("record"),
         Heading("body"),
         Heading("C"),
-        Heading("verdict", note=answers.model),
-        Heading("SF", note="safety factor"),
+        *cells.headings,
         *(Heading("capacity/ demand", note=name) for name in answers.demands),
         Heading("a/a_up", note="PGA over uplift"),
         Heading("p PGV/ (g tan α)"),
@@ -142,8 +166,7 @@ def record_table(cells: AnswerCells, record: int) -> Table:
         Heading("C", note="restitution"),
         Heading("a/a_up", note="PGA over uplift"),
         Heading("peak", note=f"θ_max/α_c, {model}"),
-        Heading("SF", note="safety factor"),
-        Heading("verdict", note=model),
+        *cells.headings,
     )
     rows = tuple(
         (
@@ -151,8 +174,8 @@ def record_table(cells: AnswerCells, record: int) -> Table:
             number(body.restitution, restitution),
             cells.demand("uplift_ratio", record, lane),
             cells.answer(record, lane),
-            cells.factor(record, lane),
             cells.verdict(record, lane),
+            cells.factor(record, lane),
         )
         for lane, body in enumerate(cells.answers.bodies)
     )

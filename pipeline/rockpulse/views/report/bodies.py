@@ -7,28 +7,25 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from rockpulse.assessment.answers import Answers, Motions
-from rockpulse.assessment.verdict import BodyVerdict, DemandVerdict, Grade, Standing
-from rockpulse.ladder import is_upper_bound
-from rockpulse.motions.events import CONFIDENCE, FEWEST_EVENTS
-from rockpulse.views.report.statements import counted
-from rockpulse.views.shared.answer_cells import margin_cells, unexplained
+from rockpulse.assessment.answers import Answers
+from rockpulse.assessment.verdict import BodyVerdict, DemandVerdict, Grade
+from rockpulse.motions.events import CONFIDENCE
+from rockpulse.views.shared.answer_cells import TITLES, margin_cells, unexplained
 from rockpulse.views.shared.facts import Known
 from rockpulse.views.shared.record_marks import record_cells
 from rockpulse.views.shared.table import Cell, Heading, Table, number
-from rockpulse.views.shared.terminal import ABSENT, figure, restitution, share
+from rockpulse.views.shared.terminal import ABSENT, between, figure, ratio, restitution, several
+from rockpulse.views.shared.verdict_notes import counted
 
 __all__ = ["body_table", "event_table", "grade_cell"]
 
-#: What is said of a body, and the grade of the cell.
+#: The grade of the cell of a verdict.
 _GRADES = {
-    Grade.SAFE: ("safe", "good"),
-    Grade.UNTESTED: ("stands, never lifted", "fair"),
-    Grade.STANDS: ("stands", "fair"),
-    Grade.THIN: ("stands, hardly a margin", "fair"),
-    Grade.NO_MARGIN: ("stands, margin not computed", "fair"),
-    Grade.NOT_KNOWN: ("not known", "unknown"),
-    Grade.NOT_SAFE: ("not safe", "bad"),
+    Grade.STAYS: "good",
+    Grade.ROCKS: "good",
+    Grade.MAY_OVERTURN: "fair",
+    Grade.NOT_KNOWN: "unknown",
+    Grade.OVERTURNS: "bad",
 }
 
 #: Rows that need no filter.
@@ -37,39 +34,31 @@ FEW = 8
 _PLURAL = {"record": "records", "pair": "pairs of channels", "sequence": "sequences"}
 
 
-def grade_cell(one: BodyVerdict, model: str, before: str = "") -> Cell:
-    """The verdict on a body in a word or two behind others, sorted from best to worst.
-
-    A body that is overturned by an upper-bound type input is not shown to be unsafe.
-    """
+def grade_cell(one: BodyVerdict, before: str = "") -> Cell:
+    """The verdict on a body in a word or two behind others, sorted from best to worst."""
     grade = one.overall
-    words, mark = _GRADES[grade]
-    if is_upper_bound(model) and grade == Grade.NOT_SAFE:
-        words, mark = "not shown to be safe", "unknown"
     where = " at the demand" if grade > one.grade else ""
-    return Cell(before + words + where, float(grade), grade=mark)
+    return Cell(before + grade.word + where, float(grade), grade=_GRADES[grade])
 
 
 def body_table(answers: Answers, found: Sequence[BodyVerdict]) -> Table:
-    """One row per body: verdict, safety factor, the record that it rests on, capacity over demand."""
-    motions, model = answers.motions, answers.model
+    """One row per body: verdict, probability, factor, the record that it rests on, capacity over demand."""
+    motions, factor = answers.motions, TITLES[answers.factor]
     names = [*map(unexplained, record_cells(answers.summary))]
     asked = answers.demands.items()
     headings = (
         Heading("body"),
         Heading("C"),
-        Heading("verdict", note=model),
-        Heading("smallest SF", note="safety factor"),
+        Heading("verdict", note=answers.model),
+        *_share_headings(answers),
+        Heading(f"smallest {factor}"),
         Heading("under"),
-        Heading("median SF"),
+        Heading(f"median {factor}"),
         *(Heading(f"capacity/demand: {name}", note=figure(value, "m/s²")) for name, value in asked),
         Heading("over\u00adturned", note="as it is"),
-        Heading("by weaker"),
         Heading("not known"),
         Heading("not lifted"),
-        *_event_headings(motions),
     )
-    kinds = (Standing.OVERTURNS, Standing.WEAKER_OVERTURNS, Standing.UNKNOWN)
     rows = []
     for one in found:
         smallest, median = map(unexplained, margin_cells(one.margin))
@@ -78,13 +67,13 @@ def body_table(answers: Answers, found: Sequence[BodyVerdict]) -> Table:
             (
                 Cell(one.body.block, link=f"body-{one.body.place}"),
                 number(one.body.restitution, restitution),
-                grade_cell(one, model),
+                grade_cell(one),
+                *_share_cells(answers, one),
                 smallest,
                 names[one.governing]._replace(link=f"record-{one.governing}") if governed else Cell(ABSENT),
                 median,
-                *(_demand_cell(demand, model) for demand in one.demands),
-                *(Cell(str(count), float(count)) for count in (*(one.counts[kind] for kind in kinds), one.at_rest)),
-                *_event_cells(one, motions),
+                *map(_demand_cell, one.demands),
+                *(Cell(str(count), float(count)) for count in (one.overturned, one.share.unknown, one.at_rest)),
             )
         )
     caption = f"Verdict on each body under {counted(motions)}; counts are of {_PLURAL[motions.kind]}"
@@ -129,27 +118,19 @@ def _of_earthquake(known: Sequence[Known]) -> tuple[Cell, Cell, Cell]:
     )
 
 
-def _event_headings(motions: Motions) -> tuple[Heading, ...]:
-    """None for a design sequence; a bound on other earthquakes only from enough of them."""
-    headings = (
-        Heading("earth\u00adquakes", note="that do, or may"),
-        Heading("of others, at most", note=f"{CONFIDENCE:.0%} confidence"),
-    )
-    return headings[: _event_columns(motions)]
+def _share_headings(answers: Answers) -> tuple[Heading, ...]:
+    """None for a design sequence, which is one motion."""
+    what = Heading("P", note="overturning") if answers.probable else Heading("share", note="of earthquakes")
+    interval = Heading("interval", note=f"{CONFIDENCE:.0%}, {several(answers.motions.event_count, 'earthquake')}")
+    return () if answers.motions.kind == "sequence" else (what, interval)
 
 
-def _event_cells(one: BodyVerdict, motions: Motions) -> tuple[Cell, ...]:
-    hit = Cell(f"{one.events_hit} of {motions.event_count}", float(one.events_hit))
-    return (hit, number(one.largest_share, share))[: _event_columns(motions)]
+def _share_cells(answers: Answers, one: BodyVerdict) -> tuple[Cell, ...]:
+    interval = Cell(between(one.share.low, one.share.high, ratio), one.share.high)
+    return () if answers.motions.kind == "sequence" else (number(one.share.value, ratio), interval)
 
 
-def _event_columns(motions: Motions) -> int:
-    return 0 if motions.kind == "sequence" else 1 if motions.event_count < FEWEST_EVENTS else 2
-
-
-def _demand_cell(demand: DemandVerdict, model: str) -> Cell:
+def _demand_cell(demand: DemandVerdict) -> Cell:
     smallest, median = (cell.marked for cell in margin_cells(demand.margin))
     why = f", {demand.unknown} not known" if demand.unknown else ""
-    # A body that is overturned by an upper-bound type input is not shown to be unsafe.
-    mark = "unknown" if is_upper_bound(model) and demand.grade == Grade.NOT_SAFE else _GRADES[demand.grade][1]
-    return Cell(f"{smallest}, median {median}{why}", demand.margin.smallest, grade=mark)
+    return Cell(f"{smallest}, median {median}{why}", demand.margin.smallest, grade=_GRADES[demand.grade])

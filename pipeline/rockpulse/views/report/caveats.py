@@ -9,15 +9,16 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from rockpulse.assessment.answers import Answers, Motions
-from rockpulse.assessment.verdict import BodyVerdict, Grade, Standing, thin_margin
+from rockpulse.assessment.verdict import MAY_OVERTURN, BodyVerdict, Grade
 from rockpulse.ladder import UPPER_BOUND, is_upper_bound
-from rockpulse.motions.events import CONFIDENCE, FEWEST_EVENTS, largest_share
+from rockpulse.motions.events import CONFIDENCE, FEWEST_EVENTS, share_interval
 from rockpulse.remark import Remark, remarked
 from rockpulse.views.report.pairing import listed
-from rockpulse.views.report.statements import noun, of_bodies, of_unknown_event
+from rockpulse.views.report.statements import of_bodies, of_unknown_event
 from rockpulse.views.shared.files_used import FilesUsed
 from rockpulse.views.shared.record_marks import doubt_notes, record_cells
 from rockpulse.views.shared.terminal import figure, ratio, several, share
+from rockpulse.views.shared.verdict_notes import noun
 from rockpulse.views.text.site import coverage
 
 if TYPE_CHECKING:
@@ -54,7 +55,7 @@ def caveats(
     which direction of a pair of channels was assessed ([records] components).
     """
     summary, motions, model = answers.summary, answers.motions, answers.model
-    said: list[Caveat | None] = [_doubtful(summary), _confidence(motions, found, site)]
+    said: list[Caveat | None] = [_doubtful(summary), _confidence(motions, site)]
     if motions.kind == "sequence":
         said += [_not_compared(summary), *([] if site is None else _of_design(site, found))]
     if is_upper_bound(model):
@@ -79,8 +80,7 @@ def caveats(
     if files.line:
         head = files.counted or "A pattern or a table names records that were not read"
         said.append(Caveat(True, head, f"No part of this verdict, see below: {files.reasons}."))
-    said += [_doubt(kind, found, motions) for kind in (Standing.WEAKER_OVERTURNS, Standing.UNKNOWN, Standing.NO_MARGIN)]
-    said += [_thin(answers, found), _at_rest(found, motions), _drift(answers), _several_restitutions(found)]
+    said += [_doubt(answers, found), _at_rest(found, motions), _drift(answers), _several_restitutions(found)]
     if components == "horizontal" and motions.kind == "record":
         said.append(
             Caveat(
@@ -93,7 +93,7 @@ def caveats(
     return [one for one in said if one is not None]
 
 
-def _confidence(motions: Motions, found: Sequence[BodyVerdict], site: xr.Dataset | None) -> Caveat:
+def _confidence(motions: Motions, site: xr.Dataset | None) -> Caveat:
     events = motions.event_count
     if motions.kind == "sequence":
         return Caveat(
@@ -102,28 +102,16 @@ def _confidence(motions: Motions, found: Sequence[BodyVerdict], site: xr.Dataset
             "One design sequence says nothing of how often it is exceeded. "
             + ("The coverage in the site file does (rockpulse report --site)." if site is None else coverage(site)),
         )
-    if events < FEWEST_EVENTS:
-        return Caveat(
-            True,
-            "No confidence statement can be made",
-            f"The motions come from {several(events, 'earthquake')}; records of one earthquake are no independent "
-            f"observations, and fewer than {FEWEST_EVENTS} earthquakes say nothing of others. The verdict describes "
-            f"these records, not the site.{of_unknown_event(motions)}",
-        )
-    best = share(largest_share(0, events))
-    spared = sum(one.events_hit == 0 for one in found)
-    least = (
-        f" That holds for {several(spared, 'body')}; the table has the bound of each."
-        if spared
-        else " Every body is overturned, or may be, by at least one of them: the table has the bound of each."
-    )
-    few = events < FEW_EVENTS
+    most = ratio(float(share_interval(0.0, events)[1]))
+    few = events < FEWEST_EVENTS
     return Caveat(
-        few,
-        f"With {CONFIDENCE:.0%} confidence" + (f", from {events} earthquakes only" if few else ""),
-        f"A body that none of {events} earthquakes overturns may still be overturned by up to {best} of earthquakes "
-        f"like these (upper bound, Clopper and Pearson), if they were drawn at random from those to be expected, which "
-        f"chosen records seldom are.{least}{of_unknown_event(motions)}",
+        events < FEW_EVENTS,
+        f"The verdict rests on {several(events, 'earthquake')}",
+        f"Records of one earthquake are no independent observations. A body that none of {events} overturns may still "
+        f"be overturned by up to {most} of the motions of earthquakes like these (upper end of an interval of "
+        f"{CONFIDENCE:.0%}), if they were drawn at random from those to be expected, which chosen records seldom are. "
+        + (f"{several(events, 'earthquake')} cannot tell a probability of {MAY_OVERTURN:g}. " if few else "")
+        + f"The table has the interval of each body.{of_unknown_event(motions)}",
     )
 
 
@@ -201,45 +189,16 @@ def _of_spectrum(site: xr.Dataset, standing: Sequence[BodyVerdict]) -> list[Cave
     return said
 
 
-def _doubt(kind: Standing, found: Sequence[BodyVerdict], motions: Motions) -> Caveat | None:
-    count, total = sum(one.counts[kind] for one in found), len(found) * len(motions.names)
+def _doubt(answers: Answers, found: Sequence[BodyVerdict]) -> Caveat | None:
+    """The caveat that motions are left out of the probability."""
+    count, total = sum(one.share.unknown for one in found), len(found) * len(answers.motions.names)
     if not count:
         return None
-    of = f"{count} of {total} cases ({noun(motions)} and body)"
-    if kind == Standing.WEAKER_OVERTURNS:
-        return Caveat(
-            True,
-            f"In {of} the body survives the motion as it is, but a weaker copy overturns it",
-            "They are not counted as safe: the next record need not be as strong.",
-        )
-    if kind == Standing.UNKNOWN:
-        return Caveat(
-            True,
-            f"In {of} the answer is not known",
-            "The model is unresolved or not predictable there, outside its range, or a weaker record may overturn the "
-            "body; not counted as safe. The table of answers says which.",
-        )
     return Caveat(
         True,
-        f"In {of} the margin was not computed",
-        "No safety factor of the model was searched ([search] models): a weaker record may overturn the body.",
-    )
-
-
-def _thin(answers: Answers, found: Sequence[BodyVerdict]) -> Caveat | None:
-    """The caveat that the search may have passed over a factor that would overturn a body."""
-    thin = sum(one.overall == Grade.THIN for one in found)
-    if not thin:
-        return None
-    steps = answers["search_step"]
-    step = float(np.max(steps, initial=1.0, where=~np.isnan(steps)))
-    margin = float(np.max(thin_margin(steps)))
-    return Caveat(
-        True,
-        f"{of_bodies(thin, len(found))} {'stands' if thin == 1 else 'stand'} with hardly a margin",
-        f"Factors were searched in steps of up to {step - 1.0:.1%}, and narrow bands of overturning lie between them: "
-        f"below {margin:.2g}, or where the search ended below that, a finer or longer one ([search] points, "
-        "factor_max) may find that the body is not safe.",
+        f"In {count} of {total} cases ({noun(answers.motions)} and body) the answer is not known",
+        "They are left out of the mean; where they decide between two verdicts the body is not known."
+        + ("" if answers.probable else " The table of answers says why."),
     )
 
 
@@ -247,18 +206,18 @@ def _at_rest(found: Sequence[BodyVerdict], motions: Motions) -> Caveat | None:
     idle, total = sum(one.at_rest for one in found), len(motions.names)
     if not idle or motions.kind == "sequence":
         return None
-    never = sum(one.never_lifted for one in found)
+    never = sum(one.grade == Grade.STAYS for one in found)
     head = f"In {idle} of {len(found) * total} cases ({noun(motions)} and body) the body is not lifted"
-    text = "Such motions are too weak to test it; they count as standing and say little of stronger ones. "
+    text = "Such motions are too weak to test it; they count with probability 0 and say little of stronger ones. "
     if never:
         head = f"{of_bodies(never, len(found))} {'is' if never == 1 else 'are'} lifted by none of these motions"
         text = (
             f"They are too weak to test it, and nothing else is said of such a body. In all, {idle} of "
-            f"{len(found) * total} cases ({noun(motions)} and body) count as standing because the body is not "
+            f"{len(found) * total} cases ({noun(motions)} and body) count with probability 0 because the body is not "
             "lifted. "
         )
-    searched = any(not np.isnan(one.margin.smallest) for one in found)
-    stronger = "The safety factor says how much stronger the motions might be." if searched else ""
+    told = any(not np.isnan(one.margin.smallest) for one in found)
+    stronger = "The smallest factor says how much stronger the motions might be." if told else ""
     return Caveat(bool(never), head, f"{text}{stronger}".rstrip())
 
 

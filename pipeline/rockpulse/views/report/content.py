@@ -29,7 +29,7 @@ __all__ = ["Content", "gather"]
 
 @dataclass(frozen=True)
 class Content:
-    """The page in data; ``found`` are the verdicts on all bodies, ``counted_by`` says what is counted as safe."""
+    """The page in data; ``found`` are the verdicts on all bodies, ``counted_by`` explains its words."""
 
     title: str
     description: str

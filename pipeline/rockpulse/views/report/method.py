@@ -43,8 +43,8 @@ _ASSUMPTIONS = (
     ),
     (
         "Strength",
-        "a factor scales the whole motion; its frequencies and duration stay. The search for the safety factor is on "
-        "a grid: bands of overturning narrower than its step may be missed.",
+        "a factor scales the whole motion; its frequencies and duration stay. Where a body overturns is no single edge "
+        "but many narrow bands of factors: hence a probability under the uncertainty of body and motion.",
     ),
 )
 

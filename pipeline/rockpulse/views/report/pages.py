@@ -64,7 +64,7 @@ def body_pages(cells: AnswerCells, found: list[BodyVerdict]) -> list[BodyPage]:
             BodyPage(
                 key=f"body-{place}",
                 name=block,
-                verdicts=tuple(grade_cell(found[lane], answers.model, _case(answers.bodies[lane])) for lane in own),
+                verdicts=tuple(grade_cell(found[lane], _case(answers.bodies[lane])) for lane in own),
                 facts=_of_block(answers, block, [answers.bodies[lane].restitution for lane in own]),
                 governing=_governing(cells, own, place),
             )
@@ -79,7 +79,7 @@ def record_pages(cells: AnswerCells) -> list[RecordPage]:
     for place, (record, event) in enumerate(zip(answers.records, answers["event"], strict=True)):
         worst = Cell(ABSENT)
         if answers.bodies:
-            worst = cells.verdict(place, int(np.argmax(cells.standing[place])))
+            worst = cells.verdict(place, cells.worst(place))
         one = Known(answers.summary, record=record)
         pages.append(
             RecordPage(
@@ -88,7 +88,7 @@ def record_pages(cells: AnswerCells) -> list[RecordPage]:
                 place=place,
                 words=one.described,
                 brief=_brief(one),
-                worst=worst._replace(text=f"worst: {worst.text}"),
+                worst=worst._replace(text=f"worst: {'P ' if answers.probable else ''}{worst.text}"),
                 facts=_of_record(one, str(event)),
                 bodies=record_table(cells, place),
             )
@@ -122,7 +122,7 @@ def _governing(cells: AnswerCells, own: list[int], place: int) -> Table:
     """The records that overturn the body at the smallest factors, then those without one that are worst."""
     answers = cells.answers
     pairs = [(record, lane) for record in range(len(answers.records)) for lane in own]
-    factor = np.where(np.isnan(answers["safety_factor"]), np.inf, answers["safety_factor"])
+    factor = np.where(np.isnan(answers[answers.factor]), np.inf, answers[answers.factor])
     several = len(own) > 1
     headings = (
         Heading("record"),
@@ -130,8 +130,7 @@ def _governing(cells: AnswerCells, own: list[int], place: int) -> Table:
         Heading("PGA [g]"),
         Heading("a/a_up", note="PGA over uplift"),
         Heading("peak", note=f"θ_max/α_c, {answers.model}"),
-        Heading("SF", note="safety factor"),
-        Heading("verdict", note=answers.model),
+        *cells.headings,
     )
     rows = tuple(
         (
@@ -140,8 +139,8 @@ def _governing(cells: AnswerCells, own: list[int], place: int) -> Table:
             number(float(answers["pga"][record]) / STANDARD_GRAVITY),
             cells.demand("uplift_ratio", record, lane),
             cells.answer(record, lane),
-            cells.factor(record, lane),
             cells.verdict(record, lane),
+            cells.factor(record, lane),
         )
         for record, lane in sorted(pairs, key=lambda at: (factor[at], -cells.standing[at]))[:GOVERNING]
     )

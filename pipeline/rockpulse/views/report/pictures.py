@@ -9,9 +9,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 from markupsafe import Markup
 
-from rockpulse.assessment.answers import fullest_model
+from rockpulse.assessment.answers import Answers, fullest_model
 from rockpulse.errors import ResultsError
 from rockpulse.views.report.record_strip import strip
+from rockpulse.views.shared.answer_cells import NAMES
 from rockpulse.views.text.fragility import shown_measure
 
 if TYPE_CHECKING:
@@ -84,20 +85,19 @@ class Pictures:
 
     def body(self, block: int) -> Picture:
         """Factors on the records at which a body overturns, and the windows between them."""
-        if "overturning_intervals" not in self._tree.children:
-            return Picture(Markup(""), "The results hold no factors at which the body overturns.")
         from rockpulse.views.plots.critical_factors import overturning_map
 
         name = str(self._summary["block"].values[block])
-        factor = self._summary["safety_factor"].sel(block=name, model=fullest_model(self._summary))
-        lowest = factor.min("case").values if "case" in factor.dims else factor.values
+        answers = Answers(self._summary)
+        lowest = answers.by_block(np.fmin, answers[answers.factor])[:, block]
         rows = np.sort(np.argsort(np.where(np.isnan(lowest), np.inf, lowest), kind="stable")[:IN_A_MAP])
-        few = f" The {rows.size} records of smallest safety factor." if rows.size < lowest.size else ""
+        few = f" The {rows.size} records of the smallest {NAMES[answers.factor]}." if rows.size < lowest.size else ""
         return _drawn(
             lambda: overturning_map(_of_records(self._tree, rows), block=name),
             f"body{block}",
-            "Factors on each record at which the body overturns. The line at 1 is the record as it is: a body that "
-            f"stands there, to the right of a bar of overturning, is not safe.{few}",
+            "Factors on each record at which the body overturns: with 10 to 50 % probability (blue), with more (red); "
+            "where intervals were searched, those of the body as it was given. The line at 1 is the record as it is."
+            f"{few}",
         )
 
     def motion(self, block: int) -> Picture | None:
@@ -127,8 +127,7 @@ class Pictures:
         return _drawn(
             draw,
             f"motion{block}",
-            f"Rotation of {body.name} under {record}, as it is: the record of smallest safety factor; verdict's model: "
-            f"{model}.",
+            f"Rotation of {body.name} under {record}, as it is: the record of its smallest factor; {model} model.",
         )
 
     def site(self) -> Picture:
@@ -162,14 +161,20 @@ class Pictures:
 
 def _of_records(tree: xr.DataTree, rows: np.ndarray) -> xr.DataTree:
     """The groups that a map of overturning takes, of some records only."""
-    summary, intervals = (tree[name].to_dataset() for name in ("summary", "overturning_intervals"))
+    summary = tree["summary"].to_dataset().isel(record=rows)
+    nodes = {"/summary": summary}
+    if "overturning_intervals" in tree.children:
+        nodes["/overturning_intervals"] = _of_rows(tree["overturning_intervals"].to_dataset(), rows)
+    found = type(tree).from_dict(nodes)
+    found.attrs = tree.attrs
+    return found
+
+
+def _of_rows(intervals: xr.Dataset, rows: np.ndarray) -> xr.Dataset:
     index = intervals["record_index"]
     kept = np.isin(index.values, rows)
     place = index[kept].copy(data=np.searchsorted(rows, index.values[kept]))
-    part = intervals.isel(interval=kept).assign(record_index=place)
-    found = type(tree).from_dict({"/summary": summary.isel(record=rows), "/overturning_intervals": part})
-    found.attrs = tree.attrs
-    return found
+    return intervals.isel(interval=kept).assign(record_index=place)
 
 
 def _drawn(draw: Callable[[], Axes], name: str, words: str) -> Picture:

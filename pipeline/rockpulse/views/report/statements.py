@@ -1,4 +1,4 @@
-"""The verdict in sentences: the bodies that are safe, by which model, under which motions, and what safe means."""
+"""The verdict in sentences: which bodies overturn, by which model, under which motions, and what the words mean."""
 
 from __future__ import annotations
 
@@ -6,41 +6,36 @@ import math
 from collections.abc import Sequence
 
 from rockpulse.assessment.answers import Answers, Motions
-from rockpulse.assessment.verdict import BodyVerdict, DemandVerdict, Grade
+from rockpulse.assessment.verdict import MAY_OVERTURN, OVERTURNS, BodyVerdict, DemandVerdict, Grade
 from rockpulse.ladder import UPPER_BOUND, is_upper_bound
 from rockpulse.motions.events import UNKNOWN
 from rockpulse.record.record import STANDARD_GRAVITY
 from rockpulse.views.report.pairing import listed
+from rockpulse.views.shared.answer_cells import TITLES, margin_cells
 from rockpulse.views.shared.terminal import figure, ratio, several
+from rockpulse.views.shared.verdict_notes import counted, noun
+from rockpulse.views.text.capacity import uncertainty_words
 
-__all__ = ["acceleration", "counted", "counted_by", "headline", "noun", "of_bodies", "of_unknown_event"]
+__all__ = ["acceleration", "counted_by", "headline", "of_bodies", "of_unknown_event"]
 
 #: Bodies that are named one by one in a sentence.
 NAMED = 6
 
+#: Sentences on bodies of one grade, by whether they are one or several, from worst to best.
 _HEADS = {
-    Grade.SAFE: ("is safe under {these}", "are safe under {these}"),
-    Grade.UNTESTED: (
-        "is lifted by none of these, so that they say nothing of it",
-        "are lifted by none of these, so that they say nothing of them",
+    Grade.OVERTURNS: ("overturns", "overturn"),
+    Grade.NOT_KNOWN: ("cannot be judged, for an answer is missing", "cannot be judged, for answers are missing"),
+    Grade.MAY_OVERTURN: ("may overturn", "may overturn"),
+    Grade.ROCKS: ("rocks", "rock"),
+    Grade.STAYS: (
+        "stays at rest: none of these lifts it, so that they say nothing of stronger ones",
+        "stay at rest: none of these lifts them, so that they say nothing of stronger ones",
     ),
-    Grade.STANDS: ("stands under {these}", "stand under {these}"),
-    Grade.THIN: ("stands under {these}, but with hardly a margin", "stand under {these}, but with hardly a margin"),
-    Grade.NO_MARGIN: ("stands, by an unknown margin", "stand, by an unknown margin"),
-    Grade.NOT_KNOWN: (
-        "cannot be called safe, for an answer is missing",
-        "cannot be called safe, for answers are missing",
-    ),
-    Grade.NOT_SAFE: ("is not safe", "are not safe"),
 }
 
 _UNKNOWN_DEMAND = (
-    "a record has no answer, or is so weak that the search for the safety factor ended below the demand ([search] "
-    "factor_max)"
+    "a record has no answer, or is so weak that the search for its factor ended below the demand ([search] factor_max)"
 )
-
-#: What is said in place of NOT_SAFE where an upper-bound type input overturns a body.
-_NOT_SHOWN = ("is not shown to be safe", "are not shown to be safe")
 
 
 def headline(answers: Answers, found: Sequence[BodyVerdict], files: str = "") -> list[str]:
@@ -48,72 +43,72 @@ def headline(answers: Answers, found: Sequence[BodyVerdict], files: str = "") ->
 
     The first says how many of the `files` were used, where not all were.
     """
-    motions, model = answers.motions, answers.model
-    searched = any(not math.isnan(one.margin.smallest) for one in found)
-    how = "" if motions.kind == "sequence" else ", as recorded and weaker" if searched else ", as recorded"
-    under = f"under {counted(motions)}{f' ({files})' if files else ''}{how}"
+    motions = answers.motions
+    under = f"under {counted(motions)}{f' ({files})' if files else ''}"
     sentences = []
-    for grade in sorted(_HEADS, reverse=True):
+    for grade, heads in _HEADS.items():
         own = [one for one in found if one.overall == grade]
         if own:
-            heads = _NOT_SHOWN if is_upper_bound(model) and grade == Grade.NOT_SAFE else _HEADS[grade]
-            head = heads[len(own) != 1].format(these="it" if motions.kind == "sequence" else "these")
-            sentences.append(f"{of_bodies(len(own), len(found))} {head}: {_named(own)}.")
+            sentences.append(f"{of_bodies(len(own), len(found))} {heads[len(own) != 1]}: {_named(answers, own)}.")
     if not sentences:
         return [f"There is no body to judge{f' ({files})' if files else ''}."]
-    sentences[0] = f"By the {_model(model)}, {under}: {sentences[0][0].lower()}{sentences[0][1:]}"
+    sentences[0] = f"By the {_model(answers.model)}, {under}: {sentences[0]}"
     of_demands = zip(*(one.demands for one in found), strict=True)
     return [*sentences, *(_demand(answers, found, every) for every in of_demands)]
 
 
 def _demand(answers: Answers, found: Sequence[BodyVerdict], every: tuple[DemandVerdict, ...]) -> str:
     """A sentence on the bodies under motions as strong as one demand."""
-    name, total, model = every[0].name, len(every), answers.model
-    strength = acceleration(answers.demands[name])
-    state = answers.limit_state(name)
-    met = sum(one.grade in (Grade.SAFE, Grade.THIN) for one in every)
+    name, state = every[0].name, answers.limit_state(every[0].name)
     failing = [
         f"{one.body.name} ({ratio(against.margin.smallest)})"
         for one, against in zip(found, every, strict=True)
-        if against.grade == Grade.NOT_SAFE
+        if against.below
     ]
-    below = len(failing)
-    unknown = total - met - below
+    unknown = sum(one.grade == Grade.NOT_KNOWN for one in every)
+    met = len(every) - len(failing) - unknown
     named = f": {listed(failing)}" if failing else ""
-    searched = any(not math.isnan(one.margin.smallest) for one in found)
-    why = _UNKNOWN_DEMAND if searched else "no safety factor of this model was searched ([search] models)"
+    why = _UNKNOWN_DEMAND if answers.told else "no factor of this model is known ([search] models, intervals)"
+    least = "with at most 10 % probability of overturning " if answers.probable else ""
     return (
-        f"Demand “{name}”, {strength}{f', {state}' if state else ''}: {met} of {several(total, 'body')} "
-        f"{'stands' if met == 1 else 'stand'} under every {noun(answers.motions)} scaled to this PGA or below, "
-        f"{below} {'does' if below == 1 else 'do'} not{' for certain' if is_upper_bound(model) else ''}{named}"
+        f"Demand “{name}”, {acceleration(answers.demands[name])}{f', {state}' if state else ''}: {met} of "
+        f"{several(len(every), 'body')} {'stands' if met == 1 else 'stand'} {least}under every {noun(answers.motions)} "
+        f"scaled to this PGA, {len(failing)} {'does' if len(failing) == 1 else 'do'} "
+        f"not{' for certain' if is_upper_bound(answers.model) else ''}{named}"
         + (f"; of {unknown} it is not known: {why}." if unknown else ".")
     )
 
 
 def counted_by(answers: Answers) -> str:
-    """A sentence on the bodies that are counted as safe."""
+    """Sentences on what the words of the verdict mean."""
     motions, model = answers.motions, answers.model
     if motions.kind == "sequence":
         return (
-            f"Stands: by the {_model(model)} neither the design sequence nor a weaker one (main impulse smaller, I_s/I "
+            f"Rocks: by the {_model(model)} neither the design sequence nor a weaker one (main impulse smaller, I_s/I "
             "kept) overturns the body. That is not called safe: a design sequence stands for the records of its site "
             "and leaves some of their rotations uncovered. The safety factor is the smallest factor on the main "
             "impulse at which the body overturns."
         )
-    each = "record" if motions.kind == "record" else "pair of channels, in any of its directions,"
+    if answers.probable:
+        what = (
+            "P is the probability that a motion overturns the body, as recorded, by the nonlinear model under the "
+            f"uncertainty of the body and of the strength of the motion ({uncertainty_words(answers)})"
+        )
+    else:
+        what = (
+            f"The share of earthquakes with a motion that by the {_model(model)} overturns the body, as recorded or "
+            "weaker, stands in for a probability of overturning, which is known of the nonlinear model alone"
+        )
     words = (
-        f"Counted as safe: a body that by the {_model(model)} is overturned neither by any {each} as it is nor by a "
-        "weaker copy of it: the safety factor (SF) is the smallest factor on the record at which the body overturns, "
-        "and 1 or more is asked for. A body that rocks under a record but has SF below 1 is not counted as safe: "
-        "rocking is not monotonic, a weaker record overturns it. Unresolved and unpredictable answers, and those "
-        "outside the range of the model, are not counted as safe either. A factor above 1 by less than a tenth, or "
-        "than seven steps of the search, is hardly a margin: a finer search may find a smaller one."
+        f"{what}: the mean over the motions of an earthquake, then over the earthquakes, alike. Overturns: "
+        f"{OVERTURNS:g} or more. May overturn: {MAY_OVERTURN:g} or more. Rocks: below; "
+        "that is as sure as the upper end of the interval is low, and no proof of safety. Stays: no motion lifts it."
     )
     if answers.demands:
         words += (
-            " Capacity over demand asks whether the body stands under each record brought to the PGA of the demand, "
-            "or below; a body that does not is not counted as safe either. It may meet a demand that is weaker than "
-            "the records, and not be safe under them."
+            " Capacity over demand asks whether each record brought to the PGA of the demand overturns the body"
+            f"{' with more than 10 % probability' if answers.probable else ''}; below 1 the body may overturn at the "
+            "demand."
         )
     return words
 
@@ -127,33 +122,30 @@ def of_unknown_event(motions: Motions) -> str:
     return f" As one earthquake counts: {which}." if count == len(motions.events) else f" Not counted is: {which}."
 
 
-def _named(own: Sequence[BodyVerdict]) -> str:
-    ordered = sorted(own, key=lambda one: math.inf if math.isnan(one.margin.smallest) else one.margin.smallest)
-    words = [f"{one.body.name} ({_margin(one)})" for one in ordered[:NAMED]]
+def _named(answers: Answers, own: Sequence[BodyVerdict]) -> str:
+    words = [f"{one.body.name} ({_why(answers, one)})" for one in sorted(own, key=_likely)[:NAMED]]
     more = [f"{len(own) - NAMED} more"] if len(own) > NAMED else []
     return ", ".join(words) + "".join(f" and {rest}" for rest in more)
 
 
-def _margin(one: BodyVerdict) -> str:
-    if math.isnan(one.margin.smallest):
-        return "no safety factor"
-    decisive = [demand for demand in one.demands if demand.grade == one.overall > one.grade]
-    if not decisive:
-        return _own_margin(one)
-    if one.overall == Grade.NOT_KNOWN:
-        return f"{_own_margin(one)}, but it is not known at the demand “{decisive[0].name}”"
-    worst = min(demand.margin.smallest for demand in decisive)
-    return f"{_own_margin(one)}, but capacity over demand {ratio(worst)}"
+def _likely(one: BodyVerdict) -> tuple[float, float]:
+    """The most likely to overturn first, then that of the smallest factor."""
+    return -one.share.value, math.inf if math.isnan(one.margin.smallest) else one.margin.smallest
 
 
-def _own_margin(one: BodyVerdict) -> str:
-    margin, never = one.margin, "never lifted, " if one.never_lifted else ""
-    if math.isinf(margin.smallest):
-        return f"{never}no overturning found" + (
-            "" if math.isnan(margin.limit) else f" up to a factor of {figure(margin.limit)}"
-        )
-    least = "at least " if margin.bounds[0] else "at most " if margin.open else ""
-    return f"{never}smallest SF {least}{ratio(margin.smallest)}"
+def _why(answers: Answers, one: BodyVerdict) -> str:
+    """The probability of a body with its upper bound, its smallest factor, and the demand that decides."""
+    told = []
+    if answers.motions.kind != "sequence":
+        what = "P" if answers.probable else "share"
+        told.append(f"{what} {ratio(one.share.value)}, at most {ratio(one.share.high)}")
+    if not math.isnan(one.margin.smallest):
+        smallest = margin_cells(one.margin)[0].marked
+        told.append(f"smallest {TITLES[answers.factor]} {smallest}")
+    if one.overall > one.grade:
+        worst = min(demand.margin.smallest for demand in one.demands if demand.grade == one.overall)
+        told.append(f"capacity over demand {ratio(worst)}")
+    return ", ".join(told) or "no factor is known"
 
 
 def _model(model: str) -> str:

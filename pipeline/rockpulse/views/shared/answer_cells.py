@@ -30,7 +30,12 @@ __all__ = [
 
 #: What the factors are called in a sentence, and in the heading of a column.
 NAMES = {"safety_factor": "safety factor", "factor_10": "factor of 10 %"}
-TITLES = {"safety_factor": "SF", "factor_10": "factor of 10 %", "factor_50": "of 50 %", "capacity_mean": "mean capacity"}
+TITLES = {
+    "safety_factor": "SF",
+    "factor_10": "factor of 10 %",
+    "factor_50": "of 50 %",
+    "capacity_mean": "mean capacity",
+}
 
 #: Before a smallest factor that may be smaller.
 AT_MOST = Mark("≤", "≤: may be less, for a direction has no answer; left out of the median.", before=True)

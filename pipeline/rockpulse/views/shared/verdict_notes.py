@@ -113,7 +113,9 @@ def share_notes(answers: Answers) -> list[str]:
     first += "earthquakes like these"
     if events < FEWEST_EVENTS:
         first += f" ({several(events, 'earthquake')} cannot tell {MAY_OVERTURN:g}: read the verdict with its upper end)"
-    words = f"overturns: {OVERTURNS:g} or more; may overturn: {MAY_OVERTURN:g} or more; rocks: below; stays: never lifted."
+    words = (
+        f"overturns: {OVERTURNS:g} or more; may overturn: {MAY_OVERTURN:g} or more; rocks: below; stays: never lifted."
+    )
     return [f"{first}. {words}"]
 
 

@@ -18,7 +18,6 @@ __all__ = [
     "NAME_WIDTH",
     "capacities",
     "factor_notes",
-    "passed_over",
     "restitutions",
     "smallest_capacities",
     "uncertainty_words",
@@ -62,7 +61,10 @@ def factor_notes(answers: Answers, swept: bool = False) -> list[str]:
     # A step of one: in closed form, nothing is missed.
     missed = float(np.nanmax(answers["search_step"], initial=1.0)) - 1.0
     if missed > 0.0:
-        notes[0] += f" {passed_over(missed)}."
+        notes[0] += (
+            f" Bands narrower than the step of the search (up to {missed:.1%}) may lie below it: do not read it to two "
+            "digits."
+        )
     if bounds := np.count_nonzero(answers.bound):
         notes.append(
             f"!: from this factor on the model cannot answer, as in free flight ({bounds} of {answers.bound.size}):"
@@ -74,12 +76,6 @@ def factor_notes(answers: Answers, swept: bool = False) -> list[str]:
         rock, them = ("that rocks", "it") if lucky == 1 else ("that rock", "them")
         notes.append(f"{lucky} with SF below 1 {rock}: a weaker record overturns {them}{may}.")
     return notes
-
-
-def passed_over(missed: float) -> str:
-    """The gaps that the search for a safety factor may have left by its widest step, 0.015 for factors 1.5 % apart."""
-    step = f"the step of the search (up to {missed:.1%})"
-    return f"Bands narrower than {step} may lie below it: do not read it to two digits"
 
 
 def smallest_capacities(answers: Answers, blocks: Collection[int] | None = None) -> str:

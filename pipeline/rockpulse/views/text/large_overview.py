@@ -129,7 +129,7 @@ def hints() -> str:
             "More of it: rockpulse inspect RESULTS",
             "  --records, --blocks                     all records, all blocks; --sort VARIABLE, --limit N",
             "  --record ID, --block NAME               one in detail",
-            "  --outcome overturns --model linear      the cases that are so; also --where 'safety_factor < 1'",
+            "  --outcome overturns --model linear      the cases that are so; also --where 'factor_10 < 1'",
             "  and rockpulse export RESULTS -o table.csv with the same options.",
         ]
     )

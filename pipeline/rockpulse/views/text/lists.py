@@ -168,7 +168,18 @@ def block_list(summary: xr.Dataset, selection: Selection) -> str:
                 *_smallest(margins[place], answers.records, ID_WIDTH),
             )
         )
-    titles = ("block", "b m", "h m", "alpha_c rad", "p 1/s", "I_1c m/s", "C", "overturned by", TITLES[answers.factor], "under")
+    titles = (
+        "block",
+        "b m",
+        "h m",
+        "alpha_c rad",
+        "p 1/s",
+        "I_1c m/s",
+        "C",
+        "overturned by",
+        TITLES[answers.factor],
+        "under",
+    )
     notes = [
         f"overturned by: records that do, by the {answers.model} model; {TITLES[answers.factor]}: smallest known "
         f"{NAMES[answers.factor]}, and under which record.",

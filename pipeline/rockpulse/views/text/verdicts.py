@@ -135,7 +135,7 @@ def overturned(answers: Answers, files: str = "") -> str:
     headings = (Heading("records that overturn", width=NAME_WIDTH), *map(Heading, answers.models))
     told += ["", *("  " + line for line in lines(Table("", "", headings, tuple(rows))))]
     if by_weaker:
-        told += ["", "What rocks, but a weaker copy of the record overturns it (SF in brackets): not safe", *by_weaker]
+        told += ["", "What rocks, but a weaker copy of the record overturns it (SF in brackets):", *by_weaker]
     return "\n".join(told)
 
 
@@ -166,7 +166,10 @@ def body_verdicts(answers: Answers, most: int | None = None) -> str:
     title = f"Verdict on {which}, {counted(motions)} ({answers.model} model):"
     widths = (NAME_WIDTH, *(None,) * (len(headings) - 1))
     table = Table("", "", tuple(map(lambda name, width: Heading(name, width=width), headings, widths)), tuple(rows))
-    notes = [*share_notes(answers), *dict.fromkeys(mark.note for mark in marks_of(c for r in rows for c in r) if mark.note)]
+    notes = [
+        *share_notes(answers),
+        *dict.fromkeys(mark.note for mark in marks_of(c for r in rows for c in r) if mark.note),
+    ]
     return "\n".join([paragraph(title), *lines(table), *(paragraph(note, "  ") for note in notes)])
 
 
