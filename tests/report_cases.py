@@ -38,20 +38,42 @@ def summary_of(factors, outcomes=None, demand=None, resolved=None, pga=1.0, up_t
     return xr.Dataset(variables, coords)
 
 
-def motions(count, events=None, rows=None, missing=None, kind="record"):
+def probable(probability, factor_10=None, uplift=1.0, low=10.0, **options):
+    """The same with the probability of overturning in place of safety factors; `low` is how far was searched."""
+    probability = np.asarray(probability, dtype=float)
+    factor = np.where(probability >= 0.1, 0.9, 1.5) if factor_10 is None else np.asarray(factor_10, dtype=float)
+    outcomes = options.pop("outcomes", np.where(probability >= 0.5, Outcome.OVERTURNS, Outcome.ROCKS))
+    summary = summary_of(np.full(probability.size, np.nan), outcomes=outcomes, **options)
+    values = {
+        "overturning_probability": probability,
+        "factor_10": factor,
+        "factor_10_low": np.where(np.isinf(factor), low, 0.9 * factor),
+        "factor_10_high": 1.1 * factor,
+        "factor_50": 1.3 * factor,
+        "factor_50_low": np.where(np.isinf(factor), low, 1.2 * factor),
+        "capacity_mean": 1.3 * factor,
+        "capacity_mean_low": np.where(np.isinf(factor), low, 1.2 * factor),
+        "uplift_probability": np.broadcast_to(uplift, probability.shape),
+    }
+    variables = {name: (OF[:2], np.asarray(own)[:, None]) for name, own in values.items()}
+    variables["probability_source"] = (OF[:2], np.ones((probability.size, 1), dtype=np.int8))
+    return summary.assign(variables)
+
+
+def motions(count, events=None, rows=None, missing=None, kind="record", any_azimuth=False):
     rows = [[k] for k in range(count)] if rows is None else rows
     lost = [False] * len(rows) if missing is None else missing
     # Where one lacks a direction the others have one twice: all have as many.
     rows = [[*row, -1] if gone else row + [row[0]] * any(lost) for row, gone in zip(rows, lost, strict=True)]
     events = [f"e{k}" for k in range(len(rows))] if events is None else events
     index = np.array(rows or np.zeros((0, 1)), dtype=int)
-    return Motions([f"m{k}" for k in range(len(rows))], index, events, kind)
+    return Motions([f"m{k}" for k in range(len(rows))], index, events, kind, any_azimuth)
 
 
 def answers(summary, of=None, model="nonlinear"):
     return Answers(summary, motions(summary.sizes["record"]) if of is None else of, model)
 
 
-def verdict(summary, of=None):
-    (found,) = verdicts(answers(summary, of))
+def verdict(summary, of=None, model="nonlinear"):
+    (found,) = verdicts(answers(summary, of, model))
     return found

@@ -33,6 +33,9 @@ __all__ = [
 #: Probabilities of overturning from which on a body may overturn, and overturns [-].
 MAY_OVERTURN, OVERTURNS = 0.05, 0.5
 
+#: What the rounding of a mean may take from a probability [-].
+ROUNDING = 1e-12
+
 #: Probability of uplift below which a body is said to stay at rest [-].
 NEVER_LIFTED = 1e-3
 
@@ -136,7 +139,8 @@ def verdicts(answers: Answers) -> list[BodyVerdict]:
     lifted = (
         ~(answers["uplift_probability"] < NEVER_LIFTED) if answers.probable else answers["outcome"] != Outcome.AT_REST
     )
-    stays = ~motions.anywhere(lifted, missing=True).any(axis=0) & bool(motions.names)
+    lifted = motions.anywhere(lifted, missing=True)
+    stays = np.full(len(answers.bodies), bool(motions.names)) & ~lifted.any(axis=0)
     of_demands = [_demand_verdicts(answers, demand) for demand in answers.demands]
     fallen, resting = answers.overturnings(), at_rest.sum(axis=0).tolist()
     found = []
@@ -165,7 +169,7 @@ def _grade(share: Share) -> Grade:
     """The word for a probability; not known where the motions that are not known decide between two."""
     low, high = (
         Grade.OVERTURNS if value >= OVERTURNS else Grade.MAY_OVERTURN if value >= MAY_OVERTURN else Grade.ROCKS
-        for value in (share.least, share.most)
+        for value in (share.least + ROUNDING, share.most + ROUNDING)
     )
     return low if low == high and not math.isnan(share.least) else Grade.NOT_KNOWN
 

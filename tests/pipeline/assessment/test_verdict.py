@@ -1,18 +1,19 @@
-"""What may be counted as safe under one record and over all motions, on answers that are known."""
+"""The verdict on a body: the answer under one record, the probability over earthquakes, and the words for it."""
 
 import math
 
 import numpy as np
 import pytest
 import xarray as xr
-from report_cases import motions, summary_of, verdict
+from report_cases import motions, probable, summary_of, verdict
+from scipy.stats import binom
 
 from rocking.response import Outcome, Reason
 from rockpulse.assessment.answers import Answers
-from rockpulse.assessment.verdict import Grade, Standing, standings, why_unknown
-from rockpulse.motions.events import largest_share
+from rockpulse.assessment.verdict import Grade, Standing, standings, verdicts, why_unknown
 
 OF = ("record", "block", "model")
+INF, NAN = math.inf, math.nan
 
 
 def one(**answers):
@@ -29,16 +30,10 @@ def one(**answers):
     ("answers", "expected"),
     [
         ({}, Standing.STANDS),
-        ({"safety_factor": 1.0}, Standing.THIN),
-        ({"safety_factor": 1.1}, Standing.STANDS),
+        ({"safety_factor": 1.0}, Standing.STANDS),
         ({"safety_factor": np.inf, "safe_up_to": 10.0, "outcome": Outcome.AT_REST}, Standing.STANDS),
-        ({"safety_factor": np.inf, "safe_up_to": 1.0}, Standing.THIN),
-        ({"safety_factor": np.inf}, Standing.THIN),
-        ({"safety_factor": 1.3, "search_step": 1.014}, Standing.STANDS),
-        ({"safety_factor": 1.3, "search_step": 1.06}, Standing.THIN),
-        ({"safety_factor": 40.0, "search_step": 48.9}, Standing.THIN),
-        ({"safety_factor": np.nan}, Standing.NO_MARGIN),
-        ({"safety_factor": None}, Standing.NO_MARGIN),
+        ({"safety_factor": np.nan}, Standing.STANDS),
+        ({"safety_factor": None}, Standing.STANDS),
         ({"safety_factor": 0.9}, Standing.WEAKER_OVERTURNS),
         ({"safety_factor": 0.9, "factor_resolved": 0}, Standing.UNKNOWN),
         ({"safety_factor": 2.0, "factor_resolved": 0}, Standing.STANDS),
@@ -75,27 +70,160 @@ def test_why_it_is_not_known(answers, words):
     assert bool(found) == bool(words)
 
 
-def test_smallest_median_and_governing_record():
-    found = verdict(summary_of([3.0, 1.5, 9.0, math.inf]))
-    assert found.grade == Grade.SAFE
+@pytest.mark.parametrize(
+    ("probability", "grade"),
+    [
+        ([0.0], Grade.ROCKS),
+        ([0.0499], Grade.ROCKS),
+        ([0.05], Grade.MAY_OVERTURN),
+        ([0.4999], Grade.MAY_OVERTURN),
+        ([0.5], Grade.OVERTURNS),
+        ([1.0, 0.0], Grade.OVERTURNS),
+        ([1.0, 0.0, 0.0], Grade.MAY_OVERTURN),
+        ([0.15, 0.0, 0.0], Grade.MAY_OVERTURN),
+        ([0.14, 0.0, 0.0], Grade.ROCKS),
+        ([NAN, 0.0], Grade.NOT_KNOWN),
+    ],
+)
+def test_the_words_of_a_probability(probability, grade):
+    assert verdict(probable(probability)).grade == grade
+
+
+def test_earthquakes_weigh_alike_whatever_their_number_of_records():
+    found = verdict(probable([0.9, 0.9, 0.9, 0.1]), motions(4, events=["a", "a", "a", "b"]))
+    assert found.share.value == pytest.approx(0.5)
+    assert found.grade == Grade.OVERTURNS
+    assert verdict(probable([0.9, 0.9, 0.9, 0.1])).share.value == pytest.approx(0.7)
+
+
+def test_where_none_of_ten_earthquakes_overturns_it_the_upper_end_is_the_rule_of_three():
+    share = verdict(probable([0.0] * 10)).share
+    assert (share.value, share.low) == (0.0, 0.0)
+    assert share.high == pytest.approx(1.0 - 0.05**0.1)
+    assert share.high < 3.0 / 10.0
+    assert verdict(probable([1.0] * 10)).share.low == pytest.approx(0.05**0.1)
+
+
+def test_one_earthquake_tells_next_to_nothing():
+    found = verdict(probable([0.0, 0.0, 0.01]), motions(3, events=["a"] * 3))
+    assert found.grade == Grade.ROCKS
+    assert found.share.high > 0.94
+
+
+def test_the_interval_of_certain_answers_is_that_of_clopper_and_pearson():
+    share = verdict(probable([1.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0])).share
+    assert binom.cdf(2, 8, share.high) == pytest.approx(0.05)
+    assert binom.sf(1, 8, share.low) == pytest.approx(0.05)
+
+
+def test_the_interval_covers_the_mean_of_the_earthquakes_it_was_not_given():
+    rng = np.random.default_rng(5)
+
+    def drawn(size):
+        """Probabilities of a body whose median capacity is 1.5, with a log-dispersion of 0.6 between earthquakes."""
+        return 1.0 / (1.0 + np.exp((np.log(1.5) + 0.6 * rng.standard_normal(size)) / 0.08))
+
+    mean = drawn(200_000).mean()
+    every = [verdict(probable(drawn(9))).share for _ in range(60)]
+    covered = sum(one.low <= mean <= one.high for one in every)
+    assert covered >= 50  # at least 0.9 of them: fewer than 50 of 60 has a probability below 0.04
+
+
+def test_a_body_stays_only_where_no_motion_lifts_any_of_its_draws():
+    rest = [Outcome.AT_REST] * 2
+    assert verdict(probable([0.0, 0.0], uplift=9e-4, outcomes=rest)).grade == Grade.STAYS
+    assert verdict(probable([0.0, 0.0], uplift=np.array([0.0, 0.002]), outcomes=rest)).grade == Grade.ROCKS
+    assert verdict(probable([0.0, 0.0], uplift=np.array([0.0, NAN]), outcomes=rest)).grade == Grade.ROCKS
+    assert verdict(probable([0.0, 0.0], uplift=0.0, outcomes=rest)).at_rest == 2
+
+
+def test_what_is_not_known_decides_nothing_where_it_makes_no_difference():
+    found = verdict(probable([NAN, 1.0, 1.0, 1.0]))
+    assert (found.grade, found.share.value, found.share.unknown) == (Grade.OVERTURNS, 1.0, 1)
+    assert (found.share.least, found.share.most) == (0.75, 1.0)
+    found = verdict(probable([NAN] + [0.0] * 30))
+    assert (found.grade, found.share.value) == (Grade.ROCKS, 0.0)
+    found = verdict(probable([NAN] + [0.0] * 10))
+    assert found.grade == Grade.NOT_KNOWN
+    found = verdict(probable([NAN, 0.8], factor_10=[NAN, INF]))
+    assert (found.margin.smallest, found.margin.limit, found.margin.unknown) == (INF, 10.0, 1)
+
+
+def test_a_pair_of_channels_has_the_probability_of_its_worst_direction_or_the_mean():
+    rows = [[0, 1], [2, 3]]
+    summary = probable([0.8, 0.2, 0.0, 0.4])
+    assert verdict(summary, motions(4, rows=rows, kind="pair")).share.value == pytest.approx(0.6)
+    assert verdict(summary, motions(4, rows=rows, kind="pair", any_azimuth=True)).share.value == pytest.approx(0.35)
+    lost = motions(4, rows=rows, kind="pair", missing=[True, False])
+    share = verdict(probable([1.0, 0.2, 0.0, 0.4]), lost).share
+    assert (share.value, share.unknown) == (pytest.approx(0.7), 0)  # it cannot be more likely
+    share = verdict(summary, lost).share
+    assert (share.value, share.least, share.most) == (pytest.approx(0.4), pytest.approx(0.6), pytest.approx(0.7))
+
+
+def test_the_record_of_the_smallest_factor_governs():
+    found = verdict(probable([0.0, 0.3, 0.1], factor_10=[3.0, 0.7, 1.0]))
+    assert (found.margin.smallest, found.margin.median, found.governing) == (0.7, 1.0, 1)
+    assert verdict(probable([0.9, 0.0], factor_10=[INF, INF])).governing == 0  # the first that overturns it
+
+
+def test_the_cases_of_a_body_have_verdicts_of_their_own():
+    summary = probable([0.3, 0.1])
+    double = summary.expand_dims(case=2).transpose(..., "case").assign(restitution=(("block", "case"), [[0.9, 0.8]]))
+    found = verdicts(Answers(double))
+    assert [round(each.share.value, 9) for each in found] == [0.2, 0.2]
+    assert [each.body.name for each in found] == ["b, C = 0.900", "b, C = 0.800"]
+
+
+@pytest.mark.parametrize(
+    ("factor_10", "grade"),
+    [
+        ([3.0, 4.0], Grade.ROCKS),
+        ([1.9, 4.0], Grade.MAY_OVERTURN),
+        ([NAN, 4.0], Grade.NOT_KNOWN),
+        ([NAN, 1.9], Grade.MAY_OVERTURN),
+        ([INF, 4.0], Grade.ROCKS),
+    ],
+)
+def test_a_demand_of_twice_the_pga(factor_10, grade):
+    found = verdict(probable([0.01, 0.01], factor_10=factor_10, demand=2.0))
+    (demand,) = found.demands
+    assert demand.grade == grade
+    assert found.overall == grade
+    if np.isfinite(demand.margin.smallest):
+        assert demand.margin.smallest == pytest.approx(np.nanmin(factor_10) / 2.0)
+
+
+def test_a_search_that_ends_below_the_demand_proves_nothing():
+    found = verdict(probable([0.0, 0.0], factor_10=[INF, 40.0], demand=30.0))
+    assert found.grade == Grade.ROCKS
+    assert (found.demands[0].grade, found.demands[0].unknown) == (Grade.NOT_KNOWN, 1)
+
+
+def test_without_probabilities_the_answers_of_the_model_count():
+    """A design sequence, another model than the nonlinear one, a file of before."""
+    found = verdict(summary_of([3.0, 1.5, 9.0, INF]))
     assert (found.margin.smallest, found.margin.median, found.governing) == (1.5, 6.0, 1)
-    assert found.counts[Standing.STANDS] == 4
-    assert found.events_hit == 0
-    assert found.largest_share == pytest.approx(1.0 - 0.1**0.25)
+    assert (found.grade, found.share.value) == (Grade.ROCKS, 0.0)
+    found = verdict(summary_of([0.9, 5.0, 5.0], outcomes=[Outcome.ROCKS] * 3))
+    assert (found.grade, found.overturned) == (Grade.MAY_OVERTURN, 0)  # a weaker copy of one of three overturns it
+    assert verdict(summary_of([0.9, 0.5])).grade == Grade.OVERTURNS
+    assert verdict(summary_of([2.0, 3.0], outcomes=[Outcome.UNRESOLVED, Outcome.ROCKS])).grade == Grade.NOT_KNOWN
+    assert verdict(summary_of([INF, INF], outcomes=[Outcome.AT_REST] * 2)).grade == Grade.STAYS
+    assert verdict(summary_of([])).grade == Grade.NOT_KNOWN
 
 
-def test_a_body_that_rocks_is_not_safe_when_a_weaker_record_overturns_it():
-    found = verdict(summary_of([0.9, 5.0], outcomes=[Outcome.ROCKS, Outcome.ROCKS]))
-    assert found.grade == Grade.NOT_SAFE
-    assert found.counts[Standing.WEAKER_OVERTURNS] == 1
+def test_the_probability_is_that_of_the_nonlinear_model_alone():
+    summary = probable([0.9, 0.9], outcomes=[Outcome.ROCKS] * 2)
+    other = summary.assign_coords(model=["balanced"])
+    assert verdict(summary).grade == Grade.OVERTURNS
+    assert verdict(summary.assign_coords(model=["auto"]), model="auto").grade == Grade.OVERTURNS
+    assert verdict(other, model="balanced").grade == Grade.ROCKS
 
 
-def test_without_factors_the_margin_is_not_known():
-    found = verdict(summary_of([math.nan, math.nan], outcomes=[Outcome.ROCKS, Outcome.AT_REST]))
-    assert found.grade == Grade.NO_MARGIN
-    assert math.isnan(found.margin.smallest)
-    assert found.governing == -1
-    assert found.at_rest == 1
+def test_an_upper_bound_type_input_shows_no_more_than_that_a_body_may_overturn():
+    summary = summary_of([0.5, 0.6]).assign_coords(model=["resonance"])
+    assert verdict(summary, model="resonance").grade == Grade.MAY_OVERTURN
 
 
 def test_a_smallest_factor_that_may_be_larger_is_marked():
@@ -105,72 +233,25 @@ def test_a_smallest_factor_that_may_be_larger_is_marked():
     assert (found.margin.smallest, found.margin.bounds[0]) == (2.0, False)
 
 
-def test_earthquakes_are_counted_once():
-    found = verdict(summary_of([0.5, 0.6, 2.0, 3.0]), motions(4, events=["a", "a", "b", "c"]))
-    assert found.events_hit == 1
-    assert found.largest_share == pytest.approx(largest_share(1, 3))
-
-
 @pytest.mark.parametrize(
     ("factors", "resolved", "grade"),
     [
-        ([3.0, 4.0], None, Grade.SAFE),
-        ([1.9, 4.0], None, Grade.NOT_SAFE),
+        ([3.0, 4.0], None, Grade.ROCKS),
+        ([1.9, 4.0], None, Grade.MAY_OVERTURN),
         ([1.9, 4.0], [0, 1], Grade.NOT_KNOWN),
-        ([math.nan, 4.0], None, Grade.NOT_KNOWN),
-        ([math.inf, 4.0], None, Grade.SAFE),
-        ([math.nan, 1.9], None, Grade.NOT_SAFE),
+        ([INF, 4.0], None, Grade.ROCKS),
     ],
 )
-def test_a_demand_of_twice_the_pga(factors, resolved, grade):
+def test_a_demand_by_safety_factors(factors, resolved, grade):
     found = verdict(summary_of(factors, outcomes=[Outcome.ROCKS] * 2, demand=2.0, resolved=resolved))
     assert found.demands[0].grade == grade
 
 
-def test_a_search_that_ends_below_the_demand_proves_nothing():
-    found = verdict(summary_of([math.inf, 40.0], outcomes=[Outcome.AT_REST, Outcome.ROCKS], demand=30.0))
-    assert found.grade == Grade.SAFE
-    assert (found.demands[0].grade, found.demands[0].unknown) == (Grade.NOT_KNOWN, 1)
-
-
-def test_a_pair_of_channels_is_as_its_worst_direction():
-    of = motions(4, rows=[[0, 1], [2, 3]], kind="pair")
-    found = verdict(summary_of([0.8, 5.0, 3.0, 4.0]), of)
-    assert (found.counts[Standing.OVERTURNS], found.counts[Standing.STANDS]) == (1, 1)
-    assert (found.margin.smallest, found.margin.median) == (0.8, 1.9)
-    found = verdict(summary_of([3.0, 5.0, 3.0, 4.0]), motions(4, rows=[[0, 1], [2, 3]], missing=[True, False]))
-    assert found.grade == Grade.NOT_KNOWN
-
-
-def test_the_bound_of_the_share():
-    assert math.isnan(largest_share(0, 2))
-    assert largest_share(3, 3) == 1.0
-    # Clopper and Pearson for 1 of 10, one-sided 90 %: P(X <= 1 | p) = 0.1.
-    p = largest_share(1, 10)
-    assert (1.0 - p) ** 10 + 10 * p * (1.0 - p) ** 9 == pytest.approx(0.1)
-
-
 def test_a_capacity_that_was_not_reached_names_how_far_it_was_searched():
     """Of a record of a tenth of the demand ten times is no more than the demand: it tells nothing, others do."""
-    found = verdict(summary_of([math.inf, 40.0, 60.0], outcomes=[Outcome.ROCKS] * 3, demand=20.0)).demands[0]
+    found = verdict(summary_of([INF, 40.0, 60.0], outcomes=[Outcome.ROCKS] * 3, demand=20.0)).demands[0]
     assert (found.margin.smallest, found.margin.median, found.unknown) == (2.0, 2.5, 1)
-    found = verdict(summary_of([math.inf], outcomes=[Outcome.ROCKS], demand=20.0)).demands[0]
-    assert (found.margin.smallest, found.margin.limit) == (math.inf, 0.5)
-    found = verdict(summary_of([math.inf, 40.0], outcomes=[Outcome.ROCKS] * 2, demand=5.0))
-    assert (found.margin.limit, found.demands[0].margin.limit, found.demands[0].margin.median) == (10.0, 2.0, math.inf)
-
-
-def test_a_demand_that_is_hardly_met():
-    assert verdict(summary_of([2.1, 3.0], demand=2.0)).overall == Grade.THIN
-    assert verdict(summary_of([2.3, 3.0], demand=2.0)).overall == Grade.SAFE
-
-
-def test_a_coarse_search_or_one_that_ended_at_once_makes_nothing_safe():
-    assert verdict(summary_of([1.3, 5.0], step=1.014)).grade == Grade.SAFE
-    assert verdict(summary_of([1.3, 5.0], step=1.06)).grade == Grade.THIN
-    rocks = [Outcome.ROCKS]
-    assert verdict(summary_of([math.inf], outcomes=rocks, up_to=1.0)).grade == Grade.THIN
-    assert verdict(summary_of([math.inf], outcomes=rocks, demand=5.0)).demands[0].grade == Grade.SAFE  # twice searched
-    assert verdict(summary_of([math.inf], outcomes=rocks, demand=9.5)).demands[0].grade == Grade.THIN
-    assert verdict(summary_of([2.6], demand=2.0)).demands[0].grade == Grade.SAFE
-    assert verdict(summary_of([2.6], demand=2.0, step=1.06)).demands[0].grade == Grade.THIN
+    found = verdict(probable([0.0], factor_10=[INF], demand=20.0)).demands[0]
+    assert (found.margin.smallest, found.margin.limit) == (INF, 0.5)
+    found = verdict(summary_of([INF, 40.0], outcomes=[Outcome.ROCKS] * 2, demand=5.0))
+    assert (found.margin.limit, found.demands[0].margin.limit, found.demands[0].margin.median) == (10.0, 2.0, INF)

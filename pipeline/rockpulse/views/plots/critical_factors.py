@@ -164,9 +164,8 @@ def overturning_map(
     title(ax, f"{heading}: {look(model).label} model", rows=legend_rows)
     outside = [body for (_, body, _), within in zip(rows, inside, strict=True) if within == 0]
     if name == "factor_10":
-        words = (
-            "Dashed: the record as it is. Line: interval of 90 %. " + str(summary[name].attrs.get("comment", "")) + "."
-        )
+        told = summary[name].attrs.get("comment", "by the nonlinear model")
+        words = f"Dashed: the record as it is. Line: interval of 90 %. P, probability of overturning: {told}."
     else:
         words = _map_notes(model, end, float(np.nanmax(steps, initial=1.0)), outside, bool(np.any(bound)))
     caption(ax, " ".join([note + words, *tick_notes(needed)]))
@@ -238,7 +237,7 @@ def critical_scale(
     ax.set_xlabel(wrapped(label(own["safety_factor"].attrs), 64))
     legend_rows = _once(ax, columns=3)
     title(ax, f"{plain(named_body(summary, block, case))}: critical scale of each record", rows=legend_rows)
-    told = [f"{name}: factor of 10 % probability." for name in searched if name in probable]
+    told = [f"{look(name).label.capitalize()}: factor of 10 % probability." for name in searched if name in probable]
     caption(ax, " ".join([_scale_notes(own, shown, searched, leading, end), *told, *tick_notes(needed)]))
     return ax
 

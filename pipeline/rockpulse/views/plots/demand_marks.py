@@ -56,7 +56,7 @@ def tick_notes(needed: dict[str, np.ndarray]) -> list[str]:
     """The meaning of the ticks, for the caption."""
     if not needed:
         return []
-    words = ["Tick: demand over PGA; with its smallest factor right of the tick the block stands at the demand."]
+    words = ["Tick: demand over PGA; with its factor right of the tick the block stands at the demand."]
     if any(np.isnan(factors).any() for factors in needed.values()):
         words.append("No tick: the demand lies beyond the search.")
     return words

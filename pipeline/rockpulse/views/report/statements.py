@@ -14,7 +14,6 @@ from rockpulse.views.report.pairing import listed
 from rockpulse.views.shared.answer_cells import TITLES, margin_cells
 from rockpulse.views.shared.terminal import figure, ratio, several
 from rockpulse.views.shared.verdict_notes import counted, noun
-from rockpulse.views.text.capacity import uncertainty_words
 
 __all__ = ["acceleration", "counted_by", "headline", "of_bodies", "of_unknown_event"]
 
@@ -92,7 +91,7 @@ def counted_by(answers: Answers) -> str:
     if answers.probable:
         what = (
             "P is the probability that a motion overturns the body, as recorded, by the nonlinear model under the "
-            f"uncertainty of the body and of the strength of the motion ({uncertainty_words(answers)})"
+            "uncertainty that is stated below"
         )
     else:
         what = (

@@ -99,8 +99,8 @@ def _verdicts(answers: Answers) -> str:
     headings = ["", "at rest", "rocks", "OVERTURNS", "", "unresolved", "SF < 1", "not predictable"]
     kept = [place for place in range(len(headings)) if not all(row[place].text == ABSENT for row in rows)]
     headings, rows = [headings[place] for place in kept], [tuple(row[place] for place in kept) for row in rows]
-    weak = ["SF < 1: overturns under the record, or under a weaker copy of it (rocking is not monotonic)."]
-    notes = (weak if "SF < 1" in headings else []) + cautions(answers.models)
+    of_factors = ["SF < 1: overturns under the record, or under a weaker copy of it (rocking is not monotonic)."]
+    notes = (of_factors if "SF < 1" in headings else []) + cautions(answers.models)
     title = f"Verdicts, {total} by each model:"
     return text(Table("", title, tuple(map(Heading, headings)), tuple(rows), tuple(notes)))
 

@@ -70,9 +70,9 @@ def case_list(summary: xr.Dataset, selection: Selection) -> str:
         return heading
     records, blocks, models = (summary[dim].values[places[dim]].tolist() for dim in ("record", "block", "model"))
     with_model = len(set(models)) > 1
-    told = [name for name, of in OF_FACTOR.items() if bool(summary[of[0]].notnull().any())]
-    shown = (*SHOWN, *(name for factor in told for name in OF_FACTOR[factor]))
+    shown = (*SHOWN, *(name for of in OF_FACTOR.values() for name in of))
     get = _values(summary, (*shown, *BESIDE), places)
+    told = [factor for factor, of in OF_FACTOR.items() if not np.isnan(get[of[0]]).all()]
     rungs = worded(np.array(get["model_used"]), flag_words(summary["model_used"]))
     more = [name for name in _of_interest(selection) if name not in shown]
     extra = [_shown(summary, name, places) for name in more]

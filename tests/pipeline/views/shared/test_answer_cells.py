@@ -3,19 +3,18 @@
 import math
 
 import pytest
-from report_cases import answers, motions, summary_of
+from report_cases import answers, motions, probable, summary_of
 
 from rocking.response import Outcome
 from rockpulse.views.shared.answer_cells import (
     AT_MOST,
-    NOT_MONOTONIC,
     answer_cell,
     answer_cells,
     factor_cell,
-    factor_cells,
+    factor_columns,
     margin_cells,
     marks_of,
-    several_intervals,
+    safety_cells,
     unexplained,
 )
 from rockpulse.views.shared.verdict_notes import ESTIMATE, NO_ANSWER, NONE_UP_TO, OUTSIDE, SO_FAR, UNPREDICTABLE
@@ -52,16 +51,19 @@ def test_a_factor_that_was_not_found_names_how_far_was_searched():
     }
 
 
-def test_several_intervals_are_counted_or_marked():
-    assert (several_intervals(1), several_intervals(-1), several_intervals(2, counted=False)) == (
-        None,
-        None,
-        NOT_MONOTONIC,
-    )
+def test_several_intervals_are_counted():
     summary = summary_of([0.84, 2.0])
     summary["interval_count"] = summary["outcome"] * 0 + 3
-    assert [row[0].marked for row in factor_cells(answers(summary))] == ["0.84 (3)", "2.00 (3)"]
+    assert [row[0].marked for row in safety_cells(answers(summary))] == ["0.84 (3)", "2.00 (3)"]
     assert [row[0].text for row in answer_cells(answers(summary))] == ["overturns", "0.40"]
+
+
+def test_columns_of_probability_stand_in_place_of_those_of_safety_factors():
+    columns = factor_columns(answers(probable([0.0, 0.0004, 0.412], factor_10=[math.inf, 2.0, math.nan])))
+    shown = {name: [row[0].marked for row in cells] for name, cells in columns.items()}
+    assert shown == {"P": ["0", "<0.001", "0.41"], "factor of 10 %": [">10", "2.00", "-"]}
+    assert list(factor_columns(answers(summary_of([2.0])))) == ["SF"]
+    assert factor_columns(answers(summary_of([math.nan]))) == {}
 
 
 def test_the_smallest_of_a_pair_with_a_lost_direction_is_at_most_that():
