@@ -11,10 +11,10 @@ from rockpulse.assessment.answers import PROBABLE, complete, fullest_model
 from rockpulse.errors import ResultsError
 from rockpulse.ladder import SEQUENCE_MODELS, UPPER_BOUND, SearchSettings, is_upper_bound
 from rockpulse.views.plots.demand_marks import demand_ticks, demands_over_pga, least, tick_notes
+from rockpulse.views.plots.probability_bars import HALF, bar, none_up_to, probability_bars, whiskers
 from rockpulse.views.plots.selection import chosen_case, named_body, one_name, setting
 from rockpulse.views.plots.style import (
     BLACK,
-    BLUE,
     GREEN,
     GREY,
     PALE,
@@ -48,9 +48,6 @@ _NAME = 34
 #: A window in which the block stands again: hatched, and light in grey where it is too narrow for that.
 _AGAIN: dict[str, Any] = {"fc": "#BBDDF3", "ec": BLACK, "lw": 0.0, "hatch": "////", "hatch_linewidth": 0.6}
 
-#: Half the height of a bar.
-_HALF = 0.33
-
 #: Narrower intervals of overturning are drawn this wide [pt], over the windows beside them, because they matter.
 _THINNEST = 1.0
 
@@ -68,13 +65,6 @@ TEN = TITLES["factor_10"]
 _ENDS = ("factor_10_low", "factor_10_high")
 
 _SEARCH = "assess again with the model in [search] models, and intervals = true for a model that is searched by runs"
-
-#: Words of the bars of a probability of overturning, from its lower end on, and how they look.
-_LEVELS: tuple[tuple[str, dict[str, Any]], ...] = (
-    ("P below 10 %", {"fc": "#E8F3EF", "ec": GREEN, "lw": 0.4}),
-    ("10 to 50 %", {"fc": "#BBDDF3", "ec": BLUE, "lw": 0.4}),
-    ("above 50 %", {"fc": RED, "ec": RED, "lw": 0.4}),
-)
 
 
 def overturning_map(
@@ -148,12 +138,12 @@ def overturning_map(
             continue
         at_end = not any(ticks[place] > np.sqrt(end) for ticks in needed.values())  # else under the words
         if name == "factor_10":
-            _probability_bars(ax, place, [factors[place], ends["factor_50"][place]], begin, end, at_end)
+            probability_bars(ax, place, [factors[place], ends["factor_50"][place]], begin, end, at_end)
             continue
         table = tree["overturning_intervals"].to_dataset()
         _bars(ax, place, _intervals(summary, table, one, body, case, model), begin, end, at_end)
     if name == "factor_10":
-        _whiskers(ax, *(np.clip(ends[one], begin, end) for one in _ENDS))
+        whiskers(ax, *(np.clip(ends[one], begin, end) for one in _ENDS))
     _smallest(ax, factors, bound & (name == "safety_factor"), "smallest factor" if name == "safety_factor" else TEN)
     demand_ticks(ax, needed)
     names = [_row_name(summary, row, len(records) > 1) for row in rows]
@@ -277,46 +267,21 @@ def _intervals(
 def _bars(ax: Axes, place: int, found: dict[str, np.ndarray], begin: float, end: float, at_end: bool) -> None:
     lower, upper = found["lower"], found["upper"]
     first = float(lower[0]) if lower.size else end
-    _bar(ax, place, begin, first, "stands", fc="#E8F3EF", ec=GREEN, lw=0.4)
+    bar(ax, place, begin, first, "stands", fc="#E8F3EF", ec=GREEN, lw=0.4)
     if not lower.size:
-        _none(ax, place, end, at_end)
+        none_up_to(ax, place, end, at_end)
     for low, high, resolved in zip(lower, upper, found["resolved"], strict=True):
         if resolved:
-            _bar(ax, place, low, high, "overturns", fc=RED, ec=RED, lw=0.4)
+            bar(ax, place, low, high, "overturns", fc=RED, ec=RED, lw=0.4)
         else:
-            _bar(
-                ax, place, low, high, "cannot answer: counts as overturning", fc="white", ec=GREY, lw=0.4, hatch="xxxx"
-            )
+            bar(ax, place, low, high, "cannot answer: counts as overturning", fc="white", ec=GREY, lw=0.4, hatch="xxxx")
     for answered, color in ((found["resolved"] != 0, RED), (found["resolved"] == 0, GREY)):
         middle = np.sqrt(lower * upper)[answered]
-        ax.vlines(middle, place - _HALF, place + _HALF, color=color, lw=_THINNEST, zorder=1.5)
+        ax.vlines(middle, place - HALF, place + HALF, color=color, lw=_THINNEST, zorder=1.5)
     for low, high in zip(upper[:-1], lower[1:], strict=True):
-        _bar(ax, place, low, high, "stands again", **_AGAIN)
+        bar(ax, place, low, high, "stands again", **_AGAIN)
     if lower.size and upper[-1] < end:
-        _bar(ax, place, float(upper[-1]), end, "stands again", **_AGAIN)
-
-
-def _probability_bars(ax: Axes, place: int, factors: Sequence[float], begin: float, end: float, at_end: bool) -> None:
-    """Bars up to the factor of 10 %, from there to that of 50 %, and beyond, as far as they are within the search."""
-    edges = [begin, *np.clip(factors, begin, end), end]
-    for low, high, (words, style) in zip(edges[:-1], edges[1:], _LEVELS, strict=True):
-        if high > low:
-            _bar(ax, place, low, high, words, **style)
-    if np.isinf(factors[0]):
-        _none(ax, place, end, at_end)
-
-
-def _whiskers(ax: Axes, low: np.ndarray, high: np.ndarray) -> None:
-    ax.hlines(np.arange(low.size), low, high, color=BLACK, lw=0.9, zorder=2.5)
-
-
-def _none(ax: Axes, place: int, end: float, at_end: bool) -> None:
-    words, (where, side) = f"  none up to {end:g}  ", (end, "right") if at_end else (1.0, "left")
-    ax.text(where, place, words, fontsize=SMALL - 0.5, color=BLACK, ha=side, va="center")
-
-
-def _bar(ax: Axes, place: int, low: float, high: float, words: str, **style: Any) -> None:
-    ax.barh(place, high - low, left=low, height=2.0 * _HALF, label=words, **style)
+        bar(ax, place, float(upper[-1]), end, "stands again", **_AGAIN)
 
 
 def _smallest(ax: Axes, factors: np.ndarray, bound: np.ndarray, words: str) -> None:

@@ -126,7 +126,7 @@ def _not_compared(summary: xr.Dataset) -> Caveat | None:
 def _of_design(site: xr.Dataset, found: Sequence[BodyVerdict]) -> list[Caveat]:
     """The caveats of a body that stands under the design sequence of its site."""
     said = []
-    standing = [one for one in found if one.grade < Grade.NOT_KNOWN]
+    standing = [one for one in found if one.grade < Grade.MAY_OVERTURN]
     if site.attrs["method"] == "spectrum":
         return _of_spectrum(site, standing)
     low, high = (float(site[f"design_{end}"].sel(parameter="main")) for end in ("lower", "upper"))

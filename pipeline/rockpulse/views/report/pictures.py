@@ -89,6 +89,8 @@ class Pictures:
 
         name = str(self._summary["block"].values[block])
         answers = Answers(self._summary)
+        if not answers.probable and "overturning_intervals" not in self._tree.children:
+            return Picture(Markup(""), "The results hold no factors at which the body overturns.")
         lowest = answers.by_block(np.fmin, answers[answers.factor])[:, block]
         rows = np.sort(np.argsort(np.where(np.isnan(lowest), np.inf, lowest), kind="stable")[:IN_A_MAP])
         few = f" The {rows.size} records of the smallest {NAMES[answers.factor]}." if rows.size < lowest.size else ""

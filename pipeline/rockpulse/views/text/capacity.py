@@ -63,7 +63,7 @@ def factor_notes(answers: Answers, swept: bool = False) -> list[str]:
     if missed > 0.0:
         notes[0] += (
             f" Bands narrower than the step of the search (up to {missed:.1%}) may lie below it: do not read it to two "
-            "digits."
+            f"digits ([search] {'step' if answers.model == 'sequence' else 'points'})."
         )
     if bounds := np.count_nonzero(answers.bound):
         notes.append(

@@ -101,8 +101,7 @@ def _page(title: str, rows: list[tuple[str, str]], answers: Answers, of: str) ->
             "",
             *_answers_of_auto(answers, of),
             *capacities(answers, of),
-            *probability_table(answers),
-            *factor_table(answers),
+            probability_table(answers) + factor_table(answers),
         ]
     )
 

@@ -53,13 +53,13 @@ def verdict_table(
     return "\n".join([*_lines(answers, columns), "", *(paragraph(note, "  ") for note in notes)])
 
 
-def probability_table(answers: Answers) -> list[str]:
-    """Lines with the probability of overturning and the factors that it grows with, laid out as the verdicts.
+def probability_table(answers: Answers) -> str:
+    """The probability of overturning and the factors that it grows with, laid out as the verdicts.
 
-    Nothing where there is none.
+    Empty where there is none.
     """
     if not answers.probable:
-        return []
+        return ""
     columns = {
         "P": [[_probability(*one) for one in zip(*rows, strict=True)] for rows in _with_ends(answers)],
         **{TITLES[name]: factor_cells(answers, name) for name in ("factor_10", "factor_50", "capacity_mean")},
@@ -73,16 +73,16 @@ def probability_table(answers: Answers) -> list[str]:
     cells = (cell for column in columns.values() for row in column for cell in row)
     notes += [NONE_UP_TO.note] if NONE_UP_TO in marks_of(cells) else []
     title = "Probability of overturning, and the factors on the record that it grows with"
-    return [title, *_lines(answers, columns), "", *(paragraph(note, "  ") for note in notes), ""]
+    return "\n".join([title, *_lines(answers, columns), "", *(paragraph(note, "  ") for note in notes), "", ""])
 
 
-def factor_table(answers: Answers) -> list[str]:
-    """Lines with the smallest factor on a model's input that overturns the block, laid out as the verdicts.
+def factor_table(answers: Answers) -> str:
+    """The smallest factor on a model's input that overturns the block, laid out as the verdicts.
 
-    Nothing where no model was searched.
+    Empty where no model was searched.
     """
     if not any(one.searched for one in answers.of_models.values()):
-        return []
+        return ""
     columns = {model: safety_cells(one) for model, one in answers.of_models.items() if one.searched}
     marks = marks_of(cell for column in columns.values() for row in column for cell in row)
     notes = [
@@ -95,7 +95,7 @@ def factor_table(answers: Answers) -> list[str]:
         notes.insert(0, "none: not found up to the end of the search.")
     notes += ["!: a lower bound, from this factor on the model cannot answer."] if NO_ANSWER in marks else []
     title = "Safety factors: the smallest factor on the input of the model at which the block overturns"
-    return [title, *_lines(answers, columns), "", *(paragraph(note, "  ") for note in notes)]
+    return "\n".join([title, *_lines(answers, columns), "", *(paragraph(note, "  ") for note in notes)])
 
 
 def _with_ends(answers: Answers) -> Iterator[tuple[list[float], ...]]:

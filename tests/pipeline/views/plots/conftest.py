@@ -6,10 +6,10 @@ import numpy as np
 import pandas as pd
 import pytest
 import xarray as xr
+from nominal import Config
 
 import rockpulse as rp
 from rockpulse import FragilitySettings, ModelSettings, SearchSettings
-from rockpulse.config.configuration import Config
 
 BLOCKS = {
     "wall": rp.models.Block(half_width=0.125, half_height=1.1),

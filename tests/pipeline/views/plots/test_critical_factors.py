@@ -4,10 +4,11 @@ import numpy as np
 import pytest
 import xarray as xr
 from matplotlib.colors import same_color
+from nominal import Config
+from report_cases import probable
 
 import rockpulse as rp
 from rockpulse import ModelSettings
-from rockpulse.config.configuration import Config
 from rockpulse.errors import ResultsError
 from rockpulse.models import Block
 from rockpulse.views.plots.critical_factors import ROWS, critical_scale, overturning_map
@@ -144,7 +145,7 @@ def test_a_body_that_was_not_searched_or_is_outside_the_range_is_named(assessed,
     applicable = np.ones(factor.shape, np.int8)
     applicable[:, 0] = 0
     ax = overturning_map(changed(safety_factor=factor, applicable=applicable), record=first)
-    assert [(text.get_text().strip(), text.get_position()[1]) for text in ax.texts] == [("not searched", 1)]
+    assert [(text.get_text().strip(), text.get_position()[1]) for text in ax.texts] == [("not known", 1)]
     assert "Outside the range of the model: wall." in ax.figure.get_supxlabel()
 
 
@@ -213,7 +214,7 @@ def test_a_demand_is_a_tick_on_every_record(assessed, asked_for, first):
         assert ticks(ax) == pytest.approx(expected)
         words = " ".join(ax.figure.get_supxlabel().split())
         assert "Dashed: the record" in words
-        assert words.endswith("with its smallest factor right of the tick the block stands at the demand.")
+        assert words.endswith("with its factor right of the tick the block stands at the demand.")
     own = 2.94 / float(summary["pga"].sel(record=first))
     assert ticks(overturning_map(tree, record=first)) == pytest.approx([own, own])  # of two blocks
     weak = overturning_map(asked_for(0.1), block="wall")
@@ -258,3 +259,42 @@ def test_of_many_records_those_of_the_smallest_factors_are_shown(assessed, chang
     assert len(drawn.get_yticks()) == ROWS
     assert "The 60 smallest factors of 70" in drawn.figure.get_supxlabel()
     assert max(one.figure.get_size_inches()[1] for one in (ax, drawn)) < 11.7  # a page of A4
+
+
+@pytest.fixture
+def likely():
+    """A body under three records, of which only the probability of overturning is known: of the last up to ten."""
+    summary = probable([0.7, 0.02, 0.0], factor_10=[0.5, 2.0, np.inf])
+    summary["safety_factor"].attrs.update(long_name="smallest factor", units="1")
+    return xr.DataTree.from_dict({"/summary": summary})
+
+
+def test_a_map_of_probability_has_bars_up_to_ten_and_fifty_percent_and_beyond(likely):
+    ax = overturning_map(likely, block="b")
+    low = 0.7 * 0.5
+    for words, expected in (
+        ("P below 10 %", [(0, low, 0.5), (1, low, 2.0), (2, low, 10.0)]),
+        ("10 to 50 %", [(0, 0.5, 0.65), (1, 2.0, 2.6)]),
+        ("above 50 %", [(0, 0.65, 10.0), (1, 2.6, 10.0)]),
+    ):
+        assert np.array(bars(ax, words)) == pytest.approx(np.array(expected))
+    assert ax.get_yticklabels()[0].get_text() == "r0"  # the most likely on top
+    (dots,) = (line for line in ax.lines if line.get_label() == "factor of 10 %")
+    assert dots.get_xdata() == pytest.approx([0.5, 2.0])
+    assert "  none up to 10  " in [text.get_text() for text in ax.texts]
+    assert not bars(ax, "overturns")
+
+
+def test_the_critical_scale_of_the_nonlinear_model_is_its_factor_of_ten_percent(likely):
+    ax = critical_scale(likely)
+    (dots,) = (line for line in ax.lines if len(line.get_xdata()) == 2 and line.get_marker() == "o")
+    assert dots.get_xdata() == pytest.approx([0.5, 2.0])
+    told = " ".join(" ".join(text.get_text() for text in ax.figure.texts).split())
+    assert "Nonlinear: factor of 10 % probability." in told
+
+
+def test_neither_factors_nor_probabilities_are_refused(likely):
+    summary = likely["summary"].to_dataset()
+    summary["factor_10"][:] = np.nan
+    with pytest.raises(ResultsError, match="no factors in these results"):
+        overturning_map(xr.DataTree.from_dict({"/summary": summary}), block="b")

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 import xarray as xr
-from report_cases import answers, motions, summary_of, verdict
+from report_cases import answers, motions, probable, summary_of, verdict
 
 from rocking.response import Outcome
 from rockpulse.views.report.caveats import caveats
@@ -26,7 +26,9 @@ def site(peaks, design=0.2, upper=0.3):
         "rotation_ratio": (("record", "block"), peaks.T),
     }
     return xr.Dataset(
-        variables, {"parameter": ["main"], "block": ["b"], "record": np.arange(peaks.shape[1]), "site_event": ["e"]}
+        variables,
+        {"parameter": ["main"], "block": ["b"], "record": np.arange(peaks.shape[1]), "site_event": ["e"]},
+        {"method": "response"},
     )
 
 
@@ -63,12 +65,32 @@ def test_records_of_the_site_that_overturn_a_body_which_stands_under_its_design(
     assert not [head for head in heads(with_codes([1.6]), site=site([0.1])) if "overturn" in head]
 
 
-@pytest.mark.parametrize(("step", "told"), [(1.01, False), (1.12, True)])
-def test_a_search_too_coarse_for_the_margin_is_said_loudly(step, told):
-    summary = with_codes([1.6, 2.0], outcomes=[Outcome.ROCKS] * 2, step=step)
-    said = heads(summary, "record").get("1 of 1 body stands with hardly a margin")
-    assert (said is not None) == told
-    assert said is None or (said.loud and "steps of up to 12.0%" in said.text and "below 1.8" in said.text)
+def test_what_is_not_known_of_some_motions_is_said_loudly():
+    head = "In 1 of 3 cases (record and body) the answer is not known"
+    said = heads(probable([np.nan, 0.0, 0.9]), "record")[head]
+    assert said.loud
+    assert "why" not in said.text
+    assert head not in heads(probable([0.1, 0.0, 0.9]), "record")
+    unresolved = summary_of([np.nan, 2.0, 3.0], outcomes=[Outcome.UNRESOLVED, Outcome.ROCKS, Outcome.ROCKS])
+    assert "The table of answers says why" in heads(unresolved, "record")[head].text
+
+
+def test_few_earthquakes_cannot_tell_a_small_probability():
+    said = heads(probable([0.0, 0.0]), "record")["The verdict rests on 2 earthquakes"]
+    assert said.loud
+    assert "2 earthquakes cannot tell a probability of 0.05" in said.text
+    assert "by up to 0.78 of the motions" in said.text  # 1 - 0.05^(1/2)
+    said = heads(probable([0.0] * 12), "record")["The verdict rests on 12 earthquakes"]
+    assert not said.loud
+    assert "cannot tell" not in said.text
+
+
+def test_motions_that_do_not_lift_a_body_count_with_probability_zero():
+    rest = [Outcome.AT_REST, Outcome.ROCKS]
+    found = heads(probable([0.0, 0.2], outcomes=rest), "record")
+    assert "count with probability 0" in found["In 1 of 2 cases (record and body) the body is not lifted"].text
+    found = heads(probable([0.0, 0.0], uplift=0.0, outcomes=[Outcome.AT_REST] * 2), "record")
+    assert found["1 of 1 body is lifted by none of these motions"].loud
 
 
 def test_channels_as_recorded_need_not_point_where_a_body_rocks():

@@ -19,7 +19,7 @@ def labels(picture):
 def test_a_motion_is_that_of_the_model_of_the_verdict(results):
     found = motion(results)
     assert labels(found) == ["nonlinear"]
-    assert found.words.endswith("the record of smallest safety factor; verdict's model: nonlinear.")
+    assert found.words.endswith("the record of its smallest factor; nonlinear model.")
     assert ">at rest<" not in found.svg
 
 

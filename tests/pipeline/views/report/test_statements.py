@@ -2,56 +2,76 @@
 
 import math
 
+import numpy as np
 import pytest
-from report_cases import answers, motions, summary_of, verdict
+from report_cases import answers, motions, probable, summary_of, verdict
 
 from rocking.response import Outcome
 from rockpulse.assessment.verdict import Grade
 from rockpulse.motions.events import UNKNOWN
 from rockpulse.views.report.bodies import body_table, grade_cell
-from rockpulse.views.report.statements import headline, of_unknown_event
+from rockpulse.views.report.statements import counted_by, headline, of_unknown_event
 
 
 @pytest.mark.parametrize(
-    ("factors", "words"),
-    [([1.0, 3.0], "stands, hardly a margin"), ([1.0999, 3.0], "stands, hardly a margin"), ([1.1, 3.0], "safe")],
+    ("probability", "words", "grade", "sentence"),
+    [
+        ([0.0, 0.0999], "rocks", "good", "1 of 1 body rocks: b (P 0.050, at most "),
+        ([0.0, 0.1], "may overturn", "fair", "1 of 1 body may overturn: b (P 0.050, at most "),
+        ([0.9, 0.2], "overturns", "bad", "1 of 1 body overturns: b (P 0.55, at most "),
+        ([math.nan, 0.2], "not known", "unknown", "1 of 1 body cannot be judged, for an answer is missing: b (P 0.20"),
+    ],
 )
-def test_a_factor_that_a_finer_search_may_undercut_is_not_called_safe(factors, words):
-    summary = summary_of(factors, outcomes=[Outcome.ROCKS] * 2)
+def test_a_body_in_a_word_and_in_a_sentence(probability, words, grade, sentence):
+    summary = probable(probability)
     found = verdict(summary)
-    assert grade_cell(found, "nonlinear").text == words
-    assert found.events_hit == 0
-    (sentence,) = headline(answers(summary, motions(2), "nonlinear"), [found])
-    assert ("hardly a margin" in sentence) == (words != "safe")
-    assert ("safe" in sentence) == (words == "safe")
+    cell = grade_cell(found)
+    assert (cell.text, cell.grade) == (words, grade)
+    (told,) = headline(answers(summary), [found])
+    assert told.startswith(f"By the nonlinear model, under 2 records of 2 earthquakes: {sentence}")
+    assert "smallest factor of 10 % " in told
 
 
-def test_what_fails_the_demand_of_the_site_is_not_called_safe():
-    summary = summary_of([1.6, 3.0], demand=2.0).assign(limit_state=(("demand",), ["collapse"]))
+def test_what_fails_the_demand_of_the_site_may_overturn():
+    summary = probable([0.0, 0.0], factor_10=[1.6, 3.0], demand=2.0).assign(limit_state=(("demand",), ["collapse"]))
     found = verdict(summary)
-    assert (found.grade, found.overall) == (Grade.SAFE, Grade.NOT_SAFE)
-    cell = grade_cell(found, "nonlinear")
-    assert (cell.text, cell.grade) == ("not safe at the demand", "bad")
-    first, second = headline(answers(summary, motions(2), "nonlinear"), [found])
-    assert "1 of 1 body is not safe: b (smallest SF 1.60, but capacity over demand 0.80)" in first
+    assert (found.grade, found.overall) == (Grade.ROCKS, Grade.MAY_OVERTURN)
+    cell = grade_cell(found)
+    assert (cell.text, cell.grade) == ("may overturn at the demand", "fair")
+    first, second = headline(answers(summary), [found])
+    assert (
+        "1 of 1 body may overturn: b (P 0, at most 0.78, smallest factor of 10 % 1.60, capacity over demand 0.80)"
+        in first
+    )
+    assert "0 of 1 body stand with at most 10 % probability of overturning under every record" in second
     assert "1 does not: b (0.80)" in second
 
 
-def test_what_meets_the_demand_may_still_not_be_safe():
-    summary = summary_of([0.9, 3.0], demand=0.5, outcomes=[Outcome.ROCKS] * 2)
+def test_what_meets_the_demand_may_still_overturn():
+    summary = probable([0.6, 0.6], factor_10=[0.9, 3.0], demand=0.5)
     found = verdict(summary)
-    assert (found.grade, found.demands[0].grade) == (Grade.NOT_SAFE, Grade.SAFE)
-    assert grade_cell(found, "nonlinear").text == "not safe"
+    assert (found.grade, found.demands[0].grade) == (Grade.OVERTURNS, Grade.ROCKS)
+    assert grade_cell(found).text == "overturns"
 
 
-def test_what_stands_under_a_design_sequence_is_not_called_safe():
-    summary = summary_of([1.6])
-    found = verdict(summary, motions(1, kind="sequence"))
-    assert (found.grade, grade_cell(found, "nonlinear").text) == (Grade.STANDS, "stands")
-    (sentence,) = headline(answers(summary, motions(1, kind="sequence"), "nonlinear"), [found])
-    assert "1 of 1 body stands under it: b (smallest SF 1.60)" in sentence
-    assert verdict(summary_of([0.9]), motions(1, kind="sequence")).grade == Grade.NOT_SAFE
-    assert verdict(summary_of([1.05]), motions(1, kind="sequence")).grade == Grade.THIN
+def test_under_a_design_sequence_there_is_no_probability():
+    summary, of = summary_of([1.6]), motions(1, kind="sequence")
+    found = verdict(summary, of)
+    assert (found.grade, grade_cell(found).text) == (Grade.ROCKS, "rocks")
+    (sentence,) = headline(answers(summary, of), [found])
+    assert "1 of 1 body rocks: b (smallest SF 1.60)" in sentence
+    assert "That is not called safe" in counted_by(answers(summary, of))
+    titles = [heading.title for heading in body_table(answers(summary, of), [found]).headings]
+    assert not {"P", "share", "interval"} & set(titles)
+    assert verdict(summary_of([0.9]), motions(1, kind="sequence")).grade == Grade.OVERTURNS
+
+
+def test_what_the_words_mean_is_said_with_their_limits():
+    words = counted_by(answers(probable([0.1, 0.2], demand=2.0)))
+    assert "Overturns: 0.5 or more. May overturn: 0.05 or more." in words
+    assert "with more than 10 % probability; below 1 the body may overturn at the demand" in words
+    words = counted_by(answers(summary_of([2.0])))
+    assert words.startswith("The share of earthquakes")
 
 
 def test_a_direction_that_overturns_is_told_though_another_is_missing():
@@ -59,56 +79,52 @@ def test_a_direction_that_overturns_is_told_though_another_is_missing():
     of = motions(4, rows=[[0, 1], [2, 3]], missing=[True, False], kind="pair")
     summary = summary_of([0.4, math.nan, 2.0, 3.0], outcomes=[Outcome.OVERTURNS] + [Outcome.ROCKS] * 3, demand=0.5)
     found = verdict(summary, of)
-    assert (found.grade, found.margin.smallest, found.margin.open, found.margin.median) == (
-        Grade.NOT_SAFE,
-        0.4,
-        True,
-        2.0,
-    )
+    assert found.grade == Grade.OVERTURNS
+    assert (found.margin.smallest, found.margin.open, found.margin.median) == (0.4, True, 2.0)
     assert (found.governing, found.demands[0].margin.smallest, found.demands[0].margin.open) == (0, 0.8, True)
-    (row,) = body_table(answers(summary, of), [found]).rows
-    assert row[3].marked == "≤0.40"
+    table = body_table(answers(summary, of), [found])
+    shown = dict(zip((heading.title for heading in table.headings), table.rows[0], strict=True))
+    assert (shown["smallest SF"].marked, shown["share"].marked) == ("≤0.40", "0.50")
     whole = verdict(summary_of([0.4, 0.9, 2.0, 3.0]), motions(4, rows=[[0, 1], [2, 3]], kind="pair"))
     assert (whole.margin.smallest, whole.margin.open, whole.margin.median) == (0.4, False, pytest.approx(1.2))
 
 
+def test_the_table_of_bodies_has_the_probability_with_its_interval():
+    summary = probable([0.0] * 10, factor_10=np.full(10, math.inf))
+    table = body_table(answers(summary), [verdict(summary)])
+    shown = {heading.title: cell.marked for heading, cell in zip(table.headings, table.rows[0], strict=True)}
+    assert shown["verdict"] == "rocks"
+    assert (shown["P"], shown["interval"], shown["smallest factor of 10 %"]) == ("0", "0 to 0.26", ">10")
+    assert [heading.note for heading in table.headings if heading.title == "interval"] == ["90%, 10 earthquakes"]
+
+
 def test_motions_of_unknown_earthquake_make_no_earthquake_more():
-    summary = summary_of([3.0, 4.0, 0.5])
+    summary = probable([0.0, 0.0, 0.9])
     of = motions(3, events=["A", "B", UNKNOWN])
-    found = verdict(summary, of)
-    assert (of.event_count, found.events_hit, math.isnan(found.largest_share)) == (2, 1, True)
+    assert of.event_count == 2
+    assert verdict(summary, of).share.value == pytest.approx(0.3)
     assert "Not counted is: 1 motion" in of_unknown_event(of)
     of = motions(3, events=[UNKNOWN] * 3)
-    assert (of.event_count, verdict(summary, of).events_hit) == (1, 1)
+    assert (of.event_count, verdict(summary, of).share.value) == (1, pytest.approx(0.3))
     assert "As one earthquake counts" in of_unknown_event(of)
-    of = motions(4, events=["A", "B", "C", UNKNOWN])
-    assert verdict(summary_of([0.5] * 4), of).largest_share == 1.0
 
 
 def test_what_an_upper_bound_overturns_is_not_shown_to_fail_the_demand():
-    summary = summary_of([0.9], demand=2.0)
-    found = verdict(summary)
+    summary = summary_of([0.9], demand=2.0).assign_coords(model=["resonance"])
+    found = verdict(summary, model="resonance")
     sentences = headline(answers(summary, motions(1), "resonance"), [found])
-    assert "not shown to be safe" in sentences[0]
+    assert "1 of 1 body may overturn" in sentences[0]
     assert "1 does not for certain" in sentences[1]
 
 
 def test_without_a_search_nothing_is_said_of_one():
     summary = summary_of([math.nan], outcomes=[Outcome.ROCKS], demand=2.0)
     sentences = headline(answers(summary, motions(1), "nonlinear"), [verdict(summary)])
-    assert "no safety factor of this model was searched" in sentences[1]
+    assert "no factor of this model is known ([search] models, intervals)" in sentences[1]
 
 
-def test_a_body_that_nothing_lifts_is_not_simply_safe():
-    summary = summary_of([math.inf, math.inf], outcomes=[Outcome.AT_REST] * 2)
-    found = verdict(summary)
-    assert found.never_lifted
-    (sentence,) = headline(answers(summary, motions(2), "nonlinear"), [found])
-    assert "1 of 1 body is lifted by none of these" in sentence
-    assert "safe" not in sentence
-    cell = grade_cell(found, "nonlinear")
-    assert (cell.text, cell.grade) == ("stands, never lifted", "fair")
-    found = verdict(summary_of([math.inf, 4.0], outcomes=[Outcome.AT_REST, Outcome.ROCKS]))
-    assert not found.never_lifted
-    assert grade_cell(found, "nonlinear").text == "safe"
-    assert not verdict(summary_of([])).never_lifted
+def test_a_body_that_nothing_lifts_stays_and_nothing_is_said_of_stronger_motions():
+    summary = probable([0.0, 0.0], uplift=0.0, factor_10=[math.inf] * 2, outcomes=[Outcome.AT_REST] * 2)
+    (sentence,) = headline(answers(summary), [verdict(summary)])
+    assert "1 of 1 body stays at rest: none of these lifts it, so that they say nothing of stronger ones" in sentence
+    assert grade_cell(verdict(summary)).text == "stays"
