@@ -9,6 +9,7 @@ import rockpulse as rp
 from rockpulse.cli import main
 from rockpulse.record.synthetic import synthetic_motion
 from rockpulse.storage import save_load as store
+from rockpulse.studies.rule import truth
 
 
 @pytest.fixture(scope="module")
@@ -28,28 +29,33 @@ def run(capsys, *words):
 
 
 @pytest.mark.sweep
-def test_a_rule_is_fitted_written_and_judged(folder, tmp_path, capsys):
+def test_a_rule_is_fitted_written_and_judged(folder, tmp_path, capsys, monkeypatch):
+    monkeypatch.setattr(truth, "LANES", 64)
     rule, verdicts = tmp_path / "rule.toml", tmp_path / "verdicts.h5"
     code, said = run(capsys, "rule", "fit", folder, "-o", rule)
     assert code == 0, said.err
     written = tomllib.loads(rule.read_text())
     assert written["provenance"]["earthquakes"] == 6
-    assert written["balanced"]["factor"] <= written["conservative"]["factor"]
+    assert written["balanced"]["target"] == "capacity_mean"
+    assert 0.8 < written["balanced"]["factor"] < 1.25
     assert str(folder) not in rule.read_text()
-    assert re.search(r"balanced +rule +left-out", said.out)
-    code, said = run(capsys, "rule", "judge", folder, "--rule", rule, "-o", verdicts)
+    assert re.search(r"rule, mean capacity +left-out", said.out)
+    events = tmp_path / "events.csv"
+    events.write_text("record,event\nmotion_0.1,Quake 1990\nmotion_1.1,Quake 1990\n")
+    code, said = run(capsys, "rule", "judge", folder, "--rule", rule, "--events", events, "-o", verdicts)
     assert code == 0, said.err
-    assert "p PGV/(g tan a)" in said.out
+    assert "Ishiyama" in said.out
     tree = rp.load(verdicts)
-    rates = tree["rates"].to_dataset().to_dataframe().set_index(["score", "kind", "point"])
-    given, fitted = (rates.loc[("march", kind, "balanced")] for kind in ("as-given", "in-sample"))
-    assert (given.missed, given["false"]) == (fitted.missed, fitted["false"])
-    assert len(tree["cases"].to_dataset().to_dataframe()) == 6 * 24
-    assert {"march", "velocity_ratio", "velocity_alone"} == set(tree["curves"]["score"].values)
+    assert tree.attrs["earthquakes"] == 5
+    capacities = tree["capacities"].to_dataset().to_dataframe().set_index(["measure", "target", "kind"])
+    given = capacities.loc[("march", "capacity_mean", "as-given")]
+    assert given.coefficient == pytest.approx(written["balanced"]["factor"], rel=1e-5)
+    assert len(tree["cases"].to_dataset().to_dataframe()) == 6 * 12
 
 
 @pytest.mark.sweep
-def test_one_earthquake_gives_a_statement(samples, tmp_path, capsys):
+def test_one_earthquake_gives_a_statement(samples, tmp_path, capsys, monkeypatch):
+    monkeypatch.setattr(truth, "LANES", 64)
     out = tmp_path / "verdicts.h5"
     code, said = run(capsys, "rule", "judge", samples / "CICCC.RAW", "-o", out)
     assert code == 0
