@@ -25,7 +25,10 @@ def warm_up(analysis: Analysis) -> None:
         models=config.models,
         search=replace(config.search, points=8, step=1.2),
         uncertainty=replace(config.uncertainty, azimuth=False),
-        calibration=CalibrationSettings(method="statistics"),
+        calibration=CalibrationSettings(
+            method="spectrum" if config.calibration.method == "spectrum" else "statistics",
+            spectrum=config.calibration.spectrum,
+        ),
         fragility=replace(config.fragility, pga_min=0.0),
     )
     record = Record(synthetic_motion(1, duration=8.0, pga=6.0), dt=0.01, id="warm-up", processed=True)

@@ -139,6 +139,9 @@ def test_a_fingerprint_changes_with_the_vertical_channel(samples, tmp_path):
     assert {name for name in before if before[name] != after[name]} == {name for name in before if "CLC" in name}
 
 
+#: The method by which the response of each record is matched.
+MATCHED = CalibrationSettings(method="response")
+
 #: Every section with a change, and the verbs whose numbers it changes.
 CHANGES = [
     ({"site": SiteSettings(name="x")}, ""),
@@ -166,25 +169,27 @@ CHANGES = [
     ({"search": SearchSettings(intervals=True)}, "assess"),
     ({"demands": (DemandSettings(name="x", acceleration=1.0),)}, "assess calibrate fragility"),
     ({"calibration": CalibrationSettings(method="statistics")}, "calibrate"),
-    ({"calibration": CalibrationSettings(confidence=0.8)}, "calibrate"),
-    ({"calibration": CalibrationSettings(family="blocks")}, "calibrate"),
-    ({"calibration": CalibrationSettings(scale_to="pga", target=3.0)}, "calibrate"),
-    ({"calibration": CalibrationSettings(quantile=0.5)}, ""),
-    ({"calibration": CalibrationSettings(bootstrap=200)}, ""),
-    ({"calibration": CalibrationSettings(weights="w.csv")}, ""),
-    ({"calibration": CalibrationSettings(design="parameters")}, ""),
+    ({"calibration": replace(MATCHED, confidence=0.8)}, "calibrate"),
+    ({"calibration": replace(MATCHED, family="blocks")}, "calibrate"),
+    ({"calibration": replace(MATCHED, scale_to="pga", target=3.0)}, "calibrate"),
+    ({"calibration": replace(MATCHED, quantile=0.5)}, ""),
+    ({"calibration": replace(MATCHED, bootstrap=200)}, ""),
+    ({"calibration": replace(MATCHED, weights="w.csv")}, ""),
+    ({"calibration": replace(MATCHED, design="parameters")}, ""),
 ]
 
 
 @pytest.mark.parametrize("verb", ["assess", "calibrate", "fragility"])
 @pytest.mark.parametrize(("change", "verbs"), CHANGES, ids=["-".join(change) for change, _ in CHANGES])
 def test_the_fingerprint_of_the_configuration_changes_with_what_changes_numbers(change, verbs, verb):
-    plain, changed = (configuration_fingerprint(one, verb) for one in (config(), replace(config(), **change)))
+    start = replace(config(), calibration=MATCHED)
+    plain, changed = (configuration_fingerprint(one, verb) for one in (start, replace(start, **change)))
     assert (plain != changed) == (verb in verbs)
 
 
-def test_seed_and_confidence_count_only_where_a_response_is_matched():
-    plain = CalibrationSettings(method="statistics")
+@pytest.mark.parametrize("method", ["spectrum", "statistics"])
+def test_seed_and_confidence_count_only_where_a_response_is_matched(method):
+    plain = CalibrationSettings(method=method)
     before = configuration_fingerprint(replace(config(), calibration=plain), "calibrate")
     for change in ({"run": RunSettings(seed=3)}, {"calibration": replace(plain, confidence=0.8, family="blocks")}):
         changed = replace(config(), calibration=plain)
@@ -202,6 +207,14 @@ def test_the_mean_over_directions_is_taken_when_all_records_are_done():
     swept = replace(config(), records=RecordSettings(components="sweep"))
     mean = replace(swept, uncertainty=UncertaintySettings(azimuth=True))
     assert configuration_fingerprint(swept, "assess") == configuration_fingerprint(mean, "assess")
+
+
+def test_the_spectrum_by_another_method_is_another_number():
+    seen = {
+        configuration_fingerprint(replace(config(), calibration=CalibrationSettings(spectrum=word)), "calibrate")
+        for word in ("rule", "nonlinear")
+    }
+    assert len(seen) == 2
 
 
 def test_the_fingerprint_of_the_configuration_knows_verb_version_program_and_schema(monkeypatch):

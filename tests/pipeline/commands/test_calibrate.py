@@ -11,6 +11,7 @@ import h5py
 import numpy as np
 import pytest
 from file_contents import assert_contents, contents
+from site_spectra import usual_site
 
 import rockpulse as rp
 from rockpulse.cli import main
@@ -281,3 +282,25 @@ def test_where_every_record_is_too_weak_a_quiet_run_says_so(config, tmp_path, ca
 def test_without_records_it_is_wrong_usage(config, tmp_path, capsys):
     assert main(["calibrate", "--config", str(config), "-o", str(tmp_path / "site.h5")]) == 2
     assert "no records: name files" in capsys.readouterr().err
+
+
+def test_by_default_the_spectrum_is_made_and_too_few_earthquakes_make_no_design(samples, tmp_path, capsys):
+    target, design = tmp_path / "site.h5", tmp_path / "design.h5"
+    assert main(["calibrate", str(samples / "CICLC.v1"), "--block", "wall=0.25x2.2", "-o", str(target)]) == 0
+    out = capsys.readouterr().out
+    assert out.startswith("! not enough earthquakes (1; at least 7 for the quantile 0.84)\n")
+    assert "wall" not in out
+    assert rp.load(target)["site"].attrs["method"] == "spectrum"
+    assert main(["inspect", str(target)]) == 0
+    assert capsys.readouterr().out.startswith("! not enough earthquakes (1; at least 7")
+    assert main(["assess", "--sequence", str(target), "--block", "wall=0.25x2.2", "-o", str(design)]) == 2
+    assert "no design: not enough earthquakes (1; at least 7" in capsys.readouterr().err
+
+
+def test_bodies_are_assessed_under_the_design_spectrum_of_a_file(tmp_path, capsys):
+    target, design = tmp_path / "site.h5", tmp_path / "design.h5"
+    rp.save(usual_site(), target)
+    assert main(["assess", "--sequence", str(target), "--block", "wall=0.3x3.0", "-o", str(design)]) == 0
+    assert "wall" in capsys.readouterr().out
+    factor = rp.load(design)["summary"]["safety_factor"].sel(model="sequence").item()
+    assert factor == pytest.approx(usual_site()["site"]["design_factor"].sel(block="wall").item(), rel=1e-9)

@@ -4,11 +4,14 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from site_spectra import BLOCKS, usual_site
+from site_spectra import site_of as spectrum_site
 
 import rockpulse as rp
 from rockpulse import CalibrationSettings, ConditioningSettings, FragilitySettings, SearchSettings
 from rockpulse.errors import ResultsError
 from rockpulse.models import Block
+from rockpulse.storage.design_file import design_of
 from rockpulse.views.report.content import gather
 from rockpulse.views.report.pairing import paired
 from rockpulse.views.report.writing import report_page
@@ -152,3 +155,15 @@ def test_a_sequence_that_is_not_the_design_of_the_site_is_refused(tmp_path, site
     for other in (replace(design, main=1.01 * design.main), replace(design, spacing="middle")):
         with pytest.raises(ResultsError, match="is not the design of this site: I "):
             site_of(rp.assess_sequence(other, blocks=bodies), site)
+
+
+def test_a_site_by_the_spectrum_is_shown_beside_its_design_and_another_is_refused():
+    bodies = {name: BLOCKS[name] for name in ("wall", "pier")}
+    assessed = rp.assess_sequence(design_of(usual_site()), blocks=bodies)
+    part = site_of(assessed, usual_site())
+    assert any("quantile of the overturning spectra of 10 records of 10 earthquakes" in one for one in part.statements)
+    assert [table.key for table in part.tables] == ["site-design", "site-sequence"]
+    page = report_page(assessed, usual_site())
+    assert "Records of the site, scaled as they were calibrated, overturn" not in page  # none overturns the pier
+    with pytest.raises(ResultsError, match="is not that of this site: the factor of wall is "):
+        site_of(rp.assess_sequence(design_of(spectrum_site(np.linspace(0.6, 1.5, 10))), blocks=bodies), usual_site())
