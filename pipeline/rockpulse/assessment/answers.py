@@ -15,11 +15,10 @@ from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 import numpy as np
 
 from rocking.response import Outcome, Reason
-from rockpulse.assessment.direction_statistics import MEAN
 from rockpulse.assessment.motion_shares import Motions, Share
 from rockpulse.motions.events import UNKNOWN
 from rockpulse.storage.hdf5_reader import flag_words, slab, worded
-from rockpulse.storage.probability_variables import PROBABILITY, SOURCES
+from rockpulse.storage.probability_variables import MEAN, PROBABILITY, SOURCES
 
 if TYPE_CHECKING:
     import xarray as xr

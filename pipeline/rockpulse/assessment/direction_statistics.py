@@ -14,11 +14,9 @@ import xarray as xr
 
 from rocking.response import Outcome
 from rockpulse.storage.assessment_variables import DIRECTIONS
+from rockpulse.storage.probability_variables import MEAN
 
-__all__ = ["MEAN", "direction_statistics", "largest_over", "median_over", "smallest_over"]
-
-#: The mean over direction of the probability of overturning: that of a body whose direction is not known.
-MEAN = "overturning_probability_mean"
+__all__ = ["direction_statistics", "largest_over", "median_over", "smallest_over"]
 
 
 def direction_statistics(

@@ -147,13 +147,10 @@ def verdicts(answers: Answers) -> list[BodyVerdict]:
     for lane, (body, margin, share) in enumerate(
         zip(answers.bodies, answers.margins(), answers.shares(overturns), strict=True)
     ):
-        grade = Grade.STAYS if stays[lane] else _grade(share)
-        if grade == Grade.OVERTURNS and is_upper_bound(answers.model):
-            grade = Grade.MAY_OVERTURN
         found.append(
             BodyVerdict(
                 body=body,
-                grade=grade,
+                grade=Grade.STAYS if stays[lane] else _grade(share, is_upper_bound(answers.model)),
                 share=share,
                 overturned=fallen[lane],
                 at_rest=resting[lane],
@@ -165,10 +162,11 @@ def verdicts(answers: Answers) -> list[BodyVerdict]:
     return found
 
 
-def _grade(share: Share) -> Grade:
-    """The word for a probability; not known where the motions that are not known decide between two."""
+def _grade(share: Share, bound: bool) -> Grade:
+    """The word for a probability, perhaps of an upper bound; not known where unknown motions decide between two."""
+    worst = Grade.MAY_OVERTURN if bound else Grade.OVERTURNS
     low, high = (
-        Grade.OVERTURNS if value >= OVERTURNS else Grade.MAY_OVERTURN if value >= MAY_OVERTURN else Grade.ROCKS
+        worst if value >= OVERTURNS else Grade.MAY_OVERTURN if value >= MAY_OVERTURN else Grade.ROCKS
         for value in (share.least + ROUNDING, share.most + ROUNDING)
     )
     return low if low == high and not math.isnan(share.least) else Grade.NOT_KNOWN

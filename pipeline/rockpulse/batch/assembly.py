@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from rockpulse.assessment.assessment import Assessment
-from rockpulse.assessment.direction_statistics import MEAN, direction_statistics
+from rockpulse.assessment.direction_statistics import direction_statistics
 from rockpulse.assessment.tree import joined_parts
 from rockpulse.batch.journal import Journal
 from rockpulse.batch.packing import unpack
@@ -21,6 +21,7 @@ from rockpulse.failures import Failure
 from rockpulse.motions.directions import swept_directions
 from rockpulse.motions.runner import Analysis, Part, Prepared
 from rockpulse.storage.hdf5_writer import TreeWriter, add_dataset
+from rockpulse.storage.probability_variables import MEAN
 from rockpulse.storage.save_load import check_described, provenance, replacing, save
 from rockpulse.storage.variables import failure_table
 

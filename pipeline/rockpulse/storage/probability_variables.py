@@ -10,7 +10,10 @@ import numpy as np
 from rockpulse.config.configuration import Config
 from rockpulse.storage.variables import Declared, StoredVariable, flag, real
 
-__all__ = ["PROBABILITY", "READ", "SOURCES"]
+__all__ = ["MEAN", "PROBABILITY", "READ", "SOURCES"]
+
+#: The mean over direction of the probability of overturning: that of a body whose direction is not known.
+MEAN = "overturning_probability_mean"
 
 #: What gave the probability, in the order of the flag.
 SOURCES = ("none", "spectrum", "own_lanes")
@@ -32,9 +35,8 @@ def _comment(config: Config) -> str:
     known = config.uncertainty
     least, most = known.restitution
     return (
-        f"by the nonlinear model; standard deviation of ln factor {known.factor:g}, restitution {least:g} to {most:g} "
-        f"of the nominal one or the range of a list, loss of alpha_c {known.geometry:g} |N|; factors up to "
-        f"{config.search.factor_max:g}"
+        f"nonlinear model; factor {100.0 * known.factor:g} % lognormal, C {least:g} to {most:g} of nominal or the range "
+        f"of its list, angle less {100.0 * known.geometry:g} % |N|; factors up to {config.search.factor_max:g}"
     )
 
 

@@ -224,6 +224,8 @@ def test_the_probability_is_that_of_the_nonlinear_model_alone():
 def test_an_upper_bound_type_input_shows_no_more_than_that_a_body_may_overturn():
     summary = summary_of([0.5, 0.6]).assign_coords(model=["resonance"])
     assert verdict(summary, model="resonance").grade == Grade.MAY_OVERTURN
+    summary["outcome"][1], summary["safety_factor"][1] = Outcome.UNRESOLVED, NAN
+    assert verdict(summary, model="resonance").grade == Grade.MAY_OVERTURN  # whatever the other one would do
 
 
 def test_a_smallest_factor_that_may_be_larger_is_marked():

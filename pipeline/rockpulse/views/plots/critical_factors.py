@@ -154,7 +154,7 @@ def overturning_map(
     title(ax, f"{heading}: {look(model).label} model", rows=legend_rows)
     outside = [body for (_, body, _), within in zip(rows, inside, strict=True) if within == 0]
     if name == "factor_10":
-        told = summary[name].attrs.get("comment", "by the nonlinear model")
+        told = summary[name].attrs.get("comment", "nonlinear model")
         words = f"Dashed: the record as it is. Line: interval of 90 %. P, probability of overturning: {told}."
     else:
         words = _map_notes(model, end, float(np.nanmax(steps, initial=1.0)), outside, bool(np.any(bound)))

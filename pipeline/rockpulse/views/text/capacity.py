@@ -35,7 +35,7 @@ def restitutions(answers: Answers, place: int) -> Cell:
 
 def uncertainty_words(answers: Answers) -> str:
     """The uncertainty that the probability of overturning is stated under, as the results tell it."""
-    return str(answers.summary["overturning_probability"].attrs.get("comment", "by the nonlinear model"))
+    return str(answers.summary["overturning_probability"].attrs.get("comment", "nonlinear model"))
 
 
 def factor_notes(answers: Answers, swept: bool = False) -> list[str]:
