@@ -35,8 +35,8 @@ def _comment(config: Config) -> str:
     known = config.uncertainty
     least, most = known.restitution
     return (
-        f"nonlinear model; factor {100.0 * known.factor:g} % lognormal, C {least:g} to {most:g} of nominal or the range "
-        f"of its list, angle less {100.0 * known.geometry:g} % |N|; factors up to {config.search.factor_max:g}"
+        f"nonlinear model; factor {100.0 * known.factor:g} % lognormal, C {least:g} to {most:g} of nominal or the "
+        f"range of its list, angle less {100.0 * known.geometry:g} % |N|; factors up to {config.search.factor_max:g}"
     )
 
 

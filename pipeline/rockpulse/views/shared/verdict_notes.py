@@ -109,8 +109,8 @@ def share_notes(answers: Answers) -> list[str]:
     if answers.motions.kind == "sequence":
         return []
     what = "P: probability of overturning" if answers.probable else "share: share of earthquakes that overturn it"
-    first = f"{what}, mean over the motions of an earthquake, then over earthquakes (0 where it is not lifted); 90 %: its interval for other "
-    first += "earthquakes like these"
+    first = f"{what}, mean over the motions of an earthquake, then over earthquakes (0 where it is not lifted); "
+    first += "90 %: its interval for other earthquakes like these"
     if events < FEWEST_EVENTS:
         first += f" ({several(events, 'earthquake')} cannot tell {MAY_OVERTURN:g}: read the verdict with its upper end)"
     words = (
