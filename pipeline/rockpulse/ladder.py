@@ -43,30 +43,25 @@ UPPER_BOUND = "upper-bound type input"
 
 
 def _resonance(block: rocking.Block, scene: Scene) -> rocking.Response:
-    if scene.sequence is None:
-        return _no_sequence(block)
-    sequence = scene.sequence
-    return rocking.resonance(block, sequence.main, sequence.main_count, duration=sequence.duration)
+    one = scene.sequence
+    return _no_sequence(block) if one is None else rocking.resonance(block, one.main, one.main_count, one.duration)
 
 
 def _search_resonance(block: rocking.Block, scene: Scene) -> rocking.ScaleIntervals:
-    if scene.sequence is None:
-        return _not_searched(block)
-    return rocking.resonance_critical_scale(block, scene.sequence, scene.search.factor_max)
+    one, most = scene.sequence, scene.search.factor_max
+    return _not_searched(block) if one is None else rocking.resonance_critical_scale(block, one, most)
 
 
 def _sequence(block: rocking.Block, scene: Scene) -> rocking.Response:
-    sequence = scene.sequence
-    if sequence is None:
-        return _no_sequence(block)
-    return rocking.sequence_response(block, sequence, paired=sequence.shape != ())
+    one = scene.sequence
+    return _no_sequence(block) if one is None else rocking.sequence_response(block, one, paired=one.shape != ())
 
 
 def _search_sequence(block: rocking.Block, scene: Scene) -> rocking.ScaleIntervals:
-    if scene.sequence is None:
+    one, search = scene.sequence, scene.search
+    if one is None:
         return _not_searched(block)
-    search, paired = scene.search, scene.sequence.shape != ()
-    return rocking.sequence_critical_scale(block, scene.sequence, search.factor_max, search.step, paired=paired)
+    return rocking.sequence_critical_scale(block, one, search.factor_max, search.step, paired=one.shape != ())
 
 
 def _rule(block: rocking.Block, scene: Scene, *, point: str) -> rocking.Response:
@@ -354,7 +349,7 @@ class Scene:
 
     `vertical` is the vertical ground acceleration on the samples of the record, (n,) [m/s2], for the nonlinear model;
     `phase` is the stretch that the sequence is calibrated on. The sequence is None where the phase holds too few
-    half-waves; a design by the spectrum has one for each block, (m,), which the sequence model alone takes.
+    half-waves; by a design spectrum it is (m,), one a block, for the sequence model alone.
     """
 
     record: Record

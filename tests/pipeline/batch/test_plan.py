@@ -156,7 +156,7 @@ CHANGES = [
     # Told by the records that are read with them, and by each task.
     ({"records": RecordSettings(units="g", dt=0.02, files=(FileSettings(match="*", units="g"),))}, ""),
     ({"records": RecordSettings(confirm=("*",))}, ""),
-    ({"run": RunSettings(seed=3)}, "assess"),
+    ({"run": RunSettings(seed=3)}, "assess calibrate"),
     ({"uncertainty": UncertaintySettings(factor=0.2)}, "assess"),
     ({"conditioning": ConditioningSettings(highpass_hz=0.1)}, "assess calibrate fragility"),
     ({"half_waves": HalfWaveSettings(merge=False)}, "assess calibrate fragility"),
