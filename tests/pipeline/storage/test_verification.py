@@ -18,6 +18,7 @@ from rockpulse.errors import ResultsError
 from rockpulse.storage import save_load as store
 from rockpulse.storage.checksums import CHECKSUM, CHECKSUM_OF_ATTRIBUTES, VariableChecksum
 from rockpulse.storage.hdf5_writer import TreeWriter
+from rockpulse.storage.probability_variables import PROBABILITY
 from rockpulse.storage.save_load import load, save
 from rockpulse.storage.verification import verify
 
@@ -239,6 +240,24 @@ def test_inputs_are_found_from_any_folder(samples, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     found = verify("results.h5")
     assert (found.inputs, found.absent, found.differences) == (4, (), ())
+
+
+def test_a_file_of_schema_1_2_lacks_nothing_for_want_of_a_probability(tmp_path, monkeypatch):
+    motion = rp.Record(4.0 * np.sin(6.0 * np.arange(0.0, 4.0, 0.01)), 0.01, "one")
+    config = Config(models=ModelSettings(use=("resonance",)), records=RecordSettings(store="none"))
+    tree = rp.assess([motion], config, {"pier": rp.models.Block(half_width=0.5, half_height=1.9365)})
+    save(tree, tmp_path / "new.h5")
+    assert verify(tmp_path / "new.h5").differences == ()
+    table = rp.results_table(tmp_path / "new.h5", columns=["factor_10", "probability_source"])
+    assert table["probability_source"].tolist() == ["none"]
+    assert table["factor_10"].isna().all()
+    tree["summary"].dataset = tree["summary"].to_dataset().drop_vars(PROBABILITY)
+    save(tree, tmp_path / "without.h5")
+    assert len(verify(tmp_path / "without.h5").differences) == len(PROBABILITY)
+    monkeypatch.setattr(store, "SCHEMA_VERSION", "1.2")
+    save(tree, tmp_path / "old.h5")
+    assert verify(tmp_path / "old.h5").differences == ()
+    assert set(PROBABILITY).isdisjoint(load(tmp_path / "old.h5")["summary"].data_vars)
 
 
 def test_compressed_copies_keep_the_checksum_of_what_is_in_them(folder, results):
