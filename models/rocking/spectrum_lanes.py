@@ -22,6 +22,7 @@ import numpy as np
 
 from rocking.arguments import numbers, positive
 from rocking.block import STANDARD_GRAVITY, Block
+from rocking.block_limits import RATES
 from rocking.demand import ground_demand
 from rocking.recorded import recorded_response
 
@@ -29,9 +30,6 @@ __all__ = ["RATES", "SpectrumLanes", "fill_lanes", "frequency_parameters", "spec
 
 #: The body that stands for all slender ones.
 SLENDERNESS = 8.0
-
-#: Default frequency parameters [1/s], 24 from 0.5 to 8 at a ratio of 1.128: rectangles with R from 29 m down to 0.11 m.
-RATES = np.geomspace(0.5, 8.0, 24)
 
 #: Restitutions that the lanes cover. A block of C = 1 never comes to rest: its lane costs twenty times one of 0.99.
 LEAST_RESTITUTION, MOST_RESTITUTION = 0.675, 0.999

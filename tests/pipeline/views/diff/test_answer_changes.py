@@ -7,7 +7,7 @@ import pytest
 import xarray as xr
 from results_tree import RECORDS, results_tree
 
-from rockpulse.views.diff.differences import CAPACITY, compare_results
+from rockpulse.views.diff.differences import CAPACITY, FACTOR, compare_results
 from rockpulse.views.diff.overview import difference_overview
 
 
@@ -106,3 +106,23 @@ def test_what_was_not_found_is_told_up_to_where_it_was_sought():
     found, _ = compare(made(4.0), made(10.0))
     (line,) = found.bodies
     assert line.startswith("cabinet: smallest SF >4 -> >10, smallest capacity/demand SLD >18.4 -> >46.1, ")
+
+
+def test_a_changed_probability_and_factor_of_ten_percent_are_told_of_every_body():
+    def made(probability, factor):
+        found = demanded(BEFORE)
+        summary = found["summary"].to_dataset()
+        summary["safety_factor"][:] = np.nan
+        tables = {name: np.full((3, 3), 0.01) for name in ("overturning_probability", "factor_10", "factor_10_low")}
+        tables["factor_10"][:], tables["factor_10_low"][:] = 1.5, 1.4
+        tables["overturning_probability"][:2, 1], tables["factor_10"][0, 1] = probability, factor
+        found["summary"] = xr.DataTree(summary.assign({k: (("record", "block"), v) for k, v in tables.items()}))
+        return found
+
+    found, text = compare(made(0.04, 1.2), made(0.3, 0.8))
+    (line,) = found.bodies
+    # Two records of one earthquake, the third of another, which has 0.01: half of the sum.
+    assert line.startswith("column: P 0.025 -> 0.15, smallest factor of 10 % 1.20 -> 0.80, smallest capacity/demand")
+    (crossed,) = found.sides[FACTOR].named
+    assert crossed.place == (RECORDS[0], "column")
+    assert "Factors of 10 % that crossed 1" in " ".join(text.split())

@@ -146,3 +146,24 @@ def test_all_views_of_a_sweep_tell_the_same_margins(monkeypatch):
     shown = dict(zip((heading.title for heading in table.headings), in_report, strict=True))
     assert [shown["smallest SF"].marked, shown["median SF"].marked] == [smallest, median]
     assert shown["capacity/demand: collapse"].text == f"{capacities[0]}, median {capacities[1]}"
+
+
+def test_a_sweep_shows_the_smallest_factor_of_ten_percent_with_its_azimuth(tree):
+    summary, directions = (tree[name].to_dataset().copy(deep=True) for name in ("summary", "directions"))
+    shape = tuple(summary.sizes[dim] for dim in ("record", "block"))
+    place = int(directions["record_index"].values[0, 4])
+    factor = np.full(shape, 1.7)
+    factor[place, 0] = 0.85
+    values = {"overturning_probability": np.full(shape, 0.01), "factor_10": factor, "factor_10_low": 0.9 * factor}
+    values["overturning_probability"][place, 0] = 0.19
+    summary = summary.assign({name: (("record", "block"), table) for name, table in values.items()})
+    text = direction_table(summary, directions)
+    row = next(line.split() for line in text.splitlines() if line.startswith("  wall"))
+    assert row[5:7] == ["0.85", f"{directions['direction_azimuth'].values[4]:g}°"]
+    assert "factor of 10 %: smallest factor on the record, over direction, at which P is 10 %" in " ".join(text.split())
+    swept = xr.DataTree.from_dict({"/summary": summary, "/directions": directions})
+    (wall, _) = verdicts(answers_of(swept))
+    assert wall.share.value == 0.19  # of the worst direction
+    mean = directions.assign(overturning_probability_mean=("pair", [0.0]))
+    (wall, _) = verdicts(answers_of(xr.DataTree.from_dict({"/summary": summary, "/directions": mean})))
+    assert wall.share.value == pytest.approx((8 * 0.01 + 0.19) / 9)
