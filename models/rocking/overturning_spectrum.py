@@ -29,7 +29,7 @@ from rocking.lane_probability import NO_LANE, lane_bells, lane_probability, tail
 from rocking.spectrum_lanes import LEAST_RESTITUTION, RATES, SpectrumLanes
 from rocking.uncertainty import Uncertainty
 
-__all__ = ["LEVEL_STEP", "OverturningFactors", "OverturningSpectrum", "covered"]
+__all__ = ["LEVEL_STEP", "OverturningFactors", "OverturningSpectrum", "covered", "covered_range"]
 
 #: Levels of x are exp(LEVEL_STEP k), k whole: those of two records are the same numbers.
 LEVEL_STEP = 0.05
@@ -43,6 +43,9 @@ TWO_SIDED = 1.6448536269514722
 #: Error of the similarity and of the interpolation in ln p, as a standard deviation of ln f, part of every interval
 #: (docs/decisions/024).
 INTERPOLATION = 0.02
+
+#: Narrowest range of C that is read from the lanes, over the range of C that they fill [-].
+LEAST_SHARE = 0.09
 
 #: Slenderness from which on the spectrum stands for a block (docs/decisions/024).
 LEAST_SLENDERNESS = 3.5
@@ -99,11 +102,20 @@ def covered(
     """True, (m,), for the blocks that a spectrum stands for, with C between `least` and `most` (m,).
 
     They are free and symmetric, of a slenderness of at least 3.5, and their p and C lie within those of the lanes, p
-    the (a,) frequency parameters of the spectrum [1/s] and `between` its restitutions.
+    the (a,) frequency parameters of the spectrum [1/s] and `between` its restitutions. A range of C below a tenth of
+    those restitutions (0.03 of 0.675 to 1) holds too few lanes.
     """
     slender = np.asarray(block.slenderness) >= LEAST_SLENDERNESS * (1.0 - 1e-9)
     inside = (np.asarray(block.p) >= p[0] * (1.0 - 1e-9)) & (np.asarray(block.p) <= p[-1] * (1.0 + 1e-9))
-    return slender & inside & (least >= between[0] * (1.0 - 1e-9)) & (most <= between[1] * (1.0 + 1e-9))
+    return slender & inside & covered_range(least, most, between)
+
+
+def covered_range(
+    least: np.ndarray, most: np.ndarray, between: tuple[float, float] = (LEAST_RESTITUTION, 1.0)
+) -> np.ndarray:
+    """True for the ranges of C that hold enough lanes of a spectrum whose lanes lie `between` two restitutions."""
+    wide = most - least >= LEAST_SHARE * (between[1] - between[0]) * (1.0 - 1e-9)
+    return wide & (least >= between[0] * (1.0 - 1e-9)) & (most <= between[1] * (1.0 + 1e-9))
 
 
 class OverturningSpectrum:
@@ -228,11 +240,12 @@ class OverturningSpectrum:
     def _range(self, restitution: Any) -> tuple[np.ndarray, np.ndarray]:
         nominal = np.atleast_1d(np.asarray(restitution, dtype=float))
         least, most = (share * nominal for share in self.uncertainty.restitution)
-        lowest, highest = self.lanes.between
-        if not (np.all(least >= lowest * (1.0 - 1e-9)) and np.all(most <= highest * (1.0 + 1e-9))):
+        if not np.all(covered_range(least, most, self.lanes.between)):
+            lowest, highest = self.lanes.between
             raise ValueError(
                 f"restitution: expected a nominal C whose draws, {self.uncertainty.restitution[0]:g} to "
-                f"{self.uncertainty.restitution[1]:g} of it, lie in {lowest:g} to {highest:g}, got {restitution!r}"
+                f"{self.uncertainty.restitution[1]:g} of it, lie in {lowest:g} to {highest:g} and are at least "
+                f"{LEAST_SHARE * (highest - lowest):.2g} apart, got {restitution!r}"
             )
         return least, most
 

@@ -14,8 +14,8 @@ import numpy as np
 
 from rocking.block import Block
 from rocking.crossing import factor_at
-from rocking.overturning_spectrum import LEAST_SLENDERNESS, OverturningSpectrum
-from rocking.spectrum_lanes import LEAST_RESTITUTION, RATES, SpectrumLanes, spectrum_lanes
+from rocking.overturning_spectrum import LEAST_SLENDERNESS, OverturningSpectrum, covered_range
+from rocking.spectrum_lanes import RATES, SpectrumLanes, spectrum_lanes
 from rocking.uncertainty import Uncertainty
 from rockpulse.calibration.rule import load_rule
 from rockpulse.record.half_wave import half_waves
@@ -121,8 +121,8 @@ def overturning_spectrum(
 def spectrum_values(spectrum: OverturningSpectrum, restitution: np.ndarray = RESTITUTIONS) -> dict[str, np.ndarray]:
     """The variables of :data:`~rockpulse.storage.spectrum_variables.SPECTRUM` of a spectrum, at nominal C (c,)."""
     least, most = (share * restitution for share in spectrum.uncertainty.restitution)
-    if np.any(outside := (least < LEAST_RESTITUTION * (1.0 - 1e-9)) | (most > 1.0 + 1e-9)):
-        # With a wide range of restitutions the lanes do not reach down to those of the least nominal ones.
+    if np.any(outside := ~covered_range(least, most, spectrum.lanes.between)):
+        # The lanes do not reach down to wide ranges of a low nominal C, and are not dense enough for narrow ones.
         inner = spectrum_values(spectrum, restitution[~outside]) if not np.all(outside) else {}
         return {
             name: _with_gaps(variable, inner.get(name), outside, spectrum.p.size) for name, variable in SPECTRUM.items()
