@@ -14,14 +14,14 @@ COMPUTED = ("not_computed", "no", "yes")
 
 _DEMANDS: Declared = {
     "march": real("1", "1 over the mean capacity of the march through the half-waves"),
-    "march_10": real("1", "1 over the factor at which the march overturns with a probability of 10 %", since=2),
-    "single_ratio": real("1", "1 over the safety factor of one nonlinear analysis", since=2),
-    "change_ratio": real("1", "largest change of velocity within 2/p over g tan(alpha)/p", since=2),
-    "intensity_ratio": real("1", "mean pseudo-velocity, 5 % damping, 0.1 to 2.5 s, over g tan(alpha)/p", since=2),
+    "march_10": real("1", "1 over the factor at which the march overturns with a probability of 10 %", since=3),
+    "single_ratio": real("1", "1 over the safety factor of one nonlinear analysis", since=3),
+    "change_ratio": real("1", "largest change of velocity within 2/p over g tan(alpha)/p", since=3),
+    "intensity_ratio": real("1", "mean pseudo-velocity, 5 % damping, 0.1 to 2.5 s, over g tan(alpha)/p", since=3),
     "velocity_ratio": real("1", "p PGV/(g tan alpha)"),
-    "impulse_ratio": real("1", "largest half-wave over g tan(alpha)/p", since=2),
+    "impulse_ratio": real("1", "largest half-wave over g tan(alpha)/p", since=3),
     "uplift_ratio": real("1", "PGA/(g tan alpha)"),
-    "ishiyama_ratio": real("1", "PGV over 0.4 sqrt(8 g R (1 - cos alpha)/(3 cos^2 alpha))", since=2),
+    "ishiyama_ratio": real("1", "PGV over 0.4 sqrt(8 g R (1 - cos alpha)/(3 cos^2 alpha))", since=3),
 }
 
 _CASES: Declared = {
@@ -31,34 +31,34 @@ _CASES: Declared = {
     "slenderness": real("1", "height over width"),
     "radius": real("m", "half-diagonal R"),
     **_DEMANDS,
-    "capacity_mean": real("1", "exp of the mean logarithm of the factor at which the body overturns", since=2),
-    "capacity_mean_low": real("1", "what that is at least where it is not reached", since=2),
-    "factor_10": real("1", "factor at which the body overturns with a probability of 10 %", since=2),
-    "factor_50": real("1", "factor at which the body overturns with a probability of 50 %", since=2),
-    "probability_half": real("1", "probability of overturning at a factor of 0.5", since=2),
-    "probability_one": real("1", "probability of overturning at a factor of 1", since=2),
-    "overturns_half": flag(COMPUTED, "nonlinear verdict at a factor of 0.5", first=-1, since=2),
-    "overturns_one": flag(COMPUTED, "nonlinear verdict at a factor of 1", first=-1, since=2),
-    "left_out_balanced": real("1", "demand of the balanced rule fitted without the earthquake", since=2),
-    "left_out_conservative": real("1", "demand of the conservative rule fitted without the earthquake", since=2),
+    "capacity_mean": real("1", "exp of the mean logarithm of the factor at which the body overturns", since=3),
+    "capacity_mean_low": real("1", "what that is at least where it is not reached", since=3),
+    "factor_10": real("1", "factor at which the body overturns with a probability of 10 %", since=3),
+    "factor_50": real("1", "factor at which the body overturns with a probability of 50 %", since=3),
+    "probability_half": real("1", "probability of overturning at a factor of 0.5", since=3),
+    "probability_one": real("1", "probability of overturning at a factor of 1", since=3),
+    "overturns_half": flag(COMPUTED, "nonlinear verdict at a factor of 0.5", first=-1, since=3),
+    "overturns_one": flag(COMPUTED, "nonlinear verdict at a factor of 1", first=-1, since=3),
+    "left_out_balanced": real("1", "demand of the balanced rule fitted without the earthquake", since=3),
+    "left_out_conservative": real("1", "demand of the conservative rule fitted without the earthquake", since=3),
 }
 
-_MEASURE = text("name of the demand in /cases", since=2)
+_MEASURE = text("name of the demand in /cases", since=3)
 
 _CAPACITIES: Declared = {
     "measure": _MEASURE,
-    "target": text("capacity_mean or factor_10", since=2),
+    "target": text("capacity_mean or factor_10", since=3),
     "kind": text("left-out (coefficient fitted without the earthquake) or as-given (a stored rule)"),
-    "coefficient": real("1", "coefficient of the measure; its median over earthquakes left out", since=2),
-    "bias": real("1", "median of predicted over nonlinear capacity, earthquakes alike", since=2),
-    "bias_low": real("1", "lower end of its 95 % interval, earthquakes resampled", since=2),
-    "bias_high": real("1", "upper end of its 95 % interval, earthquakes resampled", since=2),
-    "dispersion": real("1", "standard deviation of the logarithm of that ratio", since=2),
-    "within": real("1", "the same about the mean of each body", since=2),
-    "within_low": real("1", "lower end of its 95 % interval, earthquakes resampled", since=2),
-    "within_high": real("1", "upper end of its 95 % interval, earthquakes resampled", since=2),
-    "reached": whole("capacities that are reached", since=2),
-    "censored_share": real("1", "share of the capacities that are not reached by a factor of 10", since=2),
+    "coefficient": real("1", "coefficient of the measure; its median over earthquakes left out", since=3),
+    "bias": real("1", "median of predicted over nonlinear capacity, earthquakes alike", since=3),
+    "bias_low": real("1", "lower end of its 95 % interval, earthquakes resampled", since=3),
+    "bias_high": real("1", "upper end of its 95 % interval, earthquakes resampled", since=3),
+    "dispersion": real("1", "standard deviation of the logarithm of that ratio", since=3),
+    "within": real("1", "the same about the mean of each body", since=3),
+    "within_low": real("1", "lower end of its 95 % interval, earthquakes resampled", since=3),
+    "within_high": real("1", "upper end of its 95 % interval, earthquakes resampled", since=3),
+    "reached": whole("capacities that are reached", since=3),
+    "censored_share": real("1", "share of the capacities that are not reached by a factor of 10", since=3),
 }
 
 _RATES: Declared = {

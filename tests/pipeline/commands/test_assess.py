@@ -300,7 +300,7 @@ def test_the_configuration_names_records_and_blocks(folder, tmp_path, capsys):
     assert summary["restitution"].sel(block="column").values.tolist() == [0.8, 0.9]
     assert summary["outcome"].dims == ("record", "block", "case", "model")
     out = capsys.readouterr().out
-    assert len(re.findall(r"^  column +0\.[89]00 ", out, re.M)) == 2
+    assert len(re.findall(r"^  column +0\.[89]00 ", out, re.M)) == 4  # under the record, and with the verdict
     assert "resonance" not in out
 
 

@@ -4,9 +4,9 @@ from pathlib import Path
 
 import h5py
 import numpy as np
-import pandas as pd
 import pytest
 import xarray as xr
+from made_up_cases import made_up
 from results_tree import RECORDS, results_bytes, results_tree
 
 import rockpulse as rp
@@ -70,13 +70,9 @@ def motions():
     ]
 
 
-def verdicts(cases=300):
+def verdicts(events=6):
     """A judgement on made-up cases; a statement where they are few."""
-    random = np.random.default_rng(1)
-    over = random.uniform(size=cases) < 0.3
-    table = pd.DataFrame({"record": "one", "event": np.arange(cases) // 50, "overturns": over, "peak": 0.3})
-    table = table.assign(event=table["event"].astype(str), uplift_ratio=9.0, march=1.0 + over, velocity_ratio=1.0)
-    return judge_rules(table, {point: Rule(point, 1.0) for point in POINTS}, resamples=5)
+    return judge_rules(made_up(events=events, records=2), {point: Rule(point, 1.0) for point in POINTS}, resamples=5)
 
 
 def site():
@@ -103,7 +99,7 @@ EVERY = {
 
 @pytest.mark.parametrize("kind", [*KINDS, "statement only"])
 def test_every_kind_of_file_is_shown(kind, tmp_path, capsys):
-    make, words = EVERY.get(kind, (lambda: verdicts(40), "no verdict on the rule"))
+    make, words = EVERY.get(kind, (lambda: verdicts(1), "no verdict on the rule"))
     path = tmp_path / "file.h5"
     save(make(), path)
     assert main(["inspect", str(path)]) == 0

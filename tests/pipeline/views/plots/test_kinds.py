@@ -11,6 +11,7 @@ from matplotlib.text import Text
 from rockpulse.errors import ConfigError, ResultsError
 from rockpulse.storage.accuracy_variables import REPORT
 from rockpulse.storage.save_load import ASSESSMENT
+from rockpulse.storage.spectrum_variables import SPECTRUM, SPECTRUM_AXES
 from rockpulse.views.plots.drawing import DRAWERS
 from rockpulse.views.plots.kinds import KINDS, OPTIONS, draw, kind_list
 from rockpulse.views.plots.picture import svg
@@ -45,13 +46,46 @@ def test_kinds_of_an_assessment(assessed, kind, options):
             assert ax.get_xlabel() or ax.get_shared_x_axes().get_siblings(ax) != [ax] or kind == "accelerogram"
 
 
+def spectra():
+    """Made-up spectra of two records, over p and two restitutions."""
+    p, shape = np.geomspace(0.5, 8.0, 5), (2, 5, 2)
+    names = ("spectrum", "spectrum_low", "spectrum_high")
+    values = {
+        name: SPECTRUM[name].variable(np.full(shape, level), ("record", "p", "restitution"))
+        for name, level in zip(names, (0.5, 0.4, 0.6), strict=True)
+    }
+    axes = {name: SPECTRUM_AXES[name].variable(own) for name, own in (("p", p), ("restitution", [0.9, 0.95]))}
+    return xr.Dataset(values, axes)
+
+
+def test_the_spectrum_is_that_of_the_record_with_the_bodies(assessed, changed):
+    tree = changed({"/spectra": spectra().assign_coords(record=assessed["summary"]["record"].values)})
+    figure = draw(tree, "spectrum", record=str(assessed["summary"]["record"].values[1]), restitution=0.9)
+    (ax,) = figure.axes
+    curve = next(line for line in ax.lines if line.get_label() == "spectrum of the record")
+    assert curve.get_ydata().tolist() == [0.5] * 5
+    places = sorted(line.get_xdata()[0] for line in ax.lines if len(line.get_xdata()) == 1)
+    assert set(places) == set(assessed["summary"]["p"].values)
+    assert "2 records" in svg(draw(tree, "spectrum"))
+    with pytest.raises(ConfigError, match="one C"):
+        draw(tree, "spectrum", restitution="housner")
+    with pytest.raises(ResultsError, match="without the group spectra"):
+        draw(assessed, "spectrum")
+
+
 @pytest.mark.parametrize("kind", [kind for kind, row in KINDS.items() if row.file == ASSESSMENT])
 def test_no_text_leaves_the_picture(assessed, changed, kind):
     parts = {name: assessed[name].to_dataset() for name in ("summary", "records")}
     names = {"record": [f"NETWORK_{k}.{'THE_LONG_NAME_OF_A_STATION_' * 5}.HNE@2019" for k in range(2)]}
     blocks = {"block": ["wall of the church, NORTH TRANSEPT, upper part, after the works, variant A" * 2, COLUMN]}
     summary = parts["summary"].assign_coords(names | blocks)
-    tree = changed({"/summary": summary, "/records": parts["records"].assign_coords(names)})
+    tree = changed(
+        {
+            "/summary": summary,
+            "/records": parts["records"].assign_coords(names),
+            "/spectra": spectra().assign_coords(names),
+        }
+    )
     chosen = {"record": names["record"][0], "block": blocks["block"][0]}
     options = {name: chosen[name] for name in KINDS[kind].options if name in chosen}
     if kind == "overturning-map":
