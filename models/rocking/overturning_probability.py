@@ -105,8 +105,8 @@ def overturning_probability(
     >>> block = Block(half_width=0.3, half_height=1.2)
     >>> sine = np.sin(2.0 * np.pi * np.arange(0.0, 1.005, 0.01))
     >>> found = overturning_probability(block, sine, 0.01)
-    >>> bool(found.factor_10[0] < found.factor_50[0]), bool(found.factor_50_low[0] < 3.2 < found.factor_50_high[0])
-    (True, True)
+    >>> found.factor_10.round(1).tolist(), found.factor_50.round(1).tolist()  # the exact block overturns from 3.21 on
+    ([2.7], [3.1])
     """
     uncertainty = uncertainty or Uncertainty()
     blocks = block if block.shape else block.lanes(1)
