@@ -29,7 +29,7 @@ from rocking.lane_probability import NO_LANE, lane_bells, lane_probability, tail
 from rocking.spectrum_lanes import LEAST_RESTITUTION, RATES, SpectrumLanes
 from rocking.uncertainty import Uncertainty
 
-__all__ = ["LEVEL_STEP", "OverturningFactors", "OverturningSpectrum", "covered", "covered_range"]
+__all__ = ["LEVEL_STEP", "OverturningFactors", "OverturningSpectrum", "covered", "covered_range", "slender_within"]
 
 #: Levels of x are exp(LEVEL_STEP k), k whole: those of two records are the same numbers.
 LEVEL_STEP = 0.05
@@ -105,9 +105,13 @@ def covered(
     the (a,) frequency parameters of the spectrum [1/s] and `between` its restitutions. A range of C below a tenth of
     those restitutions (0.03 of 0.675 to 1) holds too few lanes.
     """
+    return slender_within(block, p) & covered_range(least, most, between)
+
+
+def slender_within(block: Block, p: np.ndarray) -> np.ndarray:
+    """True, (m,), for the blocks of a slenderness of at least 3.5 whose p lies within the ascending (a,) ones [1/s]."""
     slender = np.asarray(block.slenderness) >= LEAST_SLENDERNESS * (1.0 - 1e-9)
-    inside = (np.asarray(block.p) >= p[0] * (1.0 - 1e-9)) & (np.asarray(block.p) <= p[-1] * (1.0 + 1e-9))
-    return slender & inside & covered_range(least, most, between)
+    return slender & (np.asarray(block.p) >= p[0] * (1.0 - 1e-9)) & (np.asarray(block.p) <= p[-1] * (1.0 + 1e-9))
 
 
 def covered_range(
@@ -251,11 +255,7 @@ class OverturningSpectrum:
 
     def _between(self, p: np.ndarray, least: np.ndarray, most: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """P (m, k) of blocks, linear in ln p between the frequency parameters, and its standard error."""
-        above = (
-            np.clip(np.searchsorted(self.p, p), 1, max(self.p.size - 1, 1))
-            if self.p.size > 1
-            else np.zeros(p.size, int)
-        )
+        above = np.clip(np.searchsorted(self.p, p), min(1, self.p.size - 1), self.p.size - 1)
         below = np.maximum(above - 1, 0)
         step = np.log(self.p[above] / self.p[below])
         share = np.clip(np.divide(np.log(p / self.p[below]), step, out=np.ones(p.size), where=step > 0.0), 0.0, 1.0)

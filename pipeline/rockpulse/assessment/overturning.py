@@ -17,8 +17,9 @@ from rocking.crossing import factor_at
 from rocking.overturning_spectrum import LEAST_SLENDERNESS, OverturningSpectrum, covered_range
 from rocking.spectrum_lanes import RATES, SpectrumLanes, spectrum_lanes
 from rocking.uncertainty import Uncertainty
+from rockpulse.calibration.design_spectrum import at_blocks, within
 from rockpulse.calibration.rule import load_rule
-from rockpulse.record.half_wave import half_waves
+from rockpulse.record.half_wave import HalfWaves, half_waves
 from rockpulse.record.record import Record
 from rockpulse.storage.spectrum_variables import (
     AXIS_SIZES,
@@ -33,21 +34,25 @@ from rockpulse.storage.variables import StoredVariable
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["overturning_factors", "overturning_spectrum", "spectrum_values"]
+__all__ = ["LANES", "overturning_factors", "overturning_spectrum", "spectrum_values"]
 
 #: The angle of the blocks that stand for all [rad]; their capacity over g tan(alpha)/p does not depend on it.
 ALPHA = 0.1
 
 
-def _of_rule(record: Record, rates: np.ndarray, threads: int | None) -> SpectrumLanes:
-    return load_rule("balanced").spectrum_lanes(half_waves(record), rates, threads)
+def _of_rule(
+    record: Record, rates: np.ndarray = RATES, threads: int | None = None, waves: HalfWaves | None = None
+) -> SpectrumLanes:
+    return load_rule("balanced").spectrum_lanes(waves or half_waves(record), rates, threads)
 
 
-def _of_record(record: Record, rates: np.ndarray, threads: int | None) -> SpectrumLanes:
+def _of_record(
+    record: Record, rates: np.ndarray = RATES, threads: int | None = None, waves: HalfWaves | None = None
+) -> SpectrumLanes:
     return spectrum_lanes(record.acceleration, record.dt, rates, threads)
 
 
-#: What marches the lanes of a record, by the words of `method`.
+#: What marches the lanes of a record, by the words of `method`; the rule takes half-waves that are there already.
 LANES = {"nonlinear": _of_record, "rule": _of_rule}
 
 
@@ -194,22 +199,17 @@ def overturning_factors(spectrum: xr.Dataset, block: Block) -> dict[str, np.ndar
     True
     """
     block = block if block.shape else block.lanes(1)
-    inside = np.full(block.shape, True)
-    grid = []
-    for name, values in (("p", np.log(block.p)), ("restitution", np.asarray(block.restitution, dtype=float))):
-        axis = np.log(spectrum[name].values) if name == "p" else spectrum[name].values
-        inside &= (values >= axis[0] - 1e-9) & (values <= axis[-1] + 1e-9)
-        grid.append((axis, np.broadcast_to(values, block.shape)))
-    inside &= np.asarray(block.slenderness) >= LEAST_SLENDERNESS * (1.0 - 1e-9)
+    axes = spectrum["p"].values, spectrum["restitution"].values
+    inside = within(block, *axes)
     if not np.all(inside):
         raise ValueError(
             f"block: the spectrum stands for free blocks of slenderness {LEAST_SLENDERNESS:g} and more with its p and "
             f"C, not for {np.count_nonzero(~inside)} of {inside.size}, the first one at place {int(np.argmin(inside))}"
         )
     speed = block.gravity * np.tan(block.alpha_c) / block.p
-    capacity = speed / np.exp(_bilinear(grid, np.log(spectrum["spectrum"].values)[..., np.newaxis])[:, 0])
+    capacity = speed / np.exp(at_blocks(block, *axes, np.log(spectrum["spectrum"].values)))
     level = spectrum["level"].values
-    probability = _bilinear(grid, spectrum["probability"].values)
+    probability = at_blocks(block, *axes, spectrum["probability"].values)
     at_one = [np.interp(-np.log(one), np.log(level), row) for one, row in zip(capacity, probability, strict=True)]
     return {
         "overturning_probability": np.array(at_one),
@@ -217,23 +217,3 @@ def overturning_factors(spectrum: xr.Dataset, block: Block) -> dict[str, np.ndar
         "factor_50": factor_at(0.5, level, probability) * capacity,
         "capacity_mean": capacity,
     }
-
-
-def _bilinear(grid: list[tuple[np.ndarray, np.ndarray]], values: np.ndarray) -> np.ndarray:
-    """Values (a, c, k) over two axes at (m,) places: (m, k), linear along both."""
-    found: Any = 0.0
-    (first, first_share), (second, second_share) = (_place(axis, at) for axis, at in grid)
-    for i in (0, 1):
-        for j in (0, 1):
-            share = np.abs(1.0 - i - first_share) * np.abs(1.0 - j - second_share)
-            row, column = np.minimum(first + i, values.shape[0] - 1), np.minimum(second + j, values.shape[1] - 1)
-            found = found + share[:, np.newaxis] * values[row, column]
-    return np.asarray(found)
-
-
-def _place(axis: np.ndarray, at: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """The value of an axis below each place, and how far it is to the next one, 0 to 1."""
-    below = np.clip(np.searchsorted(axis, at, side="right") - 1, 0, max(axis.size - 2, 0))
-    if axis.size == 1:
-        return below, np.zeros(np.shape(at))
-    return below, np.clip((at - axis[below]) / (axis[below + 1] - axis[below]), 0.0, 1.0)

@@ -15,10 +15,10 @@ import numpy as np
 from scipy.interpolate import RegularGridInterpolator
 
 from rocking.block import Block
-from rocking.overturning_spectrum import LEAST_SLENDERNESS
+from rocking.overturning_spectrum import LEAST_SLENDERNESS, slender_within
 from rocking.sequence import ImpulseSequence
 
-__all__ = ["DesignSpectrum"]
+__all__ = ["DesignSpectrum", "at_blocks", "within"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,8 +60,7 @@ class DesignSpectrum:
         Their slenderness is at least 3.5, and their p and C lie within those of the spectrum.
         """
         one = block if block.shape else block.lanes(1)
-        slender = np.asarray(one.slenderness) >= LEAST_SLENDERNESS * (1.0 - 1e-9)
-        return np.asarray(slender & _within(one.p, self.p) & _within(one.restitution, self.restitution))
+        return within(one, self.p, self.restitution)
 
     def effective_impulse(self, block: Block) -> np.ndarray:
         """S at the p and C of each block, (m,) [m/s]; ln S is linear in ln p and in C.
@@ -79,10 +78,7 @@ class DesignSpectrum:
                 f"{self.p[0]:g} to {self.p[-1]:g} 1/s and C from {self.restitution[0]:g} to {self.restitution[-1]:g}, "
                 f"not for {outside.size} of {one.shape[0]}, the first one at place {int(outside[0])}"
             )
-        axes = (np.log(self.p), self.restitution)
-        places = np.column_stack([np.broadcast_to(values, one.shape) for values in (np.log(one.p), one.restitution)])
-        inside = np.clip(places, [axis[0] for axis in axes], [axis[-1] for axis in axes])
-        return np.asarray(np.exp(RegularGridInterpolator(axes, np.log(self.spectrum))(inside)))
+        return np.exp(at_blocks(one, self.p, self.restitution, np.log(self.spectrum)))
 
     def factor(self, block: Block) -> np.ndarray:
         """Factor on the design at which each block overturns, (m,) [-]: (g tan(alpha)/p)/S, as I_1c/I_eff is.
@@ -111,7 +107,21 @@ class DesignSpectrum:
         return ImpulseSequence(main, ratio * main, np.nan, np.inf, main_count=count, spacing="continuous")
 
 
-def _within(values: np.ndarray, axis: np.ndarray) -> np.ndarray:
-    """Whether values lie between the ends of an axis, rounding apart."""
-    found = np.asarray(values)
-    return np.asarray((found >= axis[0] * (1.0 - 1e-9)) & (found <= axis[-1] * (1.0 + 1e-9)))
+def at_blocks(block: Block, p: np.ndarray, restitution: np.ndarray, values: np.ndarray) -> np.ndarray:
+    """Values (a, c, ...) over p (a,) [1/s] and C (c,), read at the blocks (m,): (m, ...), linear in ln p and in C."""
+    places = []
+    for at, axis in ((np.log(block.p), np.log(p)), (block.restitution, restitution)):
+        places.append(np.clip(np.broadcast_to(at, block.shape), axis[0], axis[-1]))
+    # An axis of one value has no second one to go to.
+    axes = [np.append(axis, axis[-1] + 1.0) if axis.size == 1 else axis for axis in (np.log(p), restitution)]
+    grid = np.pad(
+        values, [(0, int(axis.size == 1)) for axis in (p, restitution)] + [(0, 0)] * (values.ndim - 2), "edge"
+    )
+    return np.asarray(RegularGridInterpolator(axes, grid)(np.column_stack(places)))
+
+
+def within(block: Block, p: np.ndarray, restitution: np.ndarray) -> np.ndarray:
+    """True, (m,), for slender blocks whose p and C lie within ascending p (a,) [1/s] and C (c,), rounding apart."""
+    found = np.asarray(block.restitution)
+    above, below = found >= restitution[0] * (1.0 - 1e-9), found <= restitution[-1] * (1.0 + 1e-9)
+    return np.asarray(slender_within(block, p) & above & below)

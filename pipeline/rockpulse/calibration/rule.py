@@ -148,11 +148,16 @@ class Rule:
         Returns
         -------
         SpectrumLanes
-            For :class:`rockpulse.models.OverturningSpectrum`.
+            For :class:`rockpulse.models.OverturningSpectrum`. Nothing overturns before the peak of the half-waves lifts
+            it, x = p/PGA. The angles of the draws are less than the nominal one, 4 % in the mean, so that a spectrum
+            goes up to 1.04 PGA/p where :meth:`demand` ends at the nominal PGA/p.
         """
         lanes = half_wave_lanes(waves.start, waves.centroid, waves.end, waves.impulse, p, threads=threads)
         shift = math.log(self.factor)
-        return replace(lanes, log_x=lanes.log_x - shift, bottom=lanes.bottom - shift, top=lanes.top - shift)
+        log_x = lanes.log_x - shift
+        bottom = np.maximum(lanes.bottom - shift, np.log(lanes.p / np.max(np.abs(waves.peak))))
+        weight = np.where(log_x > bottom[:, np.newaxis], lanes.weight, 0.0)
+        return replace(lanes, log_x=log_x, weight=weight, bottom=bottom, top=np.maximum(lanes.top - shift, bottom))
 
     def applicable(self, block: Block) -> np.ndarray:
         """True for bodies like those that the rule was fitted on: inside its range, or no more than 1 % beyond.

@@ -103,6 +103,15 @@ def test_by_the_rule_a_record_twice_as_strong_has_twice_the_spectrum():
     assert once.attrs["method"] == "rule"
 
 
+def test_by_the_rule_nothing_overturns_before_it_lifts():
+    """Half-waves of many seconds: a block falls as soon as it is lifted, at the peak."""
+    slow = rp.Record(np.sin(np.pi * np.arange(0.0, 20.005, 0.01) / 10.0), dt=0.01, id="slow", processed=True)
+    p = np.array([6.0, 8.0])
+    found = overturning_spectrum(slow, p, C, method="rule")["spectrum"].values
+    assert np.all(found <= slow.pga / p[:, np.newaxis] * 1.05)  # 4 % of the angle is lost in the mean
+    assert np.all(found > slow.pga / p[:, np.newaxis])
+
+
 def test_the_rule_is_near_the_nonlinear_equation(spectrum):
     """The rule scatters by about 15 % from record to record (docs/decisions/012): three times that is allowed."""
     by_rule = overturning_spectrum(RECORD, P, C, method="rule")

@@ -16,10 +16,13 @@ if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.axes import Axes
 
-__all__ = ["overturning_spectra"]
+__all__ = ["overturning_spectra", "record_lines", "spectrum_axes"]
 
 #: Spectra of single records that are drawn; more are a grey area.
 _DRAWN = 200
+
+#: Frequency parameters that are written along p [1/s].
+_TICKS = (0.5, 0.7, 1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 8.0)
 
 #: A median over fewer earthquakes than these says little of a site.
 FEWEST_EVENTS = 3
@@ -71,15 +74,12 @@ def overturning_spectra(
     known = np.flatnonzero(np.all(np.isfinite(curves), axis=1))
     curves = curves[known]
     left_out = ""
-    ax.set_xscale("log")
-    ax.set_yscale("log")
     if known.size == 1:
         low, high = (at[name].values[known[0]] for name in ("spectrum_low", "spectrum_high"))
         ax.fill_between(p, low, high, color=PALE, lw=0, label="90 % interval")
         ax.plot(p, curves[0], color=BLUE, label="spectrum of the record")
     elif known.size:
-        for place, curve in enumerate(curves[:_DRAWN]):
-            ax.plot(p, curve, color=GREY, lw=0.5, alpha=0.6, label="" if place else f"{known.size} records")
+        record_lines(ax, p, curves)
         labels = None if events is None else [events[int(place)] for place in known]
         weights, few = _alike(labels, known.size), labels is not None and len(set(labels)) < FEWEST_EVENTS
         for level, dashes, name in ((0.5, "-", "median"), (_UPPER, "--", "84 %")) if not few else ():
@@ -92,26 +92,45 @@ def overturning_spectra(
         if few:
             left_out = f" Fewer than {FEWEST_EVENTS} earthquakes have no median."
     points = {name: (rate, gravity * np.tan(alpha) / rate) for name, (rate, alpha) in (bodies or {}).items()}
-    handles = [*ax.get_legend_handles_labels()[0], *body_marks(ax, points)]
-    ax.set_xlim(p[0], p[-1])
-    ticks = [value for value in (0.5, 0.7, 1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 8.0) if p[0] <= value <= p[-1]]
-    ax.set_xticks(ticks, [f"{value:g}" for value in ticks])
-    ax.minorticks_off()
-    ax.set_xlabel(label(several["p"].attrs, symbol="$p$"))
-    ax.set_ylabel(r"effective impulse $S$, or $g\,\tan\alpha_c/p$ of a body [m/s]")
-    size_scale(ax, gravity)
-    columns = 3
-    legend_above(ax, columns, across=True, lift=32.0, handles=handles)
+    rows = spectrum_axes(ax, several["p"], points, gravity, columns=3)
     names = several["record"].values if "record" in several.coords else [several.attrs.get("record", "")]
     words = plain(names[known[0]]) if known.size == 1 else f"{known.size} records"
     if known.size < len(names):
         left_out += f" {len(names) - known.size} of {len(names)} records have no spectrum."
-    title(ax, f"{words}, $C$ = {grid[chosen]:g}", rows=3 - (-len(handles) // columns))
+    title(ax, f"{words}, $C$ = {grid[chosen]:g}", rows=rows)
     remarks = ["A body overturns, at its mean capacity, under a record whose curve lies above its point."]
     if bodies:
         remarks.append("A body with a larger C falls under a higher curve, one with a smaller C under a lower one.")
     caption(ax, " ".join(remarks) + ("" if known.size else " No spectrum was stored.") + left_out)
     return ax
+
+
+def record_lines(ax: Axes, p: np.ndarray, curves: np.ndarray) -> None:
+    """Draw the spectra of single records (records, a) [m/s] over p (a,) thinly, with one entry in the legend."""
+    for place, curve in enumerate(curves[:_DRAWN]):
+        ax.plot(p, curve, color=GREY, lw=0.5, alpha=0.6, label="" if place else f"{len(curves)} records")
+
+
+def spectrum_axes(
+    ax: Axes, p: xr.DataArray, points: Mapping[str, tuple[float, float]], gravity: float, columns: int
+) -> int:
+    """Dress the Axes of spectra over p, mark the bodies at their p and g tan(alpha)/p, and put the legend above.
+
+    Returns the rows that a title has to leave for the legend.
+    """
+    handles = [*ax.get_legend_handles_labels()[0], *body_marks(ax, dict(points))]
+    ax.set_xscale("log")
+    ax.set_yscale("log")
+    first, last = float(p[0]), float(p[-1])
+    ax.set_xlim(first, last)
+    ticks = [value for value in _TICKS if first <= value <= last]
+    ax.set_xticks(ticks, [f"{value:g}" for value in ticks])
+    ax.minorticks_off()
+    ax.set_xlabel(label(p.attrs, symbol="$p$"))
+    ax.set_ylabel(r"effective impulse $S$, or $g\,\tan\alpha_c/p$ of a body [m/s]")
+    size_scale(ax, gravity)
+    legend_above(ax, columns, across=True, lift=32.0, handles=handles)
+    return 3 - (-len(handles) // columns)
 
 
 def _alike(events: Sequence[str] | None, count: int) -> np.ndarray:

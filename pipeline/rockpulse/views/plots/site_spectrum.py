@@ -6,9 +6,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from rockpulse.views.plots.spectrum_map import body_marks, size_scale
-from rockpulse.views.plots.style import BLUE, GREY, PALE, RED, caption, legend_above, one_axes, title
-from rockpulse.views.plots.words import label, plain
+from rockpulse.record.record import STANDARD_GRAVITY
+from rockpulse.views.plots.overturning_curves import record_lines, spectrum_axes
+from rockpulse.views.plots.style import BLUE, PALE, RED, caption, one_axes, title
+from rockpulse.views.plots.words import plain
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -16,13 +17,8 @@ if TYPE_CHECKING:
 
 __all__ = ["site_spectrum"]
 
-#: Spectra of single records that are drawn.
-_DRAWN = 200
-
 #: C at which the spectrum is drawn without bodies.
 _RESTITUTION = 0.9
-
-_TICKS = (0.5, 0.7, 1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 8.0)
 
 
 def site_spectrum(tree: xr.DataTree, ax: Axes | None = None) -> Axes:
@@ -51,11 +47,7 @@ def site_spectrum(tree: xr.DataTree, ax: Axes | None = None) -> Axes:
         if "restitution" in one.dims
     }
     p = spectra["p"].values
-    ax.set_xscale("log")
-    ax.set_yscale("log")
-    count = site.sizes["record"]
-    for place, curve in enumerate(curves["spectrum"][:_DRAWN]):
-        ax.plot(p, curve, color=GREY, lw=0.5, alpha=0.5, label="" if place else f"{count} records")
+    record_lines(ax, p, curves["spectrum"])
     quantile, confidence = (100.0 * float(site[name]) for name in ("quantile", "confidence"))
     designed = bool(np.all(np.isfinite(curves["spectrum_design"])))
     if designed:
@@ -74,17 +66,8 @@ def site_spectrum(tree: xr.DataTree, ax: Axes | None = None) -> Axes:
     alpha, rates = site["alpha_c"].values, site["p"].values.tolist()
     speeds = (site["critical_impulse"].values * np.sin(alpha) / alpha).tolist()
     points = dict(zip(map(str, site["block"].values), zip(rates, speeds, strict=True), strict=True))
-    handles = [*ax.get_legend_handles_labels()[0], *body_marks(ax, points)]
-    ax.set_xlim(p[0], p[-1])
-    ticks = [value for value in _TICKS if p[0] <= value <= p[-1]]
-    ax.set_xticks(ticks, [f"{value:g}" for value in ticks])
-    ax.minorticks_off()
-    ax.set_xlabel(label(spectra["p"].attrs, symbol="$p$"))
-    ax.set_ylabel(r"effective impulse $S$, or $g\,\tan\alpha_c/p$ of a body [m/s]")
-    size_scale(ax, 9.80665)
-    columns = 2
-    legend_above(ax, columns, across=True, lift=32.0, handles=handles)
-    title(ax, f"{plain(tree.attrs.get('title', ''))}, $C$ = {restitution:.3g}", rows=3 - (-len(handles) // columns))
+    rows = spectrum_axes(ax, spectra["p"], points, STANDARD_GRAVITY, columns=2)
+    title(ax, f"{plain(tree.attrs.get('title', ''))}, $C$ = {restitution:.3g}", rows=rows)
     said = ["A body overturns under the design where the middle of its bar lies above its point."]
     remarks = [line[:1].upper() + line[1:] for line in str(site["remarks"].item()).splitlines() if line]
     caption(ax, " ".join([*said[: known.sizes["block"]], *(f"{plain(one)}." for one in remarks[:1])]))
