@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-__all__ = ["numbers", "positive", "together"]
+__all__ = ["numbers", "positive", "read_only", "record_samples", "together"]
 
 
 def numbers(name: str, value: Any, expected: str, lanes: bool = True) -> np.ndarray:
@@ -41,3 +41,24 @@ def together(**values: np.ndarray) -> tuple[np.ndarray, ...]:
     except ValueError:
         shapes = ", ".join(f"{name} {array.shape}" for name, array in values.items())
         raise ValueError(f"{', '.join(values)}: expected single values or arrays of one length, got {shapes}") from None
+
+
+def record_samples(name: str, values: Any) -> np.ndarray:
+    """Accelerations (n,) at the samples of a record [m/s2], finite, at least two; a ValueError otherwise."""
+    try:
+        array = np.ascontiguousarray(values, dtype=float)
+    except (TypeError, ValueError):
+        raise ValueError(f"{name}: expected a (n,) array of numbers in m/s2, got {values!r:.80}") from None
+    if array.ndim != 1 or array.size < 2:
+        raise ValueError(f"{name}: expected a (n,) array of at least 2 samples in m/s2, got shape {array.shape}")
+    if not (np.isfinite(np.min(array)) and np.isfinite(np.max(array))):  # NaN is the smallest: no copy is made
+        first = int(np.flatnonzero(~np.isfinite(array))[0])
+        raise ValueError(f"{name}: sample {first} is {array[first]}; NaN and infinite samples must be mended first")
+    return read_only(array)
+
+
+def read_only(array: np.ndarray) -> np.ndarray:
+    """The array, not to be written to: of one type whoever gives it, so that the kernel is compiled once for all."""
+    view = array.view()
+    view.flags.writeable = False
+    return view

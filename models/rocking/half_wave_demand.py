@@ -27,9 +27,9 @@ import numpy as np
 
 from rocking.block import Block
 from rocking.demand import HANDED_ON
-from rocking.half_wave_kernel import weighted_impulse
 from rocking.half_wave_lanes import checked_half_waves, half_wave_lanes, triangles
 from rocking.overturning_spectrum import OverturningSpectrum
+from rocking.slender_kernel import weighted_impulse
 from rocking.spectrum_lanes import LEAST_RESTITUTION, MOST_RESTITUTION, RATES
 
 __all__ = ["HalfWaveDemand", "Lobes", "demand_of_half_waves", "impulse_lobes", "lobe_shapes"]

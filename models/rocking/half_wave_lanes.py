@@ -1,9 +1,7 @@
-"""Lanes of an overturning spectrum from the half-waves of a record alone, marched as triangles.
+"""Lanes of an overturning spectrum from the half-waves of a record alone.
 
-.. note:: A half-wave is taken as the triangle that has its ends, its impulse and its centroid: two straight pieces. A
-   slender block goes through them by the linear equation in closed form (:mod:`rocking.half_wave_kernel`), a step a
-   piece, where the march over the samples (:mod:`rocking.spectrum_lanes`) takes one a sample. The lanes are placed and
-   weighed in the same way, so that both make an :class:`rocking.OverturningSpectrum`.
+.. note:: A half-wave is taken as the triangle that has its ends, its impulse and its centroid: two straight pieces,
+   where a record has one from sample to sample (:mod:`rocking.spectrum_lanes`).
 """
 
 from __future__ import annotations
@@ -12,27 +10,16 @@ from typing import Any
 
 import numpy as np
 
-from rocking.block import STANDARD_GRAVITY
-from rocking.half_wave_kernel import march_pieces, weighted_impulse
 from rocking.spectrum_lanes import (
-    HIGHEST,
     LEAST_RESTITUTION,
-    LEAST_SPAN,
     MOST_RESTITUTION,
     RATES,
     SpectrumLanes,
-    fill_lanes,
-    frequency_parameters,
+    check_strength,
+    piece_lanes,
 )
-from rocking.threads import split_lanes
 
 __all__ = ["checked_half_waves", "half_wave_lanes", "triangles"]
-
-#: Largest acceleration over gravity that is taken for a ground motion [-].
-STRONGEST = 1e6
-
-#: Shorter pieces are no pieces [s]: a triangle whose top stands at one of its ends has one only.
-SHORTEST = 1e-12
 
 
 def triangles(start: np.ndarray, centroid: np.ndarray, end: np.ndarray, impulse: np.ndarray) -> np.ndarray:
@@ -79,8 +66,7 @@ def half_wave_lanes(
     Raises
     ------
     ValueError
-        For arrays that are not finite, not of one length or out of order, impulses that are all zero or no ground
-        motion, or p that do not ascend.
+        For arrays that are not finite, not of one length or out of order, and as :func:`piece_lanes`.
 
     Examples
     --------
@@ -90,32 +76,8 @@ def half_wave_lanes(
     >>> OverturningSpectrum(lanes).spectrum([0.9]).round(2).tolist()  # m/s, at each p
     [[0.19], [0.19]]
     """
-    rates = frequency_parameters(p)
-    corners = triangles(*checked_half_waves(start, centroid, end, impulse))
-    length = np.diff(corners[0])
-    pieces = length > SHORTEST
-    ground = np.ascontiguousarray(np.stack([corners[1, :-1], corners[1, 1:]], axis=1)[pieces])
-    if not np.any(ground):
-        raise ValueError("impulse: expected a ground motion, got nothing but zeros")
-    left = np.append(np.maximum.accumulate(np.max(np.abs(ground), axis=1)[::-1])[::-1], 0.0)
-    steps = np.outer(rates, length[pieces])
-    growth = np.exp(steps)
-    bottom = np.log(rates / left[0])
-    strongest = [np.max(np.abs(weighted_impulse(*corners, rate))) for rate in rates]
-    top = np.maximum(np.log(HIGHEST / np.array(strongest)), bottom + LEAST_SPAN)
-
-    def march(log_x: np.ndarray, restitution: np.ndarray) -> np.ndarray:
-        place = np.repeat(np.arange(rates.size), log_x.shape[1])
-        strength = np.exp(log_x).reshape(-1) / rates[place]
-        peak = np.empty(place.size)
-
-        def some(first: int, last: int) -> None:
-            march_pieces(first, last, place, strength, restitution.reshape(-1), steps, growth, ground, left, peak)
-
-        split_lanes(some, place.size, threads)
-        return peak.reshape(log_x.shape)
-
-    return fill_lanes(rates, bottom, top, march, between)
+    times, ground = triangles(*checked_half_waves(start, centroid, end, impulse))
+    return piece_lanes(times, ground, p, between, threads)
 
 
 def checked_half_waves(
@@ -133,10 +95,5 @@ def checked_half_waves(
     first, middle, last, impulses = arrays
     if np.any(middle < first) or np.any(last < middle) or np.any(first[1:] < last[:-1] - 1e-9):
         raise ValueError("half-waves: expected start <= centroid <= end, one after the other")
-    strongest = np.max(np.abs(triangles(first, middle, last, impulses)[1]), initial=0.0) / STANDARD_GRAVITY
-    if strongest > STRONGEST:
-        raise ValueError(
-            f"acceleration: expected half-waves of at most {STRONGEST:g} times gravity, got {strongest:g}; is the "
-            "record in m/s2?"
-        )
+    check_strength(triangles(first, middle, last, impulses)[1])
     return first, middle, last, impulses

@@ -10,7 +10,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from rocking.arguments import numbers
+from rocking.arguments import numbers, read_only, record_samples
 from rocking.block import Block
 from rocking.demand import Demand
 from rocking.ground import Accelerogram, extremes
@@ -135,7 +135,7 @@ def recorded_response(
     >>> models.Outcome(response.outcome).name
     'ROCKS'
     """
-    record = _samples("acceleration", acceleration)
+    record = record_samples("acceleration", acceleration)
     if not isinstance(equation, str) or equation not in EQUATIONS:
         raise ValueError(f"equation: expected one of {sorted(EQUATIONS)}, got {equation!r}")
     if not isinstance(block, Block):
@@ -149,7 +149,7 @@ def recorded_response(
         raise ValueError(
             "vertical: the linear equation has no vertical acceleration; use equation='nonlinear' or drop it"
         )
-    up = _read_only(np.empty(0)) if vertical is None else _samples("vertical", vertical)
+    up = read_only(np.empty(0)) if vertical is None else record_samples("vertical", vertical)
     if vertical is not None and up.size != record.size:
         raise ValueError(f"vertical: expected {record.size} samples as in acceleration, got {up.size}")
     if verdict is not None and not isinstance(verdict, Demand):
@@ -196,7 +196,7 @@ def recorded_response(
             f"got shapes {start[0].shape} and {start[1].shape}"
         ) from None
     alpha, p, restitution, rotation, spin = (
-        _read_only(np.ascontiguousarray(np.broadcast_to(np.asarray(values, dtype=float), lanes).reshape(-1)))
+        read_only(np.ascontiguousarray(np.broadcast_to(np.asarray(values, dtype=float), lanes).reshape(-1)))
         for values in (block.alpha_c, block.p, block.restitution, *start)
     )
     if np.max(p, initial=0.0) * dt > LONGEST_SAMPLE:
@@ -229,23 +229,3 @@ def recorded_response(
     split_lanes(march, total, threads)
     response = response_of(results, shape, drop, active_samples=active.reshape(shape))
     return with_history(response, shape, drop, dt * np.arange(samples), motion) if history else response
-
-
-def _samples(name: str, values: Any) -> np.ndarray:
-    try:
-        array = np.ascontiguousarray(values, dtype=float)
-    except (TypeError, ValueError):
-        raise ValueError(f"{name}: expected a (n,) array of numbers in m/s2, got {values!r:.80}") from None
-    if array.ndim != 1 or array.size < 2:
-        raise ValueError(f"{name}: expected a (n,) array of at least 2 samples in m/s2, got shape {array.shape}")
-    if not (np.isfinite(np.min(array)) and np.isfinite(np.max(array))):  # NaN is the smallest: no copy is made
-        first = int(np.flatnonzero(~np.isfinite(array))[0])
-        raise ValueError(f"{name}: sample {first} is {array[first]}; NaN and infinite samples must be mended first")
-    return _read_only(array)
-
-
-def _read_only(array: np.ndarray) -> np.ndarray:
-    """The array, not to be written to: of one type whoever gives it, so that the kernel is compiled once for all."""
-    view = array.view()
-    view.flags.writeable = False
-    return view

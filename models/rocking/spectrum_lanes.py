@@ -1,14 +1,16 @@
-"""Lanes of an overturning spectrum: nonlinear marches of slender blocks, spread over strength, p and restitution.
+"""Lanes of an overturning spectrum: marches of slender blocks, spread over strength, p and restitution.
 
 .. note:: A slender block under a record times f sees x = f p/(g tan alpha) [s/m], its p and its C, and nothing else of
-   its size and shape: with phi = theta/alpha and tau = p t the equation of motion tends to
+   its size and shape: with phi = theta/alpha and tau = p t the nonlinear equation of motion tends to
 
    phi'' = phi - s - (x/p) a_g(tau/p),  lifted at abs(a_g) > p/x,  phi' -> C phi' at an impact
 
-   as alpha -> 0 (Dimitrakopoulos & DeJong 2012, doi:10.1098/rspa.2012.0026; Zhang & Makris 2001). So the lanes are
-   marched once, on a body of slenderness 8 that stands for all. At each p they fill (ln x, C) by a lattice of golden
-   ratio: a first part from uplift to where everything overturns, a second one where the first does not agree with
-   itself. A lane stands for the share of ln x that lies between it and its neighbours, 1 over their density.
+   as alpha -> 0 (Dimitrakopoulos & DeJong 2012, doi:10.1098/rspa.2012.0026; Zhang & Makris 2001). It is linear in phi
+   between impacts, so that a straight piece of the ground, from one sample to the next, has a closed form
+   (:mod:`rocking.slender_kernel`), and the lanes are marched once for all bodies. At each p they fill (ln x, C) by a
+   lattice of golden ratio: a first part from uplift to where everything overturns, a second one where the first does
+   not agree with itself. A lane stands for the share of ln x that lies between it and its neighbours, 1 over their
+   density.
 """
 
 from __future__ import annotations
@@ -20,16 +22,19 @@ from typing import Any
 
 import numpy as np
 
-from rocking.arguments import numbers, positive
-from rocking.block import STANDARD_GRAVITY, Block
+from rocking.arguments import positive, record_samples
+from rocking.block import STANDARD_GRAVITY
 from rocking.block_limits import RATES
-from rocking.demand import ground_demand
-from rocking.recorded import recorded_response
+from rocking.slender_kernel import march_pieces, weighted_impulse
+from rocking.threads import split_lanes
 
-__all__ = ["RATES", "SpectrumLanes", "fill_lanes", "frequency_parameters", "spectrum_lanes"]
+__all__ = ["RATES", "SpectrumLanes", "check_strength", "piece_lanes", "spectrum_lanes"]
 
-#: The body that stands for all slender ones.
-SLENDERNESS = 8.0
+#: Largest acceleration over gravity that is taken for a ground motion [-].
+STRONGEST = 1e6
+
+#: Shorter pieces are no pieces [s]: a triangle whose top stands at one of its ends has one only.
+SHORTEST = 1e-12
 
 #: Restitutions that the lanes cover. A block of C = 1 never comes to rest: its lane costs twenty times one of 0.99.
 LEAST_RESTITUTION, MOST_RESTITUTION = 0.675, 0.999
@@ -37,7 +42,7 @@ LEAST_RESTITUTION, MOST_RESTITUTION = 0.675, 0.999
 #: Lanes of each p in the first and in the second part.
 FIRST, SECOND = 100, 484
 
-#: The first part ends where the measure of :mod:`rocking.demand` is so many times what overturns a block...
+#: The first part ends where the exponentially weighted impulse is so many times what overturns a block at rest...
 HIGHEST = 1.0 / 0.06
 
 #: ... and at least this far above uplift [-], in ln x.
@@ -97,7 +102,7 @@ def spectrum_lanes(acceleration: Any, dt: float, p: Any = RATES, threads: int | 
     Parameters
     ----------
     acceleration : (n,) array_like
-        Horizontal ground acceleration a_g [m/s2], not all zero, as for :func:`~rocking.recorded_response`.
+        Horizontal ground acceleration a_g [m/s2], not all zero, linear between the samples and zero after them.
     dt : float
         Sampling interval [s].
     p : (a,) array_like
@@ -112,46 +117,88 @@ def spectrum_lanes(acceleration: Any, dt: float, p: Any = RATES, threads: int | 
     Raises
     ------
     ValueError
-        For p that do not ascend, a record of zeros, or what :func:`~rocking.recorded_response` refuses.
+        For p that do not ascend, an interval that is not positive, and a record that is not finite, is nothing but
+        zeros or exceeds a million times gravity.
     """
-    rates = frequency_parameters(p)
-    ground = np.asarray(acceleration, dtype=float)
-    slender = Block.from_parameters(p=rates, alpha=math.atan(1.0 / SLENDERNESS), restitution=MIDDLE, log=False)
-    speed = STANDARD_GRAVITY / SLENDERNESS / rates  # g tan(alpha)/p
-    demand = ground_demand(slender, ground, float(numbers("dt", dt, "an interval in s", lanes=False))).build_up * speed
-    if not np.all(demand > 0.0):
-        raise ValueError("acceleration: expected a ground motion, got nothing but zeros")
-    bottom = np.log(rates / np.max(np.abs(ground)))
-    top = np.maximum(np.log(HIGHEST / demand), bottom + LEAST_SPAN)
-
-    def march(log_x: np.ndarray, restitution: np.ndarray) -> np.ndarray:
-        lanes = Block.from_parameters(
-            p=np.repeat(rates, log_x.shape[1]),
-            alpha=math.atan(1.0 / SLENDERNESS),
-            restitution=restitution.reshape(-1),
-            log=False,
-        )
-        factors = (np.exp(log_x) * speed[:, np.newaxis]).reshape(-1)
-        found = recorded_response(lanes, ground, dt, block_scale=factors, threads=threads).peak_rotation_ratio
-        return np.where(np.isnan(found), np.inf, found).reshape(log_x.shape)
-
-    return fill_lanes(rates, bottom, top, march)
+    ground = record_samples("acceleration", acceleration)
+    interval = float(positive("dt", dt, "s", lanes=False))
+    return piece_lanes(interval * np.arange(ground.size), ground, p, threads=threads)
 
 
-def frequency_parameters(p: Any) -> np.ndarray:
-    """Frequency parameters [1/s] as (a,); ValueError where they do not ascend from above 0."""
+def piece_lanes(
+    times: np.ndarray,
+    ground: np.ndarray,
+    p: Any = RATES,
+    between: tuple[float, float] = (LEAST_RESTITUTION, MOST_RESTITUTION),
+    threads: int | None = None,
+) -> SpectrumLanes:
+    """March the lanes of a ground acceleration that is straight between its corners.
+
+    Parameters
+    ----------
+    times, ground : (k,) ndarray
+        Times of the corners, which do not descend [s], and a_g there [m/s2], not all zero.
+    p : (a,) array_like
+        Frequency parameters [1/s], ascending.
+    between : (float, float)
+        Least and most of the restitution of the lanes [-].
+    threads : int, optional
+        As for :func:`spectrum_lanes`.
+
+    Returns
+    -------
+    SpectrumLanes
+
+    Raises
+    ------
+    ValueError
+        For p that do not ascend, and a ground that is nothing but zeros or exceeds a million times gravity.
+    """
     rates = np.atleast_1d(positive("p", p, "1/s"))
     if np.any(np.diff(rates) <= 0.0):
         raise ValueError(f"p: expected ascending frequency parameters in 1/s, got {p!r:.80}")
-    return rates
+    check_strength(ground)
+    if not np.any(ground):
+        raise ValueError("acceleration: expected a ground motion, got nothing but zeros")
+    length = np.diff(times)
+    long = length > SHORTEST
+    pieces = np.ascontiguousarray(np.stack([ground[:-1], ground[1:]], axis=1)[long])
+    left = np.append(np.maximum.accumulate(np.max(np.abs(pieces), axis=1)[::-1])[::-1], 0.0)
+    steps = np.outer(rates, length[long])
+    growth = np.exp(steps)
+    bottom = np.log(rates / left[0])
+    impulse = [np.max(np.abs(weighted_impulse(times, ground, rate))) for rate in rates]
+    top = np.maximum(np.log(HIGHEST / np.array(impulse)), bottom + LEAST_SPAN)
+
+    def march(log_x: np.ndarray, restitution: np.ndarray) -> np.ndarray:
+        place = np.repeat(np.arange(rates.size), log_x.shape[1])
+        strength = np.exp(log_x).reshape(-1) / rates[place]
+        peak = np.empty(place.size)
+
+        def some(first: int, last: int) -> None:
+            march_pieces(first, last, place, strength, restitution.reshape(-1), steps, growth, pieces, left, peak)
+
+        split_lanes(some, place.size, threads)
+        return peak.reshape(log_x.shape)
+
+    return _filled(rates, bottom, top, march, between)
 
 
-def fill_lanes(
+def check_strength(ground: np.ndarray) -> None:
+    """Raise ValueError for accelerations (k,) [m/s2] that no ground motion has, a million times gravity."""
+    strongest = np.max(np.abs(ground), initial=0.0) / STANDARD_GRAVITY
+    if strongest > STRONGEST:
+        raise ValueError(
+            f"acceleration: expected at most {STRONGEST:g} times gravity, got {strongest:g}; is the record in m/s2?"
+        )
+
+
+def _filled(
     rates: np.ndarray,
     bottom: np.ndarray,
     top: np.ndarray,
     march: Callable[[np.ndarray, np.ndarray], np.ndarray],
-    between: tuple[float, float] = (LEAST_RESTITUTION, MOST_RESTITUTION),
+    between: tuple[float, float],
 ) -> SpectrumLanes:
     """Lanes at frequency parameters (a,), placed from uplift at `bottom` to `top` (a,) in ln x, and marched.
 

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from rocking import Block, OverturningSpectrum, recorded_response
-from rocking.half_wave_kernel import march_pieces
 from rocking.half_wave_lanes import half_wave_lanes, triangles
 from rocking.response import Outcome
+from rocking.slender_kernel import march_pieces
 
 G = 9.80665
 RATES = np.array([0.7, 2.0, 5.0])

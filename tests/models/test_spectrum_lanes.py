@@ -1,17 +1,19 @@
 """The lanes of a spectrum lie where they should and stand for all slender blocks."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from rocking import Block, Outcome, recorded_response, spectrum_lanes
+from rocking import Block, Outcome, OverturningSpectrum, recorded_response, spectrum_lanes
 from rocking.spectrum_lanes import FIRST, LEAST_RESTITUTION, MOST_RESTITUTION, RATES, SECOND
 from rockpulse.record.synthetic import synthetic_motion
 
 DT = 0.01
 MOTION = synthetic_motion(3, pga=3.0)[:2000]
 P = np.array([1.5, 3.0])
+C = np.array([0.8, 0.9, 1.0])
 
 
 @pytest.fixture(scope="module")
@@ -44,15 +46,22 @@ def test_nothing_is_lifted_at_the_bottom_and_all_falls_at_the_top(lanes):
     assert np.mean(np.isinf(lanes.peak[late])) > 0.99
 
 
-@pytest.mark.parametrize("slenderness", [6.0, 20.0])
-def test_a_block_of_another_slenderness_has_the_same_verdict(lanes, slenderness):
-    """Similarity of slender blocks: verdicts differ only within a per cent or two of an edge."""
+@pytest.mark.parametrize("slenderness", [3.5, 6.0, 20.0])
+def test_a_block_of_any_slenderness_has_the_same_spectrum(lanes, slenderness):
+    """Similarity of slender blocks, against the nonlinear equation: single verdicts differ near an edge."""
     p = np.repeat(P, lanes.log_x.shape[1])
     alpha = math.atan(1.0 / slenderness)
     block = Block.from_parameters(p=p, alpha=alpha, restitution=lanes.restitution.ravel(), log=False)
     factor = np.exp(lanes.log_x.ravel()) * block.gravity * math.tan(alpha) / p
-    over = recorded_response(block, MOTION, DT, block_scale=factor).outcome == Outcome.OVERTURNS
-    assert np.mean(over != np.isinf(lanes.peak.ravel())) < 0.04
+    nonlinear = recorded_response(block, MOTION, DT, block_scale=factor)
+    over = nonlinear.outcome == Outcome.OVERTURNS
+    assert np.mean(over != np.isinf(lanes.peak.ravel())) < 0.08
+    own = OverturningSpectrum(replace(lanes, peak=nonlinear.peak_rotation_ratio.reshape(lanes.peak.shape)))
+    slender = OverturningSpectrum(lanes)
+    # Sampling noise of one lattice with other verdicts at its edges; docs/decisions/024 has the error over records.
+    for rotation, allowed in ((np.inf, 0.05), (0.4, 0.05)):
+        difference = np.log(own.spectrum(C, rotation) / slender.spectrum(C, rotation))
+        assert np.max(np.abs(difference)) < allowed
 
 
 def test_the_mirror_image_has_the_same_lanes(lanes):

@@ -101,7 +101,9 @@ def _march(strength, restitution, length, growth, ground, left):
                 if z > 0.0:
                     above = math.log(z)
                     peak = max(peak, grow * z + fall / z + level + rate * above)
-            if last_u > 0.0 and last_speed > 0.0 and (u > 0.0 or above > 0.0):
+            # u' goes down and up again only where it starts below zero or u'' changes sign.
+            dips = speed < 0.0 or grow + fall < 0.0 < grow * whole + fall / whole
+            if dips and last_u > 0.0 and last_speed > 0.0 and (u > 0.0 or above > 0.0):
                 z = _turning(grow, fall, rate, whole, True)
                 if z > 0.0:
                     tau = math.log(z)
