@@ -40,7 +40,7 @@ SHORTEST = 1e-12
 LEAST_RESTITUTION, MOST_RESTITUTION = 0.675, 0.999
 
 #: Lanes of each p in the first and in the second part.
-FIRST, SECOND = 100, 484
+FIRST, SECOND = 144, 700
 
 #: The first part ends where the exponentially weighted impulse is so many times what overturns a block at rest...
 HIGHEST = 1.0 / 0.06

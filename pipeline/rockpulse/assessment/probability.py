@@ -85,20 +85,20 @@ def _fill(values: dict[str, np.ndarray], scene: Scene, bodies: Bodies, config: C
         spectrum = OverturningSpectrum(spectrum_lanes(record.acceleration, record.dt), uncertainty)
         put(served, spectrum.factors(blocks.chosen(served), least[served], most[served], limit))
     seed = int(np.random.SeedSequence([config.run.seed, *record.id.encode()]).generate_state(1)[0])
-    # One body a call: its draws do not depend on how far the lanes of others have to reach.
-    for place in np.flatnonzero(~slender)[:, np.newaxis]:
+    others = np.flatnonzero(~slender)
+    if others.size:
         own = overturning_probability(
-            blocks.chosen(place),
+            blocks.chosen(others),
             record.acceleration,
             record.dt,
             uncertainty,
             vertical=scene.vertical,
             factor_max=limit,
-            least=least[place],
-            most=most[place],
+            least=least[others],
+            most=most[others],
             seed=seed,
         )
-        put(place, own)
+        put(others, own)
     return spectrum
 
 
