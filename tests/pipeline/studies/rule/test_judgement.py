@@ -242,7 +242,7 @@ def test_the_protocol_gives_these_figures_on_a_sample(ridgecrest, monkeypatch):
     case = cases[np.isclose(cases.slenderness, 8.0) & np.isclose(cases.radius, 2.0)].iloc[0]
     assert case.uplift_ratio == pytest.approx(motion.record.pga * 8.0 / 9.80665)
     assert case.velocity_ratio == pytest.approx(0.649399, rel=1e-5)
-    assert case.march == pytest.approx(1.09543, rel=2e-3)
+    assert case.march == pytest.approx(1.06458, rel=2e-3)
     assert case.capacity_mean * case.march == pytest.approx(1.0, abs=0.2)
     assert case.factor_10 * case.march_10 == pytest.approx(1.0, abs=0.3)
     assert (len(cases), int(cases.overturns_half.sum()), int(cases.overturns_one.sum())) == (12, 1, 4)
