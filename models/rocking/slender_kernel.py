@@ -69,12 +69,14 @@ def _impact(grow, fall, level, slope, above, below):
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _march(strength, restitution, length, growth, ground, left):
-    """Largest u of one lane, inf where it overturns."""
+def _march(begin, strength, restitution, length, growth, ground, left):
+    """Largest u of one lane that rests before the piece `begin`, inf where it overturns."""
     peak, u, speed, side = 0.0, 0.0, 0.0, 0.0  # side 0: at rest, u = 0
-    for j in range(length.shape[0]):
+    for j in range(begin, length.shape[0]):
         start, end = strength * ground[j, 0], strength * ground[j, 1]
         if side == 0.0 and abs(start) <= 1.0 and abs(end) <= 1.0:
+            if strength * left[j] <= 1.0:
+                break
             continue
         remaining, whole = length[j], growth[j]
         slope = (end - start) / remaining
@@ -136,17 +138,19 @@ def _march(strength, restitution, length, growth, ground, left):
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def march_pieces(first, last, place, strength, restitution, length, growth, ground, left, peak):
+def march_pieces(first, last, place, strength, restitution, length, growth, ground, past, left, peak):
     """Fill the largest u of lanes `first` to `last`, inf where they overturn.
 
     The lanes (n,) have the `place` of their frequency parameter, the `strength` x/p [s2/m] and C.
 
     `length` and `growth` (a, k) are the lengths of the pieces in tau and their e^tau, `ground` (k, 2) the acceleration
-    at both ends of each [m/s2], `left` (k + 1,) the largest from each on.
+    at both ends of each [m/s2], `past` (k,) the largest of it up to the end of each, `left` (k + 1,) the largest from the
+    begin of each on.
     """
     for lane in range(first, last):
         k = place[lane]
-        peak[lane] = _march(strength[lane], restitution[lane], length[k], growth[k], ground, left)
+        begin = np.searchsorted(past, 1.0 / strength[lane])  # nothing lifts it before
+        peak[lane] = _march(begin, strength[lane], restitution[lane], length[k], growth[k], ground, left)
 
 
 @njit(cache=True, nogil=True, error_model="numpy")

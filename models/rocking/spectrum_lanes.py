@@ -163,7 +163,8 @@ def piece_lanes(
     length = np.diff(times)
     long = length > SHORTEST
     pieces = np.ascontiguousarray(np.stack([ground[:-1], ground[1:]], axis=1)[long])
-    left = np.append(np.maximum.accumulate(np.max(np.abs(pieces), axis=1)[::-1])[::-1], 0.0)
+    highest = np.max(np.abs(pieces), axis=1)
+    past, left = np.maximum.accumulate(highest), np.append(np.maximum.accumulate(highest[::-1])[::-1], 0.0)
     steps = np.outer(rates, length[long])
     growth = np.exp(steps)
     bottom = np.log(rates / left[0])
@@ -176,7 +177,7 @@ def piece_lanes(
         peak = np.empty(place.size)
 
         def some(first: int, last: int) -> None:
-            march_pieces(first, last, place, strength, restitution.reshape(-1), steps, growth, pieces, left, peak)
+            march_pieces(first, last, place, strength, restitution.reshape(-1), steps, growth, pieces, past, left, peak)
 
         split_lanes(some, place.size, threads)
         return peak.reshape(log_x.shape)

@@ -26,6 +26,9 @@ LEAST_SPREAD = 0.02
 #: Largest spreads that are taken for uncertainties and not for slips of the unit [-].
 LARGEST_SPREAD = 1.0
 
+#: Scales of the shift beyond which its density counts as 0: it is 1e-14 of the highest there.
+FARTHEST = 8.0
+
 
 @dataclass(frozen=True)
 class Uncertainty:
@@ -77,8 +80,11 @@ class Uncertainty:
         """Probability density of the shift Z of the logarithm of the factor, by factor and geometry together [-]."""
         scale = math.hypot(self.factor, self.geometry)
         at = np.asarray(shift, dtype=float) / scale
-        bell = np.exp(-0.5 * at * at) * (2.0 / (scale * math.sqrt(2.0 * math.pi)))
-        return bell * ndtr(self.geometry / self.factor * at)
+        near = np.abs(at) < FARTHEST
+        inside, found = at[near], np.zeros(at.shape)
+        bell = np.exp(-0.5 * inside * inside) * (2.0 / (scale * math.sqrt(2.0 * math.pi)))
+        found[near] = bell * ndtr(self.geometry / self.factor * inside)
+        return found
 
     def below(self, shift: Any) -> np.ndarray:
         """Probability that the shift Z of :meth:`density` is no larger than the given one [-]."""

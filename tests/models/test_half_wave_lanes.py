@@ -35,10 +35,11 @@ def marched(waves, place, strength, restitution):
     length = np.diff(corners[0])
     pieces = length > 1e-9
     ground = np.ascontiguousarray(np.stack([corners[1, :-1], corners[1, 1:]], axis=1)[pieces])
-    left = np.append(np.maximum.accumulate(np.max(np.abs(ground), axis=1)[::-1])[::-1], 0.0)
+    highest = np.max(np.abs(ground), axis=1)
+    past, left = np.maximum.accumulate(highest), np.append(np.maximum.accumulate(highest[::-1])[::-1], 0.0)
     steps = np.outer(RATES, length[pieces])
     peak = np.empty(place.size)
-    march_pieces(0, place.size, place, strength, restitution, steps, np.exp(steps), ground, left, peak)
+    march_pieces(0, place.size, place, strength, restitution, steps, np.exp(steps), ground, past, left, peak)
     return peak
 
 
