@@ -144,8 +144,8 @@ def march_pieces(first, last, place, strength, restitution, length, growth, grou
     The lanes (n,) have the `place` of their frequency parameter, the `strength` x/p [s2/m] and C.
 
     `length` and `growth` (a, k) are the lengths of the pieces in tau and their e^tau, `ground` (k, 2) the acceleration
-    at both ends of each [m/s2], `past` (k,) the largest of it up to the end of each, `left` (k + 1,) the largest from the
-    begin of each on.
+    at both ends of each [m/s2], `past` (k,) the largest of it up to the end of each, `left` (k + 1,) the largest from
+    the begin of each on.
     """
     for lane in range(first, last):
         k = place[lane]
