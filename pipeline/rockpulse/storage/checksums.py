@@ -10,7 +10,7 @@ dimension.
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -18,7 +18,14 @@ import numpy as np
 if TYPE_CHECKING:
     import h5netcdf
 
-__all__ = ["CHECKSUM", "CHECKSUM_OF_ATTRIBUTES", "VariableChecksum", "attributes_checksum", "variables_of"]
+__all__ = [
+    "CHECKSUM",
+    "CHECKSUM_OF_ATTRIBUTES",
+    "VariableChecksum",
+    "attributes_checksum",
+    "attributes_of",
+    "variables_of",
+]
 
 #: Attribute of each variable.
 CHECKSUM = "sha256"
@@ -63,15 +70,26 @@ def variables_of(group: h5netcdf.Group) -> Iterator[tuple[str, h5netcdf.Variable
         yield from variables_of(inner)
 
 
-def attributes_checksum(file: h5netcdf.File) -> str:
-    """The checksum of all attributes of an open file, the checksums of the variables included."""
-    lines = [path for path, _ in _groups(file)]
-    lines += [f"{path} {' '.join(_dimensions(variable))}" for path, variable in variables_of(file)]
-    for path, item in [*_groups(file), *variables_of(file)]:
-        for name, value in item.attrs.items():
+def attributes_checksum(attrs: Mapping[str, Mapping[str, Any]], dimensions: Mapping[str, Sequence[str]]) -> str:
+    """The checksum of all attributes, the checksums of the variables included.
+
+    `attrs` holds those of each group and variable by its path, `dimensions` the names of those of each variable.
+    """
+    lines = [f"{path} {' '.join(dimensions[path])}" if path in dimensions else path for path in attrs]
+    for path, own in attrs.items():
+        for name, value in own.items():
             if (path, name) != ("/", CHECKSUM_OF_ATTRIBUTES):
                 lines.append(f"{path}@{name} {_of_value(value)}")
     return hashlib.sha256("\n".join(sorted(lines)).encode()).hexdigest()
+
+
+def attributes_of(file: h5netcdf.File) -> tuple[dict[str, Mapping[str, Any]], dict[str, Sequence[str]]]:
+    """What :func:`attributes_checksum` takes, of an open file."""
+    variables = dict(variables_of(file))
+    attrs: dict[str, Mapping[str, Any]] = {
+        path: dict(item.attrs) for path, item in [*_groups(file), *variables.items()]
+    }
+    return attrs, {path: _dimensions(variable) for path, variable in variables.items()}
 
 
 def _dimensions(variable: h5netcdf.Variable) -> tuple[str, ...]:

@@ -7,7 +7,7 @@ variables, which are read when their values are.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from contextlib import ExitStack, contextmanager
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -19,6 +19,7 @@ from rockpulse.option import hint
 from rockpulse.storage.save_load import ASSESSMENT, OF_RECORDS, check_schema, completed, with_facts
 
 if TYPE_CHECKING:
+    import h5py
     import xarray as xr
 
 __all__ = ["ResultsFile", "flag_words", "open_results", "pointwise", "slab", "worded"]
@@ -32,12 +33,12 @@ class ResultsFile:
     kind: str  # of results, as the root attribute says
     attrs: dict[str, Any]  # of the root
     groups: tuple[str, ...]  # without the leading slash
-    _stack: ExitStack = field(repr=False)
+    _hdf5: h5py.File = field(repr=False)
     _opened: dict[str, xr.Dataset] = field(default_factory=dict, repr=False)
 
     def dataset(self, group: str) -> xr.Dataset:
         """A group, its values not yet read; a ResultsError where there is none of the name, or it is damaged."""
-        import xarray as xr
+        from rockpulse.storage.hdf5_dataset import dataset_of
 
         if group not in self.groups:
             raise ResultsError(
@@ -47,14 +48,12 @@ class ResultsFile:
         if group not in self._opened:
             try:
                 with self.reading():
-                    # Nothing is encoded: texts are texts, NaN is NaN.
-                    dataset = xr.open_dataset(self.path, group=group, engine="h5netcdf", decode_cf=False, cache=False)
+                    dataset = dataset_of(self._hdf5[group])
             except (KeyError, ValueError) as error:  # a dimension is gone, or a variable came without any
                 raise ResultsError(
                     f"{self.path}: /{group} is not as it was written ({error}); 'rockpulse verify' says what else, run "
                     "the assessment again"
                 ) from error
-            dataset = self._stack.enter_context(dataset)
             if group == OF_RECORDS.get(self.kind):
                 dataset = with_facts(dataset, self.attrs)
             if group == "summary" and self.kind == ASSESSMENT:
@@ -94,13 +93,10 @@ def open_results(path: str | Path) -> Iterator[ResultsFile]:
     import h5py
 
     kind = check_schema(path)
-    with ExitStack() as stack:
-        with h5py.File(path, "r") as hdf5:
-            groups = tuple(name for name, item in hdf5.items() if isinstance(item, h5py.Group))
-            attrs = {
-                name: value.item() if isinstance(value, np.generic) else value for name, value in hdf5.attrs.items()
-            }
-        yield ResultsFile(Path(path), kind, attrs, groups, stack)
+    with h5py.File(path, "r") as hdf5:
+        groups = tuple(name for name, item in hdf5.items() if isinstance(item, h5py.Group))
+        attrs = {name: value.item() if isinstance(value, np.generic) else value for name, value in hdf5.attrs.items()}
+        yield ResultsFile(Path(path), kind, attrs, groups, hdf5)
 
 
 def slab(variable: xr.Variable, positions: dict[Any, Any]) -> np.ndarray:

@@ -1,4 +1,9 @@
-"""Writing the HDF5 file of a tree, variable by variable or piece by piece, with the checksum of each."""
+"""Writing the HDF5 file of a tree, variable by variable or piece by piece, with the checksum of each.
+
+The file is one of netCDF-4, laid out with h5py alone: h5netcdf looks every object up anew at every property, which
+takes longer than all else for a hundred variables (docs/decisions/003). A dimension is a dimension scale, the variable
+of its name or an empty dataset; every variable is attached to the scales of its dimensions when the file is complete.
+"""
 
 from __future__ import annotations
 
@@ -8,16 +13,19 @@ from pathlib import Path
 from types import TracebackType
 from typing import TYPE_CHECKING, Any, Self
 
-import h5netcdf
 import h5py
 import numpy as np
 
 from rockpulse.storage.checksums import CHECKSUM, CHECKSUM_OF_ATTRIBUTES, VariableChecksum, attributes_checksum
+from rockpulse.version import __version__
 
 if TYPE_CHECKING:
     import xarray as xr
 
 __all__ = ["TreeWriter", "in_utf8", "write_tree"]
+
+#: How netCDF-4 names the scale of a dimension without a variable; the size follows in ten columns.
+NO_VARIABLE = "This is a netCDF dimension but not a netCDF variable."
 
 
 class TreeWriter:
@@ -30,13 +38,15 @@ class TreeWriter:
     def __init__(self, path: Path, attrs: Mapping[str, Any]) -> None:
         self._path = path
         self._hdf5 = h5py.File(path, "w", track_order=True)  # as netCDF has it
-        self._file = h5netcdf.File(self._hdf5, "w", decode_vlen_strings=True)
+        self._attrs: dict[str, dict[str, Any]] = {"/": {}}  # of groups and variables, by path
         self._sizes: dict[str, dict[str, int]] = {}
-        self._variables: dict[str, h5netcdf.Variable] = {}
+        self._dims: dict[str, tuple[str, ...]] = {}
+        self._numbers: dict[tuple[str, str], int] = {}  # of dimensions, by group and name
+        self._variables: dict[str, h5py.Dataset] = {}
         self._shapes: dict[str, tuple[int, ...]] = {}
         self._written: dict[str, int] = {}
         self._checksums: dict[str, VariableChecksum] = {}
-        _set(self._file, attrs)
+        self._set("/", self._hdf5, attrs)
 
     def __enter__(self) -> Self:
         return self
@@ -52,25 +62,33 @@ class TreeWriter:
 
     def add_group(self, path: str, sizes: Mapping[str, int], attrs: Mapping[str, Any]) -> None:
         """Add a group, as "/summary" ("/" is there already), with the size of each of its dimensions."""
-        group = self._file if path == "/" else self._file.create_group(path)
+        group = self._hdf5 if path == "/" else self._hdf5.create_group(path, track_order=True)
         self._sizes[path] = dict(sizes)
-        for name, size in sizes.items():
-            group.dimensions[name] = size
-        _set(group, attrs)
+        for name in sizes:
+            self._numbers[path, name] = len(self._numbers)
+        self._set(path, group, attrs)
 
     def add_variable(self, path: str, dims: tuple[str, ...], dtype: np.dtype[Any], attrs: Mapping[str, Any]) -> None:
         """Add a variable, as "/summary/pga", without its values; texts where `dtype` is a type of texts."""
-        group, _, name = path.rpartition("/")
+        group = path.rpartition("/")[0] or "/"
         stored = h5py.string_dtype() if dtype.kind in "UO" else dtype
         # Every value is written: what is absent is a NaN of its own, and HDF5 need not write fill values first.
-        absent = {"fillvalue": np.array(np.nan, dtype)} if dtype.kind == "f" else {}
-        variable = self._file[group or "/"].create_variable(name, dims, stored, **absent)
-        _set(variable, attrs)
-        shape = tuple(self._sizes[group or "/"][dim] for dim in dims)
-        self._variables[path] = variable
-        self._shapes[path] = shape
+        fill = np.array([np.nan], dtype) if dtype.kind == "f" else None
+        shape = tuple(self._sizes[group][dim] for dim in dims)
+        # A dimension of size zero is one that netCDF may let grow.
+        grows = tuple(size or None for size in shape)
+        variable = self._hdf5.create_dataset(
+            path,
+            shape,
+            stored,
+            maxshape=grows if None in grows else None,
+            fillvalue=None if fill is None else fill[0],
+            track_order=True,
+        )
+        self._variables[path], self._dims[path], self._shapes[path] = variable, dims, shape
         self._written[path] = 0
         self._checksums[path] = VariableChecksum(dtype, shape)
+        self._set(path, variable, {**({} if fill is None else {"_FillValue": fill}), **attrs})
 
     def append(self, path: str, values: np.ndarray) -> None:
         """Write the next values of a variable along its first dimension; all of a variable without dimensions.
@@ -93,17 +111,54 @@ class TreeWriter:
 
     def read(self, path: str, begin: int, end: int) -> np.ndarray:
         """Values that were written, along the first dimension from `begin` to before `end`; texts as numpy strings."""
-        values = np.asarray(self._variables[path][begin:end])
-        return values.astype(str) if values.dtype == object else values
+        variable = self._variables[path]
+        if h5py.check_string_dtype(variable.dtype):
+            return np.asarray(variable.asstr()[begin:end]).astype(str)
+        return np.asarray(variable[begin:end])
 
     def _complete(self) -> None:
-        """Set the checksums."""
+        """Set the checksums, and what netCDF-4 tells of dimensions."""
         for path, checksum in self._checksums.items():
             shape = self._shapes[path]
             if shape and self._written[path] != shape[0]:
                 raise ValueError(f"{path}: expected {shape[0]} values, was given {self._written[path]}")
-            self._variables[path].attrs[CHECKSUM] = checksum.hexdigest()
-        self._file.attrs[CHECKSUM_OF_ATTRIBUTES] = attributes_checksum(self._file)
+            self._set(path, self._variables[path], {CHECKSUM: checksum.hexdigest()})
+        checksum_of_all = attributes_checksum(self._attrs, self._dims)
+        self._set("/", self._hdf5, {CHECKSUM_OF_ATTRIBUTES: checksum_of_all})
+        scales = {place: self._scale(*place) for place in self._numbers}
+        for path, dims in self._dims.items():
+            if not dims:
+                continue
+            group, variable = path.rpartition("/")[0] or "/", self._variables[path]
+            numbers = [self._numbers[group, dim] for dim in dims]
+            variable.attrs["_Netcdf4Coordinates"] = np.array(numbers, np.int32)
+            if variable.maxshape[0] is not None:
+                variable.attrs["_Netcdf4Dimid"] = np.int32(numbers[0])
+            if len(dims) == 1 and path == _joined(group, dims[0]):
+                continue  # it is the scale
+            for axis, dim in enumerate(dims):
+                h5py.h5ds.attach_scale(variable.id, scales[group, dim].id, axis)
+        versions = f"version=2,rockpulse={__version__},hdf5={h5py.version.hdf5_version},h5py={h5py.__version__}"
+        self._hdf5.attrs["_NCProperties"] = np.bytes_(versions)
+
+    def _scale(self, group: str, dim: str) -> h5py.Dataset:
+        """The scale of a dimension: the variable of its name, or a dataset without values that stands for it."""
+        size, path = self._sizes[group][dim], _joined(group, dim)
+        scale, name = self._variables.get(path), dim
+        if scale is None:
+            grows = {"maxshape": (None,)} if size == 0 else {}
+            scale, name = self._hdf5.create_dataset(path, (size,), ">f4", track_order=True, **grows), NO_VARIABLE
+            name += f"{size:10}"
+        scale.attrs["_Netcdf4Dimid"] = np.int32(self._numbers[group, dim])
+        scale.make_scale(name)
+        return scale
+
+    def _set(self, path: str, item: h5py.Group | h5py.Dataset, attrs: Mapping[str, Any]) -> None:
+        """Write attributes of a group or variable."""
+        held = self._attrs.setdefault(path, {})
+        for name, value in attrs.items():
+            held[str(name)] = in_utf8(value) if isinstance(value, str) else value
+            item.attrs[str(name)] = held[str(name)]
 
     def _close(self, error: BaseException | None) -> None:
         """Close the file, of which nothing is left where there is an error."""
@@ -117,7 +172,6 @@ class TreeWriter:
             if error is not None:
                 # Room for what HDF5 still holds: on a full disk, a file that it cannot close crashes Python at exit.
                 os.truncate(self._path, 0)
-            self._file.close()
             self._hdf5.close()
 
 
@@ -161,12 +215,6 @@ def add_dataset(
 def in_utf8(text: str) -> str:
     """The text as HDF5 takes it: bytes outside UTF-8, as file names may hold, become the replacement character."""
     return text.encode("utf-8", "surrogateescape").decode("utf-8", "replace").replace("\0", "\ufffd")
-
-
-def _set(item: Any, attrs: Mapping[str, Any]) -> None:
-    held = item.attrs  # which h5netcdf looks up anew each time
-    for name, value in attrs.items():
-        held[str(name)] = in_utf8(value) if isinstance(value, str) else value
 
 
 def _joined(path: str, name: Any) -> str:

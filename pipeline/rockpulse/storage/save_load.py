@@ -139,13 +139,11 @@ def load(path: str | os.PathLike[str]) -> xr.DataTree:
     OSError
         Where the file cannot be opened.
     """
-    import xarray as xr
+    from rockpulse.storage.hdf5_dataset import read_tree
 
     kind = check_schema(path)
     try:
-        # Times are plain seconds and stay so, whatever units xarray may take for time deltas.
-        with xr.open_datatree(path, engine="h5netcdf", decode_times=False, decode_timedelta=False) as opened:
-            tree = opened.load()
+        tree = read_tree(path)
     except (OSError, RuntimeError, ValueError, KeyError) as error:
         raise ResultsError(f"{path}: the results file is damaged ({error}); run the assessment again") from error
     tree = tree.map_over_datasets(_as_saved)

@@ -19,6 +19,7 @@ from rockpulse.storage.checksums import (
     CHECKSUM_OF_ATTRIBUTES,
     VariableChecksum,
     attributes_checksum,
+    attributes_of,
     variables_of,
 )
 from rockpulse.storage.input_files import in_place, input_checksums, input_files, record_folders, stored_checksums
@@ -105,7 +106,7 @@ def _wrong_checksums(file: h5netcdf.File, progress: Callable[[list[Any]], Any]) 
             continue
         if not same:
             found.append(f"variable {path}: its values are not what was written")
-    if attributes_checksum(file) != file.attrs.get(CHECKSUM_OF_ATTRIBUTES):
+    if attributes_checksum(*attributes_of(file)) != file.attrs.get(CHECKSUM_OF_ATTRIBUTES):
         found.append("attributes, or names and dimensions of variables, are not what was written")
     return found, len(variables)
 

@@ -35,12 +35,12 @@ def open_results(path: str | Path) -> xr.DataTree:
         Where the file cannot be opened.
     """
     import h5py
-    import xarray as xr
+
+    from rockpulse.storage.hdf5_dataset import read_tree
 
     if h5py.is_hdf5(path):
         with h5py.File(path, "r") as file:
             report = file.attrs.get("kind") == REPORT
         if report:
-            with xr.open_datatree(path, engine="h5netcdf", decode_times=False, decode_timedelta=False) as opened:
-                return opened.load()
+            return read_tree(path)
     return load(path)

@@ -1,0 +1,117 @@
+"""The files are netCDF-4: laid out as h5netcdf lays them out, and read by xarray as by the project's own reader."""
+
+import h5py
+import numpy as np
+import pytest
+import xarray as xr
+
+from rockpulse.storage.hdf5_dataset import dataset_of
+from rockpulse.storage.hdf5_writer import write_tree
+
+NOT_COMPARED = {"_NCProperties", "sha256", "attributes_sha256"}  # who wrote it, and what rockpulse adds
+
+
+@pytest.fixture(scope="module")
+def tree():
+    summary = xr.Dataset(
+        {
+            "pga": ("record", [1.0, np.nan], {"units": "m s-2", "long_name": "peak"}),
+            "outcome": (
+                ("record", "block"),
+                np.array([[0, 1, 2], [2, 1, 0]], np.int8),
+                {"flag_values": np.array([0, 1, 2], np.int8), "flag_meanings": "a b c", "one": np.array([3])},
+            ),
+            "used": (("record",), [True, False]),
+            "words": (("block", "case"), np.array([["é", ""], ["b", "c"], ["d", "e"]], object)),
+            "number": ((), 3.5),
+            "count": ((), 7),
+        },
+        coords={"record": ["one", "two"], "rate": ("record", [1.0, 2.0])},
+        attrs={"comment": "of a group", "limits": [0.5, 2.0]},
+    )
+    empty = xr.Dataset({"values": ("row", np.empty(0)), "names": ("row", np.empty(0, str))})
+    return xr.DataTree.from_dict({"/": xr.Dataset(attrs={"kind": "a test"}), "/summary": summary, "/empty": empty})
+
+
+@pytest.fixture(scope="module")
+def files(tree, tmp_path_factory):
+    folder = tmp_path_factory.mktemp("files")
+    write_tree(tree, folder / "own.h5", tree.attrs)
+    tree.to_netcdf(folder / "other.h5", engine="h5netcdf", encoding={})
+    return folder / "own.h5", folder / "other.h5"
+
+
+def attribute(item, name):
+    """Type and value of an attribute; references as the paths that they lead to."""
+    stored, value = item.attrs.get_id(name), item.attrs[name]
+    kind = stored.get_type()
+    text = (kind.is_variable_str(), kind.get_cset()) if kind.get_class() == h5py.h5t.STRING else None
+    if name == "REFERENCE_LIST":
+        value = sorted((item.file[one].name, int(axis)) for one, axis in value)
+    elif name == "DIMENSION_LIST":
+        value = [[item.file[one].name for one in scales] for scales in value]
+    return kind.get_class(), kind.get_size(), text, stored.shape, repr(value)
+
+
+def described(item):
+    told = {name: attribute(item, name) for name in item.attrs if name not in NOT_COMPARED}
+    if not isinstance(item, h5py.Dataset):
+        return told, list(item)
+    made = item.id.get_create_plist()
+    return (
+        told,
+        item.shape,
+        item.maxshape,
+        item.dtype,
+        repr(item.fillvalue),
+        item.chunks,
+        made.get_attr_creation_order(),
+    )
+
+
+def test_every_object_is_as_h5netcdf_writes_it(files):
+    with h5py.File(files[0]) as own, h5py.File(files[1]) as other:
+        paths = [[], []]
+        for file, names in zip((own, other), paths, strict=True):
+            file.visit(names.append)
+        assert sorted(paths[0]) == sorted(paths[1])
+        for path in paths[0]:
+            left, right = described(own[path]), described(other[path])
+            if isinstance(own[path], h5py.Group):
+                left, right = (left[0], sorted(left[1])), (right[0], sorted(right[1]))
+            assert left == right, path
+
+
+def test_xarray_reads_the_tree_that_was_written(files, tree):
+    with xr.open_datatree(files[0], engine="h5netcdf") as found:
+        for group in ("summary", "empty"):
+            for name, variable in tree[group].to_dataset().variables.items():
+                np.testing.assert_array_equal(found[group][name].values, variable.values)
+                assert found[group][name].dims == variable.dims
+            assert set(found[group].coords) == set(tree[group].coords)
+
+
+def test_a_group_is_read_as_xarray_reads_it_undecoded(files):
+    with h5py.File(files[0]) as file:
+        for group in ("summary", "empty"):
+            own = dataset_of(file[group])
+            with xr.open_dataset(files[0], group=group, engine="h5netcdf", decode_cf=False) as other:
+                assert own.identical(other)
+                assert own.sizes == other.sizes
+                assert set(own.variables) == set(other.variables)
+            values = own["outcome" if group == "summary" else "values"]
+            np.testing.assert_array_equal(values.values, file[group][values.name][()])
+
+
+def test_places_are_read_as_they_are_asked_for(files):
+    with h5py.File(files[0]) as file:
+        outcome = dataset_of(file["summary"])["outcome"]
+        assert outcome[1, [2, 0]].values.tolist() == [0, 2]
+        assert outcome.isel(block=slice(None, None, -1)).values.tolist() == [[2, 1, 0], [0, 1, 2]]
+
+
+def test_a_variable_without_dimensions_is_refused(tmp_path):
+    with h5py.File(tmp_path / "odd.h5", "w") as file:
+        file["values"] = [1.0, 2.0]
+        with pytest.raises(ValueError, match="'values' has no dimensions"):
+            dataset_of(file)
