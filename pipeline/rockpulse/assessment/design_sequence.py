@@ -82,7 +82,10 @@ def assess_sequence(
         try:
             sequence = sequence.sequence(bodies.lanes)
         except ValueError as error:
-            raise ConfigError(str(error)) from None
+            inside = np.all(bodies.per_case(sequence.covers(bodies.lanes)), axis=1)
+            outside = [body for body, covered in zip(bodies.names, inside.tolist(), strict=True) if not covered]
+            told = f"[[block]] {', '.join(outside)}: leave out of the assessment under this design. " if outside else ""
+            raise ConfigError(f"{told}{error}") from None
     elif sequence.shape:
         raise ConfigError(f"sequence: expected one sequence, found {sequence.shape[0]}")
     asked = asked_for.models.answering

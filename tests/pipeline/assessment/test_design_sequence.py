@@ -109,7 +109,10 @@ def test_under_a_design_spectrum_every_body_has_its_own_sequence():
     assert words in summary["warnings"].item()
 
 
-def test_a_body_outside_the_design_spectrum_is_refused():
+def test_a_body_outside_the_design_spectrum_is_refused_by_name():
+    (name,) = list(SPECTRUM_BLOCKS)[2:]
+    with pytest.raises(ConfigError, match=rf"^\[\[block\]\] {name}: leave out"):
+        rp.assess_sequence(design_of(usual_site()), blocks=SPECTRUM_BLOCKS)
     with pytest.raises(ConfigError, match=r"slenderness 3.5 and more, .* not for 1 of 3, the first one at place 2"):
         rp.assess_sequence(design_of(usual_site()), blocks=SPECTRUM_BLOCKS)
     with pytest.raises(ConfigError, match="resonance cannot answer a design spectrum; it is answered by sequence"):

@@ -21,7 +21,6 @@ def tree():
                 np.array([[0, 1, 2], [2, 1, 0]], np.int8),
                 {"flag_values": np.array([0, 1, 2], np.int8), "flag_meanings": "a b c", "one": np.array([3])},
             ),
-            "used": (("record",), [True, False]),
             "words": (("block", "case"), np.array([["é", ""], ["b", "c"], ["d", "e"]], object)),
             "number": ((), 3.5),
             "count": ((), 7),
