@@ -79,11 +79,11 @@ def assess_sequence(
     what = "a sequence"
     if isinstance(sequence, DesignSpectrum):
         what, answering = "a design spectrum", ("sequence",)  # resonance knows one sequence for all bodies
+        inside = np.all(bodies.per_case(sequence.covers(bodies.lanes)), axis=1)
+        outside = [body for body, covered in zip(bodies.names, inside.tolist(), strict=True) if not covered]
         try:
             sequence = sequence.sequence(bodies.lanes)
         except ValueError as error:
-            inside = np.all(bodies.per_case(sequence.covers(bodies.lanes)), axis=1)
-            outside = [body for body, covered in zip(bodies.names, inside.tolist(), strict=True) if not covered]
             told = f"[[block]] {', '.join(outside)}: leave out of the assessment under this design. " if outside else ""
             raise ConfigError(f"{told}{error}") from None
     elif sequence.shape:

@@ -110,6 +110,7 @@ def _dimensions(name: str, stored: h5py.Dataset, attrs: dict[str, Any]) -> tuple
         return ()
     if attrs.get("CLASS") == b"DIMENSION_SCALE" and stored.ndim == 1:
         return (name,)
-    if "DIMENSION_LIST" not in attrs:
-        raise ValueError(f"variable {name!r} has no dimensions")
-    return tuple(str(stored.file[scales[0]].name).rpartition("/")[2] for scales in attrs["DIMENSION_LIST"])
+    scales = [stored.file[one[0]].name for one in attrs.get("DIMENSION_LIST", ()) if len(one)]
+    if len(scales) != stored.ndim or None in scales:
+        raise ValueError(f"variable {name!r} has {stored.ndim} dimensions, of which {len(scales)} have a name")
+    return tuple(str(scale).rpartition("/")[2] for scale in scales)
