@@ -137,7 +137,7 @@ def run_page(page: Path, folder: Path) -> None:
                 env=environment,
                 capture_output=True,
                 text=True,
-                timeout=300,
+                timeout=900,
                 check=False,
             )
             printed = done.stdout + done.stderr

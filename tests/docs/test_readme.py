@@ -31,7 +31,7 @@ def commands():
 @pytest.mark.slow
 def test_the_commands_do_what_the_readme_says(tmp_path):
     (tmp_path / "data").symlink_to(TOP / "data", target_is_directory=True)
-    records = [TOP / "data/samples/records/CICLC.v1"]  # one file: the commands are many
+    records = [TOP / "data/samples/formats/clc_90.v2"]  # one short channel: the commands are many
     for name in ("my_records", "archive"):
         (tmp_path / name).mkdir()
         for record in records:

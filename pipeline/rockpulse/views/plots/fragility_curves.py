@@ -98,7 +98,8 @@ def fragility(
             capacities = tree["capacities"].to_dataset()
             _capacities(ax, capacities, block, state, measure, style, float(capacities.attrs["factor_max"]))
     ax.set_xscale("log")
-    ax.set_xlim(float(level[shown].min()), float(level[shown].max()))
+    if np.any(known := np.isfinite(level[shown])):
+        ax.set_xlim(float(level[shown][known].min()), float(level[shown][known].max()))
     ax.set_ylim(-0.01, 1.01)
     attrs = {"long_name": str(own["measure_long_name"].item())}
     ax.set_xlabel(wrapped(label(attrs, units=str(own["measure_units"].item())), 90))

@@ -160,3 +160,13 @@ def test_what_has_no_curve_says_so(fragility_tree):
     tree["fragility"]["probability"].values[:] = np.nan
     ax = fragility(tree, block="wall")
     assert next(line.get_label() for line in ax.lines if "no curve" in line.get_label()) == "uplift: no curve"
+
+
+def test_a_measure_without_a_level_is_a_picture_without_a_curve(fragility_tree):
+    """Where no record reaches any limit state there is no level to draw over."""
+    copy = fragility_tree.copy(deep=True)
+    curves = copy["fragility"].to_dataset()
+    copy["fragility"] = type(copy)(curves.assign({name: np.nan * curves[name] for name in ("level", "probability")}))
+    ax = fragility(copy, block="wall")
+    ax.figure.canvas.draw()
+    assert ax.figure.get_suptitle() == "wall"
