@@ -10,22 +10,12 @@ dimension.
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Iterator, Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from collections.abc import Mapping, Sequence
+from typing import Any
 
 import numpy as np
 
-if TYPE_CHECKING:
-    import h5netcdf
-
-__all__ = [
-    "CHECKSUM",
-    "CHECKSUM_OF_ATTRIBUTES",
-    "VariableChecksum",
-    "attributes_checksum",
-    "attributes_of",
-    "variables_of",
-]
+__all__ = ["CHECKSUM", "CHECKSUM_OF_ATTRIBUTES", "VariableChecksum", "attributes_checksum"]
 
 #: Attribute of each variable.
 CHECKSUM = "sha256"
@@ -62,14 +52,6 @@ class VariableChecksum:
         return self._hash.hexdigest()
 
 
-def variables_of(group: h5netcdf.Group) -> Iterator[tuple[str, h5netcdf.Variable]]:
-    """Every variable of an open file or group with its path, those of groups within groups too."""
-    for name, variable in group.variables.items():
-        yield f"{group.name.rstrip('/')}/{name}", variable
-    for inner in group.groups.values():
-        yield from variables_of(inner)
-
-
 def attributes_checksum(attrs: Mapping[str, Mapping[str, Any]], dimensions: Mapping[str, Sequence[str]]) -> str:
     """The checksum of all attributes, the checksums of the variables included.
 
@@ -83,31 +65,10 @@ def attributes_checksum(attrs: Mapping[str, Mapping[str, Any]], dimensions: Mapp
     return hashlib.sha256("\n".join(sorted(lines)).encode()).hexdigest()
 
 
-def attributes_of(file: h5netcdf.File) -> tuple[dict[str, Mapping[str, Any]], dict[str, Sequence[str]]]:
-    """What :func:`attributes_checksum` takes, of an open file."""
-    variables = dict(variables_of(file))
-    attrs: dict[str, Mapping[str, Any]] = {
-        path: dict(item.attrs) for path, item in [*_groups(file), *variables.items()]
-    }
-    return attrs, {path: _dimensions(variable) for path, variable in variables.items()}
-
-
-def _dimensions(variable: h5netcdf.Variable) -> tuple[str, ...]:
-    """Names of its dimensions; "?" where another program has added it without any."""
-    try:
-        return tuple(variable.dimensions)
-    except ValueError:
-        return ("?",)
-
-
-def _groups(group: h5netcdf.Group) -> Iterator[tuple[str, h5netcdf.Group]]:
-    yield group.name, group
-    for inner in group.groups.values():
-        yield from _groups(inner)
-
-
 def _of_value(value: Any) -> str:
     values = np.atleast_1d(np.asarray(value))
+    if values.dtype.kind == "S":  # a text too
+        values = values.astype(object)
     checksum = VariableChecksum(values.dtype, values.shape)
     checksum.add(values)
     return checksum.hexdigest()

@@ -15,25 +15,12 @@ import xarray as xr
 from xarray.backends import BackendArray
 from xarray.core import indexing
 
+from rockpulse.storage.netcdf4 import attributes, groups_of, variables_of
+
 if TYPE_CHECKING:
-    from collections.abc import Hashable, Iterator
+    from collections.abc import Hashable
 
 __all__ = ["dataset_of", "read_tree"]
-
-#: Attributes of HDF5 and netCDF-4 that say how objects belong together, and nothing of the values.
-HIDDEN = {
-    "CLASS",
-    "DIMENSION_LIST",
-    "NAME",
-    "REFERENCE_LIST",
-    "_NCProperties",
-    "_Netcdf4Coordinates",
-    "_Netcdf4Dimid",
-    "_nc3_strict",
-}
-
-#: Beginning of the name of a scale that is a dimension and no variable.
-NO_VARIABLE = b"This is a netCDF dimension but not a netCDF variable."
 
 
 class _Stored(BackendArray):
@@ -57,14 +44,12 @@ def dataset_of(group: h5py.Group) -> xr.Dataset:
     ValueError
         For a variable whose dimensions the file does not name.
     """
-    stored = {name: item for name, item in group.items() if isinstance(item, h5py.Dataset)}
-    variables: dict[Hashable, xr.Variable] = {}
-    for name, item in stored.items():
-        attrs = dict(item.attrs)
-        if not bytes(attrs.get("NAME", b"")).startswith(NO_VARIABLE):
-            variables[name] = xr.Variable(_dimensions(name, item, attrs), _values(item), attributes(attrs))
+    variables: dict[Hashable, xr.Variable] = {
+        one.name: xr.Variable(one.dimensions(), _values(one.stored), attributes(one.stored))
+        for one in variables_of(group)
+    }
     coordinates = [name for name, variable in variables.items() if variable.dims == (name,)]
-    return xr.Dataset(variables, attrs=attributes(dict(group.attrs))).set_coords(coordinates)
+    return xr.Dataset(variables, attrs=attributes(group)).set_coords(coordinates)
 
 
 def read_tree(path: str | os.PathLike[str]) -> xr.DataTree:
@@ -74,43 +59,12 @@ def read_tree(path: str | os.PathLike[str]) -> xr.DataTree:
         return xr.DataTree.from_dict(
             {
                 group.name: xr.decode_cf(dataset_of(group).load(), decode_times=False, decode_timedelta=False)
-                for group in _groups(hdf5)
+                for group in groups_of(hdf5)
             }
         )
-
-
-def _groups(group: h5py.Group) -> Iterator[h5py.Group]:
-    """A group and all within it, in the order in which they were written."""
-    yield group
-    for item in group.values():
-        if isinstance(item, h5py.Group):
-            yield from _groups(item)
 
 
 def _values(stored: h5py.Dataset) -> Any:
     if h5py.check_string_dtype(stored.dtype):
         return np.asarray(stored.asstr()[()]).astype(str)
     return indexing.LazilyIndexedArray(_Stored(stored))
-
-
-def attributes(attrs: dict[str, Any]) -> dict[str, Any]:
-    """Attributes as h5py reads them, less those that are not about the values; an array of one value is that value."""
-    return {name: _plain(value) for name, value in attrs.items() if name not in HIDDEN}
-
-
-def _plain(value: Any) -> Any:
-    if isinstance(value, np.ndarray) and value.size == 1:
-        value = value.ravel()[0]
-    return value.decode("utf-8", "surrogateescape") if isinstance(value, bytes) else value
-
-
-def _dimensions(name: str, stored: h5py.Dataset, attrs: dict[str, Any]) -> tuple[str, ...]:
-    """Names of the dimensions of a variable: those of the scales that it is attached to."""
-    if not stored.shape:
-        return ()
-    if attrs.get("CLASS") == b"DIMENSION_SCALE" and stored.ndim == 1:
-        return (name,)
-    scales = [stored.file[one[0]].name for one in attrs.get("DIMENSION_LIST", ()) if len(one)]
-    if len(scales) != stored.ndim or None in scales:
-        raise ValueError(f"variable {name!r} has {stored.ndim} dimensions, of which {len(scales)} have a name")
-    return tuple(str(scale).rpartition("/")[2] for scale in scales)

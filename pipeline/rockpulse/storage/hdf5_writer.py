@@ -1,8 +1,8 @@
 """Writing the HDF5 file of a tree, variable by variable or piece by piece, with the checksum of each.
 
 The file is one of netCDF-4, laid out with h5py alone: h5netcdf looks every object up anew at every property, which
-takes longer than all else for a hundred variables (docs/decisions/003). A dimension is a dimension scale, the variable
-of its name or an empty dataset; every variable is attached to the scales of its dimensions when the file is complete.
+takes longer than all else for a hundred variables (docs/decisions/005). Objects and attributes come in the order in
+which h5netcdf makes them; :mod:`rockpulse.storage.netcdf4` says what the layout is.
 """
 
 from __future__ import annotations
@@ -17,15 +17,13 @@ import h5py
 import numpy as np
 
 from rockpulse.storage.checksums import CHECKSUM, CHECKSUM_OF_ATTRIBUTES, VariableChecksum, attributes_checksum
+from rockpulse.storage.netcdf4 import HIDDEN, NO_VARIABLE, NOT_A_COORDINATE
 from rockpulse.version import __version__
 
 if TYPE_CHECKING:
     import xarray as xr
 
 __all__ = ["TreeWriter", "in_utf8", "write_tree"]
-
-#: How netCDF-4 names the scale of a dimension without a variable; the size follows in ten columns.
-NO_VARIABLE = "This is a netCDF dimension but not a netCDF variable."
 
 
 class TreeWriter:
@@ -41,7 +39,8 @@ class TreeWriter:
         self._attrs: dict[str, dict[str, Any]] = {"/": {}}  # of groups and variables, by path
         self._sizes: dict[str, dict[str, int]] = {}
         self._dims: dict[str, tuple[str, ...]] = {}
-        self._numbers: dict[tuple[str, str], int] = {}  # of dimensions, by group and name
+        self._scales: dict[tuple[str, str], h5py.Dataset] = {}  # of dimensions, by group and name
+        self._numbers: dict[tuple[str, str], int] = {}  # of the same
         self._variables: dict[str, h5py.Dataset] = {}
         self._shapes: dict[str, tuple[int, ...]] = {}
         self._written: dict[str, int] = {}
@@ -64,27 +63,36 @@ class TreeWriter:
         """Add a group, as "/summary" ("/" is there already), with the size of each of its dimensions."""
         group = self._hdf5 if path == "/" else self._hdf5.create_group(path, track_order=True)
         self._sizes[path] = dict(sizes)
-        for name in sizes:
+        for name, size in sizes.items():
             self._numbers[path, name] = len(self._numbers)
+            self._make_scale(path, name, self._create(_joined(path, name), (size,), ">f4"), f"{NO_VARIABLE}{size:10}")
         self._set(path, group, attrs)
 
     def add_variable(self, path: str, dims: tuple[str, ...], dtype: np.dtype[Any], attrs: Mapping[str, Any]) -> None:
-        """Add a variable, as "/summary/pga", without its values; texts where `dtype` is a type of texts."""
-        group = path.rpartition("/")[0] or "/"
+        """Add a variable, as "/summary/pga", without its values; texts where `dtype` is a type of texts.
+
+        A TypeError for truth values, which netCDF has not.
+        """
+        group, _, name = path.rpartition("/")
+        group = group or "/"
+        if dtype.kind == "b":
+            raise TypeError(f"{path}: expected numbers or texts, was given truth values, which netCDF has not")
         stored = h5py.string_dtype() if dtype.kind in "UO" else dtype
         # Every value is written: what is absent is a NaN of its own, and HDF5 need not write fill values first.
-        fill = np.array([np.nan], dtype) if dtype.kind == "f" else None
+        fill = np.array([np.nan], dtype.newbyteorder("=")) if dtype.kind == "f" else None
         shape = tuple(self._sizes[group][dim] for dim in dims)
-        # A dimension of size zero is one that netCDF may let grow.
-        grows = tuple(size or None for size in shape)
-        variable = self._hdf5.create_dataset(
-            path,
-            shape,
-            stored,
-            maxshape=grows if None in grows else None,
-            fillvalue=None if fill is None else fill[0],
-            track_order=True,
-        )
+        if dims == (name,):
+            variable = self._take_place(group, name, stored, fill)
+        else:
+            place = _joined(group, NOT_A_COORDINATE + name) if name in self._sizes[group] else path
+            variable = self._create(place, shape, stored, fill)
+            for axis, dim in enumerate(dims):
+                h5py.h5ds.attach_scale(variable.id, self._scales[group, dim].id, axis)
+        if dims:
+            numbers = np.array([self._numbers[group, dim] for dim in dims], np.int32)
+            variable.attrs["_Netcdf4Coordinates"] = numbers
+            if shape[0] and dims != (name,):
+                variable.attrs["_Netcdf4Dimid"] = numbers[0]
         self._variables[path], self._dims[path], self._shapes[path] = variable, dims, shape
         self._written[path] = 0
         self._checksums[path] = VariableChecksum(dtype, shape)
@@ -117,48 +125,63 @@ class TreeWriter:
         return np.asarray(variable[begin:end])
 
     def _complete(self) -> None:
-        """Set the checksums, and what netCDF-4 tells of dimensions."""
+        """Set the checksums, and say who wrote the file."""
         for path, checksum in self._checksums.items():
             shape = self._shapes[path]
             if shape and self._written[path] != shape[0]:
                 raise ValueError(f"{path}: expected {shape[0]} values, was given {self._written[path]}")
             self._set(path, self._variables[path], {CHECKSUM: checksum.hexdigest()})
-        checksum_of_all = attributes_checksum(self._attrs, self._dims)
-        self._set("/", self._hdf5, {CHECKSUM_OF_ATTRIBUTES: checksum_of_all})
-        scales = {place: self._scale(*place) for place in self._numbers}
-        for path, dims in self._dims.items():
-            if not dims:
-                continue
-            group, variable = path.rpartition("/")[0] or "/", self._variables[path]
-            numbers = [self._numbers[group, dim] for dim in dims]
-            variable.attrs["_Netcdf4Coordinates"] = np.array(numbers, np.int32)
-            if variable.maxshape[0] is not None:
-                variable.attrs["_Netcdf4Dimid"] = np.int32(numbers[0])
-            if len(dims) == 1 and path == _joined(group, dims[0]):
-                continue  # it is the scale
-            for axis, dim in enumerate(dims):
-                h5py.h5ds.attach_scale(variable.id, scales[group, dim].id, axis)
+        self._set("/", self._hdf5, {CHECKSUM_OF_ATTRIBUTES: attributes_checksum(self._attrs, self._dims)})
         versions = f"version=2,rockpulse={__version__},hdf5={h5py.version.hdf5_version},h5py={h5py.__version__}"
         self._hdf5.attrs["_NCProperties"] = np.bytes_(versions)
 
-    def _scale(self, group: str, dim: str) -> h5py.Dataset:
-        """The scale of a dimension: the variable of its name, or a dataset without values that stands for it."""
-        size, path = self._sizes[group][dim], _joined(group, dim)
-        scale, name = self._variables.get(path), dim
-        if scale is None:
-            grows = {"maxshape": (None,)} if size == 0 else {}
-            scale, name = self._hdf5.create_dataset(path, (size,), ">f4", track_order=True, **grows), NO_VARIABLE
-            name += f"{size:10}"
+    def _create(self, path: str, shape: tuple[int, ...], dtype: Any, fill: np.ndarray | None = None) -> h5py.Dataset:
+        """An HDF5 dataset; a dimension of size zero is one that netCDF may let grow."""
+        most = {"maxshape": tuple(size or None for size in shape)} if 0 in shape else {}
+        value = None if fill is None else fill[0]
+        return self._hdf5.create_dataset(path, shape, dtype, fillvalue=value, track_order=True, **most)
+
+    def _make_scale(self, group: str, dim: str, scale: h5py.Dataset, name: str) -> None:
+        """Make a dataset the scale of a dimension."""
         scale.attrs["_Netcdf4Dimid"] = np.int32(self._numbers[group, dim])
         scale.make_scale(name)
+        self._scales[group, dim] = scale
+
+    def _take_place(self, group: str, dim: str, dtype: Any, fill: np.ndarray | None) -> h5py.Dataset:
+        """A variable in the place of the dataset that stood for its dimension, with all that was attached to that."""
+        before = self._scales[group, dim]
+        attached = [
+            (self._variables[path].id, dims.index(dim))
+            for path, dims in self._dims.items()
+            if dim in dims and (path.rpartition("/")[0] or "/") == group
+        ]
+        for variable, axis in attached:
+            h5py.h5ds.detach_scale(variable, before.id, axis)
+        path, shape = _joined(group, dim), before.shape
+        del self._hdf5[path]
+        scale = self._create(path, shape, dtype, fill)
+        self._make_scale(group, dim, scale, dim)
+        for variable, axis in attached:
+            h5py.h5ds.attach_scale(variable, scale.id, axis)
         return scale
 
     def _set(self, path: str, item: h5py.Group | h5py.Dataset, attrs: Mapping[str, Any]) -> None:
-        """Write attributes of a group or variable."""
-        held = self._attrs.setdefault(path, {})
-        for name, value in attrs.items():
-            held[str(name)] = in_utf8(value) if isinstance(value, str) else value
-            item.attrs[str(name)] = held[str(name)]
+        """Write attributes of a group or variable; a number becomes a list of one, as netCDF knows no other.
+
+        A ValueError for a name that netCDF keeps to itself, a TypeError for truth values.
+        """
+        held, stored = self._attrs.setdefault(path, {}), item.attrs
+        for key, value in attrs.items():
+            name = str(key)
+            if name in HIDDEN:
+                raise ValueError(f"{path}: an attribute cannot have the name {name!r}, which netCDF keeps to itself")
+            if np.asarray(value).dtype.kind == "b":
+                raise TypeError(f"{path}: attribute {name!r}: expected numbers or texts, was given truth values")
+            if isinstance(value, str):
+                value = in_utf8(value)
+            elif np.isscalar(value) and not isinstance(value, bytes):
+                value = np.array([value])
+            held[name] = stored[name] = value
 
     def _close(self, error: BaseException | None) -> None:
         """Close the file, of which nothing is left where there is an error."""

@@ -9,7 +9,7 @@ from contextlib import nullcontext
 from itertools import groupby
 from pathlib import Path
 
-import h5netcdf
+import h5py
 
 from rockpulse.errors import RecordRefused, ResultsError, RockpulseError
 from rockpulse.readers.archive import Archive, is_archive
@@ -19,11 +19,16 @@ from rockpulse.record.record import BETWEEN
 __all__ = ["in_place", "input_checksums", "input_files", "record_folders", "stored_checksums"]
 
 
-def stored_checksums(file: h5netcdf.File) -> list[tuple[str, str]]:
+def stored_checksums(hdf5: h5py.File) -> list[tuple[str, str]]:
     """The files of every record of an open results file and their SHA-256, as they are stored."""
-    groups = [group for group in file.groups.values() if {"source", "source_sha256"} <= set(group.variables)]
+    groups = [
+        item for item in hdf5.values() if isinstance(item, h5py.Group) and {"source", "source_sha256"} <= set(item)
+    ]
     return [
-        pair for group in groups for pair in zip(group["source"][:], group["source_sha256"][:], strict=True) if pair[1]
+        pair
+        for group in groups
+        for pair in zip(group["source"].asstr()[:], group["source_sha256"].asstr()[:], strict=True)
+        if pair[1]
     ]
 
 

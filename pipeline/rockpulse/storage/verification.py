@@ -5,10 +5,9 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
-import h5netcdf
 import h5py
 import numpy as np
 
@@ -19,10 +18,9 @@ from rockpulse.storage.checksums import (
     CHECKSUM_OF_ATTRIBUTES,
     VariableChecksum,
     attributes_checksum,
-    attributes_of,
-    variables_of,
 )
 from rockpulse.storage.input_files import in_place, input_checksums, input_files, record_folders, stored_checksums
+from rockpulse.storage.netcdf4 import attributes, groups_of, variables_of
 from rockpulse.storage.save_load import ASSESSMENT, check_schema
 
 __all__ = ["Verification", "verify"]
@@ -43,6 +41,15 @@ class Verification:
     differences: tuple[str, ...]  # a sentence each; empty where file and inputs are as they were
 
 
+@dataclass(frozen=True)
+class _Listed:
+    """The variables of an open file, attributes of groups and variables, and dimensions of variables, by path."""
+
+    variables: dict[str, h5py.Dataset] = field(default_factory=dict)
+    attrs: dict[str, dict[str, Any]] = field(default_factory=dict)
+    dimensions: dict[str, tuple[str, ...]] = field(default_factory=dict)
+
+
 def verify(
     path: str | os.PathLike[str], inputs: bool = True, progress: Callable[[list[Any]], Any] = iter
 ) -> Verification:
@@ -58,13 +65,15 @@ def verify(
         Where it cannot be opened.
     """
     kind = check_schema(path, reports=True)
-    with _readable(path), h5netcdf.File(path, "r", decode_vlen_strings=True) as file:
-        schema = str(file.attrs["schema_version"])
+    with _readable(path), h5py.File(path, "r") as hdf5:
+        file = _listed(hdf5)
+        root = file.attrs["/"]
+        schema = str(root["schema_version"])
         differences, count = _wrong_checksums(file, progress)
         if kind == ASSESSMENT:
             differences += _wrong_variables(file, schema)
-        stored = stored_checksums(file) if inputs else []
-        folders = record_folders(str(file.attrs.get("configuration", "")))
+        stored = stored_checksums(hdf5) if inputs else []
+        folders = record_folders(str(root.get("configuration", "")))
     sources = input_files(stored)
     places = {in_place(name, folders): name for name in sources}
     absent: list[str] = []
@@ -89,29 +98,45 @@ def _readable(path: str | os.PathLike[str]) -> Iterator[None]:
         raise ResultsError(f"{path}: the results file is damaged ({error}); run the assessment again") from error
 
 
-def _wrong_checksums(file: h5netcdf.File, progress: Callable[[list[Any]], Any]) -> tuple[list[str], int]:
-    variables = list(variables_of(file))
-    if CHECKSUM_OF_ATTRIBUTES not in file.attrs and not any(CHECKSUM in one.attrs for _, one in variables):
+def _listed(hdf5: h5py.File) -> _Listed:
+    """What a file holds; the dimension of a variable that another program has added without any is "?"."""
+    file = _Listed()
+    for group in groups_of(hdf5):
+        file.attrs[group.name] = attributes(group)
+        for variable in variables_of(group):
+            path = f"{group.name.rstrip('/')}/{variable.name}"
+            file.variables[path] = variable.stored
+            file.attrs[path] = attributes(variable.stored)
+            try:
+                file.dimensions[path] = variable.dimensions()
+            except ValueError:
+                file.dimensions[path] = ("?",)
+    return file
+
+
+def _wrong_checksums(file: _Listed, progress: Callable[[list[Any]], Any]) -> tuple[list[str], int]:
+    of_all = file.attrs["/"].get(CHECKSUM_OF_ATTRIBUTES)
+    if of_all is None and not any(CHECKSUM in file.attrs[path] for path in file.variables):
         return ["the file has no checksums: it was written by an earlier version, or by another program"], 0
     found = []
-    for path, variable in progress(variables):
-        stored = variable.attrs.get(CHECKSUM)
+    for path in progress(list(file.variables)):
+        stored = file.attrs[path].get(CHECKSUM)
         if stored is None:
             found.append(f"variable {path}: it has no checksum; it was not written with the others")
             continue
         try:
-            same = _checksum(variable) == stored
+            same = _checksum(file.variables[path]) == stored
         except (OSError, RuntimeError, ValueError) as error:
             found.append(f"variable {path}: it cannot be read ({error})")
             continue
         if not same:
             found.append(f"variable {path}: its values are not what was written")
-    if attributes_checksum(*attributes_of(file)) != file.attrs.get(CHECKSUM_OF_ATTRIBUTES):
+    if attributes_checksum(file.attrs, file.dimensions) != of_all:
         found.append("attributes, or names and dimensions of variables, are not what was written")
-    return found, len(variables)
+    return found, len(file.variables)
 
 
-def _checksum(variable: h5netcdf.Variable) -> str:
+def _checksum(variable: h5py.Dataset) -> str:
     """The checksum of the values as they are now, read a piece at a time."""
     dtype = np.dtype(object) if h5py.check_string_dtype(variable.dtype) else np.dtype(variable.dtype)
     shape = variable.shape
@@ -125,21 +150,20 @@ def _checksum(variable: h5netcdf.Variable) -> str:
     return checksum.hexdigest()
 
 
-def _wrong_variables(file: h5netcdf.File, schema: str) -> list[str]:
+def _wrong_variables(file: _Listed, schema: str) -> list[str]:
     """Variables that an assessment lacks, or holds in another type or unit than docs/schema.md says."""
     found = []
-    there = dict(variables_of(file))
     for group, declared in always_stored(schema).items():
         for name, expected in declared.items():
             kind, units = expected.kind, expected.units
             path = f"{group}/{name}"
-            if path not in there:
+            if path not in file.variables:
                 found.append(f"variable {path}: it is missing")
                 continue
-            variable = there[path]
+            variable, attrs = file.variables[path], file.attrs[path]
             text = h5py.check_string_dtype(variable.dtype) is not None
             if text != (kind is str) or (not text and variable.dtype.kind != np.dtype(kind).kind):
                 found.append(f"variable {path}: expected values of type {np.dtype(kind).name}, found {variable.dtype}")
-            if variable.attrs.get("units") != units:
-                found.append(f"variable {path}: expected the unit {units!r}, found {variable.attrs.get('units')!r}")
+            if attrs.get("units") != units:
+                found.append(f"variable {path}: expected the unit {units!r}, found {attrs.get('units')!r}")
     return found

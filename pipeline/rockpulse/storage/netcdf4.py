@@ -1,0 +1,93 @@
+"""The conventions by which netCDF-4 stores variables, dimensions and attributes in HDF5, read by h5py alone.
+
+A dimension is a dimension scale: the variable of its name, or a dataset without values that stands for it. Every other
+variable is attached to the scales of its dimensions.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import h5py
+import numpy as np
+
+__all__ = ["HIDDEN", "NOT_A_COORDINATE", "NO_VARIABLE", "Variable", "attributes", "groups_of", "variables_of"]
+
+#: Attributes that say how objects belong together, and nothing of the values.
+HIDDEN = {
+    "CLASS",
+    "DIMENSION_LIST",
+    "NAME",
+    "REFERENCE_LIST",
+    "_NCProperties",
+    "_Netcdf4Coordinates",
+    "_Netcdf4Dimid",
+    "_nc3_strict",
+}
+
+#: Beginning of the name of a scale that is a dimension and no variable; the size follows in ten columns.
+NO_VARIABLE = "This is a netCDF dimension but not a netCDF variable."
+
+#: What precedes the name of a variable that is that of a dimension which it does not go along.
+NOT_A_COORDINATE = "_nc4_non_coord_"
+
+
+@dataclass(frozen=True, eq=False)
+class Variable:
+    """A variable of an open file."""
+
+    name: str
+    stored: h5py.Dataset
+    scales: Mapping[h5py.Dataset, str]  # of its group, and their names, which HDF5 itself is slow to find
+
+    def dimensions(self) -> tuple[str, ...]:
+        """The names of its dimensions, those of the scales that it is attached to; a ValueError where one has none."""
+        stored = self.stored
+        if not stored.shape:
+            return ()
+        if stored.ndim == 1 and stored in self.scales:
+            return (self.name,)
+        scales = [stored.file[one[0]] for one in stored.attrs.get("DIMENSION_LIST", ()) if len(one)]
+        names = [self.scales.get(scale) or scale.name for scale in scales]
+        if len(names) != stored.ndim or None in names:
+            raise ValueError(f"variable {self.name!r} has {stored.ndim} dimensions, of which {len(names)} have a name")
+        return tuple(str(name).rpartition("/")[2] for name in names)
+
+
+def groups_of(group: h5py.Group) -> Iterator[h5py.Group]:
+    """A group and all within it, in the order in which they were written."""
+    yield group
+    for item in group.values():
+        if isinstance(item, h5py.Group):
+            yield from groups_of(item)
+
+
+def variables_of(group: h5py.Group) -> list[Variable]:
+    """The variables of a group, in the order in which they were written."""
+    datasets = {name: item for name, item in group.items() if isinstance(item, h5py.Dataset)}
+    scales = {item: name for name, item in datasets.items() if h5py.h5ds.is_scale(item.id)}
+    return [
+        Variable(name.removeprefix(NOT_A_COORDINATE), item, scales)
+        for name, item in datasets.items()
+        if not (item in scales and _says_no_variable(item.attrs.get("NAME")))
+    ]
+
+
+def attributes(item: h5py.Group | h5py.Dataset) -> dict[str, Any]:
+    """The attributes of an object, less those that are not about the values; an array of one value is that value."""
+    held = item.attrs
+    return {name: _plain(held[name]) for name in held if name not in HIDDEN}
+
+
+def _says_no_variable(name: Any) -> bool:
+    return isinstance(name, bytes) and name.startswith(NO_VARIABLE.encode())
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, h5py.Empty):
+        return np.array([], value.dtype)
+    if isinstance(value, np.ndarray) and value.size == 1:
+        value = value.ravel()[0]
+    return value.decode("utf-8", "surrogateescape") if isinstance(value, bytes) else value
