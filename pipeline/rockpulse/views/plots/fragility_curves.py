@@ -9,7 +9,7 @@ import numpy as np
 
 from rockpulse.config.fragility_settings import OVERTURNING, UPLIFT
 from rockpulse.views.plots.selection import one_name
-from rockpulse.views.plots.style import Look, caption, legend_above, looks, one_axes, title
+from rockpulse.views.plots.style import Look, caption, legend_above, looks, one_axes, plain_ticks, title
 from rockpulse.views.plots.words import label, plain, wrapped
 from rockpulse.views.text.fragility import shown_measure
 
@@ -104,7 +104,7 @@ def fragility(
     attrs = {"long_name": str(own["measure_long_name"].item())}
     ax.set_xlabel(wrapped(label(attrs, units=str(own["measure_units"].item())), 90))
     ax.set_ylabel(label(own["probability"].attrs))
-    _readable_ticks(ax)
+    plain_ticks(ax.xaxis)
     legend_above(ax, 3, across=True)
     title(ax, plain(block), rows=-(-len(states) // 3))
     notes = [_counts(tree, own), *_band_notes(tree, own, banded, shown)]
@@ -147,16 +147,6 @@ def _capacities(
         mew=0.6,
         zorder=2.5,
     )
-
-
-def _readable_ticks(ax: Axes) -> None:
-    """Label the ticks with plain numbers, not powers of ten, and set enough of them."""
-    from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
-
-    low, high = ax.get_xlim()
-    ax.xaxis.set_major_locator(LogLocator(subs=(1.0,) if high / low > 200.0 else (1.0, 2.0, 5.0)))
-    ax.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
-    ax.xaxis.set_minor_formatter(NullFormatter())
 
 
 def _banded(own: xr.Dataset, states: Sequence[str]) -> str | None:

@@ -9,7 +9,7 @@ import numpy as np
 
 from rockpulse.studies.site.statistics import weighted_quantile
 from rockpulse.views.plots.spectrum_map import body_marks, size_scale
-from rockpulse.views.plots.style import BLUE, GREY, PALE, RED, caption, legend_above, one_axes, title
+from rockpulse.views.plots.style import BLUE, GREY, PALE, RED, caption, legend_above, one_axes, plain_ticks, title
 from rockpulse.views.plots.words import label, plain
 
 if TYPE_CHECKING:
@@ -126,6 +126,7 @@ def spectrum_axes(
     ticks = [value for value in _TICKS if first <= value <= last]
     ax.set_xticks(ticks, [f"{value:g}" for value in ticks])
     ax.minorticks_off()
+    plain_ticks(ax.yaxis)
     ax.set_xlabel(label(p.attrs, symbol="$p$"))
     ax.set_ylabel(r"effective impulse $S$, or $g\,\tan\alpha_c/p$ of a body [m/s]")
     size_scale(ax, gravity)

@@ -16,6 +16,7 @@ from rockpulse.ladder import MODELS
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from matplotlib.axis import Axis
     from matplotlib.figure import Figure
 
 __all__ = [
@@ -41,6 +42,7 @@ __all__ = [
     "looks",
     "one_axes",
     "panel_title",
+    "plain_ticks",
     "ramp",
     "several_axes",
     "thinned",
@@ -240,6 +242,16 @@ def caption(ax: Axes, words: str, width: int = 106) -> None:
         ax.annotate(
             wrapped(words, width), (0.0, 0.0), (0.0, -5.0), below, "offset points", va="top", in_layout=False, **style
         )
+
+
+def plain_ticks(axis: Axis) -> None:
+    """Label the ticks of a logarithmic axis with plain numbers, not powers of ten, and set enough of them."""
+    from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
+
+    low, high = axis.get_view_interval()
+    axis.set_major_locator(LogLocator(subs=(1.0,) if high / low > 200.0 else (1.0, 2.0, 5.0)))
+    axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+    axis.set_minor_formatter(NullFormatter())
 
 
 def thinned(time: np.ndarray, values: np.ndarray, most: int = INSTANTS) -> tuple[np.ndarray, np.ndarray]:
