@@ -9,7 +9,6 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy.integrate import trapezoid
 from scipy.optimize import isotonic_regression
 
 __all__ = ["factor_at", "mean_capacity", "rising"]
@@ -99,5 +98,5 @@ def mean_capacity(level: np.ndarray, probability: np.ndarray) -> np.ndarray:
     4.0
     """
     logs = np.log(level)
-    mean = logs[0] + trapezoid(1.0 - probability, logs, axis=-1)
+    mean = logs[0] + np.trapezoid(1.0 - probability, logs, axis=-1)
     return np.where(probability[..., -1] > 1.0 - 1e-3, np.exp(mean), np.inf)

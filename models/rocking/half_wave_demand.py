@@ -1,20 +1,15 @@
 """The demand of the half-waves of a record on a block: on the block's own time scale, and by marching through them.
 
-.. note:: A half-wave is taken as the triangle that has its ends, its impulse and its centroid. Two measures of the
-   motion that they make, both proportional to a factor on it:
+.. note:: A half-wave is taken as the triangle that has its ends, its impulse and its centroid. While a block rocks on
+   the side s, the growing mode y = s theta/alpha - 1 + s theta'/(p alpha) of the linear equation obeys y' = p y - s p
+   a_g/(g alpha) (:mod:`rocking.demand`): a later impulse counts exp(-p (t - t0)) of an earlier one, E(t0) = sum over
+   the half-waves after t0 of I_k exp(-p (t_k - t0)) for short ones, and here exact for triangles. A block that lifts
+   off at t0 overturns without an impact iff p abs(E(t0)) exceeds g alpha. The lobes of E tell how many impulses act.
 
-   *Build-up of E.* While a block rocks on the side s, the growing mode y = s theta/alpha - 1 + s theta'/(p alpha) of
-   the linear equation obeys y' = p y - s p a_g/(g alpha) (:mod:`rocking.demand`): a later impulse counts
-   exp(-p (t - t0)) of an earlier one, E(t0) = sum over the half-waves after t0 of I_k exp(-p (t_k - t0)) for short
-   ones, and here exact for triangles. A block that lifts off at t0 overturns without an impact iff p abs(E(t0)) exceeds
-   g alpha. An impact hands C of the speed w to the next excursion, y = -1 + C w: the excursions that the lobes of E
-   drive build up to sum over k of (h C)^k E_k, E_k in descending order (Eq. 5 for impulses that differ), with h < 1
-   because the ground is seldom in step.
-
-   *March.* 1 over the factor at which the linear equation (Eqs. 1-2), lifted at g tan(alpha), overturns under the
-   half-waves in their own order. One march is chaotic; with the stated uncertainty of the body and of the strength of
-   its motion it has a distribution (:class:`rocking.OverturningSpectrum` of :mod:`rocking.half_wave_lanes`), of which
-   the mean logarithm and the factor of 10 % probability are taken.
+   The *march* is 1 over the factor at which the linear equation (Eqs. 1-2), lifted at g tan(alpha), overturns under
+   the half-waves in their own order. One march is chaotic; with the stated uncertainty of the body and of the strength
+   of its motion it has a distribution (:class:`rocking.OverturningSpectrum` of :mod:`rocking.half_wave_lanes`), of
+   which the mean logarithm and the factor of 10 % probability are taken.
 """
 
 from __future__ import annotations
@@ -26,16 +21,15 @@ from typing import Any
 import numpy as np
 
 from rocking.block import Block
-from rocking.demand import HANDED_ON
 from rocking.half_wave_lanes import checked_half_waves, half_wave_lanes, triangles
 from rocking.overturning_spectrum import OverturningSpectrum
-from rocking.slender_kernel import weighted_impulse
+from rocking.slender_kernel import lobe_tops, weighted_impulse
 from rocking.spectrum_lanes import LEAST_RESTITUTION, MOST_RESTITUTION, RATES
 
 __all__ = ["HalfWaveDemand", "Lobes", "demand_of_half_waves", "impulse_lobes", "lobe_shapes"]
 
 #: Points of each side of a triangle on which E is computed.
-POINTS = 16
+POINTS = 8
 
 #: Lobes of E above this share of the largest one are main impulses.
 MAIN_SHARE = 0.5
@@ -66,10 +60,6 @@ class HalfWaveDemand:
         1 over the mean capacity of the march: exp of the mean logarithm of the factor at which it overturns [-].
     march_10 : (m,) ndarray
         1 over the factor at which the march overturns with a probability of 10 % [-].
-    build_up : (m,) ndarray
-        Sum over k of (0.9 C)^k p E_k/(g tan alpha), E_k the lobes in descending order [-].
-    largest : (m,) ndarray
-        Largest p abs(E)/(g tan alpha) [-].
     main_count : (m,) ndarray of int
         Number of lobes above half the largest one; at least 1.
     ratio : (m,) ndarray
@@ -81,8 +71,6 @@ class HalfWaveDemand:
 
     march: np.ndarray
     march_10: np.ndarray
-    build_up: np.ndarray
-    largest: np.ndarray
     main_count: np.ndarray
     ratio: np.ndarray
     interval: np.ndarray
@@ -113,19 +101,13 @@ def impulse_lobes(start: Any, centroid: Any, end: Any, impulse: Any, rate: float
     """
     corners, tops = triangles(*(np.asarray(values, dtype=float) for values in (start, centroid, end, impulse)))
     share = np.arange(POINTS) / POINTS
-    sides = np.diff(corners, append=corners[-1:])
-    times = (corners[:, None] + np.outer(sides, share)).reshape(-1)
-    ground = np.interp(times, corners, tops) if times.size else times
+    times, ground = (
+        (values[:, np.newaxis] + np.outer(np.diff(values, append=values[-1:]), share)).reshape(-1)
+        for values in (corners, tops)
+    )
     weighted = weighted_impulse(times, ground, float(rate))
-    present = np.flatnonzero(weighted)
-    times, weighted = times[present], weighted[present]
-    if not weighted.size:
-        return Lobes(times, weighted)
-    first = np.flatnonzero(np.concatenate(([True], np.diff(np.sign(weighted)) != 0.0)))
-    tops = [
-        begin + int(np.argmax(np.abs(lobe))) for begin, lobe in zip(first, np.split(weighted, first[1:]), strict=True)
-    ]
-    return Lobes(times[tops], weighted[tops])
+    found = lobe_tops(weighted)
+    return Lobes(times[found], weighted[found])
 
 
 def demand_of_half_waves(
@@ -171,27 +153,14 @@ def demand_of_half_waves(
     """
     first, centre, last, impulses = checked_half_waves(start, centroid, end, impulse)
     block = block if block.shape else block.lanes(1)
-    rates, of_body = np.unique(np.asarray(block.p, dtype=float), return_inverse=True)
-    lobes = [impulse_lobes(first, centre, last, impulses, rate) for rate in rates]
     over = np.asarray(block.p) / (block.gravity * np.tan(block.alpha_c))
-    descending = [np.sort(np.abs(lobe.sizes))[::-1] for lobe in lobes]
-    handed = HANDED_ON * np.broadcast_to(np.asarray(block.restitution, dtype=float), over.shape)
-    sums = [
-        float(np.sum(h ** np.arange(descending[i].size) * descending[i])) for h, i in zip(handed, of_body, strict=True)
-    ]
-    largest = np.array([np.max(e, initial=0.0) for e in descending])
-    count, ratio, interval = (np.array(column) for column in zip(*map(_main_lobes, lobes), strict=True))
+    nodes, of_body = np.unique(np.rint(_step_number(block.p)), return_inverse=True)
+    count, ratio, interval = (
+        column[of_body] for column in lobe_shapes(first, centre, last, impulses, RATES[0] * STEP**nodes)
+    )
     waves = first, centre, last, impulses
     mean, at_10 = _spectra(waves, block, threads) if np.any(impulses) else np.zeros((2, over.size))
-    return HalfWaveDemand(
-        march=over * mean,
-        march_10=over * at_10,
-        build_up=over * sums,
-        largest=over * largest[of_body],
-        main_count=count[of_body],
-        ratio=ratio[of_body],
-        interval=interval[of_body],
-    )
+    return HalfWaveDemand(march=over * mean, march_10=over * at_10, main_count=count, ratio=ratio, interval=interval)
 
 
 def lobe_shapes(
@@ -223,6 +192,11 @@ def lobe_shapes(
     return count, ratio, interval
 
 
+def _step_number(p: Any) -> np.ndarray:
+    """Steps from RATES[0] to frequency parameters."""
+    return np.asarray(np.log(np.asarray(p, dtype=float) / RATES[0]) / math.log(STEP))
+
+
 def _main_lobes(lobes: Lobes) -> tuple[int, float, float]:
     """Number of main lobes, rms of the others between them over the largest, median spacing."""
     sizes = np.abs(lobes.sizes)
@@ -244,7 +218,7 @@ def _spectra(
     start, centroid, end, impulse = waves
     largest = np.max(np.abs(impulse))
     nominal = np.maximum(np.broadcast_to(np.asarray(block.restitution, dtype=float), block.p.shape), BANDS[-1][0] / 0.9)
-    below = np.floor(np.log(np.asarray(block.p) / RATES[0]) / math.log(STEP) + 1e-9)
+    below = np.floor(_step_number(block.p) + 1e-9)
     band = np.sum(nominal[:, np.newaxis] < [least / 0.9 * (1.0 - 1e-12) for least, _ in BANDS[:-1]], axis=1)
     for one in np.unique(band):
         here = np.flatnonzero(band == one)

@@ -13,7 +13,6 @@ from dataclasses import dataclass
 from functools import cache
 
 import numpy as np
-from scipy.integrate import trapezoid
 
 from rocking.crossing import factor_at, mean_capacity, rising
 from rocking.lane_march import BodyLanes
@@ -90,7 +89,7 @@ def lane_factors(lanes: BodyLanes | None, shift: Shift, reach: float, factor_max
     capacity = _interval("capacity_mean", mean_capacity(level, probability))
     if lanes.open:
         # P is not known above the last level: at least as far as it the capacity is the area over it.
-        least = np.exp(logs[0] + trapezoid(1.0 - probability, logs, axis=-1))
+        least = np.exp(logs[0] + np.trapezoid(1.0 - probability, logs, axis=-1))
         capacity = {**dict.fromkeys(capacity, np.inf), "capacity_mean_low": _interval("least", least)["least_low"]}
     return LaneFactors(found | _up_to(factor_max, capacity), first, probability[0])
 

@@ -15,7 +15,7 @@ import math
 import numpy as np
 from numba import njit
 
-__all__ = ["march_pieces", "weighted_impulse"]
+__all__ = ["lobe_tops", "march_pieces", "weighted_impulse"]
 
 #: Slower impacts, as u' [-], end the rocking where the ground does not lift the block: u would reach 5e-7.
 SLOWEST = 1e-3
@@ -167,3 +167,20 @@ def weighted_impulse(times: np.ndarray, ground: np.ndarray, rate: float) -> np.n
         late = (whole - step * decay) / (rate * step)
         weighted[i] = decay * weighted[i + 1] + (whole - late) * ground[i] + late * ground[i + 1]
     return weighted
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def lobe_tops(weighted: np.ndarray) -> np.ndarray:
+    """Places of the largest absolute value of every stretch of one sign of E (k,), in order; zeros are no stretch."""
+    tops = np.empty(weighted.shape[0], dtype=np.int64)
+    count, side = 0, 0.0
+    for i in range(weighted.shape[0]):
+        if weighted[i] == 0.0:
+            continue
+        here = np.sign(weighted[i])
+        if here != side:
+            tops[count] = i
+            count, side = count + 1, here
+        elif abs(weighted[i]) > abs(weighted[tops[count - 1]]):
+            tops[count - 1] = i
+    return tops[:count].copy()

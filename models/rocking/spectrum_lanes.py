@@ -28,7 +28,7 @@ from rocking.block_limits import RATES
 from rocking.slender_kernel import march_pieces, weighted_impulse
 from rocking.threads import split_lanes
 
-__all__ = ["RATES", "SpectrumLanes", "check_strength", "piece_lanes", "spectrum_lanes"]
+__all__ = ["RATES", "SpectrumLanes", "check_strength", "neighbours", "piece_lanes", "spectrum_lanes"]
 
 #: Largest acceleration over gravity that is taken for a ground motion [-].
 STRONGEST = 1e6
@@ -94,6 +94,20 @@ class SpectrumLanes:
     bottom: np.ndarray
     top: np.ndarray
     between: tuple[float, float] = (LEAST_RESTITUTION, 1.0)
+
+
+def neighbours(p: np.ndarray) -> np.ndarray:
+    """The default frequency parameters next to those of (m,) bodies that lie within them, ascending [1/s].
+
+    The lanes of each are marched on their own: a spectrum of these alone tells the bodies the same.
+
+    Examples
+    --------
+    >>> (neighbours(np.array([2.0])) / 2.0).round(2).tolist()
+    [0.92, 1.03]
+    """
+    above = np.clip(np.searchsorted(RATES, p), 1, RATES.size - 1)
+    return np.asarray(RATES[np.unique([above - 1, above])])
 
 
 def spectrum_lanes(acceleration: Any, dt: float, p: Any = RATES, threads: int | None = None) -> SpectrumLanes:

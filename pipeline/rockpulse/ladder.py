@@ -23,6 +23,8 @@ if TYPE_CHECKING:
     from rockpulse.calibration.rule import Rule
 
 __all__ = [
+    "ALL_MODELS",
+    "DEFAULT_MODELS",
     "MODELS",
     "NAMES",
     "SEQUENCE_MODELS",
@@ -54,11 +56,15 @@ def _search_resonance(block: rocking.Block, scene: Scene) -> rocking.ScaleInterv
 
 def _sequence(block: rocking.Block, scene: Scene) -> rocking.Response:
     one = scene.sequence
+    if scene.rule:
+        return _rule(block, scene, point=scene.rule)
     return _no_sequence(block) if one is None else rocking.sequence_response(block, one, paired=one.shape != ())
 
 
 def _search_sequence(block: rocking.Block, scene: Scene) -> rocking.ScaleIntervals:
     one, search = scene.sequence, scene.search
+    if scene.rule:
+        return _search_rule(block, scene, point=scene.rule)
     if one is None:
         return _not_searched(block)
     return rocking.sequence_critical_scale(block, one, search.factor_max, search.step, paired=one.shape != ())
@@ -173,7 +179,7 @@ class Model:
     look: tuple[str, str | tuple[float, tuple[float, ...]], str]
     #: Whether it is stated for slender blocks only, a slenderness of at least 3 (the linear motion of Eqs. 1-2).
     slender: bool = True
-    #: Whether it is the working point of that name of the rule, and holds for bodies like those of the rule's fit.
+    #: Whether it is the working point of that name of the rule.
     fitted: bool = False
     #: Whether its input is the calibrated sequence, with a time of its own and without any record; else the record.
     of_sequence: bool = False
@@ -185,15 +191,15 @@ class Model:
     #: How its input is an upper bound, so that its overturning says no more than that a body may be unsafe.
     upper_bound: str = ""
 
-    @property
-    def rule(self) -> Rule | None:
-        """The working point of the rule that the model is; None for the other models."""
-        return _loaded(self.name) if self.fitted else None
+    def rule(self, scene: Scene) -> Rule | None:
+        """The working point of the rule by which the model answers; None where it does not."""
+        point = self.name if self.fitted else scene.rule if self.name == "sequence" else ""
+        return _loaded(point) if point else None
 
-    def applicable(self, block: rocking.Block) -> np.ndarray:
-        """True for those of (m,) blocks that lie in the range of the model."""
+    def applicable(self, block: rocking.Block, scene: Scene) -> np.ndarray:
+        """True for those of (m,) blocks that lie in the range of the model; a rule holds for those like its fit's."""
         within = np.asarray(block.slender) | (not self.slender)
-        rule = self.rule
+        rule = self.rule(scene)
         return within if rule is None else within & rule.applicable(block).reshape(block.shape)
 
 
@@ -212,8 +218,9 @@ _ROWS = (
     Model(
         name="sequence",
         label="sequence",
-        words="main impulses at the start of each half-cycle and smaller ones of alternating sign between them, "
-        "calibrated on the half-waves of the record; between impulses the natural motion of the block.",
+        words="main impulses at the start of each half-cycle and smaller ones of alternating sign between them, from "
+        "the half-waves of the record alone; between impulses the natural motion of the block. By [sequence] method: "
+        "the conservative rule below, one sequence for each record and body, unless another one is asked for.",
         respond=_sequence,
         search=_search_sequence,
         look=("orange", (0, (6, 1.5, 1, 1.5)), "s"),
@@ -285,6 +292,10 @@ _ROWS = (
     ),
 )
 
+#: The models that answer unless others are asked for, and those that stand side by side where all are.
+DEFAULT_MODELS = ("sequence", "nonlinear")
+ALL_MODELS = ("resonance", "sequence", "impulsive", "linear", "nonlinear")
+
 #: Every model by its name.
 MODELS = {row.name: row for row in _ROWS}
 
@@ -317,7 +328,7 @@ class ModelSettings(Section):
     """The models that answer, and their exactness."""
 
     heading = "[models]"
-    use: tuple[str, ...] = choices(("resonance", "sequence", "impulsive", "linear", "nonlinear"), NAMES)
+    use: tuple[str, ...] = choices(DEFAULT_MODELS, NAMES)
     auto: bool = boolean(False)
     output: str = choice("outcome", ("outcome", "peak"))
     tolerance: float = number(1e-4, low=0.0, above=True)
@@ -349,7 +360,8 @@ class Scene:
 
     `vertical` is the vertical ground acceleration on the samples of the record, (n,) [m/s2], for the nonlinear model;
     `phase` is the stretch that the sequence is calibrated on. The sequence is None where the phase holds too few
-    half-waves; by a design spectrum it is (m,), one a block, for the sequence model alone.
+    half-waves; by a design spectrum it is (m,), one a block, for the sequence model alone. `rule` is the working point
+    of the rule by which that model answers; empty where it answers by the sequence.
     """
 
     record: Record
@@ -359,6 +371,7 @@ class Scene:
     sequence: rocking.ImpulseSequence | None
     models: ModelSettings
     search: SearchSettings
+    rule: str = ""
 
 
 def critical_scales(block: rocking.Block, scene: Scene) -> dict[str, rocking.ScaleIntervals]:

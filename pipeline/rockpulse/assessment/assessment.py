@@ -14,7 +14,7 @@ from rocking.predictability import NOT_CHECKED, predictable
 from rocking.response import Response
 from rockpulse.assessment.probability import record_probability
 from rockpulse.assessment.record_assessment import RecordAssessment
-from rockpulse.assessment.scene import extract
+from rockpulse.assessment.scene import extract, matched
 from rockpulse.assessment.tree import EVENT, build_tree, record_part, template
 from rockpulse.config.block_settings import BlockSettings
 from rockpulse.config.bodies import Bodies, gather_bodies
@@ -114,7 +114,7 @@ def assess_motion(motion: Motion, watch: Watch, bodies: Bodies, config: Config) 
     with watch("condition"):
         scene = extract(motion.record, config, motion.vertical)
     with watch("solve"):
-        assessment = assess_scene(scene, bodies, config)
+        assessment = assess_scene(matched(scene, config), bodies, config)
     with watch("pack"):
         return record_part(assessment)
 
@@ -134,7 +134,7 @@ def assess_scene(scene: Scene, bodies: Bodies, config: Config) -> RecordAssessme
         )
         scene = replace(scene, record=scene.record.with_warning(warning))
     for model in responses:
-        rule = MODELS[model].rule
+        rule = MODELS[model].rule(scene)
         outside = 0 if rule is None else np.count_nonzero(~rule.applicable(lanes))
         if rule is not None and outside:
             warning = (
@@ -150,7 +150,7 @@ def assess_scene(scene: Scene, bodies: Bodies, config: Config) -> RecordAssessme
         responses=responses,
         scales=critical_scales(lanes, scene),
         used=used,
-        applicable={name: MODELS[name].applicable(lanes).astype(np.int8) for name in responses},
+        applicable={name: MODELS[name].applicable(lanes, scene).astype(np.int8) for name in responses},
         predictable={name: _predictable(name, lanes, scene, one) for name, one in responses.items()},
         probability=overturning.values,
         spectrum=overturning.spectrum,

@@ -3,7 +3,7 @@
 .. note:: One overturning spectrum (:class:`rocking.OverturningSpectrum`) serves every body that it stands for. A body
    that it does not stand for, and every body where the vertical acts, is marched in lanes of its own
    (:func:`rocking.overturning_probability`). Bodies do not change each other's numbers: the spectrum is always that of
-   the default frequency parameters, and each of the others has its own draws.
+   the default frequency parameters next to the body's own, and each of the others has its own draws.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ import numpy as np
 
 from rocking.overturning_probability import overturning_probability
 from rocking.overturning_spectrum import OverturningFactors, OverturningSpectrum, covered
-from rocking.spectrum_lanes import spectrum_lanes
+from rocking.spectrum_lanes import RATES, neighbours, spectrum_lanes
 from rocking.uncertainty import Uncertainty
 from rockpulse.config.bodies import Bodies
 from rockpulse.config.configuration import Config
@@ -82,7 +82,8 @@ def _fill(values: dict[str, np.ndarray], scene: Scene, bodies: Bodies, config: C
     put(np.flatnonzero(still), OverturningFactors(**nothing).up_to(limit))
     spectrum, served = None, np.flatnonzero(slender & ~still)
     if served.size:
-        spectrum = OverturningSpectrum(spectrum_lanes(record.acceleration, record.dt), uncertainty)
+        rates = RATES if config.uncertainty.spectrum == "all" else neighbours(np.asarray(blocks.p)[served])
+        spectrum = OverturningSpectrum(spectrum_lanes(record.acceleration, record.dt, rates), uncertainty)
         put(served, spectrum.factors(blocks.chosen(served), least[served], most[served], limit))
     seed = int(np.random.SeedSequence([config.run.seed, *record.id.encode()]).generate_state(1)[0])
     others = np.flatnonzero(~slender)

@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from rocking.block_limits import RATES
 from rocking.overturning_spectrum import OverturningSpectrum
 from rocking.response import Response
 from rocking.scale_search import ScaleIntervals
@@ -60,12 +61,17 @@ class RecordAssessment:
 
     @cached_property
     def spectra(self) -> dict[str, np.ndarray]:
-        """The variables of the overturning spectrum; NaN where no body is read from one."""
-        if self.spectrum is not None:
-            return spectrum_values(self.spectrum)
-        return {
+        """The variables of the overturning spectrum; NaN at frequency parameters that no body is read at."""
+        found = {
             name: np.full([AXIS_SIZES[dim] for dim in variable.dims], np.nan) for name, variable in SPECTRUM.items()
         }
+        if self.spectrum is not None:
+            places = np.searchsorted(RATES, self.spectrum.p)
+            for name, values in spectrum_values(self.spectrum).items():
+                np.moveaxis(found[name], SPECTRUM[name].dims.index("p"), 0)[places] = np.moveaxis(
+                    values, SPECTRUM[name].dims.index("p"), 0
+                )
+        return found
 
     @property
     def sequence(self) -> ImpulseSequence | None:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from rockpulse.calibration.estimators import calibrate
 from rockpulse.config.configuration import Config
 from rockpulse.errors import RecordRefused
@@ -13,7 +15,7 @@ from rockpulse.record.intensity import intense_phase
 from rockpulse.record.record import Record
 from rockpulse.remark import Remark
 
-__all__ = ["extract", "prepare"]
+__all__ = ["extract", "matched", "prepare"]
 
 
 def prepare(record: Record, config: Config, vertical: Record | None = None) -> Scene:
@@ -40,8 +42,35 @@ def extract(conditioned: Record, config: Config, up: Record | None = None) -> Sc
     waves = half_waves(conditioned, **config.half_waves)
     phase = intense_phase(conditioned, **config.intense_phase)
     try:
-        sequence = calibrate(waves, phase=phase, **config.sequence)
+        sequence = calibrate(waves, phase=phase, **config.sequence.statistics)
     except RecordRefused as error:
         sequence = None
         conditioned = conditioned.with_warning(Remark("no_sequence", reason=str(error)))
-    return Scene(conditioned, lift, waves, phase, sequence, config.models, config.search)
+    rule = "conservative" if config.sequence.method == "rule" else ""
+    return Scene(conditioned, lift, waves, phase, sequence, config.models, config.search, rule)
+
+
+def matched(scene: Scene, config: Config) -> Scene:
+    """The scene with the sequence that its record is assessed by: with the method "response" one that is matched to it.
+
+    A record that moves too few bodies for that has no sequence, and a warning that says so.
+    """
+    if config.sequence.method != "response" or scene.sequence is None or "sequence" not in scene.models.use:
+        return scene
+    from rockpulse.calibration.response import calibrate_response  # a second, and rarely asked for
+
+    try:
+        found = calibrate_response(
+            scene.record,
+            vertical=scene.vertical,
+            start=scene.sequence,
+            spacing=config.sequence.spacing,
+            seed=config.run.seed,
+        )
+    except RecordRefused as error:
+        record = scene.record.with_warning(Remark("no_sequence", reason=str(error)))
+        return replace(scene, record=record, sequence=None)
+    record = scene.record
+    for remark in found.remarks:
+        record = record.with_note(remark)
+    return replace(scene, record=record, sequence=found.sequence)

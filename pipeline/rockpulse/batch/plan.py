@@ -93,7 +93,7 @@ def configuration_fingerprint(config: Config, verb: str) -> str:
     bodies have a probability of overturning.
     """
     matched = verb == "calibrate" and config.calibration.method == "response"
-    seeded = matched or (verb == "assess" and config.has_probability)
+    seeded = matched or (verb == "assess" and (config.has_probability or config.sequence.method == "response"))
     config = replace(
         config,
         records=replace(config.records, paths=(), events=None, keep=(), units=None, dt=None, files=(), confirm=()),

@@ -20,6 +20,8 @@ from rockpulse.commands.verb import Verb
 if TYPE_CHECKING:
     import xarray as xr
 
+    from rockpulse.config.configuration import Config
+
 __all__ = ["VERB"]
 
 
@@ -30,6 +32,12 @@ def _add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="SITE",
         help="assess the design sequence of this site file (rockpulse calibrate), no PATHS",
     )
+    parser.add_argument(
+        "--all-models",
+        action="store_true",
+        help="every model side by side, from the upper bound of resonance to the nonlinear equation, in place of "
+        "[models] use",
+    )
     add_batch_arguments(parser)
 
 
@@ -37,8 +45,20 @@ def _run(args: argparse.Namespace) -> int:
     return _of_records(args) if args.sequence is None else _of_sequence(args)
 
 
+def _with_models(args: argparse.Namespace, config: Config) -> Config:
+    """The configuration with every model, where the command line asks for them."""
+    if not args.all_models:
+        return config
+    from dataclasses import replace
+
+    from rockpulse.ladder import ALL_MODELS
+
+    return replace(config, models=replace(config.models, use=ALL_MODELS))
+
+
 def _of_records(args: argparse.Namespace) -> int:
     config, paths = resolved(args)
+    config = _with_models(args, config)
 
     from rockpulse.batch.run import assess_files
     from rockpulse.storage.hdf5_reader import open_results
@@ -60,7 +80,7 @@ def _of_sequence(args: argparse.Namespace) -> int:
     given = [*(name for name, value in of_records if value), *batch_given(args)]
     if given:
         raise ConfigError(f"--sequence takes the place of the records: drop {' and '.join(given)}, or --sequence")
-    config = configured(args)
+    config = _with_models(args, configured(args))
     check_target(args.output, args.overwrite)
     sequence = load_design(args.sequence)
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import MISSING, dataclass
+from typing import Any
 
 from rockpulse.config.fragility_settings import FragilitySettings
 from rockpulse.config.uncertainty_settings import UncertaintySettings
@@ -32,6 +33,7 @@ RESPONSES = ("sensitivity", "remove")
 STORES = ("all", "half_waves", "none")
 BASELINES = ("auto", "none", "mean", "pre-event", "linear", "quadratic")
 PHASES = ("D5-95", "D5-75", "bracketed", "window")
+SEQUENCES = ("rule", "statistics", "response")
 MAINS = ("largest", "mean-largest", "quantile")
 SECONDARIES = ("rms", "median", "mean")
 INTERVALS = ("median", "mean")
@@ -165,9 +167,14 @@ class IntensePhaseSettings(Section):
 
 @dataclass(frozen=True)
 class SequenceSettings(Section):
-    """The way from a record to an impulse sequence; keyword arguments of :func:`rockpulse.calibrate`."""
+    """The sequence that stands for a record; all but the method are keyword arguments of :func:`rockpulse.calibrate`.
+
+    The method "rule" gives every body a sequence of its own, by the conservative point of the rule; the others one for
+    all bodies, from the statistics of the half-waves or matched to the response of bodies to the record.
+    """
 
     heading = "[sequence]"
+    method: str = choice("rule", SEQUENCES)
     main: str = choice("largest", MAINS)
     secondary: str = choice("rms", SECONDARIES)
     interval: str = choice("median", INTERVALS)
@@ -176,6 +183,11 @@ class SequenceSettings(Section):
     duration_s: float | None = number(None, low=0.0, above=True, unit="s")
     m: int = count(3, low=1)
     quantile: float = number(0.95, low=0.0, high=1.0)
+
+    @property
+    def statistics(self) -> dict[str, Any]:
+        """The keyword arguments of :func:`rockpulse.calibrate`."""
+        return {name: value for name, value in {**self}.items() if name != "method"}
 
 
 _NAME = KeyType("a text that is not empty", lambda value: isinstance(value, str) and bool(value), str)

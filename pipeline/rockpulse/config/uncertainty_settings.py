@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from rockpulse.option import KeyType, Section, boolean, is_number, key, number
+from rockpulse.option import KeyType, Section, boolean, choice, is_number, key, number
 
 if TYPE_CHECKING:
     from rocking.uncertainty import Uncertainty
@@ -15,6 +15,9 @@ __all__ = ["UncertaintySettings"]
 #: Least and largest standard deviation of the factor, and largest loss of the angle, as the solver takes them; a test
 #: compares these with its own.
 LEAST_SPREAD, LARGEST_SPREAD = 0.02, 1.0
+
+#: Frequency parameters at which the overturning spectrum of a record is marched: those next to the bodies', or all.
+SPECTRA = ("bodies", "all")
 
 
 def _is_range(value: Any) -> bool:
@@ -43,6 +46,7 @@ class UncertaintySettings(Section):
     restitution: tuple[float, float] = key((0.9, 1.0), _RANGE)
     geometry: float = number(0.05, low=0.0, high=LARGEST_SPREAD)
     azimuth: bool = boolean(False)
+    spectrum: str = choice("bodies", SPECTRA)
 
     def of_draws(self) -> Uncertainty:
         """The same for the solver."""

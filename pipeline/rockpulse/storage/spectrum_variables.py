@@ -80,7 +80,7 @@ def _of_record(name: str, variable: StoredVariable) -> StoredVariable:
     return replace(variable, dims=("record", *variable.dims), take=take, since=3, stored=_has, of_ground=True)
 
 
-#: The group /spectra of an assessment, without the names of records; NaN where no body of a record needs its spectrum.
+#: The group /spectra of an assessment, without the names of records; NaN at the p that no body of a record is read at.
 SPECTRA: Declared = {
     **{name: replace(axis, since=3, stored=_has) for name, axis in SPECTRUM_AXES.items()},
     **{name: _of_record(name, variable) for name, variable in SPECTRUM.items()},

@@ -32,7 +32,7 @@ def waves(seed=4, factor=1.0):
 def asked(count, ratio):
     size = np.size(count)
     unused = np.full(size, np.nan)
-    return HalfWaveDemand(unused, unused, unused, unused, np.asarray(count), np.asarray(ratio), unused)
+    return HalfWaveDemand(unused, unused, np.asarray(count), np.asarray(ratio), unused)
 
 
 def test_the_sequence_overturns_where_the_demand_reaches_one_and_peaks_in_closed_form():

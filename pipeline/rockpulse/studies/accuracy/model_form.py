@@ -19,7 +19,7 @@ from rocking.block import Block
 from rocking.response import Outcome
 from rockpulse.assessment.scene import prepare
 from rockpulse.config.configuration import Config
-from rockpulse.ladder import MODELS, ModelSettings, Scene
+from rockpulse.ladder import ALL_MODELS, MODELS, Scene
 from rockpulse.record.intensity import pgv
 from rockpulse.record.record import Record
 from rockpulse.record.synthetic import synthetic_motion
@@ -34,9 +34,9 @@ __all__ = [
     "synthetic_records",
 ]
 
-#: The model that judges the others, and those that are judged: what an assessment uses by default.
+#: The model that judges the others, and those that are judged.
 JUDGE = "nonlinear"
-COMPARED = tuple(model for model in ModelSettings().use if model != JUDGE)
+COMPARED = tuple(model for model in ALL_MODELS if model != JUDGE)
 
 #: Bodies of the ensemble: every slenderness with every radius [m], Housner's restitution.
 SLENDERNESS = (4.0, 6.0, 8.0, 12.0)
