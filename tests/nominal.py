@@ -1,9 +1,10 @@
-"""Configurations of the nominal bodies: every factor searched, and no probability, which costs a second a record."""
+"""Configurations of the nominal bodies: every model, the sequence by statistics, every factor searched, no probability."""
 
 from dataclasses import replace
 from pathlib import Path
 
 import rockpulse as rp
+from rockpulse.ladder import ALL_MODELS, DEFAULT_MODELS
 
 #: The same for the command line.
 FILE = Path(__file__).with_name("nominal.toml")
@@ -11,4 +12,9 @@ FILE = Path(__file__).with_name("nominal.toml")
 
 def Config(**sections):
     search = replace(sections.pop("search", rp.SearchSettings()), intervals=True)
-    return rp.Config(**{"uncertainty": rp.UncertaintySettings(probability=False)} | sections, search=search)
+    models, sequence = sections.pop("models", rp.ModelSettings()), sections.pop("sequence", rp.SequenceSettings())
+    if models.use == DEFAULT_MODELS:
+        models = replace(models, use=ALL_MODELS)
+    sequence = replace(sequence, method="statistics")
+    uncertainty = {"uncertainty": rp.UncertaintySettings(probability=False)}
+    return rp.Config(**uncertainty | sections, search=search, models=models, sequence=sequence)

@@ -47,6 +47,11 @@ class OverturningProbability(OverturningFactors):
     probability: np.ndarray
     unresolved: np.ndarray
 
+    def overturning(self, factor: Any) -> np.ndarray:
+        """Probability of overturning at some factors (m, d) on the record, linear in ln f between the levels [-]."""
+        rows = zip(np.log(np.asarray(factor, dtype=float)), self.probability, strict=True)
+        return np.array([np.interp(one, np.log(self.level), own) for one, own in rows])
+
 
 def overturning_probability(
     block: Block,

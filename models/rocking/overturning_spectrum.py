@@ -210,19 +210,7 @@ class OverturningSpectrum:
         ValueError
             For blocks that the spectrum does not cover.
         """
-        nominal = np.asarray(block.restitution, dtype=float)
-        least = self.uncertainty.restitution[0] * nominal if least is None else np.asarray(least, dtype=float)
-        most = self.uncertainty.restitution[1] * nominal if most is None else np.asarray(most, dtype=float)
-        outside = np.flatnonzero(~self.covers(block, least, most))
-        if outside.size:
-            raise ValueError(
-                f"block: the spectrum stands for free blocks of slenderness {LEAST_SLENDERNESS:g} and more, p from "
-                f"{self.p[0]:g} to {self.p[-1]:g} 1/s and C from {self.lanes.between[0]:g} to "
-                f"{self.lanes.between[1]:g}, not for {outside.size} of {nominal.size}, the first one at place "
-                f"{int(outside[0])}"
-            )
-        probability, error = self._between(np.asarray(block.p), least, most)
-        speed = np.asarray(block.gravity * np.tan(block.alpha_c) / block.p)
+        probability, error, speed = self._of_blocks(block, least, most)
         # A higher probability is a lower factor; an end of an interval is the outermost crossing of its band.
         upper = np.maximum.accumulate(np.minimum(probability + TWO_SIDED * error, 1.0), axis=1)
         lower = np.minimum.accumulate(np.maximum(probability - TWO_SIDED * error, 0.0)[:, ::-1], axis=1)[:, ::-1]
@@ -240,6 +228,40 @@ class OverturningSpectrum:
             found[f"{name}_low"] = value * np.exp(-np.hypot(below, TWO_SIDED * INTERPOLATION))
             found[f"{name}_high"] = value * np.exp(np.hypot(above, TWO_SIDED * INTERPOLATION))
         return OverturningFactors(**found).up_to(factor_max)
+
+    def overturning(self, block: Block, factor: Any, least: Any = None, most: Any = None) -> np.ndarray:
+        """Probability that blocks overturn under the record times some factors, (m, d) [-].
+
+        Parameters
+        ----------
+        block, least, most
+            As for :meth:`factors`.
+        factor : (m, d) array_like
+            Factors on the record, positive [-].
+
+        Raises
+        ------
+        ValueError
+            For blocks that the spectrum does not cover.
+        """
+        probability, _, speed = self._of_blocks(block, least, most)
+        return _read(self._logs, rising(probability), np.log(np.asarray(factor, dtype=float) / speed[:, np.newaxis]))
+
+    def _of_blocks(self, block: Block, least: Any, most: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """P (m, k) of blocks that the spectrum covers, its standard error, and their speeds g tan(alpha)/p (m,)."""
+        nominal = np.asarray(block.restitution, dtype=float)
+        least = self.uncertainty.restitution[0] * nominal if least is None else np.asarray(least, dtype=float)
+        most = self.uncertainty.restitution[1] * nominal if most is None else np.asarray(most, dtype=float)
+        outside = np.flatnonzero(~self.covers(block, least, most))
+        if outside.size:
+            raise ValueError(
+                f"block: the spectrum stands for free blocks of slenderness {LEAST_SLENDERNESS:g} and more, p from "
+                f"{self.p[0]:g} to {self.p[-1]:g} 1/s and C from {self.lanes.between[0]:g} to "
+                f"{self.lanes.between[1]:g}, not for {outside.size} of {nominal.size}, the first one at place "
+                f"{int(outside[0])}"
+            )
+        speed = np.asarray(block.gravity * np.tan(block.alpha_c) / block.p)
+        return *self._between(np.asarray(block.p), least, most), speed
 
     def _range(self, restitution: Any) -> tuple[np.ndarray, np.ndarray]:
         nominal = np.atleast_1d(np.asarray(restitution, dtype=float))
@@ -314,14 +336,19 @@ class _AtOneRate:
         return found
 
 
+def _read(logs: np.ndarray, probability: np.ndarray, log_x: np.ndarray) -> np.ndarray:
+    """P (m, d) at ln x (m, d), linear in ln x between the levels (k,), of rows (m, k)."""
+    place = (log_x - logs[0]) / LEVEL_STEP
+    below = np.clip(np.floor(place).astype(int), 0, logs.size - 2)
+    share = np.clip(place - below, 0.0, 1.0)
+    rows = np.arange(log_x.shape[0])[:, np.newaxis]
+    return np.asarray((1.0 - share) * probability[rows, below] + share * probability[rows, below + 1])
+
+
 def _crossings(
     logs: np.ndarray, probability: np.ndarray, speed: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """P at a factor of one, and the factors of 10 and 50 %, from rising P(x) and the speeds g tan(alpha)/p."""
-    place = (-np.log(speed) - logs[0]) / LEVEL_STEP
-    below = np.clip(np.floor(place).astype(int), 0, logs.size - 2)
-    share = np.clip(place - below, 0.0, 1.0)
-    rows = np.arange(speed.size)
-    at_one = (1.0 - share) * probability[rows, below] + share * probability[rows, below + 1]
+    at_one = _read(logs, probability, -np.log(speed)[:, np.newaxis])[:, 0]
     level = np.exp(logs)
     return at_one, factor_at(0.1, level, probability) * speed, factor_at(0.5, level, probability) * speed

@@ -47,6 +47,7 @@ TEMPLATES = {
         "scaled by {factor:.3g}: outside {low:g} to {high:g} a scaled record stands for no recorded earthquake of that "
         "strength"
     ),
+    "scaled_alone": "brought to the demand by its own strength, not by that of a pair: {reason}",
     "scaled_to_drift": "scaled to a PGV that its drifting baseline puts in doubt",
     # its vertical channel
     "vertical_acceleration": "vertical acceleration: {record}",
@@ -55,7 +56,8 @@ TEMPLATES = {
     "vertical_short": "vertical channel: taken as zero for {missing:.4g} s without it",
     # a sequence in place of a record
     "demand_not_compared": (
-        "a sequence has no PGA: its capacity is not compared with the demand of the site ([[demand]])"
+        "a sequence has no PGA, nor any other strength to bring to the demand of the site ([[demand]]): nothing is "
+        "compared with it"
     ),
     # a remark on another record, behind this one
     "of_vertical": "vertical channel: {remark}",

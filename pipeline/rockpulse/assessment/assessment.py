@@ -114,13 +114,18 @@ def assess_motion(motion: Motion, watch: Watch, bodies: Bodies, config: Config) 
     with watch("condition"):
         scene = extract(motion.record, config, motion.vertical)
     with watch("solve"):
-        assessment = assess_scene(matched(scene, config), bodies, config)
+        assessment = assess_scene(matched(scene, config), bodies, config, motion.pair)
     with watch("pack"):
         return record_part(assessment)
 
 
-def assess_scene(scene: Scene, bodies: Bodies, config: Config) -> RecordAssessment:
-    """Assess all bodies under one record that was made ready; a ValueError says that a model refuses its numbers."""
+def assess_scene(
+    scene: Scene, bodies: Bodies, config: Config, channels: Sequence[Record] = ()
+) -> RecordAssessment:
+    """Assess all bodies under one record that was made ready; a ValueError says that a model refuses its numbers.
+
+    `channels` are the conditioned ones whose strengths are brought to the demands, as for :func:`record_probability`.
+    """
     lanes = bodies.lanes
     responses = {name: MODELS[name].respond(lanes, scene) for name in scene.models.use}
     used = {name: np.full(lanes.shape, USED.index(name), dtype=np.int8) for name in responses}
@@ -142,7 +147,7 @@ def assess_scene(scene: Scene, bodies: Bodies, config: Config) -> RecordAssessme
                 f"({rule.range_text}): its rates of error do not hold for them"
             )
             scene = replace(scene, record=scene.record.with_warning(warning))
-    overturning = record_probability(scene, bodies, config)
+    overturning = record_probability(scene, bodies, config, channels)
     return RecordAssessment(
         scene=scene,
         bodies=bodies,

@@ -8,6 +8,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, fields
 
 import numpy as np
@@ -16,10 +17,12 @@ from rocking.overturning_probability import overturning_probability
 from rocking.overturning_spectrum import OverturningFactors, OverturningSpectrum, covered
 from rocking.spectrum_lanes import RATES, neighbours, spectrum_lanes
 from rocking.uncertainty import Uncertainty
+from rockpulse.assessment.demand import FARTHEST, demand_factors
 from rockpulse.config.bodies import Bodies
 from rockpulse.config.configuration import Config
 from rockpulse.ladder import Scene
-from rockpulse.storage.probability_variables import PROBABILITY, READ, SOURCES
+from rockpulse.record.record import Record
+from rockpulse.storage.probability_variables import AT_DEMAND, PROBABILITY, READ, SOURCES
 
 __all__ = ["RecordProbability", "record_probability"]
 
@@ -31,12 +34,12 @@ NEVER = 1e-6
 
 @dataclass(frozen=True, eq=False)
 class RecordProbability:
-    """The variables of :data:`~rockpulse.storage.probability_variables.PROBABILITY` under one record.
+    """The variables of :data:`~rockpulse.storage.probability_variables.PROBABILITY` and AT_DEMAND under one record.
 
     Attributes
     ----------
     values : dict of str to (b x c,) ndarray
-        By name, of all lanes of the bodies.
+        By name, of all lanes of the bodies; those at the demands are (b x c, d).
     spectrum : OverturningSpectrum or None
         That of the record; None where no body is read from it.
     """
@@ -45,14 +48,23 @@ class RecordProbability:
     spectrum: OverturningSpectrum | None
 
 
-def record_probability(scene: Scene, bodies: Bodies, config: Config) -> RecordProbability:
-    """The probability of overturning of bodies under a record that was made ready.
+def record_probability(
+    scene: Scene, bodies: Bodies, config: Config, channels: Sequence[Record] = ()
+) -> RecordProbability:
+    """The probability of overturning of bodies under a record that was made ready, as it is and brought to each demand.
 
     It is that of the nonlinear model: without ``nonlinear`` or ``auto`` among the models, and where the configuration
-    switches it off, every value is NaN and the source "none". All restitutions of a body have the same.
+    switches it off, every probability is NaN and the source "none". All restitutions of a body have the same.
+
+    `channels` are those whose strengths are brought to the demands; without them it is the record. At a factor beyond
+    FARTHEST, or `[search] factor_max`, the probability is NaN.
     """
     count = len(bodies.names)
     values = {name: np.full(count, np.nan) for name in PROBABILITY}
+    values |= {name: np.full((count, len(config.demands)), np.nan) for name in AT_DEMAND}
+    if config.demands:
+        blocks = bodies.lanes.chosen(slice(None, None, bodies.cases))
+        values["demand_factor"] = demand_factors(channels or [scene.record], blocks, config.demands)
     values["probability_source"] = np.full(count, SOURCES.index("none"))
     spectrum = None
     if config.has_probability:
@@ -68,6 +80,8 @@ def _fill(values: dict[str, np.ndarray], scene: Scene, bodies: Bodies, config: C
         lifting = np.log(blocks.gravity * np.tan(blocks.alpha_c) / record.pga)
     values["uplift_probability"] = 1.0 - uncertainty.below(lifting)
     slender = covered(blocks, least, most) & (scene.vertical is None)
+    asked, at_demand = values["demand_factor"], values["demand_probability"]
+    near = (asked >= FARTHEST[0]) & (asked <= min(FARTHEST[1], limit))
     values["probability_source"] = np.where(slender, SOURCES.index("spectrum"), SOURCES.index("own_lanes"))
 
     def put(places: np.ndarray, found: OverturningFactors) -> None:
@@ -80,11 +94,15 @@ def _fill(values: dict[str, np.ndarray], scene: Scene, bodies: Bodies, config: C
         own.name: np.array(0.0 if own.name.startswith("at_one") else np.inf) for own in fields(OverturningFactors)
     }
     put(np.flatnonzero(still), OverturningFactors(**nothing).up_to(limit))
+    at_demand[still] = 0.0
     spectrum, served = None, np.flatnonzero(slender & ~still)
     if served.size:
         rates = RATES if config.uncertainty.spectrum == "all" else neighbours(np.asarray(blocks.p)[served])
         spectrum = OverturningSpectrum(spectrum_lanes(record.acceleration, record.dt, rates), uncertainty)
-        put(served, spectrum.factors(blocks.chosen(served), least[served], most[served], limit))
+        read = blocks.chosen(served), least[served], most[served]
+        put(served, spectrum.factors(*read, limit))
+        if config.demands:
+            at_demand[served] = spectrum.overturning(read[0], asked[served], *read[1:])
     seed = int(np.random.SeedSequence([config.run.seed, *record.id.encode()]).generate_state(1)[0])
     others = np.flatnonzero(~slender)
     if others.size:
@@ -100,6 +118,8 @@ def _fill(values: dict[str, np.ndarray], scene: Scene, bodies: Bodies, config: C
             seed=seed,
         )
         put(others, own)
+        at_demand[others] = own.overturning(asked[others])
+    at_demand[~near] = np.nan
     return spectrum
 
 

@@ -45,6 +45,7 @@ class Task:
     planned: PlannedMotion  # without samples
     channels: tuple[Located, ...]  # with the ids and warnings that the plan gave them
     vertical: Located | None
+    partner: Located | None
     fingerprint: str  # SHA-256 of all that the answer depends on: samples, metadata, configuration, version
 
     @property
@@ -60,8 +61,8 @@ class Task:
     def read(self, options: ReadOptions) -> PlannedMotion:
         """The planned motion with its samples, read with the options of the survey; raises as `Located.read`."""
         channels = tuple(channel.read(options) for channel in self.channels)
-        vertical = None if self.vertical is None else self.vertical.read(options)
-        return replace(self.planned, channels=channels, vertical=vertical)
+        vertical, partner = (None if one is None else one.read(options) for one in (self.vertical, self.partner))
+        return replace(self.planned, channels=channels, vertical=vertical, partner=partner)
 
 
 def tasks_of(planned: Iterable[PlannedMotion], located: Iterable[Located], config: Config, verb: str) -> list[Task]:
@@ -127,13 +128,14 @@ def program_digest() -> str:
 
 def _task(planned: PlannedMotion, place: Callable[[Record], Located], settings: str, confirm: Sequence[str]) -> Task:
     channels = tuple(place(channel) for channel in planned.channels)
-    vertical = None if planned.vertical is None else place(planned.vertical)
-    acting = [*channels] if vertical is None else [*channels, vertical]
+    vertical, partner = (None if one is None else place(one) for one in (planned.vertical, planned.partner))
+    acting = [*channels, *(one for one in (vertical, partner) if one is not None)]
     told = [text for one in acting for text in _told(one)]
     confirmed = [one.record.id for one in acting if id_matches(one.record.id, confirm)]
-    known = [planned.name, *planned.remarks, str(planned.copy), str(len(channels)), *told, *confirmed]
+    roles = [str(len(channels)), str(vertical is not None)]
+    known = [planned.name, *planned.remarks, str(planned.copy), *roles, *told, *confirmed]
     fingerprint = _digest([settings, *known])
-    return Task(planned, channels, vertical, fingerprint)
+    return Task(planned, channels, vertical, partner, fingerprint)
 
 
 def _told(located: Located) -> list[str]:

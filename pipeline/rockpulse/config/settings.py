@@ -34,6 +34,7 @@ STORES = ("all", "half_waves", "none")
 BASELINES = ("auto", "none", "mean", "pre-event", "linear", "quadratic")
 PHASES = ("D5-95", "D5-75", "bracketed", "window")
 SEQUENCES = ("rule", "statistics", "response")
+DEMANDS = ("pga", "pgv", "si", "velocity_ratio", "sa")
 MAINS = ("largest", "mean-largest", "quantile")
 SECONDARIES = ("rms", "median", "mean")
 INTERVALS = ("median", "mean")
@@ -195,12 +196,35 @@ _NAME = KeyType("a text that is not empty", lambda value: isinstance(value, str)
 
 @dataclass(frozen=True)
 class DemandSettings(Section):
-    """The demand of the site in one limit state: the capacity of every body is compared with it."""
+    """The demand of the site in one limit state: the strength that records are brought to, and bodies are judged at.
+
+    `acceleration` is another way to write `measure = "pga"` with its `value`.
+    """
 
     heading = "[[demand]]"
     name: str = key(MISSING, _NAME)
-    acceleration: float = number(MISSING, low=0.0, above=True, unit="m/s2")
+    measure: str = choice("pga", DEMANDS)
+    value: float | None = number(None, low=0.0, above=True, unit="m/s2 (pga, sa), m/s (pgv, si) or 1 (velocity_ratio)")
+    period: float | None = number(None, low=0.02, unit="s")
     limit_state: str = text()
+    acceleration: float | None = number(None, low=0.0, above=True, unit="m/s2")
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if (self.value is None) == (self.acceleration is None):
+            found = "neither" if self.value is None else "both"
+            raise ConfigError(f"{self.where} {self.name}: expected value, or acceleration for a PGA, found {found}")
+        if self.acceleration is not None and self.measure != "pga":
+            raise ConfigError(
+                f'{self.where} {self.name}: acceleration is the value of measure = "pga", found measure = '
+                f'"{self.measure}"; give value'
+            )
+        if (self.period is None) == (self.measure == "sa"):
+            told = "found none" if self.period is None else f'found measure = "{self.measure}"'
+            raise ConfigError(f'{self.where} {self.name}: period belongs to measure = "sa", and only to it; {told}')
+        if self.value is None:
+            object.__setattr__(self, "value", self.acceleration)
+            object.__setattr__(self, "acceleration", None)
 
 
 @dataclass(frozen=True)

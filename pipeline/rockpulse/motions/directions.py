@@ -44,6 +44,7 @@ class PlannedMotion:
     name: str  # id of the channel, or name of the pair; no two are the same
     channels: tuple[Record, ...]  # one, or the two of a pair, as read
     vertical: Record | None = None  # as read
+    partner: Record | None = None  # as read: the other channel of its pair, whose strength counts beside its own
     remarks: tuple[str, ...] = ()  # warnings for every motion that comes of it
     copy: int = 1  # number, from 1, among the pairs whose rotated records would have one id
 
@@ -65,6 +66,12 @@ class Motion:
     record: Record  # a channel or a rotated pair, conditioned
     vertical: Record | None = None  # the vertical channel that acts too, conditioned
     channels: tuple[Record, ...] = ()  # that it is made of, conditioned
+    partner: Record | None = None  # the other channel of its pair, conditioned
+
+    @property
+    def pair(self) -> tuple[Record, ...]:
+        """The channels whose strengths are those of this shaking: the two of a pair, or the one that is known."""
+        return self.channels if self.partner is None else (*self.channels, self.partner)
 
 
 class VerticalRefused(RecordRefused):
@@ -76,7 +83,8 @@ def plan_motions(records: Sequence[Record], config: Config) -> tuple[list[Planne
 
     The records have different ids; of the samples nothing but their number is asked. With them comes a row for each
     channel that is no horizontal one, or has no partner where pairs are asked for. One that was recorded within
-    :data:`FACING_WITHIN` of the azimuth asked for, or against it, needs none.
+    :data:`FACING_WITHIN` of the azimuth asked for, or against it, needs none. Where the site has a demand, a channel
+    gets its partner: a pair is brought to it as one.
     """
     horizontal, failures = select_horizontal(records, config.records.structural)
     if config.records.components == "horizontal":
@@ -94,6 +102,8 @@ def plan_motions(records: Sequence[Record], config: Config) -> tuple[list[Planne
             for pair, (name, number), (_, copy) in zip(pairs, names, rotated, strict=True)
         ]
         planned = _in_order([*planned, *(one for one in facing if one is not None)], horizontal)
+    if config.demands:
+        planned = _with_partners(planned, horizontal)
     if not config.records.include_vertical:
         return planned, failures
     verticals = Neighbours([record for record in records if record.orientation == "vertical"])
@@ -109,8 +119,9 @@ def conditioned_motions(planned: PlannedMotion, config: Config) -> list[Motion]:
     up = _conditioned_vertical(planned, config)
     if not planned.rotated:  # with the remarks first: conditioning adds its own behind them
         remarked = _remarked(planned.channels[0], planned.remarks)
-        conditioned = condition(remarked, **config.conditioning)
-        return [Motion(conditioned, up, (conditioned,))]
+        partner, failed = _conditioned_partner(planned, config)
+        conditioned = condition(_remarked(remarked, failed), **config.conditioning)
+        return [Motion(conditioned, up, (conditioned,), partner)]
     pair = condition_pair(Pair(*planned.channels), **config.conditioning)
     azimuths = DIRECTIONS[config.records.components](pair, config)
     turned = [replace(rotate(pair, azimuth), id=planned.direction_id(azimuth)) for azimuth in azimuths]
@@ -128,6 +139,16 @@ def _conditioned_vertical(planned: PlannedMotion, config: Config) -> Record | No
             "Correct its file or section [conditioning], or leave vertical motion out: include_vertical = false under "
             "[records]"
         ) from error
+
+
+def _conditioned_partner(planned: PlannedMotion, config: Config) -> tuple[Record | None, list[str]]:
+    """The partner of a channel, and a remark where it cannot be conditioned."""
+    if planned.partner is None:
+        return None, []
+    try:
+        return condition(planned.partner, **config.conditioning), []
+    except RockpulseError as error:
+        return None, [Remark("scaled_alone", reason=f"the other channel, {planned.partner.id}, fails: {error}")]
 
 
 def _remarked(record: Record, remarks: Iterable[str]) -> Record:
@@ -160,6 +181,18 @@ def _facing(record: Record, azimuth: float | None) -> PlannedMotion | None:
     mirrored = ", the mirror image, which is the same for a body that rocks to both sides" if against else ""
     remark = f"no pair: as recorded, at {record.azimuth:g} degrees, for the azimuth {azimuth:g}{mirrored}"
     return PlannedMotion(record.id, (record,), remarks=(remark,))
+
+
+def _with_partners(planned: Iterable[PlannedMotion], horizontal: Sequence[Record]) -> list[PlannedMotion]:
+    """Channels with the other one of their pair, or with a remark that there is none; pairs as they are."""
+    partner = {id(one): other for pair in find_pairs(horizontal)[0] for one, other in (pair.channels, pair.channels[::-1])}
+    alone = Remark("scaled_alone", reason="no other horizontal channel is known to go with it")
+    found = []
+    for one in planned:
+        other = None if one.rotated else partner.get(id(one.channels[0]))
+        remarks = one.remarks if one.rotated or other is not None else (*one.remarks, alone)
+        found.append(replace(one, partner=other, remarks=remarks))
+    return found
 
 
 def _in_order(planned: Sequence[PlannedMotion], horizontal: Sequence[Record]) -> list[PlannedMotion]:

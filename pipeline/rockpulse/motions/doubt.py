@@ -31,7 +31,7 @@ def unconfirmed(conditioned: Record, confirm: Iterable[str], configured: bool = 
 
 
 def unconfirmed_peaks(planned: PlannedMotion, motions: Sequence[Motion], config: Config, stage: str) -> list[Failure]:
-    """A row for each channel for which a channel or a pair is left out, its vertical one among them; mostly none.
+    """A row for each channel for which a channel or a pair is left out, its vertical one and its partner among them.
 
     A horizontal channel that is left out with such a channel has a row of its own, behind them.
     A pair of which only a rotated motion lies above 5 g is left out as a whole, unless both channels are confirmed.
@@ -42,6 +42,8 @@ def unconfirmed_peaks(planned: PlannedMotion, motions: Sequence[Motion], config:
     acting = [(of_pair, one) for one in channels]
     if up is not None:
         acting.append((f"{planned.name}: its vertical channel ", up))
+    if motions[0].partner is not None:
+        acting.append((f"{planned.name}: the other channel of its pair ", motions[0].partner))
     doubted = {id(one): told for _, one in acting if (told := unconfirmed(one, confirm))}
     rows = [
         Failure(one.source, stage, f"{whose}{doubted[id(one)]}", "failed")

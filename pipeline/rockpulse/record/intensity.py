@@ -1,4 +1,4 @@
-"""Measures of a record, and its intense phase (Arias 1970; Trifunac & Brady 1975; Bolt 1973).
+"""Measures of a record, and its intense phase (Arias 1970; Trifunac & Brady 1975; Bolt 1973; Housner 1952).
 
 .. note:: The record is linear between its samples, and every integral, extremum and crossing here is exact for that
    record. Velocities start from zero at the first sample and take the baseline as the record has it: condition the
@@ -16,10 +16,26 @@ import numpy as np
 from rockpulse.errors import ConfigError, RecordRefused
 from rockpulse.record.record import STANDARD_GRAVITY, Record
 
-__all__ = ["INTENSE_PHASES", "IntensePhase", "arias_intensity", "intense_phase", "pgv"]
+__all__ = [
+    "INTENSE_PHASES",
+    "IntensePhase",
+    "arias_intensity",
+    "fajfar_index",
+    "intense_phase",
+    "largest_change",
+    "pgv",
+    "spectral_acceleration",
+    "spectrum_intensity",
+]
 
 #: Length of the intense phase in section 4 of Casapulla & Maione (2017) [s].
 WINDOW_LENGTH = 20.0
+
+#: Damping of oscillators [-], and the periods of Housner's intensity [s].
+DAMPING, PERIODS = 0.05, np.linspace(0.1, 2.5, 49)
+
+#: Points of a period at which the response of an oscillator is at least looked at.
+POINTS = 16
 
 #: Default level of the bracketed duration [m/s2] (Bolt 1973).
 BRACKET_LEVEL = 0.05 * STANDARD_GRAVITY
@@ -63,6 +79,73 @@ def pgv(record: Record) -> float:
     before, after = left[crossing], right[crossing]
     interior = velocity[crossing] + 0.5 * record.dt * before * (before / (before - after))
     return float(max(np.max(np.abs(velocity)), np.max(np.abs(interior), initial=0.0)))
+
+
+def spectral_acceleration(record: Record, period: float) -> float:
+    """Pseudo-spectral acceleration of 5 % damping, (2 pi/T)^2 times the largest displacement [m/s2].
+
+    Parameters
+    ----------
+    record : Record
+        The motion.
+    period : float
+        T of the oscillator [s], positive.
+
+    Examples
+    --------
+    >>> still = Record([1.0] * 400, dt=0.01, id="step")  # twice the static displacement, less what damping takes
+    >>> round(spectral_acceleration(still, 0.5), 2)
+    1.85
+    """
+    from scipy import signal  # takes as long to import as all else
+
+    # At enough instants, and exact there for a ground acceleration that is linear between samples.
+    finer = max(1, math.ceil(POINTS * record.dt / period))
+    times = np.arange((record.npts - 1) * finer + 1) / finer
+    ground = record.acceleration if finer == 1 else np.interp(times, np.arange(record.npts), record.acceleration)
+    rate = 2.0 * math.pi / period
+    oscillator = ([-1.0], [1.0, 2.0 * DAMPING * rate, rate * rate])
+    upper, lower, _ = signal.cont2discrete(oscillator, record.dt / finer, method="foh")
+    return rate * rate * float(np.max(np.abs(signal.lfilter(upper[0], lower, ground))))
+
+
+def spectrum_intensity(record: Record) -> float:
+    """Housner's intensity as the mean pseudo-velocity of 5 % damping over periods of 0.1 to 2.5 s [m/s].
+
+    Times 2.4 s it is his integral [m].
+
+    Examples
+    --------
+    >>> push = Record([0.0, 100.0] + [0.0] * 400, dt=0.01, id="impulse of 1 m/s")
+    >>> round(spectrum_intensity(push), 2)
+    0.93
+    """
+    velocities = [period / (2.0 * math.pi) * spectral_acceleration(record, period) for period in PERIODS]
+    return float(np.trapezoid(velocities, PERIODS) / (PERIODS[-1] - PERIODS[0]))
+
+
+def largest_change(record: Record, within: float) -> float:
+    """Largest change of the ground velocity over a time [s], to the nearest sample [m/s].
+
+    Examples
+    --------
+    >>> largest_change(Record([2.0, 2.0, -2.0, -2.0], dt=1.0, id="back and forth"), within=1.0)
+    2.0
+    """
+    velocity = np.append(0.0, np.cumsum(0.5 * (record.acceleration[1:] + record.acceleration[:-1]))) * record.dt
+    steps = min(max(round(within / record.dt), 1), velocity.size - 1)
+    return float(np.max(np.abs(velocity[steps:] - velocity[:-steps])))
+
+
+def fajfar_index(record: Record) -> float:
+    """PGV t_D^(1/4), t_D the duration D5-95 (Fajfar, Vidic & Fischinger 1990) [m s^-0.75].
+
+    Examples
+    --------
+    >>> round(fajfar_index(Record([2.0, -2.0] * 9, dt=1.0, id="seesaw")), 3)
+    0.986
+    """
+    return pgv(record) * intense_phase(record).duration ** 0.25
 
 
 def intense_phase(

@@ -10,7 +10,7 @@ import numpy as np
 from rockpulse.config.configuration import Config
 from rockpulse.storage.variables import Declared, StoredVariable, flag, real
 
-__all__ = ["MEAN", "PROBABILITY", "READ", "SOURCES"]
+__all__ = ["AT_DEMAND", "MEAN", "PROBABILITY", "READ", "SOURCES"]
 
 #: The mean over direction of the probability of overturning: that of a body whose direction is not known.
 MEAN = "overturning_probability_mean"
@@ -97,5 +97,27 @@ PROBABILITY: Declared = {
         explanation="spectrum: the overturning spectrum of the record, which is the same for all slender bodies; own "
         "lanes: motions of the body itself, where the spectrum does not hold (slenderness below 3.5, p or C outside "
         "it, vertical acceleration)",
+    ),
+}
+
+#: The same at the demands of the site, along them.
+AT_DEMAND: Declared = {
+    "demand_factor": real(
+        "1",
+        "factor on the record that brings it to the demand",
+        _of_lanes("demand_factor"),
+        since=4,
+        of_ground=True,
+        explanation="the demand over the strength of the motion, of a pair of horizontal channels over the geometric "
+        "mean of theirs",
+    ),
+    "demand_probability": real(
+        "1",
+        "probability that the body overturns under the record brought to the demand; NaN where not computed",
+        _of_lanes("demand_probability"),
+        since=4,
+        of_ground=True,
+        explanation="not computed where `demand_factor` lies outside 0.25 to 4 or above `[search] factor_max`",
+        comment=_comment,
     ),
 }

@@ -12,16 +12,15 @@ A demand is, but for a coefficient, 1 over the factor at which the measure says 
 from __future__ import annotations
 
 import numpy as np
-from scipy import signal
 
 from rocking.block import Block
 from rocking.block_limits import radius_of_rectangle
 from rocking.capacity import critical_scale
 from rockpulse.record.half_wave import HalfWaves
-from rockpulse.record.intensity import pgv
+from rockpulse.record.intensity import largest_change, pgv, spectrum_intensity
 from rockpulse.record.record import Record
 
-__all__ = ["MEASURES", "ishiyama_velocity", "largest_change", "other_measures", "spectrum_intensity"]
+__all__ = ["MEASURES", "ishiyama_velocity", "other_measures"]
 
 #: Measures, and what they are called.
 MEASURES = {
@@ -35,9 +34,6 @@ MEASURES = {
     "uplift_ratio": "PGA, West",
     "ishiyama_ratio": "Ishiyama 0.4",
 }
-
-#: Periods [s], and damping, of Housner's intensity.
-PERIODS, DAMPING = np.linspace(0.1, 2.5, 49), 0.05
 
 #: Share of the velocity that overturns a body from rest, at which Ishiyama's body overturns.
 ISHIYAMA = 0.4
@@ -56,25 +52,6 @@ def ishiyama_velocity(bodies: Block) -> np.ndarray:
     """
     radius, alpha = radius_of_rectangle(bodies.p, bodies.gravity), bodies.alpha_c
     return np.asarray(np.sqrt(8.0 * bodies.gravity * radius * (1.0 - np.cos(alpha)) / (3.0 * np.cos(alpha) ** 2)))
-
-
-def spectrum_intensity(record: Record) -> float:
-    """Housner's intensity over its span of periods: the mean pseudo-velocity [m/s]."""
-    velocities = []
-    for period in PERIODS:
-        rate = 2.0 * np.pi / period
-        oscillator = ([-1.0], [1.0, 2.0 * DAMPING * rate, rate * rate])
-        # Exact for a ground acceleration that is linear between samples.
-        upper, lower, _ = signal.cont2discrete(oscillator, record.dt, method="foh")
-        velocities.append(rate * np.max(np.abs(signal.lfilter(upper[0], lower, record.acceleration))))
-    return float(np.trapezoid(velocities, PERIODS) / (PERIODS[-1] - PERIODS[0]))
-
-
-def largest_change(record: Record, within: float) -> float:
-    """Largest change of the ground velocity over a time [s], to the nearest sample [m/s]."""
-    velocity = np.append(0.0, np.cumsum(0.5 * (record.acceleration[1:] + record.acceleration[:-1]))) * record.dt
-    steps = min(max(round(within / record.dt), 1), velocity.size - 1)
-    return float(np.max(np.abs(velocity[steps:] - velocity[:-steps])))
 
 
 def other_measures(
