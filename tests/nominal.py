@@ -1,4 +1,4 @@
-"""Configurations of the nominal bodies: every model, the sequence by statistics, every factor searched, no probability."""
+"""Configurations of the nominal bodies: every model, the sequence by statistics, all factors, no probability."""
 
 from dataclasses import replace
 from pathlib import Path

@@ -75,19 +75,7 @@ def _rule(block: rocking.Block, scene: Scene, *, point: str) -> rocking.Response
 
 
 def _search_rule(block: rocking.Block, scene: Scene, *, point: str) -> rocking.ScaleIntervals:
-    """In closed form: the rule's demand is proportional to the factor, so every larger one overturns as well."""
-    factor, end = _loaded(point).safety_factor(scene.waves, block), scene.search.factor_max
-    lane = np.flatnonzero(factor <= end)
-    return rocking.ScaleIntervals(
-        safety_factor=np.where(factor <= end, factor, np.inf),
-        safe_up_to=np.minimum(factor, end),
-        lane=lane,
-        lower=factor[lane],
-        upper=np.full(lane.size, end),
-        open=np.ones(lane.size, dtype=bool),
-        step=np.ones(factor.size),
-        resolved=np.ones(lane.size, dtype=bool),
-    )
+    return _loaded(point).intervals(scene.waves, block, scene.search.factor_max)
 
 
 def _loaded(point: str) -> Rule:

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 import numpy as np
 
 from rocking.response import Outcome, Reason
+from rockpulse.assessment.demand import Demand, stored_demands
 from rockpulse.assessment.motion_shares import Motions, Share
 from rockpulse.motions.events import UNKNOWN
 from rockpulse.storage.hdf5_reader import flag_words, slab, worded
@@ -139,16 +140,23 @@ class Answers:
         return {name: others.get(name, self) for name in self.models}
 
     @cached_property
-    def demands(self) -> dict[str, float]:
-        """Acceleration of every demand that capacities are compared with [m/s2]."""
-        if "capacity_ratio" not in self.summary:
-            return {}
-        demands = self.summary["demand_acceleration"]
-        return dict(zip(map(str, demands["demand"].values), demands.values.tolist(), strict=True))
+    def demands(self) -> dict[str, Demand]:
+        """Every demand by its name."""
+        return stored_demands(self.summary)
 
-    def limit_state(self, demand: str) -> str:
-        """The limit state that a demand is for; empty where the results do not say."""
-        return str(self.summary["limit_state"].sel(demand=demand).item()) if "limit_state" in self.summary else ""
+    def to_demand(self, demand: str) -> np.ndarray:
+        """(records, bodies) factor on each record that brings it to a demand."""
+        if "demand_factor" in self.summary:
+            return np.asarray(self["demand_factor"][..., [*self.demands].index(demand)])
+        return np.broadcast_to(
+            (self.demands[demand].value / self["pga"])[:, np.newaxis], (len(self.records), len(self.bodies))
+        )
+
+    def at_demand(self, demand: str) -> np.ndarray:
+        """(records, bodies) probability of overturning under each record brought to a demand; NaN where not known."""
+        if "demand_probability" in self.summary:
+            return np.asarray(self["demand_probability"][..., [*self.demands].index(demand)])
+        return np.full((len(self.records), len(self.bodies)), np.nan)
 
     @cached_property
     def used(self) -> np.ndarray:
@@ -208,13 +216,11 @@ class Answers:
         return self._over(reached, demand)
 
     def ratios(self, demand: str | None = None) -> np.ndarray:
-        """(records, bodies) factors, or capacities over a demand: the factor times the PGA."""
-        if self.probable or demand is None:
-            return self._over(self[self.factor], demand)
-        return self["capacity_ratio"][..., [*self.demands].index(demand)]
+        """(records, bodies) factors, or capacities over a demand: over the factor that brings the record to it."""
+        return self._over(self[self.factor], demand)
 
     def _over(self, factor: np.ndarray, demand: str | None) -> np.ndarray:
-        return factor if demand is None else (factor.T * self["pga"]).T / self.demands[demand]
+        return factor if demand is None else factor / self.to_demand(demand)
 
     @property
     def least_over_direction(self) -> tuple[np.ndarray, np.ndarray]:

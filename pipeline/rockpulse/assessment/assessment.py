@@ -119,9 +119,7 @@ def assess_motion(motion: Motion, watch: Watch, bodies: Bodies, config: Config) 
         return record_part(assessment)
 
 
-def assess_scene(
-    scene: Scene, bodies: Bodies, config: Config, channels: Sequence[Record] = ()
-) -> RecordAssessment:
+def assess_scene(scene: Scene, bodies: Bodies, config: Config, channels: Sequence[Record] = ()) -> RecordAssessment:
     """Assess all bodies under one record that was made ready; a ValueError says that a model refuses its numbers.
 
     `channels` are the conditioned ones whose strengths are brought to the demands, as for :func:`record_probability`.

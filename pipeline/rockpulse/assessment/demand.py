@@ -1,9 +1,10 @@
-"""The factors that bring a motion to the demands of a site."""
+"""The demands of a site, and the factors that bring a motion to them."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -12,9 +13,12 @@ from rockpulse.config.settings import DemandSettings
 from rockpulse.record.intensity import pgv, spectral_acceleration, spectrum_intensity
 from rockpulse.record.record import Record
 
-__all__ = ["FARTHEST", "demand_factors"]
+if TYPE_CHECKING:
+    import xarray as xr
 
-#: Factors on a record between which it still stands for a recorded earthquake of the demand's strength (docs/limits.md).
+__all__ = ["FARTHEST", "Demand", "demand_factors", "stored_demands"]
+
+#: Factors on a record between which it still stands for a recorded earthquake of that strength (docs/limits.md).
 FARTHEST = (0.25, 4.0)
 
 #: The strength of a motion in each measure of a demand; that of "velocity_ratio" before it is taken over the body's.
@@ -25,6 +29,34 @@ _STRENGTH: dict[str, Callable[[Record, DemandSettings], float]] = {
     "velocity_ratio": lambda record, demand: pgv(record),
     "sa": lambda record, demand: spectral_acceleration(record, demand.period or math.nan),
 }
+
+
+#: The measures in words, and units as they are shown.
+_TITLES = {"pga": "PGA", "pgv": "PGV", "si": "SI", "velocity_ratio": "p PGV/(g tan alpha_c)", "sa": "Sa"}
+_SHOWN_UNITS = {"m s-2": "m/s2", "m s-1": "m/s", "1": ""}
+
+
+class Demand(NamedTuple):
+    """The strength that a site asks for in a limit state: its value, and measure and value in words."""
+
+    value: float
+    limit_state: str
+    words: str
+
+
+def stored_demands(summary: xr.Dataset) -> dict[str, Demand]:
+    """The demands of the node /summary by their names; of files before schema 1.4 the measure is the PGA."""
+    if "demand_acceleration" not in summary:
+        return {}
+    found = {}
+    for place, name in enumerate(summary["demand"].values):
+        told = {str(key): one.values[place] for key, one in summary.variables.items() if one.dims == ("demand",)}
+        value = float(told.get("demand_value", told["demand_acceleration"]))
+        period = float(told.get("demand_period", math.nan))
+        title = _TITLES[str(told.get("demand_measure", "pga"))] + ("" if math.isnan(period) else f"({period:g} s)")
+        words = f"{title} {value:.4g} {_SHOWN_UNITS[str(told.get('demand_units', 'm s-2'))]}".rstrip()
+        found[str(name)] = Demand(value, str(told.get("limit_state", "")), words)
+    return found
 
 
 def demand_factors(channels: Sequence[Record], blocks: Block, demands: Sequence[DemandSettings]) -> np.ndarray:
@@ -57,5 +89,5 @@ def demand_factors(channels: Sequence[Record], blocks: Block, demands: Sequence[
     for place, demand in enumerate(demands):
         strength = math.exp(np.mean([math.log(_STRENGTH[demand.measure](one, demand)) for one in channels]))
         own = blocks.p / (blocks.gravity * np.tan(blocks.alpha_c)) if demand.measure == "velocity_ratio" else 1.0
-        found[:, place] = demand.value / (strength * own)
+        found[:, place] = demand.strength / (strength * own)
     return found

@@ -47,7 +47,15 @@ class Motions:
     @property
     def event_count(self) -> int:
         """Number of earthquakes that are known to be others; one where none is known."""
-        return len({event for event in self.events if event != UNKNOWN}) or len(set(self.events))
+        return _others(self.events)
+
+    def kept(self, left_out: np.ndarray) -> np.ndarray:
+        """(motions, bodies) True for the motions of which a direction is not left out (records, bodies)."""
+        return np.asarray(~self.over(left_out, True).all(axis=1))
+
+    def event_counts(self, kept: np.ndarray) -> np.ndarray:
+        """The same of the motions that are kept for each body, (bodies,) of (motions, bodies)."""
+        return np.array([_others(np.array(self.events, dtype=str)[own].tolist()) for own in kept.T], dtype=int)
 
     def over(self, values: np.ndarray, missing: Any) -> np.ndarray:
         """Values (records, ...) as (motions, directions, ...), with `missing` in a direction that was not assessed."""
@@ -69,8 +77,10 @@ class Motions:
         with np.errstate(invalid="ignore"):
             return np.asarray(np.sum(sums / counts, axis=0, where=counts > 0.0) / (counts > 0.0).sum(axis=0))
 
-    def shares(self, probability: np.ndarray) -> list[Share]:
+    def shares(self, probability: np.ndarray, left_out: np.ndarray | None = None) -> list[Share]:
         """Of every body the probability over the earthquakes, from that (records, bodies) under each record.
+
+        Motions of which all directions are `left_out` (records, bodies) count as if they were not there.
 
         Notes
         -----
@@ -86,7 +96,14 @@ class Motions:
         over = np.mean if self.any_azimuth else np.max
         known, least, most = (over(np.where(np.isnan(table), filled, table), axis=1) for filled in (np.nan, 0.0, 1.0))
         known = np.where(least == most, least, known)
-        value, least, most = map(self.mean, (known, least, most))
-        low, high = share_interval(value, self.event_count)
-        tables = (value, low, high, least, most, np.isnan(known).sum(axis=0))
+        kept = np.ones(known.shape, dtype=bool) if left_out is None else self.kept(left_out)
+        unknown = (np.isnan(known) & kept).sum(axis=0)
+        value, least, most = (self.mean(np.where(kept, one, np.nan)) for one in (known, least, most))
+        low, high = share_interval(value, self.event_counts(kept))
+        tables = (value, low, high, least, most, unknown)
         return [Share(*one) for one in zip(*(table.tolist() for table in tables), strict=True)]
+
+
+def _others(events: list[str]) -> int:
+    """Number of earthquakes that are known to be others; one where none is known, 0 where there is none."""
+    return len({event for event in events if event != UNKNOWN}) or len(set(events))

@@ -69,7 +69,7 @@ def record_probability(
     spectrum = None
     if config.has_probability:
         spectrum = _fill(values, scene, bodies, config)
-    return RecordProbability({name: np.repeat(own, bodies.cases) for name, own in values.items()}, spectrum)
+    return RecordProbability({name: np.repeat(own, bodies.cases, axis=0) for name, own in values.items()}, spectrum)
 
 
 def _fill(values: dict[str, np.ndarray], scene: Scene, bodies: Bodies, config: Config) -> OverturningSpectrum | None:

@@ -16,9 +16,11 @@ import numpy as np
 
 from rocking.response import Outcome, Reason
 from rockpulse.assessment.answers import Answers, Body, Margin, Share
+from rockpulse.assessment.demand import FARTHEST
 from rockpulse.ladder import is_upper_bound
 
 __all__ = [
+    "FEWEST_AT_DEMAND",
     "MAY_OVERTURN",
     "OVERTURNS",
     "BodyVerdict",
@@ -32,6 +34,9 @@ __all__ = [
 
 #: Probabilities of overturning from which on a body may overturn, and overturns [-].
 MAY_OVERTURN, OVERTURNS = 0.05, 0.5
+
+#: Fewest earthquakes of records brought to a demand from which a verdict is given.
+FEWEST_AT_DEMAND = 5
 
 #: What the rounding of a mean may take from a probability [-].
 ROUNDING = 1e-12
@@ -66,18 +71,25 @@ class Grade(IntEnum):
 
 @dataclass(frozen=True)
 class DemandVerdict:
-    """A body against one ground acceleration that the site asks for, with its margin in capacity over demand.
+    """A body under the motions brought to one demand.
 
-    The capacity is the factor (of 10 % probability, else the safety factor) times the PGA. The grade is MAY_OVERTURN
-    where that of a motion lies below the demand, NOT_KNOWN where it may, else ROCKS. ``below`` and ``unknown`` count
-    these motions.
+    The grade follows from the probability over the earthquakes of the motions that can be brought to it, its
+    ``share``; it is NOT_KNOWN where these are of fewer than FEWEST_AT_DEMAND ``earthquakes``. ``left_out`` motions lie
+    farther from the demand than a factor of FARTHEST. The margin is in the capacity over the demand: the factor (of
+    10 % probability, else the safety factor) over the one that brings the motion to the demand.
     """
 
     name: str
     grade: Grade
+    share: Share
+    earthquakes: int
+    left_out: int
     margin: Margin
-    below: int
-    unknown: int
+
+    @property
+    def few(self) -> bool:
+        """Whether there is no verdict for want of earthquakes."""
+        return self.earthquakes < FEWEST_AT_DEMAND
 
 
 @dataclass(frozen=True)
@@ -99,9 +111,24 @@ class BodyVerdict:
     demands: tuple[DemandVerdict, ...]
 
     @property
+    def deciding(self) -> DemandVerdict | None:
+        """The demand that the verdict rests on, the one of the worst grade; None where the site has none."""
+        return max(self.demands, key=lambda one: (one.grade, one.share.value), default=None)
+
+    @property
     def overall(self) -> Grade:
-        """The worst of its grade and those of the demands."""
-        return max(self.grade, *(demand.grade for demand in self.demands), Grade.STAYS)
+        """The worst grade of the demands of the site; without a demand that under the motions as they are."""
+        return self.grade if self.deciding is None else self.deciding.grade
+
+    @property
+    def word(self) -> str:
+        """The verdict as it is shown."""
+        return "no verdict" if self.deciding is not None and self.deciding.few else self.overall.word
+
+    @property
+    def decides(self) -> Share:
+        """The probability that the verdict rests on."""
+        return self.share if self.deciding is None else self.deciding.share
 
 
 def standings(answers: Answers) -> np.ndarray:
@@ -174,20 +201,28 @@ def _grade(share: Share, bound: bool) -> Grade:
 
 def _demand_verdicts(answers: Answers, demand: str) -> list[DemandVerdict]:
     """The verdict on every body against one demand."""
-    ratio, bound = answers.ratios(demand), answers.bound
-    below = (ratio < 1.0) & ~bound
-    # A search that ends below the demand has shown nothing of what lies between.
-    unknown = np.isnan(ratio) | ((ratio < 1.0) & bound) | (np.isinf(ratio) & ~(answers.proven(demand) >= 1.0))
-    if not answers.probable:
-        unknown |= (answers["applicable"] == 0) | (answers["predictable"] == 0)
-    failed = answers.motions.anywhere(below)
-    open_ = answers.motions.anywhere(unknown & ~below, missing=True)
+    motions, factor = answers.motions, answers.to_demand(demand)
+    left_out = (factor < FARTHEST[0]) | (factor > FARTHEST[1])
+    table = answers.at_demand(demand) if answers.probable else _overturns_at(answers, demand)
+    kept = motions.kept(left_out)
+    shares, events = motions.shares(table, left_out), motions.event_counts(kept).tolist()
     found = []
     for lane, margin in enumerate(answers.margins(demand=demand)):
-        counts = [int(np.count_nonzero(one[:, lane])) for one in (failed, open_ & ~failed)]
-        known = Grade.ROCKS if len(open_) > 0 and not counts[1] else Grade.NOT_KNOWN
-        found.append(DemandVerdict(demand, Grade.MAY_OVERTURN if counts[0] else known, margin, *counts))
+        few = events[lane] < FEWEST_AT_DEMAND
+        grade = Grade.NOT_KNOWN if few else _grade(shares[lane], is_upper_bound(answers.model))
+        lost = int(np.count_nonzero(~kept[:, lane]))
+        found.append(DemandVerdict(demand, grade, shares[lane], events[lane], lost, margin))
     return found
+
+
+def _overturns_at(answers: Answers, demand: str) -> np.ndarray:
+    """(records, bodies) 1 where by its safety factor a body overturns at the demand, 0 where not, NaN if not known."""
+    ratio = answers.ratios(demand)
+    # A search that ends below the demand has shown nothing of what lies between.
+    unknown = np.isnan(ratio) | ((ratio < 1.0) & answers.bound)
+    unknown |= np.isinf(ratio) & ~(answers.proven(demand) >= 1.0)
+    unknown |= (answers["applicable"] == 0) | (answers["predictable"] == 0)
+    return np.where(unknown, np.nan, ratio < 1.0)
 
 
 def _doubts(answers: Answers) -> list[tuple[np.ndarray, str]]:

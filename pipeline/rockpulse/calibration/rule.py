@@ -26,6 +26,7 @@ from rocking.block_limits import radius_of_rectangle
 from rocking.half_wave_demand import HalfWaveDemand, demand_of_half_waves
 from rocking.half_wave_lanes import half_wave_lanes
 from rocking.main_sequence_kernel import effective_amplification
+from rocking.scale_search import ScaleIntervals
 from rocking.sequence import ImpulseSequence
 from rocking.spectrum_lanes import RATES, SpectrumLanes
 from rockpulse.errors import ConfigError
@@ -109,6 +110,24 @@ class Rule:
         """
         demand = self.demand(waves, block)
         return np.divide(1.0, demand, out=np.full(demand.shape, np.inf), where=demand > 0.0)
+
+    def intervals(self, waves: HalfWaves, block: Block, factor_max: float) -> ScaleIntervals:
+        """The factors on the record up to the largest one at which the sequence overturns: all from the safety factor.
+
+        The demand is proportional to the factor, so every larger one overturns as well.
+        """
+        factor = self.safety_factor(waves, block)
+        lane = np.flatnonzero(factor <= factor_max)
+        return ScaleIntervals(
+            safety_factor=np.where(factor <= factor_max, factor, np.inf),
+            safe_up_to=np.minimum(factor, factor_max),
+            lane=lane,
+            lower=factor[lane],
+            upper=np.full(lane.size, factor_max),
+            open=np.ones(lane.size, dtype=bool),
+            step=np.ones(factor.size),
+            resolved=np.ones(lane.size, dtype=bool),
+        )
 
     def sequence(self, waves: HalfWaves, block: Block) -> ImpulseSequence:
         """The impulse sequence that stands for a record, block by block.

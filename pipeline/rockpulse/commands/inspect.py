@@ -49,6 +49,9 @@ def _add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--block", action="append", metavar="NAME", help="one block in detail, or a pattern likewise; repeatable"
     )
+    parser.add_argument(
+        "--all", action="store_true", help="all of it: every model's verdict for every record and block"
+    )
     parser.add_argument("--failures", action="store_true", help="what failed or was skipped, and why")
     parser.add_argument("--records", action="store_true", help="list the records")
     parser.add_argument("--blocks", action="store_true", help="list the blocks")
@@ -96,7 +99,7 @@ def _parts(file: ResultsFile, args: argparse.Namespace) -> list[str]:
         parts += _details(summary, args)
     if args.failures:
         parts.append(failure_list(file.tree("failures")) or NOTHING)
-    return parts or [overview(file.tree("summary", "directions", "failures"))]
+    return parts or [overview(file.tree("summary", "directions", "failures"), args.all)]
 
 
 def _check_worst(args: argparse.Namespace) -> None:
@@ -170,7 +173,7 @@ def _inspect_whole(file: ResultsFile, group: str, args: argparse.Namespace) -> i
 VERB = Verb(
     name="inspect",
     summary="show a results file",
-    description="Show the verdicts of a results file, of many records the counts and the worst cases; one record or "
+    description="Show the verdict on every body and the worst records of a results file, or all of it; one record or "
     "block in detail; the cases that meet a condition; or what was not assessed.",
     add_arguments=_add_arguments,
     run=_run,

@@ -226,6 +226,12 @@ class DemandSettings(Section):
             object.__setattr__(self, "value", self.acceleration)
             object.__setattr__(self, "acceleration", None)
 
+    @property
+    def strength(self) -> float:
+        """The value, in the unit of the measure."""
+        assert self.value is not None  # one of both is given
+        return self.value
+
 
 @dataclass(frozen=True)
 class CalibrationSettings(Section):

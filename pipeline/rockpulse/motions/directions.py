@@ -185,7 +185,9 @@ def _facing(record: Record, azimuth: float | None) -> PlannedMotion | None:
 
 def _with_partners(planned: Iterable[PlannedMotion], horizontal: Sequence[Record]) -> list[PlannedMotion]:
     """Channels with the other one of their pair, or with a remark that there is none; pairs as they are."""
-    partner = {id(one): other for pair in find_pairs(horizontal)[0] for one, other in (pair.channels, pair.channels[::-1])}
+    partner = {
+        id(one): other for pair in find_pairs(horizontal)[0] for one, other in (pair.channels, pair.channels[::-1])
+    }
     alone = Remark("scaled_alone", reason="no other horizontal channel is known to go with it")
     found = []
     for one in planned:

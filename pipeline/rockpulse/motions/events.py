@@ -79,7 +79,7 @@ _CENTURY = 30
 _NUMBER = re.compile(r"[A-Za-z]-(\d\d)\b")
 
 
-def share_interval(share: Any, events: int) -> tuple[np.ndarray, np.ndarray]:
+def share_interval(share: Any, events: Any) -> tuple[np.ndarray, np.ndarray]:
     """Ends of the interval of a mean probability over earthquakes (Clopper & Pearson 1934, two-sided).
 
     With the confidence :data:`CONFIDENCE`, as if the earthquakes were drawn at random from those that are to be

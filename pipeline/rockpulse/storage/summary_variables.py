@@ -20,7 +20,7 @@ from rockpulse.ladder import USED
 from rockpulse.record.intensity import arias_intensity, pgv
 from rockpulse.remark import find, with_codes
 from rockpulse.storage.fact_variables import FACTS
-from rockpulse.storage.probability_variables import PROBABILITY
+from rockpulse.storage.probability_variables import AT_DEMAND, PROBABILITY
 from rockpulse.storage.variables import NOT_KNOWN, Declared, along, flag, real, text, whole
 
 __all__ = ["ANSWER", "BLOCK", "CASE", "DEMAND", "RECORD", "SUMMARY"]
@@ -271,13 +271,14 @@ ANSWER = along(
     },
 )
 
+#: Units of the measures of a demand.
+_DEMAND_UNITS = {"pga": "m s-2", "pgv": "m s-1", "si": "m s-1", "velocity_ratio": "1", "sa": "m s-2"}
+
 CAPACITY_RATIO = real(
     "1",
-    "capacity_pga over demand_acceleration; NaN where not computed",
+    "safety factor over demand_factor; NaN where not computed",
     lambda one: one.per_model(
-        lambda model: (
-            _capacity_pga(one, model)[:, np.newaxis] / np.array([demand.acceleration for demand in one.config.demands])
-        )
+        lambda model: one.scales[model].safety_factor[:, np.newaxis] / one.probability["demand_factor"]
     ),
     dims=(*LANES, "model", "demand"),
     stored=lambda config: bool(config.demands),
@@ -338,7 +339,22 @@ SITE_DEMAND = {
     name: replace(variable, dims=("demand",), stored=CAPACITY_RATIO.stored)
     for name, variable in {
         "demand_acceleration": real(
-            "m s-2", "ground acceleration that the site asks for, a_g S", _of_demands("acceleration")
+            "m s-2",
+            "ground acceleration that the site asks for, a_g S; NaN for another measure",
+            lambda bodies, config: [one.value if one.measure == "pga" else np.nan for one in config.demands],
+        ),
+        "demand_measure": text("measure of the strength that the site asks for", _of_demands("measure"), since=4),
+        "demand_value": real("1", "strength that the site asks for, in demand_units", _of_demands("value"), since=4),
+        "demand_units": text(
+            "unit of demand_value",
+            lambda bodies, config: [_DEMAND_UNITS[one.measure] for one in config.demands],
+            since=4,
+        ),
+        "demand_period": real(
+            "s",
+            "period of the oscillator whose pseudo-acceleration the site asks for; NaN for another measure",
+            lambda bodies, config: [np.nan if one.period is None else one.period for one in config.demands],
+            since=4,
         ),
         "limit_state": text("limit state of the demand", _of_demands("limit_state")),
         "demand": text("name of the demand", _of_demands("name")),
@@ -352,6 +368,10 @@ SUMMARY: Declared = {
     **ANSWER,
     **along(LANES, PROBABILITY),
     "capacity_ratio": CAPACITY_RATIO,
+    **{
+        name: replace(variable, dims=(*LANES, "demand"), stored=CAPACITY_RATIO.stored)
+        for name, variable in AT_DEMAND.items()
+    },
     **BLOCK,
     **CASE,
     **COORDINATES,

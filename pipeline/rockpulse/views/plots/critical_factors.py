@@ -10,7 +10,7 @@ import numpy as np
 from rockpulse.assessment.answers import PROBABLE, complete, fullest_model
 from rockpulse.errors import ResultsError
 from rockpulse.ladder import SEQUENCE_MODELS, UPPER_BOUND, SearchSettings, is_upper_bound
-from rockpulse.views.plots.demand_marks import demand_ticks, demands_over_pga, least, tick_notes
+from rockpulse.views.plots.demand_marks import demand_ticks, factors_to_demands, least, tick_notes
 from rockpulse.views.plots.probability_bars import HALF, bar, none_up_to, probability_bars, whiskers
 from rockpulse.views.plots.selection import chosen_case, named_body, one_name, setting
 from rockpulse.views.plots.style import (
@@ -129,7 +129,7 @@ def overturning_map(
     end = float(setting(tree, "search", "factor_max", SearchSettings().factor_max))
     ax = one_axes(ax, height=1.5 + _ROW * max(len(rows), 3))
     ends = {one: _of_rows(summary, one, records, blocks, model)[kept] for one in ("factor_50", *_ENDS)}
-    needed = demands_over_pga(summary, summary["pga"].sel(record=[one for one, _, _ in rows]).values, end)
+    needed = factors_to_demands(summary, [one for one, _, _ in rows], [body for _, body, _ in rows], end)
     lowest = least(needed, float(np.nanmin(np.where(factors > 0.0, factors, np.nan), initial=1.0)))
     begin = _BELOW * lowest
     for place, (one, body, case) in enumerate(rows):
@@ -220,7 +220,7 @@ def critical_scale(
     lowest = 1.0
     for place, name in enumerate(searched):
         lowest = min(lowest, _markers(ax, shown.sel(model=name), name, end * _NONE ** (1 + place)))
-    needed = demands_over_pga(shown, shown["pga"].values, end)
+    needed = factors_to_demands(summary, [str(name) for name in shown["record"].values], block, end)
     demand_ticks(ax, needed)
     lowest = least(needed, lowest)
     _rows(ax, [str(name) for name in shown["record"].values], _BELOW * lowest, end, end * _NONE ** (len(searched) + 1))

@@ -12,7 +12,7 @@ from rockpulse.assessment.spectrum import rocking_spectrum as compute_spectrum
 from rockpulse.errors import ConfigError, ResultsError
 from rockpulse.studies.accuracy.measurement import table_of
 from rockpulse.views.plots.critical_factors import critical_scale, overturning_map
-from rockpulse.views.plots.demand_marks import demands_over_pga
+from rockpulse.views.plots.demand_marks import factors_to_demands
 from rockpulse.views.plots.fragility_curves import fragility
 from rockpulse.views.plots.ground_motion import accelerogram
 from rockpulse.views.plots.impulse_sequences import limit_accelerogram
@@ -115,7 +115,9 @@ def _spectrum(tree: xr.DataTree, record: str | None = None, restitution: float |
         raise ConfigError("restitution: the spectrum is drawn at one C; expected a number from 0.75 to 1")
     # Half of the bodies have a larger C than the curve, half a smaller one.
     c = float(summary["restitution"].median()) if restitution is None else float(restitution)
-    needed = demands_over_pga(summary, own["pga"].values, np.inf)
+    # A factor that differs from body to body moves no spectrum as a whole.
+    shared = [factors_to_demands(summary, own["record"].values.tolist(), name, np.inf) for name in names]
+    needed = {name: one for name, one in shared[0].items() if all(np.array_equal(one, other[name]) for other in shared)}
     return _figure(
         overturning_spectra(
             spectra,

@@ -10,6 +10,7 @@ import numpy as np
 from rockpulse.assessment.answers import Answers
 from rockpulse.assessment.verdict import BodyVerdict, DemandVerdict, Grade
 from rockpulse.motions.events import CONFIDENCE
+from rockpulse.views.report.statements import typeset
 from rockpulse.views.shared.answer_cells import TITLES, margin_cells, unexplained
 from rockpulse.views.shared.facts import Known
 from rockpulse.views.shared.record_marks import record_cells
@@ -36,25 +37,23 @@ _PLURAL = {"record": "records", "pair": "pairs of channels", "sequence": "sequen
 
 def grade_cell(one: BodyVerdict, before: str = "") -> Cell:
     """The verdict on a body in a word or two behind others, sorted from best to worst."""
-    grade = one.overall
-    where = " at the demand" if grade > one.grade else ""
-    return Cell(before + grade.word + where, float(grade), grade=_GRADES[grade])
+    return Cell(before + one.word, float(one.overall), grade=_GRADES[one.overall])
 
 
 def body_table(answers: Answers, found: Sequence[BodyVerdict]) -> Table:
-    """One row per body: verdict, probability, factor, the record that it rests on, capacity over demand."""
+    """One row per body: verdict, probability at each demand and as it is, factor, the record that it rests on."""
     motions, factor = answers.motions, TITLES[answers.factor]
     names = [*map(unexplained, record_cells(answers.summary))]
-    asked = answers.demands.items()
+    of = "P" if answers.probable else "share"
     headings = (
         Heading("body"),
         Heading("C"),
         Heading("verdict", note=answers.model),
+        *(Heading(f"{of} at {name}", note=typeset(one.words)) for name, one in answers.demands.items()),
         *_share_headings(answers),
         Heading(f"smallest {factor}"),
         Heading("under"),
         Heading(f"median {factor}"),
-        *(Heading(f"capacity/demand: {name}", note=figure(value, "m/s²")) for name, value in asked),
         Heading("over\u00adturned", note="as it is"),
         Heading("not known"),
         Heading("not lifted"),
@@ -68,11 +67,11 @@ def body_table(answers: Answers, found: Sequence[BodyVerdict]) -> Table:
                 Cell(one.body.block, link=f"body-{one.body.place}"),
                 number(one.body.restitution, restitution),
                 grade_cell(one),
+                *map(_demand_cell, one.demands),
                 *_share_cells(answers, one),
                 smallest,
                 names[one.governing]._replace(link=f"record-{one.governing}") if governed else Cell(ABSENT),
                 median,
-                *map(_demand_cell, one.demands),
                 *(Cell(str(count), float(count)) for count in (one.overturned, one.share.unknown, one.at_rest)),
             )
         )
@@ -120,7 +119,12 @@ def _of_earthquake(known: Sequence[Known]) -> tuple[Cell, Cell, Cell]:
 
 def _share_headings(answers: Answers) -> tuple[Heading, ...]:
     """None for a design sequence, which is one motion."""
-    what = Heading("P", note="overturning") if answers.probable else Heading("share", note="of earthquakes")
+    as_is = " as it is" if answers.demands else ""
+    what = (
+        Heading(f"P{as_is}", note="overturning")
+        if answers.probable
+        else Heading(f"share{as_is}", note="of earthquakes")
+    )
     interval = Heading("interval", note=f"{CONFIDENCE:.0%}, {several(answers.motions.event_count, 'earthquake')}")
     return () if answers.motions.kind == "sequence" else (what, interval)
 
@@ -131,6 +135,6 @@ def _share_cells(answers: Answers, one: BodyVerdict) -> tuple[Cell, ...]:
 
 
 def _demand_cell(demand: DemandVerdict) -> Cell:
-    smallest, median = (cell.marked for cell in margin_cells(demand.margin))
-    why = f", {demand.unknown} not known" if demand.unknown else ""
-    return Cell(f"{smallest}, median {median}{why}", demand.margin.smallest, grade=_GRADES[demand.grade])
+    share = demand.share
+    shown = f"{ratio(share.value)} ({between(share.low, share.high, ratio)})"
+    return Cell(shown, share.value, grade=_GRADES[demand.grade])

@@ -6,16 +6,16 @@ import math
 from collections.abc import Sequence
 
 from rockpulse.assessment.answers import Answers, Motions
-from rockpulse.assessment.verdict import MAY_OVERTURN, OVERTURNS, BodyVerdict, DemandVerdict, Grade
+from rockpulse.assessment.demand import FARTHEST
+from rockpulse.assessment.verdict import FEWEST_AT_DEMAND, MAY_OVERTURN, OVERTURNS, BodyVerdict, DemandVerdict, Grade
 from rockpulse.ladder import UPPER_BOUND, is_upper_bound
 from rockpulse.motions.events import UNKNOWN
 from rockpulse.record.record import STANDARD_GRAVITY
-from rockpulse.views.report.pairing import listed
 from rockpulse.views.shared.answer_cells import TITLES, margin_cells
 from rockpulse.views.shared.terminal import figure, ratio, several
 from rockpulse.views.shared.verdict_notes import counted, noun
 
-__all__ = ["acceleration", "counted_by", "headline", "of_bodies", "of_unknown_event"]
+__all__ = ["acceleration", "counted_by", "headline", "of_bodies", "of_unknown_event", "typeset"]
 
 #: Bodies that are named one by one in a sentence.
 NAMED = 6
@@ -23,7 +23,7 @@ NAMED = 6
 #: Sentences on bodies of one grade, by whether they are one or several, from worst to best.
 _HEADS = {
     Grade.OVERTURNS: ("overturns", "overturn"),
-    Grade.NOT_KNOWN: ("cannot be judged, for an answer is missing", "cannot be judged, for answers are missing"),
+    Grade.NOT_KNOWN: ("cannot be judged", "cannot be judged"),
     Grade.MAY_OVERTURN: ("may overturn", "may overturn"),
     Grade.ROCKS: ("rocks", "rock"),
     Grade.STAYS: (
@@ -31,10 +31,6 @@ _HEADS = {
         "stay at rest: none of these lifts them, so that they say nothing of stronger ones",
     ),
 }
-
-_UNKNOWN_DEMAND = (
-    "a record has no answer, or is so weak that the search for its factor ended below the demand ([search] factor_max)"
-)
 
 
 def headline(answers: Answers, found: Sequence[BodyVerdict], files: str = "") -> list[str]:
@@ -53,29 +49,21 @@ def headline(answers: Answers, found: Sequence[BodyVerdict], files: str = "") ->
         return [f"There is no body to judge{f' ({files})' if files else ''}."]
     sentences[0] = f"By the {_model(answers.model)}, {under}: {sentences[0]}"
     of_demands = zip(*(one.demands for one in found), strict=True)
-    return [*sentences, *(_demand(answers, found, every) for every in of_demands)]
+    return [*sentences, *(_demand(answers, every) for every in of_demands)]
 
 
-def _demand(answers: Answers, found: Sequence[BodyVerdict], every: tuple[DemandVerdict, ...]) -> str:
-    """A sentence on the bodies under motions as strong as one demand."""
-    name, state = every[0].name, answers.limit_state(every[0].name)
-    failing = [
-        f"{one.body.name} ({ratio(against.margin.smallest)})"
-        for one, against in zip(found, every, strict=True)
-        if against.below
-    ]
-    unknown = sum(one.grade == Grade.NOT_KNOWN for one in every)
-    met = len(every) - len(failing) - unknown
-    named = f": {listed(failing)}" if failing else ""
-    why = _UNKNOWN_DEMAND if answers.told else "no factor of this model is known ([search] models, intervals)"
-    least = "with at most 10 % probability of overturning " if answers.probable else ""
-    return (
-        f"Demand “{name}”, {acceleration(answers.demands[name])}{f', {state}' if state else ''}: {met} of "
-        f"{several(len(every), 'body')} {'stands' if met == 1 else 'stand'} {least}under every {noun(answers.motions)} "
-        f"scaled to this PGA, {len(failing)} {'does' if len(failing) == 1 else 'do'} "
-        f"not{' for certain' if is_upper_bound(answers.model) else ''}{named}"
-        + (f"; of {unknown} it is not known: {why}." if unknown else ".")
-    )
+def _demand(answers: Answers, every: tuple[DemandVerdict, ...]) -> str:
+    """A sentence on the motions that are brought to one demand."""
+    demand, motions = answers.demands[every[0].name], answers.motions
+    state = f", {demand.limit_state}" if demand.limit_state else ""
+    lost, left = max(one.left_out for one in every), min(one.earthquakes for one in every)
+    what = f"{several(len(motions.names) - lost, noun(motions))} of {several(left, 'earthquake')}"
+    told = f"At the demand “{every[0].name}”, {typeset(demand.words)}{state}, stand {what} that are brought to it"
+    if lost:
+        told += f"; left out are {lost}, which lie farther from it than a factor of {FARTHEST[1]:g}"
+    if any(one.few for one in every):
+        told += f". That is no verdict: {FEWEST_AT_DEMAND} earthquakes are needed"
+    return f"{told}."
 
 
 def counted_by(answers: Answers) -> str:
@@ -105,9 +93,9 @@ def counted_by(answers: Answers) -> str:
     )
     if answers.demands:
         words += (
-            " Capacity over demand asks whether each record brought to the PGA of the demand overturns the body"
-            f"{' with more than 10 % probability' if answers.probable else ''}; below 1 the body may overturn at the "
-            "demand."
+            " The verdict is that under the motions brought to the demand of the site, each by one factor, a pair by "
+            f"the geometric mean of both; factors outside {FARTHEST[0]:g} to {FARTHEST[1]:g} are left out. The "
+            "motions as they are recorded decide nothing then."
         )
     return words
 
@@ -129,21 +117,19 @@ def _named(answers: Answers, own: Sequence[BodyVerdict]) -> str:
 
 def _likely(one: BodyVerdict) -> tuple[float, float]:
     """The most likely to overturn first, then that of the smallest factor."""
-    return -one.share.value, math.inf if math.isnan(one.margin.smallest) else one.margin.smallest
+    return -one.decides.value, math.inf if math.isnan(one.margin.smallest) else one.margin.smallest
 
 
 def _why(answers: Answers, one: BodyVerdict) -> str:
-    """The probability of a body with its upper bound, its smallest factor, and the demand that decides."""
+    """The probability of a body with its upper bound, at the demand that decides, and its smallest factor."""
     told = []
     if answers.motions.kind != "sequence":
         what = "P" if answers.probable else "share"
-        told.append(f"{what} {ratio(one.share.value)}, at most {ratio(one.share.high)}")
+        where = "" if one.deciding is None else f" at {one.deciding.name}"
+        told.append(f"{what}{where} {ratio(one.decides.value)}, at most {ratio(one.decides.high)}")
     if not math.isnan(one.margin.smallest):
         smallest = margin_cells(one.margin)[0].marked
         told.append(f"smallest {TITLES[answers.factor]} {smallest}")
-    if one.overall > one.grade:
-        worst = min(demand.margin.smallest for demand in one.demands if demand.grade == one.overall)
-        told.append(f"capacity over demand {ratio(worst)}")
     return ", ".join(told) or "no factor is known"
 
 
@@ -165,3 +151,14 @@ def of_bodies(count: int, total: int) -> str:
 def acceleration(value: float) -> str:
     """An acceleration [m/s2] in m/s² and g."""
     return f"{figure(value, 'm/s²')} ({figure(value / STANDARD_GRAVITY, 'g')})"
+
+
+def typeset(words: str) -> str:
+    """Words with a unit as they are shown in running text.
+
+    Examples
+    --------
+    >>> typeset("PGA 2.94 m/s2")
+    'PGA 2.94 m/s²'
+    """
+    return words.replace("m/s2", "m/s²")

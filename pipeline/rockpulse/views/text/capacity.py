@@ -11,7 +11,7 @@ from rocking.response import Outcome
 from rockpulse.assessment.answers import Answers, Margin, searched_up_to
 from rockpulse.views.shared.answer_cells import AT_MOST, NAMES, TITLES, factor_cell, margin_cells, marks_of
 from rockpulse.views.shared.table import Cell, Heading, Table, lines, number
-from rockpulse.views.shared.terminal import ABSENT, figure, paragraph, restitution
+from rockpulse.views.shared.terminal import ABSENT, paragraph, restitution
 from rockpulse.views.shared.verdict_notes import NO_ANSWER, NONE_UP_TO
 
 __all__ = [
@@ -139,13 +139,13 @@ def _below(answers: Answers) -> str:
 
 
 def _capacity(answers: Answers) -> str:
-    return f"{NAMES[answers.factor]} x PGA, {'nonlinear' if answers.probable else answers.model} model"
+    return f"{NAMES[answers.factor]} x strength, {'nonlinear' if answers.probable else answers.model} model"
 
 
 def _lines(of: str, answers: Answers, rows: list[list[Cell]]) -> list[str]:
     """A table with a column for every demand."""
     width = None if of == "record" else NAME_WIDTH
-    titles = [f"{name} ({figure(acceleration, 'm/s2')})" for name, acceleration in answers.demands.items()]
+    titles = [f"{name} ({demand.words})" for name, demand in answers.demands.items()]
     headings = (Heading("", width=width), Heading("C"), *map(Heading, titles))
     return lines(Table("", "", headings, tuple(map(tuple, rows))))
 

@@ -14,7 +14,7 @@ from rockpulse.views.shared.terminal import paragraph
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["by_kind", "failure_list", "left_out", "not_used", "rows_not_used", "unused"]
+__all__ = ["by_kind", "failure_list", "left_out", "left_out_in_short", "not_used", "rows_not_used", "unused"]
 
 #: Rows of a kind that is no failure in the overview, those of one reason as one.
 LISTED = 12
@@ -68,6 +68,22 @@ def left_out(tree: xr.DataTree, brief: bool = False) -> str:
     if len(shown_blocks) < len(warned):
         lines.append(f"and {len(warned) - len(shown_blocks)} more blocks with warnings")
     return "\n".join([*lines, *_warnings(summary)])
+
+
+def left_out_in_short(tree: xr.DataTree) -> str:
+    """How much was left out, of each kind, and how many records bear warnings; of what failed a few reasons."""
+    found, beside = _apart(by_kind(tree))
+    counts = [f"{_KINDS.get(kind, kind)}: {len(rows)}" for kind, rows in found.items()]
+    counts += [f"not records: {len(beside)}"] if beside else []
+    summary = tree["summary"].to_dataset()
+    warned = sum(bool(text) for text in summary["warnings"].values)
+    counts += [f"records with warnings: {warned}"] if warned else []
+    blocks = sum(bool(text) for text in summary["block_warnings"].values)
+    counts += [f"bodies with warnings: {blocks}"] if blocks else []
+    lines = [paragraph("; ".join(counts), "  ", "")] if counts else []
+    failed = alike(found.get("failed", ()))
+    lines += [paragraph(told(group), "      ", "  ") for group in failed[:FEW]]
+    return "\n".join(lines)
 
 
 def unused(sentence: str) -> str:

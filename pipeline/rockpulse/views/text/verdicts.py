@@ -8,30 +8,53 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from rockpulse.assessment.answers import Answers
-from rockpulse.assessment.verdict import verdicts
+from rocking.response import Outcome
+from rockpulse.assessment.answers import Answers, searched_up_to
+from rockpulse.assessment.demand import FARTHEST
+from rockpulse.assessment.verdict import FEWEST_AT_DEMAND, MAY_OVERTURN, OVERTURNS, BodyVerdict, verdicts
 from rockpulse.failures import some
+from rockpulse.motions.events import FEWEST_EVENTS
+from rockpulse.record.record import STANDARD_GRAVITY
 from rockpulse.views.shared.answer_cells import (
     NAMES,
     TITLES,
     answer_cells,
+    factor_cell,
     factor_cells,
     factor_columns,
     margin_cells,
     marks_of,
     safety_cells,
+    unexplained,
 )
 from rockpulse.views.shared.facts import Known
 from rockpulse.views.shared.record_marks import record_cells
 from rockpulse.views.shared.table import Cell, Heading, Table, lines, number
-from rockpulse.views.shared.terminal import between, figure, paragraph, ratio, restitution, several, shortened
-from rockpulse.views.shared.verdict_notes import NO_ANSWER, NONE_UP_TO, counted, share_notes, verdict_notes
+from rockpulse.views.shared.terminal import (
+    ABSENT,
+    between,
+    figure,
+    paragraph,
+    ratio,
+    restitution,
+    several,
+    shortened,
+)
+from rockpulse.views.shared.verdict_notes import NO_ANSWER, NONE_UP_TO, counted, noun, verdict_notes
 from rockpulse.views.text.capacity import NAME_WIDTH, factor_notes, uncertainty_words
 
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["body_verdicts", "factor_table", "governing", "overturned", "probability_table", "verdict_table"]
+__all__ = [
+    "body_verdicts",
+    "factor_table",
+    "governing",
+    "overturned",
+    "probability_table",
+    "verdict_table",
+    "worst_motions",
+]
 
 #: Records that govern, and bodies that each of them governs, which are named.
 NAMED = 3
@@ -142,35 +165,122 @@ def overturned(answers: Answers, files: str = "") -> str:
 def body_verdicts(answers: Answers, most: int | None = None) -> str:
     """The verdict on every body over all motions; of more than `most` those that are the most likely to overturn."""
     found = verdicts(answers)
-    order = sorted(range(len(found)), key=lambda place: -found[place].share.value)[:most]
+    order = sorted(range(len(found)), key=lambda place: -found[place].decides.value)[:most]
     places = sorted(order) if most is None else order
-    motions, names = answers.motions, answers.factor
+    names = [cell.marked for cell in record_cells(answers.summary)]
+    factors, (top, turn) = _middle_factors(answers), _largest_survived(answers)
+    uplift = answers.summary["gravity"].values * np.tan(answers.summary["alpha_c"].values) / STANDARD_GRAVITY
+    of = "P" if answers.probable else "share"
+    shares = [f"{of} at {name}" for name in answers.demands] if answers.demands else [of]
+    headings = ("", "verdict", *shares, "up to", "a_up [g]", "f_50" if answers.probable else "median SF")
+    headings = (*headings, "top [cm]", "turn [deg]", "worst " + noun(answers.motions).split()[0])
     rows = []
-    for one in (found[place] for place in places):
-        share, (smallest, median) = one.share, margin_cells(one.margin)
+    for place in places:
+        one = found[place]
+        of_demands = [demand.share for demand in one.demands] or [one.share]
         rows.append(
             (
-                Cell("  " + one.body.block),
-                number(one.body.restitution, restitution),
-                Cell(one.overall.word + (" at the demand" if one.overall > one.grade else "")),
-                number(share.value, ratio),
-                Cell(between(share.low, share.high, ratio)),
-                Cell(f"{one.overturned} of {len(motions.names)}", float(one.overturned)),
-                smallest,
-                median,
+                Cell("  " + one.body.name),
+                Cell(one.word),
+                *(number(share.value, ratio) for share in of_demands),
+                number(one.decides.high, ratio),
+                number(float(uplift[one.body.place]), ratio),
+                unexplained(factors[place]),
+                number(float(top[place]), ratio),
+                number(float(turn[place]), ratio),
+                Cell(names[one.governing] if one.governing >= 0 else ABSENT),
             )
         )
-    of = "P" if answers.probable else "share"
-    headings = ("", "C", "verdict", of, "90 %", "overturned by", f"smallest {TITLES[names]}", "median")
     which = f"the {len(rows)} most likely to overturn of {len(found)} bodies" if len(rows) < len(found) else "each body"
-    title = f"Verdict on {which}, {counted(motions)} ({answers.model} model):"
+    title = f"Verdict on {which}, {_under(answers, found)} ({answers.model} model):"
     widths = (NAME_WIDTH, *(None,) * (len(headings) - 1))
     table = Table("", "", tuple(map(lambda name, width: Heading(name, width=width), headings, widths)), tuple(rows))
-    notes = [
-        *share_notes(answers),
-        *dict.fromkeys(mark.note for mark in marks_of(c for r in rows for c in r) if mark.note),
+    return "\n".join([paragraph(title), *lines(table), *(paragraph(note, "  ") for note in _legend(answers))])
+
+
+def _under(answers: Answers, found: Sequence[BodyVerdict]) -> str:
+    """The motions that the verdicts rest on: as they are, or brought to the demands of the site."""
+    motions = answers.motions
+    if motions.kind == "sequence" or not answers.demands:
+        return counted(motions) + ("" if motions.kind == "sequence" else " as they are")
+    told = []
+    for place, (name, demand) in enumerate(answers.demands.items()):
+        every = [one.demands[place] for one in found]
+        lost, left = max(one.left_out for one in every), min(one.earthquakes for one in every)
+        without = f", {lost} left out, farther from it than a factor of {FARTHEST[1]:g}" if lost else ""
+        short = f"; {several(left, 'earthquake')} left, {FEWEST_AT_DEMAND} are needed" if every[0].few else ""
+        told.append(f"{name} ({demand.words}{without}{short})")
+    return f"{counted(motions)} brought to the demand {' and '.join(told)}"
+
+
+def _legend(answers: Answers) -> list[str]:
+    """The meaning of the words and columns of the verdicts, in three lines at most."""
+    if answers.motions.kind == "sequence":
+        return []
+    few = answers.motions.event_count
+    little = f" ({several(few, 'earthquake')}: read that end)" if few < FEWEST_EVENTS else ""
+    what = "P: probability of overturning" if answers.probable else "share: earthquakes that overturn it"
+    middle = "f_50: median factor for P = 50 %" if answers.probable else "SF: factor on a record that overturns"
+    return [
+        f"{what}, over earthquakes; up to: end of its 90 % interval{little}. overturns: {OVERTURNS:g} or more; may "
+        f"overturn: {MAY_OVERTURN:g} or more; rocks: less; stays: never lifted. a_up: uplift; {middle}; top, turn: "
+        "largest displacement and rotation survived."
     ]
-    return "\n".join([paragraph(title), *lines(table), *(paragraph(note, "  ") for note in notes)])
+
+
+def _middle_factors(answers: Answers) -> list[Cell]:
+    """The median over the motions of the factor of 50 % probability, else of the safety factor, of every body."""
+    if not answers.probable:
+        return [margin_cells(margin)[1] for margin in answers.margins()]
+    least = np.fmin.reduce(answers.motions.over(answers["factor_50"], np.nan), axis=1)
+    known = np.where(np.isnan(least), np.inf, least)
+    middle = np.sort(known, axis=0)[(len(known) - 1) // 2] if len(known) else np.full(len(answers.bodies), np.nan)
+    limit = searched_up_to(answers["factor_50"], answers["factor_50_low"])
+    return [factor_cell(float(value), limit) for value in middle]
+
+
+def _largest_survived(answers: Answers) -> tuple[np.ndarray, np.ndarray]:
+    """Of every body the largest displacement of its top [cm] and rotation [degrees] in what does not overturn it."""
+    stays = np.isin(answers["outcome"], (Outcome.AT_REST, Outcome.ROCKS))
+    peak = np.fmax.reduce(np.where(stays, answers["peak_rotation_ratio"], np.nan), axis=0, initial=np.nan)
+    places = [body.place for body in answers.bodies]
+    turn = peak * answers.summary["alpha_c"].values[places]
+    return 100.0 * answers.summary["height"].values[places] * np.sin(turn), np.degrees(turn)
+
+
+def worst_motions(answers: Answers, most: int) -> str:
+    """The motions that are the most likely to overturn a body, as they are: the body, its probability and factor."""
+    motions, factor = answers.motions, np.fmin.reduce(answers.motions.over(answers[answers.factor], np.nan), axis=1)
+    if not motions.names:
+        return ""
+    if answers.probable:
+        chance = np.fmax.reduce(motions.over(answers["overturning_probability"], np.nan), axis=1)
+    else:
+        chance = answers.overturned.astype(float)
+    likely, near = np.where(np.isnan(chance), -1.0, chance), np.where(np.isnan(factor), np.inf, factor)
+    body = np.array([np.lexsort((own, -every))[0] for own, every in zip(near, likely, strict=True)])
+    at = np.arange(len(body)), body
+    order = np.lexsort((near[at], -likely[at]))[:most]
+    limit = searched_up_to(answers[answers.factor], answers.proven())
+    pga, pgv = (np.fmax.reduce(motions.over(answers[name], np.nan), axis=1) for name in ("pga", "pgv"))
+    marked = dict(zip(answers.records, (cell.marked for cell in record_cells(answers.summary)), strict=True))
+    rows = [
+        (
+            Cell("  " + marked.get(motions.names[row], motions.names[row])),
+            number(pga[row] / STANDARD_GRAVITY, ratio),
+            number(pgv[row], ratio),
+            Cell(shortened(answers.bodies[body[row]].name, NAME_WIDTH)),
+            *([number(chance[row, body[row]], ratio)] if answers.probable else []),
+            unexplained(factor_cell(float(factor[row, body[row]]), limit)),
+            Cell(f"{int(answers.overturned[row].sum())} of {len(answers.bodies)}"),
+        )
+        for row in order.tolist()
+    ]
+    headings = ("", "PGA [g]", "PGV [m/s]", "worst for", *(["P"] if answers.probable else []), TITLES[answers.factor])
+    which = f"The {len(rows)} worst of {len(motions.names)}" if len(rows) < len(motions.names) else "All"
+    title = f"{which} {noun(motions)}s as they are:".replace("pair of channelss", "pairs of channels")
+    table = Table("", "", tuple(map(Heading, (*headings, "overturn"))), tuple(rows))
+    return "\n".join([title, *lines(table)])
 
 
 def governing(answers: Answers) -> str:

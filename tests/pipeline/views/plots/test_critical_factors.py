@@ -188,7 +188,7 @@ def test_bounds_and_models_outside_their_range_are_marked(assessed, changed):
 
 def ticks(ax):
     """Places of the demand "damage", row by row."""
-    (line,) = (line for line in ax.lines if line.get_label() == "demand over PGA: damage")
+    (line,) = (line for line in ax.lines if line.get_label() == "to the demand: damage")
     assert line.get_marker() == "|"
     assert line.get_ydata().tolist() == list(range(len(line.get_xdata())))
     return line.get_xdata()
@@ -214,7 +214,7 @@ def test_a_demand_is_a_tick_on_every_record(assessed, asked_for, first):
         assert ticks(ax) == pytest.approx(expected)
         words = " ".join(ax.figure.get_supxlabel().split())
         assert "Dashed: the record" in words
-        assert words.endswith("with its factor right of the tick the block stands at the demand.")
+        assert words.endswith("with its factor right of the tick the block stands there.")
     own = 2.94 / float(summary["pga"].sel(record=first))
     assert ticks(overturning_map(tree, record=first)) == pytest.approx([own, own])  # of two blocks
     weak = overturning_map(asked_for(0.1), block="wall")
