@@ -18,3 +18,9 @@ def Config(**sections):
     sequence = replace(sequence, method="statistics")
     uncertainty = {"uncertainty": rp.UncertaintySettings(probability=False)}
     return rp.Config(**uncertainty | sections, search=search, models=models, sequence=sequence)
+
+
+def toml(without: str = "") -> str:
+    """The text of FILE, without one of its sections."""
+    parts = FILE.read_text(encoding="utf-8").split("\n\n")
+    return "\n\n".join(part for part in parts if f"[{without}]" not in part.splitlines())

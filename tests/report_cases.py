@@ -10,7 +10,7 @@ from rockpulse.assessment.verdict import verdicts
 OF = ("record", "block", "model")
 
 
-def summary_of(factors, outcomes=None, demand=None, resolved=None, pga=1.0, up_to=10.0, step=1.01):
+def summary_of(factors, outcomes=None, demand=None, resolved=None, pga=1.0, up_to=10.0, step=1.01, to_demand=None):
     """One body under as many records as there are factors."""
     factors = np.asarray(factors, dtype=float)
     outcomes = np.where(factors <= 1.0, Outcome.OVERTURNS, Outcome.ROCKS) if outcomes is None else np.asarray(outcomes)
@@ -35,11 +35,16 @@ def summary_of(factors, outcomes=None, demand=None, resolved=None, pga=1.0, up_t
         coords["demand"] = ["ULS"]
         variables["demand_acceleration"] = (("demand",), np.array([demand]))
         variables["capacity_ratio"] = ((*OF, "demand"), (factors * pga / demand)[:, None, None, None])
+        scale = np.broadcast_to(np.asarray(demand) / pga if to_demand is None else to_demand, factors.shape)
+        variables["demand_factor"] = ((*OF[:2], "demand"), np.array(scale, dtype=float)[:, None, None])
     return xr.Dataset(variables, coords)
 
 
-def probable(probability, factor_10=None, uplift=1.0, low=10.0, **options):
-    """The same with the probability of overturning in place of safety factors; `low` is how far was searched."""
+def probable(probability, factor_10=None, uplift=1.0, low=10.0, at_demand=None, **options):
+    """The same with the probability of overturning in place of safety factors; `low` is how far was searched.
+
+    `at_demand` is that under each record brought to a demand.
+    """
     probability = np.asarray(probability, dtype=float)
     factor = np.where(probability >= 0.1, 0.9, 1.5) if factor_10 is None else np.asarray(factor_10, dtype=float)
     outcomes = options.pop("outcomes", np.where(probability >= 0.5, Outcome.OVERTURNS, Outcome.ROCKS))
@@ -56,6 +61,8 @@ def probable(probability, factor_10=None, uplift=1.0, low=10.0, **options):
         "uplift_probability": np.broadcast_to(uplift, probability.shape),
     }
     variables = {name: (OF[:2], np.asarray(own)[:, None]) for name, own in values.items()}
+    if at_demand is not None:
+        variables["demand_probability"] = ((*OF[:2], "demand"), np.asarray(at_demand, dtype=float)[:, None, None])
     variables["probability_source"] = (OF[:2], np.ones((probability.size, 1), dtype=np.int8))
     return summary.assign(variables)
 

@@ -217,7 +217,9 @@ class Answers:
 
     def ratios(self, demand: str | None = None) -> np.ndarray:
         """(records, bodies) factors, or capacities over a demand: over the factor that brings the record to it."""
-        return self._over(self[self.factor], demand)
+        if self.probable or demand is None:
+            return self._over(self[self.factor], demand)
+        return np.asarray(self["capacity_ratio"][..., [*self.demands].index(demand)])
 
     def _over(self, factor: np.ndarray, demand: str | None) -> np.ndarray:
         return factor if demand is None else factor / self.to_demand(demand)

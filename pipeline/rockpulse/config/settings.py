@@ -203,34 +203,31 @@ class DemandSettings(Section):
 
     heading = "[[demand]]"
     name: str = key(MISSING, _NAME)
+    acceleration: float | None = number(None, low=0.0, above=True, unit="m/s2")
+    limit_state: str = text()
     measure: str = choice("pga", DEMANDS)
     value: float | None = number(None, low=0.0, above=True, unit="m/s2 (pga, sa), m/s (pgv, si) or 1 (velocity_ratio)")
     period: float | None = number(None, low=0.02, unit="s")
-    limit_state: str = text()
-    acceleration: float | None = number(None, low=0.0, above=True, unit="m/s2")
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        if (self.value is None) == (self.acceleration is None):
-            found = "neither" if self.value is None else "both"
-            raise ConfigError(f"{self.where} {self.name}: expected value, or acceleration for a PGA, found {found}")
-        if self.acceleration is not None and self.measure != "pga":
+        if self.acceleration is None and self.value is None:
+            raise ConfigError(f"{self.where} {self.name}: expected value, or acceleration for a PGA, found neither")
+        if self.acceleration is not None and (self.measure != "pga" or self.value not in (None, self.acceleration)):
             raise ConfigError(
-                f'{self.where} {self.name}: acceleration is the value of measure = "pga", found measure = '
-                f'"{self.measure}"; give value'
+                f'{self.where} {self.name}: acceleration is the value of measure = "pga"; found measure = '
+                f'"{self.measure}" and value = {self.value}; give value alone'
             )
         if (self.period is None) == (self.measure == "sa"):
             told = "found none" if self.period is None else f'found measure = "{self.measure}"'
             raise ConfigError(f'{self.where} {self.name}: period belongs to measure = "sa", and only to it; {told}')
-        if self.value is None:
-            object.__setattr__(self, "value", self.acceleration)
-            object.__setattr__(self, "acceleration", None)
 
     @property
     def strength(self) -> float:
         """The value, in the unit of the measure."""
-        assert self.value is not None  # one of both is given
-        return self.value
+        given = self.acceleration if self.value is None else self.value
+        assert given is not None  # checked above
+        return given
 
 
 @dataclass(frozen=True)

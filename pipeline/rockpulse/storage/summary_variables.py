@@ -341,10 +341,10 @@ SITE_DEMAND = {
         "demand_acceleration": real(
             "m s-2",
             "ground acceleration that the site asks for, a_g S; NaN for another measure",
-            lambda bodies, config: [one.value if one.measure == "pga" else np.nan for one in config.demands],
+            lambda bodies, config: [one.strength if one.measure == "pga" else np.nan for one in config.demands],
         ),
         "demand_measure": text("measure of the strength that the site asks for", _of_demands("measure"), since=4),
-        "demand_value": real("1", "strength that the site asks for, in demand_units", _of_demands("value"), since=4),
+        "demand_value": real("1", "strength that the site asks for, in demand_units", _of_demands("strength"), since=4),
         "demand_units": text(
             "unit of demand_value",
             lambda bodies, config: [_DEMAND_UNITS[one.measure] for one in config.demands],

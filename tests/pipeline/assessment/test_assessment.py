@@ -119,7 +119,10 @@ def test_capacity_is_compared_with_every_demand(restitution):
     assert list(summary["demand_acceleration"].values) == [1.0, 2.5]
     assert list(summary["limit_state"].values) == ["", "475 years"]
     assert summary["capacity_ratio"].dims == (*summary["capacity_pga"].dims, "demand")
-    assert np.array_equal(summary["capacity_ratio"].sel(demand="collapse"), summary["capacity_pga"] / 2.5)
+    expected = summary["capacity_pga"] / 2.5
+    np.testing.assert_allclose(summary["capacity_ratio"].sel(demand="collapse"), expected, rtol=1e-12)
+    np.testing.assert_allclose(summary["demand_factor"].sel(demand="collapse"), 2.5 / summary["pga"].item(), rtol=1e-12)
+    assert np.isnan(summary["demand_probability"]).all()  # none is asked for
 
 
 def test_a_sequence_that_overturns_has_a_factor_of_one_or_less(tree):

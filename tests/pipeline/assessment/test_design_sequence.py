@@ -11,6 +11,7 @@ import rockpulse as rp
 from rockpulse import ModelSettings
 from rockpulse.config.configuration import Config
 from rockpulse.errors import ConfigError
+from rockpulse.ladder import ALL_MODELS
 from rockpulse.models import Block, ImpulseSequence, resonance, resonance_safety, sequence_response
 from rockpulse.storage.design_file import design_of
 
@@ -19,9 +20,12 @@ BLOCKS = {"wall": Block(0.15, 1.5), "pier": Block(0.4, 1.8), "column": Block(0.5
 LANES = Block.stack([block.lanes(1) for block in BLOCKS.values()])
 
 
+EVERY = Config(models=ModelSettings(use=ALL_MODELS))
+
+
 @pytest.fixture(scope="module")
 def tree():
-    return rp.assess_sequence(SEQUENCE, blocks=BLOCKS, name="design sequence 0.84", source="site.h5")
+    return rp.assess_sequence(SEQUENCE, EVERY, BLOCKS, name="design sequence 0.84", source="site.h5")
 
 
 def test_the_answers_are_those_of_the_models(tree):
@@ -87,7 +91,7 @@ def test_several_sequences_and_no_body_are_refused():
 def test_a_sequence_without_limits_is_told_as_such():
     endless = dataclasses.replace(SEQUENCE, main=0.01, secondary=0.0, main_count=None, duration=np.inf)
     with pytest.raises(ConfigError, match="without main_count and duration"):
-        rp.assess_sequence(endless, blocks=BLOCKS)
+        rp.assess_sequence(endless, EVERY, BLOCKS)
     summary = rp.assess_sequence(endless, Config(models=ModelSettings(use=["sequence"])), BLOCKS)["summary"]
     assert summary["main_count"].values.tolist() == [-1]
     assert summary["sequence_duration"].values.tolist() == [np.inf]
@@ -97,7 +101,7 @@ def test_under_a_design_spectrum_every_body_has_its_own_sequence():
     design = design_of(usual_site())
     bodies = {name: SPECTRUM_BLOCKS[name] for name in ("wall", "pier")}
     lanes = Block.stack([block.lanes(1) for block in bodies.values()])
-    tree = rp.assess_sequence(design, blocks=bodies, name="design", source="site.h5")
+    tree = rp.assess_sequence(design, EVERY, bodies, name="design", source="site.h5")
     summary = tree["summary"].to_dataset().isel(record=0)
     assert summary["model"].values.tolist() == ["sequence"]
     found = summary["safety_factor"].sel(model="sequence").values

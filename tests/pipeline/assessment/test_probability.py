@@ -55,7 +55,8 @@ def test_slender_bodies_have_what_the_spectrum_of_the_record_tells(found):
     expected = direct(Block(half_width=np.array([0.2, 0.45]), half_height=np.array([1.5, 2.5])))
     assert found["probability_source"].tolist() == [SPECTRUM, SPECTRUM, OWN]
     for name in NAMES:
-        assert_array_equal(found[name][:2], expected[name], err_msg=name)
+        # Levels begin where the lowest p of a march does: another p, another rounding.
+        assert_allclose(found[name][:2], expected[name], rtol=1e-12, atol=1e-15, err_msg=name)
     assert 0.0 < found["overturning_probability"][0] < 1.0  # a case that could tell something
 
 
@@ -102,7 +103,7 @@ def test_a_list_of_restitutions_is_the_range_of_all_of_them():
     assert summary["factor_50"].dims == ("record", "block", "case")
     expected = direct(Block(0.2, 1.5).lanes(1), least=np.array([0.8]), most=np.array([0.95]))
     for name in NAMES:
-        assert_array_equal(summary[name].values[0, 0], np.repeat(expected[name], 2), err_msg=name)
+        assert_allclose(summary[name].values[0, 0], np.repeat(expected[name], 2), rtol=1e-12, err_msg=name)
     # A body with one value keeps the shares of it.
     assert_array_equal(summary["factor_50"].values[0, 1], direct(Block(0.45, 2.5).lanes(1))["factor_50"].repeat(2))
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import xarray as xr
 from report_cases import motions, probable, summary_of, verdict
-from scipy.stats import binom
+from scipy.stats import beta, binom
 
 from rocking.response import Outcome, Reason
 from rockpulse.assessment.answers import Answers
@@ -176,28 +176,50 @@ def test_the_cases_of_a_body_have_verdicts_of_their_own():
 
 
 @pytest.mark.parametrize(
-    ("factor_10", "grade"),
+    ("at_demand", "grade"),
     [
-        ([3.0, 4.0], Grade.ROCKS),
-        ([1.9, 4.0], Grade.MAY_OVERTURN),
-        ([NAN, 4.0], Grade.NOT_KNOWN),
-        ([NAN, 1.9], Grade.MAY_OVERTURN),
-        ([INF, 4.0], Grade.ROCKS),
+        ([0.0, 0.1, 0.1, 0.0, 0.0], Grade.ROCKS),
+        ([0.3, 0.1, 0.1, 0.0, 0.0], Grade.MAY_OVERTURN),
+        ([0.9, 0.9, 0.5, 0.2, 0.0], Grade.OVERTURNS),
+        ([NAN, 0.0, 0.0, 0.0, 0.0], Grade.NOT_KNOWN),
+        ([0.0] * 4, Grade.NOT_KNOWN),
     ],
 )
-def test_a_demand_of_twice_the_pga(factor_10, grade):
-    found = verdict(probable([0.01, 0.01], factor_10=factor_10, demand=2.0))
+def test_at_a_demand_the_probability_over_earthquakes_decides(at_demand, grade):
+    summary = probable([0.9] * len(at_demand), at_demand=at_demand, demand=2.0)
+    found = verdict(summary)
     (demand,) = found.demands
-    assert demand.grade == grade
-    assert found.overall == grade
-    if np.isfinite(demand.margin.smallest):
-        assert demand.margin.smallest == pytest.approx(np.nanmin(factor_10) / 2.0)
+    assert (demand.grade, found.overall, found.grade) == (grade, grade, Grade.OVERTURNS)
+    assert (demand.earthquakes, demand.left_out) == (len(at_demand), 0)
+    assert demand.few == (len(at_demand) < 5)
+    assert demand.share.value == pytest.approx(np.nanmean(at_demand))
+    assert found.decides == demand.share
 
 
-def test_a_search_that_ends_below_the_demand_proves_nothing():
-    found = verdict(probable([0.0, 0.0], factor_10=[INF, 40.0], demand=30.0))
-    assert found.grade == Grade.ROCKS
-    assert (found.demands[0].grade, found.demands[0].unknown) == (Grade.NOT_KNOWN, 1)
+def test_motions_far_from_the_demand_are_left_out():
+    """Of two motions of one earthquake one is left out, and an earthquake whose motions are all left out is none."""
+    scale = [0.2, 1.0, 2.0, 3.0, 4.0, 1.0, 4.1]
+    at_demand = [NAN, 0.5, 0.1, 0.1, 0.1, 0.1, NAN]
+    summary = probable([0.0] * 7, at_demand=at_demand, demand=1.0, to_demand=scale)
+    found = verdict(summary, motions(7, events=["a", "a", "b", "c", "d", "e", "f"]))
+    (demand,) = found.demands
+    assert (demand.earthquakes, demand.left_out, demand.share.unknown) == (5, 2, 0)
+    assert demand.share.value == pytest.approx((0.5 + 4 * 0.1) / 5)
+    assert demand.share.high == pytest.approx(binom_high(0.18, 5))
+
+
+def binom_high(share, events):
+    """The upper end of the interval of 90 % of a share (Clopper & Pearson)."""
+    return beta.ppf(0.95, share * events + 1.0, events - share * events)
+
+
+def test_several_demands_and_the_worst_of_them():
+    summary = probable([0.0] * 5, at_demand=[0.0] * 5, demand=1.0)
+    both = xr.concat([summary, summary.assign_coords(demand=["SLC"])], "demand", data_vars="minimal", coords="minimal")
+    both["demand_probability"][..., 1] = 0.6
+    found = verdict(both)
+    assert [one.grade for one in found.demands] == [Grade.ROCKS, Grade.OVERTURNS]
+    assert (found.deciding.name, found.overall) == ("SLC", Grade.OVERTURNS)
 
 
 def test_without_probabilities_the_answers_of_the_model_count():
@@ -238,21 +260,23 @@ def test_a_smallest_factor_that_may_be_larger_is_marked():
 @pytest.mark.parametrize(
     ("factors", "resolved", "grade"),
     [
-        ([3.0, 4.0], None, Grade.ROCKS),
-        ([1.9, 4.0], None, Grade.MAY_OVERTURN),
-        ([1.9, 4.0], [0, 1], Grade.NOT_KNOWN),
-        ([INF, 4.0], None, Grade.ROCKS),
+        ([3.0, 4.0, 4.0, 4.0, 4.0], None, Grade.ROCKS),
+        ([1.9, 4.0, 4.0, 4.0, 4.0], None, Grade.MAY_OVERTURN),
+        ([1.9, 4.0, 4.0, 4.0, 4.0], [0, 1, 1, 1, 1], Grade.NOT_KNOWN),
+        ([INF, 4.0, 4.0, 4.0, 4.0], None, Grade.ROCKS),
+        ([1.9, 1.8, 1.7, 4.0, 4.0], None, Grade.OVERTURNS),
+        ([3.0, 4.0], None, Grade.NOT_KNOWN),
     ],
 )
 def test_a_demand_by_safety_factors(factors, resolved, grade):
-    found = verdict(summary_of(factors, outcomes=[Outcome.ROCKS] * 2, demand=2.0, resolved=resolved))
+    found = verdict(summary_of(factors, outcomes=[Outcome.ROCKS] * len(factors), demand=2.0, resolved=resolved))
     assert found.demands[0].grade == grade
 
 
 def test_a_capacity_that_was_not_reached_names_how_far_it_was_searched():
     """Of a record of a tenth of the demand ten times is no more than the demand: it tells nothing, others do."""
     found = verdict(summary_of([INF, 40.0, 60.0], outcomes=[Outcome.ROCKS] * 3, demand=20.0)).demands[0]
-    assert (found.margin.smallest, found.margin.median, found.unknown) == (2.0, 2.5, 1)
+    assert (found.margin.smallest, found.margin.median) == (2.0, 2.5)
     found = verdict(probable([0.0], factor_10=[INF], demand=20.0)).demands[0]
     assert (found.margin.smallest, found.margin.limit) == (INF, 0.5)
     found = verdict(summary_of([INF, 40.0], outcomes=[Outcome.ROCKS] * 2, demand=5.0))

@@ -52,10 +52,8 @@ def tree(done):
 def test_all_done_is_exit_code_zero_with_a_table(told):
     target, out, err = told
     assert err == ""  # no progress bar where there is no terminal
+    assert re.search(r"^  thin wall +overturns ", out, re.M)
     assert out.count("thin wall") >= 2
-    assert "OVERTURNS" in out
-    assert "at rest" in out
-    assert "upper-bound type input" in out
     assert not re.search(r"\bnan\b", out, re.I)
     assert out.endswith(f"results: {target}\n")
     assert target.is_file()
@@ -87,7 +85,7 @@ def test_bare_h5py_finds_unit_and_long_name_on_every_variable(done):
 
     with h5py.File(done) as file:
         file.visititems(visit)
-        assert file.attrs["schema_version"] == "1.3"
+        assert file.attrs["schema_version"] == "1.4"
     assert {
         "summary/pga",
         "summary/safety_factor",
@@ -232,7 +230,8 @@ def test_columns_are_read_once_the_unit_is_named(tmp_path, capsys):
     )
     assert assess(path, "-o", tmp_path / "results.h5", "--units", "m/s2") == 0
     peak = np.abs(STRONG - STRONG.mean()).max()
-    assert f"PGA {peak:.3g} g" in capsys.readouterr().out
+    shown = float(re.search(r"^  columns +([0-9.]+) ", capsys.readouterr().out, re.M)[1])
+    assert shown == pytest.approx(peak, abs=0.005)
 
 
 @pytest.mark.sweep
@@ -300,7 +299,7 @@ def test_the_configuration_names_records_and_blocks(folder, tmp_path, capsys):
     assert summary["restitution"].sel(block="column").values.tolist() == [0.8, 0.9]
     assert summary["outcome"].dims == ("record", "block", "case", "model")
     out = capsys.readouterr().out
-    assert len(re.findall(r"^  column +0\.[89]00 ", out, re.M)) == 4  # under the record, and with the verdict
+    assert len(re.findall(r"^  column, C = 0\.[89]00 ", out, re.M)) == 2
     assert "resonance" not in out
 
 

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from nominal import FILE
+from nominal import toml
 
 import rockpulse as rp
 from rockpulse.cli import main
@@ -15,7 +15,7 @@ BODIES = '[models]\nuse = ["resonance", "nonlinear"]\n[[block]]\nname = "pinnacl
 
 def run(tmp_path, path, records):
     config, target = tmp_path / "site.toml", tmp_path / "results.h5"
-    config.write_text(f"[records]\n{records}\n{BODIES}{FILE.read_text()}")
+    config.write_text(f"[records]\n{records}\n{BODIES}{toml(without='models')}")
     return main(["assess", str(path), "--config", str(config), "-o", str(target)]), target
 
 
@@ -50,7 +50,7 @@ def test_the_schema_names_every_variable_of_a_sweep(tree):
 
 
 def test_inspect_shows_the_directions(swept, capsys):
-    assert main(["inspect", str(swept)]) == 0
+    assert main(["inspect", str(swept), "--all"]) == 0
     out = capsys.readouterr().out
     assert "Median and largest over 18 directions" in out
     assert main(["inspect", str(swept), "--record", "CI.CLC..H020@20190706T031608"]) == 0

@@ -34,6 +34,11 @@ def results(tmp_path):
 def test_the_overview_names_records_verdicts_and_what_was_left_out(results, capsys):
     assert main(["inspect", results]) == 0
     out = capsys.readouterr().out
+    assert out.count("Verdict on each body") == 1
+    assert all(record in out for record in RECORDS)
+    assert "cut.AT2:4: expected 100 samples, found 3" in out
+    assert main(["inspect", results, "--all"]) == 0
+    out = capsys.readouterr().out
     assert all(record in out for record in RECORDS)
     assert "OVERTURNS" in out
     assert "upper-bound type input" in out
@@ -86,7 +91,7 @@ def fragility():
 
 #: A file of every kind, and words that inspect shows of it.
 EVERY = {
-    ASSESSMENT: (results_tree, "OVERTURNS"),
+    ASSESSMENT: (results_tree, "Verdict on each body"),
     SITE_KIND: (site, "design sequence"),
     FRAGILITY: (fragility, "wall"),
     RULE_KIND: (verdicts, "left-out"),

@@ -55,7 +55,7 @@ def test_the_count_stands_beside_the_verdict_and_the_reason_is_told_once(folder,
     assert main(["assess", str(folder), *BLOCK, "-o", str(tmp_path / "results.h5")]) == 1
     out = capsys.readouterr().out
     told = flat(out)
-    assert re.search(rf"What overturns \(by the nonlinear model\): ! {re.escape(f'{COUNT}: {WHY}')}\. statue: ", told)
+    assert re.search(rf"! {re.escape(f'{COUNT}: {WHY}')}\. Verdict on each body, 3 records ", told)
     assert f"failed: 24 24 files ({folder}/m00.asc, {folder}/m01.txt and 22 more): no reader recognises the" in told
     assert told.count("formats tried") == 1
     assert "not records: list.csv, notes.txt" in out

@@ -289,9 +289,12 @@ def test_a_size_that_was_confirmed_and_a_radius_load_back(load):
 def test_demands_are_read_and_written(load):
     text = '[[demand]]\nname = "ULS"\nacceleration = 2.45\n'
     text += '[[demand]]\nname = "SLS"\nacceleration = 1\nlimit_state = "50 years"\n'
+    text += '[[demand]]\nname = "SLC"\nmeasure = "sa"\nvalue = 5\nperiod = 1.0\n'
     config = load(text)
-    assert [demand.name for demand in config.demands] == ["ULS", "SLS"]
-    assert [demand.acceleration for demand in config.demands] == [2.45, 1.0]
+    assert [demand.name for demand in config.demands] == ["ULS", "SLS", "SLC"]
+    assert [demand.acceleration for demand in config.demands] == [2.45, 1.0, None]
+    assert [demand.strength for demand in config.demands] == [2.45, 1.0, 5.0]
+    assert [demand.measure for demand in config.demands] == ["pga", "pga", "sa"]
     assert config.demands[1].limit_state == "50 years"
     assert load(config.as_text()) == config
 
@@ -300,7 +303,12 @@ def test_demands_are_read_and_written(load):
     ("text", "message"),
     [
         ('[demand]\nname = "ULS"\nacceleration = 2.0', "double brackets, one for each limit state"),
-        ('[[demand]]\nname = "ULS"', "acceleration: this key is needed"),
+        ('[[demand]]\nname = "ULS"', r"\[\[demand\]\] ULS: expected value, or acceleration for a PGA, found neither"),
+        ('[[demand]]\nname = "ULS"\nmeasure = "pgv"\nacceleration = 2.0', "give value alone"),
+        ('[[demand]]\nname = "ULS"\nvalue = 1.0\nacceleration = 2.0', "give value alone"),
+        ('[[demand]]\nname = "ULS"\nmeasure = "sa"\nvalue = 2.0', "period belongs to measure"),
+        ('[[demand]]\nname = "ULS"\nvalue = 2.0\nperiod = 1.0', "period belongs to measure"),
+        ('[[demand]]\nname = "ULS"\nmeasure = "pgd"\nvalue = 2.0', 'expected one of "pga", "pgv", "si"'),
         ("[[demand]]\nacceleration = 2.0", "name: this key is needed"),
         ('[[demand]]\nname = ""\nacceleration = 2.0', "expected a text that is not empty"),
         ('[[demand]]\nname = "ULS"\nacceleration = 0.0', "expected a number in m/s2 > 0"),

@@ -71,19 +71,19 @@ def left_out(tree: xr.DataTree, brief: bool = False) -> str:
 
 
 def left_out_in_short(tree: xr.DataTree) -> str:
-    """How much was left out, of each kind, and how many records bear warnings; of what failed a few reasons."""
+    """How much was left out, of each kind, and how much bears warnings; what failed by its reasons."""
     found, beside = _apart(by_kind(tree))
-    counts = [f"{_KINDS.get(kind, kind)}: {len(rows)}" for kind, rows in found.items()]
-    counts += [f"not records: {len(beside)}"] if beside else []
     summary = tree["summary"].to_dataset()
-    warned = sum(bool(text) for text in summary["warnings"].values)
-    counts += [f"records with warnings: {warned}"] if warned else []
-    blocks = sum(bool(text) for text in summary["block_warnings"].values)
-    counts += [f"bodies with warnings: {blocks}"] if blocks else []
+    counts = [f"{_KINDS.get(kind, kind)}: {len(rows)}" for kind, rows in found.items()]
+    for what, name in (("records", "warnings"), ("bodies", "block_warnings")):
+        warned = sum(bool(text) for text in summary[name].values)
+        counts += [f"{what} with warnings: {warned}"] if warned else []
     lines = [paragraph("; ".join(counts), "  ", "")] if counts else []
     failed = alike(found.get("failed", ()))
-    lines += [paragraph(told(group), "      ", "  ") for group in failed[:FEW]]
-    return "\n".join(lines)
+    lines += [paragraph(told(group), "      ", "  ") for group in failed[:LISTED]]
+    if len(failed) > LISTED:
+        lines.append(f"  and {sum(map(len, failed[LISTED:]))} more (rockpulse inspect RESULTS --failures shows them)")
+    return "\n".join([*lines, _beside(beside)] if beside else lines)
 
 
 def unused(sentence: str) -> str:

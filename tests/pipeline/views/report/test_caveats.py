@@ -47,7 +47,7 @@ def test_a_demand_that_a_sequence_cannot_be_held_against_is_said_loudly():
     found = heads(with_codes([1.6], "plain demand_not_compared"))
     told = found["The demand of the site is not checked"]
     assert told.loud
-    assert told.text.startswith("A sequence has no PGA: its capacity is not compared with the demand of the site")
+    assert told.text.startswith("A sequence has no PGA, nor any other strength to bring to the demand of the site")
     assert "The demand of the site is not checked" not in heads(with_codes([1.6]))
 
 

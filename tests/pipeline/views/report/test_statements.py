@@ -19,7 +19,7 @@ from rockpulse.views.report.statements import counted_by, headline, of_unknown_e
         ([0.0, 0.0999], "rocks", "good", "1 of 1 body rocks: b (P 0.050, at most "),
         ([0.0, 0.1], "may overturn", "fair", "1 of 1 body may overturn: b (P 0.050, at most "),
         ([0.9, 0.2], "overturns", "bad", "1 of 1 body overturns: b (P 0.55, at most "),
-        ([math.nan, 0.2], "not known", "unknown", "1 of 1 body cannot be judged, for an answer is missing: b (P 0.20"),
+        ([math.nan, 0.2], "not known", "unknown", "1 of 1 body cannot be judged: b (P 0.20"),
     ],
 )
 def test_a_body_in_a_word_and_in_a_sentence(probability, words, grade, sentence):
@@ -32,26 +32,35 @@ def test_a_body_in_a_word_and_in_a_sentence(probability, words, grade, sentence)
     assert "smallest factor of 10 % " in told
 
 
-def test_what_fails_the_demand_of_the_site_may_overturn():
-    summary = probable([0.0, 0.0], factor_10=[1.6, 3.0], demand=2.0).assign(limit_state=(("demand",), ["collapse"]))
+def test_the_demand_of_the_site_decides():
+    """Its probability at the demand, whatever the records do as they are."""
+    summary = probable([0.9] * 5, at_demand=[0.0, 0.2, 0.1, 0.1, 0.0], demand=0.5)
+    summary = summary.assign(limit_state=(("demand",), ["collapse"]))
     found = verdict(summary)
-    assert (found.grade, found.overall) == (Grade.ROCKS, Grade.MAY_OVERTURN)
+    assert (found.grade, found.overall) == (Grade.OVERTURNS, Grade.MAY_OVERTURN)
     cell = grade_cell(found)
-    assert (cell.text, cell.grade) == ("may overturn at the demand", "fair")
+    assert (cell.text, cell.grade) == ("may overturn", "fair")
     first, second = headline(answers(summary), [found])
-    assert (
-        "1 of 1 body may overturn: b (P 0, at most 0.78, smallest factor of 10 % 1.60, capacity over demand 0.80)"
-        in first
+    assert "1 of 1 body may overturn: b (P at ULS 0.080, at most " in first
+    assert second == (
+        "At the demand “ULS”, PGA 0.5 m/s², collapse, stand 5 records of 5 earthquakes that are brought to it."
     )
-    assert "0 of 1 body stand with at most 10 % probability of overturning under every record" in second
-    assert "1 does not: b (0.80)" in second
+    table = body_table(answers(summary), [found])
+    shown = {heading.title: cell.marked for heading, cell in zip(table.headings, table.rows[0], strict=True)}
+    assert shown["P at ULS"].startswith("0.080 (")
+    assert shown["P as it is"] == "0.90"
 
 
-def test_what_meets_the_demand_may_still_overturn():
-    summary = probable([0.6, 0.6], factor_10=[0.9, 3.0], demand=0.5)
+def test_fewer_than_five_earthquakes_at_the_demand_are_no_verdict():
+    summary = probable(
+        [0.0] * 6, at_demand=[0.9, 0.9, 0.9, 0.9, math.nan, math.nan], demand=1.0, to_demand=[1, 2, 3, 4, 5, 0.2]
+    )
     found = verdict(summary)
-    assert (found.grade, found.demands[0].grade) == (Grade.OVERTURNS, Grade.ROCKS)
-    assert grade_cell(found).text == "overturns"
+    assert (grade_cell(found).text, grade_cell(found).grade) == ("no verdict", "unknown")
+    first, second = headline(answers(summary), [found])
+    assert "1 of 1 body cannot be judged: b (P at ULS 0.90, " in first
+    assert "stand 4 records of 4 earthquakes that are brought to it; left out are 2, which lie farther" in second
+    assert second.endswith("That is no verdict: 5 earthquakes are needed.")
 
 
 def test_under_a_design_sequence_there_is_no_probability():
@@ -69,7 +78,7 @@ def test_under_a_design_sequence_there_is_no_probability():
 def test_what_the_words_mean_is_said_with_their_limits():
     words = counted_by(answers(probable([0.1, 0.2], demand=2.0)))
     assert "Overturns: 0.5 or more. May overturn: 0.05 or more." in words
-    assert "with more than 10 % probability; below 1 the body may overturn at the demand" in words
+    assert "each by one factor, a pair by the geometric mean of both; factors outside 0.25 to 4 are left out" in words
     words = counted_by(answers(summary_of([2.0])))
     assert words.startswith("The share of earthquakes")
 
@@ -84,7 +93,7 @@ def test_a_direction_that_overturns_is_told_though_another_is_missing():
     assert (found.governing, found.demands[0].margin.smallest, found.demands[0].margin.open) == (0, 0.8, True)
     table = body_table(answers(summary, of), [found])
     shown = dict(zip((heading.title for heading in table.headings), table.rows[0], strict=True))
-    assert (shown["smallest SF"].marked, shown["share"].marked) == ("≤0.40", "0.50")
+    assert (shown["smallest SF"].marked, shown["share as it is"].marked) == ("≤0.40", "0.50")
     whole = verdict(summary_of([0.4, 0.9, 2.0, 3.0]), motions(4, rows=[[0, 1], [2, 3]], kind="pair"))
     assert (whole.margin.smallest, whole.margin.open, whole.margin.median) == (0.4, False, pytest.approx(1.2))
 
@@ -110,17 +119,15 @@ def test_motions_of_unknown_earthquake_make_no_earthquake_more():
 
 
 def test_what_an_upper_bound_overturns_is_not_shown_to_fail_the_demand():
-    summary = summary_of([0.9], demand=2.0).assign_coords(model=["resonance"])
+    summary = summary_of([0.9] * 5, demand=2.0).assign_coords(model=["resonance"])
     found = verdict(summary, model="resonance")
-    sentences = headline(answers(summary, motions(1), "resonance"), [found])
-    assert "1 of 1 body may overturn" in sentences[0]
-    assert "1 does not for certain" in sentences[1]
+    assert "1 of 1 body may overturn" in headline(answers(summary, motions(5), "resonance"), [found])[0]
 
 
-def test_without_a_search_nothing_is_said_of_one():
-    summary = summary_of([math.nan], outcomes=[Outcome.ROCKS], demand=2.0)
-    sentences = headline(answers(summary, motions(1), "nonlinear"), [verdict(summary)])
-    assert "no factor of this model is known ([search] models, intervals)" in sentences[1]
+def test_without_a_search_nothing_is_known_of_the_demand():
+    summary = summary_of([math.nan] * 5, outcomes=[Outcome.ROCKS] * 5, demand=2.0)
+    found = verdict(summary)
+    assert (found.overall, found.word) == (Grade.NOT_KNOWN, "not known")
 
 
 def test_a_body_that_nothing_lifts_stays_and_nothing_is_said_of_stronger_motions():

@@ -82,13 +82,13 @@ def test_capacities_over_the_demands_are_shown_for_the_record_and_for_the_block(
     summary = summary.assign(capacity_ratio=((*cube, "demand"), ratio), demand_acceleration=("demand", [2.94]))
     summary = summary.assign_coords(demand=("demand", ["collapse"]))
     of_record = record_details(summary, RECORDS[0]).partition(
-        "Capacity (safety factor x PGA, nonlinear model) over demand"
+        "Capacity (safety factor x strength, nonlinear model) over demand"
     )[2]
-    assert "collapse (2.94 m/s2)" in of_record
+    assert "collapse (PGA 2.94 m/s2)" in of_record
     rows = [line.split() for line in of_record.splitlines()[2:5]]
     assert [cells[-1] for cells in rows] == ["0.84", "-", "none"]
     of_block = block_details(summary, "boundary wall").partition(
-        "Capacity (safety factor x PGA, nonlinear model) over demand"
+        "Capacity (safety factor x strength, nonlinear model) over demand"
     )[2]
     assert [line.split()[0] for line in of_block.splitlines()[2:5]] == list(RECORDS)
 

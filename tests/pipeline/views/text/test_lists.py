@@ -196,8 +196,8 @@ def test_capacities_are_compared_with_demands_in_a_large_overview_as_well(tree):
     summary["capacity_ratio"] = summary["capacity_pga"].expand_dims(demand=1, axis=-1) / 2.5
     tree["summary"] = xr.DataTree(summary)
     text = overview(many(tree))
-    assert "Capacity (safety factor x PGA, nonlinear model) over demand" in text
-    assert "collapse (2.5 m/s2)" in text
+    assert "Capacity (safety factor x strength, nonlinear model) over demand" in text
+    assert "collapse (PGA 2.5 m/s2)" in text
 
 
 def test_a_record_with_few_blocks_is_shown_whole_and_a_block_under_many_records_by_its_worst(tree):

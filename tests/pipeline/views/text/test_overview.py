@@ -262,8 +262,8 @@ def with_demands(summary):
 def test_capacities_are_compared_with_every_demand(searched):
     assert smallest_capacities(Answers(searched)) == ""
     text = smallest_capacities(Answers(with_demands(searched)))
-    assert "damage (1 m/s2)" in text
-    assert "collapse (2.5 m/s2)" in text
+    assert "damage (PGA 1 m/s2)" in text
+    assert "collapse (PGA 2.5 m/s2)" in text
     assert row(text, "boundary wall")[1:] == ["0.60,", "1.50", "0.24,", "0.60"]
     assert row(text, "column")[1:] == ["0.60,", "1.50", "0.24,", "0.60"]
     assert row(text, "cabinet")[1:] == ["-", "-"]
@@ -284,9 +284,9 @@ def test_a_capacity_that_rests_on_a_lower_bound_is_marked(searched):
 
 def test_the_overview_shows_capacities_only_where_something_is_demanded(searched):
     tree = results_tree()
-    assert "Capacity" not in overview(tree)
+    assert "Capacity" not in overview(tree, whole=True)
     tree["summary"] = xr.DataTree(with_demands(searched))
-    assert "Capacity (safety factor x PGA, nonlinear model) over demand" in overview(tree)
+    assert "Capacity (safety factor x strength, nonlinear model) over demand" in overview(tree, whole=True)
 
 
 def test_what_a_weaker_copy_overturns_is_named(summary):
