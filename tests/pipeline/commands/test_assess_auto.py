@@ -85,7 +85,7 @@ def test_the_schema_names_what_is_new():
 
 
 def test_the_table_says_how_often_which_model_answered(results, capsys):
-    assert main(["inspect", str(results)]) == 0
+    assert main(["inspect", str(results), "--all"]) == 0
     text = " ".join(capsys.readouterr().out.split())
     assert "auto: the cheapest model that answers, here" in text
     assert "What overturns (by the nonlinear model)" in text

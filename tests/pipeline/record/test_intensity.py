@@ -6,9 +6,21 @@ import numpy as np
 import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
+from scipy.integrate import solve_ivp
 
 from rockpulse.errors import ConfigError, RecordRefused
-from rockpulse.record.intensity import INTENSE_PHASES, IntensePhase, arias_intensity, intense_phase, pgv
+from rockpulse.record.intensity import (
+    INTENSE_PHASES,
+    PERIODS,
+    IntensePhase,
+    arias_intensity,
+    fajfar_index,
+    intense_phase,
+    largest_change,
+    pgv,
+    spectral_acceleration,
+    spectrum_intensity,
+)
 from rockpulse.record.record import STANDARD_GRAVITY, Record
 
 properties = settings(derandomize=True, deadline=None, max_examples=100)
@@ -227,3 +239,42 @@ def test_significant_duration_of_a_real_record_holds_its_stated_peak(ccc):
     assert phase.start < 39.410 < phase.end  # "Max  =  -.567 g, at   39.410 sec."
     assert 5.0 < phase.duration < 30.0
     assert np.abs(ccc[0].acceleration).argmax() * ccc[0].dt == pytest.approx(39.41)
+
+
+@pytest.mark.parametrize(("period", "dt"), [(0.8, 0.01), (0.1, 0.02), (2.5, 0.02)])
+def test_the_pseudo_acceleration_is_that_of_an_oscillator(period, dt):
+    """Against the equation of motion integrated step by step, also where a period has five samples."""
+    time = np.arange(0.0, 6.0, dt)
+    motion = record(3.0 * np.sin(4.0 * time) * np.exp(-0.2 * time), dt)
+    rate = 2.0 * np.pi / period
+
+    def oscillator(t, state):
+        return [state[1], -2.0 * 0.05 * rate * state[1] - rate**2 * state[0] - np.interp(t, time, motion.acceleration)]
+
+    found = solve_ivp(oscillator, (0.0, time[-1]), [0.0, 0.0], max_step=dt / 4, rtol=1e-9, atol=1e-12)
+    assert spectral_acceleration(motion, period) == pytest.approx(rate**2 * np.max(np.abs(found.y[0])), rel=5e-3)
+
+
+def test_housners_intensity_of_an_impulse_is_its_velocity_but_for_damping():
+    """v exp(-xi/sqrt(1 - xi2) atan(sqrt(1 - xi2)/xi)) at every period that is long for the impulse."""
+    push = record([0.0, 2000.0] + [0.0] * 4000, dt=0.001)  # 2 m/s
+    root = math.sqrt(1.0 - 0.05**2)
+    left = 2.0 * math.exp(-0.05 / root * math.atan(root / 0.05))
+    assert spectrum_intensity(push) == pytest.approx(left, rel=2e-3)
+    mean = np.mean([spectral_acceleration(push, period) * period / (2.0 * np.pi) for period in PERIODS])
+    assert spectrum_intensity(push) == pytest.approx(mean, rel=1e-2)
+
+
+def test_the_change_of_velocity_is_that_of_a_pulse():
+    samples = np.concatenate([np.zeros(100), np.full(50, 2.0), np.zeros(100)])
+    pulse = record(samples, dt=0.01)
+    assert largest_change(pulse, 1.0) == pytest.approx(2.0 * 0.5, rel=1e-9)  # the whole of it
+    assert largest_change(pulse, 0.1) == pytest.approx(2.0 * 0.1)
+    assert largest_change(pulse, 1e-9) == pytest.approx(2.0 * 0.01)
+    assert largest_change(pulse, 1e9) == pytest.approx(1.0)
+
+
+def test_fajfars_index_of_a_sine():
+    """A is uniform but for its ripple: D5-95 is 0.9 of the length."""
+    motion = sine(2.0, 80)
+    assert fajfar_index(motion) == pytest.approx(pgv(motion) * (0.9 * 40.0) ** 0.25, rel=1e-3)

@@ -133,7 +133,8 @@ def test_a_peak_that_comes_out_otherwise_is_said(changed, assessed, first):
 
 def test_a_design_sequence_has_its_own_time_and_no_accelerogram():
     sequence = rp.models.ImpulseSequence(0.2, 0.05, interval=0.1, duration=5.0, main_count=3, spacing="middle")
-    tree = rp.assess_sequence(sequence, blocks={"wall": rp.models.Block(half_width=0.25, half_height=1.5)})
+    config = rp.Config(models=rp.ModelSettings(use=["resonance", "sequence"]))
+    tree = rp.assess_sequence(sequence, config, {"wall": rp.models.Block(half_width=0.25, half_height=1.5)})
     (spacing,) = re.findall(r'(?m)^spacing = "(\w+)"', tree.attrs["configuration"])
     assert spacing == "middle"
     found = histories(tree, None, None)

@@ -125,7 +125,12 @@ def test_an_unresolved_verdict_gives_its_reason(summary):
 def test_nowhere_does_it_say_nan():
     for cases in (None, 3):
         tree = results_tree(cases)
-        text = overview(tree) + factor_table(Answers(tree["summary"].to_dataset())) + failure_list(tree)
+        text = (
+            overview(tree)
+            + overview(tree, whole=True)
+            + factor_table(Answers(tree["summary"].to_dataset()))
+            + failure_list(tree)
+        )
         assert "nan" not in text.lower().replace("resonance", "")
 
 
@@ -380,7 +385,7 @@ def test_the_record_that_governs_is_told_in_words_once(summary):
     assert f"  {RECORDS[0]}: Ridgecrest 2019-07-06 M 7.1, station CCC, E-W (for boundary wall, cabinet)" in text
     tree = results_tree()
     tree["summary"] = xr.DataTree(known)
-    assert text in overview(tree)
+    assert text in overview(tree, whole=True)
 
 
 def test_by_a_model_that_was_searched_the_smallest_factor_governs(searched):

@@ -1,0 +1,117 @@
+"""The factors that bring motions to the demands of a site, and the probability there, against records scaled by hand."""
+
+import dataclasses
+from datetime import UTC, datetime, timedelta
+
+import numpy as np
+import pytest
+
+import rockpulse as rp
+from rocking import Block
+from rockpulse.assessment.answers import answers_of
+from rockpulse.assessment.demand import demand_factors
+from rockpulse.assessment.verdict import verdicts
+from rockpulse.config.settings import DEMANDS, DemandSettings
+from rockpulse.record.intensity import pgv, spectral_acceleration, spectrum_intensity
+
+BODIES = {"wall": Block(half_width=0.15, half_height=1.2), "stele": Block(half_width=0.2, half_height=1.5)}
+LANES = Block.stack([body.lanes(1) for body in BODIES.values()])
+TIME = np.arange(0.0, 8.0, 0.02)
+
+
+def channel(number, azimuth, amplitude):
+    """A burst of its own frequency, recorded by the station and in the earthquake of a number."""
+    burst = np.sin((4.0 + 0.5 * number) * TIME + azimuth) * np.exp(-(((TIME - 4.0) / 1.5) ** 2))
+    return rp.Record(
+        amplitude * burst,
+        dt=0.02,
+        id=f"S{number}.{azimuth:g}",
+        station=f"S{number}",
+        network="XX",
+        azimuth=azimuth,
+        orientation="horizontal",
+        component=f"{azimuth:g}",
+        start_time=datetime(2020, 1, 1, tzinfo=UTC) + timedelta(days=100 * number),
+        source=f"{number}.txt",
+        event=f"quake {number}",
+        processed=True,
+    )
+
+
+RECORDS = [channel(number, azimuth, 2.0 + number * 0.2) for number in range(5) for azimuth in (0.0, 90.0)]
+
+
+@pytest.mark.parametrize(
+    ("demand", "measured"),
+    [
+        ({"measure": "pga", "value": 3.0}, lambda one: one.pga),
+        ({"acceleration": 3.0}, lambda one: one.pga),
+        ({"measure": "pgv", "value": 0.4}, pgv),
+        ({"measure": "si", "value": 0.5}, spectrum_intensity),
+        ({"measure": "sa", "value": 5.0, "period": 0.7}, lambda one: spectral_acceleration(one, 0.7)),
+    ],
+)
+def test_a_pair_has_one_factor_from_the_geometric_mean_of_its_channels(demand, measured):
+    asked = DemandSettings(name="ULS", **demand)
+    pair = RECORDS[:2]
+    found = demand_factors(pair, LANES, [asked])
+    assert found == pytest.approx(np.full((2, 1), asked.strength / np.sqrt(measured(pair[0]) * measured(pair[1]))))
+    alone = demand_factors(pair[:1], LANES, [asked])[0, 0]
+    scaled = dataclasses.replace(pair[0], acceleration=alone * pair[0].acceleration)
+    assert measured(scaled) == pytest.approx(asked.strength, rel=1e-9)
+
+
+def test_a_velocity_ratio_asks_each_body_for_its_own_factor():
+    found = demand_factors(RECORDS[:1], LANES, [DemandSettings(name="ULS", measure="velocity_ratio", value=0.8)])
+    expected = 0.8 * LANES.gravity * np.tan(LANES.alpha_c) / (LANES.p * pgv(RECORDS[0]))
+    assert found[:, 0] == pytest.approx(expected)
+
+
+@pytest.mark.parametrize("measure", DEMANDS)
+def test_the_verdict_at_a_demand_is_that_of_the_records_scaled_by_hand(measure):
+    value = {"pga": 3.5, "pgv": 0.5, "si": 0.6, "velocity_ratio": 0.6, "sa": 7.0}[measure]
+    asked = DemandSettings(name="ULS", measure=measure, value=value, period=0.8 if measure == "sa" else None)
+    config = rp.Config(models=rp.ModelSettings(use=["nonlinear"]), demands=(asked,))
+    bodies = dict([*BODIES.items()][:1])  # a velocity ratio asks another factor of another body
+    tree = rp.assess(RECORDS, config, bodies)
+    factor = tree["summary"]["demand_factor"].squeeze().values
+    assert np.all(factor[::2] == factor[1::2])
+    assert np.all((factor > 0.25) & (factor < 4.0))
+    by_hand = [
+        dataclasses.replace(one, acceleration=f * one.acceleration) for one, f in zip(RECORDS, factor, strict=True)
+    ]
+    other = rp.assess(by_hand, dataclasses.replace(config, demands=()), bodies)
+    expected = other["summary"]["overturning_probability"].squeeze().values
+    assert 0.05 < expected.mean() < 0.95
+    np.testing.assert_allclose(tree["summary"]["demand_probability"].squeeze().values, expected, atol=2e-3)
+    (at_demand,), (as_scaled,) = verdicts(answers_of(tree)), verdicts(answers_of(other))
+    assert at_demand.overall == as_scaled.overall
+    assert at_demand.decides.value == pytest.approx(as_scaled.share.value, abs=2e-3)
+
+
+def test_motions_of_a_body_itself_are_brought_to_the_demand_as_well():
+    """A squat body has lanes of its own, read at the factor to the demand."""
+    asked = DemandSettings(name="ULS", measure="pgv", value=1.6)
+    config = rp.Config(models=rp.ModelSettings(use=["nonlinear"]), demands=(asked,))
+    bodies = {"chest": Block(half_width=0.25, half_height=0.6)}
+    tree = rp.assess(RECORDS[:1], config, bodies)
+    factor = tree["summary"]["demand_factor"].item()
+    by_hand = dataclasses.replace(RECORDS[0], acceleration=factor * RECORDS[0].acceleration)
+    expected = rp.assess([by_hand], dataclasses.replace(config, demands=()), bodies)["summary"]
+    assert tree["summary"]["probability_source"].item() == 2
+    assert 0.02 < expected["overturning_probability"].item() < 0.98
+    assert tree["summary"]["demand_probability"].item() == pytest.approx(
+        expected["overturning_probability"].item(), abs=0.06
+    )
+
+
+def test_beyond_a_factor_of_four_there_is_no_probability_and_a_lone_channel_says_so():
+    asked = DemandSettings(name="ULS", value=9.0)
+    tree = rp.assess(RECORDS[:1], rp.Config(models=rp.ModelSettings(use=["nonlinear"]), demands=(asked,)), BODIES)
+    summary = tree["summary"]
+    assert np.all(summary["demand_factor"] > 4.0)
+    assert np.isnan(summary["demand_probability"]).all()
+    assert "brought to the demand by its own strength, not by that of a pair" in str(summary["warnings"].values[0])
+    assert str(summary["demand_units"].values[0]) == "m s-2"
+    (one, _) = verdicts(answers_of(tree))
+    assert (one.word, one.demands[0].left_out, one.demands[0].earthquakes) == ("no verdict", 1, 0)
