@@ -20,6 +20,11 @@ def Config(**sections):
     return rp.Config(**uncertainty | sections, search=search, models=models, sequence=sequence)
 
 
+def ida(**fragility):
+    """Section [fragility] for an incremental analysis of every record, however far it is scaled."""
+    return rp.FragilitySettings(**{"data": "ida", "factors": (0.01, 100.0), "pga_min": 0.0} | fragility)
+
+
 def toml(without: str = "") -> str:
     """The text of FILE, without one of its sections."""
     parts = FILE.read_text(encoding="utf-8").split("\n\n")

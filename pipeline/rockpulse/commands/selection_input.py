@@ -27,10 +27,12 @@ def add_selection(parser: argparse.ArgumentParser) -> None:
         action="append",
         default=[],
         metavar="CONDITION",
-        help="only where a variable is so: 'safety_factor < 1', 'predictable = no', 'source = *.AT2'; repeatable, "
-        "all have to hold",
+        help="only where a variable, or a column of the tables, is so: 'factor_10 < 1', 'SF < 1', 'P > 0.5', "
+        "'source = *.AT2'; repeatable, all have to hold",
     )
-    parser.add_argument("--sort", metavar="VARIABLE", help="by this variable, smallest first; what is not known last")
+    parser.add_argument(
+        "--sort", metavar="VARIABLE", help="by this variable or column, smallest first; what is not known last"
+    )
     parser.add_argument("--descending", action="store_true", help="with --sort: largest first")
     parser.add_argument("--limit", type=count, metavar="N", help="at most so many rows")
 
@@ -41,7 +43,7 @@ def read_selection(args: argparse.Namespace) -> Selection:
     Raises ResultsError for a condition that cannot be understood.
     """
     from rockpulse.errors import ResultsError
-    from rockpulse.storage.selection import Condition, Selection
+    from rockpulse.storage.selection import SHOWN, Condition, Selection
 
     if args.descending and args.sort is None:
         raise ResultsError("--descending goes with --sort VARIABLE")
@@ -52,7 +54,7 @@ def read_selection(args: argparse.Namespace) -> Selection:
     return Selection(
         {dim: patterns for dim, patterns in names.items() if patterns},
         tuple(conditions),
-        args.sort,
+        SHOWN.get(args.sort, args.sort),
         args.descending,
         args.limit,
     )

@@ -16,8 +16,15 @@ UPLIFT, OVERTURNING = "uplift", "overturning"
 MEASURES = (
     "pga",
     "pgv",
+    "si",
+    "fajfar",
+    "sa_0.5",
+    "sa_1",
+    "sa_2",
     "uplift_ratio",
     "velocity_ratio",
+    "si_ratio",
+    "change_ratio",
     "impulse",
     "impulse_ratio",
     "demand_largest",
@@ -25,7 +32,7 @@ MEASURES = (
     "demand_cubic",
     "demand_build_up",
 )
-DATA = ("ida", "stripes", "cloud")
+DATA = ("stripes", "ida", "cloud")
 MODELS = ("lognormal", "logistic")
 EQUATIONS = ("nonlinear", "linear")
 
@@ -54,13 +61,20 @@ def _is_levels(value: Any) -> bool:
     )
 
 
+def _by_value(value: Any) -> tuple[float, ...]:
+    return tuple(map(float, value))
+
+
 _LIMIT_STATES = KeyType(
     'a list of "uplift", numbers in (0, 1] (rotations over alpha_c) and "overturning", each once',
     _is_limit_states,
     _by_severity,
     (UPLIFT, OVERTURNING),
 )
-_LEVELS = KeyType("a list of positive numbers that ascend", _is_levels, lambda value: tuple(map(float, value)))
+_FACTORS = KeyType(
+    "two positive numbers [lowest, highest] that ascend", lambda value: _is_levels(value) and len(value) == 2, _by_value
+)
+_LEVELS = KeyType("a list of positive numbers that ascend", _is_levels, _by_value)
 
 
 @dataclass(frozen=True)
@@ -70,10 +84,11 @@ class FragilitySettings(Section):
     heading = "[fragility]"
     limit_states: tuple[str | float, ...] = key((UPLIFT, 0.1, 0.4, 0.6, 1.0, OVERTURNING), _LIMIT_STATES)
     measures: tuple[str, ...] = choices(MEASURES, MEASURES)
-    pga_min: float = number(0.0, low=0.0, unit="m/s2")
-    data: str = choice("ida", DATA)
+    pga_min: float = number(1.0, low=0.0, unit="m/s2")
+    data: str = choice("stripes", DATA)
     stripe_measure: str = choice("velocity_ratio", MEASURES)
-    stripe_levels: tuple[float, ...] = key((0.25, 0.5, 1.0, 2.0, 4.0), _LEVELS)
+    stripe_levels: tuple[float, ...] = key((0.15, 0.25, 0.4, 0.6, 0.9, 1.4), _LEVELS)
+    factors: tuple[float, float] = key((0.25, 4.0), _FACTORS)
     model: str = choice("lognormal", MODELS)
     overturning_model: str = choice("logistic", MODELS)
     confidence: float = number(0.9, low=0.5, high=0.999)

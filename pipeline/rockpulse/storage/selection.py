@@ -18,10 +18,29 @@ from rockpulse.storage.hdf5_reader import flag_words, slab
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["Condition", "Selection", "label_positions", "rows", "unknown"]
+__all__ = ["SHOWN", "Condition", "Selection", "label_positions", "rows", "unknown"]
 
 #: Longest list of known names in a message.
 LISTED = 12
+
+#: Variables by the headings under which tables show them.
+SHOWN = {
+    "P": "overturning_probability",
+    "SF": "safety_factor",
+    "f_10": "factor_10",
+    "factor of 10 %": "factor_10",
+    "f_50": "factor_50",
+    "of 50 %": "factor_50",
+    "mean capacity": "capacity_mean",
+    "PGA": "pga",
+    "PGV": "pgv",
+    "I": "main_impulse",
+    "C": "restitution",
+    "a/a_up": "uplift_ratio",
+    "I/I_1c": "impulse_ratio",
+    "p PGV/(g tan alpha_c)": "velocity_ratio",
+    "theta_max/alpha_c": "peak_rotation_ratio",
+}
 
 _COMPARISONS: dict[str, Callable[[Any, Any], Any]] = {
     "<=": operator.le,
@@ -33,7 +52,7 @@ _COMPARISONS: dict[str, Callable[[Any, Any], Any]] = {
 
 @dataclass(frozen=True)
 class Condition:
-    """A condition on a variable: ``safety_factor < 1``, ``outcome = overturns``, ``source = *.AT2``.
+    """A condition on a variable: ``safety_factor < 1`` or ``SF < 1``, ``outcome = overturns``, ``source = *.AT2``.
 
     `comparison` is one of <=, >=, !=, <, > and =. `value` is a number; a word of a flag; a text, in which * and ? stand
     for any letters; several with "|" between them.
@@ -45,21 +64,23 @@ class Condition:
 
     @classmethod
     def parse(cls, words: str) -> Condition:
-        """The condition of a text: name, comparison, value; spaces may stand between them.
+        """The condition of a text: name (or heading of a table), comparison, value; spaces may stand between them.
 
         Examples
         --------
         >>> Condition.parse("safety_factor<1")
         Condition(name='safety_factor', comparison='<', value='1')
+        >>> Condition.parse("factor of 10 % < 1").name
+        'factor_10'
         """
-        found = re.fullmatch(r"\s*([A-Za-z]\w*)\s*(<=|>=|!=|==|<|>|=)\s*(.*?)\s*", words)
+        found = re.fullmatch(r"\s*([A-Za-z][^<>=!]*?)\s*(<=|>=|!=|==|<|>|=)\s*(.*?)\s*", words)
         if found is None:
             raise ResultsError(
                 "expected a condition such as 'safety_factor < 1' or 'outcome = overturns' (with one of = != "
                 f"{' '.join(_COMPARISONS)}), found {words!r}"
             )
         name, comparison, value = found.groups()
-        return cls(name, "=" if comparison == "==" else comparison, value)
+        return cls(SHOWN.get(name, name), "=" if comparison == "==" else comparison, value)
 
     def holds(self, variable: xr.Variable, values: np.ndarray) -> np.ndarray:
         """True where some values of a variable, whose type and flags say how they are read, meet the condition.
@@ -195,7 +216,12 @@ def rows(
     shape = tuple(among[dim].size for dim in every)
     mask = np.ones(shape, dtype=bool)
     for item, variable in used:
-        mask &= _spread(item.holds(variable, slab(variable, among)), variable.dims, every)
+        values = slab(variable, among)
+        if values.dtype.kind == "f" and values.size and np.isnan(values).all():
+            beside = " (factor_10 tells it by its probability, [search] intervals searches it)"
+            why = beside if item.name == "safety_factor" else ""
+            raise ResultsError(f"{item.name} is known of none of these answers{why}: nothing can be said of it")
+        mask &= _spread(item.holds(variable, values), variable.dims, every)
     for along, held in masks:
         mask &= _spread(held[np.ix_(*(among[dim] for dim in along))], along, every)
     beyond = tuple(range(len(dims), len(every)))

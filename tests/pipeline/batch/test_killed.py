@@ -29,6 +29,8 @@ use = ["sequence", "linear"]
 models = ["sequence"]
 points = 16
 [fragility]
+data = "ida"
+factors = [0.01, 100.0]
 limit_states = [0.4, "overturning"]
 measures = ["pga", "velocity_ratio"]
 [[block]]

@@ -10,7 +10,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from file_contents import assert_contents, contents
-from nominal import Config
+from nominal import Config, ida
 from record_writers import at2, pulse
 from record_writers.geonet import geonet
 
@@ -18,7 +18,6 @@ import rockpulse as rp
 from rockpulse import (
     BlockSettings,
     CalibrationSettings,
-    FragilitySettings,
     ModelSettings,
     RecordSettings,
     SearchSettings,
@@ -46,7 +45,7 @@ CONFIGURATIONS = {
 }
 SITE = Config(
     calibration=CalibrationSettings(method="statistics", bootstrap=100),
-    fragility=FragilitySettings(limit_states=("uplift", 0.4, "overturning"), measures=("pga", "velocity_ratio")),
+    fragility=ida(limit_states=("uplift", 0.4, "overturning"), measures=("pga", "velocity_ratio")),
     search=SearchSettings(points=16),
     blocks=CONFIG.blocks,
 )

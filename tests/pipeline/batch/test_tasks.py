@@ -9,7 +9,7 @@ from functools import partial
 
 import numpy as np
 import pytest
-from nominal import Config
+from nominal import Config, ida
 from record_writers import at2, pulse
 
 from rockpulse import (
@@ -17,7 +17,6 @@ from rockpulse import (
     CalibrationSettings,
     ConditioningSettings,
     DemandSettings,
-    FragilitySettings,
     IntensePhaseSettings,
     ModelSettings,
     RecordSettings,
@@ -137,7 +136,7 @@ def test_the_tasks_of_any_order_give_the_tree_in_memory(samples, components, ana
         Config(
             blocks=CHEAP.blocks,
             calibration=CalibrationSettings(method="statistics", bootstrap=100),
-            fragility=FragilitySettings(limit_states=("uplift", 0.4), measures=("pga", "demand_cubic"), pga_min=2.0),
+            fragility=ida(limit_states=("uplift", 0.4), measures=("pga", "demand_cubic"), pga_min=2.0),
             search=SearchSettings(points=16),
             records=RecordSettings(components=components, azimuth_step=90.0, include_vertical=True),
         )

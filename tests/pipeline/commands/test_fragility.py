@@ -18,6 +18,8 @@ lowpass_hz = 25.0
 points = 16
 
 [fragility]
+data = "ida"
+factors = [0.01, 100.0]
 limit_states = [0.4, "overturning"]
 measures = ["velocity_ratio", "demand_cubic"]
 

@@ -7,7 +7,9 @@ from results_tree import BLOCKS, RECORDS, results_tree
 
 from rockpulse.errors import ResultsError
 from rockpulse.storage.hdf5_reader import pointwise, slab, worded
-from rockpulse.storage.selection import Condition, Selection, label_positions, rows
+from rockpulse.storage.selection import SHOWN, Condition, Selection, label_positions, rows
+from rockpulse.storage.summary_variables import SUMMARY
+from rockpulse.views.shared.answer_cells import TITLES
 
 DIMS = ("record", "block", "model")
 
@@ -77,6 +79,23 @@ def test_a_condition_on_a_text_takes_it_as_it_is_before_it_is_a_pattern(summary)
         assert [place for (place,) in found] == places
         found, _ = lanes(summary, where(f"block != {value}"), dims=("block",))
         assert [place for (place,) in found] == [place for place in range(3) if place not in places]
+
+
+def test_a_column_of_the_tables_is_its_variable(summary):
+    for shown, name in (("SF < 1", "safety_factor < 1"), ("PGA>3", "pga > 3"), ("a/a_up > 2", "uplift_ratio > 2")):
+        assert Condition.parse(shown) == Condition.parse(name)
+    assert Condition.parse("factor of 10 % <= 1").name == "factor_10"
+    assert Condition.parse("P > 0.5").name == "overturning_probability"
+    assert set(SHOWN.values()) <= set(SUMMARY)
+    assert {TITLES[name]: name for name in TITLES}.items() <= SHOWN.items()
+    with pytest.raises(ResultsError, match="expected a condition"):
+        Condition.parse("< 1")
+
+
+def test_a_variable_that_is_known_of_no_answer_is_no_condition(summary):
+    summary["safety_factor"][:] = np.nan
+    with pytest.raises(ResultsError, match=r"safety_factor is known of none of these answers \(factor_10 tells it"):
+        lanes(summary, where("SF < 1"))
 
 
 def test_an_unknown_name_variable_word_or_text_comparison_says_what_there_is(summary):

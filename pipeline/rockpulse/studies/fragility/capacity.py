@@ -11,7 +11,7 @@ from rockpulse.errors import TooWeak
 from rockpulse.motions.directions import Motion
 from rockpulse.motions.runner import Part, Watch
 from rockpulse.storage.fact_variables import FACTS, facts_of
-from rockpulse.studies.fragility.limit_states import reached_at, scale_capacities
+from rockpulse.studies.fragility.limit_states import NOT_KNOWN, reached_at, scale_capacities
 from rockpulse.studies.fragility.measures import QUALITIES, record_measures, record_qualities
 
 __all__ = ["motion_capacity", "nothing"]
@@ -24,7 +24,8 @@ def motion_capacity(motion: Motion, watch: Watch, block: Block, config: Config) 
     those of :data:`rockpulse.studies.fragility.measures.QUALITIES`. An incremental analysis adds "factors" (1, s, m),
     the first that reaches each limit state, inf where none does, and "step" (1, m), the ratio of neighbouring factors
     of the scan; others add "factors" (1, r, m), those that were looked at, and "reached" (1, s, r, m), whether the
-    limit state was.
+    limit state was. Beyond ``[fragility] factors`` a scaled record stands for no recorded one: an incremental analysis
+    ends there, and a stripe has no answer.
 
     Raises ValueError where the motion has no intense phase or the model refuses its numbers, TooWeak below the smallest
     PGA.
@@ -41,16 +42,19 @@ def motion_capacity(motion: Motion, watch: Watch, block: Block, config: Config) 
     with watch("solve"):
         if settings.data == "ida":
             search = config.search
-            capacities = scale_capacities(
-                scene, block, settings.limit_states, settings.equation, search.factor_max, search.points
-            )
+            end = min(search.factor_max, settings.factors[1])
+            capacities = scale_capacities(scene, block, settings.limit_states, settings.equation, end, search.points)
             found = {"factors": capacities.factors, "step": capacities.step}
         else:
             factors = np.ones((1, *block.shape))
             if settings.data == "stripes":
                 own = record_measures(scene, block, (settings.stripe_measure,))
                 factors = np.asarray(settings.stripe_levels)[:, None] / own
-            reached = reached_at(scene, block, settings.limit_states, settings.equation, factors)
+            least, most = settings.factors if settings.data == "stripes" else (0.0, np.inf)
+            near = (factors >= least) & (factors <= most)
+            # What is not looked at is not marched: a record at factor zero moves nothing.
+            looked = reached_at(scene, block, settings.limit_states, settings.equation, np.where(near, factors, 0.0))
+            reached = np.where(near, looked, NOT_KNOWN)
             found = {"factors": factors, "reached": reached}
         qualities = record_qualities(scene)
         found |= {

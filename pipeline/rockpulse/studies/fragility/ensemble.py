@@ -41,8 +41,10 @@ class Ensemble:
         """Rows of one limit state in one measure, by their numbers, of one lane or of several put together."""
         if self.reached is None:
             factor = self.factors[:, state, None][:, :, lanes]
-            kind = np.where(np.isinf(factor), ABOVE, EXACT)
-            factor = np.minimum(factor, self.config.search.factor_max)
+            least, most = self.config.fragility.factors
+            most = min(most, self.config.search.factor_max)
+            kind = np.select([np.isinf(factor), factor < least], [ABOVE, NOT_ABOVE], EXACT)
+            factor = np.clip(factor, least, most)
         else:
             factor, reached = self.factors[:, :, lanes], self.reached[:, state][:, :, lanes]
             kind = np.select([reached == NOT_KNOWN, reached == 1], [NOT_KNOWN, NOT_ABOVE], ABOVE)

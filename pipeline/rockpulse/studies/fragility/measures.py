@@ -8,13 +8,14 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
 from rocking.block import Block
 from rocking.demand import Demand, ground_demand
 from rockpulse.ladder import Scene
-from rockpulse.record.intensity import pgv
+from rockpulse.record.intensity import fajfar_index, largest_change, pgv, spectral_acceleration, spectrum_intensity
 from rockpulse.storage.fragility_variables import STATED, STRENGTH
 
 __all__ = ["LARGEST_LOBES", "MEASURES", "QUALITIES", "TESTED", "Measure", "record_measures", "record_qualities"]
@@ -59,15 +60,37 @@ def _rms(scene: Scene, block: Block) -> np.ndarray:
     return np.asarray(np.sqrt(np.mean(_demand(scene, block).lobes[:, :LARGEST_LOBES] ** 2, axis=1)))
 
 
+def _acceleration(scene: Scene, block: Block, period: float) -> float:
+    return spectral_acceleration(scene.record, period)
+
+
+def _change(scene: Scene, block: Block) -> np.ndarray:
+    rates, place = np.unique(block.p, return_inverse=True)
+    largest = np.array([largest_change(scene.record, 2.0 / rate) for rate in rates])[place]
+    return np.asarray(block.p * largest / _capacity(block))
+
+
 #: Every measure by its name. E is the exponentially weighted impulse of :mod:`rocking.demand`; its lobes are
 #: the largest abs(E) between two changes of sign, up to 16 of them.
 MEASURES: dict[str, Measure] = {
     "pga": Measure("m s-2", "PGA", lambda scene, block: scene.record.pga),
     "pgv": Measure("m s-1", "PGV", lambda scene, block: pgv(scene.record)),
+    "si": Measure(
+        "m s-1", "SI (mean pseudo-velocity, 0.1 to 2.5 s)", lambda scene, block: spectrum_intensity(scene.record)
+    ),
+    "fajfar": Measure("m s-3/4", "PGV t_D^(1/4), t_D = D5-95", lambda scene, block: fajfar_index(scene.record)),
+    **{
+        f"sa_{period:g}": Measure("m s-2", f"Sa({period:g} s), 5 %", partial(_acceleration, period=period))
+        for period in (0.5, 1.0, 2.0)
+    },
     "uplift_ratio": Measure("1", "PGA/(g tan alpha_c)", lambda scene, block: scene.record.pga / _capacity(block)),
     "velocity_ratio": Measure(
         "1", "p PGV/(g tan alpha_c)", lambda scene, block: block.p * pgv(scene.record) / _capacity(block)
     ),
+    "si_ratio": Measure(
+        "1", "p SI/(g tan alpha_c)", lambda scene, block: block.p * spectrum_intensity(scene.record) / _capacity(block)
+    ),
+    "change_ratio": Measure("1", "p times the largest change of velocity within 2/p, over g tan alpha_c", _change),
     "impulse": Measure("m s-1", "largest half-wave impulse I", lambda scene, block: _impulse(scene)),
     "impulse_ratio": Measure("1", "I/I_1c", lambda scene, block: _impulse(scene) / block.critical_impulse),
     "demand_largest": Measure(

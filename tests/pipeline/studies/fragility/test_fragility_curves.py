@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray as xr
+from nominal import ida
 
 import rockpulse as rp
 from rocking.block import Block
@@ -31,9 +32,7 @@ def pulse(number, event, size=2.0):
 
 def options(**fragility):
     known = {"limit_states": STATES, "measures": ("pga", "velocity_ratio")}
-    return Config(
-        fragility=FragilitySettings(**{**known, **fragility}), search=SearchSettings(factor_max=30.0, points=32)
-    )
+    return Config(fragility=ida(**{**known, **fragility}), search=SearchSettings(factor_max=30.0, points=32))
 
 
 @pytest.fixture(scope="module")
@@ -300,7 +299,7 @@ def test_the_lobes_of_the_impulse_on_the_time_scale_of_the_block_are_efficient_o
     strong, _ = read_all([str(records_folder / name) for name in ("at2", "csmip_v1", "geonet", "csmip_v2", "renadic")])
     config = Config(
         conditioning=ConditioningSettings(baseline="mean", highpass_hz=0.1, lowpass_hz=24.0),
-        fragility=FragilitySettings(pga_min=1.471, limit_states=[0.4, "overturning"]),
+        fragility=ida(pga_min=1.471, factors=(0.001, 1000.0), limit_states=[0.4, "overturning"]),
     )
     alpha = np.arctan(1.0 / np.array([4.0, 8.0]))
     bodies = {f"{a:.3f} R {r:g}": Block(r * np.sin(a), r * np.cos(a)) for a in alpha for r in (1.0, 4.0)}

@@ -6,10 +6,10 @@ import numpy as np
 import pandas as pd
 import pytest
 import xarray as xr
-from nominal import Config
+from nominal import Config, ida
 
 import rockpulse as rp
-from rockpulse import FragilitySettings, ModelSettings, SearchSettings
+from rockpulse import ModelSettings, SearchSettings
 
 BLOCKS = {
     "wall": rp.models.Block(half_width=0.125, half_height=1.1),
@@ -72,7 +72,7 @@ def study5():
 def fragility_tree(clc):
     settings = Config(
         search=SearchSettings(points=16),
-        fragility=FragilitySettings(limit_states=("uplift", 0.4, "overturning"), measures=("pga", "velocity_ratio")),
+        fragility=ida(limit_states=("uplift", 0.4, "overturning"), measures=("pga", "velocity_ratio")),
     )
     return rp.fragility_curves(clc, settings, blocks={"wall": BLOCKS["wall"]})
 

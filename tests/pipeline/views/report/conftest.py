@@ -4,9 +4,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from nominal import ida
 
 import rockpulse as rp
-from rockpulse import CalibrationSettings, FragilitySettings, SearchSettings
+from rockpulse import CalibrationSettings, SearchSettings
 from rockpulse.failures import Failure
 from rockpulse.models import Block
 from rockpulse.views.report.writing import report_page
@@ -52,7 +53,7 @@ def config():
     return rp.Config(
         search=SearchSettings(points=24),
         calibration=CalibrationSettings(method="statistics", bootstrap=100),
-        fragility=FragilitySettings(limit_states=("uplift", "overturning"), measures=("pga", "velocity_ratio")),
+        fragility=ida(limit_states=("uplift", "overturning"), measures=("pga", "velocity_ratio")),
     )
 
 

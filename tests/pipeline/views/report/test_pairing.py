@@ -4,11 +4,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from nominal import ida
 from site_spectra import BLOCKS, usual_site
 from site_spectra import site_of as spectrum_site
 
 import rockpulse as rp
-from rockpulse import CalibrationSettings, ConditioningSettings, FragilitySettings, SearchSettings
+from rockpulse import CalibrationSettings, ConditioningSettings, SearchSettings
 from rockpulse.errors import ResultsError
 from rockpulse.models import Block
 from rockpulse.storage.design_file import design_of
@@ -16,9 +17,7 @@ from rockpulse.views.report.content import gather
 from rockpulse.views.report.pairing import paired
 from rockpulse.views.report.writing import report_page
 
-CURVES = rp.Config(
-    search=SearchSettings(points=24), fragility=FragilitySettings(limit_states=("uplift",), measures=("pga",))
-)
+CURVES = rp.Config(search=SearchSettings(points=24), fragility=ida(limit_states=("uplift",), measures=("pga",)))
 
 
 def changed(tree, group, **values):
@@ -109,7 +108,7 @@ def test_curves_of_other_ground_motions_say_so(results, bursts, bodies, fragilit
 
 def test_records_that_are_compared_by_name_only_say_so(results, bursts, bodies, fragility):
     by_name = "Their records were compared by name only: PGA is not among the measures of the file."
-    without = replace(CURVES, fragility=FragilitySettings(limit_states=("uplift",), measures=("pgv",)))
+    without = replace(CURVES, fragility=ida(limit_states=("uplift",), measures=("pgv",)))
     assert by_name in curves_of(results, rp.fragility_curves(bursts, without, bodies)).remarks
     assert by_name not in curves_of(results, fragility).remarks
 
