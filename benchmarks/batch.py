@@ -3,7 +3,8 @@
 Synthetic records (seeded; PEER AT2 files of 6,000 samples, 0.2 to 0.6 g, 20 events x stations) are assessed by
 :func:`rockpulse.batch.run.assess_files`, each run in a fresh process. Printed are the records a second, the memory of
 the parent as the records are done, the time of reading, conditioning and writing against the solver's, two workers
-against one, and what ``inspect``, ``export`` and ``diff`` take on the file. ``--search`` adds the safety factors.
+against one, and what ``inspect``, ``export`` and ``diff`` take on the file. Beside the default configuration stand an
+inventory of ``--inventory`` bodies, and every model with its safety factors, which was the default once.
 """
 
 from __future__ import annotations
@@ -13,6 +14,7 @@ import contextlib
 import io
 import multiprocessing
 import os
+import resource
 import sys
 import tempfile
 import time
@@ -30,18 +32,18 @@ sys.path.append(str(Path(__file__).parents[1] / "tests"))
 from record_writers import at2
 
 from rocking.threads import available_cores
-from rockpulse import BlockSettings, ModelSettings, SearchSettings
+from rockpulse import BlockSettings, ModelSettings, SearchSettings, SequenceSettings, UncertaintySettings
 from rockpulse.batch.options import BatchOptions
 from rockpulse.batch.run import BatchReport, assess_files
 from rockpulse.cli import main as rockpulse
 from rockpulse.config.configuration import Config
+from rockpulse.ladder import ALL_MODELS
 from rockpulse.record.synthetic import synthetic_motion
 
 SAMPLES = 6000
 DT = 0.01  # s
 GRAVITY = 9.80665  # m/s2
 EVENTS = 20
-MODELS = ("sequence", "impulsive", "linear", "nonlinear")
 #: Parts of the records after which the memory of the parent is noted.
 MARKS = (0.0, 0.2, 0.4, 0.6, 0.8, 1.0)
 
@@ -62,23 +64,35 @@ def write_records(folder: Path, count: int) -> None:
             write_record(number, folder)
 
 
-def configuration(blocks: int, search: bool) -> Config:
-    """Blocks of 0.2 to 2 m, three to eight times as high."""
+def configuration(blocks: int, everything: bool = False) -> Config:
+    """Blocks of 0.2 to 2 m, four to eight times as high, by default or by every model with its safety factors."""
     sizes = np.random.default_rng(0).uniform(size=(blocks, 2))
     bodies = [
         BlockSettings(
-            name=f"block {k:03d}", width=round(0.2 * 10.0**u, 3), height=round(0.2 * 10.0**u * (3 + 5 * v), 3)
+            name=f"block {k:03d}", width=round(0.2 * 10.0**u, 3), height=round(0.2 * 10.0**u * (4 + 4 * v), 3)
         )
         for k, (u, v) in enumerate(sizes.tolist())
     ]
-    searched = SearchSettings(models=MODELS if search else ())
-    return Config(models=ModelSettings(use=MODELS), search=searched, blocks=tuple(bodies))
+    if not everything:
+        return Config(blocks=tuple(bodies))
+    return Config(
+        models=ModelSettings(use=ALL_MODELS),
+        sequence=SequenceSettings(method="statistics"),
+        search=SearchSettings(intervals=True),
+        uncertainty=UncertaintySettings(probability=False),
+        blocks=tuple(bodies),
+    )
 
 
 def resident(line: str = "VmRSS") -> float:
     """Memory of this process [MB]; its largest so far for the line "VmHWM"."""
     status = Path("/proc/self/status").read_text(encoding="ascii")
     return int(status.partition(f"{line}:")[2].split()[0]) / 1024.0
+
+
+def processor_time() -> float:
+    """Processor time of this process and of those that it has waited for [s]."""
+    return sum(sum(resource.getrusage(who)[:2]) for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN))
 
 
 @dataclass
@@ -129,6 +143,7 @@ class Run:
     records: int
     size: float  #: of the results [MB]
     total: float  #: by the clock [s], kernels loaded
+    processor: float  #: of this process and its workers, all threads [s]
     survey: float
     work: float
     assembly: float
@@ -144,7 +159,7 @@ class Run:
 
 def run(paths: list[str], config: Config, output: str, workers: int) -> Run:
     """Assess the files in this process, which does nothing else."""
-    watched = Watched()
+    watched, begun = Watched(), processor_time()
     options = BatchOptions(workers=workers, overwrite=True, bar=watched.bar)
     report: BatchReport = assess_files(paths, config, output, options)
     end = time.perf_counter()
@@ -153,6 +168,7 @@ def run(paths: list[str], config: Config, output: str, workers: int) -> Run:
         records=report.records,
         size=Path(output).stat().st_size / 1e6,
         total=end - survey,
+        processor=processor_time() - begun,
         survey=surveyed - survey,
         work=worked - surveyed,
         assembly=end - worked,
@@ -168,14 +184,19 @@ def fresh(function: Callable[..., Run], *arguments: object) -> Run:
         return alone.submit(function, *arguments).result()
 
 
-def told(one: Run, workers: int, what: str) -> None:
+def told(one: Run, workers: int, what: str, blocks: int) -> None:
     """Print the figures of a run."""
+    core = one.processor / one.records
     marks = ", ".join(f"{percent} % {memory:.0f}" for percent, memory in one.memory.items())
     steps = ", ".join(f"{step} {seconds:.1f}" for step, seconds in one.seconds.items())
     print(f"{workers} worker{'s' * (workers > 1)}, {what}: {one.rate:.1f} records/s; {one.size:.0f} MB of results")
     print(
         f"  {one.records} records in {one.total:.1f} s: survey {one.survey:.1f}, work {one.work:.1f}, assembly "
         f"{one.assembly:.1f}; in the work, of all workers: {steps}"
+    )
+    print(
+        f"  {core:.2f} s of a core a record of {SAMPLES * DT:g} s, {1e9 * core / (SAMPLES * blocks):.1f} ns a sample and "
+        f"body; 1000 records on two cores in {1000.0 * core / 120.0:.0f} minutes"
     )
     print(f"  memory of the parent [MB]: after {marks} of the records; peak {one.peak:.0f}", flush=True)
     if workers == 1:
@@ -212,7 +233,8 @@ def main() -> None:
     parser.add_argument("--blocks", type=int, default=100)
     parser.add_argument("--workers", type=int, default=min(2, available_cores()), help="of the run on all records")
     parser.add_argument("--compare", type=int, default=300, help="records of the runs with one worker and with two")
-    parser.add_argument("--search", type=int, default=10, help="records of the run with all safety factors; 0 for none")
+    parser.add_argument("--inventory", type=int, default=10_000, help="bodies of a large inventory, on --few records")
+    parser.add_argument("--few", type=int, default=10, help="records of the large inventory, and of every model")
     parser.add_argument("--folder", type=Path, help="where files and results go, and stay")
     args = parser.parse_args()
     with contextlib.ExitStack() as left:
@@ -222,22 +244,25 @@ def main() -> None:
         write_records(folder / "records", args.records)
         print(f"{args.records} files: {time.perf_counter() - start:.0f} s; load {os.getloadavg()[0]:.1f}", flush=True)
         paths = [str(folder / "records" / f"SYN{number:05d}.AT2") for number in range(args.records)]
-        config = configuration(args.blocks, search=False)
+        config = configuration(args.blocks)
         some = paths[: args.compare]
         fresh(run, some[:4], config, str(folder / "warm.h5"), 1)  # compiles the kernels
         runs = {workers: fresh(run, some, config, str(folder / f"{workers}.h5"), workers) for workers in (1, 2)}
         for workers, one in runs.items():
-            told(one, workers, "no search")
+            told(one, workers, f"{args.blocks} bodies", args.blocks)
         print(
             f"two workers against one: {runs[1].total / runs[2].total:.2f} times as fast, their start included "
             f"({runs[1].work / runs[2].work:.2f} in the work alone); load {os.getloadavg()[0]:.1f}",
             flush=True,
         )
-        if args.search:
-            searched = configuration(args.blocks, search=True)
-            told(fresh(run, paths[: args.search], searched, str(folder / "searched.h5"), 1), 1, "all safety factors")
+        few = paths[: args.few]
+        for what, blocks, other in (
+            (f"{args.inventory} bodies", args.inventory, configuration(args.inventory)),
+            (f"{args.blocks} bodies, every model and safety factor", args.blocks, configuration(args.blocks, True)),
+        ):
+            told(fresh(run, few, other, str(folder / "other.h5"), 1), 1, what, blocks)
         results = str(folder / "results.h5")
-        told(fresh(run, paths, config, results, args.workers), args.workers, "all records, no search")
+        told(fresh(run, paths, config, results, args.workers), args.workers, "all records", args.blocks)
         looked_at(results, folder)
 
 

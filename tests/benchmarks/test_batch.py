@@ -28,18 +28,18 @@ def test_records_are_distinct_and_the_same_again(batch, files, tmp_path):
 
 
 def test_blocks_are_as_slender_as_said(batch):
-    blocks = batch.configuration(100, search=True).blocks
+    blocks = batch.configuration(100).blocks
     slenderness = np.array([block.height / block.width for block in blocks])
     assert len({block.name for block in blocks}) == 100
-    assert ((slenderness > 2.99) & (slenderness < 8.01)).all()
-    assert batch.configuration(2, search=True).search.models == batch.MODELS
-    assert batch.configuration(2, search=False).search.models == ()
+    assert ((slenderness > 3.99) & (slenderness < 8.01)).all()
+    assert batch.configuration(2).models == rp.Config().models
+    assert batch.configuration(2, everything=True).search.intervals
 
 
 @pytest.mark.sweep
 @pytest.mark.skipif(not Path("/proc/self/status").is_file(), reason="the memory of a process is asked of Linux")
 def test_a_run_tells_its_steps_and_the_memory_of_the_parent(batch, files, tmp_path, capsys):
-    config = batch.configuration(2, search=False)
+    config = batch.configuration(2)
     one = batch.run([str(file) for file in files], config, str(tmp_path / "results.h5"), 1)
     assert one.records == 5
     assert rp.load(tmp_path / "results.h5")["summary"].sizes["record"] == 5
@@ -47,6 +47,7 @@ def test_a_run_tells_its_steps_and_the_memory_of_the_parent(batch, files, tmp_pa
     assert one.seconds["solve"] < one.work
     assert list(one.memory) == [0, 20, 40, 60, 80, 100]
     assert 50.0 < max(one.memory.values()) <= one.peak
-    batch.told(one, 1, "no search")
+    batch.told(one, 1, "2 bodies", 2)
     said = capsys.readouterr().out
+    assert f"{one.processor / 5:.2f} s of a core a record of 60 s" in said
     assert f"all but the solver: {one.total / one.seconds['solve'] - 1.0:.2f} times the solver" in said

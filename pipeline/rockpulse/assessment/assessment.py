@@ -137,7 +137,8 @@ def assess_scene(scene: Scene, bodies: Bodies, config: Config, channels: Sequenc
         )
         scene = replace(scene, record=scene.record.with_warning(warning))
     for model in responses:
-        rule = MODELS[model].rule(scene)
+        # In the column of the sequence a mark says it, record by record and body by body.
+        rule = MODELS[model].rule(scene) if MODELS[model].fitted else None
         outside = 0 if rule is None else np.count_nonzero(~rule.applicable(lanes))
         if rule is not None and outside:
             warning = (

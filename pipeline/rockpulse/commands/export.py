@@ -77,13 +77,13 @@ def _run(args: argparse.Namespace) -> int:
 
 
 def _demands(file: ResultsFile, table: LongTable) -> str:
-    """The demands behind `capacity_ratio`, which have a dimension of their own and then no column in the table."""
+    """The demands, which have a dimension of their own and then no column in the table."""
+    from rockpulse.assessment.demand import stored_demands
+
     if "demand_acceleration" not in table.left_out:
         return ""
-    demands = file.dataset(table.group)["demand_acceleration"]
-    each = zip(demands["demand"].values.tolist(), demands.values.tolist(), strict=True)
-    units = demands.attrs["units"]
-    return f" Demands (demand_acceleration): {', '.join(f'{name} {value:.6g} {units}' for name, value in each)}."
+    every = stored_demands(file.dataset(table.group)).items()
+    return f" Demands: {', '.join(f'{name}, {demand.words}' for name, demand in every)}."
 
 
 def _names(joined: str | None) -> list[str] | None:

@@ -87,4 +87,4 @@ def test_the_readme_has_the_demands_and_the_decimal_comma_is_an_option(tmp_path)
     assert main(["export", str(tmp_path / "r.h5"), "-o", str(target), *options]) == 0
     assert pd.read_csv(target, sep=";", decimal=",")["pga"].tolist()[:1] == [5.5574]
     readme = (tmp_path / "t.README.md").read_text(encoding="utf-8")
-    assert "Demands (demand_acceleration): SLD 1 m s-2, SLV 2.5 m s-2." in readme
+    assert "Demands: SLD, PGA 1 m/s2, SLV, PGA 2.5 m/s2." in readme

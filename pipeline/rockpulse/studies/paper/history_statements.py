@@ -126,6 +126,17 @@ def smaller_restitution_lowers_each_peak(figure: xr.Dataset) -> Finding:
     return _with_restitution(figure, "peak")
 
 
+def smaller_restitution_lowers_the_largest_angle(figure: xr.Dataset) -> Finding:
+    """I_s > 0: the largest angle over the motion is smaller with the smaller C, both blocks."""
+    largest = figure["peak"].where(figure["secondary_ratio"] > 0.0, drop=True).max("half_cycle")
+    high, low = _restitutions(largest)
+    both = (low == np.inf) & (high == np.inf)
+    free = int(low.isel(spacing=0).where(~both.isel(spacing=0)).notnull().sum())
+    numbers = f"{free} of {low.isel(spacing=0).size} cases tell, the others overturn with both C; largest angle "
+    told = figure.assign(largest=figure["peak"].max("half_cycle"))
+    return Finding(_everywhere((low < high) | both), numbers + _example(told, "largest", _low(figure)))
+
+
 def smaller_restitution_shortens_each_half_cycle(figure: xr.Dataset) -> Finding:
     """I_s > 0: each half-cycle is shorter with the smaller C, both blocks."""
     return _with_restitution(figure, "duration")
@@ -230,6 +241,11 @@ HISTORY_STATEMENTS = (
         "smaller_restitution_lowers_each_peak",
         "the lower value of the restitution coefficient: reduction of the maximum angle of rotation",
         smaller_restitution_lowers_each_peak,
+    ),
+    Statement(
+        "smaller_restitution_lowers_the_largest_angle",
+        "the lower value of the restitution coefficient: reduction of the maximum angle of rotation",
+        smaller_restitution_lowers_the_largest_angle,
     ),
     Statement(
         "smaller_restitution_shortens_each_half_cycle",

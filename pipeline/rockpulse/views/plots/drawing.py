@@ -7,8 +7,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from rockpulse.assessment.overturning import overturning_spectrum
 from rockpulse.assessment.spectrum import ALPHAS, P
 from rockpulse.assessment.spectrum import rocking_spectrum as compute_spectrum
+from rockpulse.config.uncertainty_settings import UncertaintySettings
 from rockpulse.errors import ConfigError, ResultsError
 from rockpulse.studies.accuracy.measurement import table_of
 from rockpulse.views.plots.critical_factors import critical_scale, overturning_map
@@ -21,7 +23,7 @@ from rockpulse.views.plots.motion import had_vertical, stored_motion, stored_rec
 from rockpulse.views.plots.overturning_curves import overturning_spectra
 from rockpulse.views.plots.paper import figure4, figure5
 from rockpulse.views.plots.rotation import rotation_history
-from rockpulse.views.plots.selection import block_of, named_body, one_name, sequence_of
+from rockpulse.views.plots.selection import block_of, named_body, one_name, ragged, sequence_of, setting
 from rockpulse.views.plots.site import calibration
 from rockpulse.views.plots.spectrum_map import rocking_spectrum
 from rockpulse.views.plots.words import plain
@@ -118,6 +120,8 @@ def _spectrum(tree: xr.DataTree, record: str | None = None, restitution: float |
     # A factor that differs from body to body moves no spectrum as a whole.
     shared = [factors_to_demands(summary, own["record"].values.tolist(), name, np.inf) for name in names]
     needed = {name: one for name, one in shared[0].items() if all(np.array_equal(one, other[name]) for other in shared)}
+    if spectra.sizes["record"] == 1:
+        spectra = _whole(tree, spectra, c)
     return _figure(
         overturning_spectra(
             spectra,
@@ -130,6 +134,19 @@ def _spectrum(tree: xr.DataTree, record: str | None = None, restitution: float |
             gravity=block_of(summary, names[0]).gravity,
         )
     )
+
+
+def _whole(tree: xr.DataTree, spectra: xr.Dataset, restitution: float) -> xr.Dataset:
+    """The spectrum of one record at the stored C nearest to one: as stored, or marched again where it has gaps."""
+    (record,) = (str(name) for name in spectra["record"].values)
+    grid = spectra["restitution"].values
+    nearest = float(grid[np.argmin(np.abs(grid - restitution))])
+    stored = np.isfinite(spectra["spectrum"].sel(restitution=nearest).values)
+    if stored.all() or not stored.any() or ragged(tree, "row_size", ["acceleration"], record) is None:
+        return spectra
+    stated = {name: setting(tree, "uncertainty", name, value) for name, value in dict(**UncertaintySettings()).items()}
+    uncertainty = UncertaintySettings(**stated).of_draws()
+    return overturning_spectrum(stored_record(tree, record), restitution=[nearest], uncertainty=uncertainty)
 
 
 def _overturning_map(

@@ -70,10 +70,14 @@ def overturning_spectra(
     grid = several["restitution"].values
     chosen = int(np.argmin(np.abs(grid - (grid[-1] if restitution is None else restitution))))
     at = several.isel(restitution=chosen).transpose("record", "p", ...)
+    # Stored spectra may have numbers next to the bodies alone.
+    at = at.isel(p=np.flatnonzero(np.isfinite(at["spectrum"].values).any(axis=0)))
     p, curves = at["p"].values, at["spectrum"].values
-    known = np.flatnonzero(np.all(np.isfinite(curves), axis=1))
+    known = np.flatnonzero(np.all(np.isfinite(curves), axis=1) & (p.size > 0))
     curves = curves[known]
     left_out = ""
+    if 0 < p.size < several.sizes["p"]:
+        left_out = " Straight where no body lies: [uncertainty] spectrum = all marches the whole curve."
     if known.size == 1:
         low, high = (at[name].values[known[0]] for name in ("spectrum_low", "spectrum_high"))
         ax.fill_between(p, low, high, color=PALE, lw=0, label="90 % interval")
@@ -90,7 +94,7 @@ def overturning_spectra(
             words = f"median at the demand {plain(name)}"
             ax.plot(p, _quantile(scaled, 0.5, weights), color=RED, ls=style, lw=1.8, label=words)
         if few:
-            left_out = f" Fewer than {FEWEST_EVENTS} earthquakes have no median."
+            left_out += f" Fewer than {FEWEST_EVENTS} earthquakes have no median."
     points = {name: (rate, gravity * np.tan(alpha) / rate) for name, (rate, alpha) in (bodies or {}).items()}
     rows = spectrum_axes(ax, several["p"], points, gravity, columns=3)
     names = several["record"].values if "record" in several.coords else [several.attrs.get("record", "")]

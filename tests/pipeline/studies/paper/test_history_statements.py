@@ -202,6 +202,13 @@ def test_the_statements_that_hold_nowhere_are_these_four(statements):
     ]
 
 
+def test_the_smaller_restitution_lowers_the_largest_angle_over_the_motion(statements):
+    """As the paper says it; half-cycle by half-cycle it fails at first, where I_2c is larger."""
+    found = statements.sel(statement="smaller_restitution_lowers_the_largest_angle")
+    assert (found["verdict"].item(), found["where"].item()) == (2, "everywhere")
+    assert int(found["numbers"].item().split()[0]) > 0
+
+
 def test_the_agreement_with_the_double_impulse_in_numbers(statements):
     """VALIDATION V4 (published): A differs by +0.60 % in I_2c and -0.24 % in t_0."""
     numbers = statements["numbers"].sel(statement="agrees_with_the_critical_double_impulse").item()

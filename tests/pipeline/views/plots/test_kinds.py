@@ -58,6 +58,17 @@ def spectra():
     return xr.Dataset(values, axes)
 
 
+def test_the_spectrum_of_a_record_is_whole_though_it_is_stored_next_to_the_bodies_alone(assessed, changed):
+    some = spectra()
+    some["spectrum"].values[:, ::2] = np.nan
+    tree = changed({"/spectra": some.assign_coords(record=assessed["summary"]["record"].values)})
+    name = str(assessed["summary"]["record"].values[0])
+    (ax,) = draw(tree, "spectrum", record=name, restitution=0.9).axes
+    curve = next(line for line in ax.lines if line.get_label() == "spectrum of the record")
+    expected = rp.overturning_spectrum(stored_record(tree, name), restitution=[0.9])
+    assert curve.get_ydata() == pytest.approx(expected["spectrum"].values[:, 0])
+
+
 def test_the_spectrum_is_that_of_the_record_with_the_bodies(assessed, changed):
     tree = changed({"/spectra": spectra().assign_coords(record=assessed["summary"]["record"].values)})
     figure = draw(tree, "spectrum", record=str(assessed["summary"]["record"].values[1]), restitution=0.9)

@@ -53,6 +53,14 @@ def test_the_median_at_a_demand_is_that_of_the_scaled_records():
     assert lines(ax)["median at the demand code"] == pytest.approx(3.0 * np.array([0.2, 0.5, 0.4]))
 
 
+def test_where_no_body_lies_the_curve_is_straight():
+    some = spectra(1.0, 2.0)
+    some["spectrum"].values[:, 1] = np.nan
+    ax = overturning_spectra(some, restitution=0.85, bodies={"wall": (1.0, 0.2)})
+    assert lines(ax)["median"] == pytest.approx([0.2, 0.4])
+    assert "Straight where no body lies" in ax.figure.get_supxlabel()
+
+
 def test_a_record_without_a_spectrum_is_left_out():
     some = spectra(1.0, 2.0)
     some["spectrum"].values[0] = np.nan
