@@ -195,8 +195,8 @@ def told(one: Run, workers: int, what: str, blocks: int) -> None:
         f"{one.assembly:.1f}; in the work, of all workers: {steps}"
     )
     print(
-        f"  {core:.2f} s of a core a record of {SAMPLES * DT:g} s, {1e9 * core / (SAMPLES * blocks):.1f} ns a sample and "
-        f"body; 1000 records on two cores in {1000.0 * core / 120.0:.0f} minutes"
+        f"  {core:.2f} s of a core a record of {SAMPLES * DT:g} s, {1e9 * core / (SAMPLES * blocks):.1f} ns a sample "
+        f"and body; 1000 records on two cores in {1000.0 * core / 120.0:.0f} minutes"
     )
     print(f"  memory of the parent [MB]: after {marks} of the records; peak {one.peak:.0f}", flush=True)
     if workers == 1:

@@ -153,6 +153,19 @@ def many(tree, copies=60):
     return tree
 
 
+def test_sixty_records_fit_on_one_screen_with_the_bodies_first(tree):
+    text = overview(many(tree, copies=21))
+    lines = text.splitlines()
+    assert len(lines) <= 40
+    assert max(map(len, lines)) <= 132
+    bodies, records = (next(k for k, line in enumerate(lines) if words in line) for words in ("Verdict on", "The 10 w"))
+    assert bodies < records
+    assert len([line for line in lines if line.startswith("  ") and "~" in line and not line.startswith("  b")]) >= 10
+    legend = lines[bodies + 5 : records - 1]
+    assert 1 <= len(legend) <= 3
+    assert "rockpulse inspect RESULTS --all" in text
+
+
 def test_large_results_are_counted_and_their_worst_shown(tree):
     text = overview(many(tree), whole=True)
     assert text.startswith("Borgo: 180 records, 3 blocks; resonance, sequence, nonlinear\n")
