@@ -146,7 +146,8 @@ def _whole(tree: xr.DataTree, spectra: xr.Dataset, restitution: float) -> xr.Dat
         return spectra
     stated = {name: setting(tree, "uncertainty", name, value) for name, value in dict(**UncertaintySettings()).items()}
     uncertainty = UncertaintySettings(**stated).of_draws()
-    return overturning_spectrum(stored_record(tree, record), restitution=[nearest], uncertainty=uncertainty)
+    found = overturning_spectrum(stored_record(tree, record), restitution=[nearest], uncertainty=uncertainty)
+    return found.expand_dims(record=[record])
 
 
 def _overturning_map(

@@ -211,7 +211,9 @@ def _under(answers: Answers, found: Sequence[BodyVerdict]) -> str:
         without = f", {lost} left out, farther from it than a factor of {FARTHEST[1]:g}" if lost else ""
         short = f"; {several(left, 'earthquake')} left, {FEWEST_AT_DEMAND} are needed" if every[0].few else ""
         told.append(f"{name} ({demand.words}{without}{short})")
-    return f"{counted(motions)} brought to the demand {' and '.join(told)}"
+    before = answers.probable and "demand_probability" not in answers.summary
+    again = "; a file of before, without the probability there: assess again" if before else ""
+    return f"{counted(motions)} brought to the demand {' and '.join(told)}{again}"
 
 
 def _legend(answers: Answers) -> list[str]:
