@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
+from textwrap import shorten
 from typing import TYPE_CHECKING
 
 from rockpulse.failures import NO_RECORD, Failure, alike, last_part, some, told
 from rockpulse.remark import PLAIN
 from rockpulse.views.shared.files_used import failure_rows
-from rockpulse.views.shared.terminal import paragraph
+from rockpulse.views.shared.terminal import WIDTH, paragraph
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -24,6 +25,9 @@ FEW = 3
 _TOLD_ONCE = frozenset({"failed", "skipped"})
 #: Words of a warning without a code, numbers aside, by which it is known for one of a kind.
 _TELLING_WORDS = 4
+
+#: The variables that hold warnings, by what bears them.
+_WARNED = {"records": "warnings", "bodies": "block_warnings"}
 
 _KINDS = {
     "failed": "failed",
@@ -71,19 +75,22 @@ def left_out(tree: xr.DataTree, brief: bool = False) -> str:
 
 
 def left_out_in_short(tree: xr.DataTree) -> str:
-    """How much was left out, of each kind, and how much bears warnings; what failed by its reasons."""
+    """How much was left out, of each kind, and what failed by its reasons; a line for a few kinds of warnings."""
     found, beside = _apart(by_kind(tree))
     summary = tree["summary"].to_dataset()
     counts = [f"{_KINDS.get(kind, kind)}: {len(rows)}" for kind, rows in found.items()]
-    for what, name in (("records", "warnings"), ("bodies", "block_warnings")):
-        warned = sum(bool(text) for text in summary[name].values)
-        counts += [f"{what} with warnings: {warned}"] if warned else []
+    warned = {what: sum(map(bool, summary[name].values)) for what, name in _WARNED.items()}
+    counts += [f"{what} with warnings: {count}" for what, count in warned.items() if count]
     lines = [paragraph("; ".join(counts), "  ", "")] if counts else []
     failed = alike(found.get("failed", ()))
     lines += [paragraph(told(group), "      ", "  ") for group in failed[:LISTED]]
     if len(failed) > LISTED:
         lines.append(f"  and {sum(map(len, failed[LISTED:]))} more (rockpulse inspect RESULTS --failures shows them)")
-    return "\n".join([*lines, _beside(beside)] if beside else lines)
+    lines += [_beside(beside)] if beside else []
+    kinds = _by_kind_of_warning(summary)
+    for record, warning, like in kinds[:FEW]:
+        lines.append(f"  {shorten(f'{record}: {warning}', WIDTH - 2 - len(like), placeholder=' ...')}{like}")
+    return "\n".join([*lines, *([f"  and {len(kinds) - FEW} more kinds of warnings"] if len(kinds) > FEW else [])])
 
 
 def unused(sentence: str) -> str:
@@ -159,6 +166,16 @@ def _grouped(rows: Sequence[Failure]) -> dict[str, list[Failure]]:
 
 def _warnings(summary: xr.Dataset) -> list[str]:
     """The warnings of the records: one of each kind, and on how many records there is one like it."""
+    kinds = _by_kind_of_warning(summary)
+    if not kinds:
+        return []
+    warned = sum(bool(text) for text in summary["warnings"].values)
+    lines = [f"records with warnings: {warned} (rockpulse inspect RESULTS --record ID shows all of them)"]
+    return lines + [paragraph(f"{warning}{like}", "      ", f"  {record}: ") for record, warning, like in kinds]
+
+
+def _by_kind_of_warning(summary: xr.Dataset) -> list[tuple[str, str, str]]:
+    """Of each kind of warning a record that bears it, the warning, and how many more records bear one like it."""
     alike: dict[str, list[tuple[str, str]]] = {}
     names = ("record", "warnings", "warning_codes")
     for record, text, codes in zip(*(summary[name].values for name in names), strict=True):
@@ -166,15 +183,10 @@ def _warnings(summary: xr.Dataset) -> list[str]:
         kinds = {_kind(warning, code): warning for warning, code in warnings}
         for kind, warning in kinds.items():
             alike.setdefault(kind, []).append((str(record), warning))
-    if not alike:
-        return []
-    warned = sum(bool(text) for text in summary["warnings"].values)
-    lines = [f"records with warnings: {warned} (rockpulse inspect RESULTS --record ID shows all of them)"]
-    for entries in sorted(alike.values(), key=len, reverse=True):
-        record, warning = entries[0]
-        like = "" if len(entries) == 1 else f", and {len(entries) - 1} more like it"
-        lines.append(paragraph(f"{warning}{like}", "      ", f"  {record}: "))
-    return lines
+    return [
+        (*entries[0], "" if len(entries) == 1 else f", and {len(entries) - 1} more like it")
+        for entries in sorted(alike.values(), key=len, reverse=True)
+    ]
 
 
 def _kind(warning: str, code: str) -> str:

@@ -203,7 +203,7 @@ def _under(answers: Answers, found: Sequence[BodyVerdict]) -> str:
     """The motions that the verdicts rest on: as they are, or brought to the demands of the site."""
     motions = answers.motions
     if motions.kind == "sequence" or not answers.demands:
-        return counted(motions) + ("" if motions.kind == "sequence" else " as they are")
+        return counted(motions) + ("" if motions.kind == "sequence" else ", as recorded")
     told = []
     for place, (name, demand) in enumerate(answers.demands.items()):
         every = [one.demands[place] for one in found]
@@ -281,7 +281,8 @@ def worst_motions(answers: Answers, most: int) -> str:
     ]
     headings = ("", "PGA [g]", "PGV [m/s]", "worst for", *(["P"] if answers.probable else []), TITLES[answers.factor])
     which = f"The {len(rows)} worst of {len(motions.names)}" if len(rows) < len(motions.names) else "All"
-    title = f"{which} {noun(motions)}s as they are:".replace("pair of channelss", "pairs of channels")
+    what = {"record": "records", "pair": "pairs of channels", "sequence": "sequences"}[motions.kind]
+    title = f"{which} {what}, as recorded:"
     table = Table("", "", tuple(map(Heading, (*headings, "overturn"))), tuple(rows))
     return "\n".join([title, *lines(table)])
 
