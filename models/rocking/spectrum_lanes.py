@@ -104,7 +104,7 @@ def neighbours(p: np.ndarray) -> np.ndarray:
     Examples
     --------
     >>> (neighbours(np.array([2.0])) / 2.0).round(2).tolist()
-    [0.92, 1.03]
+    [0.94, 1.06]
     """
     above = np.clip(np.searchsorted(RATES, p), 1, RATES.size - 1)
     return np.asarray(RATES[np.unique([above - 1, above])])

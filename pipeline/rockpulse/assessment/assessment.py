@@ -75,8 +75,8 @@ def assess(
     >>> t = np.arange(0.0, 4.0, 0.01)
     >>> record = rp.Record(3.0 * np.sin(2.0 * np.pi * t), dt=0.01, id="sine", processed=True)
     >>> tree = rp.assess([record], blocks={"pier": rp.models.Block(half_width=0.5, half_height=1.9365)})
-    >>> tree["summary"].sizes["model"]
-    5
+    >>> tree["summary"]["model"].values.tolist()
+    ['sequence', 'nonlinear']
     """
     return run(Assessment(config or Config(), blocks), records, failures, progress)
 

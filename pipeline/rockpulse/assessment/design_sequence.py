@@ -71,7 +71,7 @@ def assess_sequence(
     >>> sequence = rp.models.ImpulseSequence(0.5, 0.1, interval=0.1, duration=10.0, main_count=3)
     >>> tree = rp.assess_sequence(sequence, blocks={"pier": rp.models.Block(half_width=0.5, half_height=1.9365)})
     >>> tree["summary"]["model"].values.tolist()
-    ['resonance', 'sequence']
+    ['sequence']
     """
     asked_for = config or Config()
     bodies = gather_bodies(asked_for.blocks if blocks is None else blocks)

@@ -62,9 +62,10 @@ def fragility_curves(
 
     Notes
     -----
-    With ``data = "ida"`` capacity is the first factor that reaches the limit state, and the curve the probability of
-    reaching it at or below a level. Rotation need not grow with the factor, so it lies above the probability at the
-    level, which ``data = "stripes"`` gives (docs/decisions/015).
+    With ``data = "stripes"`` every record is scaled to each level, within ``[fragility] factors``, and the curve is the
+    probability of reaching the limit state at a level. With ``data = "ida"`` capacity is the first factor that reaches
+    it, and the curve the probability of reaching it at or below a level. Rotation need not grow with the factor, so the
+    latter lies above the former (docs/decisions/015).
 
     Examples
     --------
@@ -73,7 +74,7 @@ def fragility_curves(
     >>> record = rp.Record(3.0 * np.sin(2.0 * np.pi * t), dt=0.01, id="sine", processed=True)
     >>> tree = rp.fragility_curves([record], blocks={"pier": rp.models.Block(half_width=0.5, half_height=1.9365)})
     >>> str(tree["fragility"]["statement"].sel(block="pier", limit_state="overturning", measure="pga").values)
-    'no curve: one record only, 4.21 reached; a dispersion needs several'
+    'no curve: one record only, 1.04 to 5.81 reached; a dispersion needs several'
     """
     return run(FragilityAnalysis(config or Config(), blocks), records, failures, progress)
 
