@@ -240,7 +240,7 @@ def test_a_list_of_restitutions_for_one_body_of_two_leaves_the_other_single(samp
     assert main(["assess", "--sequence", str(target), "--config", str(config), "-o", str(design)]) == 0
     out = capsys.readouterr().out
     # Under the sequence, and with the verdict.
-    assert len(re.findall(r"^  wall +", out, re.M)) == 2
+    assert len(re.findall(r"^  wall +(?:0\.981|stays|rocks|may|overturns|not known) ", out, re.M)) == 2
     assert len(re.findall(r"^  pier(?: +|, C = )0\.(?:850|900) ", out, re.M)) == 4
 
 
