@@ -86,13 +86,9 @@ def body_changes(
     names = [name for name in MARGIN if name in one and name in other and not {name, f"/summary/{name}"} & set(ignore)]
     sides = []
     for dataset, side in ((one, "first"), (other, "second")):
-        beside = {
-            "outcome",
-            "pga",
-            "event",
-            "restitution",
-            *(["demand_acceleration"] if "capacity_ratio" in names else []),
-        }
+        beside = {"outcome", "pga", "event", "restitution"}
+        if "capacity_ratio" in names:
+            beside |= {str(name) for name in dataset.variables if str(name).startswith("demand_")}
         whole = dataset[sorted({*names, *beside})]
         part = whole.isel(model=[whole["model"].values.tolist().index(model)]).load()
         sides.append(_told(part.isel(record=getattr(records, side), block=getattr(blocks, side)), names))
@@ -118,6 +114,10 @@ def _told(summary: xr.Dataset, names: list[str]) -> dict[str, list[str]]:
         margins = answers.margins("block")
         told[f"smallest {TITLES[answers.factor]}"] = [margin_cells(margin)[0].marked for margin in margins]
     for demand in answers.demands:
+        if answers.probable and "demand_probability" in summary:
+            left_out = np.isnan(answers.at_demand(demand))
+            at = [share.value for share in answers.motions.shares(answers.at_demand(demand), left_out)]
+            told[f"P at {demand}"] = [ratio(value) for value in answers.by_block(np.fmax, np.array([at]))[0]]
         margins = answers.margins("block", demand)
         told[f"smallest capacity/demand {demand}"] = [margin_cells(margin)[0].marked for margin in margins]
     if "outcome" in names:

@@ -126,3 +126,26 @@ def test_a_changed_probability_and_factor_of_ten_percent_are_told_of_every_body(
     (crossed,) = found.sides[FACTOR].named
     assert crossed.place == (RECORDS[0], "column")
     assert "Factors of 10 % that crossed 1" in " ".join(text.split())
+
+
+def test_the_probability_at_a_demand_is_told_and_its_factor_is_that_of_the_file():
+    """A factor to the demand that no PGA tells, as of a demand in PGV."""
+
+    def made(at_slv):
+        found = demanded(BEFORE)
+        summary = found["summary"].to_dataset()
+        summary["safety_factor"][:] = np.nan
+        tables = {name: np.full((3, 3), 0.01) for name in ("overturning_probability", "factor_10", "factor_10_low")}
+        tables["factor_10"][:], tables["factor_10_low"][:] = 1.5, 1.4
+        at = np.full((3, 3, 2), 0.02)
+        at[:, 1, 1] = at_slv
+        asked = {"demand_probability": at, "demand_factor": np.full((3, 3, 2), 3.0)}
+        variables = {k: (("record", "block"), v) for k, v in tables.items()}
+        variables |= {k: (("record", "block", "demand"), v) for k, v in asked.items()}
+        found["summary"] = xr.DataTree(summary.assign(variables))
+        return found
+
+    found, _ = compare(made(0.1), made(0.4))
+    (line,) = found.bodies
+    assert "P at SLV 0.10 -> 0.40" in line
+    assert "smallest capacity/demand SLV 0.50" in line
