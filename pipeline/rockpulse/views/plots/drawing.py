@@ -37,6 +37,9 @@ if TYPE_CHECKING:
 
 __all__ = ["DRAWERS"]
 
+#: Most records whose spectra are marched again for a picture, some seconds in all.
+MARCHED = 12
+
 
 def _figure(ax: Axes) -> Figure:
     figure = ax.get_figure(root=True)
@@ -120,8 +123,7 @@ def _spectrum(tree: xr.DataTree, record: str | None = None, restitution: float |
     # A factor that differs from body to body moves no spectrum as a whole.
     shared = [factors_to_demands(summary, own["record"].values.tolist(), name, np.inf) for name in names]
     needed = {name: one for name, one in shared[0].items() if all(np.array_equal(one, other[name]) for other in shared)}
-    if spectra.sizes["record"] == 1:
-        spectra = _whole(tree, spectra, c)
+    spectra = _whole(tree, spectra, c)
     return _figure(
         overturning_spectra(
             spectra,
@@ -137,17 +139,22 @@ def _spectrum(tree: xr.DataTree, record: str | None = None, restitution: float |
 
 
 def _whole(tree: xr.DataTree, spectra: xr.Dataset, restitution: float) -> xr.Dataset:
-    """The spectrum of one record at the stored C nearest to one: as stored, or marched again where it has gaps."""
-    (record,) = (str(name) for name in spectra["record"].values)
-    grid = spectra["restitution"].values
+    """Spectra at the stored C nearest to one: as stored, or of a few records marched again where they have gaps."""
+    import xarray as xr
+
+    records, grid = [str(name) for name in spectra["record"].values], spectra["restitution"].values
     nearest = float(grid[np.argmin(np.abs(grid - restitution))])
-    stored = np.isfinite(spectra["spectrum"].sel(restitution=nearest).values)
-    if stored.all() or not stored.any() or ragged(tree, "row_size", ["acceleration"], record) is None:
+    there = np.isfinite(spectra["spectrum"].sel(restitution=nearest).transpose("record", "p").values)
+    samples = [ragged(tree, "row_size", ["acceleration"], record) for record in records]
+    if there.all() or not there.any() or len(records) > MARCHED or None in samples:
         return spectra
     stated = {name: setting(tree, "uncertainty", name, value) for name, value in dict(**UncertaintySettings()).items()}
     uncertainty = UncertaintySettings(**stated).of_draws()
-    found = overturning_spectrum(stored_record(tree, record), restitution=[nearest], uncertainty=uncertainty)
-    return found.expand_dims(record=[record])
+    whole = [
+        overturning_spectrum(stored_record(tree, record), restitution=[nearest], uncertainty=uncertainty)
+        for record in records
+    ]
+    return xr.concat(whole, xr.Variable("record", records), combine_attrs="drop_conflicts")
 
 
 def _overturning_map(

@@ -69,6 +69,8 @@ def test_the_spectrum_of_a_record_is_whole_though_it_is_stored_next_to_the_bodie
     curve = next(line for line in ax.lines if line.get_label() == "spectrum of the record")
     expected = rp.overturning_spectrum(stored_record(tree, name), restitution=[0.9])
     assert curve.get_ydata() == pytest.approx(expected["spectrum"].values[:, 0])
+    (both,) = draw(tree, "spectrum", restitution=0.9).axes
+    assert any(line.get_ydata() == pytest.approx(expected["spectrum"].values[:, 0]) for line in both.lines)
 
 
 def test_the_spectrum_is_that_of_the_record_with_the_bodies(assessed, changed):
