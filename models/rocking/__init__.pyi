@@ -26,6 +26,9 @@ from .response import HalfCycles as HalfCycles
 from .response import Outcome as Outcome
 from .response import Reason as Reason
 from .response import Response as Response
+from .restraint import Load as Load
+from .restraint import Thrust as Thrust
+from .restraint import Tie as Tie
 from .scale_search import ScaleIntervals as ScaleIntervals
 from .scale_search import exceedance_intervals as exceedance_intervals
 from .sequence import ImpulseSequence as ImpulseSequence

@@ -2,51 +2,42 @@
 
 .. note:: A rectangle of half-width b and half-height a turns about its lower corners; R is the half-diagonal, alpha_c
    the angle between R and the vertical, and p = sqrt(3 g/(4 R)) the frequency parameter. A body that is no rectangle
-   has p = sqrt(M g R/I_0), with R from the corner to the centre of mass.
+   has p = sqrt(M g R/I_0), with R from the corner to the centre of mass. A body without symmetry has an alpha, a p and
+   a restitution for each of its corners; one that leans on a wall turns about one of them only.
 """
 
 from __future__ import annotations
 
 import logging
-from collections.abc import Callable, Sequence
+import math
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 
-from rocking.arguments import positive, together
+from rocking.arguments import numbers, positive, together
+from rocking.block_lanes import SLENDERNESS_RANGE, BlockLanes
 from rocking.block_limits import (
+    check_restraints,
     most_restitution,
     radius_of_rectangle,
-    restitution_of,
-    restitution_remark,
-    size_remark,
+    remarks_on,
+    restitutions_of,
 )
+from rocking.corners import Corner, both_corners
+from rocking.restraint import Load, Restraints, Thrust, Tie, carried
 
 __all__ = ["SLENDERNESS_RANGE", "STANDARD_GRAVITY", "Block"]
 
 STANDARD_GRAVITY = 9.80665
 
-#: The linear, resonance and sequence models are stated for slenderness of at least this (section 3).
-SLENDERNESS_RANGE = 3.0
-
-LANE_FIELDS = (
-    "half_width",
-    "half_height",
-    "restitution",
-    "alpha_c",
-    "p",
-    "radius",
-    "slenderness",
-    "critical_impulse",
-)
-
 logger = logging.getLogger("rockpulse")
 
 
 @dataclass(frozen=True, eq=False, init=False)
-class Block:
-    """A free-standing rigid block, or an array of them, by its half sizes or by its full ones.
+class Block(BlockLanes):
+    """A rigid block, or an array of them, by its half sizes or by its full ones.
 
     The fields broadcast to one shape (m,), or () for a single block.
 
@@ -65,15 +56,29 @@ class Block:
         1 - 1.5 sin^2(alpha_c), the bound of angular-momentum conservation (Housner's own r is its square).
     gravity : float
         Acceleration of gravity at the block [m/s2].
+    offset, lean : float or (m,) array_like
+        Distance of the centre of mass from the middle of the base, positive towards the right-hand corner [m]; tilt of
+        the body on a base that is cut horizontal, positive to the same side [rad].
+    one_sided : bool
+        Whether the body leans on a wall and turns towards theta > 0 only, away from it.
+    rebound : "sorrentino", float or (m,) array_like, optional
+        Of a one-sided body, in place of the restitution: e = -theta'(after)/theta'(before) of a return to the wall [-].
+        "sorrentino", which stands for :func:`rocking.corners.sorrentino`, without.
+    ties, loads, thrusts : sequence of Tie, Load, Thrust
+        What holds and pushes the body beside its weight, the same for all lanes.
+    mass : float or (m,) array_like, optional
+        Of the body [kg], needed with ties, loads or thrusts; or `density` [kg/m3] and `length` [m], along the base and
+        across the plane of rocking.
     log : bool
         Whether the warnings are logged too, by the logger "rockpulse".
 
     Attributes
     ----------
     alpha_c : float or (m,) ndarray
-        Angle of the diagonal with the vertical, the rotation of unstable equilibrium [rad].
+        Angle between the vertical and the line from the right-hand corner, that of theta > 0, to the centre of mass:
+        the rotation of unstable equilibrium [rad].
     p : float or (m,) ndarray
-        Frequency parameter [1/s].
+        Frequency parameter about that corner [1/s].
     radius : float or (m,) ndarray
         R, from the corner to the centre of mass [m]: half the diagonal of a rectangle; for a body given by p and alpha
         the radius that was given with them, else that of the rectangle with the same p.
@@ -81,6 +86,15 @@ class Block:
         a/b = 1/tan(alpha_c) [-].
     critical_impulse : float or (m,) ndarray
         I_1c = g alpha_c/(p cos alpha_c), the impulse that overturns the resting block at once (Eq. 9 with i = 1) [m/s].
+    alpha_2, p_2, radius_2, restitution_2 : float or (m,) ndarray
+        The same for the left-hand corner, that of theta < 0; for a symmetric body as for the other one. C is that of
+        the impact which ends the rotation about its corner, and e for a one-sided body.
+    side : int or (m,) ndarray
+        1 for a body that turns towards theta > 0 only, -1 for its mirror image, 0 for one that turns both ways.
+    mass : float or (m,) ndarray
+        With the loads that it carries along [kg]; NaN where it was not given.
+    restraints : Restraints, (m,) ndarray of them, or None
+        What acts on it beside its weight.
     warnings : tuple of str
         Remarks for the user: a restitution above what angular momentum allows, a slenderness below the paper's range, a
         size that is doubted (larger than 30 m, less than 5 cm high or 1 mm wide, wider than high).
@@ -90,7 +104,8 @@ class Block:
     ValueError
         For sizes or gravity that are not positive and finite, for one size alone or a half size beside a full one, a
         restitution outside [0, 1], or "housner" for a block so squat that the formula turns negative (slenderness below
-        0.707).
+        0.707); for a centre of mass that is not above the base, a rebound without `one_sided` or a restitution with it,
+        ties, loads or thrusts without a mass, above the body or so strong that they turn it over at rest.
 
     References
     ----------
@@ -120,6 +135,13 @@ class Block:
     radius: Any = field(init=False)
     slenderness: Any = field(init=False)
     critical_impulse: Any = field(init=False)
+    alpha_2: Any = field(init=False)
+    p_2: Any = field(init=False)
+    radius_2: Any = field(init=False)
+    restitution_2: Any = field(init=False)
+    side: Any = field(init=False)
+    mass: Any = field(init=False)
+    restraints: Any = field(init=False)
     warnings: tuple[str, ...] = field(init=False)
 
     def __init__(
@@ -131,6 +153,16 @@ class Block:
         *,
         width: Any = None,
         height: Any = None,
+        offset: Any = 0.0,
+        lean: Any = 0.0,
+        one_sided: bool = False,
+        rebound: Any = None,
+        ties: Sequence[Tie] = (),
+        loads: Sequence[Load] = (),
+        thrusts: Sequence[Thrust] = (),
+        mass: Any = None,
+        density: Any = None,
+        length: Any = None,
         log: bool = True,
     ) -> None:
         sizes = {"half_width": half_width, "half_height": half_height, "width": width, "height": height}
@@ -141,16 +173,26 @@ class Block:
         base, rise = together(**given)
         if "width" in given:
             base, rise = base / 2.0, rise / 2.0
+        if (density is None) != (length is None) or (density is not None and mass is not None):
+            raise ValueError("mass: expected mass in kg, or density in kg/m3 and length in m")
+        if density is not None:
+            mass = 4.0 * base * rise * positive("density", density, "kg/m3") * positive("length", length, "m")
+        options = {"offset": numbers("offset", offset, "a distance in m"), "lean": numbers("lean", lean, "an angle")}
+        shift = options["offset"] + rise * np.sin(options["lean"])
         gravity = float(positive("gravity", gravity, "m/s2", lanes=False))
         radius = np.hypot(base, rise)
+        if not np.any(shift) and not carried(loads)[0]:
+            p = np.sqrt(3.0 * gravity / (4.0 * radius))
+            alpha = np.arctan2(base, rise)
+            first = Corner(radius, alpha, p, most_restitution(p, alpha, None, gravity))
+            second, shape = first, "rectangle"
+        else:
+            body = base - shift, base + shift, rise * np.cos(options["lean"]), radius / math.sqrt(3.0)
+            first, second, mass = both_corners(*body, mass, loads, gravity)
+            shape = "general"
+        acting = Restraints(tuple(ties), tuple(carried(loads)[1]), tuple(thrusts))
         self._finish(
-            half_width=base,
-            half_height=rise,
-            restitution=restitution,
-            gravity=gravity,
-            alpha_c=np.arctan2(base, rise),
-            p=np.sqrt(3.0 * gravity / (4.0 * radius)),
-            log=log,
+            (base, rise), first, second, restitution, gravity, shape, (one_sided, rebound), (acting, mass), log
         )
 
     @classmethod
@@ -162,9 +204,11 @@ class Block:
         gravity: float = STANDARD_GRAVITY,
         *,
         radius: Any = None,
+        one_sided: bool = False,
+        rebound: Any = None,
         log: bool = True,
     ) -> Block:
-        """A body that is no rectangle, by its frequency parameter and critical angle.
+        """A symmetric body that is no rectangle, by its frequency parameter and critical angle.
 
         Parameters
         ----------
@@ -181,6 +225,8 @@ class Block:
         radius : float or (m,) array_like, optional
             R, the distance from the corner to the centre of mass [m]. It changes no motion, which depends on p, alpha
             and C: it tells which restitution the body can have.
+        one_sided, rebound
+            As for :class:`Block`; the rebound is a number.
         log : bool
             Whether the warnings are logged too, by the logger "rockpulse".
 
@@ -214,100 +260,134 @@ class Block:
             raise ValueError(
                 f"alpha: expected an angle below pi/2 rad, got {alpha!r}; it is given in radians, not degrees"
             )
-        block = object.__new__(cls)
-        unknown = np.full(p_.shape, np.nan)
-        block._finish(
-            half_width=unknown,
-            half_height=unknown,
-            restitution=restitution,
-            gravity=float(positive("gravity", gravity, "m/s2", lanes=False)),
-            alpha_c=alpha_,
-            p=p_,
-            radius=own[0] if own else None,
-            log=log,
-        )
+        weight = float(positive("gravity", gravity, "m/s2", lanes=False))
+        most = most_restitution(p_, alpha_, own[0] if own else None, weight)
+        first = Corner(own[0] if own else radius_of_rectangle(p_, weight), alpha_, p_, most)
+        block, unknown = object.__new__(cls), np.full(p_.shape, np.nan)
+        half, shape, wall = (unknown, unknown), "own" if own else "unknown", (one_sided, rebound)
+        block._finish(half, first, first, restitution, weight, shape, wall, (Restraints(), None), log)
         return block
 
-    def lane(self, index: int) -> Block:
-        """One lane of an array of blocks as a block of its own."""
-        return self._with(lambda values: values[index].item())
-
-    def lanes(self, count: int) -> Block:
-        """A block of shape (count,): a single block repeated, or itself where it has that shape already."""
-        return self._with(lambda values: np.broadcast_to(values, (count,)))
-
-    def chosen(self, places: Any) -> Block:
-        """Some lanes of an array of blocks: by their places, a mask or a slice."""
-        return self._with(lambda values: np.ascontiguousarray(values[places]))
-
     @classmethod
-    def stack(cls, blocks: Sequence[Block]) -> Block:
-        """Several blocks in the same gravity as the lanes of one, in their order.
+    def fromboth_corners(
+        cls,
+        b_1: Any,
+        b_2: Any,
+        height: Any,
+        gyration: Any,
+        restitution: Any = "housner",
+        gravity: float = STANDARD_GRAVITY,
+        *,
+        one_sided: bool = False,
+        rebound: Any = None,
+        ties: Sequence[Tie] = (),
+        loads: Sequence[Load] = (),
+        thrusts: Sequence[Thrust] = (),
+        mass: Any = None,
+        log: bool = True,
+    ) -> Block:
+        """A body without symmetry, by its corners and its centre of mass.
+
+        Parameters
+        ----------
+        b_1, b_2 : float or (m,) array_like
+            Horizontal distances of the right-hand and of the left-hand corner from the centre of mass [m].
+        height : float or (m,) array_like
+            Of the centre of mass above the corners [m].
+        gyration : float or (m,) array_like
+            Radius of gyration about the centre of mass, sqrt(I_G/M) [m].
+        restitution : "housner", float or (m,) array_like
+            C of both impacts; "housner" stands for what conservation of angular momentum allows each,
+            (rho^2 + h^2 - b_1 b_2)/(rho^2 + R^2), R that of the corner that is met.
+        gravity : float
+            Acceleration of gravity [m/s2].
+        one_sided, rebound, ties, loads, thrusts, mass, log
+            As for :class:`Block`; the rebound is a number.
+
+        Returns
+        -------
+        Block
+            With the base as `width`; `height` and `half_height` are NaN.
 
         Raises
         ------
         ValueError
-            Without any block, or in different gravity.
-        """
-        gravities = {block.gravity for block in blocks}
-        if len(gravities) != 1:
-            raise ValueError(f"blocks: expected one gravity for all blocks of a stack, found {sorted(gravities)}")
-        stacked = object.__new__(cls)
-        object.__setattr__(stacked, "gravity", gravities.pop())
-        object.__setattr__(stacked, "warnings", tuple(dict.fromkeys(w for block in blocks for w in block.warnings)))
-        for name in LANE_FIELDS:
-            object.__setattr__(stacked, name, np.concatenate([np.atleast_1d(getattr(block, name)) for block in blocks]))
-        return stacked
+            As for :class:`Block`.
 
-    def _with(self, choose: Callable[[np.ndarray], Any]) -> Block:
-        other = object.__new__(type(self))
-        object.__setattr__(other, "gravity", self.gravity)
-        object.__setattr__(other, "warnings", self.warnings)
-        for name in LANE_FIELDS:
-            object.__setattr__(other, name, choose(np.asarray(getattr(self, name))))
-        return other
+        Examples
+        --------
+        A rectangle of 0.5 x 2 m comes back:
+
+        >>> block = Block.fromboth_corners(0.25, 0.25, 1.0, np.hypot(0.25, 1.0) / np.sqrt(3.0))
+        >>> rectangle = Block(width=0.5, height=2.0)
+        >>> round(block.p - rectangle.p, 12), round(block.restitution_2 - rectangle.restitution, 12)
+        (0.0, 0.0)
+        """
+        sizes = {"b_1": b_1, "b_2": b_2, "height": height, "gyration": gyration}
+        near, far, rise, rho = together(**{name: positive(name, value, "m") for name, value in sizes.items()})
+        weight = float(positive("gravity", gravity, "m/s2", lanes=False))
+        first, second, mass = both_corners(near, far, rise, rho, mass, loads, weight)
+        acting = Restraints(tuple(ties), tuple(carried(loads)[1]), tuple(thrusts))
+        block = object.__new__(cls)
+        half = 0.5 * (near + far), np.full(near.shape, np.nan)
+        block._finish(half, first, second, restitution, weight, "general", (one_sided, rebound), (acting, mass), log)
+        return block
 
     def _finish(
         self,
-        *,
-        half_width: np.ndarray,
-        half_height: np.ndarray,
+        half: tuple[np.ndarray, np.ndarray],
+        first: Corner,
+        second: Corner,
         restitution: Any,
         gravity: float,
-        alpha_c: np.ndarray,
-        p: np.ndarray,
-        radius: np.ndarray | None = None,
+        shape: str,
+        wall: tuple[bool, Any],
+        held: tuple[Restraints, Any],
         log: bool,
     ) -> None:
-        most = most_restitution(p, alpha_c, radius, gravity)
-        ratios = restitution_of(restitution, most, own=radius is not None)
+        """Take half sizes, corners, (one_sided, rebound) and (restraints, mass).
+
+        The `shape` is "rectangle", "general", "own" (by p, alpha and radius) or "unknown".
+        """
+        ratios = restitutions_of(restitution, (first.most, second.most), wall, first.alpha, shape)
+        restraints, mass = held
+        alone = {"size": first.alpha, "restitution": ratios[0]}
+        known = np.asarray(np.nan) if mass is None else positive("mass", mass, "kg")
+        lanes = together(**alone, mass=known)[0].shape
         values = {
-            "half_width": half_width,
-            "half_height": half_height,
-            "restitution": ratios,
-            "alpha_c": alpha_c,
-            "p": p,
-            "radius": radius_of_rectangle(p, gravity) if radius is None else radius,
-            "slenderness": 1.0 / np.tan(alpha_c),
-            "critical_impulse": gravity * alpha_c / (p * np.cos(alpha_c)),
+            "half_width": half[0],
+            "half_height": half[1],
+            "restitution": ratios[0],
+            "alpha_c": first.alpha,
+            "p": first.p,
+            "radius": first.radius,
+            "slenderness": 1.0 / np.tan(first.alpha),
+            "critical_impulse": gravity * first.alpha / (first.p * np.cos(first.alpha)),
+            "alpha_2": second.alpha,
+            "p_2": second.p,
+            "radius_2": second.radius,
+            "restitution_2": ratios[1],
+            "side": np.array(1.0 if wall[0] else 0.0),
+            "mass": known,
         }
-        lanes = together(size=alpha_c, restitution=ratios)[0].shape
         for name, value in values.items():
-            value = np.array(np.broadcast_to(value, lanes), dtype=float)
+            value = np.array(np.broadcast_to(value, lanes), dtype=np.int64 if name == "side" else float)
             value.setflags(write=False)
             object.__setattr__(self, name, value.item() if value.ndim == 0 else value)
         object.__setattr__(self, "gravity", gravity)
-        shape = "unknown" if radius is None else "own"
-        sizes = (2.0 * values["radius"] * np.sin(alpha_c), 2.0 * values["radius"] * np.cos(alpha_c))
-        if not np.any(np.isnan(half_width)):
-            shape, sizes = "rectangle", (2.0 * half_width, 2.0 * half_height)
-        remarks = [size_remark(*sizes, shape), restitution_remark(ratios, most, shape)]
+        object.__setattr__(self, "restraints", None)
+        if restraints:
+            check_restraints(restraints, first, second, self)
+            whole = np.empty(lanes, dtype=object)
+            whole[...] = restraints
+            object.__setattr__(self, "restraints", whole if lanes else restraints)
+        remarks = remarks_on(half, (first, second), ratios, shape, one_sided=wall[0])
         if not np.all(self.slender):
             remarks.append(
                 f"slenderness {np.min(values['slenderness']):.3g} is below {SLENDERNESS_RANGE:g}: "
                 "the models with linear motion (resonance, sequence, impulsive, linear) are outside their range"
             )
-        object.__setattr__(self, "warnings", tuple(remark for remark in remarks if remark))
+        object.__setattr__(self, "warnings", tuple(remarks))
         if log:
             for warning in self.warnings:
                 logger.warning("block: %s", warning)
@@ -321,18 +401,3 @@ class Block:
     def height(self) -> Any:
         """Full height [m], 2a; NaN for a body given by p and alpha."""
         return 2.0 * self.half_height
-
-    @property
-    def shape(self) -> tuple[int, ...]:
-        """Shape of the lanes: () for one block, (m,) for several."""
-        return np.shape(self.p)
-
-    @property
-    def slender(self) -> Any:
-        """True where the slenderness is within the range of the models with linear natural motion."""
-        return _slender(self.slenderness)
-
-
-def _slender(slenderness: Any) -> Any:
-    # A block of exactly 3 comes back from its angle as 3 less a bit.
-    return slenderness >= SLENDERNESS_RANGE * (1.0 - 1e-12)

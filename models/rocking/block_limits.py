@@ -13,15 +13,20 @@ from typing import Any
 import numpy as np
 
 from rocking.arguments import numbers
+from rocking.corners import Corner, rebound_of
+from rocking.restraint import Restraints
 
 __all__ = [
     "LARGEST_SIZE",
     "RATES",
+    "check_restraints",
     "doubt_of_size",
     "most_restitution",
     "radius_of_rectangle",
+    "remarks_on",
     "restitution_of",
     "restitution_remark",
+    "restitutions_of",
     "size_remark",
 ]
 
@@ -75,6 +80,65 @@ def restitution_of(given: Any, most: np.ndarray, own: bool) -> np.ndarray:
     return restitution
 
 
+def restitutions_of(
+    given: Any, most: tuple[np.ndarray, np.ndarray], wall: tuple[bool, Any], alpha: np.ndarray, shape: str
+) -> tuple[np.ndarray, np.ndarray]:
+    """The velocity ratios of the impacts on both corners, or the rebound of a body before a wall for both.
+
+    `wall` is whether there is one, and the rebound as it was given.
+    """
+    one_sided, rebound = wall
+    if not isinstance(one_sided, bool | np.bool_):
+        raise ValueError(f"one_sided: expected True or False, got {one_sided!r}")
+    if not one_sided:
+        if rebound is not None:
+            raise ValueError(f"rebound: expected one only with one_sided=True, got {rebound!r}; give a restitution")
+        first, second = (restitution_of(given, one, own=shape == "own") for one in most)
+        return first, second
+    if not (isinstance(given, str) and given == "housner"):
+        raise ValueError(
+            f"restitution: a one-sided body returns to its wall, give a rebound in its place; got {given!r}"
+        )
+    share = rebound_of("sorrentino" if rebound is None else rebound, alpha, shape == "rectangle")
+    return share, share
+
+
+def check_restraints(restraints: Restraints, first: Corner, second: Corner, block: Any) -> None:
+    """Raise ValueError for restraints of a body without mass, above it, beside it or too strong for it at rest."""
+    if np.any(np.isnan(block.mass)):
+        raise ValueError("mass: expected it in kg, or density and length, for a body with ties, loads or thrusts")
+    top = 2.0 * np.min(block.half_height) if not np.any(np.isnan(block.half_height)) else np.inf
+    if restraints.highest > top * (1.0 + 1e-9):
+        raise ValueError(
+            f"ties, loads, thrusts: expected heights up to that of the body, {top:g} m, got {restraints.highest:g} m"
+        )
+    base = np.asarray(first.radius * np.sin(first.alpha) + second.radius * np.sin(second.alpha))
+    leaning = bool(np.all(np.asarray(block.side) == 1))
+    for place, own in enumerate((first,) if leaning else (first, second)):
+        moment = np.array([restraints.constant(float(width))[place, 0] for width in np.ravel(base)])
+        if np.any(moment + np.ravel(block.mass * block.gravity * own.radius * np.sin(own.alpha)) <= 0.0):
+            raise ValueError("loads, thrusts: expected a body that stands at rest, got ones that turn it over")
+
+
+def remarks_on(
+    half: tuple[np.ndarray, np.ndarray],
+    corners: tuple[Corner, Corner],
+    ratios: tuple[np.ndarray, np.ndarray],
+    shape: str,
+    one_sided: bool,
+) -> list[str]:
+    """Remarks on the size of a body with half sizes [m], and on the restitutions of the impacts on its corners."""
+    first = corners[0]
+    across, along = 2.0 * first.radius * np.sin(first.alpha), 2.0 * first.radius * np.cos(first.alpha)
+    if shape in ("rectangle", "general"):
+        across = 2.0 * half[0]
+        along = 2.0 * half[1] if shape == "rectangle" else along
+    remarks = [size_remark(across, along, shape)]
+    if not one_sided:
+        remarks += [restitution_remark(ratio, one.most, shape) for ratio, one in zip(ratios, corners, strict=True)]
+    return list(dict.fromkeys(remark for remark in remarks if remark))
+
+
 def restitution_remark(restitution: np.ndarray, most: np.ndarray, shape: str) -> str:
     """A restitution above what angular momentum allows, for a `shape` "rectangle", "own" (radius) or "unknown"."""
     above = restitution - most
@@ -87,7 +151,10 @@ def restitution_remark(restitution: np.ndarray, most: np.ndarray, shape: str) ->
             f"restitution {given:.4g} is above Housner's {bound:.4g} of a rectangle with this alpha; a body of another "
             "shape has its own bound: give its radius, from the corner to the centre of mass"
         )
-    limit = f"Housner's {bound:.4g}" if shape == "rectangle" else f"{bound:.4g}, the bound for its p, alpha and radius"
+    limit = {
+        "rectangle": f"Housner's {bound:.4g}",
+        "general": f"{bound:.4g}, the bound for its corners and radius of gyration",
+    }.get(shape, f"{bound:.4g}, the bound for its p, alpha and radius")
     return (
         f"restitution {given:.4g} is above {limit}: more energy is kept in an impact than conservation of angular "
         "momentum allows"
@@ -116,6 +183,6 @@ def size_remark(width: np.ndarray, height: np.ndarray, shape: str) -> str:
     """The doubt about the first doubtful size; for another shape that of the rectangle with its R and alpha."""
     for base, rise in zip(np.ravel(width).tolist(), np.ravel(height).tolist(), strict=True):
         if doubt := doubt_of_size(base, rise):
-            subject = "" if shape == "rectangle" else "a rectangle with its R and alpha would be "
+            subject = "" if shape in ("rectangle", "general") else "a rectangle with its R and alpha would be "
             return f"{subject}{base:.4g} m wide and {rise:.4g} m high, {doubt}: check the numbers and their units"
     return ""

@@ -12,6 +12,7 @@ import numpy as np
 
 from rocking.arguments import numbers, read_only, record_samples
 from rocking.block import Block
+from rocking.corner_response import Marched, march_bodies, together_again
 from rocking.demand import Demand
 from rocking.ground import Accelerogram, extremes
 from rocking.recorded_event import LINEAR, NONLINEAR
@@ -208,24 +209,47 @@ def recorded_response(
         )
     if verdict is not None and (verdict.samples, verdict.levels.shape[0]) != (record.size, alpha.size):
         raise ValueError("verdict: expected the demand of this record on these blocks")
+    free = np.broadcast_to(block.free, lanes).reshape(-1)
+    if verdict is not None and not np.all(free):
+        raise ValueError("verdict: expected free-standing symmetric blocks")
+    if gain == "tangent" and not np.all(block.symmetric):
+        raise ValueError("gain: expected 'linear' for bodies with two unlike corners, got 'tangent'")
     gains = np.broadcast_to(own, lanes).reshape(-1) * (alpha / np.tan(alpha) if gain == "tangent" else 1.0)
     levels, above = np.empty((alpha.size, 0)), np.empty((alpha.size, 0), dtype=np.int64)
     if verdict is not None:
         levels, above = verdict.levels * float(block.gravity), verdict.last
     ground = Accelerogram(record, up, extremes(record, up), dt)
     rows = factors.reshape(-1) / float(block.gravity)
-    blocks = Lanes(rows, gains, alpha, p, restitution, rotation, spin, levels, above)
     settled = 0.0 if verdict is None else float(verdict.settled)
     options = Options(EQUATIONS[equation], step, float(last_term), settled)
     shape, drop = (factors.size, alpha.size), (factors.ndim == 0, lanes == ())
-    total = factors.size * alpha.size
-    results, active = empty_results(total, codes=np.int8), np.empty(total, dtype=np.int64)
     samples = record.size if history else 0
-    motion: np.ndarray = np.zeros((total, samples, 2))
 
-    def march(first: int, last: int) -> None:
-        march_lanes(first, last, ground, blocks, options, empty_slots(), results, active, motion)
+    def march_free(some: Any) -> Marched:
+        angle, rate, ratio, theta, speed = (
+            read_only(values[some]) for values in (alpha, p, restitution, rotation, spin)
+        )
+        blocks = Lanes(rows, gains[some], angle, rate, ratio, theta, speed, levels, above)
+        total = rows.size * blocks.alpha.size
+        marched = Marched(empty_results(total, codes=np.int8), np.empty(total, np.int64), np.zeros((total, samples, 2)))
 
-    split_lanes(march, total, threads)
-    response = response_of(results, shape, drop, active_samples=active.reshape(shape))
-    return with_history(response, shape, drop, dt * np.arange(samples), motion) if history else response
+        def march(first: int, last: int) -> None:
+            march_lanes(first, last, ground, blocks, options, empty_slots(), *marched)
+
+        split_lanes(march, total, threads)
+        return marched
+
+    def march_others(some: Any) -> Marched:
+        start = read_only(rotation[some]), read_only(spin[some])
+        chosen = (block if block.shape == (alpha.size,) else block.lanes(alpha.size)).chosen(some)
+        return march_bodies(chosen, ground, rows, gains[some], start, options, samples, threads)
+
+    if np.all(free):
+        marched = march_free(slice(None))
+    else:
+        restrained = np.broadcast_to(block.restrained, lanes).reshape(-1)
+        kinds = ((free, march_free), (~free & ~restrained, march_others), (restrained, march_others))
+        parts = [(np.flatnonzero(kind), kernel) for kind, kernel in kinds if np.any(kind)]
+        marched = together_again([(places, kernel(places)) for places, kernel in parts], shape)
+    response = response_of(marched.results, shape, drop, active_samples=marched.active.reshape(shape))
+    return with_history(response, shape, drop, dt * np.arange(samples), marched.motion) if history else response

@@ -1,0 +1,112 @@
+"""Response to an accelerogram of the bodies that are not free-standing and symmetric: the call of their kernel."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from rocking.arguments import read_only
+from rocking.block import Block
+from rocking.corner_kernel import CornerLanes, corner_slots, march_corners
+from rocking.ground import Accelerogram
+from rocking.recorded_event import LINEAR
+from rocking.recorded_kernel import Options
+from rocking.response import LaneResults, empty_results
+from rocking.restrained import Held
+from rocking.restraint import COLUMNS, Restraints
+from rocking.threads import split_lanes
+
+__all__ = ["Marched", "march_bodies", "together_again"]
+
+
+class Marched(NamedTuple):
+    """What a march has found for (q m,) lanes."""
+
+    results: LaneResults
+    active: np.ndarray  #: samples in which the body moved
+    motion: np.ndarray  #: (q m, n, 2) theta [rad] and theta' [rad/s]; (q m, 0, 2) without a history
+
+
+def march_bodies(
+    block: Block,
+    ground: Accelerogram,
+    factors: np.ndarray,
+    gains: np.ndarray,
+    start: tuple[np.ndarray, np.ndarray],
+    options: Options,
+    samples: int,
+    threads: int | None,
+) -> Marched:
+    """March (m,) bodies, all with restraints or none, under (q,) factors on a record over gravity.
+
+    `gains` (m,) are factors of each body on top, `start` its theta [rad] and theta' [rad/s] at the first sample.
+    `samples` is that of the history, 0 for none.
+
+    A ValueError for restraints with the linear equation, and for a rotation into a wall.
+    """
+    side = np.asarray(block.side, dtype=float)
+    rotation, spin = start
+    into = (side * rotation < 0.0) | ((rotation == 0.0) & (side * spin < 0.0))
+    if np.any(into):
+        raise ValueError(
+            "initial_rotation, initial_velocity: a one-sided body has a wall behind it; expected a rotation away from "
+            f"it, got {rotation[into][0]:g} rad and {spin[into][0]:g} rad/s"
+        )
+    held = None
+    total = factors.size * side.size
+    if block.restraints is not None:
+        if options.equation == LINEAR:
+            raise ValueError("equation: expected 'nonlinear' for a body with ties, loads or thrusts, got 'linear'")
+        held = _held(block, factors.size)
+    alpha, p, restitution = (
+        read_only(np.array([getattr(block, name), getattr(block, other)], dtype=float))
+        for name, other in (("alpha_c", "alpha_2"), ("p", "p_2"), ("restitution", "restitution_2"))
+    )
+    lanes = CornerLanes(factors, gains, alpha, p, restitution, read_only(side), rotation, spin)
+    marched = Marched(empty_results(total, codes=np.int8), np.empty(total, np.int64), np.zeros((total, samples, 2)))
+
+    def march(first: int, last: int) -> None:
+        work = None if held is None else corner_slots()
+        march_corners(first, last, ground, lanes, options, corner_slots(), *marched, held, work)
+
+    split_lanes(march, total, threads)
+    return marched
+
+
+def _held(block: Block, copies: int) -> Held:
+    """What acts on (m,) bodies, for the kernel, and room for the state of `copies` lanes of each."""
+    base = block.radius * np.sin(block.alpha_c) + block.radius_2 * np.sin(block.alpha_2)
+    every: list[Restraints] = [own or Restraints() for own in block.restraints]
+    tables = [own.elements(width) for own, width in zip(every, base.tolist(), strict=True)]
+    most = max(table.shape[0] for table in tables)
+    elements = np.zeros((len(every), max(most, 1), COLUMNS))
+    for place, table in enumerate(tables):
+        elements[place, : table.shape[0]] = table
+    weight = block.mass * block.gravity * np.array([block.radius, block.radius_2])
+    return Held(
+        elements=elements,
+        constant=np.stack([own.constant(width) for own, width in zip(every, base.tolist(), strict=True)]),
+        weight=np.ascontiguousarray(weight.T),
+        mode=np.zeros((copies * len(every), elements.shape[1]), dtype=np.int64),
+        set=np.zeros((copies * len(every), elements.shape[1])),
+    )
+
+
+def together_again(parts: list[tuple[np.ndarray, Marched]], shape: tuple[int, int]) -> Marched:
+    """The march of (q, m) lanes from those of some columns each, whose places are given."""
+    first = parts[0][1]
+    lanes = shape[0] * shape[1]
+    whole = Marched(
+        empty_results(lanes, codes=np.int8), np.empty(lanes, np.int64), np.zeros((lanes, *first.motion.shape[1:]))
+    )
+    for places, part in parts:
+        pairs = [
+            *zip(whole.results, part.results, strict=True),
+            (whole.active, part.active),
+            (whole.motion, part.motion),
+        ]
+        for values, own in pairs:
+            tail = values.shape[1:]
+            values.reshape(*shape, *tail)[:, places] = own.reshape(shape[0], places.size, *tail)
+    return whole
