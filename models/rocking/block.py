@@ -269,7 +269,7 @@ class Block(BlockLanes):
         return block
 
     @classmethod
-    def fromboth_corners(
+    def from_corners(
         cls,
         b_1: Any,
         b_2: Any,
@@ -318,7 +318,7 @@ class Block(BlockLanes):
         --------
         A rectangle of 0.5 x 2 m comes back:
 
-        >>> block = Block.fromboth_corners(0.25, 0.25, 1.0, np.hypot(0.25, 1.0) / np.sqrt(3.0))
+        >>> block = Block.from_corners(0.25, 0.25, 1.0, np.hypot(0.25, 1.0) / np.sqrt(3.0))
         >>> rectangle = Block(width=0.5, height=2.0)
         >>> round(block.p - rectangle.p, 12), round(block.restitution_2 - rectangle.restitution, 12)
         (0.0, 0.0)

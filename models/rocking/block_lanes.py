@@ -114,9 +114,11 @@ class BlockLanes:
         `restitution` is that of the right-hand corner; that of the other one has the same share of its own.
         """
         share = np.divide(restitution, self.restitution, out=np.ones(self.shape), where=self.restitution > 0.0)
+        ratio = np.broadcast_to(np.asarray(restitution, dtype=float), self.shape)
+        alike = self.restitution_2 == self.restitution
         new = {
-            "restitution": np.asarray(restitution, dtype=float),
-            "restitution_2": np.minimum(self.restitution_2 * share, 1.0),
+            "restitution": ratio,
+            "restitution_2": np.where(alike, ratio, np.minimum(self.restitution_2 * share, 1.0)),
         }
         new |= {name: getattr(self, name) * np.exp(-np.asarray(loss)) for name in ("alpha_c", "alpha_2")}
         new["slenderness"] = 1.0 / np.tan(new["alpha_c"])

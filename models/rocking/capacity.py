@@ -10,6 +10,7 @@ import numpy as np
 
 from rocking.arguments import numbers
 from rocking.block import Block
+from rocking.corner_response import rest_levels
 from rocking.impulsive import impulsive_response
 from rocking.recorded import recorded_response
 from rocking.response import Outcome, Response
@@ -166,13 +167,20 @@ def uplift_scale(
 ) -> np.ndarray:
     """Factor on a record above which it lifts each of (m,) blocks, inf where none does.
 
-    The threshold is (g + f a_v) tan(alpha), or g alpha with the linear equation.
+    The threshold is (g + f a_v) tan(alpha), or g alpha with the linear equation, and for a body that something else
+    acts on, g times :func:`rocking.corner_response.rest_levels` beside.
     """
-    threshold = np.asarray(block.alpha_c if equation == "linear" else np.tan(block.alpha_c))
-    strongest = np.full(threshold.shape, np.max(np.abs(acceleration)))
-    if vertical is not None:
-        strongest = np.array([np.max(np.abs(acceleration) - slope * vertical) for slope in threshold])
-    return np.divide(block.gravity * threshold, strongest, out=np.full(threshold.shape, np.inf), where=strongest > 0.0)
+    found = np.full(np.shape(block.p), np.inf)
+    more = rest_levels(block)
+    for side, alpha, extra in ((1, block.alpha_c, more[0]), (-1, block.alpha_2, more[1])):
+        threshold = np.asarray(alpha if equation == "linear" else np.tan(alpha))
+        strongest = np.full(threshold.shape, np.max(-side * acceleration))
+        if vertical is not None:
+            strongest = np.array([np.max(-side * acceleration - slope * vertical) for slope in threshold])
+        lifted = (strongest > 0.0) & (np.asarray(block.side) != -side)
+        level = block.gravity * (threshold + extra)
+        found = np.minimum(found, np.divide(level, strongest, out=np.full(threshold.shape, np.inf), where=lifted))
+    return found
 
 
 def _search(

@@ -17,7 +17,7 @@ from rocking.restrained import Held
 from rocking.restraint import COLUMNS, Restraints
 from rocking.threads import split_lanes
 
-__all__ = ["Marched", "march_bodies", "together_again"]
+__all__ = ["Marched", "march_bodies", "rest_levels", "together_again"]
 
 
 class Marched(NamedTuple):
@@ -110,3 +110,13 @@ def together_again(parts: list[tuple[np.ndarray, Marched]], shape: tuple[int, in
             tail = values.shape[1:]
             values.reshape(*shape, *tail)[:, places] = own.reshape(shape[0], places.size, *tail)
     return whole
+
+
+def rest_levels(block: Block) -> np.ndarray:
+    """What loads and thrusts add to abs(a_g)/g that lifts the resting (m,) bodies, by corner: (2, m)."""
+    found = np.zeros((2, *np.shape(block.p)))
+    if block.restraints is not None:
+        held = _held(block, 1)
+        angle = np.stack([block.alpha_c, block.alpha_2])
+        found[:] = held.constant[:, :, 0].T / (held.weight.T * np.cos(angle))
+    return found

@@ -15,6 +15,7 @@ import numpy as np
 
 from rocking.arguments import numbers
 from rocking.block import Block
+from rocking.capacity import uplift_scale
 from rocking.demand import Demand, ground_demand
 from rocking.impulsive import impulsive_response
 from rocking.recorded import recorded_response
@@ -157,7 +158,7 @@ def choose_response(
 
 
 def within_measured_range(block: Block, dt: float) -> np.ndarray:
-    """True, (m,), for the blocks that lie within :data:`MEASURED_RANGE` on a record sampled at dt [s]."""
+    """True, (m,), for the free blocks that lie within :data:`MEASURED_RANGE` on a record sampled at dt [s]."""
     housner = 1.0 - 1.5 * np.sin(block.alpha_c) ** 2
     measured = {
         "p": block.p,
@@ -166,7 +167,7 @@ def within_measured_range(block: Block, dt: float) -> np.ndarray:
         "p_dt": block.p * dt,
     }
     # Housner's own value may come back as 1 + 1e-16 times itself.
-    return np.all(
+    return np.asarray(block.free) & np.all(
         [
             (values >= low * (1.0 - ROUNDING)) & (values <= high * (1.0 + ROUNDING))
             for values, (low, high) in ((measured[name], MEASURED_RANGE[name]) for name in measured)
@@ -224,6 +225,10 @@ class _Lanes:
         if self.up is not None:
             largest = largest + tangent * max(-float(np.min(self.up)), 0.0)
         self.open = self.factors[:, None] * largest > self.blocks.gravity * tangent * (1.0 - ROUNDING)
+        others = ~np.asarray(self.blocks.free)
+        if np.any(others):
+            lifting = uplift_scale(self.blocks.chosen(others), self.ground, vertical=self.up) * (1.0 - ROUNDING)
+            self.open[:, others] = self.factors[:, None] > lifting
 
     def impulsive(self, demand: Demand, times: np.ndarray, impulses: np.ndarray, tolerance: float | None) -> None:
         """The strongest half-waves as impulses, where the demand is low and they do not overturn the block."""

@@ -133,15 +133,10 @@ class LaneMarch:
         )
         most = np.minimum(self.most[body], MOST_RESTITUTION)[:, np.newaxis]
         least = np.minimum(self.least[body][:, np.newaxis], most)
-        drawn = 0.5 + 0.5 * math.erf(REACH / math.sqrt(2.0)) * place[:, 2]
-        loss = self.uncertainty.geometry * ndtri(drawn)
-        lanes = Block.from_parameters(
-            p=np.repeat(np.asarray(self.block.p)[body], number),
-            alpha=(np.asarray(self.block.alpha_c)[body][:, np.newaxis] * np.exp(-loss)).reshape(-1),
-            restitution=(least + (most - least) * place[:, 1]).reshape(-1),
-            gravity=self.block.gravity,
-            log=False,
-        )
+        chance = 0.5 + 0.5 * math.erf(REACH / math.sqrt(2.0)) * place[:, 2]
+        loss = self.uncertainty.geometry * ndtri(chance)
+        drawn = np.tile(loss, body.size), (least + (most - least) * place[:, 1]).reshape(-1)
+        lanes = self.block.chosen(np.repeat(body, number)).varied(*drawn)
         outcome = self._outcome(lanes, np.exp(log_factor).reshape(-1)).reshape(log_factor.shape)
         unresolved = outcome == Outcome.UNRESOLVED
         over = (outcome == Outcome.OVERTURNS) | unresolved

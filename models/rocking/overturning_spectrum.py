@@ -105,7 +105,7 @@ def covered(
     the (a,) frequency parameters of the spectrum [1/s] and `between` its restitutions. A range of C below a tenth of
     those restitutions (0.03 of 0.675 to 1) holds too few lanes.
     """
-    return slender_within(block, p) & covered_range(least, most, between)
+    return np.asarray(block.free) & slender_within(block, p) & covered_range(least, most, between)
 
 
 def slender_within(block: Block, p: np.ndarray) -> np.ndarray:

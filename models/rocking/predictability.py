@@ -104,5 +104,4 @@ def _restituted(blocks: Block, perturbation: float) -> Block:
     """Every block twice: first with a smaller, then with a larger restitution; all else is the same to the last bit."""
     twice = blocks._with(lambda values: np.tile(values, 2))
     changed = np.concatenate([blocks.restitution * (1.0 - perturbation), blocks.restitution * (1.0 + perturbation)])
-    object.__setattr__(twice, "restitution", np.minimum(changed, 1.0))
-    return twice
+    return twice.varied(0.0, np.minimum(changed, 1.0))

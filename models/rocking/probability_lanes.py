@@ -8,12 +8,10 @@
 
 from __future__ import annotations
 
-import math
 from itertools import count
 
 import numpy as np
 
-from rocking.block import Block
 from rocking.capacity import uplift_scale
 from rocking.demand import ground_demand
 from rocking.lane_march import REACH, BodyLanes, LaneMarch
@@ -61,20 +59,14 @@ def probability_lanes(
         Of each body; None where no draw lifts off by the largest factor.
     """
     block, ground = march.block, march.acceleration
-    weakest = Block.from_parameters(
-        p=block.p,
-        alpha=block.alpha_c * math.exp(-REACH * march.uncertainty.geometry),
-        restitution=0.0,
-        gravity=block.gravity,
-        log=False,
-    )
+    weakest = block.varied(REACH * march.uncertainty.geometry, 0.0)
     bottom = np.log(uplift_scale(weakest, ground, vertical=march.vertical))
     some = np.flatnonzero(bottom < log_max)
     found: list[BodyLanes | None] = [None] * bottom.size
     if some.size == 0:
         return bottom, found
     if guess is None:
-        demand = ground_demand(block, ground, march.dt).build_up
+        demand = ground_demand(block.weaker, ground, march.dt).build_up
         guess = np.divide(BUILD_UP_AT_CAPACITY, demand, out=np.full(demand.shape, np.inf), where=demand > 0.0)
     centre = np.clip(np.log(guess[some]), bottom[some], log_max)
     low = np.maximum(np.minimum(centre - FIRST_HALF, log_max - 2.0 * FIRST_HALF), bottom[some])

@@ -26,6 +26,8 @@ RTOL, ATOL = 5e-14, 1e-17
 STEP, PHASE = 0.05, 0.1
 #: Speeds over p alpha below which hops are ended where the ground cannot lift the body in the next ones.
 CHATTER = 1e-6
+#: Pieces of one motion; a load whose friction holds a body up makes hops without end.
+MOST_PIECES = 20_000
 
 
 class Answer(NamedTuple):
@@ -161,7 +163,7 @@ def reference(block, acceleration, dt, *, equation="nonlinear", vertical=None, r
     peak, impacts, moved, lost = 0.0, 0, not resting, 0.0
     history = np.full(a.size, np.nan)
     history[0] = rotation
-    tail, tops, turns = 0, 0, 0
+    tail, tops, turns, pieces = 0, 0, 0, 0
     k = 0
     while True:
         after = k >= a.size - 1
@@ -194,6 +196,9 @@ def reference(block, acceleration, dt, *, equation="nonlinear", vertical=None, r
             def rate(t, y):
                 return y[1], body.moment(y[0], side, *ground(tau + t)) / inertia  # noqa: B023
 
+            pieces += 1
+            if pieces > MOST_PIECES:
+                raise RuntimeError("more hops than this reference follows")
             length = min(dt - tau, STEP / p)
             acting = [one for one in body.elements if one.acts(side)]
             stiff = sum(one.stiffness * (one.height**2 + max(one.distances) ** 2) for one in acting)
