@@ -135,6 +135,8 @@ class BlockLanes:
         for name in LANE_FIELDS:
             object.__setattr__(other, name, choose(np.asarray(getattr(self, name))))
         held = None if self.restraints is None else choose(np.array(self.restraints, dtype=object))
+        if isinstance(held, np.ndarray) and all(own is None for own in held):
+            held = None
         object.__setattr__(other, "restraints", held)
         return other
 
@@ -154,6 +156,18 @@ class BlockLanes:
     def free(self) -> Any:
         """True for a free-standing symmetric body, which every model knows."""
         return self.symmetric & (np.asarray(self.side) == 0) & ~np.asarray(self.restrained, dtype=bool)
+
+    def known_to(self, model: str) -> Any:
+        """True where a model knows all that a body has, beside being free and symmetric.
+
+        The words for a `model` are "all", "linear" (unlike corners, and a wall), "wall" (that only) and "".
+        """
+        if model == "all":
+            return np.ones(self.shape, dtype=bool)
+        alone = ~np.asarray(self.restrained)
+        if model == "linear":
+            return alone
+        return alone & self.symmetric & ((np.asarray(self.side) == 0) | (model == "wall"))
 
     @property
     def weaker(self) -> Self:

@@ -83,7 +83,8 @@ def _held(block: Block, copies: int) -> Held:
     elements = np.zeros((len(every), max(most, 1), COLUMNS))
     for place, table in enumerate(tables):
         elements[place, : table.shape[0]] = table
-    weight = block.mass * block.gravity * np.array([block.radius, block.radius_2])
+    mass = np.where(np.isnan(block.mass), 1.0, block.mass)  # of a body that nothing acts on
+    weight = mass * block.gravity * np.array([block.radius, block.radius_2])
     return Held(
         elements=elements,
         constant=np.stack([own.constant(width) for own, width in zip(every, base.tolist(), strict=True)]),

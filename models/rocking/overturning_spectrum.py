@@ -98,14 +98,18 @@ def covered(
     most: np.ndarray,
     p: np.ndarray = RATES,
     between: tuple[float, float] = (LEAST_RESTITUTION, 1.0),
+    side: int = 0,
 ) -> np.ndarray:
     """True, (m,), for the blocks that a spectrum stands for, with C between `least` and `most` (m,).
 
-    They are free and symmetric, of a slenderness of at least 3.5, and their p and C lie within those of the lanes, p
-    the (a,) frequency parameters of the spectrum [1/s] and `between` its restitutions. A range of C below a tenth of
-    those restitutions (0.03 of 0.675 to 1) holds too few lanes.
+    They are symmetric and nothing holds them, or they stand before a wall on the `side` of the lanes; of a slenderness
+    of at least 3.5, their p and C within those of the lanes, p the (a,) frequency parameters of the spectrum [1/s] and
+    `between` its restitutions. A range of C below a tenth of those restitutions (0.03 of 0.675 to 1) holds too few
+    lanes.
     """
-    return np.asarray(block.free) & slender_within(block, p) & covered_range(least, most, between)
+    alone = (np.asarray(block.side) == side) & ~np.asarray(block.restrained)
+    alone &= np.asarray(block.symmetric) | (side != 0)
+    return alone & slender_within(block.weaker, p) & covered_range(least, most, between)
 
 
 def slender_within(block: Block, p: np.ndarray) -> np.ndarray:
@@ -185,7 +189,7 @@ class OverturningSpectrum:
 
     def covers(self, block: Block, least: np.ndarray, most: np.ndarray) -> np.ndarray:
         """True, (m,), for the blocks that this spectrum stands for (:func:`covered`)."""
-        return covered(block, least, most, self.p, self.lanes.between)
+        return covered(block, least, most, self.p, self.lanes.between, self.lanes.side)
 
     def factors(
         self, block: Block, least: Any = None, most: Any = None, factor_max: float = np.inf
@@ -249,6 +253,7 @@ class OverturningSpectrum:
 
     def _of_blocks(self, block: Block, least: Any, most: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """P (m, k) of blocks that the spectrum covers, its standard error, and their speeds g tan(alpha)/p (m,)."""
+        block = block.weaker  # the corner that a block before a wall turns about
         nominal = np.asarray(block.restitution, dtype=float)
         least = self.uncertainty.restitution[0] * nominal if least is None else np.asarray(least, dtype=float)
         most = self.uncertainty.restitution[1] * nominal if most is None else np.asarray(most, dtype=float)

@@ -17,7 +17,9 @@ __all__ = [
     "Response",
     "drop_axes",
     "empty_results",
+    "spread",
     "squeezed",
+    "unresolved",
     "with_history",
 ]
 
@@ -46,6 +48,7 @@ class Reason(IntEnum):
     HALF_CYCLE_LIMIT = 3  #: more half-cycles than the model follows
     NO_SEQUENCE = 4  #: the record gave no impulse sequence to answer with
     SHORT_INTERVAL = 5  #: secondary impulses too close for the march; the limit is spacing="continuous"
+    NOT_MODELLED = 6  #: the model does not know what the body has: unlike corners, a wall, ties, loads or thrusts
 
 
 @dataclass(frozen=True, eq=False)
@@ -172,3 +175,43 @@ def with_history(
     axes = tuple(axis for axis, dropped in enumerate(drop) if dropped)
     rotation, velocity = (motion[..., k].reshape(*shape, time.size).squeeze(axes) for k in range(2))
     return replace(response, time=time, rotation=rotation, velocity=velocity)
+
+
+def unresolved(lanes: tuple[int, ...], reason: Reason) -> Response:
+    """The answer of a model that has none for lanes of a shape."""
+    return Response(
+        peak_rotation_ratio=np.full(lanes, np.nan),
+        outcome=np.full(lanes, int(Outcome.UNRESOLVED), dtype=np.int8),
+        reason=np.full(lanes, int(reason), dtype=np.int8),
+        overturning_time=np.full(lanes, np.nan),
+        overturning_half_cycle=np.full(lanes, -1),
+        impacts=np.full(lanes, -1),
+    )
+
+
+def spread(response: Response, known: np.ndarray, reason: Reason) -> Response:
+    """A response of some of (m,) blocks, those that are `known` (m,), as one of all; the others UNRESOLVED."""
+    unknown = {"outcome": int(Outcome.UNRESOLVED), "reason": int(reason), "ground_contact": False, "active_samples": 0}
+
+    def among(values: np.ndarray, fill: Any, axis: int = -1) -> np.ndarray:
+        shape = list(values.shape)
+        shape[axis] = known.size
+        whole = np.full(shape, fill, dtype=values.dtype)
+        np.moveaxis(whole, axis, -1)[..., known] = np.moveaxis(values, axis, -1)
+        return whole
+
+    found: dict[str, Any] = {"time": response.time}
+    for item in fields(Response):
+        value = getattr(response, item.name)
+        if isinstance(value, HalfCycles):
+            parts = {part.name: getattr(value, part.name) for part in fields(HalfCycles)}
+            value = HalfCycles(
+                **{name: among(own, -1 if name == "impulse_count" else np.nan) for name, own in parts.items()}
+            )
+        elif value is not None and item.name in ("rotation", "velocity"):
+            value = among(value, np.nan, axis=-2)
+        elif value is not None and item.name != "time":
+            whole = np.asarray(value)
+            value = among(whole, unknown.get(item.name, np.nan if whole.dtype.kind == "f" else -1))
+        found.setdefault(item.name, value)
+    return Response(**found)

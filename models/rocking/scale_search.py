@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -58,6 +58,19 @@ class ScaleIntervals:
     open: np.ndarray
     step: np.ndarray
     resolved: np.ndarray
+
+    @classmethod
+    def unknown(cls, lanes: tuple[int, ...]) -> ScaleIntervals:
+        """Of lanes of a shape that were not searched: NaN, without an interval."""
+        nan, none, no_flag = np.full(lanes, np.nan), np.empty(0), np.empty(0, dtype=bool)
+        return cls(nan, nan, np.empty(0, dtype=np.int64), none, none, no_flag, nan, no_flag)
+
+    def among(self, known: np.ndarray) -> ScaleIntervals:
+        """These of the lanes that are `known` (m,), as those of all; the others were not searched."""
+        whole = {name: np.full(known.size, np.nan) for name in ("safety_factor", "safe_up_to", "step")}
+        for name, values in whole.items():
+            values[known] = getattr(self, name)
+        return replace(self, lane=np.flatnonzero(known)[self.lane], **whole)
 
     @property
     def count(self) -> np.ndarray:

@@ -68,13 +68,23 @@ def _impact(grow, fall, level, slope, above, below):
     return tau
 
 
+@njit(inline="always")
+def _pushes(ground, wall):
+    """How hard the ground pushes the resting block up; into a wall it does not."""
+    return max(-ground, 0.0) if wall else abs(ground)
+
+
 @njit(cache=True, nogil=True, error_model="numpy")
-def _march(begin, strength, restitution, length, growth, ground, left):
-    """Largest u of one lane that rests before the piece `begin`, inf where it overturns."""
+def _march(begin, strength, restitution, length, growth, ground, left, wall):
+    """Largest u of one lane that rests before the piece `begin`, inf where it overturns.
+
+    With a `wall` behind it, it turns towards theta > 0 only, and its restitution is the rebound e.
+    """
     peak, u, speed, side = 0.0, 0.0, 0.0, 0.0  # side 0: at rest, u = 0
     for j in range(begin, length.shape[0]):
         start, end = strength * ground[j, 0], strength * ground[j, 1]
-        if side == 0.0 and abs(start) <= 1.0 and abs(end) <= 1.0:
+        low, high = _pushes(start, wall), _pushes(end, wall)
+        if side == 0.0 and low <= 1.0 and high <= 1.0:
             if strength * left[j] <= 1.0:
                 break
             continue
@@ -83,15 +93,15 @@ def _march(begin, strength, restitution, length, growth, ground, left):
         for _ in range(MOST_IMPACTS):
             if side == 0.0:
                 wait = 0.0
-                if abs(start) <= 1.0:
-                    if abs(end) <= 1.0:
+                if _pushes(start, wall) <= 1.0:
+                    if high <= 1.0:
                         break
                     wait = (math.copysign(1.0, end) - start) / slope
                     if wait >= remaining:
                         break
                     start, remaining = start + slope * wait, remaining - wait
                     whole = math.exp(remaining)
-                side = -math.copysign(1.0, start)
+                side = 1.0 if wall else -math.copysign(1.0, start)
             level, rate = 1.0 + side * start, side * slope
             grow, fall = 0.5 * (u - level + speed - rate), 0.5 * (u - level - speed + rate)
             last_u = grow * whole + fall / whole + level + rate * remaining
@@ -120,9 +130,9 @@ def _march(begin, strength, restitution, length, growth, ground, left):
             speed = restitution * max(fall / z - grow * z - rate, 0.0)
             if speed - 1.0 > strength * left[j]:
                 return np.inf
-            u, side = 0.0, -side
+            u, side = 0.0, side if wall else -side
             start, remaining = start + slope * tau, remaining - tau
-            margin = 1.0 - max(abs(start), abs(end))
+            margin = 1.0 - max(_pushes(start, wall), high)
             # At rest after hops of 2 u'/margin and less, each shorter by C, that all end within the piece.
             if speed <= SLOWEST or 2.0 * speed < margin * (1.0 - restitution) * remaining:
                 speed, side = 0.0, 0.0
@@ -138,19 +148,19 @@ def _march(begin, strength, restitution, length, growth, ground, left):
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def march_pieces(first, last, place, strength, restitution, length, growth, ground, past, left, peak):
+def march_pieces(first, last, place, strength, restitution, length, growth, ground, past, left, peak, wall):
     """Fill the largest u of lanes `first` to `last`, inf where they overturn.
 
     The lanes (n,) have the `place` of their frequency parameter, the `strength` x/p [s2/m] and C.
 
     `length` and `growth` (a, k) are the lengths of the pieces in tau and their e^tau, `ground` (k, 2) the acceleration
     at both ends of each [m/s2], `past` (k,) the largest of it up to the end of each, `left` (k + 1,) the largest from
-    the begin of each on.
+    the begin of each on. `wall` is True for lanes that turn towards theta > 0 only.
     """
     for lane in range(first, last):
         k = place[lane]
         begin = np.searchsorted(past, 1.0 / strength[lane])  # nothing lifts it before
-        peak[lane] = _march(begin, strength[lane], restitution[lane], length[k], growth[k], ground, left)
+        peak[lane] = _march(begin, strength[lane], restitution[lane], length[k], growth[k], ground, left, wall)
 
 
 @njit(cache=True, nogil=True, error_model="numpy")

@@ -17,7 +17,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -38,6 +38,9 @@ SHORTEST = 1e-12
 
 #: Restitutions that the lanes cover. A block of C = 1 never comes to rest: its lane costs twenty times one of 0.99.
 LEAST_RESTITUTION, MOST_RESTITUTION = 0.675, 0.999
+
+#: Rebounds e that the lanes of blocks before a wall cover.
+REBOUNDS = (0.25, 0.55)
 
 #: Lanes of each p in the first and in the second part.
 FIRST, SECOND = 144, 700
@@ -84,6 +87,9 @@ class SpectrumLanes:
         ln x below which nothing is lifted, and above which everything counts as overturned.
     between : (float, float)
         Restitutions that the lanes stand for [-].
+    side : int
+        1 or -1 for lanes before a wall, that turn towards theta > 0 or theta < 0 only and whose restitution is the
+        rebound e; 0 for free ones.
     """
 
     p: np.ndarray
@@ -94,6 +100,7 @@ class SpectrumLanes:
     bottom: np.ndarray
     top: np.ndarray
     between: tuple[float, float] = (LEAST_RESTITUTION, 1.0)
+    side: int = 0
 
 
 def neighbours(p: np.ndarray) -> np.ndarray:
@@ -110,7 +117,9 @@ def neighbours(p: np.ndarray) -> np.ndarray:
     return np.asarray(RATES[np.unique([above - 1, above])])
 
 
-def spectrum_lanes(acceleration: Any, dt: float, p: Any = RATES, threads: int | None = None) -> SpectrumLanes:
+def spectrum_lanes(
+    acceleration: Any, dt: float, p: Any = RATES, threads: int | None = None, *, side: int = 0
+) -> SpectrumLanes:
     """March the lanes of a record's overturning spectrum.
 
     Parameters
@@ -123,6 +132,8 @@ def spectrum_lanes(acceleration: Any, dt: float, p: Any = RATES, threads: int | 
         Frequency parameters [1/s], ascending.
     threads : int, optional
         Threads that share the lanes; None for all available cores. The answer does not depend on it.
+    side : int
+        1 or -1 for the lanes of blocks before a wall, that turn towards theta > 0 or theta < 0 only.
 
     Returns
     -------
@@ -136,7 +147,8 @@ def spectrum_lanes(acceleration: Any, dt: float, p: Any = RATES, threads: int | 
     """
     ground = record_samples("acceleration", acceleration)
     interval = float(positive("dt", dt, "s", lanes=False))
-    return piece_lanes(interval * np.arange(ground.size), ground, p, threads=threads)
+    between = REBOUNDS if side else (LEAST_RESTITUTION, MOST_RESTITUTION)
+    return piece_lanes(interval * np.arange(ground.size), ground, p, between, threads, side=side)
 
 
 def piece_lanes(
@@ -145,6 +157,8 @@ def piece_lanes(
     p: Any = RATES,
     between: tuple[float, float] = (LEAST_RESTITUTION, MOST_RESTITUTION),
     threads: int | None = None,
+    *,
+    side: int = 0,
 ) -> SpectrumLanes:
     """March the lanes of a ground acceleration that is straight between its corners.
 
@@ -156,7 +170,7 @@ def piece_lanes(
         Frequency parameters [1/s], ascending.
     between : (float, float)
         Least and most of the restitution of the lanes [-].
-    threads : int, optional
+    threads, side
         As for :func:`spectrum_lanes`.
 
     Returns
@@ -174,10 +188,14 @@ def piece_lanes(
     check_strength(ground)
     if not np.any(ground):
         raise ValueError("acceleration: expected a ground motion, got nothing but zeros")
+    if side < 0:
+        ground = -ground  # seen from behind
     length = np.diff(times)
     long = length > SHORTEST
     pieces = np.ascontiguousarray(np.stack([ground[:-1], ground[1:]], axis=1)[long])
-    highest = np.max(np.abs(pieces), axis=1)
+    highest = np.max(np.maximum(-pieces, 0.0) if side else np.abs(pieces), axis=1)
+    if not np.any(highest):
+        raise ValueError("acceleration: expected a ground motion that lifts a block off its wall, got none")
     past, left = np.maximum.accumulate(highest), np.append(np.maximum.accumulate(highest[::-1])[::-1], 0.0)
     steps = np.outer(rates, length[long])
     growth = np.exp(steps)
@@ -191,12 +209,13 @@ def piece_lanes(
         peak = np.empty(place.size)
 
         def some(first: int, last: int) -> None:
-            march_pieces(first, last, place, strength, restitution.reshape(-1), steps, growth, pieces, past, left, peak)
+            lanes = place, strength, restitution.reshape(-1), steps, growth
+            march_pieces(first, last, *lanes, pieces, past, left, peak, side != 0)
 
         split_lanes(some, place.size, threads)
         return peak.reshape(log_x.shape)
 
-    return _filled(rates, bottom, top, march, between)
+    return replace(_filled(rates, bottom, top, march, between), side=side)
 
 
 def check_strength(ground: np.ndarray) -> None:

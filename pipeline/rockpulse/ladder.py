@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 
 import rocking
+from rocking.response import spread, unresolved
 from rockpulse.option import Section, boolean, choice, choices, count, number
 from rockpulse.record.half_wave import HalfWaves
 from rockpulse.record.intensity import IntensePhase
@@ -42,6 +43,14 @@ __all__ = [
 
 #: What a model with an upper bound for its input is called, wherever it is shown.
 UPPER_BOUND = "upper-bound type input"
+
+
+def _no_sequence(block: rocking.Block) -> rocking.Response:
+    return unresolved(block.shape, rocking.Reason.NO_SEQUENCE)
+
+
+def _not_searched(block: rocking.Block) -> rocking.ScaleIntervals:
+    return rocking.ScaleIntervals.unknown(block.shape)
 
 
 def _resonance(block: rocking.Block, scene: Scene) -> rocking.Response:
@@ -176,6 +185,9 @@ class Model:
     #: Whether its factors are searched for by hundreds of runs, which `[search] intervals` asks for; those of the other
     #: models cost as good as nothing and are always told.
     searched: bool = False
+    #: What it knows of bodies beside free-standing symmetric ones: "all", "linear" (two unlike corners, a wall),
+    #: "wall" (a wall) or nothing.
+    knows: str = ""
     #: How its input is an upper bound, so that its overturning says no more than that a body may be unsafe.
     upper_bound: str = ""
 
@@ -184,11 +196,36 @@ class Model:
         point = self.name if self.fitted else scene.rule if self.name == "sequence" else ""
         return _loaded(point) if point else None
 
+    def answers(self, block: rocking.Block, scene: Scene) -> np.ndarray:
+        """True for those of (m,) blocks of which the model knows everything that they have."""
+        return np.asarray(block.known_to("" if self.rule(scene) else self.knows))
+
     def applicable(self, block: rocking.Block, scene: Scene) -> np.ndarray:
         """True for those of (m,) blocks that lie in the range of the model; a rule holds for those like its fit's."""
-        within = np.asarray(block.slender) | (not self.slender)
+        within = self.answers(block, scene) & (np.asarray(block.slender) | (not self.slender))
         rule = self.rule(scene)
         return within if rule is None else within & rule.applicable(block).reshape(block.shape)
+
+    def response(self, block: rocking.Block, scene: Scene, scale: Any = None) -> rocking.Response:
+        """The answer for (m,) blocks; UNRESOLVED, NOT_MODELLED for those of which the model does not know everything.
+
+        With (q,) factors on the record as `scale`, for a model that is `checkable`, it is (q, m).
+        """
+        more = {} if scale is None else {"scale": scale}
+        known = self.answers(block, scene)
+        if np.all(known):
+            return self.respond(block, scene, **more)
+        if not np.any(known):
+            return unresolved((*np.shape(scale), *block.shape), rocking.Reason.NOT_MODELLED)
+        return spread(self.respond(block.chosen(known), scene, **more), known, rocking.Reason.NOT_MODELLED)
+
+    def intervals(self, block: rocking.Block, scene: Scene) -> rocking.ScaleIntervals:
+        """The factors at which (m,) blocks overturn; NaN for those of which the model does not know everything."""
+        known = self.answers(block, scene)
+        if np.all(known):
+            return self.search(block, scene)
+        some = np.any(known)
+        return self.search(block.chosen(known), scene).among(known) if some else _not_searched(block)
 
 
 _ROWS = (
@@ -201,6 +238,7 @@ _ROWS = (
         search=_search_resonance,
         look=("purple", (0, (1, 1.2)), "v"),
         of_sequence=True,
+        knows="wall",
         upper_bound="every main impulse at the worst moment",
     ),
     Model(
@@ -213,6 +251,7 @@ _ROWS = (
         search=_search_sequence,
         look=("orange", (0, (6, 1.5, 1, 1.5)), "s"),
         of_sequence=True,
+        knows="wall",
     ),
     Model(
         name="balanced",
@@ -251,6 +290,7 @@ _ROWS = (
         respond=partial(_recorded, equation="linear"),
         search=partial(_search_recorded, equation="linear"),
         look=("red", (0, (4, 1.2)), "D"),
+        knows="linear",
         checkable=True,
         searched=True,
     ),
@@ -262,6 +302,7 @@ _ROWS = (
         respond=partial(_recorded, equation="nonlinear"),
         search=partial(_search_recorded, equation="nonlinear"),
         look=("blue", "-", "o"),
+        knows="all",
         slender=False,
         checkable=True,
         searched=True,
@@ -274,6 +315,7 @@ _ROWS = (
         respond=_auto,
         search=partial(_search_recorded, equation="nonlinear"),
         look=("black", "-", "P"),
+        knows="all",
         slender=False,
         checkable=True,
         searched=True,
@@ -375,26 +417,7 @@ def critical_scales(block: rocking.Block, scene: Scene) -> dict[str, rocking.Sca
         if searched in found:
             found[model] = found[searched]
         elif searched in scene.search.models and (scene.search.intervals or not MODELS[model].searched):
-            found[model] = MODELS[model].search(block, scene)
+            found[model] = MODELS[model].intervals(block, scene)
         else:
             found[model] = _not_searched(block)
     return found
-
-
-def _no_sequence(block: rocking.Block) -> rocking.Response:
-    """The answer of the sequence models where the record gave no sequence: UNRESOLVED, with that reason."""
-    lanes = block.shape
-    return rocking.Response(
-        peak_rotation_ratio=np.full(lanes, np.nan),
-        outcome=np.full(lanes, int(rocking.Outcome.UNRESOLVED), dtype=np.int8),
-        reason=np.full(lanes, int(rocking.Reason.NO_SEQUENCE), dtype=np.int8),
-        overturning_time=np.full(lanes, np.nan),
-        overturning_half_cycle=np.full(lanes, -1),
-        impacts=np.full(lanes, -1),
-    )
-
-
-def _not_searched(block: rocking.Block) -> rocking.ScaleIntervals:
-    unknown, none = np.full(block.shape, np.nan), np.empty(0)
-    no_flag = np.empty(0, dtype=bool)
-    return rocking.ScaleIntervals(unknown, unknown, np.empty(0, dtype=np.int64), none, none, no_flag, unknown, no_flag)

@@ -15,6 +15,7 @@ from rocking.response import Response
 from rockpulse.assessment.probability import record_probability
 from rockpulse.assessment.record_assessment import RecordAssessment
 from rockpulse.assessment.scene import extract, matched
+from rockpulse.assessment.senses import Senses, senses
 from rockpulse.assessment.tree import EVENT, build_tree, record_part, template
 from rockpulse.config.block_settings import BlockSettings
 from rockpulse.config.bodies import Bodies, gather_bodies
@@ -125,10 +126,15 @@ def assess_scene(scene: Scene, bodies: Bodies, config: Config, channels: Sequenc
     `channels` are the conditioned ones whose strengths are brought to the demands, as for :func:`record_probability`.
     """
     lanes = bodies.lanes
-    responses = {name: MODELS[name].respond(lanes, scene) for name in scene.models.use}
-    used = {name: np.full(lanes.shape, USED.index(name), dtype=np.int8) for name in responses}
+    sides = senses(bodies, scene.record)
+    every = {name: MODELS[name].response(sides.block, scene) for name in scene.models.use}
+    rungs = None
     if scene.models.auto:
-        responses["auto"], used["auto"] = auto_response(lanes, scene)
+        every["auto"], rungs = auto_response(sides.block, scene)
+    responses = {name: sides.worse(one) for name, one in every.items()}
+    used = {name: np.full(lanes.shape, USED.index(name), dtype=np.int8) for name in scene.models.use}
+    if rungs is not None:
+        used["auto"] = rungs[sides.worst(every["auto"])]
     contact = responses["sequence"].ground_contact if "sequence" in responses else None
     if scene.sequence is not None and contact is not None and np.any(contact):
         warning = (
@@ -152,23 +158,25 @@ def assess_scene(scene: Scene, bodies: Bodies, config: Config, channels: Sequenc
         bodies=bodies,
         config=config,
         responses=responses,
-        scales=critical_scales(lanes, scene),
+        scales={name: sides.smaller(one) for name, one in critical_scales(sides.block, scene).items()},
         used=used,
         applicable={name: MODELS[name].applicable(lanes, scene).astype(np.int8) for name in responses},
-        predictable={name: _predictable(name, lanes, scene, one) for name, one in responses.items()},
+        predictable={name: _predictable(name, sides, scene, one) for name, one in every.items()},
         probability=overturning.values,
         spectrum=overturning.spectrum,
     )
 
 
-def _predictable(model: str, block: Block, scene: Scene, response: Response) -> np.ndarray:
+def _predictable(model: str, sides: Senses, scene: Scene, response: Response) -> np.ndarray:
+    block = sides.block
     settings = scene.models
     if not settings.predictability or not MODELS[model].checkable:
-        return np.full(block.shape, NOT_CHECKED, dtype=np.int8)
+        return np.full(sides.count, NOT_CHECKED, dtype=np.int8)
 
     def respond(blocks: Block, scale: np.ndarray) -> Response:
-        return MODELS[model].respond(blocks, scene, scale)
+        return MODELS[model].response(blocks, scene, scale)
 
     # With output = "outcome" the peak of auto is that of whichever rung answered: no promise that could be broken.
     verdict_only = model == "auto" and settings.output == "outcome"
-    return np.asarray(predictable(response, respond, block, tolerance=None if verdict_only else settings.tolerance))
+    found = predictable(response, respond, block, tolerance=None if verdict_only else settings.tolerance)
+    return np.asarray(found)[sides.worst(response)]

@@ -3,7 +3,8 @@
 .. note:: One overturning spectrum (:class:`rocking.OverturningSpectrum`) serves every body that it stands for. A body
    that it does not stand for, and every body where the vertical acts, is marched in lanes of its own
    (:func:`rocking.overturning_probability`). Bodies do not change each other's numbers: the spectrum is always that of
-   the default frequency parameters next to the body's own, and each of the others has its own draws.
+   the default frequency parameters next to the body's own, and each of the others has its own draws. A body before a
+   wall is read from a spectrum of its own kind, in the sense of the record that overturns it more likely.
 """
 
 from __future__ import annotations
@@ -13,11 +14,13 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 
+from rocking.capacity import uplift_scale
 from rocking.overturning_probability import overturning_probability
 from rocking.overturning_spectrum import OverturningFactors, OverturningSpectrum, covered
-from rocking.spectrum_lanes import RATES, neighbours, spectrum_lanes
+from rocking.spectrum_lanes import LEAST_RESTITUTION, RATES, REBOUNDS, neighbours, spectrum_lanes
 from rocking.uncertainty import Uncertainty
 from rockpulse.assessment.demand import FARTHEST, demand_factors
+from rockpulse.assessment.senses import senses
 from rockpulse.config.bodies import Bodies
 from rockpulse.config.configuration import Config
 from rockpulse.ladder import Scene
@@ -30,6 +33,10 @@ ENDS = ("", "_low", "_high")
 
 #: Probability of uplift at the largest factor below which a body counts as one that never moves.
 NEVER = 1e-6
+
+
+#: Bodies that a spectrum serves, by the side on which they turn, and the restitutions or rebounds of its lanes.
+SERVED = {0: (LEAST_RESTITUTION, 1.0), 1: REBOUNDS, -1: REBOUNDS}
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,7 +70,7 @@ def record_probability(
     values = {name: np.full(count, np.nan) for name in PROBABILITY}
     values |= {name: np.full((count, len(config.demands)), np.nan) for name in AT_DEMAND}
     if config.demands:
-        blocks = bodies.lanes.chosen(slice(None, None, bodies.cases))
+        blocks = bodies.lanes.chosen(slice(None, None, bodies.cases)).weaker
         values["demand_factor"] = demand_factors(channels or [scene.record], blocks, config.demands)
     values["probability_source"] = np.full(count, SOURCES.index("none"))
     spectrum = None
@@ -75,19 +82,23 @@ def record_probability(
 def _fill(values: dict[str, np.ndarray], scene: Scene, bodies: Bodies, config: Config) -> OverturningSpectrum | None:
     """Put the values of b bodies in; the spectrum where one of them is read from it."""
     record, uncertainty, limit = scene.record, config.uncertainty.of_draws(), scene.search.factor_max
-    blocks, (least, most) = bodies.lanes.chosen(slice(None, None, bodies.cases)), _ranges(bodies, uncertainty)
+    found = senses(bodies, record, bodies.cases)
+    origin = np.concatenate([np.arange(found.count), found.both])
+    blocks, (least, most) = found.block.weaker, (ends[origin] for ends in _ranges(bodies, uncertainty))
+    rows = {name: own[origin] for name, own in values.items()}
     with np.errstate(divide="ignore"):
-        lifting = np.log(blocks.gravity * np.tan(blocks.alpha_c) / record.pga)
-    values["uplift_probability"] = 1.0 - uncertainty.below(lifting)
-    slender = covered(blocks, least, most) & (scene.vertical is None)
-    asked, at_demand = values["demand_factor"], values["demand_probability"]
+        lifting = np.log(uplift_scale(found.block, record.acceleration))
+    rows["uplift_probability"] = 1.0 - uncertainty.below(lifting)
+    served = {side: covered(blocks, least, most, side=side, between=between) for side, between in SERVED.items()}
+    slender = np.any(list(served.values()), axis=0) & (scene.vertical is None)
+    asked, at_demand = rows["demand_factor"], rows["demand_probability"]
     near = (asked >= FARTHEST[0]) & (asked <= min(FARTHEST[1], limit))
-    values["probability_source"] = np.where(slender, SOURCES.index("spectrum"), SOURCES.index("own_lanes"))
+    rows["probability_source"] = np.where(slender, SOURCES.index("spectrum"), SOURCES.index("own_lanes"))
 
-    def put(places: np.ndarray, found: OverturningFactors) -> None:
+    def put(places: np.ndarray, factors: OverturningFactors) -> None:
         for name, own in READ.items():
             for end in ENDS:
-                values[name + end][places] = getattr(found, own + end)
+                rows[name + end][places] = getattr(factors, own + end)
 
     still = slender & (1.0 - uncertainty.below(lifting - np.log(limit)) < NEVER)
     nothing = {
@@ -95,19 +106,24 @@ def _fill(values: dict[str, np.ndarray], scene: Scene, bodies: Bodies, config: C
     }
     put(np.flatnonzero(still), OverturningFactors(**nothing).up_to(limit))
     at_demand[still] = 0.0
-    spectrum, served = None, np.flatnonzero(slender & ~still)
-    if served.size:
-        rates = RATES if config.uncertainty.spectrum == "all" else neighbours(np.asarray(blocks.p)[served])
-        spectrum = OverturningSpectrum(spectrum_lanes(record.acceleration, record.dt, rates), uncertainty)
-        read = blocks.chosen(served), least[served], most[served]
-        put(served, spectrum.factors(*read, limit))
+    stored = None
+    for side, inside in served.items():
+        places = np.flatnonzero(inside & slender & ~still)
+        if places.size == 0:
+            continue
+        rates = RATES if config.uncertainty.spectrum == "all" else neighbours(np.asarray(blocks.p)[places])
+        lanes = spectrum_lanes(record.acceleration, record.dt, rates, side=side)
+        spectrum = OverturningSpectrum(lanes, uncertainty)
+        stored = spectrum if side == 0 else stored
+        read = blocks.chosen(places), least[places], most[places]
+        put(places, spectrum.factors(*read, limit))
         if config.demands:
-            at_demand[served] = spectrum.overturning(read[0], asked[served], *read[1:])
+            at_demand[places] = spectrum.overturning(read[0], asked[places], *read[1:])
     seed = int(np.random.SeedSequence([config.run.seed, *record.id.encode()]).generate_state(1)[0])
     others = np.flatnonzero(~slender)
     if others.size:
         own = overturning_probability(
-            blocks.chosen(others),
+            found.block.chosen(others),
             record.acceleration,
             record.dt,
             uncertainty,
@@ -120,7 +136,9 @@ def _fill(values: dict[str, np.ndarray], scene: Scene, bodies: Bodies, config: C
         put(others, own)
         at_demand[others] = own.overturning(asked[others])
     at_demand[~near] = np.nan
-    return spectrum
+    worse = found.likelier(rows["overturning_probability"], rows["factor_10"])
+    values.update({name: own[worse] for name, own in rows.items()})
+    return stored
 
 
 def _ranges(bodies: Bodies, uncertainty: Uncertainty) -> tuple[np.ndarray, np.ndarray]:

@@ -9,8 +9,9 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from rocking.block_limits import LARGEST_SIZE, doubt_of_size, radius_of_rectangle
+from rockpulse.config.restraint_settings import LoadSettings, ThrustSettings, TieSettings
 from rockpulse.errors import ConfigError
-from rockpulse.option import KeyType, Section, boolean, is_number, key, number
+from rockpulse.option import KeyType, Section, boolean, entries, is_number, key, number
 from rockpulse.record.record import STANDARD_GRAVITY
 
 if TYPE_CHECKING:
@@ -45,14 +46,23 @@ def _restitution(value: Any) -> Any:
 
 
 _NAME = KeyType('a printable text without "/"', _is_name, str)
+_REBOUND = KeyType(
+    'a share e in [0, 1], "sorrentino", or a list of such numbers',
+    lambda value: value == "sorrentino" or (_is_restitution(value) and value != "housner"),
+    _restitution,
+    ("sorrentino",),
+)
 _RESTITUTION = KeyType(
     'a velocity ratio in [0, 1], "housner", or a list of such numbers', _is_restitution, _restitution, ("housner",)
 )
 
 
+_CORNERS = ("b_1", "b_2", "centre", "gyration")
+
+
 @dataclass(frozen=True)
 class BlockSettings(Section):
-    """One free-standing body, by its full width and height, or by p and alpha, with its radius where it is known.
+    """One body: by its full width and height, by its corners, or by p and alpha, with its radius where it is known.
 
     Attributes
     ----------
@@ -70,6 +80,25 @@ class BlockSettings(Section):
         assessed side by side.
     gravity : float
         Acceleration of gravity at the block [m/s2].
+    b_1, b_2, centre, gyration : float or None
+        A body without symmetry, as :meth:`rocking.Block.from_corners` has it [m]: the horizontal distances of its
+        corners from the centre of mass, the height of that and the radius of gyration about it.
+    offset, lean : float
+        Distance of the centre of mass of a rectangle from the middle of its base towards theta > 0 [m], and tilt to
+        that side [rad].
+    one_sided : bool
+        Whether it leans on a wall and falls away from it only.
+    rebound : float, str, tuple of float or None
+        Of such a body, in place of the restitution: the share of its speed that a return to the wall leaves [-], or
+        "sorrentino", which stands where none is given.
+    facing : float or None
+        Azimuth towards which such a body falls, clockwise from north [degrees].
+    friction : float or None
+        Coefficient at the base, by which sliding is checked [-].
+    mass, density, length : float or None
+        Mass [kg], or density [kg/m3] and length along the base [m]: needed with ties, loads or thrusts.
+    ties, loads, thrusts : tuple
+        In TOML [[block.tie]], [[block.load]] and [[block.thrust]].
     confirm_size : bool
         Take also a body that is larger than 30 m, less than 5 cm high or 1 mm wide, or wider than high. A body by p and
         alpha is measured as the rectangle with its R and alpha.
@@ -77,8 +106,8 @@ class BlockSettings(Section):
     Raises
     ------
     ConfigError
-        Unless exactly one of the two pairs is given, with sizes that are positive, and for a size that is doubted and
-        not confirmed.
+        Unless exactly one of the three descriptions is given, with sizes that are positive, for a size that is doubted
+        and not confirmed, and for a key that does not go with the others.
 
     Examples
     --------
@@ -95,7 +124,23 @@ class BlockSettings(Section):
     radius: float | None = number(None, low=0.0, above=True, unit="m")
     restitution: float | str | tuple[float, ...] = key("housner", _RESTITUTION)
     gravity: float = number(STANDARD_GRAVITY, low=0.0, above=True, unit="m/s2")
+    b_1: float | None = number(None, low=0.0, above=True, unit="m")
+    b_2: float | None = number(None, low=0.0, above=True, unit="m")
+    centre: float | None = number(None, low=0.0, above=True, unit="m")
+    gyration: float | None = number(None, low=0.0, above=True, unit="m")
+    offset: float = number(0.0, unit="m")
+    lean: float = number(0.0, low=-1.0, high=1.0, unit="rad")
+    one_sided: bool = boolean(False)
+    rebound: float | str | tuple[float, ...] | None = key(None, _REBOUND)
+    facing: float | None = number(None, low=0.0, high=360.0, unit="degrees")
+    friction: float | None = number(None, low=0.0, above=True)
+    mass: float | None = number(None, low=0.0, above=True, unit="kg")
+    density: float | None = number(None, low=0.0, above=True, unit="kg/m3")
+    length: float | None = number(None, low=0.0, above=True, unit="m")
     confirm_size: bool = boolean(False)
+    ties: tuple[TieSettings, ...] = entries(TieSettings)
+    loads: tuple[LoadSettings, ...] = entries(LoadSettings)
+    thrusts: tuple[ThrustSettings, ...] = entries(ThrustSettings)
 
     @property
     def where(self) -> str:
@@ -104,13 +149,23 @@ class BlockSettings(Section):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        given = {name for name in ("width", "height", "p", "alpha", "radius") if self[name] is not None}
-        if given not in ({"width", "height"}, {"p", "alpha"}, {"p", "alpha", "radius"}):
+        names = ("width", "height", "p", "alpha", "radius", *_CORNERS)
+        given = {name for name in names if self[name] is not None}
+        if given not in ({"width", "height"}, {"p", "alpha"}, {"p", "alpha", "radius"}, set(_CORNERS)):
             found = " and ".join(sorted(given)) if given else "neither"
             raise ConfigError(
                 f"{self.where}: expected width and height [m], or p [1/s] and alpha [rad], the latter with or without "
-                f"radius [m]; found {found}"
+                f"radius [m], or b_1, b_2, centre and gyration [m]; found {found}"
             )
+        if self.width is None and (self.offset or self.lean or self.density or self.length):
+            raise ConfigError(f"{self.where}: offset, lean, density and length go with width and height only")
+        if self.p is not None and (self.ties or self.loads or self.thrusts or self.mass):
+            raise ConfigError(
+                f"{self.where}: mass, ties, loads and thrusts need a body with sizes, by width and height or by "
+                "b_1, b_2, centre and gyration; found one by p and alpha"
+            )
+        if not self.one_sided and (self.rebound is not None or self.facing is not None):
+            raise ConfigError(f"{self.where}: rebound and facing are of a body before a wall; set one_sided = true")
         if self.alpha is not None and self.alpha >= math.pi / 2:
             raise ConfigError(
                 f"{self.where} alpha: expected an angle below pi/2 rad, found {self.alpha:g}; is it in degrees?"
@@ -129,11 +184,20 @@ class BlockSettings(Section):
         """
         from rocking.block import Block
 
-        restitution: Any = list(self.restitution) if isinstance(self.restitution, tuple) else self.restitution
+        restitution, rebound = (
+            list(value) if isinstance(value, tuple) else value for value in (self.restitution, self.rebound)
+        )
         common: dict[str, Any] = {"restitution": restitution, "gravity": self.gravity, "log": False}
+        common |= {"one_sided": self.one_sided, "rebound": rebound}
+        held: dict[str, Any] = {"mass": self.mass} | {
+            name: [one.made() for one in self[name]] for name in ("ties", "loads", "thrusts")
+        }
         try:
             if self.width is not None and self.height is not None:
-                block = Block(width=self.width, height=self.height, **common)
+                held |= {name: self[name] for name in ("offset", "lean", "density", "length")}
+                block = Block(width=self.width, height=self.height, **common, **held)
+            elif self.b_1 is not None:
+                block = Block.from_corners(self.b_1, self.b_2, self.centre, self.gyration, **common, **held)
             else:
                 block = Block.from_parameters(self.p, self.alpha, radius=self.radius, **common)
         except ValueError as error:
@@ -151,6 +215,12 @@ def _doubt(block: BlockSettings) -> str:
         swapped = "are the two swapped?" if width > height else "in m?"
         found = f"{width:g} x {height:g}: {larger if max(width, height) > LARGEST_SIZE else swapped}"
         advice = "give full sizes in m"
+    elif block.centre is not None:
+        assert block.b_1 is not None
+        assert block.b_2 is not None
+        width, height = block.b_1 + block.b_2, 2.0 * block.centre
+        found, advice = f"a base of {width:g} m and a centre of mass {block.centre:g} m above it", "give sizes in m"
+        found += "."
     else:
         assert block.p is not None
         assert block.alpha is not None

@@ -26,6 +26,10 @@ class Bodies:
     #: Full sizes of each body [m]; NaN for one given by p and alpha.
     width: np.ndarray
     height: np.ndarray
+    #: Azimuth towards which each body before a wall falls [degrees]; NaN where it is not known.
+    facing: np.ndarray
+    #: Coefficient of friction at the base of each body [-]; NaN where it was not given.
+    friction: np.ndarray
     #: Remarks on each body, one a line.
     warnings: tuple[str, ...]
 
@@ -60,7 +64,8 @@ def gather_bodies(blocks: Sequence[BlockSettings] | Mapping[str, Block]) -> Bodi
     A Block of shape (c,) stands for c restitution values of one body. A ConfigError without any body, with restitution
     lists of different lengths, a Block whose sizes differ among its lanes, or bodies in different gravity.
     """
-    named = dict(blocks) if isinstance(blocks, Mapping) else {block.name: block.block() for block in blocks}
+    given = {} if isinstance(blocks, Mapping) else {block.name: block for block in blocks}
+    named = dict(blocks) if isinstance(blocks, Mapping) else {name: one.block() for name, one in given.items()}
     if not named:
         raise ConfigError(
             "no block to assess: give [[block]] entries in the configuration or --block NAME=WIDTHxHEIGHT"
@@ -84,5 +89,13 @@ def gather_bodies(blocks: Sequence[BlockSettings] | Mapping[str, Block]) -> Bodi
         cases=cases,
         width=np.array([np.max(block.width) for block in named.values()]),
         height=np.array([np.max(block.height) for block in named.values()]),
+        facing=_told(given, named, "facing"),
+        friction=_told(given, named, "friction"),
         warnings=tuple("\n".join(block.warnings) for block in named.values()),
     )
+
+
+def _told(given: Mapping[str, BlockSettings], named: Mapping[str, Block], key: str) -> np.ndarray:
+    """A key of each body; NaN where it was not given, or the body is a Block."""
+    values = [given[name][key] if name in given else None for name in named]
+    return np.array([np.nan if value is None else value for value in values], dtype=float)

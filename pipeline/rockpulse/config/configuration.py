@@ -85,7 +85,12 @@ class Config:
     def __post_init__(self) -> None:
         _require_different("[[block]]", [block.name for block in self.blocks])
         _require_different("[[demand]]", [demand.name for demand in self.demands])
-        lists = {b.name: len(b.restitution) for b in self.blocks if isinstance(b.restitution, tuple)}
+        lists = {
+            block.name: len(ratios)
+            for block in self.blocks
+            for ratios in (block.restitution, block.rebound)
+            if isinstance(ratios, tuple)
+        }
         if len(set(lists.values())) > 1:
             found = ", ".join(f'{length} in "{name}"' for name, length in lists.items())
             raise ConfigError(f"[[block]] restitution: expected lists of one length in all blocks, found {found}")

@@ -1,0 +1,70 @@
+"""What holds or pushes a body of the configuration: [[block.tie]], [[block.load]], [[block.thrust]]."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from rockpulse.option import Section, choice, number
+
+if TYPE_CHECKING:
+    from rocking.restraint import Load, Thrust, Tie
+
+__all__ = ["LoadSettings", "ThrustSettings", "TieSettings"]
+
+
+@dataclass(frozen=True)
+class TieSettings(Section):
+    """A tie or restrainer, as :class:`rocking.Tie` has it; without a yield force or ultimate elongation it has none."""
+
+    heading = "[[block.tie]]"
+    height: float = number(dataclasses.MISSING, low=0.0, above=True, unit="m")
+    stiffness: float = number(dataclasses.MISSING, low=0.0, above=True, unit="N/m")
+    gap: float = number(0.0, low=0.0, unit="m")
+    yield_force: float | None = number(None, low=0.0, above=True, unit="N")
+    ultimate: float | None = number(None, low=0.0, above=True, unit="m")
+    side: str = choice("positive", ("positive", "negative", "both"))
+    distance: float = number(0.0, low=0.0, unit="m")
+
+    def made(self) -> Tie:
+        """The tie of the model."""
+        from rocking.restraint import Tie
+
+        found: dict[str, Any] = {name: self[name] for name in self.keys()}
+        found |= {name: math.inf for name in ("yield_force", "ultimate") if found[name] is None}
+        return Tie(**found)
+
+
+@dataclass(frozen=True)
+class LoadSettings(Section):
+    """A roof or floor that rests on a body, as :class:`rocking.Load` has it."""
+
+    heading = "[[block.load]]"
+    weight: float = number(dataclasses.MISSING, low=0.0, above=True, unit="N")
+    height: float = number(dataclasses.MISSING, low=0.0, above=True, unit="m")
+    friction: float | None = number(None, low=0.0, above=True)
+    distance: float | None = number(None, low=0.0, unit="m")
+
+    def made(self) -> Load:
+        """The load of the model."""
+        from rocking.restraint import Load
+
+        return Load(**{name: self[name] for name in self.keys()})
+
+
+@dataclass(frozen=True)
+class ThrustSettings(Section):
+    """A constant horizontal force, as :class:`rocking.Thrust` has it."""
+
+    heading = "[[block.thrust]]"
+    force: float = number(dataclasses.MISSING, unit="N")
+    height: float = number(dataclasses.MISSING, low=0.0, above=True, unit="m")
+    distance: float = number(0.0, low=0.0, unit="m")
+
+    def made(self) -> Thrust:
+        """The thrust of the model."""
+        from rocking.restraint import Thrust
+
+        return Thrust(self.force, self.height, self.distance)
