@@ -1,11 +1,14 @@
 from .block import Block as Block
 from .capacity import critical_scale as critical_scale
 from .capacity import impulsive_critical_scale as impulsive_critical_scale
+from .corner_response import static_capacity as static_capacity
 from .demand import Demand as Demand
 from .demand import ground_demand as ground_demand
 from .effective_impulse import effective_impulse_response as effective_impulse_response
 from .fidelity import Rung as Rung
 from .fidelity import choose_response as choose_response
+from .floor import FloorMotion as FloorMotion
+from .floor import floor_motion as floor_motion
 from .half_wave_demand import HalfWaveDemand as HalfWaveDemand
 from .half_wave_demand import demand_of_half_waves as demand_of_half_waves
 from .half_wave_demand import impulse_lobes as impulse_lobes
@@ -36,6 +39,9 @@ from .sequence import impulse_train as impulse_train
 from .sequence import sequence_response as sequence_response
 from .sequence_safety import resonance_critical_scale as resonance_critical_scale
 from .sequence_safety import sequence_critical_scale as sequence_critical_scale
+from .sliding import SlidingDemand as SlidingDemand
+from .sliding import impact_friction as impact_friction
+from .sliding import sliding_demand as sliding_demand
 from .spectrum_lanes import SpectrumLanes as SpectrumLanes
 from .spectrum_lanes import spectrum_lanes as spectrum_lanes
 from .uncertainty import Uncertainty as Uncertainty

@@ -92,6 +92,27 @@ class BlockLanes:
         object.__setattr__(stacked, "restraints", np.concatenate(every) if held else None)
         return stacked
 
+    @classmethod
+    def restored(cls, gravity: float, restraints: Any = None, **values: float) -> Self:
+        """One body from its lane fields, but for those that follow from the others."""
+        block = object.__new__(cls)
+        alpha, p = values["alpha_c"], values["p"]
+        follow = {
+            "slenderness": 1.0 / np.tan(alpha),
+            "critical_impulse": gravity * alpha / (p * np.cos(alpha)),
+            "gravity": gravity,
+            "restraints": restraints,
+            "warnings": (),
+        }
+        for name, value in (values | follow).items():
+            object.__setattr__(block, name, value)
+        return block
+
+    def ratio(self, rotation: np.ndarray) -> np.ndarray:
+        """theta/alpha [-] of rotations [rad] of one body, alpha that of the corner that it turns about."""
+        other = (rotation < 0.0) & (self.side == 0)
+        return np.asarray(rotation / np.where(other, self.alpha_2, self.alpha_c))
+
     def mirrored(self) -> Self:
         """The same body seen from behind: its corners change places, and a wall stands on its other side."""
         other = self._with(lambda values: values)
@@ -132,12 +153,11 @@ class BlockLanes:
         other = object.__new__(type(self))
         object.__setattr__(other, "gravity", self.gravity)
         object.__setattr__(other, "warnings", self.warnings)
-        for name in LANE_FIELDS:
-            object.__setattr__(other, name, choose(np.asarray(getattr(self, name))))
+        values = {name: choose(np.asarray(getattr(self, name))) for name in LANE_FIELDS}
         held = None if self.restraints is None else choose(np.array(self.restraints, dtype=object))
-        if isinstance(held, np.ndarray) and all(own is None for own in held):
-            held = None
-        object.__setattr__(other, "restraints", held)
+        values["restraints"] = None if isinstance(held, np.ndarray) and not held.any() else held
+        for name, value in values.items():
+            object.__setattr__(other, name, value.item() if np.shape(value) == () and hasattr(value, "item") else value)
         return other
 
     @property

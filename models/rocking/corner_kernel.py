@@ -43,7 +43,7 @@ from rocking.recorded_kernel import (
     UNRESOLVED,
     empty_slot,
 )
-from rocking.restrained import begin_held, friction_of, land, rest_levels
+from rocking.restrained import begin_held, land, rest_levels
 from rocking.restrained_event import finish_held, motion_after
 from rocking.restrained_steps import restrained_steps
 from rocking.slots import Slots
@@ -135,7 +135,7 @@ def begin_corner_lane(f, i, j, lane, record, lanes, options, held):
     if held is not None:
         begin_held(f, j, block, lane, held)
         if resting:
-            rest_levels(f, j, block, lane, held)
+            rest_levels(f, j, block, lane, held, True)
     if not enter_sample(f, j, record):
         return FLYING
     if resting:
@@ -183,7 +183,7 @@ def decide_corner(f, i, j, record, equation, far, count, held):
     block, lane = i[row.LANE + j] % count, i[row.LANE + j]
     status = MOVING
     if f[row.EVENT + j] == IMPACT:
-        most = 0.0 if held is None else friction_of(f, block, held, j)
+        most = 0.0 if held is None else rest_levels(f, j, block, lane, held, False)
         status = more.after_return(f, i, j, record, equation, far, most)
     if f[row.SAMPLE + j] >= record.acceleration.size - 1:
         return status, True
@@ -192,7 +192,7 @@ def decide_corner(f, i, j, record, equation, far, count, held):
     if status == RESTING:
         i[row.ENDED + j] = int(f[row.SAMPLE + j])
         if held is not None:
-            rest_levels(f, j, block, lane, held)
+            rest_levels(f, j, block, lane, held, True)
         status = more.wake_corner(f, i, j, record)
         if status == MOVING:
             if held is not None:

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from rocking.arguments import read_only
+from rocking.arguments import numbers, read_only
 from rocking.block import Block
 from rocking.corner_kernel import CornerLanes, corner_slots, march_corners
 from rocking.ground import Accelerogram
@@ -14,10 +14,23 @@ from rocking.recorded_event import LINEAR
 from rocking.recorded_kernel import Options
 from rocking.response import LaneResults, empty_results
 from rocking.restrained import Held
-from rocking.restraint import COLUMNS, Restraints
+from rocking.restraint import (
+    COLUMNS,
+    FAR,
+    FRICTION,
+    GAP,
+    HEIGHT,
+    KIND,
+    NEAR,
+    SIDE,
+    STIFFNESS,
+    ULTIMATE,
+    YIELD_FORCE,
+    Restraints,
+)
 from rocking.threads import split_lanes
 
-__all__ = ["Marched", "march_bodies", "rest_levels", "together_again"]
+__all__ = ["Marched", "march_bodies", "rest_levels", "static_capacity", "together_again"]
 
 
 class Marched(NamedTuple):
@@ -121,3 +134,54 @@ def rest_levels(block: Block) -> np.ndarray:
         angle = np.stack([block.alpha_c, block.alpha_2])
         found[:] = held.constant[:, :, 0].T / (held.weight.T * np.cos(angle))
     return found
+
+
+def static_capacity(block: Block, rotation: Any, side: int = 1) -> np.ndarray:
+    """The static capacity curve of a body: the horizontal acceleration that holds it at a rotation, pushed there once.
+
+    Parameters
+    ----------
+    block : Block
+        One body.
+    rotation : float or (k,) array_like
+        abs(theta) [rad], from 0 to below pi/2.
+    side : int
+        1 for theta > 0, -1 for theta < 0.
+
+    Returns
+    -------
+    (k,) ndarray
+        Acceleration of the ground against the rotation [m/s2]: g tan(alpha - theta) where nothing but its weight acts.
+
+    Raises
+    ------
+    ValueError
+        For a rotation outside 0 to pi/2 or another side.
+
+    Examples
+    --------
+    >>> from rocking import Tie
+    >>> bar = Tie(height=8.0, stiffness=6.3e6, yield_force=74e3)
+    >>> facade = Block(width=0.8, height=9.0, density=1800.0, length=1.0, one_sided=True, ties=[bar])
+    >>> (static_capacity(facade, [0.0, 0.01, 0.04]) / facade.gravity).round(2).tolist()
+    [0.09, 1.09, 1.06]
+    """
+    angles = np.atleast_1d(numbers("rotation", rotation, "an angle in rad"))
+    if np.any((angles < 0.0) | (angles >= 0.5 * np.pi)) or side not in (1, -1):
+        raise ValueError(f"rotation, side: expected angles from 0 to pi/2 and 1 or -1, got {rotation!r} and {side!r}")
+    place, moment = (0, np.zeros(angles.shape)) if side == 1 else (1, np.zeros(angles.shape))
+    if block.restraints is not None:
+        held = _held(block.lanes(1), 1)
+        factors = held.constant[0, place]
+        moment = factors[0] * np.cos(angles) + factors[1] * np.sin(angles)
+        for one in held.elements[0]:
+            friction = one[KIND] == FRICTION
+            if one[HEIGHT] == 0.0 or not (friction or one[SIDE] == side):
+                continue
+            xi = one[FAR] if friction and place == 1 else one[NEAR]
+            out = one[HEIGHT] * np.sin(angles) + xi * (1.0 - np.cos(angles)) - one[GAP]
+            force = np.clip(one[STIFFNESS] * out, 0.0, one[YIELD_FORCE]) * (out < one[ULTIMATE])
+            moment = moment + force * (one[HEIGHT] * np.cos(angles) + xi * np.sin(angles))
+        moment = moment / held.weight[0, place]
+    alpha = block.alpha_c if side == 1 else block.alpha_2
+    return np.asarray(block.gravity * (np.sin(alpha - angles) + moment) / np.cos(alpha - angles))

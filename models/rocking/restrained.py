@@ -20,7 +20,7 @@ from rocking import corner_event as more
 from rocking import slots as row
 from rocking.restraint import FAR, FRICTION, GAP, HEIGHT, KIND, NEAR, SIDE, STIFFNESS, ULTIMATE, YIELD_FORCE
 
-__all__ = ["Held", "act", "begin_held", "change", "friction_of", "land", "rest_levels"]
+__all__ = ["Held", "act", "begin_held", "change", "land", "rest_levels"]
 
 # What an element does: a tie is slack, holds as a spring, yields, or is broken; a load holds as a spring, or slides
 # towards theta > 0 or theta < 0.
@@ -235,30 +235,25 @@ def change(f, j, block, lane, held, direction):
 
 
 @njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
-def rest_levels(f, j, block, lane, held):
-    """Set EXTRA of both corners of the resting slot j by what acts on it."""
+def rest_levels(f, j, block, lane, held, at_rest):
+    """Set EXTRA of both corners of slot j on the ground by what acts on it.
+
+    Where it comes to rest, loads cease to slide. Otherwise the answer is what those that slide may keep the body from
+    falling back with, as EXTRA.
+    """
     place, side = sides(f, j)
-    friction = 0.0
+    friction = most = 0.0
     for e in range(held.elements.shape[1]):
         part = held.elements[block, e]
         if part[KIND] == FRICTION:
             if held.mode[lane, e] != SPRING:
+                if not at_rest:
+                    most += part[YIELD_FORCE] * part[HEIGHT]
+                    continue
                 stop(part, held, lane, e, 0.0, side)
             friction -= part[STIFFNESS] * held.set[lane, e] * part[HEIGHT]  # against theta > 0
-    own = held.constant[block, place, 0] + side * friction
-    opposite = held.constant[block, 1 - place, 0] - side * friction
-    f[more.EXTRA + j] = own / (held.weight[block, place] * math.cos(f[row.ALPHA + j]))
-    f[more.OTHER_EXTRA + j] = opposite / (held.weight[block, 1 - place] * math.cos(f[more.OTHER_ALPHA + j]))
-
-
-@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
-def friction_of(f, block, held, j):
-    """The most that the friction of loads may keep slot j from falling back, as EXTRA: it may have turned round."""
-    most = 0.0
-    for e in range(held.elements.shape[1]):
-        part = held.elements[block, e]
-        if part[KIND] == FRICTION:
-            most += part[YIELD_FORCE] * part[HEIGHT]
-    place, _ = sides(f, j)
-    own = held.weight[block, place] * math.cos(f[row.ALPHA + j])
-    return 2.0 * most / min(own, held.weight[block, 1 - place] * math.cos(f[more.OTHER_ALPHA + j]))
+    weight = held.weight[block, place] * math.cos(f[row.ALPHA + j])
+    other = held.weight[block, 1 - place] * math.cos(f[more.OTHER_ALPHA + j])
+    f[more.EXTRA + j] = (held.constant[block, place, 0] + side * friction) / weight
+    f[more.OTHER_EXTRA + j] = (held.constant[block, 1 - place, 0] - side * friction) / other
+    return most / min(weight, other)

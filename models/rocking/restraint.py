@@ -7,6 +7,7 @@
 
 from __future__ import annotations
 
+import json
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, fields
@@ -196,6 +197,18 @@ class Restraints:
     def highest(self) -> float:
         """Height of the highest of them [m]."""
         return max(one.height for part in (self.ties, self.loads, self.thrusts) for one in part)
+
+    def as_text(self) -> str:
+        """The same as a text of JSON."""
+        return json.dumps({one.name: [vars(part) for part in getattr(self, one.name)] for one in fields(self)})
+
+    @classmethod
+    def from_text(cls, told: str) -> Restraints | None:
+        """Restraints from :meth:`as_text`; None from an empty text."""
+        if not told:
+            return None
+        parts, makers = json.loads(told), {"ties": Tie, "loads": Load, "thrusts": Thrust}
+        return cls(**{name: tuple(make(**one) for one in parts[name]) for name, make in makers.items()})
 
     def mirrored(self, base: float) -> Restraints:
         """The same seen from behind, on a body with a base [m]: theta > 0 has become theta < 0."""

@@ -6,7 +6,7 @@ loaded when a function is called, for the configuration takes the names of the m
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
 from typing import TYPE_CHECKING, Any, Literal
@@ -36,7 +36,6 @@ __all__ = [
     "Scene",
     "SearchSettings",
     "auto_response",
-    "cautions",
     "critical_scales",
     "is_upper_bound",
 ]
@@ -224,8 +223,7 @@ class Model:
         known = self.answers(block, scene)
         if np.all(known):
             return self.search(block, scene)
-        some = np.any(known)
-        return self.search(block.chosen(known), scene).among(known) if some else _not_searched(block)
+        return self.search(block.chosen(known), scene).among(known) if np.any(known) else _not_searched(block)
 
 
 _ROWS = (
@@ -342,15 +340,6 @@ USED = (*NAMES, "static", "settled")
 def is_upper_bound(name: str) -> bool:
     """Whether the overturning by a model says no more than that a body may be unsafe."""
     return name in MODELS and MODELS[name].upper_bound != ""
-
-
-def cautions(names: Iterable[str], more: str = "") -> list[str]:
-    """A sentence, with `more` at its end, on each of the models whose input is an upper bound."""
-    return [
-        f"{name}: an {UPPER_BOUND} ({MODELS[name].upper_bound}), not a prediction{more}."
-        for name in names
-        if is_upper_bound(name)
-    ]
 
 
 @dataclass(frozen=True)

@@ -27,7 +27,7 @@ STEP, PHASE = 0.05, 0.1
 #: Speeds over p alpha below which hops are ended where the ground cannot lift the body in the next ones.
 CHATTER = 1e-6
 #: Pieces of one motion; a load whose friction holds a body up makes hops without end.
-MOST_PIECES = 20_000
+MOST_PIECES = 4_000
 
 
 class Answer(NamedTuple):
@@ -261,6 +261,8 @@ def reference(block, acceleration, dt, *, equation="nonlinear", vertical=None, r
             pull = rate(hit, (phi, speed))[1]
             if level is None:
                 hit, phi, speed = hit - speed / pull, phi - 0.5 * speed**2 / pull, 0.0
+            elif speed == 0.0:
+                phi = level
             else:
                 late = (phi - level) / speed
                 hit, phi, speed = hit - late, level, speed - late * pull

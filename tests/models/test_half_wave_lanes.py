@@ -39,7 +39,7 @@ def marched(waves, place, strength, restitution):
     past, left = np.maximum.accumulate(highest), np.append(np.maximum.accumulate(highest[::-1])[::-1], 0.0)
     steps = np.outer(RATES, length[pieces])
     peak = np.empty(place.size)
-    march_pieces(0, place.size, place, strength, restitution, steps, np.exp(steps), ground, past, left, peak)
+    march_pieces(0, place.size, place, strength, restitution, steps, np.exp(steps), ground, past, left, peak, False)
     return peak
 
 

@@ -10,12 +10,15 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from rocking.block import Block
+from rocking.capacity import uplift_scale
 from rocking.predictability import NOT_CHECKED, predictable
 from rocking.response import Response
+from rocking.sliding import sliding_demand
 from rockpulse.assessment.probability import record_probability
 from rockpulse.assessment.record_assessment import RecordAssessment
 from rockpulse.assessment.scene import extract, matched
 from rockpulse.assessment.senses import Senses, senses
+from rockpulse.assessment.storeys import aloft, joined_intervals, joined_responses
 from rockpulse.assessment.tree import EVENT, build_tree, record_part, template
 from rockpulse.config.block_settings import BlockSettings
 from rockpulse.config.bodies import Bodies, gather_bodies
@@ -24,6 +27,7 @@ from rockpulse.failures import Failure
 from rockpulse.ladder import MODELS, USED, Scene, auto_response, critical_scales
 from rockpulse.motions.directions import Motion, PlannedMotion, swept_directions
 from rockpulse.motions.runner import Analysis, Blocks, Part, Watch, Work, run
+from rockpulse.record.intensity import pgv
 from rockpulse.record.record import Record
 from rockpulse.storage.atomic_file import ASSESSMENT
 
@@ -124,7 +128,49 @@ def assess_scene(scene: Scene, bodies: Bodies, config: Config, channels: Sequenc
     """Assess all bodies under one record that was made ready; a ValueError says that a model refuses its numbers.
 
     `channels` are the conditioned ones whose strengths are brought to the demands, as for :func:`record_probability`.
+    Bodies on a floor are assessed under its motion.
     """
+    places = bodies.storeys
+    if len(places) == 1 and not places[0][0]:
+        return _assess_at(scene, bodies, config, channels, 1.0)
+    parts = []
+    for floors, numbers in places:
+        there = matched(aloft(scene, floors, config), config) if floors else scene
+        stronger = there.record.pga / scene.record.pga if scene.record.pga > 0.0 else 1.0
+        parts.append(_assess_at(there, bodies.chosen(numbers), config, channels or [scene.record], stronger))
+    lanes = [(one[1][:, np.newaxis] * bodies.cases + np.arange(bodies.cases)).reshape(-1) for one in places]
+
+    def at_lanes(tables: Sequence[dict[str, np.ndarray]]) -> dict[str, np.ndarray]:
+        found = {}
+        for name, first in tables[0].items():
+            found[name] = np.empty((bodies.lanes.shape[0], *first.shape[1:]), dtype=first.dtype)
+            for own, table in zip(lanes, tables, strict=True):
+                found[name][own] = table[name]
+        return found
+
+    on_ground = parts[0] if not places[0][0] else None
+    return RecordAssessment(
+        scene=scene if on_ground is None else on_ground.scene,
+        bodies=bodies,
+        config=config,
+        responses={
+            name: joined_responses([part.responses[name] for part in parts], lanes, scene.record.npts)
+            for name in parts[0].responses
+        },
+        scales={name: joined_intervals([part.scales[name] for part in parts], lanes) for name in parts[0].scales},
+        used=at_lanes([part.used for part in parts]),
+        applicable=at_lanes([part.applicable for part in parts]),
+        predictable=at_lanes([part.predictable for part in parts]),
+        probability=at_lanes([part.probability for part in parts]),
+        strength=at_lanes([part.strength for part in parts]),
+        spectrum=None if on_ground is None else on_ground.spectrum,
+    )
+
+
+def _assess_at(
+    scene: Scene, bodies: Bodies, config: Config, channels: Sequence[Record], stronger: float
+) -> RecordAssessment:
+    """Assess bodies that stand on the same ground or floor, whose peak is `stronger` than that of the ground."""
     lanes = bodies.lanes
     sides = senses(bodies, scene.record)
     every = {name: MODELS[name].response(sides.block, scene) for name in scene.models.use}
@@ -163,8 +209,30 @@ def assess_scene(scene: Scene, bodies: Bodies, config: Config, channels: Sequenc
         applicable={name: MODELS[name].applicable(lanes, scene).astype(np.int8) for name in responses},
         predictable={name: _predictable(name, sides, scene, one) for name, one in every.items()},
         probability=overturning.values,
+        strength=_strength(scene, bodies, stronger),
         spectrum=overturning.spectrum,
     )
+
+
+def _strength(scene: Scene, bodies: Bodies, stronger: float) -> dict[str, np.ndarray]:
+    """The strength of the motion that bodies feel, over theirs; and the friction that it asks for."""
+    lanes, record, found = bodies.lanes.weaker, scene.record, {}
+    lifting = uplift_scale(bodies.lanes, np.array([-1.0, 1.0]))
+    main = np.nan if scene.sequence is None or scene.sequence.shape else float(scene.sequence.main)
+    found["uplift_ratio"] = record.pga / lifting
+    found["velocity_ratio"] = lanes.p * pgv(record) / lifting
+    found["impulse_ratio"] = main / lanes.critical_impulse
+    found["floor_amplification"] = np.full(lanes.shape, stronger)
+    friction = np.repeat(bodies.friction, bodies.cases)
+    asked = np.flatnonzero(~np.isnan(friction))
+    for name in ("friction_required", "friction_share"):
+        found[name] = np.full(lanes.shape, np.nan)
+    if asked.size:
+        demand = sliding_demand(
+            bodies.lanes.chosen(asked), record.acceleration, record.dt, friction[asked], scene.vertical
+        )
+        found["friction_required"][asked], found["friction_share"][asked] = demand.required, demand.share
+    return found
 
 
 def _predictable(model: str, sides: Senses, scene: Scene, response: Response) -> np.ndarray:

@@ -15,7 +15,7 @@ from rockpulse.assessment.assessment import assess_scene
 from rockpulse.assessment.tree import EVENT, build_tree, record_part
 from rockpulse.calibration.design_spectrum import DesignSpectrum
 from rockpulse.config.block_settings import BlockSettings
-from rockpulse.config.bodies import gather_bodies
+from rockpulse.config.bodies import gather_bodies, refuse_aloft
 from rockpulse.config.configuration import Config
 from rockpulse.errors import ConfigError
 from rockpulse.ladder import SEQUENCE_MODELS, Scene
@@ -75,6 +75,7 @@ def assess_sequence(
     """
     asked_for = config or Config()
     bodies = gather_bodies(asked_for.blocks if blocks is None else blocks)
+    refuse_aloft(bodies, "a design sequence is one of the ground")
     answering: tuple[str, ...] = SEQUENCE_MODELS
     what = "a sequence"
     if isinstance(sequence, DesignSpectrum):

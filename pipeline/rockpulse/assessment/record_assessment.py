@@ -51,6 +51,7 @@ class RecordAssessment:
     applicable: dict[str, np.ndarray]
     predictable: dict[str, np.ndarray]
     probability: dict[str, np.ndarray]  # of overturning, by variable, of all lanes
+    strength: dict[str, np.ndarray]  # of the motion over that of the bodies, by variable, of all lanes
     spectrum: OverturningSpectrum | None = None  # None where no body is read from it
     shaken: bool = True  # False where a sequence of impulses stands in place of a record
 

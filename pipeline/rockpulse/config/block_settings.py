@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from rocking.block_limits import LARGEST_SIZE, doubt_of_size, radius_of_rectangle
-from rockpulse.config.restraint_settings import LoadSettings, ThrustSettings, TieSettings
+from rockpulse.config.restraint_settings import FloorSettings, LoadSettings, ThrustSettings, TieSettings
 from rockpulse.errors import ConfigError
 from rockpulse.option import KeyType, Section, boolean, entries, is_number, key, number
 from rockpulse.record.record import STANDARD_GRAVITY
@@ -99,6 +99,8 @@ class BlockSettings(Section):
         Mass [kg], or density [kg/m3] and length along the base [m]: needed with ties, loads or thrusts.
     ties, loads, thrusts : tuple
         In TOML [[block.tie]], [[block.load]] and [[block.thrust]].
+    floors : tuple of FloorSettings
+        Modes of the building that it stands on, [[block.floor]]; none for a body on the ground.
     confirm_size : bool
         Take also a body that is larger than 30 m, less than 5 cm high or 1 mm wide, or wider than high. A body by p and
         alpha is measured as the rectangle with its R and alpha.
@@ -141,6 +143,7 @@ class BlockSettings(Section):
     ties: tuple[TieSettings, ...] = entries(TieSettings)
     loads: tuple[LoadSettings, ...] = entries(LoadSettings)
     thrusts: tuple[ThrustSettings, ...] = entries(ThrustSettings)
+    floors: tuple[FloorSettings, ...] = entries(FloorSettings)
 
     @property
     def where(self) -> str:

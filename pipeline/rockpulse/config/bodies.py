@@ -4,14 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 from rocking.block import Block
 from rockpulse.config.block_settings import BlockSettings
+from rockpulse.config.restraint_settings import FloorSettings
 from rockpulse.errors import ConfigError
 
-__all__ = ["Bodies", "gather_bodies"]
+__all__ = ["Bodies", "gather_bodies", "refuse_aloft"]
+
+#: Mass of a body over that of its floor above which it would change the floor's motion noticeably [-].
+LIGHT = 0.05
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,8 +35,24 @@ class Bodies:
     facing: np.ndarray
     #: Coefficient of friction at the base of each body [-]; NaN where it was not given.
     friction: np.ndarray
+    #: Modes of the building under each body; none for one on the ground.
+    floors: tuple[tuple[FloorSettings, ...], ...]
     #: Remarks on each body, one a line.
     warnings: tuple[str, ...]
+
+    @property
+    def storeys(self) -> list[tuple[tuple[FloorSettings, ...], np.ndarray]]:
+        """The different places that bodies stand on, with the numbers of the bodies there; the ground first."""
+        every = sorted(dict.fromkeys(self.floors), key=len)
+        return [(one, np.flatnonzero([own == one for own in self.floors])) for one in every]
+
+    def chosen(self, places: np.ndarray) -> Bodies:
+        """Some of the bodies."""
+        lanes = (places[:, np.newaxis] * self.cases + np.arange(self.cases)).reshape(-1)
+        some: dict[str, Any] = {name: getattr(self, name)[places] for name in ("width", "height", "facing", "friction")}
+        for name in ("names", "floors", "warnings"):
+            some[name] = tuple(getattr(self, name)[place] for place in places)
+        return Bodies(lanes=self.lanes.chosen(lanes), cases=self.cases, **some)
 
     def per_case(self, values: np.ndarray) -> np.ndarray:
         """(..., b x cases) -> (..., b, cases)."""
@@ -91,11 +112,34 @@ def gather_bodies(blocks: Sequence[BlockSettings] | Mapping[str, Block]) -> Bodi
         height=np.array([np.max(block.height) for block in named.values()]),
         facing=_told(given, named, "facing"),
         friction=_told(given, named, "friction"),
-        warnings=tuple("\n".join(block.warnings) for block in named.values()),
+        floors=tuple(given[name].floors if name in given else () for name in named),
+        warnings=tuple(
+            "\n".join([*block.warnings, *(_heavy(given[name], block) if name in given else [])])
+            for name, block in named.items()
+        ),
     )
+
+
+def refuse_aloft(bodies: Bodies, why: str) -> None:
+    """Raise ConfigError where a body stands on a floor, and say why that cannot be."""
+    names = [name for name, floors in zip(bodies.names, bodies.floors, strict=True) if floors]
+    if names:
+        raise ConfigError(f"[[block.floor]] of {', '.join(names)}: {why}; leave such bodies out, or their floors")
 
 
 def _told(given: Mapping[str, BlockSettings], named: Mapping[str, Block], key: str) -> np.ndarray:
     """A key of each body; NaN where it was not given, or the body is a Block."""
     values = [given[name][key] if name in given else None for name in named]
     return np.array([np.nan if value is None else value for value in values], dtype=float)
+
+
+def _heavy(body: BlockSettings, block: Block) -> list[str]:
+    """A remark on a body that is heavy beside its floor."""
+    masses = [floor.mass for floor in body.floors if floor.mass is not None]
+    mass = float(np.max(block.mass))
+    if not masses or not mass > LIGHT * min(masses):
+        return []
+    return [
+        f"mass {mass:.4g} kg is {mass / min(masses):.2g} of its floor's: the floor's motion is worked out without the "
+        f"body, which holds up to {LIGHT:g}"
+    ]

@@ -1,4 +1,4 @@
-"""What holds or pushes a body of the configuration: [[block.tie]], [[block.load]], [[block.thrust]]."""
+"""What a body of the configuration stands on and is held by: [[block.floor]], .tie, .load and .thrust."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from rockpulse.option import Section, choice, number
 if TYPE_CHECKING:
     from rocking.restraint import Load, Thrust, Tie
 
-__all__ = ["LoadSettings", "ThrustSettings", "TieSettings"]
+__all__ = ["FloorSettings", "LoadSettings", "ThrustSettings", "TieSettings"]
 
 
 @dataclass(frozen=True)
@@ -35,6 +35,17 @@ class TieSettings(Section):
         found: dict[str, Any] = {name: self[name] for name in self.keys()}
         found |= {name: math.inf for name in ("yield_force", "ultimate") if found[name] is None}
         return Tie(**found)
+
+
+@dataclass(frozen=True)
+class FloorSettings(Section):
+    """A mode of the building that a body stands on, as :func:`rocking.floor_motion` has it; `mass` is of the floor."""
+
+    heading = "[[block.floor]]"
+    period: float = number(dataclasses.MISSING, low=0.01, high=20.0, unit="s")
+    damping: float = number(0.05, low=0.0, high=0.99, above=True)
+    participation: float = number(1.0)
+    mass: float | None = number(None, low=0.0, above=True, unit="kg")
 
 
 @dataclass(frozen=True)

@@ -52,7 +52,7 @@ __all__ = [
 ]
 
 #: MAJOR.MINOR of the layout described in docs/schema.md; another MAJOR is refused.
-SCHEMA_VERSION = "1.4"
+SCHEMA_VERSION = "1.5"
 
 #: Kinds of files that are read back, and the group that each of them has.
 KINDS = {ASSESSMENT: "summary", SITE_KIND: "site", FRAGILITY: "fragility", RULE_KIND: "rates", STUDY: "statements"}

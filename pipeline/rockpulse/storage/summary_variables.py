@@ -11,6 +11,8 @@ from typing import Any
 
 import numpy as np
 
+from rocking.block import Block
+from rocking.capacity import uplift_scale
 from rocking.predictability import NOT_CHECKED
 from rocking.response import Outcome, Reason
 from rockpulse.config.bodies import Bodies
@@ -55,10 +57,13 @@ def _capacity_pga(one: Any, model: str) -> np.ndarray:
     return np.asarray(one.scales[model].safety_factor * one.record.pga)
 
 
-def _uplift_acceleration(one: Any) -> np.ndarray:
-    """Of each lane the horizontal acceleration that lifts it, g tan(alpha_c)."""
-    lanes = one.bodies.lanes
-    return np.asarray(lanes.gravity * np.tan(lanes.alpha_c))
+def _of_strength(name: str) -> Callable[[Any], Any]:
+    return lambda one: one.per_lane(one.strength[name])
+
+
+def _lifting(lanes: Block) -> np.ndarray:
+    """Smallest horizontal acceleration that lifts each of (m,) bodies [m/s2], g tan(alpha_c) where nothing holds it."""
+    return uplift_scale(lanes, np.array([-1.0, 1.0]))
 
 
 def _vertical_channel(one: Any) -> str:
@@ -171,20 +176,40 @@ DEMAND = along(
         "uplift_ratio": real(
             "1",
             "PGA/(g tan alpha_c)",
-            lambda one: one.per_lane(one.record.pga / _uplift_acceleration(one)),
+            _of_strength("uplift_ratio"),
             of_ground=True,
+            explanation="over `uplift_acceleration`; of a body on a floor the PGA is the floor's",
         ),
         "velocity_ratio": real(
             "1",
             "p PGV/(g tan alpha_c)",
-            lambda one: one.per_lane(one.bodies.lanes.p * pgv(one.record) / _uplift_acceleration(one)),
+            _of_strength("velocity_ratio"),
             of_ground=True,
         ),
         "impulse_ratio": real(
             "1",
             "I/I_1c; NaN where the record gave no sequence",
-            lambda one: one.per_lane(_of_sequence("main")(one) / one.bodies.lanes.critical_impulse),
+            _of_strength("impulse_ratio"),
         ),
+        "floor_amplification": real(
+            "1",
+            "peak acceleration of the floor that the body stands on over that of the ground; 1 on the ground",
+            _of_strength("floor_amplification"),
+            of_ground=True,
+            since=5,
+        ),
+        **{
+            name: real("1", words, _of_strength(name), of_ground=True, since=5, explanation=explanation)
+            for name, words, explanation in (
+                (
+                    "friction_required",
+                    "largest coefficient of friction that the motion without sliding asks for",
+                    "of the nonlinear model, impacts aside; inf where the normal force vanishes; NaN where the body "
+                    "has no `friction`, a wall behind it, ties, loads or thrusts",
+                ),
+                ("friction_share", "share of the samples at which it asks for more than `friction`", "NaN as above"),
+            )
+        },
     },
 )
 
@@ -299,8 +324,39 @@ BLOCK = along(
             "it, else that of the rectangle with the same p",
             _of_body("radius"),
         ),
-        "alpha_c": real("rad", "critical angle", _of_body("alpha_c")),
-        "p": real("s-1", "frequency parameter", _of_body("p")),
+        "alpha_c": real("rad", "critical angle", _of_body("alpha_c"), explanation="about the right-hand corner"),
+        "p": real("s-1", "frequency parameter", _of_body("p"), explanation="about the right-hand corner"),
+        "alpha_2": real("rad", "critical angle about the left-hand corner", _of_body("alpha_2"), since=5),
+        "p_2": real("s-1", "frequency parameter about the left-hand corner", _of_body("p_2"), since=5),
+        "radius_2": real("m", "from the left-hand corner to the centre of mass", _of_body("radius_2"), since=5),
+        "one_sided": flag(
+            ("no", "yes"), "whether the body leans on a wall and falls away from it only", _of_body("side"), since=5
+        ),
+        "facing": real(
+            "degree",
+            "azimuth towards which such a body falls; NaN where not known",
+            lambda b, config: b.facing,
+            since=5,
+        ),
+        "friction": real("1", "coefficient at the base; NaN where not known", lambda b, config: b.friction, since=5),
+        "mass": real("kg", "mass with the loads that it carries along; NaN where not known", _of_body("mass"), since=5),
+        "restraints": text(
+            "ties, loads and thrusts of the body",
+            lambda bodies, config: [
+                "" if held is None else held.as_text()
+                for held in np.broadcast_to(np.array(bodies.lanes.restraints, dtype=object), bodies.lanes.shape)[
+                    :: bodies.cases
+                ]
+            ],
+            since=5,
+            explanation="as JSON, in SI units; empty for none",
+        ),
+        "uplift_acceleration": real(
+            "m s-2",
+            "smallest horizontal acceleration that lifts it",
+            lambda bodies, config: _lifting(bodies.lanes)[:: bodies.cases],
+            since=5,
+        ),
         "gravity": real(
             "m s-2",
             "acceleration of gravity at the block",
@@ -323,6 +379,14 @@ CASE = {
         "velocity ratio C of an impact",
         lambda bodies, config: bodies.per_case(np.asarray(bodies.lanes.restitution)),
         dims=("block", "case"),
+        explanation="that ends the rotation about the right-hand corner; of a one-sided body its rebound",
+    ),
+    "restitution_2": real(
+        "1",
+        "velocity ratio C of an impact that ends the rotation about the left-hand corner",
+        lambda bodies, config: bodies.per_case(np.asarray(bodies.lanes.restitution_2)),
+        dims=("block", "case"),
+        since=5,
     ),
 }
 

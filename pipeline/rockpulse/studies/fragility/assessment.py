@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from rocking.block import Block
 from rockpulse.config.block_settings import BlockSettings
-from rockpulse.config.bodies import gather_bodies
+from rockpulse.config.bodies import gather_bodies, refuse_aloft
 from rockpulse.config.configuration import Config
 from rockpulse.failures import Failure
 from rockpulse.motions.directions import PlannedMotion
@@ -88,7 +88,9 @@ class FragilityAnalysis(Analysis):
 
     def __init__(self, config: Config, blocks: Blocks | None = None) -> None:
         super().__init__(config)
-        self.block_names, self.lanes = gather_bodies(config.blocks if blocks is None else blocks).apart()
+        bodies = gather_bodies(config.blocks if blocks is None else blocks)
+        refuse_aloft(bodies, "fragility is of bodies on the ground")
+        self.block_names, self.lanes = bodies.apart()
 
     @property
     def work(self) -> Work:

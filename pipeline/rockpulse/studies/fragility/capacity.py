@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from rocking.block import Block
 from rockpulse.assessment.scene import extract
 from rockpulse.config.configuration import Config
 from rockpulse.errors import TooWeak
+from rockpulse.ladder import Scene
 from rockpulse.motions.directions import Motion
 from rockpulse.motions.runner import Part, Watch
 from rockpulse.storage.fact_variables import FACTS, facts_of
@@ -27,13 +30,26 @@ def motion_capacity(motion: Motion, watch: Watch, block: Block, config: Config) 
     limit state was. Beyond ``[fragility] factors`` a scaled record stands for no recorded one: an incremental analysis
     ends there, and a stripe has no answer.
 
+    With a body before a wall the motion and its reverse are two rows, of one earthquake.
+
     Raises ValueError where the motion has no intense phase or the model refuses its numbers, TooWeak below the smallest
     PGA.
     """
-    settings = config.fragility
     with watch("condition"):
         scene = extract(motion.record, config, motion.vertical)
-    record = scene.record
+    found = _capacity(scene, watch, block, config)
+    if not np.any(np.asarray(block.side)):
+        return found
+    # A body before a wall falls to one side only, and the earthquake might have come from the other one.
+    turned = replace(scene.record, acceleration=-scene.record.acceleration, id=f"{scene.record.id} reversed")
+    waves = replace(scene.waves, impulse=-scene.waves.impulse, peak=-scene.waves.peak)
+    other = _capacity(replace(scene, record=turned, waves=waves), watch, block, config)
+    return {name: np.concatenate([values, other[name]]) for name, values in found.items()}
+
+
+def _capacity(scene: Scene, watch: Watch, block: Block, config: Config) -> Part:
+    """The capacities under one scene."""
+    settings, record = config.fragility, scene.record
     if record.pga < settings.pga_min:
         raise TooWeak(
             f"{record.id}: PGA {record.pga:.3g} m/s2 is below [fragility] pga_min = {settings.pga_min:g} m/s2"

@@ -118,7 +118,8 @@ TESTED = (*QUALITIES, STRENGTH, *STATED)
 
 def record_measures(scene: Scene, block: Block, names: tuple[str, ...]) -> np.ndarray:
     """The k named measures of a record as it is, (k, m) in the unit of each, for (m,) lanes."""
-    return np.stack([np.broadcast_to(MEASURES[name].value(scene, block), block.shape) for name in names])
+    weaker = block.weaker
+    return np.stack([np.broadcast_to(MEASURES[name].value(scene, weaker), block.shape) for name in names])
 
 
 def record_qualities(scene: Scene) -> dict[str, float]:

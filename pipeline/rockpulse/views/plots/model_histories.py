@@ -145,7 +145,7 @@ def _of_record(
     dt = float(summary["dt"].sel(record=record))
     stored = _stored(tree, record, block, model, case)
     if stored is not None:
-        return dt * np.arange(stored.size), stored / body.alpha_c, None
+        return dt * np.arange(stored.size), body.ratio(stored), None
     if model == "impulsive":
         waves = ragged(tree, "half_wave_row_size", ["half_wave_centroid", "half_wave_impulse"], record)
         if waves is None:
@@ -171,14 +171,16 @@ def _of_record(
         if ragged(tree, "row_size", ["acceleration"], record) is None:
             raise ResultsError(f"{record}: {STORE}, or with [models] histories = true")
         motion = stored_record(tree, record)
-        response = recorded_response(
-            body,
-            motion.acceleration,
-            motion.dt,
-            equation="linear" if model == "linear" else "nonlinear",
-            history=True,
+        equation: Any = "linear" if model == "linear" else "nonlinear"
+        # What is stored of a body before a wall is the worse of both senses of the record.
+        response = max(
+            (
+                recorded_response(one, motion.acceleration, motion.dt, equation=equation, history=True)
+                for one in ([body, body.mirrored()] if body.side else [body])
+            ),
+            key=lambda one: float(np.nan_to_num(one.peak_rotation_ratio, nan=np.finfo(float).max)),
         )
-    return response.time, response.rotation / body.alpha_c, float(response.peak_rotation_ratio)
+    return response.time, body.ratio(response.rotation), float(response.peak_rotation_ratio)
 
 
 def _stored(tree: xr.DataTree, record: str, block: str, model: str, case: int) -> np.ndarray | None:

@@ -12,6 +12,7 @@ import numpy as np
 
 from rocking.block import Block
 from rocking.impulse_sequence import ImpulseSequence
+from rocking.restraint import Restraints
 from rockpulse.errors import ResultsError
 from rockpulse.ladder import ModelSettings
 from rockpulse.storage.hdf5_reader import flag_words
@@ -104,6 +105,16 @@ def block_of(summary: xr.Dataset, block: str, case: int = 1) -> Block:
         Number of its restitution, from 1.
     """
     own = summary.sel(block=block).isel(chosen_case(summary, case))
+    if "restraints" in own:
+        names = ("alpha_c", "p", "radius", "restitution", "alpha_2", "p_2", "radius_2", "restitution_2", "mass")
+        return Block.restored(
+            float(own["gravity"]),
+            Restraints.from_text(str(own["restraints"].values)),
+            half_width=0.5 * float(own["width"]),
+            half_height=0.5 * float(own["height"]),
+            side=int(own["one_sided"]),
+            **{name: float(own[name]) for name in names},
+        )
     p, alpha, c, gravity, radius = (float(own[name]) for name in ("p", "alpha_c", "restitution", "gravity", "radius"))
     # The remarks on it were logged when it was assessed.
     return Block.from_parameters(p, alpha, c, gravity, radius=own_radius(radius, p, gravity), log=False)

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from rockpulse.assessment.verdict import BodyVerdict
-from rockpulse.ladder import cautions
 from rockpulse.views.report.answers import AnswerCells
 from rockpulse.views.shared.answer_cells import AT_MOST, margin_cells, marks_of
 from rockpulse.views.shared.record_marks import doubt_notes
@@ -16,6 +15,7 @@ from rockpulse.views.shared.verdict_notes import (
     SO_FAR,
     UNPREDICTABLE,
     beyond_critical,
+    cautions,
 )
 from rockpulse.views.text.capacity import factor_notes
 

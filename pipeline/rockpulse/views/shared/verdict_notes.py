@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Collection, Iterable
 
 import numpy as np
 
 from rocking.response import Outcome, Reason
 from rockpulse.assessment.answers import Answers, Motions
 from rockpulse.assessment.verdict import MAY_OVERTURN, OVERTURNS
-from rockpulse.ladder import cautions
+from rockpulse.ladder import MODELS, UPPER_BOUND, is_upper_bound
 from rockpulse.motions.events import FEWEST_EVENTS
 from rockpulse.storage.hdf5_reader import flag_words
 from rockpulse.views.shared.record_marks import doubt_notes, record_cells
@@ -26,6 +26,7 @@ __all__ = [
     "SO_FAR",
     "UNPREDICTABLE",
     "beyond_critical",
+    "cautions",
     "counted",
     "noun",
     "share_notes",
@@ -130,3 +131,12 @@ def counted(motions: Motions) -> str:
 def noun(motions: Motions) -> str:
     """The word for a motion."""
     return {"record": "record", "pair": "pair of channels", "sequence": "sequence"}[motions.kind]
+
+
+def cautions(names: Iterable[str], more: str = "") -> list[str]:
+    """A sentence, with `more` at its end, on each of the models whose input is an upper bound."""
+    return [
+        f"{name}: an {UPPER_BOUND} ({MODELS[name].upper_bound}), not a prediction{more}."
+        for name in names
+        if is_upper_bound(name)
+    ]

@@ -9,12 +9,12 @@ import numpy as np
 
 from rocking.response import Outcome
 from rockpulse.assessment.answers import Answers, lanes, swept_answers
-from rockpulse.ladder import cautions
 from rockpulse.record.record import STANDARD_GRAVITY
 from rockpulse.views.shared.answer_cells import NAMES, TITLES, factor_cell
 from rockpulse.views.shared.record_marks import doubt, doubt_notes
 from rockpulse.views.shared.table import Cell, Heading, Table, lines, number
 from rockpulse.views.shared.terminal import ABSENT, figure, paragraph, ratio, restitution, shortened
+from rockpulse.views.shared.verdict_notes import cautions
 from rockpulse.views.text.capacity import NAME_WIDTH, factor_notes
 
 if TYPE_CHECKING:

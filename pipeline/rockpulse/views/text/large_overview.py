@@ -7,12 +7,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from rockpulse.assessment.answers import Answers, lanes
-from rockpulse.ladder import cautions
 from rockpulse.record.record import STANDARD_GRAVITY
 from rockpulse.storage.selection import Selection
 from rockpulse.views.shared.record_marks import doubt_notes, record_cells
 from rockpulse.views.shared.table import Cell, Heading, Table, number, text
 from rockpulse.views.shared.terminal import ABSENT, fixed, paragraph
+from rockpulse.views.shared.verdict_notes import cautions
 from rockpulse.views.text.capacity import smallest_capacities
 from rockpulse.views.text.directions import direction_table
 from rockpulse.views.text.lists import case_list, worst_first

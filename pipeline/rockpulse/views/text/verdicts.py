@@ -171,6 +171,8 @@ def body_verdicts(answers: Answers, most: int | None = None) -> str:
     factors, (top, turn) = _middle_factors(answers), _largest_survived(answers)
     gravity = answers.summary["gravity"].values if "gravity" in answers.summary else STANDARD_GRAVITY
     uplift = np.tan(answers.summary["alpha_c"].values) * gravity / STANDARD_GRAVITY
+    if "uplift_acceleration" in answers.summary:
+        uplift = answers.summary["uplift_acceleration"].values / STANDARD_GRAVITY
     of = "P" if answers.probable else "share"
     shares = [f"{of} at {name}" for name in answers.demands] if answers.demands else [of]
     headings = ("", "verdict", *shares, "up to", "a_up [g]", "f_50" if answers.probable else "median SF")

@@ -1,0 +1,90 @@
+"""Bodies on the floors of buildings: the motion that each of them feels, and the answers of all put together."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import fields, replace
+from typing import Any
+
+import numpy as np
+
+from rocking.floor import floor_motion
+from rocking.response import HalfCycles, Response
+from rocking.scale_search import ScaleIntervals
+from rockpulse.assessment.scene import extract
+from rockpulse.config.configuration import Config
+from rockpulse.config.restraint_settings import FloorSettings
+from rockpulse.ladder import Scene
+
+__all__ = ["aloft", "joined_intervals", "joined_responses"]
+
+#: The oscillations of a floor are followed until they are below so much of gravity: a thousandth of the uplift of a
+#: body of slenderness 10.
+QUIET = 1e-4
+
+
+def aloft(scene: Scene, floors: Sequence[FloorSettings], config: Config) -> Scene:
+    """The scene as bodies on a floor have it: its motion, half-waves and sequence; the vertical is the ground's."""
+    record = scene.record
+    found = floor_motion(
+        record.acceleration,
+        record.dt,
+        [one.period for one in floors],
+        [one.damping for one in floors],
+        [one.participation for one in floors],
+        quiet=QUIET * 9.80665,
+    )
+    there = extract(replace(record, acceleration=found.acceleration, dt=found.dt), config)
+    if scene.vertical is None:
+        return there
+    times = found.dt * np.arange(found.acceleration.size)
+    lift = np.interp(times, record.dt * np.arange(scene.vertical.size), scene.vertical, right=0.0)
+    return replace(there, vertical=lift)
+
+
+def joined_responses(parts: Sequence[Response], lanes: Sequence[np.ndarray], samples: int) -> Response:
+    """Responses of some lanes each, at their places, as one; histories at the (n,) samples of the ground."""
+    count = sum(places.size for places in lanes)
+    found: dict[str, Any] = {"time": parts[0].time}
+    for item in fields(Response):
+        values = [getattr(part, item.name) for part in parts]
+        if item.name == "time" or any(value is None for value in values):
+            continue
+        if isinstance(values[0], HalfCycles):
+            found[item.name] = _joined_cycles(values, lanes, count)
+            continue
+        if item.name in ("rotation", "velocity"):
+            values = [value[:, :: max(1, (value.shape[1] - 1) // (samples - 1))][:, :samples] for value in values]
+        whole = np.empty((count, *np.shape(values[0])[1:]), dtype=np.asarray(values[0]).dtype)
+        for places, value in zip(lanes, values, strict=True):
+            whole[places] = value
+        found[item.name] = whole
+    return Response(**{item.name: found.get(item.name) for item in fields(Response)})
+
+
+def _joined_cycles(parts: Sequence[HalfCycles], lanes: Sequence[np.ndarray], count: int) -> HalfCycles:
+    longest = max(part.start_velocity.shape[0] for part in parts)
+    found = {}
+    for item in fields(HalfCycles):
+        values = [getattr(part, item.name) for part in parts]
+        whole = np.full((longest, count), -1 if item.name == "impulse_count" else np.nan, dtype=values[0].dtype)
+        for places, value in zip(lanes, values, strict=True):
+            whole[: value.shape[0], places] = value
+        found[item.name] = whole
+    return HalfCycles(**found)
+
+
+def joined_intervals(parts: Sequence[ScaleIntervals], lanes: Sequence[np.ndarray]) -> ScaleIntervals:
+    """Intervals of some lanes each, at their places, as one."""
+    lane = np.concatenate([places[part.lane] for places, part in zip(lanes, parts, strict=True)])
+    order = np.argsort(lane, kind="stable")
+    rows = {
+        name: np.concatenate([getattr(part, name) for part in parts])[order]
+        for name in ("lower", "upper", "open", "resolved")
+    }
+    whole = {}
+    for name in ("safety_factor", "safe_up_to", "step"):
+        whole[name] = np.empty(sum(places.size for places in lanes))
+        for places, part in zip(lanes, parts, strict=True):
+            whole[name][places] = getattr(part, name)
+    return ScaleIntervals(lane=lane[order], **rows, **whole)

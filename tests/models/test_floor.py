@@ -1,0 +1,60 @@
+"""The motion of floors against closed forms and a slow integration."""
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+from rocking import floor_motion
+
+
+def test_a_stiff_building_moves_with_the_ground():
+    ground = np.sin(2.0 * np.pi * np.arange(0.0, 5.0, 0.01))
+    found = floor_motion(ground, 0.01, period=0.01)
+    assert found.dt == pytest.approx(0.00025)
+    assert found.acceleration[:: round(0.01 / found.dt)][: ground.size] == pytest.approx(ground, abs=0.02)
+
+
+def test_resonance_builds_up_to_half_the_inverse_of_damping():
+    t = np.arange(0.0, 60.0, 0.01)
+    found = floor_motion(np.sin(2.0 * np.pi * t / 0.5), 0.01, period=0.5, damping=0.05)
+    assert found.amplification == pytest.approx(np.hypot(1.0, 2 * 0.05) / (2 * 0.05), rel=5e-3)
+
+
+def test_modes_act_in_parallel_as_integrated():
+    rng = np.random.default_rng(1)
+    ground, dt = np.append(0.0, rng.normal(size=149)), 0.02
+    periods, dampings, shares = (0.6, 0.2), (0.05, 0.03), (1.3, -0.4)
+    found = floor_motion(ground, dt, periods, dampings, shares)
+    times = found.dt * np.arange(round(149 * dt / found.dt) + 1)
+    expected = np.interp(times, dt * np.arange(150), ground)
+    for period, ratio, share in zip(periods, dampings, shares, strict=True):
+        rate = 2.0 * np.pi / period
+
+        def pull(t, y, rate=rate, ratio=ratio):
+            a = np.interp(t, dt * np.arange(150), ground)
+            return y[1], -a - 2.0 * ratio * rate * y[1] - rate**2 * y[0]
+
+        run = solve_ivp(pull, (0.0, times[-1]), (0.0, 0.0), "DOP853", t_eval=times, max_step=dt, rtol=1e-10, atol=1e-12)
+        expected += share * np.array([pull(t, y)[1] for t, y in zip(times, run.y.T, strict=True)])
+    assert found.acceleration[: times.size] == pytest.approx(expected, abs=1e-6 * np.max(np.abs(expected)))
+
+
+def test_the_floor_is_followed_until_it_is_quiet():
+    ground = np.sin(2.0 * np.pi * np.arange(0.0, 4.0, 0.01) / 0.4)
+    found = floor_motion(ground, 0.01, period=0.4, damping=0.02, quiet=1e-3)
+    assert found.acceleration.size * found.dt > 4.0 + np.log(10.0 / 1e-3) / (0.02 * 2.0 * np.pi / 0.4) * 0.8
+    assert np.max(np.abs(found.acceleration[-3:])) < 2e-3
+
+
+@pytest.mark.parametrize(
+    ("given", "words"),
+    [
+        ({"period": 0.0}, "period"),
+        ({"period": 0.4, "damping": 0.0}, "above 0 and below 1"),
+        ({"period": [0.4, 0.2], "damping": [0.05, 0.05, 0.05]}, "arrays of one length"),
+        ({"period": 0.4, "quiet": 0.0}, "quiet"),
+    ],
+)
+def test_wrong_modes_are_refused(given, words):
+    with pytest.raises(ValueError, match=words):
+        floor_motion(np.ones(10), 0.01, **given)
