@@ -15,8 +15,9 @@ from rockpulse.assessment.scene import extract
 from rockpulse.config.configuration import Config
 from rockpulse.config.restraint_settings import FloorSettings
 from rockpulse.ladder import Scene
+from rockpulse.record.record import STANDARD_GRAVITY, Record
 
-__all__ = ["aloft", "joined_intervals", "joined_responses"]
+__all__ = ["aloft", "floor_record", "joined_intervals", "joined_responses"]
 
 #: The oscillations of a floor are followed until they are below so much of gravity: a thousandth of the uplift of a
 #: body of slenderness 10.
@@ -25,21 +26,26 @@ QUIET = 1e-4
 
 def aloft(scene: Scene, floors: Sequence[FloorSettings], config: Config) -> Scene:
     """The scene as bodies on a floor have it: its motion, half-waves and sequence; the vertical is the ground's."""
-    record = scene.record
+    record, found = scene.record, floor_record(scene.record, floors)
+    there = extract(found, config)
+    if scene.vertical is None:
+        return there
+    times = found.dt * np.arange(found.npts)
+    lift = np.interp(times, record.dt * np.arange(scene.vertical.size), scene.vertical, right=0.0)
+    return replace(there, vertical=lift)
+
+
+def floor_record(record: Record, floors: Sequence[FloorSettings]) -> Record:
+    """The motion of a floor under a conditioned record, by the modes of its building."""
     found = floor_motion(
         record.acceleration,
         record.dt,
         [one.period for one in floors],
         [one.damping for one in floors],
         [one.participation for one in floors],
-        quiet=QUIET * 9.80665,
+        quiet=QUIET * STANDARD_GRAVITY,
     )
-    there = extract(replace(record, acceleration=found.acceleration, dt=found.dt), config)
-    if scene.vertical is None:
-        return there
-    times = found.dt * np.arange(found.acceleration.size)
-    lift = np.interp(times, record.dt * np.arange(scene.vertical.size), scene.vertical, right=0.0)
-    return replace(there, vertical=lift)
+    return replace(record, acceleration=found.acceleration, dt=found.dt)
 
 
 def joined_responses(parts: Sequence[Response], lanes: Sequence[np.ndarray], samples: int) -> Response:

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import dataclasses
+import json
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -12,7 +14,14 @@ from rockpulse.option import Section, choice, number
 if TYPE_CHECKING:
     from rocking.restraint import Load, Thrust, Tie
 
-__all__ = ["FloorSettings", "LoadSettings", "ThrustSettings", "TieSettings"]
+__all__ = [
+    "FloorSettings",
+    "LoadSettings",
+    "ThrustSettings",
+    "TieSettings",
+    "floors_as_text",
+    "floors_from_text",
+]
 
 
 @dataclass(frozen=True)
@@ -79,3 +88,13 @@ class ThrustSettings(Section):
         from rocking.restraint import Thrust
 
         return Thrust(self.force, self.height, self.distance)
+
+
+def floors_as_text(floors: Sequence[FloorSettings]) -> str:
+    """Modes of a building as a text of JSON; empty for the ground."""
+    return json.dumps([vars(one) for one in floors]) if floors else ""
+
+
+def floors_from_text(told: str) -> list[FloorSettings]:
+    """Modes from :func:`floors_as_text`."""
+    return [FloorSettings(**one) for one in json.loads(told)] if told else []

@@ -111,7 +111,8 @@ class Analysis(ABC):
 
     def of_event(self, part: Part, event: str) -> Part:
         """A part with the earthquake of its motion, which all records together tell, and no motion alone."""
-        return {**part, self.event_name: np.array([event])}
+        rows = len(part["record"]) if "record" in part else 1
+        return {**part, self.event_name: np.array([event] * rows)}
 
 
 def run(

@@ -17,6 +17,7 @@ from rocking.predictability import NOT_CHECKED
 from rocking.response import Outcome, Reason
 from rockpulse.config.bodies import Bodies
 from rockpulse.config.configuration import Config
+from rockpulse.config.restraint_settings import floors_as_text
 from rockpulse.config.settings import SPACINGS
 from rockpulse.ladder import USED
 from rockpulse.record.intensity import arias_intensity, pgv
@@ -350,6 +351,12 @@ BLOCK = along(
             ],
             since=5,
             explanation="as JSON, in SI units; empty for none",
+        ),
+        "floors": text(
+            "modes of the building that the body stands on",
+            lambda bodies, config: [floors_as_text(floors) for floors in bodies.floors],
+            since=5,
+            explanation="as JSON: period [s], damping and participation [-] of each; empty on the ground",
         ),
         "uplift_acceleration": real(
             "m s-2",

@@ -1,3 +1,4 @@
+from .bodies import bodies as bodies
 from .critical_factors import critical_scale as critical_scale
 from .critical_factors import overturning_map as overturning_map
 from .fragility_curves import fragility as fragility

@@ -13,6 +13,7 @@ from rockpulse.assessment.spectrum import rocking_spectrum as compute_spectrum
 from rockpulse.config.uncertainty_settings import UncertaintySettings
 from rockpulse.errors import ConfigError, ResultsError
 from rockpulse.studies.accuracy.measurement import table_of
+from rockpulse.views.plots.bodies import bodies
 from rockpulse.views.plots.critical_factors import critical_scale, overturning_map
 from rockpulse.views.plots.demand_marks import factors_to_demands
 from rockpulse.views.plots.fragility_curves import fragility
@@ -199,6 +200,7 @@ def _work_precision(tree: xr.DataTree) -> Figure:
 #: By the names of :data:`rockpulse.views.plots.kinds.KINDS`.
 DRAWERS: dict[str, Callable[..., Figure]] = {
     "accelerogram": _accelerogram,
+    "bodies": bodies,
     "limit-accelerogram": _limit_accelerogram,
     "rotation-history": _rotation_history,
     "rocking-spectrum": _rocking_spectrum,

@@ -44,6 +44,12 @@ KINDS = {
         _STORED,
         ("record",),
     ),
+    "bodies": PictureKind(
+        "bodies with their sizes, walls, ties, loads and floors, drawn from their numbers",
+        ASSESSMENT,
+        _ASSESS,
+        ("block",),
+    ),
     "limit-accelerogram": PictureKind(
         "limit accelerogram of a block and its secondary sequence (the paper's Figures 1 and 2)",
         ASSESSMENT,

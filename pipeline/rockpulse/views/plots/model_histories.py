@@ -11,6 +11,8 @@ from rocking.block import Block
 from rocking.impulsive import impulsive_response
 from rocking.recorded import recorded_response
 from rocking.response import IMPACT_CUTOFF, Outcome
+from rockpulse.assessment.storeys import floor_record
+from rockpulse.config.restraint_settings import floors_from_text
 from rockpulse.errors import ResultsError
 from rockpulse.ladder import SEQUENCE_MODELS
 from rockpulse.studies.paper.motion_history import HalfCycle, rotation_history
@@ -146,6 +148,13 @@ def _of_record(
     stored = _stored(tree, record, block, model, case)
     if stored is not None:
         return dt * np.arange(stored.size), body.ratio(stored), None
+    told = str(summary["floors"].sel(block=block).values) if "floors" in summary else ""
+    floors = floors_from_text(told)
+    if floors and model == "impulsive":
+        raise ResultsError(
+            f"{block}: the half-waves of its floor are not in the file: assess again with [models] histories = true, "
+            "or draw other models (--model)"
+        )
     if model == "impulsive":
         waves = ragged(tree, "half_wave_row_size", ["half_wave_centroid", "half_wave_impulse"], record)
         if waves is None:
@@ -171,6 +180,8 @@ def _of_record(
         if ragged(tree, "row_size", ["acceleration"], record) is None:
             raise ResultsError(f"{record}: {STORE}, or with [models] histories = true")
         motion = stored_record(tree, record)
+        if floors:
+            motion = floor_record(motion, floors)
         equation: Any = "linear" if model == "linear" else "nonlinear"
         # What is stored of a body before a wall is the worse of both senses of the record.
         response = max(

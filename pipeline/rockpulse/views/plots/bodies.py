@@ -1,0 +1,120 @@
+"""Drawings of the bodies of a results file, made from their numbers: outline, wall, ties, loads, thrusts, floor."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from rockpulse.config.restraint_settings import floors_from_text
+from rockpulse.errors import ResultsError
+from rockpulse.views.plots.selection import block_of, one_name
+from rockpulse.views.plots.style import BLACK, BLUE, GREY, ORANGE, PALE, RED, SMALL, figure_of
+from rockpulse.views.plots.words import plain, wrapped
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+    from matplotlib.patches import Polygon
+
+    from rocking.block import Block
+
+__all__ = ["bodies"]
+
+#: Bodies in a picture, and in a row of it.
+MOST, IN_ROW = 8, 4
+
+
+def bodies(tree: xr.DataTree, block: str | None = None) -> Figure:
+    """Draw bodies from the numbers that a results file holds of them.
+
+    Parameters
+    ----------
+    tree : xarray.DataTree
+        Of :func:`rockpulse.assess`.
+    block : str, optional
+        One body; the first eight without.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        Seen along the base, theta > 0 to the right; each to a scale of its own.
+
+    Raises
+    ------
+    ResultsError
+        For a body that is not in the file, or results of before schema 1.5.
+    """
+    summary = tree["summary"].to_dataset()
+    if "restraints" not in summary:
+        raise ResultsError("bodies: these results are of a schema before 1.5, which does not hold what is drawn")
+    names = [one_name(summary, "block", block)] if block else [str(name) for name in summary["block"].values[:MOST]]
+    rows = math.ceil(len(names) / IN_ROW)
+    figure = figure_of(height=3.2 * rows)
+    panels = figure.subplots(rows, IN_ROW, squeeze=False)
+    for ax, name in zip(panels.flat, names, strict=False):
+        told = str(summary["floors"].sel(block=name).values)
+        _draw(ax, block_of(summary, name), name, [one.period for one in floors_from_text(told)])
+    for ax in panels.flat[len(names) :]:
+        ax.set_visible(False)
+    return figure
+
+
+def _draw(ax: Axes, body: Block, name: str, periods: list[float]) -> None:
+    first, second = body.radius * math.sin(body.alpha_c), body.radius_2 * math.sin(body.alpha_2)
+    centre = body.radius * math.cos(body.alpha_c)
+    width = first + second
+    height = 2.0 * body.half_height if math.isfinite(body.half_height) else 2.0 * centre
+    middle = 0.5 * (first - second)
+    if math.isfinite(body.half_height):
+        ax.add_patch(_polygon([(-second, 0), (first, 0), (first, height), (-second, height)]))
+        ax.plot([first + 0.08 * height] * 2, [0.0, height], color=GREY, lw=0.6, marker="_", ms=4)
+        ax.text(first + 0.11 * height, 0.5 * height, f"{height:g} m", fontsize=SMALL, va="center")
+        ax.text(middle, -0.045 * height, f"{width:g} m", fontsize=SMALL, ha="center", va="top")
+    else:
+        ax.add_patch(_polygon([(-second, 0), (first, 0), (0, centre)]))
+        words = f"b₁ {first:.3g} m, b₂ {second:.3g} m\nh {centre:.3g} m"
+        ax.text(middle, -0.045 * height, words, fontsize=SMALL, ha="center", va="top")
+    ax.plot([0.0], [centre], "o", ms=3, color=BLACK)
+    left = -second - 0.12 * height
+    if body.side:
+        ax.add_patch(_polygon([(left, 0), (-second, 0), (-second, height), (left, height)], hatch="////"))
+    ground = -0.16 * height
+    ax.plot([left - 0.1 * height, first + 0.35 * height], [0.0, 0.0], color=BLACK, lw=1.2)
+    if periods:
+        words = "on a floor, T = " + ", ".join(f"{period:g}" for period in periods) + " s"
+        ax.text(middle, ground, words, fontsize=SMALL, ha="center", va="top", color=BLUE)
+    held = body.restraints
+    for tie in held.ties if held else ():
+        for side in (1.0, -1.0):
+            if tie.side in ("both", "positive" if side > 0 else "negative"):
+                at = (first if side > 0 else -second) - side * tie.distance
+                end = -side * ((second if side > 0 else first) + 0.3 * height)
+                ax.plot([at, end], [tie.height] * 2, color=BLUE, lw=1.4)
+                ax.plot([end], [tie.height], "s", ms=4, color=BLUE)
+    for load in held.loads if held else ():
+        at = first - (0.5 * width if load.distance is None else load.distance)
+        _arrow(ax, (at, load.height + 0.14 * height), (at, load.height), ORANGE)
+    for thrust in held.thrusts if held else ():
+        at = first - thrust.distance
+        _arrow(ax, (at - math.copysign(0.25 * height, thrust.force), thrust.height), (at, thrust.height), RED)
+    ax.set_aspect("equal")
+    ax.set_xlim(left - 0.25 * height, first + 0.45 * height)
+    ax.set_ylim(-0.28 * height, 1.2 * height)
+    ax.axis("off")
+    ax.set_title(wrapped(plain(name), 20), fontsize=SMALL)
+
+
+def _polygon(points: list[tuple[float, float]], hatch: str = "") -> Polygon:
+    from matplotlib.patches import Polygon
+
+    colour = "white" if hatch else PALE
+    return Polygon(
+        np.array(points), closed=True, facecolor=colour, edgecolor=GREY if hatch else BLACK, lw=0.8, hatch=hatch
+    )
+
+
+def _arrow(ax: Axes, start: tuple[float, float], end: tuple[float, float], colour: str) -> None:
+    ax.annotate("", xy=end, xytext=start, arrowprops={"arrowstyle": "-|>", "color": colour, "lw": 1.2})
