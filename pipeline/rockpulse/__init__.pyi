@@ -21,6 +21,10 @@ from .config.block_settings import BlockSettings as BlockSettings
 from .config.configuration import Config as Config
 from .config.configuration import load_config as load_config
 from .config.fragility_settings import FragilitySettings as FragilitySettings
+from .config.restraint_settings import FloorSettings as FloorSettings
+from .config.restraint_settings import LoadSettings as LoadSettings
+from .config.restraint_settings import ThrustSettings as ThrustSettings
+from .config.restraint_settings import TieSettings as TieSettings
 from .config.settings import CalibrationSettings as CalibrationSettings
 from .config.settings import ConditioningSettings as ConditioningSettings
 from .config.settings import DemandSettings as DemandSettings

@@ -1,0 +1,132 @@
+"""Bodies before a wall, with corners and with restraints, through an assessment."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import rockpulse as rp
+from rockpulse import models
+from rockpulse.assessment.senses import senses
+from rockpulse.config.bodies import gather_bodies
+
+T = np.arange(0.0, 8.0, 0.01)
+ONE_WAY = np.where(T < 0.8, 1.6 * np.sin(np.pi * T / 0.8), 0.0) - 0.8 * np.exp(-(((T - 2.0) / 0.5) ** 2))
+
+
+def record(azimuth=None, sign=1.0, name="pulse"):
+    return rp.Record(sign * ONE_WAY, dt=0.01, id=name, azimuth=azimuth, processed=True)
+
+
+def settings(**options):
+    return rp.BlockSettings(name="façade", width=0.5, height=5.0, one_sided=True, **options)
+
+
+def config(*blocks, **uncertainty):
+    return rp.Config(
+        blocks=blocks,
+        models=rp.ModelSettings(use=("sequence", "linear", "nonlinear"), histories=True),
+        search=rp.SearchSettings(intervals=True, points=32),
+        uncertainty=rp.UncertaintySettings(**uncertainty),
+    )
+
+
+@pytest.mark.parametrize(
+    ("azimuth", "facing", "lanes", "sides"),
+    [
+        (None, 90.0, 2, [1, -1]),
+        (90.0, None, 2, [1, -1]),
+        (80.0, 90.0, 1, [1]),
+        (275.0, 90.0, 1, [-1]),
+        (0.0, 90.0, 2, [1, -1]),
+    ],
+)
+def test_the_sense_follows_from_the_azimuths(azimuth, facing, lanes, sides):
+    found = senses(gather_bodies([settings(facing=facing)]), record(azimuth))
+    assert found.block.shape == (lanes,)
+    assert np.asarray(found.block.side).tolist() == sides
+
+
+def test_the_worse_sense_counts_and_a_known_one_decides():
+    answers = {}
+    for facing, azimuth in ((None, None), (90.0, 90.0), (90.0, 270.0)):
+        tree = rp.assess([record(azimuth)], config(settings(facing=facing)))
+        answers[azimuth] = tree["summary"].isel(record=0, block=0)
+    body = settings().block()
+    along, against = (models.recorded_response(one, ONE_WAY, 0.01) for one in (body, body.mirrored()))
+    peaks = along.peak_rotation_ratio, against.peak_rotation_ratio
+    assert peaks[0] != peaks[1]
+    nonlinear = {name: one.sel(model="nonlinear") for name, one in answers.items()}
+    assert float(nonlinear[90.0]["peak_rotation_ratio"]) == peaks[0]
+    assert float(nonlinear[270.0]["peak_rotation_ratio"]) == peaks[1]
+    assert float(nonlinear[None]["peak_rotation_ratio"]) == max(peaks)
+    for name in ("overturning_probability", "safety_factor"):
+        both = [float(nonlinear[azimuth][name]) for azimuth in (90.0, 270.0)]
+        worse = max(both) if name == "overturning_probability" else min(both)
+        assert float(nonlinear[None][name]) == worse
+    # A mirrored record and the other azimuth are the same motion.
+    turned = rp.assess([record(270.0, -1.0)], config(settings(facing=90.0)))["summary"].isel(record=0, block=0)
+    assert float(turned.sel(model="nonlinear")["peak_rotation_ratio"]) == peaks[0]
+    assert float(turned["overturning_probability"]) == pytest.approx(float(nonlinear[90.0]["overturning_probability"]))
+
+
+def test_each_model_answers_for_what_it_knows():
+    held = rp.TieSettings(height=4.0, stiffness=1e6)
+    blocks = (
+        rp.BlockSettings(name="free", width=0.5, height=5.0),
+        settings(),
+        rp.BlockSettings(name="leaning", width=0.5, height=5.0, lean=0.01),
+        rp.BlockSettings(name="tied", width=0.5, height=5.0, mass=1e3, ties=(held,)),
+    )
+    tree = rp.assess([record()], config(*blocks))
+    summary = tree["summary"].isel(record=0)
+    reason = summary["reason"].transpose("model", "block").values
+    told = [models.Reason(code).name for code in reason.ravel()]
+    assert told == [
+        *("NONE", "NOT_MODELLED", "NOT_MODELLED", "NOT_MODELLED"),  # sequence, by the rule
+        *("NONE", "NONE", "NONE", "NOT_MODELLED"),  # linear
+        *("NONE",) * 4,
+    ]
+    assert summary["applicable"].sel(model="linear").values.tolist() == [1, 1, 1, 0]
+    unknown = np.isnan(summary["safety_factor"].transpose("model", "block").values)
+    assert np.array_equal(unknown, reason == models.Reason.NOT_MODELLED)
+    assert np.isfinite(summary["overturning_probability"].values).all()
+    # Histories and intervals stand at the bodies that they belong to.
+    alone = rp.assess([record()], config(blocks[3]))
+    for name in ("peak_rotation_ratio", "safety_factor", "overturning_probability"):
+        one = summary[name].sel(block="tied")
+        one = one.sel(model="nonlinear") if "model" in one.dims else one
+        other = alone["summary"][name].isel(record=0, block=0)
+        other = other.sel(model="nonlinear") if "model" in other.dims else other
+        assert float(one) == float(other), name
+
+
+def test_what_is_stored_makes_the_same_body_again(tmp_path):
+    blocks = (
+        settings(rebound=0.4),
+        rp.BlockSettings(name="corners", b_1=0.2, b_2=0.3, centre=1.0, gyration=0.6),
+        rp.BlockSettings(
+            name="tied", width=0.5, height=5.0, mass=1e3, ties=(rp.TieSettings(height=4.0, stiffness=1e5),)
+        ),
+    )
+    tree = rp.assess([record()], config(*blocks))
+    rp.save(tree, tmp_path / "results.h5")
+    loaded = rp.load(tmp_path / "results.h5")
+    summary = loaded["summary"].to_dataset()
+    for block in blocks:
+        body, again = block.block(), rp.plots.block_of(summary, block.name)
+        for name in ("alpha_c", "alpha_2", "p", "p_2", "restitution", "restitution_2", "side", "restraints"):
+            assert getattr(again, name) == getattr(body, name), (block.name, name)
+        history = rp.plots.histories(loaded, "pulse", block.name, ["nonlinear"])[0]
+        assert np.nanmax(np.abs(history.rotation)) <= history.peak + 1e-12
+    figure = rp.plots.draw(loaded, "bodies")
+    assert [ax.get_title() for ax in figure.axes if ax.get_visible()] == ["façade", "corners", "tied"]
+
+
+def test_fragility_takes_both_senses_of_an_earthquake():
+    records = [record(name=f"pulse {number}") for number in range(3)]
+    tree = rp.fragility_curves(records, replace(config(settings()), models=rp.ModelSettings()))
+    ids = tree["capacities"]["record"].values.tolist()
+    assert len(ids) == 6
+    assert sum(name.endswith("reversed") for name in ids) == 3
+    assert len(set(tree["capacities"]["event"].values.tolist())) == 1
