@@ -59,8 +59,9 @@ __all__ = ["CORNER_ROWS", "after_return", "close_corner_ranks", "free_motion", "
     SLIDES,  # 1.0 where it changes when the body turns back from moving outward, -1.0 inward
     FREE_LONGEST,  # the longest step without restraints
     OTHER_FREE_LONGEST,
-) = range(FLOAT_ROWS * WIDTH, (FLOAT_ROWS + 21) * WIDTH, WIDTH)
-CORNER_ROWS = FLOAT_ROWS + 21
+    STALLS,  # changes of what acts on the body, one after the other, without any motion between them
+) = range(FLOAT_ROWS * WIDTH, (FLOAT_ROWS + 22) * WIDTH, WIDTH)
+CORNER_ROWS = FLOAT_ROWS + 22
 
 _PAIRS = (
     (row.ALPHA, OTHER_ALPHA),

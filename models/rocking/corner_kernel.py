@@ -117,7 +117,7 @@ def begin_corner_lane(f, i, j, lane, record, lanes, options, held):
         f[more.OTHER_THRESHOLD + j] = np.inf
     f[row.LONGEST + j] = f[more.FREE_LONGEST + j]
     f[more.OTHER_LONGEST + j] = f[more.OTHER_FREE_LONGEST + j]
-    f[more.EXTRA + j] = f[more.OTHER_EXTRA + j] = 0.0
+    f[more.EXTRA + j] = f[more.OTHER_EXTRA + j] = f[more.STALLS + j] = 0.0
     f[row.LIFT + j] = f[row.SAMPLE_LIFT + j] = 1.0
     f[row.LIFT_SLOPE + j] = f[row.SAMPLE_LIFT_SLOPE + j] = 0.0
     f[row.TRUNCATION + j] = options.last_term

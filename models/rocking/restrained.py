@@ -55,6 +55,8 @@ def sides(f, j):
 @njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
 def turn_of(displacement, height, distance):
     """phi at which a point has moved outward by a displacement; inf where it cannot."""
+    if displacement == 0.0:
+        return 0.0
     reach = math.hypot(height, distance)
     share = (displacement - distance) / reach
     if share > 1.0:

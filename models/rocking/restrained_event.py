@@ -19,6 +19,9 @@ __all__ = ["finish_held", "motion_after"]
 #: Steps of the motion on the ground at rest that are taken before it counts as bounded.
 MOST_STEPS = 2_000_000
 
+#: Changes of what acts on a body that does not move, after which it is taken to be balanced for a step.
+MOST_STALLS = 8.0
+
 #: Turning points of a motion that never touches the ground again after which it counts as bounded.
 MOST_TURNS = 4
 
@@ -79,6 +82,13 @@ def resolve_held(f, j, c, block, lane, held):
         c[0] = max(phi - floor, 0.0)
         if up >= 0.0:
             until, down, turn = up, -1.0, -1.0
+    f[more.STALLS + j] = f[more.STALLS + j] + 1.0 if until == 0.0 and speed == 0.0 else 0.0
+    if f[more.STALLS + j] > MOST_STALLS:
+        # Balanced to rounding where a tie begins to act: what the ground does next tips it.
+        f[more.STALLS + j] = 0.0
+        f[row.PASSED + j] += h
+        f[row.EVENT + j] = NOTHING
+        return
     if up >= 0.0 and ceiling >= f[row.TOP + j]:
         f[row.PASSED + j] += until
         f[row.EVENT + j] = OVER

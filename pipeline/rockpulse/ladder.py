@@ -109,7 +109,6 @@ def _search_impulsive(block: rocking.Block, scene: Scene) -> rocking.ScaleInterv
 def _recorded(
     block: rocking.Block, scene: Scene, scale: Any = None, *, equation: Literal["linear", "nonlinear"]
 ) -> rocking.Response:
-    """With a factor, which a check asks for, the histories are left out."""
     return rocking.recorded_response(
         block,
         scene.record.acceleration,
@@ -136,11 +135,7 @@ def _search_recorded(
 
 
 def auto_response(block: rocking.Block, scene: Scene, scale: Any = 1.0) -> tuple[rocking.Response, np.ndarray]:
-    """The cheapest model that answers, lane by lane, and which it was.
-
-    Both are (m,) for m blocks, or (q, m) with (q,) factors on the record as `scale`; the model is its place in
-    :data:`USED`.
-    """
+    """The cheapest model that answers (m,) or (q, m) lanes, and which it was, as its place in :data:`USED`."""
     record, settings = scene.record, scene.models
     response, rungs = rocking.choose_response(
         block,
@@ -184,8 +179,7 @@ class Model:
     #: Whether its factors are searched for by hundreds of runs, which `[search] intervals` asks for; those of the other
     #: models cost as good as nothing and are always told.
     searched: bool = False
-    #: What it knows of bodies beside free-standing symmetric ones: "all", "linear" (two unlike corners, a wall),
-    #: "wall" (a wall) or nothing.
+    #: What it knows of bodies beside free-standing symmetric ones, as :meth:`rocking.Block.known_to` has it.
     knows: str = ""
     #: How its input is an upper bound, so that its overturning says no more than that a body may be unsafe.
     upper_bound: str = ""
@@ -206,10 +200,7 @@ class Model:
         return within if rule is None else within & rule.applicable(block).reshape(block.shape)
 
     def response(self, block: rocking.Block, scene: Scene, scale: Any = None) -> rocking.Response:
-        """The answer for (m,) blocks; UNRESOLVED, NOT_MODELLED for those of which the model does not know everything.
-
-        With (q,) factors on the record as `scale`, for a model that is `checkable`, it is (q, m).
-        """
+        """The answer for (m,) blocks; UNRESOLVED for those of which the model does not know everything."""
         more = {} if scale is None else {"scale": scale}
         known = self.answers(block, scene)
         if np.all(known):
@@ -221,9 +212,9 @@ class Model:
     def intervals(self, block: rocking.Block, scene: Scene) -> rocking.ScaleIntervals:
         """The factors at which (m,) blocks overturn; NaN for those of which the model does not know everything."""
         known = self.answers(block, scene)
-        if np.all(known):
-            return self.search(block, scene)
-        return self.search(block.chosen(known), scene).among(known) if np.any(known) else _not_searched(block)
+        if not np.any(known):
+            return _not_searched(block)
+        return self.search(block if np.all(known) else block.chosen(known), scene).among(known)
 
 
 _ROWS = (
@@ -377,10 +368,10 @@ class SearchSettings(Section):
 class Scene:
     """A conditioned record made ready for the models: what was extracted from it, and the options of the models.
 
-    `vertical` is the vertical ground acceleration on the samples of the record, (n,) [m/s2], for the nonlinear model;
-    `phase` is the stretch that the sequence is calibrated on. The sequence is None where the phase holds too few
+    `vertical` is the vertical ground acceleration on the samples of the record, (n,) [m/s2], for the nonlinear model,
+    `phase` the stretch that the sequence is calibrated on. The sequence is None where the phase holds too few
     half-waves; by a design spectrum it is (m,), one a block, for the sequence model alone. `rule` is the working point
-    of the rule by which that model answers; empty where it answers by the sequence.
+    of the rule by which it answers; empty where that is the sequence.
     """
 
     record: Record
@@ -394,19 +385,16 @@ class Scene:
 
 
 def critical_scales(block: rocking.Block, scene: Scene) -> dict[str, rocking.ScaleIntervals]:
-    """Factors on the input of every answering model at which each of (m,) blocks overturns.
+    """Factors on the input at which each of (m,) blocks overturns, by model; NaN without a search.
 
-    A model that is not searched has NaN and no interval. `auto` has the factors of the nonlinear model, whose outcomes
-    are its own. A model that cannot answer for the input as it is keeps what the search has found: a lower bound, where
-    it stops answering.
+    `auto` has those of the nonlinear model, whose outcomes are its own; where a model stops answering is a lower bound.
     """
     found: dict[str, rocking.ScaleIntervals] = {}
     for model in scene.models.answering:
         searched = "nonlinear" if model == "auto" else model
+        asked = searched in scene.search.models and (scene.search.intervals or not MODELS[model].searched)
         if searched in found:
             found[model] = found[searched]
-        elif searched in scene.search.models and (scene.search.intervals or not MODELS[model].searched):
-            found[model] = MODELS[model].intervals(block, scene)
         else:
-            found[model] = _not_searched(block)
+            found[model] = MODELS[model].intervals(block, scene) if asked else _not_searched(block)
     return found

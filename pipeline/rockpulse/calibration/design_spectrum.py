@@ -57,7 +57,7 @@ class DesignSpectrum:
     def covers(self, block: Block) -> np.ndarray:
         """True, (m,), for the blocks that the spectrum stands for.
 
-        Their slenderness is at least 3.5, and their p and C lie within those of the spectrum.
+        They are free-standing and symmetric, of a slenderness of at least 3.5, p and C within those of the spectrum.
         """
         one = block if block.shape else block.lanes(1)
         return within(one, self.p, self.restitution)
@@ -121,7 +121,7 @@ def at_blocks(block: Block, p: np.ndarray, restitution: np.ndarray, values: np.n
 
 
 def within(block: Block, p: np.ndarray, restitution: np.ndarray) -> np.ndarray:
-    """True, (m,), for slender blocks whose p and C lie within ascending p (a,) [1/s] and C (c,), rounding apart."""
+    """True, (m,), for slender free blocks with p and C within ascending p (a,) [1/s] and C (c,), rounding apart."""
     found = np.asarray(block.restitution)
     above, below = found >= restitution[0] * (1.0 - 1e-9), found <= restitution[-1] * (1.0 + 1e-9)
-    return np.asarray(slender_within(block, p) & above & below)
+    return np.asarray(slender_within(block, p) & above & below & block.free)

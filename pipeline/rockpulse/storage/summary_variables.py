@@ -11,17 +11,15 @@ from typing import Any
 
 import numpy as np
 
-from rocking.block import Block
-from rocking.capacity import uplift_scale
 from rocking.predictability import NOT_CHECKED
 from rocking.response import Outcome, Reason
 from rockpulse.config.bodies import Bodies
 from rockpulse.config.configuration import Config
-from rockpulse.config.restraint_settings import floors_as_text
 from rockpulse.config.settings import SPACINGS
 from rockpulse.ladder import USED
 from rockpulse.record.intensity import arias_intensity, pgv
 from rockpulse.remark import find, with_codes
+from rockpulse.storage.body_variables import BLOCK, CASE
 from rockpulse.storage.fact_variables import FACTS
 from rockpulse.storage.probability_variables import AT_DEMAND, PROBABILITY
 from rockpulse.storage.variables import NOT_KNOWN, Declared, along, flag, real, text, whole
@@ -62,18 +60,9 @@ def _of_strength(name: str) -> Callable[[Any], Any]:
     return lambda one: one.per_lane(one.strength[name])
 
 
-def _lifting(lanes: Block) -> np.ndarray:
-    """Smallest horizontal acceleration that lifts each of (m,) bodies [m/s2], g tan(alpha_c) where nothing holds it."""
-    return uplift_scale(lanes, np.array([-1.0, 1.0]))
-
-
 def _vertical_channel(one: Any) -> str:
     acting = find(one.record.processing, "vertical_acceleration")
     return "" if acting is None else str(acting.values["record"])
-
-
-def _of_body(name: str) -> Callable[[Bodies, Config], Any]:
-    return lambda bodies, config: getattr(bodies.lanes, name)[:: bodies.cases]
 
 
 def _of_demands(name: str) -> Callable[[Bodies, Config], Any]:
@@ -309,93 +298,6 @@ CAPACITY_RATIO = real(
     dims=(*LANES, "model", "demand"),
     stored=lambda config: bool(config.demands),
 )
-
-BLOCK = along(
-    ("block",),
-    {
-        "width": real(
-            "m",
-            "full width in the plane of rocking; NaN where only p and alpha are known",
-            lambda bodies, config: bodies.width,
-        ),
-        "height": real("m", "full height; NaN where only p and alpha are known", lambda bodies, config: bodies.height),
-        "radius": real(
-            "m",
-            "R, from the corner to the centre of mass: half the diagonal; for a body given by p the radius given with "
-            "it, else that of the rectangle with the same p",
-            _of_body("radius"),
-        ),
-        "alpha_c": real("rad", "critical angle", _of_body("alpha_c"), explanation="about the right-hand corner"),
-        "p": real("s-1", "frequency parameter", _of_body("p"), explanation="about the right-hand corner"),
-        "alpha_2": real("rad", "critical angle about the left-hand corner", _of_body("alpha_2"), since=5),
-        "p_2": real("s-1", "frequency parameter about the left-hand corner", _of_body("p_2"), since=5),
-        "radius_2": real("m", "from the left-hand corner to the centre of mass", _of_body("radius_2"), since=5),
-        "one_sided": flag(
-            ("no", "yes"), "whether the body leans on a wall and falls away from it only", _of_body("side"), since=5
-        ),
-        "facing": real(
-            "degree",
-            "azimuth towards which such a body falls; NaN where not known",
-            lambda b, config: b.facing,
-            since=5,
-        ),
-        "friction": real("1", "coefficient at the base; NaN where not known", lambda b, config: b.friction, since=5),
-        "mass": real("kg", "mass with the loads that it carries along; NaN where not known", _of_body("mass"), since=5),
-        "restraints": text(
-            "ties, loads and thrusts of the body",
-            lambda bodies, config: [
-                "" if held is None else held.as_text()
-                for held in np.broadcast_to(np.array(bodies.lanes.restraints, dtype=object), bodies.lanes.shape)[
-                    :: bodies.cases
-                ]
-            ],
-            since=5,
-            explanation="as JSON, in SI units; empty for none",
-        ),
-        "floors": text(
-            "modes of the building that the body stands on",
-            lambda bodies, config: [floors_as_text(floors) for floors in bodies.floors],
-            since=5,
-            explanation="as JSON: period [s], damping and participation [-] of each; empty on the ground",
-        ),
-        "uplift_acceleration": real(
-            "m s-2",
-            "smallest horizontal acceleration that lifts it",
-            lambda bodies, config: _lifting(bodies.lanes)[:: bodies.cases],
-            since=5,
-        ),
-        "gravity": real(
-            "m s-2",
-            "acceleration of gravity at the block",
-            lambda bodies, config: np.full(len(bodies.names), bodies.lanes.gravity),
-            since=1,
-        ),
-        "slenderness": real("1", "height over width", _of_body("slenderness")),
-        "critical_impulse": real(
-            "m s-1", "I_1c, the impulse that overturns the resting block at once", _of_body("critical_impulse")
-        ),
-        "block_warnings": text(
-            "remarks on the block", lambda bodies, config: bodies.warnings, explanation="one a line"
-        ),
-    },
-)
-
-CASE = {
-    "restitution": real(
-        "1",
-        "velocity ratio C of an impact",
-        lambda bodies, config: bodies.per_case(np.asarray(bodies.lanes.restitution)),
-        dims=("block", "case"),
-        explanation="that ends the rotation about the right-hand corner; of a one-sided body its rebound",
-    ),
-    "restitution_2": real(
-        "1",
-        "velocity ratio C of an impact that ends the rotation about the left-hand corner",
-        lambda bodies, config: bodies.per_case(np.asarray(bodies.lanes.restitution_2)),
-        dims=("block", "case"),
-        since=5,
-    ),
-}
 
 COORDINATES = {
     "block": text("name of the body", lambda bodies, config: bodies.names, dims=("block",)),

@@ -6,13 +6,15 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import partial
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from rocking.block import Block
 from rockpulse.calibration.response_targets import block_family
 from rockpulse.config.block_settings import BlockSettings
 from rockpulse.config.bodies import gather_bodies
 from rockpulse.config.configuration import Config, located
 from rockpulse.config.settings import WEIGHTS
-from rockpulse.errors import RecordRefused
+from rockpulse.errors import ConfigError, RecordRefused
 from rockpulse.failures import Failure, alike, told
 from rockpulse.motions.directions import PlannedMotion, planned_ids
 from rockpulse.motions.runner import Analysis, Blocks, Part, Prepared, Work, joined, run
@@ -126,7 +128,16 @@ class SiteCalibration(Analysis):
 
     def _bodies(self, blocks: Blocks) -> tuple[list[str], Block | None]:
         """Names and lanes of the bodies; a spectrum needs none."""
-        return ([], None) if self.by_spectrum and not blocks else site_family(blocks)
+        if self.by_spectrum and not blocks:
+            return [], None
+        names, lanes = site_family(blocks)
+        others = [name for name, free in zip(names, np.asarray(lanes.free), strict=True) if not free]
+        if others and not self.by_spectrum:
+            raise ConfigError(
+                f"[[block]] {', '.join(others)}: a sequence for all bodies is calibrated on free-standing symmetric "
+                'ones; leave them out, or take [calibration] method = "spectrum"'
+            )
+        return names, lanes
 
     def prepare(self, records: Iterable[Record], failures: Iterable[Failure] = ()) -> Prepared:
         """Plan the motions; a record without a weight is refused before the long part where its id is known."""
