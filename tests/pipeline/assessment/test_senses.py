@@ -9,6 +9,7 @@ import rockpulse as rp
 from rockpulse import models
 from rockpulse.assessment.senses import senses
 from rockpulse.config.bodies import gather_bodies
+from rockpulse.views.shared.facts import Known
 
 T = np.arange(0.0, 8.0, 0.01)
 ONE_WAY = np.where(T < 0.8, 1.6 * np.sin(np.pi * T / 0.8), 0.0) - 0.8 * np.exp(-(((T - 2.0) / 0.5) ** 2))
@@ -119,6 +120,8 @@ def test_what_is_stored_makes_the_same_body_again(tmp_path):
             assert getattr(again, name) == getattr(body, name), (block.name, name)
         history = rp.plots.histories(loaded, "pulse", block.name, ["nonlinear"])[0]
         assert np.nanmax(np.abs(history.rotation)) <= history.peak + 1e-12
+    told = [Known(summary, block=block.name).support for block in blocks]
+    assert told == ["before a wall", "unlike corners, alpha 0.197 rad and 0.291 rad", "1 tie"]
     figure = rp.plots.draw(loaded, "bodies")
     assert [ax.get_title() for ax in figure.axes if ax.get_visible()] == ["façade", "corners", "tied"]
 

@@ -110,9 +110,14 @@ def _of_block(answers: Answers, block: str, restitutions: list[float]) -> tuple[
         Fact("critical angle α_c", (known("alpha_c", "rad"),)),
         Fact("frequency parameter p", (known("p", "1/s"),)),
         Fact("slenderness h/b", (known("slenderness"),)),
-        Fact("restitution C (velocity ratio)", (", ".join(map(restitution, restitutions)),)),
+        Fact(
+            "rebound e from the wall" if one.value("one_sided") else "restitution C (velocity ratio)",
+            (", ".join(map(restitution, restitutions)),),
+        ),
         Fact("critical impulse I_1c", (known("critical_impulse", "m/s"),)),
     ]
+    if one.support:
+        facts.insert(1, Fact("beside", (one.support,)))
     if warnings := one.lines("block_warnings"):
         facts.append(Fact("warnings", warnings))
     return tuple(facts)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import math
 import re
 from collections.abc import Callable
@@ -10,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 from rocking.block_limits import radius_of_rectangle
 from rockpulse.motions.events import UNKNOWN, names_earthquake
 from rockpulse.record.record import STANDARD_GRAVITY
-from rockpulse.views.shared.terminal import ABSENT, figure
+from rockpulse.views.shared.terminal import ABSENT, figure, several
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -150,6 +151,25 @@ class Known:
             return shown
         own = own_radius(*(self.value(name) for name in ("radius", "p", "gravity")))
         return f"{shown} ({'of the rectangle with this p' if own is None else 'from the corner to the centre of mass'})"
+
+    @property
+    def support(self) -> str:
+        """What a block has beside its own size, in words: a wall behind it, ties, a floor; empty for a free one."""
+        found = []
+        if self.value("one_sided"):
+            facing = float(self.value("facing"))
+            found.append("before a wall" + ("" if math.isnan(facing) else f", falls towards {facing:g} degrees"))
+        if self.value("alpha_2") not in (None, self.value("alpha_c")) and not self.value("one_sided"):
+            found.append(f"unlike corners, alpha {self.number('alpha_c', 'rad')} and {self.number('alpha_2', 'rad')}")
+        held = json.loads(str(self.value("restraints") or "{}"))
+        found += [several(len(held[name]), name[:-1]) for name in ("ties", "loads", "thrusts") if held.get(name)]
+        modes = json.loads(str(self.value("floors") or "[]"))
+        if modes:
+            found.append("on a floor of " + ", ".join(f"{one['period']:g}" for one in modes) + " s")
+        friction = self.value("friction")
+        if friction is not None and not math.isnan(float(friction)):
+            found.append(f"friction {friction:g}")
+        return "; ".join(found)
 
     @property
     def described(self) -> str:

@@ -77,7 +77,11 @@ def block_details(summary: xr.Dataset, block: str) -> str:
         ("critical angle alpha_c", number("alpha_c", "rad")),
         ("frequency parameter p", number("p", "1/s")),
         ("slenderness", number("slenderness")),
-        ("restitution C", ", ".join(restitution(body.restitution) for body in answers.bodies)),
+        *((("beside", one.support),) if one.support else ()),
+        (
+            "rebound e" if one.value("one_sided") else "restitution C",
+            ", ".join(restitution(body.restitution) for body in answers.bodies),
+        ),
         ("critical impulse I_1c", number("critical_impulse", "m/s")),
         *(("warning", warning) for warning in one.lines("block_warnings")),
     ]
