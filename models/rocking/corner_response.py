@@ -164,7 +164,7 @@ def static_capacity(block: Block, rotation: Any, side: int = 1) -> np.ndarray:
     >>> bar = Tie(height=8.0, stiffness=6.3e6, yield_force=74e3)
     >>> facade = Block(width=0.8, height=9.0, density=1800.0, length=1.0, one_sided=True, ties=[bar])
     >>> (static_capacity(facade, [0.0, 0.01, 0.04]) / facade.gravity).round(2).tolist()
-    [0.09, 1.09, 1.06]
+    [0.09, 1.11, 1.08]
     """
     angles = np.atleast_1d(numbers("rotation", rotation, "an angle in rad"))
     if np.any((angles < 0.0) | (angles >= 0.5 * np.pi)) or side not in (1, -1):

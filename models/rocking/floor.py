@@ -83,7 +83,7 @@ def floor_motion(
     >>> sine = np.sin(2.0 * np.pi * np.arange(0.0, 4.005, 0.01) / 0.4)
     >>> top = floor_motion(sine, 0.01, period=0.4)
     >>> round(top.amplification, 1), top.dt
-    (9.5, 0.01)
+    (9.6, 0.01)
     """
     ground = record_samples("acceleration", acceleration)
     step = float(positive("dt", dt, "s", lanes=False))
