@@ -47,6 +47,9 @@ def many_results(records, blocks, samples=6000, seed=0):
     for name in ("radius", "alpha_c", "p", "gravity", "slenderness", "critical_impulse", "restitution"):
         summary[name].values[:] = getattr(body, name)
     summary["width"].values[:], summary["height"].values[:] = 2.0 * body.half_width, 2.0 * body.half_height
+    for name, value in (("one_sided", 0), ("restraints", ""), ("floors", ""), ("friction", np.nan)):
+        summary[name].values[:] = value
+    summary["alpha_2"].values[:] = body.alpha_2
     outcome = numbers.choice(np.array([0, 1, 1, 2], dtype=np.int8), shape)
     factor = np.where(outcome == 2, numbers.uniform(0.2, 1.0, shape), numbers.uniform(0.8, 9.0, shape))
     factor[outcome == 0] = np.inf
