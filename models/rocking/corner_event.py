@@ -49,9 +49,11 @@ __all__ = ["CORNER_ROWS", "after_return", "close_corner_ranks", "free_motion", "
     OTHER_EXTRA,
     ONE_SIDED,  # 1.0 before a wall
     # Of a restrained body, see restrained.py.
-    SINE,  # what restraints add to the factors of sin(alpha - phi) and cos(alpha - phi) in -phi''
+    SINE_ALPHA,  # of the corner that it turns about
+    COSINE_ALPHA,
+    SINE,  # what restraints add to the factors of sin(phi) and cos(phi) in -phi''
     COSINE,
-    SINE_2,  # and of sin(2 phi) and cos(2 phi)
+    SINE_2,  # and to those of sin(2 phi) and cos(2 phi)
     COSINE_2,
     STIFFEST,  # a bound of how fast the moment of the restraints changes with phi
     FLOOR,  # phi between which it is the same function of phi
@@ -60,8 +62,8 @@ __all__ = ["CORNER_ROWS", "after_return", "close_corner_ranks", "free_motion", "
     FREE_LONGEST,  # the longest step without restraints
     OTHER_FREE_LONGEST,
     STALLS,  # changes of what acts on the body, one after the other, without any motion between them
-) = range(FLOAT_ROWS * WIDTH, (FLOAT_ROWS + 22) * WIDTH, WIDTH)
-CORNER_ROWS = FLOAT_ROWS + 22
+) = range(FLOAT_ROWS * WIDTH, (FLOAT_ROWS + 24) * WIDTH, WIDTH)
+CORNER_ROWS = FLOAT_ROWS + 24
 
 _PAIRS = (
     (row.ALPHA, OTHER_ALPHA),

@@ -98,10 +98,18 @@ def _held(block: Block, copies: int) -> Held:
         elements[place, : table.shape[0]] = table
     mass = np.where(np.isnan(block.mass), 1.0, block.mass)  # of a body that nothing acts on
     weight = mass * block.gravity * np.array([block.radius, block.radius_2])
+    distance = np.stack(
+        [elements[:, :, NEAR], np.where(elements[:, :, KIND] == FRICTION, elements[:, :, FAR], elements[:, :, NEAR])],
+        axis=2,
+    )
+    height = elements[:, :, HEIGHT, np.newaxis]
+    angle = np.array([block.alpha_c, block.alpha_2]).T
     return Held(
         elements=elements,
         constant=np.stack([own.constant(width) for own, width in zip(every, base.tolist(), strict=True)]),
+        points=np.stack([distance, np.hypot(height, distance), np.arctan2(distance, height)], axis=3),
         weight=np.ascontiguousarray(weight.T),
+        angle=np.stack([np.sin(angle), np.cos(angle)], axis=2),
         mode=np.zeros((copies * len(every), elements.shape[1]), dtype=np.int64),
         set=np.zeros((copies * len(every), elements.shape[1])),
     )
@@ -131,8 +139,7 @@ def rest_levels(block: Block) -> np.ndarray:
     found = np.zeros((2, *np.shape(block.p)))
     if block.restraints is not None:
         held = _held(block, 1)
-        angle = np.stack([block.alpha_c, block.alpha_2])
-        found[:] = held.constant[:, :, 0].T / (held.weight.T * np.cos(angle))
+        found[:] = held.constant[:, :, 0].T / (held.weight.T * held.angle[:, :, 1].T)
     return found
 
 

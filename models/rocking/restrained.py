@@ -3,9 +3,9 @@
 .. note:: While no tie begins or ceases to act, the moment of all restraints on a body that has turned by phi, over M g
    R, is A cos(phi) + B sin(phi) + C cos(2 phi) + D sin(2 phi): a tie at height z and distance xi with the force K (x -
    x_0), x = z sin(phi) + xi (1 - cos(phi)), gives A = K z (xi - x_0), B = K xi (xi - x_0), C = -K z xi, D = K (z^2 -
-   xi^2)/2; a constant force F gives A = F z, B = F xi. The first two are added to the factors of sin(alpha - phi) and
-   cos(alpha - phi) of the equation of motion, and phi'' keeps a Taylor series. A step ends where phi leaves the range
-   (FLOOR, CEILING) of the function, or where a body turns back under a tie that yields or a load that slides.
+   xi^2)/2; a constant force F gives A = F z, B = F xi. Gravity and the ground are written as factors of cos(phi) and
+   sin(phi) too, to which the first two are added, and phi'' keeps a Taylor series. A step ends where phi leaves the
+   range (FLOOR, CEILING) of the function, or where a body turns back under a tie that yields or a load that slides.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from numba import njit
 
 from rocking import corner_event as more
 from rocking import slots as row
-from rocking.restraint import FAR, FRICTION, GAP, HEIGHT, KIND, NEAR, SIDE, STIFFNESS, ULTIMATE, YIELD_FORCE
+from rocking.restraint import FRICTION, GAP, HEIGHT, KIND, NEAR, SIDE, STIFFNESS, ULTIMATE, YIELD_FORCE
 
 __all__ = ["Held", "act", "begin_held", "change", "land", "rest_levels"]
 
@@ -40,7 +40,10 @@ class Held(NamedTuple):
     constant: (
         np.ndarray
     )  #: (m, 2, 2) moments of weights and thrusts as factors of cos(phi) and sin(phi), by corner [N m]
+    points: np.ndarray  #: (m, e, 2, 3) of the point of each element by corner: its distance behind it and from it [m],
+    # and the angle of the line between them to the upright [rad]
     weight: np.ndarray  #: (m, 2) M g R by corner [N m]
+    angle: np.ndarray  #: (m, 2, 2) sin(alpha) and cos(alpha) by corner
     mode: np.ndarray  #: (lanes, e) of int, what each element does
     set: np.ndarray  #: (lanes, e) displacement at which it is without force: of a tie less its gap, of a load towards
     # theta > 0 [m]
@@ -53,20 +56,19 @@ def sides(f, j):
 
 
 @njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
-def turn_of(displacement, height, distance):
-    """phi at which a point has moved outward by a displacement; inf where it cannot."""
+def turn_of(displacement, point):
+    """phi at which a point of :class:`Held` has moved outward by a displacement; inf where it cannot."""
     if displacement == 0.0:
         return 0.0
-    reach = math.hypot(height, distance)
-    share = (displacement - distance) / reach
+    share = (displacement - point[0]) / point[1]
     if share > 1.0:
         return math.inf
-    return math.atan2(distance, height) + math.asin(max(share, -1.0))
+    return point[2] + math.asin(max(share, -1.0))
 
 
 @njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
 def moved(phi, height, distance):
-    """Outward displacement of a point [m]."""
+    """Outward displacement of a point at a height and a distance behind the corner [m]."""
     half = math.sin(0.5 * phi)
     return height * math.sin(phi) + distance * 2.0 * half * half
 
@@ -86,13 +88,14 @@ def act(f, j, block, lane, held):
             continue
         mode, rest = held.mode[lane, e], held.set[lane, e]
         stiffness = part[STIFFNESS]
+        point = held.points[block, e, place]
+        distance = point[0]
         if part[KIND] == FRICTION:
-            distance = part[NEAR] if place == 0 else part[FAR]
             own = side * rest
-            reach = part[YIELD_FORCE] / stiffness
+            most = part[YIELD_FORCE] / stiffness
             if mode == SPRING:
-                floor = max(floor, turn_of(own - reach, height, distance))
-                ceiling = min(ceiling, turn_of(own + reach, height, distance))
+                floor = max(floor, turn_of(own - most, point))
+                ceiling = min(ceiling, turn_of(own + most, point))
             else:
                 outward = (mode == SLIDES_UP) == (side > 0.0)
                 slides = 1.0 if outward else -1.0
@@ -104,12 +107,11 @@ def act(f, j, block, lane, held):
         else:
             if part[SIDE] != side or mode == BROKEN:
                 continue
-            distance = part[NEAR]
             own = part[GAP] + rest
             if mode == SLACK:
-                ceiling = min(ceiling, turn_of(own, height, distance))
+                ceiling = min(ceiling, turn_of(own, point))
                 continue
-            last = turn_of(part[GAP] + part[ULTIMATE], height, distance)
+            last = turn_of(part[GAP] + part[ULTIMATE], point)
             if mode == YIELDS:
                 slides = 1.0
                 one += part[YIELD_FORCE] * height
@@ -117,8 +119,8 @@ def act(f, j, block, lane, held):
                 fixed += part[YIELD_FORCE] * (height + distance)
                 ceiling = min(ceiling, last)
                 continue
-            floor = max(floor, turn_of(own, height, distance))
-            ceiling = min(ceiling, min(last, turn_of(own + part[YIELD_FORCE] / stiffness, height, distance)))
+            floor = max(floor, turn_of(own, point))
+            ceiling = min(ceiling, min(last, turn_of(own + part[YIELD_FORCE] / stiffness, point)))
         one += stiffness * height * (distance - own)
         two += stiffness * distance * (distance - own)
         cosine_2 -= stiffness * height * distance
@@ -126,9 +128,8 @@ def act(f, j, block, lane, held):
         stiff += stiffness * (height * height + distance * distance)
     weight = held.weight[block, place]
     one, two = one / weight, two / weight
-    alpha = f[row.ALPHA + j]
-    f[more.SINE + j] = one * math.sin(alpha) - two * math.cos(alpha)
-    f[more.COSINE + j] = one * math.cos(alpha) + two * math.sin(alpha)
+    f[more.SINE_ALPHA + j], f[more.COSINE_ALPHA + j] = held.angle[block, place, 0], held.angle[block, place, 1]
+    f[more.SINE + j], f[more.COSINE + j] = two, one
     f[more.SINE_2 + j] = sine_2 / weight
     f[more.COSINE_2 + j] = cosine_2 / weight
     # The arm of a spring changes too, times its elongation of at most pi/2 times its reach.
@@ -149,8 +150,8 @@ def begin_held(f, j, block, lane, held):
         part = held.elements[block, e]
         held.mode[lane, e], held.set[lane, e] = SLACK, 0.0
         if part[KIND] == FRICTION:
-            distance = part[NEAR] if place == 0 else part[FAR]
-            held.mode[lane, e], held.set[lane, e] = SPRING, side * moved(phi, part[HEIGHT], distance)
+            outside = moved(phi, part[HEIGHT], held.points[block, e, place, 0])
+            held.mode[lane, e], held.set[lane, e] = SPRING, side * outside
         elif part[SIDE] == side and part[HEIGHT] > 0.0:
             over = moved(phi, part[HEIGHT], part[NEAR]) - part[GAP]
             most = part[YIELD_FORCE] / part[STIFFNESS]
@@ -205,8 +206,7 @@ def change(f, j, block, lane, held, direction):
         part = held.elements[block, e]
         if part[HEIGHT] == 0.0:
             continue
-        distance = part[FAR] if part[KIND] == FRICTION and place == 1 else part[NEAR]
-        x = moved(phi, part[HEIGHT], distance)
+        x = moved(phi, part[HEIGHT], held.points[block, e, place, 0])
         near = TOUCHING * (x + part[HEIGHT])
         mode, most = held.mode[lane, e], part[YIELD_FORCE] / part[STIFFNESS]
         if part[KIND] == FRICTION:
@@ -254,8 +254,8 @@ def rest_levels(f, j, block, lane, held, at_rest):
                     continue
                 stop(part, held, lane, e, 0.0, side)
             friction -= part[STIFFNESS] * held.set[lane, e] * part[HEIGHT]  # against theta > 0
-    weight = held.weight[block, place] * math.cos(f[row.ALPHA + j])
-    other = held.weight[block, 1 - place] * math.cos(f[more.OTHER_ALPHA + j])
+    weight = held.weight[block, place] * held.angle[block, place, 1]
+    other = held.weight[block, 1 - place] * held.angle[block, 1 - place, 1]
     f[more.EXTRA + j] = (held.constant[block, place, 0] + side * friction) / weight
     f[more.OTHER_EXTRA + j] = (held.constant[block, 1 - place, 0] - side * friction) / other
     return most / min(weight, other)
