@@ -21,6 +21,7 @@ from .overturning_probability import OverturningProbability as OverturningProbab
 from .overturning_probability import overturning_probability as overturning_probability
 from .overturning_spectrum import OverturningFactors as OverturningFactors
 from .overturning_spectrum import OverturningSpectrum as OverturningSpectrum
+from .pedestal import with_pedestal as with_pedestal
 from .periodic import SteadyState as SteadyState
 from .periodic import steady_state as steady_state
 from .predictability import predictable as predictable

@@ -23,6 +23,7 @@ from .config.configuration import load_config as load_config
 from .config.fragility_settings import FragilitySettings as FragilitySettings
 from .config.restraint_settings import FloorSettings as FloorSettings
 from .config.restraint_settings import LoadSettings as LoadSettings
+from .config.restraint_settings import PedestalSettings as PedestalSettings
 from .config.restraint_settings import ThrustSettings as ThrustSettings
 from .config.restraint_settings import TieSettings as TieSettings
 from .config.settings import CalibrationSettings as CalibrationSettings

@@ -14,19 +14,20 @@ from rocking.capacity import uplift_scale
 from rocking.predictability import NOT_CHECKED, predictable
 from rocking.response import Response
 from rocking.sliding import sliding_demand
+from rockpulse.assessment.places import aloft, joined_intervals, joined_responses, places_of, turned
 from rockpulse.assessment.probability import record_probability
 from rockpulse.assessment.record_assessment import RecordAssessment
 from rockpulse.assessment.scene import extract, matched
 from rockpulse.assessment.senses import Senses, senses
-from rockpulse.assessment.storeys import aloft, joined_intervals, joined_responses
 from rockpulse.assessment.tree import EVENT, build_tree, record_part, template
 from rockpulse.config.block_settings import BlockSettings
-from rockpulse.config.bodies import Bodies, gather_bodies
+from rockpulse.config.bodies import Bodies, Place, gather_bodies
 from rockpulse.config.configuration import Config
 from rockpulse.failures import Failure
 from rockpulse.ladder import MODELS, USED, Scene, auto_response, critical_scales
 from rockpulse.motions.directions import Motion, PlannedMotion, swept_directions
 from rockpulse.motions.runner import Analysis, Blocks, Part, Watch, Work, run
+from rockpulse.record.components import Pair
 from rockpulse.record.intensity import pgv
 from rockpulse.record.record import Record
 from rockpulse.storage.atomic_file import ASSESSMENT
@@ -35,6 +36,9 @@ if TYPE_CHECKING:
     import xarray as xr
 
 __all__ = ["Assessment", "assess", "assess_motion", "assess_scene"]
+
+#: The motion of a body on the ground without a direction of its own.
+RECORD_ITSELF = Place(None, ())
 
 
 def assess(
@@ -97,7 +101,7 @@ class Assessment(Analysis):
 
     def __init__(self, config: Config, blocks: Blocks | None = None) -> None:
         super().__init__(config)
-        self.bodies = gather_bodies(config.blocks if blocks is None else blocks)
+        self.bodies = gather_bodies(config.blocks if blocks is None else blocks, config.records)
 
     @property
     def work(self) -> Work:
@@ -119,25 +123,34 @@ def assess_motion(motion: Motion, watch: Watch, bodies: Bodies, config: Config) 
     with watch("condition"):
         scene = extract(motion.record, config, motion.vertical)
     with watch("solve"):
-        assessment = assess_scene(matched(scene, config), bodies, config, motion.pair)
+        pair = Pair(*motion.channels) if len(motion.channels) == 2 else None
+        assessment = assess_scene(matched(scene, config), bodies, config, motion.pair, pair)
     with watch("pack"):
         return record_part(assessment)
 
 
-def assess_scene(scene: Scene, bodies: Bodies, config: Config, channels: Sequence[Record] = ()) -> RecordAssessment:
+def assess_scene(
+    scene: Scene, bodies: Bodies, config: Config, channels: Sequence[Record] = (), pair: Pair | None = None
+) -> RecordAssessment:
     """Assess all bodies under one record that was made ready; a ValueError says that a model refuses its numbers.
 
     `channels` are the conditioned ones whose strengths are brought to the demands, as for :func:`record_probability`.
-    Bodies on a floor are assessed under its motion.
+    Bodies on a floor are assessed under its motion, those with a direction of their own in that of the `pair` that the
+    record was rotated from.
     """
-    places = bodies.storeys
-    if len(places) == 1 and not places[0][0]:
+    places = places_of(bodies, scene.record, pair, config)
+    if len(places) == 1 and places[0][0] == RECORD_ITSELF:
         return _assess_at(scene, bodies, config, channels, 1.0)
-    parts = []
-    for floors, numbers in places:
-        there = matched(aloft(scene, floors, config), config) if floors else scene
-        stronger = there.record.pga / scene.record.pga if scene.record.pga > 0.0 else 1.0
-        parts.append(_assess_at(there, bodies.chosen(numbers), config, channels or [scene.record], stronger))
+    parts, record = [], scene.record
+    for place, numbers in places:
+        below = turned(scene, place, pair, config)
+        there = aloft(below, place, config)
+        stronger = there.record.pga / below.record.pga if below.record.pga > 0.0 else 1.0
+        there = there if there is scene else matched(there, config)
+        parts.append(_assess_at(there, bodies.chosen(numbers), config, channels or [record], stronger))
+    for part in parts:
+        for remark in part.record.warnings:
+            record = record if remark in record.warnings else record.with_warning(remark)
     lanes = [(one[1][:, np.newaxis] * bodies.cases + np.arange(bodies.cases)).reshape(-1) for one in places]
 
     def at_lanes(tables: Sequence[dict[str, np.ndarray]]) -> dict[str, np.ndarray]:
@@ -148,9 +161,9 @@ def assess_scene(scene: Scene, bodies: Bodies, config: Config, channels: Sequenc
                 found[name][own] = table[name]
         return found
 
-    on_ground = parts[0] if not places[0][0] else None
+    on_ground = parts[0] if places[0][0] == RECORD_ITSELF else None
     return RecordAssessment(
-        scene=scene if on_ground is None else on_ground.scene,
+        scene=replace(scene, record=record),
         bodies=bodies,
         config=config,
         responses={

@@ -7,6 +7,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, fields, replace
 from typing import Any
 
@@ -18,7 +19,7 @@ from rocking.scale_search import ScaleIntervals
 from rockpulse.config.bodies import Bodies
 from rockpulse.record.record import Record
 
-__all__ = ["Senses", "senses"]
+__all__ = ["Senses", "acting", "senses"]
 
 #: Degrees between the azimuths of a record and of a body's fall up to which the record tells the sense.
 SAME_DIRECTION = 30.0
@@ -76,19 +77,25 @@ class Senses:
         return places
 
 
+def acting(azimuth: float, facing: float) -> tuple[int, ...]:
+    """The senses in which a record may act on a body before a wall, by both azimuths [degrees]; NaN if not known.
+
+    1 where it acts towards the fall, -1 against it, both where that is not known.
+    """
+    along, least = math.cos(math.radians(azimuth - facing)), math.cos(math.radians(SAME_DIRECTION))
+    return (1,) if along >= least else (-1,) if along <= -least else (1, -1)
+
+
 def senses(bodies: Bodies, record: Record, step: int = 1) -> Senses:
     """The lanes of bodies in the senses of a record; every `step`-th lane only."""
     lanes = bodies.lanes.chosen(slice(None, None, step))
     leaning = np.asarray(lanes.side) != 0
     if not np.any(leaning):
         return Senses(lanes, np.zeros(0, dtype=np.int64))
-    facing = np.repeat(bodies.facing, bodies.cases)[::step]
     azimuth = np.nan if record.azimuth is None else float(record.azimuth)
-    with np.errstate(invalid="ignore"):
-        along = np.cos(np.radians(azimuth - facing))
-        against = leaning & (along <= -np.cos(np.radians(SAME_DIRECTION)))
-        known = against | (leaning & (along >= np.cos(np.radians(SAME_DIRECTION))))
-    both = np.flatnonzero(leaning & ~known)
+    every = [acting(azimuth, facing) for facing in np.repeat(bodies.facing, bodies.cases)[::step].tolist()]
+    against = leaning & np.array([found == (-1,) for found in every])
+    both = np.flatnonzero(leaning & np.array([len(found) > 1 for found in every]))
     mirror = lanes.mirrored()
     own = [mirror.lane(place) if turned else lanes.lane(place) for place, turned in enumerate(against)]
     first = Block.stack(own) if np.any(against) else lanes

@@ -5,19 +5,27 @@ from __future__ import annotations
 import dataclasses
 import logging
 import math
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from rocking.block_limits import LARGEST_SIZE, doubt_of_size, radius_of_rectangle
-from rockpulse.config.restraint_settings import FloorSettings, LoadSettings, ThrustSettings, TieSettings
+from rockpulse.config.restraint_settings import (
+    FloorSettings,
+    LoadSettings,
+    PedestalSettings,
+    ThrustSettings,
+    TieSettings,
+)
 from rockpulse.errors import ConfigError
 from rockpulse.option import KeyType, Section, boolean, entries, is_number, key, number
 from rockpulse.record.record import STANDARD_GRAVITY
 
 if TYPE_CHECKING:
     from rocking import Block
+    from rockpulse.config.settings import RecordSettings
 
-__all__ = ["BlockSettings", "parse_block_option"]
+__all__ = ["BlockSettings", "parse_block_option", "require_pairs"]
 
 logger = logging.getLogger("rockpulse")
 
@@ -93,6 +101,9 @@ class BlockSettings(Section):
         "sorrentino", which stands where none is given.
     facing : float or None
         Azimuth towards which such a body falls, clockwise from north [degrees].
+    azimuth : float or None
+        Direction in which the body rocks, in which pairs of channels are taken for it [degrees]; that of [records]
+        without, or the `facing` of a body before a wall.
     friction : float or None
         Coefficient at the base, by which sliding is checked [-].
     mass, density, length : float or None
@@ -101,6 +112,9 @@ class BlockSettings(Section):
         In TOML [[block.tie]], [[block.load]] and [[block.thrust]].
     floors : tuple of FloorSettings
         Modes of the building that it stands on, [[block.floor]]; none for a body on the ground.
+    pedestals : tuple of PedestalSettings
+        Parts that it stands on, [[block.pedestal]], from its foot downwards: it is assessed alone, and as one body with
+        each of them and those above.
     confirm_size : bool
         Take also a body that is larger than 30 m, less than 5 cm high or 1 mm wide, or wider than high. A body by p and
         alpha is measured as the rectangle with its R and alpha.
@@ -135,6 +149,7 @@ class BlockSettings(Section):
     one_sided: bool = boolean(False)
     rebound: float | str | tuple[float, ...] | None = key(None, _REBOUND)
     facing: float | None = number(None, low=0.0, high=360.0, unit="degrees")
+    azimuth: float | None = number(None, low=0.0, high=360.0, unit="degrees")
     friction: float | None = number(None, low=0.0, above=True)
     mass: float | None = number(None, low=0.0, above=True, unit="kg")
     density: float | None = number(None, low=0.0, above=True, unit="kg/m3")
@@ -144,6 +159,7 @@ class BlockSettings(Section):
     loads: tuple[LoadSettings, ...] = entries(LoadSettings)
     thrusts: tuple[ThrustSettings, ...] = entries(ThrustSettings)
     floors: tuple[FloorSettings, ...] = entries(FloorSettings)
+    pedestals: tuple[PedestalSettings, ...] = entries(PedestalSettings)
 
     @property
     def where(self) -> str:
@@ -169,6 +185,16 @@ class BlockSettings(Section):
             )
         if not self.one_sided and (self.rebound is not None or self.facing is not None):
             raise ConfigError(f"{self.where}: rebound and facing are of a body before a wall; set one_sided = true")
+        if self.azimuth is not None and self.facing is not None and math.remainder(self.azimuth - self.facing, 180.0):
+            raise ConfigError(
+                f"{self.where} azimuth: a body before a wall falls towards its facing, {self.facing:g} degrees, found "
+                f"azimuth {self.azimuth:g}; give facing alone"
+            )
+        if self.pedestals and (self.one_sided or self.ties or self.loads or self.thrusts or self.p is not None):
+            raise ConfigError(
+                f"{self.where}: a pedestal is of a free body with sizes; found one by p and alpha, before a wall, or "
+                "with ties, loads or thrusts"
+            )
         if self.alpha is not None and self.alpha >= math.pi / 2:
             raise ConfigError(
                 f"{self.where} alpha: expected an angle below pi/2 rad, found {self.alpha:g}; is it in degrees?"
@@ -208,6 +234,39 @@ class BlockSettings(Section):
         for warning in block.warnings:
             logger.warning("block %s: %s", self.name, warning)
         return block
+
+    def with_pedestals(self) -> dict[str, Block]:
+        """The body as one with its first pedestal, with the first two and so on, by their names.
+
+        Raises
+        ------
+        ConfigError
+            Without a mass, or where it stands over the edge of a pedestal.
+        """
+        from rocking.pedestal import with_pedestal
+
+        found: dict[str, Block] = {}
+        if not self.pedestals:
+            return found
+        whole = self.block()
+        restitution = list(self.restitution) if isinstance(self.restitution, tuple) else self.restitution
+        for place, part in enumerate(self.pedestals, 1):
+            try:
+                whole = with_pedestal(whole, part.width, part.height, part.mass, restitution)
+            except ValueError as error:
+                raise ConfigError(f"{self.where} pedestal {place}: {error}") from None
+            found[f"{self.name} with pedestal{'' if place == 1 else f' {place}'}"] = whole
+        return found
+
+
+def require_pairs(blocks: Iterable[BlockSettings], records: RecordSettings) -> None:
+    """Raise ConfigError for a body with a direction of its own where channels are taken as they were recorded."""
+    own = [block.where for block in blocks if block.azimuth is not None]
+    if own and records.components == "horizontal":
+        raise ConfigError(
+            f"{own[0]} azimuth: a direction of its own needs pairs of channels; give [records] components = "
+            '"azimuth" with the direction of the other bodies, "strongest" or "sweep"'
+        )
 
 
 def _doubt(block: BlockSettings) -> str:

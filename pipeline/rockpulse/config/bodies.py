@@ -2,21 +2,32 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from rocking.block import Block
-from rockpulse.config.block_settings import BlockSettings
+from rockpulse.config.block_settings import BlockSettings, require_pairs
 from rockpulse.config.restraint_settings import FloorSettings
 from rockpulse.errors import ConfigError
 
-__all__ = ["Bodies", "gather_bodies", "refuse_aloft"]
+if TYPE_CHECKING:
+    from rockpulse.config.settings import RecordSettings
+
+__all__ = ["Bodies", "Place", "gather_bodies", "refuse_aloft"]
 
 #: Mass of a body over that of its floor above which it would change the floor's motion noticeably [-].
 LIGHT = 0.05
+
+
+class Place(NamedTuple):
+    """The motion that a body feels, beside the record itself."""
+
+    azimuth: float | None  #: direction of the pair of channels that it is taken in [degrees]; None for the record's own
+    floors: tuple[FloorSettings, ...]  #: modes of the building that it stands on; none on the ground
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,24 +44,37 @@ class Bodies:
     height: np.ndarray
     #: Azimuth towards which each body before a wall falls [degrees]; NaN where it is not known.
     facing: np.ndarray
+    #: Direction of its own in which each body is shaken by a pair of channels [degrees]; NaN for that of the records.
+    azimuth: np.ndarray
     #: Coefficient of friction at the base of each body [-]; NaN where it was not given.
     friction: np.ndarray
     #: Modes of the building under each body; none for one on the ground.
     floors: tuple[tuple[FloorSettings, ...], ...]
+    #: Name of the body that each takes together with its pedestal; empty for all others.
+    pedestal_of: tuple[str, ...]
     #: Remarks on each body, one a line.
     warnings: tuple[str, ...]
 
-    @property
-    def storeys(self) -> list[tuple[tuple[FloorSettings, ...], np.ndarray]]:
-        """The different places that bodies stand on, with the numbers of the bodies there; the ground first."""
-        every = sorted(dict.fromkeys(self.floors), key=len)
-        return [(one, np.flatnonzero([own == one for own in self.floors])) for one in every]
+    def places(self, azimuth: float | None, within: float = 0.0) -> list[tuple[Place, np.ndarray]]:
+        """The different motions that bodies feel, each with the numbers of its bodies; the record's own one first.
+
+        `azimuth` is that of the record where each body is shaken in its own direction; one that is parallel to it
+        `within` some degrees needs no other motion.
+        """
+        own = []
+        for direction, floors in zip(self.azimuth.tolist(), self.floors, strict=True):
+            other = azimuth is not None and abs(math.remainder(direction - azimuth, 180.0)) > within
+            own.append(Place(direction if other else None, floors))
+        every = sorted(dict.fromkeys(own), key=lambda place: (place.azimuth is not None, len(place.floors)))
+        return [(one, np.flatnonzero([place == one for place in own])) for one in every]
 
     def chosen(self, places: np.ndarray) -> Bodies:
         """Some of the bodies."""
         lanes = (places[:, np.newaxis] * self.cases + np.arange(self.cases)).reshape(-1)
-        some: dict[str, Any] = {name: getattr(self, name)[places] for name in ("width", "height", "facing", "friction")}
-        for name in ("names", "floors", "warnings"):
+        some: dict[str, Any] = {
+            name: getattr(self, name)[places] for name in ("width", "height", "facing", "azimuth", "friction")
+        }
+        for name in ("names", "floors", "pedestal_of", "warnings"):
             some[name] = tuple(getattr(self, name)[place] for place in places)
         return Bodies(lanes=self.lanes.chosen(lanes), cases=self.cases, **some)
 
@@ -58,8 +82,8 @@ class Bodies:
         """(..., b x cases) -> (..., b, cases)."""
         return values.reshape(*values.shape[:-1], len(self.names), self.cases)
 
-    def apart(self) -> tuple[list[str], Block]:
-        """Names and lanes where every restitution of a body is a body of its own, named "wall C 0.9".
+    def apart(self) -> tuple[list[str], Block, np.ndarray]:
+        """Names, lanes and body of each where every restitution of a body is one of its own, named "wall C 0.9".
 
         A body with one value is one lane under its own name. A ConfigError where two get one name.
         """
@@ -76,17 +100,30 @@ class Bodies:
             raise ConfigError(
                 f'block "{twice}": one body has the name that another gets with one of its restitutions; rename one'
             )
-        return names, Block.stack([self.lanes.lane(lane) for lane in kept])
+        return names, Block.stack([self.lanes.lane(lane) for lane in kept]), np.array(kept) // self.cases
 
 
-def gather_bodies(blocks: Sequence[BlockSettings] | Mapping[str, Block]) -> Bodies:
+def gather_bodies(
+    blocks: Sequence[BlockSettings] | Mapping[str, Block], records: RecordSettings | None = None
+) -> Bodies:
     """Line up the bodies of a configuration, or of a mapping of name to Block.
 
     A Block of shape (c,) stands for c restitution values of one body. A ConfigError without any body, with restitution
-    lists of different lengths, a Block whose sizes differ among its lanes, or bodies in different gravity.
+    lists of different lengths, a Block whose sizes differ among its lanes, bodies in different gravity, or one with a
+    direction of its own where the settings of the records are given and ask for no pairs.
     """
-    given = {} if isinstance(blocks, Mapping) else {block.name: block for block in blocks}
-    named = dict(blocks) if isinstance(blocks, Mapping) else {name: one.block() for name, one in given.items()}
+    if records is not None and not isinstance(blocks, Mapping):
+        require_pairs(blocks, records)
+    named = dict(blocks) if isinstance(blocks, Mapping) else {}
+    given: dict[str, BlockSettings] = {}
+    alone: dict[str, str] = {}
+    for one in () if isinstance(blocks, Mapping) else blocks:
+        own = {one.name: one.block()} | one.with_pedestals()
+        if twice := own.keys() & named.keys():
+            raise ConfigError(f'[[block]]: two bodies have the name "{min(twice)}"; rename one')
+        named |= own
+        given |= dict.fromkeys(own, one)
+        alone |= {name: one.name for name in own if name != one.name}
     if not named:
         raise ConfigError(
             "no block to assess: give [[block]] entries in the configuration or --block NAME=WIDTHxHEIGHT"
@@ -104,15 +141,18 @@ def gather_bodies(blocks: Sequence[BlockSettings] | Mapping[str, Block]) -> Bodi
                 f'block "{name}": its lanes may differ in restitution only; give other sizes another name'
             )
 
+    facing, azimuth = _told(given, named, "facing"), _told(given, named, "azimuth")
     return Bodies(
         names=tuple(named),
         lanes=Block.stack([block.lanes(cases) for block in named.values()]),
         cases=cases,
         width=np.array([np.max(block.width) for block in named.values()]),
         height=np.array([np.max(block.height) for block in named.values()]),
-        facing=_told(given, named, "facing"),
+        facing=facing,
+        azimuth=np.where(np.isnan(azimuth), facing, azimuth),
         friction=_told(given, named, "friction"),
         floors=tuple(given[name].floors if name in given else () for name in named),
+        pedestal_of=tuple(alone.get(name, "") for name in named),
         warnings=tuple(
             "\n".join([*block.warnings, *(_heavy(given[name], block) if name in given else [])])
             for name, block in named.items()

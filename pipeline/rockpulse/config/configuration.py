@@ -15,7 +15,7 @@ from glob import escape, has_magic
 from pathlib import Path
 from typing import Any
 
-from rockpulse.config.block_settings import BlockSettings
+from rockpulse.config.block_settings import BlockSettings, require_pairs
 from rockpulse.config.fragility_settings import FragilitySettings
 from rockpulse.config.settings import (
     SECTIONS,
@@ -58,7 +58,8 @@ class Config:
     ------
     ConfigError
         For two blocks or two demands of one name, restitution lists of different lengths, histories that would not be
-        stored, or an uncertain azimuth without a sweep over direction.
+        stored, a body with a direction of its own without pairs of channels, or an uncertain azimuth without a sweep
+        over direction.
 
     Examples
     --------
@@ -99,6 +100,7 @@ class Config:
                 '[models] histories: true, but [records] store = "none" leaves them out of the results; '
                 'set store = "half_waves" or "all", or histories = false'
             )
+        require_pairs(self.blocks, self.records)
         if self.uncertainty.azimuth and self.records.components != "sweep":
             raise ConfigError(
                 "[uncertainty] azimuth: true, the mean over the directions of a pair of channels, needs [records] "

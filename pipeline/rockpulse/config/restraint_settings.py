@@ -1,4 +1,4 @@
-"""What a body of the configuration stands on and is held by: [[block.floor]], .tie, .load and .thrust."""
+"""What a body of the configuration stands on and is held by: [[block.floor]], .pedestal, .tie, .load and .thrust."""
 
 from __future__ import annotations
 
@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 __all__ = [
     "FloorSettings",
     "LoadSettings",
+    "PedestalSettings",
     "ThrustSettings",
     "TieSettings",
     "floors_as_text",
@@ -88,6 +89,16 @@ class ThrustSettings(Section):
         from rocking.restraint import Thrust
 
         return Thrust(self.force, self.height, self.distance)
+
+
+@dataclass(frozen=True)
+class PedestalSettings(Section):
+    """A rectangular part that a body stands on, in the middle of its top, and that may rock with it as one body."""
+
+    heading = "[[block.pedestal]]"
+    width: float = number(dataclasses.MISSING, low=0.0, above=True, unit="m")
+    height: float = number(dataclasses.MISSING, low=0.0, above=True, unit="m")
+    mass: float = number(dataclasses.MISSING, low=0.0, above=True, unit="kg")
 
 
 def floors_as_text(floors: Sequence[FloorSettings]) -> str:

@@ -56,6 +56,12 @@ BLOCK = along(
             lambda b, config: b.facing,
             since=5,
         ),
+        "body_azimuth": real(
+            "degree",
+            "direction of its own in which pairs of channels shake the body; NaN for that of the records",
+            lambda b, config: b.azimuth,
+            since=5,
+        ),
         "friction": real("1", "coefficient at the base; NaN where not known", lambda b, config: b.friction, since=5),
         "mass": real("kg", "mass with the loads that it carries along; NaN where not known", _of_body("mass"), since=5),
         "restraints": text(
@@ -74,6 +80,12 @@ BLOCK = along(
             lambda bodies, config: [floors_as_text(floors) for floors in bodies.floors],
             since=5,
             explanation="as JSON: period [s], damping and participation [-] of each; empty on the ground",
+        ),
+        "pedestal_of": text(
+            "name of the body that this one is together with its pedestal",
+            lambda bodies, config: bodies.pedestal_of,
+            since=5,
+            explanation="empty for all others",
         ),
         "uplift_acceleration": real(
             "m s-2",

@@ -46,10 +46,11 @@ def test_bodies_apart_have_each_restitution_once_and_a_name_for_each():
     several = [
         BlockSettings(name=name, width=1.0, height=6.0, restitution=[0.9, c]) for name, c in (("a", 0.95), ("b", 0.9))
     ]
-    names, lanes = gather_bodies([several[0], STATUE, several[1]]).apart()
+    names, lanes, owner = gather_bodies([several[0], STATUE, several[1]]).apart()
     assert names == ["a C 0.9", "a C 0.95", "statue", "b"]
     assert lanes.restitution.tolist() == [0.9, 0.95, 0.85, 0.9]
     assert lanes.p[2] == 2.4
+    assert owner.tolist() == [0, 0, 1, 2]
     assert gather_bodies([WALL, STATUE]).apart()[0] == ["wall", "statue"]
 
 

@@ -8,14 +8,14 @@ from typing import TYPE_CHECKING
 
 from rocking.block import Block
 from rockpulse.config.block_settings import BlockSettings
-from rockpulse.config.bodies import gather_bodies, refuse_aloft
+from rockpulse.config.bodies import gather_bodies
 from rockpulse.config.configuration import Config
 from rockpulse.failures import Failure
 from rockpulse.motions.directions import PlannedMotion
 from rockpulse.motions.runner import Analysis, Blocks, Part, Work, run
 from rockpulse.record.record import Record
 from rockpulse.storage.fragility_variables import FRAGILITY
-from rockpulse.studies.fragility.capacity import motion_capacity
+from rockpulse.studies.fragility.capacity import Lanes, motion_capacity
 from rockpulse.studies.fragility.results import build_fragility_tree
 
 if TYPE_CHECKING:
@@ -88,15 +88,15 @@ class FragilityAnalysis(Analysis):
 
     def __init__(self, config: Config, blocks: Blocks | None = None) -> None:
         super().__init__(config)
-        bodies = gather_bodies(config.blocks if blocks is None else blocks)
-        refuse_aloft(bodies, "fragility is of bodies on the ground")
-        self.block_names, self.lanes = bodies.apart()
+        bodies = gather_bodies(config.blocks if blocks is None else blocks, config.records)
+        self.block_names, block, owner = bodies.apart()
+        self.lanes = Lanes(block, bodies, owner)
 
     @property
     def work(self) -> Work:
         """Find the capacities of all bodies under a motion."""
-        return partial(motion_capacity, block=self.lanes, config=self.config)
+        return partial(motion_capacity, lanes=self.lanes, config=self.config)
 
     def collect(self, parts: Sequence[Part], planned: Sequence[PlannedMotion], failures: list[Failure]) -> xr.DataTree:
         """Fit the curves."""
-        return build_fragility_tree(parts, self.block_names, self.lanes, self.config, failures)
+        return build_fragility_tree(parts, self.block_names, self.lanes.block, self.config, failures)

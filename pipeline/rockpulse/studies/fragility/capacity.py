@@ -3,32 +3,44 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 
 from rocking.block import Block
+from rockpulse.assessment.places import aloft, places_of, turned
 from rockpulse.assessment.scene import extract
+from rockpulse.config.bodies import Bodies
 from rockpulse.config.configuration import Config
 from rockpulse.errors import TooWeak
 from rockpulse.ladder import Scene
 from rockpulse.motions.directions import Motion
 from rockpulse.motions.runner import Part, Watch
+from rockpulse.record.components import Pair
 from rockpulse.storage.fact_variables import FACTS, facts_of
 from rockpulse.studies.fragility.limit_states import NOT_KNOWN, reached_at, scale_capacities
 from rockpulse.studies.fragility.measures import QUALITIES, record_measures, record_qualities
 
-__all__ = ["motion_capacity", "nothing"]
+__all__ = ["Lanes", "motion_capacity", "nothing"]
 
 
-def motion_capacity(motion: Motion, watch: Watch, block: Block, config: Config) -> Part:
+class Lanes(NamedTuple):
+    """What is asked about: the (m,) lanes of all bodies."""
+
+    block: Block
+    bodies: Bodies
+    owner: np.ndarray  #: (m,) number of the body that each lane is of
+
+
+def motion_capacity(motion: Motion, watch: Watch, lanes: Lanes, config: Config) -> Part:
     """The capacities of (m,) lanes under one motion, as arrays.
 
-    "measures" (1, k, m) are those of the motion as it is, in the order of ``[fragility] measures``, "qualities" (1, c)
-    those of :data:`rockpulse.studies.fragility.measures.QUALITIES`. An incremental analysis adds "factors" (1, s, m),
-    the first that reaches each limit state, inf where none does, and "step" (1, m), the ratio of neighbouring factors
-    of the scan; others add "factors" (1, r, m), those that were looked at, and "reached" (1, s, r, m), whether the
-    limit state was. Beyond ``[fragility] factors`` a scaled record stands for no recorded one: an incremental analysis
-    ends there, and a stripe has no answer.
+    "measures" (1, k, m) are those of the ground's motion as it is, in the direction of each body and in the order of
+    ``[fragility] measures``, "qualities" (1, c) those of :data:`rockpulse.studies.fragility.measures.QUALITIES`. An
+    incremental analysis adds "factors" (1, s, m), the first that reaches each limit state, inf where none does, and
+    "step" (1, m), the ratio of neighbouring factors of the scan; others add "factors" (1, r, m), those that were looked
+    at, and "reached" (1, s, r, m), whether the limit state was. Beyond ``[fragility] factors`` a scaled record stands
+    for no recorded one: an incremental analysis ends there, and a stripe has no answer.
 
     With a body before a wall the motion and its reverse are two rows, of one earthquake.
 
@@ -37,50 +49,68 @@ def motion_capacity(motion: Motion, watch: Watch, block: Block, config: Config) 
     """
     with watch("condition"):
         scene = extract(motion.record, config, motion.vertical)
-    found = _capacity(scene, watch, block, config)
-    if not np.any(np.asarray(block.side)):
-        return found
-    # A body before a wall falls to one side only, and the earthquake might have come from the other one.
-    turned = replace(scene.record, acceleration=-scene.record.acceleration, id=f"{scene.record.id} reversed")
-    waves = replace(scene.waves, impulse=-scene.waves.impulse, peak=-scene.waves.peak)
-    other = _capacity(replace(scene, record=turned, waves=waves), watch, block, config)
-    return {name: np.concatenate([values, other[name]]) for name, values in found.items()}
-
-
-def _capacity(scene: Scene, watch: Watch, block: Block, config: Config) -> Part:
-    """The capacities under one scene."""
     settings, record = config.fragility, scene.record
     if record.pga < settings.pga_min:
         raise TooWeak(
             f"{record.id}: PGA {record.pga:.3g} m/s2 is below [fragility] pga_min = {settings.pga_min:g} m/s2"
         )
-    found: dict[str, object]
-    with watch("solve"):
-        if settings.data == "ida":
-            search = config.search
-            end = min(search.factor_max, settings.factors[1])
-            capacities = scale_capacities(scene, block, settings.limit_states, settings.equation, end, search.points)
-            found = {"factors": capacities.factors, "step": capacities.step}
-        else:
-            factors = np.ones((1, *block.shape))
-            if settings.data == "stripes":
-                own = record_measures(scene, block, (settings.stripe_measure,))
-                factors = np.asarray(settings.stripe_levels)[:, None] / own
-            least, most = settings.factors if settings.data == "stripes" else (0.0, np.inf)
-            near = (factors >= least) & (factors <= most)
-            # What is not looked at is not marched: a record at factor zero moves nothing.
-            looked = reached_at(scene, block, settings.limit_states, settings.equation, np.where(near, factors, 0.0))
-            reached = np.where(near, looked, NOT_KNOWN)
-            found = {"factors": factors, "reached": reached}
+    pair = Pair(*motion.channels) if len(motion.channels) == 2 else None
+    rows = []
+    for reverse in (False, True) if np.any(np.asarray(lanes.block.side)) else (False,):
+        found: dict[str, np.ndarray] = {}
+        for place, numbers in places_of(lanes.bodies, record, pair, config):
+            with watch("condition"):
+                ground = turned(scene, place, pair, config)
+                # A body before a wall falls to one side only, and the earthquake might have come from the other one.
+                ground = _reversed(ground) if reverse else ground
+                there = aloft(ground, place, config)
+            own = np.flatnonzero(np.isin(lanes.owner, numbers))
+            with watch("solve"):
+                values = _capacity(ground, there, lanes.block.chosen(own), config)
+            for name, array in values.items():
+                whole = np.empty((*array.shape[:-1], lanes.owner.size), dtype=array.dtype)
+                found.setdefault(name, whole)[..., own] = array
         qualities = record_qualities(scene)
-        found |= {
-            "record": record.id,
-            "source": record.source,
-            "measures": record_measures(scene, block, settings.measures),
-            "qualities": [qualities[name] for name in QUALITIES],
-            **facts_of(scene),
-        }
-    return {name: np.array([values]) for name, values in found.items()}
+        name = f"{record.id} reversed" if reverse else record.id
+        rows.append(
+            {
+                **found,
+                "record": name,
+                "source": record.source,
+                "qualities": [qualities[quality] for quality in QUALITIES],
+                **facts_of(scene),
+            }
+        )
+    return {name: np.array([row[name] for row in rows]) for name in rows[0]}
+
+
+def _reversed(scene: Scene) -> Scene:
+    """The scene of the reverse of a motion."""
+    record, waves = scene.record, scene.waves
+    return replace(
+        scene,
+        record=replace(record, acceleration=-record.acceleration),
+        waves=replace(waves, impulse=-waves.impulse, peak=-waves.peak),
+    )
+
+
+def _capacity(ground: Scene, there: Scene, block: Block, config: Config) -> dict[str, np.ndarray]:
+    """The arrays of (m,) lanes that are shaken by one scene, with the measures of the ground below."""
+    settings, search = config.fragility, config.search
+    measures = record_measures(ground, block, settings.measures)
+    if settings.data == "ida":
+        end = min(search.factor_max, settings.factors[1])
+        capacities = scale_capacities(there, block, settings.limit_states, settings.equation, end, search.points)
+        return {"measures": measures, "factors": capacities.factors, "step": capacities.step}
+    factors = np.ones((1, *block.shape))
+    if settings.data == "stripes":
+        own = record_measures(ground, block, (settings.stripe_measure,))
+        factors = np.asarray(settings.stripe_levels)[:, None] / own
+    least, most = settings.factors if settings.data == "stripes" else (0.0, np.inf)
+    near = (factors >= least) & (factors <= most)
+    # What is not looked at is not marched: a record at factor zero moves nothing.
+    looked = reached_at(there, block, settings.limit_states, settings.equation, np.where(near, factors, 0.0))
+    return {"measures": measures, "factors": factors, "reached": np.where(near, looked, NOT_KNOWN)}
 
 
 def nothing(lanes: int, config: Config) -> Part:

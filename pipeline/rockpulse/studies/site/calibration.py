@@ -173,4 +173,4 @@ def site_family(blocks: Blocks) -> tuple[list[str], Block]:
         lanes = block_family()
         named = zip(lanes.p, lanes.alpha_c, lanes.restitution, strict=True)
         return [f"p {p:.3g} alpha {alpha:.3g} C {c:.3g}" for p, alpha, c in named], lanes
-    return gather_bodies(blocks).apart()
+    return gather_bodies(blocks).apart()[:2]

@@ -24,7 +24,7 @@ from rockpulse.views.plots.motion import had_vertical, stored_motion, stored_rec
 from rockpulse.views.plots.overturning_curves import overturning_spectra
 from rockpulse.views.plots.paper import figure4, figure5
 from rockpulse.views.plots.rotation import rotation_history
-from rockpulse.views.plots.selection import block_of, named_body, one_name, ragged, sequence_of, setting
+from rockpulse.views.plots.selection import block_of, named_body, one_name, plain_bodies, ragged, sequence_of, setting
 from rockpulse.views.plots.site import calibration
 from rockpulse.views.plots.spectrum_map import rocking_spectrum
 from rockpulse.views.plots.words import plain
@@ -89,7 +89,7 @@ def _rocking_spectrum(tree: xr.DataTree, record: str | None = None, restitution:
     summary = tree["summary"].to_dataset()
     record = one_name(summary, "record", record)
     names = [str(name) for name in summary["block"].values]
-    own = {name: summary.sel(block=name) for name in names}
+    own = {name: summary.sel(block=name) for name in plain_bodies(summary)}
     bodies = {name: (float(one["p"]), float(one["alpha_c"])) for name, one in own.items()}
     p = _reaching(P, [rate for rate, _ in bodies.values()])
     alpha = _reaching(ALPHAS, [angle for _, angle in bodies.values()])
@@ -107,7 +107,7 @@ def _rocking_spectrum(tree: xr.DataTree, record: str | None = None, restitution:
 
 def _reaching(values: Sequence[float], marked: Sequence[float]) -> list[float]:
     """Equally spaced values over the same range, widened to include every marked value."""
-    low, high = min(values[0], 0.9 * min(marked)), max(values[-1], 1.1 * max(marked))
+    low, high = min([values[0], *(0.9 * one for one in marked)]), max([values[-1], *(1.1 * one for one in marked)])
     return np.linspace(low, high, len(values)).tolist()
 
 
@@ -130,7 +130,8 @@ def _spectrum(tree: xr.DataTree, record: str | None = None, restitution: float |
             spectra,
             restitution=c,
             bodies={
-                name: (float(summary["p"].sel(block=name)), float(summary["alpha_c"].sel(block=name))) for name in names
+                name: (float(summary["p"].sel(block=name)), float(summary["alpha_c"].sel(block=name)))
+                for name in plain_bodies(summary)
             },
             events=[str(event) for event in own["event"].values],
             demands=needed if spectra.sizes["record"] > 1 else None,

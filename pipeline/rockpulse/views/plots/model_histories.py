@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -11,13 +12,24 @@ from rocking.block import Block
 from rocking.impulsive import impulsive_response
 from rocking.recorded import recorded_response
 from rocking.response import IMPACT_CUTOFF, Outcome
-from rockpulse.assessment.storeys import floor_record
+from rockpulse.assessment.places import floor_record
+from rockpulse.assessment.senses import acting
 from rockpulse.config.restraint_settings import floors_from_text
 from rockpulse.errors import ResultsError
 from rockpulse.ladder import SEQUENCE_MODELS
+from rockpulse.motions.directions import FACING_WITHIN
 from rockpulse.studies.paper.motion_history import HalfCycle, rotation_history
 from rockpulse.views.plots.motion import STORE, had_vertical, stored_record
-from rockpulse.views.plots.selection import block_of, chosen_case, gain_of, one_name, ragged, sequence_of, table_of_pair
+from rockpulse.views.plots.selection import (
+    block_of,
+    chosen_case,
+    gain_of,
+    one_name,
+    ragged,
+    sequence_of,
+    setting,
+    table_of_pair,
+)
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -150,6 +162,11 @@ def _of_record(
         return dt * np.arange(stored.size), body.ratio(stored), None
     told = str(summary["floors"].sel(block=block).values) if "floors" in summary else ""
     floors = floors_from_text(told)
+    if not _in_direction(summary, record, block, tree):
+        raise ResultsError(
+            f"{block}: it is shaken in a direction of its own, whose motion is not in the file: assess again with "
+            "[models] histories = true, or with its direction as that of [records]"
+        )
     if floors and model == "impulsive":
         raise ResultsError(
             f"{block}: the half-waves of its floor are not in the file: assess again with [models] histories = true, "
@@ -183,15 +200,27 @@ def _of_record(
         if floors:
             motion = floor_record(motion, floors)
         equation: Any = "linear" if model == "linear" else "nonlinear"
-        # What is stored of a body before a wall is the worse of both senses of the record.
+        # What is stored of a body before a wall is the worse of those senses of the record that may act.
+        facing = float(summary["facing"].sel(block=block)) if "facing" in summary else np.nan
+        azimuth = float(summary["azimuth"].sel(record=record))
         response = max(
             (
-                recorded_response(one, motion.acceleration, motion.dt, equation=equation, history=True)
-                for one in ([body, body.mirrored()] if body.side else [body])
+                recorded_response(
+                    body if sense > 0 else body.mirrored(), motion.acceleration, motion.dt, equation, history=True
+                )
+                for sense in (acting(azimuth, facing) if body.side else (1,))
             ),
             key=lambda one: float(np.nan_to_num(one.peak_rotation_ratio, nan=np.finfo(float).max)),
         )
     return response.time, body.ratio(response.rotation), float(response.peak_rotation_ratio)
+
+
+def _in_direction(summary: xr.Dataset, record: str, block: str, tree: xr.DataTree) -> bool:
+    """Whether a record is what shakes a block, which may have a direction of its own."""
+    own = float(summary["body_azimuth"].sel(block=block)) if "body_azimuth" in summary else np.nan
+    turned = setting(tree, "records", "components", "horizontal") != "horizontal"
+    apart = abs(math.remainder(own - float(summary["azimuth"].sel(record=record)), 180.0)) if np.isfinite(own) else 0.0
+    return not turned or apart <= FACING_WITHIN
 
 
 def _stored(tree: xr.DataTree, record: str, block: str, model: str, case: int) -> np.ndarray | None:
@@ -233,8 +262,11 @@ def _of_sequence(
 
 
 def _impacts(time: np.ndarray, rotation: np.ndarray, body: Block) -> np.ndarray:
-    """Times at which the rotation changes its sign faster than `IMPACT_CUTOFF`, at which impacts are counted."""
+    """Times of impacts faster than `IMPACT_CUTOFF`: changes of sign, or turns that only a wall behind explains."""
     before, after = rotation[:-1], rotation[1:]
+    if body.side:
+        # What turns back between two samples has gone on to the other side of the wall, as in a mirror.
+        after = np.where(2.0 * np.abs(before) < np.abs(np.concatenate([before[:1], before[:-1]])), -after, after)
     with np.errstate(invalid="ignore", divide="ignore"):
         crossed = before * after < 0.0
         speed = np.abs(after - before) / np.diff(time) / body.p

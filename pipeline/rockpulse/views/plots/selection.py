@@ -29,6 +29,7 @@ __all__ = [
     "gain_of",
     "named_body",
     "one_name",
+    "plain_bodies",
     "ragged",
     "sequence_of",
     "setting",
@@ -118,6 +119,19 @@ def block_of(summary: xr.Dataset, block: str, case: int = 1) -> Block:
     p, alpha, c, gravity, radius = (float(own[name]) for name in ("p", "alpha_c", "restitution", "gravity", "radius"))
     # The remarks on it were logged when it was assessed.
     return Block.from_parameters(p, alpha, c, gravity, radius=own_radius(radius, p, gravity), log=False)
+
+
+def plain_bodies(summary: xr.Dataset) -> list[str]:
+    """The bodies that a spectrum of the records stands for: free, symmetric, on the ground, without a direction."""
+    names = [str(name) for name in summary["block"].values]
+    if "restraints" not in summary:
+        return names
+    like = (summary["one_sided"].values == 0) & (summary["alpha_2"].values == summary["alpha_c"].values)
+    for name in ("restraints", "floors"):
+        like &= summary[name].values == ""
+    if "body_azimuth" in summary:
+        like &= np.isnan(summary["body_azimuth"].values)
+    return [name for name, plain in zip(names, like.tolist(), strict=True) if plain]
 
 
 def named_body(summary: xr.Dataset, block: str, case: int = 1) -> str:

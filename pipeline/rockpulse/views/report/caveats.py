@@ -18,7 +18,7 @@ from rockpulse.views.report.statements import of_bodies, of_unknown_event
 from rockpulse.views.shared.files_used import FilesUsed
 from rockpulse.views.shared.record_marks import doubt_notes, record_cells
 from rockpulse.views.shared.terminal import figure, ratio, several, share
-from rockpulse.views.shared.verdict_notes import noun
+from rockpulse.views.shared.verdict_notes import body_notes, noun
 from rockpulse.views.text.site import coverage
 
 if TYPE_CHECKING:
@@ -80,6 +80,7 @@ def caveats(
     if files.line:
         head = files.counted or "A pattern or a table names records that were not read"
         said.append(Caveat(True, head, f"No part of this verdict, see below: {files.reasons}."))
+    said += [Caveat(True, "Not modelled as it may move", note) for note in body_notes(answers, found)]
     said += [_doubt(answers, found), _at_rest(found, motions), _drift(answers), _several_restitutions(found)]
     if components == "horizontal" and motions.kind == "record":
         said.append(

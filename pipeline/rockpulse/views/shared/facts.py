@@ -166,6 +166,11 @@ class Known:
         modes = json.loads(str(self.value("floors") or "[]"))
         if modes:
             found.append("on a floor of " + ", ".join(f"{one['period']:g}" for one in modes) + " s")
+        azimuth = self.value("body_azimuth")
+        if azimuth is not None and not math.isnan(float(azimuth)) and float(azimuth) != self.value("facing"):
+            found.append(f"rocks at {float(azimuth):g} degrees")
+        if self.value("pedestal_of"):
+            found.append(f"{self.words('pedestal_of')} and its pedestal as one body")
         friction = self.value("friction")
         if friction is not None and not math.isnan(float(friction)):
             found.append(f"friction {friction:g}")

@@ -2,19 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable
+from collections.abc import Collection, Iterable, Sequence
 
 import numpy as np
 
 from rocking.response import Outcome, Reason
 from rockpulse.assessment.answers import Answers, Motions
-from rockpulse.assessment.verdict import MAY_OVERTURN, OVERTURNS
+from rockpulse.assessment.verdict import MAY_OVERTURN, OVERTURNS, BodyVerdict
 from rockpulse.ladder import MODELS, UPPER_BOUND, is_upper_bound
 from rockpulse.motions.events import FEWEST_EVENTS
 from rockpulse.storage.hdf5_reader import flag_words
 from rockpulse.views.shared.record_marks import doubt_notes, record_cells
 from rockpulse.views.shared.table import Mark
-from rockpulse.views.shared.terminal import lower_bound, rough, several
+from rockpulse.views.shared.terminal import lower_bound, ratio, rough, several
 
 __all__ = [
     "BEYOND_CRITICAL",
@@ -26,6 +26,7 @@ __all__ = [
     "SO_FAR",
     "UNPREDICTABLE",
     "beyond_critical",
+    "body_notes",
     "cautions",
     "counted",
     "noun",
@@ -131,6 +132,33 @@ def counted(motions: Motions) -> str:
 def noun(motions: Motions) -> str:
     """The word for a motion."""
     return {"record": "record", "pair": "pair of channels", "sequence": "sequence"}[motions.kind]
+
+
+def body_notes(answers: Answers, found: Sequence[BodyVerdict]) -> list[str]:
+    """A sentence on every body that stands on a pedestal, and on every one whose friction does not hold it."""
+    notes, summary = [], answers.summary
+    whole = summary["pedestal_of"].values.tolist() if "pedestal_of" in summary else []
+    for alone in dict.fromkeys(filter(None, whole)):
+        screens = [one for one in found if alone in (one.body.block, whole[one.body.place])]
+        if len({one.body.block for one in screens}) > 1:
+            worst = max(screens, key=lambda one: (one.overall, one.decides.value))
+            notes.append(
+                f"{alone}: of its screens, alone and with its pedestal as one body, that of {worst.body.name} is the "
+                f"worse ({worst.word}, {ratio(worst.decides.value)}) and counts; motions of both parts at once are not "
+                "modelled."
+            )
+    if "friction_required" in summary:
+        friction = summary["friction"].values
+        for lane, body in enumerate(answers.bodies):
+            required = answers["friction_required"][:, lane]
+            above = int(np.count_nonzero(required > friction[body.place]))
+            if above:
+                notes.append(
+                    f"{body.name}: {above} of {several(len(required), 'record')} ask for more friction than "
+                    f"{friction[body.place]:g} (up to {ratio(float(np.nanmax(required)))}): it would slide, which the "
+                    "rocking here leaves out."
+                )
+    return notes
 
 
 def cautions(names: Iterable[str], more: str = "") -> list[str]:

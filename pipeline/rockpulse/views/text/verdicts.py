@@ -40,7 +40,7 @@ from rockpulse.views.shared.terminal import (
     several,
     shortened,
 )
-from rockpulse.views.shared.verdict_notes import NO_ANSWER, NONE_UP_TO, counted, noun, verdict_notes
+from rockpulse.views.shared.verdict_notes import NO_ANSWER, NONE_UP_TO, body_notes, counted, noun, verdict_notes
 from rockpulse.views.text.capacity import NAME_WIDTH, factor_notes, uncertainty_words
 
 if TYPE_CHECKING:
@@ -198,7 +198,8 @@ def body_verdicts(answers: Answers, most: int | None = None) -> str:
     title = f"Verdict on {which}, {_under(answers, found)} ({answers.model} model):"
     widths = (NAME_WIDTH, *(None,) * (len(headings) - 1))
     table = Table("", "", tuple(map(lambda name, width: Heading(name, width=width), headings, widths)), tuple(rows))
-    return "\n".join([paragraph(title), *lines(table), *(paragraph(note, "  ") for note in _legend(answers))])
+    notes = [*_legend(answers), *body_notes(answers, found)]
+    return "\n".join([paragraph(title), *lines(table), *(paragraph(note, "  ") for note in notes)])
 
 
 def _under(answers: Answers, found: Sequence[BodyVerdict]) -> str:

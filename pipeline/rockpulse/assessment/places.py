@@ -1,7 +1,8 @@
-"""Bodies on the floors of buildings: the motion that each of them feels, and the answers of all put together."""
+"""Bodies in directions of their own and on floors: the motion that each of them feels, and all answers put together."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import fields, replace
 from typing import Any
@@ -12,21 +13,56 @@ from rocking.floor import floor_motion
 from rocking.response import HalfCycles, Response
 from rocking.scale_search import ScaleIntervals
 from rockpulse.assessment.scene import extract
+from rockpulse.config.bodies import Bodies, Place
 from rockpulse.config.configuration import Config
 from rockpulse.config.restraint_settings import FloorSettings
+from rockpulse.errors import RecordRefused
 from rockpulse.ladder import Scene
+from rockpulse.motions.directions import FACING_WITHIN
+from rockpulse.record.components import Pair
 from rockpulse.record.record import STANDARD_GRAVITY, Record
+from rockpulse.record.rotation import rotate
 
-__all__ = ["aloft", "floor_record", "joined_intervals", "joined_responses"]
+__all__ = ["aloft", "floor_record", "joined_intervals", "joined_responses", "places_of", "turned"]
+
 
 #: The oscillations of a floor are followed until they are below so much of gravity: a thousandth of the uplift of a
 #: body of slenderness 10.
 QUIET = 1e-4
 
 
-def aloft(scene: Scene, floors: Sequence[FloorSettings], config: Config) -> Scene:
-    """The scene as bodies on a floor have it: its motion, half-waves and sequence; the vertical is the ground's."""
-    record, found = scene.record, floor_record(scene.record, floors)
+def places_of(bodies: Bodies, record: Record, pair: Pair | None, config: Config) -> list[tuple[Place, np.ndarray]]:
+    """The different motions that bodies feel under a record, each with the numbers of its bodies.
+
+    `pair` are the channels that the record was rotated from; with `components = "horizontal"` nothing is rotated. A
+    RecordRefused where a body asks for a direction that a channel without a partner does not face.
+    """
+    if config.records.components == "horizontal":
+        return bodies.places(None)
+    azimuth = math.nan if record.azimuth is None else float(record.azimuth)
+    found = bodies.places(azimuth, 1e-6 if pair is not None else FACING_WITHIN)
+    others = [place for place, _ in found if place.azimuth is not None]
+    if others and pair is None:
+        raise RecordRefused(
+            f"{record.id}: no other channel goes with it, and it faces {azimuth:g} degrees: it cannot be taken in the "
+            f"direction {others[0].azimuth:g} of a body"
+        )
+    return found
+
+
+def turned(scene: Scene, place: Place, pair: Pair | None, config: Config) -> Scene:
+    """The scene in the direction of a place, from the channels that its record was rotated from."""
+    if place.azimuth is None:
+        return scene
+    assert pair is not None
+    return replace(extract(rotate(pair, place.azimuth), config), vertical=scene.vertical)
+
+
+def aloft(scene: Scene, place: Place, config: Config) -> Scene:
+    """The scene on the floor of a place: its motion, half-waves and sequence; the vertical is that of the ground."""
+    if not place.floors:
+        return scene
+    record, found = scene.record, floor_record(scene.record, place.floors)
     there = extract(found, config)
     if scene.vertical is None:
         return there

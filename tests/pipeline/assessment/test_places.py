@@ -1,0 +1,198 @@
+"""Bodies in directions of their own, on floors and on pedestals, through an assessment."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import rockpulse as rp
+from rockpulse import models
+from rockpulse.views.text.overview import overview
+
+T = np.arange(0.0, 6.0, 0.01)
+GROUND = 1.5 * np.sin(2.0 * np.pi * T / 0.7) * np.exp(-(((T - 2.0) / 1.0) ** 2))
+RECORD = rp.Record(GROUND, dt=0.01, id="burst", processed=True)
+FLOOR = rp.FloorSettings(period=0.5, participation=1.3)
+
+
+def body(name, **options):
+    return rp.BlockSettings(name=name, width=0.4, height=3.0, **options)
+
+
+def config(*blocks, **options):
+    asked = rp.ModelSettings(use=("sequence", "nonlinear"), histories=True)
+    return rp.Config(blocks=blocks, models=asked, search=rp.SearchSettings(intervals=True, points=16), **options)
+
+
+def test_a_body_aloft_is_shaken_by_its_floor_and_the_others_by_the_ground():
+    blocks = body("ground"), body("aloft", floors=(FLOOR,)), body("below", friction=0.2)
+    tree = rp.assess([RECORD], config(*blocks))
+    summary = tree["summary"].isel(record=0).sel(model="nonlinear")
+    floor = models.floor_motion(GROUND, 0.01, 0.5, participation=1.3, quiet=1e-4 * 9.80665)
+    block = body("one").block()
+    aloft = models.recorded_response(block, floor.acceleration, floor.dt)
+    ground = models.recorded_response(block, GROUND, 0.01)
+    peaks = summary["peak_rotation_ratio"].values.tolist()
+    assert peaks == [ground.peak_rotation_ratio, aloft.peak_rotation_ratio, ground.peak_rotation_ratio]
+    assert summary["floor_amplification"].values.tolist() == pytest.approx([1.0, floor.amplification, 1.0])
+    ratio = summary["uplift_ratio"].values
+    assert ratio[1] == pytest.approx(ratio[0] * floor.amplification)
+    asked = summary["friction_required"].values
+    assert np.isnan(asked[:2]).all()
+    assert asked[2] == pytest.approx(models.sliding_demand(block, GROUND, 0.01).required[0])
+    history = {one.model: one for one in rp.plots.histories(tree, "burst", "aloft", ["nonlinear"])}["nonlinear"]
+    known = np.abs(history.rotation[np.isfinite(history.rotation)])
+    assert np.max(known) <= history.peak + 1e-12
+
+
+def test_a_body_is_answered_alike_alone_and_among_others():
+    blocks = body("ground"), body("aloft", floors=(FLOOR,))
+    together = rp.assess([RECORD], config(*blocks))["summary"].isel(record=0)
+    for block in blocks:
+        alone = rp.assess([RECORD], config(block))["summary"].isel(record=0, block=0)
+        for name in ("peak_rotation_ratio", "safety_factor", "overturning_probability", "uplift_ratio", "factor_50"):
+            assert np.array_equal(together[name].sel(block=block.name), alone[name], equal_nan=True), name
+
+
+def test_a_stiff_building_is_the_ground():
+    stiff = body("aloft", floors=(rp.FloorSettings(period=0.01),))
+    summary = rp.assess([RECORD], config(body("ground"), stiff))["summary"].isel(record=0).sel(model="nonlinear")
+    assert summary["floor_amplification"].values[1] == pytest.approx(1.0, abs=0.01)
+    assert np.ptp(summary["capacity_mean"].values) < 0.05 * summary["capacity_mean"].values[0]
+
+
+def test_a_body_heavy_beside_its_floor_gets_a_remark():
+    floor = rp.FloorSettings(period=0.5, mass=1e4)
+    summary = rp.assess([RECORD], config(body("heavy", mass=2e3, floors=(floor,))))["summary"]
+    assert "is 0.2 of its floor's" in str(summary["block_warnings"].values[0])
+
+
+def test_a_design_sequence_refuses_bodies_aloft():
+    aloft = config(body("aloft", floors=(FLOOR,)))
+    sequence = models.ImpulseSequence(0.5, 0.1, interval=0.1, duration=10.0, main_count=3)
+    with pytest.raises(rp.ConfigError, match=r"\[\[block.floor\]\] of aloft: a design sequence"):
+        rp.assess_sequence(sequence, aloft)
+
+
+def channel(name, azimuth, seed):
+    rng = np.random.default_rng(seed)
+    waves = sum(rng.normal() * np.sin(2.0 * np.pi * f * T + rng.uniform(0.0, 6.0)) for f in (0.5, 0.9, 1.7))
+    return rp.Record(
+        1.6 * waves * np.exp(-(((T - 2.5) / 1.2) ** 2)),
+        dt=0.01,
+        id=f"XX.STA..{name}",
+        network="XX",
+        station="STA",
+        channel=name,
+        azimuth=azimuth,
+        orientation="horizontal",
+        processed=True,
+    )
+
+
+PAIR = [channel("HNE", 90.0, 1), channel("HNN", 0.0, 2)]
+ANSWERS = ("peak_rotation_ratio", "safety_factor", "overturning_probability", "factor_50", "uplift_ratio")
+LEANING = {"one_sided": True}
+
+
+def turned(*blocks, records=PAIR, **options):
+    return rp.assess(records, config(*blocks, records=rp.RecordSettings(**options)))
+
+
+@pytest.mark.parametrize(
+    ("options", "direction"),
+    [({"azimuth": 30.0}, 30.0), (LEANING | {"facing": 210.0}, 210.0), (LEANING | {"facing": 300.0}, 300.0)],
+)
+def test_each_body_is_shaken_in_its_own_direction(options, direction):
+    blocks = body("others"), body("own", **options)
+    together = turned(*blocks, components="azimuth", azimuth=75.0)["summary"].isel(record=0)
+    alone = {
+        "others": turned(body("others"), components="azimuth", azimuth=75.0),
+        "own": turned(body("own", **options), components="azimuth", azimuth=direction),
+    }
+    for name, tree in alone.items():
+        for what in ANSWERS:
+            assert np.array_equal(
+                together[what].sel(block=name), tree["summary"][what].isel(record=0, block=0), equal_nan=True
+            ), (name, what)
+    peaks = together["peak_rotation_ratio"].sel(model="nonlinear").values
+    assert peaks[0] != peaks[1]
+    assert together["record"].item() == "XX.STA..H075"
+    assert together["body_azimuth"].values.tolist() == pytest.approx([np.nan, direction], nan_ok=True)
+
+
+def test_a_direction_of_its_own_is_the_same_in_every_direction_of_a_sweep():
+    tree = turned(body("others"), body("own", azimuth=30.0), components="sweep", azimuth_step=45.0)
+    peaks = tree["summary"]["peak_rotation_ratio"].sel(model="nonlinear")
+    assert len(set(peaks.sel(block="own").values.tolist())) == 1
+    assert len(set(peaks.sel(block="others").values.tolist())) == 4
+
+
+def test_a_turned_body_on_a_floor_is_shaken_by_the_floor_in_its_direction():
+    tree = turned(body("one", azimuth=30.0, floors=(FLOOR,)), components="azimuth", azimuth=75.0)
+    same = turned(body("one", floors=(FLOOR,)), components="azimuth", azimuth=30.0)
+    for name in (*ANSWERS, "floor_amplification"):
+        assert np.array_equal(tree["summary"][name], same["summary"][name], equal_nan=True), name
+
+
+def test_a_direction_needs_a_pair():
+    own = body("own", azimuth=30.0)
+    with pytest.raises(rp.ConfigError, match=r'"own" azimuth: a direction of its own needs pairs of channels'):
+        config(own)
+    with pytest.raises(rp.ConfigError, match="needs pairs of channels"):
+        rp.assess(PAIR, blocks=[own])
+    # A channel that faces the direction of the records stands for it, and not for another one.
+    tree = turned(body("others"), own, records=PAIR[:1], components="azimuth", azimuth=90.0)
+    assert tree["summary"].sizes["record"] == 0
+    assert "in the direction 30 of a body" in str(tree["failures"]["reason"].values[-1])
+
+
+def test_histories_of_a_turned_body_are_those_that_are_stored():
+    blocks = body("others"), body("own", azimuth=30.0)
+    records = rp.RecordSettings(components="azimuth", azimuth=75.0)
+    for histories in (True, False):
+        asked = rp.ModelSettings(use=("nonlinear",), histories=histories)
+        tree = rp.assess(PAIR, rp.Config(blocks=blocks, records=records, models=asked))
+        if histories:
+            own = rp.plots.histories(tree, "XX.STA..H075", "own")[0]
+            assert np.nanmax(np.abs(own.rotation)) == pytest.approx(own.peak, rel=0.05)
+            continue
+        assert rp.plots.histories(tree, "XX.STA..H075", "others")[0].remark == ""
+        with pytest.raises(rp.ResultsError, match="shaken in a direction of its own"):
+            rp.plots.histories(tree, "XX.STA..H075", "own")
+
+
+def test_fragility_of_each_body_is_that_of_its_place():
+    blocks = body("others"), body("own", azimuth=30.0), body("aloft", floors=(FLOOR,))
+    records = rp.RecordSettings(components="azimuth", azimuth=75.0)
+    tree = rp.fragility_curves(PAIR, rp.Config(blocks=blocks, records=records))["capacities"]
+    own = rp.fragility_curves(
+        PAIR, rp.Config(blocks=[body("own")], records=rp.RecordSettings(components="azimuth", azimuth=30.0))
+    )["capacities"]
+    for name in ("factor", "reached", "measure_value"):
+        assert np.array_equal(tree[name].sel(block="own"), own[name].sel(block="own"), equal_nan=True), name
+    # Aloft the measure is that of the ground: at the same factors the body is asked about its floor's motion.
+    assert np.array_equal(tree["measure_value"].sel(block="aloft"), tree["measure_value"].sel(block="others"))
+    reached = [np.sum(tree["reached"].sel(block=name).values == 1) for name in ("others", "aloft")]
+    assert reached[0] != reached[1]
+
+
+def test_a_body_on_a_pedestal_is_assessed_alone_and_as_one_with_it():
+    part = rp.PedestalSettings(width=0.5, height=1.0, mass=500.0)
+    statue = body("statue", mass=900.0, friction=0.01, pedestals=(part,))
+    tree = rp.assess([RECORD], config(body("other"), statue))
+    summary = tree["summary"].isel(record=0)
+    assert summary["block"].values.tolist() == ["other", "statue", "statue with pedestal"]
+    assert summary["pedestal_of"].values.tolist() == ["", "", "statue"]
+    whole = models.with_pedestal(statue.block(), 0.5, 1.0, 500.0)
+    expected = models.recorded_response(whole, GROUND, 0.01).peak_rotation_ratio
+    assert float(summary["peak_rotation_ratio"].sel(model="nonlinear", block="statue with pedestal")) == expected
+    told = " ".join(overview(tree).split())
+    assert "statue: of its screens, alone and with its pedestal as one body, that of statue" in told
+    assert "statue: 1 of 1 record ask for more friction than 0.01" in told
+    with pytest.raises(rp.ConfigError, match=r'"statue" pedestal 1: pedestal width: expected at least'):
+        rp.assess([RECORD], config(replace(statue, width=0.6)))
+    with pytest.raises(rp.ConfigError, match="a pedestal is of a free body with sizes"):
+        body("leaning", one_sided=True, pedestals=(part,))
+    with pytest.raises(rp.ConfigError, match='two bodies have the name "statue with pedestal"'):
+        rp.assess([RECORD], config(statue, body("statue with pedestal")))
