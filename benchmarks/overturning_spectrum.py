@@ -1,11 +1,11 @@
 """The overturning spectrum: its error against lanes of each body's own, and its cost.
 
-``python benchmarks/overturning_spectrum.py FOLDER [--units g] [--pairs 500]`` draws bodies of slenderness 3.5 to 18,
-R 0.3 to 8 m (p inside the default grid) and C of 0.93 to 1 times Housner's for the strong horizontal channels of a
+``python benchmarks/overturning_spectrum.py FOLDER [--units g] [--pairs 500]`` draws bodies of slenderness 3.5 to 18, R
+0.3 to 8 m (p inside the default grid) and C of 0.93 to 1 times Housner's for the strong horizontal channels of a
 folder, by the protocol of the rule (docs/decisions/012), and compares what a body reads from the spectrum with the same
 quantities from lanes of its own: 4096 draws of (C, alpha) in a scrambled Sobol set, the exact factor of each on levels
-that fill 2.2 in ln f about the capacity, and the uncertainty of the factor as a normal kernel. ``--cost`` times the
-spectrum of one record against the solver's lanes alone.
+that fill 2.2 in ln f about the capacity, and the uncertainty of the factor as a normal kernel. ``--wall`` draws bodies
+before a wall, with Sorrentino's rebound. ``--cost`` times the spectrum of one record against the solver's lanes alone.
 """
 
 from __future__ import annotations
@@ -24,6 +24,7 @@ from scipy.stats import norm, qmc
 
 import rockpulse as rp
 from rocking import Block, OverturningSpectrum, Uncertainty, recorded_response, spectrum_lanes
+from rocking.corners import sorrentino
 from rocking.crossing import factor_at, mean_capacity, rising
 from rocking.half_wave_lanes import half_wave_lanes
 from rocking.spectrum_lanes import RATES
@@ -48,9 +49,13 @@ def own_lanes(
     restitution = np.minimum(body.restitution * (least + (most - least) * drawn[:, 0]), 0.999)
     alpha = body.alpha_c * np.exp(-UNCERTAINTY.geometry * norm.ppf(0.5 + 0.5 * drawn[:, 1]))
     logs = centre + reach * (2.0 * drawn[:, 2] - 1.0)
-    lanes = Block.from_parameters(
-        p=np.full(draws, body.p), alpha=alpha, restitution=restitution, gravity=body.gravity, log=False
+    wall = (
+        {"restitution": "housner", "one_sided": True, "rebound": restitution}
+        if body.side
+        else {"restitution": restitution}
     )
+    lanes = Block.from_parameters(np.full(draws, body.p), alpha, gravity=body.gravity, log=False, **wall)
+    lanes = lanes.mirrored() if body.side < 0 else lanes
     record = motion.record
     peak = recorded_response(lanes, record.acceleration, record.dt, block_scale=np.exp(logs)).peak_rotation_ratio
     over = np.where(np.isnan(peak), np.inf, peak) >= rotation
@@ -88,28 +93,37 @@ def rotation_error(motions: list[StrongMotion], pairs: int) -> None:
         print(f"rotation {rotation:g}: median {np.exp(np.median(values)):.3f} dispersion {np.std(values):.3f}")
 
 
-def drawn_body(random: np.random.Generator) -> Block:
-    """One body, whose p lies in the default grid of the spectrum."""
+def drawn_body(random: np.random.Generator, wall: bool = False) -> Block:
+    """One body, whose p lies in the default grid of the spectrum; before a wall on either side of the record."""
     slenderness = random.choice([3.5, 4.0, 5.0, 6.0, 8.0, 12.0, 18.0])
     radius, share = np.exp(random.uniform(math.log(0.3), math.log(8.0))), random.choice([1.0, 0.97, 0.93])
     alpha = math.atan(1.0 / slenderness)
     housner = Block(half_width=radius * math.sin(alpha), half_height=radius * math.cos(alpha), log=False)
+    if wall:
+        body = Block.from_parameters(
+            float(housner.p), alpha, "housner", one_sided=True, rebound=share * sorrentino(alpha), log=False
+        )
+        return body if random.uniform() < 0.5 else body.mirrored()
     return Block.from_parameters(
         p=float(housner.p), alpha=alpha, restitution=share * float(housner.restitution), log=False
     )
 
 
-def error(motions: list[StrongMotion], pairs: int) -> None:
-    """Print bias and dispersion of the quantities, over all pairs and by slenderness, p and C."""
+def error(motions: list[StrongMotion], pairs: int, wall: bool) -> None:
+    """Print bias and dispersion of the quantities, over all pairs and by slenderness, p and C, or the rebound e."""
     rows, covered = [], []
     spectra = [
-        OverturningSpectrum(spectrum_lanes(one.record.acceleration, one.record.dt), UNCERTAINTY) for one in motions
+        {
+            side: OverturningSpectrum(spectrum_lanes(one.record.acceleration, one.record.dt, side=side), UNCERTAINTY)
+            for side in ((1, -1) if wall else (0,))
+        }
+        for one in motions
     ]
     for pair in range(pairs):
         motion, spectrum = motions[pair % len(motions)], spectra[pair % len(motions)]
         random = np.random.default_rng([17, pair])
-        body = drawn_body(random)
-        read = spectrum.factors(body.lanes(1))
+        body = drawn_body(random, wall)
+        read = spectrum[int(body.side)].factors(body.lanes(1))
         centre = math.log(read.capacity_mean[0])
         # The whole range first: what the spectrum says must not decide where the truth is looked for.
         wide = own_lanes(motion, body, centre, 3.0, DRAWS // 4, pair)
@@ -129,7 +143,7 @@ def error(motions: list[StrongMotion], pairs: int) -> None:
     for name, column, edges in (
         ("slenderness", 4, (0, 4.5, 7, 20)),
         ("p", 5, (0, 1.5, 2.5, 9)),
-        ("C", 6, (0, 0.9, 0.95, 1.01)),
+        ("e", 6, (0, 0.4, 0.45, 0.6)) if wall else ("C", 6, (0, 0.9, 0.95, 1.01)),
     ):
         for low, high in itertools.pairwise(edges):
             chosen = (table[:, column] >= low) & (table[:, column] < high)
@@ -210,6 +224,7 @@ def main() -> None:
     parser.add_argument("--pairs", type=int, default=500, help="pairs of record and body")
     parser.add_argument("--cost", action="store_true", help="time it instead")
     parser.add_argument("--rotation", action="store_true", help="the limit states of rotation instead")
+    parser.add_argument("--wall", action="store_true", help="bodies before a wall")
     parser.add_argument("--runs", type=int, default=5, help="calls of which the median is taken")
     args = parser.parse_args()
     logging.disable(logging.CRITICAL)
@@ -220,7 +235,7 @@ def main() -> None:
     elif args.rotation:
         rotation_error(motions, args.pairs)
     else:
-        error(motions, args.pairs)
+        error(motions, args.pairs, args.wall)
 
 
 if __name__ == "__main__":

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -122,7 +122,7 @@ def gather_bodies(
         if twice := own.keys() & named.keys():
             raise ConfigError(f'[[block]]: two bodies have the name "{min(twice)}"; rename one')
         named |= own
-        given |= dict.fromkeys(own, one)
+        given |= dict(zip(own, [one, *(replace(one, friction=part.friction) for part in one.pedestals)], strict=True))
         alone |= {name: one.name for name in own if name != one.name}
     if not named:
         raise ConfigError(

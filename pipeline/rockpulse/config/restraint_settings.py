@@ -93,12 +93,16 @@ class ThrustSettings(Section):
 
 @dataclass(frozen=True)
 class PedestalSettings(Section):
-    """A rectangular part that a body stands on, in the middle of its top, and that may rock with it as one body."""
+    """A rectangular part that a body stands on, in the middle of its top, and that may rock with it as one body.
+
+    `friction` is that at its own base, by which sliding of the whole is checked.
+    """
 
     heading = "[[block.pedestal]]"
     width: float = number(dataclasses.MISSING, low=0.0, above=True, unit="m")
     height: float = number(dataclasses.MISSING, low=0.0, above=True, unit="m")
     mass: float = number(dataclasses.MISSING, low=0.0, above=True, unit="kg")
+    friction: float | None = number(None, low=0.0, above=True)
 
 
 def floors_as_text(floors: Sequence[FloorSettings]) -> str:

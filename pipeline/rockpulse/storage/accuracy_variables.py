@@ -84,6 +84,19 @@ _CONVERGENCE: Declared = {
     "order_cases": whole("cases from which the order was read"),
 }
 
+_BODIES: Declared = {
+    "kind": text("what the bodies have beside their size"),
+    "cases": whole("bodies times factors times motions"),
+    "flips": whole("verdicts that change on samples divided in four"),
+    "compared": whole("cases that both call surviving"),
+    "median": real("1", "median change of theta_max/alpha_c"),
+    "p99": real("1", "99th percentile of the change of theta_max/alpha_c"),
+    "max": real("1", "largest change of theta_max/alpha_c"),
+    "max_perturbed": real("1", "largest change of theta_max/alpha_c under a change of the record of 1e-13"),
+    "ns_per_active_sample": real("ns", "time per active sample"),
+    "times_plain": real("1", "that time over the one of free symmetric blocks"),
+}
+
 _MODEL_FORM: Declared = {
     "ensemble": text("ensemble of records"),
     "model": text("model compared with the nonlinear response to the record"),
@@ -126,6 +139,7 @@ TABLES: dict[str, Declared] = {
         "synthetic_grid": _SYNTHETIC_GRID,
         "answers": _ANSWERS,
         "convergence": _CONVERGENCE,
+        "bodies": _BODIES,
         "model_form": _MODEL_FORM,
         "classifiers": _CLASSIFIERS,
         "failures": FAILURE,

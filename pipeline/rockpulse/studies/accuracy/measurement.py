@@ -18,6 +18,7 @@ from rockpulse.record.components import select_horizontal
 from rockpulse.record.conditioning import condition
 from rockpulse.record.record import Record
 from rockpulse.storage.accuracy_variables import REPORT, TABLES
+from rockpulse.studies.accuracy.bodies import bodies_table
 from rockpulse.studies.accuracy.convergence import convergence
 from rockpulse.studies.accuracy.model_form import (
     classifier_table,
@@ -87,7 +88,7 @@ def accuracy(
     its way into the loop, as ``tqdm.tqdm`` does.
 
     The tree has one node per table of ``TABLES``: /work_precision, /synthetic_grid, /answers, /convergence,
-    /model_form, /classifiers, /failures.
+    /bodies, /model_form, /classifiers, /failures.
     """
     if not 0 <= seed <= 2**32 - effort.motions:
         raise ConfigError(f"seed: expected 0 to {2**32 - effort.motions}, got {seed}")
@@ -120,6 +121,7 @@ def accuracy(
         "synthetic_grid": grid_statistics(measured.answers, reference, DEFAULT_STEP),
         "answers": measured.answers,
         "convergence": convergence(seed, min(20, effort.motions), repeats=effort.repeats),
+        "bodies": bodies_table(seed, min(20, effort.motions), repeats=effort.repeats),
         "model_form": model_form_table(every),
         "classifiers": classifier_table(every),
         "failures": pd.DataFrame([asdict(row) for row in rows], columns=list(TABLES["failures"])),

@@ -14,7 +14,14 @@ if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
 
-__all__ = ["accuracy_overview", "convergence_text", "grid_text", "model_form_text", "work_precision_text"]
+__all__ = [
+    "accuracy_overview",
+    "bodies_text",
+    "convergence_text",
+    "grid_text",
+    "model_form_text",
+    "work_precision_text",
+]
 
 #: Bias and dispersion of fewer survivors say nothing about an ensemble.
 FEWEST_SURVIVORS = 5
@@ -32,6 +39,7 @@ def accuracy_overview(tree: xr.DataTree) -> str:
         work_precision_text(table_of(tree, "work_precision")),
         grid_text(table_of(tree, "synthetic_grid")),
         convergence_text(table_of(tree, "convergence")),
+        *([bodies_text(table_of(tree, "bodies"))] if "bodies" in tree.children else []),
         model_form_text(table_of(tree, "model_form"), table_of(tree, "classifiers")),
     ]
     return "\n\n".join(parts)
@@ -105,6 +113,26 @@ def convergence_text(rows: pd.DataFrame) -> str:
         "the control of the last term"
     )
     return _text(title, ("step p dt", "median", "p90", "ns/active", "order", "from cases"), cells)
+
+
+def bodies_text(rows: pd.DataFrame) -> str:
+    """What shorter steps change in the answers of each kind of body, and its cost, of the table /bodies."""
+    cells = tuple(
+        (
+            Cell(row.kind),
+            number(row.cases, str),
+            number(row.flips, str),
+            *(number(value, error) for value in (row.median, row.p99, row.max, row.max_perturbed)),
+            number(row.ns_per_active_sample, cost),
+            number(row.times_plain, cost),
+        )
+        for row in _rows(rows)
+    )
+    title = (
+        "Bodies by kind: change of theta_max/alpha_c on samples divided in four and by 1e-13 of the record, and cost"
+    )
+    heads = ("nonlinear", "cases", "flips", "median", "p99", "max", "by 1e-13", "ns/active", "x free")
+    return _text(title, heads, cells)
 
 
 def model_form_text(rows: pd.DataFrame, classifiers: pd.DataFrame) -> str:
