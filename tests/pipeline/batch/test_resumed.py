@@ -15,7 +15,15 @@ from file_contents import assert_contents, contents
 from record_writers import at2, pulse
 
 import rockpulse as rp
-from rockpulse import BlockSettings, CalibrationSettings, ModelSettings, SearchSettings
+from rockpulse import (
+    BlockSettings,
+    CalibrationSettings,
+    FloorSettings,
+    ModelSettings,
+    PedestalSettings,
+    SearchSettings,
+    TieSettings,
+)
 from rockpulse.assessment import assessment
 from rockpulse.batch import run, survey
 from rockpulse.batch.journal import JournalError, journal_path
@@ -107,9 +115,21 @@ def test_a_file_that_could_not_be_read_is_read_by_a_run_that_resumes(folder, tmp
 
 @pytest.mark.sweep
 def test_a_run_that_resumes_has_the_same_probabilities_and_so_have_two_workers(folder, tmp_path, monkeypatch):
-    """A wall that is read from the spectrum, and a chest that has lanes of its own."""
-    chest = BlockSettings(name="chest", width=0.4, height=0.9)
-    config = replace(CONFIG, models=ModelSettings(use=("nonlinear",)), blocks=(*CONFIG.blocks, chest))
+    """A wall that is read from the spectrum, a chest that has lanes of its own, and the bodies that practice has."""
+    others = (
+        BlockSettings(name="chest", width=0.4, height=0.9),
+        BlockSettings(name="façade", width=0.4, height=3.0, one_sided=True),
+        BlockSettings(name="tied", width=0.3, height=3.0, mass=1e3, ties=(TieSettings(height=2.0, stiffness=1e5),)),
+        BlockSettings(name="aloft", width=0.4, height=3.0, floors=(FloorSettings(period=0.4),), friction=0.3),
+        BlockSettings(
+            name="statue",
+            width=0.4,
+            height=2.0,
+            mass=8e2,
+            pedestals=(PedestalSettings(width=0.6, height=1.0, mass=1e3),),
+        ),
+    )
+    config = replace(CONFIG, models=ModelSettings(use=("nonlinear",)), blocks=(*CONFIG.blocks, *others))
     paths, original = sorted(folder.glob("r*")), assessment.extract
 
     def out_of_memory(record, config, vertical):
