@@ -11,7 +11,7 @@ import numpy as np
 from rocking.block import Block
 from rockpulse.calibration.response_targets import block_family
 from rockpulse.config.block_settings import BlockSettings
-from rockpulse.config.bodies import gather_bodies
+from rockpulse.config.bodies import gather_bodies, refuse_aloft
 from rockpulse.config.configuration import Config, located
 from rockpulse.config.settings import WEIGHTS
 from rockpulse.errors import ConfigError, RecordRefused
@@ -173,4 +173,6 @@ def site_family(blocks: Blocks) -> tuple[list[str], Block]:
         lanes = block_family()
         named = zip(lanes.p, lanes.alpha_c, lanes.restitution, strict=True)
         return [f"p {p:.3g} alpha {alpha:.3g} C {c:.3g}" for p, alpha, c in named], lanes
-    return gather_bodies(blocks).apart()[:2]
+    bodies = gather_bodies(blocks)
+    refuse_aloft(bodies, "a site is calibrated on the motion of its ground")
+    return bodies.apart()[:2]

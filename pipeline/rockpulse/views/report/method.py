@@ -51,7 +51,8 @@ _ASSUMPTIONS = (
 _NOT_COVERED = (
     (
         "Sliding",
-        "friction is taken as sufficient; a body on a smooth or sloping base may slide before it rocks, or fall off.",
+        "friction is taken as sufficient, and compared with a given one only; a body on a smooth or sloping base may "
+        "slide before it rocks, or fall off.",
     ),
     (
         "Flexible bodies",
@@ -59,14 +60,14 @@ _NOT_COVERED = (
         "of one piece does not rock as a rigid block.",
     ),
     (
-        "One-sided walls",
-        "façades that lean on floors or cross walls rock to one side only, and bounce on what is behind them; nor "
-        "are ties, anchors and thrusts of vaults taken into account.",
+        "Walls, ties and thrusts that were not given",
+        "façades that lean on floors or cross walls rock to one side only, and bounce on what is behind them; ties, "
+        "anchors and thrusts of vaults act too. What was given stands at its body, all others are free.",
     ),
     (
-        "Amplification up the building",
-        "the motion is that of the record: a parapet, a gable or equipment on a floor is shaken by the floor, more "
-        "strongly and near the building's own frequencies.",
+        "Floors that were not given",
+        "the motion is that of the record, or of the floor that stands at its body: a parapet, a gable or equipment on "
+        "a floor is shaken by the floor, more strongly and near the building's own frequencies.",
     ),
     (
         "Three-dimensional rocking",
