@@ -7,6 +7,8 @@ import pytest
 
 import rockpulse as rp
 from rockpulse import models
+from rockpulse.views.shared.facts import Known
+from rockpulse.views.text.details import block_details
 from rockpulse.views.text.overview import overview
 
 T = np.arange(0.0, 6.0, 0.01)
@@ -194,6 +196,11 @@ def test_a_body_on_a_pedestal_is_assessed_alone_and_as_one_with_it():
     told = " ".join(overview(tree).split())
     assert "statue: of its screens, alone and with its pedestal as one body, that of statue" in told
     assert "statue: 1 of 1 record ask for more friction than 0.01" in told
+    asked = float(models.impact_friction(statue.block()))
+    assert Known(tree["summary"].to_dataset(), block="statue").impact_friction(statue.block().restitution) == asked
+    assert f"friction of an impact   {asked:.3g} in its instant" in block_details(
+        tree["summary"].to_dataset(), "statue"
+    )
     with pytest.raises(rp.ConfigError, match=r'"statue" pedestal 1: pedestal width: expected at least'):
         rp.assess([RECORD], config(replace(statue, width=0.6)))
     with pytest.raises(rp.ConfigError, match="a pedestal is of a free body with sizes"):

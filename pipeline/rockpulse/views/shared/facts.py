@@ -176,6 +176,18 @@ class Known:
             found.append(f"friction {friction:g}")
         return "; ".join(found)
 
+    def impact_friction(self, c: float) -> float:
+        """Ratio of the impulses across and up of an impact of a block, h (1 - C)/(b_1 + C b_2); 0 without a friction.
+
+        That of :func:`rocking.impact_friction`, without loading the solvers; nothing is said of a body before a wall.
+        """
+        friction = self.value("friction")
+        if friction is None or math.isnan(float(friction)) or self.value("one_sided"):
+            return 0.0
+        radius, alpha = float(self.value("radius")), float(self.value("alpha_c"))
+        left = float(self.value("radius_2")) * math.sin(float(self.value("alpha_2")))
+        return radius * math.cos(alpha) * (1.0 - c) / (radius * math.sin(alpha) + c * left)
+
     @property
     def described(self) -> str:
         """Earthquake, station and direction of a record in words; empty where nothing is known of them."""

@@ -78,6 +78,11 @@ def block_details(summary: xr.Dataset, block: str) -> str:
         ("frequency parameter p", number("p", "1/s")),
         ("slenderness", number("slenderness")),
         *((("beside", one.support),) if one.support else ()),
+        *(
+            [("friction of an impact", f"{', '.join(map(figure, asked))} in its instant, for information")]
+            if (asked := [one.impact_friction(body.restitution) for body in answers.bodies])[0]
+            else []
+        ),
         (
             "rebound e" if one.value("one_sided") else "restitution C",
             ", ".join(restitution(body.restitution) for body in answers.bodies),
