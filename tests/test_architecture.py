@@ -33,6 +33,7 @@ rockpulse.studies.accuracy
 rockpulse.studies.site
 rockpulse.studies.rule
 rockpulse.studies.fragility
+rockpulse.studies.risk
 rockpulse.studies.paper
 rockpulse.batch
 rockpulse.views.shared

@@ -21,6 +21,7 @@ from .config.block_settings import BlockSettings as BlockSettings
 from .config.configuration import Config as Config
 from .config.configuration import load_config as load_config
 from .config.fragility_settings import FragilitySettings as FragilitySettings
+from .config.hazard_settings import HazardSettings as HazardSettings
 from .config.restraint_settings import FloorSettings as FloorSettings
 from .config.restraint_settings import LoadSettings as LoadSettings
 from .config.restraint_settings import PedestalSettings as PedestalSettings
@@ -69,6 +70,10 @@ from .storage.save_load import save as save
 from .studies.fragility.assessment import fragility_curves as fragility_curves
 from .studies.fragility.curves import fit_capacities as fit_capacities
 from .studies.fragility.curves import fit_stripes as fit_stripes
+from .studies.risk.frequency import annual_frequency as annual_frequency
+from .studies.risk.hazard import HazardCurve as HazardCurve
+from .studies.risk.hazard import PowerLawHazard as PowerLawHazard
+from .studies.risk.hazard import load_hazard as load_hazard
 from .studies.site.calibration import calibrate_site as calibrate_site
 from .views.report.writing import write_report as write_report
 

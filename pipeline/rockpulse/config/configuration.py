@@ -17,6 +17,7 @@ from typing import Any
 
 from rockpulse.config.block_settings import BlockSettings, require_pairs
 from rockpulse.config.fragility_settings import FragilitySettings
+from rockpulse.config.hazard_settings import HazardSettings
 from rockpulse.config.settings import (
     SECTIONS,
     CalibrationSettings,
@@ -34,7 +35,7 @@ from rockpulse.errors import ConfigError
 from rockpulse.ladder import ModelSettings, SearchSettings
 from rockpulse.option import Section, hint
 
-__all__ = ["Config", "load_config", "located"]
+__all__ = ["Config", "config_from_text", "load_config", "located"]
 
 
 @dataclass(frozen=True)
@@ -78,6 +79,7 @@ class Config:
     uncertainty: UncertaintySettings = field(default_factory=UncertaintySettings)
     calibration: CalibrationSettings = field(default_factory=CalibrationSettings)
     fragility: FragilitySettings = field(default_factory=FragilitySettings)
+    hazard: HazardSettings = field(default_factory=HazardSettings)
     run: RunSettings = field(default_factory=RunSettings)
     blocks: tuple[BlockSettings, ...] = ()
     demands: tuple[DemandSettings, ...] = ()
@@ -141,6 +143,11 @@ def located(path: str, folder: Path) -> Path:
     """
     found = folder / path
     return Path(escape(str(folder))) / path if has_magic(path) and not os.path.lexists(found) else found
+
+
+def config_from_text(text: str) -> Config:
+    """The configuration that results hold as text, as :meth:`Config.as_text` made it."""
+    return _build(tomllib.loads(text), Path())
 
 
 def load_config(path: str | Path) -> Config:

@@ -7,6 +7,7 @@ from dataclasses import MISSING, dataclass
 from typing import Any
 
 from rockpulse.config.fragility_settings import FragilitySettings
+from rockpulse.config.hazard_settings import HazardSettings
 from rockpulse.config.uncertainty_settings import UncertaintySettings
 from rockpulse.errors import ConfigError
 from rockpulse.ladder import ModelSettings, SearchSettings
@@ -293,5 +294,6 @@ SECTIONS: dict[str, type[Section]] = {
     "uncertainty": UncertaintySettings,
     "calibration": CalibrationSettings,
     "fragility": FragilitySettings,
+    "hazard": HazardSettings,
     "run": RunSettings,
 }

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from rockpulse.config.configuration import Config
+from rockpulse.config.configuration import Config, config_from_text
 from rockpulse.config.fragility_settings import OVERTURNING
 from rockpulse.motions.runner import Part, joined
 from rockpulse.storage.fact_variables import FACTS
@@ -16,10 +17,13 @@ from rockpulse.studies.fragility.capacity import nothing
 from rockpulse.studies.fragility.curves import fit_curve
 from rockpulse.studies.fragility.efficiency import sufficiency
 from rockpulse.studies.fragility.limit_states import NOT_KNOWN
-from rockpulse.studies.fragility.measures import MEASURES, TESTED
+from rockpulse.studies.fragility.measures import MEASURES, QUALITIES, TESTED
 from rockpulse.studies.fragility.observations import ABOVE, EXACT, NOT_ABOVE, Observations
 
-__all__ = ["Ensemble", "Fits", "fit_ensemble", "gather"]
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = ["Ensemble", "Fits", "fit_ensemble", "gather", "stored_ensemble"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,6 +94,26 @@ def gather(parts: Sequence[Part], lanes: int, config: Config) -> Ensemble:
         factors=done["factors"],
         step=done.get("step"),
         reached=done.get("reached"),
+        config=config,
+    )
+
+
+def stored_ensemble(tree: xr.DataTree) -> Ensemble:
+    """The capacities that a fragility file holds."""
+    table = tree["capacities"].to_dataset()
+    config = config_from_text(str(tree.attrs["configuration"]))
+    factors, reached = (table[name].values for name in ("factor", "reached"))
+    stripes = "stripe" in table.dims
+    return Ensemble(
+        ids=[str(name) for name in table["record"].values],
+        clusters=[str(name) for name in table["event"].values],
+        sources=[str(name) for name in table["source"].values],
+        measures=np.moveaxis(table["measure_value"].values, 1, 2),
+        qualities=np.column_stack([table[name].values for name in QUALITIES]),
+        facts={name: table[name].values for name in FACTS},
+        factors=np.moveaxis(factors, 1, 2),
+        step=None if stripes else table["search_step"].values,
+        reached=np.moveaxis(reached, 1, 3) if stripes else None,
         config=config,
     )
 

@@ -1,0 +1,66 @@
+"""How often the band of an annual frequency holds the truth: synthetic capacities whose law is known.
+
+``python benchmarks/risk_coverage.py [--cases 200] [--seed 1]``: capacities with a lognormal scatter between and within
+earthquakes of one to four records, looked at on six stripes; the true frequency by a power law in closed form.
+"""
+
+from __future__ import annotations
+
+import argparse
+import math
+
+import numpy as np
+
+import rockpulse as rp
+from rockpulse.studies.fragility.likelihood import FAMILIES
+from rockpulse.studies.fragility.observations import ABOVE, NOT_ABOVE, Observations
+from rockpulse.studies.risk.frequency import band_of, fitted_lines
+from rockpulse.studies.risk.integral import integrate, power_law_frequency
+
+LEVELS = np.array([0.4, 0.6, 0.8, 1.1, 1.5, 2.2])
+FAMILY = FAMILIES["lognormal"]
+
+#: Earthquakes, slope of the hazard, and scatter of ln capacity between and within earthquakes.
+SETTINGS = ((14, 2.5, 0.25, 0.35), (14, 3.0, 0.4, 0.4), (22, 2.5, 0.25, 0.35), (8, 2.5, 0.25, 0.35))
+
+
+def drawn(random: np.random.Generator, earthquakes: int, between: float, within: float) -> Observations:
+    """One set of observations of capacities with median 1."""
+    event = np.repeat(np.arange(earthquakes), random.integers(1, 5, earthquakes))
+    capacity = np.exp(
+        between * random.standard_normal(earthquakes)[event] + within * random.standard_normal(event.size)
+    )
+    level = np.tile(LEVELS, event.size)
+    kind = np.where(np.repeat(capacity, LEVELS.size) <= level, NOT_ABOVE, ABOVE)
+    return Observations.of(level, kind, np.repeat(event, LEVELS.size).astype(str))
+
+
+def main() -> None:
+    """Print the coverage for each setting."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--cases", type=int, default=200)
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--resamples", type=int, default=500)
+    args = parser.parse_args()
+    for place, (earthquakes, k, between, within) in enumerate(SETTINGS):
+        random, hazard = np.random.default_rng([args.seed, place]), rp.PowerLawHazard(1e-3, k)
+        truth = power_law_frequency(1e-3, k, 1.0, math.hypot(between, within))
+        low = high = none = 0
+        for case in range(args.cases):
+            rows = drawn(random, earthquakes, between, within)
+            lines = fitted_lines(rows, FAMILY)
+            estimate = math.log(integrate(FAMILY, lines[:1], hazard).frequency[0])
+            limits = band_of(rows, FAMILY, hazard, lines, estimate, 0.9, args.resamples, case)
+            none += limits is None
+            low += limits is not None and truth < limits[0]
+            high += limits is not None and truth > limits[1]
+        told = args.cases - none
+        print(
+            f"{earthquakes} earthquakes, k {k:g}, beta {math.hypot(between, within):.2f}: {told} bands, truth inside "
+            f"{1.0 - (low + high) / told:.3f}, below {low}, above {high}",
+            flush=True,
+        )
+
+
+if __name__ == "__main__":
+    main()

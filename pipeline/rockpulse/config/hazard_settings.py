@@ -1,0 +1,53 @@
+"""The section [hazard] of the configuration: how often the ground at the site exceeds a level of a measure."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from rockpulse.config.fragility_settings import MEASURES
+from rockpulse.errors import ConfigError
+from rockpulse.option import Section, choice, number, text
+
+__all__ = ["HAZARD_MEASURES", "HAZARD_UNITS", "HazardSettings"]
+
+#: Measures that a hazard is given in, of those of fragility, and units of their levels.
+HAZARD_MEASURES = tuple(name for name in MEASURES if name in ("pga", "pgv", "si") or name.startswith("sa_"))
+HAZARD_UNITS = ("m/s2", "g", "cm/s2", "m/s", "cm/s")
+
+
+@dataclass(frozen=True)
+class HazardSettings(Section):
+    """The hazard of the site: the file of a curve, or the power law k0 x^-k; and the time that is asked about.
+
+    `longitude` and `latitude` choose the site in a file of several. `measure` and `unit` are those of the power law; a
+    file names its own.
+
+    Raises
+    ------
+    ConfigError
+        For both a file and a power law, half of a power law, or half of a site.
+    """
+
+    heading = "[hazard]"
+    file: str | None = text(None)
+    longitude: float | None = number(None, low=-180.0, high=360.0, unit="degrees")
+    latitude: float | None = number(None, low=-90.0, high=90.0, unit="degrees")
+    k0: float | None = number(None, low=0.0, above=True, unit="1/year")
+    k: float | None = number(None, low=0.0, above=True)
+    measure: str = choice("pga", HAZARD_MEASURES)
+    unit: str = choice("m/s2", HAZARD_UNITS)
+    years: float = number(50.0, low=0.0, above=True, unit="years")
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if (self.k0 is None) != (self.k is None):
+            raise ConfigError("[hazard] k0, k: expected both of the power law k0 x^-k, found one")
+        if self.file is not None and self.k0 is not None:
+            raise ConfigError("[hazard]: expected a file or the power law k0, k, found both")
+        if (self.longitude is None) != (self.latitude is None):
+            raise ConfigError("[hazard] longitude, latitude: expected both or neither, found one")
+
+    @property
+    def given(self) -> bool:
+        """Whether there is a hazard."""
+        return self.file is not None or self.k0 is not None

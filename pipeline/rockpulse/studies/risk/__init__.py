@@ -1,0 +1,1 @@
+"""How often bodies overturn at a site: fragility and hazard together."""

@@ -1,0 +1,64 @@
+"""``rockpulse risk`` on a small fragility file."""
+
+import numpy as np
+import pandas as pd
+import pytest
+from record_writers import at2
+
+from rockpulse.cli import main
+
+CONFIG = """
+[fragility]
+measures = ["pga", "velocity_ratio"]
+overturning_model = "lognormal"
+limit_states = ["overturning"]
+[hazard]
+k0 = 1e-3
+k = 2.0
+"""
+
+
+@pytest.fixture(scope="module")
+def fragility(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("risk")
+    times = 0.02 * np.arange(250)
+    for number in range(8):
+        rng = np.random.default_rng(number)
+        waves = sum(rng.normal() * np.sin(2.0 * np.pi * f * times + rng.uniform(0.0, 6.0)) for f in (0.6, 1.1, 2.3))
+        title = f"Event {number}, 1/2/2003, Station {number}, 090"
+        shaking = 0.3 * waves / np.max(np.abs(waves)) * np.exp(-(((times - 2.0) / 1.0) ** 2))
+        (folder / f"r{number}.AT2").write_bytes(at2(shaking.tolist(), title=title))
+    (folder / "site.toml").write_text(CONFIG)
+    target = folder / "fragility.h5"
+    arguments = [str(folder), "--config", str(folder / "site.toml"), "--block", "wall=0.4x3", "-o", str(target)]
+    assert main(["fragility", *arguments, "--quiet"]) == 0
+    return target
+
+
+def test_the_hazard_of_the_fragility_or_of_a_file_gives_a_table(fragility, tmp_path, capsys):
+    assert main(["risk", str(fragility), "--resamples", "0"]) == 0
+    shown = capsys.readouterr().out
+    assert "Frequency of overturning, 1 body; hazard: power law 0.001 x^-2 of pga in m/s2" in shown
+    curve, table = tmp_path / "curve.csv", tmp_path / "risk.csv"
+    # The same power law as a curve.
+    curve.write_text("pga [m/s2],rate\n" + "".join(f"{x},{1e-3 * x**-2.0!r}\n" for x in (0.1, 1.0, 10.0, 100.0)))
+    arguments = ["--hazard", str(curve), "--years", "10", "-o", str(table), "--resamples", "0"]
+    assert main(["risk", str(fragility), *arguments]) == 0
+    assert f"table: {table}" in capsys.readouterr().out
+    found = pd.read_csv(table)
+    assert found["block"].tolist() == ["wall"]
+    assert shown.split("wall")[1].split()[0] == f"{found['frequency'][0]:.2e}"
+
+
+def test_wrong_arguments_are_told(fragility, tmp_path, capsys):
+    assert main(["risk", str(fragility), "--hazard", str(tmp_path / "none.csv")]) == 2
+    assert "expected a file with a hazard curve, found none" in capsys.readouterr().err
+    (tmp_path / "bare.toml").write_text("")
+    assert main(["risk", str(fragility), "--config", str(tmp_path / "bare.toml")]) == 2
+    assert "expected a file or the power law" in capsys.readouterr().err
+    both = ["--hazard", "x.csv", "--config", "x.toml"]
+    assert main(["risk", str(fragility), *both]) == 2
+    assert "expected one source of the hazard" in capsys.readouterr().err
+    (tmp_path / "there.csv").write_text("")
+    assert main(["risk", str(fragility), "-o", str(tmp_path / "there.csv")]) == 2
+    assert "the file exists" in capsys.readouterr().err

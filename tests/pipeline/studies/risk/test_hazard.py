@@ -1,0 +1,134 @@
+"""Hazard: a power law, curves, and the files that they come in."""
+
+import math
+
+import numpy as np
+import pytest
+
+import rockpulse as rp
+from rockpulse.config.configuration import Config, config_from_text
+from rockpulse.config.hazard_settings import HazardSettings
+from rockpulse.studies.risk.hazard import hazard_of
+
+G = 9.80665
+
+
+def written(folder, text, name="curve.csv"):
+    path = folder / name
+    path.write_text(text, encoding="utf-8")
+    return path
+
+
+def test_a_curve_through_a_power_law_is_that_power_law():
+    law = rp.PowerLawHazard(k0=2e-3, k=2.2, unit="g")
+    level = G * np.array([0.05, 0.1, 0.3, 1.0])
+    curve = rp.HazardCurve("pga", level, law.rate(level))
+    at = G * np.array([0.01, 0.07, 0.5, 4.0])
+    assert curve.rate(at) == pytest.approx(law.rate(at), rel=1e-12)
+    assert curve.log_density(np.log(at)) == pytest.approx(law.log_density(np.log(at)), abs=1e-12)
+    assert law.rate(G) == pytest.approx(2e-3)
+    # -dH/d ln x by differences.
+    slope = (law.rate(at) - law.rate(1.0001 * at)) / math.log(1.0001)
+    assert np.exp(law.log_density(np.log(at))) == pytest.approx(slope, rel=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("text", "measure", "level", "rate"),
+    [
+        ("pga [g],rate\n0.1,1e-2\n0.4,1e-3\n", "pga", G * 0.1, 1e-2),
+        ("# a remark\nPGV [cm/s], rate [1/year]\n10,1e-2\n40,1e-3\n", "pgv", 0.1, 1e-2),
+        ("sa(1.0) [g];probability in 50 years\n0.1;0.5\n0.4;0.1\n0.8;0.0\n", "sa_1", G * 0.1, math.log(2.0) / 50.0),
+        ("SI [m/s],probability in 1 year\n0.1,0.01\n0.4,0.001\n", "si", 0.1, -math.log1p(-0.01)),
+        ("TR [years],ag [g],F0,TC*\n30,0.05,2.3,0.28\n475,0.2,2.4,0.33\n", "pga", G * 0.05, 1.0 / 30.0),
+        ("TR [years],F0,ag [g/10]\n475,2.4,2.0\n30,2.3,0.5\n", "pga", G * 0.05, 1.0 / 30.0),
+        (
+            "#,,,,,\"generated_by='OpenQuake engine', kind='mean', investigation_time=50.0, imt='SA(0.5)'\"\n"
+            "lon,lat,depth,poe-0.1000000,poe-0.4000000,poe-2.0000000\n13.4,42.35,0.0,5.0E-01,1.0E-01,0.0\n",
+            "sa_0.5",
+            G * 0.1,
+            math.log(2.0) / 50.0,
+        ),
+        (
+            '# investigation_time=1.0,imt="PGV"\nlon,lat,depth,poe-10,poe-40\n0,0,0,0.1,0.01\n',
+            "pgv",
+            0.1,
+            -math.log1p(-0.1),
+        ),
+    ],
+)
+def test_files_are_read_with_their_units(tmp_path, text, measure, level, rate):
+    curve = rp.load_hazard(written(tmp_path, text))
+    assert curve.measure == measure
+    assert curve.level.size == 2
+    assert curve.level[0] == pytest.approx(level)
+    assert curve.rates[0] == pytest.approx(rate)
+
+
+def test_a_site_is_chosen_among_several(tmp_path):
+    text = "# investigation_time=1.0, imt='PGA'\nlon,lat,depth,poe-0.1,poe-0.4\n0,0,0,0.1,0.01\n13,42,0,0.2,0.02\n"
+    path = written(tmp_path, text)
+    with pytest.raises(rp.ConfigError, match="curves of 2 sites; name one"):
+        rp.load_hazard(path)
+    assert rp.load_hazard(path, (12.5, 42.5)).rates[0] == pytest.approx(-math.log1p(-0.2))
+    settings = HazardSettings(file="curve.csv", longitude=1.0, latitude=1.0)
+    assert hazard_of(settings, tmp_path).rates[0] == pytest.approx(-math.log1p(-0.1))
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("", "expected columns"),
+        ("x,y\n1,2\n", "expected columns .* found the columns x, y"),
+        ("pga [furlong],rate\n0.1,0.2\n", "expected a unit of pga among g, .* found 'furlong'"),
+        ("pgv [g],rate\n0.1,0.2\n", "expected a unit of pgv among m/s, cm/s"),
+        ("sa(0.7) [g],rate\n0.1,0.2\n", "expected a measure among .* found 'sa_0.7'"),
+        ("pga [g],rate\n0.1,0.2\n0.3,many\n", "row 2 of column 'rate': expected a number, found 'many'"),
+        ("pga [g],rate\n0.1,0.2\n", "two or more, found 1"),
+        ("pga [g],rate\n0.1,0.01\n0.3,0.02\n", "annual rates that do not rise"),
+        ("pga [g],rate\n0.1,0.01\n0.1,0.01\n", "positive levels that ascend"),
+        ("pga [g],rate\n0.1,0.01\n0.2,0.01\n", "the last two rates are alike"),
+        ("pga [g],probability in 50 years\n0.1,1.2\n0.2,0.01\n", "probabilities from 0 to 1"),
+        ("TR [years],PGA\n30,0.1\n", 'expected the column "ag'),
+        ("# investigation_time=1.0, x=2\nlon,lat,poe-0.1\n0,0,0.1\n", "line 1: expected investigation_time"),
+        ("# investigation_time=1.0, imt='PGA'\nlon,lat,poe-low\n0,0,0.1\n", "line 2: expected a level behind poe-"),
+        ("# investigation_time=1.0, imt='PGA'\nx,y\n0,0\n", "line 2: expected lon, lat and poe-LEVEL"),
+    ],
+)
+def test_a_wrong_file_says_what_was_expected(tmp_path, text, message):
+    path = written(tmp_path, text)
+    with pytest.raises(rp.ConfigError, match=message) as raised:
+        rp.load_hazard(path)
+    assert "curve.csv" in str(raised.value)
+
+
+def test_a_file_that_is_none_is_refused(tmp_path):
+    with pytest.raises(rp.ConfigError, match="expected a file with a hazard curve, found none"):
+        rp.load_hazard(tmp_path)
+    (tmp_path / "binary.csv").write_bytes(b"\xff\xfe\x00")
+    with pytest.raises(rp.ConfigError, match="cannot be read as a hazard curve"):
+        rp.load_hazard(tmp_path / "binary.csv")
+
+
+@pytest.mark.parametrize(
+    ("given", "message"),
+    [
+        ({"k0": 1e-4}, "expected both of the power law"),
+        ({"file": "x.csv", "k0": 1e-4, "k": 2.0}, "expected a file or the power law"),
+        ({"file": "x.csv", "latitude": 2.0}, "expected both or neither"),
+        ({"k0": -1.0, "k": 2.0}, "k0: expected a number in 1/year > 0"),
+    ],
+)
+def test_a_section_that_contradicts_itself_is_refused(given, message):
+    with pytest.raises(rp.ConfigError, match=message):
+        HazardSettings(**given)
+
+
+def test_a_power_law_comes_from_the_section_and_the_section_survives_as_text():
+    settings = HazardSettings(k0=1e-4, k=2.5, measure="pgv", unit="cm/s")
+    config = config_from_text(Config(hazard=settings).as_text())
+    assert config.hazard == settings
+    assert hazard_of(config.hazard).rate(0.01) == pytest.approx(1e-4)
+    with pytest.raises(rp.ConfigError, match="found neither"):
+        hazard_of(HazardSettings())
+    with pytest.raises(rp.ConfigError, match="expected a unit of pgv"):
+        hazard_of(HazardSettings(k0=1e-4, k=2.5, measure="pgv", unit="g"))

@@ -1,0 +1,74 @@
+"""Fragility summed over hazard against closed forms and another quadrature."""
+
+import itertools
+import math
+
+import numpy as np
+import pytest
+from scipy.integrate import quad
+from scipy.special import ndtr
+
+import rockpulse as rp
+from rockpulse.studies.fragility.likelihood import FAMILIES
+from rockpulse.studies.risk.integral import integrate, power_law_frequency
+
+NORMAL, LOGISTIC = FAMILIES["lognormal"], FAMILIES["logistic"]
+
+
+def line(median, scale):
+    return np.array([[-math.log(median) / scale, 1.0 / scale]])
+
+
+@pytest.mark.parametrize("k", [1.0, 2.5, 4.0])
+@pytest.mark.parametrize("beta", [0.05, 0.4, 0.8, 1.5])
+def test_a_power_law_and_a_lognormal_fragility_have_a_closed_form(k, beta):
+    found = integrate(NORMAL, line(0.6, beta), rp.PowerLawHazard(1e-4, k))
+    assert found.frequency[0] == pytest.approx(power_law_frequency(1e-4, k, 0.6, beta), rel=1e-9)
+    assert found.contribution.sum() == pytest.approx(found.frequency[0], rel=1e-12)
+
+
+def test_the_closed_form_is_the_published_number():
+    assert power_law_frequency(1e-4, 2.5, 0.6, 0.4) == pytest.approx(5.91247e-4, rel=1e-6)
+
+
+@pytest.mark.parametrize("share", [0.1, 0.5, 0.9, 0.98])
+def test_a_power_law_and_a_logistic_fragility_have_one_too(share):
+    """E[X^-k] of a capacity with a logistic logarithm of scale s: median^-k pi k s/sin(pi k s), for k s < 1."""
+    k = 2.5
+    scale = share / k
+    found = integrate(LOGISTIC, line(0.6, scale), rp.PowerLawHazard(1e-4, k)).frequency[0]
+    assert found == pytest.approx(1e-4 * 0.6**-k * math.pi * share / math.sin(math.pi * share), rel=1e-9)
+
+
+def test_a_tail_heavier_than_the_hazard_has_no_frequency():
+    lines = np.concatenate([line(0.6, 0.5), line(0.6, 0.2)])
+    found = integrate(LOGISTIC, lines, rp.PowerLawHazard(1e-4, 2.5))
+    assert np.isinf(found.frequency).tolist() == [True, False]
+
+
+@pytest.mark.parametrize("family", [NORMAL, LOGISTIC])
+@pytest.mark.parametrize("scale", [0.03, 0.2, 0.5])
+def test_a_tabled_curve_agrees_with_another_quadrature(family, scale):
+    curve = rp.HazardCurve("pga", [0.1, 0.5, 1.0, 3.0, 8.0], [0.1, 0.09, 5e-3, 2e-4, 4e-6])
+    ((a, b),) = line(1.3, scale)
+    found = integrate(family, line(1.3, scale), curve).frequency[0]
+
+    def part(u):
+        return math.exp(family.log_cdf(np.array(a + b * u))[0] + curve.log_density(np.array(u)))
+
+    ends = np.unique([-30.0, *curve.knots, math.log(1.3), math.log(1.3) - 4 * scale, math.log(1.3) + 4 * scale, 15.0])
+    brute = sum(quad(part, low, high, epsabs=0.0, epsrel=1e-11, limit=400)[0] for low, high in itertools.pairwise(ends))
+    assert found == pytest.approx(brute, rel=1e-8)
+
+
+def test_the_contributions_add_up_between_levels():
+    found = integrate(NORMAL, line(0.6, 0.4), rp.PowerLawHazard(1e-4, 2.5), (math.log(0.3), math.log(0.9)))
+    parts = [found.between(-math.inf, math.log(0.3)), found.between(math.log(0.3), math.log(0.9))]
+    parts.append(found.between(math.log(0.9), math.inf))
+    assert sum(parts) == pytest.approx(1.0)
+    # Of the lognormal fragility and the power law the contributions below a level follow from the closed form:
+    # integral up to x of F dH' = H-weighted F at x plus the closed form of the truncated moment.
+    k, beta, u = 2.5, 0.4, (math.log(0.3) - math.log(0.6)) / 0.4
+    whole = math.exp(0.5 * (k * beta) ** 2)
+    below = (whole * ndtr(u + k * beta) - math.exp(-k * beta * u) * ndtr(u)) / whole
+    assert parts[0] == pytest.approx(below, rel=1e-9)
