@@ -48,7 +48,7 @@ def with_pedestal(block: Block, width: float, height: float, mass: float, restit
     >>> statue = Block(width=0.5, height=1.8, mass=600.0)
     >>> whole = with_pedestal(statue, width=0.9, height=1.2, mass=2300.0)
     >>> round(float(whole.mass)), round(float(whole.alpha_c), 3), round(float(statue.alpha_c), 3)
-    (2900, 0.446, 0.271)
+    (2900, 0.459, 0.271)
     """
     for name, value in (("width", width), ("height", height), ("mass", mass)):
         if not float(numbers(f"pedestal {name}", value, "a positive number", lanes=False)) > 0.0:

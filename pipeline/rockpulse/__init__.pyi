@@ -74,6 +74,7 @@ from .studies.risk.frequency import annual_frequency as annual_frequency
 from .studies.risk.hazard import HazardCurve as HazardCurve
 from .studies.risk.hazard import PowerLawHazard as PowerLawHazard
 from .studies.risk.hazard import load_hazard as load_hazard
+from .studies.risk.inventory import inventory_frequency as inventory_frequency
 from .studies.site.calibration import calibrate_site as calibrate_site
 from .views.report.writing import write_report as write_report
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from rockpulse.storage.variables import Declared, along, real, text, whole
 
-__all__ = ["RISK"]
+__all__ = ["INVENTORY", "RISK"]
 
 OWN = "unit of the measure in SI"
 
@@ -35,3 +35,16 @@ RISK: Declared = {
         },
     ),
 }
+
+#: Over the bodies of an inventory.
+INVENTORY: Declared = along(
+    ("body",),
+    {
+        "frequency": real("year-1", "annual frequency of overturning"),
+        "frequency_low": real("year-1", "lower limit of the frequency, over earthquakes"),
+        "frequency_high": real("year-1", "upper limit of the frequency"),
+        "probability": real("1", "probability of overturning in the years that were asked for"),
+        "median": real(OWN, "level at which the body overturns with probability 1/2"),
+        "dispersion": real("1", "standard deviation of ln(S/measure), S the overturning spectrum"),
+    },
+)

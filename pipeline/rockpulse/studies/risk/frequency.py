@@ -102,10 +102,12 @@ def annual_frequency(
     ...     rp.Record(3.0 * np.sin(2.0 * np.pi * f * t), dt=0.01, id=f"sine {f}", event=str(f), processed=True)
     ...     for f in (0.6, 0.8, 1.0, 1.3, 1.7)
     ... ]
-    >>> tree = rp.fragility_curves(shake, blocks={"pier": rp.models.Block(half_width=0.5, half_height=1.9365)})
-    >>> found = rp.annual_frequency(tree, rp.PowerLawHazard(k0=1e-2, k=2.5))
-    >>> bool(0.0 < found["frequency"].item() < 1e-3)
-    True
+    >>> config = rp.Config(fragility=rp.FragilitySettings(overturning_model="lognormal"))
+    >>> pier = {"pier": rp.models.Block(half_width=0.5, half_height=1.9365)}
+    >>> tree = rp.fragility_curves(shake, config, pier)
+    >>> found = rp.annual_frequency(tree, rp.PowerLawHazard(k0=1e-4, k=2.5), years=100.0)
+    >>> bool(0.0 < found["frequency"].item() < 1e-3), bool(found["survival"].item() > 0.9)
+    (True, True)
     """
     import xarray as xr
 

@@ -1,0 +1,100 @@
+"""Frequencies of many bodies from one set of overturning spectra, against one body and one record at a time."""
+
+import itertools
+import math
+
+import numpy as np
+import pytest
+from scipy.integrate import quad
+
+import rockpulse as rp
+from rockpulse import models
+from rockpulse.calibration.design_spectrum import at_blocks
+
+T = np.arange(0.0, 5.0, 0.02)
+LAW = rp.PowerLawHazard(k0=2e-3, k=2.0, measure="pgv")
+CURVE = rp.HazardCurve("pga", [0.1, 1.0, 4.0], [0.3, 0.02, 1e-3])
+
+
+def shaking(number):
+    rng = np.random.default_rng(number)
+    waves = sum(rng.normal() * np.sin(2.0 * np.pi * f * T + rng.uniform(0.0, 6.0)) for f in (0.6, 1.1, 2.3))
+    peak = 3.0 * waves / np.max(np.abs(waves))
+    return rp.Record(
+        peak * np.exp(-(((T - 2.0) / 1.0) ** 2)), dt=0.02, id=f"r{number}", event=f"e{number // 2}", processed=True
+    )
+
+
+@pytest.fixture(scope="module")
+def results():
+    config = rp.Config(models=rp.ModelSettings(use=("nonlinear",)), uncertainty=rp.UncertaintySettings(spectrum="all"))
+    return rp.assess([shaking(n) for n in range(9)], config, blocks={"wall": models.Block(width=0.4, height=3.0)})
+
+
+@pytest.mark.parametrize("hazard", [LAW, CURVE])
+def test_one_body_is_the_mean_over_earthquakes_of_each_record(results, hazard):
+    body = models.Block(width=[0.35], height=[2.6])
+    found = rp.inventory_frequency(results, body, hazard)
+    summary, spectra = results["summary"].to_dataset(), results["spectra"].to_dataset()
+    by_event: dict[str, list[float]] = {}
+    for name in spectra["record"].values:
+        own = spectra.sel(record=name)
+        p = rp.overturning_factors(own, body)["capacity_mean"][0]
+        probability = at_blocks(body, own["p"].values, own["restitution"].values, own["probability"].values)[0]
+        level = np.log(own["level"].values)
+        measure = math.log(float(summary[hazard.measure].sel(record=name)))
+
+        def at(u, probability=probability, level=level):
+            return float(np.interp(u, level, probability))
+
+        shift = measure + math.log(p)
+        ends = np.unique([*level, *(hazard.knots - shift)])
+        inside = sum(
+            quad(lambda u, shift=shift, at=at: at(u) * math.exp(hazard.log_density(np.array(u + shift))), low, high)[0]
+            for low, high in itertools.pairwise(ends.tolist())
+            if level[0] <= low and high <= level[-1]
+        )
+        beyond = float(hazard.rate(math.exp(level[-1] + shift)))
+        by_event.setdefault(str(summary["event"].sel(record=name).values), []).append(inside + beyond)
+    expected = np.mean([np.mean(values) for values in by_event.values()])
+    assert found["frequency"].item() == pytest.approx(expected, rel=2e-4)
+    assert found["probability"].item() == pytest.approx(1.0 - math.exp(-50.0 * found["frequency"].item()))
+    assert found["frequency_low"].item() < found["frequency"].item() < found["frequency_high"].item()
+
+
+def test_many_bodies_are_read_like_one_and_larger_ones_fall_less_often(results):
+    scale = np.linspace(0.8, 3.0, 2500)
+    many = models.Block(width=0.3 * scale, height=2.4 * scale)
+    found = rp.inventory_frequency(results, many, LAW)
+    # Not at every step: a spectrum has its dips.
+    assert np.mean(np.diff(found["frequency"]) < 0.0) > 0.9
+    for place in (0, 1200, 2499):
+        one = rp.inventory_frequency(results, models.Block(width=0.3 * scale[place], height=2.4 * scale[place]), LAW)
+        for name in found:
+            assert found[name].values[place] == pytest.approx(one[name].item(), rel=1e-12), name
+    # A body of the same shape at a level: half of the mean over records overturns there.
+    median, spread = found["median"].values, found["dispersion"].values
+    assert np.mean(np.diff(median) > 0.0) > 0.9
+    assert np.all((spread > 0.05) & (spread < 1.5))
+
+
+def test_what_the_spectra_do_not_stand_for_is_nan_and_gaps_are_told(results):
+    bodies = models.Block(width=[0.4, 1.0], height=[3.0, 1.0], restitution=[0.9, 0.9])
+    assert np.isnan(rp.inventory_frequency(results, bodies, LAW)["frequency"].values).tolist() == [False, True]
+    config = rp.Config(models=rp.ModelSettings(use=("nonlinear",)))
+    partial = rp.assess([shaking(0)], config, blocks={"wall": models.Block(width=0.4, height=3.0)})
+    with pytest.raises(rp.ResultsError, match=r'gaps at the p of these bodies; assess again with .* spectrum = "all"'):
+        rp.inventory_frequency(partial, models.Block(width=[1.6], height=[12.0]), LAW)
+    found = rp.inventory_frequency(partial, models.Block(width=[0.4], height=[3.0]), LAW)
+    assert np.isnan(found["frequency_low"].item())
+
+
+def test_what_cannot_be_answered_is_refused(results):
+    body = models.Block(width=[0.4], height=[3.0])
+    with pytest.raises(rp.ConfigError, match="expected one of pga or pgv"):
+        rp.inventory_frequency(results, body, rp.PowerLawHazard(1e-3, 2.0, "sa_1"))
+    with pytest.raises(rp.ConfigError, match="expected a positive time"):
+        rp.inventory_frequency(results, body, LAW, years=-1.0)
+    bare = rp.assess([shaking(0)], rp.Config(models=rp.ModelSettings(use=("sequence",))), blocks={"a": body.lane(0)})
+    with pytest.raises(rp.ResultsError, match="with overturning spectra, found none"):
+        rp.inventory_frequency(bare, body, LAW)
