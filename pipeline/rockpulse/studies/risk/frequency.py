@@ -12,6 +12,7 @@ import math
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from scipy.special import logsumexp
 
 from rockpulse.errors import ConfigError, ResultsError
 from rockpulse.storage.fragility_variables import FRAGILITY, Status
@@ -234,7 +235,7 @@ def _frequencies(family: Family, lines: np.ndarray, hazard: Hazard) -> np.ndarra
     density = np.exp(family.log_density(CAPACITY)[0]) * STEP
     for part in np.array_split(rising, max(1, rising.size // 500)):
         a, b = lines[part, :1], lines[part, 1:]
-        found[part] = np.log(np.exp(hazard.log_rate((CAPACITY - a) / b)) @ density)
+        found[part] = logsumexp(hazard.log_rate((CAPACITY - a) / b), b=density, axis=1)
     return found
 
 
