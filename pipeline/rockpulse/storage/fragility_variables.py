@@ -137,6 +137,12 @@ CURVES: Declared = {
     "measure_units": text("unit of each measure", dims=("measure",)),
     "measure_long_name": text("meaning of each measure", dims=("measure",)),
     **along(("block",), {"alpha_c": BLOCK["alpha_c"], "p": BLOCK["p"], "restitution": CASE["restitution"]}),
+    "uplift_acceleration": real(
+        "m s-2",
+        "smallest horizontal acceleration of the ground that lifts the body",
+        dims=("block",),
+        explanation="NaN on a floor of a building, and where a vertical channel acts",
+    ),
 }
 
 #: Of an incremental dynamic analysis.

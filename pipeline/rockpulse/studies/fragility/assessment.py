@@ -6,7 +6,10 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import partial
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from rocking.block import Block
+from rocking.capacity import uplift_scale
 from rockpulse.config.block_settings import BlockSettings
 from rockpulse.config.bodies import gather_bodies
 from rockpulse.config.configuration import Config
@@ -99,4 +102,7 @@ class FragilityAnalysis(Analysis):
 
     def collect(self, parts: Sequence[Part], planned: Sequence[PlannedMotion], failures: list[Failure]) -> xr.DataTree:
         """Fit the curves."""
-        return build_fragility_tree(parts, self.block_names, self.lanes.block, self.config, failures)
+        aloft = np.array([bool(self.lanes.bodies.floors[body]) for body in self.lanes.owner])
+        known = ~aloft & (not self.config.records.include_vertical)
+        uplift = np.where(known, uplift_scale(self.lanes.block, np.array([-1.0, 1.0])), np.nan)
+        return build_fragility_tree(parts, self.block_names, self.lanes.block, uplift, self.config, failures)

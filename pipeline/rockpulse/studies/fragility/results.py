@@ -47,13 +47,14 @@ def build_fragility_tree(
     parts: Sequence[Part],
     names: Sequence[str],
     block: Block,
+    uplift: np.ndarray,
     config: Config,
     failures: Sequence[Failure],
 ) -> xr.DataTree:
     """Fit everything and lay it out.
 
     The parts are those of :func:`rockpulse.studies.fragility.capacity.motion_capacity` with "event"; the block has (m,)
-    lanes, one for each name.
+    lanes, one for each name, and `uplift` (m,) the accelerations of the ground that lift them, NaN where not known.
     """
     settings = config.fragility
     states, measures = limit_state_names(settings.limit_states), list(settings.measures)
@@ -63,7 +64,7 @@ def build_fragility_tree(
     coords = _coordinates(block=names, limit_state=states, measure=measures)
     tree = xr.DataTree.from_dict(
         {
-            "/fragility": _curves(single, block, measures, coords),
+            "/fragility": _curves(single, block, uplift, measures, coords),
             "/capacities": _capacities(ensemble, coords),
             "/efficiency": _efficiency(ensemble, single, pooled, coords),
             "/failures": failure_table(failures),
@@ -78,7 +79,9 @@ def build_fragility_tree(
     return tree
 
 
-def _curves(fits: Fits, block: Block, measures: Sequence[str], coords: dict[str, xr.Variable]) -> xr.Dataset:
+def _curves(
+    fits: Fits, block: Block, uplift: np.ndarray, measures: Sequence[str], coords: dict[str, xr.Variable]
+) -> xr.Dataset:
     level, probability = _grid(fits)
     values = {
         **{name: fits.of(name) for name in CURVE},
@@ -87,6 +90,7 @@ def _curves(fits: Fits, block: Block, measures: Sequence[str], coords: dict[str,
         "measure_units": [MEASURES[key].units for key in measures],
         "measure_long_name": [MEASURES[key].long_name for key in measures],
         **{name: getattr(block, name) for name in ("alpha_c", "p", "restitution")},
+        "uplift_acceleration": uplift,
     }
     return xr.Dataset(with_values(CURVES, values), coords)
 

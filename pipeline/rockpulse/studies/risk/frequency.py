@@ -134,8 +134,8 @@ def annual_frequency(
     settings = ensemble.config.fragility
     model = settings.overturning_model if limit_state == "overturning" else settings.model
     found = [
-        _of_body(ensemble, place, lane, FAMILIES[model], hazard, years, level, resamples, seed)
-        for lane in range(table.sizes["block"])
+        _of_body(ensemble, place, lane, FAMILIES[model], hazard, years, level, resamples, seed, floor)
+        for lane, floor in enumerate(_floors(table, hazard))
     ]
     values = {name: np.array([one[name] for one in found]) for name in found[0]}
     risk = xr.Dataset(
@@ -157,6 +157,7 @@ def _of_body(
     confidence: float,
     resamples: int,
     seed: int,
+    floor: float,
 ) -> dict[str, Any]:
     """The variables of one body."""
     nothing = np.full(BINS, np.nan)
@@ -170,7 +171,7 @@ def _of_body(
     if not lines[0, 1] > 0.0:
         return found | {"statement": "no fragility curve: it does not rise"}
     low, high = _looked_at(rows, hazard)
-    whole = integrate(family, lines[:1], hazard, (low, high))
+    whole = integrate(family, lines[:1], hazard, (low, high), floor)
     if not np.isfinite(whole.frequency[0]):
         return found | {
             "frequency": np.inf,
@@ -186,7 +187,7 @@ def _of_body(
             told.append(f"{share:.0%} of it comes from levels {name} {limit:.3g}, where nothing was looked at")
     limits = None
     if resamples and len(rows.events) >= FEWEST_EVENTS:
-        limits = band_of(rows, family, hazard, lines, math.log(whole.frequency[0]), confidence, resamples, seed)
+        limits = band_of(rows, family, hazard, lines, math.log(whole.frequency[0]), confidence, resamples, seed, floor)
         told += [] if limits else ["no band: too many draws of the earthquakes make no curve"]
         if limits and len(rows.events) < LEAST_EVENTS:
             told.append(f"the band is too narrow: {several_events(len(rows.events))}, {LEAST_EVENTS} are needed")
@@ -198,6 +199,17 @@ def _of_body(
         found[f"probability{end}"] = -math.expm1(-found[f"frequency{end}"] * years)
     found["survival"] = math.exp(-found["frequency"] * years)
     return found | {"statement": "; ".join(told)}
+
+
+def _floors(table: xr.Dataset, hazard: Hazard) -> list[float]:
+    """Logarithms of the levels below which no body moves, and so reaches no limit state; -inf where that is not known.
+
+    Only a PGA tells: it lifts a body on the ground, or it does not.
+    """
+    if hazard.measure != "pga" or "uplift_acceleration" not in table:
+        return [-math.inf] * table.sizes["block"]
+    lifting = table["uplift_acceleration"].values
+    return np.where(np.isnan(lifting), -math.inf, np.log(np.where(np.isnan(lifting), 1.0, lifting))).tolist()
 
 
 def several_events(count: int) -> str:
@@ -225,17 +237,17 @@ def _looked_at(rows: Observations, hazard: Hazard) -> tuple[float, float]:
     return math.log(low), math.log(max(low, min(float(rows.level[-1]), most)))
 
 
-def _frequencies(family: Family, lines: np.ndarray, hazard: Hazard) -> np.ndarray:
+def _frequencies(family: Family, lines: np.ndarray, hazard: Hazard, floor: float) -> np.ndarray:
     """ln of the frequencies of q fits, to about 1e-4; NaN where there is no rising curve.
 
-    As the mean of the hazard over the capacities, lambda = integral of H(exp((z - A)/B)) f(z) dz.
+    As the mean of the hazard over the capacities, none below the floor: lambda = integral of H(exp((z - A)/B)) f(z) dz.
     """
     found = np.full(lines.shape[0], np.nan)
     rising = np.flatnonzero(lines[:, 1] > 0.0)
     density = np.exp(family.log_density(CAPACITY)[0]) * STEP
     for part in np.array_split(rising, max(1, rising.size // 500)):
         a, b = lines[part, :1], lines[part, 1:]
-        found[part] = logsumexp(hazard.log_rate((CAPACITY - a) / b), b=density, axis=1)
+        found[part] = logsumexp(hazard.log_rate(np.maximum((CAPACITY - a) / b, floor)), b=density, axis=1)
     return found
 
 
@@ -248,10 +260,11 @@ def band_of(
     confidence: float,
     resamples: int,
     seed: int,
+    floor: float = -math.inf,
 ) -> tuple[float, float] | None:
     """Limits of the frequency by the bootstrap-t over earthquakes; None where too few draws have a curve."""
     events = len(rows.events)
-    left_out = _frequencies(family, lines, hazard)
+    left_out = _frequencies(family, lines, hazard, floor)
     error = jackknife_error(left_out[:, np.newaxis])[0]
     if not np.isfinite(error) or error == 0.0:
         return None
@@ -259,7 +272,7 @@ def band_of(
     # Each draw of as many earthquakes has a standard error of its own: without one of them after the other.
     fewer = np.maximum(counts[:, np.newaxis] - np.eye(events, dtype=int), 0)
     weights = np.concatenate([counts[:, np.newaxis], fewer], axis=1).reshape(-1, events)
-    drawn = _frequencies(family, _lines(rows, family, weights), hazard).reshape(resamples, -1)
+    drawn = _frequencies(family, _lines(rows, family, weights), hazard, floor).reshape(resamples, -1)
     with np.errstate(invalid="ignore", divide="ignore"):
         moved = (drawn[:, 1:] - drawn[:, :1]) ** 2
         known = counts * np.isfinite(moved)

@@ -6,6 +6,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -49,7 +50,9 @@ def power_law_frequency(k0: float, k: float, median: float, beta: float) -> floa
     return float(k0 * median**-k * np.exp(0.5 * (k * beta) ** 2))
 
 
-def integrate(family: Family, line: np.ndarray, hazard: Hazard, breaks: tuple[float, ...] = ()) -> Integral:
+def integrate(
+    family: Family, line: np.ndarray, hazard: Hazard, breaks: tuple[float, ...] = (), floor: float = -math.inf
+) -> Integral:
     """Sum fragilities over a hazard.
 
     Parameters
@@ -62,19 +65,22 @@ def integrate(family: Family, line: np.ndarray, hazard: Hazard, breaks: tuple[fl
         Of the same measure, levels in SI units.
     breaks : tuple of float
         Logarithms of levels between which contributions are asked for.
+    floor : float
+        Logarithm of the level below which the fragility is zero, whatever its curve says.
     """
     a, b = line.T
     lowest, highest = hazard.slopes()
     middle = -a / b
     logistic = family.deviation != 1.0
-    light = b > lowest if logistic else np.ones(b.size, dtype=bool)
+    light = b > lowest if logistic and floor == -math.inf else np.ones(b.size, dtype=bool)
     if not np.any(light):
         return Integral(np.full(b.size, np.inf), np.zeros(0), np.zeros(0))
     kept = b[light]
     # Below the median F falls at least as exp(b t), or exp(-(b t)^2/2), and the hazard's density rises as exp(k t).
-    below = TAIL / (kept - lowest) if logistic else (lowest + np.sqrt(lowest**2 + 2.0 * TAIL * kept**2)) / kept**2
-    first = float(np.min([*(middle[light] - below), *hazard.knots[:1]]))
-    last = float(np.max([*middle[light], *hazard.knots[-1:]])) + TAIL / highest
+    steep = np.maximum(kept - lowest, 1e-3) if floor > -math.inf else kept - lowest
+    below = TAIL / steep if logistic else (lowest + np.sqrt(lowest**2 + 2.0 * TAIL * kept**2)) / kept**2
+    first = max(float(np.min([*(middle[light] - below), *hazard.knots[:1]])), floor)
+    last = max(float(np.max([*middle[light], *hazard.knots[-1:]])), first) + TAIL / highest
     step = SHARE / max(float(np.max(kept)), lowest, highest, 1.0)
     cuts = np.unique([first, last, *(cut for cut in (*hazard.knots.tolist(), *breaks) if first < cut < last)])
     counts = np.ceil(np.diff(cuts) / step).astype(int)

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import rockpulse as rp
+from rockpulse import models
 from rockpulse.studies.risk.integral import power_law_frequency
 
 T = np.arange(0.0, 5.0, 0.02)
@@ -80,6 +81,23 @@ def test_the_band_is_over_earthquakes_and_says_where_these_are_few(tree, law):
     assert low < float(narrow["frequency_low"]) < float(narrow["frequency_high"]) < high
     assert "the band is too narrow: 8 earthquakes, 14 are needed" in str(found["statement"].values)
     assert float(found["probability_high"]) == pytest.approx(-math.expm1(-50.0 * high))
+
+
+def test_no_ground_below_uplift_overturns_a_body(tree):
+    law = rp.PowerLawHazard(k0=2e-3, k=30.0, measure="pga")
+    wall = models.Block(width=0.3, height=2.4)
+    lifting = wall.gravity * math.tan(wall.alpha_c)
+    assert float(tree["fragility"]["uplift_acceleration"].sel(block="wall")) == pytest.approx(lifting)
+    found = rp.annual_frequency(tree, law, resamples=100).sel(block="wall")
+    assert float(found["bin_low"].min()) >= lifting * (1.0 - 1e-9)
+    assert float(found["frequency"]) < float(law.rate(lifting))
+    assert float(found["frequency_low"]) < float(found["frequency"]) < float(found["frequency_high"])
+    # Without it the curve's tail alone would count where the hazard is so steep.
+    other = tree.copy()
+    other["fragility"] = tree["fragility"].to_dataset().drop_vars("uplift_acceleration")
+    assert float(rp.annual_frequency(other, law, resamples=0)["frequency"].sel(block="wall")) > 1e3 * float(
+        found["frequency"]
+    )
 
 
 def test_a_body_without_a_curve_has_no_frequency_and_says_why(tree, law):

@@ -72,3 +72,18 @@ def test_the_contributions_add_up_between_levels():
     whole = math.exp(0.5 * (k * beta) ** 2)
     below = (whole * ndtr(u + k * beta) - math.exp(-k * beta * u) * ndtr(u)) / whole
     assert parts[0] == pytest.approx(below, rel=1e-9)
+
+
+@pytest.mark.parametrize("family", [NORMAL, LOGISTIC])
+@pytest.mark.parametrize("scale", [0.2, 0.7])
+def test_below_a_floor_nothing_contributes(family, scale):
+    law, floor = rp.PowerLawHazard(1e-4, 2.5), math.log(0.35)
+    ((a, b),) = line(0.6, scale)
+    found = integrate(family, line(0.6, scale), law, floor=floor)
+
+    def part(u):
+        return math.exp(family.log_cdf(np.array(a + b * u))[0] + law.log_density(np.array(u)))
+
+    brute = sum(quad(part, *ends, epsabs=0.0, epsrel=1e-11)[0] for ends in ((floor, 0.0), (0.0, 3.0), (3.0, 25.0)))
+    assert found.frequency[0] == pytest.approx(brute, rel=1e-8)
+    assert found.log_level.min() >= floor
