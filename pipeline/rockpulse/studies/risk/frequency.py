@@ -244,10 +244,10 @@ def _frequencies(family: Family, lines: np.ndarray, hazard: Hazard, floor: float
     """
     found = np.full(lines.shape[0], np.nan)
     rising = np.flatnonzero(lines[:, 1] > 0.0)
-    density = np.exp(family.log_density(CAPACITY)[0]) * STEP
+    density = family.log_density(CAPACITY)[0] + math.log(STEP)
     for part in np.array_split(rising, max(1, rising.size // 500)):
         a, b = lines[part, :1], lines[part, 1:]
-        found[part] = logsumexp(hazard.log_rate(np.maximum((CAPACITY - a) / b, floor)), b=density, axis=1)
+        found[part] = logsumexp(hazard.log_rate(np.maximum((CAPACITY - a) / b, floor)) + density, axis=1)
     return found
 
 
