@@ -34,6 +34,7 @@ rockpulse.studies.site
 rockpulse.studies.rule
 rockpulse.studies.fragility
 rockpulse.studies.risk
+rockpulse.studies.check
 rockpulse.studies.paper
 rockpulse.batch
 rockpulse.views.shared

@@ -67,6 +67,8 @@ from .storage.design_file import load_design as load_design
 from .storage.long_table import results_table as results_table
 from .storage.save_load import load as load
 from .storage.save_load import save as save
+from .studies.check.kinematic import KinematicCheck as KinematicCheck
+from .studies.check.kinematic import kinematic_check as kinematic_check
 from .studies.fragility.assessment import fragility_curves as fragility_curves
 from .studies.fragility.curves import fit_capacities as fit_capacities
 from .studies.fragility.curves import fit_stripes as fit_stripes

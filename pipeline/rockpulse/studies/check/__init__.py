@@ -1,0 +1,1 @@
+"""Checks of codes beside the time histories."""
