@@ -90,7 +90,7 @@ def main() -> None:
                         rng=np.random.default_rng(0),
                     )
                     low, high = found.confidence_interval
-                told.append(f"{value:.1%} ({low:.1%} to {high:.1%})")
+                told.append(f"{value:.1%}" + ("" if np.isnan(low) else f" ({low:.1%} to {high:.1%})"))
             print(f"  {name:<10} missed {told[0]}, false {told[1]}")
 
 
