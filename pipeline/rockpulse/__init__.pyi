@@ -18,6 +18,7 @@ from .calibration.response_result import ResponseCalibration as ResponseCalibrat
 from .calibration.rule import Rule as Rule
 from .calibration.rule import load_rule as load_rule
 from .config.block_settings import BlockSettings as BlockSettings
+from .config.check_settings import CheckSettings as CheckSettings
 from .config.configuration import Config as Config
 from .config.configuration import load_config as load_config
 from .config.fragility_settings import FragilitySettings as FragilitySettings
@@ -67,6 +68,7 @@ from .storage.design_file import load_design as load_design
 from .storage.long_table import results_table as results_table
 from .storage.save_load import load as load
 from .storage.save_load import save as save
+from .studies.check.codes import code_check as code_check
 from .studies.check.kinematic import KinematicCheck as KinematicCheck
 from .studies.check.kinematic import kinematic_check as kinematic_check
 from .studies.fragility.assessment import fragility_curves as fragility_curves

@@ -16,6 +16,7 @@ from pathlib import Path
 from typing import Any
 
 from rockpulse.config.block_settings import BlockSettings, require_pairs
+from rockpulse.config.check_settings import CheckSettings
 from rockpulse.config.fragility_settings import FragilitySettings
 from rockpulse.config.hazard_settings import HazardSettings
 from rockpulse.config.settings import (
@@ -45,7 +46,7 @@ class Config:
     Attributes
     ----------
     site, records, conditioning, half_waves, intense_phase, sequence, models, search : Section
-    uncertainty, calibration, fragility, run : Section
+    uncertainty, calibration, fragility, hazard, check, run : Section
         One dataclass per section of the TOML file, each usable as keyword arguments:
         ``condition(record, **config.conditioning)``.
     blocks : tuple of BlockSettings
@@ -80,6 +81,7 @@ class Config:
     calibration: CalibrationSettings = field(default_factory=CalibrationSettings)
     fragility: FragilitySettings = field(default_factory=FragilitySettings)
     hazard: HazardSettings = field(default_factory=HazardSettings)
+    check: CheckSettings = field(default_factory=CheckSettings)
     run: RunSettings = field(default_factory=RunSettings)
     blocks: tuple[BlockSettings, ...] = ()
     demands: tuple[DemandSettings, ...] = ()

@@ -49,13 +49,17 @@ class TieSettings(Section):
 
 @dataclass(frozen=True)
 class FloorSettings(Section):
-    """A mode of the building that a body stands on, as :func:`rocking.floor_motion` has it; `mass` is of the floor."""
+    """A mode of the building that a body stands on, as :func:`rocking.floor_motion` has it; `mass` is of the floor.
+
+    `level` is its height over that of the building [-], which a check of codes asks for.
+    """
 
     heading = "[[block.floor]]"
     period: float = number(dataclasses.MISSING, low=0.01, high=20.0, unit="s")
     damping: float = number(0.05, low=0.0, high=0.99, above=True)
     participation: float = number(1.0)
     mass: float | None = number(None, low=0.0, above=True, unit="kg")
+    level: float | None = number(None, low=0.0, high=1.0)
 
 
 @dataclass(frozen=True)

@@ -6,6 +6,7 @@ import math
 from dataclasses import MISSING, dataclass
 from typing import Any
 
+from rockpulse.config.check_settings import CheckSettings
 from rockpulse.config.fragility_settings import FragilitySettings
 from rockpulse.config.hazard_settings import HazardSettings
 from rockpulse.config.uncertainty_settings import UncertaintySettings
@@ -295,5 +296,6 @@ SECTIONS: dict[str, type[Section]] = {
     "calibration": CalibrationSettings,
     "fragility": FragilitySettings,
     "hazard": HazardSettings,
+    "check": CheckSettings,
     "run": RunSettings,
 }

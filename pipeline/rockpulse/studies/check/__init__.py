@@ -1,1 +1,1 @@
-"""Checks of codes beside the time histories."""
+"""Checks of codes, and how they compare with the time histories."""

@@ -1,26 +1,20 @@
-"""The kinematic check of Italian practice for a free or one-sided block on the ground, from its geometry alone.
-
-.. note:: Circolare 2 February 2009 n. 617, C8A.4. With the weights P_i, their virtual horizontal displacements d_i and
-   the multiplier alpha_0 of the horizontal forces that opens the mechanism: participating mass M* = (sum P_i d_i)^2/(g
-   sum P_i d_i^2) (C8A.4.3), its share e* = g M*/sum P_i, spectral acceleration of activation a_0* = alpha_0 g/(e* FC)
-   (C8A.4.4). One block is one weight: e* = 1 and alpha_0 = tan(alpha_c). Linear: a_0* >= a_g S/q. Nonlinear: a* = a_0*
-   (1 - d*/d_0*), d_u* = 0.4 d_0*, secant period T_s = 2 pi sqrt(d_s*/a_s*) at d_s* = 0.4 d_u*, d_u* >= S_De(T_s).
-"""
+"""The kinematic check of Circolare 617/2009 for arrays of blocks on the ground, with a spectrum of any kind."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
 
 from rocking.block import Block
+from rockpulse.config.check_settings import CheckSettings
+from rockpulse.studies.check.codes import circolare_2009
+from rockpulse.studies.check.mechanism import mechanism_of
 
 __all__ = ["KinematicCheck", "kinematic_check"]
-
-#: d_u* over d_0*, and d_s* over d_u* [-].
-ULTIMATE, SECANT = 0.4, 0.4
 
 
 class KinematicCheck(NamedTuple):
@@ -59,7 +53,7 @@ def kinematic_check(
     Parameters
     ----------
     block : Block
-        (m,) blocks, free or before a wall, without ties, loads or thrusts; with unlike corners the weaker one counts.
+        (m,) blocks; the sense that opens first counts. Ties need a yield force.
     spectrum : callable
         Elastic spectrum S_e of 5 % damping [m/s2] at (k,) periods [s].
     ground : float
@@ -76,7 +70,7 @@ def kinematic_check(
     Raises
     ------
     ValueError
-        For restrained blocks, or numbers out of range.
+        For a tie without a yield force, or numbers out of range.
 
     Examples
     --------
@@ -91,14 +85,25 @@ def kinematic_check(
             "ground, behaviour, confidence_factor: expected a_g S above 0, q and FC of at least 1, got "
             f"{ground!r}, {behaviour!r}, {confidence_factor!r}"
         )
-    lanes = (block if block.shape else block.lanes(1)).weaker
-    if np.any(lanes.restrained):
-        raise ValueError("block: the check is of blocks without ties, loads and thrusts")
-    activation = lanes.gravity * np.tan(lanes.alpha_c) / confidence_factor
-    # The centre of mass has no couple left when it stands above the corner.
-    furthest = lanes.radius * np.sin(lanes.alpha_c)
-    ultimate = ULTIMATE * furthest
-    slowest = SECANT * ultimate
-    period = 2.0 * np.pi * np.sqrt(slowest / (activation * (1.0 - slowest / furthest)))
-    demand = np.asarray(spectrum(period), dtype=float) * (period / (2.0 * np.pi)) ** 2
-    return KinematicCheck(activation, activation / (ground / behaviour), ultimate, period, ultimate / demand)
+    settings = CheckSettings(q=behaviour, confidence_factor=confidence_factor)
+    demand = _Given(spectrum, ground)
+    lanes = block if block.shape else block.lanes(1)
+    found = [circolare_2009(mechanism_of(lanes.lane(place)), demand, (), settings) for place in range(lanes.shape[0])]
+    return KinematicCheck(
+        *(
+            np.array([getattr(one, name) for one in found])
+            for name in ("activation", "activation_ratio", "displacement", "period", "displacement_ratio")
+        )
+    )
+
+
+@dataclass(frozen=True)
+class _Given:
+    """A spectrum of 5 % damping that was given."""
+
+    elastic: Callable[[np.ndarray], np.ndarray]
+    ground: float
+    words: str = "given"
+
+    def __call__(self, period: float, damping: float = 0.05) -> float:
+        return float(np.asarray(self.elastic(np.array([period])), dtype=float)[0])

@@ -1,0 +1,74 @@
+"""``rockpulse check``: what codes say of bodies, beside what the time histories say."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+from rockpulse.commands.telling import QUIET, tell
+from rockpulse.commands.verb import Verb
+from rockpulse.config.check_settings import CODES
+
+__all__ = ["VERB"]
+
+
+def _add_arguments(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "results",
+        nargs="?",
+        metavar="RESULTS",
+        help="results of rockpulse assess: the probability of overturning of the same bodies stands beside the codes",
+    )
+    parser.add_argument(
+        "--config",
+        metavar="CONFIG",
+        help="configuration with [[block]] and [check]; default: that of the results",
+    )
+    parser.add_argument(
+        "--code", nargs="*", choices=CODES, metavar="CODE", help=f"codes, of {', '.join(CODES)}; default: all of them"
+    )
+    parser.add_argument("-o", "--output", metavar="TABLE", help="write the table too (CSV)")
+    parser.add_argument("--overwrite", action="store_true", help="replace a file that exists")
+    parser.add_argument("--quiet", action="store_true", help=QUIET)
+
+
+def _run(args: argparse.Namespace) -> int:
+    from rockpulse.config.configuration import config_from_text, load_config
+    from rockpulse.errors import ConfigError
+    from rockpulse.storage.save_load import load
+    from rockpulse.studies.check.codes import code_check
+    from rockpulse.views.shared.output_files import check_file, csv_bytes, write_files
+    from rockpulse.views.text.check import check_overview, check_table
+
+    if args.output is not None:
+        check_file(args.output, args.overwrite)
+    if args.results is None and args.config is None:
+        raise ConfigError("expected a results file or --config with the bodies and the demand of the code, found none")
+    tree = None if args.results is None else load(args.results)
+    if args.config is not None:
+        config = load_config(args.config)
+    else:
+        assert tree is not None
+        config = config_from_text(str(tree.attrs["configuration"]))
+    found = code_check(config, args.code or CODES, tree)
+    if args.output is not None:
+        write_files({Path(args.output): csv_bytes(check_table(found))})
+    if not args.quiet:
+        tell(check_overview(found) + (f"\n\ntable: {args.output}" if args.output else ""))
+    return 0
+
+
+VERB = Verb(
+    name="check",
+    summary="what codes say of the bodies, from their geometry and a design spectrum",
+    description="Check each body by the kinematic analysis of Italian practice (Circolare 617/2009, Circolare 7/2019) "
+    "and as a non-structural element of EN 1998-1, from its geometry and the spectrum of [check] alone; with results, "
+    "beside the probability of overturning of the same body. A check is no model of rocking: it passes some bodies "
+    "that overturn, and fails many that stand.",
+    add_arguments=_add_arguments,
+    run=_run,
+    examples=(
+        "rockpulse check --config site.toml --code",
+        "rockpulse check results.h5 --config site.toml --code circolare_2019 -o check.csv",
+    ),
+)

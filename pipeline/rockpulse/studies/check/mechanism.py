@@ -1,0 +1,195 @@
+"""A body as the kinematic mechanism of a code: weights and forces that turn with it about a corner.
+
+.. note:: A weight W_i stands the distance x_i behind the corner and z_i above it. A virtual rotation moves it by z_i
+   sideways and lifts it by x_i, less z_i for every radian that the body has turned already: the kinematics are those of
+   small rotations, as codes have them. The multiplier of the horizontal forces at the rotation theta is alpha = [sum
+   W_i (x_i - z_i theta) + sum F_j z_j]/sum W_i z_i, the last sum over the weights whose mass goes with the body
+   (Circolare 7/2019, C8.7.1.1). Ties are rigid and plastic: within their gap they do nothing, then they hold with their
+   yield force, and nothing once they are broken.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import NamedTuple
+
+from rocking.block import STANDARD_GRAVITY, Block
+from rocking.restraint import Load, Restraints
+from rockpulse.config.block_settings import BlockSettings
+
+__all__ = ["Force", "Mechanism", "Weight", "mechanism_of", "mechanisms"]
+
+
+class Weight(NamedTuple):
+    """A weight of a mechanism."""
+
+    weight: float  #: [N]; of a body alone any number
+    arm: float  #: x, its distance behind the corner [m]
+    height: float  #: z, above the corner [m]
+    moving: bool  #: whether its mass goes with the body
+
+
+class Force(NamedTuple):
+    """A horizontal force at a height, which holds the body back while its point has moved so far."""
+
+    force: float  #: [N]; negative where it pushes the body on
+    height: float  #: [m]
+    begins: float = 0.0  #: displacement of its point from which it acts [m]
+    ends: float = math.inf  #: and to which it acts [m]
+
+
+@dataclass(frozen=True)
+class Mechanism:
+    """Overturning about one corner.
+
+    Attributes
+    ----------
+    weights : tuple of Weight
+        The body first.
+    forces : tuple of Force
+        Ties, friction and thrusts.
+    gravity : float
+        [m/s2].
+
+    Examples
+    --------
+    A rectangle of 0.4 x 4 m: alpha_0 = b/h, the whole weight takes part, and no couple is left at b/2.
+
+    >>> alone = Mechanism((Weight(1.0, 0.2, 2.0, True),))
+    >>> round(alone.multiplier, 12), alone.share, round(alone.furthest, 12)
+    (0.1, 1.0, 0.2)
+    """
+
+    weights: tuple[Weight, ...]
+    forces: tuple[Force, ...] = ()
+    gravity: float = STANDARD_GRAVITY
+
+    @property
+    def _driving(self) -> float:
+        return sum(one.weight * one.height for one in self.weights if one.moving)
+
+    @property
+    def multiplier(self) -> float:
+        """alpha_0, the multiplier that opens the mechanism [-]: Circolare 7/2019, (C8.7.1.1)."""
+        return self.at(0.0)
+
+    @property
+    def share(self) -> float:
+        """e*, the share of the mass that takes part [-]: Circolare 617/2009 (C8A.4.3), Circolare 7/2019 (C8.7.1.5)."""
+        moving = [one for one in self.weights if one.moving]
+        squares = sum(one.weight * one.height**2 for one in moving)
+        return self._driving**2 / (sum(one.weight for one in moving) * squares)
+
+    @property
+    def _lever(self) -> float:
+        """Spectral displacement over the rotation [m]: Circolare 7/2019, (C8.7.1.4)."""
+        return sum(one.weight * one.height**2 for one in self.weights if one.moving) / self._driving
+
+    def at(self, rotation: float, lasting: bool = False) -> float:
+        """alpha at a rotation [rad]; `lasting` without the forces that end before the body has no couple left."""
+        held = sum(one.weight * (one.arm - one.height * rotation) for one in self.weights)
+        for force in self.forces:
+            acts = force.begins <= force.height * rotation <= force.ends
+            if acts and not (lasting and math.isfinite(force.ends)):
+                held += force.force * force.height
+        return held / self._driving
+
+    @property
+    def furthest(self) -> float:
+        """d_0, the spectral displacement at which no couple is left of the actions that last till collapse [m]."""
+        weights = sum(one.weight * one.height for one in self.weights)
+        knots = sorted({0.0, *(one.begins / one.height for one in self.forces if one.begins > 0.0)})
+        found = math.inf
+        for begin, end in zip(knots, [*knots[1:], math.inf], strict=True):
+            zero = begin + self.at(begin, lasting=True) * self._driving / weights
+            if zero <= begin:
+                found = begin
+                break
+            if zero < end:
+                found = zero
+                break
+        return found * self._lever
+
+    def capacity(self, displacement: float) -> float:
+        """e* a/g at a spectral displacement [m]: alpha of the rotation that goes with it [-]; nothing below 0."""
+        return max(0.0, self.at(displacement / self._lever))
+
+
+def _forces(restraints: Restraints, base: float) -> tuple[list[Weight], list[Force]]:
+    """Weights that stay with the building, and forces, as the corner of theta > 0 has them."""
+    weights, forces = [], []
+    for load in restraints.loads:
+        assert load.friction is not None  # those without are carried along
+        weights.append(Weight(load.weight, _bearing(load, base), load.height, False))
+        forces.append(Force(load.friction * load.weight, load.height))
+    for tie in restraints.ties:
+        if tie.side == "negative":
+            continue
+        if math.isinf(tie.yield_force):
+            raise ValueError("a tie without yield_force: the check takes ties as rigid and plastic; give it")
+        forces.append(Force(tie.yield_force, tie.height, tie.gap, tie.gap + tie.ultimate))
+    forces += [Force(-one.force, one.height) for one in restraints.thrusts]
+    return weights, forces
+
+
+def _bearing(load: Load, base: float) -> float:
+    return 0.5 * base if load.distance is None else load.distance
+
+
+def mechanism_of(block: Block, alone: Block | None = None, carried: Sequence[Load] = ()) -> Mechanism:
+    """The mechanism of one block, of its senses the one that opens first.
+
+    Parameters
+    ----------
+    block : Block
+        Of one lane, or alike in all of them but for the restitution.
+    alone : Block, optional
+        The same body without the loads that it carries along, where these are to be weights of their own.
+    carried : sequence of Load
+        Those loads.
+
+    Returns
+    -------
+    Mechanism
+
+    Raises
+    ------
+    ValueError
+        For a tie without a yield force.
+    """
+    whole, body = (one.lane(0) if one.shape else one for one in (block, block if alone is None else alone))
+    found = [_mechanism(whole, body, carried)]
+    if whole.side == 0:
+        base = body.radius * math.sin(body.alpha_c) + body.radius_2 * math.sin(body.alpha_2)
+        seen = Restraints(loads=tuple(carried)).mirrored(base).loads
+        found.append(_mechanism(whole.mirrored(), body.mirrored(), seen))
+    return min(found, key=lambda one: one.multiplier)
+
+
+def _mechanism(block: Block, body: Block, carried: Sequence[Load]) -> Mechanism:
+    weight = body.gravity * body.mass if math.isfinite(body.mass) else 1.0
+    arm, height = body.radius * math.sin(body.alpha_c), body.radius * math.cos(body.alpha_c)
+    base = arm + body.radius_2 * math.sin(body.alpha_2)
+    weights = [Weight(weight, arm, height, True)]
+    weights += [Weight(one.weight, _bearing(one, base), one.height, True) for one in carried]
+    others, forces = ([], []) if block.restraints is None else _forces(block.restraints, base)
+    return Mechanism(tuple(weights + others), tuple(forces), body.gravity)
+
+
+def mechanisms(body: BlockSettings) -> dict[str, Mechanism]:
+    """The mechanism of a body of the configuration, and of it with its pedestals, by their names.
+
+    Raises
+    ------
+    ValueError
+        For a tie without a yield force.
+    ConfigError
+        Where the model refuses the body.
+    """
+    carried = tuple(one.made() for one in body.loads if one.friction is None)
+    rest = tuple(one for one in body.loads if one.friction is not None)
+    alone = replace(body, loads=rest).block() if carried else None
+    found = {body.name: mechanism_of(body.block(), alone, carried)}
+    return found | {name: mechanism_of(block) for name, block in body.with_pedestals().items()}

@@ -1,0 +1,229 @@
+"""Elastic response spectra that codes state, and tables of such.
+
+.. note:: With the plateau F_0 (2.5 in EN 1998-1), the corners T_B, T_C, T_D, the soil factor S and eta =
+   sqrt(10/(5 + xi)), at least 0.55, xi the damping in percent: S_e = a_g S [1 + T/T_B (eta F_0 - 1)] up to T_B, a_g S
+   eta F_0 up to T_C, falling with T_C/T up to T_D and with T_C T_D/T^2 from there (EN 1998-1, 3.2.2.2, (3.2)-(3.6);
+   NTC 2018, 3.2.3.2.1). NTC: S = S_S S_T, T_C = C_C T_C*, T_B = T_C/3, T_D = 4 a_g/g + 1.6 s.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Protocol
+
+import numpy as np
+import pandas as pd
+
+from rockpulse.config.check_settings import CheckSettings
+from rockpulse.errors import ConfigError
+from rockpulse.record.record import STANDARD_GRAVITY
+
+__all__ = ["CodeSpectrum", "DemandSpectrum", "TabledSpectrum", "damping_factor", "spectrum_of"]
+
+#: S, T_B, T_C, T_D [s] of the ground types of EN 1998-1: Tables 3.2 and 3.3.
+EN_1998 = {
+    "en_1998_1": {
+        "A": (1.0, 0.15, 0.4, 2.0),
+        "B": (1.2, 0.15, 0.5, 2.0),
+        "C": (1.15, 0.2, 0.6, 2.0),
+        "D": (1.35, 0.2, 0.8, 2.0),
+        "E": (1.4, 0.15, 0.5, 2.0),
+    },
+    "en_1998_2": {
+        "A": (1.0, 0.05, 0.25, 1.2),
+        "B": (1.35, 0.05, 0.25, 1.2),
+        "C": (1.5, 0.1, 0.25, 1.2),
+        "D": (1.8, 0.1, 0.3, 1.2),
+        "E": (1.6, 0.05, 0.25, 1.2),
+    },
+}
+
+#: Of the grounds of NTC 2018 (Table 3.2.IV): least and most S_S, and the two numbers of S_S = first - second F_0 a_g/g;
+#: factor and power of C_C = factor (T_C*)^power.
+NTC = {
+    "A": ((1.0, 1.0, 1.0, 0.0), (1.0, 0.0)),
+    "B": ((1.0, 1.2, 1.4, 0.4), (1.1, -0.2)),
+    "C": ((1.0, 1.5, 1.7, 0.6), (1.05, -0.33)),
+    "D": ((0.9, 1.8, 2.4, 1.5), (1.25, -0.5)),
+    "E": ((1.0, 1.6, 2.0, 1.1), (1.15, -0.4)),
+}
+
+#: S_T of the topographies of NTC 2018 (Table 3.2.V), at the top of the slope.
+TOPOGRAPHY = {"T1": 1.0, "T2": 1.2, "T3": 1.2, "T4": 1.4}
+
+#: Largest table of a spectrum that is read [bytes].
+LARGEST_FILE = 1_000_000
+
+
+def damping_factor(damping: float) -> float:
+    """eta of a damping ratio [-]: EN 1998-1 (3.6), NTC 2018 (3.2.4).
+
+    Examples
+    --------
+    >>> damping_factor(0.05), round(damping_factor(0.08), 4), damping_factor(0.9)
+    (1.0, 0.8771, 0.55)
+    """
+    return max(0.55, math.sqrt(10.0 / (5.0 + 100.0 * damping)))
+
+
+class DemandSpectrum(Protocol):
+    """An elastic spectrum: of an acceleration by period and damping ratio."""
+
+    @property
+    def ground(self) -> float:
+        """a_g S [m/s2]."""
+
+    @property
+    def words(self) -> str:
+        """What it is, in words."""
+
+    def __call__(self, period: float, damping: float = 0.05) -> float:
+        """S_e [m/s2] at a period [s]."""
+
+
+@dataclass(frozen=True)
+class CodeSpectrum:
+    """The spectrum of EN 1998-1 or NTC 2018.
+
+    Attributes
+    ----------
+    ground : float
+        a_g S [m/s2].
+    plateau : float
+        F_0 [-].
+    corners : (float, float, float)
+        T_B, T_C, T_D [s].
+    words : str
+        What it is.
+
+    Examples
+    --------
+    >>> spectrum = CodeSpectrum(2.0, 2.5, (0.15, 0.5, 2.0))
+    >>> [round(spectrum(period), 4) for period in (0.0, 0.3, 1.0, 4.0)]
+    [2.0, 5.0, 2.5, 0.3125]
+    """
+
+    ground: float
+    plateau: float
+    corners: tuple[float, float, float]
+    words: str = "spectrum"
+
+    def __call__(self, period: float, damping: float = 0.05) -> float:
+        """S_e [m/s2] at a period [s]; beyond T_D the displacement stays as it is."""
+        first, second, third = self.corners
+        most = damping_factor(damping) * self.plateau
+        if period < first:
+            return self.ground * (1.0 + period / first * (most - 1.0))
+        return self.ground * most * min(1.0, second / period) * min(1.0, third / period)
+
+
+@dataclass(frozen=True, eq=False)
+class TabledSpectrum:
+    """A spectrum of 5 % damping between tabled periods; other dampings by eta, but for the ground at period 0.
+
+    Attributes
+    ----------
+    period, acceleration : (n,) ndarray
+        T [s] from 0, ascending, and S_e [m/s2], positive.
+    words : str
+        Where it comes from, for messages.
+
+    Raises
+    ------
+    ConfigError
+        For fewer than two points, a first period that is not 0, or numbers that are not positive or not in order.
+    """
+
+    period: np.ndarray
+    acceleration: np.ndarray
+    words: str = "spectrum"
+
+    def __post_init__(self) -> None:
+        period, values = np.asarray(self.period, dtype=float), np.asarray(self.acceleration, dtype=float)
+        if period.ndim != 1 or period.shape != values.shape or period.size < 2:
+            raise ConfigError(f"{self.words}: expected as many accelerations as periods, two or more")
+        if period[0] != 0.0:
+            raise ConfigError(
+                f"{self.words}: expected a first period of 0 s, that of the ground's peak, found {period[0]:g} s"
+            )
+        if not (np.all(np.isfinite(period)) and np.all(np.diff(period) > 0.0)):
+            raise ConfigError(f"{self.words}: expected periods that ascend")
+        if not np.all(np.isfinite(values) & (values > 0.0)):
+            raise ConfigError(f"{self.words}: expected positive accelerations")
+        object.__setattr__(self, "period", period)
+        object.__setattr__(self, "acceleration", values)
+
+    @property
+    def ground(self) -> float:
+        """S_e at period 0 [m/s2]."""
+        return float(self.acceleration[0])
+
+    def __call__(self, period: float, damping: float = 0.05) -> float:
+        """S_e [m/s2] at a period [s]; ConfigError beyond the table."""
+        if period > self.period[-1]:
+            raise ConfigError(
+                f"{self.words}: the table ends at {self.period[-1]:g} s, a body asks for {period:.3g} s; continue it"
+            )
+        value = float(np.interp(period, self.period, self.acceleration))
+        return value * damping_factor(damping) if period > 0.0 else value
+
+
+def spectrum_of(settings: CheckSettings, folder: Path = Path()) -> DemandSpectrum:
+    """The spectrum that a configuration asks for, its file counted from a folder.
+
+    Raises
+    ------
+    ConfigError
+        Where there is none, or its table cannot be read.
+
+    Examples
+    --------
+    >>> found = spectrum_of(CheckSettings(ag=0.25, f0=2.4, tc_star=0.35, ground="C"))
+    >>> round(found.ground / 9.80665, 4), [round(float(one), 4) for one in found.corners]
+    (0.335, [0.1732, 0.5197, 2.6])
+    """
+    if settings.file is not None:
+        return _tabled(folder / settings.file)
+    if settings.ag is None:
+        raise ConfigError(
+            "[check]: expected the demand of the code: ag [g] with f0 and tc_star [s] (NTC), ag alone (en_1998_1, "
+            "en_1998_2), or the file of a table; found none"
+        )
+    ag, words = settings.ag * STANDARD_GRAVITY, f"a_g {settings.ag:g} g, ground {settings.ground}"
+    if settings.spectrum != "ntc":
+        soil, first, second, third = EN_1998[settings.spectrum][settings.ground]
+        return CodeSpectrum(ag * soil, 2.5, (first, second, third), f"EN 1998-1 type {settings.spectrum[-1]}, {words}")
+    assert settings.f0 is not None
+    assert settings.tc_star is not None
+    (least, most, start, slope), (factor, power) = NTC[settings.ground]
+    soil = min(most, max(least, start - slope * settings.f0 * settings.ag)) * TOPOGRAPHY[settings.topography]
+    fall = factor * settings.tc_star**power * settings.tc_star
+    return CodeSpectrum(
+        ag * soil,
+        settings.f0,
+        (fall / 3.0, fall, 4.0 * settings.ag + 1.6),
+        f"NTC 2018, {words}, {settings.topography}, F_0 {settings.f0:g}, T_C* {settings.tc_star:g} s",
+    )
+
+
+def _tabled(path: Path) -> TabledSpectrum:
+    try:
+        if not path.is_file():
+            raise ConfigError(f"{path}: expected a table of a spectrum, found no file")
+        if path.stat().st_size > LARGEST_FILE:
+            raise ConfigError(f"{path}: expected at most {LARGEST_FILE} bytes, found {path.stat().st_size}")
+        table = pd.read_csv(path, comment="#", skipinitialspace=True)
+    except (OSError, ValueError) as error:
+        raise ConfigError(f"{path}: cannot be read as a table: {str(error).splitlines()[0]}") from None
+    heads = [str(name).strip().lower() for name in table.columns]
+    units = {"sa [g]": STANDARD_GRAVITY, "sa [m/s2]": 1.0}
+    if len(heads) != 2 or heads[0] != "period [s]" or heads[1] not in units:
+        found = ", ".join(map(str, table.columns))
+        raise ConfigError(f'{path}: expected the columns "period [s]" and "sa [g]" or "sa [m/s2]", found {found}')
+    values = table.apply(pd.to_numeric, errors="coerce").to_numpy(dtype=float)
+    if np.isnan(values).any():
+        row = int(np.argmax(np.isnan(values).any(axis=1)))
+        raise ConfigError(f"{path}: row {row + 1}: expected two numbers, found {table.iloc[row].tolist()}")
+    return TabledSpectrum(values[:, 0], units[heads[1]] * values[:, 1], str(path))

@@ -1,0 +1,74 @@
+"""``rockpulse check`` on a configuration and on results."""
+
+import pandas as pd
+import pytest
+from record_writers import at2
+
+from rockpulse.cli import main
+
+CONFIG = """
+[check]
+spectrum = "en_1998_1"
+ag = 0.25
+ground = "C"
+[[block]]
+name = "wall"
+width = 0.4
+height = 4.0
+[[block]]
+name = "parapet"
+width = 0.3
+height = 1.2
+[[block.floor]]
+period = 0.5
+participation = 1.2
+"""
+
+
+@pytest.fixture
+def site(tmp_path):
+    path = tmp_path / "site.toml"
+    path.write_text(CONFIG)
+    return path
+
+
+def test_bodies_are_checked_from_the_configuration_alone(site, tmp_path, capsys):
+    table = tmp_path / "check.csv"
+    assert main(["check", "--config", str(site), "--code", "-o", str(table)]) == 0
+    shown = capsys.readouterr().out
+    assert "Checks of codes, 2 bodies: EN 1998-1 type 1, a_g 0.25 g, ground C; SLV, q 2, FC 1.35" in shown
+    assert "FAILS" in shown
+    assert (
+        "parapet, EN 1998-1, 4.3.5: level, the height of the floor over that of the building, was not given." in shown
+    )
+    found = pd.read_csv(table)
+    assert len(found) == 6
+    first = found[(found["block"] == "wall") & (found["code"] == "circolare_2009")].iloc[0]
+    assert first["activation_ratio"] == pytest.approx(0.1 / 1.35 / 0.14375)
+    assert main(["check", "--config", str(site), "-o", str(table)]) == 2
+    assert "exists" in capsys.readouterr().err
+
+
+def test_results_bring_the_probability_of_the_same_bodies(site, tmp_path, capsys):
+    title = "Event, 1/2/2003, Station, 090"
+    (tmp_path / "r.AT2").write_bytes(at2([0.0, 0.1, 0.3, -0.3, 0.2, -0.1, 0.0] * 20, title=title))
+    results = tmp_path / "results.h5"
+    assert main(["assess", str(tmp_path / "r.AT2"), "--config", str(site), "-o", str(results), "--quiet"]) == 0
+    capsys.readouterr()
+    assert main(["check", str(results), "--code", "circolare_2019"]) == 0
+    shown = capsys.readouterr().out
+    assert "f_50" in shown
+    row = next(line for line in shown.splitlines() if "Circolare 7/2019" in line)
+    assert 0.0 <= float(row.split()[-2]) <= 1.0
+
+
+def test_wrong_arguments_are_told(site, tmp_path, capsys):
+    assert main(["check"]) == 2
+    assert "expected a results file or --config" in capsys.readouterr().err
+    with pytest.raises(SystemExit) as error:
+        main(["check", "--config", str(site), "--code", "asce"])
+    assert error.value.code == 2
+    bare = tmp_path / "bare.toml"
+    bare.write_text('[[block]]\nname = "wall"\nwidth = 0.4\nheight = 4.0\n')
+    assert main(["check", "--config", str(bare)]) == 2
+    assert "[check]: expected the demand of the code" in capsys.readouterr().err

@@ -1,0 +1,86 @@
+"""Mechanisms against numbers worked by hand (the derivation is in the manual)."""
+
+import pytest
+
+import rockpulse as rp
+from rocking.block import Block
+from rocking.restraint import Thrust, Tie
+from rockpulse.studies.check.mechanism import Force, Mechanism, Weight, mechanism_of, mechanisms
+
+#: A body of 100 kN, 0.6 x 4 m, with a roof of 20 kN that it carries at its top.
+BODY, ROOF = Weight(100.0, 0.3, 2.0, True), Weight(20.0, 0.3, 4.0, True)
+
+
+def test_a_carried_roof_and_a_plastic_tie_are_the_hand_worked_case():
+    """alpha_0 = (30 + 6 + 15)/(200 + 80); e* = 280^2/(120 x 720); d_0 = alpha_0 x 720/280."""
+    held = Mechanism((BODY, ROOF), (Force(5.0, 3.0),))
+    assert held.multiplier == pytest.approx(51.0 / 280.0)
+    assert held.share == pytest.approx(78400.0 / 86400.0)
+    assert held.furthest == pytest.approx(51.0 / 280.0 * 720.0 / 280.0)
+
+
+def test_a_tie_that_breaks_counts_for_the_activation_but_not_for_the_displacement():
+    """It breaks after 0.1 m; d_0 = (36/280) (720/280), and at 0.4 d_0 it has moved 0.154 m: alpha = 0.6 x 36/280."""
+    held = Mechanism((BODY, ROOF), (Force(5.0, 3.0, 0.0, 0.1),))
+    assert held.multiplier == pytest.approx(51.0 / 280.0)
+    assert held.furthest == pytest.approx(36.0 / 280.0 * 720.0 / 280.0)
+    assert held.capacity(0.4 * held.furthest) == pytest.approx(0.6 * 36.0 / 280.0)
+    assert held.capacity(0.05) == pytest.approx((51.0 - 280.0 * 0.05 * 280.0 / 720.0) / 280.0)
+
+
+def test_a_gap_leaves_the_activation_alone_and_moves_the_end_of_the_curve():
+    slack = Mechanism((BODY,), (Force(5.0, 3.0, 0.03),))
+    assert slack.multiplier == pytest.approx(0.15)
+    assert slack.furthest == pytest.approx((30.0 + 15.0) / 200.0 * 2.0)
+    # A gap that is wider than the point moves until no couple is left: the tie never acts.
+    assert Mechanism((BODY,), (Force(5.0, 3.0, 1.0),)).furthest == pytest.approx(0.3)
+
+
+def test_a_roof_that_slides_holds_back_and_its_mass_stays_with_the_building():
+    """alpha_0 = (30 + 6 + 0.4 x 20 x 4)/200, d_0 = 2 x 68/280, e* = 1."""
+    held = Mechanism((BODY, ROOF._replace(moving=False)), (Force(8.0, 4.0),))
+    assert held.multiplier == pytest.approx(0.34)
+    assert held.share == 1.0
+    assert held.furthest == pytest.approx(2.0 * 68.0 / 280.0)
+
+
+def test_bodies_of_the_configuration_give_the_same_mechanisms():
+    weight, gravity = 100e3, 9.80665
+    common = {"width": 0.6, "height": 4.0, "mass": weight / gravity}
+    roof = rp.LoadSettings(weight=20e3, height=4.0)
+    tie = rp.TieSettings(height=3.0, stiffness=1e6, yield_force=5e3, ultimate=0.1, side="both")
+    (held,) = mechanisms(rp.BlockSettings(name="a", **common, loads=(roof,), ties=(tie,))).values()
+    assert held.multiplier == pytest.approx(51.0 / 280.0)
+    assert held.share == pytest.approx(78400.0 / 86400.0)
+    assert held.furthest == pytest.approx(36.0 / 280.0 * 720.0 / 280.0)
+    sliding = rp.LoadSettings(weight=20e3, height=4.0, friction=0.4)
+    (other,) = mechanisms(rp.BlockSettings(name="b", **common, loads=(sliding,))).values()
+    assert (other.multiplier, other.share) == (pytest.approx(0.34), 1.0)
+
+
+def test_the_sense_that_opens_first_counts():
+    common = {"width": 0.6, "height": 4.0, "mass": 1e4}
+    weight = 9.80665e4
+    # A tie against theta > 0 leaves theta < 0 as it was, unless a wall stands there.
+    tie = Tie(3.0, 1e6, yield_force=1e4)
+    assert mechanism_of(Block(**common, ties=[tie])).multiplier == pytest.approx(0.15)
+    before = mechanism_of(Block(**common, ties=[tie], one_sided=True, rebound=0.5))
+    assert before.multiplier == pytest.approx(0.15 + 3e4 / (2.0 * weight))
+    for force in (3e3, -3e3):  # whichever way an arch pushes, the body opens that way
+        pushed = mechanism_of(Block(**common, thrusts=[Thrust(force, 3.0)]))
+        assert pushed.multiplier == pytest.approx(0.15 - 9e3 / (2.0 * weight))
+
+
+def test_a_pedestal_makes_two_bodies():
+    statue = rp.BlockSettings(
+        name="statue",
+        width=0.5,
+        height=2.0,
+        mass=900.0,
+        pedestals=(rp.PedestalSettings(width=1.0, height=1.0, mass=900.0),),
+    )
+    found = mechanisms(statue)
+    assert list(found) == ["statue", "statue with pedestal"]
+    assert found["statue"].multiplier == pytest.approx(0.25)
+    # Its centre is midway between 0.5 and 2 m, the edge of the pedestal 0.5 m off.
+    assert found["statue with pedestal"].multiplier == pytest.approx(0.5 / 1.25)
