@@ -7,7 +7,7 @@ import sys
 from typing import TYPE_CHECKING
 
 from rockpulse.commands.progress import compiling_told, progress_bars
-from rockpulse.commands.record_input import add_confirm_argument, add_reading_arguments, reading_options
+from rockpulse.commands.record_input import add_strong_arguments, read_strong
 from rockpulse.commands.telling import QUIET, tell
 from rockpulse.commands.verb import Verb
 
@@ -41,20 +41,12 @@ def _add_arguments(parser: argparse.ArgumentParser) -> None:
         f"and their missed and false alarms, on earthquakes left out. {PROTOCOL}",
     )
     for action, output, kind in ((fit, "RULE", "TOML"), (judge, "VERDICTS", "HDF5")):
-        action.add_argument("paths", nargs="+", metavar="PATHS", help="files, folders, zips or globs of records")
         action.add_argument("-o", "--output", required=True, metavar=output, help=f"file to write ({kind})")
         if action is judge:
             action.add_argument(
                 "--rule", metavar="RULE", help="rule to judge, of rockpulse rule fit; default: the shipped one"
             )
-        add_reading_arguments(action)
-        add_confirm_argument(action)
-        action.add_argument(
-            "--events",
-            metavar="TABLE",
-            help="CSV table with the columns record, event: the earthquake of channels whose files name none, such as "
-            '"Kobe 1995-01-16"',
-        )
+        add_strong_arguments(action)
         action.add_argument("--seed", type=int, default=0, metavar="N", help="seed of the bootstrap; default: 0")
         action.add_argument("--overwrite", action="store_true", help="replace a file that exists")
         action.add_argument("--quiet", action="store_true", help=QUIET)
@@ -119,20 +111,13 @@ def _judge(args: argparse.Namespace) -> int:
 
 
 def _cases(args: argparse.Namespace) -> tuple[pd.DataFrame, list[Failure]]:
-    from pathlib import Path
+    from rockpulse.studies.rule.cases import rule_cases
 
-    from rockpulse.motions.tables import read_event_table
-    from rockpulse.readers.folders import read_all
-    from rockpulse.studies.rule.cases import rule_cases, strong_motions
-
-    options = reading_options(args)
+    motions, failures = read_strong(args)
     bars = progress_bars(args.quiet)
-    records, failures = read_all(args.paths, options.units, dt=options.dt)
-    titles = read_event_table(Path(args.events)) if args.events else None
-    motions, left_out = strong_motions(records, args.confirm, failures, titles)
     with compiling_told(args.quiet):
         cases, refused = rule_cases(motions, progress=lambda every: bars(every, desc="judging", unit=" channels"))
-    return cases, [*failures, *left_out, *refused]
+    return cases, [*failures, *refused]
 
 
 def _nothing_strong(args: argparse.Namespace, failures: list[Failure]) -> int:

@@ -15,6 +15,8 @@ if TYPE_CHECKING:
 
 __all__ = [
     "AXES",
+    "CODE_CASES",
+    "CODE_RATES",
     "FIGURE4",
     "FIGURE5",
     "INTERVALS",
@@ -155,12 +157,50 @@ INTERVALS: Declared = {
 STATEMENTS = along(
     ("statement",),
     {
-        "words": text("what section 4 says"),
+        "words": text("what section 4 of the paper, or a code, says"),
         "verdict": flag(VERDICTS, "whether it holds"),
         "cases": whole("cases looked at"),
         "held": whole("cases in which it holds"),
         "where": text("where it holds"),
         "numbers": text("figures that show it"),
+    },
+)
+
+
+_SHARE = "share of 90 % over earthquakes"
+
+#: A row for each channel and body of the checks of codes.
+CODE_CASES = along(
+    ("row",),
+    {
+        "record": text("channel"),
+        "event": text("its earthquake"),
+        "slenderness": real("1", "height over width"),
+        "radius": real("m", "R, half the diagonal"),
+        "factor_50": real("1", "factor on the record at which the probability of overturning is 50 %"),
+        "linear": real("1", "largest factor that the linear check of Circolare 617/2009 allows"),
+        "nonlinear": real("1", "largest factor that its nonlinear check allows"),
+        "both": real("1", "the smaller of the two"),
+        "displacement": real("1", "largest factor that the displacement check of Circolare 7/2019 allows"),
+    },
+)
+
+#: A row for each factor and check.
+CODE_RATES = along(
+    ("rate",),
+    {
+        "factor": real("1", "factor on the records; NaN for all of them"),
+        "check": text("variable of /code_check"),
+        "overturned": whole("cases with a probability of overturning of 50 % or more"),
+        "standing": whole("all other cases"),
+        "missed": whole("cases that overturn and pass"),
+        "false": whole("cases that stand and fail"),
+        "missed_share": real("1", "missed over overturned"),
+        "missed_low": real("1", f"lower limit of that {_SHARE}"),
+        "missed_high": real("1", f"upper limit of that {_SHARE}"),
+        "false_share": real("1", "false over standing"),
+        "false_low": real("1", f"lower limit of that {_SHARE}"),
+        "false_high": real("1", f"upper limit of that {_SHARE}"),
     },
 )
 
@@ -176,6 +216,8 @@ STUDY_GROUPS: dict[str, Declared] = {
     "/figure4": _with(FIGURE4),
     "/figure5": {**_with(FIGURE5), "interval": AXES["interval"]},
     "/intervals": _with(INTERVALS),
+    "/code_check": CODE_CASES,
+    "/rates": CODE_RATES,
     "/statements": _with(STATEMENTS),
 }
 

@@ -7,6 +7,7 @@ import h5py
 import numpy as np
 import pytest
 import xarray as xr
+from record_writers import at2
 from results_tree import results_bytes
 
 from rockpulse.cli import main
@@ -163,3 +164,37 @@ def test_wrong_usage_ends_with_two(arguments):
     with pytest.raises(SystemExit) as end:
         run(*arguments)
     assert end.value.code == 2
+
+
+def test_the_checks_of_codes_are_judged_on_records(tmp_path, capsys):
+    times = 0.02 * np.arange(300)
+    for number in range(2):
+        rng = np.random.default_rng(number)
+        waves = sum(rng.normal() * np.sin(2.0 * np.pi * f * times + rng.uniform(0.0, 6.0)) for f in (0.6, 1.1, 2.3))
+        shaking = 0.4 * waves / np.max(np.abs(waves)) * np.exp(-(((times - 3.0) / 1.5) ** 2))
+        title = f"Event {number}, 1/2/2003, Station {number}, 090"
+        (tmp_path / f"r{number}.AT2").write_bytes(at2(shaking.tolist(), title=title))
+    target = tmp_path / "codes.h5"
+    assert run("code-check", tmp_path, "-o", target, "--csv", tmp_path / "tables") == 0
+    shown = capsys.readouterr().out
+    assert "Checks of codes against time histories: 2 channels of 2 earthquakes, 12 bodies" in shown
+    assert {path.name for path in (tmp_path / "tables").iterdir()} == {
+        "code_check.csv",
+        "rates.csv",
+        "statements.csv",
+    }
+    tree = load(target)
+    assert tree["code_check"].sizes["row"] == 24
+    assert main(["inspect", str(target)]) == 0
+    assert "displacement" in capsys.readouterr().out
+    assert main(["plot", str(target), "code-check", "-o", str(tmp_path / "codes.png")]) == 0
+    assert (tmp_path / "codes.png").stat().st_size > 10_000
+    assert run("code-check", tmp_path, "-o", tmp_path / "other.h5", "--confidence-factor", "0.5") == 2
+    assert "confidence_factor: expected a number >= 1" in capsys.readouterr().err
+
+
+def test_no_strong_channel_is_told_and_nothing_is_written(tmp_path, capsys):
+    (tmp_path / "weak.AT2").write_bytes(at2([0.0, 0.01, -0.01, 0.0] * 100))
+    assert run("code-check", tmp_path / "weak.AT2", "-o", tmp_path / "codes.h5") == 1
+    assert "no strong channel among the records" in capsys.readouterr().err
+    assert not (tmp_path / "codes.h5").exists()

@@ -6,7 +6,7 @@
    a_s*) at d_s* = 0.4 d_u*. Circolare 7/2019: linear, the same with a_Z(z) aloft (C8.7.1.8, C7.2.8); displacement,
    d_SLV = 0.4 d_0 or d_SLC = 0.6 d_0 against S_De(T), T = 1.68 pi or 1.56 pi sqrt(d/a(d)) (C8.7.1.10, .11), with a
    damping of 8 or 10 %, aloft the floor spectrum C7.2.5-C7.2.7 as in C8.7.1.12. EN 1998-1, 4.3.5.2: F_a = S_a W_a
-   gamma_a/q_a (4.24), S_a = alpha S [3 (1 + z/H)/(1 + (1 - T_a/T_1)^2) - 0.5], at least alpha S (4.25), with T_a = 0 for
+   gamma_a/q_a (4.24), S_a = alpha S [3 (1 + z/H)/(1 + (1 - T_a/T_1)^2) - 0.5], at least alpha S (4.25), T_a = 0 for
    a rigid block.
 """
 
@@ -25,7 +25,7 @@ from rockpulse.config.restraint_settings import FloorSettings
 from rockpulse.errors import ConfigError
 from rockpulse.storage.check_variables import CHECK
 from rockpulse.studies.check.mechanism import Mechanism, mechanisms
-from rockpulse.studies.check.spectra import DemandSpectrum, damping_factor, spectrum_of
+from rockpulse.studies.check.spectra import DemandSpectrum, damping_factor, displacement_of, spectrum_of
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -78,7 +78,7 @@ def circolare_2009(
     slowest = SECANT * allowed
     pull = body.capacity(slowest) * body.gravity / (body.share * settings.confidence_factor)
     period = 2.0 * math.pi * math.sqrt(slowest / pull)
-    demand = spectrum(period) * (period / (2.0 * math.pi)) ** 2
+    demand = displacement_of(period, spectrum(period))
     return Checked(activation, asked / settings.q, allowed, period, demand, allowed / demand)
 
 
@@ -151,16 +151,12 @@ def floor_spectrum(spectrum: DemandSpectrum, floors: Sequence[FloorSettings], pe
 
 
 def _displacement(spectrum: DemandSpectrum, floors: Sequence[FloorSettings], period: float, damping: float) -> float:
-    """S_De at a period [m]; aloft as Circolare 7/2019, (C8.7.1.12) has it."""
-
-    def moved(at: float, acceleration: float) -> float:
-        return acceleration * (at / (2.0 * math.pi)) ** 2
-
+    """Largest S_De up to a period [m] (C8.7.1.2.1.8); aloft as Circolare 7/2019, (C8.7.1.12) has it."""
     if not floors:
-        return moved(period, spectrum(period, damping))
+        return spectrum.displacement(period, damping)
     own = max(one.period for one in floors)
-    found = moved(period, floor_spectrum(spectrum, floors, period, damping))
-    least = moved(PLATEAU[1] * own, floor_spectrum(spectrum, floors, own, damping))
+    found = displacement_of(period, floor_spectrum(spectrum, floors, period, damping))
+    least = displacement_of(PLATEAU[1] * own, floor_spectrum(spectrum, floors, own, damping))
     return max(found, least) if period > PLATEAU[1] * own else found
 
 

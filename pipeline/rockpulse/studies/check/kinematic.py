@@ -13,6 +13,7 @@ from rocking.block import Block
 from rockpulse.config.check_settings import CheckSettings
 from rockpulse.studies.check.codes import circolare_2009
 from rockpulse.studies.check.mechanism import mechanism_of
+from rockpulse.studies.check.spectra import displacement_of
 
 __all__ = ["KinematicCheck", "kinematic_check"]
 
@@ -107,3 +108,7 @@ class _Given:
 
     def __call__(self, period: float, damping: float = 0.05) -> float:
         return float(np.asarray(self.elastic(np.array([period])), dtype=float)[0])
+
+    def displacement(self, period: float, damping: float = 0.05) -> float:
+        """S_De [m] at a period [s]."""
+        return displacement_of(period, self(period, damping))

@@ -20,7 +20,7 @@ from rockpulse.config.check_settings import CheckSettings
 from rockpulse.errors import ConfigError
 from rockpulse.record.record import STANDARD_GRAVITY
 
-__all__ = ["CodeSpectrum", "DemandSpectrum", "TabledSpectrum", "damping_factor", "spectrum_of"]
+__all__ = ["CodeSpectrum", "DemandSpectrum", "TabledSpectrum", "damping_factor", "displacement_of", "spectrum_of"]
 
 #: S, T_B, T_C, T_D [s] of the ground types of EN 1998-1: Tables 3.2 and 3.3.
 EN_1998 = {
@@ -53,6 +53,9 @@ NTC = {
 #: S_T of the topographies of NTC 2018 (Table 3.2.V), at the top of the slope.
 TOPOGRAPHY = {"T1": 1.0, "T2": 1.2, "T3": 1.2, "T4": 1.4}
 
+#: Periods at which the displacements of a table are looked at.
+PERIODS = 401
+
 #: Largest table of a spectrum that is read [bytes].
 LARGEST_FILE = 1_000_000
 
@@ -68,6 +71,11 @@ def damping_factor(damping: float) -> float:
     return max(0.55, math.sqrt(10.0 / (5.0 + 100.0 * damping)))
 
 
+def displacement_of(period: float, acceleration: float) -> float:
+    """S_De [m] of a period [s] and S_e [m/s2]."""
+    return acceleration * (period / (2.0 * math.pi)) ** 2
+
+
 class DemandSpectrum(Protocol):
     """An elastic spectrum: of an acceleration by period and damping ratio."""
 
@@ -81,6 +89,9 @@ class DemandSpectrum(Protocol):
 
     def __call__(self, period: float, damping: float = 0.05) -> float:
         """S_e [m/s2] at a period [s]."""
+
+    def displacement(self, period: float, damping: float = 0.05) -> float:
+        """The largest S_De [m] up to a period [s]."""
 
 
 @dataclass(frozen=True)
@@ -117,6 +128,10 @@ class CodeSpectrum:
         if period < first:
             return self.ground * (1.0 + period / first * (most - 1.0))
         return self.ground * most * min(1.0, second / period) * min(1.0, third / period)
+
+    def displacement(self, period: float, damping: float = 0.05) -> float:
+        """The largest S_De [m] up to a period [s]: that at the period, for it does not fall."""
+        return displacement_of(period, self(period, damping))
 
 
 @dataclass(frozen=True, eq=False)
@@ -168,6 +183,10 @@ class TabledSpectrum:
             )
         value = float(np.interp(period, self.period, self.acceleration))
         return value * damping_factor(damping) if period > 0.0 else value
+
+    def displacement(self, period: float, damping: float = 0.05) -> float:
+        """The largest S_De [m] up to a period [s]."""
+        return max(displacement_of(one, self(one, damping)) for one in np.linspace(0.0, period, PERIODS).tolist())
 
 
 def spectrum_of(settings: CheckSettings, folder: Path = Path()) -> DemandSpectrum:

@@ -12,9 +12,10 @@ def study_tables(tree: xr.DataTree) -> dict[str, pd.DataFrame]:
     """Tables of a study by name, coordinates first.
 
     Figure 4: "figure4". Figure 5: "histories" (one row an instant), "half_cycles" (one row each), "intervals" (one row
-    a case of the scan). Both: "statements".
+    a case of the scan). Checks of codes: "code_check" (one row a channel and body), "rates". All: "statements".
     """
     tables = {"statements": _flat(tree["statements"].to_dataset())}
+    tables |= {name: _flat(tree[name].to_dataset()) for name in ("code_check", "rates") if name in tree}
     if "figure4" in tree:
         tables["figure4"] = _flat(tree["figure4"].to_dataset())
     if "figure5" in tree:

@@ -14,6 +14,7 @@ from rockpulse.config.uncertainty_settings import UncertaintySettings
 from rockpulse.errors import ConfigError, ResultsError
 from rockpulse.studies.accuracy.measurement import table_of
 from rockpulse.views.plots.bodies import bodies
+from rockpulse.views.plots.code_checks import code_checks
 from rockpulse.views.plots.critical_factors import critical_scale, overturning_map
 from rockpulse.views.plots.demand_marks import factors_to_demands
 from rockpulse.views.plots.fragility_curves import fragility
@@ -198,6 +199,10 @@ def _work_precision(tree: xr.DataTree) -> Figure:
     return _figure(work_precision(table_of(tree, "work_precision"))[0])
 
 
+def _code_check(tree: xr.DataTree) -> Figure:
+    return _figure(code_checks(tree)[0])
+
+
 #: By the names of :data:`rockpulse.views.plots.kinds.KINDS`.
 DRAWERS: dict[str, Callable[..., Figure]] = {
     "accelerogram": _accelerogram,
@@ -212,5 +217,6 @@ DRAWERS: dict[str, Callable[..., Figure]] = {
     "calibration": _calibration,
     "figure4": _figure4,
     "figure5": _figure5,
+    "code-check": _code_check,
     "work-precision": _work_precision,
 }

@@ -109,6 +109,13 @@ KINDS = {
     "figure5": PictureKind(
         "Figure 5 of the paper: time histories of two blocks", STUDY, "rockpulse study figure5", ("spacing",), "figure5"
     ),
+    "code-check": PictureKind(
+        "checks of codes: what bodies bear over what a check allows",
+        STUDY,
+        "rockpulse study code-check",
+        (),
+        "code_check",
+    ),
     "work-precision": PictureKind("error against cost of the solvers", REPORT, "rockpulse accuracy", ()),
 }
 

@@ -1,4 +1,4 @@
-"""A study as text: the curves or the half-cycles as a table, and the verdict on each statement of the paper."""
+"""A study as text: the curves, half-cycles or rates as a table, and the verdict on each statement."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import numpy as np
 from rocking.response import Outcome
 from rockpulse.storage.study_variables import VERDICTS
 from rockpulse.views.shared.table import Cell, Heading, Mark, Table, number, text
-from rockpulse.views.shared.terminal import figure, paragraph, ratio
+from rockpulse.views.shared.terminal import ABSENT, figure, paragraph, ratio
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -30,7 +30,7 @@ NO_MOTION = Mark("!", "!: no motion of a block (through the ground, or a peak be
 
 
 def study_overview(tree: xr.DataTree) -> str:
-    """The tree of :func:`rockpulse.study.figure4` or :func:`rockpulse.study.figure5` as text for the terminal."""
+    """A study, as :mod:`rockpulse.study` or the checks of codes give it, as text for the terminal."""
     parts = [tree.attrs["title"]]
     if "figure4" in tree:
         parts += _curves(tree["figure4"].to_dataset())
@@ -38,6 +38,8 @@ def study_overview(tree: xr.DataTree) -> str:
         parts += _histories(tree["figure5"].to_dataset())
     if "intervals" in tree:
         parts.append(paragraph(tree["intervals"].attrs["comment"]))
+    if "rates" in tree:
+        parts.append(_rates(tree["rates"].to_dataset()))
     return "\n\n".join([*parts, _statements(tree["statements"].to_dataset())])
 
 
@@ -113,14 +115,37 @@ def _ending(case: xr.Dataset) -> Cell:
     return Cell(f"{case['half_cycle_count'].item()}: {ratio(peak)}", peak, mark)
 
 
+def _rates(rates: xr.Dataset) -> str:
+    """A line for each factor and check."""
+    rows = []
+    for k in range(rates.sizes["rate"]):
+        one = {str(name): rates[name].values[k].item() for name in rates.variables}
+        shares = (_share(*(one[f"{share}_{end}"] for end in ("share", "low", "high"))) for share in ("missed", "false"))
+        factor = "all" if np.isnan(one["factor"]) else f"{one['factor']:g}"
+        overturned = f"{one['overturned']} of {one['overturned'] + one['standing']}"
+        rows.append((Cell(one["check"]), Cell(factor), Cell(overturned), *(Cell(words) for words in shares)))
+    notes = (
+        "missed: of the cases that overturn (P of 0.5 or more) those that pass; false: of those that stand those that "
+        "fail; in brackets intervals of 90 % over earthquakes.",
+    )
+    headings = tuple(map(Heading, ("check", "factor", "overturn", "missed", "false")))
+    return text(Table("", "Checks at factors on the records", headings, tuple(rows), notes))
+
+
+def _share(value: float, low: float, high: float) -> str:
+    if np.isnan(value):
+        return ABSENT
+    return f"{value:.1%}" + ("" if np.isnan(low) else f" ({low:.1%} to {high:.1%})")
+
+
 def _statements(statements: xr.Dataset) -> str:
-    lines = ["Statements of section 4:"]
+    lines = ["Statements:"]
     for k in range(statements.sizes["statement"]):
         row = {str(name): statements[name].values[k].item() for name in statements.variables}
         verdict = VERDICTS[row["verdict"]].replace("_", " ")
         lines.append(f"  {verdict.upper() if verdict == 'fails' else verdict}: {row['statement']}")
         lines.append(paragraph(f'"{row["words"]}"', "      "))
-        details = [f"holds where: {row['where']}"] if verdict == "holds in part" else []
+        details = [f"holds where: {row['where']}"] if verdict == "holds in part" and row["where"] else []
         lines += [paragraph(words, "      ") for words in (*details, row["numbers"]) if words]
     return "\n".join(lines)
 

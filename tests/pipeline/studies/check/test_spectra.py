@@ -1,5 +1,8 @@
 """Spectra of codes against numbers worked by hand, and tables of them."""
 
+import itertools
+import math
+
 import pytest
 
 from rockpulse.config.check_settings import CheckSettings
@@ -48,6 +51,17 @@ def test_damping_lowers_all_but_the_ground():
     assert spectrum(0.0, 0.08) == spectrum.ground
     assert spectrum(1.0, 0.08) == pytest.approx(spectrum(1.0) * (10.0 / 13.0) ** 0.5)
     assert spectrum(0.1, 0.08) == pytest.approx(spectrum.ground * (1.0 + 0.5 * (2.5 * (10.0 / 13.0) ** 0.5 - 1.0)))
+
+
+def test_displacements_do_not_fall_with_the_period():
+    """A table whose S_De is 0.101 m at 1 s and 0.0101 m at 2 s: the larger one counts up to there."""
+    spectrum = TabledSpectrum([0.0, 1.0, 1.02, 2.0], [1.0, 4.0, 0.1, 0.1])
+    assert spectrum.displacement(1.0) == pytest.approx(4.0 / (2.0 * math.pi) ** 2)
+    assert spectrum.displacement(2.0) == pytest.approx(4.0 / (2.0 * math.pi) ** 2, rel=2e-2)
+    code = spectrum_of(CheckSettings(spectrum="en_1998_1", ag=0.25, ground="C"))
+    grid = [code.displacement(0.05 * step, 0.08) for step in range(1, 120)]
+    assert min(later - earlier for earlier, later in itertools.pairwise(grid)) > -1e-12
+    assert grid[-1] == pytest.approx(code(5.95, 0.08) * (5.95 / (2.0 * math.pi)) ** 2)
 
 
 def test_a_table_is_read_in_its_unit_and_ends_where_it_ends(tmp_path):
