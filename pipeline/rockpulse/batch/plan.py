@@ -15,6 +15,7 @@ from rockpulse.config.configuration import Config
 from rockpulse.config.fragility_settings import FragilitySettings
 from rockpulse.config.settings import SECTIONS, CalibrationSettings
 from rockpulse.motions.directions import PlannedMotion
+from rockpulse.motions.tables import selection_of
 from rockpulse.readers import ReadOptions
 from rockpulse.record.record import BETWEEN, Record, id_matches
 from rockpulse.storage.save_load import SCHEMA_VERSION
@@ -24,9 +25,9 @@ __all__ = ["Task", "configuration_fingerprint", "program_digest", "read_options"
 
 #: Sections of the configuration on which no record's numbers depend, by verb.
 IDLE = {
-    "assess": {"site", "calibration", "fragility"},
-    "calibrate": {"site", "models", "search", "uncertainty", "fragility"},
-    "fragility": {"site", "models", "uncertainty", "calibration"},
+    "assess": {"site", "calibration", "fragility", "hazard", "check"},
+    "calibrate": {"site", "models", "search", "uncertainty", "fragility", "hazard", "check"},
+    "fragility": {"site", "models", "uncertainty", "calibration", "hazard", "check"},
 }
 
 #: Keys of [calibration] that are used when all records are done, those that only matching a response asks for, and keys
@@ -107,7 +108,8 @@ def configuration_fingerprint(config: Config, verb: str) -> str:
     sections = [repr(getattr(config, name)) for name in SECTIONS if name not in IDLE[verb]]
     blocks = [replace(block, confirm_size=True) for block in config.blocks]
     bodies = [repr(entry) for entry in (*blocks, *config.demands)]
-    return _digest([verb, __version__, program_digest(), SCHEMA_VERSION, *sections, *bodies])
+    chosen = repr(selection_of(config)) if verb == "fragility" else ""
+    return _digest([verb, __version__, program_digest(), SCHEMA_VERSION, *sections, *bodies, chosen])
 
 
 def _as_default(settings: SettingsOf, keys: Iterable[str]) -> SettingsOf:

@@ -60,8 +60,8 @@ class Config:
     ------
     ConfigError
         For two blocks or two demands of one name, restitution lists of different lengths, histories that would not be
-        stored, a body with a direction of its own without pairs of channels, or an uncertain azimuth without a sweep
-        over direction.
+        stored, a selection of records whose ids are not known before, a body with a direction of its own without pairs
+        of channels, or an uncertain azimuth without a sweep over direction.
 
     Examples
     --------
@@ -103,6 +103,11 @@ class Config:
             raise ConfigError(
                 '[models] histories: true, but [records] store = "none" leaves them out of the results; '
                 'set store = "half_waves" or "all", or histories = false'
+            )
+        if self.fragility.selection is not None and self.records.components == "strongest":
+            raise ConfigError(
+                '[fragility] selection: it names records, and [records] components = "strongest" tells their ids only '
+                'when all is done; take "horizontal", "azimuth" or "sweep"'
             )
         require_pairs(self.blocks, self.records)
         if self.uncertainty.azimuth and self.records.components != "sweep":

@@ -6,7 +6,8 @@ from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any
 
-from rockpulse.option import KeyType, Section, choice, choices, is_number, key, number
+from rockpulse.errors import ConfigError
+from rockpulse.option import KeyType, Section, choice, choices, is_number, key, number, text
 
 __all__ = ["DATA", "EQUATIONS", "MEASURES", "MODELS", "OVERTURNING", "UPLIFT", "FragilitySettings"]
 
@@ -79,7 +80,16 @@ _LEVELS = KeyType("a list of positive numbers that ascend", _is_levels, _by_valu
 
 @dataclass(frozen=True)
 class FragilitySettings(Section):
-    """Limit states, measures and fits of :func:`rockpulse.fragility_curves`."""
+    """Limit states, measures and fits of :func:`rockpulse.fragility_curves`.
+
+    `selection` is a table of records that were chosen elsewhere, with their factors or levels and weights, in place of
+    `stripe_levels`, `factors` and `pga_min`.
+
+    Raises
+    ------
+    ConfigError
+        For a selection without stripes.
+    """
 
     heading = "[fragility]"
     limit_states: tuple[str | float, ...] = key((UPLIFT, 0.1, 0.4, 0.6, 1.0, OVERTURNING), _LIMIT_STATES)
@@ -89,7 +99,15 @@ class FragilitySettings(Section):
     stripe_measure: str = choice("velocity_ratio", MEASURES)
     stripe_levels: tuple[float, ...] = key((0.15, 0.25, 0.4, 0.6, 0.9, 1.4), _LEVELS)
     factors: tuple[float, float] = key((0.25, 4.0), _FACTORS)
+    selection: str | None = text(None)
     model: str = choice("lognormal", MODELS)
     overturning_model: str = choice("logistic", MODELS)
     confidence: float = number(0.9, low=0.5, high=0.999)
     equation: str = choice("nonlinear", EQUATIONS)
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.selection is not None and self.data != "stripes":
+            raise ConfigError(
+                f'[fragility] selection: records chosen elsewhere are stripes, found data = "{self.data}"; drop one'
+            )

@@ -1,17 +1,26 @@
-"""The user's own tables of a site: which records are of one event, and what each record weighs."""
+"""The user's own tables of a site: which records are of one event, which were chosen, and what each weighs."""
 
 from __future__ import annotations
 
 import csv
 import math
 from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
+from rockpulse.config.configuration import Config, located
 from rockpulse.errors import ConfigError
 
-__all__ = ["read_event_table", "read_weight_table", "record_weights"]
+__all__ = [
+    "Selection",
+    "read_event_table",
+    "read_selection_table",
+    "read_weight_table",
+    "record_weights",
+    "selection_of",
+]
 
 
 def read_event_table(path: Path) -> dict[str, str]:
@@ -76,29 +85,86 @@ def record_weights(ids: Sequence[str], events: Sequence[str], rule: str, table: 
     return np.asarray(weights / weights.mean()) if weights.size else weights
 
 
-def _read(path: Path, column: str, where: str) -> dict[str, str]:
-    try:
-        with path.open(encoding="utf-8-sig", newline="") as file:
-            reader = csv.reader(file, skipinitialspace=True, strict=True)
-            rows = [(reader.line_num, [cell.strip() for cell in row]) for row in reader if any(map(str.strip, row))]
-    except (csv.Error, UnicodeError) as error:
-        raise ConfigError(f"{where}: {path}: expected a CSV table with the columns record, {column}: {error}") from None
-    if not rows:
-        raise ConfigError(f"{where}: {path}: expected a CSV table with the columns record, {column}; it is empty")
-    header = rows[0][1]
-    if missing := [name for name in ("record", column) if name not in header]:
+@dataclass(frozen=True)
+class Selection:
+    """Records chosen elsewhere, each at one or several levels.
+
+    Attributes
+    ----------
+    by_factor : bool
+        Whether amounts are factors on the record, or levels of a measure.
+    rows : dict
+        By the id of the record its rows, each an amount and a weight.
+    """
+
+    by_factor: bool
+    rows: dict[str, tuple[tuple[float, float], ...]]
+
+    @property
+    def most(self) -> int:
+        """Rows of the record that has most of them."""
+        return max(map(len, self.rows.values()))
+
+
+def read_selection_table(path: Path) -> Selection:
+    """Records chosen elsewhere, from a CSV table with the columns record, factor or level, and perhaps weight.
+
+    A record may stand in several rows. Further columns are passed over; without a column weight all rows weigh alike.
+
+    Raises ConfigError for a table without these columns, or with both factor and level, for an empty cell, a number
+    that is not above 0, and rows that are alike; OSError where the file cannot be opened.
+    """
+    where = "[fragility] selection"
+    header, lines = _rows(path, ("record",), where)
+    kinds = [name for name in ("factor", "level") if name in header]
+    if len(kinds) != 1:
         raise ConfigError(
-            f"{where}: {path}: expected the columns record, {column}; "
-            f"no column {' and '.join(missing)} among {', '.join(header)}"
+            f"{where}: {path}: expected one of the columns factor and level, found {' and '.join(kinds) or 'neither'} "
+            f"among {', '.join(header)}"
         )
+    found: dict[str, list[tuple[float, float]]] = {}
+    for line, cells in lines:
+        values = []
+        for name in (kinds[0], *(("weight",) if "weight" in header else ())):
+            text = cells.get(name, "")
+            try:
+                value = float(text)
+            except ValueError:
+                value = math.nan
+            if not (math.isfinite(value) and value > 0.0):
+                raise ConfigError(f"{where}: {path}: row {line}: {name}: expected a number above 0, found {text!r}")
+            values.append(value)
+        record = cells.get("record", "")
+        if not record:
+            raise ConfigError(f"{where}: {path}: row {line}: expected the id of a record, found an empty cell")
+        own = found.setdefault(record, [])
+        if any(amount == values[0] for amount, _ in own):
+            raise ConfigError(f"{where}: {path}: row {line}: {record} has a row of {kinds[0]} {values[0]:g} already")
+        own.append((values[0], values[1] if len(values) > 1 else 1.0))
+    if not found:
+        raise ConfigError(f"{where}: {path}: expected a row for each record that was chosen, found none")
+    return Selection(kinds[0] == "factor", {record: tuple(sorted(own)) for record, own in found.items()})
+
+
+def selection_of(config: Config) -> Selection | None:
+    """The records of ``[fragility] selection``; None without.
+
+    Raises ConfigError for a file that is not there, or no such table; OSError where it cannot be opened.
+    """
+    if config.fragility.selection is None:
+        return None
+    path = located(config.fragility.selection, config.folder)
+    if not path.exists():
+        raise ConfigError(
+            f"[fragility] selection: {path}: no such file; expected a CSV table with the columns record, factor or "
+            "level, and perhaps weight"
+        )
+    return read_selection_table(path)
+
+
+def _read(path: Path, column: str, where: str) -> dict[str, str]:
     found: dict[str, str] = {}
-    for line, row in rows[1:]:
-        if len(row) > len(header):
-            raise ConfigError(
-                f"{where}: {path}: row {line}: expected the {len(header)} cells of the header, found {len(row)}; "
-                "a comma within a cell needs quotes"
-            )
-        cells = dict(zip(header, row, strict=False))
+    for line, cells in _rows(path, ("record", column), where)[1]:
         name, value = cells.get("record", ""), cells.get(column, "")
         if not name or not value:
             raise ConfigError(f"{where}: {path}: row {line}: expected a record and its {column}, found an empty cell")
@@ -106,3 +172,31 @@ def _read(path: Path, column: str, where: str) -> dict[str, str]:
             raise ConfigError(f"{where}: {path}: row {line}: more than one row for {name}")
         found[name] = value
     return found
+
+
+def _rows(path: Path, columns: Sequence[str], where: str) -> tuple[list[str], list[tuple[int, dict[str, str]]]]:
+    """The header of a CSV table that has some columns, and its rows by their lines."""
+    named = ", ".join(columns)
+    try:
+        with path.open(encoding="utf-8-sig", newline="") as file:
+            reader = csv.reader(file, skipinitialspace=True, strict=True)
+            rows = [(reader.line_num, [cell.strip() for cell in row]) for row in reader if any(map(str.strip, row))]
+    except (csv.Error, UnicodeError) as error:
+        raise ConfigError(f"{where}: {path}: expected a CSV table with the columns {named}: {error}") from None
+    if not rows:
+        raise ConfigError(f"{where}: {path}: expected a CSV table with the columns {named}; it is empty")
+    header = rows[0][1]
+    if missing := [name for name in columns if name not in header]:
+        raise ConfigError(
+            f"{where}: {path}: expected the columns {named}; "
+            f"no column {' and '.join(missing)} among {', '.join(header)}"
+        )
+    found = []
+    for line, row in rows[1:]:
+        if len(row) > len(header):
+            raise ConfigError(
+                f"{where}: {path}: row {line}: expected the {len(header)} cells of the header, found {len(row)}; "
+                "a comma within a cell needs quotes"
+            )
+        found.append((line, dict(zip(header, row, strict=False))))
+    return header, found

@@ -168,7 +168,14 @@ IDA: Declared = {
 }
 
 STRIPES: Declared = {
-    "factor": real("1", "factor on the record", dims=("record", "block", "stripe")),
+    "factor": real("1", "factor on the record; NaN for none", dims=("record", "block", "stripe")),
+    "weight": real(
+        "1",
+        "weight of the record at that factor in the fits",
+        dims=("record", "stripe"),
+        explanation="1 without a selection of records",
+        since=5,
+    ),
     "reached": flag(
         ("not_known", "not_reached", "reached"),
         "whether the limit state was reached; -1 where the model cannot say",

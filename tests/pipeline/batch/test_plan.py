@@ -12,11 +12,13 @@ from record_writers import at2, pulse
 from rockpulse import (
     BlockSettings,
     CalibrationSettings,
+    CheckSettings,
     ConditioningSettings,
     DemandSettings,
     FileSettings,
     FragilitySettings,
     HalfWaveSettings,
+    HazardSettings,
     IntensePhaseSettings,
     ModelSettings,
     RecordSettings,
@@ -279,3 +281,17 @@ def test_what_is_confirmed_changes_the_fingerprints_of_the_tasks_that_it_names(s
     named = fingerprints(samples, config(include_vertical=True, confirm=("CI.CLC*Up*", "*CCC*90@*")))
     changed = {name.partition("@")[0] for name in plain if plain[name] != named[name]}
     assert changed == {"CI.CLC..360", "CI.CLC..90", "CI.CCC..90"}
+
+
+def test_another_selection_of_records_is_another_task(tmp_path):
+    chosen = replace(config(), fragility=FragilitySettings(selection="chosen.csv"), folder=tmp_path)
+    seen = set()
+    for text in ("record,factor\na,1\n", "record,factor\na,2\n", "record,factor,weight\na,2,3\n"):
+        (tmp_path / "chosen.csv").write_text(text)
+        seen.add(configuration_fingerprint(chosen, "fragility"))
+    assert len(seen) == 3
+    # Whatever is asked of the results afterwards changes no record.
+    for change in ({"hazard": HazardSettings(k0=1e-4, k=2.0)}, {"check": CheckSettings(spectrum="en_1998_1", ag=0.2)}):
+        for verb in ("assess", "calibrate", "fragility"):
+            plain, changed = (configuration_fingerprint(one, verb) for one in (config(), replace(config(), **change)))
+            assert plain == changed

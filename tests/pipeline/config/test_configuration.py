@@ -248,6 +248,10 @@ def _configs(draw):
         if name == "calibration":
             values.update(target=None if values["scale_to"] == "none" else draw(_numbers))
             values.update(weights=draw(st.sampled_from(["equal", "event", "weights.csv"])))
+        if name == "check" and values["spectrum"] != "ntc":
+            values.update(topography="T1")
+        if name == "check" and values["spectrum"] == "table":
+            values.update(file="spectrum.csv")
         sections[name] = section(**values)
     names = draw(st.lists(_names, unique=True, max_size=3))
     blocks = [

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING
 
@@ -13,9 +14,11 @@ from rocking.capacity import uplift_scale
 from rockpulse.config.block_settings import BlockSettings
 from rockpulse.config.bodies import gather_bodies
 from rockpulse.config.configuration import Config
-from rockpulse.failures import Failure
-from rockpulse.motions.directions import PlannedMotion
-from rockpulse.motions.runner import Analysis, Blocks, Part, Work, run
+from rockpulse.failures import Failure, some
+from rockpulse.motions.directions import PlannedMotion, planned_ids
+from rockpulse.motions.runner import Analysis, Blocks, Part, Prepared, Work, run
+from rockpulse.motions.tables import selection_of
+from rockpulse.motions.votes import unmatched_patterns
 from rockpulse.record.record import Record
 from rockpulse.storage.fragility_variables import FRAGILITY
 from rockpulse.studies.fragility.capacity import Lanes, motion_capacity
@@ -94,15 +97,33 @@ class FragilityAnalysis(Analysis):
         bodies = gather_bodies(config.blocks if blocks is None else blocks, config.records)
         self.block_names, block, owner = bodies.apart()
         self.lanes = Lanes(block, bodies, owner)
+        self.selection = selection_of(config)
 
     @property
     def work(self) -> Work:
         """Find the capacities of all bodies under a motion."""
-        return partial(motion_capacity, lanes=self.lanes, config=self.config)
+        return partial(motion_capacity, lanes=self.lanes, config=self.config, selection=self.selection)
 
     def collect(self, parts: Sequence[Part], planned: Sequence[PlannedMotion], failures: list[Failure]) -> xr.DataTree:
         """Fit the curves."""
         aloft = np.array([bool(self.lanes.bodies.floors[body]) for body in self.lanes.owner])
         known = ~aloft & (not self.config.records.include_vertical)
         uplift = np.where(known, uplift_scale(self.lanes.block, np.array([-1.0, 1.0])), np.nan)
-        return build_fragility_tree(parts, self.block_names, self.lanes.block, uplift, self.config, failures)
+        return build_fragility_tree(
+            parts, self.block_names, self.lanes.block, uplift, self.config, failures, self.selection
+        )
+
+    def prepare(self, records: Iterable[Record], failures: Iterable[Failure] = ()) -> Prepared:
+        """Plan the motions, of a selection those that it names; raises ConfigError also for one that is not there."""
+        prepared = super().prepare(records, failures)
+        if self.selection is None:
+            return prepared
+        of_motion = {one.name: planned_ids(one, self.config) for one in prepared.planned}
+        known = [name for names in of_motion.values() for name in names]
+        idle = unmatched_patterns("[fragility] selection", [*self.selection.rows], known, prepared.failures)
+        kept = [one for one in prepared.planned if not self.selection.rows.keys().isdisjoint(of_motion[one.name])]
+        rows = [*prepared.failures, *idle]
+        if unchosen := sorted(of_motion.keys() - {one.name for one in kept}):
+            told = f"{len(unchosen)} of {len(of_motion)} motions are not in the table: {some(unchosen, 3)}"
+            rows.append(Failure("[fragility] selection", "select", told, "skipped"))
+        return replace(prepared, planned=kept, failures=rows)

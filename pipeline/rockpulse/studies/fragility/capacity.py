@@ -16,6 +16,7 @@ from rockpulse.errors import TooWeak
 from rockpulse.ladder import Scene
 from rockpulse.motions.directions import Motion
 from rockpulse.motions.runner import Part, Watch
+from rockpulse.motions.tables import Selection
 from rockpulse.record.components import Pair
 from rockpulse.storage.fact_variables import FACTS, facts_of
 from rockpulse.studies.fragility.limit_states import NOT_KNOWN, reached_at, scale_capacities
@@ -32,15 +33,20 @@ class Lanes(NamedTuple):
     owner: np.ndarray  #: (m,) number of the body that each lane is of
 
 
-def motion_capacity(motion: Motion, watch: Watch, lanes: Lanes, config: Config) -> Part:
+def motion_capacity(
+    motion: Motion, watch: Watch, lanes: Lanes, config: Config, selection: Selection | None = None
+) -> Part:
     """The capacities of (m,) lanes under one motion, as arrays.
 
     "measures" (1, k, m) are those of the ground's motion as it is, in the direction of each body and in the order of
     ``[fragility] measures``, "qualities" (1, c) those of :data:`rockpulse.studies.fragility.measures.QUALITIES`. An
     incremental analysis adds "factors" (1, s, m), the first that reaches each limit state, inf where none does, and
     "step" (1, m), the ratio of neighbouring factors of the scan; others add "factors" (1, r, m), those that were looked
-    at, and "reached" (1, s, r, m), whether the limit state was. Beyond ``[fragility] factors`` a scaled record stands
-    for no recorded one: an incremental analysis ends there, and a stripe has no answer.
+    at, "reached" (1, s, r, m), whether the limit state was, and "weight" (1, r). Beyond ``[fragility] factors`` a scaled
+    record stands for no recorded one: an incremental analysis ends there, and a stripe has no answer.
+
+    With a `selection` the factors and weights of stripes are those of the rows of the record; one without a row is left
+    out.
 
     With a body before a wall the motion and its reverse are two rows, of one earthquake.
 
@@ -50,7 +56,9 @@ def motion_capacity(motion: Motion, watch: Watch, lanes: Lanes, config: Config) 
     with watch("condition"):
         scene = extract(motion.record, config, motion.vertical)
     settings, record = config.fragility, scene.record
-    if record.pga < settings.pga_min:
+    if selection is not None and record.id not in selection.rows:
+        raise TooWeak(f"{record.id}: not in the table of [fragility] selection")
+    if selection is None and record.pga < settings.pga_min:
         raise TooWeak(
             f"{record.id}: PGA {record.pga:.3g} m/s2 is below [fragility] pga_min = {settings.pga_min:g} m/s2"
         )
@@ -66,7 +74,7 @@ def motion_capacity(motion: Motion, watch: Watch, lanes: Lanes, config: Config) 
                 there = aloft(ground, place, config)
             own = np.flatnonzero(np.isin(lanes.owner, numbers))
             with watch("solve"):
-                values = _capacity(ground, there, lanes.block.chosen(own), config)
+                values = _capacity(ground, there, lanes.block.chosen(own), config, selection)
             for name, array in values.items():
                 whole = np.empty((*array.shape[:-1], lanes.owner.size), dtype=array.dtype)
                 found.setdefault(name, whole)[..., own] = array
@@ -75,6 +83,7 @@ def motion_capacity(motion: Motion, watch: Watch, lanes: Lanes, config: Config) 
         rows.append(
             {
                 **found,
+                **_weights(record.id, config, selection),
                 "record": name,
                 "source": record.source,
                 "qualities": [qualities[quality] for quality in QUALITIES],
@@ -94,7 +103,26 @@ def _reversed(scene: Scene) -> Scene:
     )
 
 
-def _capacity(ground: Scene, there: Scene, block: Block, config: Config) -> dict[str, np.ndarray]:
+def _stripes(config: Config, selection: Selection | None) -> int:
+    """Number r of factors that are looked at."""
+    if selection is not None:
+        return selection.most
+    return len(config.fragility.stripe_levels) if config.fragility.data == "stripes" else 1
+
+
+def _weights(record: str, config: Config, selection: Selection | None) -> dict[str, np.ndarray]:
+    """The weight (r,) of each factor that is looked at; none in an incremental analysis, 0 where there is none."""
+    if config.fragility.data == "ida":
+        return {}
+    if selection is None:
+        return {"weight": np.ones(_stripes(config, None))}
+    own = [weight for _, weight in selection.rows[record]]
+    return {"weight": np.array(own + [0.0] * (selection.most - len(own)))}
+
+
+def _capacity(
+    ground: Scene, there: Scene, block: Block, config: Config, selection: Selection | None
+) -> dict[str, np.ndarray]:
     """The arrays of (m,) lanes that are shaken by one scene, with the measures of the ground below."""
     settings, search = config.fragility, config.search
     measures = record_measures(ground, block, settings.measures)
@@ -103,21 +131,26 @@ def _capacity(ground: Scene, there: Scene, block: Block, config: Config) -> dict
         capacities = scale_capacities(there, block, settings.limit_states, settings.equation, end, search.points)
         return {"measures": measures, "factors": capacities.factors, "step": capacities.step}
     factors = np.ones((1, *block.shape))
-    if settings.data == "stripes":
+    if selection is not None:
+        chosen = [amount for amount, _ in selection.rows[ground.record.id]]
+        amounts = np.array(chosen + [np.nan] * (selection.most - len(chosen)))[:, None]
+        own = 1.0 if selection.by_factor else record_measures(ground, block, (settings.stripe_measure,))
+        factors = np.broadcast_to(amounts / own, (selection.most, *block.shape))
+    elif settings.data == "stripes":
         own = record_measures(ground, block, (settings.stripe_measure,))
         factors = np.asarray(settings.stripe_levels)[:, None] / own
-    least, most = settings.factors if settings.data == "stripes" else (0.0, np.inf)
+    least, most = settings.factors if settings.data == "stripes" and selection is None else (0.0, np.inf)
     near = (factors >= least) & (factors <= most)
     # What is not looked at is not marched: a record at factor zero moves nothing.
     looked = reached_at(there, block, settings.limit_states, settings.equation, np.where(near, factors, 0.0))
     return {"measures": measures, "factors": factors, "reached": np.where(near, looked, NOT_KNOWN)}
 
 
-def nothing(lanes: int, config: Config) -> Part:
+def nothing(lanes: int, config: Config, selection: Selection | None = None) -> Part:
     """The capacities without any motion: every array of :func:`motion_capacity`, and "event", without a row."""
     settings = config.fragility
     ida, states = settings.data == "ida", len(settings.limit_states)
-    stripes = len(settings.stripe_levels) if settings.data == "stripes" else 1
+    stripes = _stripes(config, selection)
     part = {
         "measures": np.zeros((0, len(settings.measures), lanes)),
         "qualities": np.zeros((0, len(QUALITIES))),
@@ -127,4 +160,5 @@ def nothing(lanes: int, config: Config) -> Part:
     }
     if ida:
         return {**part, "step": np.zeros((0, lanes))}
-    return {**part, "reached": np.zeros((0, states, stripes, lanes), dtype=np.int8)}
+    reached = np.zeros((0, states, stripes, lanes), dtype=np.int8)
+    return {**part, "reached": reached, "weight": np.zeros((0, stripes))}

@@ -11,6 +11,7 @@ import numpy as np
 from rockpulse.config.configuration import Config, config_from_text
 from rockpulse.config.fragility_settings import OVERTURNING
 from rockpulse.motions.runner import Part, joined
+from rockpulse.motions.tables import Selection
 from rockpulse.storage.fact_variables import FACTS
 from rockpulse.storage.fragility_variables import STATED, Status
 from rockpulse.studies.fragility.capacity import nothing
@@ -39,6 +40,7 @@ class Ensemble:
     factors: np.ndarray  # first that reaches each limit state (n, s, m), or the r that were looked at (n, r, m) [-]
     step: np.ndarray | None  # (n, m), ratio of neighbouring factors of the scan; None for factors looked at
     reached: np.ndarray | None  # (n, s, r, m) of int, whether the limit state was; None for first factors
+    weight: np.ndarray | None  # (n, r), of the factors looked at [-]; None for first factors
     config: Config
 
     def observations(self, state: int, measure: int, lanes: Sequence[int]) -> Observations:
@@ -55,12 +57,14 @@ class Ensemble:
         own = np.broadcast_to(self.measures[:, measure, None][:, :, lanes], factor.shape)
         known = (kind != NOT_KNOWN) & (factor * own > 0.0)
         record = np.broadcast_to(np.arange(len(self.ids))[:, None, None], factor.shape)[known]
+        weight = None if self.weight is None else np.broadcast_to(self.weight[:, :, None], factor.shape)[known]
         return Observations.of(
             (factor * own)[known],
             kind[known],
             np.array(self.clusters, dtype=str)[record],
             np.array(self.ids, dtype=str)[record],
             np.column_stack([self.qualities[record], own[known], self.stated[record]]),
+            weight,
         )
 
     @property
@@ -81,9 +85,9 @@ class Ensemble:
         return known.sum(axis=0).tolist(), [np.unique(clusters[own]).size for own in known.T]
 
 
-def gather(parts: Sequence[Part], lanes: int, config: Config) -> Ensemble:
+def gather(parts: Sequence[Part], lanes: int, config: Config, selection: Selection | None = None) -> Ensemble:
     """Line up what the motions say of so many lanes, in the order of their ids; there may be no motion."""
-    done = joined([nothing(lanes, config), *parts])
+    done = joined([nothing(lanes, config, selection), *parts])
     return Ensemble(
         ids=done["record"].tolist(),
         clusters=done["event"].tolist(),
@@ -94,6 +98,7 @@ def gather(parts: Sequence[Part], lanes: int, config: Config) -> Ensemble:
         factors=done["factors"],
         step=done.get("step"),
         reached=done.get("reached"),
+        weight=done.get("weight"),
         config=config,
     )
 
@@ -114,8 +119,16 @@ def stored_ensemble(tree: xr.DataTree) -> Ensemble:
         factors=np.moveaxis(factors, 1, 2),
         step=None if stripes else table["search_step"].values,
         reached=np.moveaxis(reached, 1, 3) if stripes else None,
+        weight=_weight(table) if stripes else None,
         config=config,
     )
+
+
+def _weight(table: xr.Dataset) -> np.ndarray:
+    """The weights of a file; ones in one that was written before there were any."""
+    if "weight" in table:
+        return np.asarray(table["weight"].transpose("record", "stripe").values)
+    return np.ones((table.sizes["record"], table.sizes["stripe"]))
 
 
 @dataclass(frozen=True, eq=False)

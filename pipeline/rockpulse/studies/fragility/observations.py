@@ -25,14 +25,22 @@ class Observations:
     record: np.ndarray  # (n,) number of the record of each row
     events: tuple[str, ...]  # labels of the events, sorted
     qualities: np.ndarray  # (n, c) positive numbers that capacity should not depend on, NaN: not known
+    weight: np.ndarray  # (n,) how much each row counts, of mean one
 
     @classmethod
     def of(
-        cls, level: Any, kind: Any, clusters: Any = None, records: Any = None, qualities: Any = None
+        cls,
+        level: Any,
+        kind: Any,
+        clusters: Any = None,
+        records: Any = None,
+        qualities: Any = None,
+        weight: Any = None,
     ) -> Observations:
         """Rows from levels, kinds and qualities; without labels every row is an event and a record of its own.
 
-        Raises ConfigError for levels that are not positive and finite, or arrays of different lengths.
+        Without weights all rows count alike. Raises ConfigError for levels that are not positive and finite, or arrays
+        of different lengths.
         """
         level, kind = np.asarray(level, dtype=float), np.asarray(kind, dtype=np.int64)
         if level.ndim != 1 or not np.all(np.isfinite(level) & (level > 0.0)):
@@ -47,7 +55,13 @@ class Observations:
         (events, cluster), (_, record) = (np.unique(labels, return_inverse=True) for labels in rows)
         order = np.lexsort((record, cluster, kind, level))  # sums to the last digit, whatever the order of the rows
         beside = np.empty((level.size, 0)) if qualities is None else np.asarray(qualities, dtype=float)
-        return cls(level[order], kind[order], cluster[order], record[order], tuple(map(str, events)), beside[order])
+        counts = (
+            np.ones(level.size)
+            if weight is None or not level.size
+            else np.asarray(weight, dtype=float) / np.mean(weight)
+        )
+        labels = tuple(map(str, events))
+        return cls(level[order], kind[order], cluster[order], record[order], labels, beside[order], counts[order])
 
     @property
     def records(self) -> int:
@@ -62,10 +76,10 @@ class Observations:
     def only(self, kept: np.ndarray) -> Observations:
         """The rows that a mask (n,) keeps, with their events alone."""
         clusters = np.array(self.events, dtype=str)[self.cluster]
-        rows = (clusters, self.record.astype(str), self.qualities)
+        rows = (clusters, self.record.astype(str), self.qualities, self.weight)
         return Observations.of(self.level[kept], self.kind[kept], *(values[kept] for values in rows))
 
     def without_each_event(self) -> np.ndarray:
         """Weights (1 + events, n): all rows, then the rows without one event after the other."""
         left = self.cluster != np.arange(len(self.events))[:, None]
-        return np.vstack([np.ones((1, self.level.size)), left]).astype(float)
+        return np.vstack([np.ones((1, self.level.size)), left]) * self.weight

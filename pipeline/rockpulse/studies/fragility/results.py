@@ -12,6 +12,7 @@ from rocking.block import Block
 from rockpulse.config.configuration import Config
 from rockpulse.failures import Failure
 from rockpulse.motions.runner import Part
+from rockpulse.motions.tables import Selection
 from rockpulse.storage.fragility_variables import (
     CAPACITIES,
     COORDINATES,
@@ -50,6 +51,7 @@ def build_fragility_tree(
     uplift: np.ndarray,
     config: Config,
     failures: Sequence[Failure],
+    selection: Selection | None = None,
 ) -> xr.DataTree:
     """Fit everything and lay it out.
 
@@ -58,7 +60,7 @@ def build_fragility_tree(
     """
     settings = config.fragility
     states, measures = limit_state_names(settings.limit_states), list(settings.measures)
-    ensemble = gather(parts, len(names), config)
+    ensemble = gather(parts, len(names), config, selection)
     lanes = range(len(names))
     single, pooled = fit_ensemble(ensemble, [[lane] for lane in lanes]), fit_ensemble(ensemble, [list(lanes)])
     coords = _coordinates(block=names, limit_state=states, measure=measures)
@@ -124,7 +126,8 @@ def _capacities(data: Ensemble, coords: dict[str, xr.Variable]) -> xr.Dataset:
             "search_step; where a limit state is reached in a narrower interval only, too high"
         )
     else:
-        variables = with_values(STRIPES, {"factor": factors, "reached": np.moveaxis(data.reached, 3, 1)})
+        reached = np.moveaxis(data.reached, 3, 1)
+        variables = with_values(STRIPES, {"factor": factors, "reached": reached, "weight": data.weight})
     values = {
         "measure_value": np.moveaxis(data.measures, 2, 1),
         "event": data.clusters,

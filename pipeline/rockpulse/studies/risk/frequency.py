@@ -226,7 +226,7 @@ def fitted_lines(rows: Observations, family: Family) -> np.ndarray:
 def _lines(rows: Observations, family: Family, weights: np.ndarray) -> np.ndarray:
     """A and B (q, 2) in ln of the level of the fits to q weightings (q, events) of the earthquakes; NaN without."""
     u, centre, spread = standardised(np.log(rows.level))
-    theta = maximise(family, np.stack([np.ones(u.size), u], axis=1), rows.kind, weights[:, rows.cluster].astype(float))
+    theta = maximise(family, np.stack([np.ones(u.size), u], axis=1), rows.kind, weights[:, rows.cluster] * rows.weight)
     return np.stack([theta[:, 0] - theta[:, 1] * centre / spread, theta[:, 1] / spread], axis=1)
 
 
