@@ -42,8 +42,8 @@ def motion_capacity(
     ``[fragility] measures``, "qualities" (1, c) those of :data:`rockpulse.studies.fragility.measures.QUALITIES`. An
     incremental analysis adds "factors" (1, s, m), the first that reaches each limit state, inf where none does, and
     "step" (1, m), the ratio of neighbouring factors of the scan; others add "factors" (1, r, m), those that were looked
-    at, "reached" (1, s, r, m), whether the limit state was, and "weight" (1, r). Beyond ``[fragility] factors`` a scaled
-    record stands for no recorded one: an incremental analysis ends there, and a stripe has no answer.
+    at, "reached" (1, s, r, m), whether the limit state was, and "weight" (1, r). Beyond ``[fragility] factors`` a
+    scaled record stands for no recorded one: an incremental analysis ends there, and a stripe has no answer.
 
     With a `selection` the factors and weights of stripes are those of the rows of the record; one without a row is left
     out.
