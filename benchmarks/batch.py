@@ -157,10 +157,11 @@ class Run:
         return self.records / self.total
 
 
-def run(paths: list[str], config: Config, output: str, workers: int) -> Run:
-    """Assess the files in this process, which does nothing else."""
+def run(paths: list[str], config: Config, output: str, workers: int, scheduler: str | None = None) -> Run:
+    """Assess the files in this process, which does nothing else, with workers of its own or those of a scheduler."""
     watched, begun = Watched(), processor_time()
-    options = BatchOptions(workers=workers, overwrite=True, bar=watched.bar)
+    own = None if scheduler else workers
+    options = BatchOptions(workers=own, scheduler=scheduler, overwrite=True, bar=watched.bar)
     report: BatchReport = assess_files(paths, config, output, options)
     end = time.perf_counter()
     (survey, surveyed), (_, worked) = watched.steps["reading"], watched.steps["assessing"]

@@ -36,6 +36,9 @@ RUN_ID = "run_id"
 #: Values that are put together before they are written [bytes].
 CHUNK = 32 * 1024**2
 
+#: Bytes that each array takes in memory beyond its values.
+PER_ARRAY = 500
+
 #: Bytes that each text takes in the file beyond its letters.
 PER_TEXT = 32
 
@@ -93,7 +96,7 @@ def assemble(
 
     `template` is the tree without a record, `parts` what each record adds to it, in the order of the rows. They are
     gone through twice, for their sizes first; an iterator, which can be gone through once, is refused. At most `chunk`
-    bytes of values, or the largest part, are put together before they are written, which bounds the memory. With
+    bytes of arrays, or the largest part, are put together before they are written, which bounds the memory. With
     `run_id` :func:`is_assembled` knows the file.
 
     Raises
@@ -200,7 +203,7 @@ def _write_parts(writer: TreeWriter, parts: Iterable[Part], chunk: int) -> None:
     for part in chain(parts, [None]):
         if part is not None:
             gathered.append(part)
-            size += sum(values.nbytes for values in part.values())
+            size += sum(PER_ARRAY + values.nbytes for values in part.values())
         if gathered and (part is None or size >= chunk):
             for path, values in joined_parts(gathered, before).items():
                 writer.append(path, values)

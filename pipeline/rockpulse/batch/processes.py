@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import multiprocessing
+import os
 import pickle
 import signal
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from concurrent.futures import Executor, Future, ThreadPoolExecutor
+from contextlib import contextmanager
 from multiprocessing.connection import Connection
 from multiprocessing.context import SpawnProcess
 from multiprocessing.resource_tracker import ensure_running
@@ -19,6 +21,8 @@ __all__ = ["WorkerDied", "WorkerProcesses"]
 
 #: How often a worker may be killed while it starts before that is taken for more than bad luck.
 STARTS = 5
+#: Variables of the environment that tell libraries of linear algebra their number of threads.
+ALGEBRA = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "VECLIB_MAXIMUM_THREADS")
 #: Signals can be masked for one thread (not on Windows).
 MASKS = hasattr(signal, "pthread_sigmask")
 
@@ -83,7 +87,8 @@ class WorkerProcesses(Executor):
                 if self._ended:
                     raise ChildProcessError("the worker processes have been ended")
                 process = multiprocessing.get_context("spawn").Process(target=serve, args=(theirs,), daemon=True)
-                process.start()
+                with _algebra_on_one_thread():
+                    process.start()
                 self._processes.append(process)
             theirs.close()  # the worker has the only copy now: its death is the end of the pipe
             try:
@@ -111,6 +116,22 @@ class WorkerProcesses(Executor):
                 self._processes.remove(process)
         assert process.exitcode is not None  # it has been waited for
         return process.exitcode
+
+
+@contextmanager
+def _algebra_on_one_thread() -> Iterator[None]:
+    """Let processes that are started meanwhile do linear algebra on one thread, unless the user has said otherwise.
+
+    A library of linear algebra starts a thread for each core in every process; those of several workers wait for each
+    other so much that two workers took three times as long as one thread each.
+    """
+    ours = [name for name in ALGEBRA if name not in os.environ]
+    os.environ.update(dict.fromkeys(ours, "1"))
+    try:
+        yield
+    finally:
+        for name in ours:
+            del os.environ[name]
 
 
 def _fate(code: int) -> str:

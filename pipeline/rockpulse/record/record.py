@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import sys
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from datetime import datetime
@@ -169,7 +170,8 @@ class Record:
         if isinstance(state["acceleration"], tuple):
             state = {**state, "acceleration": np.broadcast_to(*state["acceleration"])}
         state["acceleration"].setflags(write=False)
-        vars(self).update(state)
+        for name, value in state.items():  # by name, so that thousands of records share the names of their fields
+            object.__setattr__(self, sys.intern(name), value)
 
     def without_samples(self) -> Record:
         """The same record with zeros that take no memory in place of its samples."""
