@@ -1,5 +1,7 @@
 """What others have published, against the kernels: each row of docs/validation.md names its test."""
 
+import itertools
+
 import numpy as np
 import pytest
 from scipy.optimize import brentq
@@ -124,7 +126,7 @@ def test_a_lower_restitution_than_housners_lowers_amplitudes_and_periods_of_free
         found = recorded_response(one, quiet, dt, initial_rotation=0.5 * one.alpha_c, history=True)
         turned = found.rotation / one.alpha_c
         signs = np.flatnonzero(np.diff(np.sign(turned)) != 0)[:4]
-        peaks = [np.max(np.abs(turned[a:b])) for a, b in zip(signs[:-1], signs[1:], strict=True)]
+        peaks = [np.max(np.abs(turned[a:b])) for a, b in itertools.pairwise(signs.tolist())]
         cycles.append((peaks, np.diff(signs) * dt))
     (peaks, times), (lower, shorter) = cycles
     assert np.all(np.array(lower) < np.array(peaks))

@@ -1,4 +1,4 @@
-"""``rockpulse risk``: a fragility file and a hazard in, annual frequencies out."""
+"""``rockpulse risk``: a fragility file, or results and an inventory, and a hazard in, annual frequencies out."""
 
 from __future__ import annotations
 
@@ -13,7 +13,18 @@ __all__ = ["VERB"]
 
 
 def _add_arguments(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("fragility", metavar="FRAGILITY", help="file of rockpulse fragility")
+    parser.add_argument(
+        "fragility",
+        metavar="FRAGILITY",
+        help="file of rockpulse fragility; with --bodies results of rockpulse assess with [uncertainty] spectrum = "
+        '"all"',
+    )
+    parser.add_argument(
+        "--bodies",
+        metavar="TABLE",
+        help='free bodies, any number, that the spectra of results stand for: a table (CSV) with the columns "name", '
+        '"width [m]", "height [m]", perhaps "restitution"',
+    )
     parser.add_argument(
         "--hazard",
         metavar="CURVE",
@@ -46,8 +57,9 @@ def _run(args: argparse.Namespace) -> int:
     from rockpulse.storage.save_load import load
     from rockpulse.studies.risk.frequency import annual_frequency
     from rockpulse.studies.risk.hazard import hazard_of, load_hazard
+    from rockpulse.studies.risk.inventory import inventory_frequency, read_inventory
     from rockpulse.views.shared.output_files import check_file, csv_bytes, write_files
-    from rockpulse.views.text.risk import risk_overview, risk_table
+    from rockpulse.views.text.risk import inventory_overview, inventory_table, risk_overview, risk_table
 
     if args.output is not None:
         check_file(args.output, args.overwrite)
@@ -62,13 +74,18 @@ def _run(args: argparse.Namespace) -> int:
         hazard = hazard_of(settings, config.folder)
     else:
         hazard = load_hazard(args.hazard, None if args.site is None else tuple(args.site))
-    found = annual_frequency(
-        tree, hazard, args.limit_state, settings.years if args.years is None else args.years, resamples=args.resamples
-    )
+    years = settings.years if args.years is None else args.years
+    if args.bodies is not None:
+        names, block = read_inventory(args.bodies)
+        found = inventory_frequency(tree, block, hazard, years).assign_coords(body=names)
+        table, told = inventory_table(found), inventory_overview(found)
+    else:
+        found = annual_frequency(tree, hazard, args.limit_state, years, resamples=args.resamples)
+        table, told = risk_table(found), risk_overview(found)
     if args.output is not None:
-        write_files({Path(args.output): csv_bytes(risk_table(found))})
+        write_files({Path(args.output): csv_bytes(table)})
     if not args.quiet:
-        tell(risk_overview(found) + (f"\n\ntable: {args.output}" if args.output else ""))
+        tell(told + (f"\n\ntable: {args.output}" if args.output else ""))
     return 0
 
 
@@ -83,5 +100,6 @@ VERB = Verb(
     examples=(
         "rockpulse risk fragility.h5 --hazard curve.csv",
         "rockpulse risk fragility.h5 --config site.toml --years 100 -o risk.csv",
+        "rockpulse risk results.h5 --bodies inventory.csv --hazard curve.csv -o risk.csv",
     ),
 )

@@ -62,3 +62,39 @@ def test_wrong_arguments_are_told(fragility, tmp_path, capsys):
     (tmp_path / "there.csv").write_text("")
     assert main(["risk", str(fragility), "-o", str(tmp_path / "there.csv")]) == 2
     assert "the file exists" in capsys.readouterr().err
+
+
+def test_an_inventory_is_read_from_the_spectra_of_results(fragility, tmp_path, capsys):
+    (tmp_path / "site.toml").write_text('[uncertainty]\nspectrum = "all"\n')
+    results = tmp_path / "results.h5"
+    arguments = [str(fragility.parent), "--config", str(tmp_path / "site.toml"), "--block", "any=0.4x3"]
+    assert main(["assess", *arguments, "-o", str(results), "--quiet"]) == 0
+    bodies, table, curve = (tmp_path / name for name in ("bodies.csv", "risk.csv", "curve.csv"))
+    bodies.write_text("name,width [m],height [m]\n" + "".join(f"b{k},{0.3 + 0.02 * k},3\n" for k in range(15)))
+    curve.write_text("pga [m/s2],rate\n0.1,0.1\n1,1e-3\n10,1e-5\n")
+    capsys.readouterr()
+    arguments = ["risk", str(results), "--bodies", str(bodies), "--hazard", str(curve), "-o", str(table)]
+    assert main(arguments) == 0
+    shown = capsys.readouterr().out
+    assert "Frequency of overturning, 15 bodies" in shown
+    assert "the 10 that overturn most often" in shown
+    found = pd.read_csv(table)
+    assert found["body"].tolist() == [f"b{k}" for k in range(15)]
+    assert found["frequency"].is_monotonic_decreasing  # the wider, the rarer
+    total = sum(found["frequency"])
+    assert f"all together {total:.2e} a year" in shown
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        ("name,width,height\na,1,2\n", "no column width [m] and height [m]"),
+        ("name,width [m],height [m]\na,0.4,3\na,0.4,3\n", "a name for each body, no two alike"),
+        ("name,width [m],height [m]\na,0.4,x\n", "a: expected positive numbers"),
+        ("name,width [m],height [m],restitution\na,0.4,3,1.5\n", "restitution"),
+    ],
+)
+def test_wrong_inventories_are_told(fragility, tmp_path, capsys, text, told):
+    (tmp_path / "bodies.csv").write_text(text)
+    assert main(["risk", str(fragility), "--bodies", str(tmp_path / "bodies.csv")]) == 2
+    assert told in capsys.readouterr().err

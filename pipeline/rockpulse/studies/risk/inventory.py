@@ -9,9 +9,11 @@
 from __future__ import annotations
 
 import math
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
+import pandas as pd
 from scipy.special import stdtrit
 
 from rocking.block import Block
@@ -24,7 +26,7 @@ from rockpulse.studies.risk.hazard import Hazard
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["MEASURED", "inventory_frequency"]
+__all__ = ["MEASURED", "inventory_frequency", "read_inventory"]
 
 #: Measures that every results file holds of its records.
 MEASURED = ("pga", "pgv")
@@ -109,6 +111,40 @@ def inventory_frequency(
     risk = xr.Dataset({name: variable.variable(found[name]) for name, variable in INVENTORY.items()})
     risk.attrs.update(hazard=hazard.words, measure=hazard.measure, years=years, confidence=confidence)
     return risk
+
+
+def read_inventory(path: str | Path) -> tuple[list[str], Block]:
+    """Free rectangular bodies from a CSV table with the columns name, width [m], height [m], perhaps restitution.
+
+    Raises
+    ------
+    ConfigError
+        For a file that is no such table, a name that is empty or twice, or numbers that are not positive.
+    """
+    where = Path(path)
+    try:
+        if not where.is_file():
+            raise ConfigError(f"{path}: expected a table of bodies, found no file")
+        table = pd.read_csv(where, comment="#", skipinitialspace=True, dtype={"name": str})
+    except (OSError, ValueError) as error:
+        raise ConfigError(f"{path}: cannot be read as a table of bodies: {str(error).splitlines()[0]}") from None
+    needed = ["name", "width [m]", "height [m]"]
+    if missing := [name for name in needed if name not in table.columns]:
+        raise ConfigError(f"{path}: expected the columns {', '.join(needed)}; no column {' and '.join(missing)}")
+    names = table["name"].fillna("").tolist()
+    if not names or "" in names or len(set(names)) < len(names):
+        raise ConfigError(f"{path}: expected a name for each body, no two alike")
+    columns = [*needed[1:], *(["restitution"] if "restitution" in table.columns else [])]
+    values = table[columns].apply(pd.to_numeric, errors="coerce").to_numpy(dtype=float)
+    wrong = ~(np.isfinite(values) & (values > 0.0)).all(axis=1)
+    if wrong.any():
+        row = int(np.argmax(wrong))
+        raise ConfigError(f"{path}: {names[row]}: expected positive numbers, found {table[columns].iloc[row].tolist()}")
+    restitution = values[:, 2] if len(columns) > 2 else "housner"
+    try:
+        return names, Block(width=values[:, 0], height=values[:, 1], restitution=restitution, log=False)
+    except ValueError as error:
+        raise ConfigError(f"{path}: {error}") from None
 
 
 def _of_bodies(

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from rockpulse.storage.risk_variables import RISK
+from rockpulse.storage.risk_variables import INVENTORY, RISK
 from rockpulse.views.shared.table import Cell, Heading, Table, lines
 from rockpulse.views.shared.terminal import ABSENT, figure, paragraph, ratio, several
 
@@ -15,7 +15,10 @@ if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
 
-__all__ = ["risk_overview", "risk_table"]
+__all__ = ["inventory_overview", "inventory_table", "risk_overview", "risk_table"]
+
+#: Bodies of an inventory that are shown.
+SHOWN = 10
 
 #: Shares of a frequency between which levels are told.
 ENDS = (0.05, 0.95)
@@ -67,6 +70,48 @@ def risk_table(risk: xr.Dataset) -> pd.DataFrame:
     """A row for each body, without the contributions of levels."""
     names = [name for name, variable in RISK.items() if variable.dims == ("block",)]
     return risk[names].to_dataframe().reset_index()[["block", *names]]
+
+
+def inventory_overview(risk: xr.Dataset) -> str:
+    """The dataset of :func:`rockpulse.inventory_frequency` as text: the bodies that overturn most often, and all."""
+    years = float(risk.attrs["years"])
+    frequency = risk["frequency"].values
+    known = np.isfinite(frequency)
+    heads = ("", "a year", "interval", "once in", f"in {years:g} years", "median", "dispersion")
+    rows = []
+    for place in np.argsort(np.where(known, -frequency, np.inf), kind="stable")[: min(SHOWN, int(known.sum()))]:
+        one = risk.isel(body=place)
+        rows.append(
+            (
+                Cell(f"  {one['body'].item()}"),
+                Cell(_shown(float(one["frequency"]))),
+                Cell(_between(one, "frequency", _shown)),
+                Cell(_period(float(one["frequency"]))),
+                Cell(_chance(float(one["probability"]))),
+                Cell(figure(float(one["median"]))),
+                Cell(figure(float(one["dispersion"]))),
+            )
+        )
+    title = f"Frequency of overturning, {several(frequency.size, 'body')}; hazard: {risk.attrs['hazard']}"
+    told = [
+        f"the {len(rows)} that overturn most often; all together {_shown(float(np.sum(frequency[known])))} a year, "
+        f"{_shown(float(np.nansum(risk['probability'].values)))} expected in {years:g} years.",
+        f"median: {risk.attrs['measure']} at which a body overturns with a probability of 50 %, in SI units; "
+        "dispersion: of ln of the overturning spectrum over that measure.",
+    ]
+    if not known.all():
+        lost = np.flatnonzero(~known)
+        told.append(
+            f"no number for {several(lost.size, 'body')}, which the spectra of the results do not stand for: "
+            f"{', '.join(str(risk['body'].values[one]) for one in lost[:5])}{' ...' if lost.size > 5 else ''}."
+        )
+    table = lines(Table("", "", tuple(map(Heading, heads)), tuple(rows)))
+    return "\n".join([paragraph(title), *table, *(paragraph(line, "  ") for line in told)])
+
+
+def inventory_table(risk: xr.Dataset) -> pd.DataFrame:
+    """A row for each body of an inventory."""
+    return risk[[*INVENTORY]].to_dataframe().reset_index()
 
 
 def _shown(value: float) -> str:
