@@ -16,7 +16,7 @@ import numpy as np
 
 from rocking.crossing import factor_at, mean_capacity, rising
 from rocking.lane_march import BodyLanes
-from rocking.lane_probability import Shift, lane_probability
+from rocking.lane_probability import Shift, lane_probability, lane_sums
 
 __all__ = ["LEVEL_STEP", "LaneFactors", "lane_factors"]
 
@@ -81,7 +81,7 @@ def lane_factors(lanes: BodyLanes | None, shift: Shift, reach: float, factor_max
     logs = LEVEL_STEP * np.arange(first, last + 1)
     bells, tails = lanes.sums(logs, shift)
     counts = _counts(lanes.over.size)
-    probability = rising(lane_probability((counts * lanes.over) @ bells, counts @ bells, *tails))
+    probability = rising(lane_probability(lane_sums(counts * lanes.over, bells), lane_sums(counts, bells), *tails))
     level = np.exp(logs)
     found = _at_one(lanes, probability, first, shift)
     for name, share in SHARES.items():

@@ -15,8 +15,9 @@ from __future__ import annotations
 from typing import Any, Protocol
 
 import numpy as np
+from numba import njit
 
-__all__ = ["Shift", "lane_bells", "lane_probability", "tail_masses"]
+__all__ = ["Shift", "lane_bells", "lane_probability", "lane_sums", "tail_masses"]
 
 #: Sum of weights below which no lane is near a level.
 NO_LANE = 1e-9
@@ -52,6 +53,36 @@ def lane_bells(log_factor: np.ndarray, weight: np.ndarray, log_level: np.ndarray
         w_i h(t_i - ln f) [-].
     """
     return shift.density(log_factor[:, np.newaxis] - log_level) * weight[:, np.newaxis]
+
+
+def lane_sums(counted: np.ndarray, bells: np.ndarray) -> np.ndarray:
+    """Sums over the lanes, the same to the last bit on any number of threads, as those of a matrix product are not.
+
+    Parameters
+    ----------
+    counted : (r, n) ndarray
+        How often each lane counts in each of the sums [-].
+    bells : (n, k) ndarray
+        What each lane counts at each level (:func:`lane_bells`) [-].
+
+    Returns
+    -------
+    (r, k) ndarray
+        The sums [-].
+    """
+    sums = np.zeros((counted.shape[0], bells.shape[1]))
+    _add(np.ascontiguousarray(counted, dtype=np.float64), np.ascontiguousarray(bells), sums)
+    return sums
+
+
+@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
+def _add(counted: np.ndarray, bells: np.ndarray, sums: np.ndarray) -> None:
+    for row in range(counted.shape[0]):
+        for lane in range(counted.shape[1]):
+            times = counted[row, lane]
+            if times != 0.0:
+                for level in range(bells.shape[1]):
+                    sums[row, level] += times * bells[lane, level]
 
 
 def tail_masses(bottom: Any, top: Any, log_level: np.ndarray, shift: Shift) -> tuple[np.ndarray, np.ndarray]:

@@ -25,7 +25,7 @@ import numpy as np
 
 from rocking.block import Block
 from rocking.crossing import factor_at, mean_capacity, rising
-from rocking.lane_probability import NO_LANE, lane_bells, lane_probability, tail_masses
+from rocking.lane_probability import NO_LANE, lane_bells, lane_probability, lane_sums, tail_masses
 from rocking.spectrum_lanes import LEAST_RESTITUTION, RATES, SpectrumLanes
 from rocking.uncertainty import Uncertainty
 
@@ -221,7 +221,7 @@ class OverturningSpectrum:
         middle, high, low = (_crossings(self._logs, rows, speed) for rows in (rising(probability), upper, lower))
         found = {"at_one": middle[0], "at_one_low": low[0], "at_one_high": high[0]}
         capacity = mean_capacity(self.level, probability) * speed
-        of_mean = np.sqrt(np.sum(error @ self._alike * error, axis=1)) * LEVEL_STEP
+        of_mean = np.sqrt(np.sum(lane_sums(error, self._alike) * error, axis=1)) * LEVEL_STEP
         widths = [np.abs(np.log(end / value)) for end, value in zip(high[1:] + low[1:], middle[1:] * 2, strict=True)]
         for name, value, below, above in (
             ("factor_10", middle[1], widths[0], widths[2]),
@@ -332,8 +332,8 @@ class _AtOneRate:
     def reaching(self, rotation: float, least: np.ndarray, most: np.ndarray) -> np.ndarray:
         """P (r, k) of reaching a rotation, for (r,) ranges of restitution; what overturns has reached every one."""
         within = (self.restitution >= least[:, np.newaxis]) & (self.restitution <= most[:, np.newaxis])
-        hit = (within & (self.peak >= rotation)).astype(float) @ self.bells
-        return self._at_all(lane_probability(hit, within.astype(float) @ self.bells, *self.tails), 1.0)
+        hit, whole = (lane_sums(counted, self.bells) for counted in (within & (self.peak >= rotation), within))
+        return self._at_all(lane_probability(hit, whole, *self.tails), 1.0)
 
     def _at_all(self, values: np.ndarray, above: float) -> np.ndarray:
         found = np.zeros((values.shape[0], self.levels))
