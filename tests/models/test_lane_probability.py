@@ -1,9 +1,10 @@
 """The estimator of a probability from lanes: against integrals in closed form."""
 
 import numpy as np
+import pytest
 from scipy.special import ndtr
 
-from rocking.lane_probability import lane_bells, lane_probability, tail_masses
+from rocking.lane_probability import lane_bells, lane_probability, lane_sums, tail_masses
 from rocking.uncertainty import Uncertainty
 
 LEVELS = np.linspace(-0.6, 0.6, 25)
@@ -14,6 +15,16 @@ SKEW = Uncertainty(geometry=0.2)
 def estimate(lanes, weight, over, bottom, top, shift):
     bell = lane_bells(lanes, weight, LEVELS, shift)
     return lane_probability(over @ bell, bell.sum(axis=0), *tail_masses(bottom, top, LEVELS, shift))
+
+
+@pytest.mark.parametrize("kind", [bool, np.int64, float])
+def test_sums_over_the_lanes_are_those_of_the_matrix_product(kind):
+    rng = np.random.default_rng(5)
+    counted, bells = rng.integers(0, 3, (20, 70)).astype(kind), rng.random((70, 33))
+    np.testing.assert_allclose(lane_sums(counted, bells), counted.astype(float) @ bells, rtol=1e-14)
+    np.testing.assert_allclose(lane_sums(counted[:, ::2], bells[::2]), counted[:, ::2].astype(float) @ bells[::2])
+    # One lane after the other, so that any part of the sums has the bits of the whole.
+    assert np.array_equal(lane_sums(counted, bells)[3:4, 5:9], lane_sums(counted[3:4], bells[:, 5:9]))
 
 
 def test_two_sets_of_factors_that_overturn():

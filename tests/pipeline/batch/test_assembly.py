@@ -127,6 +127,23 @@ def test_parts_from_a_journal_stand_in_the_order_of_the_keys(assessed, tmp_path)
     assert_contents(target, contents(tmp_path / "saved.h5"))
 
 
+def test_records_with_little_in_them_are_put_together_in_as_little_memory_as_others(assessed, tmp_path, monkeypatch):
+    """An array of one number takes as much memory as one of sixty: what is put together at once counts both."""
+    done, bodies, config, _ = assessed("no records")
+    together, joined = [], assembly.joined_parts
+
+    def watched(gathered, before):
+        together.append(sum(len(part) for part in gathered))
+        return joined(gathered, before)
+
+    monkeypatch.setattr(assembly, "joined_parts", watched)
+    many = [done[number % len(done)] for number in range(200)]
+    chunk = 500_000
+    assemble(tmp_path / "made.h5", template(bodies, config), many, chunk=chunk)
+    assert sum(together) == sum(len(part) for part in many)
+    assert max(together) <= chunk / sys.getsizeof(np.zeros(1)[:]) / 2  # arrays alone, the rest is for their values
+
+
 def test_parts_that_can_be_gone_through_once_are_refused(assessed, tmp_path):
     done, bodies, config, _ = assessed("plain")
     with pytest.raises(TypeError, match="iterated twice"):
