@@ -20,7 +20,7 @@ ROOMS = """
 rocking
 rockpulse.version rockpulse.failures rockpulse.remark
 rockpulse.errors
-rockpulse.option rockpulse.file_set
+rockpulse.option rockpulse.file_set rockpulse.input_file
 rockpulse.record
 rockpulse.readers
 rockpulse.calibration

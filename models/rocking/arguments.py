@@ -16,7 +16,7 @@ def numbers(name: str, value: Any, expected: str, lanes: bool = True) -> np.ndar
     """
     shape = "or an array of them" if lanes else "not an array"
     try:
-        array = np.asarray(value, dtype=float)
+        array = np.asarray(_real(value), dtype=float)
     except (TypeError, ValueError):
         raise ValueError(f"{name}: expected {expected}, got {value!r}") from None
     if array.ndim > int(lanes):
@@ -46,7 +46,7 @@ def together(**values: np.ndarray) -> tuple[np.ndarray, ...]:
 def record_samples(name: str, values: Any) -> np.ndarray:
     """Accelerations (n,) at the samples of a record [m/s2], finite, at least two; a ValueError otherwise."""
     try:
-        array = np.ascontiguousarray(values, dtype=float)
+        array = np.ascontiguousarray(_real(values), dtype=float)
     except (TypeError, ValueError):
         raise ValueError(f"{name}: expected a (n,) array of numbers in m/s2, got {values!r:.80}") from None
     if array.ndim != 1 or array.size < 2:
@@ -55,6 +55,13 @@ def record_samples(name: str, values: Any) -> np.ndarray:
         first = int(np.flatnonzero(~np.isfinite(array))[0])
         raise ValueError(f"{name}: sample {first} is {array[first]}; NaN and infinite samples must be mended first")
     return read_only(array)
+
+
+def _real(values: Any) -> Any:
+    """The values; a TypeError for complex ones, of which numpy would drop a part, and for values that are masked."""
+    if np.ma.is_masked(values) or np.iscomplexobj(values):
+        raise TypeError
+    return values
 
 
 def read_only(array: np.ndarray) -> np.ndarray:

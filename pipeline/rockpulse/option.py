@@ -47,6 +47,10 @@ class KeyType:
     finite: bool = False
 
 
+#: Numbers of a configuration are no larger, and no smaller than one over it unless they are 0.
+LARGEST = 1e15
+
+
 @dataclass(frozen=True)
 class Section:
     """Base of the sections: checks every field against the values that it takes, and unpacks as keyword arguments.
@@ -72,8 +76,7 @@ class Section:
                 continue
             if not allowed.accepts(value):
                 wrong = next((word for word in _strings(value) if word not in allowed.words), "")
-                unbounded = allowed.finite and isinstance(value, float) and not math.isfinite(value)
-                remark = "; it must be finite" if unbounded else hint(wrong, allowed.words)
+                remark = (_of_no_size(value) if allowed.finite else "") or hint(wrong, allowed.words)
                 raise ConfigError(f"{self.where} {item.name}: expected {allowed.expected}, found {value!r}{remark}")
             object.__setattr__(self, item.name, allowed.convert(value))
 
@@ -105,6 +108,17 @@ def is_number(value: Any) -> bool:
         return False
     # TOML has integers of any length; a float holds them up to 2**1024.
     return abs(value) < 2**1024 if isinstance(value, int) else math.isfinite(value)
+
+
+def _of_no_size(value: Any) -> str:
+    """The remark on a number that is too large or too small for any formula; empty for others."""
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        return ""
+    if isinstance(value, float) and not math.isfinite(value):
+        return "; it must be finite"
+    if value == 0 or 1.0 / LARGEST <= abs(value) <= LARGEST:
+        return ""
+    return f"; it must be 0, or between {1.0 / LARGEST:g} and {LARGEST:g} in size"
 
 
 def text(default: str | None = "") -> Any:
@@ -148,8 +162,9 @@ def choices(default: tuple[str, ...], words: tuple[str, ...], empty: bool = Fals
 
 
 def number(default: Any, low: float = -math.inf, high: float = math.inf, above: bool = False, unit: str = "") -> Any:
-    """A key that takes a finite number within limits in `unit`; `above` excludes `low` itself.
+    """A key that takes a number within limits in `unit`; `above` excludes `low` itself.
 
+    Zero aside, its size lies between 1e-15 and 1e15, so that no formula with it is without a result.
     The default ``dataclasses.MISSING`` makes a key that must be given.
     """
     expected = f"a number in {unit}" if unit else "a number"
@@ -159,7 +174,8 @@ def number(default: Any, low: float = -math.inf, high: float = math.inf, above: 
         expected += f" and <= {high:g}"
 
     def accepts(value: Any) -> bool:
-        return is_number(value) and (value > low if above else value >= low) and value <= high
+        inside = is_number(value) and (value > low if above else value >= low) and value <= high
+        return inside and not _of_no_size(value)
 
     return key(default, KeyType(expected, accepts, float, finite=True))
 

@@ -138,6 +138,15 @@ def test_the_help_names_every_verb_and_the_exit_codes():
         (["assess", "x.AT2", "--block", "a=1x3", "-o", "{folder}"], "no regular file"),
         (["assess", "x.AT2", "--block", "a=1x3", "-o", "/", "--overwrite"], "no regular file"),
         (["assess", "x.AT2", "--block", "a=1x3", "-o", "{below}"], "no folder"),
+        (["assess", "x.AT2", "--config", "{nested}", "-o", "{new}"], "nested.toml: sections and arrays are nested"),
+        (["assess", "x.AT2", "--config", "{digits}", "-o", "{new}"], "digits.toml: an integer is beyond the limit"),
+        (["assess", "x.AT2", "--config", "{pipe}", "-o", "{new}"], "pipe: expected a file, found a pipe"),
+        (["assess", "x.AT2", "--config", "/dev/zero", "-o", "{new}"], "/dev/zero: expected a file, found a device"),
+        (["assess", "x.AT2", "--block", "a=1e308x1e308", "-o", "{new}"], "a number in m > 0, found 1e+308; it must be"),
+        (["assess", "{file}", "--block", "a=1x3", "-o", "{new}", "--scheduler", "foo"], "as scheme://host:port"),
+        (["inspect", "{pipe}"], "pipe: expected a file, found a pipe"),
+        (["verify", "{pipe}"], "pipe: expected a file, found a pipe"),
+        (["diff", "/dev/zero", "{pipe}"], "/dev/zero: expected a file, found a device"),
         (["init-config", "-o", "{below}"], "there is no folder"),
         (["init-config", "-o", "{folder}"], "a folder of this name exists"),
         (["init-config", "-o", ""], "--output: expected the name of a file, found nothing"),
@@ -150,7 +159,11 @@ def test_the_help_names_every_verb_and_the_exit_codes():
 )
 def test_a_wrong_input_is_a_message_and_exit_code_two(tmp_path, capsys, arguments, message):
     (tmp_path / "file").write_text("x")
-    places = {"none": "none.h5", "folder": "", "new": "new.h5", "below": "file/results.h5", "file": "file"}
+    (tmp_path / "nested.toml").write_text("a = " + "[" * 5000 + "]" * 5000)
+    (tmp_path / "digits.toml").write_text("[search]\npoints = " + "9" * 5000)
+    os.mkfifo(tmp_path / "pipe")
+    places = {"nested": "nested.toml", "digits": "digits.toml", "pipe": "pipe"}
+    places |= {"none": "none.h5", "folder": "", "new": "new.h5", "below": "file/results.h5", "file": "file"}
     places["deeper"] = "nowhere/deeper.log"
     places = {name: str(tmp_path / place) for name, place in places.items()}
     assert main([argument.format(**places) for argument in arguments]) == 2
@@ -213,6 +226,15 @@ def test_standard_output_that_is_full_is_a_message(arguments):
         )
     assert done.returncode == 2
     assert done.stderr == "rockpulse: No space left on device\n"
+
+
+@pytest.mark.skipif(not os.path.exists("/dev/full"), reason="this system has no device that is always full")  # noqa: PTH110
+def test_a_log_that_is_full_is_told_before_the_work_begins(samples, tmp_path, capsys):
+    arguments = ["assess", str(samples), "--block", "a=1x3", "-o", str(tmp_path / "new.h5")]
+    assert main([*arguments, "--log-file", "/dev/full"]) == 2
+    told = "--log-file /dev/full: cannot be written (No space left on device); choose another file"
+    assert capsys.readouterr().err == f"rockpulse: {told}\n"
+    assert not (tmp_path / "new.h5").exists()
 
 
 def test_letters_that_the_terminal_lacks_do_not_stop_the_command(tmp_path):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import FIRST_COMPLETED, CancelledError, Executor, Future, wait
 from dataclasses import dataclass
@@ -12,11 +13,15 @@ from typing import Any, TypeVar
 from rocking.threads import available_cores
 from rockpulse.batch.processes import WorkerDied, WorkerProcesses
 from rockpulse.batch.worker import call
+from rockpulse.errors import ConfigError
 
 __all__ = ["Crew", "WorkerLost"]
 
 Item = TypeVar("Item")
 Result = TypeVar("Result")
+
+#: An address of a dask scheduler.
+ADDRESS = re.compile(r"[a-z]+://\S+:\d+|inproc://\S+")
 
 #: Items handed out per worker: one in work, one waiting, so that nobody is idle while the parent writes.
 AHEAD = 2
@@ -73,6 +78,11 @@ class Crew:
         ``tcp://10.0.0.1:8786``, within the timeout [s], or where a worker has no rockpulse of this version. The
         scheduler itself tries an item again whose worker died, on other workers (its option ``allowed-failures``).
         """
+        if not ADDRESS.fullmatch(address):
+            raise ConfigError(
+                f"--scheduler {address}: expected the address of a running dask scheduler as scheme://host:port, such "
+                "as tcp://10.0.0.1:8786"
+            )
         from rockpulse.batch.cluster import Cluster
 
         cluster = Cluster(address, timeout)

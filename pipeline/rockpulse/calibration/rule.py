@@ -11,7 +11,6 @@
 from __future__ import annotations
 
 import math
-import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
@@ -30,6 +29,7 @@ from rocking.scale_search import ScaleIntervals
 from rocking.sequence import ImpulseSequence
 from rocking.spectrum_lanes import RATES, SpectrumLanes
 from rockpulse.errors import ConfigError
+from rockpulse.input_file import TOML_LIMIT, parse_toml, read_text
 from rockpulse.record.half_wave import HalfWaves
 
 __all__ = ["POINTS", "Rule", "load_rule", "sequence_of_demand", "traits"]
@@ -236,10 +236,8 @@ def load_rule(point: str = "balanced", path: str | Path | None = None) -> Rule:
     if point not in POINTS:
         raise ConfigError(f"rule: expected a working point of {', '.join(POINTS)}, got {point!r}")
     source = files("rockpulse.calibration").joinpath(SHIPPED) if path is None else Path(path)
-    try:
-        table: Mapping[str, Any] = tomllib.loads(source.read_text(encoding="utf-8"))
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise ConfigError(f"{source}: no TOML ({error}); expected a file that `rockpulse rule fit` wrote") from None
+    text = source.read_text(encoding="utf-8") if path is None else read_text(Path(path), TOML_LIMIT, "a TOML file")
+    table = parse_toml(text, str(source))
     section = table.get(point)
     factor = section.get("factor") if isinstance(section, Mapping) else None
     if not isinstance(factor, (int, float)) or isinstance(factor, bool):

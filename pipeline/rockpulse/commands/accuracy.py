@@ -6,6 +6,7 @@ import argparse
 import sys
 from pathlib import Path
 
+from rockpulse.commands.batch_input import nothing_written
 from rockpulse.commands.progress import progress_bars
 from rockpulse.commands.record_input import add_reading_arguments, reading_options
 from rockpulse.commands.telling import QUIET, tell
@@ -64,6 +65,8 @@ def _run(args: argparse.Namespace) -> int:
         effort = replace(effort, cases=args.cases)
     bars = progress_bars(args.quiet)
     records, failures = read_all(args.paths, options.units, dt=options.dt)
+    if args.paths and not records:
+        return nothing_written(failures, "read", args.quiet)
     tree = accuracy(
         records,
         failures,

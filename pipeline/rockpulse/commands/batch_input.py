@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import argparse
 import logging
+import os
 import re
 import signal
 import sys
 import threading
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, NoReturn
 
@@ -73,6 +74,23 @@ def batch_options(args: argparse.Namespace) -> BatchOptions:
     )
 
 
+class _LogFile(logging.FileHandler):
+    """A log that ends where it can no longer be written, for the reason `failed`; the work goes on."""
+
+    failed = ""
+
+    def handleError(self, record: logging.LogRecord) -> None:
+        """Remember why a line could not be written, and write no further one."""
+        fault = sys.exception()
+        if not isinstance(fault, OSError):
+            super().handleError(record)
+        elif not self.failed:
+            self.failed = fault.strerror or str(fault)
+            with suppress(OSError):  # what it holds cannot be written
+                self.close()
+            self.stream = open(os.devnull, "w", encoding="utf-8")  # noqa: PTH123, SIM115
+
+
 @contextmanager
 def recorded(args: argparse.Namespace) -> Iterator[None]:
     """Log to the file that is asked for, and take a polite request to end (SIGTERM) like Ctrl-C, meanwhile.
@@ -81,9 +99,9 @@ def recorded(args: argparse.Namespace) -> Iterator[None]:
     """
     if args.log_file is not None:
         _check_log(Path(args.log_file), Path(args.output))
-    logger = logging.getLogger("rockpulse")
+    logger, begun = logging.getLogger("rockpulse"), False
     before = logger.level
-    handler = None if args.log_file is None else logging.FileHandler(args.log_file, encoding="utf-8")
+    handler = None if args.log_file is None else _LogFile(args.log_file, encoding="utf-8")
     if handler is not None:
         handler.setFormatter(logging.Formatter(LOG_FORMAT))
         logger.addHandler(handler)
@@ -92,6 +110,9 @@ def recorded(args: argparse.Namespace) -> Iterator[None]:
     main = threading.current_thread() is threading.main_thread()  # signals are the main thread's
     old = signal.signal(signal.SIGTERM, _end) if main else None
     try:
+        if handler is not None and handler.failed:
+            raise ConfigError(f"--log-file {args.log_file}: cannot be written ({handler.failed}); choose another file")
+        begun = True
         with compiling_told(args.quiet):
             yield
     finally:
@@ -101,6 +122,8 @@ def recorded(args: argparse.Namespace) -> Iterator[None]:
             logger.removeHandler(handler)
             logger.setLevel(before)
             handler.close()
+            if handler.failed and begun:
+                _say(f"--log-file {args.log_file}: {handler.failed}: the end of the log is missing")
 
 
 def nothing_written(failures: Sequence[Failure], what: str, quiet: bool) -> int:

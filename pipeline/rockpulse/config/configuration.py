@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import dataclasses
 import os
-import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from glob import escape, has_magic
@@ -32,11 +31,18 @@ from rockpulse.config.settings import (
     SiteSettings,
 )
 from rockpulse.config.uncertainty_settings import UncertaintySettings
-from rockpulse.errors import ConfigError
+from rockpulse.errors import ConfigError, ResultsError
+from rockpulse.input_file import TOML_LIMIT, parse_toml, read_text
 from rockpulse.ladder import ModelSettings, SearchSettings
 from rockpulse.option import Section, hint
 
-__all__ = ["Config", "config_from_text", "load_config", "located"]
+__all__ = ["Config", "config_from_text", "load_config", "located", "stored_sections"]
+
+#: Sections of which there may be several.
+SEVERAL = ("block", "demand")
+
+#: What messages call a configuration that results hold.
+STORED = "the configuration stored in the results"
 
 
 @dataclass(frozen=True)
@@ -153,8 +159,21 @@ def located(path: str, folder: Path) -> Path:
 
 
 def config_from_text(text: str) -> Config:
-    """The configuration that results hold as text, as :meth:`Config.as_text` made it."""
-    return _build(tomllib.loads(text), Path())
+    """The configuration that results hold as text, as :meth:`Config.as_text` made it; a ResultsError for another."""
+    try:
+        return _build(stored_sections(text), Path())
+    except ConfigError as error:
+        raise ResultsError(f"{STORED}: {error}") from None
+
+
+def stored_sections(text: str) -> dict[str, Any]:
+    """The sections of the configuration that results hold as text; a ResultsError where these are no sections."""
+    found = parse_toml(text, STORED, ResultsError)
+    for name, values in found.items():
+        several = name in SEVERAL and isinstance(values, list)
+        if not all(isinstance(section, dict) for section in (values if several else [values])):
+            raise ResultsError(f"{STORED}: [{name}]: expected a section with keys")
+    return found
 
 
 def load_config(path: str | Path) -> Config:
@@ -172,17 +191,13 @@ def load_config(path: str | Path) -> Config:
     Raises
     ------
     ConfigError
-        For a file that is no TOML, an unknown section or key, a wrong type or a value that is not allowed.
+        For a pipe or a device, a file of more than 1 MB or that is no TOML, an unknown section or key, a wrong type
+        or a value that is not allowed.
     OSError
         Where the file cannot be opened.
     """
     path = Path(path)
-    try:
-        document = tomllib.loads(path.read_bytes().decode("utf-8-sig"))
-    except UnicodeDecodeError as error:
-        raise ConfigError(f"{path}: expected a TOML file in UTF-8, found byte {error.start} outside it") from None
-    except tomllib.TOMLDecodeError as error:
-        raise ConfigError(f"{path}: not valid TOML: {error}") from None
+    document = parse_toml(read_text(path, TOML_LIMIT, "a TOML file"), str(path))
     try:
         return _build(document, path.parent)
     except ConfigError as error:
@@ -190,7 +205,7 @@ def load_config(path: str | Path) -> Config:
 
 
 def _build(document: Mapping[str, Any], folder: Path) -> Config:
-    known = [*SECTIONS, "block", "demand"]
+    known = [*SECTIONS, *SEVERAL]
     for name in document:
         if name not in known:
             told = f"known are {', '.join(known)}"

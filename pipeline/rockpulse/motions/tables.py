@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import io
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -12,6 +13,7 @@ import numpy as np
 
 from rockpulse.config.configuration import Config, located
 from rockpulse.errors import ConfigError
+from rockpulse.input_file import read_text
 
 __all__ = [
     "Selection",
@@ -177,11 +179,11 @@ def _read(path: Path, column: str, where: str) -> dict[str, str]:
 def _rows(path: Path, columns: Sequence[str], where: str) -> tuple[list[str], list[tuple[int, dict[str, str]]]]:
     """The header of a CSV table that has some columns, and its rows by their lines."""
     named = ", ".join(columns)
+    text = read_text(path, what=f"a CSV table with the columns {named}")
     try:
-        with path.open(encoding="utf-8-sig", newline="") as file:
-            reader = csv.reader(file, skipinitialspace=True, strict=True)
-            rows = [(reader.line_num, [cell.strip() for cell in row]) for row in reader if any(map(str.strip, row))]
-    except (csv.Error, UnicodeError) as error:
+        reader = csv.reader(io.StringIO(text, newline=""), skipinitialspace=True, strict=True)
+        rows = [(reader.line_num, [cell.strip() for cell in row]) for row in reader if any(map(str.strip, row))]
+    except csv.Error as error:
         raise ConfigError(f"{where}: {path}: expected a CSV table with the columns {named}: {error}") from None
     if not rows:
         raise ConfigError(f"{where}: {path}: expected a CSV table with the columns {named}; it is empty")

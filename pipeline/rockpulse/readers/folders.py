@@ -19,8 +19,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from rockpulse.errors import ConfigError, RecordFormatError, RockpulseError
+from rockpulse.errors import ConfigError, RecordFormatError, RecordRefused, RockpulseError
 from rockpulse.failures import NO_RECORD, Failure
+from rockpulse.input_file import check_regular
 from rockpulse.readers import ReadOptions, read_source
 from rockpulse.readers.archive import Archive, is_archive
 from rockpulse.readers.format import FileSettings
@@ -273,8 +274,7 @@ def open_files(found: Found, station_files: Callable[[Path], list[tuple[str, byt
     path = found.path
     try:
         check_link(path)
-        if path.exists() and not path.is_file():
-            raise OSError(f"{path}: expected a regular file, found a device, socket or pipe")
+        check_regular(path, RecordRefused)
         if not is_archive(path):
             yield Opened(str(path), open_source(path, partial(station_files, path.parent)))
             return

@@ -15,6 +15,7 @@ from pathlib import Path, PurePosixPath
 from typing import BinaryIO
 
 from rockpulse.errors import RecordFormatError, RecordRefused
+from rockpulse.input_file import check_regular
 
 __all__ = [
     "FILE_LIMIT",
@@ -221,8 +222,8 @@ def open_source(path: Path, station_files: StationFiles | None = None) -> Source
     RecordFormatError
         If the file is empty, or is no sound gzip file though it begins like one.
     RecordRefused
-        If it is an archive, larger than `FILE_LIMIT` (compressed or not; when the content is asked for), or compressed
-        more than `RATIO_LIMIT` times.
+        If it is a pipe, a device or an archive, larger than `FILE_LIMIT` (compressed or not; when the content is asked
+        for), or compressed more than `RATIO_LIMIT` times.
     """
     name = str(path)
     check_link(path)
@@ -230,6 +231,7 @@ def open_source(path: Path, station_files: StationFiles | None = None) -> Source
         raise IsADirectoryError(
             f"{name}: a folder; read it with rockpulse.readers.folders.read_all, or name a file in it"
         )
+    check_regular(path, RecordRefused)
     with path.open("rb") as stream:
         compressed = stream.read(len(_GZIP)) == _GZIP
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import tomllib
 from collections.abc import Iterable, Iterator
 from contextlib import nullcontext
 from itertools import groupby
@@ -11,7 +10,9 @@ from pathlib import Path
 
 import h5py
 
+from rockpulse.config.configuration import stored_sections
 from rockpulse.errors import RecordRefused, ResultsError, RockpulseError
+from rockpulse.input_file import check_regular
 from rockpulse.readers.archive import Archive, is_archive
 from rockpulse.readers.source import open_source
 from rockpulse.record.record import BETWEEN
@@ -51,10 +52,10 @@ def record_folders(configuration: str) -> list[Path]:
     The paths of its records are absolute. A text that is no configuration names no folder.
     """
     try:
-        records = tomllib.loads(configuration).get("records", {})
-    except tomllib.TOMLDecodeError:
+        named = stored_sections(configuration).get("records", {}).get("paths", ())
+    except ResultsError:
         return []
-    paths = map(Path, records.get("paths", ()))
+    paths = [Path(path) for path in named if isinstance(path, str)] if isinstance(named, list | tuple) else []
     return list(dict.fromkeys(folder for path in paths for folder in (path, *path.parents)))
 
 
@@ -101,6 +102,7 @@ def input_checksums(sources: Iterable[str]) -> Iterator[tuple[str, str | Excepti
             yield from ((name, None) for name in names)
             continue
         try:
+            check_regular(place, ResultsError)
             opened = Archive(place) if is_archive(place) else nullcontext()
         except (RockpulseError, OSError) as error:
             yield from ((name, error) for name in names)

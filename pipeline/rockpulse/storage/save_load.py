@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 import os
 import platform
-import tomllib
 from collections.abc import Callable, Iterator, Mapping
 from datetime import UTC, datetime
 from functools import cache
@@ -15,8 +14,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from rockpulse.config.configuration import stored_sections
 from rockpulse.config.settings import SPACINGS, SequenceSettings
 from rockpulse.errors import ResultsError
+from rockpulse.input_file import check_regular
 from rockpulse.remark import find, recognised, with_codes
 from rockpulse.storage.accuracy_variables import REPORT
 from rockpulse.storage.assessment_variables import minor_of
@@ -210,9 +211,8 @@ def _spacing(
     from rocking.sequence import ImpulseSequence, sequence_response
 
     try:
-        settings = tomllib.loads(str(configuration)).get("sequence", {})
-        configured = settings.get("spacing", SequenceSettings().spacing)
-    except (tomllib.TOMLDecodeError, AttributeError):  # no TOML, none at all, or no section of that name
+        configured = stored_sections(str(configuration)).get("sequence", {}).get("spacing", SequenceSettings().spacing)
+    except ResultsError:  # no TOML, or none at all
         return NOT_KNOWN
     if configured not in SPACINGS:
         return NOT_KNOWN
@@ -273,6 +273,7 @@ def check_schema(path: str | os.PathLike[str], reports: bool = False) -> str:
     """
     import h5py
 
+    check_regular(path, ResultsError)
     with Path(path).open("rb"):
         pass
     try:

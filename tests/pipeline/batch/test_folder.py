@@ -115,7 +115,7 @@ UNREADABLE = {
     "sum.AT2.gz": (other_checksum(gzip.compress(at2(wave(0.42)))), r"damaged gzip file \(CRC check failed"),
     "cut.zip": (archive()[:-30], r"damaged zip archive"),
     "link.AT2": (None, r"the symbolic link points nowhere, gone.AT2 does not exist"),
-    "pipe.AT2": (None, r"expected a regular file, found a device, socket or pipe"),
+    "pipe.AT2": (None, r"expected a file, found a pipe; write what it gives to a file"),
 }
 
 BESIDE = r": no record$"

@@ -266,3 +266,13 @@ def test_records_that_fail_are_named_and_the_rest_goes_on(tmp_path, capsys):
     assert column(report, "failures/kind").tolist() == ["failed", "failed"]
     assert column(report, "failures/stage").tolist() == ["read", "accuracy"]
     assert set(column(report, "model_form/ensemble")) == {"synthetic"}
+
+
+def test_a_run_without_one_record_of_those_that_were_named_ends_at_once(tmp_path, monkeypatch, capsys):
+    def measured_all_the_same(*args, **options):
+        raise AssertionError
+
+    monkeypatch.setattr(measurement, "accuracy", measured_all_the_same)
+    assert main(["accuracy", str(tmp_path), "-o", str(tmp_path / "x.h5")]) == 1
+    assert "not one record could be read, nothing was written" in capsys.readouterr().err
+    assert list(tmp_path.iterdir()) == []

@@ -8,6 +8,7 @@
 
 from __future__ import annotations
 
+import io
 import math
 from dataclasses import dataclass
 from pathlib import Path
@@ -18,6 +19,7 @@ import pandas as pd
 
 from rockpulse.config.check_settings import CheckSettings
 from rockpulse.errors import ConfigError
+from rockpulse.input_file import read_text
 from rockpulse.record.record import STANDARD_GRAVITY
 
 __all__ = ["CodeSpectrum", "DemandSpectrum", "TabledSpectrum", "damping_factor", "displacement_of", "spectrum_of"]
@@ -55,9 +57,6 @@ TOPOGRAPHY = {"T1": 1.0, "T2": 1.2, "T3": 1.2, "T4": 1.4}
 
 #: Periods at which the displacements of a table are looked at.
 PERIODS = 401
-
-#: Largest table of a spectrum that is read [bytes].
-LARGEST_FILE = 1_000_000
 
 
 def damping_factor(damping: float) -> float:
@@ -228,13 +227,12 @@ def spectrum_of(settings: CheckSettings, folder: Path = Path()) -> DemandSpectru
 
 
 def _tabled(path: Path) -> TabledSpectrum:
+    if not path.exists():
+        raise ConfigError(f"{path}: expected a table of a spectrum, found no file")
+    text = read_text(path, what="a table of a spectrum")
     try:
-        if not path.is_file():
-            raise ConfigError(f"{path}: expected a table of a spectrum, found no file")
-        if path.stat().st_size > LARGEST_FILE:
-            raise ConfigError(f"{path}: expected at most {LARGEST_FILE} bytes, found {path.stat().st_size}")
-        table = pd.read_csv(path, comment="#", skipinitialspace=True)
-    except (OSError, ValueError) as error:
+        table = pd.read_csv(io.StringIO(text), comment="#", skipinitialspace=True)
+    except ValueError as error:
         raise ConfigError(f"{path}: cannot be read as a table: {str(error).splitlines()[0]}") from None
     heads = [str(name).strip().lower() for name in table.columns]
     units = {"sa [g]": STANDARD_GRAVITY, "sa [m/s2]": 1.0}

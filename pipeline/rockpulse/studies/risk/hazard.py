@@ -19,6 +19,7 @@ import pandas as pd
 
 from rockpulse.config.hazard_settings import HAZARD_MEASURES, HazardSettings
 from rockpulse.errors import ConfigError
+from rockpulse.input_file import read_text
 from rockpulse.record.record import STANDARD_GRAVITY
 
 __all__ = ["Hazard", "HazardCurve", "PowerLawHazard", "hazard_of", "load_hazard"]
@@ -30,8 +31,6 @@ VELOCITIES = {"m/s": 1.0, "cm/s": 0.01}
 #: Units of OpenQuake's levels.
 OPENQUAKE = {"pga": "g", "sa": "g", "pgv": "cm/s"}
 
-#: Largest file that is read as a hazard curve [bytes].
-LARGEST_FILE = 20_000_000
 
 EXPECTED = (
     'expected columns "pga [g],rate" (or pgv, si, sa(1.0), and "probability in 50 years"), OpenQuake\'s hazard curves '
@@ -245,14 +244,9 @@ def load_hazard(path: str | Path, site: tuple[float, float] | None = None) -> Ha
         For a file that is none of these, or of several sites where none was named.
     """
     where = Path(path)
-    try:
-        if not where.is_file():
-            raise ConfigError(f"{path}: expected a file with a hazard curve, found none")
-        if where.stat().st_size > LARGEST_FILE:
-            raise ConfigError(f"{path}: expected at most {LARGEST_FILE} bytes, found {where.stat().st_size}")
-        text = where.read_text(encoding="utf-8-sig")
-    except (OSError, UnicodeDecodeError) as error:
-        raise ConfigError(f"{path}: cannot be read as a hazard curve: {error}") from None
+    if not where.exists():
+        raise ConfigError(f"{path}: expected a file with a hazard curve, found none")
+    text = read_text(where, what="a hazard curve")
     lines = text.splitlines()
     if lines and lines[0].startswith("#") and "investigation_time" in lines[0]:
         return _openquake(str(path), lines, site)

@@ -8,6 +8,7 @@
 
 from __future__ import annotations
 
+import io
 import math
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -19,6 +20,7 @@ from scipy.special import stdtrit
 from rocking.block import Block
 from rockpulse.calibration.design_spectrum import at_blocks, within
 from rockpulse.errors import ConfigError, ResultsError
+from rockpulse.input_file import read_text
 from rockpulse.storage.risk_variables import INVENTORY
 from rockpulse.studies.fragility.curves import jackknife_error
 from rockpulse.studies.risk.hazard import Hazard
@@ -122,11 +124,12 @@ def read_inventory(path: str | Path) -> tuple[list[str], Block]:
         For a file that is no such table, a name that is empty or twice, or numbers that are not positive.
     """
     where = Path(path)
+    if not where.exists():
+        raise ConfigError(f"{path}: expected a table of bodies, found no file")
+    text = read_text(where, what="a table of bodies")
     try:
-        if not where.is_file():
-            raise ConfigError(f"{path}: expected a table of bodies, found no file")
-        table = pd.read_csv(where, comment="#", skipinitialspace=True, dtype={"name": str})
-    except (OSError, ValueError) as error:
+        table = pd.read_csv(io.StringIO(text), comment="#", skipinitialspace=True, dtype={"name": str})
+    except ValueError as error:
         raise ConfigError(f"{path}: cannot be read as a table of bodies: {str(error).splitlines()[0]}") from None
     needed = ["name", "width [m]", "height [m]"]
     if missing := [name for name in needed if name not in table.columns]:

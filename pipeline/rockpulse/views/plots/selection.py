@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Sequence
 from difflib import get_close_matches
 from fnmatch import fnmatchcase
@@ -13,6 +12,7 @@ import numpy as np
 from rocking.block import Block
 from rocking.impulse_sequence import ImpulseSequence
 from rocking.restraint import Restraints
+from rockpulse.config.configuration import stored_sections
 from rockpulse.errors import ResultsError
 from rockpulse.ladder import ModelSettings
 from rockpulse.storage.hdf5_reader import flag_words
@@ -90,7 +90,7 @@ def chosen_case(summary: xr.Dataset, case: int) -> dict[str, int]:
 
 def setting(tree: xr.DataTree, section: str, name: str, otherwise: Any) -> Any:
     """A key of the configuration that the results were made with, `otherwise` its default."""
-    return tomllib.loads(str(tree.attrs.get("configuration", ""))).get(section, {}).get(name, otherwise)
+    return stored_sections(str(tree.attrs.get("configuration", ""))).get(section, {}).get(name, otherwise)
 
 
 def block_of(summary: xr.Dataset, block: str, case: int = 1) -> Block:

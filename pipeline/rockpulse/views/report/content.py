@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import tomllib
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from rockpulse.assessment.answers import Motions, answers_of
 from rockpulse.assessment.verdict import BodyVerdict, verdicts
+from rockpulse.config.configuration import stored_sections
 from rockpulse.views.report.answers import AnswerCells, answer_table, count_table
 from rockpulse.views.report.bodies import body_table, event_table
 from rockpulse.views.report.caveats import Caveat, caveats
@@ -66,7 +66,7 @@ def gather(tree: xr.DataTree, site: Paired | None = None, fragility: Paired | No
     found = verdicts(answers)
     cells = AnswerCells(answers)
     assessed = 0 if motions.kind == "sequence" else summary.sizes["record"]
-    sections = tomllib.loads(str(tree.attrs.get("configuration", "")))
+    sections = stored_sections(str(tree.attrs.get("configuration", "")))
     files = files_used(tree)
     return Content(
         title=str(tree.attrs.get("title", "")),

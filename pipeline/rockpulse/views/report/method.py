@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-import tomllib
 from typing import TYPE_CHECKING
 
+from rockpulse.config.configuration import stored_sections
 from rockpulse.ladder import MODELS
 from rockpulse.views.shared.table import Fact
 
@@ -101,7 +101,7 @@ def assumptions(tree: xr.DataTree) -> tuple[Fact, ...]:
         f"acts on {acted} of {summary.sizes['record']} records (nonlinear model)." if acted else "is not applied."
     )
     facts.append(Fact("Vertical acceleration", (vertical,)))
-    section = tomllib.loads(str(tree.attrs.get("configuration", ""))).get("conditioning", {})
+    section = stored_sections(str(tree.attrs.get("configuration", ""))).get("conditioning", {})
     filters = [f"{name} = {section[name]}" for name in ("highpass_hz", "lowpass_hz") if name in section]
     if filters:
         facts.append(

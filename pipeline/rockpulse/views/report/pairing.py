@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-import tomllib
 from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
@@ -11,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from rockpulse.assessment.answers import Answers, Body, bodies_of
+from rockpulse.config.configuration import stored_sections
 from rockpulse.errors import ResultsError
 from rockpulse.failures import some
 from rockpulse.storage.fragility_variables import FRAGILITY
@@ -195,7 +195,7 @@ def _check_factors(summary: xr.Dataset, site: xr.Dataset, name: str) -> None:
 
 
 def _other_settings(results: xr.DataTree, other: xr.DataTree) -> tuple[str, ...]:
-    here, there = (tomllib.loads(str(one.attrs.get("configuration", ""))) for one in (results, other))
+    here, there = (stored_sections(str(one.attrs.get("configuration", ""))) for one in (results, other))
     said = []
     for section, keys in _OF_THE_MOTION.items():
         own, others = here.get(section, {}), there.get(section, {})

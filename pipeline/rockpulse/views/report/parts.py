@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import tomllib
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from rockpulse.config.configuration import stored_sections
 from rockpulse.ladder import SEQUENCE_MODELS
 from rockpulse.views.report.pairing import Paired, listed
 from rockpulse.views.shared.files_used import files_used
@@ -144,7 +144,7 @@ def describe_fragility(of: Paired, assessed: int, model: str) -> Part:
 def _differences(of: Paired, assessed: int, model: str) -> list[str]:
     """Sentences on the things in which the curves and the verdict differ."""
     said = of.other_motions("The curves are", assessed)
-    equation = tomllib.loads(str(of.tree.attrs.get("configuration", ""))).get("fragility", {}).get("equation", model)
+    equation = stored_sections(str(of.tree.attrs.get("configuration", ""))).get("fragility", {}).get("equation", model)
     if equation != model and model not in ("auto", *SEQUENCE_MODELS):
         said.append(f"The curves are by the {equation} equation of motion, the verdict is by the {model} model.")
     if of.missing:
