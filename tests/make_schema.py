@@ -3,25 +3,13 @@
 import re
 from pathlib import Path
 
-from rockpulse.storage.accuracy_variables import TABLES
-from rockpulse.storage.assessment_variables import ASSESSMENT_GROUPS
-from rockpulse.storage.fragility_variables import FRAGILITY_GROUPS
-from rockpulse.storage.rule_variables import RULE_TABLES
+from rockpulse.storage.layout import GROUPS
 from rockpulse.storage.save_load import SCHEMA_VERSION
-from rockpulse.storage.site_spectrum_variables import SITE_GROUPS
-from rockpulse.storage.study_variables import STUDY_GROUPS
 
 PAGE = Path(__file__).parents[1] / "docs" / "schema.md"
 
-#: Declarations by the kind of file, and by group.
-KINDS = {
-    "assessment": ASSESSMENT_GROUPS,
-    "fragility": FRAGILITY_GROUPS,
-    "accuracy": {f"/{name}": table for name, table in TABLES.items()},
-    "site": SITE_GROUPS,
-    "study": STUDY_GROUPS,
-    "rule": {f"/{name}": table for name, table in RULE_TABLES.items()},
-}
+#: Declarations by the first word of the kind of file, and by group.
+KINDS = {kind.partition(" ")[0]: groups for kind, groups in GROUPS.items()}
 
 #: A table: the kind of file and, where it is of one group, the group.
 TABLE = re.compile(r"(<!-- variables: (\w+)(?: (/\w+))? -->\n).*?(<!-- end -->)", re.DOTALL)

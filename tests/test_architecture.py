@@ -20,7 +20,7 @@ ROOMS = """
 rocking
 rockpulse.version rockpulse.failures rockpulse.remark
 rockpulse.errors
-rockpulse.option rockpulse.file_set rockpulse.input_file
+rockpulse.option rockpulse.file_set rockpulse.foreign_text rockpulse.input_file
 rockpulse.record
 rockpulse.readers
 rockpulse.calibration
@@ -204,6 +204,18 @@ def test_no_error_is_caught_bare_or_passed_over():
                 passed = all(isinstance(item, ast.Pass) for item in node.body)
                 offenders += [f"{place(path, node)}: passed over"] if passed else []
     assert offenders == []
+
+
+def test_texts_reach_the_terminal_by_one_way():
+    """The one that shows control characters as escapes; the command line itself finds out there who still reads."""
+    offenders = [
+        place(path, node)
+        for path in SOURCES
+        for node in ast.walk(parsed(path))
+        if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id == "print"
+    ]
+    allowed = ("pipeline/rockpulse/commands/telling.py", "pipeline/rockpulse/cli.py")
+    assert [offender for offender in offenders if not offender.startswith(allowed)] == []
 
 
 def test_the_public_names_are_there():

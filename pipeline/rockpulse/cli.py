@@ -13,7 +13,7 @@ import sys
 from collections.abc import Sequence
 
 from rockpulse.commands import VERBS
-from rockpulse.commands.file_fault import file_fault
+from rockpulse.commands.file_fault import file_fault, results_fault
 from rockpulse.commands.parser import Parser
 from rockpulse.commands.telling import forsake, tell
 from rockpulse.errors import ConfigError, RockpulseError, StoppedAtFailure
@@ -82,6 +82,10 @@ def main(argv: Sequence[str] | None = None) -> int:
         if isinstance(error, BrokenPipeError) and _reader_has_left():  # as in `rockpulse ... | head`
             return 0
         return _ended(file_fault(error, args), USAGE)
+    except Exception:
+        if not (wrong := results_fault(args)):
+            raise
+        return _ended(wrong, USAGE)
     except KeyboardInterrupt as error:
         return _ended(str(error) or "interrupted", INTERRUPTED)
 

@@ -28,10 +28,12 @@ from rockpulse.storage.variables import failure_table
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["RUN_ID", "JournalParts", "assemble", "is_assembled", "write_results"]
+__all__ = ["RUN_DIGEST", "RUN_ID", "JournalParts", "assemble", "is_assembled", "run_digest", "write_results"]
 
 #: Attribute of the root: the run that wrote the file, as its journal names it.
 RUN_ID = "run_id"
+#: Attribute of the root: SHA-256 of all that the run was asked for, as :func:`rockpulse.batch.plan.digest_of` makes it.
+RUN_DIGEST = "run_digest"
 
 #: Values that are put together before they are written [bytes].
 CHUNK = 32 * 1024**2
@@ -65,19 +67,24 @@ class JournalParts:
 
 
 def write_results(
-    output: str | os.PathLike[str], parts: JournalParts, prepared: Prepared, failures: list[Failure], overwrite: bool
+    output: str | os.PathLike[str],
+    parts: JournalParts,
+    prepared: Prepared,
+    failures: list[Failure],
+    overwrite: bool,
+    digest: str,
 ) -> int:
     """Write the results of a run; the number of motions in them, none where there was nothing to write."""
-    analysis, run_id = parts.analysis, parts.journal.run_id
+    analysis, run = parts.analysis, {RUN_ID: parts.journal.run_id, RUN_DIGEST: digest}
     if isinstance(analysis, Assessment):
         if not any(True for _ in parts):
             return 0
         empty, swept = analysis.template, swept_directions(prepared.planned, analysis.config)
-        return assemble(output, empty, parts, failures, swept, overwrite, run_id)
+        return assemble(output, empty, parts, failures, swept, overwrite, run)
     found = list(parts)
     tree = analysis.collect(found, prepared.planned, failures)
     if found:
-        tree.attrs[RUN_ID] = run_id
+        tree.attrs.update(run)
         save(tree, output, overwrite)
     return len(found)
 
@@ -89,15 +96,15 @@ def assemble(
     failures: Sequence[Failure] = (),
     swept: Mapping[str, Sequence[str]] | None = None,
     overwrite: bool = False,
-    run_id: str = "",
+    run: Mapping[str, str] | None = None,
     chunk: int = CHUNK,
 ) -> int:
     """Write the results file that :func:`rockpulse.save` would write of the whole tree; the number of records in it.
 
     `template` is the tree without a record, `parts` what each record adds to it, in the order of the rows. They are
     gone through twice, for their sizes first; an iterator, which can be gone through once, is refused. At most `chunk`
-    bytes of arrays, or the largest part, are put together before they are written, which bounds the memory. With
-    `run_id` :func:`is_assembled` knows the file.
+    bytes of arrays, or the largest part, are put together before they are written, which bounds the memory. `run` are
+    attributes by which :func:`is_assembled` and :func:`run_digest` know the file again.
 
     Raises
     ------
@@ -109,7 +116,7 @@ def assemble(
     measured = _measure(parts)
     pairs = _present(swept or {}, measured.records)
     check_described(template, path)
-    attrs = provenance(template.attrs) | ({RUN_ID: run_id} if run_id else {})
+    attrs = provenance(template.attrs) | dict(run or {})
     size = _size(measured, template, len(pairs))
     with replacing(path, overwrite, attrs["kind"], size) as target, TreeWriter(target, attrs) as writer:
         _lay_out(writer, template, measured.sizes, failures, len(pairs))
@@ -120,14 +127,23 @@ def assemble(
 
 
 def is_assembled(path: str | os.PathLike[str], run_id: str) -> bool:
-    """Whether a run has written this file, which need not exist, and its journal is still there."""
+    """Whether a run, whose journal is still there, has written this file, which need not exist."""
+    return _attribute(path, RUN_ID) == run_id
+
+
+def run_digest(path: str | os.PathLike[str]) -> str:
+    """What the run was asked for that has written this file; an empty text where there is none that says so."""
+    return _attribute(path, RUN_DIGEST)
+
+
+def _attribute(path: str | os.PathLike[str], name: str) -> str:
     import h5py
 
     if not Path(path).is_file() or not h5py.is_hdf5(path):
-        return False
+        return ""
     try:
         with h5py.File(path, "r") as file:
-            return bool(file.attrs.get(RUN_ID) == run_id)
+            return str(file.attrs.get(name, ""))
     except (OSError, RuntimeError) as error:
         raise ResultsError(
             f"{path}: the file is damaged ({error}); remove it by hand, or give --overwrite together with --resume",

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from collections.abc import Mapping
 
 import numpy as np
@@ -54,7 +55,7 @@ def unpack(packed: bytes) -> dict[str, np.ndarray]:
         dtype = np.dtype(kind)
         if dtype.kind not in KINDS:
             raise ValueError(f"{name}: expected numbers or texts, found type {dtype}")
-        count = int(np.prod(shape, dtype=int))
+        count = math.prod(shape)
         size = count * dtype.itemsize
         if offset + size > len(packed):
             raise ValueError(f"{name}: expected {size} bytes of packed arrays, found {len(packed) - offset}")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, fields, replace
 from functools import lru_cache
 from pathlib import Path
@@ -11,7 +11,7 @@ from typing import TypeVar
 
 import rocking
 from rockpulse.batch.located import Located
-from rockpulse.config.configuration import Config
+from rockpulse.config.configuration import Config, located
 from rockpulse.config.fragility_settings import FragilitySettings
 from rockpulse.config.settings import SECTIONS, CalibrationSettings
 from rockpulse.motions.directions import PlannedMotion
@@ -21,7 +21,7 @@ from rockpulse.record.record import BETWEEN, Record, id_matches
 from rockpulse.storage.save_load import SCHEMA_VERSION
 from rockpulse.version import __version__
 
-__all__ = ["Task", "configuration_fingerprint", "program_digest", "read_options", "tasks_of"]
+__all__ = ["Task", "configuration_fingerprint", "digest_of", "program_digest", "read_options", "tasks_of"]
 
 #: Sections of the configuration on which no record's numbers depend, by verb.
 IDLE = {
@@ -66,9 +66,9 @@ class Task:
         return replace(self.planned, channels=channels, vertical=vertical, partner=partner)
 
 
-def tasks_of(planned: Iterable[PlannedMotion], located: Iterable[Located], config: Config, verb: str) -> list[Task]:
+def tasks_of(planned: Iterable[PlannedMotion], channels: Iterable[Located], config: Config, verb: str) -> list[Task]:
     """A task for each channel or pair that an analysis has planned on located records."""
-    of_id = {one.record.id: one for one in located}
+    of_id = {one.record.id: one for one in channels}
     settings, confirm = configuration_fingerprint(config, verb), config.records.confirm
 
     def place(record: Record) -> Located:
@@ -110,6 +110,16 @@ def configuration_fingerprint(config: Config, verb: str) -> str:
     bodies = [repr(entry) for entry in (*blocks, *config.demands)]
     chosen = repr(selection_of(config)) if verb == "fragility" else ""
     return _digest([verb, __version__, program_digest(), SCHEMA_VERSION, *sections, *bodies, chosen])
+
+
+def digest_of(tasks: Iterable[Task], events: Mapping[str, str], config: Config, verb: str) -> str:
+    """SHA-256 of all that a run is asked for: every record, the earthquake of each, and the whole configuration."""
+    text = replace(config, run=replace(config.run, workers=1)).as_text()
+    table = located(config.calibration.weighting, config.folder)  # or the name of a rule
+    weights = hashlib.sha256(table.read_bytes()).hexdigest() if table.is_file() else ""
+    return _digest(
+        [verb, text, weights, *sorted(f"{one.key} {one.fingerprint} {events.get(one.key)}" for one in tasks)]
+    )
 
 
 def _as_default(settings: SettingsOf, keys: Iterable[str]) -> SettingsOf:

@@ -13,13 +13,13 @@ from pathlib import Path
 
 from rocking.threads import available_cores, thread_limit
 from rockpulse.assessment.assessment import Assessment
-from rockpulse.batch.assembly import JournalParts, is_assembled, write_results
+from rockpulse.batch.assembly import JournalParts, is_assembled, run_digest, write_results
 from rockpulse.batch.crew import Crew, WorkerLost
 from rockpulse.batch.journal import UNFINISHED, Journal, journal_path
 from rockpulse.batch.kept import finished, kept, worth
 from rockpulse.batch.located import Located
 from rockpulse.batch.options import BatchOptions
-from rockpulse.batch.plan import Task, read_options, tasks_of
+from rockpulse.batch.plan import Task, digest_of, read_options, tasks_of
 from rockpulse.batch.survey import gather, survey_file
 from rockpulse.batch.tasks import carry_out
 from rockpulse.batch.warm import warm_up
@@ -169,7 +169,7 @@ def fragility_files(
 def _run(
     analysis: Analysis, paths: PathLike | Iterable[PathLike], output: PathLike, options: BatchOptions
 ) -> BatchReport:
-    # A run that is resumed may find its own file there.
+    # A run that is resumed may find its own file there, even one that is finished.
     check_target(output, options.overwrite or options.resume, analysis.kind)
     if options.scheduler is not None:  # its workers stand in folders of their own
         given = [paths] if isinstance(paths, str | os.PathLike) else paths
@@ -182,7 +182,8 @@ def _run(
         tasks: list[Task] = []
         try:
             replace = options.overwrite or (options.resume and is_assembled(output, journal.run_id))
-            check_target(output, replace, analysis.kind)
+            before = "" if replace or not options.resume else run_digest(output)
+            check_target(output, replace or bool(before), analysis.kind)
             crew = _hired(hired, options, analysis, len(found))
             every, failures, unread = _surveyed(crew, found, failures, analysis, options)
             prepared = analysis.prepare([one.record for one in every], failures)
@@ -193,6 +194,12 @@ def _run(
                 if row.stage == "events":
                     options.tell(row.reason)
             _stop_at(prepared.failures, options)
+            asked = digest_of(tasks, prepared.events, analysis.config, analysis.name)
+            if before:  # the run that wrote the file has left no journal
+                check_target(output, before == asked, analysis.kind)
+                journal.remove()
+                options.tell(f"{output}: the run had ended before, nothing was left to do")
+                return BatchReport(Path(output), len(tasks), len(tasks), list(prepared.failures))
             missing = _missing(journal, tasks, analysis, options)
             crew = _hired(hired, options, analysis, len(missing), crew)
             report = _worked(crew, journal, tasks, missing, analysis, options)
@@ -200,7 +207,7 @@ def _run(
             keys = finished(journal, tasks)
             report.broken_off = unread + len(tasks) - len(keys)
             parts = JournalParts(journal, analysis, keys, prepared.events)
-            report.records = write_results(output, parts, prepared, report.failures, replace)
+            report.records = write_results(output, parts, prepared, report.failures, replace, asked)
         except RecordRefused:  # the records make no site
             _without_output(journal, tasks, options)
             raise

@@ -91,7 +91,7 @@ def _run(args: argparse.Namespace) -> int:
         tell("\n".join(filter(None, (listed, f"rockpulse: {failed}"))), sys.stderr)
     if not args.quiet:
         written = [args.output, *(map(str, tables.values())), *([] if picture is None else [str(picture)])]
-        print(f"{accuracy_overview(tree)}\n\nwritten: {', '.join(map(str, map(Path, written)))}")
+        tell(f"{accuracy_overview(tree)}\n\nwritten: {', '.join(map(str, map(Path, written)))}")
     return 1 if failed else 0
 
 

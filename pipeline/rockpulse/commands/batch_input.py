@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, NoReturn
 from rockpulse.commands.progress import compiling_told, progress_bars
 from rockpulse.commands.telling import tell
 from rockpulse.errors import ConfigError
+from rockpulse.foreign_text import escaped
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -74,6 +75,14 @@ def batch_options(args: argparse.Namespace) -> BatchOptions:
     )
 
 
+class _Escaping(logging.Formatter):
+    """Lines of a log with control characters as escapes."""
+
+    def format(self, record: logging.LogRecord) -> str:
+        """The line, or the lines, of a record."""
+        return escaped(super().format(record))
+
+
 class _LogFile(logging.FileHandler):
     """A log that ends where it can no longer be written, for the reason `failed`; the work goes on."""
 
@@ -103,7 +112,7 @@ def recorded(args: argparse.Namespace) -> Iterator[None]:
     before = logger.level
     handler = None if args.log_file is None else _LogFile(args.log_file, encoding="utf-8")
     if handler is not None:
-        handler.setFormatter(logging.Formatter(LOG_FORMAT))
+        handler.setFormatter(_Escaping(LOG_FORMAT))
         logger.addHandler(handler)
         logger.setLevel(logging.INFO)
         logger.info("rockpulse %s", " ".join(sys.argv[1:]))

@@ -73,10 +73,10 @@ def _run(args: argparse.Namespace) -> int:
                 size = f"{record.npts} samples at {record.dt:g} s, PGA {record.pga / STANDARD_GRAVITY:.4g} g"
                 unsaid = record.orientation == "structural" and not writer.structure
                 place = f", on a structure, which {file.path.name} cannot say" if unsaid else ""
-                print(f"{file.path}: {name}{f' as {code}' if code else ''}: {size}{place}")
+                tell(f"{file.path}: {name}{f' as {code}' if code else ''}: {size}{place}")
                 for warning in record.warnings:
-                    print(paragraph(warning, "      ", "    warning: "))
-        print("\n" + paragraph(writer.lost + ".", "  ", ""))
+                    tell(paragraph(warning, "      ", "    warning: "))
+        tell("\n" + paragraph(writer.lost + ".", "  ", ""))
     return 1 if failed else 0
 
 

@@ -6,6 +6,7 @@ import argparse
 import math
 
 from rockpulse.commands.selection_input import count
+from rockpulse.commands.telling import tell
 from rockpulse.commands.verb import Verb
 
 __all__ = ["VERB"]
@@ -52,7 +53,7 @@ def _run(args: argparse.Namespace) -> int:
     with open_results(args.first) as first, open_results(args.second) as second:
         found = compare_results(first, second, args.rtol, args.atol, args.ignore, args.limit)
         tolerance = f"rtol {args.rtol:g}" + (f", atol {args.atol:g}" if args.atol else "")
-        print(difference_overview(found, first, second, tolerance))
+        tell(difference_overview(found, first, second, tolerance))
     return 0 if found.same else 1
 
 

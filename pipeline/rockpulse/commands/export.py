@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from rockpulse.commands.progress import progress_bars
 from rockpulse.commands.selection_input import add_selection, read_selection
+from rockpulse.commands.telling import tell
 from rockpulse.commands.verb import Verb
 
 if TYPE_CHECKING:
@@ -50,6 +51,12 @@ def _add_arguments(parser: argparse.ArgumentParser) -> None:
         help="for a spreadsheet whose decimal sign is the comma (Italian, French, German ...): semicolons between the "
         "columns, decimal commas; default: commas, decimal points",
     )
+    parser.add_argument(
+        "--raw",
+        action="store_true",
+        help="texts as they are stored; default: control characters as escapes, and an apostrophe before what a "
+        "spreadsheet would compute",
+    )
     parser.add_argument("--overwrite", action="store_true", help="replace a table and a README that exist")
 
 
@@ -69,10 +76,12 @@ def _run(args: argparse.Namespace) -> int:
             f"{_demands(file, table)}"
         )
         with progress_bars(quiet=False)(total=len(table), desc="writing", unit=" rows") as bar:
-            written, readme = write_table(table, args.output, about, args.overwrite, bar.update, args.decimal_comma)
+            written, readme = write_table(
+                table, args.output, about, args.overwrite, bar.update, args.decimal_comma, args.raw
+            )
     limited = f" of {table.found}" if table.found > len(table) else ""
-    print(f"{written}: {len(table)}{limited} rows{table.per}, {len(table.columns)} columns")
-    print(f"{readme}: what the columns mean")
+    tell(f"{written}: {len(table)}{limited} rows{table.per}, {len(table.columns)} columns")
+    tell(f"{readme}: what the columns mean")
     return 0
 
 

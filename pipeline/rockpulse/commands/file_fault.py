@@ -1,4 +1,4 @@
-"""A fault of the file system in words for the user of the command line."""
+"""A fault of the file system, or of a results file, in words for the user of the command line."""
 
 from __future__ import annotations
 
@@ -7,7 +7,9 @@ import errno
 import os
 from pathlib import Path
 
-__all__ = ["file_fault"]
+from rockpulse.errors import RockpulseError
+
+__all__ = ["file_fault", "results_fault"]
 
 #: The command that would make a missing file, by the argument that names the file.
 MISSING = {
@@ -20,6 +22,9 @@ MISSING = {
     "first": "rockpulse assess writes one",
     "second": "rockpulse assess writes one",
 }
+
+#: Arguments that name results to read.
+RESULTS = ("results", "first", "second", "fragility", "site", "sequence")
 
 #: Arguments that name a file to write.
 WRITTEN = ("output", "log_file")
@@ -48,3 +53,26 @@ def file_fault(error: OSError, args: argparse.Namespace) -> str:
     if option in WRITTEN:
         return f"{shown}: cannot be written ({error.strerror}); choose another folder"
     return f"{shown}: no such file; check the path{f' ({MISSING[option]})' if option in MISSING else ''}"
+
+
+def results_fault(args: argparse.Namespace) -> str:
+    """What of the results that a verb was to read is not as it was written; empty where all of it is, or none is read.
+
+    Asked where a verb has failed for a reason of its own, to tell a defect of the program from one of the file.
+    """
+    from rockpulse.storage.verification import verify
+
+    named = [value for name in RESULTS if isinstance(value := getattr(args, name, None), str)]
+    for path in named:
+        if not Path(path).is_file():
+            continue
+        try:
+            found = verify(path, inputs=False)
+        except RockpulseError as error:
+            return str(error)
+        if found.variables and found.differences:  # without checksums nothing is compared
+            return (
+                f"{path}: {found.differences[0]}; the file is not as it was written and cannot be used: 'rockpulse "
+                "verify' says what else, run the assessment again"
+            )
+    return ""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 
+from rockpulse.commands.telling import tell
 from rockpulse.commands.verb import Verb
 
 __all__ = ["VERB"]
@@ -28,28 +29,28 @@ def _run(args: argparse.Namespace) -> int:
     read = [row for row in FORMATS if row.unit != ABSENT]
     refused = [row for row in FORMATS if row.unit == ABSENT]
     for row in read:
-        print(wrapped(f"{row.name} - {row.what}", "", _INDENT))
-        print(wrapped(f"recognised by: {row.recognised}", _INDENT, 2 * _INDENT))
-        print(wrapped(f"unit: {row.unit}; corrected: {row.processed}; such as {row.example}", _INDENT, 2 * _INDENT))
+        tell(wrapped(f"{row.name} - {row.what}", "", _INDENT))
+        tell(wrapped(f"recognised by: {row.recognised}", _INDENT, 2 * _INDENT))
+        tell(wrapped(f"unit: {row.unit}; corrected: {row.processed}; such as {row.example}", _INDENT, 2 * _INDENT))
     if refused:
-        print("\nKnown at sight and refused with the reason:")
+        tell("\nKnown at sight and refused with the reason:")
         for row in refused:
-            print(wrapped(f"{row.name} - {row.what}, such as {row.example}", "  ", 2 * _INDENT))
-    print()
-    print(
+            tell(wrapped(f"{row.name} - {row.what}, such as {row.example}", "  ", 2 * _INDENT))
+    tell("")
+    tell(
         wrapped(
             "Every file may be compressed with gzip or lie in a zip archive: files and members up to "
             f"{_mebibytes(FILE_LIMIT)}, compressed up to {RATIO_LIMIT} times; archives up to {MEMBER_LIMIT} members "
             f"and {_mebibytes(TOTAL_LIMIT)}, without archives in them."
         )
     )
-    print(
+    tell(
         wrapped(
             "obspy.read takes them too, in m/s2 with calib 1; K-NET, miniSEED and SAC it reads in its own way, in "
             "counts, and columns with format='COLUMNS', units='g' and, without times, dt=0.01."
         )
     )
-    print(f"Units: {', '.join(UNITS)}.")
+    tell(f"Units: {', '.join(UNITS)}.")
     return 0
 
 

@@ -6,6 +6,7 @@ import argparse
 from importlib.resources import files
 from pathlib import Path
 
+from rockpulse.commands.telling import tell
 from rockpulse.commands.verb import Verb
 from rockpulse.errors import ConfigError
 
@@ -19,7 +20,7 @@ def _add_arguments(parser: argparse.ArgumentParser) -> None:
 def _run(args: argparse.Namespace) -> int:
     template = files("rockpulse.config").joinpath("template.toml").read_text(encoding="utf-8")
     if args.output is None:
-        print(template, end="")
+        tell(template.removesuffix("\n"))
         return 0
     try:
         with Path(args.output).open("x", encoding="utf-8", newline="\n") as file:
@@ -27,7 +28,7 @@ def _run(args: argparse.Namespace) -> int:
     except FileExistsError:
         found = "a folder of this name" if Path(args.output).is_dir() else "the file"
         raise ConfigError(f"{args.output}: {found} exists; choose another name") from None
-    print(
+    tell(
         f"wrote {args.output}: fill in the blocks, then: rockpulse assess RECORDS --config {args.output} -o results.h5"
     )
     return 0

@@ -7,6 +7,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING
 
 from rockpulse.commands.selection_input import add_selection, count, read_selection
+from rockpulse.commands.telling import tell
 from rockpulse.commands.verb import Verb
 
 if TYPE_CHECKING:
@@ -60,23 +61,13 @@ def _add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def _run(args: argparse.Namespace) -> int:
-    from rockpulse.errors import ResultsError
     from rockpulse.storage.hdf5_reader import open_results
 
     with open_results(args.results) as file, file.reading():
         for group in SHOWN_WHOLE:
             if group in file.groups:
                 return _inspect_whole(file, group, args)
-        try:
-            parts = _parts(file, args)
-        except (KeyError, TypeError, AssertionError) as error:
-            gone = _incomplete(file)
-            if not gone:
-                raise
-            raise ResultsError(
-                f"{file.path}: the answers lack {gone}; 'rockpulse verify' says what else is not as it was written"
-            ) from error
-        print("\n\n".join(parts))
+        tell("\n\n".join(_parts(file, args)))
     return 0
 
 
@@ -111,15 +102,6 @@ def _check_worst(args: argparse.Namespace) -> None:
             f"--worst lists so many cases by their safety factor and does not go with {', '.join(beside)}; take --sort "
             "VARIABLE --limit N instead"
         )
-
-
-def _incomplete(file: ResultsFile) -> str:
-    """A message that names variables which another program has removed; empty if none is missing."""
-    from rockpulse.storage.assessment_variables import always_stored
-
-    there = file.dataset("summary").variables
-    expected = always_stored(str(file.attrs["schema_version"]))["/summary"]
-    return ", ".join(name for name in expected if name not in there)
 
 
 def _details(summary: xr.Dataset, args: argparse.Namespace) -> list[str]:
@@ -164,9 +146,9 @@ def _inspect_whole(file: ResultsFile, group: str, args: argparse.Namespace) -> i
             f"{args.results}: {options}: for results of 'rockpulse assess'; {said}, which inspect shows whole"
         )
     if args.failures:
-        print(failure_list(file.tree("failures")) or NOTHING)
+        tell(failure_list(file.tree("failures")) or NOTHING)
     else:
-        print(getattr(import_module(f"rockpulse.views.text.{name}"), f"{name}_overview")(load(args.results)))
+        tell(getattr(import_module(f"rockpulse.views.text.{name}"), f"{name}_overview")(load(args.results)))
     return 0
 
 

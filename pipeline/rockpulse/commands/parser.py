@@ -9,6 +9,7 @@ from shutil import get_terminal_size
 from textwrap import fill
 from typing import Any, NoReturn
 
+from rockpulse.foreign_text import escaped
 from rockpulse.option import hint
 
 __all__ = ["Parser"]
@@ -41,6 +42,9 @@ class Parser(argparse.ArgumentParser):
     def error(self, message: str) -> NoReturn:
         """Leave as ArgumentParser does, with a message that suggests the known words closest to unknown ones."""
         super().error("".join([message, *self._hints(message)]))
+
+    def _print_message(self, message: str, file: Any = None) -> None:
+        super()._print_message(escaped(message), file)
 
     def _hints(self, message: str) -> Iterator[str]:
         options = list(self._option_string_actions)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 from typing import Any
 
+from rockpulse.commands.telling import tell
 from rockpulse.commands.verb import Verb
 
 __all__ = ["VERB"]
@@ -17,7 +18,6 @@ class _List(argparse.Action):
         super().__init__(option_strings, dest, nargs=0, **options)
 
     def __call__(self, parser: argparse.ArgumentParser, *_: Any) -> None:
-        from rockpulse.commands.telling import tell
         from rockpulse.views.plots.kinds import kind_list
 
         tell(kind_list())  # perhaps into `| head`
@@ -71,7 +71,7 @@ def _run(args: argparse.Namespace) -> int:
     figure = draw(open_results(args.results), args.kind, **options)
     write_files({target: picture_bytes(figure, target.suffix[1:].lower())})
     if not args.quiet:
-        print(f"written: {target}")
+        tell(f"written: {target}")
     return 0
 
 

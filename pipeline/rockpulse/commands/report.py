@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 
+from rockpulse.commands.telling import tell
 from rockpulse.commands.verb import Verb
 
 __all__ = ["VERB"]
@@ -21,7 +22,7 @@ def _run(args: argparse.Namespace) -> int:
     from rockpulse.views.report.writing import write_report
 
     path = write_report(args.results, args.output, args.site, args.fragility, args.overwrite)
-    print(f"report: {path} ({path.stat().st_size / 1e6:.1f} MB)")
+    tell(f"report: {path} ({path.stat().st_size / 1e6:.1f} MB)")
     return 0
 
 

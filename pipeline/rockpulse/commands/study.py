@@ -105,7 +105,7 @@ def _run(args: argparse.Namespace) -> int:
     write_files({files[name]: csv_bytes(table) for name, table in study_tables(tree).items() if name in files})
     save(tree, args.output, overwrite=args.overwrite)
     if not args.quiet:
-        print(f"{study_overview(tree)}\n\nwritten: {', '.join(map(str, [Path(args.output), *files.values()]))}")
+        tell(f"{study_overview(tree)}\n\nwritten: {', '.join(map(str, [Path(args.output), *files.values()]))}")
     return 0
 
 

@@ -6,6 +6,8 @@ import os
 import sys
 from typing import TextIO
 
+from rockpulse.foreign_text import escaped
+
 __all__ = ["QUIET", "forsake", "tell"]
 
 #: What --quiet does.
@@ -13,10 +15,13 @@ QUIET = "print nothing but one line on what failed"
 
 
 def tell(text: str, file: TextIO | None = None) -> None:
-    """Print a text, to standard output by default; where nobody reads any more, as in ``| head``, drop the rest."""
+    """Print a text, to standard output by default, with control characters as escapes.
+
+    Where nobody reads any more, as in ``| head``, the rest is dropped.
+    """
     file = sys.stdout if file is None else file
     try:
-        print(text, file=file, flush=True)
+        print(escaped(text), file=file, flush=True)
     except BrokenPipeError:
         forsake(file)
 

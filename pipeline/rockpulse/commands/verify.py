@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 
 from rockpulse.commands.progress import progress_bars
+from rockpulse.commands.telling import tell
 from rockpulse.commands.verb import Verb
 
 __all__ = ["VERB"]
@@ -30,17 +31,17 @@ def _run(args: argparse.Namespace) -> int:
     bars = progress_bars(args.quiet)
     found = verify(args.results, args.inputs, lambda items: bars(items, desc="verifying", leave=False))
     for difference in found.differences:
-        print(f"{args.results}: {difference}")
+        tell(f"{args.results}: {difference}")
     if not args.quiet:
         count = len(found.differences)
         verdict = f"{count} difference{'s' * (count != 1)}" if count else "as it was written"
-        print(f"{args.results}: {found.kind}, schema {found.schema}, {found.variables} variables: {verdict}")
+        tell(f"{args.results}: {found.kind}, schema {found.schema}, {found.variables} variables: {verdict}")
         if args.inputs:
-            print(f"input files read again: {found.inputs}, not where they were: {len(found.absent)}")
+            tell(f"input files read again: {found.inputs}, not where they were: {len(found.absent)}")
             for name in found.absent[:LISTED]:
-                print(f"  {name}")
+                tell(f"  {name}")
             if len(found.absent) > LISTED:
-                print(f"  and {len(found.absent) - LISTED} more")
+                tell(f"  and {len(found.absent) - LISTED} more")
     return 1 if found.differences else 0
 
 

@@ -9,11 +9,8 @@
 
 from __future__ import annotations
 
-import re
 from collections import Counter, defaultdict
-from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Sequence
-from datetime import datetime, timedelta
-from itertools import combinations, pairwise
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -21,6 +18,7 @@ import numpy as np
 from rockpulse.config.configuration import Config, located
 from rockpulse.errors import ConfigError
 from rockpulse.failures import Failure, some, unread
+from rockpulse.motions.event_pairs import JOINED_WITHIN_S, moment_of, name_of, pairs_of_one_event, words_of
 from rockpulse.motions.tables import read_event_table
 from rockpulse.record.record import Record
 
@@ -32,7 +30,6 @@ __all__ = [
     "event_table",
     "events_by_id",
     "group_events",
-    "names_earthquake",
     "share_interval",
 ]
 
@@ -43,40 +40,6 @@ UNKNOWN = "unknown: neither name nor time stated, counted as one"
 #: others.
 CONFIDENCE = 0.9
 FEWEST_EVENTS = 3
-
-#: Records that start within this of one another are of one earthquake [s]; so are those of one name, unless their times
-#: are known to lie further apart.
-JOINED_WITHIN_S = 600.0
-
-#: Earthquakes whose stated origin times lie within this are one [s], if their stated magnitudes, of whatever scale, do
-#: not differ by more than that; those further apart than `JOINED_WITHIN_S` are two, unless further records join them.
-SAME_ORIGIN_S = 60.0
-SAME_MAGNITUDE = 1.0
-
-#: A clock may be off by its time zone, never by more than this [s].
-CLOCK_S = 86400.0
-
-_GENERIC = (
-    "EARTHQUAKE EQ EVENT MAINSHOCK MAIN SHOCK RECORD RCRD RECORDED OF THE UNKNOWN UNNAMED NONE NA NULL MAG MAGNITUDE "
-    "MW ML MS MB MD MC MA ME JAN FEB MAR APR MAY JUN JUL AUG SEP OCT NOV DEC JANUARY FEBRUARY MARCH APRIL JUNE JULY "
-    "AUGUST SEPTEMBER OCTOBER NOVEMBER DECEMBER MON TUE WED THU FRI SAT SUN GMT UTC UT PST PDT MST MDT CST CDT EST "
-    "EDT HST AKST AKDT JST NZST NZDT AVOL CA"
-)
-
-#: Words of event titles that name no earthquake.
-GENERIC = frozenset(_GENERIC.split())
-
-#: Dates with their year at the end or the start: 10/15/1979, 01/16/95, 2010-02-27.
-_DATE = re.compile(
-    r"\b\d{1,2}[/.-]\d{1,2}[/.-](\d{4})\b|\b\d{1,2}[/-]\d{1,2}[/-](\d\d)\b|\b(\d{4})[/.-]\d{1,2}[/.-]\d{1,2}\b"
-)
-_YEAR = re.compile(r"\b((?:19|20)\d\d)\b")
-
-#: Two-digit years from this on are of the twentieth century.
-_CENTURY = 30
-
-#: The number of an earthquake in its sequence, as NGA writes it: Imperial Valley-06.
-_NUMBER = re.compile(r"[A-Za-z]-(\d\d)\b")
 
 
 def share_interval(share: Any, events: Any) -> tuple[np.ndarray, np.ndarray]:
@@ -156,14 +119,16 @@ def group_events(records: Sequence[Record], named: Mapping[str, str] | None = No
             index = parent[index]
         return index
 
-    for one, other in _pairs(records, free):
+    for one, other in pairs_of_one_event(records, free):
         first, second = sorted((root(one), root(other)))
         parent[second] = first
     groups: dict[int, list[int]] = defaultdict(list)
     for index in free:
         groups[root(index)].append(index)
     told = {top: [records[index] for index in members] for top, members in groups.items()}
-    known = {top: members for top, members in told.items() if any(_name(one.event) or _moment(one) for one in members)}
+    known = {
+        top: members for top, members in told.items() if any(name_of(one.event) or moment_of(one) for one in members)
+    }
     titles = dict.fromkeys(told, UNKNOWN) | _distinct(known)
     return [named[record.id] if record.id in named else titles[root(index)] for index, record in enumerate(records)]
 
@@ -202,154 +167,6 @@ def events_by_id(
     return dict(zip(ids, labels, strict=True)), rows
 
 
-def _pairs(records: Sequence[Record], free: Sequence[int]) -> Iterator[tuple[int, int]]:
-    """Pairs of records of one earthquake, enough of them to connect each group."""
-    by_file: dict[str, list[int]] = defaultdict(list)
-    by_id: dict[Hashable, list[int]] = defaultdict(list)
-    by_name: dict[Hashable, list[int]] = defaultdict(list)
-    for index in free:
-        record = records[index]
-        if record.source:
-            by_file[record.source].append(index)
-        if record.event_id:
-            by_id[record.format, record.event_id].append(index)
-        if name := _name(record.event):
-            by_name[name].append(index)
-    for members in by_file.values():
-        yield from pairwise(members)
-    timed = [(moment, index) for index in free if (moment := _moment(records[index])) is not None]
-    yield from _near(records, timed, JOINED_WITHIN_S, _may_be_one)
-    told = [(origin, index) for index in free if (origin := records[index].origin_time) is not None]
-    yield from _near(records, told, SAME_ORIGIN_S, _alike)
-    for members in by_id.values():
-        yield from _agreeing(records, _by_origin(records, members), _may_be_one)
-    for members in by_name.values():
-        yield from _agreeing(records, _by_day(records, members), _agree)
-
-
-def _near(
-    records: Sequence[Record],
-    timed: Iterable[tuple[datetime, int]],
-    within: float,
-    agree: Callable[[Record, Record], bool],
-) -> Iterator[tuple[int, int]]:
-    """Pairs of records that agree, whose moments lie within so many seconds, enough of them to connect each group.
-
-    Records that state the same origin and magnitude agree with the same others. So a record is held against the latest
-    one of each origin and magnitude alone.
-    """
-    last: dict[Hashable, tuple[datetime, int]] = {}
-    for moment, index in sorted(timed):
-        last = {key: one for key, one in last.items() if (moment - one[0]).total_seconds() <= within}
-        for _, other in last.values():
-            if agree(records[other], records[index]):
-                yield other, index
-        last[records[index].origin_time, repr(records[index].magnitude)] = (moment, index)
-
-
-def _agreeing(
-    records: Sequence[Record], groups: Iterable[Sequence[int]], agree: Callable[[Record, Record], bool]
-) -> Iterator[tuple[int, int]]:
-    """Pairs of the records that agree, enough of them to connect each group.
-
-    The records of one of the `groups` agree, and others agree with one of them if they do with the first or the last.
-    """
-    ends: list[int] = []
-    for same in groups:
-        yield from pairwise(same)
-        ends += dict.fromkeys((same[0], same[-1]))
-    for one, other in combinations(ends, 2):
-        if agree(records[one], records[other]):
-            yield one, other
-
-
-def _by_origin(records: Sequence[Record], members: Iterable[int]) -> list[list[int]]:
-    """The records in groups of one stated origin time, which is all that `_may_be_one` asks for."""
-    groups: dict[datetime | None, list[int]] = defaultdict(list)
-    for index in members:
-        groups[records[index].origin_time].append(index)
-    return list(groups.values())
-
-
-def _by_day(records: Sequence[Record], members: Iterable[int]) -> list[list[int]]:
-    """The records in groups of one title and stated origin time, in the order of their times, `CLOCK_S` long at most.
-
-    So `_agree` holds between those of a group, and what it says of another record it says of the first or the last.
-    """
-    groups: dict[Hashable, list[tuple[datetime | None, int]]] = defaultdict(list)
-    for index in members:
-        record, moment = records[index], _moment(records[index])
-        groups[record.event.strip(), record.origin_time, moment is None].append((moment, index))
-    runs: list[list[int]] = []
-    for group in groups.values():
-        first: datetime | None = None
-        for place, (moment, index) in enumerate(sorted(group)):
-            if not place or (first and moment and (moment - first).total_seconds() > CLOCK_S):
-                first = moment
-                runs.append([])
-            runs[-1].append(index)
-    return runs
-
-
-def _moment(record: Record) -> datetime | None:
-    """The time that tells the earthquake of a record: its start, else the origin time that its file states."""
-    return record.start_time or record.origin_time
-
-
-def _may_be_one(one: Record, other: Record) -> bool:
-    """Whether the origin times that two files state, if they do, may be those of one earthquake."""
-    if one.origin_time is None or other.origin_time is None:
-        return True
-    return abs((one.origin_time - other.origin_time).total_seconds()) <= JOINED_WITHIN_S
-
-
-def _alike(one: Record, other: Record) -> bool:
-    """Whether the magnitudes that two files state, if they do, may be those of one earthquake."""
-    return not abs(one.magnitude - other.magnitude) > SAME_MAGNITUDE
-
-
-def _agree(one: Record, other: Record) -> bool:
-    """Whether nothing says that two records with the same name are of different earthquakes."""
-    if not _may_be_one(one, other):
-        return False
-    first, second = _moment(one), _moment(other)
-    if first is not None and second is not None:
-        return abs((first - second).total_seconds()) <= CLOCK_S
-    numbers = [set(_NUMBER.findall(record.event)) for record in (one, other)]
-    years = [_years(record) for record in (one, other)]
-    return all(not mine or not theirs or bool(mine & theirs) for mine, theirs in (numbers, years))
-
-
-def _years(record: Record) -> set[int]:
-    """The years that a title or, where it names none, the clock tells; near New Year a clock tells two."""
-    found = ["".join(years) for years in _DATE.findall(record.event)] or _YEAR.findall(record.event)
-    moment = _moment(record)
-    if not found and moment is not None:
-        slack = timedelta(seconds=CLOCK_S)
-        return {(moment - slack).year, (moment + slack).year}
-    return {int(text) + (0 if len(text) == 4 else 1900 if int(text) >= _CENTURY else 2000) for text in found}
-
-
-def names_earthquake(title: str) -> bool:
-    """Whether a title has a word that names an earthquake, beside dates, numbers and general words.
-
-    Examples
-    --------
-    >>> names_earthquake("KOBE 01/16/95 2046"), names_earthquake("Rcrd of Fri Jul 5, 2019 20:19:37.0 PDT")
-    (True, False)
-    """
-    return bool(_words(title))
-
-
-def _words(title: str) -> frozenset[str]:
-    return frozenset(re.findall(r"[^\W\d_]{2,}", title.upper())) - GENERIC
-
-
-def _name(title: str) -> frozenset[str] | str:
-    """The words that titles of one earthquake have in common or, without any, the title if it holds a number."""
-    return _words(title) or (title.strip() if any(character.isdigit() for character in title) else "")
-
-
 def _distinct(groups: Mapping[int, Sequence[Record]]) -> dict[int, str]:
     """A label for each group, no two the same."""
     labels = {top: _title(members) or _time_or_file(members) for top, members in groups.items()}
@@ -369,8 +186,8 @@ def _distinct(groups: Mapping[int, Sequence[Record]]) -> dict[int, str]:
 
 def _title(members: Sequence[Record]) -> str:
     """The title that most records have, the first in the alphabet of several; titles with words come first."""
-    counts = Counter(record.event.strip() for record in members if _name(record.event))
-    return min(counts, key=lambda title: (not _words(title), -counts[title], title), default="")
+    counts = Counter(record.event.strip() for record in members if name_of(record.event))
+    return min(counts, key=lambda title: (not words_of(title), -counts[title], title), default="")
 
 
 def _time_or_file(members: Sequence[Record]) -> str:

@@ -19,7 +19,6 @@ __all__ = [
     "HALF_CYCLE",
     "OVERTURNING",
     "WAVES",
-    "always_stored",
     "minor_of",
 ]
 
@@ -244,13 +243,3 @@ def minor_of(schema: str) -> int:
     """The MINOR of a version of the schema, "1.2" and the like."""
     minor = schema.partition(".")[2]
     return int(minor) if minor.isdecimal() else 0
-
-
-def always_stored(schema: str) -> dict[str, Declared]:
-    """The variables that every assessment of a version of the schema holds, whatever its configuration."""
-    last = minor_of(schema)
-    return {
-        group: {name: one for name, one in declared.items() if one.stored is None and one.since <= last}
-        for group, declared in ASSESSMENT_GROUPS.items()
-        if group not in ("/spectra", "/directions", "/records")
-    }

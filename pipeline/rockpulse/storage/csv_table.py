@@ -10,12 +10,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING, TextIO
 
 from rockpulse.errors import ResultsError
+from rockpulse.foreign_text import escaped, not_a_formula
 from rockpulse.storage.long_table import LongTable
 
 if TYPE_CHECKING:
     import pandas as pd
 
-__all__ = ["check_table_target", "readme_of", "write_table"]
+__all__ = ["check_table_target", "one_line", "readme_of", "safe_texts", "write_table"]
 
 #: Suffixes of tables; the second is compressed.
 SUFFIXES = (".csv", ".csv.gz")
@@ -64,12 +65,14 @@ def write_table(
     overwrite: bool = False,
     on_rows: Callable[[int], object] | None = None,
     decimal_comma: bool = False,
+    raw: bool = False,
 ) -> tuple[Path, Path]:
     """Write a table and its README, each whole or not at all, in bounded memory; the paths of both.
 
     `about` tells in the README where the table comes from. `on_rows` is called with the number of rows that were
     written since its last call. With `decimal_comma` there are semicolons between the columns, decimal commas and a
-    byte order mark, as spreadsheets expect them where the decimal sign is a comma.
+    byte order mark, as spreadsheets expect them where the decimal sign is a comma. With `raw` texts stay as they are
+    but for the ends of lines (:func:`safe_texts`).
 
     Raises
     ------
@@ -88,7 +91,9 @@ def write_table(
             for number, frame in enumerate(table.frames()):
                 for name in empty:
                     empty[name] += int((frame[name].isna() | (frame[name].astype(object) == "")).sum())
-                _one_line(frame).to_csv(file, index=False, header=number == 0, sep=sep, decimal=decimal)
+                (one_line(frame) if raw else safe_texts(frame)).to_csv(
+                    file, index=False, header=number == 0, sep=sep, decimal=decimal
+                )
                 if on_rows is not None:
                     on_rows(len(frame))
         parts[1].write_text(_readme(table, target.name, about, empty, decimal_comma), encoding="utf-8")
@@ -111,13 +116,25 @@ def _opened(path: Path, compressed: bool, encoding: str) -> TextIO:
     return Path(path).open("w", encoding=encoding, newline="")
 
 
-def _one_line(frame: pd.DataFrame) -> pd.DataFrame:
+def one_line(frame: pd.DataFrame) -> pd.DataFrame:
     """Texts of several lines in one, so that a line of the file is a row."""
-    for name in frame.columns:
-        texts = frame[name]
-        if texts.dtype.kind in "OU" or str(texts.dtype) == "str":
-            frame[name] = texts.str.replace(LINE_ENDS, LINE, regex=True)
-    return frame
+    return frame.assign(**{name: frame[name].str.replace(LINE_ENDS, LINE, regex=True) for name in _texts(frame)})
+
+
+def safe_texts(frame: pd.DataFrame) -> pd.DataFrame:
+    """Texts in one line, control characters as escapes, and what a spreadsheet would compute after an apostrophe."""
+    frame = one_line(frame)
+    return frame.assign(
+        **{
+            name: frame[name].map(lambda text: not_a_formula(escaped(text)), na_action="ignore")
+            for name in _texts(frame)
+        }
+    )
+
+
+def _texts(frame: pd.DataFrame) -> list[str]:
+    """The columns of texts."""
+    return [str(name) for name, kind in frame.dtypes.items() if kind.kind in "OU" or str(kind) == "str"]
 
 
 def _readme(table: LongTable, name: str, about: str, empty: dict[str, int], decimal_comma: bool) -> str:

@@ -6,7 +6,6 @@ hundred variables (docs/decisions/005). Nothing is decoded: texts are texts, NaN
 
 from __future__ import annotations
 
-import os
 from typing import TYPE_CHECKING, Any
 
 import h5py
@@ -52,16 +51,15 @@ def dataset_of(group: h5py.Group) -> xr.Dataset:
     return xr.Dataset(variables, attrs=attributes(group)).set_coords(coordinates)
 
 
-def read_tree(path: str | os.PathLike[str]) -> xr.DataTree:
-    """All groups of a file, read into memory. What h5py and :func:`dataset_of` raise passes."""
-    with h5py.File(path, "r") as hdf5:
-        # Times are plain seconds and stay so, whatever units xarray may take for time deltas.
-        return xr.DataTree.from_dict(
-            {
-                group.name: xr.decode_cf(dataset_of(group).load(), decode_times=False, decode_timedelta=False)
-                for group in groups_of(hdf5)
-            }
-        )
+def read_tree(hdf5: h5py.File) -> xr.DataTree:
+    """All groups of an open file, read into memory. What h5py and :func:`dataset_of` raise passes."""
+    # Times are plain seconds and stay so, whatever units xarray may take for time deltas.
+    return xr.DataTree.from_dict(
+        {
+            group.name: xr.decode_cf(dataset_of(group).load(), decode_times=False, decode_timedelta=False)
+            for group in groups_of(hdf5)
+        }
+    )
 
 
 def _values(stored: h5py.Dataset) -> Any:

@@ -16,7 +16,7 @@ import numpy as np
 
 from rockpulse.errors import ResultsError
 from rockpulse.option import hint
-from rockpulse.storage.save_load import ASSESSMENT, OF_RECORDS, check_schema, completed, with_facts
+from rockpulse.storage.save_load import ASSESSMENT, OF_RECORDS, completed, opened, with_facts
 
 if TYPE_CHECKING:
     import h5py
@@ -92,8 +92,7 @@ def open_results(path: str | Path) -> Iterator[ResultsFile]:
     """Open a file of results for reading what is needed of it; raises as :func:`rockpulse.load`."""
     import h5py
 
-    kind = check_schema(path)
-    with h5py.File(path, "r") as hdf5:
+    with opened(path) as (hdf5, kind):
         groups = tuple(name for name, item in hdf5.items() if isinstance(item, h5py.Group))
         attrs = {name: value.item() if isinstance(value, np.generic) else value for name, value in hdf5.attrs.items()}
         yield ResultsFile(Path(path), kind, attrs, groups, hdf5)

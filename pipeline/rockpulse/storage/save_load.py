@@ -6,6 +6,7 @@ import math
 import os
 import platform
 from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from datetime import UTC, datetime
 from functools import cache
 from importlib.metadata import version
@@ -16,7 +17,7 @@ import numpy as np
 
 from rockpulse.config.configuration import stored_sections
 from rockpulse.config.settings import SPACINGS, SequenceSettings
-from rockpulse.errors import ResultsError
+from rockpulse.errors import ResultsError, RockpulseError
 from rockpulse.input_file import check_regular
 from rockpulse.remark import find, recognised, with_codes
 from rockpulse.storage.accuracy_variables import REPORT
@@ -33,6 +34,7 @@ from rockpulse.storage.variables import NOT_KNOWN
 from rockpulse.version import __version__
 
 if TYPE_CHECKING:
+    import h5py
     import xarray as xr
 
 __all__ = [
@@ -45,7 +47,9 @@ __all__ = [
     "completed",
     "load",
     "named",
+    "opened",
     "provenance",
+    "readable",
     "remove_parts",
     "replacing",
     "save",
@@ -142,11 +146,8 @@ def load(path: str | os.PathLike[str]) -> xr.DataTree:
     """
     from rockpulse.storage.hdf5_dataset import read_tree
 
-    kind = check_schema(path)
-    try:
-        tree = read_tree(path)
-    except (OSError, RuntimeError, ValueError, KeyError) as error:
-        raise ResultsError(f"{path}: the results file is damaged ({error}); run the assessment again") from error
+    with opened(path) as (hdf5, kind), readable(path):
+        tree = read_tree(hdf5)
     tree = tree.map_over_datasets(_as_saved)
     if (group := OF_RECORDS.get(kind, "")) in tree.children:
         tree[group].dataset = with_facts(tree[group].to_dataset(), tree.attrs)
@@ -273,11 +274,14 @@ def check_schema(path: str | os.PathLike[str], reports: bool = False) -> str:
     """
     import h5py
 
+    from rockpulse.storage.contained import contained
+
     check_regular(path, ResultsError)
     with Path(path).open("rb"):
         pass
     try:
         with h5py.File(path, "r") as file:
+            contained(file)
             found = file.attrs.get("schema_version")
             kind = str(file.attrs.get("kind", ASSESSMENT))
             known = (kind == REPORT or KINDS.get(kind, "?") in file) and isinstance(found, str)
@@ -302,6 +306,36 @@ def check_schema(path: str | os.PathLike[str], reports: bool = False) -> str:
             "again with this version, or open the file with the version of rockpulse named in it"
         )
     return kind
+
+
+@contextmanager
+def opened(path: str | os.PathLike[str], reports: bool = False) -> Iterator[tuple[h5py.File, str]]:
+    """An open file of results, whose variables are as docs/schema.md describes them, and its kind; errors as `load`."""
+    import h5py
+
+    from rockpulse.storage.contained import contained
+    from rockpulse.storage.layout import wrong_variables
+
+    kind = check_schema(path, reports)
+    with h5py.File(path, "r") as hdf5:
+        with readable(path):
+            wrong = next(wrong_variables(contained(hdf5), kind, str(hdf5.attrs["schema_version"])), "")
+        if wrong:
+            raise ResultsError(
+                f"{path}: {wrong}; 'rockpulse verify' says what else is not as it was written, run the assessment again"
+            )
+        yield hdf5, kind
+
+
+@contextmanager
+def readable(path: str | os.PathLike[str]) -> Iterator[None]:
+    """Within it, what is said of a damaged file becomes a ResultsError."""
+    try:
+        yield
+    except RockpulseError:
+        raise
+    except (OSError, RuntimeError, KeyError, ValueError, TypeError) as error:
+        raise ResultsError(f"{path}: the results file is damaged ({error}); run the assessment again") from error
 
 
 def _variables(tree: xr.DataTree) -> Iterator[tuple[str, Any]]:

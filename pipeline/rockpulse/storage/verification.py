@@ -3,16 +3,13 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any
 
 import h5py
 import numpy as np
 
-from rockpulse.errors import ResultsError, RockpulseError
-from rockpulse.storage.assessment_variables import always_stored
 from rockpulse.storage.checksums import (
     CHECKSUM,
     CHECKSUM_OF_ATTRIBUTES,
@@ -20,8 +17,9 @@ from rockpulse.storage.checksums import (
     attributes_checksum,
 )
 from rockpulse.storage.input_files import in_place, input_checksums, input_files, record_folders, stored_checksums
+from rockpulse.storage.layout import wrong_variables
 from rockpulse.storage.netcdf4 import attributes, groups_of, variables_of
-from rockpulse.storage.save_load import ASSESSMENT, check_schema
+from rockpulse.storage.save_load import check_schema, readable
 
 __all__ = ["Verification", "verify"]
 
@@ -65,13 +63,12 @@ def verify(
         Where it cannot be opened.
     """
     kind = check_schema(path, reports=True)
-    with _readable(path), h5py.File(path, "r") as hdf5:
+    with readable(path), h5py.File(path, "r") as hdf5:
         file = _listed(hdf5)
         root = file.attrs["/"]
         schema = str(root["schema_version"])
         differences, count = _wrong_checksums(file, progress)
-        if kind == ASSESSMENT:
-            differences += _wrong_variables(file, schema)
+        differences += wrong_variables(file.variables, kind, schema)
         stored = stored_checksums(hdf5) if inputs else []
         folders = record_folders(str(root.get("configuration", "")))
     sources = input_files(stored)
@@ -86,16 +83,6 @@ def verify(
         elif sources[name] != {found}:
             differences.append(f"input {name}: it is not the file that was read (its SHA-256 differs)")
     return Verification(kind, schema, count, len(sources) - len(absent), tuple(absent), tuple(differences))
-
-
-@contextmanager
-def _readable(path: str | os.PathLike[str]) -> Iterator[None]:
-    try:
-        yield
-    except RockpulseError:
-        raise
-    except (OSError, RuntimeError, KeyError, ValueError) as error:
-        raise ResultsError(f"{path}: the results file is damaged ({error}); run the assessment again") from error
 
 
 def _listed(hdf5: h5py.File) -> _Listed:
@@ -148,22 +135,3 @@ def _checksum(variable: h5py.Dataset) -> str:
         for begin in range(0, shape[0], step):
             checksum.add(np.asarray(variable[begin : begin + step], dtype))
     return checksum.hexdigest()
-
-
-def _wrong_variables(file: _Listed, schema: str) -> list[str]:
-    """Variables that an assessment lacks, or holds in another type or unit than docs/schema.md says."""
-    found = []
-    for group, declared in always_stored(schema).items():
-        for name, expected in declared.items():
-            kind, units = expected.kind, expected.units
-            path = f"{group}/{name}"
-            if path not in file.variables:
-                found.append(f"variable {path}: it is missing")
-                continue
-            variable, attrs = file.variables[path], file.attrs[path]
-            text = h5py.check_string_dtype(variable.dtype) is not None
-            if text != (kind is str) or (not text and variable.dtype.kind != np.dtype(kind).kind):
-                found.append(f"variable {path}: expected values of type {np.dtype(kind).name}, found {variable.dtype}")
-            if attrs.get("units") != units:
-                found.append(f"variable {path}: expected the unit {units!r}, found {attrs.get('units')!r}")
-    return found

@@ -96,7 +96,7 @@ def test_the_assembled_file_is_the_saved_one(assessed, tmp_path, name, chunk):
         swept = {**swept, "of nothing": ["never"] * 3}
     save(build_tree(done, bodies, config, FAILURES, swept), tmp_path / "saved.h5")
     count = assemble(
-        tmp_path / "made.h5", template(bodies, config), done, FAILURES, swept, run_id="r" * 32, chunk=chunk
+        tmp_path / "made.h5", template(bodies, config), done, FAILURES, swept, run={"run_id": "r" * 32}, chunk=chunk
     )
     assert count == len(done) > 3
     assert_contents(tmp_path / "made.h5", contents(tmp_path / "saved.h5"))
@@ -121,7 +121,7 @@ def test_parts_from_a_journal_stand_in_the_order_of_the_keys(assessed, tmp_path)
             journal.add(Done(f"record {number}", "f", parts))
         keys = [f"record {number}" for number in range(4)]
         parts = JournalParts(journal, Assessment(config), keys, dict.fromkeys(keys, "Ridgecrest"))
-        assemble(target, template(bodies, config), parts, run_id=journal.run_id)
+        assemble(target, template(bodies, config), parts, run={"run_id": journal.run_id})
         assert is_assembled(target, journal.run_id)
     save(build_tree(done[:4], bodies, config, []), tmp_path / "saved.h5")
     assert_contents(target, contents(tmp_path / "saved.h5"))
@@ -170,7 +170,7 @@ def test_too_little_room_is_known_before_anything_is_written(assessed, tmp_path,
             tmp_path / "results.h5",
             template(bodies, config),
             done,
-            run_id="mine",
+            run={"run_id": "mine"},
         )
     assert list(tmp_path.iterdir()) == []
 
@@ -196,7 +196,7 @@ def test_a_disk_that_fills_up_meanwhile_leaves_the_old_file_and_the_journal(asse
         journal.add(Done("a", "f", (pack(done[0]),)))
         parts = JournalParts(journal, Assessment(config), ["a"], {"a": ""})
         with pytest.raises(ResultsError, match=re.escape(f"{target}: cannot write the results: No space left on dev")):
-            assemble(target, template(bodies, config), parts, overwrite=True, run_id="mine")
+            assemble(target, template(bodies, config), parts, overwrite=True, run={"run_id": "mine"})
         assert journal.finished() == {"a": "f"}
     assert target.read_bytes() == old
     assert not list(tmp_path.glob("*.part"))
@@ -242,7 +242,7 @@ def test_a_kill_while_assembling_leaves_old_file_and_journal(assessed, tmp_path,
     with Journal.open(target, resume=True) as journal:
         assert journal.run_id == run_id
         parts = JournalParts(journal, Assessment(config), keys, dict.fromkeys(keys, "Ridgecrest"))
-        assemble(target, template(bodies, config), parts, [], swept, overwrite=True, run_id=run_id)
+        assemble(target, template(bodies, config), parts, [], swept, overwrite=True, run={"run_id": run_id})
         assert is_assembled(target, run_id)
     save(build_tree(done, bodies, config, [], swept), tmp_path / "saved.h5")
     assert_contents(target, contents(tmp_path / "saved.h5"))

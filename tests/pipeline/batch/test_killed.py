@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import json
 import os
 import re
+import shutil
 import signal
 import subprocess
 import sys
@@ -291,3 +293,36 @@ def test_a_second_run_on_the_same_output_is_refused(folder, tmp_path, monkeypatc
         assert f"process {os.getpid()} is writing this output" in capsys.readouterr().err
         assert main(command(folder, target, "--resume")) == 2
         assert main(command(folder, target, "--overwrite")) == 2
+
+
+@pytest.fixture(scope="module")
+def faults(tmp_path_factory):
+    """The library that strikes at a step of input and output."""
+    if shutil.which("cc") is None or not sys.platform.startswith("linux"):
+        pytest.skip("needs Linux and a C compiler")
+    library = tmp_path_factory.mktemp("faults") / "io_faults.so"
+    subprocess.run(["cc", "-shared", "-fPIC", "-o", library, TESTS / "io_faults.c", "-ldl"], check=True)
+    return library
+
+
+@pytest.mark.parametrize(
+    ("first", "every"), [pytest.param(7, 40, marks=pytest.mark.sweep), pytest.param(1, 1, marks=pytest.mark.slow)]
+)
+def test_a_run_struck_at_a_step_of_input_or_output_resumes_to_the_same_file(faults, tmp_path, first, every):
+    """Killed at each of them, and with each of them failing as on a full disk, for a run of ten records."""
+    records = tmp_path / "records"
+    records.mkdir()
+    for number in range(10):
+        title = f"Event, 1/2/2003, Station {number}, 090"
+        (records / f"r{number}.at2").write_bytes(at2(pulse(400, 0.2 + 0.03 * number), title=title))
+    (records / "site.toml").write_text(CONFIGURATION)
+    arguments = [sys.executable, TESTS / "io_fault_runs.py", faults, records, tmp_path / "runs", str(first), str(every)]
+    done = subprocess.run(
+        arguments, env=os.environ | {"LD_PRELOAD": str(faults)}, capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 0, done.stderr
+    found = json.loads(done.stdout)
+    print(f"{found['cases']} runs of {found['steps']} steps")
+    assert found["steps"] > 100
+    assert found["cases"] == 2 * len(range(first, found["steps"] + 1, every))
+    assert found["wrong"] == [], done.stderr[-3000:]

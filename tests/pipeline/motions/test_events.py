@@ -10,12 +10,10 @@ import pytest
 from rockpulse.config.configuration import Config, load_config
 from rockpulse.errors import ConfigError
 from rockpulse.failures import Failure
+from rockpulse.motions.event_pairs import _agree, _of_one_name, _that_may_agree
 from rockpulse.motions.events import (
     JOINED_WITHIN_S,
     UNKNOWN,
-    _agree,
-    _agreeing,
-    _by_day,
     event_table,
     events_by_id,
     group_events,
@@ -349,8 +347,8 @@ def test_thousands_of_records_of_one_earthquake_by_its_id_or_name_are_grouped_at
 
 def test_records_of_one_name_are_joined_as_if_each_was_held_against_each():
     draw = random.Random(7)
-    titles = ("Kobe", "KOBE 01/16/95", "Kobe-02", "Kobe-03")
-    for _ in range(40):
+    titles = ("Kobe", "KOBE 01/16/95", "Kobe-02", "Kobe-03", "Kobe-02 1995", "Kobe-04 2016", "Kobe 2016", "kobe 2017")
+    for _ in range(400):
         times = [draw.choice((None, draw.randrange(0, 86400 * 400, 43000))) for _ in range(12)]
         records = [
             record(f"r{k}", draw.choice(titles), start, origin=draw.choice((None, None, 0.0, 7200.0)))
@@ -358,7 +356,16 @@ def test_records_of_one_name_are_joined_as_if_each_was_held_against_each():
         ]
         free = range(len(records))
         by_all = connected(free, [pair for pair in combinations(free, 2) if _agree(*(records[k] for k in pair))])
-        assert connected(free, _agreeing(records, _by_day(records, free), _agree)) == by_all
+        assert connected(free, _of_one_name(records, free)) == by_all
+
+
+def test_few_pairs_of_thousands_of_shocks_of_one_name_are_held_against_each_other():
+    """A national inventory: the name of the country, the date, no time; or the time and no date."""
+    dated = [record(f"r{k}", f"Iran-{k % 100:02d}, 1/{k % 28 + 1}/{1920 + k // 28}") for k in range(2800)]
+    timed = [record(f"t{k}", "Iran", start=200_000.0 * k) for k in range(2800)]
+    for records in (dated, timed):
+        assert len(list(_that_may_agree(records, range(len(records))))) <= 30 * len(records)
+    assert len(set(group_events(timed))) == 2800
 
 
 def connected(free, pairs):

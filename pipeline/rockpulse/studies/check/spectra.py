@@ -19,6 +19,7 @@ import pandas as pd
 
 from rockpulse.config.check_settings import CheckSettings
 from rockpulse.errors import ConfigError
+from rockpulse.foreign_text import first_line
 from rockpulse.input_file import read_text
 from rockpulse.record.record import STANDARD_GRAVITY
 
@@ -233,7 +234,7 @@ def _tabled(path: Path) -> TabledSpectrum:
     try:
         table = pd.read_csv(io.StringIO(text), comment="#", skipinitialspace=True)
     except ValueError as error:
-        raise ConfigError(f"{path}: cannot be read as a table: {str(error).splitlines()[0]}") from None
+        raise ConfigError(f"{path}: cannot be read as a table: {first_line(error)}") from None
     heads = [str(name).strip().lower() for name in table.columns]
     units = {"sa [g]": STANDARD_GRAVITY, "sa [m/s2]": 1.0}
     if len(heads) != 2 or heads[0] != "period [s]" or heads[1] not in units:

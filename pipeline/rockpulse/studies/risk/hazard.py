@@ -19,6 +19,7 @@ import pandas as pd
 
 from rockpulse.config.hazard_settings import HAZARD_MEASURES, HazardSettings
 from rockpulse.errors import ConfigError
+from rockpulse.foreign_text import first_line
 from rockpulse.input_file import read_text
 from rockpulse.record.record import STANDARD_GRAVITY
 
@@ -263,7 +264,7 @@ def _table(path: str, text: str) -> pd.DataFrame:
     try:
         return pd.read_csv(io.StringIO(text), sep=between, skipinitialspace=True)
     except (pd.errors.ParserError, pd.errors.EmptyDataError, ValueError) as error:
-        raise ConfigError(f"{path}: {EXPECTED}; {str(error).splitlines()[0]}") from None
+        raise ConfigError(f"{path}: {EXPECTED}; {first_line(error)}") from None
 
 
 def _numbers(path: str, table: pd.DataFrame, column: int) -> np.ndarray:

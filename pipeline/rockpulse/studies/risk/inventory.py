@@ -20,6 +20,7 @@ from scipy.special import stdtrit
 from rocking.block import Block
 from rockpulse.calibration.design_spectrum import at_blocks, within
 from rockpulse.errors import ConfigError, ResultsError
+from rockpulse.foreign_text import first_line
 from rockpulse.input_file import read_text
 from rockpulse.storage.risk_variables import INVENTORY
 from rockpulse.studies.fragility.curves import jackknife_error
@@ -130,7 +131,7 @@ def read_inventory(path: str | Path) -> tuple[list[str], Block]:
     try:
         table = pd.read_csv(io.StringIO(text), comment="#", skipinitialspace=True, dtype={"name": str})
     except ValueError as error:
-        raise ConfigError(f"{path}: cannot be read as a table of bodies: {str(error).splitlines()[0]}") from None
+        raise ConfigError(f"{path}: cannot be read as a table of bodies: {first_line(error)}") from None
     needed = ["name", "width [m]", "height [m]"]
     if missing := [name for name in needed if name not in table.columns]:
         raise ConfigError(f"{path}: expected the columns {', '.join(needed)}; no column {' and '.join(missing)}")

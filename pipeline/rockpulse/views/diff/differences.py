@@ -41,7 +41,7 @@ LISTED = 8
 
 #: Root attributes that say where a file comes from; their change alone makes no other results.
 ABOUT = ("title", "site_description")
-APART = ("history", "configuration", "kind", "Conventions", "run_id", *ABOUT)
+APART = ("history", "configuration", "kind", "Conventions", "run_id", "run_digest", *ABOUT)
 
 
 @dataclass(frozen=True)

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from rockpulse.storage.accuracy_variables import REPORT
-from rockpulse.storage.save_load import load
+from rockpulse.storage.save_load import check_schema, load, opened, readable
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -34,13 +34,9 @@ def open_results(path: str | Path) -> xr.DataTree:
     OSError
         Where the file cannot be opened.
     """
-    import h5py
-
     from rockpulse.storage.hdf5_dataset import read_tree
 
-    if h5py.is_hdf5(path):
-        with h5py.File(path, "r") as file:
-            report = file.attrs.get("kind") == REPORT
-        if report:
-            return read_tree(path)
-    return load(path)
+    if check_schema(path, reports=True) != REPORT:
+        return load(path)
+    with opened(path, reports=True) as (hdf5, _), readable(path):
+        return read_tree(hdf5)

@@ -7,6 +7,8 @@ import textwrap
 from collections.abc import Iterable, Mapping
 from typing import Any
 
+from rockpulse.foreign_text import escaped
+
 __all__ = ["counted", "label", "plain", "readable", "unit", "wrapped"]
 
 #: CF units of the results as an engineer writes them.
@@ -77,7 +79,7 @@ def plain(name: object) -> str:
     >>> plain("wall $1$")
     'wall \\$1\\$'
     """
-    return str(name).replace("$", r"\$")
+    return escaped(str(name)).replace("$", r"\$")
 
 
 def wrapped(words: str, width: int) -> str:

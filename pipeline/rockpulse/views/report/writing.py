@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 
 from rockpulse.errors import ResultsError
 from rockpulse.file_set import FileSet
+from rockpulse.foreign_text import escaped
 from rockpulse.storage.fragility_variables import FRAGILITY
 from rockpulse.storage.save_load import ASSESSMENT, load, named
 from rockpulse.storage.site_variables import SITE_KIND
@@ -136,6 +137,7 @@ def report_page(
         loader=PackageLoader("rockpulse.views.report"),
         autoescape=True,
         undefined=StrictUndefined,
+        finalize=lambda value: escaped(value) if type(value) is str else value,
         trim_blocks=True,
         lstrip_blocks=True,
     )

@@ -9,7 +9,8 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 from rocking.block_limits import radius_of_rectangle
-from rockpulse.motions.events import UNKNOWN, names_earthquake
+from rockpulse.motions.event_pairs import names_earthquake
+from rockpulse.motions.events import UNKNOWN
 from rockpulse.record.record import STANDARD_GRAVITY
 from rockpulse.views.shared.terminal import ABSENT, figure, several
 

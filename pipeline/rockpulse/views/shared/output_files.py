@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from rockpulse.errors import ResultsError
 from rockpulse.file_set import FileSet
+from rockpulse.storage.csv_table import safe_texts
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -58,8 +59,8 @@ def check_file(path: str | Path, overwrite: bool, suffixes: tuple[str, ...] = ("
 
 
 def csv_bytes(table: pd.DataFrame) -> bytes:
-    """A table as CSV, one header line, numbers with all digits."""
-    return table.to_csv(index=False).encode()
+    """A table as CSV, one header line, numbers with all digits, texts as of :func:`safe_texts`."""
+    return safe_texts(table).to_csv(index=False).encode()
 
 
 def write_files(contents: Mapping[Path, bytes]) -> None:
