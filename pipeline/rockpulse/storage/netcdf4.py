@@ -13,7 +13,16 @@ from typing import Any
 import h5py
 import numpy as np
 
-__all__ = ["HIDDEN", "NOT_A_COORDINATE", "NO_VARIABLE", "Variable", "attributes", "groups_of", "variables_of"]
+__all__ = [
+    "HIDDEN",
+    "NOT_A_COORDINATE",
+    "NO_VARIABLE",
+    "Variable",
+    "attributes",
+    "groups_of",
+    "says_no_variable",
+    "variables_of",
+]
 
 #: Attributes that say how objects belong together, and nothing of the values.
 HIDDEN = {
@@ -71,7 +80,7 @@ def variables_of(group: h5py.Group) -> list[Variable]:
     return [
         Variable(name.removeprefix(NOT_A_COORDINATE), item, scales)
         for name, item in datasets.items()
-        if not (item in scales and _says_no_variable(item.attrs.get("NAME")))
+        if not (item in scales and says_no_variable(item.attrs.get("NAME")))
     ]
 
 
@@ -81,7 +90,8 @@ def attributes(item: h5py.Group | h5py.Dataset) -> dict[str, Any]:
     return {name: _plain(held[name]) for name in held if name not in HIDDEN}
 
 
-def _says_no_variable(name: Any) -> bool:
+def says_no_variable(name: Any) -> bool:
+    """Whether the attribute NAME of a dataset says that it stands for a dimension alone."""
     return isinstance(name, bytes) and name.startswith(NO_VARIABLE.encode())
 
 

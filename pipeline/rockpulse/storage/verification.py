@@ -17,7 +17,7 @@ from rockpulse.storage.checksums import (
     attributes_checksum,
 )
 from rockpulse.storage.input_files import in_place, input_checksums, input_files, record_folders, stored_checksums
-from rockpulse.storage.layout import wrong_variables
+from rockpulse.storage.layout import missing_variables, wrong_variables
 from rockpulse.storage.netcdf4 import attributes, groups_of, variables_of
 from rockpulse.storage.save_load import check_schema, readable
 
@@ -68,7 +68,7 @@ def verify(
         root = file.attrs["/"]
         schema = str(root["schema_version"])
         differences, count = _wrong_checksums(file, progress)
-        differences += wrong_variables(file.variables, kind, schema)
+        differences += [*missing_variables(file.variables, kind, schema), *wrong_variables(file.variables, kind)]
         stored = stored_checksums(hdf5) if inputs else []
         folders = record_folders(str(root.get("configuration", "")))
     sources = input_files(stored)
