@@ -26,6 +26,9 @@ MISSING = {
 #: Arguments that name results to read.
 RESULTS = ("results", "first", "second", "fragility", "site", "sequence")
 
+#: Differences of a results file that a message names.
+SAID = 3
+
 #: Arguments that name a file to write.
 WRITTEN = ("output", "log_file")
 
@@ -71,8 +74,9 @@ def results_fault(args: argparse.Namespace) -> str:
         except RockpulseError as error:
             return str(error)
         if found.variables and found.differences:  # without checksums nothing is compared
+            wrong = [one for one in found.differences if one.startswith("variable ")] or [*found.differences]
             return (
-                f"{path}: {found.differences[0]}; the file is not as it was written and cannot be used: 'rockpulse "
+                f"{path}: {'; '.join(wrong[:SAID])}; the file is not as it was written and cannot be used: 'rockpulse "
                 "verify' says what else, run the assessment again"
             )
     return ""

@@ -142,7 +142,10 @@ def test_resuming_what_never_began_begins_it(folder, tmp_path, undisturbed, caps
     assert command(folder, target, "--resume") == 0
     assert "0 of 8 records were finished before\n" in capsys.readouterr().err
     assert_contents(target, undisturbed)
-    assert command(folder, target, "--resume") == 2
+    assert command(folder, target, "--resume") == 0
+    assert "results.h5: the run had ended before, nothing was left to do" in capsys.readouterr().err
+    assert_contents(target, undisturbed)
+    assert command(folder, target, "--resume", "--block", "other=0.5x3") == 2
     assert "results.h5: the file exists" in capsys.readouterr().err
     assert names(tmp_path) == ["results.h5"]
 

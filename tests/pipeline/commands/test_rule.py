@@ -86,7 +86,7 @@ def test_a_file_that_exists_is_kept(samples, tmp_path, capsys):
     assert rule.read_text() == "mine"
     code, said = run(capsys, "rule", "judge", samples, "--rule", rule, "-o", tmp_path / "v.h5")
     assert code == 2
-    assert "no TOML" in said.err
+    assert "not valid TOML" in said.err
 
 
 def test_verdicts_are_a_kind_of_their_own():

@@ -93,7 +93,7 @@ def sound(samples, tmp_path_factory):
             config.write_text(SITE.format(probability=str(verb == "assess").lower()))
             made[verb] = place / f"{verb}.h5"
             with contextlib.redirect_stdout(io.StringIO()), contextlib.redirect_stderr(io.StringIO()):
-                code = main([verb, str(samples / "records"), "--config", str(config), "-o", str(made[verb])])
+                code = main([verb, str(samples), "--config", str(config), "-o", str(made[verb])])
             assert code in (0, 1)
         return made[verb]
 

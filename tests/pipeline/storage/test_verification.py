@@ -101,7 +101,10 @@ CHANGES = {
     "the last digit": (_nudge, "variable /summary/uplift_ratio: its values"),
     "a flag": (_set("summary/outcome", 3), "variable /summary/outcome: its values"),
     "a text": (_set("summary/record", "r9"), "variable /summary/record: its values"),
-    "a unit": (_attribute("summary/dt", "units", "ms"), "variable /summary/dt: expected the attribute units 's', found 'ms'"),
+    "a unit": (
+        _attribute("summary/dt", "units", "ms"),
+        "variable /summary/dt: expected the attribute units 's', found 'ms'",
+    ),
     "a root attribute": (_attribute("/", "title", "mine"), "attributes, or names and dimensions of variables"),
     "a flag meaning": (
         _attribute("summary/outcome", "flag_meanings", "a b c d"),
