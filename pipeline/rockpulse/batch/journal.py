@@ -195,6 +195,17 @@ class Journal:
             raise _damaged(self.path, f"the result of {key} is not what was written")
         return tuple(_joined([row[2] for row in rows]) for _, rows in groupby(found, key=lambda row: row[0]))
 
+    def drop_damaged(self) -> list[str]:
+        """Forget the tasks whose results are not as they were kept, so that they are done again; their keys."""
+        with _explained(self.path):
+            rows = self._connection.execute("SELECT key, crc, content FROM part")
+            damaged = sorted({key for key, crc, content in rows if zlib.crc32(content) != crc})
+            with _transaction(self._connection) as execute:
+                for key in damaged:
+                    for table in ("done", "part", "failure"):
+                        execute(f"DELETE FROM {table} WHERE key = ?", (key,))
+        return damaged
+
     def failures(self) -> dict[str, tuple[Failure, ...]]:
         """The failures of each finished task that has some, by key."""
         found: dict[str, list[Failure]] = {}

@@ -25,7 +25,7 @@ from rockpulse.batch.tasks import carry_out
 from rockpulse.batch.warm import warm_up
 from rockpulse.config.configuration import Config
 from rockpulse.errors import RecordRefused, ResultsError, StoppedAtFailure
-from rockpulse.failures import Failure
+from rockpulse.failures import Failure, some
 from rockpulse.motions.runner import Analysis
 from rockpulse.readers.folders import Found, check_patterns, find_files
 from rockpulse.storage.save_load import check_target, remove_parts
@@ -301,6 +301,9 @@ def _surveyed(
 
 def _missing(journal: Journal, tasks: Sequence[Task], analysis: Analysis, options: BatchOptions) -> list[Task]:
     """The tasks that are to be done; what was refused before is a failure to stop at like any other."""
+    if options.resume and (damaged := journal.drop_damaged()):
+        again = f"{some(damaged, 5)}: kept in {journal.path}, and not as it was written: done again"
+        _tell_all(again, options)
     before = journal.finished()
     missing = [task for task in tasks if before.get(task.key) != task.fingerprint]
     resumed = len(tasks) - len(missing)

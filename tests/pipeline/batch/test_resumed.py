@@ -4,8 +4,11 @@ from __future__ import annotations
 
 import os
 import pickle
+import random
+import sqlite3
 import subprocess
 import sys
+from collections import Counter
 from contextlib import AbstractContextManager
 from dataclasses import replace
 
@@ -148,6 +151,64 @@ def test_a_run_that_resumes_has_the_same_probabilities_and_so_have_two_workers(f
         assess_files(paths, config, tmp_path / f"{workers}.h5", BatchOptions(workers=workers))
         assert_contents(tmp_path / f"{workers}.h5", resumed)
     assert np.all((resumed["summary/factor_50"]["values"] > 0.5) & (resumed["summary/factor_50"]["values"] < 10.0))
+
+
+def stopped_at_the_last(folder, output, monkeypatch):
+    """A run that has two of three records in its journal."""
+    original = assessment.extract
+
+    def interrupted(record, config, vertical):
+        if record.id.startswith("r2"):
+            raise KeyboardInterrupt
+        return original(record, config, vertical)
+
+    with monkeypatch.context() as patch:
+        patch.setattr(assessment, "extract", interrupted)
+        with pytest.raises(KeyboardInterrupt):
+            assess_files(sorted(folder.glob("r*")), CONFIG, output, BatchOptions(workers=1))
+
+
+def test_a_result_that_was_damaged_in_the_journal_is_done_again_and_the_others_are_not(folder, tmp_path, monkeypatch):
+    paths, output, told = sorted(folder.glob("r*")), tmp_path / "results.h5", []
+    stopped_at_the_last(folder, output, monkeypatch)
+    with sqlite3.connect(journal_path(output)) as connection:
+        key, content = connection.execute("SELECT key, content FROM part WHERE key LIKE 'r1%'").fetchone()
+        damaged = content[:40] + bytes([content[40] ^ 4]) + content[41:]
+        connection.execute("UPDATE part SET content = ? WHERE key = ?", (damaged, key))
+    connection.close()
+    report = assess_files(paths, CONFIG, output, BatchOptions(workers=1, resume=True, tell=told.append))
+    assert (report.records, report.resumed, report.failures) == (3, 1, [])
+    assert told[0] == f"{key}: kept in {journal_path(output)}, and not as it was written: done again"
+    assess_files(paths, CONFIG, tmp_path / "alone.h5", BatchOptions(workers=1))
+    assert_contents(output, contents(tmp_path / "alone.h5"))
+
+
+@pytest.mark.slow
+def test_two_hundred_damaged_journals_end_in_the_same_file_or_say_so(folder, tmp_path, monkeypatch):
+    """A byte anywhere in it: what it keeps of a record is done again, damage to its own structure is told."""
+    paths, output, kept = sorted(folder.glob("r*")), tmp_path / "results.h5", tmp_path / "kept"
+    stopped_at_the_last(folder, output, monkeypatch)
+    journal_path(output).rename(kept)
+    assess_files(paths, CONFIG, output, BatchOptions(workers=1))
+    expected, sound = contents(output), kept.read_bytes()
+    draw, redone = random.Random(5), Counter()
+    for _ in range(200):
+        place = draw.randrange(len(sound))
+        output.unlink(missing_ok=True)
+        for left in tmp_path.glob("results.h5.journal*"):
+            left.unlink()
+        changed = bytes([sound[place] ^ (1 << draw.randrange(8))])
+        journal_path(output).write_bytes(sound[:place] + changed + sound[place + 1 :])
+        try:
+            report = assess_files(paths, CONFIG, output, BatchOptions(workers=1, resume=True))
+        except ResultsError as error:
+            assert str(journal_path(output)) in str(error)  # noqa: PT017 - one of two good ends
+            redone["told"] += 1
+            continue
+        assert_contents(output, expected)
+        redone[2 - report.resumed] += 1
+    print(dict(redone))
+    assert redone[0] + redone[1] >= 190
 
 
 def stopped_after_writing(paths, output, monkeypatch):
