@@ -122,7 +122,7 @@ def test_the_spectrum_of_the_rule_is_its_demand():
         ("balanced = 1", r"\[balanced\] factor"),
         ("[balanced]\nfactor = 'one'", r"\[balanced\] factor"),
         ("[balanced]\nfactor = -1.0", "positive"),
-        ("[balanced", "no TOML"),
+        ("[balanced", "not valid TOML"),
         ("[conservative]\nfactor = 1.0", r"\[balanced\] factor"),
         ("[balanced]\nfactor = 1.0", r"\[range\]"),
         ("[range]\np = [2.0, 1.0]\n[balanced]\nfactor = 1.0", r"\[range\] p"),

@@ -228,7 +228,7 @@ def spectrum_of(settings: CheckSettings, folder: Path = Path()) -> DemandSpectru
 
 
 def _tabled(path: Path) -> TabledSpectrum:
-    if not path.exists():
+    if not path.exists() or path.is_dir():
         raise ConfigError(f"{path}: expected a table of a spectrum, found no file")
     text = read_text(path, what="a table of a spectrum")
     try:

@@ -245,7 +245,7 @@ def load_hazard(path: str | Path, site: tuple[float, float] | None = None) -> Ha
         For a file that is none of these, or of several sites where none was named.
     """
     where = Path(path)
-    if not where.exists():
+    if not where.exists() or where.is_dir():
         raise ConfigError(f"{path}: expected a file with a hazard curve, found none")
     text = read_text(where, what="a hazard curve")
     lines = text.splitlines()

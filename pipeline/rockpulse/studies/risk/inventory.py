@@ -125,7 +125,7 @@ def read_inventory(path: str | Path) -> tuple[list[str], Block]:
         For a file that is no such table, a name that is empty or twice, or numbers that are not positive.
     """
     where = Path(path)
-    if not where.exists():
+    if not where.exists() or where.is_dir():
         raise ConfigError(f"{path}: expected a table of bodies, found no file")
     text = read_text(where, what="a table of bodies")
     try:

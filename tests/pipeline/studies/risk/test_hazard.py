@@ -105,7 +105,7 @@ def test_a_file_that_is_none_is_refused(tmp_path):
     with pytest.raises(rp.ConfigError, match="expected a file with a hazard curve, found none"):
         rp.load_hazard(tmp_path)
     (tmp_path / "binary.csv").write_bytes(b"\xff\xfe\x00")
-    with pytest.raises(rp.ConfigError, match="cannot be read as a hazard curve"):
+    with pytest.raises(rp.ConfigError, match="expected a hazard curve in UTF-8"):
         rp.load_hazard(tmp_path / "binary.csv")
 
 
