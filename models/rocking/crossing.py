@@ -1,9 +1,9 @@
 """Factors read off a probability of overturning over the factor on a record: its crossings, and the mean capacity.
 
 .. note:: The probability need not rise everywhere. The factor of a probability is the crossing of its isotonic fit
-   (pool adjacent violators), linear in ln f between levels. The mean capacity exp(E ln f_c) needs no fit: with P the
-   distribution of the capacity f_c, E ln f_c = ln f_1 + integral of (1 - P) d ln f over the levels, from f_1, where
-   P is still 0, to where it is 1.
+   (pool adjacent violators), linear in ln f between levels. The mean capacity exp(E ln f_c) needs no fit: P is the
+   distribution of the capacity f_c, and what it gains between two levels lies on average half-way between their
+   logarithms. That is the trapezoidal rule for ln f_1 + integral of (1 - P) d ln f, from f_1, where P is still 0.
 """
 
 from __future__ import annotations
@@ -98,5 +98,7 @@ def mean_capacity(level: np.ndarray, probability: np.ndarray) -> np.ndarray:
     4.0
     """
     logs = np.log(level)
-    mean = logs[0] + np.trapezoid(1.0 - probability, logs, axis=-1)
+    gained = np.diff(probability, axis=-1) * (0.5 * (logs[1:] + logs[:-1]))
+    # Added one after the other: levels of no gain before the first and after the last one do not change a bit.
+    mean = probability[..., 0] * logs[0] + np.cumsum(gained, axis=-1)[..., -1] + (1.0 - probability[..., -1]) * logs[-1]
     return np.where(probability[..., -1] > 1.0 - 1e-3, np.exp(mean), np.inf)

@@ -149,9 +149,9 @@ class OverturningSpectrum:
         self.uncertainty = uncertainty or Uncertainty()
         self.p = lanes.p
         reach = REACH * self.uncertainty.spread
-        first = np.floor((np.min(lanes.bottom) - reach) / LEVEL_STEP)
-        last = np.ceil((np.max(lanes.top) + reach) / LEVEL_STEP)
-        self._logs = LEVEL_STEP * np.arange(first, last + 1.0)
+        self._first = int(np.floor((np.min(lanes.bottom) - reach) / LEVEL_STEP))
+        last = int(np.ceil((np.max(lanes.top) + reach) / LEVEL_STEP))
+        self._logs = LEVEL_STEP * np.arange(self._first, last + 1)
         self.level = np.exp(self._logs)
         apart = self._logs[:, np.newaxis] - self._logs
         # Errors of P at two levels go together as far as the same lanes make them.
@@ -218,10 +218,11 @@ class OverturningSpectrum:
         # A higher probability is a lower factor; an end of an interval is the outermost crossing of its band.
         upper = np.maximum.accumulate(np.minimum(probability + TWO_SIDED * error, 1.0), axis=1)
         lower = np.minimum.accumulate(np.maximum(probability - TWO_SIDED * error, 0.0)[:, ::-1], axis=1)[:, ::-1]
-        middle, high, low = (_crossings(self._logs, rows, speed) for rows in (rising(probability), upper, lower))
+        middle, high, low = (_crossings(self._first, self.level, rows, speed) for rows in (rising(probability), upper, lower))
         found = {"at_one": middle[0], "at_one_low": low[0], "at_one_high": high[0]}
         capacity = mean_capacity(self.level, probability) * speed
-        of_mean = np.sqrt(np.sum(lane_sums(error, self._alike) * error, axis=1)) * LEVEL_STEP
+        # Added one after the other, as in mean_capacity.
+        of_mean = np.sqrt(np.cumsum(lane_sums(error, self._alike) * error, axis=1)[:, -1]) * LEVEL_STEP
         widths = [np.abs(np.log(end / value)) for end, value in zip(high[1:] + low[1:], middle[1:] * 2, strict=True)]
         for name, value, below, above in (
             ("factor_10", middle[1], widths[0], widths[2]),
@@ -249,7 +250,7 @@ class OverturningSpectrum:
             For blocks that the spectrum does not cover.
         """
         probability, _, speed = self._of_blocks(block, least, most)
-        return _read(self._logs, rising(probability), np.log(np.asarray(factor, dtype=float) / speed[:, np.newaxis]))
+        return _read(self._first, rising(probability), np.log(np.asarray(factor, dtype=float) / speed[:, np.newaxis]))
 
     def _of_blocks(self, block: Block, least: Any, most: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """P (m, k) of blocks that the spectrum covers, its standard error, and their speeds g tan(alpha)/p (m,)."""
@@ -341,19 +342,18 @@ class _AtOneRate:
         return found
 
 
-def _read(logs: np.ndarray, probability: np.ndarray, log_x: np.ndarray) -> np.ndarray:
-    """P (m, d) at ln x (m, d), linear in ln x between the levels (k,), of rows (m, k)."""
-    place = (log_x - logs[0]) / LEVEL_STEP
-    below = np.clip(np.floor(place).astype(int), 0, logs.size - 2)
-    share = np.clip(place - below, 0.0, 1.0)
+def _read(first: int, probability: np.ndarray, log_x: np.ndarray) -> np.ndarray:
+    """P (m, d) at ln x (m, d), linear in ln x between the levels, of rows (m, k) from the level exp(LEVEL_STEP first)."""
+    place = log_x / LEVEL_STEP
+    whole = np.clip(np.floor(place), first, first + probability.shape[1] - 2)
+    share, below = np.clip(place - whole, 0.0, 1.0), whole.astype(int) - first
     rows = np.arange(log_x.shape[0])[:, np.newaxis]
     return np.asarray((1.0 - share) * probability[rows, below] + share * probability[rows, below + 1])
 
 
 def _crossings(
-    logs: np.ndarray, probability: np.ndarray, speed: np.ndarray
+    first: int, level: np.ndarray, probability: np.ndarray, speed: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """P at a factor of one, and the factors of 10 and 50 %, from rising P(x) and the speeds g tan(alpha)/p."""
-    at_one = _read(logs, probability, -np.log(speed)[:, np.newaxis])[:, 0]
-    level = np.exp(logs)
+    at_one = _read(first, probability, -np.log(speed)[:, np.newaxis])[:, 0]
     return at_one, factor_at(0.1, level, probability) * speed, factor_at(0.5, level, probability) * speed

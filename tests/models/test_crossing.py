@@ -101,3 +101,12 @@ def test_a_single_level():
 def test_a_capacity_beyond_the_last_level_has_no_mean():
     rows = np.array([[0.0, 0.5, 0.99], [0.0, 0.5, 0.9995], [0.0, 0.0, 0.0]])
     assert np.isfinite(mean_capacity(np.array([1.0, 2.0, 4.0]), rows)).tolist() == [False, True, False]
+
+
+def test_levels_of_no_gain_around_the_others_change_no_bit_of_the_mean():
+    probability = norm.cdf(np.log(LEVELS / 1.7) / 0.3)
+    probability[:60], probability[-60:] = 0.0, 1.0
+    found = float(mean_capacity(LEVELS, probability))
+    for first, last in ((1, 300), (17, 290), (59, 243), (33, 260)):
+        part = slice(first, last)
+        assert float(mean_capacity(LEVELS[part], probability[part])) == found
