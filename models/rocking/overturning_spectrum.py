@@ -218,7 +218,9 @@ class OverturningSpectrum:
         # A higher probability is a lower factor; an end of an interval is the outermost crossing of its band.
         upper = np.maximum.accumulate(np.minimum(probability + TWO_SIDED * error, 1.0), axis=1)
         lower = np.minimum.accumulate(np.maximum(probability - TWO_SIDED * error, 0.0)[:, ::-1], axis=1)[:, ::-1]
-        middle, high, low = (_crossings(self._first, self.level, rows, speed) for rows in (rising(probability), upper, lower))
+        middle, high, low = (
+            _crossings(self._first, self.level, rows, speed) for rows in (rising(probability), upper, lower)
+        )
         found = {"at_one": middle[0], "at_one_low": low[0], "at_one_high": high[0]}
         capacity = mean_capacity(self.level, probability) * speed
         # Added one after the other, as in mean_capacity.
@@ -343,7 +345,7 @@ class _AtOneRate:
 
 
 def _read(first: int, probability: np.ndarray, log_x: np.ndarray) -> np.ndarray:
-    """P (m, d) at ln x (m, d), linear in ln x between the levels, of rows (m, k) from the level exp(LEVEL_STEP first)."""
+    """P (m, d) at ln x (m, d), linear in it between the levels, of rows (m, k) from the level exp(LEVEL_STEP first)."""
     place = log_x / LEVEL_STEP
     whole = np.clip(np.floor(place), first, first + probability.shape[1] - 2)
     share, below = np.clip(place - whole, 0.0, 1.0), whole.astype(int) - first

@@ -47,6 +47,7 @@ def build_parser() -> argparse.ArgumentParser:
         epilog=EPILOG,
     )
     parser.add_argument("--version", action="version", version=f"rockpulse {__version__}")
+    parser.set_defaults(program=parser)  # for the verb that writes completions of all others
     subparsers = parser.add_subparsers(title="verbs", required=True, metavar="VERB")
     for verb in VERBS:
         verb.add_to(subparsers)

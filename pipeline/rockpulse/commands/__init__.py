@@ -8,6 +8,7 @@ from rockpulse.commands import (
     assess,
     calibrate,
     check,
+    completion,
     convert,
     diff,
     export,
@@ -44,4 +45,5 @@ VERBS = (
     rule.VERB,
     accuracy.VERB,
     study.VERB,
+    completion.VERB,
 )

@@ -39,9 +39,11 @@ def _add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--limit",
         type=count,
-        default=20,
         metavar="N",
-        help="most flipped verdicts, factors and capacities that crossed 1, that are named; default: %(default)s",
+        help="most flipped verdicts, factors and capacities that crossed 1, that are named; default: 3, with --full 20",
+    )
+    parser.add_argument(
+        "--full", action="store_true", help="every variable, name and line that differs; default: one screen of them"
     )
 
 
@@ -51,9 +53,10 @@ def _run(args: argparse.Namespace) -> int:
     from rockpulse.views.diff.overview import difference_overview
 
     with open_results(args.first) as first, open_results(args.second) as second:
-        found = compare_results(first, second, args.rtol, args.atol, args.ignore, args.limit)
+        limit = args.limit or (20 if args.full else 3)
+        found = compare_results(first, second, args.rtol, args.atol, args.ignore, limit)
         tolerance = f"rtol {args.rtol:g}" + (f", atol {args.atol:g}" if args.atol else "")
-        tell(difference_overview(found, first, second, tolerance))
+        tell(difference_overview(found, first, second, tolerance, args.full))
     return 0 if found.same else 1
 
 

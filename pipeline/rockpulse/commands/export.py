@@ -1,4 +1,4 @@
-"""``rockpulse export``: answers of a results file as a CSV table, with a README of its columns."""
+"""``rockpulse export``: answers of a results file as a table, with a README of its columns."""
 
 from __future__ import annotations
 
@@ -24,7 +24,8 @@ def _add_arguments(parser: argparse.ArgumentParser) -> None:
         "--output",
         required=True,
         metavar="TABLE",
-        help="name.csv or name.csv.gz; name.README.md beside it says what the columns mean",
+        help="name.csv, name.csv.gz, name.xlsx or name.parquet (the last two: pip install 'rockpulse[tables]'); "
+        "name.README.md beside it says what the columns mean",
     )
     parser.add_argument(
         "--group",
@@ -102,12 +103,13 @@ def _names(joined: str | None) -> list[str] | None:
 VERB = Verb(
     name="export",
     summary="write answers of a results file as a table",
-    description="Write a group of a results file as a long CSV table, one row per answer and one column per variable, "
-    "and a README that gives every column its unit and meaning. Flags are written as words.",
+    description="Write a group of a results file as a long table (CSV, a workbook, Parquet), one row per answer and "
+    "one column per variable, and a README that gives every column its unit and meaning. Flags are written as words.",
     add_arguments=_add_arguments,
     run=_run,
     examples=(
         "rockpulse export results.h5 -o table.csv",
+        "rockpulse export results.h5 -o table.xlsx --model nonlinear",
         "rockpulse export results.h5 -o worst.csv --where 'safety_factor < 1' --sort safety_factor --limit 100",
         "rockpulse export results.h5 -o answers.csv --model nonlinear --columns pga,outcome,safety_factor "
         "--decimal-comma",

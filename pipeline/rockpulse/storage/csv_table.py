@@ -1,4 +1,4 @@
-"""A long table as CSV, with a README of its columns beside it."""
+"""A long table as a file, with a README of its columns beside it."""
 
 from __future__ import annotations
 
@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, TextIO
 from rockpulse.errors import ResultsError
 from rockpulse.foreign_text import escaped, not_a_formula
 from rockpulse.storage.long_table import LongTable
+from rockpulse.storage.typed_table import TYPED, check_library, write_typed
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -19,7 +20,7 @@ if TYPE_CHECKING:
 __all__ = ["check_table_target", "one_line", "readme_of", "safe_texts", "write_table"]
 
 #: Suffixes of tables; the second is compressed.
-SUFFIXES = (".csv", ".csv.gz")
+SUFFIXES = (".csv", ".csv.gz", *TYPED)
 
 #: What stands for the end of a line inside a text, and every way in which one ends.
 LINE = " | "
@@ -34,18 +35,22 @@ def readme_of(path: Path) -> Path:
     >>> readme_of(Path("out/table.csv")).name
     'table.README.md'
     """
-    return path.with_name(f"{path.name.removesuffix('.gz').removesuffix('.csv')}.README.md")
+    return path.with_name(
+        f"{next(path.name.removesuffix(one) for one in SUFFIXES if path.name.endswith(one))}.README.md"
+    )
 
 
 def check_table_target(path: str | Path, overwrite: bool = False) -> Path:
     """The path of a table, where the table and its README can be written.
 
-    A ResultsError for another suffix than ``.csv`` or ``.csv.gz``, a folder that does not exist, and, without
-    `overwrite`, for either file that does.
+    A ResultsError for a suffix that is none of ``.csv``, ``.csv.gz``, ``.xlsx`` and ``.parquet``, for one whose library
+    is not installed, for a folder that does not exist, and, without `overwrite`, for either file that does.
     """
     target = Path(path)
     if not target.name.endswith(SUFFIXES):
-        raise ResultsError(f"{path}: expected a name that ends in {' or '.join(SUFFIXES)}")
+        raise ResultsError(f"{path}: expected a name that ends in {', '.join(SUFFIXES[:-1])} or {SUFFIXES[-1]}")
+    if target.suffix in TYPED:
+        check_library(target)
     if not target.parent.is_dir():
         raise ResultsError(f"{path}: there is no folder {target.parent}; create it first")
     for file in (target, readme_of(target)):
@@ -67,12 +72,12 @@ def write_table(
     decimal_comma: bool = False,
     raw: bool = False,
 ) -> tuple[Path, Path]:
-    """Write a table and its README, each whole or not at all, in bounded memory; the paths of both.
+    """Write a table and its README, each whole or not at all, CSV in bounded memory; the paths of both.
 
-    `about` tells in the README where the table comes from. `on_rows` is called with the number of rows that were
-    written since its last call. With `decimal_comma` there are semicolons between the columns, decimal commas and a
-    byte order mark, as spreadsheets expect them where the decimal sign is a comma. With `raw` texts stay as they are
-    but for the ends of lines (:func:`safe_texts`).
+    The suffix chooses the kind (:func:`check_table_target`). `about` tells in the README where the table comes from.
+    `on_rows` is called with the number of rows that were written since its last call. With `decimal_comma` there are
+    semicolons between the columns, decimal commas and a byte order mark, as spreadsheets expect them where the decimal
+    sign is a comma. With `raw` texts stay as they are but for the ends of lines (:func:`safe_texts`).
 
     Raises
     ------
@@ -85,17 +90,26 @@ def write_table(
     readme = readme_of(target)
     empty = {column.name: 0 for column in table.columns}
     parts = [file.with_name(f".{file.name}.{secrets.token_hex(4)}.part") for file in (target, readme)]
+    if decimal_comma and target.suffix in TYPED:
+        raise ResultsError(f"{path}: a table of this kind holds numbers, not how they are written: no decimal commas")
+
+    def seen(frame: pd.DataFrame) -> None:
+        for name in empty:
+            empty[name] += int((frame[name].isna() | (frame[name].astype(object) == "")).sum())
+        if on_rows is not None:
+            on_rows(len(frame))
+
     try:
-        sep, decimal = (";", ",") if decimal_comma else (",", ".")
-        with _opened(parts[0], target.name.endswith(".gz"), "utf-8-sig" if decimal_comma else "utf-8") as file:
-            for number, frame in enumerate(table.frames()):
-                for name in empty:
-                    empty[name] += int((frame[name].isna() | (frame[name].astype(object) == "")).sum())
-                (one_line(frame) if raw else safe_texts(frame)).to_csv(
-                    file, index=False, header=number == 0, sep=sep, decimal=decimal
-                )
-                if on_rows is not None:
-                    on_rows(len(frame))
+        if target.suffix in TYPED:
+            write_typed(table, parts[0], target.suffix, seen)
+        else:
+            sep, decimal = (";", ",") if decimal_comma else (",", ".")
+            with _opened(parts[0], target.name.endswith(".gz"), "utf-8-sig" if decimal_comma else "utf-8") as file:
+                for number, frame in enumerate(table.frames()):
+                    (one_line(frame) if raw else safe_texts(frame)).to_csv(
+                        file, index=False, header=number == 0, sep=sep, decimal=decimal
+                    )
+                    seen(frame)
         parts[1].write_text(_readme(table, target.name, about, empty, decimal_comma), encoding="utf-8")
         for part, file_ in zip(parts, (target, readme), strict=True):
             part.replace(file_)
@@ -138,22 +152,33 @@ def _texts(frame: pd.DataFrame) -> list[str]:
 
 
 def _readme(table: LongTable, name: str, about: str, empty: dict[str, int], decimal_comma: bool) -> str:
-    written, options = "UTF-8, comma-separated", ""
+    written, options = "UTF-8, comma-separated, one line of headings", ""
     if decimal_comma:
-        written = "UTF-8 with a byte order mark, semicolons between columns, decimal commas"
+        written = "UTF-8 with a byte order mark, semicolons between columns, decimal commas, one line of headings"
         options = 'sep=";", decimal=",", '
+    in_pandas = (
+        f'In pandas: `pandas.read_csv(name, {options}keep_default_na=False, na_values=[""])`, so that a network "NA" '
+        "stays one."
+    )
+    digits, line_ends = "all their", f" `{LINE.strip()}` stands between the lines of a text."
+    if name.endswith(tuple(TYPED)):
+        line_ends = ""
+    if name.endswith(".parquet"):
+        written, in_pandas = "Parquet", "In pandas: `pandas.read_parquet(name)`."
+    elif name.endswith(".xlsx"):
+        written, digits = "A workbook of one sheet, one row of headings", "16"
+        in_pandas = 'In pandas: `pandas.read_excel(name, keep_default_na=False, na_values=[""])`.'
     lines = [
         f"# {name}",
         "",
         f"{about} Group `/{table.group}`, {len(table)} rows{table.per}.",
         "",
-        f"{written}, one line of headings, SI units, numbers with all their digits. An empty cell: not "
+        f"{written}, SI units, numbers with {digits} digits. An empty cell: not "
         "known or not computed, or no text; how many a column has is counted below. `inf`: without limit, such as the "
         "safety factor of a block that no factor tried overturns, or the peak of one that overturned. -1 in whole "
-        f"numbers: none, or not known, as the meaning says. `{LINE.strip()}` stands between the lines of a text.",
+        f"numbers: none, or not known, as the meaning says.{line_ends}",
         "",
-        f'In pandas: `pandas.read_csv(name, {options}keep_default_na=False, na_values=[""])`, so that a network "NA" '
-        "stays one.",
+        in_pandas,
         "",
         f"| column | unit | empty cells of {len(table)} | meaning |",
         "|---|---|---|---|",

@@ -1,5 +1,7 @@
 """``rockpulse diff``: exit codes and options."""
 
+import re
+
 import pytest
 from results_tree import results_bytes, results_tree
 
@@ -31,6 +33,24 @@ def test_exit_code_one_where_they_differ(files, capsys):
     assert "/summary/pga" in out
     assert "1.0e-06" in out
     assert max(map(len, out.splitlines())) <= 120
+
+
+def test_one_screen_or_all_of_it(files, tmp_path, capsys):
+    tree = results_tree()
+    for variable in tree["summary"].data_vars.values():
+        if variable.dtype.kind == "f":
+            variable.values[...] = variable.values * 1.5 + 0.1
+    save(tree, tmp_path / "c.h5")
+    assert main(["diff", files[0], str(tmp_path / "c.h5")]) == 1
+    brief = capsys.readouterr().out
+    assert len(brief.splitlines()) <= 50
+    assert "All of it: rockpulse diff BEFORE AFTER --full" in brief
+    assert main(["diff", files[0], str(tmp_path / "c.h5"), "--full"]) == 1
+    whole = capsys.readouterr().out
+    shown, more = brief.count("  /summary/"), int(re.search(r"and (\d+) more variables", brief)[1])
+    assert shown == 6
+    assert whole.count("  /summary/") == shown + more
+    assert "--full" not in whole
 
 
 @pytest.mark.parametrize("options", [["--rtol", "1e-5"], ["--atol", "1e-5"], ["--ignore", "pga"]])

@@ -214,7 +214,9 @@ def test_nothing_is_replaced_unless_asked_for(results, tmp_path):
     assert not target.exists()
 
 
-@pytest.mark.parametrize(("name", "said"), [("table.xlsx", "ends in .csv or .csv.gz"), ("none/t.csv", "no folder")])
+@pytest.mark.parametrize(
+    ("name", "said"), [("table.ods", "ends in .csv, .csv.gz, .xlsx or .parquet"), ("none/t.csv", "no folder")]
+)
 def test_other_names_are_refused(results, tmp_path, name, said):
     with pytest.raises(ResultsError, match=said):
         written(results, tmp_path / name)

@@ -13,8 +13,9 @@ from rockpulse.views.shared.terminal import ABSENT, paragraph, shortened
 
 __all__ = ["difference_overview"]
 
-#: Names that are listed of what only one file has, and lines of the configuration.
-LISTED = 12
+#: Names that are listed of what only one file has, and half of the lines of the configuration and of bodies; and how
+#: many for one screen, which shows as many variables as lines.
+LISTED, ON_SCREEN = 12, 3
 
 #: Longest place and text in a table, and name in a place.
 PLACE_WIDTH = 44
@@ -29,15 +30,24 @@ CROSSED = {
 }
 
 
-def difference_overview(found: Differences, first: ResultsFile, second: ResultsFile, tolerance: str) -> str:
-    """Files, bodies, verdicts that flipped, ratios that crossed one, what only one file has, all other differences."""
-    parts = [_files(first, second), _bodies(found), _flips(found)]
+def difference_overview(
+    found: Differences, first: ResultsFile, second: ResultsFile, tolerance: str, full: bool = True
+) -> str:
+    """Files, bodies, verdicts that flipped, ratios that crossed one, what only one file has, all other differences.
+
+    Without `full` a screen of it: the first of every list, and how many more there are.
+    """
+    most = LISTED if full else ON_SCREEN
+    parts = [_files(first, second), _bodies(found, most), _flips(found)]
     parts += [_crossings(found, name, title) for name, title in CROSSED.items()]
-    parts += [_about(found), _configuration(found)]
-    parts += [_only(one) for one in found.only]
+    parts += [_about(found), _configuration(found, most)]
+    parts += [_only(one, most) for one in found.only]
     if found.others:
-        parts.append("\n".join(["Other differences:", *(paragraph(line, "    ", "  ") for line in found.others)]))
-    parts.append(_variables(found, tolerance))
+        others = [paragraph(line, "    ", "  ") for line in found.others]
+        parts.append("\n".join(["Other differences:", *(others if full else _first(others, most))]))
+    parts.append(_variables(found, tolerance, len(found.variables) if full else 2 * most))
+    if not full and any("\n  and " in part for part in parts):
+        parts.append("All of it: rockpulse diff BEFORE AFTER --full")
     same = f"The results are the same: {found.compared} values within {tolerance}."
     apart = f"The results differ ({found.compared} values compared within {tolerance})."
     return "\n\n".join([*(part for part in parts if part), same if found.same else apart])
@@ -57,28 +67,28 @@ def _about(found: Differences) -> str:
     return "\n".join(f"  {name}: {old} -> {new}" for name, old, new in found.about)
 
 
-def _configuration(found: Differences) -> str:
+def _configuration(found: Differences, most: int) -> str:
     if not found.configuration:
         return ""
     said = [paragraph(line[1:], "      ", f"  {line[0]} ") for line in found.configuration]
-    return "\n".join(["Configuration:", *_first(said, 2 * LISTED, " lines")])
+    return "\n".join(["Configuration:", *_first(said, 2 * most, " lines")])
 
 
-def _only(one: OnlyIn) -> str:
+def _only(one: OnlyIn, most: int) -> str:
     said = []
     for mark, which, names in (("-", "first", one.first), ("+", "second", one.second)):
         if names:
             said.append(f"{one.what} only in the {which} file: {len(names)}")
-            said += _first([paragraph(name, "      ", f"  {mark} ") for name in names], LISTED)
+            said += _first([paragraph(name, "      ", f"  {mark} ") for name in names], most)
     return "\n".join(said)
 
 
-def _bodies(found: Differences) -> str:
+def _bodies(found: Differences, most: int) -> str:
     if found.same or not found.bodies:
         return ""
     said = [paragraph(line, "      ", "  ") for line in found.bodies]
     title = f"Bodies whose margin changed (by the {found.model} model): {len(found.bodies)}"
-    return "\n".join([title, *_first(said, 2 * LISTED)])
+    return "\n".join([title, *_first(said, 2 * most)])
 
 
 def _first(said: list[str], most: int, noun: str = "") -> list[str]:
@@ -115,7 +125,7 @@ def _changes(title: str, by_model: str, model: str, changes: Changes) -> str:
     return "\n".join([heading, *("  " + line for line in shown), *more])
 
 
-def _variables(found: Differences, tolerance: str) -> str:
+def _variables(found: Differences, tolerance: str, most: int) -> str:
     if not found.variables:
         return ""
     rows = tuple(
@@ -127,11 +137,13 @@ def _variables(found: Differences, tolerance: str) -> str:
             Cell(f"  {_place(one.place)}"),
             Cell(f"  {_text(one.before)} -> {_text(one.after)}"),
         )
-        for one in found.variables
+        for one in found.variables[:most]
     )
     headings = tuple(map(Heading, ("variable", "differ", "of", "largest", "  where", "  before -> after")))
     note = "largest: relative difference (inf: one is no finite number), and where it is; of texts and flags the first."
-    return text(Table("", f"Variables beyond {tolerance}:", headings, rows, (note,)))
+    shown = text(Table("", f"Variables beyond {tolerance}:", headings, rows, (note,)))
+    more = len(found.variables) - len(rows)
+    return f"{shown}\n  and {more} more variables" if more > 0 else shown
 
 
 def _place(names: Sequence[str]) -> str:

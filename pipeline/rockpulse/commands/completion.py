@@ -1,0 +1,69 @@
+"""``rockpulse completion``: a script that lets a shell complete verbs, options, kinds and file names."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Iterator
+
+from rockpulse.commands.telling import tell
+from rockpulse.commands.verb import Verb
+
+__all__ = ["VERB"]
+
+#: How the script is put to use.
+HOW = {
+    "bash": "rockpulse completion bash > ~/.local/share/bash-completion/completions/rockpulse",
+    "zsh": "rockpulse completion zsh > ~/.zfunc/_rockpulse     (~/.zfunc in fpath, before compinit)",
+    "fish": "rockpulse completion fish > ~/.config/fish/completions/rockpulse.fish",
+    "powershell": "rockpulse completion powershell >> $PROFILE",
+}
+
+#: What stands in the help for names of files.
+FILES = frozenset(
+    ("PATHS", "RESULTS", "FILE", "SITE", "REPORT", "TABLE", "BEFORE", "AFTER", "FRAGILITY", "CURVE", "CONFIG", "RULE")
+    + ("VERDICTS", "STUDY", "OUT")
+)
+
+
+def _add_arguments(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("shell", choices=tuple(HOW), help="the shell")
+
+
+def _run(args: argparse.Namespace) -> int:
+    import shtab
+
+    from rockpulse.ladder import MODELS
+    from rockpulse.readers import UNITS
+    from rockpulse.views.plots.kinds import KINDS
+
+    words = {"KIND": tuple(KINDS), "UNIT": tuple(UNITS), "MODEL": tuple(MODELS)}
+    for action in _actions(args.program):
+        metavar = str(action.metavar)
+        if action.choices is None and metavar in words:
+            action.choices = words[metavar]
+        if metavar in FILES:
+            action.complete = shtab.FILE  # type: ignore[attr-defined]
+        if metavar == "FOLDER":
+            action.complete = shtab.DIRECTORY  # type: ignore[attr-defined]
+    tell(shtab.complete(args.program, shell=args.shell))
+    return 0
+
+
+def _actions(parser: argparse.ArgumentParser) -> Iterator[argparse.Action]:
+    """Every action of a parser and of the parsers of its verbs."""
+    for action in parser._actions:
+        yield action
+        if isinstance(action, argparse._SubParsersAction):
+            for verb in action.choices.values():
+                yield from _actions(verb)
+
+
+VERB = Verb(
+    name="completion",
+    summary="let a shell complete verbs, options and names",
+    description="Print a script with which a shell completes verbs, options, kinds of pictures, units and file names. "
+    "Where to put it stands in the examples; it holds from the next shell on.",
+    add_arguments=_add_arguments,
+    run=_run,
+    examples=tuple(HOW.values()),
+)
