@@ -34,8 +34,8 @@ def _add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def _run(args: argparse.Namespace) -> int:
     from rockpulse.config.configuration import config_from_text, load_config
-    from rockpulse.errors import ConfigError
-    from rockpulse.storage.save_load import load
+    from rockpulse.errors import ConfigError, ResultsError
+    from rockpulse.storage.save_load import ASSESSMENT, load, named
     from rockpulse.studies.check.codes import code_check
     from rockpulse.views.shared.output_files import check_file, csv_bytes, write_files
     from rockpulse.views.text.check import check_overview, check_table
@@ -45,6 +45,8 @@ def _run(args: argparse.Namespace) -> int:
     if args.results is None and args.config is None:
         raise ConfigError("expected a results file or --config with the bodies and the demand of the code, found none")
     tree = None if args.results is None else load(args.results)
+    if tree is not None and (kind := str(tree.attrs["kind"])) != ASSESSMENT:
+        raise ResultsError(f"{args.results}: expected {named(ASSESSMENT)} of rockpulse, found {named(kind)}")
     if args.config is not None:
         config = load_config(args.config)
     else:

@@ -20,8 +20,7 @@ HOW = {
 
 #: What stands in the help for names of files.
 FILES = frozenset(
-    ("PATHS", "RESULTS", "FILE", "SITE", "REPORT", "TABLE", "BEFORE", "AFTER", "FRAGILITY", "CURVE", "CONFIG", "RULE")
-    + ("VERDICTS", "STUDY", "OUT")
+    "PATHS RESULTS FILE SITE REPORT TABLE BEFORE AFTER FRAGILITY CURVE CONFIG RULE VERDICTS STUDY OUT".split()  # noqa: SIM905
 )
 
 

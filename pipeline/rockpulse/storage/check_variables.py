@@ -13,8 +13,9 @@ CHECK: Declared = {
         {
             "multiplier": real("1", "alpha_0, multiplier of the horizontal forces that opens the mechanism"),
             "share": real("1", "e*, share of the mass that takes part"),
-            "probability": real("1", "probability of overturning under the records, by the nonlinear model"),
+            "probability": real("1", "probability of overturning that the verdict of the results rests on"),
             "factor_50": real("1", "median over the records of the factor at which that probability is 50 %"),
+            "beside": text("why the probability is not known, in words"),
         },
     ),
     **along(
@@ -28,6 +29,8 @@ CHECK: Declared = {
             "displacement_demand": real("m", "spectral displacement that the code asks for"),
             "displacement_ratio": real("1", "displacement that is allowed over what is asked"),
             "statement": text("why something is not known, in words"),
+            "activation_sense": text("sense that the acceleration is of, empty where both are alike"),
+            "displacement_sense": text("sense that the displacement is of, empty where both are alike"),
         },
     ),
 }

@@ -4,7 +4,10 @@ import pandas as pd
 import pytest
 from record_writers import at2
 
+from rockpulse.assessment.answers import answers_of
+from rockpulse.assessment.verdict import verdicts
 from rockpulse.cli import main
+from rockpulse.storage.save_load import load
 
 CONFIG = """
 [check]
@@ -60,6 +63,54 @@ def test_results_bring_the_probability_of_the_same_bodies(site, tmp_path, capsys
     assert "f_50" in shown
     row = next(line for line in shown.splitlines() if "Circolare 7/2019" in line)
     assert 0.0 <= float(row.split()[-2]) <= 1.0
+
+
+def test_other_bodies_of_the_same_name_bring_no_probability(site, tmp_path, capsys):
+    title = "Event, 1/2/2003, Station, 090"
+    (tmp_path / "r.AT2").write_bytes(at2([0.0, 0.1, 0.3, -0.3, 0.2, -0.1, 0.0] * 20, title=title))
+    results = tmp_path / "results.h5"
+    assert main(["assess", str(tmp_path / "r.AT2"), "--config", str(site), "-o", str(results), "--quiet"]) == 0
+    other = tmp_path / "other.toml"
+    bare = CONFIG.replace("[[block.floor]]\nperiod = 0.5\nparticipation = 1.2\n", "").replace(
+        "width = 0.3", "width = 0.4"
+    )
+    other.write_text(bare + '[[block]]\nname = "statue"\nwidth = 0.5\nheight = 1.8\n')
+    capsys.readouterr()
+    table = tmp_path / "check.csv"
+    assert main(["check", str(results), "--config", str(other), "-o", str(table)]) == 0
+    shown = " ".join(capsys.readouterr().out.split())
+    assert (
+        "parapet: the results have another body of this name (floors given there, none here, width 0.3 there, 0.4"
+        in shown
+    )
+    assert "statue: the results have no body of this name." in shown
+    found = pd.read_csv(table).groupby("block")["probability"].count()
+    assert found.to_dict() == {"parapet": 0, "statue": 0, "wall": 3}
+
+
+def test_the_probability_is_that_under_the_demand_of_the_site(site, tmp_path, capsys):
+    for number in range(6):
+        title = f"Event {number}, 1/2/200{number}, Station, 090"
+        samples = [0.0, 0.1, 0.3, -0.3, 0.2, -0.1, 0.0] * 20
+        (tmp_path / f"r{number}.AT2").write_bytes(at2([one * (1.0 + 0.1 * number) for one in samples], title=title))
+    asked = tmp_path / "asked.toml"
+    asked.write_text(CONFIG + '[[demand]]\nname = "SLV"\nmeasure = "pga"\nvalue = 8.0\n')
+    results = tmp_path / "results.h5"
+    records = [str(path) for path in sorted(tmp_path.glob("*.AT2"))]
+    assert main(["assess", *records, "--config", str(asked), "-o", str(results), "--quiet"]) == 0
+    assert main(["check", str(results), "--code", "en_1998", "--quiet", "-o", str(tmp_path / "c.csv")]) == 0
+    found = pd.read_csv(tmp_path / "c.csv").set_index("block")["probability"]
+    tree = load(results)
+    at_demand = [one.demands[0].share.value for one in verdicts(answers_of(tree))]
+    assert found.tolist() == pytest.approx(at_demand)
+    assert at_demand != pytest.approx([one.share.value for one in verdicts(answers_of(tree))])
+
+
+def test_a_file_of_another_kind_is_refused(tmp_path, capsys):
+    study = tmp_path / "study.h5"
+    assert main(["study", "figure4", "-o", str(study), "--impulse-ratio", "1", "--count", "2", "--quiet"]) == 0
+    assert main(["check", str(study)]) == 2
+    assert "study.h5: expected an assessment of rockpulse, found a study" in capsys.readouterr().err
 
 
 def test_wrong_arguments_are_told(site, tmp_path, capsys):

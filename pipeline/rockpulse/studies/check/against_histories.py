@@ -18,12 +18,12 @@ import pandas as pd
 from rockpulse.assessment.overturning import overturning_factors, overturning_spectrum
 from rockpulse.config.check_settings import CheckSettings
 from rockpulse.record.intensity import spectral_acceleration
-from rockpulse.record.record import Record
+from rockpulse.record.record import STANDARD_GRAVITY, Record
 from rockpulse.storage.study_variables import CODE_CASES, CODE_RATES, STATEMENTS, STUDY, VERDICTS, described_set
 from rockpulse.storage.variables import with_values
 from rockpulse.studies.accuracy.model_form import blocks
 from rockpulse.studies.check.codes import circolare_2009, circolare_2019
-from rockpulse.studies.check.mechanism import mechanism_of
+from rockpulse.studies.check.mechanism import senses_of
 from rockpulse.studies.check.spectra import damping_factor, displacement_of
 from rockpulse.studies.rule.cases import StrongMotion
 
@@ -73,7 +73,7 @@ def _cases_of(motion: StrongMotion, settings: CheckSettings) -> pd.DataFrame:
     factors = overturning_factors(overturning_spectrum(motion.record), bodies)
     rows = []
     for lane in range(bodies.shape[0]):
-        mechanism = mechanism_of(bodies.lane(lane))
+        (mechanism,) = senses_of(bodies.lane(lane))  # free blocks, whose senses are alike
         older, newer = (check(mechanism, spectrum, (), settings) for check in (circolare_2009, circolare_2019))
         rows.append(
             {
@@ -89,6 +89,8 @@ def _cases_of(motion: StrongMotion, settings: CheckSettings) -> pd.DataFrame:
             "event": motion.event,
             "slenderness": bodies.slenderness,
             "radius": bodies.radius,
+            "uplift_factor": STANDARD_GRAVITY * np.tan(bodies.alpha_c) / motion.record.pga,
+            "factor_10": factors["factor_10"],
             "factor_50": factors["factor_50"],
         }
     ).join(pd.DataFrame(rows))
@@ -113,8 +115,9 @@ def check_cases(
     Returns
     -------
     pandas.DataFrame
-        `record`, `event`, `slenderness`, `radius` [m], `factor_50`, at which the body overturns with a probability of
-        0.5, and by the names of :data:`ALLOWED` the largest factor on the record that each check allows [-].
+        `record`, `event`, `slenderness`, `radius` [m], `uplift_factor`, above which the record lifts the body,
+        `factor_10` and `factor_50`, at which the body overturns with a probability of 0.1 and 0.5, and by the names of
+        :data:`ALLOWED` the largest factor on the record that each check allows [-].
     """
     settings = CheckSettings(confidence_factor=1.0) if settings is None else settings
     frames = [_cases_of(one, settings) for one in (motions if progress is None else progress(motions))]
@@ -135,15 +138,18 @@ def check_rates(cases: pd.DataFrame, seed: int = 0) -> pd.DataFrame:
     Returns
     -------
     pandas.DataFrame
-        `factor`, `check`, `overturned`, `standing`, `missed` and `false` cases, and `missed_share` and `false_share`
-        with limits of 90 % over earthquakes; NaN for fewer than four of them.
+        `factor`, `check`, `overturned`, `standing`, `missed`, `missed_10` (that pass with a probability of 0.1 or
+        more), `passed`, `passed_lifted` (that pass and lift off) and `false` cases, and `missed_share` and
+        `false_share` with limits of 90 % over earthquakes; NaN for fewer than four of them.
     """
     levels, codes = np.array(LEVELS), pd.factorize(cases["event"])[0]
-    falls = levels >= cases["factor_50"].to_numpy()[:, np.newaxis]
+    falls, may_fall = (levels >= cases[name].to_numpy()[:, np.newaxis] for name in ("factor_50", "factor_10"))
+    lifts = levels > cases["uplift_factor"].to_numpy()[:, np.newaxis]
     rows = []
     for name in ALLOWED:
         passes = cases[name].to_numpy()[:, np.newaxis] >= levels
         counts = np.stack([falls & passes, falls, ~falls & ~passes, ~falls])  # (4, cases, levels)
+        of_passing = {"missed_10": may_fall & passes, "passed": passes, "passed_lifted": lifts & passes}
         for place, factor in enumerate((*LEVELS, np.nan)):
             part = slice(None) if place == levels.size else slice(place, place + 1)
             of_cases = counts[:, :, part].sum(axis=2)
@@ -162,6 +168,7 @@ def check_rates(cases: pd.DataFrame, seed: int = 0) -> pd.DataFrame:
                     "overturned": overturned,
                     "standing": standing,
                     "missed": missed,
+                    **{name: int(one[:, part].sum()) for name, one in of_passing.items()},
                     "false": false,
                     **shares,
                 }
@@ -228,10 +235,15 @@ def _statements(rates: pd.DataFrame) -> xr.Dataset:
     rows = []
     for one in rates[rates["factor"].isna()].to_dict("records"):
         name, words = one["check"], ALLOWED[one["check"]]
-        overturned, standing, missed, false = (one[what] for what in ("overturned", "standing", "missed", "false"))
-        passed, failed = missed + standing - false, overturned - missed + false
+        overturned, missed, false = (one[what] for what in ("overturned", "missed", "false"))
+        passed, failed = one["passed"], overturned - missed + false
+        safe = _statement(f"{name}: safe", f"what passes {words} stands", passed, passed - missed)
+        safe["numbers"] = (
+            f"{safe['numbers']}; {one['passed_lifted']} of these lift off, {one['missed_10']} overturn with a "
+            "probability of 10 % or more"
+        )
         rows += [
-            _statement(f"{name}: safe", f"what passes {words} stands", passed, passed - missed),
+            safe,
             _statement(f"{name}: not dear", f"what fails {words} overturns", failed, failed - false),
         ]
     values: dict[str, Any] = {name: (("statement",), [row[name] for row in rows]) for name in STATEMENTS}

@@ -18,19 +18,35 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from rockpulse.assessment.answers import Answers, answers_of
 from rockpulse.config.check_settings import CODES, CheckSettings
 from rockpulse.config.configuration import Config
 from rockpulse.config.restraint_settings import FloorSettings
 from rockpulse.errors import ConfigError
 from rockpulse.storage.check_variables import CHECK
-from rockpulse.studies.check.mechanism import Mechanism, mechanisms
-from rockpulse.studies.check.spectra import DemandSpectrum, damping_factor, displacement_of, spectrum_of
+from rockpulse.studies.check.histories import of_histories
+from rockpulse.studies.check.mechanism import SENSES, Mechanism, mechanisms
+from rockpulse.studies.check.spectra import (
+    DemandSpectrum,
+    ElasticSpectrum,
+    TableEnds,
+    damping_factor,
+    displacement_of,
+    spectrum_of,
+)
 
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["Checked", "circolare_2009", "circolare_2019", "code_check", "en_1998", "floor_peak", "floor_spectrum"]
+__all__ = [
+    "Checked",
+    "circolare_2009",
+    "circolare_2019",
+    "code_check",
+    "en_1998",
+    "floor_peak",
+    "floor_spectrum",
+    "worst",
+]
 
 #: Circolare 617/2009: d_u* over d_0*, and d_s* over d_u* [-].
 ULTIMATE, SECANT = 0.4, 0.4
@@ -52,6 +68,8 @@ class Checked(NamedTuple):
     displacement_demand: float = math.nan  #: what is asked of it [m]
     displacement_ratio: float = math.nan  #: allowed over asked [-]; at least 1 passes
     statement: str = ""  #: why something is missing
+    activation_sense: str = ""  #: "positive" or "negative", the sense that the acceleration is of; empty where alike
+    displacement_sense: str = ""  #: likewise of the displacement
 
     @property
     def activation_ratio(self) -> float:
@@ -60,7 +78,7 @@ class Checked(NamedTuple):
 
 
 def circolare_2009(
-    body: Mechanism, spectrum: DemandSpectrum, floors: Sequence[FloorSettings], settings: CheckSettings
+    body: Mechanism, spectrum: ElasticSpectrum, floors: Sequence[FloorSettings], settings: CheckSettings
 ) -> Checked:
     """Linear and nonlinear kinematic analysis of Circolare 617/2009, C8A.4."""
     activation = _activation(body, settings)
@@ -78,7 +96,10 @@ def circolare_2009(
     slowest = SECANT * allowed
     pull = body.capacity(slowest) * body.gravity / (body.share * settings.confidence_factor)
     period = 2.0 * math.pi * math.sqrt(slowest / pull)
-    demand = displacement_of(period, spectrum(period))
+    try:
+        demand = displacement_of(period, spectrum(period))
+    except TableEnds as error:
+        return Checked(activation, asked / settings.q, allowed, period, statement=str(error))
     return Checked(activation, asked / settings.q, allowed, period, demand, allowed / demand)
 
 
@@ -93,17 +114,17 @@ def circolare_2019(
     if pull <= 0.0:  # a tie that breaks leaves nothing at a displacement that the weights alone would allow
         return Checked(activation, asked / settings.q, allowed, statement="no resistance is left at the displacement")
     period = factor * math.pi * math.sqrt(allowed / pull)
-    demand = _displacement(spectrum, floors, period, damping)
     linear = settings.limit_state == "slv"
-    return Checked(
-        activation,
-        asked / settings.q if linear else math.nan,
-        allowed,
-        period,
-        demand,
+    found = Checked(activation, asked / settings.q if linear else math.nan, allowed, period)
+    try:
+        demand = _displacement(spectrum, floors, period, damping)
+    except TableEnds as error:
+        return found._replace(statement=str(error))
+    return found._replace(
+        displacement_demand=demand,
         # A mechanism that does not open passes (C8.7.1.2.1.8).
-        max(allowed / demand, activation / asked),
-        "" if linear else "the analysis with q is of SLV",
+        displacement_ratio=max(allowed / demand, activation / asked),
+        statement="" if linear else "the analysis with q is of SLV",
     )
 
 
@@ -182,14 +203,16 @@ def code_check(config: Config, codes: Sequence[str] = CODES, results: xr.DataTre
     xarray.Dataset
         Over (block): `multiplier` alpha_0 [-] and `share` e* [-]; over (block, code): `activation` and its `_demand`
         [m/s2] with their `activation_ratio`, `displacement` and its `_demand` [m], the `period` [s] and
-        `displacement_ratio`, and `statement`, why something is NaN. A ratio of 1 or more passes. With results over
-        (block) `probability`, over the earthquakes as for the verdict, and `factor_50`, its median over the motions; of
-        several restitutions the worst.
+        `displacement_ratio`, and `statement`, why something is NaN. A ratio of 1 or more passes. Of the two senses of a
+        body each ratio is the worse one, `activation_sense` and `displacement_sense` tell of which. With results over
+        (block) `probability`, that of the verdict, under the records brought to the demands of the site where there
+        are some, and `factor_50`, its median over the motions; of several restitutions the worst; and `beside`, why
+        they are NaN.
 
     Raises
     ------
     ConfigError
-        Without bodies or a demand, for an unknown code, or a spectrum whose table ends below the period of a body.
+        Without bodies or a demand, or for an unknown code.
 
     Examples
     --------
@@ -220,14 +243,15 @@ def code_check(config: Config, codes: Sequence[str] = CODES, results: xr.DataTre
             own.append((math.nan, math.nan))
             rows.append([Checked(statement=str(error))] * len(codes))
             continue
-        for name, mechanism in found.items():
+        for name, senses in found.items():
+            first = min(senses, key=lambda one: one.multiplier)
             names.append(name)
-            own.append((mechanism.multiplier, mechanism.share))
-            rows.append([CHECKS[code](mechanism, spectrum, body.floors, config.check) for code in codes])
+            own.append((first.multiplier, first.share))
+            rows.append([_checked(code, senses, spectrum, body.floors, config.check) for code in codes])
     values = {
         "multiplier": np.array([one[0] for one in own]),
         "share": np.array([one[1] for one in own]),
-        **({} if results is None else _of_histories(answers_of(results), names)),
+        **({} if results is None else of_histories(results, config, names)),
         **{
             name: np.array([[getattr(one, name) for one in row] for row in rows])
             for name in (*Checked._fields, "activation_ratio")
@@ -240,25 +264,41 @@ def code_check(config: Config, codes: Sequence[str] = CODES, results: xr.DataTre
     )
 
 
-def _of_histories(answers: Answers, names: Sequence[str]) -> dict[str, np.ndarray]:
-    """P and f_50 of the bodies of the same names; NaN of others, and without a probability in the results."""
-    if not answers.probable:
-        return {name: np.full(len(names), np.nan) for name in ("probability", "factor_50")}
-    shares = np.array([[one.value for one in answers.shares(answers["overturning_probability"])]])
-    least = np.fmin.reduce(answers.motions.over(answers["factor_50"], np.nan), axis=1)
-    median = np.full((1, least.shape[1]), np.nan)
-    for body, column in enumerate(least.T):
-        known = column[~np.isnan(column)]
-        median[0, body] = np.median(known) if known.size else np.nan
-    of_block = {
-        "probability": answers.by_block(np.fmax, shares)[0],
-        "factor_50": answers.by_block(np.fmin, median)[0],
-    }
-    places = [answers.blocks.index(name) if name in answers.blocks else -1 for name in names]
-    return {
-        name: np.array([math.nan if place < 0 else values[place] for place in places])
-        for name, values in of_block.items()
-    }
+def _checked(
+    code: str,
+    senses: Sequence[Mechanism],
+    spectrum: DemandSpectrum,
+    floors: Sequence[FloorSettings],
+    settings: CheckSettings,
+) -> Checked:
+    try:
+        return worst([CHECKS[code](one, spectrum, floors, settings) for one in senses])
+    except TableEnds as error:
+        return Checked(statement=str(error))
+
+
+def worst(senses: Sequence[Checked]) -> Checked:
+    """Of what a code says of the senses of a body the worse acceleration, and the worse displacement."""
+    named = SENSES if len(senses) > 1 else ("",)
+
+    def of_displacement(place: int) -> float:
+        one = senses[place]
+        if math.isnan(one.displacement_ratio):
+            # Where a displacement is allowed, nothing holds the body there: worse than any ratio.
+            return math.inf if math.isnan(one.displacement) else -math.inf
+        return one.displacement_ratio
+
+    places = range(len(senses))
+    opens = min(places, key=lambda at: senses[at].activation)
+    moves = min(places, key=of_displacement)
+    told = dict.fromkeys(senses[at].statement for at in (opens, moves) if senses[at].statement)
+    return senses[moves]._replace(
+        activation=senses[opens].activation,
+        activation_demand=senses[opens].activation_demand,
+        statement="; ".join(told),
+        activation_sense=named[opens],
+        displacement_sense="" if math.isnan(senses[moves].displacement) else named[moves],
+    )
 
 
 def _factors(settings: CheckSettings) -> dict[str, float]:

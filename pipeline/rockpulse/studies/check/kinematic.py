@@ -11,9 +11,8 @@ import numpy as np
 
 from rocking.block import Block
 from rockpulse.config.check_settings import CheckSettings
-from rockpulse.studies.check.codes import circolare_2009
-from rockpulse.studies.check.mechanism import mechanism_of
-from rockpulse.studies.check.spectra import displacement_of
+from rockpulse.studies.check.codes import circolare_2009, worst
+from rockpulse.studies.check.mechanism import senses_of
 
 __all__ = ["KinematicCheck", "kinematic_check"]
 
@@ -54,7 +53,7 @@ def kinematic_check(
     Parameters
     ----------
     block : Block
-        (m,) blocks; the sense that opens first counts. Ties need a yield force.
+        (m,) blocks; of their two senses the worse counts, for each number. Ties need a yield force.
     spectrum : callable
         Elastic spectrum S_e of 5 % damping [m/s2] at (k,) periods [s].
     ground : float
@@ -89,7 +88,10 @@ def kinematic_check(
     settings = CheckSettings(q=behaviour, confidence_factor=confidence_factor)
     demand = _Given(spectrum, ground)
     lanes = block if block.shape else block.lanes(1)
-    found = [circolare_2009(mechanism_of(lanes.lane(place)), demand, (), settings) for place in range(lanes.shape[0])]
+    found = [
+        worst([circolare_2009(sense, demand, (), settings) for sense in senses_of(lanes.lane(place))])
+        for place in range(lanes.shape[0])
+    ]
     return KinematicCheck(
         *(
             np.array([getattr(one, name) for one in found])
@@ -104,11 +106,6 @@ class _Given:
 
     elastic: Callable[[np.ndarray], np.ndarray]
     ground: float
-    words: str = "given"
 
     def __call__(self, period: float, damping: float = 0.05) -> float:
         return float(np.asarray(self.elastic(np.array([period])), dtype=float)[0])
-
-    def displacement(self, period: float, damping: float = 0.05) -> float:
-        """S_De [m] at a period [s]."""
-        return displacement_of(period, self(period, damping))

@@ -19,7 +19,10 @@ from rocking.block import STANDARD_GRAVITY, Block
 from rocking.restraint import Load, Restraints
 from rockpulse.config.block_settings import BlockSettings
 
-__all__ = ["Force", "Mechanism", "Weight", "mechanism_of", "mechanisms"]
+__all__ = ["SENSES", "Force", "Mechanism", "Weight", "mechanisms", "senses_of"]
+
+#: What the senses of :func:`senses_of` are called.
+SENSES = ("positive", "negative")
 
 
 class Weight(NamedTuple):
@@ -138,8 +141,8 @@ def _bearing(load: Load, base: float) -> float:
     return 0.5 * base if load.distance is None else load.distance
 
 
-def mechanism_of(block: Block, alone: Block | None = None, carried: Sequence[Load] = ()) -> Mechanism:
-    """The mechanism of one block, of its senses the one that opens first.
+def senses_of(block: Block, alone: Block | None = None, carried: Sequence[Load] = ()) -> tuple[Mechanism, ...]:
+    """The mechanisms of one block towards theta > 0 and theta < 0.
 
     Parameters
     ----------
@@ -152,7 +155,8 @@ def mechanism_of(block: Block, alone: Block | None = None, carried: Sequence[Loa
 
     Returns
     -------
-    Mechanism
+    tuple of Mechanism
+        One where both senses are alike, or a wall leaves only one.
 
     Raises
     ------
@@ -165,7 +169,7 @@ def mechanism_of(block: Block, alone: Block | None = None, carried: Sequence[Loa
         base = body.radius * math.sin(body.alpha_c) + body.radius_2 * math.sin(body.alpha_2)
         seen = Restraints(loads=tuple(carried)).mirrored(base).loads
         found.append(_mechanism(whole.mirrored(), body.mirrored(), seen))
-    return min(found, key=lambda one: one.multiplier)
+    return tuple(dict.fromkeys(found))
 
 
 def _mechanism(block: Block, body: Block, carried: Sequence[Load]) -> Mechanism:
@@ -178,8 +182,8 @@ def _mechanism(block: Block, body: Block, carried: Sequence[Load]) -> Mechanism:
     return Mechanism(tuple(weights + others), tuple(forces), body.gravity)
 
 
-def mechanisms(body: BlockSettings) -> dict[str, Mechanism]:
-    """The mechanism of a body of the configuration, and of it with its pedestals, by their names.
+def mechanisms(body: BlockSettings) -> dict[str, tuple[Mechanism, ...]]:
+    """The mechanisms (:func:`senses_of`) of a body of the configuration, and of it with its pedestals, by their names.
 
     Raises
     ------
@@ -191,5 +195,5 @@ def mechanisms(body: BlockSettings) -> dict[str, Mechanism]:
     carried = tuple(one.made() for one in body.loads if one.friction is None)
     rest = tuple(one for one in body.loads if one.friction is not None)
     alone = replace(body, loads=rest).block() if carried else None
-    found = {body.name: mechanism_of(body.block(), alone, carried)}
-    return found | {name: mechanism_of(block) for name, block in body.with_pedestals().items()}
+    found = {body.name: senses_of(body.block(), alone, carried)}
+    return found | {name: senses_of(block) for name, block in body.with_pedestals().items()}

@@ -23,7 +23,16 @@ from rockpulse.foreign_text import first_line
 from rockpulse.input_file import read_text
 from rockpulse.record.record import STANDARD_GRAVITY
 
-__all__ = ["CodeSpectrum", "DemandSpectrum", "TabledSpectrum", "damping_factor", "displacement_of", "spectrum_of"]
+__all__ = [
+    "CodeSpectrum",
+    "DemandSpectrum",
+    "ElasticSpectrum",
+    "TableEnds",
+    "TabledSpectrum",
+    "damping_factor",
+    "displacement_of",
+    "spectrum_of",
+]
 
 #: S, T_B, T_C, T_D [s] of the ground types of EN 1998-1: Tables 3.2 and 3.3.
 EN_1998 = {
@@ -76,19 +85,27 @@ def displacement_of(period: float, acceleration: float) -> float:
     return acceleration * (period / (2.0 * math.pi)) ** 2
 
 
-class DemandSpectrum(Protocol):
-    """An elastic spectrum: of an acceleration by period and damping ratio."""
+class TableEnds(ConfigError):
+    """A period beyond the end of a table."""
+
+
+class ElasticSpectrum(Protocol):
+    """An elastic spectrum: an acceleration by period and damping ratio."""
 
     @property
     def ground(self) -> float:
         """a_g S [m/s2]."""
 
+    def __call__(self, period: float, damping: float = 0.05) -> float:
+        """S_e [m/s2] at a period [s]."""
+
+
+class DemandSpectrum(ElasticSpectrum, Protocol):
+    """An elastic spectrum that knows its largest displacements."""
+
     @property
     def words(self) -> str:
         """What it is, in words."""
-
-    def __call__(self, period: float, damping: float = 0.05) -> float:
-        """S_e [m/s2] at a period [s]."""
 
     def displacement(self, period: float, damping: float = 0.05) -> float:
         """The largest S_De [m] up to a period [s]."""
@@ -176,17 +193,18 @@ class TabledSpectrum:
         return float(self.acceleration[0])
 
     def __call__(self, period: float, damping: float = 0.05) -> float:
-        """S_e [m/s2] at a period [s]; ConfigError beyond the table."""
+        """S_e [m/s2] at a period [s]; TableEnds beyond the table."""
         if period > self.period[-1]:
-            raise ConfigError(
-                f"{self.words}: the table ends at {self.period[-1]:g} s, a body asks for {period:.3g} s; continue it"
+            raise TableEnds(
+                f"{self.words}: the table ends at {self.period[-1]:g} s, and {period:.3g} s are asked for; continue it"
             )
         value = float(np.interp(period, self.period, self.acceleration))
         return value * damping_factor(damping) if period > 0.0 else value
 
     def displacement(self, period: float, damping: float = 0.05) -> float:
         """The largest S_De [m] up to a period [s]."""
-        return max(displacement_of(one, self(one, damping)) for one in np.linspace(0.0, period, PERIODS).tolist())
+        periods = np.linspace(period, 0.0, PERIODS).tolist()  # the longest first, which the table may lack
+        return max(displacement_of(one, self(one, damping)) for one in periods)
 
 
 def spectrum_of(settings: CheckSettings, folder: Path = Path()) -> DemandSpectrum:

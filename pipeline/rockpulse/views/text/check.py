@@ -61,9 +61,16 @@ def check_overview(check: xr.Dataset) -> str:
     ]
     if beside:
         told.append(
-            "P: probability of overturning under the records of the results, whose strength is not that of [check]; "
-            "f_50: median over the motions of the factor on each at which it is 50 %."
+            "P: probability of overturning that the verdict of the results rests on, under the records as recorded or, "
+            "where the site has a [[demand]], brought to it, which need not be that of [check]; f_50: median over the "
+            "motions of the factor on each at which it is 50 %."
         )
+        told += [
+            f"{name}: {words}."
+            for name, words in zip(check["block"].values, check["beside"].values, strict=True)
+            if words
+        ]
+    told += _of_senses(check)
     for name, row in zip(check["block"].values, check["statement"].values, strict=True):
         if len(row) > 1 and len(set(row)) == 1 and row[0]:
             told.append(f"{name}: {row[0]}.")
@@ -72,6 +79,19 @@ def check_overview(check: xr.Dataset) -> str:
             told += [f"{name}, {CODE_WORDS[str(code)]}: {words}." for code, words in pairs if words]
     table = lines(Table("", "", tuple(map(Heading, heads)), tuple(rows)))
     return "\n".join([paragraph(title), *table, *(paragraph(line, "  ") for line in told)])
+
+
+def _of_senses(check: xr.Dataset) -> list[str]:
+    """A sentence for each body and code whose two senses are not alike."""
+    found = []
+    for name in check["block"].values:
+        for code in check["code"].values:
+            one = check.sel(block=name, code=code)
+            opens, moves = (str(one[what].item()) for what in ("activation_sense", "displacement_sense"))
+            if opens:
+                moved = f", the displacement of the {moves} one" if moves else ""
+                found.append(f"{name}, {CODE_WORDS[str(code)]}: the acceleration is of the {opens} sense{moved}.")
+    return found
 
 
 def check_table(check: xr.Dataset) -> pd.DataFrame:

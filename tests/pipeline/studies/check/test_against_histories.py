@@ -1,10 +1,14 @@
 """The checks against time histories: cases of small motions, and rates worked by hand."""
 
+from pathlib import Path
+from zipfile import ZipFile
+
 import numpy as np
 import pandas as pd
 import pytest
 
 import rockpulse as rp
+from rockpulse.cli import main
 from rockpulse.config.check_settings import CheckSettings
 from rockpulse.record.intensity import spectral_acceleration
 from rockpulse.studies.accuracy.model_form import blocks
@@ -49,6 +53,7 @@ def test_the_confidence_factor_lowers_what_is_allowed(cases):
 
 def table(rows):
     frame = pd.DataFrame(rows, columns=["event", "factor_50", "allowed"])
+    frame = frame.assign(factor_10=0.7 * frame["factor_50"], uplift_factor=0.5 * frame["factor_50"])
     return frame.assign(**dict.fromkeys(ALLOWED, frame["allowed"]))
 
 
@@ -57,6 +62,8 @@ def test_rates_are_those_counted_by_hand():
     found = check_rates(table([("a", 0.8, 1.2), ("a", 0.9, 0.4), ("b", 3.0, 0.9), ("b", 1.5, 4.0)]))
     one = found[(found["check"] == "linear") & (found["factor"] == 1.0)].iloc[0]
     assert one[["overturned", "missed", "standing", "false"]].tolist() == [2, 1, 2, 1]
+    # Allowed at 1 are the first and the last: f_10 0.56 and 1.05, uplift 0.4 and 0.75.
+    assert one[["passed", "missed_10", "passed_lifted"]].tolist() == [2, 1, 2]
     assert (one["missed_share"], one["false_share"]) == (0.5, 0.5)
     assert np.isnan(one["missed_low"])  # two earthquakes have no interval
     whole = found[(found["check"] == "linear") & found["factor"].isna()].iloc[0]
@@ -90,3 +97,51 @@ def test_a_study_says_what_holds_in_how_many_cases(cases):
     assert "what passes the linear check of Circolare 617/2009 and 7/2019 stands" in shown
     with pytest.raises(ValueError, match="at least one strong motion"):
         check_study(cases.iloc[:0])
+
+
+def percent(value, low=np.nan, high=np.nan):
+    told = f"{100.0 * value:.2g} %"
+    return told if np.isnan(low) else f"{told} ({100.0 * low:.2g}-{100.0 * high:.2g})"
+
+
+NAMES = {
+    "linear": "linear",
+    "nonlinear": "nonlinear, 2009",
+    "both": "both of 2009",
+    "displacement": "displacement, 2019",
+}
+
+
+def manual_rows(rates):
+    """The rows of the table in docs/theory/safety.md."""
+    for place, row in enumerate(rates.sort_values("factor", kind="stable").itertuples()):
+        first = place % len(NAMES) == 0
+        factor = "all" if np.isnan(row.factor) else f"{row.factor:g}"
+        cases = row.overturned + row.standing
+        yield " | ".join(
+            (
+                f"| {factor} | {row.overturned} of {cases}" if first else "| |",
+                NAMES[row.check],
+                percent(row.missed_share, row.missed_low, row.missed_high),
+                f"{row.missed_10} of {row.passed} ({row.passed_lifted})",
+                f"{percent(row.false_share, row.false_low, row.false_high)} |",
+            )
+        )
+
+
+@pytest.mark.slow
+def test_the_table_of_the_manual_is_what_comes_out_on_fema_p695(records_folder, tmp_path):
+    """43 channels, 12 bodies, factors 0.5, 1 and 2."""
+    told = pd.read_csv(records_folder / "fema_p695" / "events.tsv", sep="\t")
+    with ZipFile(records_folder / "fema_p695" / "records.zip") as archive:
+        archive.extractall(tmp_path / "p695")
+    events = pd.DataFrame({"record": told["file"].str[:-4] + ".1", "event": told["event"] + " " + told["date"]})
+    events.to_csv(tmp_path / "events.csv", index=False)
+    options = ["--units", "g", "--events", str(tmp_path / "events.csv"), "--csv", str(tmp_path / "csv"), "--quiet"]
+    arguments = ["study", "code-check", str(tmp_path / "p695"), *options, "-o", str(tmp_path / "codes.h5")]
+    assert main(arguments) in (0, 1)
+    rates = pd.read_csv(tmp_path / "csv" / "rates.csv")
+    page = (Path(__file__).parents[4] / "docs" / "theory" / "safety.md").read_text(encoding="utf-8")
+    assert rates["passed"].max() > 500
+    missing = [row for row in manual_rows(rates) if row not in page]
+    assert missing == []

@@ -5,7 +5,7 @@ import pytest
 import rockpulse as rp
 from rocking.block import Block
 from rocking.restraint import Thrust, Tie
-from rockpulse.studies.check.mechanism import Force, Mechanism, Weight, mechanism_of, mechanisms
+from rockpulse.studies.check.mechanism import Force, Mechanism, Weight, mechanisms, senses_of
 
 #: A body of 100 kN, 0.6 x 4 m, with a roof of 20 kN that it carries at its top.
 BODY, ROOF = Weight(100.0, 0.3, 2.0, True), Weight(20.0, 0.3, 4.0, True)
@@ -49,26 +49,29 @@ def test_bodies_of_the_configuration_give_the_same_mechanisms():
     common = {"width": 0.6, "height": 4.0, "mass": weight / gravity}
     roof = rp.LoadSettings(weight=20e3, height=4.0)
     tie = rp.TieSettings(height=3.0, stiffness=1e6, yield_force=5e3, ultimate=0.1, side="both")
-    (held,) = mechanisms(rp.BlockSettings(name="a", **common, loads=(roof,), ties=(tie,))).values()
+    ((held,),) = mechanisms(rp.BlockSettings(name="a", **common, loads=(roof,), ties=(tie,))).values()
     assert held.multiplier == pytest.approx(51.0 / 280.0)
     assert held.share == pytest.approx(78400.0 / 86400.0)
     assert held.furthest == pytest.approx(36.0 / 280.0 * 720.0 / 280.0)
     sliding = rp.LoadSettings(weight=20e3, height=4.0, friction=0.4)
-    (other,) = mechanisms(rp.BlockSettings(name="b", **common, loads=(sliding,))).values()
+    ((other,),) = mechanisms(rp.BlockSettings(name="b", **common, loads=(sliding,))).values()
     assert (other.multiplier, other.share) == (pytest.approx(0.34), 1.0)
 
 
-def test_the_sense_that_opens_first_counts():
+def test_each_sense_is_a_mechanism_of_its_own():
     common = {"width": 0.6, "height": 4.0, "mass": 1e4}
     weight = 9.80665e4
+    assert len(senses_of(Block(**common))) == 1
     # A tie against theta > 0 leaves theta < 0 as it was, unless a wall stands there.
     tie = Tie(3.0, 1e6, yield_force=1e4)
-    assert mechanism_of(Block(**common, ties=[tie])).multiplier == pytest.approx(0.15)
-    before = mechanism_of(Block(**common, ties=[tie], one_sided=True, rebound=0.5))
-    assert before.multiplier == pytest.approx(0.15 + 3e4 / (2.0 * weight))
+    held, free = senses_of(Block(**common, ties=[tie]))
+    assert held.multiplier == pytest.approx(0.15 + 3e4 / (2.0 * weight))
+    assert free.multiplier == pytest.approx(0.15)
+    (before,) = senses_of(Block(**common, ties=[tie], one_sided=True, rebound=0.5))
+    assert before == held
     for force in (3e3, -3e3):  # whichever way an arch pushes, the body opens that way
-        pushed = mechanism_of(Block(**common, thrusts=[Thrust(force, 3.0)]))
-        assert pushed.multiplier == pytest.approx(0.15 - 9e3 / (2.0 * weight))
+        opened = [one.multiplier for one in senses_of(Block(**common, thrusts=[Thrust(force, 3.0)]))]
+        assert opened[force < 0.0] == pytest.approx(0.15 - 9e3 / (2.0 * weight))
 
 
 def test_a_pedestal_makes_two_bodies():
@@ -81,6 +84,7 @@ def test_a_pedestal_makes_two_bodies():
     )
     found = mechanisms(statue)
     assert list(found) == ["statue", "statue with pedestal"]
-    assert found["statue"].multiplier == pytest.approx(0.25)
+    assert [len(senses) for senses in found.values()] == [1, 1]
+    assert found["statue"][0].multiplier == pytest.approx(0.25)
     # Its centre is midway between 0.5 and 2 m, the edge of the pedestal 0.5 m off.
-    assert found["statue with pedestal"].multiplier == pytest.approx(0.5 / 1.25)
+    assert found["statue with pedestal"][0].multiplier == pytest.approx(0.5 / 1.25)
