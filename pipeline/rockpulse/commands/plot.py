@@ -37,6 +37,9 @@ def _add_arguments(parser: argparse.ArgumentParser) -> None:
         "--model", dest="models", action="append", metavar="MODEL", help="a model; may be repeated; default: all drawn"
     )
     parser.add_argument("--case", type=int, metavar="K", help="number of the restitution of a list, from 1")
+    parser.add_argument(
+        "--factor", type=float, metavar="F", help="factor on the record of a rotation history; default 1"
+    )
     parser.add_argument("--measure", metavar="NAME", help="measure of intensity; default velocity_ratio")
     parser.add_argument(
         "--limit-state",

@@ -79,11 +79,14 @@ def _rotation_history(
     block: str | None = None,
     models: Sequence[str] | None = None,
     case: int = 1,
+    factor: float = 1.0,
 ) -> Figure:
     summary = tree["summary"].to_dataset()
     record, block = one_name(summary, "record", record), one_name(summary, "block", block)
     name = _title(summary, record, named_body(summary, block, case))
-    return _figure(rotation_history(histories(tree, record, block, models, case), title=name)[0])
+    if factor != 1.0:
+        name += f", the record times {factor:g}"
+    return _figure(rotation_history(histories(tree, record, block, models, case, factor), title=name)[0])
 
 
 def _rocking_spectrum(tree: xr.DataTree, record: str | None = None, restitution: float | str = "housner") -> Figure:

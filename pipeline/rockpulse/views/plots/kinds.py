@@ -60,7 +60,7 @@ KINDS = {
         "rotation of a block under a record by several models, impacts and overturning",
         ASSESSMENT,
         _STORED,
-        ("record", "block", "models", "case"),
+        ("record", "block", "models", "case", "factor"),
     ),
     "rocking-spectrum": PictureKind(
         "largest rotation under a record over p and alpha_c, with the bodies of the file",
@@ -131,9 +131,9 @@ def draw(tree: xr.DataTree, kind: str, **options: Any) -> Figure:
         One of :data:`KINDS`.
     **options
         What is chosen, those of the kind: `record`, `block`, `measure`, `spacing` (names), `models`, `limit_states`
-        (sequences of names), `case` (number of the restitution, from 1), `count` (n, or inf), `restitution` (a number
-        or "housner"). None stands for the default. A record or a block may be left out where there is one only; for a
-        name of the file a pattern (* and ?) does that no other name meets.
+        (sequences of names), `case` (number of the restitution, from 1), `factor` (on the record), `count` (n, or inf),
+        `restitution` (a number or "housner"). None stands for the default. A record or a block may be left out where
+        there is one only; for a name of the file a pattern (* and ?) does that no other name meets.
 
     Returns
     -------
@@ -195,6 +195,7 @@ OPTIONS = {
     "block": "--block",
     "models": "--model",
     "case": "--case",
+    "factor": "--factor",
     "measure": "--measure",
     "limit_states": "--limit-state",
     "spacing": "--spacing",

@@ -2,39 +2,23 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from rocking.block import Block
-from rocking.impulsive import impulsive_response
-from rocking.recorded import recorded_response
 from rocking.response import IMPACT_CUTOFF, Outcome
-from rockpulse.assessment.places import floor_record
-from rockpulse.assessment.senses import acting
-from rockpulse.config.restraint_settings import floors_from_text
 from rockpulse.errors import ResultsError
 from rockpulse.ladder import SEQUENCE_MODELS
-from rockpulse.motions.directions import FACING_WITHIN
 from rockpulse.studies.paper.motion_history import HalfCycle, rotation_history
-from rockpulse.views.plots.motion import STORE, had_vertical, stored_record
-from rockpulse.views.plots.selection import (
-    block_of,
-    chosen_case,
-    gain_of,
-    one_name,
-    ragged,
-    sequence_of,
-    setting,
-    table_of_pair,
-)
+from rockpulse.views.plots.recomputed import RECOMPUTED, recomputed
+from rockpulse.views.plots.selection import block_of, chosen_case, one_name, sequence_of, table_of_pair
 
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["DRAWN", "History", "histories"]
+__all__ = ["DRAWN", "History", "histories", "stored_history"]
 
 #: Models that have a motion in time, in the order in which they are drawn.
 DRAWN = ("nonlinear", "linear", "impulsive", "sequence", "resonance")
@@ -83,6 +67,7 @@ def histories(
     block: str | None = None,
     models: Sequence[str] | None = None,
     case: int = 1,
+    factor: float = 1.0,
 ) -> list[History]:
     """Motion of a block under a record by each model.
 
@@ -96,6 +81,8 @@ def histories(
         Some of :data:`DRAWN`; by default those that the results have of "nonlinear", "linear" and "impulsive".
     case : int
         Number of the restitution, from 1.
+    factor : float
+        On the record, positive [-]; another one than 1 is for "nonlinear", "linear" and "impulsive".
 
     Returns
     -------
@@ -109,9 +96,9 @@ def histories(
 
     Notes
     -----
-    "nonlinear" and "linear": as stored ([models] histories = true), else computed again from the stored accelerogram.
-    "impulsive": computed again from the stored half-waves. "sequence" and "resonance" have a time of their own: their
-    first main impulse is put at the beginning of the intense phase.
+    "nonlinear" and "linear": as stored ([models] histories = true), else, and at another factor, computed again from
+    the stored accelerogram. "impulsive": likewise from the stored half-waves. "sequence" and "resonance" have a time of
+    their own: their first main impulse is put at the beginning of the intense phase.
     """
     summary = tree["summary"].to_dataset()
     record, block = one_name(summary, "record", record), one_name(summary, "block", block)
@@ -122,6 +109,14 @@ def histories(
     for name in models:
         if name not in DRAWN:
             raise ResultsError(f'model "{name}": expected one with a motion in time: {", ".join(DRAWN)}')
+        if factor != 1.0 and name not in RECOMPUTED:
+            raise ResultsError(
+                f'model "{name}": expected one that follows the record to a factor on it: {", ".join(RECOMPUTED)}'
+            )
+    if not (np.isfinite(factor) and factor > 0.0):
+        raise ResultsError(f"factor: expected a positive factor on the record, got {factor:g}")
+    if factor != 1.0:
+        return [_scaled(tree, record, block, name, case, factor) for name in models]
     return [_history(tree, record, block, name, case) for name in models]
 
 
@@ -145,86 +140,33 @@ def _history(tree: xr.DataTree, record: str, block: str, model: str, case: int) 
         return History(
             model, start + time, rotation, start + impacts, count, start + overturning, peak, "; ".join(remark)
         )
-    time, rotation, found = _of_record(tree, record, block, body, model, case)
-    if found is not None and not _equal(found, peak):
-        remark.append(f"computed again the peak is {_shown(found)}, stored is {_shown(peak)}")
+    stored = stored_history(tree, record, block, model, case)
+    if stored is None:
+        motion = recomputed(tree, record, block, body, model, [1.0])
+        time, rotation, found = motion.time, motion.rotation[0], float(motion.peak[0])
+        if not _equal(found, peak):
+            remark.append(f"computed again the peak is {_shown(found)}, stored is {_shown(peak)}")
+    else:
+        time, rotation = stored
     return History(model, time, rotation, _impacts(time, rotation, body), count, overturning, peak, "; ".join(remark))
 
 
-def _of_record(
-    tree: xr.DataTree, record: str, block: str, body: Block, model: str, case: int
-) -> tuple[np.ndarray, np.ndarray, float | None]:
-    """Time, theta/alpha_c, and the peak where the motion was computed again (else None)."""
-    summary = tree["summary"].to_dataset()
-    dt = float(summary["dt"].sel(record=record))
-    stored = _stored(tree, record, block, model, case)
-    if stored is not None:
-        return dt * np.arange(stored.size), body.ratio(stored), None
-    told = str(summary["floors"].sel(block=block).values) if "floors" in summary else ""
-    floors = floors_from_text(told)
-    if not _in_direction(summary, record, block, tree):
-        raise ResultsError(
-            f"{block}: it is shaken in a direction of its own, whose motion is not in the file: assess again with "
-            "[models] histories = true, or with its direction as that of [records]"
-        )
-    if floors and model == "impulsive":
-        raise ResultsError(
-            f"{block}: the half-waves of its floor are not in the file: assess again with [models] histories = true, "
-            "or draw other models (--model)"
-        )
-    if model == "impulsive":
-        waves = ragged(tree, "half_wave_row_size", ["half_wave_centroid", "half_wave_impulse"], record)
-        if waves is None:
-            raise ResultsError(
-                f"{record}: the file does not hold the half-waves, nor histories of {model}: assess again with "
-                '[records] store = "half_waves" or "all"'
-            )
-        duration = (int(summary["npts"].sel(record=record)) - 1) * dt
-        response: Any = impulsive_response(
-            body,
-            waves["half_wave_centroid"].values,
-            waves["half_wave_impulse"].values,
-            duration=duration,
-            gain=gain_of(tree),
-            history_dt=dt,
-        )
-    else:
-        if model == "nonlinear" and had_vertical(summary, record):
-            raise ResultsError(
-                f"{record}: the vertical channel acted and is not in the file: assess again with [models] histories = "
-                "true, or draw other models (--model)"
-            )
-        if ragged(tree, "row_size", ["acceleration"], record) is None:
-            raise ResultsError(f"{record}: {STORE}, or with [models] histories = true")
-        motion = stored_record(tree, record)
-        if floors:
-            motion = floor_record(motion, floors)
-        equation: Any = "linear" if model == "linear" else "nonlinear"
-        # What is stored of a body before a wall is the worse of those senses of the record that may act.
-        facing = float(summary["facing"].sel(block=block)) if "facing" in summary else np.nan
-        azimuth = float(summary["azimuth"].sel(record=record))
-        response = max(
-            (
-                recorded_response(
-                    body if sense > 0 else body.mirrored(), motion.acceleration, motion.dt, equation, history=True
-                )
-                for sense in (acting(azimuth, facing) if body.side else (1,))
-            ),
-            key=lambda one: float(np.nan_to_num(one.peak_rotation_ratio, nan=np.finfo(float).max)),
-        )
-    return response.time, body.ratio(response.rotation), float(response.peak_rotation_ratio)
+def _scaled(tree: xr.DataTree, record: str, block: str, model: str, case: int, factor: float) -> History:
+    """The motion under the record times a factor, of which the file holds nothing."""
+    body = block_of(tree["summary"].to_dataset(), block, case)
+    time, rotation, *told = recomputed(tree, record, block, body, model, [factor])
+    peak, outcome, overturning, count = (values[0] for values in told)
+    if outcome == Outcome.UNRESOLVED:
+        nothing = np.zeros(0)
+        return History(model, nothing, nothing, nothing, -1, np.nan, np.nan, "unresolved")
+    hits = _impacts(time, rotation[0], body)
+    return History(model, time, rotation[0], hits, int(count), float(overturning), float(peak), "")
 
 
-def _in_direction(summary: xr.Dataset, record: str, block: str, tree: xr.DataTree) -> bool:
-    """Whether a record is what shakes a block, which may have a direction of its own."""
-    own = float(summary["body_azimuth"].sel(block=block)) if "body_azimuth" in summary else np.nan
-    turned = setting(tree, "records", "components", "horizontal") != "horizontal"
-    apart = abs(math.remainder(own - float(summary["azimuth"].sel(record=record)), 180.0)) if np.isfinite(own) else 0.0
-    return not turned or apart <= FACING_WITHIN
-
-
-def _stored(tree: xr.DataTree, record: str, block: str, model: str, case: int) -> np.ndarray | None:
-    """theta [rad] as /records holds it."""
+def stored_history(
+    tree: xr.DataTree, record: str, block: str, model: str, case: int
+) -> tuple[np.ndarray, np.ndarray] | None:
+    """Time from the first sample [s] and theta/alpha_c of the record as it is; None where the file does not hold it."""
     if "records" not in tree.children or "rotation" not in tree["records"]:
         return None
     summary, kept = tree["summary"].to_dataset(), tree["records"].to_dataset()
@@ -239,7 +181,9 @@ def _stored(tree: xr.DataTree, record: str, block: str, model: str, case: int) -
         return None
     sizes = kept["history_row_size"].values
     first = int(np.sum(sizes[: rows[0]]))
-    return np.asarray(kept["rotation"].values[first : first + int(sizes[rows[0]])])
+    rotation = np.asarray(kept["rotation"].values[first : first + int(sizes[rows[0]])])
+    dt = float(summary["dt"].sel(record=record))
+    return dt * np.arange(rotation.size), block_of(summary, block, case).ratio(rotation)
 
 
 def _of_sequence(

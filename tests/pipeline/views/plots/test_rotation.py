@@ -4,6 +4,7 @@ import re
 
 import numpy as np
 import pytest
+from matplotlib.text import Text
 
 import rockpulse as rp
 from rockpulse.errors import ResultsError
@@ -176,3 +177,24 @@ def test_nothing_that_moves_is_drawn_too(changed, assessed, first):
     assert [text.get_text() for text in moving.texts] == ["at rest"]
     assert moving.get_ylim() == (-0.01, 0.01)
     assert all(len(line.get_xdata()) == 0 for line in below.lines)
+
+
+def test_a_factor_on_the_record_is_the_motion_of_the_stronger_record(assessed, first):
+    from rockpulse.models import recorded_response
+    from rockpulse.views.plots.motion import stored_record
+    from rockpulse.views.plots.selection import block_of
+
+    (found,) = histories(assessed, first, COLUMN, ["nonlinear"], factor=0.7)
+    record, body = stored_record(assessed, first), block_of(assessed["summary"].to_dataset(), COLUMN)
+    own = recorded_response(body, 0.7 * record.acceleration, record.dt, history=True)
+    np.testing.assert_allclose(found.rotation, own.rotation / body.alpha_c, rtol=1e-9, atol=1e-12)
+    assert found.peak == pytest.approx(float(own.peak_rotation_ratio))
+    figure = draw(assessed, "rotation-history", record=first, block=COLUMN, models=["nonlinear"], factor=0.7)
+    assert "the record times 0.7" in re.sub(r"\s+", " ", " ".join(text.get_text() for text in figure.findobj(Text)))
+
+
+def test_a_factor_that_a_model_does_not_know_is_refused(assessed, first):
+    with pytest.raises(ResultsError, match="follows the record to a factor"):
+        histories(assessed, first, COLUMN, ["sequence"], factor=2.0)
+    with pytest.raises(ResultsError, match="expected a positive factor on the record, got -1"):
+        histories(assessed, first, COLUMN, ["nonlinear"], factor=-1.0)
