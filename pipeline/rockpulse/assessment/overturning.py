@@ -34,7 +34,7 @@ from rockpulse.storage.variables import StoredVariable
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["LANES", "overturning_factors", "overturning_spectrum", "spectrum_values"]
+__all__ = ["LANES", "overturning_curve", "overturning_factors", "overturning_spectrum", "spectrum_values"]
 
 #: The angle of the blocks that stand for all [rad]; their capacity over g tan(alpha)/p does not depend on it.
 ALPHA = 0.1
@@ -198,6 +198,28 @@ def overturning_factors(spectrum: xr.Dataset, block: Block) -> dict[str, np.ndar
     >>> bool(read["factor_10"][0] < read["factor_50"][0])
     True
     """
+    level = spectrum["level"].values
+    capacity, probability = _at_blocks(spectrum, block)
+    at_one = [np.interp(-np.log(one), np.log(level), row) for one, row in zip(capacity, probability, strict=True)]
+    return {
+        "overturning_probability": np.array(at_one),
+        "factor_10": factor_at(0.1, level, probability) * capacity,
+        "factor_50": factor_at(0.5, level, probability) * capacity,
+        "capacity_mean": capacity,
+    }
+
+
+def overturning_curve(spectrum: xr.Dataset, block: Block) -> tuple[np.ndarray, np.ndarray]:
+    """Factors on a record, (l,), and the probability at each that one block overturns, read from its spectrum.
+
+    The spectrum and the block are those of :func:`overturning_factors`; NaN where the spectrum has gaps.
+    """
+    capacity, probability = _at_blocks(spectrum, block)
+    return capacity[0] * spectrum["level"].values, probability[0]
+
+
+def _at_blocks(spectrum: xr.Dataset, block: Block) -> tuple[np.ndarray, np.ndarray]:
+    """The mean capacity (m,) of blocks and the probability (m, l) at the levels of the spectrum times it."""
     block = block if block.shape else block.lanes(1)
     axes = spectrum["p"].values, spectrum["restitution"].values
     inside = within(block, *axes)
@@ -208,12 +230,4 @@ def overturning_factors(spectrum: xr.Dataset, block: Block) -> dict[str, np.ndar
         )
     speed = block.gravity * np.tan(block.alpha_c) / block.p
     capacity = speed / np.exp(at_blocks(block, *axes, np.log(spectrum["spectrum"].values)))
-    level = spectrum["level"].values
-    probability = at_blocks(block, *axes, spectrum["probability"].values)
-    at_one = [np.interp(-np.log(one), np.log(level), row) for one, row in zip(capacity, probability, strict=True)]
-    return {
-        "overturning_probability": np.array(at_one),
-        "factor_10": factor_at(0.1, level, probability) * capacity,
-        "factor_50": factor_at(0.5, level, probability) * capacity,
-        "capacity_mean": capacity,
-    }
+    return capacity, at_blocks(block, *axes, spectrum["probability"].values)

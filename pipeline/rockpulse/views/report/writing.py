@@ -18,6 +18,7 @@ from rockpulse.storage.save_load import ASSESSMENT, load, named
 from rockpulse.storage.site_variables import SITE_KIND
 from rockpulse.version import __version__
 from rockpulse.views.report.content import gather
+from rockpulse.views.report.explorer import explorer
 from rockpulse.views.report.pairing import paired
 from rockpulse.views.report.pictures import Pictures
 from rockpulse.views.report.provenance import hash_of
@@ -142,12 +143,13 @@ def report_page(
         lstrip_blocks=True,
     )
     environment.filters["typeset"] = typeset
-    script = _text("report.js")
+    script = _text("report.js") + _text("explorer.js")
     return environment.get_template("report.html").render(
         content=content,
         pictures=Pictures(tree, others.get(SITE_KIND), others.get(FRAGILITY), content),
         files=tuple(Fact(kind, _described(source)) for kind, source in given.items() if source is not None),
-        style=Markup(_text("report.css")),
+        explorer=explorer(tree, "results.h5" if _name(results) == "the tree" else _name(results)),
+        style=Markup(_text("report.css") + _text("explorer.css")),
         script=Markup(script),
         script_hash=base64.b64encode(hashlib.sha256(script.encode("utf-8")).digest()).decode("ascii"),
         version=__version__,
