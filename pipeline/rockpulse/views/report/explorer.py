@@ -49,7 +49,10 @@ BEFORE, AFTER, NO_MOTION = 1.0, 2.0, 1e-4
 
 @dataclass(frozen=True)
 class Explorer:
-    """The part in data: `data` is the JSON that the script reads, `words` those of the controls."""
+    """The part in data: `data` is the JSON that the script reads, `words` those of the controls.
+
+    The data are empty where the results hold nothing that a motion could be taken from.
+    """
 
     data: str
     words: Mapping[str, str]
@@ -73,6 +76,8 @@ def explorer(tree: xr.DataTree, file: str = "results.h5", words: Mapping[str, st
     answers = Answers(tree["summary"].to_dataset())
     if answers.model not in RECOMPUTED or not answers.bodies or not (answers["npts"] >= 0).any():
         return None
+    if not ("records" in tree.children and any(name in tree["records"] for name in ("acceleration", "rotation"))):
+        return Explorer("", words, answers.model)
     scenes = _Scenes(tree, answers, words)
     lowest = np.fmin.reduce(known(answers[answers.factor]), axis=0)
     shown = set(np.argsort(lowest, kind="stable")[:MOST_BODIES].tolist())

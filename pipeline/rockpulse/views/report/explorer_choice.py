@@ -87,7 +87,9 @@ def laid_through(
     logs = np.log([pair for pair in pairs if all(map(math.isfinite, pair))]).reshape(-1, 2)
     if not len(logs):
         return factors, probability
-    return np.exp(np.polyval(np.polyfit(*logs.T, len(logs) - 1), np.log(factors))), probability
+    (read, moved), (last_read, last_moved) = logs[0], logs[-1]
+    slope = (last_moved - moved) / (last_read - read) if last_read > read else 1.0
+    return np.exp(moved + slope * (np.log(factors) - read)), probability
 
 
 def probability_at(

@@ -10,6 +10,8 @@ WORDS = {
     "intro": "How a body moves in time under a record times a factor, by the {model} model. The motions were computed "
     "when this page was written and are stored in it: for each body under its worst record, the one with f_50 nearest "
     "to 1 and the median one, at five factors.",
+    "nothing": "The results hold no accelerograms, so there is no motion to show: assess again with [records] store = "
+    '"all".',
     "no_script": "This part needs JavaScript, which is switched off.",
     "body": "Body",
     "record": "Record",

@@ -1,0 +1,215 @@
+"""What the page holds to explore: the motions of the models, of the records that tell most, at five factors."""
+
+import base64
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from report_cases import probable
+
+import rockpulse as rp
+from rockpulse.assessment.answers import Answers
+from rockpulse.models import Block, recorded_response
+from rockpulse.views.report.explorer import explorer
+from rockpulse.views.report.explorer_choice import chosen, laid_through, probability_at, steps_on
+from rockpulse.views.report.explorer_words import WORDS
+from rockpulse.views.report.extremes import NONE, Columns, packed
+from rockpulse.views.report.writing import report_page
+
+
+def unpacked(one):
+    """(2, count) as the script of the page reads it."""
+    whole = np.frombuffer(base64.b64decode(one["data"]), dtype="<i2").reshape(2, -1)
+    return np.where(whole == NONE, np.nan, whole * one["scale"])
+
+
+@pytest.fixture(scope="module")
+def shown(results):
+    return json.loads(explorer(results, "some.h5").data)
+
+
+def with_summary(tree, **values):
+    """A copy of the results with other values of variables of /summary."""
+    other = tree.copy(deep=True)
+    for name, value in values.items():
+        other["summary"][name].values[...] = value
+    return other
+
+
+def test_extremes_are_those_of_the_samples_in_each_column():
+    time, values = 0.01 * np.arange(1000), np.sin(np.arange(1000.0))
+    values[900:] = np.nan
+    found = Columns(1.0, 9.99, 100).extremes(time, values)
+    assert found.shape == (2, 100)
+    assert found[:, 10] == pytest.approx([own(values[np.abs(time - 1.944) < 0.045]) for own in (np.min, np.max)])
+    assert np.nanmin(found) == values[100:900].min()
+    assert np.nanmax(found) == values[100:900].max()
+    assert np.isnan(found[:, 89:]).all()
+    assert np.isfinite(found[:, :88]).all()
+
+
+def test_a_curve_that_ends_before_the_stretch_has_no_values_there():
+    found = Columns(0.0, 10.0, 10).extremes(np.arange(6.0), np.ones(6))
+    assert found[0].tolist()[:6] == [1.0] * 6
+    assert np.isnan(found[:, 6:]).all()
+
+
+def test_packing_keeps_sixteen_bits():
+    extremes = np.array([[-3.0, np.nan, 0.1], [1.0, np.nan, 0.2]])
+    one = packed(extremes)
+    np.testing.assert_allclose(unpacked(one), extremes, atol=3.0 / 32767)
+    assert packed(np.zeros((2, 4)))["scale"] == 1.0
+
+
+def test_the_motions_on_the_page_are_those_of_the_model(shown, results, bursts):
+    summary = results["summary"].to_dataset()
+    at_end = set()
+    for place, body in enumerate(shown["bodies"][:2]):
+        block = {"stele": Block(0.1, 1.5)}.get(body["name"], Block(0.5, 2.0))
+        assert body["scenes"], place
+        for scene in body["scenes"]:
+            record = bursts[[one.id for one in bursts].index(summary["record"].values[scene["record"]])]
+            assert len(scene["steps"]) == 5
+            edges = np.linspace(scene["start"], scene["end"], scene["columns"] + 1)
+            for step in scene["steps"]:
+                own = recorded_response(block, record.acceleration, record.dt, scale=step["factor"], history=True)
+                assert (step["ends"] == "overturns") == np.isinf(own.peak_rotation_ratio)
+                at_end.add(step["ends"])
+                if "rotation" not in step:
+                    assert own.peak_rotation_ratio == 0.0
+                    continue
+                ratio = own.rotation / block.alpha_c
+                inside = (own.time >= edges[0]) & (own.time < edges[-1]) & np.isfinite(ratio)
+                low, high = unpacked(step["rotation"])
+                column = np.minimum(np.searchsorted(edges, own.time[inside], "right") - 1, scene["columns"] - 1)
+                near = [np.clip(column + shift, 0, scene["columns"] - 1) for shift in (-1, 0, 1)]
+                margin = 2.0 * step["rotation"]["scale"]
+                lowest = np.nanmin([low[one] for one in near], axis=0)
+                highest = np.nanmax([high[one] for one in near], axis=0)
+                assert (ratio[inside] >= lowest - margin).all()
+                assert (ratio[inside] <= highest + margin).all()
+                assert max(np.nanmax(high), -np.nanmin(low)) == pytest.approx(np.nanmax(np.abs(ratio)), abs=margin)
+    assert at_end >= {"overturns", "rocks"}
+
+
+def test_the_ground_is_that_of_the_record(shown, bursts):
+    scene = shown["bodies"][0]["scenes"][0]
+    record = bursts[scene["record"]]
+    low, high = unpacked(scene["ground"])
+    assert max(high.max(), -low.min()) == pytest.approx(np.max(np.abs(record.acceleration)), rel=1e-3)
+    assert scene["whole"] == pytest.approx(record.time[-1])
+
+
+def test_the_slider_has_the_record_as_it_is_and_the_factors_of_ten_and_fifty_percent(shown, results):
+    summary = results["summary"].to_dataset()
+    for place, body in enumerate(shown["bodies"]):
+        for scene in body["scenes"]:
+            steps = {step["label"]: step for step in scene["steps"]}
+            assert steps["as recorded"]["factor"] == 1.0
+            own = summary.isel(record=scene["record"], block=place)
+            for name, share in (("factor_10", 0.1), ("factor_50", 0.5)):
+                if WORDS[name] in steps:
+                    assert steps[WORDS[name]]["factor"] == pytest.approx(float(own[name]), rel=0.005)
+                    assert steps[WORDS[name]]["probability"] == pytest.approx(share, abs=1e-3)
+            assert steps["as recorded"]["probability"] == pytest.approx(float(own["overturning_probability"]), abs=1e-3)
+
+
+def test_factors_that_are_too_near_to_each_other_are_one():
+    answers = Answers(probable([0.5], factor_10=[1.01]))  # f_50 is 1.313
+    steps = steps_on(answers, 0, 0, WORDS)
+    assert steps == {0.5: "", 0.7: "", 1.0: "as recorded", 1.31: "probability 50 %", 2.0: ""}
+
+
+def test_the_demand_is_a_factor_of_its_own():
+    answers = Answers(probable([0.0], factor_10=[np.inf], demand=2.5, at_demand=[0.07]))
+    steps = steps_on(answers, 0, 0, WORDS)
+    assert steps[2.5] == "demand ULS"
+    assert len(steps) == 5
+
+
+def test_three_records_are_chosen_and_each_says_why():
+    summary = probable([0.9, 0.4, 0.2, 0.0, 0.0], factor_10=[0.4, 0.8, 1.1, 2.0, np.inf])
+    answers = Answers(summary.assign(uplift_ratio=(("record", "block"), np.arange(5.0)[:, None])))
+    assert chosen(answers, 0) == {0: ["worst"], 1: ["nearest"], 2: ["median"]}
+
+
+def test_without_a_finite_factor_the_strongest_record_is_the_worst():
+    summary = probable([0.0, 0.0, 0.0], factor_10=[np.inf] * 3)
+    answers = Answers(summary.assign(uplift_ratio=(("record", "block"), np.array([[0.3], [0.9], [0.6]]))))
+    assert chosen(answers, 0) == {1: ["worst"], 2: ["median"]}
+
+
+def test_a_curve_is_laid_through_what_is_stored():
+    factors, probability = np.array([0.5, 1.0, 2.0, 4.0]), np.array([0.0, 0.1, 0.5, 1.0])
+    moved, same = laid_through(factors, probability, {0.1: 1.1, 0.5: 2.0})
+    assert moved[[1, 2]] == pytest.approx([1.1, 2.0])
+    assert np.array_equal(same, probability)
+    assert laid_through(factors, probability, {0.1: 1.1, 0.5: np.inf})[0] == pytest.approx(1.1 * factors)
+    assert laid_through(factors, probability, {0.1: np.nan})[0] is factors
+
+
+def test_the_probability_is_the_stored_one_where_there_is_one():
+    curve = np.array([0.5, 2.0]), np.array([0.0, 0.8])
+    assert probability_at(1.0, curve, [[1.002, 0.3]]) == 0.3
+    assert probability_at(1.0, curve, []) == pytest.approx(0.4)
+    assert probability_at(1.0, None, [[2.0, 0.3]]) is None
+
+
+def test_the_curve_has_the_stored_probability_of_the_record_as_it_is(shown, results):
+    summary = results["summary"].to_dataset()
+    curves = 0
+    for place, body in enumerate(shown["bodies"]):
+        for scene in body["scenes"]:
+            if scene["curve"] is None:
+                continue
+            curves += 1
+            own = float(summary["overturning_probability"].isel(record=scene["record"], block=place))
+            assert np.interp(0.0, np.log(scene["curve"][0]), scene["curve"][1]) == pytest.approx(own, abs=0.05)
+    assert curves
+
+
+def test_without_accelerograms_the_page_says_what_to_do(results):
+    other = results.copy(deep=True)
+    other["records"] = type(results)(other["records"].to_dataset().drop_vars(["acceleration", "row_size"]))
+    assert explorer(other).data == ""
+    page = report_page(other)
+    assert "so there is no motion to show: assess again with [records] store = &#34;all&#34;" in page
+    assert "data-motions" not in page
+
+
+def test_a_vertical_that_is_not_stored_leaves_the_stored_history_alone(bursts, bodies, config):
+    wanted = replace(config, models=rp.ModelSettings(use=("nonlinear",), histories=True))
+    tree = rp.assess(bursts[:1], wanted, {"stele": bodies["stele"]})
+    found = json.loads(explorer(with_summary(tree, vertical_channel="up")).data)
+    steps = found["bodies"][0]["scenes"][0]["steps"]
+    assert [step["factor"] for step in steps if "rotation" in step] == [1.0]
+    assert {step["reason"] for step in steps if step["factor"] != 1.0} == {
+        "burst0: the vertical channel acted and is not in the file: assess again with [models] histories = true, or "
+        "draw other models (--model)"
+    }
+
+
+def test_a_body_before_a_wall_turns_away_from_it(bursts, config):
+    tree = rp.assess(bursts[:2], config, {"parapet": Block(0.1, 1.5, one_sided=True)})
+    (body,) = json.loads(explorer(tree).data)["bodies"]
+    assert body["wall"]
+    for scene in body["scenes"]:
+        for step in scene["steps"]:
+            if "rotation" in step:
+                assert np.nanmin(unpacked(step["rotation"])) >= 0.0
+
+
+def test_a_body_is_outlined_about_its_centre_of_mass(shown):
+    stele = shown["bodies"][0]
+    assert stele["outline"] == [[-0.1, 0.0], [0.1, 0.0], [0.1, 3.0], [-0.1, 3.0]]
+    assert stele["centre"] == 1.5
+    assert stele["alpha"] == pytest.approx([np.arctan(0.1 / 1.5)] * 2, abs=1e-6)
+
+
+def test_nothing_moves_under_a_design_sequence_or_by_a_model_without_time(results):
+    assert explorer(with_summary(results, npts=-1)) is None
+    by_auto = results.copy(deep=True)
+    names = [str(name).replace("nonlinear", "auto") for name in results["summary"]["model"].values]
+    by_auto["summary"] = type(results)(by_auto["summary"].to_dataset().assign_coords(model=names))
+    assert explorer(by_auto) is None
