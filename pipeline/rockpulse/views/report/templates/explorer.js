@@ -15,7 +15,7 @@
   const STEP = 0.1; // seconds of the two buttons
 
   // What is shown: a body, a record, its scene if there is one, which of its factors, and the time in columns.
-  let body, record, scene, at = 0, place = 0, playing = 0;
+  let body, record = -1, scene, at = 0, place = 0, playing = 0;
 
   // Extremes as Python packs them: all minima, then all maxima; null where there is no value.
   const unpacked = (packed) => {
@@ -238,9 +238,9 @@
     if (place >= last) place = 0;
     part("play").textContent = words.pause;
     part("state").setAttribute("aria-live", "off"); // a reader would not keep up
-    let before = performance.now();
+    let before;
     const frame = (now) => {
-      place = Math.min(place + ((now - before) / 1000) * Number(part("speed").value) * rate, last);
+      place = Math.min(place + ((now - (before ?? now)) / 1000) * Number(part("speed").value) * rate, last);
       before = now;
       show();
       if (place >= last) pause();
@@ -291,7 +291,7 @@
     const others = records.map((_, row) => row).filter((row) => !rows.has(row)).map((row) => option(row, named(row)));
     const groups = [[words.stored_here, here], [words.not_stored_here, others]].filter((one) => one[1].length);
     part("record").replaceChildren(...groups.map((one) => group(...one)));
-    if (body.scenes.length) record = rows.has(record) ? record : body.scenes[0].record;
+    if (!rows.has(record)) record = body.scenes.length ? body.scenes[0].record : Math.max(record, 0);
     part("record").value = record;
   };
   const pick = (index) => {
@@ -322,7 +322,6 @@
     part("reduced").hidden = !calm.matches;
   };
   calm.addEventListener("change", quiet);
-  record = 0;
   root.hidden = false;
   quiet();
   pick(0);

@@ -1,0 +1,251 @@
+"""The part to explore in a real browser: it moves and stops, by mouse and by keyboard, and draws what it holds."""
+
+import json
+import shlex
+import time
+
+import pytest
+from many_results import many_results
+from real_browser import NEEDS_BROWSER, chromium
+
+import rockpulse as rp
+from rockpulse.cli import main
+from rockpulse.views.report.writing import write_report
+
+pytestmark = NEEDS_BROWSER
+
+
+@pytest.fixture(scope="module")
+def browser(tmp_path_factory):
+    """One browser for all tests of the module."""
+    driver = chromium(tmp_path_factory.mktemp("profile"))
+    yield driver
+    driver.quit()
+
+
+@pytest.fixture(scope="module")
+def folder(results, tmp_path_factory):
+    """A folder with the results in a file, and the page on them."""
+    where = tmp_path_factory.mktemp("explorer")
+    rp.save(results, where / "some results.h5")
+    write_report(where / "some results.h5", where / "report.html")
+    return where
+
+
+@pytest.fixture
+def page(browser, folder):
+    """The browser with the page freshly open at the part to explore, and nothing said in its console afterwards."""
+    browser.get("about:blank")  # else the same address is no new page
+    browser.get_log("browser")
+    browser.get((folder / "report.html").as_uri() + "#explore")
+    yield browser
+    assert browser.get_log("browser") == []
+
+
+def part(page, name):
+    return page.find_element("css selector", f"#explorer [data-part={name}]")
+
+
+def angle(page):
+    """The turn of the drawn body [degrees]."""
+    found = part(page, "stage").find_element("tag name", "g").get_attribute("transform")
+    return float(found.removeprefix("rotate(").split()[0])
+
+
+def data(page):
+    return json.loads(page.find_element("id", "explorer").get_attribute("data-motions"))
+
+
+def put(page, name, value):
+    """Set a slider or a list as a user does."""
+    page.execute_script(
+        "arguments[0].value = arguments[1]; arguments[0].dispatchEvent(new Event('input', {bubbles: true}));"
+        "arguments[0].dispatchEvent(new Event('change', {bubbles: true}));",
+        part(page, name),
+        value,
+    )
+
+
+def waited(found, seconds=10.0):
+    """Whether something becomes true before long."""
+    end = time.monotonic() + seconds
+    while not found() and time.monotonic() < end:
+        time.sleep(0.05)
+    return bool(found())
+
+
+def test_it_moves_and_stops(page):
+    assert part(page, "play").text == "Play"
+    first = part(page, "time").get_attribute("value")
+    time.sleep(0.3)
+    assert part(page, "time").get_attribute("value") == first  # nothing plays by itself
+    steps = data(page)["bodies"][0]["scenes"][0]["steps"]
+    put(page, "factor", [step["ends"] for step in steps].index("rocks"))
+    put(page, "time", 100)
+    part(page, "play").click()
+    assert part(page, "play").text == "Pause"
+    assert part(page, "state").get_attribute("aria-live") == "off"
+    assert waited(lambda: float(part(page, "time").get_attribute("value")) > 110)
+    angles = {angle(page) for _ in range(10) if time.sleep(0.05) is None}
+    assert len(angles) > 3
+    part(page, "play").click()
+    assert part(page, "play").text == "Play"
+    assert part(page, "state").get_attribute("aria-live") == "polite"
+    still = (part(page, "time").get_attribute("value"), angle(page), part(page, "state").text)
+    time.sleep(0.3)
+    assert (part(page, "time").get_attribute("value"), angle(page), part(page, "state").text) == still
+
+
+def test_it_ends_by_itself_and_begins_again(page):
+    last = int(part(page, "time").get_attribute("max"))
+    put(page, "time", last - 5)
+    part(page, "play").click()
+    assert waited(lambda: part(page, "play").text == "Play")
+    assert float(part(page, "time").get_attribute("value")) == last
+    part(page, "play").click()
+    assert waited(lambda: 0 < float(part(page, "time").get_attribute("value")) < last)
+
+
+def test_the_factor_changes_motion_verdict_and_probability(page):
+    scene = data(page)["bodies"][0]["scenes"][0]
+    put(page, "time", scene["columns"] - 1)
+    seen = []
+    for place, step in enumerate(scene["steps"]):
+        put(page, "factor", place)
+        assert f"{step['factor']:.3g}" in part(page, "chosen").text
+        assert part(page, "factor").get_attribute("aria-valuetext") == part(page, "chosen").text.replace(" · ", ", ")
+        assert ("overturns" in part(page, "verdict").text) == (step["ends"] == "overturns")
+        seen.append((part(page, "verdict").text, part(page, "probability").get_attribute("innerHTML")))
+        if step["ends"] == "overturns":
+            assert abs(angle(page)) == 90.0
+            assert "has overturned" in part(page, "state").text
+    assert {step["ends"] for step in scene["steps"]} >= {"overturns", "rocks"}
+    assert len(set(seen)) == 5
+
+
+def test_the_drawn_rotation_is_the_stored_one(page):
+    stored = page.execute_script(
+        "const data = JSON.parse(document.getElementById('explorer').dataset.motions), [scene] = data.bodies[0].scenes;"
+        "const packed = scene.steps.find((step) => step.factor === 1).rotation;"
+        "const bytes = Uint8Array.from(atob(packed.data), (one) => one.charCodeAt(0));"
+        "const values = new Int16Array(bytes.buffer), count = values.length / 2;"
+        "return Array.from({length: count}, (_, k) => [values[k], values[count + k]].map((one) => one * packed.scale))"
+    )
+    alpha = data(page)["bodies"][0]["alpha"][0]
+    place = max((k for k, pair in enumerate(stored) if abs(sum(pair)) < 1.9), key=lambda k: abs(sum(stored[k])))
+    put(page, "time", place)
+    assert angle(page) == pytest.approx(sum(stored[place]) / 2 * alpha * 57.29578, abs=0.01)
+    assert angle(page) != 0.0
+    assert "rocking" in part(page, "state").text
+
+
+def test_the_keyboard_is_enough(page):
+    from selenium.webdriver.common.keys import Keys
+
+    before = part(page, "state").text
+    part(page, "time").send_keys(Keys.ARROW_RIGHT * 40)
+    assert part(page, "time").get_attribute("value") == "40"
+    assert part(page, "state").text != before
+    part(page, "forward").send_keys(Keys.SPACE)
+    assert float(part(page, "time").get_attribute("value")) > 41.0
+    chosen = part(page, "chosen").text
+    part(page, "factor").send_keys(Keys.HOME)
+    assert part(page, "chosen").text != chosen
+    part(page, "play").send_keys(Keys.ENTER)
+    assert part(page, "play").text == "Pause"
+    part(page, "play").send_keys(Keys.SPACE)
+    assert part(page, "play").text == "Play"
+    part(page, "body").send_keys(Keys.ARROW_DOWN)
+    assert part(page, "stage").get_attribute("aria-label").startswith("pier <img src=x onerror=alert(2)> $\\frac{,")
+
+
+def test_every_control_has_a_name(page):
+    nameless = page.execute_script(
+        "return Array.from(document.querySelectorAll('#explorer input, #explorer select, #explorer button'))"
+        ".filter((one) => !(one.getAttribute('aria-label') || one.textContent && one.matches('button') ||"
+        " Array.from(one.labels ?? []).some((label) => label.textContent.trim()))).map((one) => one.outerHTML)"
+    )
+    assert nameless == []
+
+
+def test_a_motion_that_is_not_stored_has_the_command_that_draws_it(page, folder, monkeypatch):
+    put(page, "body", 1)
+    rows = [int(one.get_attribute("value")) for one in part(page, "record").find_elements("tag name", "option")]
+    stored = {scene["record"] for scene in data(page)["bodies"][1]["scenes"]}
+    (missing, *_) = [row for row in rows if row not in stored]
+    put(page, "record", missing)
+    assert not part(page, "scene").is_displayed()
+    assert "is not stored on this page" in part(page, "missing").text
+    command = shlex.split(part(page, "missing").find_element("tag name", "pre").text)
+    assert command[:2] == ["rockpulse", "plot"]
+    monkeypatch.chdir(folder)
+    assert main(command[1:]) == 0
+    assert (folder / "rotation.png").stat().st_size > 10_000
+    put(page, "record", rows[0])
+    assert part(page, "scene").is_displayed()
+
+
+def test_a_click_on_a_curve_moves_the_cursor(page):
+    from selenium.webdriver.common.action_chains import ActionChains
+
+    ActionChains(page).move_to_element(part(page, "rotation")).click().perform()
+    place, last = (float(part(page, "time").get_attribute(name)) for name in ("value", "max"))
+    assert place == pytest.approx(0.48 * last, rel=0.1)
+
+
+def test_less_motion_is_respected(page):
+    emulate = {"features": [{"name": "prefers-reduced-motion", "value": "reduce"}]}
+    part(page, "play").click()
+    page.execute_cdp_cmd("Emulation.setEmulatedMedia", emulate)
+    try:
+        assert waited(lambda: not part(page, "play").is_displayed())
+        still = part(page, "time").get_attribute("value")
+        time.sleep(0.3)
+        assert part(page, "time").get_attribute("value") == still
+        assert "asks for less motion" in part(page, "reduced").text
+        part(page, "forward").click()
+        assert float(part(page, "time").get_attribute("value")) > float(still)
+        page.refresh()
+        assert not part(page, "play").is_displayed()
+    finally:
+        page.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": []})
+
+
+def test_a_phone_needs_no_sideways_scrolling(page):
+    size = {"width": 390, "height": 844, "deviceScaleFactor": 1, "mobile": True}
+    page.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", size)
+    try:
+        explore = page.find_element("id", "explore")
+        assert waited(lambda: explore.size["width"] <= 390)
+        outside = page.execute_script(
+            "return Array.from(document.querySelectorAll('#explorer *')).filter((one) => {"
+            " const box = one.getBoundingClientRect(); return box.width && box.right > 390.5; }).length"
+        )
+        assert outside == 0
+        viewed = part(page, "rotation").get_dom_attribute("viewBox").split()
+        assert float(viewed[2]) == pytest.approx(part(page, "rotation").size["width"], abs=1)
+    finally:
+        page.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})
+
+
+def test_it_is_not_printed(page):
+    page.execute_cdp_cmd("Emulation.setEmulatedMedia", {"media": "print"})
+    try:
+        assert not page.find_element("id", "explore").is_displayed()
+    finally:
+        page.execute_cdp_cmd("Emulation.setEmulatedMedia", {"media": ""})
+
+
+@pytest.mark.slow
+def test_any_of_twenty_bodies_is_drawn_in_a_tenth_of_a_second(browser, tmp_path):
+    path = write_report(many_results(200, 20, samples=12000), tmp_path / "report.html")
+    browser.get(path.as_uri())
+    bodies = data(browser)["bodies"]
+    assert [len(body["scenes"]) for body in bodies] == [3] * 20
+    times = browser.execute_script(
+        "const list = document.querySelector('#explorer [data-part=body]');"
+        "return Array.from(list.options, (_, place) => { const start = performance.now(); list.value = place;"
+        " list.dispatchEvent(new Event('change')); return performance.now() - start; })"
+    )
+    assert sorted(times)[10] < 100.0
+    assert browser.get_log("browser") == []
