@@ -27,12 +27,12 @@ WORDS = {
     "factor": "Factor on the record",
     "factor_value": "× {factor}",
     "as_recorded": "as recorded",
-    "factor_10": "probability 10 %",
-    "factor_50": "probability 50 %",
+    "factor_10": "f_10",
+    "factor_50": "f_50",
     "safety_factor": "smallest that overturns",
     "demand": "demand {name}",
-    "probability": "P overturning {share} %",
-    "probability_unknown": "P not stored at this factor",
+    "probability": "probability of overturning {share} %",
+    "probability_unknown": "probability of overturning not stored at this factor",
     "curve": "P(f), the probability that the body overturns under the record times f, read from the stored spectrum of "
     "the record and laid through the stored f_10 and f_50; dots are the factors of the slider.",
     "points": "The results hold P(f) at single factors only, the open circles; full dots are factors of the slider.",
@@ -67,5 +67,6 @@ WORDS = {
     "unresolved": "At this factor the model cannot say how the motion ends.",
     "stage": "{body}, drawn to scale, {degrees}° from upright",
     "held": "What holds or pushes the body is not drawn.",
+    "triangle": "The size of the body is not known: a triangle from its corners to its centre of mass stands for it.",
     "still_moving": "It still moves when the record ends; how it ends counts what follows.",
 }

@@ -143,7 +143,7 @@ def report_page(
         lstrip_blocks=True,
     )
     environment.filters["typeset"] = typeset
-    script = _text("report.js") + _text("explorer.js")
+    script = "".join(map(_text, ("report.js", "explorer_drawing.js", "explorer.js")))
     return environment.get_template("report.html").render(
         content=content,
         pictures=Pictures(tree, others.get(SITE_KIND), others.get(FRAGILITY), content),
