@@ -1,27 +1,29 @@
 """The journal of a run: what is finished, durable as soon as it is, in one file beside the output.
 
-The file is a sqlite database, ``results.h5.journal``, exclusively locked by the run that writes it; the lock goes with
-the process, however it ends. It does not look into what it keeps.
+The file, ``results.h5.journal``, is a row of frames (`rockpulse.batch.frames`), one for the run and one for each
+outcome, exclusively locked by the run that writes it; the lock goes with the process, however it ends. It does not look
+into what it keeps.
 """
 
 from __future__ import annotations
 
 import os
 import secrets
-import sqlite3
-import zlib
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager, suppress
+from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import dataclass, field
 from datetime import UTC, datetime
-from itertools import groupby
+from io import FileIO
 from pathlib import Path
 from types import TracebackType
-from typing import Self
+from typing import Any, Self
 
+from rockpulse.batch.file_lock import holder, open_locked
+from rockpulse.batch.frames import MARK, Body, Frame, append, frames_of, is_beginning, parts_of
 from rockpulse.errors import ResultsError
 from rockpulse.failures import Failure
-from rockpulse.storage.atomic_file import journal_path
+from rockpulse.input_file import check_regular
+from rockpulse.storage.atomic_file import flush, journal_path
 
 __all__ = ["UNFINISHED", "Done", "Journal", "JournalError", "journal_path"]
 
@@ -29,20 +31,9 @@ __all__ = ["UNFINISHED", "Done", "Journal", "JournalError", "journal_path"]
 #: a run that is resumed tries again.
 UNFINISHED = ""
 
-#: Marks a sqlite file as ours, in its header: "RPJ" and the version of the tables.
-APPLICATION = int.from_bytes(b"RPJ\x02")
-#: What sqlite is given at once [bytes]; a result may be larger, a value of sqlite may not take more than a billion.
-PIECE = 64 * 1024**2
-#: How long another run may take to begin or to end before it counts as being at work [s].
-PATIENCE = 1.0
-TABLES = """
-    CREATE TABLE run (id TEXT NOT NULL, started TEXT NOT NULL);
-    CREATE TABLE done (key TEXT PRIMARY KEY, fingerprint TEXT NOT NULL);
-    CREATE TABLE part (key TEXT, number INTEGER, piece INTEGER, crc INTEGER NOT NULL, content BLOB NOT NULL,
-        PRIMARY KEY (key, number, piece));
-    CREATE TABLE failure (key TEXT, number INTEGER, file TEXT NOT NULL, stage TEXT NOT NULL, reason TEXT NOT NULL,
-        kind TEXT NOT NULL, PRIMARY KEY (key, number));
-"""
+#: Beginnings of the journals of other versions: frames of another kind, and before them a database of sqlite with a
+#: name of ours at its place in the header.
+OTHER_FRAMES, DATABASE, OUR_DATABASE = MARK[:4], b"SQLite format 3\0", (68, b"RPJ")
 
 
 @dataclass(frozen=True)
@@ -64,17 +55,36 @@ class JournalError(ResultsError):
         super().__init__(message, tells_resume)
 
 
+@dataclass(frozen=True, slots=True)
+class _Kept:
+    """An outcome, and where its parts are."""
+
+    fingerprint: str
+    failures: tuple[Failure, ...]
+    body: Body
+
+
 class Journal:
     """The finished tasks of a run, in a file; made by :meth:`open`, to be used in a ``with`` block.
 
-    The `run_id` stays the same after the run is resumed.
+    The `run_id` stays the same after the run is resumed. `gaps` is the number of places in the file, as it was opened,
+    where something stands that was not written there.
     """
 
-    def __init__(self, path: Path, connection: sqlite3.Connection, run_id: str) -> None:
-        self.path = path
-        self.run_id = run_id
-        self._connection = connection
-        self._file = _identity(path)
+    def __init__(self, path: Path, file: FileIO) -> None:
+        """Find what a locked file keeps; the run, when it began, and where the next frame is written."""
+        frames = frames_of(file)
+        self.path, self.gaps = path, frames.gaps
+        self.run_id, self.started, self._end = "", "", frames.end
+        self._file, self._identity = file, _identity(os.fstat(file.fileno()))
+        self._kept: dict[str, _Kept] = {}
+        for frame in frames.found:
+            if not _is_ours(frame.head):
+                self.gaps += 1
+                continue
+            self.run_id, self.started = frame.head["run"], frame.head["started"]
+            if "key" in frame.head:
+                self._keep(frame)
 
     @classmethod
     def open(cls, target: str | os.PathLike[str], resume: bool = False, overwrite: bool = False) -> Journal:
@@ -87,38 +97,40 @@ class Journal:
         ------
         JournalError
             For a journal that another process holds, one of a stopped run where neither `resume` nor `overwrite` says
-            what is to become of it, a damaged or foreign file, or a place that cannot be written.
+            what is to become of it, a foreign file, or a place that cannot be written.
         """
         path = journal_path(target)
-        _check_name(path)
-        existed, locked = path.exists() and path.stat().st_size > 0, False
+        check_regular(path, JournalError)
+        empty, file = True, None
         try:
-            connection = sqlite3.connect(path, timeout=PATIENCE, isolation_level=None)
-        except sqlite3.Error as error:
-            raise JournalError(f"{path}: cannot open the journal of the run: {error}") from error
-        try:
-            opened = _identity(path)
-            with _explained(path):
-                _lock(connection)
-                if opened is None or _identity(path) != opened:
-                    raise JournalError(f"{path}: another run on this output has just ended; give the command again")
-                locked = True
-                if _is_empty(connection):
-                    run_id = _create(connection)
-                else:
-                    _check_ours(connection, path)
-                    run_id = _taken_up(connection, path, resume, overwrite)
-        except BaseException:
-            if locked and not existed:
-                _unlink(path)
-            connection.close()
+            file = open_locked(path)
+            if file is None:
+                raise JournalError(
+                    f"{path}: {holder(path)} is writing this output; wait for it, or choose another output"
+                )
+            if _identity_of(path) != _identity(os.fstat(file.fileno())):
+                empty = False  # it is another's by now
+                raise JournalError(f"{path}: another run on this output has just ended; give the command again")
+            empty = os.fstat(file.fileno()).st_size == 0
+            journal = cls(path, file)
+            journal._take_up(resume, overwrite)
+        except BaseException as error:
+            if file is not None:
+                if empty:
+                    path.unlink(missing_ok=True)
+                file.close()
+            if isinstance(error, OSError):
+                raise JournalError(
+                    f"{path}: cannot keep the journal of the run beside the output: {error.strerror or error}; choose "
+                    "another output"
+                ) from error
             raise
-        return cls(path, connection, run_id)
+        return journal
 
     @property
     def in_place(self) -> bool:
         """Whether the file is still the one that was opened; who removes it takes the finished records with it."""
-        return self._file is not None and _identity(self.path) == self._file
+        return _identity_of(self.path) == self._identity
 
     def __enter__(self) -> Self:
         return self
@@ -130,23 +142,22 @@ class Journal:
 
     def close(self) -> None:
         """Give the lock back; what is finished stays for a run that resumes."""
-        self._connection.close()
+        self._file.close()
 
     def remove(self) -> None:
         """Remove the file, as the output is complete, and close it; one that has taken its place stays."""
         if not self.in_place:
-            self._connection.close()
+            self._file.close()
         elif os.name == "posix":  # before the lock is given back, lest it be somebody else's; elsewhere one cannot
-            _unlink(self.path)
-            self._connection.close()
+            self.path.unlink(missing_ok=True)
+            self._file.close()
         else:
-            self._connection.close()
-            _unlink(self.path)
+            self._file.close()
+            self.path.unlink(missing_ok=True)
 
     def finished(self) -> dict[str, str]:
         """Fingerprint of each finished task, by key."""
-        with _explained(self.path):
-            return dict(self._connection.execute("SELECT key, fingerprint FROM done"))
+        return {key: kept.fingerprint for key, kept in self._kept.items()}
 
     def add(self, done: Done) -> None:
         """Keep the outcome of a task in place of an earlier one; it is on the disk when this returns.
@@ -162,204 +173,114 @@ class Journal:
                 f"{self.path}: the journal was removed while the run was at work, and what was finished with it; begin "
                 "anew"
             )
-        failures = [
-            (done.key, number, *map(_in_utf8, (row.file, row.stage, row.reason, row.kind)))
-            for number, row in enumerate(done.failures)
-        ]
-        pieces = (
-            (done.key, number, piece, zlib.crc32(content), content)
-            for number, part in enumerate(done.parts)
-            for piece, content in enumerate(_pieces(part))
-        )
+        rows = [[*map(_in_utf8, (row.file, row.stage, row.reason, row.kind))] for row in done.failures]
+        outcome = {"key": done.key, "fingerprint": done.fingerprint, "failures": rows}
         try:
-            with _transaction(self._connection) as execute:
-                for table in ("done", "part", "failure"):
-                    execute(f"DELETE FROM {table} WHERE key = ?", (done.key,))
-                for row in pieces:
-                    execute("INSERT INTO part VALUES (?, ?, ?, ?, ?)", row)
-                for failure in failures:
-                    execute("INSERT INTO failure VALUES (?, ?, ?, ?, ?, ?)", failure)
-                execute("INSERT INTO done VALUES (?, ?)", (done.key, done.fingerprint))
-        except sqlite3.Error as error:
+            self._keep(self._append(outcome, done.parts))
+        except OSError as error:
+            count = sum(kept.fingerprint != UNFINISHED for kept in self._kept.values())
             raise JournalError(
-                f"{self.path}: cannot keep the result of {done.key}: {error}; the {self._count()} finished before are "
-                "kept: make room on the disk, then give the same command with --resume"
+                f"{self.path}: cannot keep the result of {done.key}: {error.strerror or error}; the {count} finished "
+                "before are kept: make room on the disk, then give the same command with --resume"
             ) from error
 
     def parts(self, key: str) -> tuple[bytes, ...]:
-        """The parts of a finished task in their order; a JournalError where they are not as they were kept."""
-        with _explained(self.path):
-            query = "SELECT number, crc, content FROM part WHERE key = ? ORDER BY number, piece"
-            found = self._connection.execute(query, (key,)).fetchall()
-        if any(zlib.crc32(content) != crc for _, crc, content in found):
-            raise _damaged(self.path, f"the result of {key} is not what was written")
-        return tuple(_joined([row[2] for row in rows]) for _, rows in groupby(found, key=lambda row: row[0]))
+        """The parts of a finished task in their order; a JournalError where they are not as they were written."""
+        if key not in self._kept:
+            return ()
+        found = self._parts(key)
+        if found is None:
+            raise JournalError(
+                f"{self.path}: the result of {key} is not as it was written; the same command with --resume does this "
+                "record again"
+            )
+        return found
 
     def drop_damaged(self) -> list[str]:
-        """Forget the tasks whose results are not as they were kept, so that they are done again; their keys."""
-        with _explained(self.path):
-            rows = self._connection.execute("SELECT key, crc, content FROM part")
-            damaged = sorted({key for key, crc, content in rows if zlib.crc32(content) != crc})
-            with _transaction(self._connection) as execute:
-                for key in damaged:
-                    for table in ("done", "part", "failure"):
-                        execute(f"DELETE FROM {table} WHERE key = ?", (key,))
+        """Forget the tasks whose results are not as they were written, so that they are done again; their keys."""
+        damaged = sorted(key for key in self._kept if self._parts(key) is None)
+        for key in damaged:
+            del self._kept[key]
         return damaged
 
     def failures(self) -> dict[str, tuple[Failure, ...]]:
         """The failures of each finished task that has some, by key."""
-        found: dict[str, list[Failure]] = {}
-        with _explained(self.path):
-            query = "SELECT key, file, stage, reason, kind FROM failure ORDER BY key, number"
-            for key, *row in self._connection.execute(query):
-                found.setdefault(key, []).append(Failure(*row))
-        return {key: tuple(rows) for key, rows in found.items()}
+        return {key: kept.failures for key, kept in self._kept.items() if kept.failures}
 
-    def _count(self) -> int:
-        return int(self._connection.execute("SELECT count(*) FROM done").fetchone()[0])
+    def _take_up(self, resume: bool, overwrite: bool) -> None:
+        """Go on behind what is kept, or begin anew."""
+        if not self.run_id and not is_beginning(self._file):
+            raise JournalError(f"{self.path}: {_foreign(self._file)}")
+        if self.run_id and resume:
+            if self._file.seek(0, os.SEEK_END) > self._end:  # behind it lies what was cut off
+                self._file.truncate(self._end)
+            return
+        count = sum(kept.fingerprint != UNFINISHED for kept in self._kept.values())
+        if count and not overwrite:
+            raise JournalError(
+                f"{self.path}: a run that began {self.started} was stopped with {count} record{'s' * (count != 1)} "
+                "done; go on with --resume, or begin anew with --overwrite"
+            )
+        self._file.truncate(0)
+        self._end, self._kept = 0, {}
+        self.run_id, self.started = secrets.token_hex(16), f"{datetime.now(UTC):%Y-%m-%d %H:%M} UTC"
+        self._append({})
+        if os.name == "posix":  # elsewhere a folder cannot be opened
+            flush(self.path.parent, os.O_RDONLY)
 
+    def _append(self, outcome: dict[str, Any], parts: tuple[bytes, ...] = ()) -> Frame:
+        head = {"run": self.run_id, "started": self.started, **outcome}
+        frame = append(self._file, self._end, head, parts)
+        self._end = frame.end
+        return frame
 
-def _pieces(part: bytes) -> Iterator[memoryview]:
-    """A part in pieces that sqlite takes; one piece of nothing for an empty part."""
-    for start in range(0, max(len(part), 1), PIECE):
-        yield memoryview(part)[start : start + PIECE]
+    def _keep(self, frame: Frame) -> None:
+        failures = tuple(Failure(*row) for row in frame.head["failures"])
+        self._kept[frame.head["key"]] = _Kept(frame.head["fingerprint"], failures, frame.body)
 
-
-def _joined(pieces: list[bytes]) -> bytes:
-    return pieces[0] if len(pieces) == 1 else b"".join(pieces)
-
-
-def _identity(path: Path) -> tuple[int, int] | None:
-    """Device and number of a file; None where there is none."""
-    try:
-        state = path.stat()
-    except (FileNotFoundError, NotADirectoryError):
-        return None
-    return state.st_dev, state.st_ino
-
-
-def _check_name(path: Path) -> None:
-    """Whether the file system takes the names of the journal and of sqlite's own beside it, the longest of all."""
-    try:
-        with suppress(FileNotFoundError, NotADirectoryError):
-            path.with_name(f"{path.name}-journal").lstat()
-    except OSError as error:
-        raise JournalError(
-            f"{path}: cannot keep the journal of the run beside the output: {error.strerror}; choose another output"
-        ) from error
-
-
-def _unlink(path: Path) -> None:
-    """Remove the database and sqlite's own journal of it."""
-    path.unlink(missing_ok=True)
-    path.with_name(f"{path.name}-journal").unlink(missing_ok=True)
+    def _parts(self, key: str) -> tuple[bytes, ...] | None:
+        try:
+            return parts_of(self._file, self._kept[key].body)
+        except OSError as error:
+            raise JournalError(f"{self.path}: cannot be read: {error.strerror or error}") from error
 
 
-def _lock(connection: sqlite3.Connection) -> None:
-    """Take the lock before the mode that keeps it, in which of two runs that begin together neither would get it."""
-    connection.execute("PRAGMA page_size = 65536")
-    connection.execute("PRAGMA synchronous = FULL")
-    connection.execute("BEGIN EXCLUSIVE")
-    connection.execute("PRAGMA locking_mode = EXCLUSIVE")  # from now on, beyond the transaction
-    connection.execute("COMMIT")
-    connection.execute("PRAGMA journal_mode = PERSIST")  # a tenth of the time of a commit that truncates or deletes it
-
-
-def _is_empty(connection: sqlite3.Connection) -> bool:
-    return not connection.execute("SELECT count(*) FROM sqlite_master").fetchone()[0]
-
-
-def _create(connection: sqlite3.Connection) -> str:
-    run_id = secrets.token_hex(16)
-    with _transaction(connection) as execute:
-        execute(f"PRAGMA application_id = {APPLICATION}")
-        for statement in filter(str.strip, TABLES.split(";")):
-            execute(statement)
-        execute("INSERT INTO run VALUES (?, ?)", (run_id, f"{datetime.now(UTC):%Y-%m-%d %H:%M} UTC"))
-    return run_id
-
-
-def _check_ours(connection: sqlite3.Connection, path: Path) -> None:
-    found = connection.execute("PRAGMA application_id").fetchone()[0]
-    if found == APPLICATION:
-        return
-    if found.to_bytes(4, signed=True)[:3] == APPLICATION.to_bytes(4)[:3]:
-        raise JournalError(
-            f"{path}: the journal of a run of another version of rockpulse; resume the run with that version, or "
-            "remove the file"
-        )
-    raise JournalError(
-        f"{path}: expected the journal of a run of rockpulse, found another database, which is left alone; choose "
-        "another output"
+def _is_ours(head: Mapping[str, Any]) -> bool:
+    """Whether the head of a frame has what is asked of it: anybody can make one."""
+    names = ("run", "started") if "key" not in head else ("run", "started", "key", "fingerprint")
+    rows = head.get("failures", [])
+    return (
+        all(isinstance(head.get(name), str) for name in names)
+        and isinstance(rows, list)
+        and all(isinstance(row, list) and len(row) == 4 and all(isinstance(one, str) for one in row) for row in rows)
     )
 
 
-def _taken_up(connection: sqlite3.Connection, path: Path, resume: bool, overwrite: bool) -> str:
-    """The id of the run in a journal that exists, or of a new one in its place."""
-    run_id, started = connection.execute("SELECT id, started FROM run").fetchone()
-    if resume:
-        return str(run_id)
-    count = connection.execute("SELECT count(*) FROM done").fetchone()[0]
-    if count and not overwrite:
-        raise JournalError(
-            f"{path}: a run that began {started} was stopped with {count} record{'s' * (count != 1)} done; go on with "
-            "--resume, or begin anew with --overwrite"
+def _foreign(file: FileIO) -> str:
+    """Of what is no journal of this version: what it is, and what to do."""
+    file.seek(0)
+    content = file.read(128)
+    at, name = OUR_DATABASE
+    if content.startswith(OTHER_FRAMES) or (content.startswith(DATABASE) and content[at : at + len(name)] == name):
+        return (
+            "the journal of a run of another version of rockpulse; resume the run with that version, or remove the file"
         )
-    with _transaction(connection) as execute:
-        for name in ("run", "done", "part", "failure"):
-            execute(f"DROP TABLE {name}")
-    connection.execute("VACUUM")
-    return _create(connection)
+    return (
+        "expected the journal of a run of rockpulse, found another file, which is left alone; choose another output, "
+        "or remove the file by hand"
+    )
 
 
-@contextmanager
-def _transaction(connection: sqlite3.Connection) -> Iterator[Callable[..., sqlite3.Cursor]]:
-    """All of it or nothing."""
-    connection.execute("BEGIN IMMEDIATE")
-    try:
-        yield connection.execute
-    except BaseException:
-        if connection.in_transaction:  # sqlite has rolled back by itself where the disk is full
-            connection.execute("ROLLBACK")
-        raise
-    connection.execute("COMMIT")
+def _identity(state: os.stat_result) -> tuple[int, int]:
+    """Device and number of a file."""
+    return state.st_dev, state.st_ino
 
 
-@contextmanager
-def _explained(path: Path) -> Iterator[None]:
-    """The error of sqlite as one that tells the user what to do."""
-    try:
-        yield
-    except sqlite3.OperationalError as error:
-        if error.sqlite_errorcode == sqlite3.SQLITE_BUSY:
-            raise JournalError(
-                f"{path}: {_holder(path)} is writing this output; wait for it, or choose another output"
-            ) from error
-        raise JournalError(f"{path}: cannot use the journal of the run: {error}") from error
-    except sqlite3.DatabaseError as error:
-        if error.sqlite_errorcode == sqlite3.SQLITE_NOTADB:
-            raise JournalError(
-                f"{path}: expected the journal of a run of rockpulse, found another file, which is left alone; choose "
-                "another output, or remove the file by hand"
-            ) from error
-        raise _damaged(path, str(error)) from error
-
-
-def _damaged(path: Path, how: str) -> JournalError:
-    return JournalError(f"{path}: the journal of the run is damaged ({how}); remove it and begin anew")
-
-
-def _holder(path: Path) -> str:
-    """The process that has locked a file, where the operating system tells."""
-    table = Path("/proc/locks")
-    if table.is_file():
-        inode = str(path.stat().st_ino)
-        for line in table.read_text(encoding="ascii").splitlines():
-            # 1: POSIX ADVISORY WRITE <process> <device>:<device>:<inode> <first byte> <last byte>
-            words = line.split()
-            if "WRITE" in words and words[5].rpartition(":")[2] == inode and int(words[4]) > 0:
-                return f"process {words[4]}"
-    return "another process"
+def _identity_of(path: Path) -> tuple[int, int] | None:
+    """Device and number of the file of a name; None where there is none."""
+    with suppress(FileNotFoundError, NotADirectoryError):
+        return _identity(path.stat())
+    return None
 
 
 def _in_utf8(text: str) -> str:

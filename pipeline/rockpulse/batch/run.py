@@ -175,7 +175,7 @@ def _run(
         given = [paths] if isinstance(paths, str | os.PathLike) else paths
         paths = [os.path.abspath(path) for path in given]  # noqa: PTH100 - links stay what they are
     journal_file = journal_path(output)
-    found, failures = find_files(paths, (output, journal_file, f"{journal_file}-journal", *options.written))
+    found, failures = find_files(paths, (output, journal_file, *options.written))
     check_patterns(found, analysis.config.records.files)
     with Journal.open(output, options.resume, options.overwrite) as journal, ExitStack() as hired:
         remove_parts(output)  # of runs that were killed
@@ -301,9 +301,12 @@ def _surveyed(
 
 def _missing(journal: Journal, tasks: Sequence[Task], analysis: Analysis, options: BatchOptions) -> list[Task]:
     """The tasks that are to be done; what was refused before is a failure to stop at like any other."""
-    if options.resume and (damaged := journal.drop_damaged()):
-        again = f"{some(damaged, 5)}: kept in {journal.path}, and not as it was written: done again"
-        _tell_all(again, options)
+    damaged = journal.drop_damaged() if options.resume else []
+    if damaged or journal.gaps:
+        results = f"the results of {some(damaged, 5)}" if damaged else ""
+        places = f"what stood in {journal.gaps} place{'s' * (journal.gaps != 1)}" if journal.gaps else ""
+        lost = " and ".join(filter(None, (results, places)))
+        _tell_all(f"{journal.path} is damaged: {lost} cannot be used; what is missing is done again", options)
     before = journal.finished()
     missing = [task for task in tasks if before.get(task.key) != task.fingerprint]
     resumed = len(tasks) - len(missing)

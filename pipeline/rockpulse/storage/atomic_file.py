@@ -17,7 +17,7 @@ from pathlib import Path
 
 from rockpulse.errors import ResultsError
 
-__all__ = ["ASSESSMENT", "check_target", "journal_path", "named", "remove_parts", "replacing"]
+__all__ = ["ASSESSMENT", "check_target", "flush", "journal_path", "named", "remove_parts", "replacing"]
 
 #: Root attribute `kind` of the results of an assessment; files without it are assessments.
 ASSESSMENT = "assessment"
@@ -81,7 +81,7 @@ def replacing(
     part = _part(target)
     try:
         yield part
-        _flush(part, os.O_RDWR)
+        flush(part, os.O_RDWR)
         check_target(path, overwrite, kind)  # somebody else may have written it during the run
         part.replace(target)
     except OSError as error:
@@ -89,7 +89,7 @@ def replacing(
     finally:
         part.unlink(missing_ok=True)
     if os.name == "posix":  # elsewhere a folder cannot be opened
-        _flush(target.parent, os.O_RDONLY)
+        flush(target.parent, os.O_RDONLY)
 
 
 def remove_parts(path: str | os.PathLike[str]) -> None:
@@ -179,7 +179,8 @@ def _reason(error: OSError) -> str:
     return os.strerror(int(hidden[1])) if hidden else error.strerror or str(error)
 
 
-def _flush(path: Path, mode: int) -> None:
+def flush(path: Path, mode: int) -> None:
+    """Have the system write what it holds of a file or a folder to the disk."""
     handle = os.open(path, mode)
     try:
         os.fsync(handle)

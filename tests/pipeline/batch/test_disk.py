@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import errno
+import os
 import re
 import shutil
 import tempfile
@@ -11,14 +13,15 @@ import pytest
 from batch_runs import RECORDS, command, names
 from file_contents import assert_contents
 
-from rockpulse.batch.journal import Journal, journal_path
+from rockpulse.batch import frames
+from rockpulse.batch.journal import journal_path
 from rockpulse.storage.hdf5_writer import TreeWriter
 
 
 def test_a_disk_that_fills_up_keeps_what_is_finished(folder, tmpfs, undisturbed, capsys):
     place, change = tmpfs
     target = place / "results.h5"
-    change("size=1100k")
+    change("size=400k")
     assert command(folder, target, "--quiet") == 2
     said = capsys.readouterr().err
     kept = re.search(r"cannot keep the result of r\d\.090: .*; the (\d) finished before are kept: make room", said)
@@ -34,18 +37,20 @@ def test_a_disk_that_fills_up_keeps_what_is_finished(folder, tmpfs, undisturbed,
 
 def test_a_journal_that_cannot_grow_keeps_what_is_finished(folder, tmp_path, undisturbed, monkeypatch, capsys):
     target = tmp_path / "results.h5"
-    original = Journal.open.__func__
+    original = frames._write
 
-    def small(cls, *args):
-        journal = original(cls, *args)
-        journal._connection.execute("PRAGMA max_page_count = 12")
-        return journal
+    def up_to_a_size(file, content):
+        room = 400_000 - file.tell()
+        original(file, memoryview(content)[: max(room, 0)])
+        if room < len(content):
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
 
     with monkeypatch.context() as patch:
-        patch.setattr(Journal, "open", classmethod(small))
+        patch.setattr(frames, "_write", up_to_a_size)
         assert command(folder, target, "--quiet") == 2
     assert re.search(
-        r"cannot keep the result of .*disk is full; the [1-7] finished before are kept", capsys.readouterr().err
+        r"cannot keep the result of .*No space left on device; the [1-7] finished before are kept",
+        capsys.readouterr().err,
     )
     assert command(folder, target, "--quiet", "--resume") == 0
     assert_contents(target, undisturbed)
@@ -74,7 +79,7 @@ def test_no_room_for_the_results_keeps_what_is_finished(folder, tmpfs, undisturb
 def test_a_disk_that_fills_up_while_the_results_are_written(folder, tmpfs, undisturbed, monkeypatch, capfd):
     place, change = tmpfs
     target = place / "results.h5"
-    change("size=1600k")
+    change("size=700k")
     with monkeypatch.context() as patch:  # somebody else takes the room that was there
         patch.setattr("shutil.disk_usage", lambda path: shutil._ntuple_diskusage(10**9, 0, 10**9))
         assert command(folder, target, "--quiet") == 2
@@ -155,15 +160,16 @@ def text(path):
     path.write_text("a diary\n" * 50)
 
 
-def half_of_a_journal(path):
-    with Journal.open(path.with_suffix("")) as journal:
-        journal._connection.execute("CREATE TABLE filler AS SELECT randomblob(500000)")
-    path.write_bytes(path.read_bytes()[:200_000])
+def of_another_version(path):
+    path.write_bytes(frames.MARK[:4] + bytes(200_000))
 
 
 @pytest.mark.parametrize(
     ("make", "message"),
-    [(text, "found another file, which is left alone"), (half_of_a_journal, "the journal of the run is damaged")],
+    [
+        (text, "found another file, which is left alone"),
+        (of_another_version, "the journal of a run of another version"),
+    ],
 )
 @pytest.mark.parametrize("options", [(), ("--resume",), ("--overwrite",)], ids=["new", "resumed", "overwritten"])
 def test_a_journal_that_is_none_is_refused(folder, tmp_path, capsys, make, message, options):

@@ -1,6 +1,9 @@
 """The journal: durable, locked, resumed, and clear about what it cannot use."""
 
+import errno
+import json
 import os
+import random
 import signal
 import sqlite3
 import subprocess
@@ -13,6 +16,7 @@ from threading import Barrier
 import numpy as np
 import pytest
 
+from rockpulse.batch import file_lock, frames
 from rockpulse.batch import journal as journals
 from rockpulse.batch.journal import Journal, journal_path
 from rockpulse.batch.packing import pack, unpack
@@ -30,7 +34,7 @@ def done(key, content=b"x", fingerprint="f", failures=()):
 @pytest.fixture(autouse=True)
 def impatient(monkeypatch):
     """Nobody waits for a run that is not going to end."""
-    monkeypatch.setattr(journals, "PATIENCE", 0.1)
+    monkeypatch.setattr(file_lock, "PATIENCE", 0.1)
 
 
 @pytest.fixture
@@ -51,18 +55,6 @@ def test_what_was_added_is_there_after_reopening(target):
         assert journal.parts("never heard of") == ()
         assert list(journal.failures()) == ["b"]
         assert journal.failures()["b"][1].reason == "caf\ufffd: no intense phase"
-
-
-def test_a_result_that_is_too_large_for_sqlite_is_kept_in_pieces(target, monkeypatch):
-    monkeypatch.setattr(journals, "PIECE", 1000)
-    parts = (bytes(range(250)) * 10, b"", b"x" * 1000, b"y" * 1001)
-    with Journal.open(target) as journal:
-        journal._connection.setlimit(sqlite3.SQLITE_LIMIT_LENGTH, 1500)
-        journal.add(Done("a", "f", parts))
-        assert journal.parts("a") == parts
-        journal._connection.execute("UPDATE part SET content = zeroblob(1000) WHERE number = 0 AND piece = 1")
-        with pytest.raises(ResultsError, match="the result of a is not what was written"):
-            journal.parts("a")
 
 
 def test_what_has_taken_the_place_of_a_journal_stays(target):
@@ -100,9 +92,15 @@ def test_runs_that_begin_together_end_in_one_that_works(target):
 
 def test_an_empty_file_is_no_journal_to_ask_about_and_goes_with_a_run_that_fails(target, monkeypatch):
     journal_path(target).touch()
+
+    def full(*given):
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
     with monkeypatch.context() as patch:
-        patch.setattr(journals, "TABLES", "nonsense")
-        with pytest.raises(ResultsError, match="cannot use the journal"):
+        patch.setattr(journals, "append", full)
+        with pytest.raises(
+            ResultsError, match=r"cannot keep the journal of the run .*: No space left on device; choose"
+        ):
             Journal.open(target)
     assert not journal_path(target).exists()
 
@@ -163,11 +161,11 @@ OWNER = """
     from rockpulse.batch.journal import Journal
     from rockpulse.batch.tasks import Done
     with Journal.open(sys.argv[1]) as journal:
+        journal_file = journal.path
         for number in range(3):
             journal.add(Done(f"record {number}", "f", (bytes(200_000),)))
             print(number, flush=True)
-        journal._connection.execute("BEGIN")
-        journal._connection.execute("DELETE FROM done")
+        journal._file.write(journal_file.read_bytes()[:-100_000])  # as if the next one were half written
         sys.stdin.read()
 """
 
@@ -203,9 +201,13 @@ def _foreign(path):
 
 
 def _of_another_version(path):
+    path.write_bytes(b"\x89RPJ\x09" + bytes(200))
+
+
+def _of_the_version_before(path):
     _foreign(path)
     with sqlite3.connect(path) as connection:
-        connection.execute(f"PRAGMA application_id = {int.from_bytes(bytes([*b'RPJ', 9]))}")
+        connection.execute(f"PRAGMA application_id = {int.from_bytes(b'RPJ' + bytes([2]))}")
     connection.close()
 
 
@@ -213,55 +215,115 @@ def _of_another_version(path):
     ("make", "message"),
     [
         (_text, "found another file, which is left alone"),
-        (_foreign, "found another database, which is left alone"),
+        (_foreign, "found another file, which is left alone"),
         (_of_another_version, "journal of a run of another version"),
+        (_of_the_version_before, "journal of a run of another version"),
+        (os.mkfifo, "expected a file, found a pipe"),
     ],
 )
 @pytest.mark.parametrize("options", [{}, {"resume": True}, {"overwrite": True}])
 def test_a_file_that_is_no_journal_is_left_alone(target, make, message, options):
     path = journal_path(target)
     make(path)
-    before = path.read_bytes()
+    before = path.read_bytes() if path.is_file() else b""
     with pytest.raises(ResultsError, match=message):
         Journal.open(target, **options)
-    assert path.read_bytes() == before
+    assert path.is_fifo() or path.read_bytes() == before
 
 
-def test_a_damaged_journal_says_so_or_gives_what_was_kept(target):
+def kept_of(target):
+    """What a journal of records of a kilobyte keeps, each as it was written, and the keys of those that are not."""
+    with Journal.open(target, resume=True) as journal:
+        damaged, gaps = journal.drop_damaged(), journal.gaps
+        for key, fingerprint in journal.finished().items():
+            assert (fingerprint, journal.parts(key)) == ("f", (bytes([int(key[-1])]) * 1000,))
+            assert journal.failures()[key] == (Failure(key, "assess", "weak", "skipped"),)
+        return set(journal.finished()), damaged, gaps
+
+
+@pytest.fixture
+def whole(target):
+    """The bytes of a journal of six records."""
     with Journal.open(target) as journal:
-        for number in range(4):
-            journal.add(done(f"record {number}", bytes([number]) * 100_000))
-    path = journal_path(target)
-    whole = path.read_bytes()
-    refused = 0
-    for offset in range(0, len(whole), len(whole) // 60):
-        path.write_bytes(whole[:offset] + bytes([whole[offset] ^ 0xFF]) + whole[offset + 1 :])
-        try:
-            with Journal.open(target, resume=True) as journal:
-                for key in journal.finished():
-                    if key in {f"record {number}" for number in range(4)}:
-                        assert journal.parts(key) in ((), (bytes([int(key[-1])]) * 100_000,))
-        except ResultsError:
-            refused += 1
-    assert refused > 20
-    path.write_bytes(whole[: len(whole) // 2])
-    with pytest.raises(ResultsError, match="damaged"), Journal.open(target, resume=True) as journal:
-        [journal.parts(key) for key in journal.finished()]
+        for number in range(6):
+            weak = (Failure(f"record {number}", "assess", "weak", "skipped"),)
+            journal.add(done(f"record {number}", bytes([number]) * 1000, failures=weak))
+    return journal_path(target).read_bytes()
 
 
-def test_a_full_disk_keeps_what_was_finished(target):
+def test_any_byte_that_is_damaged_costs_the_record_that_it_belongs_to(target, whole):
+    """Every 7th byte, each with another bit changed; the first of the file does not hide what comes after it."""
+    for place in range(0, len(whole), 7):
+        changed = bytes([whole[place] ^ (1 << place % 8)])
+        journal_path(target).write_bytes(whole[:place] + changed + whole[place + 1 :])
+        found, damaged, gaps = kept_of(target)
+        assert len(found) == (6 if place < whole.index(frames.MARK, 1) else 5)
+        assert len(damaged) + gaps == 1 or place >= whole.rindex(frames.MARK)  # the last one may have been cut off
+
+
+def test_zeros_cost_the_records_that_they_are_in(target, whole):
+    draw = random.Random(1)
+    for _ in range(100):
+        size = draw.randrange(1, 3000)
+        place = draw.randrange(len(whole) - size)
+        journal_path(target).write_bytes(whole[:place] + bytes(size) + whole[place + size :])
+        found, damaged, gaps = kept_of(target)
+        assert len(found) >= 6 - 2 - size // 1000
+        assert damaged or gaps or place > len(whole) - 1400 or len(found) == 6
+
+
+def test_a_journal_that_was_cut_off_keeps_what_lies_before(target, whole):
+    ends = [place for place in range(1, len(whole) + 1) if whole.startswith(frames.MARK, place)] + [len(whole)]
+    for size in range(0, len(whole), 37):
+        journal_path(target).write_bytes(whole[:size])
+        assert kept_of(target) == ({f"record {number}" for number in range(6) if ends[number + 1] <= size}, [], 0)
+
+
+def test_frames_that_somebody_has_made_are_passed_over(target, whole):
+    """With right checksums, but without what is asked of them."""
+    run = {"run": "r", "started": "today"}
+    row = ["a", "read", "why", "failed"]
+    others = (
+        [],
+        {},
+        {"run": 3, "started": ""},
+        {**run, "key": "a"},
+        {**run, "key": ["a"], "fingerprint": "f", "failures": []},
+        {**run, "key": "a", "fingerprint": "f", "failures": [row[:3]]},
+        {**run, "key": "a", "fingerprint": "f", "failures": "text"},
+    )
+    with journal_path(target).open("r+b", buffering=0) as file:
+        for number, head in enumerate(others):
+            end = file.seek(0, os.SEEK_END)
+            text = json.dumps(head if number == 0 else {**head, "parts": []}).encode()
+            start = frames.START.pack(frames.MARK, len(text), 0, frames._crc(len(text), 0, text))
+            file.write(start + text)
+            assert file.tell() > end
+    found, damaged, gaps = kept_of(target)
+    assert (len(found), damaged, gaps) == (6, [], len(others))
+
+
+def test_a_full_disk_keeps_what_was_finished(target, monkeypatch):
+    def fill(file, content):
+        file.write(memoryview(content)[:100])
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
     with Journal.open(target) as journal:
         journal.add(done("a", bytes(100_000)))
-        pages = journal._connection.execute("PRAGMA page_count").fetchone()[0]
-        journal._connection.execute(f"PRAGMA max_page_count = {pages + 1}")
-        with pytest.raises(
-            ResultsError, match=r"cannot keep the result of b: .*full; the 1 finished before are kept.*--resume"
-        ):
-            journal.add(done("b", bytes(10_000_000)))
-        assert journal.finished() == {"a": "f"}
+        journal.add(done("broke off", b"", fingerprint=journals.UNFINISHED))
+        size = journal_path(target).stat().st_size
+        with monkeypatch.context() as patch:
+            patch.setattr(frames, "_write", fill)
+            with pytest.raises(
+                ResultsError, match=r"cannot keep the result of b: No space.*; the 1 finished before are kept.*--resume"
+            ):
+                journal.add(done("b", bytes(10_000_000)))
+        assert journal_path(target).stat().st_size == size
+        assert journal.finished()["a"] == "f"
     with Journal.open(target, resume=True) as journal:
         assert journal.parts("a") == (bytes(100_000),)
         journal.add(done("b", bytes(10_000_000)))
+        assert journal.parts("b") == (bytes(10_000_000),)
 
 
 def test_a_limit_of_the_operating_system_keeps_what_was_finished(target):
@@ -290,7 +352,7 @@ def test_a_limit_of_the_operating_system_keeps_what_was_finished(target):
 
 def test_a_place_that_takes_no_journal_is_refused(tmp_path):
     (tmp_path / "file").write_text("x")
-    with pytest.raises(ResultsError, match="cannot open the journal of the run"):
+    with pytest.raises(ResultsError, match=r"cannot keep the journal of the run .*: Not a directory"):
         Journal.open(tmp_path / "file" / "results.h5")
 
 

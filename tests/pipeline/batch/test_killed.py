@@ -17,7 +17,7 @@ import pytest
 from file_contents import assert_contents, contents
 from record_writers import at2, pulse
 
-from rockpulse.batch import journal
+from rockpulse.batch import file_lock
 from rockpulse.batch.journal import Journal, journal_path
 from rockpulse.batch.packing import unpack
 from rockpulse.cli import main
@@ -286,7 +286,7 @@ def test_twenty_kills_of_the_parent(folder, tmp_path, undisturbed, point, worker
 
 
 def test_a_second_run_on_the_same_output_is_refused(folder, tmp_path, monkeypatch, capsys):
-    monkeypatch.setattr(journal, "PATIENCE", 0.01)
+    monkeypatch.setattr(file_lock, "PATIENCE", 0.01)
     target = tmp_path / "results.h5"
     with Journal.open(target):
         assert main(command(folder, target)) == 2

@@ -9,7 +9,8 @@ import pytest
 from record_writers import at2, pulse
 
 from rockpulse import BlockSettings, ModelSettings, SearchSettings
-from rockpulse.batch.journal import _holder, journal_path
+from rockpulse.batch.file_lock import holder
+from rockpulse.batch.journal import journal_path
 from rockpulse.batch.options import BatchOptions
 from rockpulse.batch.run import assess_files
 from rockpulse.config.configuration import Config
@@ -44,7 +45,7 @@ def test_a_resumed_run_neither_reads_nor_unlocks_its_own_journal(tmp_path):
             pass
 
         def update(self, n):
-            holders.append(_holder(journal))
+            holders.append(holder(journal))
 
     options = BatchOptions(workers=1, resume=True, written=(log,), bar=Bar)
     report = assess_files([tmp_path, journal, log], CONFIG, output, options)
