@@ -184,18 +184,22 @@ class TreeWriter:
             held[name] = stored[name] = value
 
     def _close(self, error: BaseException | None) -> None:
-        """Close the file, of which nothing is left where there is an error."""
-        try:
-            if error is None:
+        """Close the file, of which nothing is left where there is an error; the first fault of several is raised."""
+        faults: list[Exception] = []
+        if error is None:
+            try:
                 self._hdf5.flush()
-        except (OSError, RuntimeError) as fault:  # how h5py reports a full disk
-            error = fault
-            raise OSError(str(fault)) from fault
-        finally:
-            if error is not None:
-                # Room for what HDF5 still holds: on a full disk, a file that it cannot close crashes Python at exit.
-                os.truncate(self._path, 0)
+            except (OSError, RuntimeError) as fault:  # how h5py reports a full disk
+                faults.append(fault)
+        if error is not None or faults:
+            # Room for what HDF5 still holds: on a full disk, a file that it cannot close crashes Python at exit.
+            os.truncate(self._path, 0)
+        try:
             self._hdf5.close()
+        except (OSError, RuntimeError) as fault:
+            faults.append(fault)
+        if error is None and faults:
+            raise OSError(str(faults[0])) from faults[0]
 
 
 def write_tree(tree: xr.DataTree, path: Path, attrs: Mapping[str, Any]) -> None:

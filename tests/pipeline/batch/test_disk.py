@@ -107,9 +107,9 @@ def test_a_fault_of_the_disk_while_the_results_are_written(folder, tmp_path, und
     assert_contents(target, undisturbed)
 
 
-def test_a_name_that_leaves_no_room_for_that_of_the_journal_is_refused(folder, tmp_path, capsys):
-    assert command(folder, tmp_path / ("n" * 240)) == 2
-    assert "cannot keep the journal of the run beside the output: File name too long" in capsys.readouterr().err
+def test_a_name_that_leaves_no_room_for_that_of_the_unfinished_file_is_refused(folder, tmp_path, capsys):
+    assert command(folder, tmp_path / ("n" * 241)) == 2
+    assert "File name too long" in capsys.readouterr().err
     assert names(tmp_path) == []
 
 
