@@ -15,6 +15,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from file_contents import assert_contents, contents
+from random_kills import members
 from record_writers import at2, pulse
 
 from rockpulse.batch import file_lock
@@ -79,20 +80,6 @@ def start(folder, target, point, number, *options, verb="assess", **settings):
     given = command(folder, target, *options, verb=verb)
     arguments = [sys.executable, TESTS / "killed_run.py", point, str(number), *given]
     return subprocess.Popen(arguments, start_new_session=True, text=True, stderr=subprocess.PIPE, **settings)
-
-
-def members(group):
-    """Process ids of a group that live, other than zombies."""
-    found = []
-    for stat in Path("/proc").glob("[0-9]*/stat"):
-        try:
-            text = stat.read_text()
-        except (FileNotFoundError, ProcessLookupError):
-            continue  # it has ended meanwhile
-        state, _, pgrp = text.rpartition(")")[2].split()[:3]
-        if int(pgrp) == group and state != "Z":
-            found.append(int(stat.parent.name))
-    return found
 
 
 def assert_nobody_is_left(group, seconds=300.0):
@@ -305,18 +292,34 @@ def faults(tmp_path_factory):
     return library
 
 
-@pytest.mark.parametrize(
-    ("first", "every"), [pytest.param(7, 40, marks=pytest.mark.sweep), pytest.param(1, 1, marks=pytest.mark.slow)]
-)
-def test_a_run_struck_at_a_step_of_input_or_output_resumes_to_the_same_file(faults, tmp_path, first, every):
-    """Killed at each of them, and with each of them failing as on a full disk, for a run of ten records."""
+@pytest.fixture
+def ten_records(tmp_path):
+    """A folder of ten records and a configuration."""
     records = tmp_path / "records"
     records.mkdir()
     for number in range(10):
         title = f"Event, 1/2/2003, Station {number}, 090"
         (records / f"r{number}.at2").write_bytes(at2(pulse(400, 0.2 + 0.03 * number), title=title))
     (records / "site.toml").write_text(CONFIGURATION)
-    arguments = [sys.executable, TESTS / "io_fault_runs.py", faults, records, tmp_path / "runs", str(first), str(every)]
+    return records
+
+
+@pytest.mark.parametrize(
+    ("first", "every"), [pytest.param(7, 40, marks=pytest.mark.sweep), pytest.param(1, 1, marks=pytest.mark.slow)]
+)
+def test_a_run_struck_at_a_step_of_input_or_output_resumes_to_the_same_file(
+    faults, ten_records, tmp_path, first, every
+):
+    """Killed at each of them, and with each of them failing as on a full disk, for a run of ten records."""
+    arguments = [
+        sys.executable,
+        TESTS / "io_fault_runs.py",
+        faults,
+        ten_records,
+        tmp_path / "runs",
+        str(first),
+        str(every),
+    ]
     done = subprocess.run(
         arguments, env=os.environ | {"LD_PRELOAD": str(faults)}, capture_output=True, text=True, check=False
     )
@@ -325,4 +328,15 @@ def test_a_run_struck_at_a_step_of_input_or_output_resumes_to_the_same_file(faul
     print(f"{found['cases']} runs of {found['steps']} steps")
     assert found["steps"] > 100
     assert found["cases"] == 2 * len(range(first, found["steps"] + 1, every))
+    assert found["wrong"] == [], done.stderr[-3000:]
+
+
+@pytest.mark.slow
+def test_two_hundred_kills_at_random_moments_with_two_workers(ten_records, tmp_path):
+    arguments = [sys.executable, TESTS / "random_kills.py", ten_records, tmp_path / "runs", "200", "1"]
+    done = subprocess.run(arguments, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    found = json.loads(done.stdout.splitlines()[-1])
+    print(f"{found['killed']} killed before their end, in {found['seconds']:.1f} s; by records kept: {found['kept']}")
+    assert found["killed"] >= 140
     assert found["wrong"] == [], done.stderr[-3000:]

@@ -15,6 +15,7 @@ import h5py
 import numpy as np
 import pytest
 from hostile_results import CHANGES, tamper
+from record_writers import at2, pulse
 from results_tree import results_tree
 
 from rockpulse.cli import main
@@ -89,8 +90,13 @@ KINDS = {
 
 @pytest.fixture(scope="module")
 def sound(samples, tmp_path_factory):
-    """A sound file of each kind, made once by the verb of its name."""
+    """A sound file of each kind, made once by the verb of its name; that of an assessment of short records."""
     place, made = tmp_path_factory.mktemp("sound"), {}
+    short = tmp_path_factory.mktemp("short")
+    for number in range(4):
+        title = f"Event {number}, 1/2/2003, Station {number}, 090"
+        (short / f"r{number}.AT2").write_bytes(at2(pulse(400, 0.25 + 0.1 * number), title=title))
+    (short / "cut.AT2").write_bytes((short / "r0.AT2").read_bytes()[:900])
 
     def of(verb):
         if verb not in made:
@@ -98,7 +104,9 @@ def sound(samples, tmp_path_factory):
             config.write_text(SITE.format(probability=str(verb == "assess").lower()))
             made[verb] = place / f"{verb}.h5"
             with contextlib.redirect_stdout(io.StringIO()), contextlib.redirect_stderr(io.StringIO()):
-                code = main([verb, str(samples), "--config", str(config), "-o", str(made[verb])])
+                code = main(
+                    [verb, str(short if verb == "assess" else samples), "--config", str(config), "-o", str(made[verb])]
+                )
             assert code in (0, 1)
         return made[verb]
 
