@@ -6,6 +6,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from rockpulse.readers.facing import direction
+
 #: What a format sample says of itself in a free text of its header, cut where the field is shorter.
 NOTE = "FORMAT SAMPLE WRITTEN BY ROCKPULSE FROM CI.CLC"
 
@@ -28,6 +30,19 @@ def retold(content: bytes, *pairs: tuple[str, str]) -> bytes:
             raise KeyError(before)
         content = content.replace(before.encode(), after.encode())
     return content
+
+
+def peak_time(values: Sequence[float], dt: float = 1.0, first: float = 0.0) -> float:
+    """Time of the largest absolute value [s]; 0 of no values."""
+    return first + dt * int(np.argmax(np.abs(values))) if len(values) else 0.0
+
+
+def azimuth_code(component: str) -> int:
+    """Integer 27 of the headers of CSMIP and USC: the azimuth, 500 for up, 600 for down, 0 where it is unknown."""
+    facing = direction(component)
+    if facing.orientation == "vertical":
+        return 500 if facing.sign > 0.0 else 600
+    return 0 if np.isnan(facing.azimuth) else round(facing.azimuth) or 360
 
 
 def rows(fields: Sequence[str], per_row: int) -> list[str]:

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from record_writers._shared import NOTE, retold, rows
+from record_writers._shared import NOTE, azimuth_code, peak_time, retold, rows
 from rockpulse.record.record import STANDARD_GRAVITY, Record
 
 
@@ -36,7 +36,9 @@ def _csmip_header(
         f"NO. OF POINTS = {count:6d}  RECORD LENGTH ={length:7.3f} SEC",
         unit_line,
         "RMS ACCEL OF COMPLETE RECORD =  .021 G.",
-        *["    0" * 16] * 6,
+        "    0" * 16,
+        f"{'    0' * 10}{azimuth_code(component):5d}{count % 100_000:5d}{'    0' * 4}",
+        *["    0" * 16] * 4,
         "    0" * 4,
         *["      .000" * 8] * 6,
         "      .000" * 2,
@@ -58,7 +60,8 @@ def csmip_pairs(
 ) -> bytes:
     """One channel in the old layout: (time, acceleration in g/10) pairs of width 7."""
     peak = np.max(np.abs(values)) / 10.0 if peak_g is None else peak_g
-    unit_line = f"UNITS OF UNCOR ACCEL ARE {unit}.     MAX  =  {peak:5.3f} G, AT   1.000 SEC."
+    at = times[int(peak_time(values))] if len(times) else 0.0
+    unit_line = f"UNITS OF UNCOR ACCEL ARE {unit}.     MAX  =  {peak:5.3f} G, AT {at:7.3f} SEC."
     fields = [f"{number:7.3f}" for pair in zip(times, values, strict=True) for number in pair]
     length = times[-1] if len(times) else 0.0
     header = _csmip_header(number, component, place, len(values), length, unit_line, start, note, recorder)
@@ -83,7 +86,8 @@ def csmip_equal(
 ) -> bytes:
     """One channel in the new layout: equal steps, in g unless the heading says otherwise."""
     peak = np.max(np.abs(values)) if peak_g is None else peak_g
-    unit_line = f"UNITS OF UNCOR DATA ARE SEC AND G.         MAX  = {peak:6.3f} G, AT   1.000 SEC."
+    at = peak_time(values, dt)
+    unit_line = f"UNITS OF UNCOR DATA ARE SEC AND G.         MAX  = {peak:6.3f} G, AT {at:7.3f} SEC."
     lines = _csmip_header(number, component, place, len(values), dt * len(values), unit_line, start, note, recorder)
     lines += [heading.format(n=len(values)), *rows([field.format(value) for value in values], 8)]
     lines.append(f"/&  ----------  END OF DATA FOR CHANNEL {number:2d}  ----------")

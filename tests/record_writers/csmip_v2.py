@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from record_writers._shared import NOTE, rows
+from record_writers._shared import NOTE, azimuth_code, rows
 from rockpulse.record.record import Record
 
 
@@ -22,9 +22,10 @@ def integral(values: np.ndarray, dt: float) -> np.ndarray:
     return np.concatenate([[0.0], np.cumsum(0.5 * dt * (values[1:] + values[:-1]))])
 
 
-def number_lines(count: int, dt: float, peaks: Sequence[float]) -> list[str]:
+def number_lines(count: int, dt: float, peaks: Sequence[float], component: str) -> list[str]:
     """100 integers and 100 reals, nearly all zero."""
     integers, reals = [0] * 100, [0.0] * 100
+    integers[26] = azimuth_code(component)
     integers[52], integers[63], integers[65] = count, count, count
     reals[58], reals[59] = (count - 1) * dt, dt
     reals[65], reals[67], reals[69] = peaks
@@ -103,7 +104,7 @@ def csmip_v2(
         "",
     ]
     peaks = [float(one[np.argmax(np.abs(one))]) for one in series]
-    lines = [f"{line:<80}" for line in text] + number_lines(len(acceleration), dt, peaks)
+    lines = [f"{line:<80}" for line in text] + number_lines(len(acceleration), dt, peaks, component)
     units = _UNITS.get(heading, _UNITS[NEW])
     for kind, unit, one in zip(("accel", "veloc", "displ"), units, series, strict=True):
         if kind[0] in blocks:

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from record_writers._shared import NOTE, retold, rows
+from record_writers._shared import NOTE, peak_time, retold, rows
 from rockpulse.record.record import Record
 
 
@@ -18,6 +18,7 @@ def csmnc(
     count: int | None = None,
     dt: str = "0.005",
     peak: float | None = None,
+    duration: float | None = None,
     point: str = "GROUND",
     station: str = "051XXX",
     event: str = "TEST EARTHQUAKE",
@@ -42,7 +43,8 @@ def csmnc(
         f"COMP. {component}",
         f"{kind}          UNIT: {unit}",
         f"NO. OF POINTS:  {number}  EQUALLY SPACED INTERVALS OF:  {dt}  SEC",
-        f"PEAK VALUE: {largest:13.3f}   AT   26.35 SEC    DURATION:  60 SEC",
+        f"PEAK VALUE: {largest:13.3f}   AT {peak_time(values, float(dt)):7.2f} SEC    DURATION: "
+        f"{(len(values) if duration is None else duration) * float(dt):3.0f} SEC",
         "PRE-EVENT TIME:  20  SEC",
         "CSMNC",
         "",

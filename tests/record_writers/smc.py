@@ -41,6 +41,9 @@ def smc(
     reals = [null_real] * 50
     reals[1] = null_real if rate is None else rate
     accelerations = values if rate is not None else values[1::2]
+    times = np.arange(len(values)) / rate if rate is not None else values[::2]
+    for number, at in ((28, int(np.argmax(accelerations))), (30, int(np.argmin(accelerations)))):
+        reals[number : number + 2] = times[at], accelerations[at]
     lines = [
         kind,
         "*",

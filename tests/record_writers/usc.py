@@ -6,13 +6,21 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from record_writers._shared import NOTE, retold, rows
+from record_writers._shared import NOTE, azimuth_code, retold, rows
 from record_writers.csmip_v2 import correction_lines, fortran, integral, number_lines
 from rockpulse.record.record import Record
 
 
 def _text(
-    count: int, duration: float, component: str, station: str, unit: str, note: str, moment: str, site: str
+    count: int,
+    duration: float,
+    component: str,
+    station: str,
+    unit: str,
+    note: str,
+    moment: str,
+    site: str,
+    square: float = 0.211,
 ) -> list[str]:
     return [
         "FILE     0 OF UNCORRECTED ACCELEROGRAM DATA OF VOLUME I:",
@@ -27,7 +35,7 @@ def _text(
         "INSTR PERIOD =  .037 SEC  DAMPING =   .568  SENSITIVITY =   1.69CM/G",
         f"NO. OF POINTS ={count:7d}      DURATION ={duration:8.3f} SEC",
         f"UNITS ARE {unit}",
-        "RMS ACCLN. OF COMPLETE RECORD =     .211 G/10",
+        f"RMS ACCLN. OF COMPLETE RECORD = {fortran(square, 8)} G/10",
     ]
 
 
@@ -43,11 +51,12 @@ def usc_v1(
     end: str = "\r\n",
 ) -> bytes:
     """One channel: pairs of time [s] and acceleration [g/10], a blank and ten fields of 7 characters in a row."""
-    text = _text(len(values), times[-1], component, station, unit, note, moment, site)
+    square = float(np.sqrt(np.mean(np.square(values))))
+    text = _text(len(values), times[-1], component, station, unit, note, moment, site, square)
     fields = [fortran(number, 7) for pair in zip(times, values, strict=True) for number in pair]
     lines = [
         *(f"{line:<72}{len(line):<8d}" for line in text),
-        *rows(["    0"] * 100, 16),
+        *rows([*["    0"] * 26, f"{azimuth_code(component):5d}", *["    0"] * 73], 16),
         *rows(["      .000"] * 50, 8),
         *(f" {row}" for row in rows(fields, 10)),
     ]
@@ -89,7 +98,7 @@ def usc_v2(
     ]
     lines = [title, *(f"{line:<72}{len(line):<3d}VOL1" for line in text), *correction, *closing]
     peaks = [float(one[np.argmax(np.abs(one))]) for one in series]
-    lines += number_lines(len(acceleration), dt, peaks)
+    lines += number_lines(len(acceleration), dt, peaks, component)
     for kind, one in zip(("ACC", "VEL", "DISP"), series, strict=True):
         if kind[0].lower() in blocks:
             lines.append(f"{len(one):6d} POINTS OF {kind} DATA EQUALLY SPACED AT {fortran(dt, 6)} SEC.")

@@ -17,7 +17,8 @@ from rockpulse.errors import RecordFormatError
 from rockpulse.readers.channel import build_record
 from rockpulse.readers.channel_count import Counted, completeness
 from rockpulse.readers.clock import ZONES, clock_fault, written
-from rockpulse.readers.facing import direction, on_structure
+from rockpulse.readers.csmip_integers import channel_count, direction_code, one_direction
+from rockpulse.readers.facing import on_structure
 from rockpulse.readers.facts import NOTHING, Facts, coordinates, magnitudes, stated
 from rockpulse.readers.fields import check_count, fixed_width, text_lines
 from rockpulse.readers.pairs import Block, surplus
@@ -60,8 +61,6 @@ _CHANNEL = re.compile(
 _PLACE_AFTER = re.compile(r"(\d{1,3}\s*deg|up|down)\b[\s,:-]+(.*)", re.IGNORECASE)
 _STATION = re.compile(r"\s*station (?:id|no)\.\s+(\w+)\s+\d+\.\d*\s*[NS]", re.IGNORECASE)
 _COUNTED = re.compile(r"\((\d{1,3})\s*chns?\s+of\s+\d{1,3}", re.IGNORECASE)
-#: The first row of integers; the fourth of them counts the channels of the recorder.
-_INTEGERS = re.compile(r"[ \d-]{15} *(\d{1,3})(?=[ \d-]{60}$)", re.ASCII)
 _SEED_CODES = re.compile(r"\s*(\w+)\.(\w\w)\.(\w+)\.([\w-]{2})\.\w")
 _START = re.compile(
     r"(?:start|trigger) time:\s*(\d+)/\s*(\d+)/\s*(\d+),?\s+(\d+):\s*(\d+):\s*([\d.]+)\s+([A-Z]+)", re.IGNORECASE
@@ -91,6 +90,8 @@ class Header:
     recorder: str = ""  # line that names the recorder
     number: str = ""  # numbers of the channel on the recorder and at the station; empty where the file numbers none
     counted: int = 0  # channels of the recorder; 0 where the file does not say
+    code: int = 0  # of the direction, integer 27; 0 where the file does not say
+    repeated: tuple[str, ...] = ()  # the direction as further lines have it
 
     def noting(self, *warnings: str) -> Header:
         """The same header with further warnings."""
@@ -120,7 +121,7 @@ class Header:
             format=format,
             processed=processed,
             component=f"{self.component} ({self.place})" if self.place else self.component,
-            facing=direction(self.component),
+            facing=one_direction(self.component, self.code, self.repeated),
             channel=self.channel,
             structural=self.structural,
             network=self.network,
@@ -236,8 +237,9 @@ def equal_block(name: str, lines: Sequence[str], heading: Heading, end: int, uni
     if per_row < 1 or width < 1:
         raise RecordFormatError(f"{where}: expected a format such as (8f9.6), found ({per_row}f{width})")
     samples = fixed_width(lines[first:end], first + 1, width, per_row, count, name)
-    notes = (*heading.warnings, *surplus(lines, first - (-count // per_row), end))
-    return Block(samples, dt, found, float(np.max(np.abs(samples))), notes)
+    rows = -(-count // per_row)
+    left = surplus(lines, first + rows, end, used=width * (count - (rows - 1) * per_row))
+    return Block(samples, dt, found, dt * np.arange(count), samples, (*heading.warnings, *left))
 
 
 def read_header(lines: Sequence[str]) -> Header:
@@ -271,14 +273,14 @@ def read_header(lines: Sequence[str]) -> Header:
         recorder=text[4].strip(),
         number=f"{match[1]} {match[3] or ''}" if match else "",
         counted=_counted(text[4], lines[TEXT_LINES:]),
+        code=direction_code(lines[TEXT_LINES:]),
     )
 
 
 def _counted(recorder: str, behind: Sequence[str]) -> int:
     """Channels of the recorder, from its line of text, else from the integers; 0 where neither says."""
-    rows = (_INTEGERS.match(line[:LONGEST_LINE].rstrip()) for line in behind)
-    found = _COUNTED.search(recorder) or next((row for row in rows if row), None)
-    return int(found[1]) if found else 0
+    found = _COUNTED.search(recorder)
+    return int(found[1]) if found else channel_count(behind)
 
 
 def missing_channels(

@@ -13,6 +13,7 @@ import numpy as np
 
 from rockpulse.errors import RecordFormatError
 from rockpulse.readers.fields import check_count, fixed_width
+from rockpulse.readers.held import left_in_row
 from rockpulse.readers.spacing import make_even
 from rockpulse.readers.units import UNITS, canonical_unit
 from rockpulse.record.record import STANDARD_GRAVITY
@@ -33,8 +34,19 @@ class Block:
     samples: np.ndarray  # (n,) equally spaced accelerations [unit]
     dt: float  # sampling interval [s]
     unit: str  # a key of `UNITS`
-    peak: float  # largest absolute value as the file holds it, before any resampling [unit]
+    times: np.ndarray  # (m,) times as the file holds or implies them, before any resampling [s]
+    values: np.ndarray  # (m,) accelerations at these times [unit]
     warnings: tuple[str, ...] = ()
+
+    @property
+    def peak(self) -> float:
+        """Largest absolute value as the file holds it [unit]."""
+        return float(np.max(np.abs(self.values)))
+
+    @property
+    def duration(self) -> float:
+        """Time that the values of the file last, the step behind the last included [s]."""
+        return float(self.times[-1] - self.times[0]) + self.dt
 
     def noting(self, *warnings: str) -> Block:
         """The same samples with further warnings."""
@@ -59,14 +71,21 @@ def pair_unit(line: str, where: str) -> str:
 
 
 def surplus(
-    lines: Sequence[str], first: int, end: int, name: str = "", title: re.Pattern[str] | None = None
+    lines: Sequence[str],
+    first: int,
+    end: int,
+    name: str = "",
+    title: re.Pattern[str] | None = None,
+    used: int | None = None,
 ) -> tuple[str, ...]:
     """A warning for rows between the declared samples (index `first`) and the end of the channel (index `end`).
 
-    `title` matches the line with which another record of the file `name` would begin, which is refused: formats of one
+    Where `used` tells the characters of the declared samples in the last of their rows, numbers behind them in that row
+    are told as well. `title` matches the line with which another record of the file `name` would begin, which is refused: formats of one
     channel have no place for it.
     """
     rows = 0
+    notes = () if used is None else left_in_row(lines[first - 1], first, used)
     for at in range(first, end):
         if title and title.match(lines[at][:_LONGEST_LINE]):
             raise RecordFormatError(
@@ -74,7 +93,7 @@ def surplus(
                 "another record; write each record into a file of its own"
             )
         rows += bool(lines[at].strip())
-    return (f"line {first + 1}: {rows} rows beyond the declared count were left out",) if rows else ()
+    return (*notes, f"line {first + 1}: {rows} rows beyond the declared count were left out") if rows else notes
 
 
 def pair_block(name: str, lines: Sequence[str], first: int, end: int, count: int, unit: str) -> Block:
@@ -87,11 +106,12 @@ def pair_block(name: str, lines: Sequence[str], first: int, end: int, count: int
     block = lines[first : first + rows]
     fields = 2 * min(PAIRS_PER_ROW, count)
     width, rest = divmod(len(block[0].rstrip()), fields)
+    margin = 0
     if rest == 1 and all(row.startswith(" ") for row in block):
         # Carriage control of a line printer in front of every row.
-        block = [row[1:] for row in block]
+        block, margin = [row[1:] for row in block], 1
     pairs = fixed_width(block, first + 1, width or 1, 2 * PAIRS_PER_ROW, 2 * count, name).reshape(-1, 2)
-    peak = float(np.max(np.abs(pairs[:, 1])))
     gravity = UNITS[unit] / STANDARD_GRAVITY
     samples, dt, notes = make_even(pairs[:, 0], pairs[:, 1], name, first + 1, PAIRS_PER_ROW, gravity)
-    return Block(samples, dt, unit, peak, (*surplus(lines, first + rows, end), *notes))
+    used = margin + 2 * width * (count - (rows - 1) * PAIRS_PER_ROW)
+    return Block(samples, dt, unit, *pairs.T, (*surplus(lines, first + rows, end, used=used), *notes))

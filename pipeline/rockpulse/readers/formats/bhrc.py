@@ -22,6 +22,7 @@ from rockpulse.readers.facing import Direction, direction
 from rockpulse.readers.facts import coordinates, magnitudes, stated
 from rockpulse.readers.fields import check_count, fixed_width
 from rockpulse.readers.format import Format, ReadOptions
+from rockpulse.readers.held import held_units
 from rockpulse.readers.pairs import declared_points, pair_unit, surplus
 from rockpulse.readers.source import SourceFile
 from rockpulse.record.record import Record
@@ -39,6 +40,8 @@ _DEPTH = re.compile(r"\bFD\s*(\d{1,3}(?:\.\d{0,3})?)\s*km", re.ASCII | re.IGNORE
 _DURATION = re.compile(r"duration\s*=\s*(\d{1,6}(?:\.\d{0,9})?)", re.IGNORECASE)
 #: The stated duration, of the samples or of the steps between them, may be off by this many steps.
 _DURATION_STEPS = 2.0
+#: L and T are at right angles, within so many degrees.
+_SQUARE = 3.0
 
 
 def is_bhrc(head: bytes, name: str) -> bool:
@@ -53,7 +56,8 @@ def read_bhrc(file: SourceFile, options: ReadOptions) -> list[Record]:
     counts = (
         Counted(start + 1, "", record.component, _COMPONENTS) for (start, _), record in zip(spans, records, strict=True)
     )
-    notes = (*completeness(file.name, counts, "files of this format hold"), *copies)
+    units = held_units((record.component, record.source_unit) for record in records)
+    notes = (*completeness(file.name, counts, "files of this format hold"), *copies, *units, *_held_azimuths(records))
     return [replace(record, warnings=(*record.warnings, *notes)) for record in records]
 
 
@@ -64,6 +68,8 @@ def _channel(file: SourceFile, lines: Sequence[str], start: int, end: int, numbe
     unit = pair_unit(header[11], f"{file.name}:{start + 12}")
     step = _step(file.name, lines, start, count)
     samples = fixed_width(lines[first:end], first + 1, _WIDTH, _PER_ROW, count, file.name)
+    rows = -(-count // _PER_ROW)
+    left = surplus(lines, first + rows, end, used=_WIDTH * (count - (rows - 1) * _PER_ROW))
     component = _COMPONENT.match(header[6])
     if not component:
         raise RecordFormatError(
@@ -90,8 +96,25 @@ def _channel(file: SourceFile, lines: Sequence[str], start: int, end: int, numbe
             depth_km=depth[1] if depth else "",
             station=coordinates(header[7]),
         ),
-        warnings=surplus(lines, first + -(-count // _PER_ROW), end),
+        warnings=[*_held_letter(header[4], component[1]), *left],
     )
+
+
+def _held_letter(line: str, component: str) -> list[str]:
+    """A warning where the fifth line of the header names another component than the seventh."""
+    letter = line.strip().upper()
+    if letter not in ("L", "V", "T") or letter == component.upper():
+        return []
+    return [f"the header names the component {letter} and {component.upper()}; one of them is wrong"]
+
+
+def _held_azimuths(records: Sequence[Record]) -> list[str]:
+    """A warning where L and T, as the lines of the station have them, are not at right angles."""
+    azimuths = {record.component: record.azimuth for record in records}
+    turn = abs(azimuths.get("T", np.nan) - azimuths.get("L", np.nan)) % 180.0
+    if abs(turn - 90.0) <= _SQUARE or np.isnan(turn):
+        return []
+    return [f"the azimuths of L and T, {azimuths['L']:g} and {azimuths['T']:g} degrees, are not at right angles"]
 
 
 def _step(name: str, lines: Sequence[str], start: int, count: int) -> float:

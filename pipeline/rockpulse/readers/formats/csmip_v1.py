@@ -23,6 +23,7 @@ from rockpulse.readers.csmip_layout import (
 )
 from rockpulse.readers.fields import check_count, printed_number
 from rockpulse.readers.format import Format, ReadOptions
+from rockpulse.readers.held import held_length, held_peak_time, held_units
 from rockpulse.readers.pairs import Block, declared_points, pair_block, pair_unit
 from rockpulse.readers.source import NotAcceleration, SourceFile
 from rockpulse.record.record import STANDARD_GRAVITY, Record
@@ -30,7 +31,8 @@ from rockpulse.record.record import STANDARD_GRAVITY, Record
 __all__ = ["FORMATS", "is_csmip_v1", "read_csmip_v1", "read_uncorrected"]
 
 _TITLE = re.compile(r"\s?uncorrected accelerogram data\b", re.IGNORECASE)
-_PEAK = re.compile(r"max\s*=\s*(-?\d*\.\d+)\s*g\b", re.IGNORECASE)
+_PEAK = re.compile(r"max\s*=\s*(-?\d*\.\d+)\s*g\b(?:\s*,\s*at\s+(\d{0,6}\.\d{1,6})\s*sec)?", re.IGNORECASE)
+_UNIT = re.compile(r"\s*units of uncor \w+\s+(?:is|are)\s+(?:sec(?:onds)?\s+and\s+)?(g(?:/10)?)\b", re.IGNORECASE)
 _POINTS = re.compile(r"no\. of points\s*=\s*(\d{1,15})\b", re.IGNORECASE)
 _RATE = re.compile(r"\bat\s+(\d{1,6}(?:\.\d{0,6})?)\s*samples/sec", re.IGNORECASE)
 _LENGTH = re.compile(r"record length\s*=\s*(\d{0,6}\.\d{1,6})\s*sec", re.IGNORECASE)
@@ -74,10 +76,13 @@ def _channel(
     start, end = span
     match = _PEAK.search(lines[start + 11][:LONGEST_LINE])
     peak, rounding = printed_number(match[1]) if match else (float("nan"), 0.0)
+    block = _block(file.name, lines, start, end)
+    if match and match[2]:
+        block = block.noting(*held_peak_time(match[2], block.times, block.values))
     return header.record(
         file,
         number,
-        _block(file.name, lines, start, end),
+        block,
         format=format,
         processed=False,
         peak=(peak * STANDARD_GRAVITY, rounding * STANDARD_GRAVITY),
@@ -90,19 +95,23 @@ def _block(name: str, lines: Sequence[str], start: int, end: int) -> Block:
     if not heading:
         count = declared_points(lines[start + 10], f"{name}:{start + 11}")
         unit = pair_unit(lines[start + 11], f"{name}:{start + 12}")
-        return pair_block(name, lines, first, end, count, unit)
+        block = pair_block(name, lines, first, end, count, unit)
+        return block.noting(*_check_length(lines[start + 10][:LONGEST_LINE], block))
     if heading.kind != "acceleration":
         raise NotAcceleration(
             f"{name}:{first + 1}: expected points of acceleration, found {heading.kind}; "
             "read the acceleration file of the same record"
         )
     block = equal_block(name, lines, heading, end, heading.unit)
-    return block.noting(*_check_text(lines[start + 10][:LONGEST_LINE], block, f"{name}:{first + 1}"))
+    named = _UNIT.match(lines[start + 11][:LONGEST_LINE])
+    stated = [(f"line {first + 1}", block.unit), *([(f"line {start + 12}", named[1].lower())] if named else [])]
+    counted = _check_text(lines[start + 10][:LONGEST_LINE], block, f"{name}:{first + 1}")
+    return block.noting(*counted, *held_units(stated))
 
 
 def _check_text(line: str, block: Block, where: str) -> list[str]:
     """Check number, rate and length in the text against the heading; a wrong length alone is but a warning."""
-    points, rate, length = _POINTS.search(line), _RATE.search(line), _LENGTH.search(line)
+    points, rate = _POINTS.search(line), _RATE.search(line)
     count, step = block.samples.size, block.dt
     if points and int(points[1]) != count:
         raise RecordFormatError(
@@ -116,12 +125,14 @@ def _check_text(line: str, block: Block, where: str) -> list[str]:
                 f"{where}: expected {number:g} samples/sec (text of the channel), found a heading with {1.0 / step:g}; "
                 "the file is damaged: download it again"
             )
-    if length:
-        number, rounding = printed_number(length[1])
-        # Some count the steps between the samples, some the samples.
-        if not abs(count * step - number) <= 2.0 * step + rounding + _LENGTH_TOLERANCE * number:
-            return [f"the header states {number:g} s, {count} samples at {step:g} s last {count * step:g} s"]
-    return []
+    return _check_length(line, block)
+
+
+def _check_length(line: str, block: Block) -> list[str]:
+    """A warning where the length in the text is not that of the samples, or of the pairs as the file holds them."""
+    length = _LENGTH.search(line)
+    spare = _LENGTH_TOLERANCE * block.duration
+    return held_length(length[1], round(block.duration / block.dt), block.dt, spare) if length else []
 
 
 FORMATS = (

@@ -25,6 +25,7 @@ from rockpulse.readers.csmip_layout import (
 )
 from rockpulse.readers.fields import check_count, printed_number
 from rockpulse.readers.format import Format, ReadOptions
+from rockpulse.readers.held import held_length, held_lengths_of_units, held_peak_time
 from rockpulse.readers.pairs import Block
 from rockpulse.readers.repeats import distinct_sections
 from rockpulse.readers.source import NotAcceleration, SourceFile
@@ -44,7 +45,18 @@ _ALL_TEXT = _CORRECTION + 11
 _FILTER = re.compile(r"\s*accelerogram\s+(?:is\s+)?(.*\bfiltered\b.*?)[\s.]*$", re.IGNORECASE)
 _DECLARED = re.compile(r"\s*(\d{1,15})\s+(?:points of\s+)?(instrument.*corrected)\b", re.IGNORECASE)
 _INTERVAL = re.compile(r"\s*at equally-spaced intervals of\s+(\d*\.?\d+)\s*sec", re.IGNORECASE)
-_PEAK = re.compile(r"\s*peak acceleration\s*=\s*(-?\d*\.?\d+)\s*(?!at\b)([a-z][a-z/]*)", re.IGNORECASE)
+_PEAK = re.compile(
+    r"\s*peak acceleration\s*=\s*(-?\d*\.?\d+)\s*(?!at\b)([a-z][a-z/]*)(?:\s*at\s+(\d{0,6}\.\d{1,6})\s*sec)?",
+    re.IGNORECASE,
+)
+_OTHER_PEAKS = re.compile(
+    r"\s*peak\s+(?:velocity|displacement)\s*=\s*-?\d*\.?\d+\s*(?!at\b)([a-z][a-z/]*)", re.IGNORECASE
+)
+_LENGTH = re.compile(r".{0,40}?\b(?:record length|duration)\s*=\s*(\d{0,6}\.\d{1,6})\s*sec", re.IGNORECASE)
+#: The length of the trace before its correction, which may end a little earlier or later [share of it].
+_LENGTH_TOLERANCE = 5e-3
+#: The component in the title and in the last line of the text.
+_COMPONENT = re.compile(r"\b(?:chan\s*\d{1,4}\s*:|comp)\s+(\S.{0,30}?)(?=\s{2}|\s+from\b|\s*$)", re.IGNORECASE)
 
 
 def is_csmip_v2(head: bytes, name: str) -> bool:
@@ -67,7 +79,9 @@ def read_corrected(file: SourceFile, format: str, header: Callable[[Sequence[str
     records, left_out, headers = [], [], []
     for number, (start, end) in enumerate(spans, 1):
         check_count(f"{file.name}:{end}", _ALL_TEXT, end - start, f"header lines of channel {number}")
-        headers.append(header(lines[start + 1 : min(start + _ALL_TEXT + 1, end)]))
+        read = header(lines[start + 1 : min(start + _ALL_TEXT + 2, end)])
+        repeated = (_COMPONENT.search(lines[at][:LONGEST_LINE]) for at in (start, start + _ALL_TEXT - 2))
+        headers.append(replace(read, repeated=tuple(match[1] for match in repeated if match)))
         heading, behind = _acceleration(file.name, lines, start, end)
         if heading.kind != "acceleration":
             left_out.append((number, heading))
@@ -76,6 +90,7 @@ def read_corrected(file: SourceFile, format: str, header: Callable[[Sequence[str
         unit, peak = _unit_and_peak(text, heading, file.name, start + 1)
         block = equal_block(file.name, lines, heading, behind, unit)
         _check_correction(text, block, f"{file.name}:{heading.at + 1}")
+        block = block.noting(*_held(text, block))
         records.append(
             headers[-1].record(
                 file,
@@ -174,6 +189,17 @@ def _check_correction(text: Sequence[str], block: Block, where: str) -> None:
                 f"{where}: expected an interval of {step:g} s (text of the channel), found a heading with "
                 f"{block.dt:g} s; the file is damaged: download it again"
             )
+
+
+def _held(text: Sequence[str], block: Block) -> list[str]:
+    """Warnings where length, time of the peak, or the units of the peaks in the text contradict the block."""
+    length, peak = _first(_LENGTH, text), _first(_PEAK, text)
+    others = [match[1] for line in text if (match := _OTHER_PEAKS.match(line))]
+    spare = _LENGTH_TOLERANCE * block.duration
+    notes = held_length(length[1], block.values.size, block.dt, spare) if length else []
+    if peak and peak[3]:
+        notes += held_peak_time(peak[3], block.times, block.values)
+    return notes + (held_lengths_of_units([peak[2], *others]) if peak else [])
 
 
 def _correction(correction: Sequence[str]) -> list[str]:

@@ -39,6 +39,7 @@ from rockpulse.readers.facing import Direction, direction, on_structure
 from rockpulse.readers.facts import Facts, coordinates, stated
 from rockpulse.readers.fields import check_count, free_rows, printed_number, text_lines
 from rockpulse.readers.format import Format, ReadOptions
+from rockpulse.readers.held import contradictory, held_length, held_peak_time
 from rockpulse.readers.pairs import surplus
 from rockpulse.readers.source import NotAcceleration, SourceFile
 from rockpulse.readers.units import UNITS, canonical_unit
@@ -49,6 +50,8 @@ __all__ = ["FORMATS", "is_csmnc", "read_csmnc"]
 _STEP = re.compile(r"EQUALLY SPACED INTERVALS? OF\s*:\s*(\d{0,3}\.?\d{1,9})\s*SEC", re.ASCII | re.IGNORECASE)
 _COUNT = re.compile(r"NO\. OF POINTS\s*:\s*(\d{1,9})\b", re.ASCII | re.IGNORECASE)
 _KIND = re.compile(r"\s*(UN|)CORRECTED\s+(\w+)\s+UNIT\s*:\s*(\S+)", re.IGNORECASE)
+_PEAK_TIME = re.compile(r"\s*PEAK VALUE\s*:.{0,30}?\bAT\s+(\d{0,6}\.?\d{0,6})\s*SEC", re.ASCII | re.IGNORECASE)
+_DURATION = re.compile(r".{0,80}?\bDURATION\s*:\s*(\d{0,6}\.?\d{0,6})\s*SEC", re.ASCII | re.IGNORECASE)
 _PEAK = re.compile(r"\s*PEAK VALUE\s*:\s*([+-]?\d{1,9}\.?\d{0,9})\b", re.ASCII | re.IGNORECASE)
 _STATION = re.compile(r"\s*STATION\s*:\s*(\w+)", re.ASCII | re.IGNORECASE)
 _COMPONENT = re.compile(r"\s*COMP\.\s*:?\s*(.*)", re.IGNORECASE)
@@ -67,6 +70,8 @@ _ROW = re.compile(r"\s*[+-]?(?:\d|\.\d)", re.ASCII)
 #: The header has 16 lines, copies may have a blank one more.
 _LONGEST_HEADER = 30
 _BEIJING_HOURS = 8.0
+#: Durations are printed in whole seconds, which may be cut off rather than rounded [s].
+_CUT_OFF = 0.5
 
 
 def is_csmnc(head: bytes, name: str) -> bool:
@@ -87,6 +92,7 @@ def read_csmnc(file: SourceFile, options: ReadOptions) -> list[Record]:
     unit = canonical_unit(kind[3], f"{file.name}:{kind_at + 1}")
     step_at, step = _find(file.name, head, _STEP, "EQUALLY SPACED INTERVALS OF:  0.005  SEC")
     count_at, stated = _find(file.name, head, _COUNT, "NO. OF POINTS:  12000")
+    dt = float(step[1])
     count, above = int(stated[1]), max(kind_at, step_at, count_at) + 1
     first = next((i for i in range(above, min(len(lines), above + 10)) if _ROW.match(lines[i])), len(lines))
     samples, end = _samples(file.name, lines, first, count)
@@ -98,7 +104,7 @@ def read_csmnc(file: SourceFile, options: ReadOptions) -> list[Record]:
             file,
             1,
             samples,
-            float(step[1]),
+            dt,
             unit,
             format="csmnc",
             processed=not kind[1],
@@ -110,7 +116,12 @@ def read_csmnc(file: SourceFile, options: ReadOptions) -> list[Record]:
             facts=_facts(head),
             header_peak=header_peak * UNITS[unit],
             peak_rounding=rounding * UNITS[unit],
-            warnings=[*notes, *surplus(lines, end, len(lines))],
+            warnings=[
+                *notes,
+                *held_length(_first(head, _DURATION), count, dt, _CUT_OFF),
+                *held_peak_time(_first(head, _PEAK_TIME), dt * np.arange(count), samples),
+                *surplus(lines, end, len(lines)),
+            ],
         )
     ]
 
@@ -152,7 +163,7 @@ def _direction(file: SourceFile, head: Sequence[str]) -> tuple[str, Direction, l
         word = named[1].upper() if named else ""
         return word, direction(word), ["the component is that of the file name"] if word else []
     facing = direction(word)
-    if named and facing.orientation != "unknown" and direction(named[1]).orientation != facing.orientation:
+    if named and contradictory(direction(named[1]), facing):
         note = f"the header says {word}, the file name {named[1].upper()}: the direction is unknown"
         return word, Direction(note=note), []
     return word, facing, []

@@ -22,6 +22,14 @@ from rockpulse.readers.facing import Direction, direction, on_structure
 from rockpulse.readers.facts import Facts, coordinates, magnitudes, stated
 from rockpulse.readers.fields import check_count, fixed_width, printed_number, text_lines
 from rockpulse.readers.format import Format, ReadOptions
+from rockpulse.readers.held import (
+    held_direction,
+    held_length,
+    held_lengths_of_units,
+    held_peak_time,
+    held_units,
+    left_in_row,
+)
 from rockpulse.readers.repeats import distinct_sections, last_of_equal, repeated_marker
 from rockpulse.readers.source import SourceFile
 from rockpulse.readers.units import UNITS, canonical_unit
@@ -40,7 +48,11 @@ _STEP = re.compile(r"\bat (?:intervals of\s+)?(\d{0,3}\.\d{1,6})\s*s", re.IGNORE
 _COMPONENT = re.compile(r"component\s+([NS]\s*\d{1,2}(?:\.\d{0,3})?\s*[EW]\b|\S+)", re.IGNORECASE)
 _DISTANCE = re.compile(r"\bdist\s+(\d{1,5})\s*km", re.ASCII | re.IGNORECASE)
 _DEPTH = re.compile(r"\bdepth\s+(\d{1,3})\s*km", re.ASCII | re.IGNORECASE)
-_PEAK = re.compile(r"acceleration:\s+peak\s*(-?\d{1,9}(?:\.\d{0,9})?)\s*(\S+)", re.IGNORECASE)
+_PEAK = re.compile(
+    r"acceleration:\s+peak\s*(-?\d{1,9}(?:\.\d{0,9})?)\s*(\S+)(?:\s+at\s+(\d{0,6}\.\d{1,6})\s*s)?", re.IGNORECASE
+)
+_OTHER_PEAKS = re.compile(r"(?:velocity|displacement):\s+peak\s*-?\d{1,9}(?:\.\d{0,9})?\s*(\S+)", re.IGNORECASE)
+_DURATION = re.compile(r".{0,60}?\bduration\s+(\d{0,6}\.\d{1,6})\s*s", re.IGNORECASE)
 
 
 def is_geonet(head: bytes, name: str) -> bool:
@@ -77,6 +89,7 @@ def read_geonet(file: SourceFile, options: ReadOptions) -> list[Record]:
         for (start, _), record in zip(kept, records, strict=True)
     )
     notes += (*copies, *completeness(file.name, counts, "files of this format hold"))
+    notes += held_units((record.component or str(number), record.source_unit) for number, record in enumerate(records, 1))
     return [replace(record, warnings=(*record.warnings, *notes)) for record in records]
 
 
@@ -103,13 +116,17 @@ def _component(file: SourceFile, lines: Sequence[str], first: int, number: int) 
     header_peak, rounding = printed_number(peak[1]) if peak else (float("nan"), 0.0)
     peak_factor = UNITS[canonical_unit(peak[2], f"{file.name}:{first + 13}")] if peak else 1.0
     start_time, notes = _start_time(integers)
+    step = _step(f"{file.name}:{first + 10}", lines[10], float(reals[5]))
+    last = -(-count // _PER_ROW) - 1
+    notes += left_in_row(block[last], first + _HEADER_LINES + last, _WIDTH * (count - _PER_ROW * last))
+    notes += _held(lines, step, step * np.arange(count) - reals[1], samples)
     stated_component = _COMPONENT.match(lines[12])
     component = stated_component[1] if stated_component else ""
     record = build_record(
         file,
         number,
         samples,
-        _step(f"{file.name}:{first + 10}", lines[10], float(reals[5])),
+        step,
         unit,
         factor=UNITS[unit] * (float(readings[1]) if readings else 1.0),
         format="geonet",
@@ -160,17 +177,25 @@ def _step(where: str, line: str, step: float) -> float:
     return step
 
 
+def _held(lines: Sequence[str], step: float, times: np.ndarray, samples: np.ndarray) -> list[str]:
+    """Warnings where the duration, the time of the peak or the units in the text contradict the samples.
+
+    The times (n,) [s] are those of the text, which are 0 at the beginning of the raw record: real 22 is what the
+    processing has put before it.
+    """
+    peak, duration = _PEAK.match(lines[13]), _DURATION.match(lines[9])
+    others = [match[1] for line in lines[14:_TEXT_LINES] if (match := _OTHER_PEAKS.match(line))]
+    notes = held_length(duration[1], samples.size, step) if duration else []
+    if peak and peak[3]:
+        notes += held_peak_time(peak[3], times, samples)
+    return notes + (held_lengths_of_units([peak[2], *others]) if peak else [])
+
+
 def _facing(component: str, azimuth: int) -> Direction:
     """The direction of the wording; unknown, with a note, where integer 28, its azimuth if above 0, contradicts it."""
-    said = direction(component)
-    if said.orientation == "vertical" or not 0 < azimuth <= 360:
-        return said
-    if np.isnan(said.azimuth):
-        return Direction("horizontal", float(azimuth % 360))
-    if abs((said.azimuth - azimuth + 180.0) % 360.0 - 180.0) > 1.0:
-        note = f"the text says {component!r}, integer 28 of the header says {azimuth}: the direction is unknown"
-        return Direction("horizontal", note=note)
-    return said
+    told = Direction("horizontal", float(azimuth % 360)) if 0 < azimuth <= 360 else Direction()
+    note = f"the text says {component!r}, integer 28 of the header says {azimuth}: the direction is unknown"
+    return held_direction(direction(component), told, note)
 
 
 def _start_time(integers: np.ndarray) -> tuple[datetime | None, list[str]]:

@@ -14,13 +14,14 @@ from datetime import datetime
 import numpy as np
 
 from rockpulse.errors import RecordFormatError
-from rockpulse.readers.channel import build_record
+from rockpulse.readers.channel import PEAK_TOLERANCE, build_record
 from rockpulse.readers.clock import instant, later, near_event
 from rockpulse.readers.facing import Direction, direction, on_structure
 from rockpulse.readers.facts import Facts, preferred, stated
 from rockpulse.readers.fields import check_count, fixed_width, printed_number, text_lines
 from rockpulse.readers.format import Format, ReadOptions
-from rockpulse.readers.pairs import surplus
+from rockpulse.readers.held import held_direction, held_peak_time
+from rockpulse.readers.pairs import Block, surplus
 from rockpulse.readers.source import NotAcceleration, SourceFile
 from rockpulse.readers.spacing import make_even
 from rockpulse.readers.units import UNITS
@@ -96,7 +97,7 @@ def read_smc(file: SourceFile, options: ReadOptions) -> list[Record]:
                 f"{file.name}:{index + 1}: expected comment {index - first_value + 1} of {comments}, a line that "
                 f"begins with '|', found {lines[index][:40]!r}; the header is damaged: download the file again"
             )
-    samples, step, peak, warnings = _values(file.name, lines, first, integers, reals, raw=kind == "1")
+    block = _block(file.name, lines, first, integers, reals, raw=kind == "1")
     text = [line[:_LONGEST_LINE] for line in lines[:_TEXT_LINES]]
     station = _STATION.search(text[5])
     name, component = (station[1], station[2].strip()) if station else ("", "")
@@ -110,8 +111,8 @@ def read_smc(file: SourceFile, options: ReadOptions) -> list[Record]:
         build_record(
             file,
             1,
-            samples,
-            step,
+            block.samples,
+            block.dt,
             _UNIT,
             format="smc",
             processed=kind == "2",
@@ -125,16 +126,16 @@ def read_smc(file: SourceFile, options: ReadOptions) -> list[Record]:
             facts=_facts(reals, event, lines[first_value:first]),
             header_peak=header_peak * UNITS[_UNIT],
             peak_rounding=rounding * UNITS[_UNIT],
-            original_peak=peak,
-            warnings=[*warnings, *notes],
+            original_peak=block.peak,
+            warnings=[*block.warnings, *_held_extremes(reals, block), *notes],
         )
     ]
 
 
-def _values(
+def _block(
     name: str, lines: Sequence[str], first: int, integers: np.ndarray, reals: np.ndarray, raw: bool
-) -> tuple[np.ndarray, float, float, list[str]]:
-    """Samples, interval, peak as in the file, warnings; a raw digitised trace of unequal steps is resampled."""
+) -> Block:
+    """The samples; a raw digitised trace of unequal steps is resampled."""
     count = 0 if np.isnan(integers[16]) else int(integers[16])
     rate = reals[1]
     where = f"{name}:{_TEXT_LINES + _INTEGER_LINES + 1}"
@@ -145,30 +146,54 @@ def _values(
             f"found {'none' if np.isnan(rate) else rate}; the header is damaged: download the file again"
         )
     values = fixed_width(lines[first:], first + 1, 10, 8, count, name)
-    used = first + -(-count // 8)
-    warnings = list(surplus(lines, used, len(lines), name, _TITLE))
+    rows = -(-count // 8)
+    warnings = surplus(lines, first + rows, len(lines), name, _TITLE, used=10 * (count - 8 * (rows - 1)))
     if not pairs:
-        return values, 1.0 / rate, float(np.max(np.abs(values))), warnings
+        return Block(values, 1.0 / rate, _UNIT, np.arange(count) / rate, values, warnings)
     if count % 2:
         raise RecordFormatError(
             f"{name}:{_TEXT_LINES + 3}: expected an even number of values for (time, acceleration) pairs, found {count}"
         )
     times, samples = values[::2], values[1::2]
-    peak = float(np.max(np.abs(samples)))
     even, step, notes = make_even(times, samples, name, first + 1, 4, UNITS[_UNIT] / STANDARD_GRAVITY)
-    return even, step, peak, warnings + notes
+    return Block(even, step, _UNIT, times, samples, (*warnings, *notes))
+
+
+def _held_extremes(reals: np.ndarray, block: Block) -> list[str]:
+    """Warnings where reals 29 to 32, the largest and the least value with their times, contradict the samples."""
+    notes: list[str] = []
+    if reals[29] == reals[31] == 0.0:  # nobody has filled them in
+        return notes
+    for number, values, what in ((29, block.values, "largest"), (31, -block.values, "least")):
+        time, stated, found = reals[number - 1], reals[number], float(np.max(values))
+        stated = stated if what == "largest" else -stated
+        if not np.isnan(stated) and abs(stated - found) > PEAK_TOLERANCE * block.peak:
+            sign = 1.0 if what == "largest" else -1.0
+            notes.append(
+                f"real {number + 1} of the header states {sign * stated:g} cm/s2 as the {what} value, the samples have "
+                f"{sign * found:g}"
+            )
+        if not np.isnan(time) and found > 0.0:
+            notes += held_peak_time(f"{time:.6g}", block.times, np.maximum(values, 0.0))
+    return notes
 
 
 def _facing(component: str, integers: np.ndarray) -> Direction:
-    """The wording decides; integers 13 and 14 (angle from the upward vertical, azimuth) where it says nothing."""
-    facing = direction(component)
-    if facing.orientation != "unknown":
-        return facing
-    if integers[12] in (0.0, 180.0):
-        return Direction("vertical", sign=1.0 if integers[12] == 0.0 else -1.0)
-    if 0.0 <= integers[13] <= 360.0:
-        return Direction("horizontal", float(integers[13]) % 360.0)
-    return facing
+    """The direction of the wording and of integers 13 and 14, the angle from the upward vertical and the azimuth.
+
+    The azimuth of a vertical channel says nothing; where wording and integers contradict, the direction is unknown.
+    """
+    upright, azimuth = integers[12], integers[13]
+    told = Direction()
+    if upright in (0.0, 180.0):
+        told = Direction("vertical", sign=1.0 if upright == 0.0 else -1.0)
+    elif 0.0 <= azimuth <= 360.0:
+        told = Direction("horizontal", float(azimuth) % 360.0)
+    note = (
+        f"the text says {component!r}, integers 13 and 14 of the header {upright:g} and {azimuth:g}: the direction is "
+        "unknown"
+    )
+    return held_direction(direction(component), told, note)
 
 
 def _structural(name: str, integers: np.ndarray) -> bool:

@@ -10,15 +10,20 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 
+import numpy as np
+
 from rockpulse.readers.clock import instant
+from rockpulse.readers.csmip_integers import direction_code
 from rockpulse.readers.csmip_layout import HEADER_LINES, TEXT_LINES, Header, channels
 from rockpulse.readers.facing import on_structure
 from rockpulse.readers.facts import Facts, coordinates, stated
-from rockpulse.readers.fields import check_count
+from rockpulse.readers.fields import check_count, printed_number
 from rockpulse.readers.format import Format, ReadOptions
 from rockpulse.readers.formats.csmip_v2 import read_corrected
-from rockpulse.readers.pairs import declared_points, pair_block, pair_unit
+from rockpulse.readers.held import held_length
+from rockpulse.readers.pairs import Block, declared_points, pair_block, pair_unit
 from rockpulse.readers.source import SourceFile
+from rockpulse.readers.units import UNITS
 from rockpulse.record.record import Record
 
 __all__ = ["FORMATS", "is_usc_v1", "is_usc_v2", "read_usc_v1", "read_usc_v2"]
@@ -38,6 +43,13 @@ _DISTANCE = re.compile(r".{0,60}epicentral distance\s*=\s*(\d{1,5}\.\d{0,4})\s*k
 #: Reals of volume 1 in fields of ten characters, eight in a row: epicentral distance [km], magnitude, depth [km].
 _REALS, _OF_EVENT = TEXT_LINES + 7, (11, 12, 14)
 _COMPONENT = re.compile(r"\s*comp(?:onent)?\s+(.*)", re.IGNORECASE)
+_DURATION = re.compile(r".{0,40}?\bduration\s*=\s*(\d{0,6}\.\d{1,6})\s*sec", re.ASCII | re.IGNORECASE)
+_MEAN_SQUARE = re.compile(
+    r"\s*rms acc\w{0,3}\.? of complete record\s*=\s*(\d{0,4}\.\d{1,6})\s*(g(?:/10)?)(?=\s|$)", re.ASCII | re.IGNORECASE
+)
+#: The root of the mean square in the header, which is of the trace before any resampling, and that of the samples may
+#: differ by this factor and by half a unit of its last digit.
+_MEAN_SQUARE_FACTOR = 1.2
 
 
 def is_usc_v1(head: bytes, name: str) -> bool:
@@ -59,7 +71,8 @@ def read_usc_v1(file: SourceFile, options: ReadOptions) -> list[Record]:
         count = declared_points(lines[start + 10], f"{file.name}:{start + 11}")
         unit = pair_unit(lines[start + 11], f"{file.name}:{start + 12}")
         block = pair_block(file.name, lines, start + HEADER_LINES, end, count, unit)
-        header = _header(lines[start : start + HEADER_LINES]).noting(*copies)
+        text = [line[:_WORDS] for line in lines[start : start + TEXT_LINES]]
+        header = _header(lines[start : start + HEADER_LINES]).noting(*copies, *_held(text, block))
         records.append(header.record(file, number, block, format="usc_v1", processed=False))
     return records
 
@@ -67,6 +80,28 @@ def read_usc_v1(file: SourceFile, options: ReadOptions) -> list[Record]:
 def read_usc_v2(file: SourceFile, options: ReadOptions) -> list[Record]:
     """Read the acceleration of every channel; raises NotAcceleration for a file of velocity or displacement only."""
     return read_corrected(file, "usc_v2", _header)
+
+
+def _held(text: Sequence[str], block: Block) -> list[str]:
+    """Warnings where the duration, or the root of the mean square with its unit, contradicts the pairs.
+
+    The format states no peak: the root of the mean square is what the unit can be held against.
+    """
+    duration, square = _DURATION.match(text[10]), _MEAN_SQUARE.match(text[12])
+    notes = held_length(duration[1], round(block.duration / block.dt), block.dt) if duration else []
+    if not square:
+        return notes
+    number, rounding = printed_number(square[1])
+    per_unit = UNITS[square[2].lower()]
+    stated, half = number * per_unit, rounding * per_unit
+    found = float(np.sqrt(np.mean(block.samples**2))) * UNITS[block.unit]
+    if stated <= _MEAN_SQUARE_FACTOR * found + half and found <= _MEAN_SQUARE_FACTOR * (stated + half):
+        return notes
+    said, has = stated / UNITS["g"], found / UNITS["g"]
+    return [
+        *notes,
+        f"the header states {said:.3g} g as the root of the mean square, the samples have {has:.3g} g; check the unit",
+    ]
 
 
 def _header(lines: Sequence[str]) -> Header:
@@ -80,6 +115,7 @@ def _header(lines: Sequence[str]) -> Header:
         station_name=text[5],
         event=" ".join((text[7] or text[1]).split()),
         facts=_facts(text, lines[TEXT_LINES:], [_real(lines, number) for number in _OF_EVENT]),
+        code=direction_code(lines[TEXT_LINES:]),
     )
 
 
