@@ -121,7 +121,7 @@ def asa(
             ("NUM. TOTAL DE MUESTRAS, C1-C6", listed(given[:6])),
             ("NUM. TOTAL DE MUESTRAS, C7-C12", listed(given[6:])),
             ("ACEL. MAX.(Gal), C1-C6", listed([f"{one:.2f}" for one in largest[:6]])),
-            ("ACEL. MAX., C1-C6, EN LA MUESTRA", listed(["1"] * len(words[:6]))),
+            ("ACEL. MAX., C1-C6, EN LA MUESTRA", listed([1 + int(np.argmax(np.abs(one))) for one in columns[:6]])),
             ("ACEL. MAX.(Gal), C7-C12", listed([f"{one:.2f}" for one in largest[6:]])),
             ("ACEL. MAX., C7-C12,EN LA MUESTRA", ""),
             ("UNIDADES DE LOS DATOS", unit),

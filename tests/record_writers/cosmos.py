@@ -101,7 +101,7 @@ def cosmos(
 def counts(values: Sequence[int], reals: Mapping[int, float] = {}, **how: object) -> bytes:
     """Volume 0 with every factor of the gain: 0.298024 microvolts per count, 1.25 V/g."""
     gain = {22: 0.298024, 42: 1.25, 43: 2.5, 44: 2.0, 47: 1.0}
-    section = series(values, 0.005, "raw accel.  ", " counts", "(50),", "(10I8)", "{:8d}", 10)
+    section = series(values, how.get("dt", 0.005), "raw accel.  ", " counts", "(50),", "(10I8)", "{:8d}", 10)
     given = {"kind": "Raw acceleration counts", "wide_reals": True, "integers": {52: 20}, "sections": [section]} | how
     return cosmos(values, reals=gain | dict(reals), **given)  # type: ignore[arg-type]
 

@@ -12,6 +12,8 @@ from rockpulse.record.record import Record
 
 #: Counts per m/s2 of the samples.
 GAIN = 2.0e5
+#: Volts per m/s2 of the sensor in front of the recorder.
+VOLTS = 0.5
 #: What the files do not say.
 OPTIONS = {"CI.CLC..HNE.sac": {"units": "cm/s2"}}
 
@@ -35,6 +37,46 @@ _CHANNEL = """
               <Name>COUNTS</Name>
             </OutputUnits>
           </InstrumentSensitivity>
+          <Stage number="1">
+            <PolesZeros>
+              <InputUnits>
+                <Name>M/S**2</Name>
+              </InputUnits>
+              <OutputUnits>
+                <Name>V</Name>
+              </OutputUnits>
+              <PzTransferFunctionType>LAPLACE (RADIANS/SECOND)</PzTransferFunctionType>
+              <NormalizationFactor>1.0</NormalizationFactor>
+              <NormalizationFrequency>1.0</NormalizationFrequency>
+            </PolesZeros>
+            <StageGain>
+              <Value>{volts}</Value>
+              <Frequency>1.0</Frequency>
+            </StageGain>
+          </Stage>
+          <Stage number="2">
+            <Coefficients>
+              <InputUnits>
+                <Name>V</Name>
+              </InputUnits>
+              <OutputUnits>
+                <Name>COUNTS</Name>
+              </OutputUnits>
+              <CfTransferFunctionType>DIGITAL</CfTransferFunctionType>
+              <Numerator>1.0</Numerator>
+            </Coefficients>
+            <Decimation>
+              <InputSampleRate>100.0</InputSampleRate>
+              <Factor>1</Factor>
+              <Offset>0</Offset>
+              <Delay>0.0</Delay>
+              <Correction>0.0</Correction>
+            </Decimation>
+            <StageGain>
+              <Value>{counts}</Value>
+              <Frequency>1.0</Frequency>
+            </StageGain>
+          </Stage>
         </Response>
       </Channel>"""
 
@@ -58,7 +100,10 @@ _STATION = """<?xml version="1.0" encoding="UTF-8"?>
 
 def station_xml(note: str, channels: Sequence[tuple[str, float, float]], gain: float = GAIN) -> bytes:
     """StationXML of CI.CLC with an acceleration sensitivity for each (code, azimuth, dip)."""
-    listed = "".join(_CHANNEL.format(code=code, azimuth=azimuth, dip=dip, gain=gain) for code, azimuth, dip in channels)
+    listed = "".join(
+        _CHANNEL.format(code=code, azimuth=azimuth, dip=dip, gain=gain, volts=VOLTS, counts=gain / VOLTS)
+        for code, azimuth, dip in channels
+    )
     return _STATION.format(note=note, channels=listed).encode()
 
 

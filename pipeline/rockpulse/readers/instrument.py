@@ -14,7 +14,7 @@ from rockpulse.readers.obspy_bridge import obspy_notes
 from rockpulse.readers.source import NotAcceleration
 from rockpulse.record.record import STANDARD_GRAVITY
 
-__all__ = ["Removed", "pass_band", "sensitivity_factor", "without_response"]
+__all__ = ["Removed", "pass_band", "sensitivity_factor", "sensitivity_notes", "without_response"]
 
 #: Quantity that a unit without its prefix measures, and SI units per prefix.
 _QUANTITIES = {"M": "displacement", "M/S": "velocity", "M/S2": "acceleration"}
@@ -66,6 +66,10 @@ def sensitivity_factor(where: str, response: Any) -> float:
     sensitivity = response.instrument_sensitivity
     if sensitivity is None or not sensitivity.value:
         raise RecordRefused(f"{where} is in counts and its response states no sensitivity; get the full StationXML")
+    if not np.isfinite(float(sensitivity.value)):
+        raise RecordFormatError(
+            f"{where}: expected a finite sensitivity of the instrument, found {sensitivity.value}; correct the StationXML"
+        )
     quantity, scale = _measured(where, sensitivity.input_units)
     if quantity != "acceleration":
         raise NotAcceleration(
@@ -73,6 +77,17 @@ def sensitivity_factor(where: str, response: Any) -> float:
             "channel of the station (code ending in NE, NN, NZ), or have the response removed (response='remove')"
         )
     return scale / float(sensitivity.value)
+
+
+def sensitivity_notes(response: Any) -> list[str]:
+    """Warnings where a sensitivity is negative, or is not the product of the gains of the stages."""
+    value = float(response.instrument_sensitivity.value)
+    notes = [] if value > 0.0 else [f"the sensitivity is negative, {value:g}: the sign of the record is turned"]
+    gains = [float(stage.stage_gain) for stage in response.response_stages or [] if stage.stage_gain is not None]
+    share = float(np.prod(gains)) / value - 1.0 if gains else 0.0
+    if not abs(share) <= _GAIN_TOLERANCE:
+        notes.append(f"the stages of the response differ from its sensitivity by {100.0 * share:.3g} %")
+    return notes
 
 
 def _measured(where: str, unit: Any) -> tuple[str, float]:

@@ -21,6 +21,7 @@ from rockpulse.readers.facing import Direction, direction
 from rockpulse.readers.facts import Facts, coordinates, magnitudes, stated
 from rockpulse.readers.fields import check_count, fixed_width, printed_number, text_lines
 from rockpulse.readers.format import Format, ReadOptions
+from rockpulse.readers.held import held_length, held_peak_time
 from rockpulse.readers.source import SourceFile
 from rockpulse.readers.units import UNITS, canonical_unit
 from rockpulse.record.record import Record
@@ -123,6 +124,7 @@ def read_asa(file: SourceFile, options: ReadOptions) -> list[Record]:
     columns, notes = _columns(file.name, lines, first, width, counts)
     steps = _steps(header, numbers)
     peaks = _each(header, "ACEL. MAX.(Gal),", numbers)
+    held, counted = _held(header, numbers, columns, steps), _held_count(header, len(numbers))
     (start_time, time_notes), facts = _start_time(header), _facts(header)
     place = f"{header.entry('NOMBRE DE LA ESTACION').value} {_location(header)}"
     records = []
@@ -146,9 +148,9 @@ def read_asa(file: SourceFile, options: ReadOptions) -> list[Record]:
                 event=_event(header),
                 start_time=start_time,
                 facts=facts,
-                header_peak=peak * UNITS[unit],
-                peak_rounding=rounding * UNITS[unit],
-                warnings=[*notes, *time_notes, *_quality(header)],
+                header_peak=peak * UNITS["gal"],
+                peak_rounding=rounding * UNITS["gal"],
+                warnings=[*notes, *counted, *held[index], *time_notes, *_quality(header)],
             )
         )
     return records
@@ -228,6 +230,28 @@ def _steps(header: _Header, numbers: Sequence[int]) -> list[float]:
                 f"and {header.entry('VEL. DE MUESTREO, C1-C6').value!r}; find out which are right and repair the line"
             )
     return found
+
+
+def _held(
+    header: _Header, numbers: Sequence[int], columns: Sequence[np.ndarray], steps: Sequence[float]
+) -> list[list[str]]:
+    """Warnings for each channel where its duration, or the number of its largest sample, contradicts the samples."""
+    lasting = [item.strip() for item in _each(header, "DURACION DEL REGISTRO (s),", numbers)]
+    largest = _each(header, "ACEL. MAX.,", numbers)
+    notes = []
+    for samples, step, duration, at in zip(columns, steps, lasting, largest, strict=True):
+        time = f"{step * (float(at) - 1.0):.10g}" if at else ""
+        found = held_peak_time(time, step * np.arange(samples.size), samples)
+        notes.append(held_length(duration, samples.size, step) + found)
+    return notes
+
+
+def _held_count(header: _Header, columns: int) -> list[str]:
+    """A warning where the number of channels in the header is not that of the columns."""
+    said = header.entry("NUMERO DE CANALES").value.strip()
+    if not said.isdecimal() or int(said) == columns:
+        return []
+    return [f"the header states {said[:9]} channels, the file has {columns} columns"]
 
 
 def _base(word: str) -> str:

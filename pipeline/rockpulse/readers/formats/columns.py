@@ -17,6 +17,7 @@ from rockpulse.readers.column_headings import Heading, column_headings
 from rockpulse.readers.facing import BRACKET, heading_direction
 from rockpulse.readers.fields import check_count, text_lines
 from rockpulse.readers.format import Format, ReadOptions
+from rockpulse.readers.held import held_units
 from rockpulse.readers.header_words import stated_counts, stated_kinds, stated_steps, stated_units
 from rockpulse.readers.number_lines import Numbered, number_lines
 from rockpulse.readers.source import NotAcceleration, SourceFile
@@ -360,6 +361,7 @@ def _units(name: str, headings: Sequence[Heading], prose: Sequence[str], options
 
 def _channels(file: SourceFile, columns: _Columns, step: float, units: Sequence[str]) -> list[Record]:
     headings = columns.headings or [Heading("")] * columns.table.shape[1]
+    notes = (*columns.warnings, *held_units(zip((heading.name for heading in headings), units, strict=True)))
     return [
         build_record(
             file,
@@ -372,7 +374,7 @@ def _channels(file: SourceFile, columns: _Columns, step: float, units: Sequence[
             component=heading.name,
             facing=heading_direction(heading.name),
             channel=BRACKET.sub("", heading.name).strip() or str(number),
-            warnings=columns.warnings,
+            warnings=notes,
         )
         for number, (samples, heading, unit) in enumerate(zip(columns.table.T, headings, units, strict=True), 1)
     ]

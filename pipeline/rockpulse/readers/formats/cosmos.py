@@ -29,8 +29,10 @@ from rockpulse.errors import RecordFormatError, RecordRefused, UnitError
 from rockpulse.readers.channel import PEAK_TOLERANCE, build_record, usable_channels
 from rockpulse.readers.channel_count import Counted, completeness
 from rockpulse.readers.cosmos_header import TITLE, Header, fortran_layout, read_header
+from rockpulse.readers.cosmos_held import held_series
 from rockpulse.readers.fields import check_count, fixed_width, printed_number, text_lines
 from rockpulse.readers.format import Format, ReadOptions
+from rockpulse.readers.held import left_in_row
 from rockpulse.readers.repeats import distinct_sections, last_of_equal, repeated_marker
 from rockpulse.readers.source import NotAcceleration, SourceFile
 from rockpulse.readers.units import UNITS, canonical_unit
@@ -136,7 +138,9 @@ def _channel(file: SourceFile, lines: Sequence[str], header: Header, end: int, n
     samples = fixed_width(lines[first:end], first + 1, width, per_row, series.count, file.name)
     step, notes = _interval(header, series.count, file.name)
     notes += series.warnings
-    notes += _surplus(lines, first + -(-series.count // per_row), end)
+    rows = -(-series.count // per_row)
+    notes += left_in_row(lines[first + rows - 1], first + rows, width * (series.count - (rows - 1) * per_row))
+    notes += _surplus(lines, first + rows, end)
     if unit == "counts":
         factor = _per_count(header, where)
     else:
@@ -146,7 +150,8 @@ def _channel(file: SourceFile, lines: Sequence[str], header: Header, end: int, n
     channel, component, place = header.channel()
     start_time, time_notes = header.start_time()
     structural = header.structural()
-    peak, rounding = _peak(header, factor)
+    peak, rounding, peak_notes = _peak(header, factor)
+    notes += [*peak_notes, *held_series(header, lines[series.at], step, samples)]
     return build_record(
         file,
         number,
@@ -223,20 +228,22 @@ def _unit(series: _Series, where: str) -> str:
     return named or coded
 
 
-def _peak(header: Header, factor: float) -> tuple[float, float]:
-    """Peak that the header states and half a unit of its last digit [m/s2].
+def _peak(header: Header, factor: float) -> tuple[float, float, list[str]]:
+    """Peak that the header states, half a unit of its last digit [m/s2], and warnings.
 
     Real 64 has the unit of the samples; the text has its own, and counts where the two contradict each other.
     """
     coded, (number, unit) = header.real(64) * factor, header.peak()
     own = _UNITS.get(re.sub(r"sec\b|sec(?=\d)", "s", unit.lower()).replace("/s/s", "/s2"))
     if own is None or own == _UNITS["counts"] or not number:
-        return coded, 0.0
+        return coded, 0.0, []
     value, rounding = printed_number(number)
     gap = abs(abs(value * own) - abs(coded))
     if gap <= max(1.01 * rounding * own, PEAK_TOLERANCE * abs(coded)):
-        return coded, 0.0
-    return value * own, rounding * own
+        return coded, 0.0, []
+    said, told = (abs(one) / STANDARD_GRAVITY for one in (value * own, coded))
+    notes = [] if np.isnan(coded) else [f"the header states peaks of {said:.4g} g (text) and {told:.4g} g (real 64)"]
+    return value * own, rounding * own, notes
 
 
 def _per_count(header: Header, where: str) -> float:

@@ -17,9 +17,11 @@ import numpy as np
 from rockpulse.errors import RecordFormatError
 from rockpulse.readers.channel import build_record
 from rockpulse.readers.clock import instant, near_event
+from rockpulse.readers.facing import Direction, direction
 from rockpulse.readers.facts import Facts, preferred, stated
 from rockpulse.readers.fields import check_count, free_numbers, printed_number, text_lines
 from rockpulse.readers.format import Format, ReadOptions
+from rockpulse.readers.held import held_direction, held_length, held_peak_time
 from rockpulse.readers.pairs import surplus
 from rockpulse.readers.source import NotAcceleration, SourceFile
 from rockpulse.readers.units import UNITS, canonical_unit
@@ -53,10 +55,8 @@ _YEAR_FIRST = re.compile(r"(\d{4})([/-]?)(\d\d?)\2(\d\d?)", re.ASCII)
 _YEAR_LAST = re.compile(r"(\d\d?)([/.-])(\d\d?)\2(\d{4})", re.ASCII)
 _TIME = re.compile(r"(\d\d?)(:?)(\d\d)\2(\d\d(?:\.\d{0,9})?)", re.ASCII)
 _PRECISION = re.compile(r"(?:milli|micro)?seconds?", re.IGNORECASE)
-#: The stated duration, of the samples or of the steps between them, may be off by this many steps.
-_DURATION_STEPS = 2.0
-#: At the time of the peak that the header states, and so many samples beside it, the motion reaches this share of it.
-_BESIDE_PEAK, _PEAK_SHARE = 2, 0.9
+#: The component in the name of a file of ESM and of AFAD.
+_NAMED = re.compile(r"^\w{1,2}\.\w{1,6}\.\w{0,2}\.(\w{3})\.|_(?:Raw)?Acc_([ENUZ])$", re.ASCII)
 
 
 @dataclass(frozen=True)
@@ -172,6 +172,7 @@ def read_dyna(file: SourceFile, options: ReadOptions) -> list[Record]:
             format="dyna",
             processed=processed,
             component=header.text("STREAM"),
+            facing=_facing(header, file.path.stem),
             network=header.text("NETWORK"),
             station=header.text("STATION_CODE"),
             location=location if is_code else "",
@@ -284,19 +285,21 @@ def _remarks(header: _Header, step: float, samples: np.ndarray) -> list[str]:
         notes.append("late triggered (header): the beginning of the motion is missing")
     if "NOT REMOVED" in header.text("BASELINE_CORRECTION").upper() and header.text("PROCESSING").lower() != "none":
         notes.append("the baseline was not removed (header)")
-    duration = header.number("DURATION_S")
-    if abs(duration - step * count) > _DURATION_STEPS * step:
-        notes.append(f"the header states {duration:g} s, {count} samples at {step:g} s last {step * count:g} s")
-    at, peak = header.number("TIME_PGA_S") / step, float(np.max(np.abs(samples)))
-    if peak > 0.0 and np.isfinite(at):
-        beside = samples[max(round(min(at, count)) - _BESIDE_PEAK, 0) :][: 2 * _BESIDE_PEAK + 1]
-        if not np.max(np.abs(beside), initial=0.0) >= _PEAK_SHARE * peak:
-            found = step * int(np.argmax(np.abs(samples)))
-            notes.append(
-                f"the header states the peak at {at * step:g} s, at the interval of {step:g} s the samples have it at "
-                f"{found:g} s"
-            )
-    return notes
+    notes += held_length(header.text("DURATION_S"), count, step)
+    return notes + held_peak_time(header.text("TIME_PGA_S"), step * np.arange(count), samples)
+
+
+def _facing(header: _Header, stem: str) -> Direction:
+    """The direction of the stream; unknown, with a note, where the name of the file, as agencies give it, has another.
+
+    Names are NET.STA.LOC.STREAM.D. and so on (ESM), or end in the letter of the component (AFAD).
+    """
+    stream, named = header.text("STREAM"), _NAMED.search(stem)
+    if not named:
+        return direction(stream)
+    word = named[1] or named[2]
+    note = f"the header says {stream}, the file name {word}: the direction is unknown"
+    return held_direction(direction(stream), direction(word), note)
 
 
 def _start_time(header: _Header) -> tuple[datetime | None, list[str]]:

@@ -62,7 +62,13 @@ def read_knet(file: SourceFile, options: ReadOptions) -> list[Record]:
         )
     declared = round(expected)
     check_count(f"{file.name}:{len(lines)}", declared, int(stats.npts))
-    if stats.npts > expected + stats.sampling_rate:
+    beyond = []
+    if declared < stats.npts <= expected + stats.sampling_rate:
+        beyond.append(
+            f"duration and sampling frequency of the header make {declared} samples, the file has {stats.npts}; all are "
+            "kept: does a line stand in it twice?"
+        )
+    elif stats.npts > expected:
         raise RecordFormatError(
             f"{file.name}:{len(lines)}: expected {declared} samples (duration and sampling frequency), found "
             f"{stats.npts}; the file holds more than one record: download it again"
@@ -99,7 +105,7 @@ def read_knet(file: SourceFile, options: ReadOptions) -> list[Record]:
             header_peak=header_peak * UNITS["gal"],
             peak_rounding=rounding * UNITS["gal"],
             event=f"{utc_time(file, stats.knet.evot):%Y-%m-%d %H:%M:%S} UTC M{stats.knet.mag:g}",
-            warnings=[*notes, *warnings, *clipping_warning(counts)],
+            warnings=[*notes, *beyond, *warnings, *clipping_warning(counts)],
             processing=[f"recorder offset removed: mean of the record, {offset * factor:.6g} m/s2"],
         )
     ]

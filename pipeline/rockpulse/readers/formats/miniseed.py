@@ -12,13 +12,16 @@ from rockpulse.readers.channel import build_record, usable_channels
 from rockpulse.readers.clipping import clipping_warning
 from rockpulse.readers.facts import stated
 from rockpulse.readers.format import Format, ReadOptions
-from rockpulse.readers.instrument import sensitivity_factor, without_response
+from rockpulse.readers.instrument import sensitivity_factor, sensitivity_notes, without_response
 from rockpulse.readers.obspy_bridge import obspy_stream, seed_direction, utc_time
 from rockpulse.readers.source import SourceFile
 from rockpulse.readers.station_xml import PROCESSED, station_channel
 from rockpulse.record.record import Record
 
 __all__ = ["FORMATS", "is_miniseed", "read_miniseed"]
+
+#: Two statements of the sampling rate may differ by this share.
+_RATE_TOLERANCE = 1e-3
 
 
 def is_miniseed(head: bytes, name: str) -> bool:
@@ -72,13 +75,16 @@ def _miniseed_channel(file: SourceFile, traces: list[Any], number: int, options:
     channel, site, notes = station_channel(file, trace, full=options.response == "remove")
     counts = np.asarray(trace.data)
     samples = counts.astype(float)
-    warnings, processing = [], []
+    warnings: list[str] = []
+    processing: list[str] = []
     if options.response == "remove":
         removed = without_response(where, samples, float(stats.delta), channel.response)
         samples, factor, processing = removed.samples, removed.factor, [removed.note]
         warnings = [*clipping_warning(counts), *removed.warnings]
     else:
         factor = sensitivity_factor(where, channel.response)
+        warnings = sensitivity_notes(channel.response)
+    warnings += _held_rate(float(stats.sampling_rate), channel)
     return build_record(
         file,
         number,
@@ -101,6 +107,14 @@ def _miniseed_channel(file: SourceFile, traces: list[Any], number: int, options:
         warnings=[*notes, *warnings],
         processing=processing,
     )
+
+
+def _held_rate(rate: float, channel: Any) -> list[str]:
+    """A warning where the StationXML states another sampling rate than the data [1/s]; 0 there means unknown."""
+    told = float(channel.sample_rate or 0.0)
+    if told == 0.0 or abs(told - rate) <= _RATE_TOLERANCE * rate:
+        return []
+    return [f"the StationXML states {told:g} samples per s, the data {rate:g}; the interval is that of the data"]
 
 
 FORMATS = (

@@ -62,6 +62,10 @@ def read_nsmn(file: SourceFile, options: ReadOptions) -> list[Record]:
     peaks, unit_text, at = entries.get("RAW PGA VALUES", ("", "", first))
     unit = canonical_unit(unit_text, f"{file.name}:{at}")
     stated = {name.upper(): printed_number(value) for name, value in _PEAK.findall(peaks)}
+    heads = [columns[number].upper() for number in (1, 2, 3)]
+    unnamed = []
+    if stated and sorted(stated) != sorted(heads):
+        unnamed = [f"the header states the peaks of {', '.join(stated)}, the columns are {', '.join(heads)}"]
     (start_time, notes), facts = _start_time(entries), _facts(entries)
     records = []
     for number, samples in enumerate(table.T, start=1):
@@ -85,7 +89,7 @@ def read_nsmn(file: SourceFile, options: ReadOptions) -> list[Record]:
                 facts=facts,
                 header_peak=peak * UNITS[unit],
                 peak_rounding=rounding * UNITS[unit],
-                warnings=[*notes, *surplus(lines, end, len(lines))],
+                warnings=[*notes, *unnamed, *surplus(lines, end, len(lines))],
             )
         )
     return records

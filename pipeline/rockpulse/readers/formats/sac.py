@@ -23,10 +23,14 @@ __all__ = ["FORMATS", "is_sac", "read_sac"]
 
 #: Length of the header and offsets of the words NPTS and NVHDR [bytes].
 _HEADER, _NPTS, _NVHDR = 632, 4 * 79, 4 * 76
+#: Offsets of the words DELTA, DEPMIN, DEPMAX, B, E: interval, extremes, times of the first and the last sample.
+_STATED = {"delta": 0, "depmin": 4, "depmax": 8, "b": 20, "e": 24}
 #: Values of IDEP that exclude acceleration.
 _UNDEFINED = -12345.0
 _COORDINATES = {"STLA": 31, "STLO": 32, "EVLA": 35, "EVLO": 36}
 _SERIES = {6: "displacement", 7: "velocity"}
+#: E may be off by so many steps.
+_LAST_STEPS = 2.0
 
 
 def _byte_order(head: bytes) -> str | None:
@@ -81,6 +85,7 @@ def read_sac(file: SourceFile, options: ReadOptions) -> list[Record]:
     with np.errstate(invalid="ignore"):  # a signalling NaN; Record names it
         values = np.asarray(trace.data, dtype=float)
     start = utc_time(file, stats.starttime) if "nzyear" in header else None
+    notes += _held(file, order, declared, available)
     scale = float(header.get("scale", 1.0))
     if scale != 1.0:
         notes.append(f"the header word SCALE = {scale:g} is not applied")
@@ -104,6 +109,7 @@ def read_sac(file: SourceFile, options: ReadOptions) -> list[Record]:
             sensor_depth=float(header.get("stdp", math.nan)),
             start_time=start,
             facts=_facts(header, start),
+            header_peak=_stated_peak(file, order) * UNITS[unit],
             warnings=notes,
         )
     ]
@@ -127,6 +133,35 @@ def _facts(header: Any, start: datetime | None) -> Facts:
         distance_km=word("dist"),
         station=(word("stla"), word("stlo")),
     )
+
+
+def _words(file: SourceFile, order: str) -> dict[str, float]:
+    """Floats of the header as the file has them, which obspy works out anew; NaN where undefined."""
+    values = {name: struct.unpack_from(f"{order}f", file.content, at)[0] for name, at in _STATED.items()}
+    return {name: math.nan if value == _UNDEFINED else value for name, value in values.items()}
+
+
+def _stated_peak(file: SourceFile, order: str) -> float:
+    """The larger of DEPMIN and DEPMAX without sign; NaN where one is not set, or both are 0."""
+    words = _words(file, order)
+    peak = max(abs(words["depmin"]), abs(words["depmax"])) if math.isfinite(words["depmin"] + words["depmax"]) else 0.0
+    return peak or math.nan
+
+
+def _held(file: SourceFile, order: str, declared: int, available: int) -> list[str]:
+    """Warnings where NPTS is not the number of samples in the file, or E not the time of the last of them."""
+    notes = []
+    if declared < available:
+        notes.append(f"the header states {declared} samples (NPTS), the file has {available}; the rest was left out")
+    words = _words(file, order)
+    last, step = words["b"] + words["delta"] * (declared - 1), words["delta"]
+    # E is a float32: of large times it has few digits.
+    if abs(words["e"] - last) > _LAST_STEPS * abs(step) + 1e-6 * abs(last):
+        notes.append(
+            f"the header states {words['e']:g} s as the time of the last sample (E), {declared} samples at {step:g} s "
+            f"from {words['b']:g} s (B) end at {last:g} s"
+        )
+    return notes
 
 
 def _check_coordinates(file: SourceFile, order: str) -> None:

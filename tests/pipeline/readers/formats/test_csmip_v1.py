@@ -372,4 +372,7 @@ def test_the_heading_is_held_against_the_text(write, old, new, message):
 
 def test_a_length_that_contradicts_the_heading_is_reported(write):
     (record,) = read(write(csmip_equal(np.round(pulse(400), 6)).replace(b"at 100 pts", b"at 200 pts")))
-    assert record.warnings == ("the header states 4 s, 400 samples at 0.005 s last 2 s",)
+    assert record.warnings == (
+        "the header states 4 s, 400 samples at 0.005 s last 2 s",
+        "the header states the peak at 0.12 s, at the interval of 0.005 s the samples have it at 0.06 s",
+    )

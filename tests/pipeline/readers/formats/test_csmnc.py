@@ -88,7 +88,9 @@ def test_the_observing_point(write, point, structural):
 def test_rows_beyond_the_count_are_left_out_with_a_warning(write):
     (record,) = read(write(csmnc(VALUES, count=160)))
     assert record.npts == 160
-    assert "line 37: 31 rows beyond the declared count" in record.warnings[0]
+    length, rows = record.warnings
+    assert length == "the header states 2 s, 160 samples at 0.005 s last 0.8 s"
+    assert "line 37: 31 rows beyond the declared count" in rows
 
 
 @pytest.mark.parametrize(

@@ -72,7 +72,10 @@ def test_other_series_are_refused(write, kind):
     ("arguments", "orientation", "azimuth"),
     [
         ({"component": "up", "azimuth": -32768, "vertical": 0}, "vertical", np.nan),
-        ({"component": "S 58 E"}, "horizontal", 122.0),
+        ({"component": "S 58 E", "azimuth": 122}, "horizontal", 122.0),
+        ({"component": "S 58 E", "azimuth": 45}, "horizontal", np.nan),
+        ({"component": "up", "azimuth": 45, "vertical": 0}, "vertical", np.nan),
+        ({"component": "up", "azimuth": 45}, "unknown", np.nan),
         ({"component": "?", "azimuth": 75}, "horizontal", 75.0),
         ({"component": "?", "azimuth": -32768, "vertical": 0}, "vertical", np.nan),
         ({"component": "?", "azimuth": -32768}, "unknown", np.nan),
