@@ -8,7 +8,7 @@ KERNEL_TESTS := $(patsubst %,tests/models/test_%.py,recorded linear nonlinear fi
 	sequence_lanes)
 LONG_IN_PYTHON := test_quarter_period or from_housners_threshold or more_half_cycles_than or same_without_compilation or slow_hops
 
-.PHONY: help install run test test-slow test-sweeps test-python samples schema fuzz kernel-cache lint types doctest wheel docs docs-test docs-pictures clean
+.PHONY: help install run test test-slow test-sweeps test-python samples schema mutate fuzz kernel-cache lint types doctest wheel docs docs-test docs-pictures clean
 
 help:  ## list the targets
 	@grep -hE '^[a-z-]+: .*##' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):[^#]*## (.*)/  \1\t\2/' | expand -t 16
@@ -43,6 +43,9 @@ schema:  ## write the tables of docs/schema.md from the declarations of the vari
 
 kernel-cache:  ## the folder of the compiled kernels, one for each state of their sources
 	@echo $(NUMBA_CACHE_DIR)
+
+mutate:  ## change what headers state twice: a table of who tells, and an error if nobody does
+	$(PYTHON) tests/header_facts.py
 
 MINUTES ?= 60
 FIRST ?= 100000

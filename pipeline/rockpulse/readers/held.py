@@ -36,7 +36,7 @@ _LENGTH = re.compile(r"(mm|cm|m|in|ft)s?(?=/|\s|$)", re.IGNORECASE)
 
 
 def held_length(text: str, count: int, dt: float, spare: float = 0.0) -> list[str]:
-    """Whether `count` samples at `dt` last as long as a header prints [s]; `spare` is how far off it may be beyond that.
+    """Whether `count` samples at `dt` last as long as a header prints [s], give or take `spare`.
 
     Examples
     --------

@@ -68,7 +68,8 @@ def sensitivity_factor(where: str, response: Any) -> float:
         raise RecordRefused(f"{where} is in counts and its response states no sensitivity; get the full StationXML")
     if not np.isfinite(float(sensitivity.value)):
         raise RecordFormatError(
-            f"{where}: expected a finite sensitivity of the instrument, found {sensitivity.value}; correct the StationXML"
+            f"{where}: expected a finite sensitivity of the instrument, found {sensitivity.value}; correct the "
+            "StationXML"
         )
     quantity, scale = _measured(where, sensitivity.input_units)
     if quantity != "acceleration":
@@ -84,16 +85,28 @@ def sensitivity_notes(response: Any) -> list[str]:
     value = float(response.instrument_sensitivity.value)
     notes = [] if value > 0.0 else [f"the sensitivity is negative, {value:g}: the sign of the record is turned"]
     gains = [float(stage.stage_gain) for stage in response.response_stages or [] if stage.stage_gain is not None]
-    share = float(np.prod(gains)) / value - 1.0 if gains else 0.0
+    if not gains:
+        return notes
+    units = (response.instrument_sensitivity.input_units, _first_stage(response).input_units)
+    total, stages = (_MOTION.get(_spelled(unit), ("", 1.0)) for unit in units)
+    if total[0] and stages[0] and total[0] != stages[0]:
+        return [*notes, f"the sensitivity is stated for {total[0]}, the stages of the response begin with {stages[0]}"]
+    per_unit = total[1] / stages[1] if total[0] and stages[0] else 1.0
+    share = float(np.prod(gains)) * per_unit / value - 1.0
     if not abs(share) <= _GAIN_TOLERANCE:
         notes.append(f"the stages of the response differ from its sensitivity by {100.0 * share:.3g} %")
     return notes
 
 
+def _spelled(unit: Any) -> str:
+    """An input unit in the spelling of `_MOTION`."""
+    word = re.sub(r"SEC(OND)?S?", "S", re.sub(r"[\s^*().]", "", str(unit).upper()))
+    return re.sub(r"(/S/S|S-2)$", "/S2", re.sub(r"(?<!/)S-1$", "/S", word))
+
+
 def _measured(where: str, unit: Any) -> tuple[str, float]:
     """The quantity that the input unit of a response measures, and SI units per unit."""
-    word = re.sub(r"SEC(OND)?S?", "S", re.sub(r"[\s^*().]", "", str(unit).upper()))
-    word = re.sub(r"(/S/S|S-2)$", "/S2", re.sub(r"(?<!/)S-1$", "/S", word))
+    word = _spelled(unit)
     if word in _NO_MOTION:
         raise NotAcceleration(f"{where} records {unit}, expected ground motion, such as M/S**2")
     if word not in _MOTION:

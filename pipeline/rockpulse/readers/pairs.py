@@ -81,8 +81,8 @@ def surplus(
     """A warning for rows between the declared samples (index `first`) and the end of the channel (index `end`).
 
     Where `used` tells the characters of the declared samples in the last of their rows, numbers behind them in that row
-    are told as well. `title` matches the line with which another record of the file `name` would begin, which is refused: formats of one
-    channel have no place for it.
+    are told as well. `title` matches the line with which another record of the file `name` would begin, which is
+    refused: formats of one channel have no place for it.
     """
     rows = 0
     notes = () if used is None else left_in_row(lines[first - 1], first, used)
@@ -114,4 +114,4 @@ def pair_block(name: str, lines: Sequence[str], first: int, end: int, count: int
     gravity = UNITS[unit] / STANDARD_GRAVITY
     samples, dt, notes = make_even(pairs[:, 0], pairs[:, 1], name, first + 1, PAIRS_PER_ROW, gravity)
     used = margin + 2 * width * (count - (rows - 1) * PAIRS_PER_ROW)
-    return Block(samples, dt, unit, *pairs.T, (*surplus(lines, first + rows, end, used=used), *notes))
+    return Block(samples, dt, unit, pairs[:, 0], pairs[:, 1], (*surplus(lines, first + rows, end, used=used), *notes))

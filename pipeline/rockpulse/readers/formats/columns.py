@@ -17,8 +17,8 @@ from rockpulse.readers.column_headings import Heading, column_headings
 from rockpulse.readers.facing import BRACKET, heading_direction
 from rockpulse.readers.fields import check_count, text_lines
 from rockpulse.readers.format import Format, ReadOptions
-from rockpulse.readers.held import held_units
 from rockpulse.readers.header_words import stated_counts, stated_kinds, stated_steps, stated_units
+from rockpulse.readers.held import held_units
 from rockpulse.readers.number_lines import Numbered, number_lines
 from rockpulse.readers.source import NotAcceleration, SourceFile
 from rockpulse.readers.table_layout import Layout, end_of_numbers, find_layout, row_width, split_row

@@ -89,7 +89,9 @@ def read_geonet(file: SourceFile, options: ReadOptions) -> list[Record]:
         for (start, _), record in zip(kept, records, strict=True)
     )
     notes += (*copies, *completeness(file.name, counts, "files of this format hold"))
-    notes += held_units((record.component or str(number), record.source_unit) for number, record in enumerate(records, 1))
+    notes += held_units(
+        (record.component or str(number), record.source_unit) for number, record in enumerate(records, 1)
+    )
     return [replace(record, warnings=(*record.warnings, *notes)) for record in records]
 
 

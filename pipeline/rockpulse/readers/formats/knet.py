@@ -65,8 +65,8 @@ def read_knet(file: SourceFile, options: ReadOptions) -> list[Record]:
     beyond = []
     if declared < stats.npts <= expected + stats.sampling_rate:
         beyond.append(
-            f"duration and sampling frequency of the header make {declared} samples, the file has {stats.npts}; all are "
-            "kept: does a line stand in it twice?"
+            f"duration and sampling frequency of the header make {declared} samples, the file has {stats.npts}; all "
+            "are kept: does a line stand in it twice?"
         )
     elif stats.npts > expected:
         raise RecordFormatError(

@@ -85,7 +85,7 @@ def read_sac(file: SourceFile, options: ReadOptions) -> list[Record]:
     with np.errstate(invalid="ignore"):  # a signalling NaN; Record names it
         values = np.asarray(trace.data, dtype=float)
     start = utc_time(file, stats.starttime) if "nzyear" in header else None
-    notes += _held(file, order, declared, available)
+    notes += _held_end(_words(file, order), declared)
     scale = float(header.get("scale", 1.0))
     if scale != 1.0:
         notes.append(f"the header word SCALE = {scale:g} is not applied")
@@ -109,7 +109,7 @@ def read_sac(file: SourceFile, options: ReadOptions) -> list[Record]:
             sensor_depth=float(header.get("stdp", math.nan)),
             start_time=start,
             facts=_facts(header, start),
-            header_peak=_stated_peak(file, order) * UNITS[unit],
+            header_peak=_stated_peak(_words(file, order)) * UNITS[unit],
             warnings=notes,
         )
     ]
@@ -141,27 +141,22 @@ def _words(file: SourceFile, order: str) -> dict[str, float]:
     return {name: math.nan if value == _UNDEFINED else value for name, value in values.items()}
 
 
-def _stated_peak(file: SourceFile, order: str) -> float:
+def _stated_peak(words: dict[str, float]) -> float:
     """The larger of DEPMIN and DEPMAX without sign; NaN where one is not set, or both are 0."""
-    words = _words(file, order)
     peak = max(abs(words["depmin"]), abs(words["depmax"])) if math.isfinite(words["depmin"] + words["depmax"]) else 0.0
     return peak or math.nan
 
 
-def _held(file: SourceFile, order: str, declared: int, available: int) -> list[str]:
-    """Warnings where NPTS is not the number of samples in the file, or E not the time of the last of them."""
-    notes = []
-    if declared < available:
-        notes.append(f"the header states {declared} samples (NPTS), the file has {available}; the rest was left out")
-    words = _words(file, order)
+def _held_end(words: dict[str, float], declared: int) -> list[str]:
+    """A warning where E is not the time of the last of the declared samples; obspy refuses more or fewer of them."""
     last, step = words["b"] + words["delta"] * (declared - 1), words["delta"]
     # E is a float32: of large times it has few digits.
-    if abs(words["e"] - last) > _LAST_STEPS * abs(step) + 1e-6 * abs(last):
-        notes.append(
-            f"the header states {words['e']:g} s as the time of the last sample (E), {declared} samples at {step:g} s "
-            f"from {words['b']:g} s (B) end at {last:g} s"
-        )
-    return notes
+    if not abs(words["e"] - last) > _LAST_STEPS * abs(step) + 1e-6 * abs(last):
+        return []
+    return [
+        f"the header states {words['e']:g} s as the time of the last sample (E), {declared} samples at {step:g} s "
+        f"from {words['b']:g} s (B) end at {last:g} s"
+    ]
 
 
 def _check_coordinates(file: SourceFile, order: str) -> None:

@@ -132,9 +132,7 @@ def read_smc(file: SourceFile, options: ReadOptions) -> list[Record]:
     ]
 
 
-def _block(
-    name: str, lines: Sequence[str], first: int, integers: np.ndarray, reals: np.ndarray, raw: bool
-) -> Block:
+def _block(name: str, lines: Sequence[str], first: int, integers: np.ndarray, reals: np.ndarray, raw: bool) -> Block:
     """The samples; a raw digitised trace of unequal steps is resampled."""
     count = 0 if np.isnan(integers[16]) else int(integers[16])
     rate = reals[1]
@@ -189,10 +187,8 @@ def _facing(component: str, integers: np.ndarray) -> Direction:
         told = Direction("vertical", sign=1.0 if upright == 0.0 else -1.0)
     elif 0.0 <= azimuth <= 360.0:
         told = Direction("horizontal", float(azimuth) % 360.0)
-    note = (
-        f"the text says {component!r}, integers 13 and 14 of the header {upright:g} and {azimuth:g}: the direction is "
-        "unknown"
-    )
+    integers_say = " and ".join("none" if np.isnan(value) else f"{value:g}" for value in (upright, azimuth))
+    note = f"the text says {component!r}, integers 13 and 14 of the header {integers_say}: the direction is unknown"
     return held_direction(direction(component), told, note)
 
 

@@ -120,12 +120,22 @@ def test_damage_is_named(write, content, message):
 def test_more_samples_than_the_duration_are_another_record(write, surplus, refused):
     content = knet(np.append(COUNTS, COUNTS[:surplus])).replace(f"  {(500 + surplus) / 100:g}\n".encode(), b"  5\n")
     if not refused:
-        assert read(write(content))[0].npts == 500 + surplus
+        (record,) = read(write(content))
+        assert record.npts == 500 + surplus
+        said = f"duration and sampling frequency of the header make 500 samples, the file has {500 + surplus}"
+        assert any(note.startswith(said) for note in record.warnings) is (surplus > 0)
         return
     with pytest.raises(
         RecordFormatError, match=rf"expected 500 samples .* found {500 + surplus}; .* more than one rec"
     ):
         read(write(content))
+
+
+def test_a_line_that_stands_twice_is_told(write):
+    rows = knet(COUNTS).split(b"\n")
+    (record,) = read(write(b"\n".join([*rows[:30], *rows[29:]])))
+    assert record.npts == 508
+    assert any("the file has 508; all are kept: does a line stand in it twice?" in note for note in record.warnings)
 
 
 def test_a_scale_factor_of_many_digits_costs_no_time(write):

@@ -1,0 +1,136 @@
+"""Statements of a header against the samples and against each other: where the limits are, and what is no statement."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from rockpulse.readers.csmip_integers import channel_count, direction_code, one_direction
+from rockpulse.readers.facing import Direction, direction
+from rockpulse.readers.held import (
+    held_direction,
+    held_length,
+    held_lengths_of_units,
+    held_peak_time,
+    held_units,
+    left_in_row,
+)
+
+TIMES = 0.01 * np.arange(1000)
+PEAK = 4.0 * np.exp(-(((TIMES - 5.0) / 0.02) ** 2)) - 1.0 * np.exp(-(((TIMES - 8.0) / 0.02) ** 2))
+
+
+@pytest.mark.parametrize(
+    ("text", "spare", "told"),
+    [
+        ("10.00", 0.0, False),
+        ("9.99", 0.0, False),  # of the steps between the samples
+        ("10.02", 0.0, False),
+        ("10.04", 0.0, True),
+        ("10.04", 0.02, False),
+        ("10", 0.0, False),
+        ("11", 0.0, True),
+        ("", 0.0, False),
+        ("none", 0.0, False),
+        ("1e400", 0.0, False),
+    ],
+)
+def test_a_length_may_be_off_by_two_steps_and_its_rounding(text, spare, told):
+    assert bool(held_length(text, 1000, 0.01, spare)) is told
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [("5.00", False), ("5.02", False), ("4.97", True), ("5.0", False), ("8.00", True), ("99", True), ("-5", True)],
+)
+def test_the_time_of_the_peak_is_where_nine_tenths_of_it_are(text, told):
+    assert bool(held_peak_time(text, TIMES, PEAK)) is told
+    assert held_peak_time(text, TIMES, np.zeros(1000)) == []
+
+
+def test_two_peaks_that_are_nearly_equal_are_both_right():
+    both = PEAK + np.roll(PEAK, 200) * 0.95
+    assert held_peak_time("7.00", TIMES, both) == held_peak_time("5.00", TIMES, both) == []
+
+
+def test_a_peak_that_is_stated_in_no_number_or_of_one_sample_tells_nothing():
+    assert held_peak_time("soon", TIMES, PEAK) == held_peak_time("0", TIMES[:1], PEAK[:1]) == []
+
+
+def test_one_unit_under_two_names_is_one():
+    assert held_units([("a", "cm/s2"), ("b", "gal")]) == held_units([("a", "g")]) == held_units([]) == []
+    assert held_units([("a", "cm/s2"), ("b", "mm/s2")])[0].startswith("the units of one file differ: cm/s2 (a), mm/s2")
+
+
+def test_units_without_a_length_are_held_against_nothing():
+    assert held_lengths_of_units(["g", "cm/s", "cm"]) == held_lengths_of_units(["gal"]) == []
+
+
+@pytest.mark.parametrize(
+    ("said", "told", "found"),
+    [
+        ("N90E", "90", ("horizontal", 90.0, False)),
+        ("N90E", "91", ("horizontal", 90.0, False)),
+        ("N90E", "92", ("horizontal", np.nan, True)),
+        ("N", "359.5", ("horizontal", 0.0, False)),
+        ("UP", "90", ("unknown", np.nan, True)),
+        ("UP", "DOWN", ("unknown", np.nan, True)),
+        ("?", "45", ("horizontal", 45.0, False)),
+        ("45", "?", ("horizontal", 45.0, False)),
+        ("H1", "45", ("horizontal", 45.0, False)),
+        ("?", "?", ("unknown", np.nan, False)),
+    ],
+)
+def test_two_statements_of_a_direction(said, told, found):
+    facing = held_direction(direction(said), direction(told), "they differ")
+    assert (facing.orientation, bool(facing.note)) == (found[0], found[2])
+    assert facing.azimuth == pytest.approx(found[1], nan_ok=True)
+
+
+def test_what_is_left_in_the_last_row():
+    assert left_in_row("  1.0  2.0   ", 7, 10) == ()
+    assert left_in_row("  1.0  2.0  3", 7, 10) == ("line 7: numbers beyond the declared count were left out",)
+
+
+#: The second row of a real header of the Strong Motion Instrumentation Program, whose fields touch.
+ROWS = [
+    "    1  100    1    3    3  100 -999    3    1    0  605 4114    050599   41    0",
+    "    3   19   37    8  187    7    6 2019   10    3   9035430   39   36   74 -999",
+]
+
+
+def test_the_integers_of_a_channel():
+    assert (channel_count(ROWS), direction_code(ROWS)) == (3, 90)
+    assert (channel_count(ROWS[1:]), direction_code(["words", *ROWS])) == (8, 90)
+    assert (channel_count([]), direction_code(ROWS[:1]), direction_code([])) == (0, 0, 0)
+    assert direction_code([ROWS[0], ROWS[1].replace("   90", " 1100")]) == 0  # a sensor without an azimuth
+
+
+@pytest.mark.parametrize(
+    ("component", "code", "orientation", "azimuth"),
+    [
+        ("90 Deg", 90, "horizontal", 90.0),
+        ("360 Deg", 360, "horizontal", 0.0),
+        ("0 Deg", 0, "horizontal", 0.0),
+        ("Up", 500, "vertical", np.nan),
+        ("Down", 600, "vertical", np.nan),
+        ("Up", 600, "unknown", np.nan),
+        ("Up", 90, "unknown", np.nan),
+        ("H1", 45, "horizontal", 45.0),
+        ("H1", 0, "horizontal", np.nan),
+        ("L", 0, "horizontal", np.nan),
+        ("90 Deg", 45, "horizontal", np.nan),
+    ],
+)
+def test_a_direction_in_words_and_as_an_integer(component, code, orientation, azimuth):
+    facing = one_direction(component, code)
+    assert facing.orientation == orientation
+    assert facing.azimuth == pytest.approx(azimuth, nan_ok=True)
+    assert bool(facing.note) is ((np.isnan(azimuth) and code in (45, 90)) or (component, code) == ("Up", 600))
+
+
+def test_a_direction_that_another_line_repeats():
+    assert one_direction("90 Deg", 90, ("90 DEG", "S00E")).note.endswith(
+        "another line of the header 'S00E': the direction is unknown"
+    )
+    assert one_direction("90 Deg", 90, ("90 DEG", "?")) == Direction("horizontal", 90.0)
