@@ -49,7 +49,9 @@ mutate:  ## change what headers state twice: a table of who tells, and an error 
 
 MINUTES ?= 60
 FIRST ?= 100000
-fuzz:  ## damage to every sample on every reader, MINUTES=60 long, from the seed FIRST=100000 on
+fuzz:  ## damage to every sample on every reader, MINUTES=60 long, from the seed FIRST=100000 on; with atheris guided too
+	@if $(PYTHON) -c "import atheris" 2>/dev/null; then $(PYTHON) tests/fuzz_coverage.py --minutes $(MINUTES); else \
+		echo "without atheris (pip install -e '.[fuzz]', Linux) there is no coverage-guided run"; fi
 	$(PYTHON) tests/fuzz.py --minutes $(MINUTES) --first $(FIRST)
 
 lint:  ## ruff: format and rules

@@ -269,7 +269,7 @@ def outcome(tried: Case) -> tuple[str, int, str]:
         found.extend(read_source(SourceFile(name, tried.content[:HEAD], lambda: tried.content), tried.options))
         return found
 
-    fault = _fault(name, once) if tried.content else ""
+    fault = call_fault(name, once) if tried.content else ""
     fault = fault or next((words for record in found if (words := contradiction(record, tried.content))), "")
     kind = "refused" if not found else "warned" if all(record.warnings for record in found) else "silent"
     return kind, len(found), f"{tried}\n  {fault}" if fault else ""
@@ -298,7 +298,7 @@ def _stop(*_: object) -> None:
     raise TimeoutError(f"more than {TIME_LIMIT:g} s")
 
 
-def _fault(name: str, call: Callable[[], list[Record]]) -> str:
+def call_fault(name: str, call: Callable[[], list[Record]]) -> str:
     """How a call breaks the rules: an exception that is no RockpulseError with the file's name, time, memory; or ""."""
     grown = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
     began = time.process_time()
@@ -332,7 +332,7 @@ def faults(tried: Case) -> Iterator[str]:
 
     if not tried.content:
         return
-    fault = _fault(name, lambda: read_source(source(), tried.options))
+    fault = call_fault(name, lambda: read_source(source(), tried.options))
     if fault:
         yield f"{tried}\n  read: {fault}"
     claiming = []
@@ -345,7 +345,7 @@ def faults(tried: Case) -> Iterator[str]:
     # A reader may be named, which leaves its detect out.
     named = FORMATS[tried.seed % len(FORMATS)]
     for row in [*claiming[1:], named]:
-        fault = _fault(name, lambda row=row: row.parse(source(), tried.options))  # type: ignore[misc]
+        fault = call_fault(name, lambda row=row: row.parse(source(), tried.options))  # type: ignore[misc]
         if fault:
             yield f"{tried}\n  parse of {row.name}: {fault}"
 
