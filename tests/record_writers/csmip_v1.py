@@ -19,7 +19,9 @@ def _csmip_header(
     unit_line: str,
     start: str,
     note: str,
-    recorder: str = "SMA-1  S/N 3492",
+    recorder: str,
+    peak: float,
+    at: float,
 ) -> list[str]:
     location = f"  (STA CHN: {number:2d})     LOCATION: {place}" if place else ""
     return [
@@ -40,7 +42,8 @@ def _csmip_header(
         f"{'    0' * 10}{azimuth_code(component):5d}{count % 100_000:5d}{'    0' * 4}",
         *["    0" * 16] * 4,
         "    0" * 4,
-        *["      .000" * 8] * 6,
+        f"{'      .000' * 2}{length:10.3f}{'      .000' * 3}{peak:10.3f}{at:10.3f}",
+        *["      .000" * 8] * 5,
         "      .000" * 2,
     ]
 
@@ -64,7 +67,7 @@ def csmip_pairs(
     unit_line = f"UNITS OF UNCOR ACCEL ARE {unit}.     MAX  =  {peak:5.3f} G, AT {at:7.3f} SEC."
     fields = [f"{number:7.3f}" for pair in zip(times, values, strict=True) for number in pair]
     length = times[-1] if len(times) else 0.0
-    header = _csmip_header(number, component, place, len(values), length, unit_line, start, note, recorder)
+    header = _csmip_header(number, component, place, len(values), length, unit_line, start, note, recorder, peak, at)
     lines = header + rows(fields, 10)
     lines.append(f"/&  ----------  END OF DATA FOR CHANNEL {number:2d}  ----------")
     return (end.join(lines) + end).encode("latin-1")
@@ -88,7 +91,8 @@ def csmip_equal(
     peak = np.max(np.abs(values)) if peak_g is None else peak_g
     at = peak_time(values, dt)
     unit_line = f"UNITS OF UNCOR DATA ARE SEC AND G.         MAX  = {peak:6.3f} G, AT {at:7.3f} SEC."
-    lines = _csmip_header(number, component, place, len(values), dt * len(values), unit_line, start, note, recorder)
+    length = dt * len(values)
+    lines = _csmip_header(number, component, place, len(values), length, unit_line, start, note, recorder, peak, at)
     lines += [heading.format(n=len(values)), *rows([field.format(value) for value in values], 8)]
     lines.append(f"/&  ----------  END OF DATA FOR CHANNEL {number:2d}  ----------")
     return (end.join(lines) + end).encode("latin-1")

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from record_writers._shared import NOTE, azimuth_code, rows
+from record_writers._shared import NOTE, azimuth_code, peak_time, rows
 from rockpulse.record.record import Record
 
 
@@ -22,12 +22,13 @@ def integral(values: np.ndarray, dt: float) -> np.ndarray:
     return np.concatenate([[0.0], np.cumsum(0.5 * dt * (values[1:] + values[:-1]))])
 
 
-def number_lines(count: int, dt: float, peaks: Sequence[float], component: str) -> list[str]:
+def number_lines(count: int, dt: float, peaks: Sequence[float], times: Sequence[float], component: str) -> list[str]:
     """100 integers and 100 reals, nearly all zero."""
     integers, reals = [0] * 100, [0.0] * 100
     integers[26] = azimuth_code(component)
     integers[52], integers[63], integers[65] = count, count, count
-    reals[58], reals[59] = (count - 1) * dt, dt
+    reals[59], reals[60] = (count - 1) * dt, dt
+    reals[64], reals[66], reals[68] = times
     reals[65], reals[67], reals[69] = peaks
     return rows([f"{number:5d}" for number in integers], 16) + rows([fortran(number) for number in reals], 8)
 
@@ -104,7 +105,8 @@ def csmip_v2(
         "",
     ]
     peaks = [float(one[np.argmax(np.abs(one))]) for one in series]
-    lines = [f"{line:<80}" for line in text] + number_lines(len(acceleration), dt, peaks, component)
+    times = [peak_time(one, dt) for one in series]
+    lines = [f"{line:<80}" for line in text] + number_lines(len(acceleration), dt, peaks, times, component)
     units = _UNITS.get(heading, _UNITS[NEW])
     for kind, unit, one in zip(("accel", "veloc", "displ"), units, series, strict=True):
         if kind[0] in blocks:

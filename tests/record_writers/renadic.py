@@ -52,9 +52,13 @@ def renadic(
             f"UNITS OF UNCOR ACCEL ARE SEC AND G/10.     MAX  ={np.max(np.abs(values)) / 10.0:7.3f} G, "
             f"AT {first + at * dt:7.3f} SEC",
             "RMS ACCEL OF COMPLETE RECORD = 0.082 G",
-            *["    0" * 16] * 6,
+            "    0" * 16,
+            f"{'    0' * 11}{points % 100_000:5d}{'    0' * 4}",
+            *["    0" * 16] * 4,
             "    0" * 4,
-            *["     0.000" * 8] * 6,
+            f"{'     0.000' * 2}{points * dt:10.3f}{'     0.000' * 3}{np.max(np.abs(values)) / 10.0:10.3f}"
+            f"{first + at * dt:10.3f}",
+            *["     0.000" * 8] * 5,
             "     0.000" * 2,
             *rows([f"{first + dt * index:7.3f}{value:7.3f}" for index, value in enumerate(values)], 5),
             f"/&  ----------  END OF DATA FOR CHANNEL {number}  ----------",

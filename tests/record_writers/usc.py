@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from record_writers._shared import NOTE, azimuth_code, retold, rows
+from record_writers._shared import NOTE, azimuth_code, peak_time, retold, rows
 from record_writers.csmip_v2 import correction_lines, fortran, integral, number_lines
 from rockpulse.record.record import Record
 
@@ -56,8 +56,8 @@ def usc_v1(
     fields = [fortran(number, 7) for pair in zip(times, values, strict=True) for number in pair]
     lines = [
         *(f"{line:<72}{len(line):<8d}" for line in text),
-        *rows([*["    0"] * 26, f"{azimuth_code(component):5d}", *["    0"] * 73], 16),
-        *rows(["      .000"] * 50, 8),
+        *rows([*["    0"] * 26, f"{azimuth_code(component):5d}{len(values):5d}", *["    0"] * 72], 16),
+        *rows([*["      .000"] * 2, fortran(times[-1]), *["      .000"] * 47], 8),
         *(f" {row}" for row in rows(fields, 10)),
     ]
     return (end.join(lines) + end).encode("latin-1")
@@ -98,7 +98,7 @@ def usc_v2(
     ]
     lines = [title, *(f"{line:<72}{len(line):<3d}VOL1" for line in text), *correction, *closing]
     peaks = [float(one[np.argmax(np.abs(one))]) for one in series]
-    lines += number_lines(len(acceleration), dt, peaks, component)
+    lines += number_lines(len(acceleration), dt, peaks, [peak_time(one, dt) for one in series], component)
     for kind, one in zip(("ACC", "VEL", "DISP"), series, strict=True):
         if kind[0].lower() in blocks:
             lines.append(f"{len(one):6d} POINTS OF {kind} DATA EQUALLY SPACED AT {fortran(dt, 6)} SEC.")

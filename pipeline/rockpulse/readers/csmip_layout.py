@@ -17,7 +17,7 @@ from rockpulse.errors import RecordFormatError
 from rockpulse.readers.channel import build_record
 from rockpulse.readers.channel_count import Counted, completeness
 from rockpulse.readers.clock import ZONES, clock_fault, written
-from rockpulse.readers.csmip_integers import channel_count, direction_code, one_direction
+from rockpulse.readers.csmip_numbers import channel_count, direction_code, one_direction
 from rockpulse.readers.facing import on_structure
 from rockpulse.readers.facts import NOTHING, Facts, coordinates, magnitudes, stated
 from rockpulse.readers.fields import check_count, fixed_width, text_lines

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import copy
-import re
 from dataclasses import dataclass
 from typing import Any
 
@@ -11,21 +10,10 @@ import numpy as np
 
 from rockpulse.errors import RecordFormatError, RecordRefused
 from rockpulse.readers.obspy_bridge import obspy_notes
-from rockpulse.readers.source import NotAcceleration
-from rockpulse.record.record import STANDARD_GRAVITY
+from rockpulse.readers.sensitivity import GAIN_TOLERANCE, first_stage, measured, turned
 
-__all__ = ["Removed", "pass_band", "sensitivity_factor", "sensitivity_notes", "without_response"]
+__all__ = ["Removed", "pass_band", "without_response"]
 
-#: Quantity that a unit without its prefix measures, and SI units per prefix.
-_QUANTITIES = {"M": "displacement", "M/S": "velocity", "M/S2": "acceleration"}
-_PREFIXES = {"": 1.0, "C": 1e-2, "M": 1e-3, "U": 1e-6, "N": 1e-9}
-#: Input units that a response may have: spelling without signs of powers, quantity, SI units per unit.
-_MOTION = {
-    prefix + word: (quantity, scale) for word, quantity in _QUANTITIES.items() for prefix, scale in _PREFIXES.items()
-}
-_MOTION |= {"G": ("acceleration", STANDARD_GRAVITY), "GAL": ("acceleration", 0.01), "GALS": ("acceleration", 0.01)}
-#: Units of sensors that share a station with accelerometers and record no motion of the ground.
-_NO_MOTION = frozenset({"PA", "HPA", "KPA", "MBAR", "C", "DEGC", "K", "T", "NT", "%", "M/M", "RAD", "RAD/S", "RAD/S2"})
 #: SI units as obspy spells them; it scales the others under some of their spellings only.
 _OBSPY_UNITS = {"displacement": "M", "velocity": "M/S", "acceleration": "M/S**2"}
 
@@ -33,8 +21,6 @@ _OBSPY_UNITS = {"displacement": "M", "velocity": "M/S", "acceleration": "M/S**2"
 RESPONSE_FLOOR = 0.01
 #: Begin and end of the upper taper, as shares of the highest frequency of the pass band.
 UPPER_TAPER = (0.8, 0.95)
-#: The stages of a response and its stated sensitivity may differ by this share before it is reported.
-_GAIN_TOLERANCE = 0.05
 #: A pass band that begins above this [Hz] is reported: pulses near a fault last several seconds.
 LONG_PULSES = 0.05
 #: Half-waves longer than this share of the period at which the pass band begins lose 4 % of their impulse and more.
@@ -51,70 +37,6 @@ class Removed:
     factor: float  # m/s2 per count at the frequency of the sensitivity; the samples carry the rest of the response
     note: str  # the method, for the processing of the record
     warnings: tuple[str, ...]
-
-
-def sensitivity_factor(where: str, response: Any) -> float:
-    """m/s2 per count from the overall sensitivity of an accelerometer; `where` names file and channel in messages.
-
-    Raises
-    ------
-    NotAcceleration
-        If the instrument records velocity, displacement, or no motion.
-    RecordRefused
-        If no sensitivity is stated, or one per an unknown unit.
-    """
-    sensitivity = response.instrument_sensitivity
-    if sensitivity is None or not sensitivity.value:
-        raise RecordRefused(f"{where} is in counts and its response states no sensitivity; get the full StationXML")
-    if not np.isfinite(float(sensitivity.value)):
-        raise RecordFormatError(
-            f"{where}: expected a finite sensitivity of the instrument, found {sensitivity.value}; correct the "
-            "StationXML"
-        )
-    quantity, scale = _measured(where, sensitivity.input_units)
-    if quantity != "acceleration":
-        raise NotAcceleration(
-            f"{where} records {sensitivity.input_units}, expected an acceleration (M/S**2); use the accelerometer "
-            "channel of the station (code ending in NE, NN, NZ), or have the response removed (response='remove')"
-        )
-    return scale / float(sensitivity.value)
-
-
-def sensitivity_notes(response: Any) -> list[str]:
-    """Warnings where a sensitivity is negative, or is not the product of the gains of the stages."""
-    value = float(response.instrument_sensitivity.value)
-    notes = [] if value > 0.0 else [f"the sensitivity is negative, {value:g}: the sign of the record is turned"]
-    gains = [float(stage.stage_gain) for stage in response.response_stages or [] if stage.stage_gain is not None]
-    if not gains:
-        return notes
-    units = (response.instrument_sensitivity.input_units, _first_stage(response).input_units)
-    total, stages = (_MOTION.get(_spelled(unit), ("", 1.0)) for unit in units)
-    if total[0] and stages[0] and total[0] != stages[0]:
-        return [*notes, f"the sensitivity is stated for {total[0]}, the stages of the response begin with {stages[0]}"]
-    per_unit = total[1] / stages[1] if total[0] and stages[0] else 1.0
-    share = float(np.prod(gains)) * per_unit / value - 1.0
-    if not abs(share) <= _GAIN_TOLERANCE:
-        notes.append(f"the stages of the response differ from its sensitivity by {100.0 * share:.3g} %")
-    return notes
-
-
-def _spelled(unit: Any) -> str:
-    """An input unit in the spelling of `_MOTION`."""
-    word = re.sub(r"SEC(OND)?S?", "S", re.sub(r"[\s^*().]", "", str(unit).upper()))
-    return re.sub(r"(/S/S|S-2)$", "/S2", re.sub(r"(?<!/)S-1$", "/S", word))
-
-
-def _measured(where: str, unit: Any) -> tuple[str, float]:
-    """The quantity that the input unit of a response measures, and SI units per unit."""
-    word = _spelled(unit)
-    if word in _NO_MOTION:
-        raise NotAcceleration(f"{where} records {unit}, expected ground motion, such as M/S**2")
-    if word not in _MOTION:
-        raise RecordRefused(
-            f"{where}: unknown input unit {unit!r} of the response; expected M, M/S, M/S**2 (C, M, U or N before it), "
-            "G or GAL; correct the StationXML"
-        )
-    return _MOTION[word]
 
 
 def without_response(where: str, counts: np.ndarray, dt: float, response: Any) -> Removed:
@@ -187,17 +109,13 @@ def _input_unit(where: str, response: Any) -> tuple[str, str, float]:
     if any(isinstance(stage, PolynomialResponseStage) for stage in stages):
         raise RecordRefused(f"{where}: the response is a polynomial, which is not read; use the sensitivity")
     sensitivity = response.instrument_sensitivity
-    unit = str(_first_stage(response).input_units or (sensitivity and sensitivity.input_units))
-    return (unit.upper(), *_measured(where, unit))
-
-
-def _first_stage(response: Any) -> Any:
-    return min(response.response_stages, key=lambda stage: stage.stage_sequence_number)
+    unit = str(first_stage(response).input_units or (sensitivity and sensitivity.input_units))
+    return (unit.upper(), *measured(where, unit))
 
 
 def _in_si(response: Any, unit: str) -> Any:
     """The response with an SI unit at the input of its first stage, in counts per unit of the file."""
-    first = _first_stage(response)
+    first = first_stage(response)
     renamed = copy.copy(first)
     renamed.input_units = unit
     result = copy.copy(response)
@@ -210,13 +128,13 @@ def _disagreement(where: str, response: Any, size: float, quantity: str, scale: 
     sensitivity = response.instrument_sensitivity
     if np.isnan(size):
         return []
-    measured, per_unit = _measured(where, sensitivity.input_units) if sensitivity.input_units else (quantity, scale)
-    if measured != quantity:
-        return [f"the sensitivity is stated for {measured}, the stages of the response begin with {quantity}"]
+    found, per_unit = measured(where, sensitivity.input_units) if sensitivity.input_units else (quantity, scale)
+    if found != quantity:
+        return [f"the sensitivity is stated for {found}, the stages of the response begin with {quantity}"]
     share = (size / scale) / (abs(float(sensitivity.value)) / per_unit) - 1.0
-    if abs(share) <= _GAIN_TOLERANCE:
-        return []
-    return [f"the stages of the response differ from its sensitivity by {100.0 * share:.3g} %"]
+    if abs(share) <= GAIN_TOLERANCE:
+        return turned(sensitivity)
+    return [*turned(sensitivity), f"the stages of the response differ from its sensitivity by {100.0 * share:.3g} %"]
 
 
 def pass_band(response: Any, dt: float, count: int) -> tuple[float, float, float, float]:

@@ -17,8 +17,9 @@ from rockpulse.readers.channel import build_record
 from rockpulse.readers.clipping import clipping_warning
 from rockpulse.readers.facing import Direction
 from rockpulse.readers.format import ReadOptions
-from rockpulse.readers.instrument import sensitivity_factor, without_response
+from rockpulse.readers.instrument import without_response
 from rockpulse.readers.obspy_bridge import utc_time
+from rockpulse.readers.sensitivity import sensitivity_factor, sensitivity_notes
 from rockpulse.readers.source import SourceFile
 from rockpulse.readers.units import UNITS, canonical_unit
 from rockpulse.record.record import Orientation, Record, record_id
@@ -226,6 +227,7 @@ def _new(
             samples, factor = removed.samples, removed.factor
         elif factor is None:
             factor = sensitivity_factor(where, stats.response)
+            warnings = sensitivity_notes(stats.response)
         if not (np.isfinite(factor) and factor != 0.0):
             raise UnitError(f"{where}: expected a factor in m/s2 per count other than 0, found {factor!r}")
     record = build_record(

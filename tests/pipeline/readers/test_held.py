@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from rockpulse.readers.csmip_integers import channel_count, direction_code, one_direction
+from rockpulse.readers.csmip_numbers import channel_count, direction_code, held_count, one_direction, real
 from rockpulse.readers.facing import Direction, direction
 from rockpulse.readers.held import (
     held_direction,
@@ -134,3 +134,31 @@ def test_a_direction_that_another_line_repeats():
         "another line of the header 'S00E': the direction is unknown"
     )
     assert one_direction("90 Deg", 90, ("90 DEG", "?")) == Direction("horizontal", 90.0)
+
+
+#: Seven rows of integers, then the first rows of reals, whose fields touch.
+BEHIND = [
+    *ROWS,
+    *["    0" * 16] * 4,
+    "    0" * 4,
+    "  .0050000  .7071000 354.30000  .0213656 1.0000000 4989.6760 -.5666587 39.410000",
+    " 200.00000 2.3841880  .4778242-999.00000 10.000000-999.00000 4.0000000      .000",
+]
+
+
+def test_the_reals_of_a_channel():
+    assert [real(BEHIND, number).strip() for number in (3, 7, 8, 9)] == [
+        "354.30000",
+        "-.5666587",
+        "39.410000",
+        "200.00000",
+    ]
+    assert [real(BEHIND, number) for number in (12, 16, 17)] == ["", "", ""]  # unknown, zero, not there
+    assert real(["words", *BEHIND], 8) == " 39.410000"
+    assert real([], 3) == real(BEHIND[:7], 3) == ""
+
+
+def test_the_count_in_the_integers():
+    assert held_count(BEHIND, 35430) == held_count([], 35430) == held_count(["    0" * 16] * 7, 35430) == []
+    assert held_count(BEHIND, 35429) == ["integer 28 of the header states 35430 points, the text 35429"]
+    assert held_count(BEHIND, 135_430) == []  # for which there is no room

@@ -90,7 +90,7 @@ WARNINGS = {
     "csmip_v1/LA116TH.RAW": 3,  # unequal steps
     "dyna_asc/20101114230825_3104_ap_RawAcc_E.asc": 1,  # processing without corner frequencies
     "dyna_asc_afad/20230206011732_0201_ap_AAD_Acc_E.asc": 1,  # the peak of the header is 2 % off
-    "renadic/curico1002271parte1.v1": 6,  # a dead channel; part 1 alone
+    "renadic/curico1002271parte1.v1": 9,  # a dead channel; part 1 alone; times of peaks that are 20 s too early
     "renadic/cuya0911131.v1": 3,  # a clock that was never set
     "smc/891018_1.cra-1.0210j.smc": 2,  # unequal steps; a row too many
     "unam_asa/CUP50401.012": 3,  # a count that is not that of the rows

@@ -14,6 +14,7 @@ from rockpulse.errors import RecordFormatError
 from rockpulse.readers.csmip_layout import (
     HEADER_LINES,
     LONGEST_LINE,
+    TEXT_LINES,
     Header,
     channels,
     equal_block,
@@ -21,6 +22,7 @@ from rockpulse.readers.csmip_layout import (
     missing_channels,
     read_header,
 )
+from rockpulse.readers.csmip_numbers import held_count, held_peak_real, real
 from rockpulse.readers.fields import check_count, printed_number
 from rockpulse.readers.format import Format, ReadOptions
 from rockpulse.readers.held import held_length, held_peak_time, held_units
@@ -77,12 +79,14 @@ def _channel(
     match = _PEAK.search(lines[start + 11][:LONGEST_LINE])
     peak, rounding = printed_number(match[1]) if match else (float("nan"), 0.0)
     block = _block(file.name, lines, start, end)
-    if match and match[2]:
-        block = block.noting(*held_peak_time(match[2], block.times, block.values))
+    behind = lines[start + TEXT_LINES : start + HEADER_LINES]
+    times = [(match and match[2]) or "", real(behind, 8)]
+    told = _check_length(lines[start + 10], behind, block) + held_peak_real(behind, 7, block, STANDARD_GRAVITY)
+    told += [note for text in times for note in held_peak_time(text, block.times, block.values)]
     return header.record(
         file,
         number,
-        block,
+        block.noting(*dict.fromkeys(told)),
         format=format,
         processed=False,
         peak=(peak * STANDARD_GRAVITY, rounding * STANDARD_GRAVITY),
@@ -96,7 +100,7 @@ def _block(name: str, lines: Sequence[str], start: int, end: int) -> Block:
         count = declared_points(lines[start + 10], f"{name}:{start + 11}")
         unit = pair_unit(lines[start + 11], f"{name}:{start + 12}")
         block = pair_block(name, lines, first, end, count, unit)
-        return block.noting(*_check_length(lines[start + 10][:LONGEST_LINE], block))
+        return block.noting(*held_count(lines[start + TEXT_LINES : first], count))
     if heading.kind != "acceleration":
         raise NotAcceleration(
             f"{name}:{first + 1}: expected points of acceleration, found {heading.kind}; "
@@ -105,12 +109,13 @@ def _block(name: str, lines: Sequence[str], start: int, end: int) -> Block:
     block = equal_block(name, lines, heading, end, heading.unit)
     named = _UNIT.match(lines[start + 11][:LONGEST_LINE])
     stated = [(f"line {first + 1}", block.unit), *([(f"line {start + 12}", named[1].lower())] if named else [])]
-    counted = _check_text(lines[start + 10][:LONGEST_LINE], block, f"{name}:{first + 1}")
+    _check_text(lines[start + 10][:LONGEST_LINE], block, f"{name}:{first + 1}")
+    counted = held_count(lines[start + TEXT_LINES : first], block.samples.size)
     return block.noting(*counted, *held_units(stated))
 
 
-def _check_text(line: str, block: Block, where: str) -> list[str]:
-    """Check number, rate and length in the text against the heading; a wrong length alone is but a warning."""
+def _check_text(line: str, block: Block, where: str) -> None:
+    """Check number and rate in the text against the heading."""
     points, rate = _POINTS.search(line), _RATE.search(line)
     count, step = block.samples.size, block.dt
     if points and int(points[1]) != count:
@@ -125,14 +130,14 @@ def _check_text(line: str, block: Block, where: str) -> list[str]:
                 f"{where}: expected {number:g} samples/sec (text of the channel), found a heading with {1.0 / step:g}; "
                 "the file is damaged: download it again"
             )
-    return _check_length(line, block)
 
 
-def _check_length(line: str, block: Block) -> list[str]:
-    """A warning where the length in the text is not that of the samples, or of the pairs as the file holds them."""
-    length = _LENGTH.search(line)
-    spare = _LENGTH_TOLERANCE * block.duration
-    return held_length(length[1], round(block.duration / block.dt), block.dt, spare) if length else []
+def _check_length(line: str, behind: Sequence[str], block: Block) -> list[str]:
+    """Warnings where the length in the text, or real 3, is not that of the samples or pairs as the file holds them."""
+    length = _LENGTH.search(line[:LONGEST_LINE])
+    count, spare = round(block.duration / block.dt), _LENGTH_TOLERANCE * block.duration
+    stated = [length[1] if length else "", real(behind, 3)]
+    return [note for text in stated for note in held_length(text, count, block.dt, spare)]
 
 
 FORMATS = (

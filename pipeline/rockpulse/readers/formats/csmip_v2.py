@@ -23,6 +23,7 @@ from rockpulse.readers.csmip_layout import (
     missing_channels,
     read_header,
 )
+from rockpulse.readers.csmip_numbers import held_peak_real, real
 from rockpulse.readers.fields import check_count, printed_number
 from rockpulse.readers.format import Format, ReadOptions
 from rockpulse.readers.held import held_length, held_lengths_of_units, held_peak_time
@@ -90,7 +91,7 @@ def read_corrected(file: SourceFile, format: str, header: Callable[[Sequence[str
         unit, peak = _unit_and_peak(text, heading, file.name, start + 1)
         block = equal_block(file.name, lines, heading, behind, unit)
         _check_correction(text, block, f"{file.name}:{heading.at + 1}")
-        block = block.noting(*_held(text, block))
+        block = block.noting(*_held(text, lines[start + _ALL_TEXT : heading.at], block))
         records.append(
             headers[-1].record(
                 file,
@@ -191,15 +192,23 @@ def _check_correction(text: Sequence[str], block: Block, where: str) -> None:
             )
 
 
-def _held(text: Sequence[str], block: Block) -> list[str]:
-    """Warnings where length, time of the peak, or the units of the peaks in the text contradict the block."""
+def _held(text: Sequence[str], behind: Sequence[str], block: Block) -> list[str]:
+    """Warnings where length, peak and its time, interval or the units of the peaks contradict the block.
+
+    They stand in the text and in reals 60 (length), 61 (interval), 65 (time of the peak) and 66 (peak in cm/s2).
+    """
     length, peak = _first(_LENGTH, text), _first(_PEAK, text)
     others = [match[1] for line in text if (match := _OTHER_PEAKS.match(line))]
     spare = _LENGTH_TOLERANCE * block.duration
-    notes = held_length(length[1], block.values.size, block.dt, spare) if length else []
-    if peak and peak[3]:
-        notes += held_peak_time(peak[3], block.times, block.values)
-    return notes + (held_lengths_of_units([peak[2], *others]) if peak else [])
+    lengths, times = [length[1] if length else "", real(behind, 60)], [(peak and peak[3]) or "", real(behind, 65)]
+    notes = [note for one in lengths for note in held_length(one, block.values.size, block.dt, spare)]
+    notes += [note for one in times for note in held_peak_time(one, block.times, block.values)]
+    notes += held_peak_real(behind, 66, block, UNITS["cm/s2"])
+    interval = real(behind, 61)
+    step, rounding = printed_number(interval) if interval else (block.dt, 0.0)
+    if abs(step - block.dt) > 1.01 * rounding:
+        notes.append(f"real 61 of the header states an interval of {step:g} s, the heading {block.dt:g} s")
+    return list(dict.fromkeys(notes)) + (held_lengths_of_units([peak[2], *others]) if peak else [])
 
 
 def _correction(correction: Sequence[str]) -> list[str]:

@@ -12,8 +12,9 @@ from rockpulse.readers.channel import build_record, usable_channels
 from rockpulse.readers.clipping import clipping_warning
 from rockpulse.readers.facts import stated
 from rockpulse.readers.format import Format, ReadOptions
-from rockpulse.readers.instrument import sensitivity_factor, sensitivity_notes, without_response
+from rockpulse.readers.instrument import without_response
 from rockpulse.readers.obspy_bridge import obspy_stream, seed_direction, utc_time
+from rockpulse.readers.sensitivity import sensitivity_factor, sensitivity_notes
 from rockpulse.readers.source import SourceFile
 from rockpulse.readers.station_xml import PROCESSED, station_channel
 from rockpulse.record.record import Record
@@ -110,9 +111,9 @@ def _miniseed_channel(file: SourceFile, traces: list[Any], number: int, options:
 
 
 def _held_rate(rate: float, channel: Any) -> list[str]:
-    """A warning where the StationXML states another sampling rate than the data [1/s]; 0 there means unknown."""
-    told = float(channel.sample_rate or 0.0)
-    if told == 0.0 or abs(told - rate) <= _RATE_TOLERANCE * rate:
+    """A warning where the StationXML states another sampling rate than the data [1/s]."""
+    told = rate if channel.sample_rate is None else float(channel.sample_rate)
+    if abs(told - rate) <= _RATE_TOLERANCE * rate:
         return []
     return [f"the StationXML states {told:g} samples per s, the data {rate:g}; the interval is that of the data"]
 

@@ -13,8 +13,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from rockpulse.readers.clock import instant
-from rockpulse.readers.csmip_integers import direction_code
 from rockpulse.readers.csmip_layout import HEADER_LINES, TEXT_LINES, Header, channels
+from rockpulse.readers.csmip_numbers import direction_code, held_count, real
 from rockpulse.readers.facing import on_structure
 from rockpulse.readers.facts import Facts, coordinates, stated
 from rockpulse.readers.fields import check_count, printed_number
@@ -71,8 +71,8 @@ def read_usc_v1(file: SourceFile, options: ReadOptions) -> list[Record]:
         count = declared_points(lines[start + 10], f"{file.name}:{start + 11}")
         unit = pair_unit(lines[start + 11], f"{file.name}:{start + 12}")
         block = pair_block(file.name, lines, start + HEADER_LINES, end, count, unit)
-        text = [line[:_WORDS] for line in lines[start : start + TEXT_LINES]]
-        header = _header(lines[start : start + HEADER_LINES]).noting(*copies, *_held(text, block))
+        header = _header(lines[start : start + HEADER_LINES])
+        header = header.noting(*copies, *_held(lines[start : start + HEADER_LINES], count, block))
         records.append(header.record(file, number, block, format="usc_v1", processed=False))
     return records
 
@@ -82,13 +82,16 @@ def read_usc_v2(file: SourceFile, options: ReadOptions) -> list[Record]:
     return read_corrected(file, "usc_v2", _header)
 
 
-def _held(text: Sequence[str], block: Block) -> list[str]:
-    """Warnings where the duration, or the root of the mean square with its unit, contradicts the pairs.
+def _held(lines: Sequence[str], points: int, block: Block) -> list[str]:
+    """Warnings where count, duration, or the root of the mean square with its unit, contradicts the pairs.
 
     The format states no peak: the root of the mean square is what the unit can be held against.
     """
-    duration, square = _DURATION.match(text[10]), _MEAN_SQUARE.match(text[12])
-    notes = held_length(duration[1], round(block.duration / block.dt), block.dt) if duration else []
+    duration, square = _DURATION.match(lines[10][:_WORDS]), _MEAN_SQUARE.match(lines[12][:_WORDS])
+    behind = lines[TEXT_LINES:]
+    lengths = [duration[1] if duration else "", real(behind, 3)]
+    notes = held_count(behind, points)
+    notes += [note for text in lengths for note in held_length(text, round(block.duration / block.dt), block.dt)]
     if not square:
         return notes
     number, rounding = printed_number(square[1])
