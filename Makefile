@@ -8,7 +8,7 @@ KERNEL_TESTS := $(patsubst %,tests/models/test_%.py,recorded linear nonlinear fi
 	sequence_lanes)
 LONG_IN_PYTHON := test_quarter_period or from_housners_threshold or more_half_cycles_than or same_without_compilation or slow_hops
 
-.PHONY: help install run test test-slow test-sweeps test-python samples schema mutate fuzz kernel-cache lint types doctest wheel docs docs-test docs-pictures clean
+.PHONY: help install run test test-slow test-sweeps test-python samples schema mutate mutants fuzz kernel-cache lint types doctest wheel docs docs-test docs-pictures clean
 
 help:  ## list the targets
 	@grep -hE '^[a-z-]+: .*##' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):[^#]*## (.*)/  \1\t\2/' | expand -t 16
@@ -53,6 +53,11 @@ fuzz:  ## damage to every sample on every reader, MINUTES=60 long, from the seed
 	@if $(PYTHON) -c "import atheris" 2>/dev/null; then $(PYTHON) tests/fuzz_coverage.py --minutes $(MINUTES); else \
 		echo "without atheris (pip install -e '.[fuzz]', Linux) there is no coverage-guided run"; fi
 	$(PYTHON) tests/fuzz.py --minutes $(MINUTES) --first $(FIRST)
+
+COUNT ?= 400
+SEED ?= 1
+mutants:  ## COUNT=400 single changes of operators and constants, drawn by SEED=1: the tests notice (an hour)
+	$(PYTHON) tests/mutants/sample.py --count $(COUNT) --seed $(SEED)
 
 lint:  ## ruff: format and rules
 	$(PYTHON) -m ruff format --check .
