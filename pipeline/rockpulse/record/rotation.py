@@ -147,7 +147,7 @@ def strongest_azimuth(
             found[azimuth] = float(np.max(np.abs(waves.impulse), initial=0.0))
         return found[azimuth]
 
-    coarse = STEPS[0] * np.arange(round(180.0 / STEPS[0]))
+    coarse = np.arange(0.0, 180.0, STEPS[0])
     values = np.array([impulse(azimuth) for azimuth in coarse])
     high = (values >= np.roll(values, 1)) & (values >= np.roll(values, -1)) & (values >= MAXIMA_SHARE * values.max())
     maxima = np.flatnonzero(high)

@@ -131,8 +131,8 @@ def test_the_interval_covers_the_mean_of_the_earthquakes_it_was_not_given():
 
 def test_a_body_stays_only_where_no_motion_lifts_any_of_its_draws():
     rest = [Outcome.AT_REST] * 2
-    assert verdict(probable([0.0, 0.0], uplift=9e-4, outcomes=rest)).grade == Grade.STAYS
-    assert verdict(probable([0.0, 0.0], uplift=np.array([0.0, 0.002]), outcomes=rest)).grade == Grade.ROCKS
+    assert verdict(probable([0.0, 0.0], uplift=0.999e-3, outcomes=rest)).grade == Grade.STAYS
+    assert verdict(probable([0.0, 0.0], uplift=np.array([0.0, 1e-3]), outcomes=rest)).grade == Grade.ROCKS
     assert verdict(probable([0.0, 0.0], uplift=np.array([0.0, NAN]), outcomes=rest)).grade == Grade.ROCKS
     assert verdict(probable([0.0, 0.0], uplift=0.0, outcomes=rest)).at_rest == 2
 

@@ -29,7 +29,7 @@ from rockpulse import (
     UncertaintySettings,
 )
 from rockpulse.assessment.assessment import Assessment
-from rockpulse.batch.plan import configuration_fingerprint, read_options, tasks_of
+from rockpulse.batch.plan import configuration_fingerprint, digest_of, read_options, tasks_of
 from rockpulse.batch.survey import gather, survey_file
 from rockpulse.config.configuration import Config
 from rockpulse.motions.directions import conditioned_motions, planned_ids
@@ -281,6 +281,30 @@ def test_what_is_confirmed_changes_the_fingerprints_of_the_tasks_that_it_names(s
     named = fingerprints(samples, config(include_vertical=True, confirm=("CI.CLC*Up*", "*CCC*90@*")))
     changed = {name.partition("@")[0] for name in plain if plain[name] != named[name]}
     assert changed == {"CI.CLC..360", "CI.CLC..90", "CI.CCC..90"}
+
+
+def test_what_a_run_is_asked_for_is_every_record_the_earthquake_of_each_and_the_whole_configuration(samples, tmp_path):
+    weighted = replace(config(), calibration=CalibrationSettings(weights="w.csv"), folder=tmp_path)
+    (tmp_path / "w.csv").write_text("record,weight\na,1\n")
+    tasks, _ = planned(samples, weighted)
+    events = dict.fromkeys((task.key for task in tasks), "one")
+    plain = digest_of(tasks, events, weighted, "assess")
+    assert digest_of(tasks[::-1], events, weighted, "assess") == plain
+    assert digest_of(tasks, events, replace(weighted, run=RunSettings(workers=3)), "assess") == plain
+    last = tasks[-1]
+    seen = {
+        plain,
+        digest_of(tasks, events, weighted, "fragility"),
+        digest_of(tasks, events, replace(weighted, site=SiteSettings(name="x")), "assess"),
+        digest_of(tasks, events, replace(weighted, run=RunSettings(seed=3)), "assess"),
+        digest_of(tasks[:-1], events, weighted, "assess"),
+        digest_of(tasks, {**events, last.key: "other"}, weighted, "assess"),
+        digest_of([*tasks[:-1], replace(last, fingerprint="x")], events, weighted, "assess"),
+        digest_of([*tasks[:-1], replace(last, planned=replace(last.planned, name="x"))], events, weighted, "assess"),
+    }
+    (tmp_path / "w.csv").write_text("record,weight\na,2\n")
+    seen.add(digest_of(tasks, events, weighted, "assess"))
+    assert len(seen) == 9
 
 
 def test_another_selection_of_records_is_another_task(tmp_path):

@@ -220,6 +220,15 @@ def test_note_gives_the_velocity_that_is_cut_off_with_the_pad():
     assert abs(velocity) > 0.1
 
 
+@pytest.mark.parametrize(("corner", "share"), [({"lowpass_hz": 5.0}, 0.5), ({"highpass_hz": 0.5}, 0.0)])
+def test_half_of_an_impulse_at_the_first_sample_is_cut_off_with_the_pad(corner, share):
+    """By symmetry: without phase half of it comes before the first sample, of a gain of 1 at rest or of 0."""
+    motion = record([2.0] + [0.0] * 4000)
+    note = condition(motion, "none", taper_s=0.0, **corner).processing[-1]
+    stated = float(note.split("with a velocity of ")[1].split()[0])
+    assert stated == pytest.approx(share * 2.0 * 0.01, rel=1e-3, abs=1e-6)
+
+
 def test_taper_is_a_cosine_that_leaves_the_middle_alone():
     tapered = condition(record(np.ones(1001)), "none", taper_s=2.0).acceleration
     assert tapered[[0, 50, 100, 150, 200, 500, 800, 900, 1000]] == pytest.approx(

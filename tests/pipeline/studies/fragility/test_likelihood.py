@@ -76,6 +76,15 @@ def test_weights_count_rows_as_often():
     np.testing.assert_allclose(weighted, repeated[0], rtol=1e-10)
 
 
+@pytest.mark.parametrize(("apart", "there"), [(1e-6, True), (1e-7, False)])
+def test_two_columns_that_are_nearly_one_have_no_maximum(apart, there):
+    """Columns x and x + e y, x and y of variance 1, have a condition of about 4/e^2; beyond 1e14 it is refused."""
+    x, y = np.array([1.0, 1.0, -1.0, -1.0]), np.array([1.0, -1.0, 1.0, -1.0])
+    design = np.stack([np.ones(4), x, x + apart * y], axis=1)
+    found = maximise(FAMILIES["lognormal"], design, np.full(4, EXACT), np.ones((1, 4)))
+    assert np.all(np.isfinite(found)) == there
+
+
 @pytest.mark.parametrize(
     ("x", "kind", "there"),
     [
