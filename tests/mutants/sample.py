@@ -13,17 +13,15 @@ from __future__ import annotations
 
 import argparse
 import hashlib
-import os
-import subprocess
 import sys
 import tempfile
-import time
 import tomllib
 from collections import Counter
 from functools import cache
 from pathlib import Path
 
 from mutants import TOP, Mutant, mutants_of
+from trial import run
 
 HERE = Path(__file__).parent
 MODULES = (
@@ -35,8 +33,8 @@ MODULES = (
 )
 ADDED = tomllib.loads((HERE / "tests.toml").read_text())
 
-#: Time that a mutant gets: this, or as many times the time that the tests take without it [s].
-SHORTEST, TIMES = 20.0, 3.0
+#: Time that a mutant gets: this, or as many times the time that the tests take without it, and what these may take [s].
+SHORTEST, TIMES, LONGEST = 20.0, 3.0, 600.0
 
 
 def tests_of(module: str) -> list[str]:
@@ -48,25 +46,13 @@ def tests_of(module: str) -> list[str]:
     return [*([mirror] if (TOP / mirror).is_file() else []), *added]
 
 
-def run(tests: list[str], limit: float | None, mutated: str = "", mutant: str = "") -> str:
-    """Whether a mutant is seen by tests: "died", "survived" or "timed out"; without one, whether they pass."""
-    paths = [str(HERE), str(TOP / "pipeline"), str(TOP / "models")]
-    changed = {"MUTATED": mutated, "MUTANT": mutant, "PYTHONPATH": os.pathsep.join(paths)}
-    command = [sys.executable, "-m", "pytest", "-x", "-q", "-p", "no:cacheprovider", *tests]
-    try:
-        found = subprocess.run(command, cwd=TOP, env={**os.environ, **changed}, capture_output=True, timeout=limit)
-    except subprocess.TimeoutExpired:
-        return "timed out"
-    return "survived" if found.returncode == 0 else "died"
-
-
 @cache
 def limit_of(tests: tuple[str, ...]) -> float:
     """The time that a mutant gets in these tests [s]; ends the command where they fail without one."""
-    start = time.monotonic()
-    if run(list(tests), None) != "survived":
+    fate, seconds = run(list(tests), LONGEST, "", "")
+    if fate != "survived":
         sys.exit(f"these tests fail on the sources as they are: {' '.join(tests)}")
-    return max(SHORTEST, TIMES * (time.monotonic() - start))
+    return max(SHORTEST, TIMES * seconds)
 
 
 def drawn(seed: int, count: int, only: str) -> list[Mutant]:
@@ -98,7 +84,7 @@ def main() -> int:
             with tempfile.TemporaryDirectory() as folder:
                 mutant = Path(folder, "mutant.py")
                 mutant.write_text(one.text())
-                fate = run(tests, limit, str(TOP / one.module), str(mutant))
+                fate, _ = run(tests, limit, str(TOP / one.module), str(mutant))
         if fate == "survived" and one.key in listed:
             fate = "equivalent"
         counts[fate] += 1
