@@ -260,6 +260,27 @@ def test_the_search_is_enough_on_a_recorded_motion(ccc):
     assert strongest_azimuth(short)[1] >= brute_force(short) * (1.0 - 1e-9)
 
 
+def test_the_fifth_of_the_maxima_of_the_whole_degrees_may_be_the_highest():
+    """Five pulses one after the other, each in a direction of its own; the last is 1.5e-5 stronger than the others.
+
+    At 154 degrees, 0.4 from its own, it has lost 1 - cos(0.4 degrees) = 2.4e-5 and is the weakest of the five.
+    """
+    azimuths, strengths = np.radians([0.0, 36.0, 72.0, 108.0, 154.4]), np.array([1.0, 1.0, 1.0, 1.0, 1.0 + 1.5e-5])
+    pulse = np.array([0.0, 1.0, 1.0, 0.0])
+    north, east = (np.kron(strengths * way(azimuths), pulse) for way in (np.cos, np.sin))
+    found, impulse = strongest_azimuth(facing(north, east, 0.0, 90.0))
+    assert found == pytest.approx(154.4)
+    own = np.max(np.abs(half_waves(channel(strengths[-1] * pulse, 0.0)).impulse))
+    assert impulse == pytest.approx(own, rel=1e-9)
+
+
+@pytest.mark.parametrize("beyond", [0.31, 1.34, 2.36, 30.0])
+def test_as_far_on_either_side_of_a_channel_its_share_is_the_same_bit_for_bit(beyond):
+    pair = Pair(channel(noise(0), 90.0), channel(np.zeros(1000), 0.0))
+    before, after = (rotate(pair, 90.0 + turn).acceleration for turn in (-beyond, beyond))
+    assert np.array_equal(before, after)
+
+
 def test_a_motion_at_rest_has_no_direction_and_takes_the_first():
     assert strongest_azimuth(Pair(channel(np.zeros(50), 90.0), channel(np.zeros(50), 0.0))) == (0.0, 0.0)
 
