@@ -39,6 +39,15 @@ def test_modes_act_in_parallel_as_integrated():
     assert found.acceleration[: times.size] == pytest.approx(expected, abs=1e-6 * np.max(np.abs(expected)))
 
 
+def test_a_mode_that_takes_no_part_leaves_the_motion_of_the_ground():
+    """From the first sample to the last one, with as many between two as the period asks for."""
+    for period, parts in ((0.4, 1), (0.2, 2)):
+        found = floor_motion(np.ones(10), 0.01, period=period, participation=0.0)
+        assert found.dt == pytest.approx(0.01 / parts)
+        assert found.acceleration.tolist() == [1.0] * (9 * parts + 1)
+        assert found.amplification == 1.0
+
+
 def test_the_floor_is_followed_until_it_is_quiet():
     ground = np.sin(2.0 * np.pi * np.arange(0.0, 4.0, 0.01) / 0.4)
     found = floor_motion(ground, 0.01, period=0.4, damping=0.02, quiet=1e-3)

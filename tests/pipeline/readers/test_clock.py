@@ -10,7 +10,7 @@ from rockpulse.readers.clock import written
 @pytest.mark.parametrize(
     ("behind", "hour"),
     [
-        *(("", 12), (" UTC", 12), ("Z", 12), (" gmt", 12), (" PST", 20), (" PDT", 19)),
+        *(("", 12), (" UTC", 12), (" UT", 12), ("Z", 12), (" gmt", 12), (" PST", 20), (" PDT", 19)),
         *((" ML 5.8", 12), (", Mw 6.3", 12), (" at depth", 12), (" km", 12)),
         *(("+01:00", 11), ("-0230", 14.5), (".5+09:00", 3)),
     ],

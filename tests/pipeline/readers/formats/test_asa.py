@@ -150,6 +150,10 @@ def test_stations_on_structures(write, station, place):
         (asa(TABLE).replace(b"/400/400/400", b"/400/x/400"), r"test.012:72: expected 'NUM. TOTAL DE MUESTRAS"),
         (asa(TABLE, intervals=(0.005, 0.004, 0.004)), r"test.012:47: expected intervals \[s\] that fit the rates"),
         (asa(TABLE, intervals=(0, 0, 0), rate=(1e-9, 250, 250)), r"test.012:47: expected intervals"),
+        (
+            asa(TABLE, intervals=(0, 0, 0)).replace(b"/250/250/250", b"/0/0/0"),
+            r"test.012:47: expected intervals .* found '/0/0/0' and '/0/0/0'",
+        ),
         (asa(TABLE, layout="4F10.3"), r"test.012:80: expected the format 3F10.3"),
         (asa(TABLE, headings=("V", "N00E", "N90E")), r"test.012:108: expected the directions of 3 channels"),
         (asa(TABLE, headings=("V", "N00E")), r"test.012:108: expected the directions of 3 channels"),
@@ -164,7 +168,7 @@ def test_stations_on_structures(write, station, place):
             r"test.012:110: expected 3 fields of 10",
         ),
     ],
-    ids=["more", "count", "rates", "interval", "layout", "swapped", "two", "header", "cut", "letter", "column"],
+    ids=["more", "count", "rates", "interval", "neither", "layout", "swapped", "two", "header", "cut", "letter", "column"],
 )
 def test_damage_is_named(write, content, message):
     with pytest.raises(RecordFormatError, match=message):
