@@ -196,7 +196,7 @@ def _scan(
     # Lanes with fewer factors than others repeat the last one.
     share = np.minimum(np.arange(points)[:, np.newaxis] / (counts[lanes] - 1.0), 1.0)
     factors = start[lanes] * (factor_max / start[lanes]) ** share
-    factors[0], factors[share == 1.0] = start[lanes], factor_max
+    factors[share == 1.0] = factor_max
     # The input as it is: what the search says of it must not differ from what a model says of it.
     factors = np.sort(np.vstack((factors, np.clip(1.0, start[lanes], factor_max))), axis=0)
     reach = _reach(exceeds, lanes, factors).T.reshape(-1)

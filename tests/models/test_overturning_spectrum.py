@@ -114,6 +114,16 @@ def test_the_interval_holds_the_error_of_the_interpolation(spectrum):
         assert min(math.log(value / low), math.log(high / value)) >= TWO_SIDED * INTERPOLATION * (1.0 - 1e-9)
 
 
+@pytest.mark.parametrize("p", [(1.5, 1.7), (1.7, 1.5)])
+def test_blocks_asked_for_together_have_the_factors_of_each_alone(spectrum, p):
+    both = vars(spectrum.factors(Block.from_parameters(p=p, alpha=0.1, restitution=0.9, log=False)))
+    for place, one in enumerate(p):
+        alone = vars(spectrum.factors(Block.from_parameters(p=[one], alpha=0.1, restitution=0.9, log=False)))
+        assert {name: values[place] for name, values in both.items()} == pytest.approx(
+            {name: values[0] for name, values in alone.items()}, rel=1e-12
+        )
+
+
 def test_blocks_that_the_spectrum_does_not_stand_for(spectrum):
     blocks = Block.from_parameters(
         p=[1.6, 1.6, 3.0, 1.6], alpha=[0.1, 0.4, 0.1, 0.1], restitution=[0.9, 0.8, 0.9, 0.5], log=False
