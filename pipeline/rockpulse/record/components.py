@@ -213,7 +213,7 @@ def align(vertical: Record, record: Record) -> np.ndarray:
 
 def uncovered(vertical: Record, record: Record) -> float:
     """Length of the part of a record that its vertical channel does not reach [s]."""
-    return max(0.0, record.duration - _overlap(record, vertical))
+    return record.duration - max(0.0, _overlap(record, vertical))
 
 
 def offset(record: Record, other: Record) -> float:

@@ -41,6 +41,12 @@ def test_vertical_that_ends_early_is_followed_by_zeros():
     assert uncovered(short, record("horizontal")) == pytest.approx(0.6)
 
 
+@pytest.mark.parametrize(("late", "bare"), [(-0.5, 0.5), (0.0, 0.0), (0.4, 0.4), (1.5, 0.99), (-60.0, 0.99)])
+def test_a_vertical_channel_leaves_no_more_of_a_record_without_motion_than_there_is(late, bare):
+    vertical = record("vertical", START + timedelta(seconds=late))
+    assert uncovered(vertical, record("horizontal")) == pytest.approx(bare)
+
+
 def test_other_sampling_is_interpolated_as_the_piecewise_linear_record_it_is():
     up = align(record("vertical", n=20, dt=0.05), record("horizontal"))
     assert up[:96] == pytest.approx(0.01 * np.arange(96))

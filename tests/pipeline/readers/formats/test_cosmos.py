@@ -143,7 +143,7 @@ def test_counts_without_a_gain_are_refused(write, reals, message):
     assert not isinstance(refusal.value, NotAcceleration)
 
 
-@pytest.mark.parametrize("reals", [{43: -999}, {42: 0.3125, 47: 4.0}, {42: 1.2553, 43: 2.5106}])
+@pytest.mark.parametrize("reals", [{43: -999}, {44: 0}, {42: 0.3125, 47: 4.0}, {42: 1.2553, 43: 2.5106}])
 def test_gains_that_the_header_confirms_or_does_not_question(write, reals):
     (record,) = read(write(counts(np.arange(100), reals=reals)))
     assert record.unit_factor == pytest.approx(0.298024e-6 / 1.25 * G, rel=0.01)
