@@ -248,6 +248,8 @@ def test_safety_factors_have_the_shape_of_the_lanes():
     [
         (-0.1, 3, None, "impulse"),
         (np.nan, 3, None, "impulse"),
+        ([[0.1, 0.2]], 3, None, r"impulse: expected a finite number or a \(q,\) array"),
+        (0.1, 3, [[0.5]], r"duration: expected a positive number or a \(q,\) array"),
         (0.1, 0, None, "half_cycles"),
         (0.1, 2.5, None, "half_cycles"),
         (0.1, None, None, "half_cycles"),

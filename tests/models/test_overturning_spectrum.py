@@ -7,7 +7,7 @@ import pytest
 from scipy.special import ndtr
 
 from rocking import Block, OverturningSpectrum, Uncertainty, critical_scale, spectrum_lanes
-from rocking.overturning_spectrum import INTERPOLATION, TWO_SIDED
+from rocking.overturning_spectrum import INTERPOLATION, TWO_SIDED, covered_range, slender_within
 from rockpulse.record.synthetic import synthetic_motion
 
 DT = 0.01
@@ -132,6 +132,17 @@ def test_blocks_that_the_spectrum_does_not_stand_for(spectrum):
     assert covered.tolist() == [True, False, False, False]
     with pytest.raises(ValueError, match=r"not for 3 of 4, the first one at place 1"):
         spectrum.factors(blocks)
+
+
+def test_the_ends_of_what_is_covered_belong_to_it_within_rounding():
+    least, most = np.array([0.675, 0.675 * (1.0 - 1e-8), 0.9, 0.9]), np.array([0.9, 0.9, 1.0, 1.0 + 1e-8])
+    assert covered_range(least, most).tolist() == [True, False, True, False]
+    p = np.array([0.5, 0.5 * (1.0 - 1e-8), 8.0, 8.0 * (1.0 + 1e-8)])
+    blocks = Block.from_parameters(p=p, alpha=0.1, restitution=0.9, log=False)
+    assert slender_within(blocks, np.array([0.5, 8.0])).tolist() == [True, False, True, False]
+    slender = np.array([3.5, 3.5 * (1.0 - 1e-8)])
+    blocks = Block.from_parameters(p=1.0, alpha=np.arctan(1.0 / slender), restitution=0.9, log=False)
+    assert slender_within(blocks, np.array([0.5, 8.0])).tolist() == [True, False]
 
 
 def test_a_range_too_narrow_for_the_lanes_is_not_covered(spectrum):

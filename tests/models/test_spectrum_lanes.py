@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from rocking import Block, Outcome, OverturningSpectrum, recorded_response, spectrum_lanes
-from rocking.spectrum_lanes import FIRST, LEAST_RESTITUTION, MOST_RESTITUTION, RATES, SECOND
+from rocking.spectrum_lanes import FIRST, LEAST_RESTITUTION, MOST_RESTITUTION, RATES, SECOND, neighbours
 from rockpulse.record.synthetic import synthetic_motion
 
 DT = 0.01
@@ -25,6 +25,13 @@ def test_default_frequency_parameters_are_close_enough_to_interpolate():
     assert RATES[0] == pytest.approx(0.5)
     assert RATES[-1] == pytest.approx(8.0)
     assert np.all(RATES[1:] / RATES[:-1] <= 1.13)
+
+
+def test_the_neighbours_of_bodies_are_the_parameters_on_both_sides_or_the_first_or_last_two():
+    middle = np.sqrt(RATES[3] * RATES[4])
+    assert neighbours(np.array([middle])).tolist() == RATES[3:5].tolist()
+    assert neighbours(np.array([RATES[0]])).tolist() == RATES[:2].tolist()
+    assert neighbours(RATES[[-1, 0]]).tolist() == RATES[[0, 1, -2, -1]].tolist()
 
 
 def test_lanes_fill_strength_and_restitution(lanes):

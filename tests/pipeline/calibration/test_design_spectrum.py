@@ -31,6 +31,13 @@ def test_a_power_law_is_read_between_the_nodes_without_error():
     np.testing.assert_allclose(DESIGN.factor(BODIES), SPEED / expected, rtol=1e-12)
 
 
+def test_one_body_without_lanes_is_one_of_them():
+    one = Block.from_parameters(p=2.0, alpha=0.1, restitution=0.9, log=False)
+    for found in (DESIGN.effective_impulse(one), DESIGN.factor(one), DESIGN.sequence(one).main):
+        assert found.shape == (1,)
+    assert DESIGN.effective_impulse(one)[0] == pytest.approx(0.2 * 2.0**0.5)
+
+
 def test_a_body_overturns_under_its_sequence_where_the_spectrum_exceeds_its_speed():
     factor = DESIGN.factor(BODIES)
     assert 10 < np.count_nonzero(factor <= 1.0) < 50
