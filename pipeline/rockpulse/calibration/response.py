@@ -149,7 +149,7 @@ def fit_sequence(
     return _fit(targets, start, spacing, confidence, np.random.default_rng(seed), threads, name)
 
 
-def envelope(fit: ResponseCalibration, share: float = 0.84, threads: int | None = None) -> ResponseCalibration:
+def envelope(fit: ResponseCalibration, share: float, threads: int | None = None) -> ResponseCalibration:
     """The calibration with the smallest main impulse that covers a share of the family, from one of the form "fit".
 
     I_s/I, dT, main count, duration, intervals and profiles stay those of the fit. `share` counts the blocks that the
