@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from recorded_cases import block_a, synthetic
 
-from rocking import Block, Outcome, Rung, choose_response, recorded_response
+from rocking import Block, Outcome, Rung, choose_response, ground_demand, recorded_response
 from rocking.fidelity import MEASURED_RANGE, SAFE_BUILD_UP
 
 DT = 0.01
@@ -97,6 +97,14 @@ def test_peaks_are_right_to_the_tolerance(held_out, tolerance):
         assert Rung.IMPULSIVE in used
     rocks = truth.outcome == Outcome.ROCKS
     assert np.max(np.abs(response.peak_rotation_ratio[rocks] - truth.peak_rotation_ratio[rocks])) <= tolerance
+
+
+def test_impulses_answer_only_where_the_build_up_bounds_the_peak_by_the_tolerance(held_out):
+    """The peak is at most 1.3 times the square of the build-up."""
+    ground, _, _ = held_out
+    build_up = np.multiply.outer(FACTORS, ground_demand(blocks(), ground, DT).build_up)
+    used = chosen(ground, output="peak", tolerance=0.3)[1]
+    assert np.all(1.3 * build_up[used == Rung.IMPULSIVE] ** 2 <= 0.3)
 
 
 def test_a_wider_tolerance_never_leaves_more_to_the_nonlinear_equation(held_out):

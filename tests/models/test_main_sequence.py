@@ -263,6 +263,13 @@ def test_bad_arguments_are_named(impulse, half_cycles, duration, message):
         resonance(block(), impulse, half_cycles, duration)
 
 
+def test_each_impulse_may_have_its_own_number_of_half_cycles():
+    together = resonance(block(), [0.1, 0.1], np.array([1, 3])).peak_rotation_ratio
+    assert together.tolist() == [float(resonance(block(), 0.1, count).peak_rotation_ratio) for count in (1, 3)]
+    with pytest.raises(ValueError, match="whole numbers of at least 1"):
+        resonance(block(), [0.1, 0.1], np.array([0, 3]))
+
+
 def test_negative_table_length_is_refused():
     with pytest.raises(ValueError, match="table_rows"):
         resonance(block(), 0.1, 3, table_rows=-1)

@@ -7,6 +7,7 @@ import pytest
 from scipy.special import ndtr
 
 from rocking import Block, OverturningSpectrum, Uncertainty, critical_scale, spectrum_lanes
+from rocking.lane_probability import lane_bells, tail_masses
 from rocking.overturning_spectrum import INTERPOLATION, TWO_SIDED, covered_range, slender_within
 from rockpulse.record.synthetic import synthetic_motion
 
@@ -112,6 +113,22 @@ def test_the_interval_holds_the_error_of_the_interpolation(spectrum):
     for name in ("factor_10", "factor_50", "capacity_mean"):
         value, low, high = (getattr(read, name + end)[0] for end in ("", "_low", "_high"))
         assert min(math.log(value / low), math.log(high / value)) >= TWO_SIDED * INTERPOLATION * (1.0 - 1e-9)
+
+
+def test_the_variance_of_a_probability_is_that_of_a_weighted_share(spectrum):
+    """The sum of b^2 (o - s)^2 over (sum of b)^2, for lanes of weight b that overturn (o = 1) or not; s their share."""
+    lanes, logs = spectrum.lanes, np.log(spectrum.level)
+    bells = lane_bells(lanes.log_x[0], lanes.weight[0], logs, spectrum.uncertainty)
+    bells *= ((lanes.restitution[0] >= 0.8) & (lanes.restitution[0] <= 0.9))[:, np.newaxis]
+    over, whole = np.isinf(lanes.peak[0])[:, np.newaxis], np.sum(bells, axis=0)
+    below, above = tail_masses(lanes.bottom[0], lanes.top[0], logs, spectrum.uncertainty)
+    share = np.sum(bells * over, axis=0) / whole
+    variance = (1.0 - below - above) ** 2 * np.sum(bells**2 * (over - share) ** 2, axis=0) / whole**2
+    probability, found = spectrum._at[0].overturning(np.array([0.8]), np.array([0.9]))
+    middle = (probability[0] > 0.05) & (probability[0] < 0.95)
+    assert np.count_nonzero(middle) > 5
+    assert probability[0, middle] == pytest.approx(((1.0 - below - above) * share + above)[middle])
+    assert found[0, middle] == pytest.approx(variance[middle])
 
 
 @pytest.mark.parametrize("p", [(1.5, 1.7), (1.7, 1.5)])

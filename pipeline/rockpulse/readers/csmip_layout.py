@@ -172,7 +172,7 @@ def channels(
     A title or an end that stands there twice, and a channel that is a copy of another one, count once, with a warning.
     """
     lines = text_lines(file.content)
-    if lines[0].startswith(" ") and all(line.startswith(" ") for line in lines if line):
+    if all(line.startswith(" ") for line in lines if line):
         lines = [line[1:] for line in lines]
     spans: list[tuple[int, int]] = []
     notes: list[str] = []

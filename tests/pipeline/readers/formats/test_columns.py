@@ -205,6 +205,13 @@ def test_a_bad_row_is_named(write, row, message):
         read(write("\n".join(lines)), units="g")
 
 
+@pytest.mark.parametrize(("width", "words"), [(4, "Rows of up to 4 numbers"), (5, "The values do not run on")])
+def test_rows_that_may_be_those_of_a_station_are_no_series(write, width, words):
+    rows = np.random.default_rng(1).normal(size=(width, 40))
+    with pytest.raises(RecordFormatError, match=rf"found {width} columns of numbers\. .* {words}"):
+        read(write(table(*rows)), units="g", dt=0.01)
+
+
 def test_unequal_steps_are_refused(write):
     times = TIMES.copy()
     times[120:] += 0.5

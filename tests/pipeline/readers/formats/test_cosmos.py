@@ -312,6 +312,16 @@ def test_damage_is_named(write, content, message):
         read(write(content))
 
 
+def test_a_damaged_number_in_a_header_completed_by_hand_is_named_with_its_line(write):
+    lines = cosmos(pulse(), end="\n").decode().split("\n")
+    at = next(number for number, line in enumerate(lines) if "Real-header" in line)
+    lines[at + 1] = " ".join(lines[at + 1].split())
+    assert read(write("\n".join(lines).encode()))[0].npts == 400
+    lines[at + 3] = lines[at + 3].replace("-999", "x999", 1)
+    with pytest.raises(RecordFormatError, match=f"test.V1C:{at + 4}: expected"):
+        read(write("\n".join(lines).encode()))
+
+
 def test_the_samples_hold_the_channels(tmp_path):
     channels = source_channels()
     files = samples(channels)

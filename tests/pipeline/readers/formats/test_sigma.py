@@ -67,6 +67,14 @@ def test_rows_whose_first_blank_was_cut_off_are_read_at_the_blanks():
     assert record.warnings == ()
 
 
+def test_a_damaged_number_in_rows_read_at_the_blanks_is_named_with_its_line():
+    lines = sigma(np.abs(VALUES)).decode().split("\n")
+    lines[10:] = [row.strip() for row in lines[10:]]
+    lines[12] = f"x{lines[12]}"
+    with pytest.raises(RecordFormatError, match="stream:13: "):
+        got("\n".join(lines).encode())
+
+
 @pytest.mark.parametrize(
     ("words", "orientation", "azimuth"),
     [
