@@ -170,7 +170,8 @@ def test_more_half_cycles_than_can_be_added_up_are_unresolved():
     body = block(2.0, 1.0)
     response = resonance(body, 1e-9 * body.critical_impulse, 10**8, table_rows=0)
     assert (response.outcome, response.reason) == (Outcome.UNRESOLVED, Reason.HALF_CYCLE_LIMIT)
-    assert np.isnan(response.peak_rotation_ratio)
+    assert np.isnan([response.peak_rotation_ratio, response.overturning_time]).all()
+    assert (response.overturning_half_cycle, response.impacts) == (-1, -1)
 
 
 def test_no_impulse_leaves_the_block_at_rest():

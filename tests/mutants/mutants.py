@@ -98,7 +98,9 @@ def _unseen(node, kernels: bool) -> bool:
             return True
         if parent.type == "annassign" and child is parent.children[1]:
             return True
-        if parent.type in ("param", "funcdef") and child is parent.annotation:
+        if (parent.type == "tfpdef" and child is parent.children[-1]) or (
+            parent.type == "funcdef" and child is parent.annotation
+        ):
             return True
         if parent.type == "argument" and parent.children[0].get_code().strip() == "strict":
             return True

@@ -36,6 +36,19 @@ def test_azimuths(wording, azimuth):
     assert (direction(wording).orientation, direction(wording).azimuth) == ("horizontal", azimuth)
 
 
+@pytest.mark.parametrize(
+    ("wordings", "azimuth"),
+    [
+        (["N", "NS", "N-S", "North"], 0.0),
+        (["E", "EW", "E-W", "East"], 90.0),
+        (["S", "South"], 180.0),
+        (["W", "West"], 270.0),
+    ],
+)
+def test_words_of_the_compass(wordings, azimuth):
+    assert [direction(word).azimuth for word in wordings] == [azimuth] * len(wordings)
+
+
 @pytest.mark.parametrize("wording", ["1", "2", "9", "0", "", "INTC", "NNE", "WNW", "361", "S95W"])
 def test_what_is_no_direction_stays_unknown(wording):
     assert direction(wording).orientation == "unknown"

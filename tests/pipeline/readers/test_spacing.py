@@ -77,3 +77,12 @@ def test_times_beyond_all_recordings_are_named_before_anything_overflows(times):
     assert not printed_at(times, 0.01)
     with pytest.raises(RecordFormatError, match=r"x\.v1:7: expected times in s of at most 1e\+13 s"):
         make_even(times, np.zeros(3), "x.v1", 7, 5, 0.1)
+
+
+def test_even_samples_stay_as_they_are_and_uneven_ones_are_read_off_the_lines_between_them():
+    samples = np.array([0.0, 1.0, -2.0, 0.5, 3.0])
+    found, dt, notes = make_even(0.02 * np.arange(5), samples, "x.v1", 7, 5, 0.1)
+    assert (found.tolist(), dt, notes) == (samples.tolist(), pytest.approx(0.02), [])
+    found, dt, (note,) = make_even(np.array([0.0, 0.02, 0.04, 0.05, 0.07]), samples, "x.v1", 7, 5, 0.1)
+    assert (found.tolist(), dt) == (pytest.approx([0.0, 1.0, -2.0, 1.75]), 0.02)
+    assert note.endswith("median, 0.02 s; the peak goes from 0.3 to 0.2 g")
