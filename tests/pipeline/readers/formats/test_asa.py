@@ -154,6 +154,7 @@ def test_stations_on_structures(write, station, place):
             asa(TABLE, intervals=(0, 0, 0)).replace(b"/250/250/250", b"/0/0/0"),
             r"test.012:47: expected intervals .* found '/0/0/0' and '/0/0/0'",
         ),
+        (asa(TABLE).replace(b"NUM. TOTAL DE MUESTRAS", b"N"), r"test.012:1: expected 'NUM. TOTAL DE MUESTRAS"),
         (asa(TABLE, layout="4F10.3"), r"test.012:80: expected the format 3F10.3"),
         (asa(TABLE, headings=("V", "N00E", "N90E")), r"test.012:108: expected the directions of 3 channels"),
         (asa(TABLE, headings=("V", "N00E")), r"test.012:108: expected the directions of 3 channels"),
@@ -168,7 +169,7 @@ def test_stations_on_structures(write, station, place):
             r"test.012:110: expected 3 fields of 10",
         ),
     ],
-    ids=["more", "count", "rates", "interval", "neither", "layout", "swapped", "two", "header", "cut", "letter", "column"],
+    ids=["more", "count", "rates", "interval", "neither", "no-count", "layout", "swapped", "two", "header", "cut", "letter", "column"],
 )
 def test_damage_is_named(write, content, message):
     with pytest.raises(RecordFormatError, match=message):
