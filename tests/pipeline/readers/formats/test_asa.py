@@ -169,7 +169,21 @@ def test_stations_on_structures(write, station, place):
             r"test.012:110: expected 3 fields of 10",
         ),
     ],
-    ids=["more", "count", "rates", "interval", "neither", "no-count", "layout", "swapped", "two", "header", "cut", "letter", "column"],
+    ids=[
+        "more",
+        "count",
+        "rates",
+        "interval",
+        "neither",
+        "no-count",
+        "layout",
+        "swapped",
+        "two",
+        "header",
+        "cut",
+        "letter",
+        "column",
+    ],
 )
 def test_damage_is_named(write, content, message):
     with pytest.raises(RecordFormatError, match=message):
