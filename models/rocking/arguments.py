@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
+
+from rocking.quantities import ArrayLike
 
 __all__ = ["numbers", "positive", "read_only", "record_samples", "together"]
 
 
-def numbers(name: str, value: Any, expected: str, lanes: bool = True) -> np.ndarray:
+def numbers(name: str, value: ArrayLike, expected: str, lanes: bool = True) -> np.ndarray:
     """The value as a finite number, or as a one-dimensional array of them where `lanes` allows it.
 
     Anything else raises a ValueError with the name of the argument, what was expected and what was given.
@@ -26,7 +26,7 @@ def numbers(name: str, value: Any, expected: str, lanes: bool = True) -> np.ndar
     return array
 
 
-def positive(name: str, value: Any, unit: str, lanes: bool = True) -> np.ndarray:
+def positive(name: str, value: ArrayLike, unit: str, lanes: bool = True) -> np.ndarray:
     """As :func:`numbers`, each of them above zero, in `unit`."""
     array = numbers(name, value, f"a positive number in {unit}", lanes)
     if not np.all(array > 0.0):
@@ -43,7 +43,7 @@ def together(**values: np.ndarray) -> tuple[np.ndarray, ...]:
         raise ValueError(f"{', '.join(values)}: expected single values or arrays of one length, got {shapes}") from None
 
 
-def record_samples(name: str, values: Any) -> np.ndarray:
+def record_samples(name: str, values: ArrayLike) -> np.ndarray:
     """Accelerations (n,) at the samples of a record [m/s2], finite, at least two; a ValueError otherwise."""
     try:
         array = np.ascontiguousarray(_real(values), dtype=float)
@@ -57,7 +57,7 @@ def record_samples(name: str, values: Any) -> np.ndarray:
     return read_only(array)
 
 
-def _real(values: Any) -> Any:
+def _real(values: ArrayLike) -> ArrayLike:
     """The values; a TypeError for complex ones, of which numpy would drop a part, and for values that are masked."""
     if np.ma.is_masked(values) or np.iscomplexobj(values):
         raise TypeError

@@ -26,6 +26,7 @@ from rocking.block_limits import (
     restitutions_of,
 )
 from rocking.corners import Corner, both_corners
+from rocking.quantities import ArrayLike, Floats, Integers
 from rocking.restraint import Load, Restraints, Thrust, Tie, carried
 
 __all__ = ["SLENDERNESS_RANGE", "STANDARD_GRAVITY", "Block"]
@@ -35,7 +36,7 @@ STANDARD_GRAVITY = 9.80665
 logger = logging.getLogger("rockpulse")
 
 
-@dataclass(frozen=True, eq=False, init=False)
+@dataclass(frozen=True, eq=False, init=False, repr=False)
 class Block(BlockLanes):
     """A rigid block, or an array of them, by its half sizes or by its full ones.
 
@@ -125,44 +126,44 @@ class Block(BlockLanes):
     (0.125, 1.1, 0.25, 2.2)
     """
 
-    half_width: Any
-    half_height: Any
-    restitution: Any = "housner"
+    half_width: Floats
+    half_height: Floats
+    restitution: Floats
     gravity: float = STANDARD_GRAVITY
 
-    alpha_c: Any = field(init=False)
-    p: Any = field(init=False)
-    radius: Any = field(init=False)
-    slenderness: Any = field(init=False)
-    critical_impulse: Any = field(init=False)
-    alpha_2: Any = field(init=False)
-    p_2: Any = field(init=False)
-    radius_2: Any = field(init=False)
-    restitution_2: Any = field(init=False)
-    side: Any = field(init=False)
-    mass: Any = field(init=False)
-    restraints: Any = field(init=False)
+    alpha_c: Floats = field(init=False)
+    p: Floats = field(init=False)
+    radius: Floats = field(init=False)
+    slenderness: Floats = field(init=False)
+    critical_impulse: Floats = field(init=False)
+    alpha_2: Floats = field(init=False)
+    p_2: Floats = field(init=False)
+    radius_2: Floats = field(init=False)
+    restitution_2: Floats = field(init=False)
+    side: Integers = field(init=False)
+    mass: Floats = field(init=False)
+    restraints: Restraints | np.ndarray | None = field(init=False)
     warnings: tuple[str, ...] = field(init=False)
 
     def __init__(
         self,
-        half_width: Any = None,
-        half_height: Any = None,
-        restitution: Any = "housner",
+        half_width: ArrayLike | None = None,
+        half_height: ArrayLike | None = None,
+        restitution: ArrayLike = "housner",
         gravity: float = STANDARD_GRAVITY,
         *,
-        width: Any = None,
-        height: Any = None,
-        offset: Any = 0.0,
-        lean: Any = 0.0,
+        width: ArrayLike | None = None,
+        height: ArrayLike | None = None,
+        offset: ArrayLike = 0.0,
+        lean: ArrayLike = 0.0,
         one_sided: bool = False,
-        rebound: Any = None,
+        rebound: ArrayLike | None = None,
         ties: Sequence[Tie] = (),
         loads: Sequence[Load] = (),
         thrusts: Sequence[Thrust] = (),
-        mass: Any = None,
-        density: Any = None,
-        length: Any = None,
+        mass: ArrayLike | None = None,
+        density: ArrayLike | None = None,
+        length: ArrayLike | None = None,
         log: bool = True,
     ) -> None:
         sizes = {"half_width": half_width, "half_height": half_height, "width": width, "height": height}
@@ -175,7 +176,7 @@ class Block(BlockLanes):
             base, rise = base / 2.0, rise / 2.0
         if (density is None) != (length is None) or (density is not None and mass is not None):
             raise ValueError("mass: expected mass in kg, or density in kg/m3 and length in m")
-        if density is not None:
+        if density is not None and length is not None:
             mass = 4.0 * base * rise * positive("density", density, "kg/m3") * positive("length", length, "m")
         options = {"offset": numbers("offset", offset, "a distance in m"), "lean": numbers("lean", lean, "an angle")}
         shift = options["offset"] + rise * np.sin(options["lean"])
@@ -198,14 +199,14 @@ class Block(BlockLanes):
     @classmethod
     def from_parameters(
         cls,
-        p: Any,
-        alpha: Any,
-        restitution: Any,
+        p: ArrayLike,
+        alpha: ArrayLike,
+        restitution: ArrayLike,
         gravity: float = STANDARD_GRAVITY,
         *,
-        radius: Any = None,
+        radius: ArrayLike | None = None,
         one_sided: bool = False,
-        rebound: Any = None,
+        rebound: ArrayLike | None = None,
         log: bool = True,
     ) -> Block:
         """A symmetric body that is no rectangle, by its frequency parameter and critical angle.
@@ -271,19 +272,19 @@ class Block(BlockLanes):
     @classmethod
     def from_corners(
         cls,
-        b_1: Any,
-        b_2: Any,
-        height: Any,
-        gyration: Any,
-        restitution: Any = "housner",
+        b_1: ArrayLike,
+        b_2: ArrayLike,
+        height: ArrayLike,
+        gyration: ArrayLike,
+        restitution: ArrayLike = "housner",
         gravity: float = STANDARD_GRAVITY,
         *,
         one_sided: bool = False,
-        rebound: Any = None,
+        rebound: ArrayLike | None = None,
         ties: Sequence[Tie] = (),
         loads: Sequence[Load] = (),
         thrusts: Sequence[Thrust] = (),
-        mass: Any = None,
+        mass: ArrayLike | None = None,
         log: bool = True,
     ) -> Block:
         """A body without symmetry, by its corners and its centre of mass.
@@ -335,7 +336,7 @@ class Block(BlockLanes):
         half: tuple[np.ndarray, np.ndarray],
         first: Corner,
         second: Corner,
-        restitution: Any,
+        restitution: ArrayLike,
         gravity: float,
         shape: str,
         wall: tuple[bool, Any],
@@ -388,13 +389,3 @@ class Block(BlockLanes):
         if log:
             for warning in self.warnings:
                 logger.warning("block: %s", warning)
-
-    @property
-    def width(self) -> Any:
-        """Full width [m], 2b; NaN for a body given by p and alpha."""
-        return 2.0 * self.half_width
-
-    @property
-    def height(self) -> Any:
-        """Full height [m], 2a; NaN for a body given by p and alpha."""
-        return 2.0 * self.half_height

@@ -11,6 +11,9 @@ from typing import Any, Self
 
 import numpy as np
 
+from rocking.block_picture import BlockPicture
+from rocking.quantities import ArrayLike, Booleans, Floats
+
 __all__ = ["LANE_FIELDS", "SLENDERNESS_RANGE", "BlockLanes"]
 
 #: The linear, resonance and sequence models are stated for slenderness of at least this (section 3).
@@ -34,24 +37,16 @@ LANE_FIELDS = (
 )
 
 
-class BlockLanes:
+class BlockLanes(BlockPicture):
     """What a block can do with its lanes."""
 
     gravity: float
     warnings: tuple[str, ...]
-    alpha_c: Any
-    p: Any
-    radius: Any
-    restitution: Any
-    slenderness: Any
-    critical_impulse: Any
-    alpha_2: Any
-    p_2: Any
-    radius_2: Any
-    restitution_2: Any
-    side: Any
-    mass: Any
-    restraints: Any
+    slenderness: Floats
+    critical_impulse: Floats
+    p_2: Floats
+    restitution_2: Floats
+    mass: Floats
 
     @property
     def shape(self) -> tuple[int, ...]:
@@ -129,7 +124,7 @@ class BlockLanes:
             object.__setattr__(other, "restraints", seen if self.shape else seen[()])
         return other
 
-    def varied(self, loss: Any, restitution: Any) -> Self:
+    def varied(self, loss: ArrayLike, restitution: ArrayLike) -> Self:
         """(m,) bodies with angles exp(-loss) times theirs, at their R and p, and other restitutions or rebounds.
 
         `restitution` is that of the right-hand corner; that of the other one has the same share of its own.
@@ -161,23 +156,24 @@ class BlockLanes:
         return other
 
     @property
-    def symmetric(self) -> Any:
+    def symmetric(self) -> Booleans:
         """True where both corners are alike, whatever holds the body."""
         return (self.alpha_c == self.alpha_2) & (self.p == self.p_2) & (self.restitution == self.restitution_2)
 
     @property
-    def restrained(self) -> Any:
+    def restrained(self) -> np.ndarray:
         """True where something acts on the body beside its weight."""
         if self.restraints is None:
             return np.zeros(self.shape, dtype=bool)
-        return np.reshape([own is not None for own in np.ravel(self.restraints)], self.shape)
+        held = np.ravel(np.array(self.restraints, dtype=object))
+        return np.array([own is not None for own in held]).reshape(self.shape)
 
     @property
-    def free(self) -> Any:
+    def free(self) -> Booleans:
         """True for a free-standing symmetric body, which every model knows."""
         return self.symmetric & (np.asarray(self.side) == 0) & ~np.asarray(self.restrained, dtype=bool)
 
-    def known_to(self, model: str) -> Any:
+    def known_to(self, model: str) -> Booleans:
         """True where a model knows all that a body has, beside being free and symmetric.
 
         The words for a `model` are "all", "linear" (unlike corners, and a wall), "wall" (that only) and "".
@@ -204,7 +200,7 @@ class BlockLanes:
         return other
 
     @property
-    def slender(self) -> Any:
+    def slender(self) -> Booleans:
         """True where the slenderness is within the range of the models with linear natural motion."""
         # A block of exactly 3 comes back from its angle as 3 less a bit.
         return self.slenderness >= SLENDERNESS_RANGE * (1.0 - 1e-12)

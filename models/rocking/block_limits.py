@@ -14,6 +14,7 @@ import numpy as np
 
 from rocking.arguments import numbers
 from rocking.corners import Corner, rebound_of
+from rocking.quantities import ArrayLike
 from rocking.restraint import Restraints
 
 __all__ = [
@@ -38,7 +39,7 @@ LARGEST_SIZE, LEAST_HEIGHT, LEAST_WIDTH = 30.0, 0.05, 0.001
 RATES = np.geomspace(0.5, 8.0, 24)
 
 
-def radius_of_rectangle(p: Any, gravity: float) -> Any:
+def radius_of_rectangle(p: float | np.ndarray, gravity: float) -> Any:
     """R [m] of the rectangle with the frequency parameter p [1/s]: 3 g/(4 p^2)."""
     return 3.0 * gravity / (4.0 * p**2)
 
@@ -61,7 +62,7 @@ def most_restitution(p: np.ndarray, alpha: np.ndarray, radius: np.ndarray | None
     return 1.0 - 2.0 * share * np.sin(alpha) ** 2
 
 
-def restitution_of(given: Any, most: np.ndarray, own: bool) -> np.ndarray:
+def restitution_of(given: ArrayLike, most: np.ndarray, own: bool) -> np.ndarray:
     """The velocity ratios of an impact; "housner" stands for the most, which `own` says is by the body's own radius."""
     if isinstance(given, str):
         if given != "housner":
@@ -81,7 +82,7 @@ def restitution_of(given: Any, most: np.ndarray, own: bool) -> np.ndarray:
 
 
 def restitutions_of(
-    given: Any, most: tuple[np.ndarray, np.ndarray], wall: tuple[bool, Any], alpha: np.ndarray, shape: str
+    given: ArrayLike, most: tuple[np.ndarray, np.ndarray], wall: tuple[bool, Any], alpha: np.ndarray, shape: str
 ) -> tuple[np.ndarray, np.ndarray]:
     """The velocity ratios of the impacts on both corners, or the rebound of a body before a wall for both.
 

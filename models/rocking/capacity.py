@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 
@@ -12,6 +12,7 @@ from rocking.arguments import numbers
 from rocking.block import Block
 from rocking.corner_response import rest_levels
 from rocking.impulsive import impulsive_response
+from rocking.quantities import ArrayLike
 from rocking.recorded import recorded_response
 from rocking.response import Outcome, Response
 from rocking.scale_search import ScaleIntervals, exceedance_intervals
@@ -30,10 +31,10 @@ ROUNDING = 1e-12
 
 def critical_scale(
     block: Block,
-    acceleration: Any,
+    acceleration: ArrayLike,
     dt: float,
     equation: Literal["nonlinear", "linear"] = "nonlinear",
-    vertical: Any = None,
+    vertical: ArrayLike | None = None,
     level: float | None = None,
     factor_max: float = 10.0,
     points: int = POINTS,
@@ -109,8 +110,8 @@ def critical_scale(
 
 def impulsive_critical_scale(
     block: Block,
-    times: Any,
-    impulses: Any,
+    times: ArrayLike,
+    impulses: ArrayLike,
     gain: str = "paper",
     factor_max: float = 10.0,
     points: int = POINTS,
@@ -154,7 +155,7 @@ def impulsive_critical_scale(
     if total == 0.0:
         start = np.full(blocks.shape, np.inf)
     else:
-        start = blocks.gravity * blocks.alpha_c / (blocks.p * total) * (1.0 - ROUNDING)
+        start = np.asarray(blocks.gravity * blocks.alpha_c / (blocks.p * total) * (1.0 - ROUNDING))
 
     def respond(part: Block, factors: np.ndarray) -> Response:
         return impulsive_response(part, times, impulses, gain=gain, block_scale=factors, threads=threads)
@@ -205,7 +206,7 @@ def _search(
                 response.outcome >= Outcome.OVERTURNS, np.inf, np.minimum(response.peak_rotation_ratio, BELOW)
             )
         else:
-            reach = response.peak_rotation_ratio / level
+            reach = np.asarray(response.peak_rotation_ratio) / level
         # A lane that is UNRESOLVED exceeds: its peak is NaN.
         unresolved |= bool(np.any(response.outcome == Outcome.UNRESOLVED))
         return reach.reshape(factors.shape[1], factors.shape[0]).T
@@ -213,4 +214,4 @@ def _search(
     found = exceedance_intervals(exceeds, start, factor_max, points)
     if not unresolved:
         return found
-    return replace(found, resolved=answers(found.lane, found.lower).outcome != Outcome.UNRESOLVED)
+    return replace(found, resolved=np.asarray(answers(found.lane, found.lower).outcome) != Outcome.UNRESOLVED)

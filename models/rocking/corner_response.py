@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -10,6 +10,7 @@ from rocking.arguments import numbers, read_only
 from rocking.block import Block
 from rocking.corner_kernel import CornerLanes, corner_slots, march_corners
 from rocking.ground import Accelerogram
+from rocking.quantities import ArrayLike
 from rocking.recorded_event import LINEAR
 from rocking.recorded_kernel import Options
 from rocking.response import LaneResults, empty_results
@@ -90,8 +91,8 @@ def march_bodies(
 def _held(block: Block, copies: int) -> Held:
     """What acts on (m,) bodies, for the kernel, and room for the state of `copies` lanes of each."""
     base = block.radius * np.sin(block.alpha_c) + block.radius_2 * np.sin(block.alpha_2)
-    every: list[Restraints] = [own or Restraints() for own in block.restraints]
-    tables = [own.elements(width) for own, width in zip(every, base.tolist(), strict=True)]
+    every: list[Restraints] = [own or Restraints() for own in np.ravel(np.array(block.restraints, dtype=object))]
+    tables = [own.elements(width) for own, width in zip(every, np.ravel(base).tolist(), strict=True)]
     most = max(table.shape[0] for table in tables)
     elements = np.zeros((len(every), max(most, 1), COLUMNS))
     for place, table in enumerate(tables):
@@ -143,7 +144,7 @@ def rest_levels(block: Block) -> np.ndarray:
     return found
 
 
-def static_capacity(block: Block, rotation: Any, side: int = 1) -> np.ndarray:
+def static_capacity(block: Block, rotation: ArrayLike, side: int = 1) -> np.ndarray:
     """The static capacity curve of a body: the horizontal acceleration that holds it at a rotation, pushed there once.
 
     Parameters

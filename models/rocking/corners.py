@@ -14,6 +14,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from rocking.arguments import numbers, positive, together
+from rocking.quantities import ArrayLike
 from rocking.restraint import Load, carried
 
 __all__ = ["Corner", "both_corners", "corner", "rebound_of", "sorrentino"]
@@ -64,7 +65,7 @@ def sorrentino(alpha: Any) -> Any:
     return np.abs(base**2 * wall)
 
 
-def rebound_of(given: Any, alpha: np.ndarray, rectangle: bool) -> np.ndarray:
+def rebound_of(given: ArrayLike, alpha: np.ndarray, rectangle: bool) -> np.ndarray:
     """Rebounds e [-] from a wall; "sorrentino", for a rectangle with the angles `alpha`, or numbers in [0, 1]."""
     expected = "the share e in [0, 1] of the speed that a return to the wall leaves, or 'sorrentino'"
     if isinstance(given, str):
@@ -89,7 +90,7 @@ def both_corners(
     far: np.ndarray,
     height: np.ndarray,
     gyration: np.ndarray,
-    mass: Any,
+    mass: ArrayLike | None,
     loads: Sequence[Load],
     gravity: float,
 ) -> tuple[Corner, Corner, Any]:

@@ -17,12 +17,12 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 from numba import njit
 
 from rocking.block import Block
+from rocking.quantities import ArrayLike
 
 __all__ = ["LOBES", "Demand", "ground_demand"]
 
@@ -142,7 +142,7 @@ class Demand:
         )
 
 
-def ground_demand(block: Block, acceleration: Any, dt: float) -> Demand:
+def ground_demand(block: Block, acceleration: ArrayLike, dt: float) -> Demand:
     """Demand of a ground motion on blocks.
 
     Parameters

@@ -6,12 +6,11 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
 from rocking.block import Block
 from rocking.effective_impulse_kernel import GroundMotion, Lanes, Waves, effective_lanes
+from rocking.quantities import ArrayLike
 from rocking.response import Response, empty_results, response_of
 from rocking.threads import split_lanes
 
@@ -28,11 +27,11 @@ FORCES = {
 
 def effective_impulse_response(
     block: Block,
-    acceleration: Any,
+    acceleration: ArrayLike,
     dt: float,
-    boundaries: Any = None,
+    boundaries: ArrayLike | None = None,
     gain: str = "tangent",
-    scale: Any = 1.0,
+    scale: ArrayLike = 1.0,
     longest: float = 0.1,
     threads: int | None = None,
 ) -> Response:
@@ -131,7 +130,7 @@ def effective_impulse_response(
     return response_of(results, shape, (factors.ndim == 0, block.shape == ()))
 
 
-def _bounds(record: np.ndarray, dt: float, boundaries: Any) -> np.ndarray:
+def _bounds(record: np.ndarray, dt: float, boundaries: ArrayLike | None) -> np.ndarray:
     """Ends of the half-waves, the ends of the record included."""
     end = dt * (record.size - 1)
     if boundaries is None:

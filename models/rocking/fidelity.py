@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from dataclasses import fields
 from enum import IntEnum
-from typing import Any
 
 import numpy as np
 
@@ -18,6 +17,7 @@ from rocking.block import Block
 from rocking.capacity import uplift_scale
 from rocking.demand import Demand, ground_demand
 from rocking.impulsive import impulsive_response
+from rocking.quantities import ArrayLike, Integers
 from rocking.recorded import recorded_response
 from rocking.response import Outcome, Response, drop_axes, squeezed
 
@@ -55,16 +55,16 @@ ROUNDING = 1e-9
 
 def choose_response(
     block: Block,
-    acceleration: Any,
+    acceleration: ArrayLike,
     dt: float,
-    times: Any = None,
-    impulses: Any = None,
-    scale: Any = 1.0,
-    vertical: Any = None,
+    times: ArrayLike | None = None,
+    impulses: ArrayLike | None = None,
+    scale: ArrayLike = 1.0,
+    vertical: ArrayLike | None = None,
     output: str = "outcome",
     tolerance: float = 1e-4,
     threads: int | None = None,
-) -> tuple[Response, Any]:
+) -> tuple[Response, Integers]:
     """Rocking response by the cheapest model that answers, chosen for every lane.
 
     Parameters
@@ -169,7 +169,7 @@ def within_measured_range(block: Block, dt: float) -> np.ndarray:
     # Housner's own value may come back as 1 + 1e-16 times itself.
     return np.asarray(block.free) & np.all(
         [
-            (values >= low * (1.0 - ROUNDING)) & (values <= high * (1.0 + ROUNDING))
+            np.asarray((values >= low * (1.0 - ROUNDING)) & (values <= high * (1.0 + ROUNDING)))
             for values, (low, high) in ((measured[name], MEASURED_RANGE[name]) for name in measured)
         ],
         axis=0,
@@ -249,9 +249,10 @@ class _Lanes:
                 gain="exact",
                 threads=self.threads,
             )
-            taken = (answer.outcome[0] == Outcome.ROCKS) & (lowest[chosen] | (answer.outcome[1] == Outcome.ROCKS))
+            rocks = np.asarray(answer.outcome) == Outcome.ROCKS
+            taken = rocks[0] & (lowest[chosen] | rocks[1])
             if tolerance is not None:
-                taken &= answer.peak_rotation_ratio[0] <= tolerance
+                taken &= np.asarray(answer.peak_rotation_ratio)[0] <= tolerance
             first = {name: values[0] for name, values in _answers(answer).items()}
             self._take(np.full(chosen.size, row), chosen, taken, first, Rung.IMPULSIVE)
 

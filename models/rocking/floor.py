@@ -8,12 +8,13 @@
 from __future__ import annotations
 
 import math
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from scipy.signal import cont2discrete, lfilter
 
 from rocking.arguments import numbers, positive, record_samples, together
+from rocking.quantities import ArrayLike
 
 __all__ = ["FloorMotion", "floor_motion"]
 
@@ -43,7 +44,12 @@ class FloorMotion(NamedTuple):
 
 
 def floor_motion(
-    acceleration: Any, dt: float, period: Any, damping: Any = 0.05, participation: Any = 1.0, quiet: float = 1e-3
+    acceleration: ArrayLike,
+    dt: float,
+    period: ArrayLike,
+    damping: ArrayLike = 0.05,
+    participation: ArrayLike = 1.0,
+    quiet: float = 1e-3,
 ) -> FloorMotion:
     """The motion of a floor under a ground motion.
 

@@ -16,13 +16,13 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
 from rocking.block import Block
 from rocking.half_wave_lanes import checked_half_waves, half_wave_lanes, triangles
 from rocking.overturning_spectrum import OverturningSpectrum
+from rocking.quantities import ArrayLike
 from rocking.slender_kernel import lobe_tops, weighted_impulse
 from rocking.spectrum_lanes import LEAST_RESTITUTION, MOST_RESTITUTION, RATES
 
@@ -76,7 +76,7 @@ class HalfWaveDemand:
     interval: np.ndarray
 
 
-def impulse_lobes(start: Any, centroid: Any, end: Any, impulse: Any, rate: float) -> Lobes:
+def impulse_lobes(start: ArrayLike, centroid: ArrayLike, end: ArrayLike, impulse: ArrayLike, rate: float) -> Lobes:
     """Lobes of the exponentially weighted impulse of half-waves.
 
     Parameters
@@ -111,7 +111,7 @@ def impulse_lobes(start: Any, centroid: Any, end: Any, impulse: Any, rate: float
 
 
 def demand_of_half_waves(
-    block: Block, start: Any, centroid: Any, end: Any, impulse: Any, threads: int | None = None
+    block: Block, start: ArrayLike, centroid: ArrayLike, end: ArrayLike, impulse: ArrayLike, threads: int | None = None
 ) -> HalfWaveDemand:
     """Demand of half-waves on blocks.
 
@@ -164,7 +164,7 @@ def demand_of_half_waves(
 
 
 def lobe_shapes(
-    start: Any, centroid: Any, end: Any, impulse: Any, rates: Any
+    start: ArrayLike, centroid: ArrayLike, end: ArrayLike, impulse: ArrayLike, rates: ArrayLike
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """The shape of half-waves on the time scale of blocks: number of main lobes, ratio of the others, spacing.
 
@@ -192,7 +192,7 @@ def lobe_shapes(
     return count, ratio, interval
 
 
-def _step_number(p: Any) -> np.ndarray:
+def _step_number(p: ArrayLike) -> np.ndarray:
     """Steps from RATES[0] to frequency parameters."""
     return np.asarray(np.log(np.asarray(p, dtype=float) / RATES[0]) / math.log(STEP))
 
@@ -213,12 +213,13 @@ def _spectra(
     waves: tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray], block: Block, threads: int | None
 ) -> np.ndarray:
     """Effective impulses (2, m) [m/s] that blocks take from the half-waves: in the mean, and with 10 % probability."""
-    found = np.empty((2, block.p.size))
+    rates = np.asarray(block.p)
+    found = np.empty((2, rates.size))
     # Over the largest impulse: then the levels on which the march is read grow with the record.
     start, centroid, end, impulse = waves
     largest = np.max(np.abs(impulse))
-    nominal = np.maximum(np.broadcast_to(np.asarray(block.restitution, dtype=float), block.p.shape), BANDS[-1][0] / 0.9)
-    below = np.floor(_step_number(block.p) + 1e-9)
+    nominal = np.maximum(np.broadcast_to(np.asarray(block.restitution, dtype=float), rates.shape), BANDS[-1][0] / 0.9)
+    below = np.floor(_step_number(rates) + 1e-9)
     band = np.sum(nominal[:, np.newaxis] < [least / 0.9 * (1.0 - 1e-12) for least, _ in BANDS[:-1]], axis=1)
     for one in np.unique(band):
         here = np.flatnonzero(band == one)
@@ -226,7 +227,7 @@ def _spectra(
         lanes = half_wave_lanes(start, centroid, end, impulse / largest, nodes, BANDS[one], threads)
         spectrum = OverturningSpectrum(lanes)
         # A slender block of the same p and C stands for each.
-        slender = Block.from_parameters(p=block.p[here], alpha=0.1, restitution=nominal[here], log=False)
+        slender = Block.from_parameters(p=rates[here], alpha=0.1, restitution=nominal[here], log=False)
         read = spectrum.factors(slender)
         speed = slender.gravity * np.tan(0.1) / slender.p
         found[:, here] = largest * speed / read.capacity_mean, largest * speed / read.factor_10

@@ -6,10 +6,9 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
+from rocking.quantities import ArrayLike
 from rocking.spectrum_lanes import (
     LEAST_RESTITUTION,
     MOST_RESTITUTION,
@@ -36,11 +35,11 @@ def triangles(start: np.ndarray, centroid: np.ndarray, end: np.ndarray, impulse:
 
 
 def half_wave_lanes(
-    start: Any,
-    centroid: Any,
-    end: Any,
-    impulse: Any,
-    p: Any = RATES,
+    start: ArrayLike,
+    centroid: ArrayLike,
+    end: ArrayLike,
+    impulse: ArrayLike,
+    p: ArrayLike = RATES,
     between: tuple[float, float] = (LEAST_RESTITUTION, MOST_RESTITUTION),
     threads: int | None = None,
 ) -> SpectrumLanes:
@@ -81,7 +80,7 @@ def half_wave_lanes(
 
 
 def checked_half_waves(
-    start: Any, centroid: Any, end: Any, impulse: Any
+    start: ArrayLike, centroid: ArrayLike, end: ArrayLike, impulse: ArrayLike
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """The four arrays (k,) of half-waves, or ValueError."""
     arrays = tuple(np.atleast_1d(np.asarray(values, dtype=float)) for values in (start, centroid, end, impulse))

@@ -14,6 +14,8 @@ import numpy as np
 
 from rocking.half_cycle import CONTINUOUS, END, MIDDLE, OPEN, START
 from rocking.main_sequence_kernel import effective_amplification
+from rocking.quantities import ArrayLike, Floats, Integers
+from rocking.sequence_picture import SequencePicture
 
 __all__ = ["SPACINGS", "ImpulseSequence"]
 
@@ -23,8 +25,8 @@ __all__ = ["SPACINGS", "ImpulseSequence"]
 SPACINGS = {"end": END, "middle": MIDDLE, "start": START, "open": OPEN, "continuous": CONTINUOUS}
 
 
-@dataclass(frozen=True, eq=False)
-class ImpulseSequence:
+@dataclass(frozen=True, eq=False, repr=False)
+class ImpulseSequence(SequencePicture):
     """A main and a secondary sequence of impulses, or an array of them: the fields broadcast to one shape (q,), or ().
 
     Parameters
@@ -66,11 +68,11 @@ class ImpulseSequence:
     0.56
     """
 
-    main: Any
-    secondary: Any
-    interval: Any
-    duration: Any
-    main_count: Any = None
+    main: Floats
+    secondary: Floats
+    interval: Floats
+    duration: Floats
+    main_count: Integers | None = None
     intermediate_count: int | None = None
     spacing: str = "end"
 
@@ -124,7 +126,7 @@ class ImpulseSequence:
         """Shape of the lanes: () for one sequence, (q,) for several."""
         return np.shape(self.main)
 
-    def scaled(self, factor: Any) -> ImpulseSequence:
+    def scaled(self, factor: ArrayLike) -> ImpulseSequence:
         """The same sequence with both impulses multiplied; I_s/I, times and counts are kept.
 
         Parameters
@@ -141,7 +143,7 @@ class ImpulseSequence:
         _require(np.isfinite(factor) & (factor >= 0.0), "factor: expected a finite number that is not negative", factor)
         return replace(self, main=factor * self.main, secondary=factor * self.secondary)
 
-    def effective_impulse(self, restitution: Any) -> Any:
+    def effective_impulse(self, restitution: ArrayLike) -> Floats:
         """I_eff, the one number by which the sequence acts on blocks of a restitution: it overturns iff I_eff >= I_1c.
 
         Parameters
@@ -187,7 +189,7 @@ class ImpulseSequence:
         return found.item() if np.ndim(found) == 0 else found
 
 
-def _numbers(name: str, value: Any) -> np.ndarray:
+def _numbers(name: str, value: ArrayLike) -> np.ndarray:
     try:
         array = np.asarray(value, dtype=float)
     except (TypeError, ValueError):
@@ -197,7 +199,7 @@ def _numbers(name: str, value: Any) -> np.ndarray:
     return array
 
 
-def _require(valid: np.ndarray, expected: str, value: Any) -> None:
+def _require(valid: np.ndarray, expected: str, value: ArrayLike) -> None:
     if not np.all(valid):
         raise ValueError(f"{expected}; got {value!r}")
 

@@ -7,13 +7,12 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
 from rocking.arguments import numbers
 from rocking.block import Block
 from rocking.impulsive_kernel import EXACT, LINEAR, PAPER, TANGENT, History, Lanes, Train, impulsive_lanes
+from rocking.quantities import ArrayLike
 from rocking.response import Response, empty_results, response_of, with_history
 from rocking.threads import split_lanes
 
@@ -27,13 +26,13 @@ GAINS = {"paper": PAPER, "linear": LINEAR, "exact": EXACT, "tangent": TANGENT}
 
 def impulsive_response(
     block: Block,
-    times: Any,
-    impulses: Any,
+    times: ArrayLike,
+    impulses: ArrayLike,
     duration: float | None = None,
     gain: str = "paper",
-    scale: Any = 1.0,
+    scale: ArrayLike = 1.0,
     history_dt: float | None = None,
-    block_scale: Any = 1.0,
+    block_scale: ArrayLike = 1.0,
     threads: int | None = None,
 ) -> Response:
     """Response to impulses of the ground with natural motion between them.
@@ -126,7 +125,7 @@ def impulsive_response(
     return response if history_dt is None else with_history(response, shape, drop, grid, history.motion)
 
 
-def _checked(times: Any, impulses: Any, scale: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def _checked(times: ArrayLike, impulses: ArrayLike, scale: ArrayLike) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     times, impulses = np.asarray(times, dtype=float), np.asarray(impulses, dtype=float)
     scale = np.asarray(scale, dtype=float)
     if times.ndim != 1 or times.shape != impulses.shape:

@@ -17,6 +17,8 @@ from typing import Any, Protocol
 import numpy as np
 from numba import njit
 
+from rocking.quantities import ArrayLike
+
 __all__ = ["Shift", "lane_bells", "lane_probability", "lane_sums", "tail_masses"]
 
 #: Sum of weights below which no lane is near a level.
@@ -26,10 +28,10 @@ NO_LANE = 1e-9
 class Shift(Protocol):
     """Distribution of a shift of ln f, such as :class:`rocking.uncertainty.Uncertainty`."""
 
-    def density(self, shift: Any) -> np.ndarray:
+    def density(self, shift: ArrayLike) -> np.ndarray:
         """Probability density per unit of ln f [-]."""
 
-    def below(self, shift: Any) -> np.ndarray:
+    def below(self, shift: ArrayLike) -> np.ndarray:
         """Probability that the shift is no larger than the given one [-]."""
 
 

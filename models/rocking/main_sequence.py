@@ -17,6 +17,7 @@ import numpy as np
 from rocking.block import Block
 from rocking.half_cycle_table import TABLE_ROWS, combined, tabulated_response
 from rocking.main_sequence_kernel import Lanes, overturning_half_cycle, resonance_lanes, safety_lanes
+from rocking.quantities import ArrayLike, Floats
 from rocking.response import Response, squeezed
 from rocking.sequence_kernel import UNLIMITED
 from rocking.threads import split_lanes
@@ -32,9 +33,9 @@ __all__ = [
 
 def resonance(
     block: Block,
-    impulse: Any,
-    half_cycles: Any,
-    duration: Any = None,
+    impulse: ArrayLike,
+    half_cycles: ArrayLike | None,
+    duration: ArrayLike | None = None,
     table_rows: int = TABLE_ROWS,
     threads: int | None = None,
 ) -> Response:
@@ -87,7 +88,7 @@ def resonance(
     return tabulated_response(resonance_lanes, lanes, shape, drop, table_rows, threads)
 
 
-def critical_impulse_at(block: Block, half_cycle: int) -> Any:
+def critical_impulse_at(block: Block, half_cycle: int) -> Floats:
     """The impulse that overturns the block in a given half-cycle (Eq. 9 with the erratum).
 
     Parameters
@@ -108,7 +109,7 @@ def critical_impulse_at(block: Block, half_cycle: int) -> Any:
     return critical_impulse_ratio(block.restitution, half_cycle) * block.critical_impulse
 
 
-def critical_impulse_ratio(restitution: Any, half_cycle: int) -> Any:
+def critical_impulse_ratio(restitution: ArrayLike, half_cycle: int) -> Any:
     """I_ic/I_1c = (1 - C)/(1 - C^i) of Eq. 9 for C a float or an (m,) array [-]."""
     ratios = np.array(restitution, dtype=float, ndmin=1)
     ones, factors = np.ones(ratios.size), np.empty(ratios.size)
@@ -118,8 +119,12 @@ def critical_impulse_ratio(restitution: Any, half_cycle: int) -> Any:
 
 
 def resonance_safety(
-    block: Block, impulse: Any, half_cycles: Any = None, duration: Any = None, threads: int | None = None
-) -> Any:
+    block: Block,
+    impulse: ArrayLike,
+    half_cycles: ArrayLike | None = None,
+    duration: ArrayLike | None = None,
+    threads: int | None = None,
+) -> Floats:
     """Smallest factor on the impulse at which :func:`resonance` overturns the block, in closed form.
 
     Parameters
@@ -160,7 +165,7 @@ def resonance_safety(
 
 
 def _lanes(
-    block: Block, impulse: np.ndarray, count: Any, duration: Any
+    block: Block, impulse: np.ndarray, count: Any, duration: ArrayLike | None
 ) -> tuple[tuple[int, int], tuple[bool, bool], Lanes]:
     """The lanes of a kernel, with their shape and the axes to drop."""
     blocks = (block.p, block.restitution, block.critical_impulse)
@@ -168,21 +173,21 @@ def _lanes(
     return shape, drop, Lanes(impulses, ends, most.astype(np.int64), *rest)
 
 
-def _impulse(value: Any) -> np.ndarray:
+def _impulse(value: ArrayLike) -> np.ndarray:
     impulse = np.asarray(value, dtype=float)
     if impulse.ndim > 1 or not np.all(np.isfinite(impulse) & (impulse >= 0.0)):
         raise ValueError(f"impulse: expected a finite number or a (q,) array [m/s], not negative, got {value!r}")
     return impulse
 
 
-def _duration(value: Any) -> np.ndarray:
+def _duration(value: ArrayLike | None) -> np.ndarray:
     duration = np.asarray(np.inf if value is None else value, dtype=float)
     if duration.ndim > 1 or not np.all(duration > 0.0):
         raise ValueError(f"duration: expected a positive number or a (q,) array [s], got {value!r}")
     return duration
 
 
-def _half_cycles(value: Any, duration: Any) -> Any:
+def _half_cycles(value: Any, duration: ArrayLike | None) -> Any:
     if value is None:
         if duration is None or not np.all(np.isfinite(np.asarray(duration, dtype=float))):
             raise ValueError(

@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
@@ -20,6 +19,7 @@ from rocking.lane_factors import LEVEL_STEP, lane_factors
 from rocking.lane_march import REACH, LaneMarch
 from rocking.overturning_spectrum import OverturningFactors
 from rocking.probability_lanes import probability_lanes
+from rocking.quantities import ArrayLike
 from rocking.recorded import recorded_response
 from rocking.uncertainty import Uncertainty
 
@@ -47,7 +47,7 @@ class OverturningProbability(OverturningFactors):
     probability: np.ndarray
     unresolved: np.ndarray
 
-    def overturning(self, factor: Any) -> np.ndarray:
+    def overturning(self, factor: ArrayLike) -> np.ndarray:
         """Probability of overturning at some factors (m, d) on the record, linear in ln f between the levels [-]."""
         rows = zip(np.log(np.asarray(factor, dtype=float)), self.probability, strict=True)
         return np.array([np.interp(one, np.log(self.level), own) for one, own in rows])
@@ -55,15 +55,15 @@ class OverturningProbability(OverturningFactors):
 
 def overturning_probability(
     block: Block,
-    acceleration: Any,
+    acceleration: ArrayLike,
     dt: float,
     uncertainty: Uncertainty | None = None,
-    vertical: Any = None,
+    vertical: ArrayLike | None = None,
     factor_max: float = 10.0,
     *,
-    least: Any = None,
-    most: Any = None,
-    guess: Any = None,
+    least: ArrayLike | None = None,
+    most: ArrayLike | None = None,
+    guess: ArrayLike | None = None,
     seed: int = 0,
     threads: int | None = None,
 ) -> OverturningProbability:

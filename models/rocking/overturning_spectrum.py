@@ -19,13 +19,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass, fields
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 
 from rocking.block import Block
 from rocking.crossing import factor_at, mean_capacity, rising
 from rocking.lane_probability import NO_LANE, lane_bells, lane_probability, lane_sums, tail_masses
+from rocking.quantities import ArrayLike
 from rocking.spectrum_lanes import LEAST_RESTITUTION, RATES, SpectrumLanes
 from rocking.uncertainty import Uncertainty
 
@@ -158,7 +158,7 @@ class OverturningSpectrum:
         self._alike = np.exp(-((0.5 * apart / self.uncertainty.spread) ** 2))
         self._at = [_AtOneRate(lanes, place, self._logs, self.uncertainty) for place in range(self.p.size)]
 
-    def probability(self, restitution: Any, rotation: float = np.inf) -> np.ndarray:
+    def probability(self, restitution: ArrayLike, rotation: float = np.inf) -> np.ndarray:
         """P(x; p, C) at the levels, fitted so that it never falls with x.
 
         Parameters
@@ -183,7 +183,7 @@ class OverturningSpectrum:
             raise ValueError(f"rotation: expected a positive theta/alpha, or inf, got {rotation!r}")
         return rising(np.stack([one.reaching(rotation, least, most) for one in self._at]))
 
-    def spectrum(self, restitution: Any, rotation: float = np.inf) -> np.ndarray:
+    def spectrum(self, restitution: ArrayLike, rotation: float = np.inf) -> np.ndarray:
         """S(p, C) = 1/exp(E ln x_c) [m/s], (a, c), for nominal C (c,) and a limit state as for :meth:`probability`."""
         return 1.0 / mean_capacity(self.level, self.probability(restitution, rotation))
 
@@ -192,7 +192,7 @@ class OverturningSpectrum:
         return covered(block, least, most, self.p, self.lanes.between, self.lanes.side)
 
     def factors(
-        self, block: Block, least: Any = None, most: Any = None, factor_max: float = np.inf
+        self, block: Block, least: ArrayLike | None = None, most: ArrayLike | None = None, factor_max: float = np.inf
     ) -> OverturningFactors:
         """Probability of overturning of blocks under the record, and the factors on it that it grows with.
 
@@ -236,7 +236,9 @@ class OverturningSpectrum:
             found[f"{name}_high"] = value * np.exp(np.hypot(above, TWO_SIDED * INTERPOLATION))
         return OverturningFactors(**found).up_to(factor_max)
 
-    def overturning(self, block: Block, factor: Any, least: Any = None, most: Any = None) -> np.ndarray:
+    def overturning(
+        self, block: Block, factor: ArrayLike, least: ArrayLike | None = None, most: ArrayLike | None = None
+    ) -> np.ndarray:
         """Probability that blocks overturn under the record times some factors, (m, d) [-].
 
         Parameters
@@ -254,7 +256,9 @@ class OverturningSpectrum:
         probability, _, speed = self._of_blocks(block, least, most)
         return _read(self._first, rising(probability), np.log(np.asarray(factor, dtype=float) / speed[:, np.newaxis]))
 
-    def _of_blocks(self, block: Block, least: Any, most: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    def _of_blocks(
+        self, block: Block, least: ArrayLike | None, most: ArrayLike | None
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """P (m, k) of blocks that the spectrum covers, its standard error, and their speeds g tan(alpha)/p (m,)."""
         block = block.weaker  # the corner that a block before a wall turns about
         nominal = np.asarray(block.restitution, dtype=float)
@@ -271,7 +275,7 @@ class OverturningSpectrum:
         speed = np.asarray(block.gravity * np.tan(block.alpha_c) / block.p)
         return *self._between(np.asarray(block.p), least, most), speed
 
-    def _range(self, restitution: Any) -> tuple[np.ndarray, np.ndarray]:
+    def _range(self, restitution: ArrayLike) -> tuple[np.ndarray, np.ndarray]:
         nominal = np.atleast_1d(np.asarray(restitution, dtype=float))
         least, most = (share * nominal for share in self.uncertainty.restitution)
         if not np.all(covered_range(least, most, self.lanes.between)):

@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 import math
-from typing import Any
 
 import numpy as np
 
 from rocking.arguments import numbers
 from rocking.block import Block
+from rocking.quantities import ArrayLike
 
 __all__ = ["with_pedestal"]
 
 
-def with_pedestal(block: Block, width: float, height: float, mass: float, restitution: Any = "housner") -> Block:
+def with_pedestal(block: Block, width: float, height: float, mass: float, restitution: ArrayLike = "housner") -> Block:
     """One body of a block and a homogeneous rectangular pedestal, in the middle of whose top it stands.
 
     Parameters

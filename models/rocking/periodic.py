@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
@@ -12,6 +11,7 @@ from rocking.half_cycle import stays_bounded
 from rocking.half_cycle_table import combined
 from rocking.impulse_sequence import ImpulseSequence
 from rocking.motion import hop
+from rocking.quantities import Booleans, Floats
 from rocking.response import squeezed
 
 __all__ = ["SteadyState", "steady_state"]
@@ -36,11 +36,11 @@ class SteadyState:
         Whether the motion stabilises, v* <= 1 (at v* = 1 the limit is never reached).
     """
 
-    start_velocity: Any
-    effective_velocity: Any
-    peak: Any
-    half_period: Any
-    stable: Any
+    start_velocity: Floats
+    effective_velocity: Floats
+    peak: Floats
+    half_period: Floats
+    stable: Booleans
 
 
 def steady_state(block: Block, sequence: ImpulseSequence) -> SteadyState:

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
 
 import numpy as np
 
 from rocking.arguments import numbers
 from rocking.block import Block
+from rocking.quantities import ArrayLike, Integers
 from rocking.response import Outcome, Response, squeezed
 
 __all__ = ["NOT_CHECKED", "NOT_PREDICTABLE", "PREDICTABLE", "predictable"]
@@ -20,10 +20,10 @@ def predictable(
     response: Response,
     respond: Callable[[Block, np.ndarray], Response],
     block: Block,
-    scale: Any = 1.0,
+    scale: ArrayLike = 1.0,
     perturbation: float = 1e-9,
     tolerance: float | None = 1e-4,
-) -> Any:
+) -> Integers:
     """Lanes whose outcome and peak stay when restitution and strength of the record change by a little.
 
     Parameters

@@ -15,6 +15,7 @@ from rocking.block import Block
 from rocking.corner_response import Marched, march_bodies, together_again
 from rocking.demand import Demand
 from rocking.ground import Accelerogram, extremes
+from rocking.quantities import ArrayLike
 from rocking.recorded_event import LINEAR, NONLINEAR
 from rocking.recorded_kernel import Lanes, Options, march_lanes
 from rocking.response import Response, empty_results, response_of, with_history
@@ -43,16 +44,16 @@ LONGEST_STEP = 0.3
 
 def recorded_response(
     block: Block,
-    acceleration: Any,
+    acceleration: ArrayLike,
     dt: float,
     equation: Literal["nonlinear", "linear"] = "nonlinear",
-    scale: Any = 1.0,
-    vertical: Any = None,
-    initial_rotation: Any = 0.0,
-    initial_velocity: Any = 0.0,
+    scale: ArrayLike = 1.0,
+    vertical: ArrayLike | None = None,
+    initial_rotation: ArrayLike = 0.0,
+    initial_velocity: ArrayLike = 0.0,
     history: bool = False,
     gain: Literal["linear", "tangent"] = "linear",
-    block_scale: Any = 1.0,
+    block_scale: ArrayLike = 1.0,
     verdict: Demand | None = None,
     step: float = 0.08,
     last_term: float = LAST_TERM,

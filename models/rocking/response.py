@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, fields, replace
-from enum import IntEnum
 from typing import Any, NamedTuple
 
 import numpy as np
+
+from rocking.outcome import Outcome, Reason
+from rocking.quantities import Booleans, Floats, Integers
+from rocking.response_picture import ResponsePicture
 
 __all__ = [
     "IMPACT_CUTOFF",
@@ -28,27 +31,6 @@ IMPACT_CUTOFF = 1e-3
 
 #: The lane axes of (..., q, m) values for which the caller gave a scalar: the factor on the input, the block.
 LANE_AXES = {(False, False): (), (True, False): (-2,), (False, True): (-1,), (True, True): (-2, -1)}
-
-
-class Outcome(IntEnum):
-    """How a motion ends."""
-
-    AT_REST = 0  #: never uplifted
-    ROCKS = 1  #: uplifted, and comes back to rest or to a bounded motion
-    OVERTURNS = 2
-    UNRESOLVED = 3  #: the model cannot say; see the reason
-
-
-class Reason(IntEnum):
-    """Why a lane is UNRESOLVED."""
-
-    NONE = 0
-    IMPACT_LIMIT = 1  #: more impacts in a row than the solver follows (restitution of one or next to it)
-    FREE_FLIGHT = 2  #: the vertical acceleration cancels gravity: the block leaves the ground
-    HALF_CYCLE_LIMIT = 3  #: more half-cycles than the model follows
-    NO_SEQUENCE = 4  #: the record gave no impulse sequence to answer with
-    SHORT_INTERVAL = 5  #: secondary impulses too close for the march; the limit is spacing="continuous"
-    NOT_MODELLED = 6  #: the model does not know what the body has: unlike corners, a wall, ties, loads or thrusts
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,8 +61,8 @@ class HalfCycles:
     impact_speed: np.ndarray
 
 
-@dataclass(frozen=True, eq=False)
-class Response:
+@dataclass(frozen=True, eq=False, repr=False)
+class Response(ResponsePicture):
     """Peak, outcome and events of a rocking motion; arrays of the lanes' shape, or scalars for one lane.
 
     Attributes
@@ -112,18 +94,18 @@ class Response:
         Response to a record only: samples in which the block moved, neither at rest nor overturned.
     """
 
-    peak_rotation_ratio: Any
-    outcome: Any
-    reason: Any
-    overturning_time: Any
-    overturning_half_cycle: Any
-    impacts: Any
+    peak_rotation_ratio: Floats
+    outcome: Integers
+    reason: Integers
+    overturning_time: Floats
+    overturning_half_cycle: Integers
+    impacts: Integers
     time: np.ndarray | None = None
     rotation: np.ndarray | None = None
     velocity: np.ndarray | None = None
     half_cycles: HalfCycles | None = None
-    ground_contact: Any = None
-    active_samples: Any = None
+    ground_contact: Booleans | None = None
+    active_samples: Integers | None = None
 
 
 class LaneResults(NamedTuple):

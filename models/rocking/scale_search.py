@@ -5,9 +5,10 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
+
+from rocking.quantities import ArrayLike
 
 __all__ = ["ScaleIntervals", "exceedance_intervals"]
 
@@ -90,7 +91,7 @@ def exceedance_intervals(
     exceeds: Callable[[np.ndarray, np.ndarray], np.ndarray],
     start: np.ndarray,
     factor_max: float,
-    points: Any,
+    points: ArrayLike,
     tolerance: float = 1e-6,
 ) -> ScaleIntervals:
     """Intervals of the factor in which each lane exceeds a limit: a scan on a log grid, and every edge refined.

@@ -97,13 +97,14 @@ def sequence_response(
     shape, drop, flat = _combined(block, sequence, paired)
     lanes, short = _lanes(sequence, flat)
     response = _unresolved(tabulated_response(sequence_lanes, lanes, shape, drop, table_rows, threads), short)
-    through = np.count_nonzero(response.ground_contact)
+    contact = np.asarray(response.ground_contact)
+    through = np.count_nonzero(contact)
     if through:
         logger.warning(
             "sequence: in %d of %d lanes the corrected march with spacing %r passes through the ground "
             "inside a half-cycle; only its end is exact",
             through,
-            np.size(response.ground_contact),
+            contact.size,
             sequence.spacing,
         )
     return response

@@ -166,7 +166,7 @@ def _bands(block: Block, sequence: ImpulseSequence, factor_max: float) -> ScaleI
     of_sequence = (sequence.main, sequence.secondary, sequence.duration, most)
     inputs = zip(
         *(np.broadcast_to(values, count) for values in of_sequence),
-        *(block.critical_impulse, block.restitution, block.p),
+        *(np.broadcast_to(values, count) for values in (block.critical_impulse, block.restitution, block.p)),
         strict=True,
     )
     parts = [

@@ -13,6 +13,7 @@ import numpy as np
 
 from rocking.arguments import numbers, record_samples
 from rocking.block import Block
+from rocking.quantities import ArrayLike, Floats
 from rocking.recorded import recorded_response
 
 __all__ = ["SlidingDemand", "impact_friction", "sliding_demand"]
@@ -37,7 +38,12 @@ class SlidingDemand(NamedTuple):
 
 
 def sliding_demand(
-    block: Block, acceleration: Any, dt: float, friction: Any = np.nan, vertical: Any = None, scale: float = 1.0
+    block: Block,
+    acceleration: ArrayLike,
+    dt: float,
+    friction: ArrayLike = np.nan,
+    vertical: ArrayLike | None = None,
+    scale: float = 1.0,
 ) -> SlidingDemand:
     """The friction that a rocking motion without sliding asks for, by the nonlinear equation.
 
@@ -102,7 +108,7 @@ def sliding_demand(
     )
 
 
-def impact_friction(block: Block, restitution: Any = None) -> Any:
+def impact_friction(block: Block, restitution: ArrayLike | None = None) -> Floats:
     """Ratio of the impulses across and up of an impact that ends the rotation about the right-hand corner [-].
 
     h (1 - C)/(b_1 + C b_2), of a body whose centre of mass lies h above its corners: what an impact asks of friction if

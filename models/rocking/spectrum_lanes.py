@@ -18,13 +18,13 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 
 from rocking.arguments import positive, record_samples
 from rocking.block import STANDARD_GRAVITY
 from rocking.block_limits import RATES
+from rocking.quantities import ArrayLike
 from rocking.slender_kernel import march_pieces, weighted_impulse
 from rocking.threads import split_lanes
 
@@ -118,7 +118,7 @@ def neighbours(p: np.ndarray) -> np.ndarray:
 
 
 def spectrum_lanes(
-    acceleration: Any, dt: float, p: Any = RATES, threads: int | None = None, *, side: int = 0
+    acceleration: ArrayLike, dt: float, p: ArrayLike = RATES, threads: int | None = None, *, side: int = 0
 ) -> SpectrumLanes:
     """March the lanes of a record's overturning spectrum.
 
@@ -154,7 +154,7 @@ def spectrum_lanes(
 def piece_lanes(
     times: np.ndarray,
     ground: np.ndarray,
-    p: Any = RATES,
+    p: ArrayLike = RATES,
     between: tuple[float, float] = (LEAST_RESTITUTION, MOST_RESTITUTION),
     threads: int | None = None,
     *,
@@ -281,7 +281,7 @@ def _restitutions(count: int, start: float, between: tuple[float, float]) -> np.
     return least + (most - least) * ((np.arange(count) * _GOLDEN + start) % 1.0)
 
 
-def _level(log_x: np.ndarray, restitution: Any) -> np.ndarray:
+def _level(log_x: np.ndarray, restitution: float | np.ndarray) -> np.ndarray:
     """ln x moved along the slope, so that lanes of any restitution with one expected verdict have one level."""
     return log_x + SLOPE * (restitution - MIDDLE)
 

@@ -11,12 +11,12 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from scipy.special import ndtr, owens_t
 
 from rocking.arguments import numbers
+from rocking.quantities import ArrayLike
 
 __all__ = ["Uncertainty"]
 
@@ -76,7 +76,7 @@ class Uncertainty:
         """Standard deviation of the shift of the logarithm of the factor by factor and geometry together [-]."""
         return math.sqrt(self.factor**2 + (1.0 - 2.0 / math.pi) * self.geometry**2)
 
-    def density(self, shift: Any) -> np.ndarray:
+    def density(self, shift: ArrayLike) -> np.ndarray:
         """Probability density of the shift Z of the logarithm of the factor, by factor and geometry together [-]."""
         scale = math.hypot(self.factor, self.geometry)
         at = np.asarray(shift, dtype=float) / scale
@@ -86,7 +86,7 @@ class Uncertainty:
         found[near] = bell * ndtr(self.geometry / self.factor * inside)
         return found
 
-    def below(self, shift: Any) -> np.ndarray:
+    def below(self, shift: ArrayLike) -> np.ndarray:
         """Probability that the shift Z of :meth:`density` is no larger than the given one [-]."""
         at = np.asarray(shift, dtype=float) / math.hypot(self.factor, self.geometry)
         return ndtr(at) - 2.0 * owens_t(at, self.geometry / self.factor)

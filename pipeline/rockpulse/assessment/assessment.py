@@ -229,12 +229,13 @@ def _assess_at(
 
 def _strength(scene: Scene, bodies: Bodies, stronger: float) -> dict[str, np.ndarray]:
     """The strength of the motion that bodies feel, over theirs; and the friction that it asks for."""
-    lanes, record, found = bodies.lanes.weaker, scene.record, {}
+    lanes, record = bodies.lanes.weaker, scene.record
+    found: dict[str, np.ndarray] = {}
     lifting = uplift_scale(bodies.lanes, np.array([-1.0, 1.0]))
     main = np.nan if scene.sequence is None or scene.sequence.shape else float(scene.sequence.main)
     found["uplift_ratio"] = record.pga / lifting
-    found["velocity_ratio"] = lanes.p * pgv(record) / lifting
-    found["impulse_ratio"] = main / lanes.critical_impulse
+    found["velocity_ratio"] = np.asarray(lanes.p * pgv(record) / lifting)
+    found["impulse_ratio"] = np.asarray(main / lanes.critical_impulse)
     found["floor_amplification"] = np.full(lanes.shape, stronger)
     friction = np.repeat(bodies.friction, bodies.cases)
     asked = np.flatnonzero(~np.isnan(friction))

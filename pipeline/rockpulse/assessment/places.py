@@ -101,7 +101,7 @@ def joined_responses(parts: Sequence[Response], lanes: Sequence[np.ndarray], sam
         for places, value in zip(lanes, values, strict=True):
             whole[places] = value
         found[item.name] = whole
-    return Response(**{item.name: found.get(item.name) for item in fields(Response)})
+    return Response(**found)
 
 
 def _joined_cycles(parts: Sequence[HalfCycles], lanes: Sequence[np.ndarray], count: int) -> HalfCycles:

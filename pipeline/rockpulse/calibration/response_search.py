@@ -92,14 +92,9 @@ class SearchSpace:
     def sequence(self, point: np.ndarray) -> ImpulseSequence:
         """One sequence of a (4,) point."""
         many = self.sequences(point[np.newaxis])
-        return ImpulseSequence(
-            main=float(many.main[0]),
-            secondary=float(many.secondary[0]),
-            interval=float(many.interval[0]),
-            duration=self.duration,
-            main_count=int(many.main_count[0]),
-            spacing=self.spacing,
-        )
+        names = ("main", "secondary", "interval", "main_count")
+        numbers = {name: np.ravel(getattr(many, name)).item() for name in names}
+        return ImpulseSequence(**numbers, duration=self.duration, spacing=self.spacing)
 
     def point(self, main: float, ratio: float, interval: float, main_count: int) -> np.ndarray:
         """The (4,) point of a sequence."""
@@ -120,14 +115,15 @@ def search_space(targets: ResponseTargets, start: ImpulseSequence | None, spacin
     shortest, longest = INTERVALS
     most = MOST_MAIN
     if start is not None:
-        if np.isfinite(start.interval):
-            shortest, longest = min(shortest, start.interval), max(longest, start.interval)
-        most = max(most, start.main_count or 0)
+        interval = float(start.interval)
+        if np.isfinite(interval):
+            shortest, longest = min(shortest, interval), max(longest, interval)
+        most = max(most, int(start.main_count or 0))
     low = np.array([OFFSETS[0], 0.0, np.log(shortest), 1.0])
     high = np.array([OFFSETS[1], LARGEST_RATIO.get(spacing, 1.0), np.log(longest), float(most)])
     if spacing == "continuous":
         low[INTERVAL] = high[INTERVAL] = 0.0
-    duration = np.inf if start is None else start.duration
+    duration = np.inf if start is None else float(start.duration)
     restitutions = np.asarray(targets.blocks.restitution)[targets.number]
     space = SearchSpace(low, high, duration, spacing, demands, restitutions)
     if start is not None and start.main > 0.0:
@@ -138,11 +134,12 @@ def search_space(targets: ResponseTargets, start: ImpulseSequence | None, spacin
 
 def start_point(space: SearchSpace, start: ImpulseSequence) -> np.ndarray:
     """The point nearest to a start: without a main count it has the largest, without an interval the middle one."""
-    ratio = min(start.secondary / start.main, space.high[RATIO])
+    main = float(start.main)
+    ratio = min(float(start.secondary) / main, float(space.high[RATIO]))
     middle = float(np.exp(0.5 * (space.low[INTERVAL] + space.high[INTERVAL])))
     known = np.isfinite(start.interval) and space.spacing != "continuous"
-    interval = start.interval if known else middle
-    return space.point(start.main, ratio, interval, start.main_count or int(space.high[MAIN_COUNT]))
+    interval = float(start.interval) if known else middle
+    return space.point(main, ratio, interval, int(start.main_count or space.high[MAIN_COUNT]))
 
 
 class Explored:

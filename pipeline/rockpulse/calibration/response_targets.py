@@ -18,11 +18,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
 from rocking.block import Block
+from rocking.quantities import ArrayLike
 from rocking.recorded import recorded_response
 from rocking.response import Outcome
 from rockpulse.errors import ConfigError, RecordRefused, TooWeak
@@ -148,7 +148,11 @@ def block_family() -> Block:
 
 
 def recorded_targets(
-    record: Record, blocks: Block, smallest: float = SMALL, threads: int | None = None, vertical: Any = None
+    record: Record,
+    blocks: Block,
+    smallest: float = SMALL,
+    threads: int | None = None,
+    vertical: ArrayLike | None = None,
 ) -> ResponseTargets:
     """The targets of a conditioned record: peaks of (m,) blocks under the nonlinear equation.
 
@@ -157,6 +161,6 @@ def recorded_targets(
     """
     response = recorded_response(blocks, record.acceleration, record.dt, vertical=vertical, threads=threads)
     try:
-        return ResponseTargets(blocks, response.peak_rotation_ratio, response.outcome, smallest)
+        return ResponseTargets(blocks, np.asarray(response.peak_rotation_ratio), np.asarray(response.outcome), smallest)
     except RecordRefused as error:
         raise type(error)(f"{record.id}: {error}") from None

@@ -226,9 +226,10 @@ class BlockSettings(Section):
                 held |= {name: self[name] for name in ("offset", "lean", "density", "length")}
                 block = Block(width=self.width, height=self.height, **common, **held)
             elif self.b_1 is not None:
-                block = Block.from_corners(self.b_1, self.b_2, self.centre, self.gyration, **common, **held)
+                corners = {name: self[name] for name in ("b_1", "b_2", "gyration")}
+                block = Block.from_corners(height=self["centre"], **corners, **common, **held)
             else:
-                block = Block.from_parameters(self.p, self.alpha, radius=self.radius, **common)
+                block = Block.from_parameters(**{name: self[name] for name in ("p", "alpha", "radius")}, **common)
         except ValueError as error:
             raise ConfigError(f"{self.where} {error}") from None
         for warning in block.warnings:

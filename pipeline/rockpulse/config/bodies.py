@@ -88,7 +88,9 @@ class Bodies:
         A body with one value is one lane under its own name. A ConfigError where two get one name.
         """
         names, kept = [], []
-        for place, (name, own) in enumerate(zip(self.names, self.per_case(self.lanes.restitution), strict=True)):
+        for place, (name, own) in enumerate(
+            zip(self.names, self.per_case(np.asarray(self.lanes.restitution)), strict=True)
+        ):
             ratios = own.tolist()
             values = list(dict.fromkeys(ratios))
             brief = [f"{ratio:g}" for ratio in values]

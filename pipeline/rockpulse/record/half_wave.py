@@ -13,6 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from rocking.svg_lines import BLUE, GREY, RED, Picture, Shown, brief
 from rockpulse.errors import ConfigError
 from rockpulse.record.record import Record
 
@@ -21,9 +22,12 @@ __all__ = ["HalfWaves", "half_waves"]
 #: A merged wave keeps at least this share of the absolute impulses of its lobes.
 KEPT_SHARE = 0.5
 
+#: Impulses of a picture from this share of the largest on are strong, and below the other one not drawn.
+STRONG, VISIBLE = 0.5, 0.01
 
-@dataclass(frozen=True, eq=False)
-class HalfWaves:
+
+@dataclass(frozen=True, eq=False, repr=False)
+class HalfWaves(Shown):
     """The half-waves of one record, in order of time.
 
     Attributes
@@ -81,6 +85,29 @@ class HalfWaves:
             dt=self.dt,
             record_id=self.record_id,
         )
+
+    def _facts(self) -> dict[str, str]:
+        facts = {"of": self.record_id} if self.record_id else {}
+        facts["waves"] = str(len(self))
+        if len(self):
+            facts["largest impulse"] = brief(np.max(np.abs(self.impulse)), "m/s")
+            facts["from"] = f"{self.start[0]:.4g} to {self.end[-1]:.4g} s"
+        return facts
+
+    def _picture(self) -> Picture | None:
+        """The impulses at their centroids, those above half the largest in another colour."""
+        if not len(self):
+            return None
+        reach = float(np.max(np.abs(self.impulse))) or 1.0
+        first, last = float(self.start[0]), float(self.end[-1])
+        picture = Picture((first, last), (-reach, reach))
+        picture.line([first, last], [0.0, 0.0], GREY, 0.5)
+        strong, seen = np.abs(self.impulse) >= STRONG * reach, np.abs(self.impulse) >= VISIBLE * reach
+        picture.stems(self.centroid[seen & ~strong], self.impulse[seen & ~strong], BLUE)
+        picture.stems(self.centroid[strong], self.impulse[strong], RED, 2.0)
+        picture.words(f"{reach:.3g} m/s", first, reach, "start")
+        picture.words(f"{last:.4g} s", last, -reach, "end")
+        return picture
 
 
 def half_waves(record: Record, threshold: float = 0.0, min_duration_s: float = 0.0, merge: bool = True) -> HalfWaves:

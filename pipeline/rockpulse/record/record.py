@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 import sys
 from collections.abc import Iterable, Sequence
@@ -13,6 +14,7 @@ from unicodedata import normalize
 
 import numpy as np
 
+from rocking.svg_lines import BLUE, GREY, RED, Picture, Shown, thinned
 from rockpulse.errors import RecordFormatError
 
 __all__ = ["BETWEEN", "STANDARD_GRAVITY", "Orientation", "Record", "distinct_ids", "id_matches", "record_id"]
@@ -29,8 +31,8 @@ STRONGEST = 1e9
 Orientation = Literal["horizontal", "vertical", "structural", "unknown"]
 
 
-@dataclass(frozen=True, eq=False)
-class Record:
+@dataclass(frozen=True, eq=False, repr=False)
+class Record(Shown):
     """An accelerogram: one channel, equally spaced, in m/s2.
 
     Attributes
@@ -204,6 +206,32 @@ class Record:
     def pga(self) -> float:
         """Largest absolute acceleration [m/s2]."""
         return float(np.max(np.abs(self.acceleration)))
+
+    def _facts(self) -> dict[str, str]:
+        """The id, what was recorded and where, its strength, and how many remarks there are on it."""
+        facts = {"": self.id}
+        if self.event or math.isfinite(self.magnitude):
+            size = f"{self.magnitude_type or 'M'} {self.magnitude:g}" if math.isfinite(self.magnitude) else ""
+            facts["event"] = f"{self.event} {size}".strip()
+        if self.orientation == "horizontal" and math.isfinite(self.azimuth):
+            facts["azimuth"] = f"{self.azimuth:g} degrees"
+        elif self.orientation != "unknown":
+            facts["direction"] = self.orientation
+        facts["samples"] = f"{self.npts} at {self.dt:.4g} s"
+        facts["PGA"] = f"{self.pga:.4g} m/s2"
+        return facts | ({"warnings": str(len(self.warnings))} if self.warnings else {})
+
+    def _picture(self) -> Picture:
+        """The accelerogram, with its largest sample as a point."""
+        reach, end = self.pga or 1.0, self.duration
+        strongest = int(np.argmax(np.abs(self.acceleration)))
+        picture = Picture((0.0, end), (-reach, reach))
+        picture.line([0.0, end], [0.0, 0.0], GREY, 0.5)
+        picture.line(*thinned(self.time, self.acceleration), BLUE, 0.7)
+        picture.dot(strongest * self.dt, float(self.acceleration[strongest]), RED)
+        picture.words(f"{self.pga:.3g} m/s2", 0.0, reach, "start")
+        picture.words(f"{end:.4g} s", end, -reach, "end")
+        return picture
 
 
 def _spread(acceleration: np.ndarray) -> bool:

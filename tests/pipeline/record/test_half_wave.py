@@ -332,3 +332,17 @@ def test_impulses_of_a_real_record_keep_its_velocity_and_displacement(ccc, chose
         assert math.fsum(waves.impulse * (motion.duration - waves.centroid)) == pytest.approx(
             displacement, abs=1e-12 * gross * motion.duration
         )
+
+
+def test_half_waves_are_told_in_a_line_and_drawn():
+    waves = half_waves(Record([0.0, 3.0, -3.0, 0.0, 1.0, 0.0], dt=0.1, id="three triangles"))
+    assert repr(waves) == "<HalfWaves of three triangles, waves 3, largest impulse 0.225 m/s, from 0 to 0.5 s>"
+    card = waves._repr_html_()
+    assert card.count('stroke="#D55E00"') == 1  # the two strong ones, as one path
+    assert card.count("M") == 3
+
+
+def test_no_half_wave_is_told_and_not_drawn():
+    waves = half_waves(Record([0.0, 0.0], dt=0.1, id="still"))
+    assert repr(waves) == "<HalfWaves of still, waves 0>"
+    assert "<svg" not in waves._repr_html_()

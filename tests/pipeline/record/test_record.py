@@ -133,3 +133,24 @@ def test_the_samples_are_read_only_after_pickling_too():
 )
 def test_an_id_is_matched_as_a_whole_and_by_its_capital_letters(patterns, expected):
     assert id_matches("CI.CCC..HNE@20190706T031953", patterns) is expected
+
+
+def test_a_record_is_told_in_a_line_and_drawn(ccc):
+    record = ccc[0]
+    told = f"<Record {record.id}, event {record.event}"
+    assert repr(record).startswith(told)
+    assert repr(record).endswith(f"samples {record.npts} at 0.01 s, PGA {record.pga:.4g} m/s2>") or record.warnings
+    assert len(repr(record)) < 200
+    card = record._repr_html_()
+    assert record.id in card
+    assert "<svg" in card
+    assert len(card) < 12_000
+
+
+def test_what_a_file_says_cannot_break_out_of_the_card():
+    record = Record(acceleration=[0.0, 1.0, -1.0], dt=0.01, id="a.1", event="<script>alert(1)</script>")
+    assert "<script" not in record._repr_html_()
+
+
+def test_a_record_of_zeros_is_drawn():
+    assert "<svg" in Record(acceleration=[0.0, 0.0], dt=0.01, id="a.1")._repr_html_()

@@ -119,5 +119,5 @@ def _timed(block: Block, records: list[np.ndarray], repeats: int) -> tuple[list[
         start = time.perf_counter()
         found = [recorded_response(block, record, DT, scale=SCALES, threads=1) for record in records]
         seconds.append(time.perf_counter() - start)
-    active = sum(int(np.sum(one.active_samples)) for one in found)
+    active = sum(int(np.sum(np.asarray(one.active_samples))) for one in found)
     return found, 1e9 * float(np.median(seconds[1:])) / max(active, 1)

@@ -92,6 +92,6 @@ def _peaks(records: list[np.ndarray], division: int, repeats: int) -> tuple[np.n
         start = time.perf_counter()
         responses = call()
         seconds.append(time.perf_counter() - start)
-    active = sum(int(np.sum(response.active_samples)) for response in responses)
-    peaks = np.concatenate([response.peak_rotation_ratio.ravel() for response in responses])
+    active = sum(int(np.sum(np.asarray(response.active_samples))) for response in responses)
+    peaks = np.concatenate([np.ravel(response.peak_rotation_ratio) for response in responses])
     return peaks, 1e9 * float(np.median(seconds)) / max(active, 1)

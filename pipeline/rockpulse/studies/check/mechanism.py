@@ -15,6 +15,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
+import numpy as np
+
 from rocking.block import STANDARD_GRAVITY, Block
 from rocking.restraint import Load, Restraints
 from rockpulse.config.block_settings import BlockSettings
@@ -166,19 +168,21 @@ def senses_of(block: Block, alone: Block | None = None, carried: Sequence[Load] 
     whole, body = (one.lane(0) if one.shape else one for one in (block, block if alone is None else alone))
     found = [_mechanism(whole, body, carried)]
     if whole.side == 0:
-        base = body.radius * math.sin(body.alpha_c) + body.radius_2 * math.sin(body.alpha_2)
+        base = float(body.radius * np.sin(body.alpha_c) + body.radius_2 * np.sin(body.alpha_2))
         seen = Restraints(loads=tuple(carried)).mirrored(base).loads
         found.append(_mechanism(whole.mirrored(), body.mirrored(), seen))
     return tuple(dict.fromkeys(found))
 
 
 def _mechanism(block: Block, body: Block, carried: Sequence[Load]) -> Mechanism:
-    weight = body.gravity * body.mass if math.isfinite(body.mass) else 1.0
-    arm, height = body.radius * math.sin(body.alpha_c), body.radius * math.cos(body.alpha_c)
-    base = arm + body.radius_2 * math.sin(body.alpha_2)
+    mass, radius, alpha = float(body.mass), float(body.radius), float(body.alpha_c)
+    weight = body.gravity * mass if math.isfinite(mass) else 1.0
+    arm, height = radius * math.sin(alpha), radius * math.cos(alpha)
+    base = arm + float(body.radius_2) * math.sin(body.alpha_2)
     weights = [Weight(weight, arm, height, True)]
     weights += [Weight(one.weight, _bearing(one, base), one.height, True) for one in carried]
-    others, forces = ([], []) if block.restraints is None else _forces(block.restraints, base)
+    held = block.restraints
+    others, forces = _forces(held, base) if isinstance(held, Restraints) else ([], [])
     return Mechanism(tuple(weights + others), tuple(forces), body.gravity)
 
 

@@ -91,7 +91,7 @@ def figure4(
     >>> figure["overturning_half_cycle"].isel(p=0).sel(restitution=0.9, spacing="end").values.item()
     4
     """
-    given = [paper_block(name, "housner").p for name in RADII] if p is None else p
+    given = [float(paper_block(name, "housner").p) for name in RADII] if p is None else p
     coords = {
         "restitution": axis("restitution", restitutions, 0.0, 1.0),
         "impulse_ratio": axis("impulse ratio I/I_1c", impulse_ratios, increasing=True),
@@ -154,7 +154,7 @@ def _curves(
     ratios, shares = coords["impulse_ratio"], coords["secondary_ratio"]
     # All is in ratios, and p a scale of time: no body whose size or restitution could be doubted.
     block = Block.from_parameters(p=p, alpha=_ALPHA, restitution=coords["restitution"], gravity=GRAVITY, log=False)
-    main = np.repeat(ratios, shares.size) * block.critical_impulse[0]
+    main = np.repeat(ratios, shares.size) * block.lane(0).critical_impulse
     limit = math.isinf(count)
 
     def response(end: float, table_rows: int) -> Response:

@@ -178,7 +178,7 @@ def motion_cases(motion: StrongMotion, threads: int | None = None) -> pd.DataFra
             **nonlinear_capacity(bodies, record.acceleration, record.dt, threads=threads),
             **{
                 f"overturns_{name}": (row == Outcome.OVERTURNS) | (row == Outcome.UNRESOLVED)
-                for name, row in zip(SCALES, verdict, strict=True)
+                for name, row in zip(SCALES, np.asarray(verdict), strict=True)
             },
         }
     )

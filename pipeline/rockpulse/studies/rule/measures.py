@@ -63,7 +63,7 @@ def other_measures(
     single = critical_scale(bodies, record.acceleration, record.dt, factor_max=10.0, threads=threads).safety_factor
     return {
         "single_ratio": np.where(np.isfinite(single), 1.0 / single, 0.0),
-        "change_ratio": np.array([largest_change(record, 2.0 / p) for p in bodies.p]) / speed,
+        "change_ratio": np.array([largest_change(record, 2.0 / p) for p in np.ravel(bodies.p)]) / speed,
         "intensity_ratio": spectrum_intensity(record) / speed,
         "velocity_ratio": pgv(record) / speed,
         "impulse_ratio": np.max(np.abs(waves.impulse)) / speed,

@@ -59,15 +59,16 @@ def nonlinear_capacity(
     loss = np.exp(-uncertainty.geometry * ndtri(0.5 + 0.5 * draws[:, 1]))
     least, most = uncertainty.restitution
     rows = []
-    for body in range(bodies.p.size):
-        alpha = bodies.alpha_c[body] * loss
+    for one in range(bodies.shape[0]):
+        body = bodies.lane(one)
+        alpha = body.alpha_c * loss
         uplift = math.log(bodies.gravity * np.min(np.tan(alpha)) / np.max(np.abs(ground)))
         bottom, top = min(uplift, last) - reach, last + reach
         log_factor = bottom + (top - bottom) * draws[:, 2]
         lanes = Block.from_parameters(
-            p=np.full(LANES, bodies.p[body]),
+            p=np.full(LANES, body.p),
             alpha=alpha,
-            restitution=bodies.restitution[body] * (least + (most - least) * draws[:, 0]),
+            restitution=body.restitution * (least + (most - least) * draws[:, 0]),
             gravity=bodies.gravity,
             log=False,
         )

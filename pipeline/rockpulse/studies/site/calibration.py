@@ -171,7 +171,7 @@ def site_family(blocks: Blocks) -> tuple[list[str], Block]:
     """
     if not blocks:
         lanes = block_family()
-        named = zip(lanes.p, lanes.alpha_c, lanes.restitution, strict=True)
+        named = np.column_stack([lanes.p, lanes.alpha_c, lanes.restitution])
         return [f"p {p:.3g} alpha {alpha:.3g} C {c:.3g}" for p, alpha, c in named], lanes
     bodies = gather_bodies(blocks)
     refuse_aloft(bodies, "a site is calibrated on the motion of its ground")

@@ -117,11 +117,11 @@ def facts_of_record(record: Record, factor: float, config: Config) -> dict[str, 
 def _parameters(sequence: ImpulseSequence) -> list[float]:
     """The parameters of a sequence; NaN where there is no limit or no meaning."""
     return [
-        sequence.main,
-        sequence.secondary / sequence.main,
-        sequence.interval,
+        float(sequence.main),
+        float(sequence.secondary / sequence.main),
+        float(sequence.interval),
         math.nan if sequence.main_count is None else float(sequence.main_count),
-        sequence.duration if math.isfinite(sequence.duration) else math.nan,
+        float(sequence.duration) if math.isfinite(sequence.duration) else math.nan,
     ]
 
 

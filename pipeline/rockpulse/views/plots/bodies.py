@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from rocking.restraint import Restraints
 from rockpulse.config.restraint_settings import floors_from_text
 from rockpulse.errors import ResultsError
 from rockpulse.views.plots.selection import block_of, one_name
@@ -63,10 +64,10 @@ def bodies(tree: xr.DataTree, block: str | None = None) -> Figure:
 
 
 def _draw(ax: Axes, body: Block, name: str, periods: list[float]) -> None:
-    first, second = body.radius * math.sin(body.alpha_c), body.radius_2 * math.sin(body.alpha_2)
-    centre = body.radius * math.cos(body.alpha_c)
+    first, second = float(body.radius * np.sin(body.alpha_c)), float(body.radius_2 * np.sin(body.alpha_2))
+    centre = float(body.radius * np.cos(body.alpha_c))
     width = first + second
-    height = 2.0 * body.half_height if math.isfinite(body.half_height) else 2.0 * centre
+    height = float(body.height) if math.isfinite(body.height) else 2.0 * centre
     middle = 0.5 * (first - second)
     if math.isfinite(body.half_height):
         ax.add_patch(_polygon([(-second, 0), (first, 0), (first, height), (-second, height)]))
@@ -86,18 +87,18 @@ def _draw(ax: Axes, body: Block, name: str, periods: list[float]) -> None:
     if periods:
         words = "on a floor, T = " + ", ".join(f"{period:g}" for period in periods) + " s"
         ax.text(middle, ground, words, fontsize=SMALL, ha="center", va="top", color=BLUE)
-    held = body.restraints
-    for tie in held.ties if held else ():
+    held = body.restraints if isinstance(body.restraints, Restraints) else Restraints()
+    for tie in held.ties:
         for side in (1.0, -1.0):
             if tie.side in ("both", "positive" if side > 0 else "negative"):
                 at = (first if side > 0 else -second) - side * tie.distance
                 end = -side * ((second if side > 0 else first) + 0.3 * height)
                 ax.plot([at, end], [tie.height] * 2, color=BLUE, lw=1.4)
                 ax.plot([end], [tie.height], "s", ms=4, color=BLUE)
-    for load in held.loads if held else ():
+    for load in held.loads:
         at = first - (0.5 * width if load.distance is None else load.distance)
         _arrow(ax, (at, load.height + 0.14 * height), (at, load.height), ORANGE)
-    for thrust in held.thrusts if held else ():
+    for thrust in held.thrusts:
         at = first - thrust.distance
         _arrow(ax, (at - math.copysign(0.25 * height, thrust.force), thrust.height), (at, thrust.height), RED)
     ax.set_aspect("equal")

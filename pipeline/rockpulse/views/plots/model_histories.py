@@ -197,7 +197,9 @@ def _of_sequence(
     cycles = [HalfCycle(float(u), float(t), int(n), float(dt)) for u, t, n, dt in zip(*columns, strict=True)]
     p = float(summary["p"].sel(block=block))
     sequence = sequence_of(tree, record)
-    share = sequence.secondary / float(summary["critical_impulse"].sel(block=block)) if model == "sequence" else 0.0
+    share = (
+        float(sequence.secondary) / float(summary["critical_impulse"].sel(block=block)) if model == "sequence" else 0.0
+    )
     ends = np.cumsum([cycle.duration for cycle in cycles if np.isfinite(cycle.duration)])
     # An overturning half-cycle is followed a while beyond alpha_c, where the history ends by itself.
     last = (float(ends[-1]) if ends.size else 0.0) + (0.0 if np.isfinite(cycles[-1].duration) else 6.0 / p)
