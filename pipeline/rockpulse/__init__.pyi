@@ -5,6 +5,9 @@ from .assessment.assessment import assess as assess
 from .assessment.design_sequence import assess_sequence as assess_sequence
 from .assessment.overturning import overturning_factors as overturning_factors
 from .assessment.overturning import overturning_spectrum as overturning_spectrum
+from .assessment.results import Results as Results
+from .assessment.results import load as load
+from .assessment.results import open_results as open_results
 from .assessment.spectrum import rocking_spectrum as rocking_spectrum
 from .batch.options import BatchOptions as BatchOptions
 from .batch.run import BatchReport as BatchReport
@@ -66,7 +69,6 @@ from .record.rotation import rotate as rotate
 from .record.rotation import strongest_azimuth as strongest_azimuth
 from .storage.design_file import load_design as load_design
 from .storage.long_table import results_table as results_table
-from .storage.save_load import load as load
 from .storage.save_load import save as save
 from .studies.check.codes import code_check as code_check
 from .studies.check.kinematic import KinematicCheck as KinematicCheck

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING
@@ -17,12 +17,12 @@ from rocking.sliding import sliding_demand
 from rockpulse.assessment.places import aloft, joined_intervals, joined_responses, places_of, turned
 from rockpulse.assessment.probability import record_probability
 from rockpulse.assessment.record_assessment import RecordAssessment
+from rockpulse.assessment.results import registered
 from rockpulse.assessment.scene import extract, matched
 from rockpulse.assessment.senses import Senses, senses
 from rockpulse.assessment.tree import EVENT, build_tree, record_part, template
-from rockpulse.config.block_settings import BlockSettings
 from rockpulse.config.bodies import Bodies, Place, gather_bodies
-from rockpulse.config.configuration import Config
+from rockpulse.config.configuration import Config, given_config
 from rockpulse.failures import Failure
 from rockpulse.ladder import MODELS, USED, Scene, auto_response, critical_scales
 from rockpulse.motions.directions import Motion, PlannedMotion, swept_directions
@@ -44,7 +44,7 @@ RECORD_ITSELF = Place(None, ())
 def assess(
     records: Iterable[Record],
     config: Config | None = None,
-    blocks: Mapping[str, Block] | Sequence[BlockSettings] | None = None,
+    blocks: Blocks | None = None,
     failures: Iterable[Failure] = (),
     progress: Callable[[Sequence[PlannedMotion]], Iterable[PlannedMotion]] | None = None,
 ) -> xr.DataTree:
@@ -58,8 +58,8 @@ def assess(
         for it.
     config : Config, optional
         Options; the defaults without.
-    blocks : mapping of str to Block, or sequence of BlockSettings, optional
-        The bodies, in place of those of the configuration.
+    blocks : mapping of str to (width, height), Block or BlockSettings, or sequence of BlockSettings, optional
+        The bodies, in place of those of the configuration; full sizes in m.
     failures : iterable of Failure
         Files and channels that reading has left out, to be stored with the results.
     progress : callable, optional
@@ -69,8 +69,7 @@ def assess(
     -------
     xarray.DataTree
         /summary, /half_cycles, /overturning_intervals, /failures, for a sweep over direction /directions and, unless
-        switched off, /records;
-        see docs/schema.md.
+        switched off, /records; see docs/schema.md. ``tree.rockpulse`` is :class:`Results`, with the verdicts.
 
     Raises
     ------
@@ -83,11 +82,11 @@ def assess(
     >>> import numpy as np, rockpulse as rp
     >>> t = np.arange(0.0, 4.0, 0.01)
     >>> record = rp.Record(3.0 * np.sin(2.0 * np.pi * t), dt=0.01, id="sine", processed=True)
-    >>> tree = rp.assess([record], blocks={"pier": rp.models.Block(half_width=0.5, half_height=1.9365)})
+    >>> tree = rp.assess([record], blocks={"pier": (1.0, 3.873)})
     >>> tree["summary"]["model"].values.tolist()
     ['sequence', 'nonlinear']
     """
-    return run(Assessment(config or Config(), blocks), records, failures, progress)
+    return registered(run(Assessment(given_config(config), blocks), records, failures, progress))
 
 
 class Assessment(Analysis):

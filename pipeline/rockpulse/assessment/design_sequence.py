@@ -3,20 +3,19 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from rocking.block import Block
 from rocking.sequence import ImpulseSequence
 from rockpulse.assessment.assessment import assess_scene
+from rockpulse.assessment.results import registered
 from rockpulse.assessment.tree import EVENT, build_tree, record_part
 from rockpulse.calibration.design_spectrum import DesignSpectrum
-from rockpulse.config.block_settings import BlockSettings
 from rockpulse.config.bodies import gather_bodies, refuse_aloft
-from rockpulse.config.configuration import Config
+from rockpulse.config.configuration import Config, given_config
+from rockpulse.config.given_bodies import Blocks
 from rockpulse.errors import ConfigError
 from rockpulse.ladder import SEQUENCE_MODELS, Scene
 from rockpulse.record.half_wave import HalfWaves
@@ -33,7 +32,7 @@ __all__ = ["assess_sequence"]
 def assess_sequence(
     sequence: ImpulseSequence | DesignSpectrum,
     config: Config | None = None,
-    blocks: Mapping[str, Block] | Sequence[BlockSettings] | None = None,
+    blocks: Blocks | None = None,
     name: str = "design sequence",
     source: str = "",
 ) -> xr.DataTree:
@@ -45,8 +44,8 @@ def assess_sequence(
         One sequence, or a design spectrum, as :func:`rockpulse.load_design` reads them.
     config : Config, optional
         Sections site, models, search and the bodies are used; a [[demand]] is one on the PGA, which a sequence has not.
-    blocks : mapping of str to Block, or sequence of BlockSettings, optional
-        The bodies, in place of those of the configuration.
+    blocks : mapping of str to (width, height), Block or BlockSettings, or sequence of BlockSettings, optional
+        The bodies, in place of those of the configuration; full sizes in m.
     name : str
         Id of the row that stands where a record would.
     source : str
@@ -69,11 +68,11 @@ def assess_sequence(
     --------
     >>> import rockpulse as rp
     >>> sequence = rp.models.ImpulseSequence(0.5, 0.1, interval=0.1, duration=10.0, main_count=3)
-    >>> tree = rp.assess_sequence(sequence, blocks={"pier": rp.models.Block(half_width=0.5, half_height=1.9365)})
+    >>> tree = rp.assess_sequence(sequence, blocks={"pier": (1.0, 3.873)})
     >>> tree["summary"]["model"].values.tolist()
     ['sequence']
     """
-    asked_for = config or Config()
+    asked_for = given_config(config)
     bodies = gather_bodies(asked_for.blocks if blocks is None else blocks)
     refuse_aloft(bodies, "a design sequence is one of the ground")
     answering: tuple[str, ...] = SEQUENCE_MODELS
@@ -132,4 +131,4 @@ def assess_sequence(
     done = replace(done, scene=replace(done.scene, record=record))
     tree = build_tree([record_part(done) | {EVENT: np.array([""])}], bodies, config, [])
     tree.attrs["title"] = config.site.name or "Rocking response of rigid blocks to a sequence of impulses"
-    return tree
+    return registered(tree)

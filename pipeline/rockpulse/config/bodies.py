@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -11,6 +11,7 @@ import numpy as np
 
 from rocking.block import Block
 from rockpulse.config.block_settings import BlockSettings, require_pairs
+from rockpulse.config.given_bodies import Blocks, given_bodies
 from rockpulse.config.restraint_settings import FloorSettings
 from rockpulse.errors import ConfigError
 
@@ -105,25 +106,26 @@ class Bodies:
         return names, Block.stack([self.lanes.lane(lane) for lane in kept]), np.array(kept) // self.cases
 
 
-def gather_bodies(
-    blocks: Sequence[BlockSettings] | Mapping[str, Block], records: RecordSettings | None = None
-) -> Bodies:
-    """Line up the bodies of a configuration, or of a mapping of name to Block.
+def gather_bodies(blocks: Blocks, records: RecordSettings | None = None) -> Bodies:
+    """Line up the bodies of a configuration, or those that Python gives.
 
     A Block of shape (c,) stands for c restitution values of one body. A ConfigError without any body, with restitution
     lists of different lengths, a Block whose sizes differ among its lanes, bodies in different gravity, or one with a
     direction of its own where the settings of the records are given and ask for no pairs.
     """
-    if records is not None and not isinstance(blocks, Mapping):
-        require_pairs(blocks, records)
-    named = dict(blocks) if isinstance(blocks, Mapping) else {}
+    bodies = list(given_bodies(blocks))
+    if records is not None:
+        require_pairs([one for _, one in bodies if isinstance(one, BlockSettings)], records)
+    named: dict[str, Block] = {}
     given: dict[str, BlockSettings] = {}
     alone: dict[str, str] = {}
-    for one in () if isinstance(blocks, Mapping) else blocks:
-        own = {one.name: one.block()} | one.with_pedestals()
+    for body, one in bodies:
+        own = {body: one} if isinstance(one, Block) else {body: one.block()} | one.with_pedestals()
         if twice := own.keys() & named.keys():
             raise ConfigError(f'[[block]]: two bodies have the name "{min(twice)}"; rename one')
         named |= own
+        if isinstance(one, Block):
+            continue
         given |= dict(zip(own, [one, *(replace(one, friction=part.friction) for part in one.pedestals)], strict=True))
         alone |= {name: one.name for name in own if name != one.name}
     if not named:

@@ -36,7 +36,7 @@ from rockpulse.input_file import TOML_LIMIT, parse_toml, read_text
 from rockpulse.ladder import ModelSettings, SearchSettings
 from rockpulse.option import Section, hint
 
-__all__ = ["Config", "config_from_text", "load_config", "located", "stored_sections"]
+__all__ = ["Config", "config_from_text", "given_config", "load_config", "located", "stored_sections"]
 
 #: Sections of which there may be several.
 SEVERAL = ("block", "demand")
@@ -174,6 +174,18 @@ def stored_sections(text: str) -> dict[str, Any]:
         if not all(isinstance(section, dict) for section in (values if several else [values])):
             raise ResultsError(f"{STORED}: [{name}]: expected a section with keys")
     return found
+
+
+def given_config(config: Config | None) -> Config:
+    """The configuration that was given, the defaults without one; a ConfigError for anything else."""
+    if config is None:
+        return Config()
+    if not isinstance(config, Config):
+        raise ConfigError(
+            f"config: expected a Config, found {type(config).__name__} {config!r:.60}; "
+            "rockpulse.load_config reads one from a file"
+        )
+    return config
 
 
 def load_config(path: str | Path) -> Config:

@@ -12,13 +12,13 @@ from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
-from rocking.block import Block
-from rockpulse.config.block_settings import BlockSettings
 from rockpulse.config.configuration import Config
+from rockpulse.config.given_bodies import Blocks
 from rockpulse.errors import ConfigError, TooWeak
 from rockpulse.failures import Failure
 from rockpulse.motions.directions import Motion, PlannedMotion, VerticalRefused, conditioned_motions, plan_motions
@@ -44,8 +44,6 @@ __all__ = [
 ]
 
 logger = logging.getLogger("rockpulse")
-
-Blocks = Mapping[str, Block] | Sequence[BlockSettings]
 
 #: What one motion adds to the results: by name the arrays of every variable that grows with the motions, whose first
 #: dimension is the one that grows.
@@ -122,7 +120,7 @@ def run(
     progress: Callable[[Sequence[PlannedMotion]], Iterable[PlannedMotion]] | None = None,
 ) -> xr.DataTree:
     """Carry out an analysis in this process; `progress` wraps the list of channels and pairs, as ``tqdm.tqdm`` does."""
-    prepared = analysis.prepare(records, failures)
+    prepared = analysis.prepare(_checked(records), failures)
     rows, parts = list(prepared.failures), []
     for one in prepared.planned if progress is None else progress(prepared.planned):
         for outcome in worked(one, analysis.work, analysis.name, analysis.config):
@@ -131,6 +129,17 @@ def run(
             else:
                 parts.append(analysis.of_event(outcome, prepared.events[one.name]))
     return analysis.collect(parts, prepared.planned, rows)
+
+
+def _checked(records: Iterable[Record]) -> list[Record]:
+    """The records as a list; a ConfigError for anything else, such as the path of a file or one record alone."""
+    found = [records] if isinstance(records, (str, Path, Record)) else list(records)
+    for one in found:
+        if not isinstance(one, Record):
+            raise ConfigError(
+                f"records: expected Records, as rockpulse.read and rockpulse.read_all return them, found {one!r:.80}"
+            )
+    return found
 
 
 def unwatched(step: str) -> AbstractContextManager[None]:

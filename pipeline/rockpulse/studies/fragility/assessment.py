@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from rocking.block import Block
 from rocking.capacity import uplift_scale
-from rockpulse.config.block_settings import BlockSettings
 from rockpulse.config.bodies import gather_bodies
-from rockpulse.config.configuration import Config
+from rockpulse.config.configuration import Config, given_config
 from rockpulse.failures import Failure, some
 from rockpulse.motions.directions import PlannedMotion, planned_ids
 from rockpulse.motions.runner import Analysis, Blocks, Part, Prepared, Work, run
@@ -33,7 +31,7 @@ __all__ = ["FragilityAnalysis", "fragility_curves"]
 def fragility_curves(
     records: Iterable[Record],
     config: Config | None = None,
-    blocks: Mapping[str, Block] | Sequence[BlockSettings] | None = None,
+    blocks: Blocks | None = None,
     failures: Iterable[Failure] = (),
     progress: Callable[[Sequence[PlannedMotion]], Iterable[PlannedMotion]] | None = None,
 ) -> xr.DataTree:
@@ -47,8 +45,8 @@ def fragility_curves(
     config : Config, optional
         Sections records, conditioning, half_waves, intense_phase, search, fragility and the bodies; the defaults
         without.
-    blocks : mapping of str to Block, or sequence of BlockSettings, optional
-        The bodies, in place of those of the configuration.
+    blocks : mapping of str to (width, height), Block or BlockSettings, or sequence of BlockSettings, optional
+        The bodies, in place of those of the configuration; full sizes in m.
     failures : iterable of Failure
         Files and channels that reading has left out, to be stored with the results.
     progress : callable, optional
@@ -78,11 +76,11 @@ def fragility_curves(
     >>> import numpy as np, rockpulse as rp
     >>> t = np.arange(0.0, 4.0, 0.01)
     >>> record = rp.Record(3.0 * np.sin(2.0 * np.pi * t), dt=0.01, id="sine", processed=True)
-    >>> tree = rp.fragility_curves([record], blocks={"pier": rp.models.Block(half_width=0.5, half_height=1.9365)})
+    >>> tree = rp.fragility_curves([record], blocks={"pier": (1.0, 3.873)})
     >>> str(tree["fragility"]["statement"].sel(block="pier", limit_state="overturning", measure="pga").values)
     'no curve: one record only, 1.04 to 5.81 reached; a dispersion needs several'
     """
-    return run(FragilityAnalysis(config or Config(), blocks), records, failures, progress)
+    return run(FragilityAnalysis(given_config(config), blocks), records, failures, progress)
 
 
 class FragilityAnalysis(Analysis):

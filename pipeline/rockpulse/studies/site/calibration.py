@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from functools import partial
 from typing import TYPE_CHECKING
 
@@ -10,9 +10,8 @@ import numpy as np
 
 from rocking.block import Block
 from rockpulse.calibration.response_targets import block_family
-from rockpulse.config.block_settings import BlockSettings
 from rockpulse.config.bodies import gather_bodies, refuse_aloft
-from rockpulse.config.configuration import Config, located
+from rockpulse.config.configuration import Config, given_config, located
 from rockpulse.config.settings import WEIGHTS
 from rockpulse.errors import ConfigError, RecordRefused
 from rockpulse.failures import Failure, alike, told
@@ -35,7 +34,7 @@ __all__ = ["NothingCalibrated", "SiteCalibration", "calibrate_site", "site_famil
 def calibrate_site(
     records: Iterable[Record],
     config: Config | None = None,
-    blocks: Mapping[str, Block] | Sequence[BlockSettings] | None = None,
+    blocks: Blocks | None = None,
     failures: Iterable[Failure] = (),
     progress: Callable[[Sequence[PlannedMotion]], Iterable[PlannedMotion]] | None = None,
 ) -> xr.DataTree:
@@ -53,7 +52,7 @@ def calibrate_site(
     config : Config, optional
         Sections records, conditioning, half_waves, intense_phase, sequence, calibration, run and the bodies; the
         defaults without.
-    blocks : mapping of str to Block, or sequence of BlockSettings, optional
+    blocks : mapping of str to (width, height), Block or BlockSettings, or sequence of BlockSettings, optional
         The bodies that the design is read for, or whose rotations it is to cover, in place of those of the
         configuration. Where neither names one, the spectrum is stored alone, and one sequence covers a family of 100
         (:func:`rockpulse.calibration.response_targets.block_family`).
@@ -90,7 +89,7 @@ def calibrate_site(
     >>> int(tree["site"]["event_count"])
     2
     """
-    return run(SiteCalibration(config or Config(), blocks), records, failures, progress)
+    return run(SiteCalibration(given_config(config), blocks), records, failures, progress)
 
 
 class NothingCalibrated(RecordRefused):

@@ -1,0 +1,247 @@
+"""Results as Python holds them: read whole or opened, and their verdicts and margins as tables, ``tree.rockpulse``.
+
+.. note:: xarray knows accessors by class: once registered, every DataTree has this one, which says so where the tree
+   holds no assessment.
+"""
+
+from __future__ import annotations
+
+import math
+import os
+from collections import Counter
+from collections.abc import Iterator
+from contextlib import contextmanager
+from functools import cached_property
+
+import pandas as pd
+import xarray as xr
+
+from rocking.svg_lines import BLUE, GREY, INK, ORANGE, RED, Picture, Shown
+from rockpulse.assessment.answers import Answers, answers_of
+from rockpulse.assessment.verdict import BodyVerdict, Grade, verdicts
+from rockpulse.errors import ResultsError
+from rockpulse.option import hint
+from rockpulse.storage import hdf5_reader, save_load
+from rockpulse.storage.atomic_file import ASSESSMENT, named
+
+__all__ = ["Results", "load", "open_results", "registered"]
+
+#: Colours of the verdicts in a picture, and the bodies that are drawn.
+COLOURS = {Grade.STAYS: GREY, Grade.ROCKS: BLUE, Grade.MAY_OVERTURN: ORANGE, Grade.NOT_KNOWN: INK, Grade.OVERTURNS: RED}
+DRAWN = 20
+
+#: Height of a body in the picture [px].
+ROW = 18.0
+
+
+class Results(Shown):
+    """The verdicts and margins of an assessment, ``tree.rockpulse`` of a tree of results.
+
+    The accessor is registered by :func:`rockpulse.assess`, :func:`rockpulse.assess_sequence`, :func:`rockpulse.load`
+    and :func:`rockpulse.open_results`. A type checker does not see accessors: ``rockpulse.Results(tree)`` is the same.
+
+    Parameters
+    ----------
+    tree : xarray.DataTree
+        Of :func:`rockpulse.assess`, or read from a file.
+
+    Examples
+    --------
+    >>> import numpy as np, rockpulse as rp
+    >>> sine = rp.Record(3.0 * np.sin(np.arange(0.0, 40.0, 0.1)), dt=0.1, id="sine", processed=True)
+    >>> tree = rp.assess([sine], blocks={"chest": (1.0, 1.2), "wall": (0.25, 2.2)})
+    >>> tree.rockpulse.verdicts()["verdict"].to_dict()
+    {'chest': 'stays', 'wall': 'overturns'}
+    >>> tree.rockpulse
+    <Results 1 record, 2 bodies, model nonlinear, stays 1, overturns 1>
+    """
+
+    def __init__(self, tree: xr.DataTree) -> None:
+        self._tree = tree
+
+    def verdicts(self) -> pd.DataFrame:
+        """The verdict on every body over all records, as the overview and the report give it.
+
+        Returns
+        -------
+        pandas.DataFrame
+            One row for each body, or for each restitution of a body that has several. `verdict` is "stays", "rocks",
+            "may overturn", "not known", "overturns" or "no verdict"; it rests on `probability`, that of overturning
+            over earthquakes [-], at the worst of the site's demands where there are any, with its interval of 90 %
+            (`low`, `high`). `overturned` of the `motions` overturn the body as they are. `worst` is the record with
+            the smallest factor, empty where there is none. For each demand there are `verdict at NAME` and
+            `probability at NAME`.
+
+        Raises
+        ------
+        ResultsError
+            For a tree that holds no assessment.
+        """
+        rows = []
+        for one in self._verdicts:
+            row: dict[str, str | int | float] = {
+                "verdict": one.word,
+                "probability": one.decides.value,
+                "low": one.decides.low,
+                "high": one.decides.high,
+                "overturned": one.overturned,
+                "motions": len(self._answers.motions.names),
+                "worst": self._answers.records[one.governing] if one.governing >= 0 else "",
+            }
+            for demand in one.demands:
+                row[f"verdict at {demand.name}"] = "no verdict" if demand.few else demand.grade.word
+                row[f"probability at {demand.name}"] = demand.share.value
+            rows.append(row)
+        return pd.DataFrame(rows, index=self._bodies())
+
+    def margin(self, demand: str | None = None) -> pd.DataFrame:
+        """How much stronger the records may be, or how much of a demand each body bears.
+
+        Parameters
+        ----------
+        demand : str, optional
+            Name of a demand of the configuration; the factor on the records as they are without.
+
+        Returns
+        -------
+        pandas.DataFrame
+            One row for each body: the `smallest` and the `median` over the motions of the factor at which the
+            probability of overturning is 10 %, else of the safety factor [-]: inf where none was found, NaN where it is
+            not known. `smallest_is_bound` and `median_is_bound` say that it may be larger, for the model cannot answer
+            there; `searched_up_to` how far was searched where none was found. `motion` is the record, or the pair of
+            channels, of the smallest; `unknown` counts the motions without an answer.
+
+        Raises
+        ------
+        ResultsError
+            For a tree that holds no assessment, or a demand that it does not have.
+        """
+        answers = self._answers
+        if demand is not None and demand not in answers.demands:
+            known = ", ".join(answers.demands) or "none"
+            raise ResultsError(f"no demand {demand!r}{hint(demand, answers.demands, f'there are: {known}')}")
+        rows = [
+            {
+                "smallest": one.smallest,
+                "median": one.median,
+                "smallest_is_bound": one.bounds[0],
+                "median_is_bound": one.bounds[1],
+                "searched_up_to": one.limit,
+                "motion": answers.motions.names[one.place] if one.place >= 0 else "",
+                "unknown": one.unknown,
+            }
+            for one in answers.margins(demand=demand)
+        ]
+        return pd.DataFrame(rows, index=self._bodies())
+
+    @cached_property
+    def _answers(self) -> Answers:
+        found = str(self._tree.attrs.get("kind", ASSESSMENT))
+        if found != ASSESSMENT or "summary" not in self._tree.children:
+            what = named(found) if found != ASSESSMENT else "a tree without the group summary"
+            raise ResultsError(f"expected results of rockpulse.assess, found {what}")
+        return answers_of(self._tree)
+
+    @cached_property
+    def _verdicts(self) -> list[BodyVerdict]:
+        return verdicts(self._answers)
+
+    def _bodies(self) -> pd.Index[str]:
+        return pd.Index([body.name for body in self._answers.bodies], name="body")
+
+    @property
+    def _assessed(self) -> bool:
+        return self._tree.attrs.get("kind", ASSESSMENT) == ASSESSMENT and "summary" in self._tree.children
+
+    def _facts(self) -> dict[str, str]:
+        if not self._assessed:
+            return {"kind": str(self._tree.attrs.get("kind", "unknown")), "groups": ", ".join(self._tree.children)}
+        records, bodies = len(self._answers.records), len(self._answers.bodies)
+        counts = Counter(one.word for one in self._verdicts)
+        facts = {"": f"{records} record{'s' * (records != 1)}, {bodies} bod{'y' if bodies == 1 else 'ies'}"}
+        return facts | {"model": self._answers.model} | {word: str(count) for word, count in counts.items()}
+
+    def _picture(self) -> Picture | None:
+        """The probability of overturning of every body, with its interval, in the colour of its verdict."""
+        if not self._assessed or not self._verdicts:
+            return None
+        shown = self._verdicts[:DRAWN]
+        picture = Picture((-0.7, 1.4), (-len(shown), 0.5), height=ROW * len(shown) + 40.0)
+        for place, one in enumerate(shown):
+            at, colour = -float(place), COLOURS[one.overall]
+            name = one.body.name
+            picture.words(name if len(name) <= 24 else name[:23] + "…", -0.05, at - 0.2, "end")
+            picture.line([0.0, 1.0], [at, at], GREY, 0.3)
+            if math.isfinite(one.decides.value):
+                picture.line([one.decides.low, one.decides.high], [at, at], colour, 1.5)
+                picture.dot(one.decides.value, at, colour, 4.0)
+            picture.words(one.word, 1.06, at - 0.2, "start", colour)
+        for share in (0.0, 0.5, 1.0):
+            picture.words(f"{share:g}", share, -len(shown) - 0.3, "middle", GREY)
+        return picture
+
+
+def registered(tree: xr.DataTree) -> xr.DataTree:
+    """The tree, with :class:`Results` made known to xarray as the accessor ``rockpulse`` of all trees."""
+    if not hasattr(xr.DataTree, "rockpulse"):
+        xr.register_datatree_accessor("rockpulse")(Results)
+    return tree
+
+
+def load(path: str | os.PathLike[str]) -> xr.DataTree:
+    """Read results into memory; the file is closed afterwards.
+
+    Parameters
+    ----------
+    path : str or Path
+        File written by :func:`save`.
+
+    Returns
+    -------
+    xarray.DataTree
+        The tree that was saved, with the provenance in its attributes; ``tree.rockpulse`` is :class:`Results`.
+
+    Raises
+    ------
+    ResultsError
+        For a file that is no HDF5, is damaged, was not written by rockpulse, is an accuracy report, or has another
+        major schema version.
+    OSError
+        Where the file cannot be opened.
+
+    See Also
+    --------
+    open_results : the same without reading everything.
+    """
+    return registered(save_load.load(path))
+
+
+@contextmanager
+def open_results(path: str | os.PathLike[str]) -> Iterator[xr.DataTree]:
+    """Open results without reading them: numbers are read when they are asked for, and not after the end.
+
+    Parameters
+    ----------
+    path : str or Path
+        File written by :func:`save`.
+
+    Yields
+    ------
+    xarray.DataTree
+        As :func:`load` returns it. What is to be kept has to be read within the block, by ``.load()`` or ``.values``.
+
+    Raises
+    ------
+    ResultsError
+        As :func:`load`. Damage to numbers shows when they are read, as the OSError of HDF5.
+    OSError
+        Where the file cannot be opened.
+
+    Examples
+    --------
+    >>> import rockpulse as rp
+    >>> with rp.open_results("results.h5") as tree:  # doctest: +SKIP
+    ...     worst = tree["summary"]["factor_10"].min("record").load()
+    """
+    with hdf5_reader.open_results(path) as file:
+        yield registered(file.tree())

@@ -1,0 +1,134 @@
+"""Results in Python: read or opened, with the verdicts and margins that the overview shows, as tables and a card."""
+
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+import xarray as xr
+from results_tree import results_bytes, results_tree
+
+import rockpulse as rp
+from rockpulse.assessment.answers import answers_of
+from rockpulse.assessment.results import Results
+from rockpulse.assessment.verdict import verdicts
+from rockpulse.errors import ResultsError
+
+SINE = rp.Record(3.0 * np.sin(np.arange(0.0, 40.0, 0.1)), dt=0.1, id="sine", processed=True)
+WEAK = rp.Record(0.1 * SINE.acceleration, dt=0.1, id="weak", processed=True)
+BODIES = {"chest": (1.0, 1.2), "wall": (0.25, 2.2)}
+DEMAND = rp.DemandSettings(name="SLV", measure="pga", value=3.0)
+
+
+@pytest.fixture(scope="module")
+def tree():
+    return rp.assess([SINE, WEAK], rp.Config(demands=(DEMAND,)), blocks=BODIES)
+
+
+@pytest.fixture
+def path(tmp_path):
+    target = tmp_path / "results.h5"
+    target.write_bytes(results_bytes())
+    return target
+
+
+def test_verdicts_are_those_of_the_overview(tree):
+    table = tree.rockpulse.verdicts()
+    found = verdicts(answers_of(tree))
+    assert table.index.tolist() == ["chest", "wall"]
+    assert table.index.name == "body"
+    assert table["verdict"].tolist() == [one.word for one in found]
+    assert table["probability"].tolist() == [one.decides.value for one in found]
+    assert table["overturned"].tolist() == [one.overturned for one in found] == [0, 1]
+    assert table["motions"].tolist() == [2, 2]
+    assert table["worst"]["wall"] == "sine"
+    assert table["verdict at SLV"].tolist() == ["no verdict"] * 2  # one earthquake is too few
+    assert table["probability at SLV"].tolist() == [one.demands[0].share.value for one in found]
+
+
+def test_margins_are_those_of_the_answers(tree):
+    table = tree.rockpulse.margin()
+    margins = answers_of(tree).margins()
+    assert table["smallest"].tolist() == [one.smallest for one in margins]
+    assert table["median"].tolist() == [one.median for one in margins]
+    assert table["motion"]["wall"] == "sine"
+    of_demand = tree.rockpulse.margin("SLV")
+    assert of_demand["smallest"].tolist() == [one.smallest for one in answers_of(tree).margins(demand="SLV")]
+    assert of_demand["smallest"]["wall"] != table["smallest"]["wall"]
+
+
+def test_a_demand_that_is_not_there_is_told(tree):
+    with pytest.raises(ResultsError, match=r"no demand 'SLX'; did you mean \"SLV\"|no demand 'SLX'"):
+        tree.rockpulse.margin("SLX")
+
+
+def test_a_body_with_several_restitutions_has_a_row_for_each():
+    names = Results(results_tree(cases=2)).verdicts().index.tolist()
+    assert len(names) == 5
+    assert names[1] == "column, C = 0.930"
+
+
+def test_results_are_told_in_a_line_and_drawn(tree):
+    assert repr(tree.rockpulse) == "<Results 2 records, 2 bodies, model nonlinear, no verdict 2>"
+    card = Results(results_tree())._repr_html_()
+    assert card.count("<circle") == 3
+    assert "boundary wall" in card
+
+
+def test_many_bodies_are_drawn_in_part():
+    many = rp.assess(WEAK, blocks={f"<b>{number}": (1.0, 4.0 + 0.01 * number) for number in range(30)})
+    card = many.rockpulse._repr_html_()
+    assert card.count("<circle") == 20
+    assert "<b>" not in card
+
+
+def test_a_tree_that_is_no_assessment_says_so():
+    other = xr.DataTree.from_dict({"/figure4": xr.Dataset()})
+    other.attrs["kind"] = "study"
+    assert repr(Results(other)) == "<Results kind study, groups figure4>"
+    assert "<svg" not in Results(other)._repr_html_()
+    for ask in (Results(other).verdicts, Results(other).margin):
+        with pytest.raises(ResultsError, match=r"expected results of rockpulse\.assess, found a study"):
+            ask()
+    with pytest.raises(ResultsError, match="a tree without the group summary"):
+        Results(xr.DataTree()).verdicts()
+
+
+def test_opened_results_are_those_that_are_loaded(path):
+    loaded = rp.load(path)
+    with rp.open_results(path) as opened:
+        assert opened.rockpulse.verdicts().equals(loaded.rockpulse.verdicts())
+        assert opened.rockpulse.margin().equals(loaded.rockpulse.margin())
+        assert set(opened.children) == set(loaded.children)
+        kept = opened["summary"]["pga"].load()
+    assert kept.values.tolist() == loaded["summary"]["pga"].values.tolist()
+
+
+def test_opened_results_are_read_when_they_are_asked_for(path):
+    with rp.open_results(path) as tree:
+        pga = tree["summary"]["pga"]
+        assert not pga.variable._in_memory
+    with pytest.raises(Exception, match=r"."):  # HDF5's own words for a file that is closed
+        pga.values  # noqa: B018
+
+
+def test_what_cannot_be_opened_is_told(tmp_path):
+    broken = tmp_path / "broken.h5"
+    broken.write_bytes(b"no results")
+    with pytest.raises(ResultsError, match="expected a results file"), rp.open_results(broken):
+        pass
+    with pytest.raises(FileNotFoundError), rp.open_results(tmp_path / "none.h5"):
+        pass
+
+
+def test_an_error_of_the_user_inside_the_block_stays_what_it_is(path):
+    with pytest.raises(ZeroDivisionError), rp.open_results(path):
+        1 / 0  # noqa: B018
+
+
+@pytest.mark.parametrize("line", ["tree = rp.load(path)", "with rp.open_results(path) as tree:"])
+def test_the_accessor_is_there_once_results_are(line, path):
+    twice = f"{line}\n    print(tree.rockpulse)\n".replace("\n    ", "\n    " if line.endswith(":") else "\n") * 2
+    script = f"import rockpulse as rp, warnings\nwarnings.simplefilter('error')\npath = {str(path)!r}\n{twice}"
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True, timeout=120)
+    assert done.stdout.count("<Results 3 records, 3 bodies") == 2

@@ -1,0 +1,95 @@
+"""Bodies as Python gives them, and what is said of anything else."""
+
+import numpy as np
+import pytest
+
+from rockpulse import (
+    BlockSettings,
+    Config,
+    PedestalSettings,
+    Record,
+    RecordSettings,
+    assess,
+    calibrate_site,
+    fragility_curves,
+)
+from rockpulse.config.bodies import gather_bodies
+from rockpulse.config.given_bodies import given_bodies
+from rockpulse.errors import ConfigError
+from rockpulse.models import Block, ImpulseSequence
+
+WALL = BlockSettings(name="wall", width=0.25, height=2.2)
+SHAKING = Record(3.0 * np.sin(np.arange(0.0, 40.0, 0.1)), dt=0.1, id="sine", processed=True)
+
+
+def test_full_sizes_by_name_are_the_body_of_the_configuration():
+    assert list(given_bodies({"wall": (0.25, 2.2)})) == [("wall", WALL)]
+    assert list(given_bodies({"wall": [np.float32(0.25), 2]})) == [("wall", BlockSettings("wall", 0.25, 2.0))]
+    lanes = gather_bodies({"wall": (0.25, 2.2)}).lanes
+    assert (lanes.half_width.item(), lanes.half_height.item()) == (0.125, 1.1)
+
+
+def test_a_mapping_may_mix_sizes_blocks_and_settings():
+    stands_on = PedestalSettings(width=0.6, height=0.5, mass=400.0)
+    statue = BlockSettings("other", 0.4, 1.6, mass=300.0, pedestals=(stands_on,))
+    bodies = gather_bodies({"wall": (0.25, 2.2), "pier": Block(width=1.0, height=4.0), "statue": statue})
+    assert bodies.names == ("wall", "pier", "statue", "statue with pedestal")
+    assert bodies.width[:3].tolist() == [0.25, 1.0, 0.4]
+
+
+def test_settings_of_a_mapping_keep_what_a_direction_of_their_own_needs():
+    own = BlockSettings("wall", 0.25, 2.2, azimuth=30.0)
+    with pytest.raises(ConfigError, match="needs pairs of channels"):
+        gather_bodies({"wall": own}, RecordSettings())
+
+
+@pytest.mark.parametrize(
+    ("blocks", "message"),
+    [
+        (Block(width=0.25, height=2.2), r"expected a mapping of names .* found Block <Block width 0\.25 m"),
+        (WALL, "or a sequence of BlockSettings; found BlockSettings"),
+        ("site.toml", "found str 'site.toml'"),
+        (3.0, "found float 3.0"),
+        ([("wall", 0.25, 2.2)], r"found a sequence with tuple \('wall', 0\.25, 2\.2\)"),
+        ([Block(width=0.25, height=2.2)], "found a sequence with Block"),
+        ({"wall": 0.25}, r'blocks "wall": expected \(width, height\) in m, .* found float 0\.25'),
+        ({"wall": (0.25, 2.2, 1.0)}, r'blocks "wall": expected \(width, height\)'),
+        ({"wall": ("0.25", "2.2")}, r'blocks "wall": expected \(width, height\)'),
+        ({"wall": (True, 2.2)}, r'blocks "wall": expected \(width, height\)'),
+        ({"wall": {"width": 0.25, "height": 2.2}}, r'blocks "wall": expected \(width, height\)'),
+        ({1: (0.25, 2.2)}, "expected texts as the names of bodies, found int 1"),
+        ({"a/b": (0.25, 2.2)}, "name"),
+        ({"wall": (-0.25, 2.2)}, r'\[\[block\]\] "wall" width'),
+        ({"wall": (float("nan"), 2.2)}, r'\[\[block\]\] "wall" width'),
+        ({"wall": (2.2, 0.25)}, "are the two swapped"),
+        ({"wall": (250.0, 2200.0)}, "millimetres"),
+    ],
+)
+def test_what_is_no_body_is_refused_in_words(blocks, message):
+    with pytest.raises(ConfigError, match=message):
+        gather_bodies(blocks)
+
+
+@pytest.mark.parametrize("question", [assess, fragility_curves, calibrate_site])
+def test_records_and_a_configuration_are_asked_for_in_words(question):
+    sizes = {"wall": (0.25, 2.2)}
+    with pytest.raises(ConfigError, match=r"config: expected a Config, found str 'site.toml'; rockpulse\.load_config"):
+        question([SHAKING], "site.toml", blocks=sizes)
+    with pytest.raises(ConfigError, match=r"records: expected Records, as rockpulse\.read .* found 'a folder'"):
+        question("a folder", blocks=sizes)
+    with pytest.raises(ConfigError, match=r"found 3$"):
+        question([SHAKING, 3], Config(), blocks=sizes)
+
+
+def test_one_record_and_sizes_are_enough_for_an_assessment():
+    tree = assess(SHAKING, blocks={"wall": (0.25, 2.2), "chest": (1.0, 1.2)})
+    assert tree["summary"]["record"].values.tolist() == ["sine"]
+    assert tree["summary"]["width"].values.tolist() == [0.25, 1.0]
+
+
+def test_a_design_sequence_takes_sizes_too():
+    from rockpulse import assess_sequence
+
+    sequence = ImpulseSequence(0.5, 0.1, interval=0.1, duration=10.0, main_count=3)
+    by_size = assess_sequence(sequence, blocks={"pier": (1.0, 3.873)})
+    assert by_size.identical(assess_sequence(sequence, blocks=[BlockSettings("pier", 1.0, 3.873)]))
