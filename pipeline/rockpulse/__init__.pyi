@@ -82,6 +82,7 @@ from .studies.risk.hazard import PowerLawHazard as PowerLawHazard
 from .studies.risk.hazard import load_hazard as load_hazard
 from .studies.risk.inventory import inventory_frequency as inventory_frequency
 from .studies.site.calibration import calibrate_site as calibrate_site
+from .views.plots.dispatch import plot as plot
 from .views.report.writing import write_report as write_report
 
 __version__: str

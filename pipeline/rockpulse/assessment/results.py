@@ -12,6 +12,7 @@ from collections import Counter
 from collections.abc import Iterator
 from contextlib import contextmanager
 from functools import cached_property
+from pathlib import Path
 
 import pandas as pd
 import xarray as xr
@@ -243,5 +244,5 @@ def open_results(path: str | os.PathLike[str]) -> Iterator[xr.DataTree]:
     >>> with rp.open_results("results.h5") as tree:  # doctest: +SKIP
     ...     worst = tree["summary"]["factor_10"].min("record").load()
     """
-    with hdf5_reader.open_results(path) as file:
+    with hdf5_reader.open_results(Path(path)) as file:
         yield registered(file.tree())

@@ -133,13 +133,15 @@ def run(
 
 def _checked(records: Iterable[Record]) -> list[Record]:
     """The records as a list; a ConfigError for anything else, such as the path of a file or one record alone."""
-    found = [records] if isinstance(records, (str, Path, Record)) else list(records)
+    found: list[object] = [records] if isinstance(records, (str, Path, Record)) else list(records)
+    checked = []
     for one in found:
         if not isinstance(one, Record):
             raise ConfigError(
                 f"records: expected Records, as rockpulse.read and rockpulse.read_all return them, found {one!r:.80}"
             )
-    return found
+        checked.append(one)
+    return checked
 
 
 def unwatched(step: str) -> AbstractContextManager[None]:

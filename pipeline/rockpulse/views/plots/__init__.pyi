@@ -1,6 +1,7 @@
 from .bodies import bodies as bodies
 from .critical_factors import critical_scale as critical_scale
 from .critical_factors import overturning_map as overturning_map
+from .dispatch import plot as plot
 from .fragility_curves import fragility as fragility
 from .ground_motion import accelerogram as accelerogram
 from .impulse_sequences import limit_accelerogram as limit_accelerogram
@@ -10,6 +11,10 @@ from .model_histories import History as History
 from .model_histories import histories as histories
 from .motion import motion_of_record as motion_of_record
 from .motion import stored_motion as stored_motion
+from .objects import block_outlines as block_outlines
+from .objects import half_wave_impulses as half_wave_impulses
+from .objects import response as response
+from .objects import two_half_cycles as two_half_cycles
 from .overturning_curves import overturning_spectra as overturning_spectra
 from .paper import figure4 as figure4
 from .paper import figure5 as figure5

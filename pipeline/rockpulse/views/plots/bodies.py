@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -22,7 +23,7 @@ if TYPE_CHECKING:
 
     from rocking.block import Block
 
-__all__ = ["bodies"]
+__all__ = ["bodies", "outlines"]
 
 #: Bodies in a picture, and in a row of it.
 MOST, IN_ROW = 8, 4
@@ -52,13 +53,22 @@ def bodies(tree: xr.DataTree, block: str | None = None) -> Figure:
     if "restraints" not in summary:
         raise ResultsError("bodies: these results are of a schema before 1.5, which does not hold what is drawn")
     names = [one_name(summary, "block", block)] if block else [str(name) for name in summary["block"].values[:MOST]]
-    rows = math.ceil(len(names) / IN_ROW)
+    drawn = []
+    for name in names:
+        told = str(summary["floors"].sel(block=name).values)
+        drawn.append((name, block_of(summary, name), [one.period for one in floors_from_text(told)]))
+    return outlines(drawn)
+
+
+def outlines(drawn: Sequence[tuple[str, Block, list[float]]]) -> Figure:
+    """The first eight of some bodies, by their names, blocks and the periods of the floors that they stand on [s]."""
+    drawn = drawn[:MOST]
+    rows = math.ceil(len(drawn) / IN_ROW)
     figure = figure_of(height=3.2 * rows)
     panels = figure.subplots(rows, IN_ROW, squeeze=False)
-    for ax, name in zip(panels.flat, names, strict=False):
-        told = str(summary["floors"].sel(block=name).values)
-        _draw(ax, block_of(summary, name), name, [one.period for one in floors_from_text(told)])
-    for ax in panels.flat[len(names) :]:
+    for ax, (name, body, periods) in zip(panels.flat, drawn, strict=False):
+        _draw(ax, body, name, periods)
+    for ax in panels.flat[len(drawn) :]:
         ax.set_visible(False)
     return figure
 

@@ -1,0 +1,72 @@
+"""`rockpulse.plot` draws whatever it is given, and says what it takes of anything else."""
+
+import numpy as np
+import pytest
+import xarray as xr
+from matplotlib.figure import Figure
+from results_tree import results_bytes
+
+import rockpulse as rp
+from rockpulse.errors import ResultsError
+
+SEQUENCE = rp.models.ImpulseSequence(0.7, 0.28, interval=0.1, duration=2.0)
+BLOCK = rp.models.Block(width=0.25, height=2.2)
+
+
+@pytest.fixture(scope="module")
+def record():
+    return rp.Record(3.0 * np.sin(np.arange(0.0, 40.0, 0.1)), dt=0.1, id="sine", processed=True)
+
+
+def test_every_public_object_has_a_picture(record):
+    response = rp.models.recorded_response(BLOCK, record.acceleration, record.dt)
+    panels = {what: len(rp.plot(what).axes) for what in (record, rp.half_waves(record), SEQUENCE, response)}
+    assert list(panels.values()) == [3, 1, 1, 1]
+    assert isinstance(rp.plot(BLOCK), Figure)
+
+
+def test_a_block_gives_a_sequence_its_times():
+    figure = rp.plot(SEQUENCE, block=BLOCK)
+    assert len(figure.axes) == 2
+    assert figure.axes[1].get_xlabel() == "time from the first main impulse [s]"
+
+
+def test_datasets_of_spectra_are_drawn(record):
+    spectrum = rp.overturning_spectrum(record, restitution=[0.9])
+    assert rp.plot(spectrum).axes[0].get_ylabel().startswith("effective impulse")
+    with pytest.raises(TypeError, match=r"expected a dataset of rockpulse\.overturning_spectrum .* found one with pga"):
+        rp.plot(xr.Dataset({"pga": 1.0}))
+
+
+def test_results_are_drawn_by_their_kind(assessed, study4, study5, fragility_tree):
+    assert len(rp.plot(assessed, "critical-scale", block="wall").axes) >= 1
+    assert rp.plot(assessed).axes[0].get_ylabel().startswith("effective impulse")
+    assert len(rp.plot(study4, count=2).axes) == len(rp.plots.draw(study4, "figure4", count=2).axes)
+    assert len(rp.plot(study5, spacing="end").axes) == 4
+    assert rp.plot(fragility_tree).axes[0].get_ylabel().startswith("probability")
+
+
+def test_a_file_is_drawn_like_its_tree(tmp_path):
+    path = tmp_path / "results.h5"
+    path.write_bytes(results_bytes())
+    for given in (path, str(path)):
+        assert isinstance(rp.plot(given, "critical-scale", block="column"), Figure)
+    with pytest.raises(ResultsError, match='no kind of picture "map"'):
+        rp.plot(path, "map")
+    with pytest.raises(FileNotFoundError):
+        rp.plot(tmp_path / "none.h5")
+
+
+def test_what_has_no_picture_is_told(record):
+    with pytest.raises(TypeError, match=r"plot: expected a Record, HalfWaves, .* found list"):
+        rp.plot([record])
+    with pytest.raises(TypeError, match="there is nothing to choose of a Record, found kind, case"):
+        rp.plot(record, "bodies", case=2)
+    with pytest.raises(TypeError, match="there is nothing to choose of a Block, found block"):
+        rp.plot(BLOCK, block="wall")
+    with pytest.raises(TypeError, match="expected a Block that gives the sequence its times, found str"):
+        rp.plot(SEQUENCE, block="wall")
+    unknown = xr.DataTree()
+    unknown.attrs["kind"] = "other"
+    with pytest.raises(ResultsError, match="of an other there is no picture"):
+        rp.plot(unknown)

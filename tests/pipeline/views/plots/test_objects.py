@@ -1,0 +1,69 @@
+"""Pictures of single objects hold the numbers of the objects."""
+
+import numpy as np
+import pytest
+
+from rocking import Block, ImpulseSequence, Response
+from rockpulse.record.half_wave import half_waves
+from rockpulse.record.record import Record
+from rockpulse.views.plots.objects import block_outlines, half_wave_impulses, response, two_half_cycles
+
+
+def lines(ax):
+    """(k, 2) places and heights of all upright lines of the picture."""
+    found = [segment for one in ax.collections for segment in one.get_segments()]
+    return np.array([(segment[1][0], segment[1][1]) for segment in found])
+
+
+def of(outcome, peak, **history):
+    nothing = np.full(np.shape(outcome), -1)
+    return Response(peak, outcome, nothing, nothing * np.nan, nothing, nothing, **history)
+
+
+def test_half_waves_are_lines_at_their_centroids():
+    waves = half_waves(Record([0.0, 3.0, -3.0, 0.0, 1.0, 0.0], dt=0.1, id="three $triangles$"))
+    ax = half_wave_impulses(waves)
+    drawn = lines(ax)
+    drawn = drawn[np.argsort(drawn[:, 0])]
+    assert drawn[:, 0] == pytest.approx(waves.centroid)
+    assert drawn[:, 1] == pytest.approx(waves.impulse)
+    assert [len(one.get_segments()) for one in ax.collections] == [1, 2]  # weak, strong
+
+
+def test_a_sequence_is_drawn_with_its_sizes():
+    sequence = ImpulseSequence(0.8, 0.2, 0.1, 20.0, intermediate_count=2)
+    drawn = lines(two_half_cycles(sequence))
+    assert drawn.tolist() == [[0.0, 0.8], [2.0, -0.8], [1.0, -0.2], [2.0, 0.2], [3.0, 0.2], [4.0, -0.2]]
+
+
+def test_a_number_that_the_block_decides_is_said_to_be_so():
+    ax = two_half_cycles(ImpulseSequence(0.8, 0.2, 0.1, 20.0))
+    assert "depends on the block" in ax.get_figure().get_supxlabel()
+
+
+def test_a_continuous_sequence_is_an_area():
+    ax = two_half_cycles(ImpulseSequence(0.8, 0.2, np.nan, 20.0, spacing="continuous"))
+    assert len(ax.collections) == 2
+    assert ax.collections[1].get_paths()[0].get_extents().height == pytest.approx(0.4)
+
+
+def test_blocks_are_drawn_side_by_side():
+    figure = block_outlines(Block(width=np.linspace(0.2, 0.5, 12), height=2.0))
+    assert len([ax for ax in figure.axes if ax.get_visible()]) == 8
+    assert [text.get_text() for text in block_outlines(Block(width=0.25, height=2.2)).axes[0].texts] == [
+        "2.2 m",
+        "0.25 m",
+    ]
+
+
+def test_peaks_are_bars_named_by_their_outcome():
+    ax = response(of(np.arange(4), np.array([0.0, 0.4, np.inf, np.nan])))
+    heights = {bars.get_label(): [bar.get_height() for bar in bars] for bars in ax.containers}
+    assert heights == {"at rest": [0.01], "rocks": [0.4], "overturns": [1.2], "unresolved": [0.01]}
+
+
+def test_of_many_histories_six_are_drawn():
+    time, rotation = np.arange(5.0), np.arange(40.0).reshape(2, 4, 5)
+    ax = response(of(np.ones((2, 4), dtype=int), np.full((2, 4), 0.3), time=time, rotation=rotation, velocity=rotation))
+    assert [line.get_ydata().tolist() for line in ax.lines[1:]] == [row.tolist() for row in rotation.reshape(8, 5)[:6]]
+    assert "first 6 of 8 lanes" in ax.get_figure().get_supxlabel()
