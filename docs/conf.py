@@ -15,6 +15,7 @@ extensions = [
     "numpydoc",
     "command_help",
     "mathml",
+    "object_card",
     "vertical_bars",
 ]
 exclude_patterns = ["extensions"]

@@ -7,11 +7,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
 from rocking.block import Block
+from rocking.quantities import ArrayLike
 from rocking.recorded import recorded_response
 from rockpulse.record.record import STANDARD_GRAVITY, Record
 from rockpulse.storage.summary_variables import ANSWER, BLOCK, CASE
@@ -37,7 +38,7 @@ def rocking_spectrum(
     alpha: Sequence[float] = ALPHAS,
     restitution: float | Literal["housner"] = "housner",
     scale: float = 1.0,
-    vertical: Any = None,
+    vertical: ArrayLike | None = None,
     gravity: float = STANDARD_GRAVITY,
     threads: int | None = None,
 ) -> xr.Dataset:

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from rocking.block import Block
+from rocking.quantities import ArrayLike
 from rocking.sequence import SPACINGS, ImpulseSequence, sequence_response
 from rockpulse.calibration.estimators import calibrate
 from rockpulse.calibration.response_envelope import enveloping_main
@@ -48,7 +49,7 @@ def calibrate_response(
     record: Record,
     blocks: Block | None = None,
     *,
-    vertical: Any = None,
+    vertical: ArrayLike | None = None,
     start: ImpulseSequence | None = None,
     form: str = "fit",
     share: float = 0.84,

@@ -25,6 +25,7 @@ from rocking.block_limits import radius_of_rectangle
 from rocking.half_wave_demand import HalfWaveDemand, demand_of_half_waves
 from rocking.half_wave_lanes import half_wave_lanes
 from rocking.main_sequence_kernel import effective_amplification
+from rocking.quantities import ArrayLike
 from rocking.scale_search import ScaleIntervals
 from rocking.sequence import ImpulseSequence
 from rocking.spectrum_lanes import RATES, SpectrumLanes
@@ -152,7 +153,7 @@ class Rule:
         of_waves = _half_wave_demand(waves, block)
         return sequence_of_demand(self.demand(waves, block), of_waves, block, _uplift(waves, block) > 1.0)
 
-    def spectrum_lanes(self, waves: HalfWaves, p: Any = RATES, threads: int | None = None) -> SpectrumLanes:
+    def spectrum_lanes(self, waves: HalfWaves, p: ArrayLike = RATES, threads: int | None = None) -> SpectrumLanes:
         """Lanes of the overturning spectrum of a record by the rule: its march, with the factor of the point.
 
         Parameters

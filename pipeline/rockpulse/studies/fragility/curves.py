@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 from scipy.special import stdtrit
 
+from rocking.quantities import ArrayLike
 from rockpulse.errors import ConfigError
 from rockpulse.studies.fragility.likelihood import FAMILIES, Family, maximise
 from rockpulse.studies.fragility.observations import ABOVE, EXACT, NOT_ABOVE, Observations
@@ -84,7 +85,7 @@ class Curve:
     _centre: float
     _spread: float
 
-    def probability(self, levels: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    def probability(self, levels: ArrayLike) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """The curve and its pointwise band.
 
         Parameters
@@ -117,10 +118,10 @@ class Curve:
 
 
 def fit_capacities(
-    capacities: Any,
-    clusters: Any = None,
-    limits: Any = None,
-    records: Any = None,
+    capacities: ArrayLike,
+    clusters: ArrayLike | None = None,
+    limits: ArrayLike | None = None,
+    records: ArrayLike | None = None,
     model: str = "lognormal",
     confidence: float = 0.9,
 ) -> Curve:
@@ -170,10 +171,10 @@ def fit_capacities(
 
 
 def fit_stripes(
-    measure: Any,
-    exceeded: Any,
-    clusters: Any = None,
-    records: Any = None,
+    measure: ArrayLike,
+    exceeded: ArrayLike,
+    clusters: ArrayLike | None = None,
+    records: ArrayLike | None = None,
     model: str = "lognormal",
     confidence: float = 0.9,
 ) -> Curve:

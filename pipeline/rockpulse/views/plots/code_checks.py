@@ -6,7 +6,18 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from rockpulse.views.plots.style import BLACK, BLUE, GREEN, PALE, RED, caption, panel_title, plain_ticks, several_axes
+from rockpulse.views.plots.style import (
+    BLACK,
+    BLUE,
+    GREEN,
+    PALE,
+    RED,
+    Panels,
+    caption,
+    panel_title,
+    plain_ticks,
+    several_axes,
+)
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -28,7 +39,7 @@ ENDS = (0.4, 20.0)
 SPREAD = 0.6
 
 
-def code_checks(tree: xr.DataTree, axes: Any = None) -> np.ndarray:
+def code_checks(tree: xr.DataTree, axes: Panels | None = None) -> np.ndarray:
     """Factor at which the probability of overturning is 50 % over the factor that a check allows, by body.
 
     Parameters

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -14,6 +14,7 @@ from rockpulse.views.plots.style import (
     ORANGE,
     RED,
     SKY,
+    Panels,
     caption,
     dressed,
     figure_of,
@@ -43,7 +44,7 @@ _WHOLE = 450
 _VISIBLE = 0.01
 
 
-def accelerogram(motion: xr.Dataset, axes: Any = None) -> np.ndarray:
+def accelerogram(motion: xr.Dataset, axes: Panels | None = None) -> np.ndarray:
     """The whole record, its intense phase with the half-waves, and their impulses at the centroids.
 
     Parameters

@@ -19,6 +19,7 @@ from rockpulse.views.plots.style import (
     ORANGE,
     RED,
     SMALL,
+    Panels,
     caption,
     legend_above,
     panel_title,
@@ -43,7 +44,9 @@ _TITLES = (
 )
 
 
-def limit_accelerogram(block: Block, sequence: ImpulseSequence, axes: Any = None, name: str = "") -> np.ndarray:
+def limit_accelerogram(
+    block: Block, sequence: ImpulseSequence, axes: Panels | None = None, name: str = ""
+) -> np.ndarray:
     """Impulses of the limit accelerogram of a block, without and with the secondary sequence.
 
     Parameters

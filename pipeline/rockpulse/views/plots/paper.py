@@ -13,6 +13,7 @@ from rockpulse.views.plots.style import (
     BLACK,
     PALE,
     SMALL,
+    Panels,
     caption,
     legend,
     looks,
@@ -36,7 +37,9 @@ _PAPER = (0.3, 0.7)
 _TOP = 1.1
 
 
-def figure4(tree: xr.DataTree, axes: Any = None, spacing: str | None = None, count: float = np.inf) -> np.ndarray:
+def figure4(
+    tree: xr.DataTree, axes: Panels | None = None, spacing: str | None = None, count: float = np.inf
+) -> np.ndarray:
     """Largest rotation against I_s/I for every I/I_1c, a panel for each restitution.
 
     Parameters
@@ -115,7 +118,7 @@ def _curve(ax: Axes, curve: xr.Dataset, style: Any) -> bool:
     return bool(np.any(empty))
 
 
-def figure5(tree: xr.DataTree, axes: Any = None, spacing: str | None = None) -> np.ndarray:
+def figure5(tree: xr.DataTree, axes: Panels | None = None, spacing: str | None = None) -> np.ndarray:
     """Time histories of the two blocks for every I_s/I: a column for each block, a row for each restitution.
 
     Parameters

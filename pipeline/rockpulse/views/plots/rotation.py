@@ -13,6 +13,7 @@ from rockpulse.views.plots.style import (
     BLACK,
     FONT,
     SMALL,
+    Panels,
     caption,
     dressed,
     figure_of,
@@ -35,7 +36,7 @@ _LEADING = "nonlinear"
 _AROUND = 0.06
 
 
-def rotation_history(histories: Sequence[History], axes: Any = None, title: str = "") -> np.ndarray:
+def rotation_history(histories: Sequence[History], axes: Panels | None = None, title: str = "") -> np.ndarray:
     """Rotation over alpha_c in time, and below it when each model has an impact.
 
     Parameters

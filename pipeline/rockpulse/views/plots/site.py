@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import textwrap
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from scipy.special import ndtr
@@ -17,6 +17,7 @@ from rockpulse.views.plots.style import (
     RED,
     SKY,
     SMALL,
+    Panels,
     caption,
     panel_title,
     several_axes,
@@ -43,7 +44,7 @@ _NEAR = 3.0
 _REMARK = 230
 
 
-def calibration(tree: xr.DataTree, axes: Any = None) -> np.ndarray:
+def calibration(tree: xr.DataTree, axes: Panels | None = None) -> np.ndarray:
     """The design of a site among its records: their overturning spectra, or the parameters of their sequences.
 
     Parameters
@@ -62,7 +63,7 @@ def calibration(tree: xr.DataTree, axes: Any = None) -> np.ndarray:
     """
     site = tree["site"].to_dataset()
     if site.attrs["method"] == "spectrum":
-        return np.array([site_spectrum(tree, None if axes is None else np.ravel(axes)[0])])
+        return np.array([site_spectrum(tree, None if axes is None else np.ravel(np.array(axes, dtype=object))[0])])
     panels = several_axes(axes, *SITE_PANELS, height=7.2).ravel()
     names = [str(name) for name in site["parameter"].values]
     for ax, name in zip(panels, names, strict=False):

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
 import numpy as np
 
@@ -33,6 +33,7 @@ __all__ = [
     "SMALL",
     "WIDTH",
     "Look",
+    "Panels",
     "caption",
     "dressed",
     "figure_of",
@@ -74,6 +75,10 @@ _OURS = "rockpulse"
 
 #: More instants than these cannot be told apart on the page.
 INSTANTS = 700
+
+
+#: The Axes of a user for a picture of several panels: one, several, or those of ``plt.subplots``.
+Panels: TypeAlias = "Axes | Sequence[Axes] | np.ndarray"
 
 
 class Look(NamedTuple):
@@ -142,7 +147,7 @@ def one_axes(ax: Axes | None, height: float = 3.4) -> Axes:
     return dressed(figure_of(height=height).subplots() if ax is None else ax)
 
 
-def several_axes(axes: Any, rows: int, columns: int = 1, height: float = 5.0, **options: Any) -> np.ndarray:
+def several_axes(axes: Panels | None, rows: int, columns: int = 1, height: float = 5.0, **options: Any) -> np.ndarray:
     """As :func:`one_axes` for pictures of rows x columns of panels; the Axes come back in that shape.
 
     The options are those of :meth:`matplotlib.figure.Figure.subplots`. A ValueError for another number of Axes.

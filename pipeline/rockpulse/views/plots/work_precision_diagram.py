@@ -6,7 +6,19 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from rockpulse.views.plots.style import BLACK, BLUE, GREY, RED, SKY, SMALL, Look, legend, panel_title, several_axes
+from rockpulse.views.plots.style import (
+    BLACK,
+    BLUE,
+    GREY,
+    RED,
+    SKY,
+    SMALL,
+    Look,
+    Panels,
+    legend,
+    panel_title,
+    several_axes,
+)
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -28,7 +40,7 @@ METHODS = {
 }
 
 
-def work_precision(rows: pd.DataFrame, axes: Any = None) -> np.ndarray:
+def work_precision(rows: pd.DataFrame, axes: Panels | None = None) -> np.ndarray:
     """Every equation side by side: a line per method, the median filled, the 90th percentile hollow.
 
     The setting stands beside the median. Errors below 1e-16 are drawn there; the label of that tick says so.
