@@ -13,8 +13,11 @@ from pathlib import Path
 from typing import Any
 
 from docutils import nodes
+from matplotlib.figure import Figure
 from sphinx.application import Sphinx
 from sphinx.util.docutils import SphinxDirective
+
+from rockpulse.plots import svg
 
 TOP = Path(__file__).parents[2]
 PYTHON = re.compile(r"^```python\n(.*?)^```", re.MULTILINE | re.DOTALL)
@@ -47,12 +50,7 @@ class ObjectCard(SphinxDirective):
         source = Path(self.env.doc2path(self.env.docname))
         names = session_of(source, self.lineno)
         found = eval("\n".join(self.content), names)
-        if hasattr(found, "_repr_html_"):
-            card = found._repr_html_()
-        else:
-            from rockpulse.views.plots.picture import svg
-
-            card = svg(found)
+        card = svg(found) if isinstance(found, Figure) else found._repr_html_()
         return [nodes.raw("", f'<div class="object-card">{card}</div>', format="html")]
 
 
