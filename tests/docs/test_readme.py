@@ -1,4 +1,4 @@
-"""The README's commands, one after the other, in a folder that holds what they name."""
+"""The commands of the README, the tour and the page on speed, one after the other, in a folder with what they name."""
 
 import re
 import shlex
@@ -22,10 +22,20 @@ LEFT_OUT = {
 }
 
 
+#: Pages whose commands are about files of one's own.
+PAGES = ("README.md", "docs/tour.md", "docs/speed.md")
+
+
 def commands():
-    """Every command of the README as it would be typed with the environment active."""
-    lines = [line for block in blocks(TOP / "README.md") if block.kind == "sh" for line in block.body.splitlines()]
-    return [line.replace(".venv/bin/", "").replace("--workers 8", "--workers 2") for line in lines]
+    """Every command of these pages as it would be typed with the environment active; one that stands twice, once."""
+    every = [block for page in PAGES for block in blocks(TOP / page) if block.kind == "sh"]
+    lines = [line for block in every for line in block.body.splitlines()]
+    typed = [line.replace(".venv/bin/", "").replace("--workers 8", "--workers 2") for line in lines]
+    return list(dict.fromkeys(line.split("  #")[0].strip() for line in typed))
+
+
+def test_the_readme_is_read_at_one_sitting():
+    assert len((TOP / "README.md").read_text(encoding="utf-8").splitlines()) <= 130
 
 
 @pytest.mark.slow
