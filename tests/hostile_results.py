@@ -62,7 +62,7 @@ def other_shape(file, rng, place):
     elif change == 3:
         values = np.concatenate([values, values]) if values.ndim else np.array([values, values])
     else:
-        values = values.reshape(-1)[0] if values.size else np.zeros(())
+        values = np.asarray(values.reshape(-1)[0] if values.size else 0.0)
     if values.dtype == object:
         values = np.asarray([str(one) for one in values.reshape(-1)], dtype=h5py.string_dtype()).reshape(values.shape)
     _copied(file, name, values)

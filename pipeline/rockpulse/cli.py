@@ -13,7 +13,7 @@ import sys
 from collections.abc import Sequence
 
 from rockpulse.commands import VERBS
-from rockpulse.commands.file_fault import file_fault, results_fault
+from rockpulse.commands.file_fault import WRITTEN, file_fault, results_fault
 from rockpulse.commands.parser import Parser
 from rockpulse.commands.telling import forsake, tell
 from rockpulse.errors import ConfigError, RockpulseError, StoppedAtFailure
@@ -70,8 +70,12 @@ def main(argv: Sequence[str] | None = None) -> int:
     args = argparse.Namespace()
     try:
         parser.parse_args(given, args)
-        if getattr(args, "output", None) == "":
-            raise ConfigError("--output: expected the name of a file, found nothing; is a variable of the shell unset?")
+        for name in WRITTEN:
+            if getattr(args, name, None) == "":
+                option = f"--{name.replace('_', '-')}"
+                raise ConfigError(
+                    f"{option}: expected the name of a file, found nothing; is a variable of the shell unset?"
+                )
         code = args.run(args)
         sys.stdout.flush()
         return code

@@ -165,6 +165,8 @@ def told(tree: xr.DataTree, args: argparse.Namespace, overview: Callable[[xr.Dat
 def _check_log(log: Path, output: Path) -> None:
     if log.absolute() == output.absolute():
         raise ConfigError(f"--log-file {log}: expected another file than the output; choose another name")
+    if log.is_fifo():
+        _check_read(log)
     if not log.is_file():
         return
     with log.open("rb") as file:
@@ -173,6 +175,14 @@ def _check_log(log: Path, output: Path) -> None:
         raise ConfigError(
             f"--log-file {log}: expected a new file, or a log to be added to, found something else; choose another name"
         )
+
+
+def _check_read(pipe: Path) -> None:
+    """Whether somebody reads from a pipe; who opens one that nobody reads from waits for ever."""
+    try:
+        os.close(os.open(pipe, os.O_WRONLY | os.O_NONBLOCK))
+    except OSError as error:
+        raise ConfigError(f"--log-file {pipe}: nobody reads from this pipe; choose another file") from error
 
 
 def _say(text: str) -> None:

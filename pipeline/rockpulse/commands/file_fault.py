@@ -9,7 +9,7 @@ from pathlib import Path
 
 from rockpulse.errors import RockpulseError
 
-__all__ = ["file_fault", "results_fault"]
+__all__ = ["WRITTEN", "file_fault", "results_fault"]
 
 #: The command that would make a missing file, by the argument that names the file.
 MISSING = {
