@@ -136,12 +136,12 @@ def boolean(default: bool) -> Any:
     return key(default, KeyType("true or false", lambda value: isinstance(value, bool), bool))
 
 
-def choice(default: str, words: tuple[str, ...], or_count: bool = False) -> Any:
-    """A key that takes one of some words, or with `or_count` also an integer >= 1."""
-    expected = f"one of {_listed(words)}" + (" or an integer >= 1" if or_count else "")
+def choice(default: str, words: tuple[str, ...], most: int = 0) -> Any:
+    """A key that takes one of some words, or an integer from 1 to `most`."""
+    expected = f"one of {_listed(words)}" + (f" or an integer from 1 to {most}" if most else "")
 
     def accepts(value: Any) -> bool:
-        return value in words if isinstance(value, str) else or_count and _is_count(value, 1)
+        return value in words if isinstance(value, str) else _is_count(value, 1) and value <= most
 
     return key(default, KeyType(expected, accepts, lambda value: value, words))
 

@@ -17,7 +17,7 @@ class Everything(Section):
     words: str = text("")
     list: tuple = texts()
     flag: bool = boolean(False)
-    one: str | int = choice("red", ("red", "green"), or_count=True)
+    one: str | int = choice("red", ("red", "green"), most=9)
     some: tuple = choices(("red",), ("red", "green", "blue"))
     number: float | None = number(None, low=0.0, above=True, high=1.0, unit="m")
     count: int = count(1, low=1, high=10)
@@ -50,9 +50,9 @@ def test_an_allowed_value_is_stored_in_its_type(key, value, stored):
         ("list", "a", "expected a list of texts, found 'a'"),
         ("list", [1], r"expected a list of texts, found \[1\]"),
         ("flag", 0, "expected true or false, found 0"),
-        ("one", "gren", r"\"red\", \"green\" or an integer >= 1, found 'gren'; did you mean \"green\""),
-        ("one", 0, "or an integer >= 1, found 0"),
-        ("one", 1.0, "or an integer >= 1, found 1.0"),
+        ("one", "gren", r"\"red\", \"green\" or an integer from 1 to 9, found 'gren'; did you mean \"green\""),
+        ("one", 0, "or an integer from 1 to 9, found 0"),
+        ("one", 1.0, "or an integer from 1 to 9, found 1.0"),
         ("some", [], "one or more of"),
         ("some", ["red", "red"], "each once"),
         ("some", ["blu"], 'did you mean "blue"'),

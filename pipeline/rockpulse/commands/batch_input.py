@@ -196,7 +196,9 @@ def _end(number: int, frame: object) -> NoReturn:
 def _workers(text: str) -> int | str:
     if text == "all":
         return text
-    value = int(text) if text.isdecimal() else 0
-    if value < 1:
-        raise argparse.ArgumentTypeError(f'expected "all" or an integer >= 1, found {text!r}')
+    from rockpulse.config.settings import MOST_WORKERS
+
+    value = int(text) if text.isdecimal() and len(text) <= len(str(MOST_WORKERS)) else 0
+    if not 1 <= value <= MOST_WORKERS:
+        raise argparse.ArgumentTypeError(f'expected "all" or an integer from 1 to {MOST_WORKERS}, found {text!r:.40}')
     return value

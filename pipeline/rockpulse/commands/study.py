@@ -10,6 +10,7 @@ from rockpulse.commands.progress import compiling_told, progress_bars
 from rockpulse.commands.record_input import add_strong_arguments, read_strong
 from rockpulse.commands.telling import tell
 from rockpulse.commands.verb import Verb
+from rockpulse.errors import ConfigError
 
 __all__ = ["VERB"]
 
@@ -120,11 +121,14 @@ def _run_codes(args: argparse.Namespace, files: dict[str, Path]) -> int:
     from rockpulse.views.text.study import study_overview
 
     settings = CheckSettings(q=args.q, confidence_factor=args.confidence_factor)
+    if args.seed < 0:
+        raise ConfigError(f"--seed: expected a whole number from 0, got {args.seed}")
     motions, left_out = read_strong(args)
     failed = count_files((), left_out).line
     listed = "" if args.quiet else rows_not_used(left_out)
     if not motions:
-        tell("\n".join(filter(None, (listed, "rockpulse: no strong channel among the records"))), sys.stderr)
+        why = f"rockpulse: no strong channel among the records{f': {failed}' if failed else ''}"
+        tell("\n".join(filter(None, (listed, why))), sys.stderr)
         return 1
     bars = progress_bars(args.quiet)
     with compiling_told(args.quiet):

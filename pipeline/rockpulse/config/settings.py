@@ -51,6 +51,9 @@ FAMILIES = ("default", "blocks")
 DESIGNS = ("response", "parameters")
 WORKERS = ("all",)
 
+#: Most processes of one machine.
+MOST_WORKERS = 10_000
+
 
 @dataclass(frozen=True)
 class SiteSettings(Section):
@@ -181,7 +184,7 @@ class SequenceSettings(Section):
     main: str = choice("largest", MAINS)
     secondary: str = choice("rms", SECONDARIES)
     interval: str = choice("median", INTERVALS)
-    main_count: str | int = choice("half-largest", MAIN_COUNTS, or_count=True)
+    main_count: str | int = choice("half-largest", MAIN_COUNTS, most=1_000_000)
     spacing: str = choice("end", SPACINGS)
     duration_s: float | None = number(None, low=0.0, above=True, unit="s")
     m: int = count(3, low=1)
@@ -278,7 +281,7 @@ class RunSettings(Section):
     """The way in which the work is carried out."""
 
     heading = "[run]"
-    workers: str | int = choice("all", WORKERS, or_count=True)
+    workers: str | int = choice("all", WORKERS, most=MOST_WORKERS)
     seed: int = count(0, low=0)
 
 

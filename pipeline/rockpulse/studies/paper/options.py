@@ -9,7 +9,10 @@ import numpy as np
 
 from rockpulse.errors import ConfigError
 
-__all__ = ["axis", "even_counts", "scan_values"]
+__all__ = ["DURATION_LIMITS", "P_LIMITS", "axis", "even_counts", "scan_values"]
+
+#: Frequency parameters [1/s] and lengths of an input [s] that are computed: of bodies from 1 mm to 70 km, and of hours.
+P_LIMITS, DURATION_LIMITS = (0.01, 100.0), (0.01, 10_000.0)
 
 #: Larger numbers of secondary impulses cannot be told from their limit.
 _LARGEST_COUNT = 1e6

@@ -20,7 +20,7 @@ from rocking.sequence_kernel import HALF_CYCLE_LIMIT
 from rockpulse.storage.study_variables import FIGURE4, STUDY, described_set, no_motion
 from rockpulse.studies.paper.analysis_statements import ANALYSIS_STATEMENTS, ROUNDING
 from rockpulse.studies.paper.finding import examine, statement_table
-from rockpulse.studies.paper.options import axis, even_counts
+from rockpulse.studies.paper.options import DURATION_LIMITS, P_LIMITS, axis, even_counts
 from rockpulse.studies.paper.paper_blocks import DURATION, GRAVITY, RADII, RESTITUTIONS, half_cycle_counts, paper_block
 
 __all__ = ["COUNTS", "IMPULSE_RATIOS", "SECONDARY_RATIOS", "figure4"]
@@ -98,9 +98,9 @@ def figure4(
         "secondary_ratio": axis("secondary ratio I_s/I", secondary_ratios, 0.0, 1.0, increasing=True),
         "spacing": np.array([name for name in SPACINGS if name != "continuous"]),
         "intermediate_count": even_counts(counts),
-        "p": axis("p", given),
+        "p": axis("p", given, *P_LIMITS),
     }
-    axis("duration", [duration])
+    axis("duration", [duration], *DURATION_LIMITS)
     shape = tuple(coords[name].size for name in _DIMS)
     values: dict[str, np.ndarray] = {name: np.empty(shape, dtype=one.kind) for name, one in FIGURE4.items()}
     for k, rate in enumerate(coords["p"]):
