@@ -7,6 +7,7 @@ from itertools import islice
 import h5py
 
 from rockpulse.errors import ResultsError
+from rockpulse.storage.netcdf4 import says_no_variable
 
 __all__ = ["contained"]
 
@@ -61,6 +62,8 @@ def _check_dataset(where: str, dataset: h5py.Dataset) -> None:
     filters = [created.get_filter(number) for number in range(created.get_nfilters())]
     if foreign := [name.decode("ascii", "replace") for code, _, _, name in filters if code not in FILTERS]:
         raise ResultsError(f"{where}: packed by {', '.join(foreign)}, which results are not")
+    if h5py.h5ds.is_scale(dataset.id) and says_no_variable(dataset.attrs.get("NAME")):
+        return  # a dimension alone has a length and no values, and is never read
     declared, held = (dataset.size or 0) * dataset.dtype.itemsize, dataset.id.get_storage_size()
     if declared > FREE + PACKED * held:
         raise ResultsError(f"{where}: declares {declared:,} bytes of values, of which the file holds {held:,}")

@@ -267,6 +267,14 @@ def test_a_file_that_leads_out_of_itself_or_has_no_end_is_refused(small, place, 
     assert told(["verify", str(small), "--no-inputs"])[0] == 2
 
 
+def test_a_long_dimension_without_values_is_no_endless_array(small):
+    """As /records/sample of many records: its length is that of the samples, and it holds none."""
+    with h5py.File(small, "r+") as file:
+        scale = file["records"].create_dataset("instants", (10**7,), ">f4", chunks=(10**6,))
+        scale.make_scale("This is a netCDF dimension but not a netCDF variable.  10000000")
+    assert "summary" in load(small).children
+
+
 def test_a_record_file_that_results_name_is_hashed_only_if_it_is_a_file(small, place):
     with h5py.File(small, "r+") as file:
         sources = file["summary/source"]
