@@ -26,6 +26,7 @@ from .config.configuration import Config as Config
 from .config.configuration import load_config as load_config
 from .config.fragility_settings import FragilitySettings as FragilitySettings
 from .config.hazard_settings import HazardSettings as HazardSettings
+from .config.report_settings import ReportSettings as ReportSettings
 from .config.restraint_settings import FloorSettings as FloorSettings
 from .config.restraint_settings import LoadSettings as LoadSettings
 from .config.restraint_settings import PedestalSettings as PedestalSettings

@@ -6,6 +6,7 @@ earthquakes, which all records together tell, and the variables that do not depe
 
 from __future__ import annotations
 
+import base64
 from collections import defaultdict
 from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
@@ -16,6 +17,7 @@ import xarray as xr
 from rockpulse.assessment.direction_statistics import direction_statistics
 from rockpulse.config.bodies import Bodies
 from rockpulse.config.configuration import Config
+from rockpulse.config.report_settings import logo_bytes
 from rockpulse.failures import Failure
 from rockpulse.motions.directions import sweep_azimuths
 from rockpulse.storage.assessment_variables import ASSESSMENT_GROUPS, GROWING
@@ -65,6 +67,8 @@ def build_tree(
     tree.attrs["title"] = config.site.name or "Rocking response of rigid blocks to recorded ground motions"
     tree.attrs["site_description"] = config.site.description
     tree.attrs["configuration"] = config.as_text()
+    if logo := logo_bytes(config.report, config.folder):
+        tree.attrs["report_logo"] = base64.b64encode(logo).decode("ascii")
     return tree
 
 

@@ -25,9 +25,9 @@ __all__ = ["Task", "configuration_fingerprint", "digest_of", "program_digest", "
 
 #: Sections of the configuration on which no record's numbers depend, by verb.
 IDLE = {
-    "assess": {"site", "calibration", "fragility", "hazard", "check"},
-    "calibrate": {"site", "models", "search", "uncertainty", "fragility", "hazard", "check"},
-    "fragility": {"site", "models", "uncertainty", "calibration", "hazard", "check"},
+    "assess": {"site", "report", "calibration", "fragility", "hazard", "check"},
+    "calibrate": {"site", "report", "models", "search", "uncertainty", "fragility", "hazard", "check"},
+    "fragility": {"site", "report", "models", "uncertainty", "calibration", "hazard", "check"},
 }
 
 #: Keys of [calibration] that are used when all records are done, those that only matching a response asks for, and keys

@@ -18,6 +18,7 @@ from rockpulse.config.block_settings import BlockSettings, require_pairs
 from rockpulse.config.check_settings import CheckSettings
 from rockpulse.config.fragility_settings import FragilitySettings
 from rockpulse.config.hazard_settings import HazardSettings
+from rockpulse.config.report_settings import ReportSettings, logo_bytes
 from rockpulse.config.settings import (
     SECTIONS,
     CalibrationSettings,
@@ -52,7 +53,7 @@ class Config:
     Attributes
     ----------
     site, records, conditioning, half_waves, intense_phase, sequence, models, search : Section
-    uncertainty, calibration, fragility, hazard, check, run : Section
+    uncertainty, calibration, fragility, hazard, check, report, run : Section
         One dataclass per section of the TOML file, each usable as keyword arguments:
         ``condition(record, **config.conditioning)``.
     blocks : tuple of BlockSettings
@@ -88,6 +89,7 @@ class Config:
     fragility: FragilitySettings = field(default_factory=FragilitySettings)
     hazard: HazardSettings = field(default_factory=HazardSettings)
     check: CheckSettings = field(default_factory=CheckSettings)
+    report: ReportSettings = field(default_factory=ReportSettings)
     run: RunSettings = field(default_factory=RunSettings)
     blocks: tuple[BlockSettings, ...] = ()
     demands: tuple[DemandSettings, ...] = ()
@@ -203,17 +205,19 @@ def load_config(path: str | Path) -> Config:
     Raises
     ------
     ConfigError
-        For a pipe or a device, a file of more than 1 MB or that is no TOML, an unknown section or key, a wrong type
-        or a value that is not allowed.
+        For a pipe or a device, a file of more than 1 MB or that is no TOML, an unknown section or key, a wrong type,
+        a value that is not allowed, or a logo that is no small PNG.
     OSError
         Where the file cannot be opened.
     """
     path = Path(path)
     document = parse_toml(read_text(path, TOML_LIMIT, "a TOML file"), str(path))
     try:
-        return _build(document, path.parent)
+        config = _build(document, path.parent)
+        logo_bytes(config.report, config.folder)  # a logo that cannot be taken over is told before any work
     except ConfigError as error:
         raise ConfigError(f"{path}: {error}") from None
+    return config
 
 
 def _build(document: Mapping[str, Any], folder: Path) -> Config:

@@ -9,6 +9,7 @@ from typing import Any
 from rockpulse.config.check_settings import CheckSettings
 from rockpulse.config.fragility_settings import FragilitySettings
 from rockpulse.config.hazard_settings import HazardSettings
+from rockpulse.config.report_settings import ReportSettings
 from rockpulse.config.uncertainty_settings import UncertaintySettings
 from rockpulse.errors import ConfigError
 from rockpulse.ladder import ModelSettings, SearchSettings
@@ -300,5 +301,6 @@ SECTIONS: dict[str, type[Section]] = {
     "fragility": FragilitySettings,
     "hazard": HazardSettings,
     "check": CheckSettings,
+    "report": ReportSettings,
     "run": RunSettings,
 }

@@ -10,7 +10,7 @@ from results_tree import results_tree
 
 from rocking.response import Outcome
 from rockpulse.assessment.answers import Answers, answers_of, bodies_of
-from rockpulse.views.report.statements import counted
+from rockpulse.views.shared.verdict_notes import counted
 
 INF, NAN = math.inf, math.nan
 

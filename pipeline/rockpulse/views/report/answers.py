@@ -8,6 +8,7 @@ from rocking.response import Outcome
 from rockpulse.assessment.answers import Answers
 from rockpulse.assessment.verdict import Standing, standings, why_unknown
 from rockpulse.ladder import UPPER_BOUND, is_upper_bound
+from rockpulse.views.report.wording import Words
 from rockpulse.views.shared.answer_cells import (
     NAMES,
     TITLES,
@@ -26,18 +27,18 @@ __all__ = ["AnswerCells", "answer_table", "count_table", "model_column", "record
 #: Demand of a record on a body.
 DEMANDS = ("uplift_ratio", "velocity_ratio", "impulse_ratio")
 
-#: The answer for a body under a record in words, and the grade of the cell.
-_STANDINGS = {
-    Standing.STANDS: ("rocks", "fair"),
-    Standing.UNKNOWN: ("not known", "unknown"),
-    Standing.WEAKER_OVERTURNS: ("a weaker copy overturns it", "bad"),
-    Standing.OVERTURNS: ("overturns", "bad"),
+#: The grade of the cell with the answer for a body under a record.
+_GRADES = {
+    Standing.STANDS: "fair",
+    Standing.UNKNOWN: "unknown",
+    Standing.WEAKER_OVERTURNS: "bad",
+    Standing.OVERTURNS: "bad",
 }
 
 
-def model_column(model: str) -> Heading:
+def model_column(words: Words, model: str) -> Heading:
     """The heading of a column of a model."""
-    return Heading(model, note=UPPER_BOUND if is_upper_bound(model) else "")
+    return Heading(words.shared(model), note=words.shared(UPPER_BOUND) if is_upper_bound(model) else "")
 
 
 class AnswerCells:
@@ -46,8 +47,8 @@ class AnswerCells:
     ``names`` are the ids of the records, marked where their peak is doubtful.
     """
 
-    def __init__(self, answers: Answers) -> None:
-        self.answers = answers
+    def __init__(self, words: Words, answers: Answers) -> None:
+        self.words, self.answers = words, answers
         self.standing = standings(answers)
         self._why = why_unknown(answers)
         self._of_models = {model: answer_cells(one) for model, one in answers.of_models.items()}
@@ -73,11 +74,10 @@ class AnswerCells:
         if self.answers.probable:
             return number(float(self.answers["overturning_probability"][record, lane]), ratio)
         kind = Standing(int(self.standing[record, lane]))
-        words, grade = _STANDINGS[kind]
-        why = f": {self._why[record, lane]}" if kind == Standing.UNKNOWN else ""
-        if kind == Standing.STANDS and self.answers["outcome"][record, lane] == Outcome.AT_REST:
-            words = "at rest"  # says little of a stronger record
-        return Cell(words + why, float(kind), grade=grade)
+        resting = kind == Standing.STANDS and self.answers["outcome"][record, lane] == Outcome.AT_REST
+        told = self.words(f"standing.{'at_rest' if resting else kind.name.lower()}")
+        why = f": {self.words.shared(self._why[record, lane])}" if kind == Standing.UNKNOWN else ""
+        return Cell(told + why, float(kind), grade=_GRADES[kind])
 
     def worst(self, record: int) -> int:
         """The place of the body for which a record is worst."""
@@ -87,9 +87,12 @@ class AnswerCells:
     @property
     def headings(self) -> tuple[Heading, Heading]:
         """Of the columns of :meth:`verdict` and :meth:`factor`."""
-        probable, title = self.answers.probable, TITLES[self.answers.factor]
-        first = Heading("P", note="overturning") if probable else Heading("answer", note=self.answers.model)
-        return first, Heading(title, note="of the record" if probable else NAMES[self.answers.factor])
+        words, probable, factor = self.words, self.answers.probable, self.answers.factor
+        first = Heading("P", note=words("head.overturning"))
+        if not probable:
+            first = Heading(words("head.answer"), note=words.shared(self.answers.model))
+        note = words("head.of_record") if probable else words.shared(NAMES[factor])
+        return first, Heading(words.shared(TITLES[factor]), note=note)
 
     def factor(self, record: int, lane: int) -> Cell:
         """The factor, marked where it is a lower bound."""
@@ -113,17 +116,17 @@ class AnswerCells:
 
 def answer_table(cells: AnswerCells) -> Table:
     """Every record, body and model in one table."""
-    answers = cells.answers
+    words, answers = cells.words, cells.answers
     headings = (
-        Heading("record"),
-        Heading("body"),
+        Heading(words("head.record")),
+        Heading(words("head.body")),
         Heading("C"),
         *cells.headings,
-        *(Heading("capacity/ demand", note=name) for name in answers.demands),
-        Heading("a/a_up", note="PGA over uplift"),
+        *(Heading(words("head.capacity"), note=name) for name in answers.demands),
+        Heading("a/a_up", note=words("head.over_uplift")),
         Heading("p PGV/ (g tan α)"),
         Heading("I/I_1c"),
-        *map(model_column, answers.models),
+        *(model_column(words, model) for model in answers.models),
     )
     rows = tuple(
         (
@@ -139,33 +142,32 @@ def answer_table(cells: AnswerCells) -> Table:
         for record in range(len(cells.names))
         for lane, body in enumerate(answers.bodies)
     )
-    caption = "Every record on every body: largest rotation over the critical angle, by model"
-    return Table("answers", caption, headings, rows, searched=0)
+    return Table("answers", words("caption.answers"), headings, rows, searched=0)
 
 
-def count_table(answers: Answers) -> Table:
+def count_table(words: Words, answers: Answers) -> Table:
     """Numbers of motions that overturn every body, by every model, as they are, in one of their directions."""
     total = len(answers.motions.names)
     counts = [(one.overturnings(), one.unresolved) for one in answers.of_models.values()]
     rows = tuple(
         (
             Cell(body.name, link=f"body-{body.place}"),
-            *(_count(fallen[k], total, silent[k]) for fallen, silent in counts),
+            *(_count(words, fallen[k], total, silent[k]) for fallen, silent in counts),
         )
         for k, body in enumerate(answers.bodies)
     )
-    caption = "How many overturn the body as they are, by each model"
-    return Table("counts", caption, (Heading("body"), *map(model_column, answers.models)), rows)
+    headings = (Heading(words("head.body")), *(model_column(words, model) for model in answers.models))
+    return Table("counts", words("caption.counts"), headings, rows)
 
 
 def record_table(cells: AnswerCells, record: int) -> Table:
     """Every body under one record, a row of /summary, by the model that is counted."""
-    model = cells.answers.model
+    words = cells.words
     headings = (
-        Heading("body"),
-        Heading("C", note="restitution"),
-        Heading("a/a_up", note="PGA over uplift"),
-        Heading("peak", note=f"θ_max/α_c, {model}"),
+        Heading(words("head.body")),
+        Heading("C", note=words("head.restitution")),
+        Heading("a/a_up", note=words("head.over_uplift")),
+        Heading(words("head.peak"), note=f"θ_max/α_c, {words.shared(cells.answers.model)}"),
         *cells.headings,
     )
     rows = tuple(
@@ -179,8 +181,9 @@ def record_table(cells: AnswerCells, record: int) -> Table:
         )
         for lane, body in enumerate(cells.answers.bodies)
     )
-    return Table(f"record-{record}-bodies", "The bodies under this record", headings, rows)
+    return Table(f"record-{record}-bodies", words("caption.of_record"), headings, rows)
 
 
-def _count(fallen: int, total: int, silent: int) -> Cell:
-    return Cell(f"{fallen} of {total}" + (f", {silent} unresolved" if silent else ""), float(fallen))
+def _count(words: Words, fallen: int, total: int, silent: int) -> Cell:
+    unresolved = words("unresolved", count=silent) if silent else ""
+    return Cell(words("count_of", count=fallen, total=total) + unresolved, float(fallen))

@@ -7,16 +7,16 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from rockpulse.assessment.answers import Answers
-from rockpulse.assessment.verdict import BodyVerdict, DemandVerdict, Grade
-from rockpulse.motions.events import CONFIDENCE
-from rockpulse.views.report.statements import typeset
+from rockpulse.assessment.answers import Answers, Share
+from rockpulse.assessment.verdict import BodyVerdict, Grade
+from rockpulse.views.report.records_used import record_words
+from rockpulse.views.report.statements import motions_words
+from rockpulse.views.report.wording import Words
 from rockpulse.views.shared.answer_cells import TITLES, margin_cells, unexplained
 from rockpulse.views.shared.facts import Known
 from rockpulse.views.shared.record_marks import record_cells
 from rockpulse.views.shared.table import Cell, Heading, Table, number
-from rockpulse.views.shared.terminal import ABSENT, between, figure, ratio, restitution, several
-from rockpulse.views.shared.verdict_notes import counted
+from rockpulse.views.shared.terminal import ABSENT, figure, restitution
 
 __all__ = ["body_table", "event_table", "grade_cell"]
 
@@ -32,54 +32,66 @@ _GRADES = {
 #: Rows that need no filter.
 FEW = 8
 
-_PLURAL = {"record": "records", "pair": "pairs of channels", "sequence": "sequences"}
 
-
-def grade_cell(one: BodyVerdict, before: str = "") -> Cell:
+def grade_cell(words: Words, one: BodyVerdict, before: str = "") -> Cell:
     """The verdict on a body in a word or two behind others, sorted from best to worst."""
-    return Cell(before + one.word, float(one.overall), grade=_GRADES[one.overall])
+    few = one.deciding is not None and one.deciding.few
+    key = "no_verdict" if few else one.overall.name.lower()
+    return Cell(before + words(f"grade.{key}"), float(one.overall), grade=_GRADES[one.overall])
 
 
-def body_table(answers: Answers, found: Sequence[BodyVerdict]) -> Table:
+def body_table(words: Words, answers: Answers, found: Sequence[BodyVerdict]) -> Table:
     """One row per body: verdict, probability at each demand and as it is, factor, the record that it rests on."""
-    motions, factor = answers.motions, TITLES[answers.factor]
-    names = [*map(unexplained, record_cells(answers.summary))]
-    of = "P" if answers.probable else "share"
+    motions, factor = answers.motions, words.shared(TITLES[answers.factor])
+    of = words("head.probability" if answers.probable else "head.share")
+    interval = words("head.interval")
+    several = any(one.body.several for one in found)
+    sequence = motions.kind == "sequence"
     headings = (
-        Heading("body"),
-        Heading("C"),
-        Heading("verdict", note=answers.model),
-        *(Heading(f"{of} at {name}", note=typeset(one.words)) for name, one in answers.demands.items()),
-        *_share_headings(answers),
-        Heading(f"smallest {factor}"),
-        Heading("under"),
-        Heading(f"median {factor}"),
-        Heading("over\u00adturned", note="as it is"),
-        Heading("not known"),
-        Heading("not lifted"),
+        Heading(words("head.body")),
+        *((Heading("C"),) if several else ()),
+        Heading(words("head.verdict"), note=words.shared(answers.model)),
+        *(Heading(words("head.at", what=of, name=name), note=interval) for name in answers.demands if not sequence),
+        *(() if sequence else (Heading(words("head.as_recorded", what=of), note=interval),)),
+        Heading(words("head.smallest", factor=factor)),
+        Heading(words("head.under")),
+        Heading(words("head.median", factor=factor)),
+        Heading(words("head.overturned"), note=words("head.of", total=len(motions.names))),
+        Heading(words("head.unknown")),
+        Heading(words("head.not_lifted")),
     )
-    rows = []
-    for one in found:
-        smallest, median = map(unexplained, margin_cells(one.margin))
-        governed = one.governing >= 0 and not math.isinf(one.margin.smallest)
-        rows.append(
-            (
-                Cell(one.body.block, link=f"body-{one.body.place}"),
-                number(one.body.restitution, restitution),
-                grade_cell(one),
-                *map(_demand_cell, one.demands),
-                *_share_cells(answers, one),
-                smallest,
-                names[one.governing]._replace(link=f"record-{one.governing}") if governed else Cell(ABSENT),
-                median,
-                *(Cell(str(count), float(count)) for count in (one.overturned, one.share.unknown, one.at_rest)),
-            )
+    rows = tuple(
+        (
+            Cell(one.body.block, link=f"body-{one.body.place}"),
+            *((number(one.body.restitution, restitution),) if several else ()),
+            grade_cell(words, one),
+            *(_share_cell(words, demand.share, _GRADES[demand.grade]) for demand in one.demands if not sequence),
+            *(() if sequence else (_share_cell(words, one.share),)),
+            *_margin(words, answers, one),
+            *(Cell(str(count), float(count)) for count in (one.overturned, one.share.unknown, one.at_rest)),
         )
-    caption = f"Verdict on each body under {counted(motions)}; counts are of {_PLURAL[motions.kind]}"
-    return Table("verdict-bodies", caption, headings, tuple(rows), searched=FEW)
+        for one in found
+    )
+    caption = words("caption.bodies", motions=motions_words(words, motions))
+    return Table("verdict-bodies", caption, headings, rows, searched=FEW)
 
 
-def event_table(answers: Answers) -> Table:
+def _margin(words: Words, answers: Answers, one: BodyVerdict) -> tuple[Cell, Cell, Cell]:
+    """The smallest factor, the record that it is of, and the median."""
+    smallest, median = map(unexplained, margin_cells(one.margin))
+    if one.governing < 0 or math.isinf(one.margin.smallest):
+        return smallest, Cell(ABSENT), median
+    name = record_cells(answers.summary)[one.governing]
+    told = record_words(words, Known(answers.summary, record=answers.records[one.governing])) or name.text
+    return smallest, unexplained(name)._replace(text=told, link=f"record-{one.governing}"), median
+
+
+def _share_cell(words: Words, share: Share, grade: str = "") -> Cell:
+    shown = f"{words.ratio(share.value)} ({words.between(share.low, share.high)})"
+    return Cell(shown, share.value, grade=grade)
+
+
+def event_table(words: Words, answers: Answers) -> Table:
     """The earthquakes, with what the files state of each, and the motions that are counted to it."""
     motions = answers.motions
     of_event: dict[str, list[int]] = {}
@@ -91,19 +103,16 @@ def event_table(answers: Answers) -> Table:
             Known(answers.summary, record=answers.records[row]) for row in np.unique(motions.index[places]) if row >= 0
         ]
         names = ", ".join(motions.names[place] for place in places)
-        rows.append((Cell(event), *_of_earthquake(known), number(len(places), str), Cell(names)))
-    headings = ("earthquake", "date", "magnitude", "distance [km]", "motions", "which")
-    shown = [
-        place
-        for place, title in enumerate(headings)
-        if title in ("earthquake", "motions", "which") or any(row[place].text for row in rows)
-    ]
-    caption = "Earthquakes that the motions are counted to, by the table, by name and by time"
+        rows.append((Cell(event), *_of_earthquake(words, known), number(len(places), str), Cell(names)))
+    titles = ("earthquake", "date", "magnitude", "distance", "motions", "which")
+    always = ("earthquake", "motions", "which")
+    shown = [place for place, title in enumerate(titles) if title in always or any(row[place].text for row in rows)]
     of_shown = tuple(tuple(row[place] for place in shown) for row in rows)
-    return Table("earthquakes", caption, tuple(Heading(headings[place]) for place in shown), of_shown)
+    headings = tuple(Heading(words(f"head.{titles[place]}")) for place in shown)
+    return Table("earthquakes", words("caption.earthquakes"), headings, of_shown)
 
 
-def _of_earthquake(known: Sequence[Known]) -> tuple[Cell, Cell, Cell]:
+def _of_earthquake(words: Words, known: Sequence[Known]) -> tuple[Cell, Cell, Cell]:
     """Date, magnitude, and nearest and farthest epicentral distance of some records; empty where none states it."""
     dates = sorted({date for one in known if (date := one.date)})
     magnitudes = list(dict.fromkeys(told for one in known if (told := one.magnitude)))
@@ -113,28 +122,8 @@ def _of_earthquake(known: Sequence[Known]) -> tuple[Cell, Cell, Cell]:
     return (
         Cell(dates[0] if dates else ""),
         Cell(", ".join(magnitudes), largest),
-        Cell(" to ".join(ends), min(distances, default=math.nan)),
+        Cell(
+            words("between", low=ends[0], high=ends[1]) if len(ends) > 1 else "".join(ends),
+            min(distances, default=math.nan),
+        ),
     )
-
-
-def _share_headings(answers: Answers) -> tuple[Heading, ...]:
-    """None for a design sequence, which is one motion."""
-    as_is = " as it is" if answers.demands else ""
-    what = (
-        Heading(f"P{as_is}", note="overturning")
-        if answers.probable
-        else Heading(f"share{as_is}", note="of earthquakes")
-    )
-    interval = Heading("interval", note=f"{CONFIDENCE:.0%}, {several(answers.motions.event_count, 'earthquake')}")
-    return () if answers.motions.kind == "sequence" else (what, interval)
-
-
-def _share_cells(answers: Answers, one: BodyVerdict) -> tuple[Cell, ...]:
-    interval = Cell(between(one.share.low, one.share.high, ratio), one.share.high)
-    return () if answers.motions.kind == "sequence" else (number(one.share.value, ratio), interval)
-
-
-def _demand_cell(demand: DemandVerdict) -> Cell:
-    share = demand.share
-    shown = f"{ratio(share.value)} ({between(share.low, share.high, ratio)})"
-    return Cell(shown, share.value, grade=_GRADES[demand.grade])

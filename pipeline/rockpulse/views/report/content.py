@@ -8,16 +8,20 @@ from typing import TYPE_CHECKING
 from rockpulse.assessment.answers import Motions, answers_of
 from rockpulse.assessment.verdict import BodyVerdict, verdicts
 from rockpulse.config.configuration import stored_sections
+from rockpulse.config.uncertainty_settings import UncertaintySettings
 from rockpulse.views.report.answers import AnswerCells, answer_table, count_table
 from rockpulse.views.report.bodies import body_table, event_table
-from rockpulse.views.report.caveats import Caveat, caveats
+from rockpulse.views.report.front import MOST, Card, Drawing, cards, drawings
 from rockpulse.views.report.method import REFERENCE, assumptions, models_in_use, not_covered
 from rockpulse.views.report.notes import table_notes
 from rockpulse.views.report.pages import BodyPage, RecordPage, body_pages, record_pages
 from rockpulse.views.report.pairing import Paired
 from rockpulse.views.report.parts import Part, describe_fragility, describe_site
 from rockpulse.views.report.provenance import failure_table, input_table, versions, warning_table
-from rockpulse.views.report.statements import counted_by, headline
+from rockpulse.views.report.records_used import left_out_table, used_table
+from rockpulse.views.report.remarks import Limit, files_words, limits, remarks
+from rockpulse.views.report.statements import counted_by, legend, model_words, motions_words
+from rockpulse.views.report.wording import Words
 from rockpulse.views.shared.files_used import files_used
 from rockpulse.views.shared.table import Fact, Table
 
@@ -36,10 +40,16 @@ class Content:
     history: tuple[str, ...]
     motions: Motions
     found: tuple[BodyVerdict, ...]
-    headline: tuple[str, ...]
-    counted_by: str
-    caveats: tuple[Caveat, ...]
+    basis: str
+    cards: tuple[Card, ...]
+    drawings: tuple[Drawing, ...]
+    limits: tuple[str, ...]
     verdict: Table
+    legend: str
+    used: Table
+    left_out: Table
+    counted_by: str
+    remarks: tuple[Limit, ...]
     counts: Table
     answers: Table
     earthquakes: Table
@@ -58,49 +68,57 @@ class Content:
     warnings: Table
     configuration: str
 
+    @property
+    def more(self) -> int:
+        """The number of blocks that have no card on the first page."""
+        return max(len(self.bodies) - MOST, 0)
 
-def gather(tree: xr.DataTree, site: Paired | None = None, fragility: Paired | None = None) -> Content:
+
+def gather(words: Words, tree: xr.DataTree, site: Paired | None = None, fragility: Paired | None = None) -> Content:
     """The content of the report on an assessment, with a site calibration and fragility curves where they are given."""
     answers = answers_of(tree)
     summary, motions, model = answers.summary, answers.motions, answers.model
     found = verdicts(answers)
-    cells = AnswerCells(answers)
+    cells = AnswerCells(words, answers)
     assessed = 0 if motions.kind == "sequence" else summary.sizes["record"]
     sections = stored_sections(str(tree.attrs.get("configuration", "")))
-    files = files_used(tree)
+    files, drawn = files_used(tree), drawings(words, tree)
+    calibrated = None if site is None else site.tree["site"].to_dataset()
+    components = str(sections.get("records", {}).get("components", ""))
+    said = remarks(words, answers, found, files, calibrated, components)
+    counted = motions_words(words, motions)
+    unused = files_words(words, files)
     return Content(
         title=str(tree.attrs.get("title", "")),
         description=str(tree.attrs.get("site_description", "")),
         history=tuple(str(tree.attrs.get("history", "")).splitlines()),
         motions=motions,
         found=tuple(found),
-        headline=tuple(headline(answers, found, files.counted)),
-        counted_by=counted_by(answers),
-        caveats=tuple(
-            caveats(
-                answers,
-                found,
-                files,
-                None if site is None else site.tree["site"].to_dataset(),
-                str(sections.get("records", {}).get("components", "")),
-            )
-        ),
-        verdict=body_table(answers, found),
-        counts=count_table(answers),
+        basis=words("basis", model=model_words(words, model), motions=counted, files=f" ({unused})" if unused else ""),
+        cards=tuple(cards(words, answers, found, drawn)),
+        drawings=tuple(drawn),
+        limits=tuple(limits(words, said, motions)),
+        verdict=body_table(words, answers, found),
+        legend=legend(words, answers),
+        used=used_table(words, answers),
+        left_out=left_out_table(words, tree),
+        counted_by=counted_by(words, answers),
+        remarks=tuple(said),
+        counts=count_table(words, answers),
         answers=answer_table(cells),
-        earthquakes=event_table(answers),
-        notes=tuple(table_notes(cells, found)),
+        earthquakes=event_table(words, answers),
+        notes=tuple(table_notes(cells, found, UncertaintySettings(**sections.get("uncertainty", {})))),
         site=None if site is None else describe_site(site, assessed),
         fragility=None if fragility is None else describe_fragility(fragility, assessed, model),
         bodies=tuple(body_pages(cells, found)),
         records=tuple(record_pages(cells)),
         reference=REFERENCE,
-        models=models_in_use(summary, model),
-        assumptions=assumptions(tree),
-        not_covered=not_covered(),
+        models=models_in_use(words, summary, model),
+        assumptions=assumptions(words, tree),
+        not_covered=not_covered(words),
         versions=versions(tree),
-        inputs=input_table(summary),
-        failures=failure_table(tree),
-        warnings=warning_table(summary),
+        inputs=input_table(words, summary),
+        failures=failure_table(words, tree),
+        warnings=warning_table(words, summary),
         configuration=str(tree.attrs.get("configuration", "")),
     )

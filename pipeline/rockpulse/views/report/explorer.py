@@ -31,7 +31,6 @@ from rockpulse.views.report.explorer_choice import (
     probability_at,
     steps_on,
 )
-from rockpulse.views.report.explorer_words import WORDS
 from rockpulse.views.report.extremes import COLUMNS, Columns, packed
 from rockpulse.views.shared.facts import Known
 
@@ -68,7 +67,7 @@ class _Motion(NamedTuple):
     overturning: float
 
 
-def explorer(tree: xr.DataTree, file: str = "results.h5", words: Mapping[str, str] = WORDS) -> Explorer | None:
+def explorer(tree: xr.DataTree, words: Mapping[str, str], file: str = "results.h5") -> Explorer | None:
     """The motions to explore of the results in a file.
 
     None where nothing moves in time: a design sequence, no record, or a model that follows none.

@@ -12,10 +12,12 @@ from rockpulse.assessment.verdict import BodyVerdict
 from rockpulse.record.record import STANDARD_GRAVITY
 from rockpulse.views.report.answers import AnswerCells, record_table
 from rockpulse.views.report.bodies import grade_cell
+from rockpulse.views.report.records_used import record_words
 from rockpulse.views.report.statements import acceleration
+from rockpulse.views.report.wording import Words
 from rockpulse.views.shared.facts import Known
 from rockpulse.views.shared.table import Cell, Fact, Heading, Table, number
-from rockpulse.views.shared.terminal import ABSENT, figure, restitution
+from rockpulse.views.shared.terminal import ABSENT, restitution
 
 __all__ = ["BodyPage", "RecordPage", "body_pages", "record_pages"]
 
@@ -64,8 +66,8 @@ def body_pages(cells: AnswerCells, found: list[BodyVerdict]) -> list[BodyPage]:
             BodyPage(
                 key=f"body-{place}",
                 name=block,
-                verdicts=tuple(grade_cell(found[lane], _case(answers.bodies[lane])) for lane in own),
-                facts=_of_block(answers, block, [answers.bodies[lane].restitution for lane in own]),
+                verdicts=tuple(grade_cell(cells.words, found[lane], _case(answers.bodies[lane])) for lane in own),
+                facts=_of_block(cells.words, answers, block, [answers.bodies[lane].restitution for lane in own]),
                 governing=_governing(cells, own, place),
             )
         )
@@ -74,7 +76,7 @@ def body_pages(cells: AnswerCells, found: list[BodyVerdict]) -> list[BodyPage]:
 
 def record_pages(cells: AnswerCells) -> list[RecordPage]:
     """A page for every record."""
-    answers = cells.answers
+    words, answers = cells.words, cells.answers
     pages = []
     for place, (record, event) in enumerate(zip(answers.records, answers["event"], strict=True)):
         worst = Cell(ABSENT)
@@ -86,10 +88,10 @@ def record_pages(cells: AnswerCells) -> list[RecordPage]:
                 key=f"record-{place}",
                 name=cells.names[place].marked,
                 place=place,
-                words=one.described,
-                brief=_brief(one),
-                worst=worst._replace(text=f"worst: {'P ' if answers.probable else ''}{worst.text}"),
-                facts=_of_record(one, str(event)),
+                words=", ".join(filter(None, (record_words(words, one), one.magnitude))),
+                brief=_brief(words, one),
+                worst=worst._replace(text=words("worst", answer=f"{'P ' if answers.probable else ''}{worst.text}")),
+                facts=_of_record(words, one, str(event)),
                 bodies=record_table(cells, place),
             )
         )
@@ -100,46 +102,42 @@ def _case(body: Body) -> str:
     return f"C = {restitution(body.restitution)}: " if body.several else ""
 
 
-def _of_block(answers: Answers, block: str, restitutions: list[float]) -> tuple[Fact, ...]:
+def _of_block(words: Words, answers: Answers, block: str, restitutions: list[float]) -> tuple[Fact, ...]:
     one = Known(answers.summary, block=block)
     known = one.number
-    size = "given by p and α" if math.isnan(one.value("width")) else f"{known('width', 'm')} × {known('height', 'm')}"
-    facts = [
-        Fact("width × height", (size,)),
-        Fact("half the diagonal R", (one.radius,)),
-        Fact("critical angle α_c", (known("alpha_c", "rad"),)),
-        Fact("frequency parameter p", (known("p", "1/s"),)),
-        Fact("slenderness h/b", (known("slenderness"),)),
-        Fact(
-            "rebound e from the wall" if one.value("one_sided") else "restitution C (velocity ratio)",
-            (", ".join(map(restitution, restitutions)),),
-        ),
-        Fact("critical impulse I_1c", (known("critical_impulse", "m/s"),)),
-    ]
-    if one.support:
-        facts.insert(1, Fact("beside", (one.support,)))
-    if warnings := one.lines("block_warnings"):
-        facts.append(Fact("warnings", warnings))
-    return tuple(facts)
+    size = f"{known('width', 'm')} × {known('height', 'm')}"
+    facts = {
+        "size": words("fact.by_numbers") if math.isnan(one.value("width")) else size,
+        "beside": one.support,
+        "radius": one.radius,
+        "alpha_c": known("alpha_c", "rad"),
+        "p": known("p", "1/s"),
+        "slenderness": known("slenderness"),
+        "rebound" if one.value("one_sided") else "restitution": ", ".join(map(restitution, restitutions)),
+        "critical_impulse": known("critical_impulse", "m/s"),
+    }
+    told = [Fact(words(f"fact.{name}"), (words.number(value),)) for name, value in facts.items() if value]
+    warnings = one.lines("block_warnings")
+    return (*told, Fact(words("fact.warnings"), warnings)) if warnings else tuple(told)
 
 
 def _governing(cells: AnswerCells, own: list[int], place: int) -> Table:
     """The records that overturn the body at the smallest factors, then those without one that are worst."""
-    answers = cells.answers
+    words, answers = cells.words, cells.answers
     pairs = [(record, lane) for record in range(len(answers.records)) for lane in own]
     factor = np.where(np.isnan(answers[answers.factor]), np.inf, answers[answers.factor])
     several = len(own) > 1
     headings = (
-        Heading("record"),
-        *((Heading("C", note="restitution"),) if several else ()),
+        Heading(words("head.record")),
+        *((Heading("C", note=words("head.restitution")),) if several else ()),
         Heading("PGA [g]"),
-        Heading("a/a_up", note="PGA over uplift"),
-        Heading("peak", note=f"θ_max/α_c, {answers.model}"),
+        Heading("a/a_up", note=words("head.over_uplift")),
+        Heading(words("head.peak"), note=f"θ_max/α_c, {words.shared(answers.model)}"),
         *cells.headings,
     )
     rows = tuple(
         (
-            cells.record(record),
+            _by_name(cells, record),
             *((number(answers.bodies[lane].restitution, restitution),) if several else ()),
             number(float(answers["pga"][record]) / STANDARD_GRAVITY),
             cells.demand("uplift_ratio", record, lane),
@@ -149,40 +147,55 @@ def _governing(cells: AnswerCells, own: list[int], place: int) -> Table:
         )
         for record, lane in sorted(pairs, key=lambda at: (factor[at], -cells.standing[at]))[:GOVERNING]
     )
-    caption = "The records of smallest safety factor" if len(pairs) > GOVERNING else "The body under each record"
+    caption = words("caption.governing" if len(pairs) > GOVERNING else "caption.each_record")
     return Table(f"body-{place}-records", caption, headings, rows)
 
 
-def _of_record(one: Known, event: str) -> tuple[Fact, ...]:
-    known, words = one.number, one.words
-    facts = [Fact("source", (words("source"),)), Fact("SHA-256 of the source", (words("source_sha256"),))]
+def _by_name(cells: AnswerCells, record: int) -> Cell:
+    """A record by its earthquake, station and direction, else by its id."""
+    known = Known(cells.answers.summary, record=cells.answers.records[record])
+    cell = cells.record(record)
+    return cell._replace(text=record_words(cells.words, known) or cell.text)
+
+
+def _of_record(words: Words, one: Known, event: str) -> tuple[Fact, ...]:
+    known, own = one.number, one.words
+    told = {"source": own("source"), "sha256": own("source_sha256")}
     if one.value("npts") >= 0:
-        component = f"{words('station')}, {words('component')} (azimuth {known('azimuth', '°')})"
-        facts += [
-            Fact("earthquake", (event,)),
-            *(Fact(name, (told,)) for name, told in one.stated),
-            Fact("station, component", (component,)),
-            Fact("name of the station", (words("station_name"),)),
-            Fact("start (UTC)", (words("start_time"),)),
-            Fact("samples", (f"{one.value('npts')} at {known('dt', 's')}",)),
-            Fact("PGA", (acceleration(one.value("pga")),)),
-            Fact("PGV", (one.peak_velocity,)),
-            Fact("Arias intensity", (known("arias_intensity", "m/s"),)),
-            Fact("intense phase", (f"{known('intense_start', 's')} to {known('intense_end', 's')}",)),
-        ]
-    sequence = "none could be made"
-    if not math.isnan(one.value("main_impulse")):
-        sequence = (
-            f"I = {known('main_impulse', 'm/s')}, I_s = {known('secondary_impulse', 'm/s')}, ΔT = "
-            f"{known('secondary_interval', 's')}, duration {known('sequence_duration', 's')}, main impulses: "
-            f"{one.main_count}"
-        )
-    facts.append(Fact("impulse sequence", (sequence,)))
-    facts += [Fact(name, one.lines(name)) for name in ("processing", "warnings") if one.lines(name)]
-    return tuple(facts)
+        start, end = (known(f"intense_{side}", "s") for side in ("start", "end"))
+        told |= {"earthquake": event}
+        told |= {name: words.number(value) for name, value in one.stated}
+        told |= {
+            "component": f"{own('station')}, {own('component')} ({known('azimuth', '°')})",
+            "station_name": own("station_name"),
+            "start": own("start_time"),
+            "samples": words("fact.at_interval", count=one.value("npts"), interval=words.number(known("dt", "s"))),
+            "pga": acceleration(words, one.value("pga")),
+            "pgv": words.number(one.peak_velocity),
+            "arias": words.number(known("arias_intensity", "m/s")),
+            "intense": words("between", low=words.number(start), high=words.number(end)),
+        }
+    told["sequence"] = _sequence(words, one)
+    facts = [Fact(words.table.get(f"fact.{name}", words.shared(name)), (value,)) for name, value in told.items()]
+    lists = {name: one.lines(name) for name in ("processing", "warnings")}
+    return *facts, *(Fact(words(f"fact.{name}"), every) for name, every in lists.items() if every)
 
 
-def _brief(one: Known) -> str:
+def _sequence(words: Words, one: Known) -> str:
+    """The impulse sequence of a record in a line."""
+    if math.isnan(one.value("main_impulse")):
+        return words("fact.no_sequence")
+    numbers = {
+        "main": one.number("main_impulse", "m/s"),
+        "secondary": one.number("secondary_impulse", "m/s"),
+        "interval": one.number("secondary_interval", "s"),
+        "duration": one.number("sequence_duration", "s"),
+    }
+    shown = {name: words.number(value) for name, value in numbers.items()}
+    return words("fact.sequence_of", **shown, count=words.shared(one.main_count))
+
+
+def _brief(words: Words, one: Known) -> str:
     if math.isnan(one.value("pga")):
-        return f"I {figure(one.value('main_impulse'), 'm/s')}"
-    return ", ".join(one.strength)
+        return f"I {words.figure(one.value('main_impulse'), 'm/s')}"
+    return words.number(", ".join(one.strength))

@@ -4,14 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
 from markupsafe import Markup
 
-from rockpulse.assessment.answers import Answers, fullest_model
+from rockpulse.assessment.answers import Answers, answers_of, fullest_model
 from rockpulse.errors import ResultsError
+from rockpulse.views.plots.selection import plain_bodies
 from rockpulse.views.report.record_strip import strip
+from rockpulse.views.report.wording import Words
 from rockpulse.views.shared.answer_cells import NAMES
 from rockpulse.views.text.fragility import shown_measure
 
@@ -30,9 +33,6 @@ IN_FULL = 20
 #: Records in the map of a body: those of the smallest factors.
 IN_A_MAP = 20
 
-#: What to do where the samples of the records are not in the file.
-STORE = 'The results do not hold the accelerogram ([records] store = "all").'
-
 
 @dataclass(frozen=True)
 class Picture:
@@ -45,8 +45,10 @@ class Picture:
 class Pictures:
     """The pictures of one report, by row of /summary and place of the block."""
 
-    def __init__(self, tree: xr.DataTree, site: Paired | None, fragility: Paired | None, content: Content) -> None:
-        self._tree = tree
+    def __init__(
+        self, words: Words, tree: xr.DataTree, site: Paired | None, fragility: Paired | None, content: Content
+    ) -> None:
+        self._words, self._tree = words, tree
         self._site, self._fragility = (None if other is None else other.tree for other in (site, fragility))
         self._summary = tree["summary"].to_dataset()
         stored = tree["records"].to_dataset() if "records" in tree.children else None
@@ -60,14 +62,14 @@ class Pictures:
     def strip(self, record: int) -> Picture:
         """The accelerogram of a record, small."""
         if self._stored is None or self._ends is None:
-            return Picture(Markup(""), STORE)
+            return Picture(Markup(""), self._words("picture.not_stored"))
         end = int(self._ends[record])
         acceleration = self._stored["acceleration"].values[end - int(self._stored["row_size"].values[record]) : end]
         if acceleration.size < 2:
-            return Picture(Markup(""), STORE)
+            return Picture(Markup(""), self._words("picture.not_stored"))
         one = self._summary.isel(record=record)
         drawn = strip(acceleration, float(one["dt"]), (float(one["intense_start"]), float(one["intense_end"])))
-        return Picture(Markup(drawn), "The accelerogram as it was assessed; its intense phase is shaded.")
+        return Picture(Markup(drawn), self._words("picture.strip"))
 
     def in_full(self, record: int) -> Picture | None:
         """The accelerogram with half-waves and impulses; None for a record that is shown as a strip."""
@@ -80,26 +82,25 @@ class Pictures:
         return _drawn(
             lambda: accelerogram(stored_motion(self._tree, name))[0],
             f"record{record}",
-            "The accelerogram as it was assessed, its strong half-waves, and the impulses at their centroids.",
+            self._words("picture.in_full"),
         )
 
-    def body(self, block: int) -> Picture:
+    def body(self, block: int, name: str = "body") -> Picture:
         """Factors on the records at which a body overturns, and the windows between them."""
         from rockpulse.views.plots.critical_factors import overturning_map
 
-        name = str(self._summary["block"].values[block])
+        body = str(self._summary["block"].values[block])
         answers = Answers(self._summary)
         if not answers.probable and "overturning_intervals" not in self._tree.children:
-            return Picture(Markup(""), "The results hold no factors at which the body overturns.")
+            return Picture(Markup(""), self._words("picture.no_factors"))
         lowest = answers.by_block(np.fmin, answers[answers.factor])[:, block]
         rows = np.sort(np.argsort(np.where(np.isnan(lowest), np.inf, lowest), kind="stable")[:IN_A_MAP])
-        few = f" The {rows.size} records of the smallest {NAMES[answers.factor]}." if rows.size < lowest.size else ""
+        factor = self._words.shared(NAMES[answers.factor])
+        few = self._words("picture.map_few", count=rows.size, factor=factor) if rows.size < lowest.size else ""
         return _drawn(
-            lambda: overturning_map(_of_records(self._tree, rows), block=name),
-            f"body{block}",
-            "Factors on each record at which the body overturns: with 10 to 50 % probability (blue), with more (red); "
-            "where intervals were searched, those of the body as it was given. The line at 1 is the record as it is."
-            f"{few}",
+            lambda: overturning_map(_of_records(self._tree, rows), block=body),
+            f"{name}{block}",
+            self._words("picture.map", few=few),
         )
 
     def motion(self, block: int) -> Picture | None:
@@ -129,8 +130,29 @@ class Pictures:
         return _drawn(
             draw,
             f"motion{block}",
-            f"Rotation of {body.name} under {record}, as it is: the record of its smallest factor; {model} model.",
+            self._words("picture.rotation", body=body.name, record=record, model=self._words.shared(model)),
         )
+
+    def explaining(self) -> list[Picture]:
+        """The pictures that explain the verdict: the overturning spectra of the records with the bodies as points.
+
+        Of bodies that no spectrum stands for, as one that is tied, the factors that overturn the one of the worst
+        verdict; of a design sequence the spectrum of its site.
+        """
+        if answers_of(self._tree).motions.kind == "sequence":
+            return [] if self._site is None else [self.site()]
+        found, plain = [], []
+        spectra = self._tree["spectra"].to_dataset() if "spectra" in self._tree.children else None
+        if spectra is not None and np.isfinite(spectra["spectrum"].values).any():
+            plain = plain_bodies(self._summary)
+        if spectra is not None and plain:
+            draw = partial(_spectra, self._words, self._tree, spectra)
+            found.append(_drawn(draw, "spectra", self._words("picture.spectra")))
+        others = [one for one in self._found if one.body.block not in plain]
+        if others:
+            worst = max(others, key=lambda one: (one.overall, one.decides.value))
+            found.append(self.body(worst.body.place, "front"))
+        return found
 
     def site(self) -> Picture:
         """The records of the site, and its design; only asked for with a site."""
@@ -141,9 +163,7 @@ class Pictures:
         return _drawn(
             lambda: calibration(tree).flat[0],
             "site",
-            "Overturning spectrum of the site, and of each record."
-            if tree["site"].attrs["method"] == "spectrum"
-            else "Parameters of the sequence of each record, and of the design sequence.",
+            self._words(f"picture.site_{'spectrum' if tree['site'].attrs['method'] == 'spectrum' else 'parameters'}"),
         )
 
     def fragility(self, block: str) -> Picture:
@@ -157,8 +177,40 @@ class Pictures:
         return _drawn(
             lambda: fragility(tree, block=block, measure=shown_measure(curves)),
             f"fragility{place}",
-            "Probability of reaching each limit state; the band of a curve, over earthquakes, where one can be given.",
+            self._words("picture.fragility"),
         )
+
+
+def _spectra(words: Words, tree: xr.DataTree, spectra: xr.Dataset) -> Axes:
+    """The stored spectra at the C of most bodies; straight between the bodies where only these were marched."""
+    from rockpulse.views.plots.demand_marks import factors_to_demands
+    from rockpulse.views.plots.overturning_curves import overturning_spectra
+
+    summary = tree["summary"].to_dataset()
+    own = summary.sel(record=spectra["record"].values)
+    names = plain_bodies(summary)
+    # A factor that differs from body to body moves no spectrum as a whole.
+    shared = [factors_to_demands(summary, own["record"].values.tolist(), name, np.inf) for name in names]
+    needed = {name: one for name, one in shared[0].items() if all(np.array_equal(one, other[name]) for other in shared)}
+    ax = overturning_spectra(
+        spectra,
+        restitution=float(summary["restitution"].median()),
+        bodies={
+            name: (float(summary["p"].sel(block=name)), float(summary["alpha_c"].sel(block=name))) for name in names
+        },
+        events=[str(event) for event in own["event"].values],
+        demands=needed if spectra.sizes["record"] > 1 else None,
+        gravity=float(summary["gravity"][0]),
+    )
+    marched = np.isfinite(spectra["spectrum"].transpose("p", ...).values).reshape(spectra.sizes["p"], -1).any(axis=1)
+    known = spectra["p"].values[marched]
+    ax.set_xlim(max(0.6 * float(known.min()), ax.get_xlim()[0]), min(1.6 * float(known.max()), ax.get_xlim()[1]))
+    ax.set_xlabel(words("picture.spectra_x"))
+    ax.set_ylabel(words("picture.spectra_y"))
+    figure = ax.get_figure(root=True)
+    assert figure is not None
+    figure.supxlabel("")  # the page has words of its own below it
+    return ax
 
 
 def _of_records(tree: xr.DataTree, rows: np.ndarray) -> xr.DataTree:

@@ -7,6 +7,9 @@ from collections import Counter
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from rockpulse.failures import alike
+from rockpulse.views.report.records_used import earthquake_words
+from rockpulse.views.report.wording import Words
 from rockpulse.views.shared.facts import Known
 from rockpulse.views.shared.table import Cell, Fact, Heading, Table, number
 from rockpulse.views.text.left_out import by_kind
@@ -28,7 +31,7 @@ def hash_of(path: str | Path) -> str:
         return hashlib.file_digest(file, "sha256").hexdigest()
 
 
-def input_table(summary: xr.Dataset) -> Table:
+def input_table(words: Words, summary: xr.Dataset) -> Table:
     """The files that the records came from."""
     columns = [
         summary[name].values.tolist() if name in summary else [""] * summary.sizes["record"]
@@ -37,28 +40,34 @@ def input_table(summary: xr.Dataset) -> Table:
     found = Counter(zip(*columns, strict=True))
     of_file: dict[str, dict[str, None]] = {}
     for record, source in zip(summary["record"].values, columns[0], strict=True):
-        if told := Known(summary, record=str(record)).occasion:
+        known = Known(summary, record=str(record))
+        if told := ", ".join(filter(None, (earthquake_words(words, known), known.place))):
             of_file.setdefault(source, {})[told] = None
     rows = tuple(
         (*map(Cell, row), number(count, str), *([Cell("; ".join(of_file.get(row[0], ())))] if of_file else []))
         for row, count in found.items()
     )
-    titles = ("file", "SHA-256", "format", "records", *(["earthquake, station"] if of_file else []))
-    return Table("inputs", "Files that were assessed", tuple(map(Heading, titles)), rows)
+    titles = ("file", "sha256", "format", "records", *(["occasion"] if of_file else []))
+    return Table("inputs", words("caption.inputs"), tuple(Heading(words(f"head.{one}")) for one in titles), rows)
 
 
-def failure_table(tree: xr.DataTree) -> Table:
-    """Files and channels that were not assessed, and why; those that failed first."""
+def failure_table(words: Words, tree: xr.DataTree) -> Table:
+    """Files and channels that were not assessed, and why, those of one reason together; those that failed first."""
     rows = tuple(
-        (Cell(kind, grade="bad" if kind == "failed" else ""), Cell(row.stage), Cell(row.file), Cell(row.reason))
+        (
+            Cell(words(f"left_out.{kind}"), grade="bad" if kind == "failed" else ""),
+            Cell(group[0].stage),
+            Cell(", ".join(dict.fromkeys(row.place for row in group))),
+            Cell(group[0].bare),
+        )
         for kind, entries in by_kind(tree).items()
-        for row in entries
+        for group in alike(entries)
     )
-    headings = tuple(map(Heading, ("kind", "step", "file", "reason")))
-    return Table("failures", "Files and channels that are not part of the verdict", headings, rows)
+    headings = tuple(Heading(words(f"head.{one}")) for one in ("kind", "step", "file", "reason"))
+    return Table("failures", words("caption.left_out"), headings, rows)
 
 
-def warning_table(summary: xr.Dataset) -> Table:
+def warning_table(words: Words, summary: xr.Dataset) -> Table:
     """Every warning of a record or a body."""
     rows = []
     for kind, name in (("block", "block_warnings"), ("record", "warnings")):
@@ -67,8 +76,8 @@ def warning_table(summary: xr.Dataset) -> Table:
         for place, (label, text) in enumerate(zip(summary[kind].values, summary[name].values, strict=True)):
             key = f"{'body' if kind == 'block' else 'record'}-{place}"
             rows += [(Cell(str(label), link=key), Cell(line)) for line in str(text).splitlines() if line]
-    headings = (Heading("of"), Heading("warning"))
-    return Table("warnings", "Warnings", headings, tuple(rows))
+    headings = (Heading(words("head.of_what")), Heading(words("head.warning")))
+    return Table("warnings", words("caption.warnings"), headings, tuple(rows))
 
 
 def versions(tree: xr.DataTree) -> tuple[Fact, ...]:

@@ -1,9 +1,10 @@
-"""The report as a file: one page of HTML that asks nothing of a network."""
+"""The report as a file: one page of HTML that asks nothing of a network, or the PDF that a browser prints of it."""
 
 from __future__ import annotations
 
 import base64
 import hashlib
+import os
 import re
 from datetime import UTC, datetime
 from importlib.resources import files
@@ -17,23 +18,34 @@ from rockpulse.storage.fragility_variables import FRAGILITY
 from rockpulse.storage.save_load import ASSESSMENT, load, named
 from rockpulse.storage.site_variables import SITE_KIND
 from rockpulse.version import __version__
-from rockpulse.views.report.content import gather
+from rockpulse.views.report.content import Content, gather
 from rockpulse.views.report.explorer import explorer
 from rockpulse.views.report.pairing import paired
+from rockpulse.views.report.parties import logo, parties
 from rockpulse.views.report.pictures import Pictures
+from rockpulse.views.report.printing import browser, printed
 from rockpulse.views.report.provenance import hash_of
+from rockpulse.views.report.wording import words_of
 from rockpulse.views.shared.table import Fact
 
 if TYPE_CHECKING:
     import xarray as xr
+
+    from rockpulse.config.configuration import Config
 
 __all__ = ["check_report_target", "report_page", "write_report"]
 
 #: What the head of every report holds; a file without it is never replaced.
 MARK = '<meta name="generator" content="rockpulse report'
 
-#: Bytes of a file that are searched for the mark.
+#: The last line of every PDF of ours, which readers of PDF pass over; the same holds for it.
+PDF_MARK = b"\n% rockpulse report\n"
+
+#: Bytes at the head of a page that are searched for its mark.
 HEAD = 4096
+
+#: The parts of the annex, by their ids; one that the results have nothing for is left out.
+ANNEXES = ("remarks", "site", "fragility", "all-answers", "bodies", "records", "method", "sources")
 
 #: What a page shows for words of the terminal.
 LETTERS = {
@@ -53,8 +65,10 @@ def write_report(
     site: xr.DataTree | str | Path | None = None,
     fragility: xr.DataTree | str | Path | None = None,
     overwrite: bool = False,
+    language: str = "en",
+    config: Config | None = None,
 ) -> Path:
-    """Write the results of an assessment as one HTML page to hand over.
+    """Write the results of an assessment as one file to hand over: HTML, or PDF by the name.
 
     Parameters
     ----------
@@ -62,13 +76,17 @@ def write_report(
         As :func:`rockpulse.assess` or :func:`rockpulse.assess_sequence` returns them, or a file of
         ``rockpulse assess``.
     path : str or Path
-        File to write.
+        File to write, `.html` or `.pdf`; a PDF is printed by the Chrome, Chromium or Edge of this machine.
     site : xarray.DataTree or path, optional
         A site calibration to show beside them (:func:`rockpulse.calibrate_site`).
     fragility : xarray.DataTree or path, optional
         Fragility curves to show beside them (:func:`rockpulse.fragility_curves`).
     overwrite : bool
         Whether a report that exists may be replaced; no other file ever is.
+    language : str
+        Of the words and numbers of the report: "en" or "it". Readers' warnings and reasons stay English.
+    config : Config, optional
+        Its author, client, project and logo ([report]) take the place of those in the results.
 
     Returns
     -------
@@ -79,7 +97,8 @@ def write_report(
     ------
     ResultsError
         For results of another kind, a site or fragility file with another body of the same name
-        (:func:`rockpulse.views.report.pairing.paired`), or a target that exists and may not be replaced.
+        (:func:`rockpulse.views.report.pairing.paired`), a target that exists and may not be replaced, or a PDF without
+        a browser that prints it.
     OSError
         Where a file cannot be read or written.
 
@@ -88,9 +107,12 @@ def write_report(
     The page holds its style, its script and its pictures, and a policy that forbids every request.
     """
     target = check_report_target(path, overwrite)
-    page = report_page(results, site, fragility)
+    as_pdf = target.suffix.lower() == ".pdf"
+    if as_pdf:
+        browser()  # asked for before any work is done
+    page = report_page(results, site, fragility, language, config)
     with FileSet() as parts:
-        parts.add(target, page.encode("utf-8", "replace"))
+        parts.add(target, printed(page) + PDF_MARK if as_pdf else page.encode("utf-8", "replace"))
         check_report_target(path, overwrite)  # somebody else may have written it in the meantime
         parts.commit()
     return target
@@ -99,8 +121,8 @@ def write_report(
 def check_report_target(path: str | Path, overwrite: bool = False) -> Path:
     """The path, if a report can be written there; ResultsError if not. Asked before any work is done."""
     target = Path(path)
-    if target.suffix.lower() not in (".html", ".htm") and not target.is_dir():
-        raise ResultsError(f"{path}: expected a name that ends in .html; a browser prints the report to PDF")
+    if target.suffix.lower() not in (".html", ".htm", ".pdf") and not target.is_dir():
+        raise ResultsError(f"{path}: expected a name that ends in .html or .pdf")
     if not target.parent.is_dir():
         raise ResultsError(f"{path}: there is no folder {target.parent}; create it first")
     if not target.exists():
@@ -110,7 +132,9 @@ def check_report_target(path: str | Path, overwrite: bool = False) -> Path:
     if not overwrite:
         raise ResultsError(f"{path}: the file exists; choose another name, or allow it to be replaced (--overwrite)")
     with target.open("rb") as file:
-        if MARK.encode() not in file.read(HEAD):
+        first = file.read(HEAD)
+        file.seek(-min(target.stat().st_size, len(PDF_MARK)), os.SEEK_END)
+        if MARK.encode() not in first and not (first.startswith(b"%PDF") and file.read() == PDF_MARK):
             raise ResultsError(
                 f"{path}: expected a report of rockpulse, found another file, which is not replaced even with "
                 "--overwrite; choose another name, or remove it by hand"
@@ -122,6 +146,8 @@ def report_page(
     results: xr.DataTree | str | Path,
     site: xr.DataTree | str | Path | None = None,
     fragility: xr.DataTree | str | Path | None = None,
+    language: str = "en",
+    config: Config | None = None,
 ) -> str:
     """The page of :func:`write_report` as a text."""
     from jinja2 import Environment, PackageLoader, StrictUndefined
@@ -133,7 +159,8 @@ def report_page(
     others = {
         kind: paired(tree, trees[kind], kind, _name(given[kind])) for kind in (SITE_KIND, FRAGILITY) if kind in trees
     }
-    content = gather(tree, others.get(SITE_KIND), others.get(FRAGILITY))
+    words = words_of(language)
+    content = gather(words, tree, others.get(SITE_KIND), others.get(FRAGILITY))
     environment = Environment(
         loader=PackageLoader("rockpulse.views.report"),
         autoescape=True,
@@ -145,16 +172,30 @@ def report_page(
     environment.filters["typeset"] = typeset
     script = "".join(map(_text, ("report.js", "explorer_drawing.js", "explorer.js")))
     return environment.get_template("report.html").render(
+        words=words,
+        parties=parties(words, tree, config),
+        logo=logo(tree, config),
         content=content,
-        pictures=Pictures(tree, others.get(SITE_KIND), others.get(FRAGILITY), content),
+        annexes=[one for one in ANNEXES if getattr(content, one, True)],
+        worst_curve=_worst_curve(content),
+        pictures=Pictures(words, tree, others.get(SITE_KIND), others.get(FRAGILITY), content),
         files=tuple(Fact(kind, _described(source)) for kind, source in given.items() if source is not None),
-        explorer=explorer(tree, "results.h5" if _name(results) == "the tree" else _name(results)),
+        explorer=explorer(
+            tree, words.section("explorer"), str(results) if isinstance(results, str | Path) else "results.h5"
+        ),
         style=Markup(_text("report.css") + _text("explorer.css")),
         script=Markup(script),
         script_hash=base64.b64encode(hashlib.sha256(script.encode("utf-8")).digest()).decode("ascii"),
         version=__version__,
         written=f"{datetime.now(UTC):%Y-%m-%d %H:%M} UTC",
     )
+
+
+def _worst_curve(content: Content) -> str:
+    """The body of the worst verdict among those that have curves, which the second page shows; empty without curves."""
+    curves = content.fragility.blocks if content.fragility else ()
+    worst = sorted(content.found, key=lambda one: (one.overall, one.decides.value), reverse=True)
+    return next((one.body.block for one in worst if one.body.block in curves), curves[0] if curves else "")
 
 
 def typeset(words: str) -> str:

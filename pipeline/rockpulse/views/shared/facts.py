@@ -55,11 +55,15 @@ def magnitude_words(value: Callable[[str], Any]) -> str:
     return f"{_text(value, 'magnitude_type') or 'M'} {shown}"
 
 
+def _named(value: Callable[[str], Any]) -> str:
+    """The name of the earthquake; empty for a title that is only a date or a number."""
+    titles = (_text(value, "event_title"), _text(value, "event"))
+    return next((title for title in titles if title != UNKNOWN and names_earthquake(title)), "")
+
+
 def _earthquake(value: Callable[[str], Any]) -> str:
     """Title, date and magnitude; of a title that is only a date or a number what is stored of these in its place."""
-    stated = _text(value, "event_title")
-    named = (title for title in (stated, _text(value, "event")) if title != UNKNOWN and names_earthquake(title))
-    title = next(named, "")
+    stated, title = _text(value, "event_title"), _named(value)
     date, magnitude = _date(value), magnitude_words(value)
     if title:
         more = ("" if _DATED.search(title) else date, "" if _MEASURED.search(title) else magnitude)
@@ -74,10 +78,16 @@ def _date(value: Callable[[str], Any]) -> str:
 
 
 def _station(value: Callable[[str], Any]) -> str:
+    found = _placed(value)
+    return f"station {found}" if found else ""
+
+
+def _placed(value: Callable[[str], Any]) -> str:
+    """The code of the station with its name, or the one that is known."""
     code, name = _text(value, "station"), _text(value, "station_name").replace("_", " ")
     if not code.strip("0") or code.casefold() == name.casefold():
         code, name = name, ""
-    return f"station {code} ({name})" if name else f"station {code}" if code else ""
+    return f"{code} ({name})" if name else code
 
 
 def _direction(value: Callable[[str], Any]) -> str:
@@ -111,13 +121,13 @@ class Known:
 
     def __init__(self, summary: xr.Dataset, **labels: str) -> None:
         ((self._dim, label),) = labels.items()
-        self._summary, self._place = summary, summary.get_index(self._dim).get_loc(label)
+        self._summary, self._row = summary, summary.get_index(self._dim).get_loc(label)
 
     def value(self, name: str) -> Any:
         """The value of a variable along the records or the blocks alone; None where the results lack it."""
         if name not in self._summary:
             return None
-        return self._summary[name].variable[{self._dim: self._place}].values.item()
+        return self._summary[name].variable[{self._dim: self._row}].values.item()
 
     def number(self, name: str, unit: str = "") -> str:
         """A number with its unit."""
@@ -195,9 +205,20 @@ class Known:
         return record_words(self.value)
 
     @property
-    def occasion(self) -> str:
-        """Earthquake and station of a record in words, which its channels have in common."""
-        return ", ".join(filter(None, (_earthquake(self.value), _station(self.value))))
+    def title(self) -> str:
+        """The name of the earthquake, with its date where that is not in it; empty where it has no name."""
+        title, date = _named(self.value), self.date
+        return title if not title or _DATED.search(title) else f"{title} {date}".rstrip()
+
+    @property
+    def place(self) -> str:
+        """The code of the station with its name, or the one that is known."""
+        return _placed(self.value)
+
+    @property
+    def direction(self) -> str:
+        """The line of a direction along the compass, else its azimuth, else the component as the file words it."""
+        return _direction(self.value)
 
     @property
     def date(self) -> str:

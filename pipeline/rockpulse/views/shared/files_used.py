@@ -54,8 +54,13 @@ class FilesUsed:
         >>> FilesUsed(3, (Failure("a.txt", "read", "a.txt: damaged", "failed"),)).counted
         '3 of 4 files used, 1 not'
         """
-        channels = sum(row.stage not in _OF_OPTIONS for row in self.beside)
-        return ", ".join(filter(None, (self._files, f"{several(channels, 'channel')} failed" if channels else "")))
+        count = self.channels
+        return ", ".join(filter(None, (self._files, f"{several(count, 'channel')} failed" if count else "")))
+
+    @property
+    def channels(self) -> int:
+        """The number of channels of files that are used which failed."""
+        return sum(row.stage not in _OF_OPTIONS for row in self.beside)
 
     @property
     def _files(self) -> str:

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from report_cases import WORDS
 from results_tree import results_tree
 
 from rockpulse.assessment.answers import Answers
@@ -15,7 +16,7 @@ def summary():
 
 
 def table(summary, **stated):
-    found = event_table(Answers(summary.assign({name: ("record", values) for name, values in stated.items()})))
+    found = event_table(WORDS, Answers(summary.assign({name: ("record", values) for name, values in stated.items()})))
     titles = [heading.title for heading in found.headings]
     return [dict(zip(titles, (cell.text for cell in row), strict=True)) for row in found.rows]
 

@@ -92,13 +92,13 @@ def test_names_with_html_are_text(page):
 def test_every_figure_is_visible_with_everything_open(page):
     page.execute_script("document.querySelector('[data-open=all]').click()")
     sizes = page.execute_script(
-        "return Array.from(document.querySelectorAll('figure'), (figure) => {"
+        "return Array.from(document.querySelectorAll('figure:not(.card figure)'), (figure) => {"
         " const svg = figure.querySelector('svg'); if (!svg) return [figure.textContent, 0, 0];"
         " svg.scrollIntoView(); const box = svg.getBoundingClientRect();"
         " return [svg.checkVisibility() ? '' : 'hidden', box.width, box.height]; })"
     )
-    # Three maps, two motions (nothing overturns the third body), four accelerograms, the site, three curves.
-    assert len(sizes) == 13
+    # The spectra, three maps, two motions (nothing overturns the third body), four accelerograms, the site, the curves.
+    assert len(sizes) == 14
     for words, width, height in sizes:
         assert words == ""
         assert width > 400
@@ -148,10 +148,25 @@ def test_the_filter_takes_all_of_its_words(page):
     place = head(page, "answers", "body")[0]
     field.send_keys("STELE burst2")
     assert column(page, "answers", place) == ["stele"]
-    assert page.find_element("css selector", "#all-answers output").text == "1 of 12"
+    assert page.find_element("css selector", "#all-answers output").text == "1 / 12"
     field.clear()
     field.send_keys("no such words")
     assert column(page, "answers", place) == []
+
+
+def test_on_a_phone_nothing_of_the_first_page_is_scrolled_sideways(page):
+    page.execute_cdp_cmd(
+        "Emulation.setDeviceMetricsOverride", {"width": 390, "height": 844, "deviceScaleFactor": 2, "mobile": True}
+    )
+    try:
+        wide = page.execute_script(
+            "return Array.from(document.querySelectorAll('#verdict *'), (one) => [one.tagName, one.scrollWidth, "
+            "one.getBoundingClientRect().right]).filter(([tag, width, right]) => width > 391 || right > 391)"
+        )
+        assert wide == []
+        assert page.execute_script("return document.documentElement.scrollWidth") <= 390
+    finally:
+        page.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})
 
 
 def test_it_prints_on_a4(page):

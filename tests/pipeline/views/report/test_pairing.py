@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from nominal import ida
+from report_cases import WORDS
 from site_spectra import BLOCKS, usual_site
 from site_spectra import site_of as spectrum_site
 
@@ -32,12 +33,12 @@ def changed(tree, group, **values):
 
 def curves_of(results, fragility):
     """What the section on fragility says."""
-    return gather(results, fragility=paired(results, fragility, "fragility", "it")).fragility
+    return gather(WORDS, results, fragility=paired(results, fragility, "fragility", "it")).fragility
 
 
 def site_of(results, site):
     """What the section on the site says."""
-    return gather(results, paired(results, site, "site calibration", "it")).site
+    return gather(WORDS, results, paired(results, site, "site calibration", "it")).site
 
 
 @pytest.mark.parametrize("number", ["p", "alpha_c", "restitution"])

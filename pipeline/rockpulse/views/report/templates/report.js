@@ -1,6 +1,6 @@
 "use strict";
 (() => {
-  const words = new Intl.Collator("en", { numeric: true, sensitivity: "base" });
+  const words = new Intl.Collator(document.documentElement.lang, { numeric: true, sensitivity: "base" });
   const key = (row, column, numeric) => {
     const cell = row.cells[column];
     if (!numeric) return cell.textContent;
@@ -52,7 +52,7 @@
         item.hidden = !asked.every((word) => texts[place].includes(word));
         shown += !item.hidden;
       });
-      count.textContent = asked.length ? `${shown} of ${items.length}` : "";
+      count.textContent = asked.length ? `${shown} / ${items.length}` : "";
     });
   }
   for (const button of document.querySelectorAll("button[data-open]")) {

@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 import xarray as xr
-from report_cases import answers, motions, probable, summary_of, verdict
+from report_cases import WORDS, answers, motions, probable, summary_of, verdict
 
 from rocking.response import Outcome
-from rockpulse.views.report.caveats import caveats
+from rockpulse.views.report.remarks import GRADES, limits, remarks
 from rockpulse.views.shared.files_used import FilesUsed
 
 
@@ -34,8 +34,20 @@ def site(peaks, design=0.2, upper=0.3):
 
 def heads(summary, kind="sequence", **options):
     of = motions(summary.sizes["record"], kind=kind)
-    found = caveats(answers(summary, of), [verdict(summary, of)], FilesUsed(1), **options)
+    found = remarks(WORDS, answers(summary, of), [verdict(summary, of)], FilesUsed(1), **options)
     return {one.head: one for one in found}
+
+
+def test_the_gravest_stand_first_and_three_lines_at_most_stand_on_the_first_page():
+    summary = probable([0.9, np.nan, 0.2], at_demand=[0.1, 0.2, 0.3], demand=0.5)
+    of = motions(3)
+    said = remarks(WORDS, answers(summary, of), [verdict(summary, of)], FilesUsed(1))
+    assert [one.grade for one in said] == sorted((one.grade for one in said), key=GRADES.index)
+    decides, earthquakes, not_covered = limits(WORDS, said, of)
+    assert decides.startswith("What may change a verdict: at the demand ULS there is no verdict, for 3 earthquakes")
+    assert earthquakes.startswith("The records are of 3 earthquakes")
+    assert not_covered.startswith("Not covered: sliding")
+    assert "[" not in "".join((decides, earthquakes, not_covered))  # no key of the configuration
 
 
 def with_codes(factors, *codes, **options):
@@ -45,30 +57,30 @@ def with_codes(factors, *codes, **options):
 
 def test_a_demand_that_a_sequence_cannot_be_held_against_is_said_loudly():
     found = heads(with_codes([1.6], "plain demand_not_compared"))
-    told = found["The demand of the site is not checked"]
-    assert told.loud
+    told = found["the demand of the site is not checked"]
+    assert told.grade == "decides"
     assert told.text.startswith("A sequence has no PGA, nor any other strength to bring to the demand of the site")
-    assert "The demand of the site is not checked" not in heads(with_codes([1.6]))
+    assert "the demand of the site is not checked" not in heads(with_codes([1.6]))
 
 
 @pytest.mark.parametrize(("factor", "told"), [(1.4, True), (1.6, False)])
 def test_a_body_that_overturns_within_the_interval_of_the_design(factor, told):
     found = heads(with_codes([factor]), site=site([0.1, 0.2]))
-    words = [head for head in found if head.startswith("Within the 90% interval")]
+    words = [head for head in found if head.startswith("within the 90 % interval")]
     assert bool(words) == told
     assert all("b (SF 1.40)" in word for word in words)
 
 
 def test_records_of_the_site_that_overturn_a_body_which_stands_under_its_design():
     found = heads(with_codes([1.6]), site=site([0.1, np.inf, np.inf]))
-    assert found["Records of the site, scaled as they were calibrated, overturn b (2 of 3)"].loud
+    assert found["records of the site, scaled as they were calibrated, overturn b (2 of 3)"].grade == "decides"
     assert not [head for head in heads(with_codes([1.6]), site=site([0.1])) if "overturn" in head]
 
 
 def test_what_is_not_known_of_some_motions_is_said_loudly():
-    head = "In 1 of 3 cases (record and body) the answer is not known"
+    head = "in 1 of 3 cases (motion and body) the answer is not known"
     said = heads(probable([np.nan, 0.0, 0.9]), "record")[head]
-    assert said.loud
+    assert said.grade == "decides"
     assert "why" not in said.text
     assert head not in heads(probable([0.1, 0.0, 0.9]), "record")
     unresolved = summary_of([np.nan, 2.0, 3.0], outcomes=[Outcome.UNRESOLVED, Outcome.ROCKS, Outcome.ROCKS])
@@ -76,25 +88,24 @@ def test_what_is_not_known_of_some_motions_is_said_loudly():
 
 
 def test_few_earthquakes_cannot_tell_a_small_probability():
-    said = heads(probable([0.0, 0.0]), "record")["The verdict rests on 2 earthquakes"]
-    assert said.loud
+    said = heads(probable([0.0, 0.0]), "record")["the verdict rests on 2 earthquakes"]
+    assert said.grade == "limits"
     assert "2 earthquakes cannot tell a probability of 0.05" in said.text
     assert "by up to 0.78 of the motions" in said.text  # 1 - 0.05^(1/2)
-    said = heads(probable([0.0] * 12), "record")["The verdict rests on 12 earthquakes"]
-    assert not said.loud
+    said = heads(probable([0.0] * 12), "record")["the verdict rests on 12 earthquakes"]
     assert "cannot tell" not in said.text
 
 
 def test_motions_that_do_not_lift_a_body_count_with_probability_zero():
     rest = [Outcome.AT_REST, Outcome.ROCKS]
     found = heads(probable([0.0, 0.2], outcomes=rest), "record")
-    assert "count with probability 0" in found["In 1 of 2 cases (record and body) the body is not lifted"].text
+    assert "count with probability 0" in found["in 1 of 2 cases (motion and body) the body is not lifted"].text
     found = heads(probable([0.0, 0.0], uplift=0.0, outcomes=[Outcome.AT_REST] * 2), "record")
-    assert found["1 of 1 body is lifted by none of these motions"].loud
+    assert found["1 of 1 body lifted by none of these motions"].grade == "decides"
 
 
 def test_channels_as_recorded_need_not_point_where_a_body_rocks():
     summary = with_codes([1.6, 2.0], outcomes=[Outcome.ROCKS] * 2)
-    head = "Every channel is taken as it was recorded"
+    head = "every channel is taken as it was recorded"
     assert head in heads(summary, "record", components="horizontal")
     assert head not in heads(summary, "record", components="azimuth")

@@ -1,0 +1,67 @@
+"""The report as a PDF: printed by the browser that is found, refused in words where there is none."""
+
+import re
+import shutil
+import stat
+
+import pytest
+from results_tree import results_tree
+
+from rockpulse.errors import ResultsError
+from rockpulse.views.report import printing
+from rockpulse.views.report.writing import PDF_MARK, write_report
+
+
+@pytest.fixture
+def nowhere(monkeypatch, tmp_path):
+    """A machine without a browser."""
+    monkeypatch.setattr(printing.shutil, "which", lambda name: None)
+    for name in printing.PROGRAMS:
+        monkeypatch.delenv(name, raising=False)
+    monkeypatch.setattr(printing.sys, "platform", "linux")
+
+
+def test_without_a_browser_nothing_is_written_and_it_is_said_what_to_do(nowhere, tmp_path):
+    with pytest.raises(ResultsError, match=r"no Chrome, Chromium or Edge was found .* write the report as \.html"):
+        write_report(results_tree(), tmp_path / "report.pdf")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_browser_in_a_usual_place_of_windows_is_found(nowhere, monkeypatch, tmp_path):
+    program = tmp_path / "Microsoft/Edge/Application/msedge.exe"
+    program.parent.mkdir(parents=True)
+    program.touch()
+    monkeypatch.setenv("ProgramFiles(x86)", str(tmp_path))
+    assert printing.browser() == str(program)
+
+
+def scripted(monkeypatch, path, script):
+    """A program in place of the browser."""
+    path.write_text(f"#!/bin/sh\n{script}\n")
+    path.chmod(path.stat().st_mode | stat.S_IXUSR)
+    monkeypatch.setattr(printing, "browser", lambda: str(path))
+
+
+def test_a_browser_that_prints_nothing_or_never_ends_is_an_error_in_words(monkeypatch, tmp_path):
+    scripted(monkeypatch, tmp_path / "fails", "echo no display >&2; exit 3")
+    with pytest.raises(ResultsError, match=r"printed no PDF \(exit code 3\): no display; write the report as \.html"):
+        printing.printed("<p>")
+    monkeypatch.setattr(printing, "LONGEST", 0.2)
+    scripted(monkeypatch, tmp_path / "hangs", "exec sleep 30")
+    with pytest.raises(ResultsError, match="did not print the report within"):
+        printing.printed("<p>")
+
+
+@pytest.mark.skipif(shutil.which("chromium") is None, reason="no browser: apt-get install chromium")
+def test_only_a_pdf_of_ours_is_replaced(tmp_path):
+    target = tmp_path / "report.pdf"
+    write_report(results_tree(), target)
+    content = target.read_bytes()
+    assert content.startswith(b"%PDF-")
+    assert content.endswith(PDF_MARK)
+    assert len(re.findall(rb"/Type /Page\b", content)) > 3
+    write_report(results_tree(), target, overwrite=True)
+    other = tmp_path / "other.pdf"
+    other.write_bytes(b"%PDF-1.4\n%%EOF\n")
+    with pytest.raises(ResultsError, match="not replaced even with"):
+        write_report(results_tree(), other, overwrite=True)
