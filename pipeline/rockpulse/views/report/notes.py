@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 import numpy as np
@@ -13,7 +14,7 @@ from rockpulse.config.uncertainty_settings import UncertaintySettings
 from rockpulse.ladder import is_upper_bound
 from rockpulse.views.report.answers import AnswerCells
 from rockpulse.views.report.wording import Words
-from rockpulse.views.shared.answer_cells import AT_MOST, margin_cells, marks_of
+from rockpulse.views.shared.answer_cells import AT_MOST, factor_cell, margin_cells, marks_of
 from rockpulse.views.shared.record_marks import doubt_notes
 from rockpulse.views.shared.verdict_notes import (
     BEYOND_CRITICAL,
@@ -54,7 +55,7 @@ def _of_factors(words: Words, answers: Answers, uncertainty: UncertaintySettings
     none = ""
     if np.isinf(factor).any():
         limit = searched_up_to(factor, answers.proven())
-        none = f" {words.number(f'>{limit:g}')}{words.shared(NONE_UP_TO.note)[1:]}"
+        none = f" {words.cell(factor_cell(math.inf, limit))}{words.shared(NONE_UP_TO.note)[1:]}"
     if answers.probable:
         low, high = map(words.ratio, uncertainty.restitution)
         spread, geometry = words.share(uncertainty.factor), words.share(uncertainty.geometry)
