@@ -14,7 +14,7 @@ import numpy as np
 import rockpulse as rp
 from rockpulse.studies.fragility.likelihood import FAMILIES
 from rockpulse.studies.fragility.observations import ABOVE, NOT_ABOVE, Observations
-from rockpulse.studies.risk.frequency import band_of, fitted_lines
+from rockpulse.studies.risk.bands import band_of, fitted_lines
 from rockpulse.studies.risk.integral import integrate, power_law_frequency
 
 LEVELS = np.array([0.4, 0.6, 0.8, 1.1, 1.5, 2.2])
@@ -35,6 +35,24 @@ def drawn(random: np.random.Generator, earthquakes: int, between: float, within:
     return Observations.of(level, kind, np.repeat(event, LEVELS.size).astype(str))
 
 
+def coverage(place: int, cases: int, seed: int, resamples: int = 500) -> tuple[int, int, int, int]:
+    """Of so many cases of a setting: bands, those with the truth below and above them, and those that lost draws."""
+    earthquakes, k, between, within = SETTINGS[place]
+    random, hazard = np.random.default_rng([seed, place]), rp.PowerLawHazard(1e-3, k)
+    truth = power_law_frequency(1e-3, k, 1.0, math.hypot(between, within))
+    bands = low = high = lossy = 0
+    for case in range(cases):
+        rows = drawn(random, earthquakes, between, within)
+        lines = fitted_lines(rows, FAMILY)
+        estimate = math.log(integrate(FAMILY, (lines[0, 0], lines[0, 1]), hazard).frequency)
+        limits = band_of(rows, FAMILY, hazard, lines, estimate, 0.9, resamples, case)
+        bands += math.isfinite(limits.low)
+        low += truth < limits.low
+        high += truth > limits.high
+        lossy += limits.lost > 0.0
+    return bands, low, high, lossy
+
+
 def main() -> None:
     """Print the coverage for each setting."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
@@ -43,21 +61,10 @@ def main() -> None:
     parser.add_argument("--resamples", type=int, default=500)
     args = parser.parse_args()
     for place, (earthquakes, k, between, within) in enumerate(SETTINGS):
-        random, hazard = np.random.default_rng([args.seed, place]), rp.PowerLawHazard(1e-3, k)
-        truth = power_law_frequency(1e-3, k, 1.0, math.hypot(between, within))
-        low = high = none = 0
-        for case in range(args.cases):
-            rows = drawn(random, earthquakes, between, within)
-            lines = fitted_lines(rows, FAMILY)
-            estimate = math.log(integrate(FAMILY, lines[:1], hazard).frequency[0])
-            limits = band_of(rows, FAMILY, hazard, lines, estimate, 0.9, args.resamples, case)
-            none += limits is None
-            low += limits is not None and truth < limits[0]
-            high += limits is not None and truth > limits[1]
-        told = args.cases - none
+        bands, low, high, lossy = coverage(place, args.cases, args.seed, args.resamples)
         print(
-            f"{earthquakes} earthquakes, k {k:g}, beta {math.hypot(between, within):.2f}: {told} bands, truth inside "
-            f"{1.0 - (low + high) / told:.3f}, below {low}, above {high}",
+            f"{earthquakes} earthquakes, k {k:g}, beta {math.hypot(between, within):.2f}: {bands} bands of {args.cases}, "
+            f"truth inside {1.0 - (low + high) / bands:.3f}, below {low}, above {high}, {lossy} cases lost draws",
             flush=True,
         )
 

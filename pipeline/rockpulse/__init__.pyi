@@ -80,8 +80,9 @@ from .studies.fragility.curves import fit_stripes as fit_stripes
 from .studies.risk.frequency import annual_frequency as annual_frequency
 from .studies.risk.hazard import HazardCurve as HazardCurve
 from .studies.risk.hazard import PowerLawHazard as PowerLawHazard
-from .studies.risk.hazard import load_hazard as load_hazard
+from .studies.risk.hazard_files import load_hazard as load_hazard
 from .studies.risk.inventory import inventory_frequency as inventory_frequency
+from .studies.risk.standing import standing_test as standing_test
 from .studies.site.calibration import calibrate_site as calibrate_site
 from .views.plots.dispatch import plot as plot
 from .views.report.writing import write_report as write_report

@@ -136,7 +136,7 @@ def boolean(default: bool) -> Any:
     return key(default, KeyType("true or false", lambda value: isinstance(value, bool), bool))
 
 
-def choice(default: str, words: tuple[str, ...], most: int = 0) -> Any:
+def choice(default: str | None, words: tuple[str, ...], most: int = 0) -> Any:
     """A key that takes one of some words, or an integer from 1 to `most`."""
     expected = f"one of {_listed(words)}" + (f" or an integer from 1 to {most}" if most else "")
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import sys
 from dataclasses import replace
 from pathlib import Path
 
@@ -29,24 +30,42 @@ def _add_arguments(parser: argparse.ArgumentParser) -> None:
         "--hazard",
         metavar="CURVE",
         help='hazard curve (CSV): "pga [g],rate" or "pga [g],probability in 50 years", OpenQuake\'s hazard curves, or '
-        'return periods "TR [years],ag [g]"; in place of section [hazard]',
+        'return periods "TR [years],ag [g]", or the grid of NTC 2008; in place of section [hazard]',
     )
     parser.add_argument(
         "--site",
         nargs=2,
         type=float,
         metavar=("LONGITUDE", "LATITUDE"),
-        help="site in a curve of several [degrees]; the nearest one is taken",
+        help="site in a file of several places [degrees]; the nearest one up to 50 km away is taken, and told",
+    )
+    parser.add_argument(
+        "--soil-factor",
+        type=float,
+        metavar="S",
+        help="by which the levels of a hazard on rock are multiplied; default: that of [hazard], 1",
     )
     parser.add_argument(
         "--config", metavar="CONFIG", help="configuration with a section [hazard]; default: that of the fragility"
     )
-    parser.add_argument("--limit-state", default="overturning", metavar="STATE", help="default: overturning")
+    parser.add_argument("--limit-state", metavar="STATE", help="of a fragility; default: overturning")
     parser.add_argument("--years", type=float, metavar="T", help="time for the probability; default: that of [hazard]")
     parser.add_argument(
-        "--resamples", type=int, default=500, metavar="N", help="draws for the bands, 0 for none; default: 500"
+        "--age",
+        type=float,
+        metavar="YEARS",
+        help="time for which the bodies have stood: does that contradict the hazard?",
     )
-    parser.add_argument("-o", "--output", metavar="TABLE", help="write the table too (CSV)")
+    parser.add_argument(
+        "--resamples", type=int, metavar="N", help="draws for the bands of a fragility, 0 for none; default: 500"
+    )
+    parser.add_argument(
+        "-o",
+        "--output",
+        metavar="TABLE",
+        help="write the table too (CSV), and of a fragility beside it TABLE_levels.csv, what each range of levels "
+        "contributes",
+    )
     parser.add_argument("--overwrite", action="store_true", help="replace a file that exists")
     parser.add_argument("--quiet", action="store_true", help=QUIET)
 
@@ -56,37 +75,69 @@ def _run(args: argparse.Namespace) -> int:
     from rockpulse.errors import ConfigError
     from rockpulse.storage.save_load import load
     from rockpulse.studies.risk.frequency import annual_frequency
-    from rockpulse.studies.risk.hazard import hazard_of, load_hazard
-    from rockpulse.studies.risk.inventory import inventory_frequency, read_inventory
+    from rockpulse.studies.risk.hazard_files import hazard_of
+    from rockpulse.studies.risk.inventory import inventory_frequency
+    from rockpulse.studies.risk.inventory_table import read_inventory
+    from rockpulse.studies.risk.standing import standing_test
     from rockpulse.views.shared.output_files import check_file, csv_bytes, write_files
-    from rockpulse.views.text.risk import inventory_overview, inventory_table, risk_overview, risk_table
+    from rockpulse.views.text import risk as text
+    from rockpulse.views.text import risk_tables as tables
 
-    if args.output is not None:
-        check_file(args.output, args.overwrite)
+    if args.bodies is not None and (args.limit_state is not None or args.resamples is not None):
+        raise ConfigError(
+            "--bodies: it does not go with --limit-state or --resamples: the spectra hold the probability of "
+            "overturning, and the band of an inventory is in closed form; drop them, or take a fragility file"
+        )
+    limit_state = args.limit_state or "overturning"
+    if args.age is not None and limit_state != "overturning":
+        raise ConfigError(
+            f"--age: it says that bodies still stand, so expected --limit-state overturning, found {limit_state}"
+        )
+    files = _files(args.output, args.bodies is None)
+    for path in files:
+        check_file(path, args.overwrite)
     if args.hazard is not None and args.config is not None:
         raise ConfigError("--hazard, --config: expected one source of the hazard, found both")
     tree = load(args.fragility)
     config = config_from_text(str(tree.attrs["configuration"])) if args.config is None else load_config(args.config)
-    settings = config.hazard
+    settings, folder = config.hazard, config.folder
+    if args.hazard is not None:
+        settings = replace(settings, file=args.hazard, k0=None, k=None, longitude=None, latitude=None)
+        folder = Path()
     if args.site is not None:
         settings = replace(settings, longitude=args.site[0], latitude=args.site[1])
-    if args.hazard is None:
-        hazard = hazard_of(settings, config.folder)
-    else:
-        hazard = load_hazard(args.hazard, None if args.site is None else tuple(args.site))
+    if args.soil_factor is not None:
+        settings = replace(settings, soil_factor=args.soil_factor)
+    hazard = hazard_of(settings, folder)
     years = settings.years if args.years is None else args.years
     if args.bodies is not None:
         names, block = read_inventory(args.bodies)
         found = inventory_frequency(tree, block, hazard, years).assign_coords(body=names)
-        table, told = inventory_table(found), inventory_overview(found)
     else:
-        found = annual_frequency(tree, hazard, args.limit_state, years, resamples=args.resamples)
-        table, told = risk_table(found), risk_overview(found)
-    if args.output is not None:
-        write_files({Path(args.output): csv_bytes(table)})
+        resamples = 500 if args.resamples is None else args.resamples
+        found = annual_frequency(tree, hazard, limit_state, years, resamples=resamples)
+    standing = None if args.age is None else standing_test(found, args.age)
+    if args.bodies is not None:
+        contents = [tables.inventory_table(found, standing)]
+        told, warnings = text.inventory_overview(found), text.inventory_warnings(found)
+    else:
+        contents = [tables.risk_table(found, standing), tables.levels_table(found)]
+        told, warnings = text.risk_overview(found), text.risk_warnings(found)
+    write_files({path: csv_bytes(table) for path, table in zip(files, contents, strict=False)})
     if not args.quiet:
-        tell(told + (f"\n\ntable: {args.output}" if args.output else ""))
+        told += f"\n\n{text.standing_overview(standing)}" if standing is not None else ""
+        tell(told + (f"\n\ntable: {', '.join(map(str, files))}" if files else ""))
+        for words in warnings:
+            tell(f"warning: {words}", sys.stderr)
     return 0
+
+
+def _files(output: str | None, levels: bool) -> list[Path]:
+    """The files to write: the table of bodies, and beside it that of levels."""
+    if output is None:
+        return []
+    path = Path(output)
+    return [path, path.with_name(f"{path.stem}_levels{path.suffix}")] if levels else [path]
 
 
 VERB = Verb(
@@ -101,5 +152,6 @@ VERB = Verb(
         "rockpulse risk fragility.h5 --hazard curve.csv",
         "rockpulse risk fragility.h5 --config site.toml --years 100 -o risk.csv",
         "rockpulse risk results.h5 --bodies inventory.csv --hazard curve.csv -o risk.csv",
+        "rockpulse risk results.h5 --bodies rocks.csv --hazard curve.csv --age 10000",
     ),
 )

@@ -19,8 +19,9 @@ HAZARD_UNITS = ("m/s2", "g", "cm/s2", "m/s", "cm/s")
 class HazardSettings(Section):
     """The hazard of the site: the file of a curve, or the power law k0 x^-k; and the time that is asked about.
 
-    `longitude` and `latitude` choose the site in a file of several. `measure` and `unit` are those of the power law; a
-    file names its own.
+    `longitude` and `latitude` choose the site in a file of several. `measure` and `unit` are those of the power law,
+    the unit that in SI without; a file names its own. `soil_factor` brings the levels of a hazard on rock to the ground
+    of the site.
 
     Raises
     ------
@@ -35,7 +36,8 @@ class HazardSettings(Section):
     k0: float | None = number(None, low=0.0, above=True, unit="1/year")
     k: float | None = number(None, low=0.0, above=True)
     measure: str = choice("pga", HAZARD_MEASURES)
-    unit: str = choice("m/s2", HAZARD_UNITS)
+    unit: str | None = choice(None, HAZARD_UNITS)
+    soil_factor: float = number(1.0, low=0.0, above=True)
     years: float = number(50.0, low=0.0, above=True, unit="years")
 
     def __post_init__(self) -> None:
@@ -46,8 +48,3 @@ class HazardSettings(Section):
             raise ConfigError("[hazard]: expected a file or the power law k0, k, found both")
         if (self.longitude is None) != (self.latitude is None):
             raise ConfigError("[hazard] longitude, latitude: expected both or neither, found one")
-
-    @property
-    def given(self) -> bool:
-        """Whether there is a hazard."""
-        return self.file is not None or self.k0 is not None

@@ -2,9 +2,21 @@
 
 from __future__ import annotations
 
-from rockpulse.storage.variables import Declared, along, real, text, whole
+from enum import IntEnum
 
-__all__ = ["INVENTORY", "RISK"]
+from rockpulse.storage.variables import NOT_KNOWN, Declared, along, flag, real, text, whole
+
+__all__ = ["INVENTORY", "RISK", "STANDING", "RiskStatus"]
+
+
+class RiskStatus(IntEnum):
+    """Whether there is a frequency, and why not."""
+
+    GIVEN = 0
+    NO_CURVE = 1
+    NO_LIMIT = 2  # the lower tail of the fragility outweighs the hazard
+    NOT_COVERED = 3  # the spectra do not stand for the body
+
 
 OWN = "unit of the measure in SI"
 
@@ -23,7 +35,9 @@ RISK: Declared = {
             "below": real("1", "share of the frequency from levels below all that were looked at"),
             "above": real("1", "share of the frequency from levels above all that were looked at"),
             "events": whole("earthquakes of the fragility"),
-            "statement": text("what is to be known of the frequency, in words"),
+            "status": flag([one.name.lower() for one in RiskStatus], "whether there is a frequency, and why not"),
+            "statement": text("why there is no frequency or no band, and what is to be known of the band"),
+            "warning": text("what comes from levels that nothing was looked at; empty for a tenth and less"),
         },
     ),
     **along(
@@ -44,7 +58,22 @@ INVENTORY: Declared = along(
         "frequency_low": real("year-1", "lower limit of the frequency, over earthquakes"),
         "frequency_high": real("year-1", "upper limit of the frequency"),
         "probability": real("1", "probability of overturning in the years that were asked for"),
+        "survival": real("1", "probability that the body stands for so many years"),
         "median": real(OWN, "level at which the body overturns with probability 1/2"),
         "dispersion": real("1", "standard deviation of ln(S/measure), S the overturning spectrum"),
+        "below": real("1", "share of the frequency from levels below those that the hazard was given for"),
+        "above": real("1", "share of the frequency from levels above those that the hazard was given for"),
+        "far": real("1", "share of the frequency from records at factors beyond those of [fragility] factors"),
+        "status": flag([one.name.lower() for one in RiskStatus], "whether there is a frequency, and why not"),
     },
 )
+
+#: Over the bodies of either, of one that is known to have stood.
+STANDING: Declared = {
+    "chance": real("1", "probability that the body has stood for its age, exp(-frequency age)"),
+    "chance_low": real("1", "the same at the upper limit of the frequency"),
+    "chance_high": real("1", "the same at the lower limit of the frequency"),
+    "largest": real("year-1", "largest annual frequency that its age leaves at the confidence"),
+    "factor": real("1", "factor on the rates of the hazard at which the frequency would be the largest one"),
+    "contradicted": flag(("not_known", "no", "yes"), "whether the frequency is above the largest one", first=NOT_KNOWN),
+}

@@ -47,7 +47,57 @@ def test_the_hazard_of_the_fragility_or_of_a_file_gives_a_table(fragility, tmp_p
     assert f"table: {table}" in capsys.readouterr().out
     found = pd.read_csv(table)
     assert found["block"].tolist() == ["wall"]
-    assert shown.split("wall")[1].split()[0] == f"{found['frequency'][0]:.2e}"
+    assert shown.split("wall")[1].split()[0].rstrip("!") == f"{found['frequency'][0]:.2e}"
+    # What each range of levels contributes, in the unit of the hazard.
+    levels = pd.read_csv(tmp_path / "risk_levels.csv")
+    assert levels["share"].sum() == pytest.approx(0.998, abs=1e-3)
+    assert levels["bin_low"].to_numpy()[1:] == pytest.approx(levels["bin_high"].to_numpy()[:-1])
+    assert set(levels["unit"]) == {"m/s2"}
+
+
+def test_a_tail_is_told_in_the_row_in_the_notes_and_on_standard_error(fragility, tmp_path, capsys):
+    curve = tmp_path / "curve.csv"
+    curve.write_text("pga [g],rate\n0.2,1e-2\n0.25,5e-3\n")
+    assert main(["risk", str(fragility), "--hazard", str(curve), "--resamples", "0"]) == 0
+    out, err = capsys.readouterr()
+    assert "of its frequency comes from levels above 0.25 g, where the hazard curve ends" in err
+    assert err.startswith("warning: wall: ")
+    row = next(line for line in out.splitlines() if line.startswith("  wall"))
+    assert row.split()[1].endswith("!")
+    assert "  ! wall: " in out
+    assert "pga [g]" in out
+
+
+def test_a_site_far_away_is_refused_and_the_soil_is_told(fragility, tmp_path, capsys):
+    curve = tmp_path / "curve.csv"
+    curve.write_text("# investigation_time=1.0, imt='PGA'\nlon,lat,poe-0.1,poe-1.0\n13,42,0.1,0.001\n")
+    assert main(["risk", str(fragility), "--hazard", str(curve), "--site", "8", "45"]) == 2
+    assert "expected one within 50 km" in capsys.readouterr().err
+    arguments = ["--hazard", str(curve), "--site", "13.05", "42", "--soil-factor", "1.5", "--resamples", "0"]
+    assert main(["risk", str(fragility), *arguments]) == 0
+    # 0.05 degrees of longitude at 42 degrees north: 6371 km pi/3600 cos 42 = 4.1 km.
+    shown = " ".join(capsys.readouterr().out.split())
+    assert "place 13 E 42 N, 4.1 km from the site" in shown
+    assert "levels times the soil factor 1.5" in shown
+
+
+def test_bodies_that_have_stood_are_a_test_of_the_hazard(fragility, capsys):
+    assert main(["risk", str(fragility), "--resamples", "0"]) == 0
+    frequency = float(capsys.readouterr().out.split("wall")[1].split()[0].rstrip("!"))
+    # At three times the age at which lambda T is one: exp(-3) = 0.0498, ln 20 = 2.9957 and the factor 0.99858.
+    assert main(["risk", str(fragility), "--resamples", "0", "--age", f"{3.0 / frequency:.8g}"]) == 0
+    shown = capsys.readouterr().out
+    row = shown.split("Bodies that have stood")[1].split("wall")[1].splitlines()[0].split()
+    assert float(row[0]) == pytest.approx(0.0498, rel=2e-2)
+    assert float(row[2]) == pytest.approx(0.9986, rel=6e-3)
+    assert main(["risk", str(fragility), "--age", "100", "--limit-state", "uplift"]) == 2
+    assert "--age: it says that bodies still stand" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("option", [["--limit-state", "0.4"], ["--resamples", "3"]])
+def test_what_an_inventory_does_not_know_is_refused(fragility, option, capsys):
+    assert main(["risk", str(fragility), "--bodies", "bodies.csv", *option]) == 2
+    assert "--bodies: it does not go with --limit-state or --resamples" in capsys.readouterr().err
 
 
 def test_wrong_arguments_are_told(fragility, tmp_path, capsys):

@@ -106,7 +106,8 @@ class FragilityAnalysis(Analysis):
         """Fit the curves."""
         aloft = np.array([bool(self.lanes.bodies.floors[body]) for body in self.lanes.owner])
         known = ~aloft & (not self.config.records.include_vertical)
-        uplift = np.where(known, uplift_scale(self.lanes.block, np.array([-1.0, 1.0])), np.nan)
+        lifting = uplift_scale(self.lanes.block, np.array([-1.0, 1.0]), self.config.fragility.equation)
+        uplift = np.where(known, lifting, np.nan)
         return build_fragility_tree(
             parts, self.block_names, self.lanes.block, uplift, self.config, failures, self.selection
         )

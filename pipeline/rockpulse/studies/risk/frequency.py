@@ -1,37 +1,34 @@
 """How often bodies reach a limit state at a site: the fragility of a file summed over the hazard, with bands.
 
-.. note:: lambda = integral of P(x) (-dH/dx) dx. The bands are those of the fragility's fit: records of one earthquake
-   are no independent observations, so as many earthquakes are drawn again and again, and the distribution of (ln lambda
-   - its estimate)/standard error, by the jackknife of each draw, is taken from that (bootstrap-t). The hazard is taken
-   as known.
+.. note:: lambda = integral of P(x) (-dH/dx) dx. What comes from levels that no record was looked at, or that the hazard
+   was not given for, is counted and told, and nothing is cut off but what cannot be: in PGA no level below the uplift
+   of a body on the ground counts.
 """
 
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
-from scipy.special import logsumexp
 
+from rockpulse.config.fragility_settings import OVERTURNING, UPLIFT
 from rockpulse.errors import ConfigError, ResultsError
 from rockpulse.storage.fragility_variables import FRAGILITY, Status
-from rockpulse.storage.risk_variables import RISK
-from rockpulse.studies.fragility.curves import jackknife_error, standardised
-from rockpulse.studies.fragility.ensemble import Ensemble, stored_ensemble
-from rockpulse.studies.fragility.likelihood import FAMILIES, Family, maximise
-from rockpulse.studies.fragility.observations import Observations
-from rockpulse.studies.fragility.statements import missing
+from rockpulse.storage.risk_variables import RISK, RiskStatus
+from rockpulse.studies.fragility.ensemble import stored_ensemble
+from rockpulse.studies.fragility.likelihood import FAMILIES, Family
+from rockpulse.studies.fragility.observations import ABOVE, NOT_ABOVE, Observations
+from rockpulse.studies.fragility.statements import STATEMENTS, missing
+from rockpulse.studies.risk.assumptions import fragility_assumed, hazard_assumed, several_events
+from rockpulse.studies.risk.bands import FEWEST_EVENTS, LEAST_EVENTS, band_of, fitted_lines
 from rockpulse.studies.risk.hazard import Hazard
 from rockpulse.studies.risk.integral import Integral, integrate
 
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["LEAST_EVENTS", "OUTSIDE", "annual_frequency", "band_of", "fitted_lines"]
-
-#: Fewest earthquakes from which a band covers what it says, and from which there is one.
-LEAST_EVENTS, FEWEST_EVENTS = 14, 4
+__all__ = ["OUTSIDE", "annual_frequency"]
 
 #: Share of a frequency that comes from levels that nothing was looked at, from which on that is told.
 OUTSIDE = 0.1
@@ -39,12 +36,20 @@ OUTSIDE = 0.1
 #: Levels whose contributions are told, and the share of the frequency that they hold.
 BINS, HELD = 16, 0.998
 
-#: Largest share of the draws that may have no curve.
-LOST = 0.1
+#: A and B of a fragility that is 1 at every level above its floor.
+CERTAIN = (40.0, 1e-9)
 
-#: Capacities over which the frequencies of the draws are summed, as arguments of the family's distribution.
-STEP = 0.1
-CAPACITY = np.arange(-60.0, 40.0, STEP)
+
+class _Asked(NamedTuple):
+    """What is asked of every body."""
+
+    family: Family
+    hazard: Hazard
+    years: float
+    confidence: float
+    resamples: int
+    seed: int
+    uplift: bool
 
 
 def annual_frequency(
@@ -80,8 +85,9 @@ def annual_frequency(
     xarray.Dataset
         Over (block): `frequency` [1/year] with `frequency_low` and `frequency_high`, `probability` in `years` with its
         limits, `survival` = exp(-frequency years), `below` and `above`, the shares of the frequency from levels that no
-        record was looked at or the hazard was not given for, `events` and `statement`; over (block, bin) `bin_low`,
-        `bin_high` [unit of the measure] and `share` of the frequency.
+        record was looked at or the hazard was not given for, `events`, `status`, `statement` and `warning`; over
+        (block, bin) `bin_low`, `bin_high` [unit of the measure in SI] and `share` of the frequency. The uplift of a
+        body on the ground in PGA needs no fit: it is the rate of exceedance of the acceleration that lifts it.
 
     Raises
     ------
@@ -92,8 +98,7 @@ def annual_frequency(
 
     References
     ----------
-    Cornell, C. A. (1968), Bull. Seismol. Soc. Am. 58(5), 1583-1606; Efron, B., Tibshirani, R. (1993), An Introduction
-    to the Bootstrap, chapter 12.
+    Cornell, C. A. (1968), Bull. Seismol. Soc. Am. 58(5), 1583-1606.
 
     Examples
     --------
@@ -130,11 +135,12 @@ def annual_frequency(
             f"got {years!r}, {level!r}, {resamples!r}"
         )
     ensemble = stored_ensemble(fragility)
-    place = states.index(limit_state), measures.index(hazard.measure)
     settings = ensemble.config.fragility
-    model = settings.overturning_model if limit_state == "overturning" else settings.model
+    model = settings.overturning_model if limit_state == OVERTURNING else settings.model
+    asked = _Asked(FAMILIES[model], hazard, years, level, resamples, seed, limit_state == UPLIFT)
+    place = states.index(limit_state), measures.index(hazard.measure)
     found = [
-        _of_body(ensemble, place, lane, FAMILIES[model], hazard, years, level, resamples, seed, floor)
+        _of_body(ensemble.observations(*place, [lane]), floor, asked)
         for lane, floor in enumerate(_floors(table, hazard))
     ]
     values = {name: np.array([one[name] for one in found]) for name in found[0]}
@@ -142,63 +148,106 @@ def annual_frequency(
         {name: variable.variable(values[name]) for name, variable in RISK.items()}, {"block": table["block"]}
     )
     risk.attrs.update(
-        hazard=hazard.words, measure=hazard.measure, limit_state=limit_state, years=years, confidence=level
+        hazard=hazard.words,
+        hazard_assumed=hazard_assumed(hazard, ensemble.config),
+        fragility=fragility_assumed(ensemble.config, model, len(ensemble.ids), len(set(ensemble.clusters))),
+        measure=hazard.measure,
+        unit=hazard.unit,
+        unit_in_si=hazard.unit_in_si,
+        limit_state=limit_state,
+        years=years,
+        confidence=level,
     )
     return risk
 
 
-def _of_body(
-    ensemble: Ensemble,
-    place: tuple[int, int],
-    lane: int,
-    family: Family,
-    hazard: Hazard,
-    years: float,
-    confidence: float,
-    resamples: int,
-    seed: int,
-    floor: float,
-) -> dict[str, Any]:
-    """The variables of one body."""
+def _of_body(rows: Observations, floor: float, asked: _Asked) -> dict[str, Any]:
+    """The variables of one body, that does not move below the level exp(floor)."""
     nothing = np.full(BINS, np.nan)
     found: dict[str, Any] = dict.fromkeys(RISK, np.nan) | {"bin_low": nothing, "bin_high": nothing, "share": nothing}
-    rows = ensemble.observations(*place, [lane])
-    found["events"], found["statement"] = len(rows.events), ""
+    found |= {"events": len(rows.events), "status": RiskStatus.NO_CURVE, "statement": "", "warning": ""}
+    if asked.uplift and _lifted_from(rows, floor):
+        whole = integrate(asked.family, CERTAIN, asked.hazard, _log(asked.hazard.covered), floor)
+        told = "every ground motion above the acceleration that lifts it does: exact, no band"
+        return found | _told(whole, *_log(asked.hazard.covered), asked, rows) | {"statement": told}
     status = missing(rows)
     if status != Status.FITTED:
-        return found | {"statement": f"no fragility curve: {status.name.lower().replace('_', ' ')}"}
-    lines = fitted_lines(rows, family)
+        return found | {"statement": STATEMENTS[status](rows)}
+    lines = fitted_lines(rows, asked.family)
     if not lines[0, 1] > 0.0:
-        return found | {"statement": "no fragility curve: it does not rise"}
-    low, high = _looked_at(rows, hazard)
-    whole = integrate(family, lines[:1], hazard, (low, high), floor)
-    if not np.isfinite(whole.frequency[0]):
+        return found | {"statement": STATEMENTS[Status.NOT_INCREASING](rows)}
+    low, high = _looked_at(rows, asked.hazard)
+    whole = integrate(asked.family, (lines[0, 0], lines[0, 1]), asked.hazard, (low, high), floor)
+    if not math.isfinite(whole.frequency):
         return found | {
-            "frequency": np.inf,
+            "status": RiskStatus.NO_LIMIT,
             "statement": "no frequency: the fragility falls towards small levels less than the hazard rises; it would "
             "rest on levels that nothing was looked at",
         }
-    found |= {"frequency": float(whole.frequency[0]), **_contributions(whole)}
-    found["below"], found["above"] = whole.between(-math.inf, low), whole.between(high, math.inf)
+    found |= _told(whole, low, high, asked, rows)
+    return found | (_band(rows, lines, whole, floor, asked) if asked.resamples else {})
+
+
+def _told(whole: Integral, low: float, high: float, asked: _Asked, rows: Observations) -> dict[str, Any]:
+    """A frequency with the levels that contribute, and the warning of those beyond the logarithms of two levels."""
+    below, above = whole.between(-math.inf, low), whole.between(high, math.inf)
+    return {
+        "status": RiskStatus.GIVEN,
+        "frequency": whole.frequency,
+        "probability": -math.expm1(-whole.frequency * asked.years),
+        "survival": math.exp(-whole.frequency * asked.years),
+        "below": below,
+        "above": above,
+        "warning": _warning(below, above, low, high, asked.hazard),
+        **_contributions(whole),
+    }
+
+
+def _warning(below: float, above: float, low: float, high: float, hazard: Hazard) -> str:
+    """What is to be told of the shares from levels below and above those that were looked at; empty for small ones."""
     told = []
-    for name, share in (("below", found["below"]), ("above", found["above"])):
+    for share, limit, side, end in (
+        (below, low, "below", hazard.covered[0]),
+        (above, high, "above", hazard.covered[1]),
+    ):
         if share > OUTSIDE:
-            limit = math.exp(low if name == "below" else high)
-            told.append(f"{share:.0%} of it comes from levels {name} {limit:.3g}, where nothing was looked at")
-    limits = None
-    if resamples and len(rows.events) >= FEWEST_EVENTS:
-        limits = band_of(rows, family, hazard, lines, math.log(whole.frequency[0]), confidence, resamples, seed, floor)
-        told += [] if limits else ["no band: too many draws of the earthquakes make no curve"]
-        if limits and len(rows.events) < LEAST_EVENTS:
-            told.append(f"the band is too narrow: {several_events(len(rows.events))}, {LEAST_EVENTS} are needed")
-    elif resamples:
-        told.append(f"no band: {several_events(len(rows.events))}, {FEWEST_EVENTS} are needed")
-    if limits:
-        found["frequency_low"], found["frequency_high"] = limits
-    for end in ("", "_low", "_high"):
-        found[f"probability{end}"] = -math.expm1(-found[f"frequency{end}"] * years)
-    found["survival"] = math.exp(-found["frequency"] * years)
-    return found | {"statement": "; ".join(told)}
+            of = "the hazard curve" if math.isclose(math.exp(limit), end) else "what records were looked at"
+            shown = f"{math.exp(limit) / hazard.unit_in_si:.3g} {hazard.unit}"
+            told.append(f"{share:.0%} of its frequency comes from levels {side} {shown}, where {of} ends")
+    return "; ".join(told)
+
+
+def _band(rows: Observations, lines: np.ndarray, whole: Integral, floor: float, asked: _Asked) -> dict[str, Any]:
+    """The limits of the frequency and of the probability, and what is to be told of them."""
+    events = len(rows.events)
+    if events < FEWEST_EVENTS:
+        return {"statement": f"no band: {several_events(events)}, {FEWEST_EVENTS} are needed"}
+    estimate = math.log(whole.frequency)
+    limits = band_of(
+        rows, asked.family, asked.hazard, lines, estimate, asked.confidence, asked.resamples, asked.seed, floor
+    )
+    lost = f"{limits.lost:.0%} of the draws of the earthquakes make no curve, or none without one of them"
+    if math.isnan(limits.low):
+        return {"statement": f"no band: {lost if limits.lost else 'without one of the earthquakes there is no curve'}"}
+    told = (
+        []
+        if events >= LEAST_EVENTS
+        else [f"the band is too narrow: {several_events(events)}, {LEAST_EVENTS} are needed"]
+    )
+    told += [f"{lost}: they are left out of the band"] if limits.lost else []
+    ends = {"low": limits.low, "high": limits.high}
+    return {
+        **{f"frequency_{end}": value for end, value in ends.items()},
+        **{f"probability_{end}": -math.expm1(-value * asked.years) for end, value in ends.items()},
+        "statement": "; ".join(told),
+    }
+
+
+def _lifted_from(rows: Observations, floor: float) -> bool:
+    """Whether a level is known from which on every motion lifts the body, and no row speaks against it."""
+    lifted, level = math.exp(floor), rows.level
+    against = (rows.kind == ABOVE) & (level > lifted * (1.0 + 1e-9)) | (rows.kind == NOT_ABOVE) & (level < lifted)
+    return lifted > 0.0 and not np.any(against)
 
 
 def _floors(table: xr.Dataset, hazard: Hazard) -> list[float]:
@@ -212,22 +261,10 @@ def _floors(table: xr.Dataset, hazard: Hazard) -> list[float]:
     return np.where(np.isnan(lifting), -math.inf, np.log(np.where(np.isnan(lifting), 1.0, lifting))).tolist()
 
 
-def several_events(count: int) -> str:
-    """The number of earthquakes in words."""
-    return "1 earthquake" if count == 1 else f"{count} earthquakes"
-
-
-def fitted_lines(rows: Observations, family: Family) -> np.ndarray:
-    """A and B (1 + events, 2) in ln of the level of the fits to all rows, and without each earthquake."""
-    events = len(rows.events)
-    return _lines(rows, family, np.vstack([np.ones(events), 1.0 - np.eye(events)]))
-
-
-def _lines(rows: Observations, family: Family, weights: np.ndarray) -> np.ndarray:
-    """A and B (q, 2) in ln of the level of the fits to q weightings (q, events) of the earthquakes; NaN without."""
-    u, centre, spread = standardised(np.log(rows.level))
-    theta = maximise(family, np.stack([np.ones(u.size), u], axis=1), rows.kind, weights[:, rows.cluster] * rows.weight)
-    return np.stack([theta[:, 0] - theta[:, 1] * centre / spread, theta[:, 1] / spread], axis=1)
+def _log(ends: tuple[float, float]) -> tuple[float, float]:
+    with np.errstate(divide="ignore"):
+        low, high = np.log(ends).tolist()
+    return low, high
 
 
 def _looked_at(rows: Observations, hazard: Hazard) -> tuple[float, float]:
@@ -235,54 +272,6 @@ def _looked_at(rows: Observations, hazard: Hazard) -> tuple[float, float]:
     least, most = hazard.covered
     low = max(float(rows.level[0]), least)
     return math.log(low), math.log(max(low, min(float(rows.level[-1]), most)))
-
-
-def _frequencies(family: Family, lines: np.ndarray, hazard: Hazard, floor: float) -> np.ndarray:
-    """ln of the frequencies of q fits, to about 1e-4; NaN where there is no rising curve.
-
-    As the mean of the hazard over the capacities, none below the floor: lambda = integral of H(exp((z - A)/B)) f(z) dz.
-    """
-    found = np.full(lines.shape[0], np.nan)
-    rising = np.flatnonzero(lines[:, 1] > 0.0)
-    density = family.log_density(CAPACITY)[0] + math.log(STEP)
-    for part in np.array_split(rising, max(1, rising.size // 500)):
-        a, b = lines[part, :1], lines[part, 1:]
-        found[part] = logsumexp(hazard.log_rate(np.maximum((CAPACITY - a) / b, floor)) + density, axis=1)
-    return found
-
-
-def band_of(
-    rows: Observations,
-    family: Family,
-    hazard: Hazard,
-    lines: np.ndarray,
-    estimate: float,
-    confidence: float,
-    resamples: int,
-    seed: int,
-    floor: float = -math.inf,
-) -> tuple[float, float] | None:
-    """Limits of the frequency by the bootstrap-t over earthquakes; None where too few draws have a curve."""
-    events = len(rows.events)
-    left_out = _frequencies(family, lines, hazard, floor)
-    error = jackknife_error(left_out[:, np.newaxis])[0]
-    if not np.isfinite(error) or error == 0.0:
-        return None
-    counts = np.random.default_rng(seed).multinomial(events, np.full(events, 1.0 / events), size=resamples)
-    # Each draw of as many earthquakes has a standard error of its own: without one of them after the other.
-    fewer = np.maximum(counts[:, np.newaxis] - np.eye(events, dtype=int), 0)
-    weights = np.concatenate([counts[:, np.newaxis], fewer], axis=1).reshape(-1, events)
-    drawn = _frequencies(family, _lines(rows, family, weights), hazard, floor).reshape(resamples, -1)
-    with np.errstate(invalid="ignore", divide="ignore"):
-        moved = (drawn[:, 1:] - drawn[:, :1]) ** 2
-        known = counts * np.isfinite(moved)
-        mean = np.sum(np.where(known > 0, known * moved, 0.0), axis=1) / np.sum(known, axis=1)
-        share = (drawn[:, 0] - estimate) / np.sqrt((events - 1) * mean)
-    share = share[np.isfinite(share)]
-    if share.size < (1.0 - LOST) * resamples:
-        return None
-    high, low = np.quantile(share, [0.5 - 0.5 * confidence, 0.5 + 0.5 * confidence])
-    return math.exp(estimate - low * error), math.exp(estimate - high * error)
 
 
 def _contributions(whole: Integral) -> dict[str, np.ndarray]:

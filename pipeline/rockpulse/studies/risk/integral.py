@@ -1,11 +1,13 @@
 """The integral of fragility over hazard: the annual frequency of a limit state, and the levels that contribute.
 
 .. note:: With a fragility F(A + B u) over u = ln x and a hazard H, lambda = integral of F(A + B u) (-dH/du) du. It is
-   summed by Gauss-Legendre nodes on short pieces, between the slopes of the hazard, as far out as the tails matter.
+   summed by Gauss-Legendre nodes on short pieces between the bends of the hazard, and in closed form beyond them: far
+   above its median a fragility is 1, and what is left is H; far below it a logistic one is an exponential.
 """
 
 from __future__ import annotations
 
+import itertools
 import math
 from typing import NamedTuple
 
@@ -16,22 +18,25 @@ from rockpulse.studies.risk.hazard import Hazard
 
 __all__ = ["Integral", "integrate", "power_law_frequency"]
 
-#: Nodes of a piece, its length over the shortest length on which anything changes, and most pieces.
-NODES, SHARE, MOST_PIECES = 8, 0.5, 20_000
+#: Nodes of a piece, and its length over the shortest length on which anything changes.
+NODES, SHARE = 8, 0.5
 
-#: Logarithm of what the tails are cut off at.
-TAIL = 30.0
+#: Logarithm of what the tails are cut off at, and standard units beyond which a distribution is 0 or 1 to rounding.
+TAIL, NORMAL_REACH, LOGISTIC_REACH = 30.0, 9.0, 40.0
+
+#: Logarithm of a level that no ground reaches: a fragility that counts below its inverse has no frequency.
+FARTHEST = 300.0
 
 
 class Integral(NamedTuple):
-    """Frequencies of q fragilities, with the contributions of levels to the first of them."""
+    """A frequency, with the contributions of levels to it."""
 
-    frequency: np.ndarray  #: (q,) [1/year]; inf where the tail of the fragility is heavier than the hazard is steep
+    frequency: float  #: [1/year]; inf where the fragility falls less towards low levels than the hazard rises
     log_level: np.ndarray  #: (n,) nodes
-    contribution: np.ndarray  #: (n,) of each to the first frequency [1/year]
+    contribution: np.ndarray  #: (n,) of each to the frequency [1/year]
 
     def between(self, low: float, high: float) -> float:
-        """Share of the first frequency from levels between two [-]."""
+        """Share of the frequency from levels between two logarithms [-]."""
         inside = (self.log_level >= low) & (self.log_level <= high)
         return float(np.sum(self.contribution[inside]) / np.sum(self.contribution))
 
@@ -51,16 +56,20 @@ def power_law_frequency(k0: float, k: float, median: float, beta: float) -> floa
 
 
 def integrate(
-    family: Family, line: np.ndarray, hazard: Hazard, breaks: tuple[float, ...] = (), floor: float = -math.inf
+    family: Family,
+    line: tuple[float, float],
+    hazard: Hazard,
+    breaks: tuple[float, ...] = (),
+    floor: float = -math.inf,
 ) -> Integral:
-    """Sum fragilities over a hazard.
+    """Sum a fragility over a hazard.
 
     Parameters
     ----------
     family : Family
         Normal or logistic.
-    line : (q, 2) ndarray
-        A and B of each fragility in ln of the level, B > 0.
+    line : (float, float)
+        A and B of the fragility in ln of the level, B > 0.
     hazard : Hazard
         Of the same measure, levels in SI units.
     breaks : tuple of float
@@ -68,35 +77,45 @@ def integrate(
     floor : float
         Logarithm of the level below which the fragility is zero, whatever its curve says.
     """
-    a, b = line.T
-    lowest, highest = hazard.slopes()
-    middle = -a / b
-    logistic = family.deviation != 1.0
-    light = b > lowest if logistic and floor == -math.inf else np.ones(b.size, dtype=bool)
-    if not np.any(light):
-        return Integral(np.full(b.size, np.inf), np.zeros(0), np.zeros(0))
-    kept = b[light]
-    # Below the median F falls at least as exp(b t), or exp(-(b t)^2/2), and the hazard's density rises as exp(k t).
-    steep = np.maximum(kept - lowest, 1e-3) if floor > -math.inf else kept - lowest
-    below = TAIL / steep if logistic else (lowest + np.sqrt(lowest**2 + 2.0 * TAIL * kept**2)) / kept**2
-    first = max(float(np.min([*(middle[light] - below), *hazard.knots[:1]])), floor)
-    last = max(float(np.max([*middle[light], *hazard.knots[-1:]])), first) + TAIL / highest
-    step = SHARE / max(float(np.max(kept)), lowest, highest, 1.0)
-    cuts = np.unique([first, last, *(cut for cut in (*hazard.knots.tolist(), *breaks) if first < cut < last)])
-    counts = np.ceil(np.diff(cuts) / step).astype(int)
-    if counts.sum() > MOST_PIECES:  # nearly steps: pieces that follow their edges and no more
-        counts = np.maximum(1, counts * MOST_PIECES // counts.sum())
-    ends = np.concatenate(
-        [np.linspace(low, high, n + 1)[:-1] for low, high, n in zip(cuts[:-1], cuts[1:], counts, strict=True)]
-    )
-    widths = np.diff([*ends, last])
+    a, b = line
+    lowest, highest, steepest = float(hazard.slopes[0]), float(hazard.slopes[-1]), float(np.max(hazard.slopes))
+    logistic, middle = family.deviation != 1.0, -a / b
+    if logistic and floor == -math.inf and b <= lowest:
+        return Integral(math.inf, np.zeros(0), np.zeros(0))
+    # Below the median the integrand falls at least as exp((k - b) t), or exp(k t - (b t)^2/2).
+    below = LOGISTIC_REACH / b if logistic else (lowest + math.sqrt(lowest**2 + 2.0 * TAIL * b**2)) / b**2
+    above = (LOGISTIC_REACH if logistic else NORMAL_REACH) / b
+    outer = [middle, *hazard.knots[:1], *hazard.knots[-1:], *(cut for cut in breaks if math.isfinite(cut))]
+    first = max(min(*outer, middle - below), floor)
+    if first < -FARTHEST:
+        return Integral(math.inf, np.zeros(0), np.zeros(0))
+    last = min(max(*outer, first) + min(above, TAIL / highest), FARTHEST)
+    cuts = np.array([*hazard.knots, *breaks, middle - below, middle + above])
+    cuts = np.unique([first, last, *cuts[(cuts > first) & (cuts < last)]])
+    ends = [np.array([first])]
+    for low, high in itertools.pairwise(cuts.tolist()):
+        near = low >= middle - below and high <= middle + above
+        step = SHARE / max(steepest, 1.0, b if near else 0.0)
+        ends.append(np.linspace(low, high, math.ceil((high - low) / step) + 1)[1:])
+    edges = np.concatenate(ends)
     nodes, weights = np.polynomial.legendre.leggauss(NODES)
-    u = (ends[:, np.newaxis] + widths[:, np.newaxis] * (0.5 + 0.5 * nodes)).ravel()
-    share, density = (0.5 * widths[:, np.newaxis] * weights).ravel(), hazard.log_density(u)
+    widths = np.diff(edges)[:, np.newaxis]
+    u = (edges[:-1, np.newaxis] + widths * (0.5 + 0.5 * nodes)).ravel()
 
-    def parts(place: int) -> np.ndarray:
-        # In logarithms: far out one of the two is beyond the range of numbers.
-        return np.asarray(share * np.exp(family.log_cdf(a[place] + b[place] * u)[0] + density))
+    def fragility(at: np.ndarray) -> np.ndarray:
+        return family.log_cdf(a + b * at)[0]
 
-    frequency = np.array([np.sum(parts(place)) if light[place] else np.inf for place in range(b.size)])
-    return Integral(frequency, u, parts(0) if light[0] else np.zeros(u.size))
+    # In logarithms: far out one of the two is beyond the range of numbers.
+    parts = (0.5 * widths * weights).ravel() * np.exp(fragility(u) + hazard.log_density(u))
+    tops = np.array([first, last])
+    low, high = np.exp(fragility(tops) + np.stack([hazard.log_density(tops)[0], hazard.log_rate(tops)[1]]))
+    low = low * _decay(b - lowest, first - floor) if logistic else 0.0
+    u, parts = np.concatenate([[first], u, [last]]), np.concatenate([[low], parts, [high]])
+    return Integral(float(np.sum(parts)), u, parts)
+
+
+def _decay(rate: float, length: float) -> float:
+    """The integral of exp(-rate t) over t from 0 to a length, which may be infinite where the rate is positive."""
+    if rate == 0.0:
+        return length
+    return 1.0 / rate if length == math.inf else -math.expm1(-rate * length) / rate

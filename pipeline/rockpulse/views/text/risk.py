@@ -1,21 +1,22 @@
-"""The annual frequency of a limit state as text and as a table."""
+"""The annual frequency of a limit state as text, and the warnings that belong to it."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from rockpulse.storage.risk_variables import INVENTORY, RISK
-from rockpulse.views.shared.table import Cell, Heading, Table, lines
-from rockpulse.views.shared.terminal import ABSENT, figure, paragraph, ratio, several
+from rockpulse.studies.risk.bands import LEAST_EVENTS
+from rockpulse.studies.risk.frequency import OUTSIDE
+from rockpulse.views.shared.table import Cell, Heading, Mark, Table, lines
+from rockpulse.views.shared.terminal import ABSENT, figure, paragraph, several
 
 if TYPE_CHECKING:
-    import pandas as pd
     import xarray as xr
 
-__all__ = ["inventory_overview", "inventory_table", "risk_overview", "risk_table"]
+__all__ = ["inventory_overview", "inventory_warnings", "risk_overview", "risk_warnings", "standing_overview"]
 
 #: Bodies of an inventory that are shown.
 SHOWN = 10
@@ -23,10 +24,13 @@ SHOWN = 10
 #: Shares of a frequency between which levels are told.
 ENDS = (0.05, 0.95)
 
+#: Of a frequency that comes for more than a tenth from levels that nothing was looked at.
+TAIL = Mark("!", "")
+
 
 def risk_overview(risk: xr.Dataset) -> str:
     """The dataset of :func:`rockpulse.annual_frequency` as text."""
-    years, confidence = float(risk.attrs["years"]), float(risk.attrs["confidence"])
+    years, confidence, unit = float(risk.attrs["years"]), float(risk.attrs["confidence"]), str(risk.attrs["unit"])
     heads = (
         "",
         "a year",
@@ -35,7 +39,7 @@ def risk_overview(risk: xr.Dataset) -> str:
         f"in {years:g} years",
         "interval",
         "stands",
-        "levels",
+        f"{risk.attrs['measure']} [{unit}]",
     )
     rows = []
     for place, name in enumerate(risk["block"].values):
@@ -43,52 +47,65 @@ def risk_overview(risk: xr.Dataset) -> str:
         rows.append(
             (
                 Cell(f"  {name}"),
-                Cell(_shown(float(one["frequency"]))),
+                Cell(_shown(float(one["frequency"])), None, (TAIL,) if str(one["warning"].values) else ()),
                 Cell(_between(one, "frequency", _shown)),
                 Cell(_period(float(one["frequency"]))),
                 Cell(_chance(float(one["probability"]))),
                 Cell(_between(one, "probability", _chance)),
-                Cell(_chance(float(one["survival"]))),
-                Cell(_levels(one)),
+                Cell(_survival(float(one["survival"]))),
+                Cell(_levels(one, float(risk.attrs["unit_in_si"]))),
             )
         )
-    what, measure = str(risk.attrs["limit_state"]), str(risk.attrs["measure"])
+    what = str(risk.attrs["limit_state"])
     title = f"Frequency of {what}, {several(len(rows), 'body')}; hazard: {risk.attrs['hazard']}"
     told = [
         "a year: lambda, the sum of the fragility over the hazard; intervals: over the earthquakes of the fragility, "
-        f"the hazard as given; stands: survives {years:g} years; levels: of {measure} in SI units, between which 90 % "
-        "of lambda come about."
+        f"the hazard as given; stands: survives {years:g} years; {risk.attrs['measure']}: levels between which 90 % of "
+        "lambda come about.",
+        *_assumed(risk),
     ]
     told += [
         f"{name}: {words}." for name, words in zip(risk["block"].values, risk["statement"].values, strict=True) if words
     ]
-    table = lines(Table("", "", tuple(map(Heading, heads)), tuple(rows)))
-    return "\n".join([paragraph(title), *table, *(paragraph(line, "  ") for line in told)])
+    told += [f"! {words}." for words in risk_warnings(risk)]
+    return _text(title, heads, rows, told)
 
 
-def risk_table(risk: xr.Dataset) -> pd.DataFrame:
-    """A row for each body, without the contributions of levels."""
-    names = [name for name, variable in RISK.items() if variable.dims == ("block",)]
-    return risk[names].to_dataframe().reset_index()[["block", *names]]
+def risk_warnings(risk: xr.Dataset) -> list[str]:
+    """A sentence for each body whose frequency comes for more than a tenth from levels that nothing was looked at."""
+    return [
+        f"{name}: {words}" for name, words in zip(risk["block"].values, risk["warning"].values, strict=True) if words
+    ]
 
 
 def inventory_overview(risk: xr.Dataset) -> str:
     """The dataset of :func:`rockpulse.inventory_frequency` as text: the bodies that overturn most often, and all."""
-    years = float(risk.attrs["years"])
+    years, unit, measure = float(risk.attrs["years"]), str(risk.attrs["unit"]), str(risk.attrs["measure"])
     frequency = risk["frequency"].values
     known = np.isfinite(frequency)
-    heads = ("", "a year", "interval", "once in", f"in {years:g} years", "median", "dispersion")
+    heads = (
+        "",
+        "a year",
+        f"{float(risk.attrs['confidence']):.0%} interval",
+        "once in",
+        f"in {years:g} years",
+        "stands",
+        f"median [{unit}]",
+        "dispersion",
+    )
+    marked = np.logical_or.reduce([risk[name].values > OUTSIDE for name in ("below", "above", "far")])
     rows = []
     for place in np.argsort(np.where(known, -frequency, np.inf), kind="stable")[: min(SHOWN, int(known.sum()))]:
         one = risk.isel(body=place)
         rows.append(
             (
                 Cell(f"  {one['body'].item()}"),
-                Cell(_shown(float(one["frequency"]))),
+                Cell(_shown(float(one["frequency"])), None, (TAIL,) if marked[place] else ()),
                 Cell(_between(one, "frequency", _shown)),
                 Cell(_period(float(one["frequency"]))),
                 Cell(_chance(float(one["probability"]))),
-                Cell(figure(float(one["median"]))),
+                Cell(_survival(float(one["survival"]))),
+                Cell(figure(float(one["median"]) / float(risk.attrs["unit_in_si"]))),
                 Cell(figure(float(one["dispersion"]))),
             )
         )
@@ -96,46 +113,115 @@ def inventory_overview(risk: xr.Dataset) -> str:
     told = [
         f"the {len(rows)} that overturn most often; all together {_shown(float(np.sum(frequency[known])))} a year, "
         f"{_shown(float(np.nansum(risk['probability'].values)))} expected in {years:g} years.",
-        f"median: {risk.attrs['measure']} at which a body overturns with a probability of 50 %, in SI units; "
-        "dispersion: of ln of the overturning spectrum over that measure.",
+        f"intervals: over earthquakes, the hazard as given; median: {measure} at which a body overturns with a "
+        "probability of 50 %; dispersion: of ln of the overturning spectrum over that measure.",
+        *_assumed(risk),
     ]
+    if int(risk.attrs["events"]) < LEAST_EVENTS:
+        missing = np.isnan(risk["frequency_low"].values[known]).all()
+        told.append(
+            f"{'no interval' if missing else 'the intervals may be too narrow'}: "
+            f"{several(int(risk.attrs['events']), 'earthquake')}, {4 if missing else LEAST_EVENTS} are needed."
+        )
     if not known.all():
         lost = np.flatnonzero(~known)
         told.append(
             f"no number for {several(lost.size, 'body')}, which the spectra of the results do not stand for: "
             f"{', '.join(str(risk['body'].values[one]) for one in lost[:5])}{' ...' if lost.size > 5 else ''}."
         )
+    told += [f"! {words}." for words in inventory_warnings(risk)]
+    return _text(title, heads, rows, told)
+
+
+def inventory_warnings(risk: xr.Dataset) -> list[str]:
+    """A sentence for each way in which frequencies come for more than a tenth from levels that nothing tells of."""
+    unit, one = str(risk.attrs["unit"]), float(risk.attrs["unit_in_si"])
+    low, high = float(risk.attrs["covered_low"]) / one, float(risk.attrs["covered_high"]) / one
+    where = {
+        "below": f"levels below {low:.3g} {unit}, where the hazard curve ends",
+        "above": f"levels above {high:.3g} {unit}, where the hazard curve ends",
+        "far": f"records at factors outside {risk.attrs['factor_low']:g} to {risk.attrs['factor_high']:g}, at which "
+        "they stand for no recorded ones",
+    }
+    told = []
+    for name, words in where.items():
+        count = int(np.sum(risk[name].values > OUTSIDE))
+        if count:
+            largest = f"{float(np.nanmax(risk[name].values)):.0%}"
+            told.append(
+                f"of {count} of {several(risk.sizes['body'], 'body')} more than a tenth of the frequency, up to "
+                f"{largest}, comes from {words}"
+            )
+    return told
+
+
+def standing_overview(standing: xr.Dataset) -> str:
+    """The dataset of :func:`rockpulse.standing_test` as text: of an inventory the bodies that are least likely."""
+    (dim,) = standing["chance"].dims
+    age, confidence = float(standing.attrs["age"]), float(standing.attrs["confidence"])
+    heads = ("", "has stood", "interval", "factor on the hazard")
+    chance = standing["chance"].values
+    rows = []
+    for place in np.argsort(chance, kind="stable")[: min(SHOWN, int(np.isfinite(chance).sum()))]:
+        one = standing.isel({dim: place})
+        told = "contradicts this hazard" if int(one["contradicted"]) == 1 else "consistent"
+        rows.append(
+            (
+                Cell(f"  {one[dim].item()}"),
+                Cell(figure(float(one["chance"]))),
+                Cell(_between(one, "chance", figure)),
+                Cell(figure(float(one["factor"]))),
+                Cell(told),
+            )
+        )
+    largest = _shown(float(np.max(standing["largest"].values, initial=0.0)))
+    notes = [
+        f"has stood: exp(-lambda {age:g}), the chance of it; factor: on the rates of the hazard, at which the chance "
+        f"would be {1.0 - confidence:.0%} and lambda {largest} a year; a body whose factor is below 1 contradicts the "
+        f"hazard at {confidence:.0%}."
+    ]
+    return _text(f"Bodies that have stood for {age:g} years", (*heads, ""), rows, notes)
+
+
+def _assumed(risk: xr.Dataset) -> list[str]:
+    return [f"fragility: {risk.attrs['fragility']}.", f"hazard: {risk.attrs['hazard_assumed']}."]
+
+
+def _text(title: str, heads: tuple[str, ...], rows: Sequence[tuple[Cell, ...]], told: list[str]) -> str:
     table = lines(Table("", "", tuple(map(Heading, heads)), tuple(rows)))
     return "\n".join([paragraph(title), *table, *(paragraph(line, "  ") for line in told)])
 
 
-def inventory_table(risk: xr.Dataset) -> pd.DataFrame:
-    """A row for each body of an inventory."""
-    return risk[[*INVENTORY]].to_dataframe().reset_index()
-
-
 def _shown(value: float) -> str:
-    return ABSENT if math.isnan(value) else f"{value:.2e}" if np.isfinite(value) else "inf"
+    return ABSENT if math.isnan(value) else f"{value:.2e}"
 
 
 def _chance(value: float) -> str:
-    return ABSENT if math.isnan(value) else ratio(value)
+    return ABSENT if math.isnan(value) else f"{value:.2g}"
+
+
+def _survival(value: float) -> str:
+    """A probability near one with as many decimals as show what is missing to one."""
+    if math.isnan(value):
+        return ABSENT
+    missing = 1.0 - value
+    places = 2 if missing >= 0.01 or missing == 0.0 else -math.floor(math.log10(missing))
+    return f"{value:.{places}f}" if missing else "1"
 
 
 def _period(frequency: float) -> str:
-    return ABSENT if not 0.0 < frequency < math.inf else f"{float(f'{1.0 / frequency:.2g}'):,.0f} years"
+    return f"{float(f'{1.0 / frequency:.2g}'):,.0f} years" if frequency > 0.0 else ABSENT
 
 
-def _between(one: xr.Dataset, name: str, shown: object) -> str:
+def _between(one: xr.Dataset, name: str, shown: Callable[[float], str]) -> str:
     low, high = (float(one[f"{name}_{end}"]) for end in ("low", "high"))
-    assert callable(shown)
     return ABSENT if math.isnan(low) else f"{shown(low)} to {shown(high)}"
 
 
-def _levels(one: xr.Dataset) -> str:
+def _levels(one: xr.Dataset, unit: float) -> str:
     share = one["share"].values
     if np.isnan(share).any():
         return ABSENT
-    edges = np.log(np.concatenate([one["bin_low"].values, one["bin_high"].values[-1:]]))
+    edges = np.log(np.concatenate([one["bin_low"].values, one["bin_high"].values[-1:]]) / unit)
     low, high = np.exp(np.interp(ENDS, np.concatenate([[0.0], np.cumsum(share)]) / np.sum(share), edges)).tolist()
     return f"{figure(low)} to {figure(high)}"

@@ -7,7 +7,11 @@ import pytest
 
 import rockpulse as rp
 from rockpulse import models
-from rockpulse.studies.risk.integral import power_law_frequency
+from rockpulse.storage.risk_variables import RiskStatus
+from rockpulse.studies.fragility.likelihood import FAMILIES
+from rockpulse.studies.fragility.observations import ABOVE, NOT_ABOVE, Observations
+from rockpulse.studies.risk.bands import band_of, fitted_lines
+from rockpulse.studies.risk.integral import integrate, power_law_frequency
 
 T = np.arange(0.0, 5.0, 0.02)
 
@@ -67,20 +71,51 @@ def test_the_levels_that_nothing_was_looked_at_are_told(tree, law):
     edges = np.log([*whole["bin_low"].values, whole["bin_high"].values[-1]])
     below = np.interp(math.log(0.3), edges, [0.0, *np.cumsum(whole["share"].values)])
     assert float(found["above"]) == pytest.approx(1.0 - below, abs=0.02)
-    told = f"{float(found['above']):.0%} of it comes from levels above 0.3, where nothing was looked at"
-    assert told in str(found["statement"].values)
+    told = f"{float(found['above']):.0%} of its frequency comes from levels above 0.3 m/s, where the hazard curve ends"
+    assert str(found["warning"].values) == told
     assert float(found["above"]) > float(whole["above"])
 
 
-def test_the_band_is_over_earthquakes_and_says_where_these_are_few(tree, law):
-    found, again = (rp.annual_frequency(tree, law, resamples=200).sel(block="wall") for _ in range(2))
-    low, middle, high = (float(found[name]) for name in ("frequency_low", "frequency", "frequency_high"))
-    assert 0.0 < low < middle < high
-    assert (low, high) == (float(again["frequency_low"]), float(again["frequency_high"]))
-    narrow = rp.annual_frequency(tree, law, resamples=200, confidence=0.5).sel(block="wall")
-    assert low < float(narrow["frequency_low"]) < float(narrow["frequency_high"]) < high
-    assert "the band is too narrow: 8 earthquakes, 14 are needed" in str(found["statement"].values)
-    assert float(found["probability_high"]) == pytest.approx(-math.expm1(-50.0 * high))
+def drawn(earthquakes, seed=3):
+    """Observations of capacities whose logarithm scatters by 0.25 between and 0.35 within earthquakes of 2 records."""
+    random = np.random.default_rng(seed)
+    event = np.repeat(np.arange(earthquakes), 2)
+    capacity = np.exp(0.25 * random.standard_normal(earthquakes)[event] + 0.35 * random.standard_normal(event.size))
+    level = np.tile([0.4, 0.6, 0.8, 1.1, 1.5, 2.2], event.size)
+    kind = np.where(np.repeat(capacity, 6) <= level, NOT_ABOVE, ABOVE)
+    return Observations.of(level, kind, np.repeat(event, 6).astype(str))
+
+
+def limits(rows, confidence=0.9):
+    hazard, family = rp.PowerLawHazard(1e-3, 2.5), FAMILIES["lognormal"]
+    lines = fitted_lines(rows, family)
+    whole = integrate(family, (lines[0, 0], lines[0, 1]), hazard).frequency
+    return whole, band_of(rows, family, hazard, lines, math.log(whole), confidence, 200, 0)
+
+
+def test_the_band_is_over_earthquakes():
+    (middle, found), (_, again), (_, narrow) = limits(drawn(14)), limits(drawn(14)), limits(drawn(14), 0.5)
+    assert 0.0 < found.low < middle < found.high
+    assert found == again
+    assert found.lost == 0.0
+    assert found.low < narrow.low < narrow.high < found.high
+
+
+def test_draws_that_rest_on_one_earthquake_are_lost_and_told(tree, law):
+    """Draws with no curve without one of their earthquakes have no standard error: left out, they would narrow it."""
+    found = rp.annual_frequency(tree, law, resamples=200).sel(block="wall")
+    assert np.isnan(found["frequency_low"])
+    assert str(found["statement"].values) == (
+        "no band: 44% of the draws of the earthquakes make no curve, or none without one of them"
+    )
+
+
+def test_few_earthquakes_are_told(tree):
+    """In PGA the levels of these records overlap enough for a band of 8 earthquakes, in which some draws are lost."""
+    found = rp.annual_frequency(tree, rp.PowerLawHazard(k0=2e-3, k=2.0), resamples=200).sel(block="wall")
+    told = str(found["statement"].values)
+    assert "the band is too narrow: 8 earthquakes, 14 are needed" in told
+    assert float(found["probability_high"]) == pytest.approx(-math.expm1(-50.0 * float(found["frequency_high"])))
 
 
 def test_no_ground_below_uplift_overturns_a_body(tree):
@@ -103,7 +138,8 @@ def test_no_ground_below_uplift_overturns_a_body(tree):
 def test_a_body_without_a_curve_has_no_frequency_and_says_why(tree, law):
     rock = rp.annual_frequency(tree, law).sel(block="rock")
     assert np.isnan(rock["frequency"])
-    assert "no fragility curve" in str(rock["statement"].values)
+    assert str(rock["statement"].values).startswith("no curve: none of 16 records reached the limit state")
+    assert int(rock["status"]) == RiskStatus.NO_CURVE
 
 
 def test_a_fragility_that_falls_too_little_has_no_frequency(tree):
@@ -111,8 +147,34 @@ def test_a_fragility_that_falls_too_little_has_no_frequency(tree):
     other = tree.copy()
     other.attrs["configuration"] = settings
     found = rp.annual_frequency(other, rp.PowerLawHazard(k0=1e-3, k=30.0, measure="pgv")).sel(block="wall")
-    assert np.isinf(found["frequency"])
+    assert np.isnan(found["frequency"])
+    assert int(found["status"]) == RiskStatus.NO_LIMIT
     assert "falls towards small levels less than the hazard rises" in str(found["statement"].values)
+
+
+def test_uplift_in_pga_is_the_rate_of_the_acceleration_that_lifts(tree):
+    """g b/h = 9.80665 0.3/2.4 = 1.22583 m/s2 for the wall, half of g for the rock, whatever records were scaled to."""
+    found = rp.annual_frequency(tree, rp.PowerLawHazard(k0=2e-3, k=2.0), "uplift")
+    assert found["frequency"].values == pytest.approx([2e-3 * 1.2258312**-2.0, 2e-3 * 4.903325**-2.0], rel=1e-6)
+    assert "exact, no band" in str(found["statement"].values[0])
+    curve = rp.HazardCurve("pga", [0.5, 2.0], [8e-3, 5e-4])
+    wall = rp.annual_frequency(tree, curve, "uplift").sel(block="wall")
+    assert float(wall["above"]) == pytest.approx(5e-4 / float(wall["frequency"]), rel=1e-6)
+    assert "where the hazard curve ends" in str(wall["warning"].values)
+    # In another measure a curve is fitted, or the statement of the fragility says why not.
+    other = rp.annual_frequency(tree, rp.PowerLawHazard(k0=2e-3, k=2.0, measure="pgv"), "uplift", resamples=0)
+    assert all(
+        len(words) > 20
+        for words, known in zip(other["statement"].values, np.isfinite(other["frequency"].values), strict=True)
+        if not known
+    )
+
+
+def test_what_is_taken_for_granted_is_told(tree, law):
+    told = rp.annual_frequency(tree, law, resamples=0).attrs
+    assert "records scaled to levels (stripes); lognormal" in told["fragility"]
+    assert "16 records of 8 earthquakes, in which records count alike" in told["fragility"]
+    assert "any single horizontal component" in told["hazard_assumed"]
 
 
 @pytest.mark.parametrize(

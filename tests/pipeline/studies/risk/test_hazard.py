@@ -8,7 +8,7 @@ import pytest
 import rockpulse as rp
 from rockpulse.config.configuration import Config, config_from_text
 from rockpulse.config.hazard_settings import HazardSettings
-from rockpulse.studies.risk.hazard import hazard_of
+from rockpulse.studies.risk.hazard_files import hazard_of
 
 G = 9.80665
 
@@ -69,9 +69,15 @@ def test_a_site_is_chosen_among_several(tmp_path):
     path = written(tmp_path, text)
     with pytest.raises(rp.ConfigError, match="curves of 2 sites; name one"):
         rp.load_hazard(path)
-    assert rp.load_hazard(path, (12.5, 42.5)).rates[0] == pytest.approx(-math.log1p(-0.2))
-    settings = HazardSettings(file="curve.csv", longitude=1.0, latitude=1.0)
+    near = rp.load_hazard(path, (13.0, 42.1))
+    assert near.rates[0] == pytest.approx(-math.log1p(-0.2))
+    # A tenth of a degree of a meridian: 6371 km pi/1800.
+    assert near.remarks == ("place 13 E 42 N, 11.1 km from the site",)
+    settings = HazardSettings(file="curve.csv", longitude=0.1, latitude=0.1)
     assert hazard_of(settings, tmp_path).rates[0] == pytest.approx(-math.log1p(-0.1))
+    # Longitude and latitude the wrong way round, or a site that the file does not hold.
+    with pytest.raises(rp.ConfigError, match=r"nearest to the site 42 E 13 N is .* km away; expected one within 50 km"):
+        rp.load_hazard(path, (42.0, 13.0))
 
 
 @pytest.mark.parametrize(
@@ -79,7 +85,7 @@ def test_a_site_is_chosen_among_several(tmp_path):
     [
         ("", "expected columns"),
         ("x,y\n1,2\n", "expected columns .* found the columns x, y"),
-        ("pga [furlong],rate\n0.1,0.2\n", "expected a unit of pga among g, .* found 'furlong'"),
+        ("pga [furlong],rate\n0.1,0.2\n", "expected a unit of pga among m/s2, .* found 'furlong'"),
         ("pgv [g],rate\n0.1,0.2\n", "expected a unit of pgv among m/s, cm/s"),
         ("sa(0.7) [g],rate\n0.1,0.2\n", "expected a measure among .* found 'sa_0.7'"),
         ("pga [g],rate\n0.1,0.2\n0.3,many\n", "row 2 of column 'rate': expected a number, found 'many'"),
@@ -132,3 +138,46 @@ def test_a_power_law_comes_from_the_section_and_the_section_survives_as_text():
         hazard_of(HazardSettings())
     with pytest.raises(rp.ConfigError, match="expected a unit of pgv"):
         hazard_of(HazardSettings(k0=1e-4, k=2.5, measure="pgv", unit="g"))
+    # Without a unit it is that in SI of the measure.
+    assert hazard_of(HazardSettings(k0=1e-4, k=2.5, measure="pgv")).unit == "m/s"
+    assert hazard_of(HazardSettings(k0=1e-4, k=2.5)).unit == "m/s2"
+    amplified = hazard_of(HazardSettings(k0=1e-4, k=2.0, soil_factor=1.5))
+    assert amplified.rate(3.0) == pytest.approx(1e-4 * (3.0 / 1.5) ** -2.0)
+
+
+PERIODS = (30, 50, 72, 101, 140, 201, 475, 975, 2475)
+NODES = {13111: ("13,3910", "42,3730", 0.78), 13112: ("13,4590", "42,3750", 0.80)}
+
+
+def grid(above):
+    """Made-up numbers in the layout of annex B of NTC 2008: nine triples for each node, a_g in g/10."""
+    names = [f"{'' if above else f'T{period}'}{name}" for period in PERIODS for name in ("ag", "F0", "Tc*")]
+    rows = [";".join(["ID", "LON", "LAT", *names])]
+    for node, (east, north, first) in NODES.items():
+        triples = [f"{first * (period / 30.0) ** 0.4:.4f};2,4;0,30".replace(".", ",") for period in PERIODS]
+        rows.append(";".join([str(node), east, north, *triples]))
+    top = ";;;" + ";".join(f"TR = {period};;" for period in PERIODS)
+    return "\n".join([top, *rows] if above else rows) + "\n"
+
+
+@pytest.mark.parametrize("above", [False, True])
+def test_the_grid_of_the_italian_norm_has_nine_return_periods_a_node(tmp_path, above):
+    curve = rp.load_hazard(written(tmp_path, grid(above)), (13.46, 42.37), soil_factor=1.2)
+    assert curve.level.size == 9
+    assert curve.level[6] == pytest.approx(0.1 * G * 0.8 * (475 / 30) ** 0.4, rel=1e-4)
+    assert curve.rate(1.2 * curve.level) == pytest.approx(1.0 / np.array(PERIODS), rel=1e-9)
+    assert "place 13.46 E 42.38 N" in curve.remarks[0]
+    assert curve.remarks[1] == "a_g read in g/10"
+    assert "times the soil factor 1.2" in curve.words
+    # Without a soil factor it is said that the levels are those on rock.
+    bare = rp.load_hazard(written(tmp_path, grid(above)), (13.46, 42.37))
+    assert "a_g is that on rock" in bare.remarks[-1]
+
+
+def test_return_periods_by_hand_may_have_decimal_commas(tmp_path):
+    text = "TR [anni];ag [g];F0\n" + "".join(
+        f"{period};{0.04 * (period / 30) ** 0.4:.4f};2,4\n".replace(".", ",") for period in PERIODS
+    )
+    curve = rp.load_hazard(written(tmp_path, text))
+    assert curve.level.size == 9
+    assert curve.rate(0.04 * G) == pytest.approx(1.0 / 30.0)

@@ -1,0 +1,80 @@
+"""The probability of overturning of free bodies under each record, at levels of a measure, from stored spectra."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from rocking.block import Block
+from rockpulse.calibration.design_spectrum import at_blocks, within
+from rockpulse.errors import ResultsError
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = ["BodyCurves", "event_weights", "spectra_of"]
+
+
+class BodyCurves(NamedTuple):
+    """What r records say of m bodies at l levels each; logarithms of levels are those of a measure in SI units."""
+
+    at: np.ndarray  #: (m, r, l) logarithms of the levels, in equal steps that are those of all
+    probability: np.ndarray  #: (m, r, l) of overturning [-]
+    log_s: np.ndarray  #: (m, r) logarithms of the overturning spectra
+    own: np.ndarray  #: (r,) logarithms of the records' own values of the measure
+    speed: np.ndarray  #: (m,) logarithms of g tan(alpha)/p
+    floor: np.ndarray  #: (m,) logarithms of g tan(alpha), the acceleration that lifts a body
+
+    @staticmethod
+    def covered(spectra: xr.Dataset, block: Block) -> np.ndarray:
+        """True, (m,), for the bodies that the spectra stand for."""
+        return within(block, spectra["p"].values, spectra["restitution"].values)
+
+    @classmethod
+    def read(cls, spectra: xr.Dataset, block: Block, own: np.ndarray) -> BodyCurves:
+        """The curves of (m,) bodies that the spectra stand for; ResultsError for gaps at their p."""
+        axes = spectra["p"].values, spectra["restitution"].values
+        log_s = at_blocks(block, *axes, np.log(spectra["spectrum"].transpose("p", "restitution", "record").values))
+        if np.any(np.isnan(log_s)):
+            raise ResultsError(
+                "results: the spectra have gaps at the p of these bodies; assess again with [uncertainty] spectrum = "
+                '"all"'
+            )
+        stored = spectra["probability"].transpose("p", "restitution", "record", "level").values
+        floor = np.log(block.gravity * np.tan(block.alpha_c))
+        speed = floor - np.log(block.p)
+        at = (speed[:, np.newaxis] - log_s + own)[:, :, np.newaxis] + np.log(spectra["level"].values)
+        return cls(at, at_blocks(block, *axes, stored), log_s, own, speed, floor)
+
+    def read_at(self, values: np.ndarray, log_level: np.ndarray) -> np.ndarray:
+        """Values (m, r, l) at the levels, read at others (m or 1, r or 1): (m, r), straight between, level beyond."""
+        last = self.at.shape[2] - 1
+        spacing = (self.at[0, 0, -1] - self.at[0, 0, 0]) / last
+        place = np.clip((log_level - self.at[:, :, 0]) / spacing, 0.0, last)
+        lower = np.minimum(place.astype(int), last - 1)
+        ends = [np.take_along_axis(values, (lower + more)[:, :, np.newaxis], axis=2)[:, :, 0] for more in (0, 1)]
+        return np.asarray(ends[0] + (place - lower) * (ends[1] - ends[0]))
+
+    def medians(self, weights: np.ndarray) -> np.ndarray:
+        """Logarithms (m,) of the levels at which the mean over records by their weights (r,) is 1/2."""
+        low, high = self.at[:, :, 0].min(axis=1), self.at[:, :, -1].max(axis=1)
+        for _ in range(60):
+            middle = 0.5 * (low + high)
+            reached = self.read_at(self.probability, middle[:, np.newaxis]) @ weights >= 0.5
+            low, high = np.where(reached, low, middle), np.where(reached, middle, high)
+        return np.asarray(0.5 * (low + high))
+
+
+def spectra_of(results: xr.DataTree) -> tuple[xr.Dataset, xr.Dataset]:
+    """The overturning spectra of results, and the summaries of their records; ResultsError without spectra."""
+    if "spectra" not in results.children:
+        raise ResultsError("results: expected those of rockpulse assess with overturning spectra, found none")
+    spectra = results["spectra"].to_dataset()
+    return spectra, results["summary"].to_dataset().sel(record=spectra["record"].values)
+
+
+def event_weights(events: list[str]) -> np.ndarray:
+    """Weights (k, r) of records in the mean of each of k earthquakes."""
+    names, place, counts = np.unique(events, return_inverse=True, return_counts=True)
+    return np.asarray((place == np.arange(names.size)[:, np.newaxis]) / counts[:, np.newaxis])

@@ -1,0 +1,201 @@
+"""Files of hazard curves: levels with rates or probabilities, OpenQuake's curves, and return periods."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+import pandas as pd
+
+from rockpulse.config.hazard_settings import HazardSettings
+from rockpulse.errors import ConfigError
+from rockpulse.input_file import read_text
+from rockpulse.studies.risk.hazard import Hazard, HazardCurve, PowerLawHazard, known_measure, unit_factor
+from rockpulse.studies.risk.hazard_table import (
+    EXPECTED,
+    coordinates,
+    numbers,
+    rates,
+    row_of_site,
+    separator,
+    table_of,
+)
+
+__all__ = ["hazard_of", "load_hazard"]
+
+#: Units of OpenQuake's levels.
+OPENQUAKE = {"pga": "g", "sa": "g", "pgv": "cm/s"}
+
+#: Unit of a_g in the grid of NTC 2008 (annex B), where the heading names none.
+ANNEX = "g/10"
+
+#: A heading of the grid: a_g of a return period, as "T475ag", "ag_475" or "ag TR=475", perhaps with its unit.
+OF_PERIOD = re.compile(r"(?:tr?=?(\d+)_?ag|ag_?(?:tr?=?)?(\d+))(?:\[(.+)\])?")
+
+
+class _Points(NamedTuple):
+    """Levels in their unit and annual rates [1/year] of one place, and what is to be known of them."""
+
+    measure: str
+    unit: str
+    level: np.ndarray
+    rates: np.ndarray
+    remarks: tuple[str, ...] = ()
+    rock: bool = False  # whether the levels are said to be those on rock
+
+
+def load_hazard(path: str | Path, site: tuple[float, float] | None = None, soil_factor: float = 1.0) -> HazardCurve:
+    """A hazard curve from a CSV file.
+
+    Parameters
+    ----------
+    path : str or Path
+        A table of two columns, the level with its measure and unit ("pga [g]", "pgv [cm/s]", "si [m/s]", "sa(1.0)
+        [g]") and "rate" [1/year] or "probability in 50 years"; OpenQuake's hazard curves of one measure; return periods
+        as Italian practice has them, "TR [years],ag [g]" with any other columns; or the grid of NTC 2008, a row for
+        each node with "LON", "LAT" and for each return period "T30ag", "T30F0", "T30Tc", or with these periods in a
+        line above. With semicolons or tabs between the cells commas are decimal ones.
+    site : (float, float), optional
+        Longitude and latitude [degrees], for a file of several places: the nearest one up to 50 km away.
+    soil_factor : float
+        S, by which the levels are multiplied: those at the ground of the site over those of the file [-].
+
+    Returns
+    -------
+    HazardCurve
+        In SI units. Points without a finite positive rate, at which a probability was 1 or 0, are left out.
+
+    Raises
+    ------
+    ConfigError
+        For a file that is none of these, of several sites where none was named, or of none near the one that was.
+    """
+    where = Path(path)
+    if not where.exists() or where.is_dir():
+        raise ConfigError(f"{path}: expected a file with a hazard curve, found none")
+    found = _read(str(path), read_text(where, what="a hazard curve"), site)
+    order = np.argsort(found.level, kind="stable")
+    kept = order[np.isfinite(found.rates[order]) & (found.rates[order] > 0.0)]
+    remarks = found.remarks
+    if found.rock and soil_factor == 1.0:
+        remarks += ("a_g is that on rock: soil_factor brings it to other ground",)
+    level = unit_factor(found.measure, found.unit, str(path)) * found.level[kept]
+    return HazardCurve(found.measure, level, found.rates[kept], str(path), found.unit, soil_factor, remarks)
+
+
+def hazard_of(settings: HazardSettings, folder: Path = Path()) -> Hazard:
+    """The hazard that a configuration asks for, its file counted from a folder; ConfigError where there is none."""
+    if settings.k0 is not None and settings.k is not None:
+        return PowerLawHazard(
+            settings.k0, settings.k, settings.measure, settings.unit or "", soil_factor=settings.soil_factor
+        )
+    if settings.file is None:
+        raise ConfigError(
+            "[hazard]: expected a file or the power law k0, k in the configuration, or --hazard, found neither"
+        )
+    site = None if settings.longitude is None or settings.latitude is None else (settings.longitude, settings.latitude)
+    return load_hazard(folder / settings.file, site, settings.soil_factor)
+
+
+def _read(path: str, text: str, site: tuple[float, float] | None) -> _Points:
+    lines = text.splitlines()
+    if lines and lines[0].startswith("#") and "investigation_time" in lines[0]:
+        return _openquake(path, lines, site)
+    table = table_of(path, _with_one_heading([line for line in lines if not line.startswith("#")]))
+    heads = [str(name).strip() for name in table.columns]
+    if coordinates(table) is not None:
+        return _grid(path, table, heads, site)
+    if heads and heads[0].lower().startswith("tr"):
+        return _return_periods(path, table, heads)
+    return _levels(path, table, heads)
+
+
+def _measure_of(path: str, told: str) -> str:
+    found = re.fullmatch(r"sa\s*\(\s*([0-9.]+)\s*(?:s)?\s*\)", told.strip().lower())
+    return known_measure(f"sa_{float(found[1]):g}" if found else told.strip().lower(), path)
+
+
+def _levels(path: str, table: pd.DataFrame, heads: list[str]) -> _Points:
+    first = re.fullmatch(r"(.+?)\s*\[(.+?)\]", heads[0]) if heads else None
+    years = re.fullmatch(r"probability in ([0-9.]+) years?", heads[1].lower()) if len(heads) == 2 else None
+    if (
+        first is None
+        or len(heads) != 2
+        or not (years or re.fullmatch(r"rate(\s*\[1/(a|year|yr)\])?", heads[1].lower()))
+    ):
+        raise ConfigError(f"{path}: {EXPECTED}; found the columns {', '.join(heads) or 'none'}")
+    second = numbers(path, table, 1)
+    rate = rates(path, second, float(years[1])) if years else second
+    return _Points(_measure_of(path, first[1]), first[2].strip(), numbers(path, table, 0), rate)
+
+
+def _return_periods(path: str, table: pd.DataFrame, heads: list[str]) -> _Points:
+    named = {name.lower().partition("[")[0].strip(): place for place, name in enumerate(heads)}
+    unit = re.fullmatch(r"ag\s*\[(.+?)\]", heads[named["ag"]].lower()) if "ag" in named else None
+    if unit is None:
+        raise ConfigError(f'{path}: expected the column "ag [g]" beside the return periods, found {", ".join(heads)}')
+    period, level = numbers(path, table, 0), numbers(path, table, named["ag"])
+    if np.any(period <= 0.0):
+        raise ConfigError(f"{path}: expected positive return periods [years], found {period.min():g}")
+    return _Points("pga", unit[1].strip(), level, 1.0 / period, rock=True)
+
+
+def _with_one_heading(lines: list[str]) -> str:
+    """The lines, the first two joined where the first has the return periods ("TR = 30") and the second the names."""
+    above = lines[0] if lines else ""
+    if len(lines) < 2 or len(re.findall(r"\bTR\s*=\s*\d+", above, re.IGNORECASE)) < 2:
+        return "\n".join(lines)
+    between, period, heads = separator(above), "", []
+    names = lines[1].split(between)
+    for place, name in enumerate(names):
+        cells = above.split(between)
+        told = re.search(r"TR\s*=\s*(\d+)", cells[place] if place < len(cells) else "", re.IGNORECASE)
+        period = f"T{told[1]}" if told else period
+        heads.append(name if re.match(r"\s*t\d", name, re.IGNORECASE) else f"{period}{name.strip()}")
+    return "\n".join([between.join(heads), *lines[2:]])
+
+
+def _grid(path: str, table: pd.DataFrame, heads: list[str], site: tuple[float, float] | None) -> _Points:
+    places = coordinates(table)
+    assert places is not None
+    found = [OF_PERIOD.fullmatch(name.lower().replace(" ", "")) for name in heads]
+    columns = [(place, told) for place, told in enumerate(found) if told]
+    units = {told[3] or ANNEX for _, told in columns}
+    if len(columns) < 2 or len(units) > 1:
+        raise ConfigError(
+            f"{path}: expected beside LON and LAT a_g of several return periods in one unit (T30ag, T50ag, ...), found "
+            f"{', '.join(heads)}"
+        )
+    row, told_site = row_of_site(path, table, places, site)
+    period = np.array([float(told[1] or told[2]) for _, told in columns])
+    if np.any(period <= 0.0):
+        raise ConfigError(f"{path}: expected positive return periods [years], found {period.min():g}")
+    level = np.array([numbers(path, table, place)[row] for place, _ in columns])
+    unit = units.pop()
+    return _Points("pga", unit, level, 1.0 / period, (told_site, f"a_g read in {unit}"), rock=True)
+
+
+def _openquake(path: str, lines: list[str], site: tuple[float, float] | None) -> _Points:
+    # A row of commas may stand in front of the comment, as a spreadsheet leaves it.
+    told = dict(re.findall(r"(investigation_time|imt)\s*=\s*(\"[^\"]*\"|'[^']*'|[0-9.eE+-]+)", lines[0]))
+    if set(told) != {"investigation_time", "imt"}:
+        raise ConfigError(f"{path}, line 1: expected investigation_time=... and imt=..., found {lines[0]!r:.120}")
+    years = float(told["investigation_time"].strip("'\""))
+    measure = _measure_of(path, told["imt"].strip("'\""))
+    unit = OPENQUAKE.get(measure.partition("_")[0], "")
+    if not unit:
+        raise ConfigError(f"{path}, line 1: expected imt among PGA, PGV and SA(...), found {told['imt']}")
+    table = table_of(path, "\n".join(lines[1:]))
+    heads = [str(name) for name in table.columns]
+    columns, places = [place for place, name in enumerate(heads) if name.startswith("poe-")], coordinates(table)
+    if not columns or places is None:
+        raise ConfigError(f"{path}, line 2: expected lon, lat and poe-LEVEL columns, found {', '.join(heads)}")
+    row, told_site = row_of_site(path, table, places, site)
+    try:
+        level = np.array([float(heads[place].removeprefix("poe-")) for place in columns])
+    except ValueError as error:
+        raise ConfigError(f"{path}, line 2: expected a level behind poe-: {error}") from None
+    probability = np.array([numbers(path, table, place)[row] for place in columns])
+    return _Points(measure, unit, level, rates(path, probability, years), (told_site,))
