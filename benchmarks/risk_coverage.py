@@ -64,7 +64,8 @@ def main() -> None:
         bands, low, high, lossy = coverage(place, args.cases, args.seed, args.resamples)
         print(
             f"{earthquakes} earthquakes, k {k:g}, beta {math.hypot(between, within):.2f}: {bands} bands of "
-            f"{args.cases}, truth inside {1.0 - (low + high) / bands:.3f}, below {low}, above {high}, {lossy} cases lost draws",
+            f"{args.cases}, truth inside {1.0 - (low + high) / bands:.3f}, below {low}, above {high}, "
+            f"{lossy} cases lost draws",
             flush=True,
         )
 
