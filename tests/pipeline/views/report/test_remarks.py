@@ -1,4 +1,4 @@
-"""What the verdict does not say: caveats on a design sequence and its site, on directions and restitutions."""
+"""What the verdict does not say: remarks on a design sequence and its site, on directions and restitutions."""
 
 import numpy as np
 import pytest
