@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from concurrent.futures import Executor, Future
+from contextlib import ExitStack, contextmanager
 from typing import Any
 
 from rockpulse.batch.worker import version
 from rockpulse.errors import ConfigError
+from rockpulse.foreign_text import first_line
 from rockpulse.version import __version__
 
 __all__ = ["Cluster"]
@@ -32,18 +34,21 @@ class Cluster(Executor):
                 'pip install "rockpulse[distributed]"'
             ) from error
         self.deaths, self._address = (KilledWorker,), address
+        self._quiet = ExitStack()
+        self._quiet.enter_context(_silenced())
         try:
             self._client = Client(address, timeout=timeout, name="rockpulse", set_as_default=False)
         except (OSError, ValueError) as error:
+            self._quiet.close()
             raise ConfigError(
                 f"--scheduler {address}: expected the address of a running dask scheduler, such as "
-                f"tcp://10.0.0.1:8786, but none answers within {timeout:g} s ({error}); start one:  dask scheduler  "
-                "and its workers:  dask worker ADDRESS --nthreads 1"
+                f"tcp://10.0.0.1:8786, but none answers within {timeout:g} s ({first_line(error)}); start one:  "
+                "dask scheduler  and its workers:  dask worker ADDRESS --nthreads 1"
             ) from error
         try:
             self._check_versions()
         except BaseException:
-            self._client.close()
+            self._leave()
             raise
         # Two calls with equal arguments are two calls: without pure=False they would be one.
         self._executor = self._client.get_executor(pure=False)
@@ -54,7 +59,7 @@ class Cluster(Executor):
             return max(sum(self._client.nthreads().values()), 1)
         except OSError as error:
             raise ConnectionError(
-                f"the dask scheduler at {self._address} does not answer any more ({error})"
+                f"the dask scheduler at {self._address} does not answer any more ({first_line(error)})"
             ) from error
 
     def submit(self, fn: Callable[..., Any], /, *args: Any, **kwargs: Any) -> Future[Any]:
@@ -65,7 +70,11 @@ class Cluster(Executor):
     def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:
         """Drop what is not done and leave the cluster."""
         self._executor.shutdown(wait=False)
+        self._leave()
+
+    def _leave(self) -> None:
         self._client.close()
+        self._quiet.close()
 
     def _check_versions(self) -> None:
         found_on = self._client.run(version, on_error="return")
@@ -77,3 +86,20 @@ class Cluster(Executor):
                     f"dask worker {worker}: expected rockpulse {__version__}, found {found!r}; "
                     "install the same version in the environment of every worker"
                 )
+
+
+@contextmanager
+def _silenced() -> Iterator[None]:
+    """Within it, dask logs nothing: what goes wrong comes as an exception too, and its log shows tracebacks of it."""
+    handlers = list(logging.getLogger("distributed").handlers)
+
+    def nothing(record: logging.LogRecord) -> bool:
+        return False
+
+    for handler in handlers:
+        handler.addFilter(nothing)
+    try:
+        yield
+    finally:
+        for handler in handlers:
+            handler.removeFilter(nothing)
