@@ -99,7 +99,7 @@ class SpectrumLanes:
     peak: np.ndarray
     bottom: np.ndarray
     top: np.ndarray
-    between: tuple[float, float] = (LEAST_RESTITUTION, 1.0)
+    between: tuple[float, float]
     side: int = 0
 
 

@@ -222,6 +222,29 @@ def test_static_capacity_is_that_of_the_weight_and_of_the_tie():
     assert more == pytest.approx(expected)
 
 
+def test_static_capacity_is_that_of_the_corner_on_the_side():
+    body = Block.from_corners(0.2, 0.35, 1.1, 0.6)
+    for side, base in ((1, 0.2), (-1, 0.35)):
+        assert static_capacity(body, [0.1], side=side) == pytest.approx(body.gravity * math.tan(math.atan(base / 1.1) - 0.1))
+
+
+@pytest.mark.parametrize(("angle", "side"), [(-0.01, 1), (math.pi / 2, 1), (0.1, 0)])
+def test_static_capacity_outside_a_quarter_turn_is_refused(angle, side):
+    with pytest.raises(ValueError, match="expected angles from 0 to pi/2 and 1 or -1"):
+        static_capacity(Block(width=0.5, height=3.0), [0.0, angle], side=side)
+
+
+def test_a_body_seen_from_behind_has_the_other_corner_first_and_its_ties_on_the_other_side():
+    body = Block.from_corners(0.2, 0.35, 1.1, 0.6)
+    behind = Block.from_corners(0.35, 0.2, 1.1, 0.6)
+    for name in ("alpha_c", "alpha_2", "p", "p_2", "radius", "radius_2", "restitution", "restitution_2"):
+        assert getattr(body.mirrored(), name) == pytest.approx(getattr(behind, name), rel=1e-14)
+    tied = Block(width=0.5, height=3.0, mass=2000.0, ties=[Tie(2.5, 1e6)])
+    both = Block.stack([Block(width=0.5, height=3.0, mass=2000.0), tied]).mirrored()
+    assert both.restraints[0] is None
+    assert [tie.side for tie in both.restraints[1].ties] == ["negative"]
+
+
 @pytest.mark.parametrize(
     ("given", "words"),
     [
@@ -266,6 +289,8 @@ def test_what_a_march_cannot_do_is_refused():
     tied = Block(width=0.5, height=2.0, mass=100.0, ties=[Tie(1.0, 1e5)])
     with pytest.raises(ValueError, match="a one-sided body has a wall behind it"):
         recorded_response(wall, motion, 0.01, initial_rotation=-0.01)
+    with pytest.raises(ValueError, match="a one-sided body has a wall behind it"):
+        recorded_response(wall, motion, 0.01, initial_velocity=-0.01)
     with pytest.raises(ValueError, match="expected 'nonlinear' for a body with ties"):
         recorded_response(tied, motion, 0.01, "linear")
     with pytest.raises(ValueError, match="two unlike corners"):

@@ -89,6 +89,8 @@ def test_demand_of_some_blocks_is_theirs():
 def test_a_quiet_record_asks_nothing():
     found = demand(np.zeros(100))
     assert found.largest[0] == found.build_up[0] == 0.0
+    assert np.all(found.last == -1)
+    assert np.all(found.levels == 0.0)
 
 
 def test_a_single_block_counts_as_one_lane():

@@ -5,7 +5,7 @@ import pytest
 from recorded_cases import block_a, synthetic
 
 from rocking import Block, Outcome, Rung, choose_response, ground_demand, recorded_response
-from rocking.fidelity import MEASURED_RANGE, SAFE_BUILD_UP
+from rocking.fidelity import MEASURED_RANGE, SAFE_BUILD_UP, within_measured_range
 
 DT = 0.01
 FACTORS = np.array([0.1, 0.3, 0.6, 1.0])
@@ -150,6 +150,15 @@ def test_lanes_outside_the_measured_range_are_left_to_the_equation(name):
     ground, scale = synthetic(2), np.linspace(0.02, 3.0, 60)
     assert {Rung.STATIC, Rung.NONLINEAR} == set(chosen(ground, outside, scale=scale)[1].ravel())
     assert {Rung.IMPULSIVE, Rung.SETTLED} <= set(chosen(ground, inside, scale=scale)[1].ravel())
+
+
+def test_the_ends_of_the_measured_range_belong_to_it():
+    alpha = np.array([0.04, 0.32])
+    housner = 1.0 - 1.5 * np.sin(alpha) ** 2
+    ends = Block.from_parameters([0.7, 9.0], alpha, housner * [0.85, 1.0])
+    assert within_measured_range(ends, 0.1 / 9.0).all()
+    beyond = Block.from_parameters([0.699, 9.01], alpha, housner * [0.85, 1.0])
+    assert not within_measured_range(beyond, 0.1 / 9.01).any()
 
 
 def test_vertical_acceleration_is_static_only_where_its_largest_value_lifts_nothing():

@@ -141,6 +141,19 @@ def test_blocks_asked_for_together_have_the_factors_of_each_alone(spectrum, p):
         )
 
 
+def test_errors_of_the_mean_capacity_go_together_as_far_as_their_levels_share_lanes(spectrum):
+    """The variance of a sum over the levels k, with the correlation exp(-(d/(2 s))^2) of two that are d apart in ln x."""
+    block = Block.from_parameters(p=[1.6], alpha=0.1, restitution=0.9, log=False)
+    read, error = spectrum.factors(block), spectrum._of_blocks(block, None, None)[1][0]
+    logs = np.log(spectrum.level)
+    together = np.exp(-((np.subtract.outer(logs, logs) / (2.0 * spectrum.uncertainty.spread)) ** 2))
+    deviation = math.sqrt(error @ together @ error) * (logs[1] - logs[0])
+    width = TWO_SIDED * math.hypot(deviation, INTERPOLATION)
+    assert np.log(read.capacity_mean_high / read.capacity_mean) == pytest.approx([width])
+    assert np.log(read.capacity_mean / read.capacity_mean_low) == pytest.approx([width])
+    assert deviation > 0.3 * INTERPOLATION
+
+
 def test_blocks_that_the_spectrum_does_not_stand_for(spectrum):
     blocks = Block.from_parameters(
         p=[1.6, 1.6, 3.0, 1.6], alpha=[0.1, 0.4, 0.1, 0.1], restitution=[0.9, 0.8, 0.9, 0.5], log=False

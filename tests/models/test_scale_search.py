@@ -81,6 +81,12 @@ def test_a_factor_is_resolved_unless_the_first_interval_of_its_lane_is_not():
     assert list(found.factor_resolved) == [False, True, True, False]
 
 
+def test_most_points_are_ten_million():
+    assert exceedance_intervals(bands((1.0, 2.0)), [20.0], 10.0, 10**7).count.tolist() == [0]
+    with pytest.raises(ValueError, match="whole numbers from 2 to 10000000"):
+        exceedance_intervals(bands((1.0, 2.0)), [20.0], 10.0, 10**7 + 1)
+
+
 def test_no_lane_has_no_interval():
     found = exceedance_intervals(bands((1.0, 2.0)), [], 10.0, 64)
     assert found.safety_factor.size == found.lane.size == found.count.size == 0

@@ -15,7 +15,7 @@ from rocking.impulsive import impulsive_response
 from rocking.main_sequence import resonance
 from rocking.march import first_return
 from rocking.response import Outcome, Reason
-from rocking.sequence import ImpulseSequence, impulse_train, sequence_response
+from rocking.sequence import ImpulseSequence, impulse_train, scaled_outcomes, sequence_response
 
 PROPERTY = settings(derandomize=True, deadline=None, max_examples=60)
 
@@ -169,6 +169,16 @@ def test_lanes_are_every_sequence_on_every_block():
     without = sequence_response(bodies, ImpulseSequence(mains, 0.4 * mains, 0.1, 10.0), table_rows=0)
     assert without.half_cycles is None
     assert np.array_equal(without.peak_rotation_ratio, response.peak_rotation_ratio)
+
+
+def test_outcomes_under_factors_are_those_of_the_scaled_sequence():
+    bodies = Block(0.5, [1.9, 2.5, 3.0], restitution=0.9, gravity=9.81)
+    one = ImpulseSequence(0.4, 0.12, 0.1, 20.0)
+    chosen, factors = np.array([2, 0]), np.array([[0.5, 0.5], [1.0, 1.0], [2.0, 2.0], [4.0, 4.0]])
+    found = scaled_outcomes(bodies, one, chosen, factors)
+    expected = [sequence_response(bodies, one.scaled(factor[0])).outcome[chosen] for factor in factors]
+    assert found.tolist() == np.array(expected).tolist()
+    assert {Outcome.ROCKS, Outcome.OVERTURNS} <= set(found.ravel().tolist())
 
 
 def test_main_impulses_stop_at_their_count_and_at_the_duration():

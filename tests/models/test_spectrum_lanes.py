@@ -82,6 +82,14 @@ def test_threads_do_not_matter(lanes):
     assert np.array_equal(spectrum_lanes(MOTION, DT, P, threads=1).peak, lanes.peak)
 
 
+def test_lanes_end_where_sixteen_times_the_impulse_that_overturns_is_met_if_all_fall_before():
+    """A short pulse of the impulse I overturns from x I = 1 on: the lanes end at x = 1/(0.06 I)."""
+    pulse = np.append(np.linspace(0.0, 50.0, 3), np.zeros(100))
+    impulse = np.trapezoid(pulse, dx=DT)
+    found = spectrum_lanes(pulse, DT, [0.5])
+    assert found.top[0] == pytest.approx(-math.log(0.06 * impulse), abs=0.02)
+
+
 def test_survivors_at_the_top_make_the_lanes_reach_further():
     """A pulse after a long weak shaking: the measure of the build-up is far above what overturns the block."""
     many = np.tile([0.5, -0.5], 500)

@@ -79,6 +79,8 @@ def test_geometry_only_ever_adds_to_the_factor():
         ("restitution", (0.9,)),
         ("restitution", 0.9),
         ("geometry", -0.05),
+        ("geometry", [0.1, 0.2]),
+        ("factor", [0.1, 0.2]),
         ("geometry", 5.0),
         ("geometry", math.inf),
     ],
