@@ -1,7 +1,8 @@
 """The mutants of a module: its text with one operator or constant changed, by the operators of cosmic-ray.
 
 What no test of behaviour can see is left out: texts of messages (formatted strings, ``raise`` statements, calls of the
-logger), annotations, decorators, the guard ``strict`` of ``zip``. So are functions under njit, and all that stands
+logger), annotations and what stands under TYPE_CHECKING, decorators, the guard ``strict`` of ``zip``, small pictures
+of objects (``_picture``). So are functions under njit, and all that stands
 outside of functions in their files: numba compiles it into kernels that it finds again in its cache.
 """
 
@@ -92,6 +93,8 @@ def mutants_of(module: str) -> Iterator[Mutant]:
 
 def _unseen(node, kernels: bool) -> bool:
     """Whether a change of a node is one that is left out."""
+    if node.type == "if_stmt" and node.children[1].get_code().strip() == "TYPE_CHECKING":
+        return True
     function, child = None, node
     while (parent := child.parent) is not None:
         if parent.type.startswith("fstring") or parent.type in ("raise_stmt", "decorator"):
@@ -108,7 +111,7 @@ def _unseen(node, kernels: bool) -> bool:
             return True
         if parent.type == "funcdef":
             function = parent
-            if any("njit" in one.get_code() for one in function.get_decorators()):
+            if parent.name.value == "_picture" or any("njit" in one.get_code() for one in function.get_decorators()):
                 return True
         child = parent
     return kernels and function is None

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from rockpulse.calibration.response_targets import ResponseTargets, block_family, recorded_targets
+from rockpulse.calibration.response_targets import ResponseTargets, TooWeak, block_family, recorded_targets
 from rockpulse.errors import ConfigError, RecordRefused
 from rockpulse.models import Block, Outcome, recorded_response
 from rockpulse.record.record import Record
@@ -83,6 +83,25 @@ def test_the_family_has_a_hundred_slender_blocks_below_housners_restitution():
     assert family.warnings == ()
     assert family.radius.min() > 0.29
     assert family.radius.max() < 7.4
+
+
+def test_the_family_is_even_in_size_and_angle():
+    family = block_family()
+    assert np.unique(family.p.round(12)) == pytest.approx(np.geomspace(1.0, 5.0, 5))
+    assert np.unique(family.alpha_c.round(12)) == pytest.approx(np.geomspace(0.08, 0.32, 5))
+    share = family.restitution / (1.0 - 1.5 * np.sin(family.alpha_c) ** 2)
+    assert np.unique(share.round(12)).tolist() == [0.6, 0.75, 0.9, 1.0]
+
+
+@pytest.mark.parametrize(
+    ("peak", "outcome", "weak"),
+    [(0.02, Outcome.ROCKS, True), (0.0, Outcome.AT_REST, True), (np.inf, Outcome.OVERTURNS, False)],
+)
+def test_a_motion_is_too_weak_where_most_blocks_are_at_rest_or_hardly_move(peak, outcome, weak):
+    blocks = Block.from_parameters(np.full(12, 2.0), 0.2, 0.9)
+    with pytest.raises(RecordRefused) as refusal:
+        ResponseTargets(blocks, [0.3, 0.4, *[peak] * 10], [Outcome.ROCKS, Outcome.ROCKS, *[outcome] * 10])
+    assert isinstance(refusal.value, TooWeak) is weak
 
 
 def test_a_motion_too_weak_for_the_family_is_refused_by_name():

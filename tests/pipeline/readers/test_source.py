@@ -151,3 +151,12 @@ def test_an_open_file_finds_the_station_file_beside_it():
         assert same(read(stream), read(SAMPLES / "CI.CLC.mseed"))
     with pytest.raises(RecordRefused, match=r"stream: CI.CLC..HNE is in counts"):
         read(io.BytesIO((SAMPLES / "CI.CLC.mseed").read_bytes()))
+
+
+def test_a_series_without_words_that_repeats_itself_is_no_copy():
+    def half(content):
+        return source.SourceFile("x.txt", content[:10], lambda: content).first_half()
+
+    assert half(b"1.0 2.0 3.0\n" * 2) is None
+    assert half(b"Acceleration\n1.0 2.0 3.0\n" * 2).content == b"Acceleration\n1.0 2.0 3.0\n"
+    assert half(b"Acceleration\n1.0 2.0 3.0\nAcceleration\n1.0 2.0 3.1\n") is None

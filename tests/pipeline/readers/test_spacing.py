@@ -86,3 +86,11 @@ def test_even_samples_stay_as_they_are_and_uneven_ones_are_read_off_the_lines_be
     found, dt, (note,) = make_even(np.array([0.0, 0.02, 0.04, 0.05, 0.07]), samples, "x.v1", 7, 5, 0.1)
     assert (found.tolist(), dt) == (pytest.approx([0.0, 1.0, -2.0, 1.75]), 0.02)
     assert note.endswith("median, 0.02 s; the peak goes from 0.3 to 0.2 g")
+
+
+def test_rounding_explains_at_most_a_fifth_of_the_step():
+    """Half a digit of 0.1 s is a third of a step of 0.15 s, and a fifth of one of 0.25 s."""
+    coarse, fair = (np.round(step * np.arange(41) + 1e-9, 1) for step in (0.15, 0.25))
+    assert np.all(np.diff(coarse) > 0.0)
+    assert even_step(coarse) is None
+    assert even_step(fair) == pytest.approx(0.25)

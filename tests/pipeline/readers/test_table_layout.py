@@ -9,6 +9,7 @@ from record_writers.columns import columns, wrapped
 
 from rockpulse.errors import RecordFormatError, UnitError
 from rockpulse.readers import read
+from rockpulse.readers.table_layout import find_layout, row_width, split_row
 
 VALUES = np.round(pulse(200, peak=3.0), 6)
 TABLE = columns(np.column_stack([0.01 * np.arange(200), VALUES])).decode()
@@ -82,3 +83,19 @@ def test_an_interval_with_an_exponent_beyond_all_numbers_is_no_interval(write, n
     path = write(PEKNOLD.format(count=200).replace("0.02", number).encode() + rows.encode())
     with pytest.raises(RecordFormatError, match="option dt for the sampling interval"):
         read(path, units="g")
+
+
+def test_empty_fields_at_the_end_of_a_row_are_none_but_an_empty_row_is_one():
+    assert split_row("1, 2,,", ",") == ["1", "2"]
+    assert split_row("", ",") == split_row(",", ",") == [""]
+
+
+def test_a_table_begins_where_the_row_and_the_five_behind_it_have_one_width():
+    assert find_layout(["1 2", *["1 2 3"] * 6]).start == 1
+    assert find_layout([*["1 2"] * 5, "1 2 3"]).start == 5
+    assert find_layout([*["1 2"] * 6, "1 2 3"]).start == 0
+
+
+def test_a_line_of_more_than_ten_thousand_characters_is_no_row():
+    assert (row_width("1" * 10_000, None), row_width("1" * 10_001, None)) == (1, 0)
+    assert find_layout(["1" * 10_001, "1" * 10_000]).start == 1

@@ -327,3 +327,10 @@ def test_among_thousands_of_channels_of_one_station_few_are_looked_at():
     records = [record("horizontal", START + timedelta(minutes=number), source=f"{number}") for number in range(1000)]
     neighbours = Neighbours(records)
     assert max(len(neighbours.of(one)) for one in records) <= 3
+
+
+@pytest.mark.parametrize(("late", "near"), [(-0.99, True), (-1.1, False), (0.99, True), (1.1, False)])
+def test_channels_that_touch_in_time_are_neighbours(late, near):
+    one = record("horizontal")  # 0.99 s long
+    other = record("vertical", START + timedelta(seconds=late), source="b.v1")
+    assert (other in Neighbours([other]).of(one)) is near

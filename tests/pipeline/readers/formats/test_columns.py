@@ -8,6 +8,7 @@ from record_writers import pulse
 
 from rockpulse.errors import RecordFormatError, UnitError
 from rockpulse.readers import read
+from rockpulse.readers.formats.columns import is_columns
 from rockpulse.readers.source import NotAcceleration
 from rockpulse.record.record import STANDARD_GRAVITY
 
@@ -210,6 +211,29 @@ def test_rows_that_may_be_those_of_a_station_are_no_series(write, width, words):
     rows = np.random.default_rng(1).normal(size=(width, 40))
     with pytest.raises(RecordFormatError, match=rf"found {width} columns of numbers\. .* {words}"):
         read(write(table(*rows)), units="g", dt=0.01)
+
+
+def test_a_file_with_a_zero_byte_is_no_table():
+    assert is_columns(b"1.0 2.0\n1.0 2.0\n", "x.txt")
+    assert not is_columns(b"1.0 2.0\n1.0 2.0\n\x00", "x.txt")
+
+
+def test_a_column_that_is_the_integral_of_the_one_before_it_is_no_acceleration(write):
+    velocity = np.append(0.0, np.cumsum(0.005 * (VALUES[1:] + VALUES[:-1])))
+    with pytest.raises(RecordFormatError, match="column 3 is the integral of column 2"):
+        read(write(table(TIMES, VALUES, velocity, number="{:.9f}")), units="g")
+
+
+def test_accelerations_that_run_like_time_are_named_by_their_own_heading(write):
+    with pytest.raises(RecordFormatError, match=r"expected acceleration in the column 'acc \(g\)', found that it runs"):
+        read(write(table(TIMES, VALUES, header="acc (g)  wind (m)\n")), units="g")
+
+
+def test_the_count_and_the_interval_may_stand_at_the_head_of_the_column(write):
+    (record,) = read(write(table(VALUES, header="200\n0.02\n")), units="g")
+    assert (record.npts, record.dt) == (200, 0.02)
+    (record,) = read(write(table(VALUES, header="200\n")), units="g", dt=0.01)
+    assert (record.npts, record.dt) == (200, 0.01)
 
 
 def test_unequal_steps_are_refused(write):
