@@ -225,7 +225,9 @@ def test_static_capacity_is_that_of_the_weight_and_of_the_tie():
 def test_static_capacity_is_that_of_the_corner_on_the_side():
     body = Block.from_corners(0.2, 0.35, 1.1, 0.6)
     for side, base in ((1, 0.2), (-1, 0.35)):
-        assert static_capacity(body, [0.1], side=side) == pytest.approx(body.gravity * math.tan(math.atan(base / 1.1) - 0.1))
+        assert static_capacity(body, [0.1], side=side) == pytest.approx(
+            body.gravity * math.tan(math.atan(base / 1.1) - 0.1)
+        )
 
 
 @pytest.mark.parametrize(("angle", "side"), [(-0.01, 1), (math.pi / 2, 1), (0.1, 0)])

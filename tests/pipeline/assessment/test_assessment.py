@@ -18,7 +18,7 @@ from rockpulse import (
     SequenceSettings,
 )
 from rockpulse.assessment.assessment import assess
-from rockpulse.assessment.scene import prepare
+from rockpulse.assessment.scene import matched, prepare
 from rockpulse.calibration.estimators import INTERVAL, MAIN, MAIN_COUNT, SECONDARY
 from rockpulse.errors import ConfigError
 from rockpulse.failures import Failure
@@ -322,3 +322,10 @@ def test_every_variable_has_a_unit_and_a_long_name(tree):
         for name, variable in node.variables.items():
             assert isinstance(variable.attrs.get("units"), str), name
             assert variable.attrs.get("long_name"), name
+
+
+def test_a_sequence_is_matched_to_the_record_only_where_a_model_takes_it():
+    config = Config(models=ModelSettings(use=("nonlinear",)), sequence=SequenceSettings(method="response"))
+    scene = prepare(Record(np.sin(0.1 * np.arange(800)), dt=0.01, id="x", processed=True), config)
+    assert scene.sequence is not None
+    assert matched(scene, config) is scene

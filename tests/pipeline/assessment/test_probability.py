@@ -198,3 +198,20 @@ def test_factors_that_are_searched_wait_for_the_key():
     assert np.isnan(factors[1][3])
     assert set(plain["overturning_intervals"]["model_index"].values) <= {0, 1, 2}
     assert_allclose(plain["summary"]["interval_count"].values[0, 0, 3], -1)
+
+
+@pytest.mark.parametrize("sense", [1.0, -1.0])
+def test_a_body_before_a_wall_is_read_from_a_spectrum_on_either_side(sense):
+    one = record("one")
+    turned = replace(one, acceleration=sense * one.acceleration)
+    found = told(turned, configured(rp.BlockSettings(name="facade", width=0.4, height=3.0, one_sided=True)))
+    assert found["probability_source"].tolist() == [SPECTRUM]
+
+
+def test_at_a_demand_the_probability_is_that_of_the_spectrum_at_its_factor():
+    found = told(record("one"), configured(WALL, demands=(rp.DemandSettings(name="ULS", acceleration=4.0),)))
+    factor = found["demand_factor"]
+    assert 0.25 < factor[0, 0] < 4.0
+    block = Block(half_width=np.array([0.2]), half_height=np.array([1.5]))
+    assert_allclose(found["demand_probability"], OverturningSpectrum(lanes()).overturning(block, factor))
+    assert 0.0 < found["demand_probability"][0, 0] < 1.0

@@ -375,3 +375,10 @@ def test_four_columns_beside_the_times_need_headings(write):
     rows = "".join(f"{0.01 * k:.2f} {np.sin(k):.5f} {np.cos(3 * k):.5f} 0.1 {-k % 7}\n" for k in range(40))
     with pytest.raises(RecordFormatError, match=r"record.txt:1: .* at most 3 columns beside the times, found 4"):
         read(write(rows.encode()), units="g")
+
+
+@pytest.mark.parametrize(("words", "count"), [("time 360 90", 2), ("time 361 90", 0)])
+def test_numbers_up_to_360_are_headings_that_name_directions(write, words, count):
+    table = columns(np.column_stack([TIMES, VALUES, VALUES[::-1]])).decode()
+    records = read(write(f"{words}\n{table}".encode()), units="g")
+    assert sum(record.orientation == "horizontal" for record in records) == count

@@ -14,7 +14,7 @@ from record_writers import pulse
 from rockpulse.errors import RecordRefused
 from rockpulse.readers import read
 from rockpulse.readers.conversion import write
-from rockpulse.readers.writers import at2_bytes, csv_bytes, miniseed_bytes, seed_codes
+from rockpulse.readers.writers import _channel_codes, at2_bytes, csv_bytes, miniseed_bytes, seed_codes
 from rockpulse.record.record import STANDARD_GRAVITY, Record
 
 START = datetime(2019, 7, 6, 3, 16, 8, 500001, tzinfo=UTC)
@@ -237,3 +237,16 @@ def test_the_names_in_a_miniseed_file(record):
     assert names == ["CI.CLC..HNE", "CI.CLC..HNZ"]
     assert b"<Source>rockpulse" in metadata
     assert b"raw accelerogram" in metadata
+
+
+@pytest.mark.parametrize(
+    ("azimuth", "codes"),
+    [
+        *((azimuth, ["HNN"]) for azimuth in (0.0, 5.0, 355.0)),
+        *((azimuth, ["HNE"]) for azimuth in (90.0, 85.0, 95.0)),
+        *((azimuth, ["HN1", "HN2"]) for azimuth in (5.5, 354.5, 84.5, 95.5, 180.0)),
+    ],
+)
+def test_a_channel_within_five_degrees_of_north_or_east_has_the_letter_of_it(azimuth, codes):
+    record = Record(np.zeros(3), dt=0.01, id="x", azimuth=azimuth, orientation="horizontal")
+    assert _channel_codes(record) == codes

@@ -464,3 +464,16 @@ def test_a_channel_code_of_seed_decides_between_vertical_and_horizontal(
     said = [warning for warning in record.warnings if "the channel code BNZ says vertical, the header " in warning]
     assert len(said) == bool(told)
     assert told in " ".join(said)
+
+
+@pytest.mark.parametrize(("code", "azimuth"), [(359, 0.0), (1, 0.0), (358, np.nan), (2, np.nan), (178, np.nan)])
+def test_words_and_integer_of_a_direction_may_differ_by_a_degree(write, code, azimuth):
+    (record,) = read(write(cosmos(pulse(), component="360 deg", azimuth=code)))
+    assert record.azimuth == pytest.approx(azimuth, nan_ok=True)
+
+
+def test_the_peak_is_that_of_the_series_and_not_of_the_uncorrected_one(write):
+    content = cosmos(pulse())
+    assert content.count(b"Uncor max =   0.300") == 1
+    (record,) = read(write(content.replace(b"Uncor max =   0.300", b"Uncor max =   0.700")))
+    assert record.header_peak == pytest.approx(0.3 * G, abs=1e-6)

@@ -295,3 +295,12 @@ def test_a_channel_of_one_number_with_other_samples_is_damage(write):
         RecordFormatError, match=r"TEST.V2:\d+: expected another channel, found that of line 1 a second"
     ):
         read(write(csmip_v2(MOTION, number=1) + csmip_v2(0.9 * MOTION, number=1)))
+
+
+def test_a_damaged_number_is_named_with_its_line(write):
+    lines = csmip_v2(pulse(), decimals=5).decode().split("\n")
+    first = 1 + next(at for at, line in enumerate(lines) if "points of accel" in line)
+    width = len(lines[first].rstrip()) // 8
+    lines[first + 2] = "x" * width + lines[first + 2][width:]
+    with pytest.raises(RecordFormatError, match=rf"TEST.V2:{first + 3}: expected a finite number"):
+        read(write("\n".join(lines).encode()))

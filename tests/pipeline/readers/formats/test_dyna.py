@@ -324,3 +324,11 @@ def test_two_records_in_one_file_are_refused():
 def test_what_is_held_against_the_samples_and_is_no_number_is_told(key):
     record = got(dyna(VALUES, **{key: "1E308"}))
     assert any(re.fullmatch(rf"line \d+: {re.escape(key)} is no number .* '1E308'", note) for note in record.warnings)
+
+
+def test_a_damaged_number_is_named_with_its_line():
+    lines = dyna(VALUES).decode().split("\n")
+    first = next(at for at, line in enumerate(lines) if re.fullmatch(r"\s*-?\d+\.\d+\s*", line))
+    lines[first + 3] = "x"
+    with pytest.raises(RecordFormatError, match=f"stream:{first + 4}: expected a finite number"):
+        got("\n".join(lines).encode())

@@ -100,3 +100,12 @@ def test_real_sac(records_folder):
 def test_the_depth_of_the_sensor_is_that_of_the_header(tmp_path, known):
     (record,) = read(write_sac(tmp_path, **known), units="cm/s2")
     np.testing.assert_equal(record.sensor_depth, known.get("stdp", np.nan))
+
+
+def test_a_header_of_no_samples_is_refused(tmp_path):
+    path = write_sac(tmp_path)
+    content = bytearray(path.read_bytes())
+    struct.pack_into("<i", content, 4 * 79, 0)  # NPTS, the 80th word of the header
+    path.write_bytes(content)
+    with pytest.raises(RecordFormatError, match=r"expected 0 samples \(header NPTS\), found room for 1000"):
+        read(path, units="g")

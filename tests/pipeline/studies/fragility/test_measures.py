@@ -8,6 +8,8 @@ from rocking.block import Block
 from rockpulse.assessment.scene import prepare
 from rockpulse.config.configuration import Config
 from rockpulse.config.fragility_settings import MEASURES as WORDS
+from rockpulse.record.half_wave import half_waves
+from rockpulse.studies.fragility.capacity import _reversed
 from rockpulse.studies.fragility.measures import MEASURES, record_measures, record_qualities
 
 BLOCKS = Block(half_width=[0.3, 0.5], half_height=[1.5, 1.9365])
@@ -60,3 +62,11 @@ def test_qualities_of_a_sine():
     assert found["duration"] == pytest.approx(9.0, abs=0.5)
     assert found["period"] == pytest.approx(4.0, rel=0.01)  # the velocity of a sine from rest is (1 - cos)/pi
     assert found["strong_half_waves"] == 10
+
+
+def test_the_reverse_of_a_motion_has_the_half_waves_of_its_record():
+    back = _reversed(scene())
+    assert np.array_equal(back.record.acceleration, -scene().record.acceleration)
+    again = half_waves(back.record)
+    np.testing.assert_allclose(back.waves.impulse, again.impulse)
+    np.testing.assert_allclose(back.waves.peak, again.peak)
