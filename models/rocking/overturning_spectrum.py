@@ -146,13 +146,13 @@ class OverturningSpectrum:
 
     def __init__(self, lanes: SpectrumLanes, uncertainty: Uncertainty | None = None) -> None:
         self.lanes = lanes
-        self.uncertainty = uncertainty or Uncertainty()
-        self.p = lanes.p
+        self.uncertainty: Uncertainty = uncertainty or Uncertainty()
+        self.p: np.ndarray = lanes.p
         reach = REACH * self.uncertainty.spread
         self._first = int(np.floor((np.min(lanes.bottom) - reach) / LEVEL_STEP))
         last = int(np.ceil((np.max(lanes.top) + reach) / LEVEL_STEP))
         self._logs = LEVEL_STEP * np.arange(self._first, last + 1)
-        self.level = np.exp(self._logs)
+        self.level: np.ndarray = np.exp(self._logs)
         apart = self._logs[:, np.newaxis] - self._logs
         # Errors of P at two levels go together as far as the same lanes make them.
         self._alike = np.exp(-((0.5 * apart / self.uncertainty.spread) ** 2))

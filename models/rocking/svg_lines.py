@@ -37,7 +37,8 @@ class Picture:
         equal: bool = False,
     ) -> None:
         """Take the limits of the data; `equal` gives both directions the smaller of their two scales."""
-        self.width, self.height = width, height
+        self.width: float = width
+        self.height: float = height
         low, high = np.array([x_limits[0], y_limits[0]]), np.array([x_limits[1], y_limits[1]])
         room = np.array([width, height]) - 2.0 * MARGIN
         scale = room / np.where(high > low, high - low, 1.0)

@@ -110,12 +110,12 @@ class Answers:
     """
 
     def __init__(self, summary: xr.Dataset, motions: Motions | None = None, model: str | None = None) -> None:
-        self.summary = complete(summary)
-        self.models = [str(name) for name in summary["model"].values]
-        self.model = fullest_model(summary) if model is None else model
-        self.records = [str(name) for name in summary["record"].values]
-        self.blocks = [str(name) for name in summary["block"].values]
-        self.bodies = bodies_of(summary)
+        self.summary: xr.Dataset = complete(summary)
+        self.models: list[str] = [str(name) for name in summary["model"].values]
+        self.model: str = fullest_model(summary) if model is None else model
+        self.records: list[str] = [str(name) for name in summary["record"].values]
+        self.blocks: list[str] = [str(name) for name in summary["block"].values]
+        self.bodies: list[Body] = bodies_of(summary)
         self._motions = motions
         self._tables: dict[str, np.ndarray] = {}
 

@@ -100,7 +100,7 @@ class Assessment(Analysis):
 
     def __init__(self, config: Config, blocks: Blocks | None = None) -> None:
         super().__init__(config)
-        self.bodies = gather_bodies(config.blocks if blocks is None else blocks, config.records)
+        self.bodies: Bodies = gather_bodies(config.blocks if blocks is None else blocks, config.records)
 
     @property
     def work(self) -> Work:

@@ -146,7 +146,9 @@ class Explored:
     """All candidates of a space that were tried, with their likelihood under the targets."""
 
     def __init__(self, targets: ResponseTargets, space: SearchSpace, threads: int | None) -> None:
-        self.targets, self.space, self.threads = targets, space, threads
+        self.targets: ResponseTargets = targets
+        self.space: SearchSpace = space
+        self.threads: int | None = threads
         self._points: list[np.ndarray] = []
         self._likelihood: list[np.ndarray] = []
         self._spread: list[np.ndarray] = []

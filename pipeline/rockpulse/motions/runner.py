@@ -76,7 +76,7 @@ class Analysis(ABC):
 
     def __init__(self, config: Config, blocks: Blocks | None = None) -> None:
         self.config = config
-        self.named_events = event_table(config)
+        self.named_events: dict[str, str] = event_table(config)
 
     @property
     @abstractmethod

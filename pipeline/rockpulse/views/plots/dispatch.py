@@ -34,7 +34,7 @@ if TYPE_CHECKING:
 __all__ = ["plot"]
 
 #: What is drawn of results where no kind is asked for, by the kind of their file.
-FIRST = {
+FIRST: dict[str, tuple[str, ...]] = {
     ASSESSMENT: ("spectrum", "bodies"),
     FRAGILITY: ("fragility",),
     SITE_KIND: ("calibration",),
