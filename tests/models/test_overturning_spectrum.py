@@ -142,7 +142,7 @@ def test_blocks_asked_for_together_have_the_factors_of_each_alone(spectrum, p):
 
 
 def test_errors_of_the_mean_capacity_go_together_as_far_as_their_levels_share_lanes(spectrum):
-    """The variance of a sum over the levels k, with the correlation exp(-(d/(2 s))^2) of two that are d apart in ln x."""
+    """The variance of a sum over the levels k, with the correlation exp(-(d/(2 s))^2) of two d apart in ln x."""
     block = Block.from_parameters(p=[1.6], alpha=0.1, restitution=0.9, log=False)
     read, error = spectrum.factors(block), spectrum._of_blocks(block, None, None)[1][0]
     logs = np.log(spectrum.level)
