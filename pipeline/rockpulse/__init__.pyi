@@ -77,6 +77,7 @@ from .studies.check.kinematic import kinematic_check as kinematic_check
 from .studies.fragility.assessment import fragility_curves as fragility_curves
 from .studies.fragility.curves import fit_capacities as fit_capacities
 from .studies.fragility.curves import fit_stripes as fit_stripes
+from .studies.risk.free_fragility import free_body_fragility as free_body_fragility
 from .studies.risk.frequency import annual_frequency as annual_frequency
 from .studies.risk.hazard import HazardCurve as HazardCurve
 from .studies.risk.hazard import PowerLawHazard as PowerLawHazard

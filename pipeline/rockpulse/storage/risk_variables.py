@@ -6,7 +6,7 @@ from enum import IntEnum
 
 from rockpulse.storage.variables import NOT_KNOWN, Declared, along, flag, real, text, whole
 
-__all__ = ["INVENTORY", "RISK", "STANDING", "RiskStatus"]
+__all__ = ["FREE_FRAGILITY", "INVENTORY", "RISK", "STANDING", "RiskStatus"]
 
 
 class RiskStatus(IntEnum):
@@ -67,6 +67,24 @@ INVENTORY: Declared = along(
         "status": flag([one.name.lower() for one in RiskStatus], "whether there is a frequency, and why not"),
     },
 )
+
+#: Over free bodies, and levels of a measure.
+FREE_FRAGILITY: Declared = {
+    **along(
+        ("body", "level"),
+        {
+            "probability": real("1", "probability of overturning, the mean of those of the records"),
+            "lognormal": real("1", "probability of overturning with S lognormal over earthquakes and records"),
+        },
+    ),
+    **along(
+        ("body",),
+        {
+            "median": real(OWN, "level at which the mean of ln S is that of the body, ln(g tan(alpha)/p)"),
+            "dispersion": INVENTORY["dispersion"],
+        },
+    ),
+}
 
 #: Over the bodies of either, of one that is known to have stood.
 STANDING: Declared = {

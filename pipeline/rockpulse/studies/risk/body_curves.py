@@ -56,6 +56,12 @@ class BodyCurves(NamedTuple):
         ends = [np.take_along_axis(values, (lower + more)[:, :, np.newaxis], axis=2)[:, :, 0] for more in (0, 1)]
         return np.asarray(ends[0] + (place - lower) * (ends[1] - ends[0]))
 
+    def scatter(self, weights: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Over records by their weights: ln of the level (m,) at which S is g tan(alpha)/p, the deviation of ln S."""
+        ratio = self.log_s - self.own
+        centre = ratio @ weights
+        return self.speed - centre, np.sqrt((ratio - centre[:, np.newaxis]) ** 2 @ weights)
+
     def medians(self, weights: np.ndarray) -> np.ndarray:
         """Logarithms (m,) of the levels at which the mean over records by their weights (r,) is 1/2."""
         low, high = self.at[:, :, 0].min(axis=1), self.at[:, :, -1].max(axis=1)

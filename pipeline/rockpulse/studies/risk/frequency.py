@@ -172,7 +172,7 @@ def _of_body(rows: Observations, floor: float, asked: _Asked) -> dict[str, Any]:
         return found | _told(whole, *_log(asked.hazard.covered), asked, rows) | {"statement": told}
     status = missing(rows)
     if status != Status.FITTED:
-        return found | {"statement": STATEMENTS[status](rows)}
+        return found | {"statement": f"{STATEMENTS[status](rows)} ({asked.hazard.measure} in SI units)"}
     lines = fitted_lines(rows, asked.family)
     if not lines[0, 1] > 0.0:
         return found | {"statement": STATEMENTS[Status.NOT_INCREASING](rows)}
@@ -211,9 +211,10 @@ def _warning(below: float, above: float, low: float, high: float, hazard: Hazard
         (above, high, "above", hazard.covered[1]),
     ):
         if share > OUTSIDE:
-            of = "the hazard curve" if math.isclose(math.exp(limit), end) else "what records were looked at"
+            curve = math.isclose(math.exp(limit), end)
+            of = "where the hazard curve ends" if curve else "beyond which no record was looked at"
             shown = f"{math.exp(limit) / hazard.unit_in_si:.3g} {hazard.unit}"
-            told.append(f"{share:.0%} of its frequency comes from levels {side} {shown}, where {of} ends")
+            told.append(f"{share:.0%} of its frequency comes from levels {side} {shown}, {of}")
     return "; ".join(told)
 
 

@@ -155,14 +155,12 @@ def _of_bodies(
     near, far = (curves.own[np.newaxis] + math.log(factor) for factor in factors)
     of_events = whole @ events.T
     frequency = np.mean(of_events, axis=1)
-    ratio = curves.log_s - curves.own
-    centre = ratio @ weights
     found = {
         "frequency": frequency,
         "below": 1.0 - above(least) @ weights / frequency,
         "above": above(most) @ weights / frequency,
         "far": 1.0 - (above(near) - above(far)) @ weights / frequency,
-        "dispersion": np.sqrt((ratio - centre[:, np.newaxis]) ** 2 @ weights),
+        "dispersion": curves.scatter(weights)[1],
         "median": np.exp(curves.medians(weights)),
         "status": np.full(frequency.size, RiskStatus.GIVEN),
     }

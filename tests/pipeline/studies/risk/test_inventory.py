@@ -6,6 +6,7 @@ import math
 import numpy as np
 import pytest
 from scipy.integrate import quad
+from scipy.special import ndtr
 
 import rockpulse as rp
 from rockpulse import models
@@ -154,3 +155,38 @@ def test_the_interval_of_an_inventory_covers_what_it_says(earthquakes, scatter):
     middle, half = np.log(drawn.mean(axis=1)), half_widths(drawn, 0.9)
     inside = np.mean(np.abs(middle - 0.5 * scatter**2) <= half)
     assert 0.85 <= inside <= 0.93
+
+
+def test_the_fragility_of_a_free_body_is_that_of_the_spectra(results):
+    """At the level x a record of PGV m acts with x/m: S x/m against g tan(alpha)/p, earthquakes of two records alike.
+
+    Nine records of five earthquakes: the ninth, alone in its one, weighs twice as much as each other.
+    """
+    body = models.Block(width=[0.35, 5.0], height=[2.6, 5.0])
+    levels = np.array([0.2, 0.4, 0.8])
+    found = rp.free_body_fragility(results, body, levels, "pgv")
+    assert np.isnan(found["probability"].values[1]).all()
+    summary, spectra = results["summary"].to_dataset(), results["spectra"].to_dataset()
+    body = body.lanes(2).chosen(np.array([0]))
+    ratio, chance = [], []
+    for name in spectra["record"].values:
+        one = spectra.sel(record=name)
+        capacity = rp.overturning_factors(one, body)["capacity_mean"][0]
+        own = float(summary["pgv"].sel(record=name))
+        probability = at_blocks(body, one["p"].values, one["restitution"].values, one["probability"].values)[0]
+        ratio.append(-math.log(capacity * own))
+        chance.append(np.interp(np.log(levels / own / capacity), np.log(one["level"].values), probability))
+    weights = np.array([0.1] * 8 + [0.2])
+    middle = weights @ ratio
+    deviation = math.sqrt(weights @ (np.array(ratio) - middle) ** 2)
+    assert found["dispersion"].values[0] == pytest.approx(deviation, rel=1e-3)
+    assert found["median"].values[0] == pytest.approx(math.exp(-middle), rel=1e-3)
+    assert found["lognormal"].values[0] == pytest.approx(ndtr((np.log(levels) + middle) / deviation), abs=2e-3)
+    assert found["probability"].values[0] == pytest.approx(weights @ np.array(chance), abs=2e-3)
+    # 9.80665 0.35/2.6 = 1.32 m/s2 lifts it.
+    pga = rp.free_body_fragility(results, body, [1.3, 1.34])
+    assert (pga["lognormal"].values[0] > 0.0).tolist() == [False, True]
+    with pytest.raises(rp.ConfigError, match="measure: expected one of pga or pgv"):
+        rp.free_body_fragility(results, body, levels, "si")
+    with pytest.raises(rp.ConfigError, match="levels: expected positive numbers"):
+        rp.free_body_fragility(results, body, [0.0])
