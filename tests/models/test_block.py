@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from rocking.block import STANDARD_GRAVITY, Block
+from rocking.block_lanes import LANE_FIELDS
 
 
 def block(radius, **options):
@@ -118,6 +119,14 @@ def test_lanes_of_a_block_are_blocks_and_stack_again():
     assert bodies.lane(1).shape == ()
     assert type(bodies.lane(1).p) is float
     assert bodies.lane(0).lanes(3).p.tolist() == [bodies.p[0]] * 3
+
+
+def test_a_body_restored_from_its_lane_fields_is_the_body():
+    body = Block(width=0.5, height=3.0, gravity=9.7)
+    follow = ("slenderness", "critical_impulse")
+    again = Block.restored(9.7, **{name: getattr(body, name) for name in LANE_FIELDS if name not in follow})
+    for name in (*LANE_FIELDS, "gravity"):
+        assert getattr(again, name) == pytest.approx(getattr(body, name), rel=1e-14, nan_ok=True), name
 
 
 def test_blocks_in_different_gravity_do_not_stack():

@@ -10,12 +10,15 @@ from nominal import Config as nominal
 from numpy.testing import assert_allclose, assert_array_equal
 
 import rockpulse as rp
+from rocking.block_limits import RATES
 from rockpulse.assessment.assessment import assess, assess_scene
+from rockpulse.assessment.overturning import spectrum_values
 from rockpulse.assessment.probability import record_probability
 from rockpulse.assessment.scene import prepare
 from rockpulse.config.bodies import gather_bodies
 from rockpulse.models import Block, OverturningSpectrum, Uncertainty, overturning_probability, spectrum_lanes
 from rockpulse.storage.probability_variables import PROBABILITY, READ, SOURCES
+from rockpulse.storage.spectrum_variables import SPECTRUM as SPECTRUM_VARIABLES
 
 NONLINEAR = rp.ModelSettings(use=("nonlinear",))
 NAMES = [name + end for name in READ for end in ("", "_low", "_high")]
@@ -215,3 +218,15 @@ def test_at_a_demand_the_probability_is_that_of_the_spectrum_at_its_factor():
     block = Block(half_width=np.array([0.2]), half_height=np.array([1.5]))
     assert_allclose(found["demand_probability"], OverturningSpectrum(lanes()).overturning(block, factor))
     assert 0.0 < found["demand_probability"][0, 0] < 1.0
+
+
+def test_the_variables_of_the_spectrum_lie_at_its_frequency_parameters_and_are_nan_elsewhere():
+    config = configured(WALL)
+    one = assess_scene(prepare(record("one"), config), gather_bodies(config.blocks), config)
+    at = np.searchsorted(RATES, one.spectrum.p)
+    assert 0 < at.size < RATES.size
+    for name, values in spectrum_values(one.spectrum).items():
+        place = SPECTRUM_VARIABLES[name].dims.index("p")
+        found = np.moveaxis(one.spectra[name], place, -1)
+        assert_array_equal(found[..., at], np.moveaxis(values, place, -1))
+        assert np.isnan(np.delete(found, at, axis=-1)).all()

@@ -52,6 +52,9 @@ def test_margins_are_those_of_the_answers(tree):
     assert table["smallest"].tolist() == [one.smallest for one in margins]
     assert table["median"].tolist() == [one.median for one in margins]
     assert table["motion"]["wall"] == "sine"
+    assert list(zip(table["smallest_is_bound"], table["median_is_bound"], strict=True)) == [
+        one.bounds for one in margins
+    ]
     of_demand = tree.rockpulse.margin("SLV")
     assert of_demand["smallest"].tolist() == [one.smallest for one in answers_of(tree).margins(demand="SLV")]
     assert of_demand["smallest"]["wall"] != table["smallest"]["wall"]
