@@ -54,7 +54,7 @@ def test_without_a_verb_the_whole_help_is_shown(capsys):
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (["asess", "x"], """'study'); did you mean "assess"?"""),
+        (["asess", "x"], """'completion'); did you mean "assess"?"""),
         (["rule", "jugde"], 'did you mean "judge"?'),
         (["assess", "x", "-o", "y", "--worker", "3"], 'unrecognized arguments: --worker 3; did you mean "--workers"?'),
         (["assess", "x", "--ouput", "y"], 'required: -o/--output; --ouput is not known; did you mean "--output"?'),

@@ -184,13 +184,13 @@ def test_a_fault_while_writing_leaves_the_old_file_and_no_rubbish(tmp_path, monk
 
 def test_a_file_that_appears_during_the_run_is_not_replaced(tmp_path, monkeypatch):
     target = tmp_path / "results.h5"
-    flush = target_file._flush
+    flush = target_file.flush
 
     def meanwhile(path, mode):
         target.write_bytes(b"of somebody else")
         flush(path, mode)
 
-    monkeypatch.setattr(target_file, "_flush", meanwhile)
+    monkeypatch.setattr(target_file, "flush", meanwhile)
     with pytest.raises(ResultsError, match="the file exists"):
         save(results_tree(), target)
     assert target.read_bytes() == b"of somebody else"

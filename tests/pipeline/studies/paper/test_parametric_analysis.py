@@ -149,8 +149,8 @@ def test_peaks_that_no_block_can_have_are_flagged_and_told(figure):
         ({"impulse_ratios": [0.0, 0.2]}, "I/I_1c: expected positive numbers"),
         ({"restitutions": [1.5]}, "restitution: expected numbers from 0 to 1"),
         ({"restitutions": []}, "got none"),
-        ({"p": [-1.0]}, "p: expected positive"),
-        ({"duration": math.inf}, "duration: expected positive"),
+        ({"p": [-1.0]}, "p: expected numbers from 0.01 to 100"),
+        ({"duration": math.inf}, "duration: expected numbers from 0.01 to 10000"),
     ],
 )
 def test_a_value_out_of_range_is_named(options, words):
