@@ -47,7 +47,13 @@ def many_results(records, blocks, samples=6000, seed=0):
     for name in ("radius", "alpha_c", "p", "gravity", "slenderness", "critical_impulse", "restitution"):
         summary[name].values[:] = getattr(body, name)
     summary["width"].values[:], summary["height"].values[:] = 2.0 * body.half_width, 2.0 * body.half_height
-    for name, value in (("one_sided", 0), ("restraints", ""), ("floors", ""), ("friction", np.nan)):
+    for name, value in (
+        ("one_sided", 0),
+        ("restraints", ""),
+        ("floors", ""),
+        ("pedestal_of", ""),
+        ("friction", np.nan),
+    ):
         summary[name].values[:] = value
     summary["alpha_2"].values[:] = body.alpha_2
     outcome = numbers.choice(np.array([0, 1, 1, 2], dtype=np.int8), shape)

@@ -12,6 +12,7 @@ from markupsafe import Markup, escape
 from rockpulse.assessment.answers import Answers
 from rockpulse.assessment.verdict import BodyVerdict
 from rockpulse.config.configuration import config_from_text
+from rockpulse.errors import ResultsError
 from rockpulse.views.report.bodies import grade_cell
 from rockpulse.views.report.statements import sentence
 from rockpulse.views.report.wording import Words
@@ -72,6 +73,8 @@ def drawings(words: Words, tree: xr.DataTree) -> list[Drawing]:
     alone = summary["pedestal_of"].values.tolist() if "pedestal_of" in summary else [""] * len(names)
     found = []
     for place, (name, part) in enumerate(zip(names, alone, strict=True)):
+        if part and part not in names:
+            raise ResultsError(f"variable /summary/pedestal_of: expected the name of a body, found {part!r}")
         # A body with its first pedestal comes first, then that with the first two.
         joined = alone[: place + 1].count(part) if part else 0
         shape = shape_of(summary, part or name, below.get(part or name, ()), joined)
