@@ -87,7 +87,7 @@ def floor_record(record: Record, floors: Sequence[FloorSettings]) -> Record:
 def joined_responses(parts: Sequence[Response], lanes: Sequence[np.ndarray], samples: int) -> Response:
     """Responses of some lanes each, at their places, as one; histories at the (n,) samples of the ground."""
     count = sum(places.size for places in lanes)
-    found: dict[str, Any] = {"time": parts[0].time}
+    found: dict[str, Any] = {}
     for item in fields(Response):
         values = [getattr(part, item.name) for part in parts]
         if item.name == "time" or any(value is None for value in values):

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
@@ -15,6 +17,7 @@ from rockpulse.readers.held import (
     held_units,
     left_in_row,
 )
+from rockpulse.readers.sensitivity import sensitivity_notes
 
 TIMES = 0.01 * np.arange(1000)
 PEAK = 4.0 * np.exp(-(((TIMES - 5.0) / 0.02) ** 2)) - 1.0 * np.exp(-(((TIMES - 8.0) / 0.02) ** 2))
@@ -162,3 +165,22 @@ def test_the_count_in_the_integers():
     assert held_count(BEHIND, 35430) == held_count([], 35430) == held_count(["    0" * 16] * 7, 35430) == []
     assert held_count(BEHIND, 35429) == ["integer 28 of the header states 35430 points, the text 35429"]
     assert held_count(BEHIND, 135_430) == []  # for which there is no room
+
+
+@pytest.mark.parametrize(
+    ("unit", "first", "value", "told"),
+    [
+        ("M/S**2", "M/S**2", 600.0, False),
+        ("CM/S**2", "M/S**2", 6.0, False),  # counts for a hundredth
+        ("CM/S**2", "M/S**2", 600.0, True),
+        ("COUNTS", "CM/S**2", 600.0, False),  # of a unit that is not known, taken for that of the stages
+        ("M/S**2", "M/S**2", 571.0, True),
+    ],
+)
+def test_a_sensitivity_is_held_against_the_product_of_the_gains(unit, first, value, told):
+    stages = [
+        SimpleNamespace(stage_gain=gain, stage_sequence_number=number, input_units=first)
+        for number, gain in enumerate((2.0, 300.0), 1)
+    ]
+    whole = SimpleNamespace(value=value, input_units=unit)
+    assert bool(sensitivity_notes(SimpleNamespace(instrument_sensitivity=whole, response_stages=stages))) is told
