@@ -202,6 +202,29 @@ def test_metadata_that_do_not_come_back_are_refused_and_nothing_stays(tmp_path, 
     assert names(tmp_path) == []
 
 
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        (
+            {"acceleration": EAST.acceleration * (1.0 + 1e-9)},
+            r"the samples of CI\.CLC\.\.90 do not come back as written",
+        ),
+        ({"azimuth": float("nan"), "component": "", "channel": "HN1"}, "the azimuth comes back as nan instead of 90"),
+    ],
+)
+def test_miniseed_that_does_not_come_back_whole_is_refused_and_nothing_stays(tmp_path, monkeypatch, changes, message):
+    from rockpulse.readers import conversion, writers
+
+    def wrong(records, beside):
+        content, metadata, _ = writers.miniseed_bytes([replace(one, **changes) for one in records], beside)
+        return content, metadata, writers.miniseed_bytes([replace(records[0], channel="HN1")], beside)[2]
+
+    monkeypatch.setattr(conversion, "miniseed_bytes", wrong)
+    with pytest.raises(RecordRefused, match=message):
+        rp.write([replace(EAST, channel="HN1")], tmp_path / "out.mseed")
+    assert names(tmp_path) == []
+
+
 def test_a_channel_on_a_structure_is_logged(tmp_path, caplog):
     rp.write([EAST, replace(UP, orientation="structural")], tmp_path / "out.csv")
     assert caplog.messages == ["CI.CLC..Up: on a structure, which .csv files cannot say"]
