@@ -2,7 +2,7 @@
 
 What no test of behaviour can see is left out: texts of messages (formatted strings, ``raise`` statements, calls of the
 logger), annotations and what stands under TYPE_CHECKING, decorators, the guard ``strict`` of ``zip``, small pictures
-of objects (``_picture``). So are functions under njit, and all that stands
+of objects and the words beside them (``_picture``, ``_facts``). So are functions under njit, and all that stands
 outside of functions in their files: numba compiles it into kernels that it finds again in its cache.
 """
 
@@ -111,7 +111,9 @@ def _unseen(node, kernels: bool) -> bool:
             return True
         if parent.type == "funcdef":
             function = parent
-            if parent.name.value == "_picture" or any("njit" in one.get_code() for one in function.get_decorators()):
+            if parent.name.value in ("_picture", "_facts") or any(
+                "njit" in one.get_code() for one in function.get_decorators()
+            ):
                 return True
         child = parent
     return kernels and function is None

@@ -6,6 +6,7 @@ import sys
 import numpy as np
 import pytest
 import xarray as xr
+from report_cases import answers, summary_of
 from results_tree import results_bytes, results_tree
 
 import rockpulse as rp
@@ -44,6 +45,15 @@ def test_verdicts_are_those_of_the_overview(tree):
     assert table["worst"]["wall"] == "sine"
     assert table["verdict at SLV"].tolist() == ["no verdict"] * 2  # one earthquake is too few
     assert table["probability at SLV"].tolist() == [one.demands[0].share.value for one in found]
+
+
+def test_a_margin_that_may_be_larger_says_so(tree, monkeypatch):
+    """The second of three factors is where the model cannot answer, and may be as large as any."""
+    monkeypatch.setattr(Results, "_answers", answers(summary_of([2.0, 3.0, 4.0], resolved=[1, 0, 1])))
+    table = Results(tree).margin()
+    assert table[["smallest", "smallest_is_bound", "median", "median_is_bound"]].values.tolist() == [
+        [2.0, False, 3.0, True]
+    ]
 
 
 def test_margins_are_those_of_the_answers(tree):

@@ -229,6 +229,11 @@ def test_accelerations_that_run_like_time_are_named_by_their_own_heading(write):
         read(write(table(TIMES, VALUES, header="acc (g)  wind (m)\n")), units="g")
 
 
+def test_columns_over_frequencies_are_no_accelerations_whatever_stands_beside_them(write):
+    with pytest.raises(NotAcceleration, match=r"found columns over 'frequency \(Hz\)', a spectrum"):
+        read(write(table(0.1 + TIMES, VALUES, header="frequency (Hz)  acc (g)\n")), units="g")
+
+
 def test_the_count_and_the_interval_may_stand_at_the_head_of_the_column(write):
     (record,) = read(write(table(VALUES, header="200\n0.02\n")), units="g")
     assert (record.npts, record.dt) == (200, 0.02)
