@@ -83,6 +83,7 @@ def results_tree(cases=None):
             "radius": made("block", [1.107, 3.536, 1.2], "m", "half the diagonal R"),
             "alpha_c": made("block", [0.113, 0.142, 0.38], "rad", "critical angle"),
             "p": made("block", [2.58, 1.44, 2.6], "1/s", "frequency parameter"),
+            "gravity": made("block", [9.80665, 9.80665, 10.816], "m/s2", "acceleration of gravity"),
             "slenderness": made("block", [8.8, 7.0, 2.5], "1", "slenderness"),
             "restitution": made(restitution, c, "1", "velocity ratio of an impact"),
             "critical_impulse": made("block", [0.43, 0.98, 1.54], "m/s", "critical impulse"),

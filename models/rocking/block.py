@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 
 from rocking.arguments import numbers, positive, together
-from rocking.block_lanes import SLENDERNESS_RANGE, BlockLanes
+from rocking.block_lanes import SLENDERNESS_RANGE
 from rocking.block_limits import (
     check_restraints,
     most_restitution,
@@ -25,6 +25,7 @@ from rocking.block_limits import (
     remarks_on,
     restitutions_of,
 )
+from rocking.block_picture import BlockPicture
 from rocking.corners import Corner, both_corners
 from rocking.quantities import ArrayLike, Floats, Integers
 from rocking.restraint import Load, Restraints, Thrust, Tie, carried
@@ -37,7 +38,7 @@ logger = logging.getLogger("rockpulse")
 
 
 @dataclass(frozen=True, eq=False, init=False, repr=False)
-class Block(BlockLanes):
+class Block(BlockPicture):
     """A rigid block, or an array of them, by its half sizes or by its full ones.
 
     The fields broadcast to one shape (m,), or () for a single block.

@@ -7,12 +7,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import Any, Self
+from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 
-from rocking.block_picture import BlockPicture
-from rocking.quantities import ArrayLike, Booleans, Floats
+from rocking.quantities import ArrayLike, Booleans, Floats, Integers
+
+if TYPE_CHECKING:
+    from rocking.restraint import Restraints
 
 __all__ = ["LANE_FIELDS", "SLENDERNESS_RANGE", "BlockLanes"]
 
@@ -37,16 +39,36 @@ LANE_FIELDS = (
 )
 
 
-class BlockLanes(BlockPicture):
+class BlockLanes:
     """What a block can do with its lanes."""
 
     gravity: float
     warnings: tuple[str, ...]
+    half_width: Floats
+    half_height: Floats
+    restitution: Floats
+    alpha_c: Floats
+    p: Floats
+    radius: Floats
     slenderness: Floats
     critical_impulse: Floats
+    alpha_2: Floats
     p_2: Floats
+    radius_2: Floats
     restitution_2: Floats
+    side: Integers
     mass: Floats
+    restraints: Restraints | np.ndarray | None
+
+    @property
+    def width(self) -> Floats:
+        """Full width [m], 2b; NaN for a body given by p and alpha."""
+        return 2.0 * self.half_width
+
+    @property
+    def height(self) -> Floats:
+        """Full height [m], 2a; NaN for a body given by p and alpha."""
+        return 2.0 * self.half_height
 
     @property
     def shape(self) -> tuple[int, ...]:

@@ -1,22 +1,14 @@
-"""What a terminal and a notebook show of blocks: their sizes and constants, and their outlines to one scale.
-
-.. note:: A body is seen along its base, with theta > 0 to the right: its right-hand corner, about which it turns then,
-   is b_1 = R sin(alpha) right of the centre of mass. A body whose height is not known is drawn as the triangle of its
-   two corners and its centre of mass.
-"""
+"""What a terminal and a notebook show of blocks: their sizes and constants, and their outlines to one scale."""
 
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
 
 import numpy as np
 
-from rocking.quantities import Floats, Integers
+from rocking.block_lanes import BlockLanes
+from rocking.outline import Outline
 from rocking.svg_lines import BLUE, GREY, INK, ORANGE, RED, Picture, Shown, brief
-
-if TYPE_CHECKING:
-    from rocking.restraint import Restraints
 
 __all__ = ["BlockPicture"]
 
@@ -27,29 +19,8 @@ DRAWN = 8
 HEIGHT = 170.0
 
 
-class BlockPicture(Shown):
+class BlockPicture(BlockLanes, Shown):
     """What a block shows of itself."""
-
-    half_width: Floats
-    half_height: Floats
-    radius: Floats
-    radius_2: Floats
-    alpha_c: Floats
-    alpha_2: Floats
-    p: Floats
-    restitution: Floats
-    side: Integers
-    restraints: Restraints | np.ndarray | None
-
-    @property
-    def width(self) -> Floats:
-        """Full width [m], 2b; NaN for a body given by p and alpha."""
-        return 2.0 * self.half_width
-
-    @property
-    def height(self) -> Floats:
-        """Full height [m], 2a; NaN for a body given by p and alpha."""
-        return 2.0 * self.half_height
 
     def _facts(self) -> dict[str, str]:
         facts = {"of": f"{np.size(self.p)} bodies"} if np.ndim(self.p) else {}
@@ -68,72 +39,38 @@ class BlockPicture(Shown):
         return facts | {name: str(count) for name, count in counts.items() if count}
 
     def _picture(self) -> Picture:
-        lanes = {
-            name: np.ravel(getattr(self, name))[:DRAWN].tolist()
-            for name in ("half_height", "radius", "radius_2", "alpha_c", "alpha_2", "side")
-        }
-        held = np.ravel(np.array(self.restraints, dtype=object))
-        held = np.broadcast_to(held, np.size(self.p)) if held.size == 1 else held
-        bodies = [_Body(*values) for values in zip(*lanes.values(), held.tolist()[:DRAWN], strict=True)]
-        tallest = max(body.height for body in bodies)
+        shown = [self.lane(lane) for lane in range(self.shape[0])[:DRAWN]] if self.shape else [self]
+        bodies = [Outline.of(one) for one in shown]
+        tallest = max(body.top for body in bodies)
         gap = 0.3 * tallest
-        total = sum(body.first + body.second + gap for body in bodies) + gap
+        total = sum(body.width + gap for body in bodies) + gap
         picture = Picture((0.0, total), (-0.12 * tallest, 1.1 * tallest), height=HEIGHT, equal=True)
         picture.line([0.0, total], [0.0, 0.0], GREY)
         at = gap
         for body in bodies:
-            body.draw(picture, at + body.second, gap)
-            at += body.first + body.second + gap
+            _draw(picture, body, at + body.left, gap)
+            at += body.width + gap
         first = bodies[0]
-        if len(bodies) == 1 and first.rectangle:
-            width = first.first + first.second
-            picture.words(f"{width:.4g} m", gap + 0.5 * width, -0.11 * tallest)
-            picture.words(f"{first.height:.4g} m", gap + width + 0.03 * tallest, 0.5 * first.height, "start")
+        if len(bodies) == 1 and math.isfinite(first.height):
+            picture.words(f"{first.width:.4g} m", gap + 0.5 * first.width, -0.11 * tallest)
+            picture.words(f"{first.height:.4g} m", gap + first.width + 0.03 * tallest, 0.5 * first.height, "start")
         return picture
 
 
-class _Body:
-    """One body of the picture, by the half height, R and alpha about both corners, the side of its wall, its ties."""
-
-    def __init__(
-        self,
-        half_height: float,
-        radius: float,
-        radius_2: float,
-        alpha: float,
-        alpha_2: float,
-        side: float,
-        restraints: Restraints | None,
-    ) -> None:
-        self.first, self.second = radius * math.sin(alpha), radius_2 * math.sin(alpha_2)
-        self.centre = radius * math.cos(alpha)
-        self.rectangle = math.isfinite(half_height)
-        self.height = 2.0 * half_height if self.rectangle else self.centre
-        self.side, self.restraints = side, restraints
-
-    def draw(self, picture: Picture, x: float, gap: float) -> None:
-        """Draw the body with its centre of mass above x, a wall and what holds it within a gap on both sides."""
-        left, right = x - self.second, x + self.first
-        if self.rectangle:
-            picture.polygon([left, right, right, left], [0.0, 0.0, self.height, self.height])
-        else:
-            picture.polygon([left, right, x], [0.0, 0.0, self.centre])
-        picture.dot(x, self.centre, INK, 2.0)
-        if self.side:
-            wall = left if self.side > 0 else right
-            picture.line([wall, wall], [0.0, 1.08 * self.height], GREY, 3.0)
-        held = self.restraints
-        for tie in held.ties if held else ():
-            for sign in (1.0, -1.0):
-                if tie.side in ("both", "positive" if sign > 0.0 else "negative"):
-                    inside = right - tie.distance if sign > 0.0 else left + tie.distance
-                    outside = left - 0.8 * gap if sign > 0.0 else right + 0.8 * gap
-                    picture.line([inside, outside], [tie.height, tie.height], BLUE, 1.5)
-                    picture.dot(outside, tie.height, BLUE)
-        for load in held.loads if held else ():
-            bearing = 0.5 * (left + right) if load.distance is None else right - load.distance
-            picture.line([bearing, bearing], [load.height, load.height + 0.08 * self.height], ORANGE, 3.0)
-        for thrust in held.thrusts if held else ():
-            point, length = right - thrust.distance, math.copysign(0.6 * gap, thrust.force)
-            picture.line([point - length, point], [thrust.height, thrust.height], RED, 1.5)
-            picture.dot(point, thrust.height, RED)
+def _draw(picture: Picture, body: Outline, x: float, gap: float) -> None:
+    """Draw a body with its centre of mass above x, a wall and what holds it within a gap on both sides."""
+    across, up = np.transpose(body.corners)
+    picture.polygon(x + across, up)
+    picture.dot(x, body.centre, INK, 2.0)
+    if body.side:
+        wall = x - body.left if body.side > 0 else x + body.right
+        picture.line([wall, wall], [0.0, 1.08 * body.top], GREY, 3.0)
+    for tie in body.ties:
+        anchor = x + tie.edge + tie.outward * 0.8 * gap
+        picture.line([x + tie.attached, anchor], [tie.height, tie.height], BLUE, 1.5)
+        picture.dot(anchor, tie.height, BLUE)
+    for at, height in body.loads:
+        picture.line([x + at, x + at], [height, height + 0.08 * body.top], ORANGE, 3.0)
+    for at, height, force in body.thrusts:
+        picture.line([x + at - math.copysign(0.6 * gap, force), x + at], [height, height], RED, 1.5)
+        picture.dot(x + at, height, RED)

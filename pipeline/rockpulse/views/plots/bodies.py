@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from rocking.restraint import Restraints
+from rocking.outline import Outline
 from rockpulse.config.restraint_settings import floors_from_text
 from rockpulse.errors import ResultsError
 from rockpulse.views.plots.selection import block_of, one_name
@@ -73,46 +73,37 @@ def outlines(drawn: Sequence[tuple[str, Block, list[float]]]) -> Figure:
     return figure
 
 
-def _draw(ax: Axes, body: Block, name: str, periods: list[float]) -> None:
-    first, second = float(body.radius * np.sin(body.alpha_c)), float(body.radius_2 * np.sin(body.alpha_2))
-    centre = float(body.radius * np.cos(body.alpha_c))
-    width = first + second
-    height = float(body.height) if math.isfinite(body.height) else 2.0 * centre
-    middle = 0.5 * (first - second)
-    if math.isfinite(body.half_height):
-        ax.add_patch(_polygon([(-second, 0), (first, 0), (first, height), (-second, height)]))
-        ax.plot([first + 0.08 * height] * 2, [0.0, height], color=GREY, lw=0.6, marker="_", ms=4)
-        ax.text(first + 0.11 * height, 0.5 * height, f"{height:g} m", fontsize=SMALL, va="center")
-        ax.text(middle, -0.045 * height, f"{width:g} m", fontsize=SMALL, ha="center", va="top")
+def _draw(ax: Axes, block: Block, name: str, periods: list[float]) -> None:
+    body = Outline.of(block)
+    height = body.height if math.isfinite(body.height) else 2.0 * body.centre
+    middle = 0.5 * (body.right - body.left)
+    ax.add_patch(_polygon(body.corners))
+    if math.isfinite(body.height):
+        ax.plot([body.right + 0.08 * height] * 2, [0.0, height], color=GREY, lw=0.6, marker="_", ms=4)
+        ax.text(body.right + 0.11 * height, 0.5 * height, f"{height:g} m", fontsize=SMALL, va="center")
+        words = f"{body.width:g} m"
     else:
-        ax.add_patch(_polygon([(-second, 0), (first, 0), (0, centre)]))
-        words = f"b₁ {first:.3g} m, b₂ {second:.3g} m\nh {centre:.3g} m"
-        ax.text(middle, -0.045 * height, words, fontsize=SMALL, ha="center", va="top")
-    ax.plot([0.0], [centre], "o", ms=3, color=BLACK)
-    left = -second - 0.12 * height
+        words = f"b₁ {body.right:.3g} m, b₂ {body.left:.3g} m\nh {body.centre:.3g} m"
+    ax.text(middle, -0.045 * height, words, fontsize=SMALL, ha="center", va="top")
+    ax.plot([0.0], [body.centre], "o", ms=3, color=BLACK)
+    left = -body.left - 0.12 * height
     if body.side:
-        ax.add_patch(_polygon([(left, 0), (-second, 0), (-second, height), (left, height)], hatch="////"))
+        ax.add_patch(_polygon([(left, 0), (-body.left, 0), (-body.left, height), (left, height)], hatch="////"))
     ground = -0.16 * height
-    ax.plot([left - 0.1 * height, first + 0.35 * height], [0.0, 0.0], color=BLACK, lw=1.2)
+    ax.plot([left - 0.1 * height, body.right + 0.35 * height], [0.0, 0.0], color=BLACK, lw=1.2)
     if periods:
         words = "on a floor, T = " + ", ".join(f"{period:g}" for period in periods) + " s"
         ax.text(middle, ground, words, fontsize=SMALL, ha="center", va="top", color=BLUE)
-    held = body.restraints if isinstance(body.restraints, Restraints) else Restraints()
-    for tie in held.ties:
-        for side in (1.0, -1.0):
-            if tie.side in ("both", "positive" if side > 0 else "negative"):
-                at = (first if side > 0 else -second) - side * tie.distance
-                end = -side * ((second if side > 0 else first) + 0.3 * height)
-                ax.plot([at, end], [tie.height] * 2, color=BLUE, lw=1.4)
-                ax.plot([end], [tie.height], "s", ms=4, color=BLUE)
-    for load in held.loads:
-        at = first - (0.5 * width if load.distance is None else load.distance)
-        _arrow(ax, (at, load.height + 0.14 * height), (at, load.height), ORANGE)
-    for thrust in held.thrusts:
-        at = first - thrust.distance
-        _arrow(ax, (at - math.copysign(0.25 * height, thrust.force), thrust.height), (at, thrust.height), RED)
+    for tie in body.ties:
+        end = tie.edge + tie.outward * 0.3 * height
+        ax.plot([tie.attached, end], [tie.height] * 2, color=BLUE, lw=1.4)
+        ax.plot([end], [tie.height], "s", ms=4, color=BLUE)
+    for at, up in body.loads:
+        _arrow(ax, (at, up + 0.14 * height), (at, up), ORANGE)
+    for at, up, force in body.thrusts:
+        _arrow(ax, (at - math.copysign(0.25 * height, force), up), (at, up), RED)
     ax.set_aspect("equal")
-    ax.set_xlim(left - 0.25 * height, first + 0.45 * height)
+    ax.set_xlim(left - 0.25 * height, body.right + 0.45 * height)
     ax.set_ylim(-0.28 * height, 1.2 * height)
     ax.axis("off")
     ax.set_title(wrapped(plain(name), 20), fontsize=SMALL)

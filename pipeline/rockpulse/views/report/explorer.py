@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from rocking.block import Block
+from rocking.outline import Outline
 from rockpulse.assessment.answers import Answers, Body
 from rockpulse.assessment.overturning import overturning_curve
 from rockpulse.errors import ResultsError
@@ -202,16 +203,13 @@ def _told(motion: _Motion, columns: Columns) -> dict[str, Any]:
     return found
 
 
-def _outline(body: Block) -> dict[str, Any]:
+def _outline(block: Block) -> dict[str, Any]:
     """The outline of a body [m], the centre of mass above x = 0, and the angles of its corners [rad]."""
-    right, left = body.radius * math.sin(body.alpha_c), body.radius_2 * math.sin(body.alpha_2)
-    centre = body.radius * math.cos(body.alpha_c)
-    top = 2.0 * body.half_height
-    upper = [[right, top], [-left, top]] if math.isfinite(top) else [[0.0, centre]]
+    body = Outline.of(block)
     return {
-        "outline": [[round(float(x), 4), round(float(y), 4)] for x, y in ([-left, 0.0], [right, 0.0], *upper)],
-        "centre": round(float(centre), 4),
-        "alpha": [round(float(one), 6) for one in (body.alpha_c, body.alpha_2)],
+        "outline": [[round(x, 4), round(y, 4)] for x, y in body.corners],
+        "centre": round(body.centre, 4),
+        "alpha": [round(float(one), 6) for one in (block.alpha_c, block.alpha_2)],
         "wall": bool(body.side),
-        "held": body.restraints is not None,
+        "held": block.restraints is not None,
     }

@@ -9,14 +9,16 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from markupsafe import Markup, escape
 
+from rocking.outline import Outline
 from rockpulse.assessment.answers import Answers
 from rockpulse.assessment.verdict import BodyVerdict
 from rockpulse.config.configuration import config_from_text
 from rockpulse.errors import ResultsError
+from rockpulse.views.plots.selection import block_of
 from rockpulse.views.report.bodies import grade_cell
 from rockpulse.views.report.statements import sentence
 from rockpulse.views.report.wording import Words
-from rockpulse.views.shared.body_drawing import Shape, drawing, shape_of
+from rockpulse.views.shared.body_drawing import Support, drawing
 from rockpulse.views.shared.table import Cell
 
 if TYPE_CHECKING:
@@ -77,22 +79,24 @@ def drawings(words: Words, tree: xr.DataTree) -> list[Drawing]:
             raise ResultsError(f"variable /summary/pedestal_of: expected the name of a body, found {part!r}")
         # A body with its first pedestal comes first, then that with the first two.
         joined = alone[: place + 1].count(part) if part else 0
-        shape = shape_of(summary, part or name, below.get(part or name, ()), joined)
-        held = _held(words, shape)
+        body = Outline.of(block_of(summary, part or name))
+        floor = "floors" in summary and bool(summary["floors"].sel(block=part or name).item())
+        support = Support(floor, below.get(part or name, ()), joined)
+        held = _held(words, body, support)
         label = escape(words("drawing.label", name=name, held=f", {held}" if held else ""))
-        found.append(Drawing(Markup(drawing(shape, str(label), lambda value: words.figure(value, "m"))), held))
+        found.append(Drawing(Markup(drawing(body, support, str(label), lambda value: words.figure(value, "m"))), held))
     return found
 
 
-def _held(words: Words, shape: Shape) -> str:
+def _held(words: Words, body: Outline, support: Support) -> str:
     """What a body stands on and is held by, in words; empty for a free one on the ground."""
     there = {
-        "wall": shape.wall,
-        "floor": shape.floor,
-        "pedestal": bool(shape.pedestals),
-        "tie": bool(shape.ties),
-        "load": bool(shape.loads),
-        "thrust": bool(shape.thrusts),
+        "wall": body.side,
+        "floor": support.floor,
+        "pedestal": support.pedestals,
+        "tie": body.ties,
+        "load": body.loads,
+        "thrust": body.thrusts,
     }
     return ", ".join(words(f"drawing.{kind}") for kind, own in there.items() if own)
 

@@ -2,16 +2,18 @@
 
 import re
 
+import numpy as np
 import pytest
 
-from rockpulse.views.shared.body_drawing import SIDE, Shape, drawing
+from rocking.outline import Outline, TieLine
+from rockpulse.views.shared.body_drawing import SIDE, Support, drawing
 from rockpulse.views.shared.terminal import figure
 
-WALL = Shape(left=0.4, right=0.4, centre=4.5, height=9.0)
+WALL = Outline(left=0.4, right=0.4, centre=4.5, height=9.0)
 
 
-def drawn(shape):
-    return drawing(shape, "a body", lambda value: figure(value, "m"))
+def drawn(body, **support):
+    return drawing(body, Support(**support), "a body", lambda value: figure(value, "m"))
 
 
 def boxes(svg, kind):
@@ -19,9 +21,16 @@ def boxes(svg, kind):
     return [tuple(map(float, box)) for box in found]
 
 
+def body_of(svg):
+    """Left, top, width and height of the outline of the body."""
+    path = re.search(r'<path class="body" d="M([^Z]+)Z"/>', svg)[1]
+    corners = np.array([[float(one) for one in pair.split()] for pair in path.split("L")])
+    return (*corners.min(axis=0), *np.ptp(corners, axis=0))
+
+
 def test_a_wall_is_to_scale_and_has_its_sizes():
     svg = drawn(WALL)
-    ((_, _, width, height),) = boxes(svg, "body")
+    _, _, width, height = body_of(svg)
     assert height / width == pytest.approx(9.0 / 0.8, rel=0.02)
     assert ">9 m<" in svg
     assert ">0.8 m<" in svg
@@ -29,43 +38,37 @@ def test_a_wall_is_to_scale_and_has_its_sizes():
 
 
 def test_what_holds_a_body_is_drawn_where_it_acts():
-    tie = {"height": 8.0, "side": "positive", "distance": 0.0}
-    svg = drawn(
-        Shape(
-            0.4,
-            0.4,
-            4.5,
-            9.0,
-            wall=True,
-            floor=True,
-            ties=[tie],
-            loads=[{"height": 8.5}],
-            thrusts=[{"force": 5e3, "height": 6.0}],
-        )
-    )
+    held = Outline(0.4, 0.4, 4.5, 9.0, 1, (TieLine(0.4, -0.4, -1.0, 8.0),), ((0.0, 8.5),), ((0.4, 6.0, 5e3),))
+    svg = drawn(held, floor=True)
     for kind in ("wall", "floor", "tie", "load", "thrust"):
         assert f'class="{kind}"' in svg
-    ((_, top, _, height),) = boxes(svg, "body")
+    left, top, _, height = body_of(svg)
     level = float(re.search(r'class="tie" d="M[\d.]+ ([\d.]+)H', svg).group(1))
     assert level == pytest.approx(top + height / 9.0, abs=0.2)
     assert "ground" not in svg
+    ((at, _, width, _),) = boxes(svg, "wall")
+    assert at + width == pytest.approx(left, abs=0.11)
 
 
 def test_a_pedestal_stands_below_and_as_one_body_is_part_of_it():
-    statue = {"left": 0.25, "right": 0.25, "centre": 0.9, "height": 1.8, "pedestals": [(0.9, 1.2)]}
-    alone, joined = drawn(Shape(**statue)), drawn(Shape(**statue, joined=1))
+    statue = Outline(0.25, 0.25, 0.9, 1.8)
+    alone, joined = (drawn(statue, pedestals=[(0.9, 1.2)], joined=count) for count in (0, 1))
     ((_, top, width, _),) = boxes(alone, "pedestal")
-    ((_, above, narrow, height),) = boxes(alone, "body")
+    _, above, narrow, height = body_of(alone)
     assert top == pytest.approx(above + height, abs=0.2)
     assert width / narrow == pytest.approx(1.8, rel=0.02)
-    assert len(boxes(joined, "body")) == 2
+    assert boxes(joined, "pedestal") == []
+    assert len(boxes(joined, "body")) == 1
 
 
 def test_every_shape_stays_within_the_drawing():
-    flat = Shape(5.0, 5.0, 0.5, 1.0)
-    by_numbers = Shape(0.3, 0.3, 1.1, None)
-    for shape in (flat, by_numbers, WALL):
-        numbers = [float(one) for one in re.findall(r'[xy]="([\d.-]+)"', drawn(shape))]
+    flat = Outline(5.0, 5.0, 0.5, 1.0)
+    by_numbers = Outline(0.3, 0.3, 1.1)
+    for body in (flat, by_numbers, WALL):
+        svg = drawn(body)
+        left, top, width, height = body_of(svg)
+        numbers = [float(one) for one in re.findall(r'[xy]="([\d.-]+)"', svg)]
+        numbers += [left, top, left + width, top + height]
         assert min(numbers) >= 0.0
         assert max(numbers) <= SIDE
-    assert boxes(drawn(by_numbers), "body") == []
+    assert ">↕ 1.1 m<" in drawn(by_numbers)
