@@ -74,7 +74,8 @@ class ResponsePicture(Shown):
 
     def _history(self, time: np.ndarray, rotation: np.ndarray) -> Picture:
         """The rotation in time; of several lanes that of the first."""
-        x, y = thinned(time, rotation)
+        known = np.isfinite(rotation)
+        x, y = thinned(time[known], rotation[known])
         reach = max(float(np.max(np.abs(y), initial=0.0)), 1e-12)
         picture = Picture((float(time[0]), float(time[-1])), (-reach, reach))
         picture.line([time[0], time[-1]], [0.0, 0.0], GREY, 0.5)

@@ -29,6 +29,11 @@ def columns(
     return (header + end.join(rows) + end).encode()
 
 
+def table(*series: np.ndarray, header: str = "", delimiter: str = " ", number: str = "{:.6f}", end: str = "\n") -> str:
+    """The text of a table whose columns are some series."""
+    return columns(np.column_stack(series), header, delimiter, number, end).decode()
+
+
 def samples(channels: Sequence[Record]) -> dict[str, bytes]:
     """One column, DEEPSOIL, commas with headings, semicolons with decimal commas, tabs, series wrapped into rows."""
     east, north, up = (channel.acceleration for channel in channels)

@@ -124,26 +124,7 @@ def check_described(tree: xr.DataTree, path: str | os.PathLike[str]) -> None:
 
 
 def load(path: str | os.PathLike[str]) -> xr.DataTree:
-    """Read results into memory; the file is closed afterwards.
-
-    Parameters
-    ----------
-    path : str or Path
-        File written by :func:`save`.
-
-    Returns
-    -------
-    xarray.DataTree
-        The tree that was saved, with the provenance in its attributes.
-
-    Raises
-    ------
-    ResultsError
-        For a file that is no HDF5, is damaged, was not written by rockpulse, is an accuracy report, or has another
-        major schema version.
-    OSError
-        Where the file cannot be opened.
-    """
+    """Read results into memory, as :func:`rockpulse.load` does, which adds the accessor of an assessment."""
     from rockpulse.storage.hdf5_dataset import read_tree
 
     with opened(path) as (hdf5, kind), readable(path):

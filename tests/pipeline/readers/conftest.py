@@ -5,11 +5,11 @@ import pytest
 
 @pytest.fixture
 def write(tmp_path):
-    """The path of a file with some content, called record.txt by default."""
+    """The path of a file with some content, bytes or a text of latin-1, called record.txt by default."""
 
-    def written(content: bytes, name: str = "record.txt"):
+    def written(content: bytes | str, name: str = "record.txt"):
         path = tmp_path / name
-        path.write_bytes(content)
+        path.write_bytes(content.encode("latin-1") if isinstance(content, str) else content)
         return path
 
     return written

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import io
-import math
 
 import numpy as np
 import pandas as pd
@@ -19,8 +18,8 @@ EXPECTED = (
     "the grid of NTC 2008 (ID;LON;LAT;T30ag;T30F0;T30Tc;...)"
 )
 
-#: Distance of a site beyond which its hazard stands for no other [km], and the radius of the Earth [km].
-FARTHEST, RADIUS = 50.0, 6371.0
+#: Distance of a site beyond which its hazard stands for no other [km].
+FARTHEST = 50.0
 
 
 def separator(text: str) -> str:
@@ -75,6 +74,8 @@ def row_of_site(
     Without a site, the only row. Raises ConfigError for no row, several without a site, and a nearest one that is more
     than 50 km away.
     """
+    from obspy.geodetics import degrees2kilometers, locations2degrees
+
     longitude, latitude = (numbers(path, table, place) for place in places)
     if len(table) == 0:
         raise ConfigError(f"{path}: expected a row for a site, found none")
@@ -85,7 +86,7 @@ def row_of_site(
                 "latitude, or --site)"
             )
         return 0, f"the only place of the file, {_named(longitude[0], latitude[0])}"
-    distance = _distance(longitude, latitude, *site)
+    distance = degrees2kilometers(locations2degrees(latitude, longitude, site[1], site[0]))
     row = int(np.argmin(distance))
     named = _named(longitude[row], latitude[row])
     if not distance[row] <= FARTHEST:
@@ -98,11 +99,3 @@ def row_of_site(
 
 def _named(longitude: float, latitude: float) -> str:
     return f"{longitude:.4g} E {latitude:.4g} N"
-
-
-def _distance(longitude: np.ndarray, latitude: np.ndarray, east: float, north: float) -> np.ndarray:
-    """Distances on the sphere (n,) [km] from a site, by the haversine."""
-    other, own = np.radians(latitude), math.radians(north)
-    half = np.sin(0.5 * (other - own)) ** 2
-    half = half + np.cos(other) * math.cos(own) * np.sin(0.5 * np.radians(longitude - east)) ** 2
-    return np.asarray(2.0 * RADIUS * np.arcsin(np.sqrt(np.minimum(half, 1.0))))

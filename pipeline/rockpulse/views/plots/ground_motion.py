@@ -6,11 +6,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from rocking.svg_lines import thinned
 from rockpulse.views.plots.style import (
     BLACK,
     BLUE,
     FONT,
     GREY,
+    INSTANTS,
     ORANGE,
     RED,
     SKY,
@@ -20,7 +22,6 @@ from rockpulse.views.plots.style import (
     figure_of,
     legend_above,
     several_axes,
-    thinned,
     title,
 )
 from rockpulse.views.plots.words import label, plain, wrapped
@@ -109,7 +110,7 @@ def _half_waves(motion: xr.Dataset, phase: tuple[float, float], window: tuple[fl
     """The acceleration, with the strong half-waves of the phase filled."""
     time, acceleration = motion["time"].values, motion["acceleration"].values
     inside = (time >= window[0]) & (time <= window[1])
-    ax.plot(*thinned(time[inside], acceleration[inside]), color=GREY, lw=0.6)
+    ax.plot(*thinned(time[inside], acceleration[inside], INSTANTS), color=GREY, lw=0.6)
     first = True
     for start, end in zip(*_strong_waves(motion, phase), strict=True):
         within = (time > start) & (time < end)

@@ -9,9 +9,10 @@ import numpy as np
 from rocking.block import Block
 from rocking.impulse_sequence import ImpulseSequence
 from rocking.response import Outcome, Response
+from rocking.svg_lines import thinned
 from rockpulse.record.half_wave import STRONG, HalfWaves
 from rockpulse.views.plots.bodies import outlines
-from rockpulse.views.plots.style import BLACK, BLUE, GREY, PALE, RED, caption, legend_above, one_axes, thinned, title
+from rockpulse.views.plots.style import BLACK, BLUE, GREY, INSTANTS, PALE, RED, caption, legend_above, one_axes, title
 from rockpulse.views.plots.words import plain
 
 if TYPE_CHECKING:
@@ -142,7 +143,7 @@ def response(answer: Response, ax: Axes | None = None) -> Axes:
     for place, rotation in enumerate(lanes[:LANES]):
         words = Outcome(codes[place]).word.replace("_", " ")
         words = words if len(lanes) == 1 else f"lane {place + 1}: {words}"
-        ax.plot(*thinned(answer.time, rotation), lw=1.0, label=words)
+        ax.plot(*thinned(answer.time, rotation, INSTANTS), lw=1.0, label=words)
     ax.set_xlabel("time [s]")
     ax.set_ylabel(r"rotation $\theta$ [rad]")
     legend_above(ax, 3)

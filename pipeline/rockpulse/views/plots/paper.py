@@ -7,10 +7,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from rocking.response import Outcome
+from rocking.svg_lines import thinned
 from rockpulse.errors import ResultsError
 from rockpulse.option import hint
 from rockpulse.views.plots.style import (
     BLACK,
+    INSTANTS,
     PALE,
     SMALL,
     Panels,
@@ -20,7 +22,6 @@ from rockpulse.views.plots.style import (
     panel_title,
     ramp,
     several_axes,
-    thinned,
 )
 from rockpulse.views.plots.words import label, wrapped
 
@@ -198,7 +199,7 @@ def _histories(ax: Axes, lane: xr.Dataset, styles: list[Any]) -> None:
             ax.plot([], [], color=style.color, ls=style.line, lw=1.1, label=style.label)
             continue
         rotation = one["rotation_ratio"].values
-        ax.plot(*thinned(time, rotation), color=style.color, ls=style.line, lw=1.1, label=style.label)
+        ax.plot(*thinned(time, rotation, INSTANTS), color=style.color, ls=style.line, lw=1.1, label=style.label)
         seen = np.flatnonzero(np.isfinite(rotation))
         if int(one["outcome"]) == Outcome.OVERTURNS and seen.size < rotation.size:
             at = seen[-1]

@@ -7,11 +7,13 @@ from typing import Any
 
 import numpy as np
 
+from rocking.svg_lines import thinned
 from rockpulse.ladder import SEQUENCE_MODELS
 from rockpulse.views.plots.model_histories import History
 from rockpulse.views.plots.style import (
     BLACK,
     FONT,
+    INSTANTS,
     SMALL,
     Panels,
     caption,
@@ -20,7 +22,6 @@ from rockpulse.views.plots.style import (
     legend_above,
     look,
     several_axes,
-    thinned,
 )
 from rockpulse.views.plots.style import title as titled
 
@@ -68,7 +69,7 @@ def rotation_history(histories: Sequence[History], axes: Panels | None = None, t
         style = look(history.model)
         words = f"{style.label}: {_answer(history)}"
         shown = (history.time >= first) & (history.time <= last)
-        curve = thinned(history.time[shown], history.rotation[shown])
+        curve = thinned(history.time[shown], history.rotation[shown], INSTANTS)
         leads = history.model == _LEADING
         width, above = (1.7, 3.0) if leads else (1.0, 2.0)
         moving.plot(*curve, color=style.color, ls=style.line, lw=width, zorder=above, label=words)

@@ -6,7 +6,6 @@ by side in one process, or in a user's own session, do not change each other.
 
 from __future__ import annotations
 
-import itertools
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
@@ -25,6 +24,7 @@ __all__ = [
     "FONT",
     "GREEN",
     "GREY",
+    "INSTANTS",
     "ORANGE",
     "PALE",
     "PURPLE",
@@ -46,7 +46,6 @@ __all__ = [
     "plain_ticks",
     "ramp",
     "several_axes",
-    "thinned",
     "title",
 ]
 
@@ -73,7 +72,7 @@ PALE = "#DDDDDD"
 #: Label of the figures that are made here.
 _OURS = "rockpulse"
 
-#: More instants than these cannot be told apart on the page.
+#: Columns by which a long history is drawn: more cannot be told apart on the page.
 INSTANTS = 700
 
 
@@ -257,22 +256,3 @@ def plain_ticks(axis: Axis) -> None:
     axis.set_major_locator(LogLocator(subs=(1.0,) if high / low > 200.0 else (1.0, 2.0, 5.0)))
     axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
     axis.set_minor_formatter(NullFormatter())
-
-
-def thinned(time: np.ndarray, values: np.ndarray, most: int = INSTANTS) -> tuple[np.ndarray, np.ndarray]:
-    """A long history by the extremes of each of `most` stretches: the same picture from a few points.
-
-    The smallest and largest value of every stretch stand in the order in which they come, NaN where a stretch holds
-    nothing else. A history of at most twice as many instants is left alone.
-    """
-    if values.size <= 2 * most:
-        return time, values
-    edges = np.linspace(0, values.size, most + 1).astype(int)
-    kept = []
-    for first, last in itertools.pairwise(edges.tolist()):
-        stretch = values[first:last]
-        if np.all(np.isnan(stretch)):
-            kept.append(first)
-        else:
-            kept += sorted({first + int(np.nanargmin(stretch)), first + int(np.nanargmax(stretch))})
-    return time[kept], values[kept]

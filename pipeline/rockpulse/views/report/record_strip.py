@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from itertools import pairwise
-
 import numpy as np
 
+from rocking.svg_lines import thinned
 from rockpulse.record.record import STANDARD_GRAVITY
 
 __all__ = ["strip"]
@@ -32,7 +31,7 @@ def strip(acceleration: np.ndarray, dt: float, intense: tuple[float, float]) -> 
     end = dt * (acceleration.size - 1)
     span, high = WIDTH - LEFT, HEIGHT - BOTTOM - TOP
     middle = TOP + high / 2
-    x, y = _envelope(acceleration, span)
+    x, y = thinned(np.linspace(0.0, span, acceleration.size), acceleration, span)
     down = middle - y / (peak or 1.0) * high / 2
     points = [f"{LEFT + place:.0f} {level:.1f}" for place, level in zip(x, down, strict=True)]
     shade = ""
@@ -53,19 +52,3 @@ def strip(acceleration: np.ndarray, dt: float, intense: tuple[float, float]) -> 
         peak=f"{peak / STANDARD_GRAVITY:.3g}",
         end=end,
     )
-
-
-def _envelope(acceleration: np.ndarray, columns: int) -> tuple[np.ndarray, np.ndarray]:
-    """Smallest and largest sample of every column, in the order in which they come."""
-    if acceleration.size <= 2 * columns:
-        return np.linspace(0.0, columns, acceleration.size), acceleration
-    edges = np.linspace(0, acceleration.size, columns + 1).astype(int)
-    places: list[int] = []
-    values: list[float] = []
-    for column, (first, last) in enumerate(pairwise(edges)):
-        own = acceleration[first:last]
-        lowest, highest = int(own.argmin()), int(own.argmax())
-        for place in sorted({lowest, highest}):
-            places.append(column)
-            values.append(float(own[place]))
-    return np.array(places, dtype=float), np.array(values)

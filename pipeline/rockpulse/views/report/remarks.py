@@ -10,6 +10,7 @@ import numpy as np
 
 from rockpulse.assessment.answers import Answers, Motions
 from rockpulse.assessment.demand import FARTHEST
+from rockpulse.assessment.screens import sliding, worse_screens
 from rockpulse.assessment.verdict import FEWEST_AT_DEMAND, MAY_OVERTURN, BodyVerdict, Grade
 from rockpulse.ladder import is_upper_bound
 from rockpulse.motions.events import CONFIDENCE, FEWEST_EVENTS, share_interval
@@ -185,26 +186,14 @@ def _of_spectrum(words: Words, site: xr.Dataset, standing: Sequence[BodyVerdict]
 
 def _of_bodies(words: Words, answers: Answers, found: Sequence[BodyVerdict]) -> list[Limit]:
     """Remarks on bodies that stand on a pedestal, and on those whose friction does not hold them."""
-    said, summary = [], answers.summary
-    whole = summary["pedestal_of"].values.tolist() if "pedestal_of" in summary else []
-    for alone in dict.fromkeys(filter(None, whole)):
-        screens = [one for one in found if alone in (one.body.block, whole[one.body.place])]
-        if len({one.body.block for one in screens}) > 1:
-            worst = max(screens, key=lambda one: (one.overall, one.decides.value))
-            value = words.ratio(worst.decides.value)
-            said.append(_limit(words, "limits", "pedestal", name=alone, worst=worst.body.name, value=value))
-    if "friction_required" not in summary:
-        return said
-    friction = summary["friction"].values
-    for lane, body in enumerate(answers.bodies):
-        required = answers["friction_required"][:, lane]
-        above = int(np.count_nonzero(required > friction[body.place]))
-        if above:
-            most, own = words.ratio(float(np.nanmax(required))), words.number(f"{friction[body.place]:g}")
-            total = words.several(len(required), "record")
-            said.append(
-                _limit(words, "decides", "slides", name=body.name, count=above, total=total, most=most, friction=own)
-            )
+    said = []
+    for alone, worst in worse_screens(answers, found):
+        value = words.ratio(worst.decides.value)
+        said.append(_limit(words, "limits", "pedestal", name=alone, worst=worst.body.name, value=value))
+    for one in sliding(answers):
+        told = {"total": words.several(one.total, "record"), "most": words.ratio(one.most)}
+        own = words.number(f"{one.friction:g}")
+        said.append(_limit(words, "decides", "slides", name=one.body.name, count=one.above, friction=own, **told))
     return said
 
 

@@ -8,6 +8,7 @@ import numpy as np
 
 from rocking.response import Outcome, Reason
 from rockpulse.assessment.answers import Answers, Motions
+from rockpulse.assessment.screens import sliding, worse_screens
 from rockpulse.assessment.verdict import MAY_OVERTURN, OVERTURNS, BodyVerdict
 from rockpulse.ladder import MODELS, UPPER_BOUND, is_upper_bound
 from rockpulse.motions.events import FEWEST_EVENTS
@@ -136,28 +137,16 @@ def noun(motions: Motions) -> str:
 
 def body_notes(answers: Answers, found: Sequence[BodyVerdict]) -> list[str]:
     """A sentence on every body that stands on a pedestal, and on every one whose friction does not hold it."""
-    notes, summary = [], answers.summary
-    whole = summary["pedestal_of"].values.tolist() if "pedestal_of" in summary else []
-    for alone in dict.fromkeys(filter(None, whole)):
-        screens = [one for one in found if alone in (one.body.block, whole[one.body.place])]
-        if len({one.body.block for one in screens}) > 1:
-            worst = max(screens, key=lambda one: (one.overall, one.decides.value))
-            notes.append(
-                f"{alone}: of its screens, alone and with its pedestal as one body, that of {worst.body.name} is the "
-                f"worse ({worst.word}, {ratio(worst.decides.value)}) and counts; motions of both parts at once are not "
-                "modelled."
-            )
-    if "friction_required" in summary:
-        friction = summary["friction"].values
-        for lane, body in enumerate(answers.bodies):
-            required = answers["friction_required"][:, lane]
-            above = int(np.count_nonzero(required > friction[body.place]))
-            if above:
-                notes.append(
-                    f"{body.name}: {above} of {several(len(required), 'record')} ask for more friction than "
-                    f"{friction[body.place]:g} (up to {ratio(float(np.nanmax(required)))}): it would slide, which the "
-                    "rocking here leaves out."
-                )
+    notes = [
+        f"{alone}: of its screens, alone and with its pedestal as one body, that of {worst.body.name} is the worse "
+        f"({worst.word}, {ratio(worst.decides.value)}) and counts; motions of both parts at once are not modelled."
+        for alone, worst in worse_screens(answers, found)
+    ]
+    notes += [
+        f"{one.body.name}: {one.above} of {several(one.total, 'record')} ask for more friction than {one.friction:g} "
+        f"(up to {ratio(one.most)}): it would slide, which the rocking here leaves out."
+        for one in sliding(answers)
+    ]
     return notes
 
 

@@ -10,7 +10,7 @@ from make_format_samples import source_channels
 from record_writers import pulse
 from record_writers.cosmos import cosmos, counts, samples, series
 
-from rockpulse.errors import RecordFormatError, RecordRefused, UnitError
+from rockpulse.errors import RecordFormatError, RecordRefused
 from rockpulse.readers import read
 from rockpulse.readers.folders import read_all
 from rockpulse.readers.source import NotAcceleration
@@ -110,14 +110,6 @@ def test_units_by_name_and_by_code(write, unit, code, factor):
     (record,) = read(write(cosmos(pulse(), unit=unit, code=code)))
     assert record.unit_factor == pytest.approx(factor, rel=1e-12)
     assert record.pga == pytest.approx(0.3 * factor, rel=1e-5)
-
-
-@pytest.mark.parametrize(
-    ("unit", "code"), [("g.", "(04)"), ("counts", "(02)"), ("volts", "(51)"), ("g.", "(99)"), ("furlong", "")]
-)
-def test_a_unit_that_name_and_code_do_not_agree_on(write, unit, code):
-    with pytest.raises(UnitError, match=r"test.V1C:45: .*unit"):
-        read(write(cosmos(pulse(), unit=unit, code=code)))
 
 
 def test_counts_with_every_factor_of_the_gain(write):
@@ -381,54 +373,6 @@ def test_the_real_counts_have_every_factor(records_folder):
     assert record.warnings == ()
 
 
-def channels_of_three(*numbers: int) -> bytes:
-    directions = {1: ("360 deg", 360), 2: ("Up", 400), 3: (" 90 deg", 90)}
-    return b"".join(
-        cosmos(pulse(), number=number, component=directions[number][0], azimuth=directions[number][1])
-        for number in numbers
-    )
-
-
-@pytest.mark.parametrize(("numbers", "lacking"), [((1, 2, 3), False), ((1, 2), True), ((1, 3), True), ((2,), False)])
-def test_channels_that_the_header_counts_and_the_file_lacks(write, numbers, lacking):
-    for record in read(write(channels_of_three(*numbers))):
-        assert any("the header counts 3 channels of this recorder" in note for note in record.warnings) is lacking
-
-
-def test_a_file_of_one_channel_without_its_last_line_says_so(write):
-    content = channels_of_three(1)
-    (record,) = read(write(content[: content.index(b"End-of-data")]))
-    assert "the file holds 1; it may be truncated" in record.warnings[0]
-
-
-def test_a_channel_of_one_number_with_other_samples_is_damage(write):
-    with pytest.raises(
-        RecordFormatError, match=r"test.V1C:97: expected another channel, found that of line 1 a second"
-    ):
-        read(write(channels_of_three(1) + cosmos(pulse(peak=0.2), number=1, component="360 deg", azimuth=360)))
-
-
-@pytest.mark.parametrize(
-    ("old", "new", "warned"),
-    [
-        (b"units=g.     (02)", b"units=cm/s2. (04)", True),
-        (b"units=g.     (02)", b"units=mg.    (11)", True),
-        (b"units=g.     (02)", b"units=g.     (02)", False),
-    ],
-)
-def test_the_peak_of_the_text_has_a_unit_of_its_own(write, old, new, warned):
-    content = cosmos(pulse())
-    assert old in content
-    (record,) = read(write(content.replace(old, new)))
-    assert any("the header states a peak of 0.3 g" in note for note in record.warnings) is warned
-
-
-def test_the_quantity_of_title_and_integer(write):
-    with pytest.raises(RecordFormatError, match=r"test.V1C:1: the title says .* integer header 2 says 2, velocity"):
-        read(write(cosmos(pulse(), integers={2: 2})))
-    assert read(write(cosmos(pulse(), integers={2: -999})))[0].warnings == ()
-
-
 @pytest.mark.parametrize(
     ("zone", "kept"), [("Local", False), ("local", False), ("Pdt", False), ("utc", True), ("", True)]
 )
@@ -436,44 +380,3 @@ def test_zones_in_small_letters(write, zone, kept):
     (record,) = read(write(cosmos(pulse(), zone=zone)))
     assert (record.start_time is not None) is kept
     assert kept or f"the start time is in {zone}" in record.warnings[0]
-
-
-@pytest.mark.parametrize("place", ["West wall 4th level", "10th-floor", "Subbasement"])
-def test_a_free_field_code_does_not_hide_a_structure(write, place):
-    assert read(write(cosmos(pulse(), site=4, place=place)))[0].orientation == "structural"
-
-
-@pytest.mark.parametrize(
-    ("component", "azimuth", "orientation", "sign", "told"),
-    [
-        ("0 Deg", 0, "vertical", 1.0, "an azimuth of 0 degrees"),
-        ("Up", 0, "vertical", 1.0, "'Up' and 0 (integer header 54)"),
-        ("0 Deg", 401, "vertical", -1.0, "'0 Deg' and 401 (integer header 54)"),
-        ("Up", 401, "unknown", 1.0, ""),
-        ("Up", 400, "vertical", 1.0, ""),
-    ],
-)
-def test_a_channel_code_of_seed_decides_between_vertical_and_horizontal(
-    write, component, azimuth, orientation, sign, told
-):
-    content = cosmos(pulse(), component=component, azimuth=azimuth, comments=("<SCNL>AKBMR.BNZ.AK.--",))
-    (record,) = read(write(content))
-    strongest = np.argmax(np.abs(pulse()))
-    assert (record.orientation, record.channel) == (orientation, "BNZ")
-    assert np.sign(record.acceleration[strongest]) == sign * np.sign(pulse()[strongest])
-    said = [warning for warning in record.warnings if "the channel code BNZ says vertical, the header " in warning]
-    assert len(said) == bool(told)
-    assert told in " ".join(said)
-
-
-@pytest.mark.parametrize(("code", "azimuth"), [(359, 0.0), (1, 0.0), (358, np.nan), (2, np.nan), (178, np.nan)])
-def test_words_and_integer_of_a_direction_may_differ_by_a_degree(write, code, azimuth):
-    (record,) = read(write(cosmos(pulse(), component="360 deg", azimuth=code)))
-    assert record.azimuth == pytest.approx(azimuth, nan_ok=True)
-
-
-def test_the_peak_is_that_of_the_series_and_not_of_the_uncorrected_one(write):
-    content = cosmos(pulse())
-    assert content.count(b"Uncor max =   0.300") == 1
-    (record,) = read(write(content.replace(b"Uncor max =   0.300", b"Uncor max =   0.700")))
-    assert record.header_peak == pytest.approx(0.3 * G, abs=1e-6)

@@ -13,7 +13,7 @@ import pytest
 from matplotlib.figure import Figure
 
 from rockpulse.views.plots.picture import picture_bytes, svg
-from rockpulse.views.plots.style import caption, legend_above, one_axes, panel_title, thinned, title
+from rockpulse.views.plots.style import caption, legend_above, one_axes, panel_title, title
 
 
 def figure(words="a <b> & 'c'"):
@@ -110,16 +110,3 @@ def test_nothing_is_kept_of_a_picture():
     gone = weakref.ref(figure())
     gc.collect()
     assert gone() is None
-
-
-def test_a_thinned_history_keeps_its_extremes():
-    import numpy as np
-
-    time = np.arange(100_000) * 0.01
-    values = np.random.default_rng(1).normal(size=time.size)
-    values[5000:6000] = np.nan
-    short, drawn = thinned(time, values)
-    assert drawn.size < 1500
-    assert (np.nanmin(drawn), np.nanmax(drawn)) == (np.nanmin(values), np.nanmax(values))
-    assert np.all(np.diff(short) > 0.0)
-    assert np.isnan(drawn).any()

@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from nominal import ida
+from real_browser import chromium
 
 import rockpulse as rp
 from rockpulse import CalibrationSettings, SearchSettings
@@ -79,3 +80,11 @@ def fragility(bursts, bodies, config):
 def whole_page(results, site, fragility):
     """The page with everything on it."""
     return report_page(results, site, fragility)
+
+
+@pytest.fixture(scope="module")
+def browser(tmp_path_factory):
+    """One browser for all tests of a module."""
+    driver = chromium(tmp_path_factory.mktemp("profile"))
+    yield driver
+    driver.quit()

@@ -6,7 +6,7 @@ import re
 
 import pytest
 from many_results import many_results
-from real_browser import NEEDS_BROWSER, chromium
+from real_browser import NEEDS_BROWSER
 
 from rockpulse.views.report.writing import write_report
 from rockpulse.views.shared.answer_cells import TITLES
@@ -15,14 +15,6 @@ pytestmark = NEEDS_BROWSER
 
 #: A4 in points.
 A4 = (595, 842)
-
-
-@pytest.fixture(scope="module")
-def browser(tmp_path_factory):
-    """One browser for all tests of the module."""
-    driver = chromium(tmp_path_factory.mktemp("profile"))
-    yield driver
-    driver.quit()
 
 
 @pytest.fixture(scope="module")

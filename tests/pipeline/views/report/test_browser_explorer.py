@@ -8,21 +8,13 @@ import time
 import numpy as np
 import pytest
 from many_results import many_results
-from real_browser import NEEDS_BROWSER, chromium
+from real_browser import NEEDS_BROWSER
 
 import rockpulse as rp
 from rockpulse.cli import main
 from rockpulse.views.report.writing import write_report
 
 pytestmark = NEEDS_BROWSER
-
-
-@pytest.fixture(scope="module")
-def browser(tmp_path_factory):
-    """One browser for all tests of the module."""
-    driver = chromium(tmp_path_factory.mktemp("profile"))
-    yield driver
-    driver.quit()
 
 
 @pytest.fixture(scope="module")
