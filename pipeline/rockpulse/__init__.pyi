@@ -82,7 +82,9 @@ from .studies.risk.frequency import annual_frequency as annual_frequency
 from .studies.risk.hazard import HazardCurve as HazardCurve
 from .studies.risk.hazard import PowerLawHazard as PowerLawHazard
 from .studies.risk.hazard_files import load_hazard as load_hazard
+from .studies.risk.hazard_files import load_site_hazards as load_site_hazards
 from .studies.risk.inventory import inventory_frequency as inventory_frequency
+from .studies.risk.site_hazards import SiteHazards as SiteHazards
 from .studies.risk.standing import standing_test as standing_test
 from .studies.site.calibration import calibrate_site as calibrate_site
 from .views.plots.dispatch import plot as plot

@@ -6,9 +6,13 @@ import argparse
 import sys
 from dataclasses import replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from rockpulse.commands.telling import QUIET, tell
 from rockpulse.commands.verb import Verb
+
+if TYPE_CHECKING:
+    from rockpulse.studies.risk.inventory_table import Inventory
 
 __all__ = ["VERB"]
 
@@ -24,7 +28,8 @@ def _add_arguments(parser: argparse.ArgumentParser) -> None:
         "--bodies",
         metavar="TABLE",
         help='free bodies, any number, that the spectra of results stand for: a table (CSV) with the columns "name", '
-        '"width [m]", "height [m]", perhaps "restitution"',
+        '"width [m]", "height [m]", perhaps "restitution", perhaps "longitude" and "latitude", for the hazard of each '
+        'body\'s own site, and "soil factor"',
     )
     parser.add_argument(
         "--hazard",
@@ -75,7 +80,7 @@ def _run(args: argparse.Namespace) -> int:
     from rockpulse.errors import ConfigError
     from rockpulse.storage.save_load import load
     from rockpulse.studies.risk.frequency import annual_frequency
-    from rockpulse.studies.risk.hazard_files import hazard_of
+    from rockpulse.studies.risk.hazard_files import hazard_of, site_hazards_of
     from rockpulse.studies.risk.inventory import inventory_frequency
     from rockpulse.studies.risk.inventory_table import read_inventory
     from rockpulse.studies.risk.standing import standing_test
@@ -108,14 +113,15 @@ def _run(args: argparse.Namespace) -> int:
         settings = replace(settings, longitude=args.site[0], latitude=args.site[1])
     if args.soil_factor is not None:
         settings = replace(settings, soil_factor=args.soil_factor)
-    hazard = hazard_of(settings, folder)
     years = settings.years if args.years is None else args.years
     if args.bodies is not None:
-        names, block = read_inventory(args.bodies)
-        found = inventory_frequency(tree, block, hazard, years).assign_coords(body=names)
+        bodies = read_inventory(args.bodies)
+        _check_sites(args, bodies)
+        hazards = site_hazards_of(settings, bodies.sites, bodies.soil_factor, len(bodies.names), folder)
+        found = inventory_frequency(tree, bodies.block, hazards, years).assign_coords(body=bodies.names)
     else:
         resamples = 500 if args.resamples is None else args.resamples
-        found = annual_frequency(tree, hazard, limit_state, years, resamples=resamples)
+        found = annual_frequency(tree, hazard_of(settings, folder), limit_state, years, resamples=resamples)
     standing = None if args.age is None else standing_test(found, args.age)
     if args.bodies is not None:
         contents = [tables.inventory_table(found, standing)]
@@ -130,6 +136,18 @@ def _run(args: argparse.Namespace) -> int:
         for words in warnings:
             tell(f"warning: {words}", sys.stderr)
     return 0
+
+
+def _check_sites(args: argparse.Namespace, bodies: Inventory) -> None:
+    """Refuse an option that says of all bodies what the table says of each."""
+    from rockpulse.errors import ConfigError
+
+    for option, given, column, told in (
+        ("--site", args.site, "longitude and latitude", bodies.sites),
+        ("--soil-factor", args.soil_factor, "soil factor", bodies.soil_factor),
+    ):
+        if given is not None and told is not None:
+            raise ConfigError(f"{option}: {args.bodies} has {column} for each body; expected one of them, found both")
 
 
 def _files(output: str | None, levels: bool) -> list[Path]:

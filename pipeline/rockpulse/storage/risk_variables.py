@@ -64,6 +64,7 @@ INVENTORY: Declared = along(
         "below": real("1", "share of the frequency from levels below those that the hazard was given for"),
         "above": real("1", "share of the frequency from levels above those that the hazard was given for"),
         "far": real("1", "share of the frequency from records at factors beyond those of [fragility] factors"),
+        "hazard_distance": real("m", "distance of the body's site from the place that its hazard was computed for"),
         "status": flag([one.name.lower() for one in RiskStatus], "whether there is a frequency, and why not"),
     },
 )

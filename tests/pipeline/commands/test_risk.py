@@ -133,6 +133,20 @@ def test_an_inventory_is_read_from_the_spectra_of_results(fragility, tmp_path, c
     assert found["frequency"].is_monotonic_decreasing  # the wider, the rarer
     total = sum(found["frequency"])
     assert f"all together {total:.2e} a year" in shown
+    # The same bodies at sites of their own: the last ten at one whose rates are ten times as high.
+    east = ["13" if k < 5 else "14" for k in range(15)]
+    rows = "".join(f"b{k},{0.3 + 0.02 * k},3,{east[k]},42.01\n" for k in range(15))
+    bodies.write_text(f"name,width [m],height [m],longitude,latitude\n{rows}")
+    curve.write_text("LON,LAT,TR=10ag [g],TR=1000ag [g]\n13,42,0.0102,0.102\n14,42,0.0323,0.323\n".replace("TR=", "T"))
+    assert main([*arguments, "--overwrite"]) == 0
+    shown = " ".join(capsys.readouterr().out.split())
+    assert "of the place nearest to each body, up to 1.1 km away" in shown
+    sited = pd.read_csv(table)
+    ratio = (sited["frequency"] / found["frequency"]).to_numpy()
+    assert ratio[5:] == pytest.approx(10.0 * ratio[:5].mean(), rel=2e-2)
+    assert sited["hazard_distance"].to_numpy() == pytest.approx(1112.0, abs=1.0)
+    assert main([*arguments, "--overwrite", "--site", "13", "42"]) == 2
+    assert "--site: " in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(
@@ -142,6 +156,9 @@ def test_an_inventory_is_read_from_the_spectra_of_results(fragility, tmp_path, c
         ("name,width [m],height [m]\na,0.4,3\na,0.4,3\n", "a name for each body, no two alike"),
         ("name,width [m],height [m]\na,0.4,x\n", "a: expected positive numbers"),
         ("name,width [m],height [m],restitution\na,0.4,3,1.5\n", "restitution"),
+        ("name,width [m],height [m],longitude\na,0.4,3,13\n", "longitude and latitude [degrees] or neither"),
+        ("name,width [m],height [m],longitude,latitude\na,0.4,3,13,142\n", "a: expected a longitude from -180 to 360"),
+        ("name,width [m],height [m],soil factor\na,0.4,3,\n", "a: expected positive numbers"),
     ],
 )
 def test_wrong_inventories_are_told(fragility, tmp_path, capsys, text, told):

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 from rockpulse.config.configuration import Config
-from rockpulse.studies.risk.hazard import Hazard
 
 __all__ = ["fragility_assumed", "hazard_assumed", "several_events"]
 
@@ -31,10 +32,10 @@ def several_events(count: int) -> str:
     return "1 earthquake" if count == 1 else f"{count} earthquakes"
 
 
-def hazard_assumed(hazard: Hazard, config: Config) -> str:
+def hazard_assumed(remarks: Iterable[str], config: Config) -> str:
     """The remarks on a hazard, and for which ground and which component it has to be given."""
     wanted = f"to be of the ground below the bodies, and of {COMPONENTS[config.records.components]}"
-    return "; ".join([*hazard.remarks, wanted])
+    return "; ".join([*remarks, wanted])
 
 
 def fragility_assumed(config: Config, model: str, records: int, events: int) -> str:

@@ -149,7 +149,7 @@ def annual_frequency(
     )
     risk.attrs.update(
         hazard=hazard.words,
-        hazard_assumed=hazard_assumed(hazard, ensemble.config),
+        hazard_assumed=hazard_assumed(hazard.remarks, ensemble.config),
         fragility=fragility_assumed(ensemble.config, model, len(ensemble.ids), len(set(ensemble.clusters))),
         measure=hazard.measure,
         unit=hazard.unit,

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
+from numpy.typing import ArrayLike
 
 from rockpulse.config.hazard_settings import HazardSettings
 from rockpulse.errors import ConfigError
@@ -16,14 +18,16 @@ from rockpulse.studies.risk.hazard import Hazard, HazardCurve, PowerLawHazard, k
 from rockpulse.studies.risk.hazard_table import (
     EXPECTED,
     coordinates,
+    named,
+    nearest_places,
     numbers,
     rates,
-    row_of_site,
     separator,
     table_of,
 )
+from rockpulse.studies.risk.site_hazards import SiteHazards, of_each
 
-__all__ = ["hazard_of", "load_hazard"]
+__all__ = ["hazard_of", "load_hazard", "load_site_hazards", "site_hazards_of"]
 
 #: Units of OpenQuake's levels.
 OPENQUAKE = {"pga": "g", "sa": "g", "pgv": "cm/s"}
@@ -35,15 +39,27 @@ ANNEX = "g/10"
 OF_PERIOD = re.compile(r"(?:tr?=?(\d+)_?ag|ag_?(?:tr?=?)?(\d+))(?:\[(.+)\])?")
 
 
-class _Points(NamedTuple):
-    """Levels in their unit and annual rates [1/year] of one place, and what is to be known of them."""
+class _Sheet(NamedTuple):
+    """Levels in their unit and annual rates [1/year], (k,) for every place or (n, k), and what is to be known."""
 
     measure: str
     unit: str
     level: np.ndarray
     rates: np.ndarray
+    places: np.ndarray | None = None  #: (n, 2) longitude and latitude [degrees]
     remarks: tuple[str, ...] = ()
-    rock: bool = False  # whether the levels are said to be those on rock
+    rock: bool = False  #: whether the levels are said to be those on rock
+
+    def curve(self, path: str, row: int, soil_factor: float, remarks: tuple[str, ...] = ()) -> HazardCurve:
+        """The curve of a row in SI units, without the points at which a probability was 1 or 0."""
+        level, rate = (values[row] if values.ndim > 1 else values for values in (self.level, self.rates))
+        order = np.argsort(level, kind="stable")
+        kept = order[np.isfinite(rate[order]) & (rate[order] > 0.0)]
+        remarks += self.remarks
+        if self.rock and soil_factor == 1.0:
+            remarks += ("a_g is that on rock: soil_factor brings it to other ground",)
+        in_si = unit_factor(self.measure, self.unit, path) * level[kept]
+        return HazardCurve(self.measure, in_si, rate[kept], path, self.unit, soil_factor, remarks)
 
 
 def load_hazard(path: str | Path, site: tuple[float, float] | None = None, soil_factor: float = 1.0) -> HazardCurve:
@@ -72,17 +88,59 @@ def load_hazard(path: str | Path, site: tuple[float, float] | None = None, soil_
     ConfigError
         For a file that is none of these, of several sites where none was named, or of none near the one that was.
     """
-    where = Path(path)
-    if not where.exists() or where.is_dir():
-        raise ConfigError(f"{path}: expected a file with a hazard curve, found none")
-    found = _read(str(path), read_text(where, what="a hazard curve"), site)
-    order = np.argsort(found.level, kind="stable")
-    kept = order[np.isfinite(found.rates[order]) & (found.rates[order] > 0.0)]
-    remarks = found.remarks
-    if found.rock and soil_factor == 1.0:
-        remarks += ("a_g is that on rock: soil_factor brings it to other ground",)
-    level = unit_factor(found.measure, found.unit, str(path)) * found.level[kept]
-    return HazardCurve(found.measure, level, found.rates[kept], str(path), found.unit, soil_factor, remarks)
+    name, sheet = str(path), _read(path)
+    row, remarks = 0, tuple[str, ...]()
+    if sheet.places is not None and site is not None:
+        rows, distance = nearest_places(name, sheet.places, np.array([site], dtype=float))
+        row = int(rows[0])
+        remarks = (f"place {named(*sheet.places[row])}, {1e-3 * distance[0]:.1f} km from the site",)
+    elif sheet.places is not None:
+        if len(sheet.places) > 1:
+            raise ConfigError(
+                f"{path}: curves of {len(sheet.places)} sites; name one by its longitude and latitude ([hazard] "
+                "longitude, latitude, or --site)"
+            )
+        remarks = (f"the only place of the file, {named(*sheet.places[0])}",)
+    return sheet.curve(name, row, soil_factor, remarks)
+
+
+def load_site_hazards(path: str | Path, sites: ArrayLike, soil_factor: ArrayLike = 1.0) -> SiteHazards:
+    """A hazard for each of many bodies, from a CSV file with the curves of many places.
+
+    Parameters
+    ----------
+    path : str or Path
+        OpenQuake's hazard curves of one measure, or the grid of NTC 2008, as :func:`load_hazard` reads them.
+    sites : (m, 2) array_like
+        Longitude and latitude of each body [degrees]: the curve of the nearest place up to 50 km away is its own.
+    soil_factor : float or (m,) array_like
+        S, by which the levels of each body are multiplied [-].
+
+    Returns
+    -------
+    SiteHazards
+        One curve for each place and soil factor that is asked for.
+
+    Raises
+    ------
+    ConfigError
+        As :func:`load_hazard`; for a file without places, or sites and soil factors that do not fit.
+    """
+    name, sheet = str(path), _read(path)
+    asked = np.asarray(sites, dtype=float)
+    if asked.ndim != 2 or asked.shape[1] != 2 or not np.all(np.isfinite(asked)):
+        raise ConfigError(f"sites: expected a longitude and a latitude for each body, got shape {asked.shape}")
+    if sheet.places is None:
+        raise ConfigError(
+            f"{path}: one curve without a place, but the bodies have sites; expected OpenQuake's hazard curves or the "
+            "grid of NTC 2008, or a table of bodies without longitude and latitude"
+        )
+    rows, distance = nearest_places(name, sheet.places, asked)
+    return SiteHazards.distinct(
+        np.stack([rows, of_each(soil_factor, len(asked), "soil factor")], axis=1),
+        lambda row, factor: sheet.curve(name, int(row), factor),
+        distance,
+    )
 
 
 def hazard_of(settings: HazardSettings, folder: Path = Path()) -> Hazard:
@@ -99,17 +157,40 @@ def hazard_of(settings: HazardSettings, folder: Path = Path()) -> Hazard:
     return load_hazard(folder / settings.file, site, settings.soil_factor)
 
 
-def _read(path: str, text: str, site: tuple[float, float] | None) -> _Points:
-    lines = text.splitlines()
+def site_hazards_of(
+    settings: HazardSettings, sites: np.ndarray | None, soil_factor: np.ndarray | None, count: int, folder: Path
+) -> SiteHazards:
+    """The hazards of as many bodies: by the configuration's curve or law, their own sites and their own soil factors.
+
+    Without `sites` all have the hazard of the configuration, without `soil_factor` its soil factor.
+    """
+    factors = of_each(settings.soil_factor if soil_factor is None else soil_factor, count, "soil factor")
+    if sites is None:
+        one = hazard_of(settings, folder)
+        return SiteHazards.distinct(factors[:, np.newaxis], lambda factor: replace(one, soil_factor=factor))
+    if settings.file is None:
+        raise ConfigError(
+            "[hazard] file: the bodies have sites of their own, so expected a file with the curves of many places, "
+            "found none; or take longitude and latitude out of the table of bodies"
+        )
+    return load_site_hazards(folder / settings.file, sites, factors)
+
+
+def _read(path: str | Path) -> _Sheet:
+    where, name = Path(path), str(path)
+    if not where.exists() or where.is_dir():
+        raise ConfigError(f"{path}: expected a file with a hazard curve, found none")
+    lines = read_text(where, what="a hazard curve").splitlines()
     if lines and lines[0].startswith("#") and "investigation_time" in lines[0]:
-        return _openquake(path, lines, site)
-    table = table_of(path, _with_one_heading([line for line in lines if not line.startswith("#")]))
-    heads = [str(name).strip() for name in table.columns]
-    if coordinates(table) is not None:
-        return _grid(path, table, heads, site)
+        return _openquake(name, lines)
+    table = table_of(name, _with_one_heading([line for line in lines if not line.startswith("#")]))
+    heads = [str(column).strip() for column in table.columns]
+    places = coordinates(name, table)
+    if places is not None:
+        return _grid(name, table, heads, places)
     if heads and heads[0].lower().startswith("tr"):
-        return _return_periods(path, table, heads)
-    return _levels(path, table, heads)
+        return _return_periods(name, table, heads)
+    return _levels(name, table, heads)
 
 
 def _measure_of(path: str, told: str) -> str:
@@ -117,7 +198,7 @@ def _measure_of(path: str, told: str) -> str:
     return known_measure(f"sa_{float(found[1]):g}" if found else told.strip().lower(), path)
 
 
-def _levels(path: str, table: pd.DataFrame, heads: list[str]) -> _Points:
+def _levels(path: str, table: pd.DataFrame, heads: list[str]) -> _Sheet:
     first = re.fullmatch(r"(.+?)\s*\[(.+?)\]", heads[0]) if heads else None
     years = re.fullmatch(r"probability in ([0-9.]+) years?", heads[1].lower()) if len(heads) == 2 else None
     if (
@@ -128,10 +209,10 @@ def _levels(path: str, table: pd.DataFrame, heads: list[str]) -> _Points:
         raise ConfigError(f"{path}: {EXPECTED}; found the columns {', '.join(heads) or 'none'}")
     second = numbers(path, table, 1)
     rate = rates(path, second, float(years[1])) if years else second
-    return _Points(_measure_of(path, first[1]), first[2].strip(), numbers(path, table, 0), rate)
+    return _Sheet(_measure_of(path, first[1]), first[2].strip(), numbers(path, table, 0), rate)
 
 
-def _return_periods(path: str, table: pd.DataFrame, heads: list[str]) -> _Points:
+def _return_periods(path: str, table: pd.DataFrame, heads: list[str]) -> _Sheet:
     named = {name.lower().partition("[")[0].strip(): place for place, name in enumerate(heads)}
     unit = re.fullmatch(r"ag\s*\[(.+?)\]", heads[named["ag"]].lower()) if "ag" in named else None
     if unit is None:
@@ -139,7 +220,7 @@ def _return_periods(path: str, table: pd.DataFrame, heads: list[str]) -> _Points
     period, level = numbers(path, table, 0), numbers(path, table, named["ag"])
     if np.any(period <= 0.0):
         raise ConfigError(f"{path}: expected positive return periods [years], found {period.min():g}")
-    return _Points("pga", unit[1].strip(), level, 1.0 / period, rock=True)
+    return _Sheet("pga", unit[1].strip(), level, 1.0 / period, rock=True)
 
 
 def _with_one_heading(lines: list[str]) -> str:
@@ -157,9 +238,7 @@ def _with_one_heading(lines: list[str]) -> str:
     return "\n".join([between.join(heads), *lines[2:]])
 
 
-def _grid(path: str, table: pd.DataFrame, heads: list[str], site: tuple[float, float] | None) -> _Points:
-    places = coordinates(table)
-    assert places is not None
+def _grid(path: str, table: pd.DataFrame, heads: list[str], places: np.ndarray) -> _Sheet:
     found = [OF_PERIOD.fullmatch(name.lower().replace(" ", "")) for name in heads]
     columns = [(place, told) for place, told in enumerate(found) if told]
     units = {told[3] or ANNEX for _, told in columns}
@@ -168,16 +247,15 @@ def _grid(path: str, table: pd.DataFrame, heads: list[str], site: tuple[float, f
             f"{path}: expected beside LON and LAT a_g of several return periods in one unit (T30ag, T50ag, ...), found "
             f"{', '.join(heads)}"
         )
-    row, told_site = row_of_site(path, table, places, site)
     period = np.array([float(told[1] or told[2]) for _, told in columns])
     if np.any(period <= 0.0):
         raise ConfigError(f"{path}: expected positive return periods [years], found {period.min():g}")
-    level = np.array([numbers(path, table, place)[row] for place, _ in columns])
+    level = np.stack([numbers(path, table, place) for place, _ in columns], axis=1)
     unit = units.pop()
-    return _Points("pga", unit, level, 1.0 / period, (told_site, f"a_g read in {unit}"), rock=True)
+    return _Sheet("pga", unit, level, 1.0 / period, places, (f"a_g read in {unit}",), rock=True)
 
 
-def _openquake(path: str, lines: list[str], site: tuple[float, float] | None) -> _Points:
+def _openquake(path: str, lines: list[str]) -> _Sheet:
     # A row of commas may stand in front of the comment, as a spreadsheet leaves it.
     told = dict(re.findall(r"(investigation_time|imt)\s*=\s*(\"[^\"]*\"|'[^']*'|[0-9.eE+-]+)", lines[0]))
     if set(told) != {"investigation_time", "imt"}:
@@ -189,13 +267,12 @@ def _openquake(path: str, lines: list[str], site: tuple[float, float] | None) ->
         raise ConfigError(f"{path}, line 1: expected imt among PGA, PGV and SA(...), found {told['imt']}")
     table = table_of(path, "\n".join(lines[1:]))
     heads = [str(name) for name in table.columns]
-    columns, places = [place for place, name in enumerate(heads) if name.startswith("poe-")], coordinates(table)
+    columns, places = [place for place, name in enumerate(heads) if name.startswith("poe-")], coordinates(path, table)
     if not columns or places is None:
         raise ConfigError(f"{path}, line 2: expected lon, lat and poe-LEVEL columns, found {', '.join(heads)}")
-    row, told_site = row_of_site(path, table, places, site)
     try:
         level = np.array([float(heads[place].removeprefix("poe-")) for place in columns])
     except ValueError as error:
         raise ConfigError(f"{path}, line 2: expected a level behind poe-: {error}") from None
-    probability = np.array([numbers(path, table, place)[row] for place in columns])
-    return _Points(measure, unit, level, rates(path, probability, years), (told_site,))
+    probability = np.stack([numbers(path, table, place) for place in columns], axis=1)
+    return _Sheet(measure, unit, level, rates(path, probability, years), places)

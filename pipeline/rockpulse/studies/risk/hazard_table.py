@@ -10,7 +10,7 @@ import pandas as pd
 from rockpulse.errors import ConfigError
 from rockpulse.foreign_text import first_line
 
-__all__ = ["EXPECTED", "coordinates", "numbers", "rates", "row_of_site", "separator", "table_of"]
+__all__ = ["EXPECTED", "coordinates", "named", "nearest_places", "numbers", "rates", "separator", "table_of"]
 
 EXPECTED = (
     'expected columns "pga [g],rate" (or pgv, si, sa(1.0), and "probability in 50 years"), OpenQuake\'s hazard curves '
@@ -60,42 +60,44 @@ def rates(path: str, probability: np.ndarray, years: float) -> np.ndarray:
         return np.asarray(-np.log1p(-probability) / years)
 
 
-def coordinates(table: pd.DataFrame) -> tuple[int, int] | None:
-    """Places of the columns of longitude and latitude; None without them."""
-    named = {str(name).strip().lower(): place for place, name in enumerate(table.columns)}
-    return (named["lon"], named["lat"]) if {"lon", "lat"} <= named.keys() else None
-
-
-def row_of_site(
-    path: str, table: pd.DataFrame, places: tuple[int, int], site: tuple[float, float] | None
-) -> tuple[int, str]:
-    """The row of the place nearest to a site (longitude and latitude), and in words which one that is.
-
-    Without a site, the only row. Raises ConfigError for no row, several without a site, and a nearest one that is more
-    than 50 km away.
-    """
-    from obspy.geodetics import degrees2kilometers, locations2degrees
-
-    longitude, latitude = (numbers(path, table, place) for place in places)
+def coordinates(path: str, table: pd.DataFrame) -> np.ndarray | None:
+    """Longitude and latitude (n, 2) of each row [degrees]; None without these columns, ConfigError without a row."""
+    columns = {str(name).strip().lower(): place for place, name in enumerate(table.columns)}
+    if not {"lon", "lat"} <= columns.keys():
+        return None
     if len(table) == 0:
         raise ConfigError(f"{path}: expected a row for a site, found none")
-    if site is None:
-        if len(table) > 1:
-            raise ConfigError(
-                f"{path}: curves of {len(table)} sites; name one by its longitude and latitude ([hazard] longitude, "
-                "latitude, or --site)"
-            )
-        return 0, f"the only place of the file, {_named(longitude[0], latitude[0])}"
-    distance = degrees2kilometers(locations2degrees(latitude, longitude, site[1], site[0]))
-    row = int(np.argmin(distance))
-    named = _named(longitude[row], latitude[row])
-    if not distance[row] <= FARTHEST:
+    return np.stack([numbers(path, table, columns[name]) for name in ("lon", "lat")], axis=1)
+
+
+def nearest_places(path: str, places: np.ndarray, sites: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The row (m,) of the place nearest to each of some sites, and how far away it is [m].
+
+    `places` (n, 2) and `sites` (m, 2) are longitudes and latitudes [degrees]. Raises ConfigError for a site whose
+    nearest place is more than 50 km away.
+    """
+    from obspy.geodetics import degrees2kilometers, locations2degrees
+    from scipy.spatial import KDTree
+
+    _, rows = KDTree(_on_sphere(places)).query(_on_sphere(sites))
+    near = places[rows]
+    distance = degrees2kilometers(locations2degrees(near[:, 1], near[:, 0], sites[:, 1], sites[:, 0]))
+    far = int(np.argmax(distance))
+    if not distance[far] <= FARTHEST:
         raise ConfigError(
-            f"{path}: the place nearest to the site {_named(*site)} is {named}, {distance[row]:,.0f} km away; expected "
-            f"one within {FARTHEST:g} km; longitude stands before latitude"
+            f"{path}: the place nearest to the site {named(*sites[far])} is {named(*near[far])}, {distance[far]:,.0f} "
+            f"km away; expected one within {FARTHEST:g} km; longitude stands before latitude"
         )
-    return row, f"place {named}, {distance[row]:.1f} km from the site"
+    return rows, 1e3 * distance
 
 
-def _named(longitude: float, latitude: float) -> str:
+def named(longitude: float, latitude: float) -> str:
+    """A place in words."""
     return f"{longitude:.4g} E {latitude:.4g} N"
+
+
+def _on_sphere(places: np.ndarray) -> np.ndarray:
+    """Places (n, 2) as points (n, 3) of a sphere of radius 1, where what is near is near, across any meridian."""
+    longitude, latitude = np.radians(places).T
+    level = np.cos(latitude)
+    return np.stack([level * np.cos(longitude), level * np.sin(longitude), np.sin(latitude)], axis=1)

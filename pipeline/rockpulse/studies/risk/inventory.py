@@ -22,6 +22,7 @@ from rockpulse.studies.risk.assumptions import hazard_assumed, several_events
 from rockpulse.studies.risk.bands import FEWEST_EVENTS
 from rockpulse.studies.risk.body_curves import BodyCurves, event_weights, spectra_of
 from rockpulse.studies.risk.hazard import Hazard
+from rockpulse.studies.risk.site_hazards import SiteHazards
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -36,7 +37,11 @@ AT_ONCE = 1000
 
 
 def inventory_frequency(
-    results: xr.DataTree, block: Block, hazard: Hazard, years: float = 50.0, confidence: float = 0.9
+    results: xr.DataTree,
+    block: Block,
+    hazard: Hazard | SiteHazards,
+    years: float = 50.0,
+    confidence: float = 0.9,
 ) -> xr.Dataset:
     """How often each of many free bodies overturns, from the overturning spectra of a results file.
 
@@ -46,8 +51,9 @@ def inventory_frequency(
         Of :func:`rockpulse.assess`, with the spectra at the p of these bodies (``[uncertainty] spectrum = "all"``).
     block : Block
         (m,) slender free-standing bodies.
-    hazard : PowerLawHazard or HazardCurve
-        Of "pga" or "pgv", of the kind that the records have: of one component as they were assessed.
+    hazard : PowerLawHazard, HazardCurve or SiteHazards
+        Of all bodies, or of each (:func:`rockpulse.load_site_hazards`); of "pga" or "pgv", of the kind that the records
+        have: of one component as they were assessed.
     years : float
         Time for which the probability is told [years].
     confidence : float
@@ -60,15 +66,16 @@ def inventory_frequency(
         frequencies are taken as lognormal; NaN below four), `probability` and `survival` in `years`, `median` [unit of
         the measure in SI] at which the fragility is 1/2, `dispersion`, the standard deviation of ln(S/measure) over
         earthquakes and records [-], and the shares of the frequency `below` and `above` the levels that the hazard was
-        given for, and `far`, at factors on the records beyond ``[fragility] factors``. NaN for a body that the spectra
-        do not stand for. In PGA no level below g tan(alpha) counts.
+        given for, and `far`, at factors on the records beyond ``[fragility] factors``; `hazard_distance` [m] from the
+        site of the body to the place of its hazard. NaN for a body that the spectra do not stand for. In PGA no level
+        below g tan(alpha) counts.
 
     Raises
     ------
     ResultsError
         For results without spectra, or with gaps at the p of the bodies.
     ConfigError
-        For a hazard of another measure, or years or a confidence that is none.
+        For a hazard of another measure or of another number of bodies, or years or a confidence that is none.
 
     Examples
     --------
@@ -91,17 +98,22 @@ def inventory_frequency(
     if not (math.isfinite(years) and years > 0.0) or not 0.0 < confidence < 1.0:
         raise ConfigError(f"years, confidence: expected a positive time and a share, got {years!r}, {confidence!r}")
     lanes = block if block.shape else block.lanes(1)
+    count = lanes.shape[0]
+    every = hazard if isinstance(hazard, SiteHazards) else SiteHazards.distinct(np.zeros((count, 1)), lambda _: hazard)
+    if every.of_body.size != count:
+        raise ConfigError(f"hazard: expected one for each of {count} bodies, got {every.of_body.size}")
     spectra, summary = spectra_of(results)
     config = config_from_text(str(results.attrs["configuration"]))
     own = np.log(summary[hazard.measure].values.astype(float))
     events = event_weights([str(event) for event in summary["event"].values])
     covered = np.flatnonzero(BodyCurves.covered(spectra, lanes))
-    found = {name: np.full(lanes.shape[0], np.nan) for name in INVENTORY}
-    found["status"] = np.full(lanes.shape[0], RiskStatus.NOT_COVERED)
+    found = {name: np.full(count, np.nan) for name in INVENTORY}
+    found["status"] = np.full(count, RiskStatus.NOT_COVERED)
+    found["hazard_distance"] = every.distance
     for places in np.array_split(covered, max(1, math.ceil(covered.size / AT_ONCE))):
         if places.size:
             curves = BodyCurves.read(spectra, lanes.chosen(places), own)
-            values = _of_bodies(curves, events, hazard, config.fragility.factors, confidence)
+            values = _of_bodies(curves, events, every.chosen(places), config.fragility.factors, confidence)
             for name, part in values.items():
                 found[name][places] = part
     found["probability"] = -np.expm1(-found["frequency"] * years)
@@ -109,15 +121,15 @@ def inventory_frequency(
     risk = xr.Dataset({name: variable.variable(found[name]) for name, variable in INVENTORY.items()})
     low, high = config.fragility.factors
     risk.attrs.update(
-        hazard=hazard.words,
-        hazard_assumed=hazard_assumed(hazard, config),
+        hazard=every.words,
+        hazard_assumed=hazard_assumed(every.remarks, config),
         fragility=f"the mean of each record's own P of overturning, without a fit: {own.size} records of "
         f"{several_events(events.shape[0])}, in which earthquakes count alike",
         measure=hazard.measure,
         unit=hazard.unit,
         unit_in_si=hazard.unit_in_si,
-        covered_low=hazard.covered[0],
-        covered_high=hazard.covered[1],
+        covered_low=every.covered[0],
+        covered_high=every.covered[1],
         factor_low=low,
         factor_high=high,
         events=events.shape[0],
@@ -128,10 +140,10 @@ def inventory_frequency(
 
 
 def _of_bodies(
-    curves: BodyCurves, events: np.ndarray, hazard: Hazard, factors: tuple[float, float], confidence: float
+    curves: BodyCurves, events: np.ndarray, hazards: SiteHazards, factors: tuple[float, float], confidence: float
 ) -> dict[str, np.ndarray]:
     """The variables of (m,) bodies that the spectra stand for; `events` (k, r) are the weights of records in each."""
-    rate = hazard.log_rate(curves.at)
+    rate = hazards.log_rate(curves.at)
     step = np.diff(rate, axis=2)
     # P is straight between two levels in the logarithm and so is ln H: its mean over them is the logarithmic mean.
     flat = np.abs(step) < 1e-12
@@ -144,14 +156,13 @@ def _of_bodies(
 
     def above(log_level: np.ndarray) -> np.ndarray:
         """What comes from levels above some (m or 1, r or 1), but none at which the body does not move: (m, r)."""
-        bound = np.maximum(log_level, curves.floor[:, np.newaxis] if hazard.measure == "pga" else -np.inf)
-        top = np.exp(hazard.log_rate(np.maximum(bound, curves.at[:, :, -1])))
+        bound = np.maximum(log_level, curves.floor[:, np.newaxis] if hazards.measure == "pga" else -np.inf)
+        top = np.exp(hazards.log_rate(np.maximum(bound, curves.at[:, :, -1])))
         return np.where(bound > curves.at[:, :, -1], top, np.exp(curves.read_at(np.log(beyond), bound)))
 
     weights = events.mean(axis=0)
     whole = above(np.full((1, 1), -np.inf))
-    with np.errstate(divide="ignore"):
-        least, most = (np.full((1, 1), end) for end in np.log(hazard.covered))
+    least, most = hazards.log_ends()
     near, far = (curves.own[np.newaxis] + math.log(factor) for factor in factors)
     of_events = whole @ events.T
     frequency = np.mean(of_events, axis=1)

@@ -136,10 +136,13 @@ def inventory_overview(risk: xr.Dataset) -> str:
 def inventory_warnings(risk: xr.Dataset) -> list[str]:
     """A sentence for each way in which frequencies come for more than a tenth from levels that nothing tells of."""
     unit, one = str(risk.attrs["unit"]), float(risk.attrs["unit_in_si"])
-    low, high = float(risk.attrs["covered_low"]) / one, float(risk.attrs["covered_high"]) / one
+    ends = {"below": float(risk.attrs["covered_low"]) / one, "above": float(risk.attrs["covered_high"]) / one}
     where = {
-        "below": f"levels below {low:.3g} {unit}, where the hazard curve ends",
-        "above": f"levels above {high:.3g} {unit}, where the hazard curve ends",
+        side: f"levels {side} {end:.3g} {unit}, where the hazard curve ends"
+        if math.isfinite(end)
+        else f"levels {side} the end of the hazard curve of its site"
+        for side, end in ends.items()
+    } | {
         "far": f"records at factors outside {risk.attrs['factor_low']:g} to {risk.attrs['factor_high']:g}, at which "
         "they stand for no recorded ones",
     }

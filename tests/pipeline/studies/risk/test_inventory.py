@@ -2,6 +2,7 @@
 
 import itertools
 import math
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -11,6 +12,8 @@ from scipy.special import ndtr
 import rockpulse as rp
 from rockpulse import models
 from rockpulse.calibration.design_spectrum import at_blocks
+from rockpulse.config.hazard_settings import HazardSettings
+from rockpulse.studies.risk.hazard_files import site_hazards_of
 from rockpulse.studies.risk.inventory import half_widths
 
 T = np.arange(0.0, 5.0, 0.02)
@@ -76,11 +79,69 @@ def test_many_bodies_are_read_like_one_and_larger_ones_fall_less_often(results):
     for place in (0, 1200, 2499):
         one = rp.inventory_frequency(results, models.Block(width=0.3 * scale[place], height=2.4 * scale[place]), LAW)
         for name in found:
-            assert found[name].values[place] == pytest.approx(one[name].item(), rel=1e-12), name
+            assert found[name].values[place] == pytest.approx(one[name].item(), rel=1e-12, nan_ok=True), name
     # A body of the same shape at a level: half of the mean over records overturns there.
     median, spread = found["median"].values, found["dispersion"].values
     assert np.mean(np.diff(median) > 0.0) > 0.9
     assert np.all((spread > 0.05) & (spread < 1.5))
+
+
+def curves_of_places(folder):
+    """OpenQuake's curves of three places, each of another seismicity; the second lies behind the 180th meridian."""
+    path = folder / "curves.csv"
+    rows = [(13.0, 42.0, 0.3, 0.02), (-179.9, 10.0, 0.2, 0.01), (14.0, 42.5, 0.1, 0.002)]
+    head = "# investigation_time=50.0, imt='PGV'\nlon,lat,depth,poe-10,poe-100\n"
+    path.write_text(head + "".join(f"{east},{north},0,{low},{high}\n" for east, north, low, high in rows))
+    return path
+
+
+def test_each_body_has_the_hazard_of_its_site_and_ground(results, tmp_path):
+    path = curves_of_places(tmp_path)
+    sites = np.array([[13.9, 42.5], [13.0, 42.1], [180.0, 10.0], [14.0, 42.5]])
+    factors = np.array([1.0, 1.5, 1.0, 1.2])
+    hazards = rp.load_site_hazards(path, sites, factors)
+    bodies = models.Block(width=[0.35, 0.35, 0.4, 0.35], height=[2.6, 2.6, 3.0, 2.6])
+    found = rp.inventory_frequency(results, bodies, hazards)
+    for place, (site, factor) in enumerate(zip(sites, factors, strict=True)):
+        own = rp.load_hazard(path, tuple(site), factor)
+        one = rp.inventory_frequency(results, bodies.chosen(np.array([place])), own)
+        for name in set(one) - {"hazard_distance"}:
+            assert found[name].values[place] == pytest.approx(one[name].item(), rel=1e-12, nan_ok=True), name
+    assert len(set(found["frequency"].values[[0, 1, 3]])) == 3
+    # A tenth of a degree: 6371 km pi/1800 along the meridian, times cos 42.5 or cos 10 along the parallel.
+    tenth = 6371e3 * math.pi / 1800.0
+    expected = [tenth * math.cos(math.radians(42.5)), tenth, tenth * math.cos(math.radians(10.0)), 0.0]
+    assert found["hazard_distance"].values == pytest.approx(expected, abs=5.0)
+    assert "4 hazards of pgv in cm/s" in found.attrs["hazard"]
+    assert "of the place nearest to each body, up to 11.1 km away" in found.attrs["hazard_assumed"]
+    # With soil factors that differ the curves do not end at the same levels.
+    assert math.isnan(found.attrs["covered_low"])
+
+
+def test_one_hazard_with_a_soil_factor_of_each_body(results):
+    body = models.Block(width=[0.35, 0.35], height=[2.6, 2.6])
+    both = site_hazards_of(HazardSettings(k0=2e-3, k=2.0, measure="pgv"), None, np.array([1.0, 1.5]), 2, Path())
+    frequency = rp.inventory_frequency(results, body, both)["frequency"].values
+    # A power law in levels 1.5 times as high: rates 1.5^k times as large.
+    assert frequency[1] == pytest.approx(1.5**2 * frequency[0], rel=1e-9)
+
+
+def test_sites_without_a_curve_are_refused(results, tmp_path):
+    path = curves_of_places(tmp_path)
+    with pytest.raises(rp.ConfigError, match=r"nearest to the site 42 E 13 N is .*expected one within 50 km"):
+        rp.load_site_hazards(path, [[13.0, 42.0], [42.0, 13.0]])
+    with pytest.raises(rp.ConfigError, match="sites: expected a longitude and a latitude for each body"):
+        rp.load_site_hazards(path, [13.0, 42.0])
+    with pytest.raises(rp.ConfigError, match="soil factor: expected one positive number, or one for each of 1"):
+        rp.load_site_hazards(path, [[13.0, 42.0]], [1.0, 1.2])
+    (tmp_path / "one.csv").write_text("pgv [cm/s],rate\n10,1e-2\n40,1e-3\n")
+    with pytest.raises(rp.ConfigError, match="one curve without a place, but the bodies have sites"):
+        rp.load_site_hazards(tmp_path / "one.csv", [[13.0, 42.0]])
+    one = rp.load_site_hazards(path, [[13.0, 42.0]])
+    with pytest.raises(rp.ConfigError, match="hazard: expected one for each of 2 bodies, got 1"):
+        rp.inventory_frequency(results, models.Block(width=[0.4, 0.4], height=[3.0, 3.1]), one)
+    with pytest.raises(rp.ConfigError, match="expected a file with the curves of many places"):
+        site_hazards_of(HazardSettings(k0=2e-3, k=2.0), np.array([[13.0, 42.0]]), None, 1, Path())
 
 
 def test_what_the_spectra_do_not_stand_for_is_nan_and_gaps_are_told(results):
