@@ -100,6 +100,8 @@ class Picture:
 class Shown(ABC):
     """What a terminal and a notebook show of an object: a line of facts, and a card of them beside a picture."""
 
+    __slots__ = ()
+
     @abstractmethod
     def _facts(self) -> dict[str, str]:
         """What is told of the object, by short names; a name may be empty."""

@@ -188,6 +188,7 @@ def _run(
             every, failures, unread = _surveyed(crew, found, failures, analysis, options)
             prepared = analysis.prepare([one.record for one in every], failures)
             tasks = tasks_of(prepared.planned, every, analysis.config, analysis.name)
+            del every, found  # the tasks have all of it, and a batch is large
             for row in prepared.failures:
                 if row.kind == "failed":
                     logger.error("%s", row.reason)

@@ -6,7 +6,7 @@ import math
 import re
 import sys
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from datetime import datetime
 from fnmatch import fnmatchcase
 from typing import Any, Literal
@@ -28,10 +28,15 @@ BETWEEN = "; "
 #: Largest sample that is taken for an acceleration [m/s2]; the squares of larger ones may overflow.
 STRONGEST = 1e9
 
+#: Fields whose texts many records of a batch have in common.
+SHARED = frozenset(
+    ("network", "channel", "component", "orientation", "format", "source_unit", "event", "event_id", "magnitude_type")
+)
+
 Orientation = Literal["horizontal", "vertical", "structural", "unknown"]
 
 
-@dataclass(frozen=True, eq=False, repr=False)
+@dataclass(frozen=True, eq=False, repr=False, slots=True)
 class Record(Shown):
     """An accelerogram: one channel, equally spaced, in m/s2.
 
@@ -162,18 +167,11 @@ class Record(Shown):
         object.__setattr__(self, "acceleration", acceleration)
         object.__setattr__(self, "dt", float(self.dt))
 
-    def __getstate__(self) -> dict[str, Any]:
-        state = dict(vars(self))
+    def __reduce__(self) -> tuple[Any, ...]:
+        values = [getattr(self, item.name) for item in fields(self)]
         if _spread(self.acceleration):  # pickle would write every sample
-            state["acceleration"] = (float(self.acceleration[0]), self.npts)
-        return state
-
-    def __setstate__(self, state: dict[str, Any]) -> None:
-        if isinstance(state["acceleration"], tuple):
-            state = {**state, "acceleration": np.broadcast_to(*state["acceleration"])}
-        state["acceleration"].setflags(write=False)
-        for name, value in state.items():  # by name, so that thousands of records share the names of their fields
-            object.__setattr__(self, sys.intern(name), value)
+            values[0] = (float(self.acceleration[0]), self.npts)
+        return _restored, (type(self), values)
 
     def without_samples(self) -> Record:
         """The same record with zeros that take no memory in place of its samples."""
@@ -232,6 +230,21 @@ class Record(Shown):
         picture.words(f"{self.pga:.3g} m/s2", 0.0, reach, "start")
         picture.words(f"{end:.4g} s", end, -reach, "end")
         return picture
+
+
+def _restored(kind: type[Record], values: list[Any]) -> Record:
+    """A record as it was pickled; thousands of them share their codes, units and unknown numbers."""
+    if isinstance(values[0], tuple):
+        values[0] = np.broadcast_to(*values[0])
+    values[0].setflags(write=False)
+    record = object.__new__(kind)
+    for item, value in zip(fields(kind), values, strict=True):
+        if item.name in SHARED:
+            value = sys.intern(value)
+        elif isinstance(value, float) and math.isnan(value):
+            value = math.nan
+        object.__setattr__(record, item.name, value)
+    return record
 
 
 def _spread(acceleration: np.ndarray) -> bool:

@@ -83,7 +83,8 @@ def _part(record: Record, row: str, stem: str, name: re.Match[str]) -> Part:
     first_time = float(time[1]) if time else 0.0
     start = later(record.start_time, first_time)
     codes = (record.network, record.station, record.location, record.channel)
-    known = vars(record) | {"start_time": start, "id": record_id(*codes, start, stem, 1)}
+    known = {item.name: getattr(record, item.name) for item in fields(record)}
+    known |= {"start_time": start, "id": record_id(*codes, start, stem, 1)}
     return Part(**known, whole=name[1], part=int(name[2]), first_time=first_time)
 
 
