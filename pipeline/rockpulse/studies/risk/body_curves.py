@@ -2,18 +2,26 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Iterator
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from rocking.block import Block
 from rockpulse.calibration.design_spectrum import at_blocks, within
-from rockpulse.errors import ResultsError
+from rockpulse.errors import ConfigError, ResultsError
 
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["BodyCurves", "event_weights", "spectra_of"]
+__all__ = ["BodyCurves", "curves_in_parts", "event_weights", "spectra_of"]
+
+#: Measures that every results file holds of its records.
+MEASURED = ("pga", "pgv")
+
+#: Bodies that are worked on at once.
+AT_ONCE = 1000
 
 
 class BodyCurves(NamedTuple):
@@ -25,11 +33,6 @@ class BodyCurves(NamedTuple):
     own: np.ndarray  #: (r,) logarithms of the records' own values of the measure
     speed: np.ndarray  #: (m,) logarithms of g tan(alpha)/p
     floor: np.ndarray  #: (m,) logarithms of g tan(alpha), the acceleration that lifts a body
-
-    @staticmethod
-    def covered(spectra: xr.Dataset, block: Block) -> np.ndarray:
-        """True, (m,), for the bodies that the spectra stand for."""
-        return within(block, spectra["p"].values, spectra["restitution"].values)
 
     @classmethod
     def read(cls, spectra: xr.Dataset, block: Block, own: np.ndarray) -> BodyCurves:
@@ -72,12 +75,28 @@ class BodyCurves(NamedTuple):
         return np.asarray(0.5 * (low + high))
 
 
-def spectra_of(results: xr.DataTree) -> tuple[xr.Dataset, xr.Dataset]:
-    """The overturning spectra of results, and the summaries of their records; ResultsError without spectra."""
+def spectra_of(results: xr.DataTree, measure: str) -> tuple[xr.Dataset, xr.Dataset]:
+    """The overturning spectra of results, and the summaries of their records.
+
+    ConfigError for a measure that results do not hold, ResultsError without spectra.
+    """
+    if measure not in MEASURED:
+        raise ConfigError(f"measure: expected one of {' or '.join(MEASURED)}, which results hold, got {measure}")
     if "spectra" not in results.children:
         raise ResultsError("results: expected those of rockpulse assess with overturning spectra, found none")
     spectra = results["spectra"].to_dataset()
     return spectra, results["summary"].to_dataset().sel(record=spectra["record"].values)
+
+
+def curves_in_parts(
+    spectra: xr.Dataset, summary: xr.Dataset, block: Block, measure: str
+) -> Iterator[tuple[np.ndarray, BodyCurves]]:
+    """Numbers and curves of those of (m,) bodies that the spectra stand for, `AT_ONCE` at a time."""
+    own = np.log(summary[measure].values.astype(float))
+    covered = np.flatnonzero(within(block, spectra["p"].values, spectra["restitution"].values))
+    for places in np.array_split(covered, max(1, math.ceil(covered.size / AT_ONCE))):
+        if places.size:
+            yield places, BodyCurves.read(spectra, block.chosen(places), own)
 
 
 def event_weights(events: list[str]) -> np.ndarray:

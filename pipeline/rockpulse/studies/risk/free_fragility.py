@@ -16,8 +16,7 @@ from scipy.special import ndtr
 from rocking.block import Block
 from rockpulse.errors import ConfigError
 from rockpulse.storage.risk_variables import FREE_FRAGILITY
-from rockpulse.studies.risk.body_curves import BodyCurves, event_weights, spectra_of
-from rockpulse.studies.risk.inventory import MEASURED
+from rockpulse.studies.risk.body_curves import curves_in_parts, event_weights, spectra_of
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -69,27 +68,23 @@ def free_body_fragility(results: xr.DataTree, block: Block, levels: Any, measure
     import xarray as xr
 
     at = np.atleast_1d(np.asarray(levels, dtype=float))
-    if measure not in MEASURED:
-        raise ConfigError(f"measure: expected one of {' or '.join(MEASURED)}, which results hold, got {measure}")
+    spectra, summary = spectra_of(results, measure)
     if at.ndim != 1 or not np.all(np.isfinite(at) & (at > 0.0)):
         raise ConfigError(f"levels: expected positive numbers, got {levels!r:.80}")
     lanes = block if block.shape else block.lanes(1)
-    spectra, summary = spectra_of(results)
     weights = event_weights([str(event) for event in summary["event"].values]).mean(axis=0)
-    covered = np.flatnonzero(BodyCurves.covered(spectra, lanes))
     found = {
         name: np.full((lanes.shape[0], *([at.size] if "level" in one.dims else [])), np.nan)
         for name, one in FREE_FRAGILITY.items()
     }
-    if covered.size:
-        curves = BodyCurves.read(spectra, lanes.chosen(covered), np.log(summary[measure].values.astype(float)))
+    for places, curves in curves_in_parts(spectra, summary, lanes, measure):
         middle, deviation = curves.scatter(weights)
-        moves = np.log(at) > curves.floor[:, np.newaxis] if measure == "pga" else np.ones((covered.size, at.size))
+        moves = np.log(at) > curves.floor[:, np.newaxis] if measure == "pga" else np.ones((places.size, at.size))
         over = (np.log(at) - middle[:, np.newaxis]) / deviation[:, np.newaxis]
         of_records = [curves.read_at(curves.probability, np.full((1, 1), one)) @ weights for one in np.log(at)]
-        found["lognormal"][covered] = moves * ndtr(over)
-        found["probability"][covered] = moves * np.stack(of_records, axis=1)
-        found["median"][covered], found["dispersion"][covered] = np.exp(middle), deviation
+        found["lognormal"][places] = moves * ndtr(over)
+        found["probability"][places] = moves * np.stack(of_records, axis=1)
+        found["median"][places], found["dispersion"][places] = np.exp(middle), deviation
     return xr.Dataset(
         {name: one.variable(found[name]) for name, one in FREE_FRAGILITY.items()}, {"level": at}, {"measure": measure}
     )

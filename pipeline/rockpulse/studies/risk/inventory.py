@@ -20,20 +20,14 @@ from rockpulse.errors import ConfigError
 from rockpulse.storage.risk_variables import INVENTORY, RiskStatus
 from rockpulse.studies.risk.assumptions import hazard_assumed, several_events
 from rockpulse.studies.risk.bands import FEWEST_EVENTS
-from rockpulse.studies.risk.body_curves import BodyCurves, event_weights, spectra_of
+from rockpulse.studies.risk.body_curves import BodyCurves, curves_in_parts, event_weights, spectra_of
 from rockpulse.studies.risk.hazard import Hazard
 from rockpulse.studies.risk.site_hazards import SiteHazards
 
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["MEASURED", "inventory_frequency"]
-
-#: Measures that every results file holds of its records.
-MEASURED = ("pga", "pgv")
-
-#: Bodies that are worked on at once.
-AT_ONCE = 1000
+__all__ = ["inventory_frequency"]
 
 
 def inventory_frequency(
@@ -93,8 +87,7 @@ def inventory_frequency(
     """
     import xarray as xr
 
-    if hazard.measure not in MEASURED:
-        raise ConfigError(f"hazard: expected one of {' or '.join(MEASURED)}, which results hold, got {hazard.measure}")
+    spectra, summary = spectra_of(results, hazard.measure)
     if not (math.isfinite(years) and years > 0.0) or not 0.0 < confidence < 1.0:
         raise ConfigError(f"years, confidence: expected a positive time and a share, got {years!r}, {confidence!r}")
     lanes = block if block.shape else block.lanes(1)
@@ -102,20 +95,15 @@ def inventory_frequency(
     every = hazard if isinstance(hazard, SiteHazards) else SiteHazards.distinct(np.zeros((count, 1)), lambda _: hazard)
     if every.of_body.size != count:
         raise ConfigError(f"hazard: expected one for each of {count} bodies, got {every.of_body.size}")
-    spectra, summary = spectra_of(results)
     config = config_from_text(str(results.attrs["configuration"]))
-    own = np.log(summary[hazard.measure].values.astype(float))
     events = event_weights([str(event) for event in summary["event"].values])
-    covered = np.flatnonzero(BodyCurves.covered(spectra, lanes))
     found = {name: np.full(count, np.nan) for name in INVENTORY}
     found["status"] = np.full(count, RiskStatus.NOT_COVERED)
     found["hazard_distance"] = every.distance
-    for places in np.array_split(covered, max(1, math.ceil(covered.size / AT_ONCE))):
-        if places.size:
-            curves = BodyCurves.read(spectra, lanes.chosen(places), own)
-            values = _of_bodies(curves, events, every.chosen(places), config.fragility.factors, confidence)
-            for name, part in values.items():
-                found[name][places] = part
+    for places, curves in curves_in_parts(spectra, summary, lanes, hazard.measure):
+        values = _of_bodies(curves, events, every.chosen(places), config.fragility.factors, confidence)
+        for name, part in values.items():
+            found[name][places] = part
     found["probability"] = -np.expm1(-found["frequency"] * years)
     found["survival"] = np.exp(-found["frequency"] * years)
     risk = xr.Dataset({name: variable.variable(found[name]) for name, variable in INVENTORY.items()})
@@ -123,7 +111,7 @@ def inventory_frequency(
     risk.attrs.update(
         hazard=every.words,
         hazard_assumed=hazard_assumed(every.remarks, config),
-        fragility=f"the mean of each record's own P of overturning, without a fit: {own.size} records of "
+        fragility=f"the mean of each record's own P of overturning, without a fit: {events.shape[1]} records of "
         f"{several_events(events.shape[0])}, in which earthquakes count alike",
         measure=hazard.measure,
         unit=hazard.unit,
