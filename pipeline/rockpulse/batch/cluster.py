@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+import time
 from collections.abc import Callable, Iterator
 from concurrent.futures import Executor, Future
 from contextlib import ExitStack, contextmanager
@@ -16,6 +17,9 @@ from rockpulse.version import __version__
 __all__ = ["Cluster"]
 
 logger = logging.getLogger("rockpulse")
+
+#: Time between two questions to the scheduler about its workers [s].
+ASK_EVERY = 1.0
 
 
 class Cluster(Executor):
@@ -34,6 +38,7 @@ class Cluster(Executor):
                 'pip install "rockpulse[distributed]"'
             ) from error
         self.deaths, self._address = (KilledWorker,), address
+        self._threads, self._ask_again = 1, 0.0
         self._quiet = ExitStack()
         self._quiet.enter_context(_silenced())
         try:
@@ -54,13 +59,20 @@ class Cluster(Executor):
         self._executor = self._client.get_executor(pure=False)
 
     def size(self) -> int:
-        """Threads of all workers that are there now; 1 while there is none, so that one call waits for the first."""
-        try:
-            return max(sum(self._client.nthreads().values()), 1)
-        except OSError as error:
-            raise ConnectionError(
-                f"the dask scheduler at {self._address} does not answer any more ({first_line(error)})"
-            ) from error
+        """Threads of all workers, asked for every second; 1 while there is none, so that one call waits for the first.
+
+        Every question waits for the scheduler, as long as a short record takes.
+        """
+        now = time.monotonic()
+        if now >= self._ask_again:
+            try:
+                self._threads = max(sum(self._client.nthreads().values()), 1)
+            except OSError as error:
+                raise ConnectionError(
+                    f"the dask scheduler at {self._address} does not answer any more ({first_line(error)})"
+                ) from error
+            self._ask_again = now + ASK_EVERY
+        return self._threads
 
     def submit(self, fn: Callable[..., Any], /, *args: Any, **kwargs: Any) -> Future[Any]:
         """Have a worker of the cluster call ``fn(*args, **kwargs)``."""
