@@ -19,7 +19,7 @@ from rockpulse.record.record import Record
 __all__ = ["Located", "Place"]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, slots=True)
 class Place:
     """The place of the samples of one channel, and their checksums from when they were read first."""
 
@@ -30,7 +30,7 @@ class Place:
     digest: str  # of the samples and the interval (`rockpulse.readers.folders.sample_digest`)
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, slots=True)
 class Located:
     """A record without its samples; small, and picklable."""
 

@@ -39,7 +39,7 @@ OF_FITS = ("model", "overturning_model", "confidence")
 SettingsOf = TypeVar("SettingsOf", CalibrationSettings, FragilitySettings)
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, slots=True)
 class Task:
     """A channel, or a pair to be rotated, with everything that is known of it but the samples; small, and picklable."""
 

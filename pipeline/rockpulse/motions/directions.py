@@ -37,7 +37,7 @@ __all__ = [
 FACING_WITHIN = 1.0
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, slots=True)
 class PlannedMotion:
     """A channel, or a pair of channels to be rotated, and the vertical channel that acts with it."""
 
