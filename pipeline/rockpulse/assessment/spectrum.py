@@ -23,10 +23,10 @@ if TYPE_CHECKING:
 __all__ = ["ALPHAS", "P", "rocking_spectrum"]
 
 #: Default frequency parameters [1/s]: R from 7.4 m to 0.2 m.
-P = tuple(np.linspace(1.0, 6.0, 51).round(10).tolist())
+P = tuple(np.linspace(1.0, 6.0, 101).round(10).tolist())
 
 #: Default critical angles [rad]: slenderness from 20 to 2.4.
-ALPHAS = tuple(np.linspace(0.05, 0.4, 36).round(10).tolist())
+ALPHAS = tuple(np.linspace(0.05, 0.4, 71).round(10).tolist())
 
 #: What the spectrum holds of each answer.
 ANSWERED = ("peak_rotation_ratio", "outcome")

@@ -16,13 +16,12 @@ from rockpulse.studies.accuracy.measurement import table_of
 from rockpulse.views.plots.bodies import bodies
 from rockpulse.views.plots.code_checks import code_checks
 from rockpulse.views.plots.critical_factors import critical_scale, overturning_map
-from rockpulse.views.plots.demand_marks import factors_to_demands
-from rockpulse.views.plots.fragility_curves import fragility
+from rockpulse.views.plots.fragility_curves import fragility_panels
 from rockpulse.views.plots.ground_motion import accelerogram
 from rockpulse.views.plots.impulse_sequences import limit_accelerogram
 from rockpulse.views.plots.model_histories import histories
 from rockpulse.views.plots.motion import had_vertical, stored_motion, stored_record
-from rockpulse.views.plots.overturning_curves import overturning_spectra
+from rockpulse.views.plots.overturning_curves import spectra_of_results
 from rockpulse.views.plots.paper import figure4, figure5
 from rockpulse.views.plots.rotation import rotation_history
 from rockpulse.views.plots.selection import block_of, named_body, one_name, plain_bodies, ragged, sequence_of, setting
@@ -119,29 +118,10 @@ def _spectrum(tree: xr.DataTree, record: str | None = None, restitution: float |
     summary, spectra = tree["summary"].to_dataset(), tree["spectra"].to_dataset()
     if record is not None:
         spectra = spectra.sel(record=[one_name(summary, "record", record)])
-    own = summary.sel(record=spectra["record"].values)
-    names = [str(name) for name in summary["block"].values]
     if restitution == "housner":
         raise ConfigError("restitution: the spectrum is drawn at one C; expected a number from 0.75 to 1")
-    # Half of the bodies have a larger C than the curve, half a smaller one.
     c = float(summary["restitution"].median()) if restitution is None else float(restitution)
-    # A factor that differs from body to body moves no spectrum as a whole.
-    shared = [factors_to_demands(summary, own["record"].values.tolist(), name, np.inf) for name in names]
-    needed = {name: one for name, one in shared[0].items() if all(np.array_equal(one, other[name]) for other in shared)}
-    spectra = _whole(tree, spectra, c)
-    return _figure(
-        overturning_spectra(
-            spectra,
-            restitution=c,
-            bodies={
-                name: (float(summary["p"].sel(block=name)), float(summary["alpha_c"].sel(block=name)))
-                for name in plain_bodies(summary)
-            },
-            events=[str(event) for event in own["event"].values],
-            demands=needed if spectra.sizes["record"] > 1 else None,
-            gravity=block_of(summary, names[0]).gravity,
-        )
-    )
+    return _figure(spectra_of_results(tree, _whole(tree, spectra, c), c))
 
 
 def _whole(tree: xr.DataTree, spectra: xr.Dataset, restitution: float) -> xr.Dataset:
@@ -183,7 +163,7 @@ def _fragility(
     measure: str | None = None,
     limit_states: Sequence[str] | None = None,
 ) -> Figure:
-    return _figure(fragility(tree, block, measure, limit_states))
+    return _figure(fragility_panels(tree, block, None if measure is None else [measure], limit_states)[0])
 
 
 def _calibration(tree: xr.DataTree) -> Figure:

@@ -1,4 +1,4 @@
-"""Fragility curves of a block, one of them with its band."""
+"""Fragility curves of a block, one of them with its band, over one measure or several side by side."""
 
 from __future__ import annotations
 
@@ -8,16 +8,27 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from rockpulse.config.fragility_settings import OVERTURNING, UPLIFT
-from rockpulse.views.plots.selection import one_name
-from rockpulse.views.plots.style import Look, caption, legend_above, looks, one_axes, plain_ticks, title
-from rockpulse.views.plots.words import label, plain, wrapped
+from rockpulse.config.hazard_settings import HazardSettings
+from rockpulse.views.plots.selection import one_name, setting
+from rockpulse.views.plots.style import (
+    GREY,
+    Look,
+    Panels,
+    caption,
+    legend_above,
+    looks,
+    plain_ticks,
+    several_axes,
+    title,
+)
+from rockpulse.views.plots.words import label, plain, readable, wrapped
 from rockpulse.views.text.fragility import shown_measure
 
 if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.axes import Axes
 
-__all__ = ["fragility"]
+__all__ = ["fragility", "fragility_panels"]
 
 #: Probabilities below this, and above one less it, are not looked at when the range of the axis is chosen.
 _TAIL = 0.002
@@ -72,17 +83,80 @@ def fragility(
     ResultsError
         For a name that is not there.
     """
+    measure = measure or shown_measure(tree["fragility"].to_dataset())
+    found: Axes = fragility_panels(tree, block, [measure], limit_states, ax)[0]
+    return found
+
+
+def fragility_panels(
+    tree: xr.DataTree,
+    block: str | None = None,
+    measures: Sequence[str] | None = None,
+    limit_states: Sequence[str] | None = None,
+    axes: Panels | None = None,
+) -> np.ndarray:
+    """The curves of :func:`fragility` over several measures, side by side.
+
+    Parameters
+    ----------
+    tree : xarray.DataTree
+        As :func:`rockpulse.fragility_curves` returns it.
+    block : str, optional
+        Name; none where there is one only.
+    measures : sequence of str, optional
+        A panel each. By default that of :func:`fragility`, and beside it the measure of the power law in `[hazard]`,
+        else PGA, where the file has it.
+    limit_states : sequence of str, optional
+        As of :func:`fragility`.
+    axes : matplotlib Axes, optional
+        One for each measure; by default on a figure of their own.
+
+    Returns
+    -------
+    ndarray of matplotlib Axes
+        One for each measure, as :func:`fragility` returns it.
+
+    Raises
+    ------
+    ResultsError
+        For a name that is not there.
+    """
     curves = tree["fragility"].to_dataset()
     block = one_name(curves, "block", block)
-    measure = one_name(curves, "measure", measure or shown_measure(curves))
+    chosen = [one_name(curves, "measure", name) for name in measures or _usual_measures(tree, curves)]
+    panels = several_axes(axes, 1, len(chosen), height=4.0, sharey=True).ravel()
     states = [one_name(curves, "limit_state", str(name)) for name in limit_states or curves["limit_state"].values]
-    own = curves.sel(block=block, measure=measure)
-    ax = one_axes(ax, height=4.0)
-    level = own["level"].values
-    shown = _shown(own.sel(limit_state=states))
-    remarks: dict[str, list[str]] = {}
     gravest = [*(state for state in states if state == OVERTURNING), *states[::-1]]
-    banded = _banded(own, states if limit_states else gravest)
+    several = len(chosen) > 1
+    said: list[list[str]] = []
+    for ax, measure in zip(panels, chosen, strict=True):
+        own = curves.sel(block=block, measure=measure)
+        said.append(_panel(ax, tree, own, states, _banded(own, states if limit_states else gravest)))
+        ax.set_xlabel(wrapped(ax.get_xlabel(), 90 // len(chosen)))
+        legend_above(ax, 1 if several else 3, across=not several)
+    panels[0].set_ylabel(label(curves["probability"].attrs))
+    title(panels[0], plain(block), rows=len(states) if several else -(-len(states) // 3))
+    words = [one for one in said[0] if all(one in notes for notes in said)]
+    for measure, notes in zip(chosen, said, strict=True):
+        own_words = " ".join(one for one in notes if one not in words)
+        name = readable(str(curves["measure_long_name"].sel(measure=measure).item()))
+        words += [f"In {name}: {own_words}"] if own_words else []
+    caption(panels[0], " ".join(words))
+    return panels
+
+
+def _usual_measures(tree: xr.DataTree, curves: xr.Dataset) -> list[str]:
+    """The measure that is shown, and beside it that of the hazard, as far as the file has it."""
+    first, second = shown_measure(curves), str(setting(tree, "hazard", "measure", HazardSettings().measure))
+    return [first, second] if second in curves["measure"].values and second != first else [first]
+
+
+def _panel(ax: Axes, tree: xr.DataTree, own: xr.Dataset, states: Sequence[str], banded: str | None) -> list[str]:
+    """Draw the curves of one body over one measure, and return what has to be said of them."""
+    level, measure = own["level"].values, str(own["measure"].item())
+    shown = _shown(own.sel(limit_state=list(states)))
+    marked = len(states) <= _POINTS and tree.attrs.get("data") == "ida"
+    remarks: dict[str, list[str]] = {}
     for state, style in zip(states, looks([_named(state) for state in states]), strict=True):
         one = own.sel(limit_state=state)
         if str(one["statement"].item()):
@@ -94,26 +168,26 @@ def fragility(
         ax.plot(*_curve(one, "probability"), color=style.color, ls=style.line, lw=1.4, label=words)
         if state == banded and not _says_nothing(one, shown):
             _band(ax, one, style)
-        if len(states) <= _POINTS and tree.attrs.get("data") == "ida":
-            capacities = tree["capacities"].to_dataset()
-            _capacities(ax, capacities, block, state, measure, style, float(capacities.attrs["factor_max"]))
+        if marked:
+            capacities = tree["capacities"].to_dataset().sel(block=own["block"].item())
+            _capacities(ax, capacities, state, measure, style, float(capacities.attrs["factor_max"]))
     ax.set_xscale("log")
     if np.any(known := np.isfinite(level[shown])):
         ax.set_xlim(float(level[shown][known].min()), float(level[shown][known].max()))
+    notes = [_counts(tree, own), *_band_notes(tree, own, banded, shown)]
+    lifted = float(own["uplift_acceleration"]) if measure == "pga" else np.nan
+    if lifted > ax.get_xlim()[0]:
+        ax.axvline(lifted, color=GREY, lw=0.9, label="lifts from here on")
+        notes.append("The body is never lifted by less than the grey line, whatever a curve says.")
     ax.set_ylim(-0.01, 1.01)
     attrs = {"long_name": str(own["measure_long_name"].item())}
-    ax.set_xlabel(wrapped(label(attrs, units=str(own["measure_units"].item())), 90))
-    ax.set_ylabel(label(own["probability"].attrs))
+    ax.set_xlabel(label(attrs, units=str(own["measure_units"].item())))
     plain_ticks(ax.xaxis)
-    legend_above(ax, 3, across=True)
-    title(ax, plain(block), rows=-(-len(states) // 3))
-    notes = [_counts(tree, own), *_band_notes(tree, own, banded, shown)]
     if _crossing(own.isel(limit_state=own["limit_state"].isin(states)), shown):
         notes.append("Fitted one by one: where a curve lies above that of a milder limit state it says nothing.")
-    if len(states) <= _POINTS and tree.attrs["data"] == "ida":
+    if marked:
         notes.append("Marks: records one by one, at the first factor that reaches the limit state (Kaplan-Meier).")
-    caption(ax, " ".join(notes + _told(remarks, len(states))))
-    return ax
+    return notes + _told(remarks, len(states))
 
 
 def _named(state: str) -> str:
@@ -122,13 +196,10 @@ def _named(state: str) -> str:
     return "overturning" if state == OVERTURNING else rf"$\theta_{{max}}/\alpha_c \geq$ {state}"
 
 
-def _capacities(
-    ax: Axes, capacities: xr.Dataset, block: str, state: str, measure: str, style: Look, end: float
-) -> None:
+def _capacities(ax: Axes, own: xr.Dataset, state: str, measure: str, style: Look, end: float) -> None:
     """Capacity of every record at its share (Kaplan-Meier): one that does not reach the state is known to be above."""
     from scipy.stats import CensoredData, ecdf
 
-    own = capacities.sel(block=block)
     factor = own["factor"].sel(limit_state=state).values
     value = own["measure_value"].sel(measure=measure).values
     reached = np.isfinite(factor)

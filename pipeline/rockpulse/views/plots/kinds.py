@@ -88,7 +88,7 @@ KINDS = {
         ("block", "models", "case"),
     ),
     "fragility": PictureKind(
-        "fragility curves of a block, and the band of one of them",
+        "fragility curves of a block, and the band of one of them, in p PGV/(g tan alpha) and PGA",
         FRAGILITY,
         "rockpulse fragility",
         ("block", "measure", "limit_states"),

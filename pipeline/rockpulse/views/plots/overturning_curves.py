@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from rockpulse.studies.site.statistics import weighted_quantile
+from rockpulse.views.plots.demand_marks import factors_to_demands
+from rockpulse.views.plots.selection import plain_bodies
 from rockpulse.views.plots.spectrum_map import body_marks, size_scale
 from rockpulse.views.plots.style import BLUE, GREY, PALE, RED, caption, legend_above, one_axes, plain_ticks, title
 from rockpulse.views.plots.words import label, plain
@@ -16,13 +18,16 @@ if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.axes import Axes
 
-__all__ = ["overturning_spectra", "record_lines", "spectrum_axes"]
+__all__ = ["overturning_spectra", "record_lines", "spectra_of_results", "spectrum_axes"]
 
 #: Spectra of single records that are drawn; more are a grey area.
 _DRAWN = 200
 
 #: Frequency parameters that are written along p [1/s].
 _TICKS = (0.5, 0.7, 1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 8.0)
+
+#: Room beside what is drawn, as a ratio of p.
+_ROOM = 1.6
 
 #: A median over fewer earthquakes than these says little of a site.
 FEWEST_EVENTS = 3
@@ -109,6 +114,29 @@ def overturning_spectra(
     return ax
 
 
+def spectra_of_results(tree: xr.DataTree, spectra: xr.Dataset, restitution: float | None = None) -> Axes:
+    """Draw spectra of an assessment, with its bodies, its earthquakes and what its demands ask of the records.
+
+    Without a `restitution` at the median one: half of the bodies have a larger C than the curve, half a smaller one.
+    """
+    summary = tree["summary"].to_dataset()
+    own, names = summary.sel(record=spectra["record"].values), plain_bodies(summary)
+    # A factor that differs from body to body moves no spectrum as a whole.
+    records, every = own["record"].values.tolist(), names or [str(name) for name in summary["block"].values]
+    shared = [factors_to_demands(summary, records, name, np.inf) for name in every]
+    needed = {name: one for name, one in shared[0].items() if all(np.array_equal(one, other[name]) for other in shared)}
+    return overturning_spectra(
+        spectra,
+        restitution=float(summary["restitution"].median()) if restitution is None else restitution,
+        bodies={
+            name: (float(summary["p"].sel(block=name)), float(summary["alpha_c"].sel(block=name))) for name in names
+        },
+        events=[str(event) for event in own["event"].values],
+        demands=needed if len(records) > 1 else None,
+        gravity=float(summary["gravity"][0]),
+    )
+
+
 def record_lines(ax: Axes, p: np.ndarray, curves: np.ndarray) -> None:
     """Draw the spectra of single records (records, a) [m/s] over p (a,) thinly, with one entry in the legend."""
     for place, curve in enumerate(curves[:_DRAWN]):
@@ -126,6 +154,9 @@ def spectrum_axes(
     ax.set_xscale("log")
     ax.set_yscale("log")
     first, last = float(p[0]), float(p[-1])
+    drawn = ax.dataLim.intervalx
+    if np.all(np.isfinite(drawn)):
+        first, last = max(first, float(drawn[0]) / _ROOM), min(last, float(drawn[1]) * _ROOM)
     ax.set_xlim(first, last)
     ticks = [value for value in _TICKS if first <= value <= last]
     ax.set_xticks(ticks, [f"{value:g}" for value in ticks])

@@ -21,6 +21,9 @@ __all__ = ["body_marks", "rocking_spectrum", "size_scale"]
 #: Sizes whose p is marked along the top [m].
 _RADII = (0.2, 0.3, 0.5, 1.0, 2.0, 4.0, 8.0)
 
+#: Blocks that overturn.
+_FALLEN: dict[str, Any] = {"fc": RED, "ec": BLACK, "hatch": "/////", "hatch_linewidth": 0.25}
+
 #: Bodies that are named one by one.
 _NAMED = 12
 
@@ -31,7 +34,7 @@ def rocking_spectrum(
     bodies: Mapping[str, tuple[float, float]] | None = None,
     note: str = "",
 ) -> Axes:
-    """Largest rotation over p and alpha_c: the darker, the further; black where blocks overturn.
+    """Largest rotation over p and alpha_c: the darker, the further; red and hatched where blocks overturn.
 
     Parameters
     ----------
@@ -47,25 +50,33 @@ def rocking_spectrum(
     Returns
     -------
     matplotlib Axes
-        Its first collection is the map.
+        Its first collection is the map, its first patch the hatching of what overturns.
     """
     from matplotlib import colormaps
     from matplotlib.colors import BoundaryNorm
-    from matplotlib.patches import Patch
+    from matplotlib.patches import Patch, PathPatch
+    from matplotlib.path import Path
 
     ax = one_axes(ax, height=4.4)
     outcome = spectrum["outcome"].transpose("alpha_c", "p").values
     peak = spectrum["peak_rotation_ratio"].transpose("alpha_c", "p").values
-    # Darker is worse, in grey as well: rest white, overturning black.
-    colours = colormaps["cividis_r"].with_extremes(over=BLACK, bad="white")
+    # Darker is worse, in grey as well, and rest is white. What overturns is hatched, in a colour of no rotation.
+    colours = colormaps["cividis_r"].with_extremes(over=_FALLEN["fc"], bad="white")
     levels = np.linspace(0.0, 1.0, 11)
-    shown = np.where(
-        outcome == Outcome.OVERTURNS, 2.0, np.where(outcome == Outcome.ROCKS, np.minimum(peak, 1.0), np.nan)
-    )
+    fallen = outcome == Outcome.OVERTURNS
+    # A rotation of alpha_c and beyond that does not overturn has the darkest colour.
+    rotation = np.minimum(peak, np.nextafter(1.0, 0.0))
+    shown = np.where(fallen, 2.0, np.where(outcome == Outcome.ROCKS, rotation, np.nan))
     p, alpha = spectrum["p"].values, spectrum["alpha_c"].values
     mesh = ax.pcolormesh(
         p, alpha, np.ma.masked_invalid(shown), cmap=colours, norm=BoundaryNorm(levels, colours.N), rasterized=True
     )
+    if np.any(fallen):
+        corners = np.asarray(mesh.get_coordinates())
+        ways = [(0, 0), (0, 1), (1, 1), (1, 0), (0, 0)]
+        around = np.stack([corners[i : i + len(alpha), j : j + len(p)] for i, j in ways], axis=2)[fallen]
+        cells = Path.make_compound_path(*(Path(cell, closed=True) for cell in around))
+        ax.add_patch(PathPatch(cells, **_FALLEN | {"fc": "none"}, lw=0.0, rasterized=True))
     ax.grid(visible=False)
     figure = ax.get_figure()
     assert figure is not None
@@ -73,8 +84,8 @@ def rocking_spectrum(
     bar.ax.tick_params(labelsize=SMALL, width=0.6)
     bar.set_label(label(spectrum["peak_rotation_ratio"].attrs), fontsize=FONT)
     handles: list[Any] = []
-    if np.any(outcome == Outcome.OVERTURNS):
-        handles.append(Patch(fc=BLACK, label="overturns"))
+    if np.any(fallen):
+        handles.append(Patch(**_FALLEN, lw=0.5, label="overturns"))
     if np.any(outcome == Outcome.AT_REST):
         handles.append(Patch(fc="white", ec=BLACK, lw=0.5, label="at rest"))
     if np.any(outcome == Outcome.UNRESOLVED):

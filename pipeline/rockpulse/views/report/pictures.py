@@ -16,7 +16,6 @@ from rockpulse.views.plots.selection import plain_bodies
 from rockpulse.views.report.record_strip import strip
 from rockpulse.views.report.wording import Words
 from rockpulse.views.shared.answer_cells import NAMES
-from rockpulse.views.text.fragility import shown_measure
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -168,14 +167,13 @@ class Pictures:
 
     def fragility(self, block: str) -> Picture:
         """The curves of a body; only asked for with a fragility file."""
-        from rockpulse.views.plots.fragility_curves import fragility
+        from rockpulse.views.plots.fragility_curves import fragility_panels
 
         tree = self._fragility
         assert tree is not None
-        curves = tree["fragility"].to_dataset()
-        place = curves.get_index("block").get_loc(block)
+        place = tree["fragility"].to_dataset().get_index("block").get_loc(block)
         return _drawn(
-            lambda: fragility(tree, block=block, measure=shown_measure(curves)),
+            lambda: fragility_panels(tree, block)[0],
             f"fragility{place}",
             self._words("picture.fragility"),
         )
@@ -183,28 +181,9 @@ class Pictures:
 
 def _spectra(words: Words, tree: xr.DataTree, spectra: xr.Dataset) -> Axes:
     """The stored spectra at the C of most bodies; straight between the bodies where only these were marched."""
-    from rockpulse.views.plots.demand_marks import factors_to_demands
-    from rockpulse.views.plots.overturning_curves import overturning_spectra
+    from rockpulse.views.plots.overturning_curves import spectra_of_results
 
-    summary = tree["summary"].to_dataset()
-    own = summary.sel(record=spectra["record"].values)
-    names = plain_bodies(summary)
-    # A factor that differs from body to body moves no spectrum as a whole.
-    shared = [factors_to_demands(summary, own["record"].values.tolist(), name, np.inf) for name in names]
-    needed = {name: one for name, one in shared[0].items() if all(np.array_equal(one, other[name]) for other in shared)}
-    ax = overturning_spectra(
-        spectra,
-        restitution=float(summary["restitution"].median()),
-        bodies={
-            name: (float(summary["p"].sel(block=name)), float(summary["alpha_c"].sel(block=name))) for name in names
-        },
-        events=[str(event) for event in own["event"].values],
-        demands=needed if spectra.sizes["record"] > 1 else None,
-        gravity=float(summary["gravity"][0]),
-    )
-    marched = np.isfinite(spectra["spectrum"].transpose("p", ...).values).reshape(spectra.sizes["p"], -1).any(axis=1)
-    known = spectra["p"].values[marched]
-    ax.set_xlim(max(0.6 * float(known.min()), ax.get_xlim()[0]), min(1.6 * float(known.max()), ax.get_xlim()[1]))
+    ax = spectra_of_results(tree, spectra)
     ax.set_xlabel(words("picture.spectra_x"))
     ax.set_ylabel(words("picture.spectra_y"))
     figure = ax.get_figure(root=True)

@@ -5,7 +5,7 @@ import pytest
 from matplotlib.colors import same_color
 
 from rockpulse.errors import ResultsError
-from rockpulse.views.plots.fragility_curves import fragility
+from rockpulse.views.plots.fragility_curves import fragility, fragility_panels
 from rockpulse.views.plots.style import looks
 
 
@@ -138,6 +138,55 @@ def test_a_dozen_limit_states_are_told_apart_without_colour_alone():
 
 def test_a_measure_brings_its_own_unit(fragility_tree):
     assert fragility(fragility_tree, block="wall", measure="pga").get_xlabel() == "PGA [m/s²]"
+
+
+def test_pga_stands_beside_the_measure_that_is_shown(fragility_tree):
+    tree = banded(fragility_tree)
+    tree["fragility"]["extrapolated"].loc[{"limit_state": "0.4", "measure": "pga"}] = 1
+    tree["fragility"]["uplift_acceleration"].values[:] = 3.0
+    left, right = fragility_panels(tree, "wall")
+    assert (left.get_xlabel(), right.get_xlabel()) == (r"p PGV/(g tan $\alpha_c$) [-]", "PGA [m/s²]")
+    for ax, measure in ((left, "velocity_ratio"), (right, "pga")):
+        line = next(line for line in ax.lines if line.get_label().startswith("overturning"))
+        own = tree["fragility"].to_dataset().sel(block="wall", measure=measure)
+        assert line.get_xdata()[0] == pytest.approx(own["level"].values[0])
+        assert len(ax.collections) == 1
+        assert ax.get_legend() is not None
+    assert right.get_ylim() == left.get_ylim()
+    assert "0.4 (extrapolated)" in " ".join(text.get_text() for text in right.get_legend().get_texts())
+    words = " ".join(left.figure.get_supxlabel().split())
+    assert words.count("2 records of 1 earthquake") == 1
+    assert "In PGA: The body is never lifted by less" in words
+    left.figure.draw_without_rendering()
+    boxes = [ax.get_legend().get_window_extent() for ax in (left, right)]
+    assert boxes[0].x1 < boxes[1].x0
+
+
+def test_the_grey_line_is_the_acceleration_that_lifts(fragility_tree):
+    tree = fragility_tree.copy(deep=True)
+    tree["fragility"]["uplift_acceleration"].values[:] = 3.0
+    lines = [line for line in fragility(tree, measure="pga").lines if "lifts" in line.get_label()]
+    assert [line.get_xdata()[0] for line in lines] == [3.0]
+    assert not any("lifts" in line.get_label() for line in fragility(tree).lines)
+    tree["fragility"]["uplift_acceleration"].values[:] = np.nan  # on a floor
+    assert "lifted" not in fragility(tree, measure="pga").figure.get_supxlabel()
+
+
+@pytest.mark.parametrize(
+    ("hazard", "expected"),
+    [
+        ("", ["velocity_ratio", "pga"]),
+        ('[hazard]\nk0 = 1e-4\nk = 2.5\nmeasure = "velocity_ratio"\n', ["velocity_ratio"]),
+        ('[hazard]\nk0 = 1e-4\nk = 2.5\nmeasure = "pgv"\n', ["velocity_ratio"]),
+    ],
+)
+def test_the_measure_of_the_hazard_stands_beside_where_the_file_has_it(fragility_tree, hazard, expected):
+    tree = fragility_tree.copy(deep=True)
+    tree.attrs["configuration"] = hazard
+    long_name = tree["fragility"]["measure_long_name"]
+    panels = fragility_panels(tree, "wall")
+    units = [str(long_name.sel(measure=name).item()).split()[0] for name in expected]
+    assert [ax.get_xlabel().split()[0] for ax in panels] == units
 
 
 def test_unknown_names_are_refused(fragility_tree):

@@ -126,7 +126,8 @@ def _seen(figure):
 def test_kinds_of_other_files(study4, study5, fragility_tree):
     assert len(draw(study4, "figure4", spacing="end", count=2).axes) == 2
     assert len(draw(study5, "figure5").axes) == 4
-    assert len(draw(fragility_tree, "fragility", block="wall").axes) == 1
+    assert len(draw(fragility_tree, "fragility", block="wall").axes) == 2
+    assert len(draw(fragility_tree, "fragility", measure="pga").axes) == 1
 
 
 def test_an_accuracy_report_is_drawn(work_precision_rows):
