@@ -76,7 +76,8 @@ def overturning_map(
 ) -> Axes:
     """Factors on the input at which blocks overturn, and the windows between them in which they stand.
 
-    Where intervals of overturning were not searched, the factors at which its probability is 10 and 50 %.
+    Where intervals of overturning were not searched, the factors at which its probability is 10 and 50 %. Rows without
+    a factor say one thing only, so that two and more of them are one row with their number.
 
     Parameters
     ----------
@@ -120,16 +121,15 @@ def overturning_map(
     factors, resolved = (_of_rows(summary, one, records, blocks, model) for one in (name, "factor_resolved"))
     if np.all(np.isnan(factors)):
         raise ResultsError(f"{model}: no factors in these results: {_SEARCH}")
-    kept = np.arange(len(rows))
-    if len(records) > 1 or len(rows) > ROWS:  # the weakest for the block on top
-        kept = np.argsort(factors, kind="stable")[:ROWS]
-    note = f"The {ROWS} smallest factors of {len(rows)}. " if len(rows) > ROWS else ""
-    steps, inside = (_of_rows(summary, name, records, blocks, model)[kept] for name in ("search_step", "applicable"))
-    rows, factors, bound = [rows[place] for place in kept], factors[kept], resolved[kept] == 0
+    kept, merged, names, note = _shown_rows(summary, rows, factors)
+    steps, inside = (_of_rows(summary, name, records, blocks, model) for name in ("search_step", "applicable"))
+    outside = [body for (_, body, _), within in zip(rows, inside, strict=True) if within == 0]
     end = float(setting(tree, "search", "factor_max", SearchSettings().factor_max))
+    asked = factors_to_demands(summary, [one for one, _, _ in rows], [body for _, body, _ in rows], end)
+    needed = {name: _asked_of(ticks, kept, merged) for name, ticks in asked.items()}
+    rows, factors, bound = [rows[place] for place in kept], factors[kept], resolved[kept] == 0
     ax = one_axes(ax, height=1.5 + _ROW * max(len(rows), 3))
     ends = {one: _of_rows(summary, one, records, blocks, model)[kept] for one in ("factor_50", *_ENDS)}
-    needed = factors_to_demands(summary, [one for one, _, _ in rows], [body for _, body, _ in rows], end)
     lowest = least(needed, float(np.nanmin(np.where(factors > 0.0, factors, np.nan), initial=1.0)))
     begin = _BELOW * lowest
     for place, (one, body, case) in enumerate(rows):
@@ -146,19 +146,17 @@ def overturning_map(
         whiskers(ax, *(np.clip(ends[one], begin, end) for one in _ENDS))
     _smallest(ax, factors, bound & (name == "safety_factor"), "smallest factor" if name == "safety_factor" else TEN)
     demand_ticks(ax, needed)
-    names = [_row_name(summary, row, len(records) > 1) for row in rows]
     _rows(ax, names, begin, end)
     ax.set_xlabel(f"factor on the {_input(model)} [-]")
     legend_rows = _once(ax, columns=4)
     heading = plain(records[0]) if len(records) == 1 else plain(blocks[0])
     title(ax, f"{heading}: {look(model).label} model", rows=legend_rows)
-    outside = [body for (_, body, _), within in zip(rows, inside, strict=True) if within == 0]
     if name == "factor_10":
         told = summary[name].attrs.get("comment", "nonlinear model")
         words = f"Dashed: the record as it is. Line: interval of 90 %. P, probability of overturning: {told}."
     else:
         words = _map_notes(model, end, float(np.nanmax(steps, initial=1.0)), outside, bool(np.any(bound)))
-    caption(ax, " ".join([note + words, *tick_notes(needed)]))
+    caption(ax, " ".join([note + words, *tick_notes(asked)]))
     return ax
 
 
@@ -230,6 +228,40 @@ def critical_scale(
     told = [f"{look(name).label.capitalize()}: factor of 10 % probability." for name in searched if name in probable]
     caption(ax, " ".join([_scale_notes(own, shown, searched, leading, end), *told, *tick_notes(needed)]))
     return ax
+
+
+def _shown_rows(
+    summary: xr.Dataset, rows: Sequence[tuple[str, str, int]], factors: np.ndarray
+) -> tuple[np.ndarray, list[np.ndarray], list[str], str]:
+    """The rows that are drawn, those that each of the last ones stands for, the names of all, and words on them.
+
+    Rows without a factor say one thing only: that nothing overturns in the search, or that it is not known. Two and
+    more of a kind are one row.
+    """
+    groups = [np.flatnonzero(one) for one in (np.isinf(factors), np.isnan(factors))]
+    merged = [group for group in groups if group.size > 1]
+    lone = np.setdiff1d(np.arange(len(rows)), np.concatenate([[], *merged])).astype(int)
+    records = len({record for record, _, _ in rows})
+    if records > 1 or lone.size > ROWS:  # the weakest for the block on top
+        lone = lone[np.argsort(factors[lone], kind="stable")]
+    note = f"The {ROWS} smallest factors of {len(rows)}. " if lone.size > ROWS else ""
+    lone = lone[:ROWS]
+    every = [_row_name(summary, row, records > 1) for row in rows]
+    names = [every[place] for place in lone]
+    noun = "bodies" if records == 1 else "records" if records == len(rows) else "rows"
+    for group in merged:
+        names.append(f"all {group.size} {noun}" if group.size == len(rows) else f"{group.size} other {noun}")
+        note += f"{names[-1].capitalize()}: {plain(counted(every[place] for place in group))}. "
+    return np.array([*lone, *(group[0] for group in merged)], dtype=int), merged, names, note
+
+
+def _asked_of(ticks: np.ndarray, kept: np.ndarray, merged: Sequence[np.ndarray]) -> np.ndarray:
+    """The ticks of the rows that are drawn; NaN in a row that stands for several of which each has another."""
+    found = ticks[kept]
+    for place, group in enumerate(merged, start=kept.size - len(merged)):
+        if np.unique(ticks[group]).size > 1:
+            found[place] = np.nan
+    return found
 
 
 def _row_name(summary: xr.Dataset, row: tuple[str, str, int], by_record: bool) -> str:

@@ -172,8 +172,9 @@ def _panel(ax: Axes, tree: xr.DataTree, own: xr.Dataset, states: Sequence[str], 
             capacities = tree["capacities"].to_dataset().sel(block=own["block"].item())
             _capacities(ax, capacities, state, measure, style, float(capacities.attrs["factor_max"]))
     ax.set_xscale("log")
-    if np.any(known := np.isfinite(level[shown])):
-        ax.set_xlim(float(level[shown][known].min()), float(level[shown][known].max()))
+    first, last = (float(end(level[shown], initial=np.nan)) for end in (np.fmin.reduce, np.fmax.reduce))
+    if first < last:
+        ax.set_xlim(first, last)
     notes = [_counts(tree, own), *_band_notes(tree, own, banded, shown)]
     lifted = float(own["uplift_acceleration"]) if measure == "pga" else np.nan
     if lifted > ax.get_xlim()[0]:

@@ -93,7 +93,11 @@ class Pictures:
         if not answers.probable and "overturning_intervals" not in self._tree.children:
             return Picture(Markup(""), self._words("picture.no_factors"))
         lowest = answers.by_block(np.fmin, answers[answers.factor])[:, block]
-        rows = np.sort(np.argsort(np.where(np.isnan(lowest), np.inf, lowest), kind="stable")[:IN_A_MAP])
+        # The map counts the records without a factor.
+        many = np.count_nonzero(np.isfinite(lowest)) > IN_A_MAP
+        rows = np.sort(
+            np.argsort(np.where(np.isnan(lowest), np.inf, lowest), kind="stable")[: IN_A_MAP if many else None]
+        )
         factor = self._words.shared(NAMES[answers.factor])
         few = self._words("picture.map_few", count=rows.size, factor=factor) if rows.size < lowest.size else ""
         return _drawn(

@@ -126,8 +126,9 @@ def test_nothing_that_overturns_stands_to_the_end_of_the_search(assessed, change
     endless = np.full(assessed["summary"]["safety_factor"].shape, np.inf)
     tree = changed({"/overturning_intervals": none}, safety_factor=endless)
     ax = overturning_map(tree, record=first)
-    assert [high for _, _, high in bars(ax, "stands")] == pytest.approx([10.0, 10.0])
-    assert [text.get_text().strip() for text in ax.texts] == ["none up to 10"] * 2
+    assert [high for _, _, high in bars(ax, "stands")] == pytest.approx([10.0])
+    assert [text.get_text().strip() for text in ax.texts] == ["none up to 10"]
+    assert [tick.get_text() for tick in ax.get_yticklabels()] == ["all 2 bodies"]
     assert "smallest factor" not in ax.get_legend_handles_labels()[1]
     ax = critical_scale(tree, block="wall")
     assert ax.get_xlim()[1] > 10.0
@@ -237,7 +238,7 @@ def test_a_tick_does_not_stand_in_the_words_of_its_row(assessed, asked_for, firs
         tree["overturning_intervals"] = xr.DataTree(none)
         ax = overturning_map(tree, record=first)
         ax.figure.draw_without_rendering()
-        (tick, _), pixel = ticks(ax), ax.transData
+        (tick,), pixel = ticks(ax), ax.transData
         assert tick == pytest.approx(demand)
         for words in ax.texts:
             assert words.get_text().strip() == "none up to 10"
@@ -259,6 +260,26 @@ def test_of_many_records_those_of_the_smallest_factors_are_shown(assessed, chang
     assert len(drawn.get_yticks()) == ROWS
     assert "The 60 smallest factors of 70" in drawn.figure.get_supxlabel()
     assert max(one.figure.get_size_inches()[1] for one in (ax, drawn)) < 11.7  # a page of A4
+
+
+def test_rows_that_say_one_thing_are_one_row_with_their_number(assessed, asked_for):
+    """Under four of seven records nothing overturns, of two it is not known; the last one is drawn."""
+    summary = asked_for(2.94)["summary"].to_dataset()
+    summary = summary.isel(record=np.zeros(7, dtype=int)).assign_coords(record=[f"r{k}" for k in range(7)])
+    summary["pga"].values[:] = [1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0]
+    factor = np.array([np.inf, np.nan, np.inf, np.inf, 0.8, np.nan, np.inf])
+    summary["safety_factor"].values[:] = factor[:, None, None]
+    table = assessed["overturning_intervals"].to_dataset()
+    tree = xr.DataTree.from_dict({"/summary": summary, "/overturning_intervals": table.isel(interval=slice(0))})
+    ax = overturning_map(tree, block="wall")
+    names = [tick.get_text() for tick in ax.get_yticklabels()]
+    assert names == ["r4", "4 other records", "2 other records"]
+    said = {text.get_position()[1]: text.get_text().strip() for text in ax.texts}
+    assert (said[1], said[2]) == ("none up to 10", "not known")
+    told = " ".join(ax.figure.get_supxlabel().split())
+    assert "4 other records: r0, r2, r3 and 1 more. 2 other records: r1, r5." in told
+    assert "The 60 smallest" not in told
+    assert ticks(ax) == pytest.approx([2.94 / 5.0, np.nan, np.nan], nan_ok=True)
 
 
 @pytest.fixture
