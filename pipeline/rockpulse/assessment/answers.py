@@ -257,13 +257,6 @@ class Answers:
         tables = (least, most, reached, partial)
         return _margins(*(table.T for table in tables) if of == "motion" else tables)
 
-    def shares(self, overturns: np.ndarray) -> list[Share]:
-        """Of every body the probability of overturning over the earthquakes.
-
-        Where none is known `overturns` (records, bodies) is taken for it: 1 where a record does, NaN where not known.
-        """
-        return self.motions.shares(self["overturning_probability"] if self.probable else overturns)
-
 
 def answers_of(tree: xr.DataTree) -> Answers:
     """The answers of the fullest model under the motions of a tree of results."""

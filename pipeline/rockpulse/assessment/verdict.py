@@ -27,7 +27,9 @@ __all__ = [
     "DemandVerdict",
     "Grade",
     "Standing",
+    "chances",
     "standings",
+    "too_far",
     "verdicts",
     "why_unknown",
 ]
@@ -161,7 +163,6 @@ def why_unknown(answers: Answers) -> np.ndarray:
 def verdicts(answers: Answers) -> list[BodyVerdict]:
     """The verdict on every body over the motions of the answers."""
     motions, single = answers.motions, standings(answers)
-    overturns = np.where(single == Standing.UNKNOWN, np.nan, single >= Standing.WEAKER_OVERTURNS)
     at_rest = ~motions.anywhere(answers["outcome"] != Outcome.AT_REST, missing=True)
     lifted = (
         ~(answers["uplift_probability"] < NEVER_LIFTED) if answers.probable else answers["outcome"] != Outcome.AT_REST
@@ -172,7 +173,7 @@ def verdicts(answers: Answers) -> list[BodyVerdict]:
     fallen, resting = answers.overturnings(), at_rest.sum(axis=0).tolist()
     found = []
     for lane, (body, margin, share) in enumerate(
-        zip(answers.bodies, answers.margins(), answers.shares(overturns), strict=True)
+        zip(answers.bodies, answers.margins(), motions.shares(chances(answers)), strict=True)
     ):
         found.append(
             BodyVerdict(
@@ -201,11 +202,9 @@ def _grade(share: Share, bound: bool) -> Grade:
 
 def _demand_verdicts(answers: Answers, demand: str) -> list[DemandVerdict]:
     """The verdict on every body against one demand."""
-    motions, factor = answers.motions, answers.to_demand(demand)
-    left_out = (factor < FARTHEST[0]) | (factor > FARTHEST[1])
-    table = answers.at_demand(demand) if answers.probable else _overturns_at(answers, demand)
+    motions, left_out = answers.motions, too_far(answers, demand)
     kept = motions.kept(left_out)
-    shares, events = motions.shares(table, left_out), motions.event_counts(kept).tolist()
+    shares, events = motions.shares(chances(answers, demand), left_out), motions.event_counts(kept).tolist()
     found = []
     for lane, margin in enumerate(answers.margins(demand=demand)):
         few = events[lane] < FEWEST_AT_DEMAND
@@ -213,6 +212,25 @@ def _demand_verdicts(answers: Answers, demand: str) -> list[DemandVerdict]:
         lost = int(np.count_nonzero(~kept[:, lane]))
         found.append(DemandVerdict(demand, grade, shares[lane], events[lane], lost, margin))
     return found
+
+
+def too_far(answers: Answers, demand: str) -> np.ndarray:
+    """(records, bodies) True where a record has to be scaled too far to a demand: it is left out of the verdict."""
+    factor = answers.to_demand(demand)
+    return np.asarray((factor < FARTHEST[0]) | (factor > FARTHEST[1]))
+
+
+def chances(answers: Answers, demand: str | None = None) -> np.ndarray:
+    """(records, bodies) probability that a record, as it is or brought to a demand, overturns a body; NaN: not known.
+
+    Where none is known 1 where it does by the model of the answers, as it is or weaker, and 0 where it does not.
+    """
+    if demand is not None:
+        return answers.at_demand(demand) if answers.probable else _overturns_at(answers, demand)
+    if answers.probable:
+        return answers["overturning_probability"]
+    single = standings(answers)
+    return np.where(single == Standing.UNKNOWN, np.nan, single >= Standing.WEAKER_OVERTURNS)
 
 
 def _overturns_at(answers: Answers, demand: str) -> np.ndarray:

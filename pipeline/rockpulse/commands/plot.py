@@ -36,6 +36,7 @@ def _add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--model", dest="models", action="append", metavar="MODEL", help="a model; may be repeated; default: all drawn"
     )
+    parser.add_argument("--demand", metavar="NAME", help="a demand of the file; default: the records as they are")
     parser.add_argument("--case", type=int, metavar="K", help="number of the restitution of a list, from 1")
     parser.add_argument(
         "--factor", type=float, metavar="F", help="factor on the record of a rotation history; default 1"

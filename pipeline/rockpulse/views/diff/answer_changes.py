@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from rocking.response import Outcome
 from rockpulse.assessment.answers import Answers, fullest_model
 from rockpulse.views.diff.row_matching import Matched
 from rockpulse.views.shared.answer_cells import TITLES, margin_cells
@@ -108,7 +107,7 @@ def _told(summary: xr.Dataset, names: list[str]) -> dict[str, list[str]]:
     answers = Answers(summary)
     told = {}
     if answers.probable:
-        shares = [share.value for share in answers.shares(answers["outcome"] == Outcome.OVERTURNS)]
+        shares = [share.value for share in answers.motions.shares(answers["overturning_probability"])]
         told["P"] = [ratio(value) for value in answers.by_block(np.fmax, np.array([shares]))[0]]
     if answers.factor in names:
         margins = answers.margins("block")

@@ -21,6 +21,7 @@ from .paper import figure4 as figure4
 from .paper import figure5 as figure5
 from .picture import picture_bytes as picture_bytes
 from .picture import svg as svg
+from .probability_map import probability_map as probability_map
 from .reading import open_results as open_results
 from .rotation import rotation_history as rotation_history
 from .selection import block_of as block_of

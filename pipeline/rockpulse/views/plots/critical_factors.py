@@ -11,39 +11,28 @@ from rockpulse.assessment.answers import PROBABLE, complete, fullest_model
 from rockpulse.errors import ResultsError
 from rockpulse.ladder import SEQUENCE_MODELS, UPPER_BOUND, SearchSettings, is_upper_bound
 from rockpulse.views.plots.demand_marks import demand_ticks, factors_to_demands, least, tick_notes
+from rockpulse.views.plots.factor_rows import ROW, ROWS, asked_of, factor_axis, legend_once, shown_rows
 from rockpulse.views.plots.probability_bars import HALF, bar, none_up_to, probability_bars, whiskers
 from rockpulse.views.plots.selection import chosen_case, named_body, one_name, setting
 from rockpulse.views.plots.style import (
     BLACK,
     GREEN,
     GREY,
-    PALE,
     RED,
     SMALL,
     caption,
-    legend_above,
     look,
     one_axes,
     title,
 )
 from rockpulse.views.plots.words import counted, label, plain, wrapped
 from rockpulse.views.shared.answer_cells import TITLES
-from rockpulse.views.shared.terminal import shortened
 
 if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.axes import Axes
 
 __all__ = ["critical_scale", "overturning_map"]
-
-#: Rows on a page; of more the lowest factors are shown.
-ROWS = 60
-
-#: Height of a row [in]: 60 of them fit on a page.
-_ROW = 0.155
-
-#: Longest name beside a row.
-_NAME = 34
 
 #: A window in which the block stands again: hatched, and light in grey where it is too narrow for that.
 _AGAIN: dict[str, Any] = {"fc": "#BBDDF3", "ec": BLACK, "lw": 0.0, "hatch": "////", "hatch_linewidth": 0.6}
@@ -121,14 +110,14 @@ def overturning_map(
     factors, resolved = (_of_rows(summary, one, records, blocks, model) for one in (name, "factor_resolved"))
     if np.all(np.isnan(factors)):
         raise ResultsError(f"{model}: no factors in these results: {_SEARCH}")
-    kept, merged, names, note = _shown_rows(summary, rows, factors)
+    kept, merged, names, note = shown_rows(summary, rows, factors)
     steps, inside = (_of_rows(summary, name, records, blocks, model) for name in ("search_step", "applicable"))
     outside = [body for (_, body, _), within in zip(rows, inside, strict=True) if within == 0]
     end = float(setting(tree, "search", "factor_max", SearchSettings().factor_max))
     asked = factors_to_demands(summary, [one for one, _, _ in rows], [body for _, body, _ in rows], end)
-    needed = {name: _asked_of(ticks, kept, merged) for name, ticks in asked.items()}
+    needed = {name: asked_of(ticks, kept, merged) for name, ticks in asked.items()}
     rows, factors, bound = [rows[place] for place in kept], factors[kept], resolved[kept] == 0
-    ax = one_axes(ax, height=1.5 + _ROW * max(len(rows), 3))
+    ax = one_axes(ax, height=1.5 + ROW * max(len(rows), 3))
     ends = {one: _of_rows(summary, one, records, blocks, model)[kept] for one in ("factor_50", *_ENDS)}
     lowest = least(needed, float(np.nanmin(np.where(factors > 0.0, factors, np.nan), initial=1.0)))
     begin = _BELOW * lowest
@@ -146,9 +135,9 @@ def overturning_map(
         whiskers(ax, *(np.clip(ends[one], begin, end) for one in _ENDS))
     _smallest(ax, factors, bound & (name == "safety_factor"), "smallest factor" if name == "safety_factor" else TEN)
     demand_ticks(ax, needed)
-    _rows(ax, names, begin, end)
+    factor_axis(ax, names, begin, end)
     ax.set_xlabel(f"factor on the {_input(model)} [-]")
-    legend_rows = _once(ax, columns=4)
+    legend_rows = legend_once(ax, columns=4)
     heading = plain(records[0]) if len(records) == 1 else plain(blocks[0])
     title(ax, f"{heading}: {look(model).label} model", rows=legend_rows)
     if name == "factor_10":
@@ -213,7 +202,7 @@ def critical_scale(
     factor = own["safety_factor"].sel(model=leading).values
     order = np.argsort(factor, kind="stable")[:ROWS]
     end = float(setting(tree, "search", "factor_max", SearchSettings().factor_max))
-    ax = one_axes(ax, height=1.6 + _ROW * max(order.size, 4))
+    ax = one_axes(ax, height=1.6 + ROW * max(order.size, 4))
     shown = own.isel(record=order)
     lowest = 1.0
     for place, name in enumerate(searched):
@@ -221,55 +210,15 @@ def critical_scale(
     needed = factors_to_demands(summary, [str(name) for name in shown["record"].values], block, end)
     demand_ticks(ax, needed)
     lowest = least(needed, lowest)
-    _rows(ax, [str(name) for name in shown["record"].values], _BELOW * lowest, end, end * _NONE ** (len(searched) + 1))
+    factor_axis(
+        ax, [str(name) for name in shown["record"].values], _BELOW * lowest, end, end * _NONE ** (len(searched) + 1)
+    )
     ax.set_xlabel(wrapped(label(own["safety_factor"].attrs), 64))
-    legend_rows = _once(ax, columns=3)
+    legend_rows = legend_once(ax, columns=3)
     title(ax, f"{plain(named_body(summary, block, case))}: critical scale of each record", rows=legend_rows)
     told = [f"{look(name).label.capitalize()}: factor of 10 % probability." for name in searched if name in probable]
     caption(ax, " ".join([_scale_notes(own, shown, searched, leading, end), *told, *tick_notes(needed)]))
     return ax
-
-
-def _shown_rows(
-    summary: xr.Dataset, rows: Sequence[tuple[str, str, int]], factors: np.ndarray
-) -> tuple[np.ndarray, list[np.ndarray], list[str], str]:
-    """The rows that are drawn, those that each of the last ones stands for, the names of all, and words on them.
-
-    Rows without a factor say one thing only: that nothing overturns in the search, or that it is not known. Two and
-    more of a kind are one row.
-    """
-    groups = [np.flatnonzero(one) for one in (np.isinf(factors), np.isnan(factors))]
-    merged = [group for group in groups if group.size > 1]
-    lone = np.setdiff1d(np.arange(len(rows)), np.concatenate([[], *merged])).astype(int)
-    records = len({record for record, _, _ in rows})
-    if records > 1 or lone.size > ROWS:  # the weakest for the block on top
-        lone = lone[np.argsort(factors[lone], kind="stable")]
-    note = f"The {ROWS} smallest factors of {len(rows)}. " if lone.size > ROWS else ""
-    lone = lone[:ROWS]
-    every = [_row_name(summary, row, records > 1) for row in rows]
-    names = [every[place] for place in lone]
-    noun = "bodies" if records == 1 else "records" if records == len(rows) else "rows"
-    for group in merged:
-        names.append(f"all {group.size} {noun}" if group.size == len(rows) else f"{group.size} other {noun}")
-        note += f"{names[-1].capitalize()}: {plain(counted(every[place] for place in group))}. "
-    return np.array([*lone, *(group[0] for group in merged)], dtype=int), merged, names, note
-
-
-def _asked_of(ticks: np.ndarray, kept: np.ndarray, merged: Sequence[np.ndarray]) -> np.ndarray:
-    """The ticks of the rows that are drawn; NaN in a row that stands for several of which each has another."""
-    found = ticks[kept]
-    for place, group in enumerate(merged, start=kept.size - len(merged)):
-        if np.unique(ticks[group]).size > 1:
-            found[place] = np.nan
-    return found
-
-
-def _row_name(summary: xr.Dataset, row: tuple[str, str, int], by_record: bool) -> str:
-    record, block, case = row
-    if not by_record:
-        return named_body(summary, block, case)
-    c = named_body(summary, block, case).removeprefix(block)  # ", C = 0.98" where there are several
-    return shortened(record, _NAME - len(c)) + c
 
 
 def _of_rows(summary: xr.Dataset, name: str, records: list[str], blocks: list[str], model: str) -> np.ndarray:
@@ -331,35 +280,6 @@ def _smallest(ax: Axes, factors: np.ndarray, bound: np.ndarray, words: str) -> N
                 "zorder": 3,
             }
             ax.plot(factors[shown], np.flatnonzero(shown), label=words, **dots)
-
-
-def _rows(ax: Axes, names: Sequence[str], begin: float, end: float, last: float | None = None) -> None:
-    """Label the rows, draw the factor on a logarithmic axis, and leave room beyond it for rows without a factor."""
-    from matplotlib.ticker import FixedLocator, FuncFormatter, NullLocator
-
-    ax.set_xscale("log")
-    ax.set_xlim(begin, end if last is None else last)
-    if last is not None:
-        ax.axvspan(end, last, color=PALE, alpha=0.5, lw=0)
-        ax.text(np.sqrt(end * last), -0.75, f">{end:g}", fontsize=SMALL, ha="center", va="bottom", color=GREY)
-    ticks = [tick for tick in (0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50, 100) if begin <= tick <= end]
-    ax.xaxis.set_major_locator(FixedLocator(ticks))
-    ax.xaxis.set_minor_locator(NullLocator())
-    ax.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
-    ax.axvline(1.0, color=BLACK, lw=1.0, ls=(0, (6, 3)))
-    ax.set_yticks(range(len(names)), [plain(shortened(name, _NAME)) for name in names], fontsize=SMALL)
-    ax.set_ylim(len(names) - 0.4, -0.6)
-    ax.grid(axis="y", visible=False)
-
-
-def _once(ax: Axes, columns: int) -> int:
-    """Draw a legend with every label once, and return the number of rows that it takes."""
-    found = dict(
-        zip(reversed(ax.get_legend_handles_labels()[1]), reversed(ax.get_legend_handles_labels()[0]), strict=True)
-    )
-    names = sorted(found, key=ax.get_legend_handles_labels()[1].index)
-    legend_above(ax, columns, across=True, handles=[found[name] for name in names], labels=names)
-    return -(-len(names) // columns)
 
 
 def _markers(ax: Axes, answers: xr.Dataset, model: str, none_at: float) -> float:

@@ -23,6 +23,7 @@ from rockpulse.views.plots.model_histories import histories
 from rockpulse.views.plots.motion import had_vertical, stored_motion, stored_record
 from rockpulse.views.plots.overturning_curves import spectra_of_results
 from rockpulse.views.plots.paper import figure4, figure5
+from rockpulse.views.plots.probability_map import probability_map
 from rockpulse.views.plots.rotation import rotation_history
 from rockpulse.views.plots.selection import block_of, named_body, one_name, plain_bodies, ragged, sequence_of, setting
 from rockpulse.views.plots.site import calibration
@@ -151,6 +152,10 @@ def _overturning_map(
     return _figure(overturning_map(tree, record, block, None if models is None else models[0]))
 
 
+def _probability(tree: xr.DataTree, demand: str | None = None) -> Figure:
+    return _figure(probability_map(tree, demand))
+
+
 def _critical_scale(
     tree: xr.DataTree, block: str | None = None, models: Sequence[str] | None = None, case: int = 1
 ) -> Figure:
@@ -195,6 +200,7 @@ DRAWERS: dict[str, Callable[..., Figure]] = {
     "rocking-spectrum": _rocking_spectrum,
     "spectrum": _spectrum,
     "overturning-map": _overturning_map,
+    "probability": _probability,
     "critical-scale": _critical_scale,
     "fragility": _fragility,
     "calibration": _calibration,

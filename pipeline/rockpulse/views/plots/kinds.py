@@ -81,6 +81,12 @@ KINDS = {
         _ASSESS,
         ("record", "block", "models"),
     ),
+    "probability": PictureKind(
+        "probability that each record, as it is or brought to a demand, overturns each body",
+        ASSESSMENT,
+        _ASSESS,
+        ("demand",),
+    ),
     "critical-scale": PictureKind(
         "smallest factor on every record that overturns a block, by each model",
         ASSESSMENT,
@@ -130,10 +136,10 @@ def draw(tree: xr.DataTree, kind: str, **options: Any) -> Figure:
     kind : str
         One of :data:`KINDS`.
     **options
-        What is chosen, those of the kind: `record`, `block`, `measure`, `spacing` (names), `models`, `limit_states`
-        (sequences of names), `case` (number of the restitution, from 1), `factor` (on the record), `count` (n, or inf),
-        `restitution` (a number or "housner"). None stands for the default. A record or a block may be left out where
-        there is one only; for a name of the file a pattern (* and ?) does that no other name meets.
+        What is chosen, those of the kind: `record`, `block`, `demand`, `measure`, `spacing` (names), `models`,
+        `limit_states` (sequences of names), `case` (number of the restitution, from 1), `factor` (on the record),
+        `count` (n, or inf), `restitution` (a number or "housner"). None stands for the default. A record or a block may
+        be left out where there is one only; for a name of the file a pattern (* and ?) does that no other name meets.
 
     Returns
     -------
@@ -194,6 +200,7 @@ OPTIONS = {
     "record": "--record",
     "block": "--block",
     "models": "--model",
+    "demand": "--demand",
     "case": "--case",
     "factor": "--factor",
     "measure": "--measure",

@@ -11,7 +11,8 @@ import rockpulse as rp
 from rockpulse import ModelSettings
 from rockpulse.errors import ResultsError
 from rockpulse.models import Block
-from rockpulse.views.plots.critical_factors import ROWS, critical_scale, overturning_map
+from rockpulse.views.plots.critical_factors import critical_scale, overturning_map
+from rockpulse.views.plots.factor_rows import ROWS
 from rockpulse.views.plots.style import RED
 
 

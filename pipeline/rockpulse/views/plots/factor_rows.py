@@ -1,0 +1,99 @@
+"""The rows of a picture of factors: which are drawn, their names, the axis of the factors and the legend above them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from rockpulse.views.plots.selection import named_body
+from rockpulse.views.plots.style import BLACK, GREY, PALE, SMALL, legend_above
+from rockpulse.views.plots.words import counted, plain
+from rockpulse.views.shared.terminal import shortened
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from matplotlib.axes import Axes
+
+__all__ = ["NAME", "ROW", "ROWS", "asked_of", "factor_axis", "legend_once", "shown_rows"]
+
+#: Rows on a page; of more the lowest factors are shown.
+ROWS = 60
+
+#: Height of a row [in]: 60 of them fit on a page.
+ROW = 0.155
+
+#: Longest name beside a row.
+NAME = 34
+
+
+def shown_rows(
+    summary: xr.Dataset, rows: Sequence[tuple[str, str, int]], factors: np.ndarray
+) -> tuple[np.ndarray, list[np.ndarray], list[str], str]:
+    """The rows that are drawn, those that each of the last ones stands for, the names of all, and words on them.
+
+    Rows without a factor say one thing only: that nothing overturns in the search, or that it is not known. Two and
+    more of a kind are one row.
+    """
+    groups = [np.flatnonzero(one) for one in (np.isinf(factors), np.isnan(factors))]
+    merged = [group for group in groups if group.size > 1]
+    lone = np.setdiff1d(np.arange(len(rows)), np.concatenate([[], *merged])).astype(int)
+    records = len({record for record, _, _ in rows})
+    if records > 1 or lone.size > ROWS:  # the weakest for the block on top
+        lone = lone[np.argsort(factors[lone], kind="stable")]
+    note = f"The {ROWS} smallest factors of {len(rows)}. " if lone.size > ROWS else ""
+    lone = lone[:ROWS]
+    every = [_row_name(summary, row, records > 1) for row in rows]
+    names = [every[place] for place in lone]
+    noun = "bodies" if records == 1 else "records" if records == len(rows) else "rows"
+    for group in merged:
+        names.append(f"all {group.size} {noun}" if group.size == len(rows) else f"{group.size} other {noun}")
+        note += f"{names[-1].capitalize()}: {plain(counted(every[place] for place in group))}. "
+    return np.array([*lone, *(group[0] for group in merged)], dtype=int), merged, names, note
+
+
+def asked_of(ticks: np.ndarray, kept: np.ndarray, merged: Sequence[np.ndarray]) -> np.ndarray:
+    """The ticks of the rows that are drawn; NaN in a row that stands for several of which each has another."""
+    found = ticks[kept]
+    for place, group in enumerate(merged, start=kept.size - len(merged)):
+        if np.unique(ticks[group]).size > 1:
+            found[place] = np.nan
+    return found
+
+
+def _row_name(summary: xr.Dataset, row: tuple[str, str, int], by_record: bool) -> str:
+    record, block, case = row
+    if not by_record:
+        return named_body(summary, block, case)
+    c = named_body(summary, block, case).removeprefix(block)  # ", C = 0.98" where there are several
+    return shortened(record, NAME - len(c)) + c
+
+
+def factor_axis(ax: Axes, names: Sequence[str], begin: float, end: float, last: float | None = None) -> None:
+    """Label the rows, draw the factor on a logarithmic axis, and leave room beyond it for rows without a factor."""
+    from matplotlib.ticker import FixedLocator, FuncFormatter, NullLocator
+
+    ax.set_xscale("log")
+    ax.set_xlim(begin, end if last is None else last)
+    if last is not None:
+        ax.axvspan(end, last, color=PALE, alpha=0.5, lw=0)
+        ax.text(np.sqrt(end * last), -0.75, f">{end:g}", fontsize=SMALL, ha="center", va="bottom", color=GREY)
+    ticks = [tick for tick in (0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50, 100) if begin <= tick <= end]
+    ax.xaxis.set_major_locator(FixedLocator(ticks))
+    ax.xaxis.set_minor_locator(NullLocator())
+    ax.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+    ax.axvline(1.0, color=BLACK, lw=1.0, ls=(0, (6, 3)))
+    ax.set_yticks(range(len(names)), [plain(shortened(name, NAME)) for name in names], fontsize=SMALL)
+    ax.set_ylim(len(names) - 0.4, -0.6)
+    ax.grid(axis="y", visible=False)
+
+
+def legend_once(ax: Axes, columns: int) -> int:
+    """Draw a legend with every label once, and return the number of rows that it takes."""
+    found = dict(
+        zip(reversed(ax.get_legend_handles_labels()[1]), reversed(ax.get_legend_handles_labels()[0]), strict=True)
+    )
+    names = sorted(found, key=ax.get_legend_handles_labels()[1].index)
+    legend_above(ax, columns, across=True, handles=[found[name] for name in names], labels=names)
+    return -(-len(names) // columns)
