@@ -25,13 +25,17 @@ import tempfile
 from dataclasses import dataclass
 from pathlib import Path
 
-__all__ = ["Block", "blocks", "missing_line", "run_page"]
+__all__ = ["Block", "blocks", "missing_line", "pictures", "run_page"]
 
 FENCE = re.compile(
     r"(?P<before>(?:^(?:<!--[^\n]*-->|\*Not run:[^\n]*\*)\n+)*)"
     r"^(?P<ticks>`{3,})(?P<info>[^\n`]*)\n(?P<body>.*?)^(?P=ticks)[ \t]*$",
     re.MULTILINE | re.DOTALL,
 )
+#: A picture that a command or a line of Python draws, and one that a page shows.
+DRAWN = re.compile(r"""(?:-o |savefig\(")([^\s"]+\.png)""")
+SHOWN = re.compile(r"!\[[^]]*\]\(\S*images/(\S+\.png)\)")
+
 NUMBER = re.compile(r"[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?")
 
 #: Numbers that a page shows may differ by this share [-], and by this where they are small.
@@ -97,6 +101,16 @@ def blocks(page: Path) -> list[Block]:
     return found
 
 
+def pictures(page: Path) -> tuple[set[str], set[str]]:
+    """The names of the pictures that a page shows: those that its commands and its Python draw, and the others."""
+    text = "\n".join(block.body for block in blocks(page) if block.kind in ("sh", "python"))
+    shown, drawn = (
+        set(SHOWN.findall(page.read_text(encoding="utf-8"))),
+        {Path(name).name for name in DRAWN.findall(text)},
+    )
+    return shown & drawn, shown - drawn
+
+
 def alike(shown: str, printed: str, figures: bool) -> bool:
     """Whether two lines have the same words and, where they are compared, numbers that are close."""
     if NUMBER.sub("#", shown).split() != NUMBER.sub("#", printed).split():
@@ -157,9 +171,7 @@ def draw_pictures(docs: Path) -> None:
     from PIL import Image
 
     for page in sorted(docs.rglob("*.md")):
-        drawn = {
-            name for block in blocks(page) if block.kind == "sh" for name in re.findall(r"-o (\S+\.png)", block.body)
-        }
+        drawn, _ = pictures(page)
         if drawn:
             with tempfile.TemporaryDirectory() as name:
                 folder = Path(name)

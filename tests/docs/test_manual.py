@@ -7,7 +7,7 @@ import re
 from pathlib import Path
 
 import pytest
-from docs_page import alike, blocks, missing_line, run_page
+from docs_page import alike, blocks, missing_line, pictures, run_page
 
 import rockpulse
 import rockpulse.models
@@ -140,10 +140,25 @@ def test_every_public_name_is_in_the_reference(module):
 def test_every_picture_of_a_page_is_drawn_by_that_page():
     """docs/images holds what the commands of the pages draw: `make docs-pictures` writes them again."""
     for page in PAGES:
-        drawn = {Path(path).name for block in blocks(page) for path in re.findall(r"-o (\S+\.png)", block.body)}
-        shown = {Path(path).name for path in re.findall(r"!\[[^]]*\]\(\S*images/(\S+\.png)\)", page.read_text("utf-8"))}
-        assert shown <= drawn | {"ridgecrest.png", "accuracy.png", "code-check.png"}, name(page)
-        assert all((DOCS / "images" / picture).is_file() for picture in shown), name(page)
+        drawn, others = pictures(page)
+        assert others <= {"ridgecrest.png", "accuracy.png", "code-check.png"}, name(page)
+        assert all((DOCS / "images" / picture).is_file() for picture in drawn | others), name(page)
+
+
+def test_pictures_are_drawn_by_commands_and_by_python(tmp_path):
+    page = tmp_path / "page.md"
+    page.write_text(
+        '```sh\nx -o a.png\ny -o not-shown.png\n```\n```python\nz.savefig("b.png", dpi=200)\n```\n'
+        "![a](images/a.png) ![b](../images/b.png) ![c](images/c.png)\n",
+        encoding="utf-8",
+    )
+    assert pictures(page) == ({"a.png", "b.png"}, {"c.png"})
+
+
+def test_no_picture_is_kept_that_no_page_shows():
+    pages = [TOP / "README.md", *DOCS.rglob("*.md")]
+    shown = {picture for page in pages for which in pictures(page) for picture in which}
+    assert {path.name for path in (DOCS / "images").glob("*.png")} == shown
 
 
 def test_an_index_of_a_dotted_letter_stands_beside_it(monkeypatch):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -41,6 +41,9 @@ _WIDE = 0.8
 
 #: A curve that lies above that of a milder limit state by more than this [-] is told of.
 _ABOVE = 0.01
+
+#: The line at the acceleration that lifts a body.
+LIFTS = "lifts from here on"
 
 #: Points of a curve between two levels of the file.
 _BETWEEN = 8
@@ -124,18 +127,21 @@ def fragility_panels(
     curves = tree["fragility"].to_dataset()
     block = one_name(curves, "block", block)
     chosen = [one_name(curves, "measure", name) for name in measures or _usual_measures(tree, curves)]
-    panels = several_axes(axes, 1, len(chosen), height=4.0, sharey=True).ravel()
+    panels = several_axes(axes, 1, len(chosen), height=4.2, sharey=True).ravel()
     states = [one_name(curves, "limit_state", str(name)) for name in limit_states or curves["limit_state"].values]
     gravest = [*(state for state in states if state == OVERTURNING), *states[::-1]]
-    several = len(chosen) > 1
+    alone = len(chosen) == 1
     said: list[list[str]] = []
+    found: dict[str, Any] = {}
     for ax, measure in zip(panels, chosen, strict=True):
         own = curves.sel(block=block, measure=measure)
-        said.append(_panel(ax, tree, own, states, _banded(own, states if limit_states else gravest)))
+        said.append(_panel(ax, tree, own, states, _banded(own, states if limit_states else gravest), alone))
         ax.set_xlabel(wrapped(ax.get_xlabel(), 90 // len(chosen)))
-        legend_above(ax, 1 if several else 3, across=not several)
-    panels[0].set_ylabel(label(curves["probability"].attrs))
-    title(panels[0], plain(block), rows=len(states) if several else -(-len(states) // 3))
+        found = dict(zip(*ax.get_legend_handles_labels()[::-1], strict=True)) | found
+    panels[0].set_ylabel(wrapped(label(curves["probability"].attrs), 30))  # small print may leave it little height
+    names = sorted(found, key=lambda words: words == LIFTS)
+    legend_above(panels[0], 3, across=True, handles=[found[name] for name in names], labels=names)
+    title(panels[0], plain(block), rows=-(-len(names) // 3))
     words = [one for one in said[0] if all(one in notes for notes in said)]
     for measure, notes in zip(chosen, said, strict=True):
         own_words = " ".join(one for one in notes if one not in words)
@@ -151,8 +157,13 @@ def _usual_measures(tree: xr.DataTree, curves: xr.Dataset) -> list[str]:
     return [first, second] if second in curves["measure"].values and second != first else [first]
 
 
-def _panel(ax: Axes, tree: xr.DataTree, own: xr.Dataset, states: Sequence[str], banded: str | None) -> list[str]:
-    """Draw the curves of one body over one measure, and return what has to be said of them."""
+def _panel(
+    ax: Axes, tree: xr.DataTree, own: xr.Dataset, states: Sequence[str], banded: str | None, alone: bool
+) -> list[str]:
+    """Draw the curves of one body over one measure, and return what has to be said of them.
+
+    Of a panel that is not `alone` the legend is that of all, so that what a curve lacks is in the words only.
+    """
     level, measure = own["level"].values, str(own["measure"].item())
     shown = _shown(own.sel(limit_state=list(states)))
     marked = len(states) <= _POINTS and tree.attrs.get("data") == "ida"
@@ -162,9 +173,9 @@ def _panel(ax: Axes, tree: xr.DataTree, own: xr.Dataset, states: Sequence[str], 
         if str(one["statement"].item()):
             remarks.setdefault(str(one["statement"].item()), []).append(style.label)
         if not bool(one["probability"].notnull().any()):
-            ax.plot([], [], color=style.color, ls=style.line, label=f"{style.label}: no curve")
+            ax.plot([], [], color=style.color, ls=style.line, label=style.label + ": no curve" * alone)
             continue
-        words = style.label + (" (extrapolated)" if int(one["extrapolated"]) else "")
+        words = style.label + (" (extrapolated)" if alone and int(one["extrapolated"]) else "")
         ax.plot(*_curve(one, "probability"), color=style.color, ls=style.line, lw=1.4, label=words)
         if state == banded and not _says_nothing(one, shown):
             _band(ax, one, style)
@@ -178,7 +189,7 @@ def _panel(ax: Axes, tree: xr.DataTree, own: xr.Dataset, states: Sequence[str], 
     notes = [_counts(tree, own), *_band_notes(tree, own, banded, shown)]
     lifted = float(own["uplift_acceleration"]) if measure == "pga" else np.nan
     if lifted > ax.get_xlim()[0]:
-        ax.axvline(lifted, color=GREY, lw=0.9, label="lifts from here on")
+        ax.axvline(lifted, color=GREY, lw=0.9, label=LIFTS)
         notes.append("The body is never lifted by less than the grey line, whatever a curve says.")
     ax.set_ylim(-0.01, 1.01)
     attrs = {"long_name": str(own["measure_long_name"].item())}

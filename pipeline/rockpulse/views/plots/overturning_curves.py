@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.axes import Axes
 
-__all__ = ["overturning_spectra", "record_lines", "spectra_of_results", "spectrum_axes"]
+__all__ = ["below_the_picture", "overturning_spectra", "record_lines", "spectra_of_results", "spectrum_axes"]
 
 #: Spectra of single records that are drawn; more are a grey area.
 _DRAWN = 200
@@ -28,6 +28,9 @@ _TICKS = (0.5, 0.7, 1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 8.0)
 
 #: Room beside what is drawn, as a ratio of p.
 _ROOM = 1.6
+
+#: Curves are followed down to this share of the lowest body.
+_DEEPEST = 0.1
 
 #: A median over fewer earthquakes than these says little of a site.
 FEWEST_EVENTS = 3
@@ -108,6 +111,7 @@ def overturning_spectra(
         left_out += f" {len(names) - known.size} of {len(names)} records have no spectrum."
     title(ax, f"{words}, $C$ = {grid[chosen]:g}", rows=rows)
     remarks = ["A body overturns, at its mean capacity, under a record whose curve lies above its point."]
+    remarks += below_the_picture(ax, curves)
     if bodies:
         remarks.append("A body with a larger C falls under a higher curve, one with a smaller C under a lower one.")
     caption(ax, " ".join(remarks) + ("" if known.size else " No spectrum was stored.") + left_out)
@@ -143,6 +147,12 @@ def record_lines(ax: Axes, p: np.ndarray, curves: np.ndarray) -> None:
         ax.plot(p, curve, color=GREY, lw=0.5, alpha=0.6, label="" if place else f"{len(curves)} records")
 
 
+def below_the_picture(ax: Axes, curves: np.ndarray) -> list[str]:
+    """How many curves (records, a) lie below the Axes of :func:`spectrum_axes`, in a sentence; none where none does."""
+    below = int(np.count_nonzero(np.all(curves < ax.get_ylim()[0], axis=1)))
+    return [f"Below the picture, far from every body: {below} of {len(curves)} curves."] if below else []
+
+
 def spectrum_axes(
     ax: Axes, p: xr.DataArray, points: Mapping[str, tuple[float, float]], gravity: float, columns: int
 ) -> int:
@@ -161,6 +171,8 @@ def spectrum_axes(
     ticks = [value for value in _TICKS if first <= value <= last]
     ax.set_xticks(ticks, [f"{value:g}" for value in ticks])
     ax.minorticks_off()
+    low, high = ax.get_ylim()
+    ax.set_ylim(max(low, _DEEPEST * min((speed for _, speed in points.values()), default=0.0)), high)
     plain_ticks(ax.yaxis)
     ax.set_xlabel(label(p.attrs, symbol="$p$"))
     ax.set_ylabel(r"effective impulse $S$, or $g\,\tan\alpha_c/p$ of a body [m/s]")

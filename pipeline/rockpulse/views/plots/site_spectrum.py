@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from rockpulse.record.record import STANDARD_GRAVITY
-from rockpulse.views.plots.overturning_curves import record_lines, spectrum_axes
+from rockpulse.views.plots.overturning_curves import below_the_picture, record_lines, spectrum_axes
 from rockpulse.views.plots.style import BLUE, PALE, RED, caption, one_axes, title
 from rockpulse.views.plots.words import plain
 
@@ -70,5 +70,6 @@ def site_spectrum(tree: xr.DataTree, ax: Axes | None = None) -> Axes:
     title(ax, f"{plain(tree.attrs.get('title', ''))}, $C$ = {restitution:.3g}", rows=rows)
     said = ["A body overturns under the design where the middle of its bar lies above its point."]
     remarks = [line[:1].upper() + line[1:] for line in str(site["remarks"].item()).splitlines() if line]
-    caption(ax, " ".join([*said[: known.sizes["block"]], *(f"{plain(one)}." for one in remarks[:1])]))
+    said = [*said[: known.sizes["block"]], *(f"{plain(one)}." for one in remarks[:1])]
+    caption(ax, " ".join([*said, *below_the_picture(ax, curves["spectrum"])]))
     return ax

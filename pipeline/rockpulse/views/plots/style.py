@@ -134,9 +134,9 @@ def ramp(names: Sequence[str]) -> list[Look]:
 
 def figure_of(width: float = WIDTH, height: float = 3.4) -> Figure:
     """A figure of some size [in] that belongs to no window and no global list."""
-    from matplotlib.figure import Figure
+    from rockpulse.views.plots.notebook_figure import NotebookFigure
 
-    figure = Figure(figsize=(width, height), layout="constrained")
+    figure = NotebookFigure(figsize=(width, height), layout="constrained")
     figure.set_label(_OURS)
     return figure
 

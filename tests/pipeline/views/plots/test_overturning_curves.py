@@ -66,6 +66,16 @@ def test_where_no_body_lies_the_curve_is_straight():
     assert "Straight where no body lies" in ax.figure.get_supxlabel()
 
 
+def test_records_far_below_every_body_are_counted_and_not_shown():
+    many, body = spectra(1.0, 2.0, 1e-3), {"wall": (2.0, 0.1)}
+    ax = overturning_spectra(many, restitution=0.85, bodies=body)
+    assert ax.get_ylim()[0] == pytest.approx(0.1 * 9.80665 * math.tan(0.1) / 2.0)
+    assert "Below the picture, far from every body: 1 of 3 curves." in " ".join(ax.figure.get_supxlabel().split())
+    alone = overturning_spectra(many, restitution=0.85)
+    assert alone.get_ylim()[0] < 2e-4
+    assert "Below the picture" not in alone.figure.get_supxlabel()
+
+
 def test_a_record_without_a_spectrum_is_left_out():
     some = spectra(1.0, 2.0)
     some["spectrum"].values[0] = np.nan
