@@ -12,6 +12,7 @@ from rocking.response import Outcome, Response
 from rocking.svg_lines import thinned
 from rockpulse.record.half_wave import STRONG, HalfWaves
 from rockpulse.views.plots.bodies import outlines
+from rockpulse.views.plots.rotation import moving_stretch
 from rockpulse.views.plots.style import BLACK, BLUE, GREY, INSTANTS, PALE, RED, caption, legend_above, one_axes, title
 from rockpulse.views.plots.words import plain
 
@@ -140,10 +141,13 @@ def response(answer: Response, ax: Axes | None = None) -> Axes:
         return ax
     lanes = answer.rotation.reshape(-1, answer.time.size)
     ax.axhline(0.0, color=PALE, lw=0.8)
+    first, last = moving_stretch([(answer.time, rotation) for rotation in lanes[:LANES]])
+    shown = (answer.time >= first) & (answer.time <= last)
+    ax.set_xlim(first, last)
     for place, rotation in enumerate(lanes[:LANES]):
         words = Outcome(codes[place]).word.replace("_", " ")
         words = words if len(lanes) == 1 else f"lane {place + 1}: {words}"
-        ax.plot(*thinned(answer.time, rotation, INSTANTS), lw=1.0, label=words)
+        ax.plot(*thinned(answer.time[shown], rotation[shown], INSTANTS), lw=1.0, label=words)
     ax.set_xlabel("time [s]")
     ax.set_ylabel(r"rotation $\theta$ [rad]")
     legend_above(ax, 3)

@@ -25,7 +25,7 @@ from rockpulse.views.plots.style import (
 )
 from rockpulse.views.plots.style import title as titled
 
-__all__ = ["rotation_history"]
+__all__ = ["moving_stretch", "rotation_history"]
 
 #: Motions that stay below this [-] are not looked at when the stretch of time is chosen.
 _MOVES = 0.02
@@ -64,7 +64,7 @@ def rotation_history(histories: Sequence[History], axes: Panels | None = None, t
     moving.axhline(0.0, color=BLACK, lw=0.5)
     for level in (-1.0, 1.0):
         moving.axhline(level, color=BLACK, lw=0.8, ls=(0, (6, 3)))
-    first, last = _stretch(histories)
+    first, last = moving_stretch([(history.time, history.rotation) for history in histories])
     for place, history in enumerate(histories):
         style = look(history.model)
         words = f"{style.label}: {_answer(history)}"
@@ -147,15 +147,15 @@ def _limits(histories: Sequence[History]) -> tuple[float, float]:
     return -reach, reach
 
 
-def _stretch(histories: Sequence[History]) -> tuple[float, float]:
-    """Limits of the time axis about the first and the last motion [s]."""
-    times = [np.zeros(1)]
-    for history in histories:
-        largest = min(np.nanmax(np.abs(history.rotation), initial=0.0), 1.0)
-        times.append(history.time[np.abs(history.rotation) > _MOVES * largest])
-    moving = np.concatenate(times[1:]) if len(times) > 1 else times[0]
+def moving_stretch(motions: Sequence[tuple[np.ndarray, np.ndarray]]) -> tuple[float, float]:
+    """Limits of the time axis [s] about the first and the last motion, of times and rotations one after the other."""
+    found = []
+    for time, rotation in motions:
+        largest = min(np.nanmax(np.abs(rotation), initial=0.0), 1.0)
+        found.append(time[np.abs(rotation) > _MOVES * largest])
+    moving = np.concatenate([np.zeros(0), *found])
     if moving.size == 0:
-        ends = [float(history.time[-1]) for history in histories if history.time.size]
+        ends = [float(time[-1]) for time, _ in motions if time.size]
         return 0.0, max(ends, default=1.0)
     first, last = float(np.min(moving)), float(np.max(moving))
     around = max(_AROUND * (last - first), 0.5)

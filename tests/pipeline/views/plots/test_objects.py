@@ -67,3 +67,13 @@ def test_of_many_histories_six_are_drawn():
     ax = response(of(np.ones((2, 4), dtype=int), np.full((2, 4), 0.3), time=time, rotation=rotation, velocity=rotation))
     assert [line.get_ydata().tolist() for line in ax.lines[1:]] == [row.tolist() for row in rotation.reshape(8, 5)[:6]]
     assert "first 6 of 8 lanes" in ax.get_figure().get_supxlabel()
+
+
+def test_of_a_long_history_the_motion_is_shown():
+    time = np.linspace(0.0, 300.0, 3001)
+    rotation = np.where((time > 200.0) & (time < 210.0), 0.05 * np.sin(time), 0.0)
+    ax = response(of(np.array(1), np.array(0.3), time=time, rotation=rotation, velocity=rotation))
+    low, high = ax.get_xlim()
+    assert 195.0 < low < 200.2
+    assert 209.8 < high < 215.0
+    assert np.nanmax(ax.lines[-1].get_ydata()) == rotation.max()
