@@ -31,9 +31,9 @@ test-slow:  ## the long sweeps
 test-sweeps:  ## what takes seconds a test: oracles, kills, compilation, memory (a minute)
 	$(PYTHON) -m pytest -q -n 2 --dist worksteal -m "sweep and not slow"
 
-test-python:  ## the kernels' tests with the kernels as plain Python (under 2 minutes)
+test-python:  ## the kernels' tests with the kernels as plain Python (under 2 minutes on two cores)
 	@# Plain Python warns of the arithmetic of empty slots, which nobody reads.
-	NUMBA_DISABLE_JIT=1 $(PYTHON) -m pytest -q -W ignore::RuntimeWarning $(KERNEL_TESTS) -k "not ($(LONG_IN_PYTHON))"
+	NUMBA_DISABLE_JIT=1 $(PYTHON) -m pytest -q -n 2 --dist worksteal -W ignore::RuntimeWarning $(KERNEL_TESTS) -k "not ($(LONG_IN_PYTHON))"
 
 samples:  ## write data/samples/formats: a small file of every format that is read
 	$(PYTHON) tests/make_format_samples.py
