@@ -21,6 +21,7 @@ rocking
 rockpulse.version rockpulse.failures rockpulse.remark
 rockpulse.errors
 rockpulse.option rockpulse.file_set rockpulse.foreign_text rockpulse.input_file
+rockpulse.input_table
 rockpulse.record
 rockpulse.readers
 rockpulse.calibration

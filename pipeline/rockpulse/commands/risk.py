@@ -6,13 +6,9 @@ import argparse
 import sys
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from rockpulse.commands.telling import QUIET, tell
 from rockpulse.commands.verb import Verb
-
-if TYPE_CHECKING:
-    from rockpulse.studies.risk.inventory_table import Inventory
 
 __all__ = ["VERB"]
 
@@ -29,7 +25,7 @@ def _add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="TABLE",
         help='free bodies, any number, that the spectra of results stand for: a table (CSV) with the columns "name", '
         '"width [m]", "height [m]", perhaps "restitution", perhaps "longitude" and "latitude", for the hazard of each '
-        'body\'s own site, and "soil factor"',
+        'body\'s own site, and "soil_factor"',
     )
     parser.add_argument(
         "--hazard",
@@ -116,7 +112,8 @@ def _run(args: argparse.Namespace) -> int:
     years = settings.years if args.years is None else args.years
     if args.bodies is not None:
         bodies = read_inventory(args.bodies)
-        _check_sites(args, bodies)
+        if bodies.passed_over:
+            tell(f"{args.bodies}: columns passed over: {', '.join(bodies.passed_over)}", sys.stderr)
         hazards = site_hazards_of(settings, bodies.sites, bodies.soil_factor, len(bodies.names), folder)
         found = inventory_frequency(tree, bodies.block, hazards, years).assign_coords(body=bodies.names)
     else:
@@ -136,18 +133,6 @@ def _run(args: argparse.Namespace) -> int:
         for words in warnings:
             tell(f"warning: {words}", sys.stderr)
     return 0
-
-
-def _check_sites(args: argparse.Namespace, bodies: Inventory) -> None:
-    """Refuse an option that says of all bodies what the table says of each."""
-    from rockpulse.errors import ConfigError
-
-    for option, given, column, told in (
-        ("--site", args.site, "longitude and latitude", bodies.sites),
-        ("--soil-factor", args.soil_factor, "soil factor", bodies.soil_factor),
-    ):
-        if given is not None and told is not None:
-            raise ConfigError(f"{option}: {args.bodies} has {column} for each body; expected one of them, found both")
 
 
 def _files(output: str | None, levels: bool) -> list[Path]:

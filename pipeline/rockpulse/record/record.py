@@ -239,7 +239,7 @@ def _restored(kind: type[Record], values: list[Any]) -> Record:
     values[0].setflags(write=False)
     record = object.__new__(kind)
     for item, value in zip(fields(kind), values, strict=True):
-        if item.name in SHARED:
+        if item.name in SHARED and type(value) is str:
             value = sys.intern(value)
         elif isinstance(value, float) and math.isnan(value):
             value = math.nan

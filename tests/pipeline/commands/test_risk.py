@@ -77,7 +77,8 @@ def test_a_site_far_away_is_refused_and_the_soil_is_told(fragility, tmp_path, ca
     assert main(["risk", str(fragility), *arguments]) == 0
     # 0.05 degrees of longitude at 42 degrees north: 6371 km pi/3600 cos 42 = 4.1 km.
     shown = " ".join(capsys.readouterr().out.split())
-    assert "place 13 E 42 N, 4.1 km from the site" in shown
+    assert "place 13 E 42 N: 2 points of pga in g" in shown
+    assert "4.1 km from the site" in shown
     assert "levels times the soil factor 1.5" in shown
 
 
@@ -146,7 +147,20 @@ def test_an_inventory_is_read_from_the_spectra_of_results(fragility, tmp_path, c
     assert ratio[5:] == pytest.approx(10.0 * ratio[:5].mean(), rel=2e-2)
     assert sited["hazard_distance"].to_numpy() == pytest.approx(1112.0, abs=1.0)
     assert main([*arguments, "--overwrite", "--site", "13", "42"]) == 2
-    assert "--site: " in capsys.readouterr().err
+    assert "[hazard] longitude, latitude: the bodies have their own" in capsys.readouterr().err
+    # The ground of each body, in the spelling of the configuration, and a column that says nothing here.
+    rows = "".join(f"b{k},{0.3 + 0.02 * k},3,1.2,brick\n" for k in range(15))
+    bodies.write_text(f"name,width [m],height [m],Soil_Factor,made of\n{rows}")
+    curve.write_text("TR [years],ag [g]\n10,0.0102\n1000,0.102\n")
+    assert main([*arguments, "--overwrite"]) == 0
+    shown, told = capsys.readouterr()
+    assert "bodies.csv: columns passed over: made of" in told
+    assert "times the soil factor 1.2" in " ".join(shown.split())
+    assert "a_g is that on rock" not in shown
+    assert main([*arguments, "--overwrite", "--soil-factor", "1.4"]) == 2
+    assert "[hazard] soil_factor: the bodies have their own" in capsys.readouterr().err
+    assert main([*arguments, "--overwrite", "--site", "13", "42"]) == 2
+    assert "one curve without a place, but a site was named" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(
@@ -154,11 +168,16 @@ def test_an_inventory_is_read_from_the_spectra_of_results(fragility, tmp_path, c
     [
         ("name,width,height\na,1,2\n", "no column width [m] and height [m]"),
         ("name,width [m],height [m]\na,0.4,3\na,0.4,3\n", "a name for each body, no two alike"),
-        ("name,width [m],height [m]\na,0.4,x\n", "a: expected positive numbers"),
+        ("name,width [m],height [m]\na,0.4,x\n", "row 1 of column 'height [m]': expected a number, found 'x'"),
+        ("name,width [m],height [m]\na,0.4,-3\n", "a: height [m]: expected a positive number, found -3"),
+        ("name,width [m],height [m]\na,0.4,3,13.4\n", "row 1: expected 3 cells, as the heading has, found 4"),
         ("name,width [m],height [m],restitution\na,0.4,3,1.5\n", "restitution"),
         ("name,width [m],height [m],longitude\na,0.4,3,13\n", "longitude and latitude [degrees] or neither"),
-        ("name,width [m],height [m],longitude,latitude\na,0.4,3,13,142\n", "a: expected a longitude from -180 to 360"),
-        ("name,width [m],height [m],soil factor\na,0.4,3,\n", "a: expected positive numbers"),
+        (
+            "name,width [m],height [m],longitude,latitude\na,0.4,3,13,142\n",
+            "a: latitude: expected degrees from -90 to 90, found 142",
+        ),
+        ("name,width [m],height [m],soil factor\na,0.4,3,\n", "column 'soil_factor': expected a number, found ''"),
     ],
 )
 def test_wrong_inventories_are_told(fragility, tmp_path, capsys, text, told):

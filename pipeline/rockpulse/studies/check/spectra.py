@@ -8,19 +8,17 @@
 
 from __future__ import annotations
 
-import io
 import math
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Protocol
 
 import numpy as np
-import pandas as pd
 
 from rockpulse.config.check_settings import CheckSettings
 from rockpulse.errors import ConfigError
-from rockpulse.foreign_text import first_line
 from rockpulse.input_file import read_text
+from rockpulse.input_table import numbers, table_of
 from rockpulse.record.record import STANDARD_GRAVITY
 
 __all__ = [
@@ -248,18 +246,11 @@ def spectrum_of(settings: CheckSettings, folder: Path = Path()) -> DemandSpectru
 def _tabled(path: Path) -> TabledSpectrum:
     if not path.exists() or path.is_dir():
         raise ConfigError(f"{path}: expected a table of a spectrum, found no file")
-    text = read_text(path, what="a table of a spectrum")
-    try:
-        table = pd.read_csv(io.StringIO(text), comment="#", skipinitialspace=True)
-    except ValueError as error:
-        raise ConfigError(f"{path}: cannot be read as a table: {first_line(error)}") from None
-    heads = [str(name).strip().lower() for name in table.columns]
+    table = table_of(str(path), read_text(path, what="a table of a spectrum"))
+    heads = [str(name).lower() for name in table.columns]
     units = {"sa [g]": STANDARD_GRAVITY, "sa [m/s2]": 1.0}
     if len(heads) != 2 or heads[0] != "period [s]" or heads[1] not in units:
         found = ", ".join(map(str, table.columns))
         raise ConfigError(f'{path}: expected the columns "period [s]" and "sa [g]" or "sa [m/s2]", found {found}')
-    values = table.apply(pd.to_numeric, errors="coerce").to_numpy(dtype=float)
-    if np.isnan(values).any():
-        row = int(np.argmax(np.isnan(values).any(axis=1)))
-        raise ConfigError(f"{path}: row {row + 1}: expected two numbers, found {table.iloc[row].tolist()}")
-    return TabledSpectrum(values[:, 0], units[heads[1]] * values[:, 1], str(path))
+    period, acceleration = (numbers(str(path), table, name) for name in table.columns)
+    return TabledSpectrum(period, units[heads[1]] * acceleration, str(path))

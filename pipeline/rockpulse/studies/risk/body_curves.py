@@ -15,13 +15,13 @@ from rockpulse.errors import ConfigError, ResultsError
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["BodyCurves", "curves_in_parts", "event_weights", "spectra_of"]
+__all__ = ["BodyCurves", "chosen", "curves_in_parts", "event_weights", "spectra_of"]
 
 #: Measures that every results file holds of its records.
 MEASURED = ("pga", "pgv")
 
-#: Bodies that are worked on at once.
-AT_ONCE = 1000
+#: Pairs of a body and a record that are worked on at once.
+AT_ONCE = 30_000
 
 
 class BodyCurves(NamedTuple):
@@ -50,14 +50,22 @@ class BodyCurves(NamedTuple):
         at = (speed[:, np.newaxis] - log_s + own)[:, :, np.newaxis] + np.log(spectra["level"].values)
         return cls(at, at_blocks(block, *axes, stored), log_s, own, speed, floor)
 
+    @property
+    def spacing(self) -> float:
+        """Step of the logarithms of the levels."""
+        return float(self.at[0, 0, -1] - self.at[0, 0, 0]) / (self.at.shape[2] - 1)
+
+    def step_of(self, log_level: np.ndarray) -> np.ndarray:
+        """The step (m, r), from one stored level to the next, that a level (m or 1, r or 1) is in; the nearest one."""
+        place = ((log_level - self.at[:, :, 0]) / self.spacing).astype(int)
+        return np.clip(place, 0, self.at.shape[2] - 2)
+
     def read_at(self, values: np.ndarray, log_level: np.ndarray) -> np.ndarray:
         """Values (m, r, l) at the levels, read at others (m or 1, r or 1): (m, r), straight between, level beyond."""
-        last = self.at.shape[2] - 1
-        spacing = (self.at[0, 0, -1] - self.at[0, 0, 0]) / last
-        place = np.clip((log_level - self.at[:, :, 0]) / spacing, 0.0, last)
-        lower = np.minimum(place.astype(int), last - 1)
-        ends = [np.take_along_axis(values, (lower + more)[:, :, np.newaxis], axis=2)[:, :, 0] for more in (0, 1)]
-        return np.asarray(ends[0] + (place - lower) * (ends[1] - ends[0]))
+        step = self.step_of(log_level)
+        share = np.clip((log_level - chosen(self.at, step)) / self.spacing, 0.0, 1.0)
+        low = chosen(values, step)
+        return np.asarray(low + share * (chosen(values, step + 1) - low))
 
     def scatter(self, weights: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Over records by their weights: ln of the level (m,) at which S is g tan(alpha)/p, the deviation of ln S."""
@@ -68,11 +76,16 @@ class BodyCurves(NamedTuple):
     def medians(self, weights: np.ndarray) -> np.ndarray:
         """Logarithms (m,) of the levels at which the mean over records by their weights (r,) is 1/2."""
         low, high = self.at[:, :, 0].min(axis=1), self.at[:, :, -1].max(axis=1)
-        for _ in range(60):
+        for _ in range(48):
             middle = 0.5 * (low + high)
             reached = self.read_at(self.probability, middle[:, np.newaxis]) @ weights >= 0.5
             low, high = np.where(reached, low, middle), np.where(reached, middle, high)
         return np.asarray(0.5 * (low + high))
+
+
+def chosen(values: np.ndarray, place: np.ndarray) -> np.ndarray:
+    """Of values (m, r, l) those at the places (m, r) of the last axis."""
+    return np.take_along_axis(values, place[:, :, np.newaxis], axis=2)[:, :, 0]
 
 
 def spectra_of(results: xr.DataTree, measure: str) -> tuple[xr.Dataset, xr.Dataset]:
@@ -91,10 +104,10 @@ def spectra_of(results: xr.DataTree, measure: str) -> tuple[xr.Dataset, xr.Datas
 def curves_in_parts(
     spectra: xr.Dataset, summary: xr.Dataset, block: Block, measure: str
 ) -> Iterator[tuple[np.ndarray, BodyCurves]]:
-    """Numbers and curves of those of (m,) bodies that the spectra stand for, `AT_ONCE` at a time."""
+    """Numbers and curves of those of (m,) bodies that the spectra stand for, some at a time."""
     own = np.log(summary[measure].values.astype(float))
     covered = np.flatnonzero(within(block, spectra["p"].values, spectra["restitution"].values))
-    for places in np.array_split(covered, max(1, math.ceil(covered.size / AT_ONCE))):
+    for places in np.array_split(covered, max(1, math.ceil(covered.size * own.size / AT_ONCE))):
         if places.size:
             yield places, BodyCurves.read(spectra, block.chosen(places), own)
 

@@ -22,7 +22,7 @@ from rockpulse.studies.fragility.observations import ABOVE, NOT_ABOVE, Observati
 from rockpulse.studies.fragility.statements import STATEMENTS, missing
 from rockpulse.studies.risk.assumptions import fragility_assumed, hazard_assumed, several_events
 from rockpulse.studies.risk.bands import FEWEST_EVENTS, LEAST_EVENTS, band_of, fitted_lines
-from rockpulse.studies.risk.hazard import Hazard
+from rockpulse.studies.risk.hazard import Hazard, HazardCurve, PowerLawHazard
 from rockpulse.studies.risk.integral import Integral, integrate
 
 if TYPE_CHECKING:
@@ -117,6 +117,8 @@ def annual_frequency(
     """
     import xarray as xr
 
+    if not isinstance(hazard, PowerLawHazard | HazardCurve):
+        raise ConfigError(f"hazard: expected one of one site, a PowerLawHazard or a HazardCurve, got {hazard!r:.80}")
     if fragility.attrs.get("kind") != FRAGILITY:
         raise ResultsError("fragility: expected the tree or file of rockpulse fragility; results of assess have none")
     table = fragility["fragility"].to_dataset()

@@ -137,6 +137,10 @@ class PowerLawHazard:
         """ln of -dH/d ln x [1/year] at logarithms of levels in SI units."""
         return math.log(self.k) + self.log_rate(log_level)
 
+    def integral_above(self, log_level: np.ndarray) -> np.ndarray:
+        """The integral of the rate over ln x from logarithms of levels in SI units upwards [1/year]."""
+        return np.exp(self.log_rate(log_level)) / self.k
+
 
 @dataclass(frozen=True, eq=False)
 class HazardCurve:
@@ -235,6 +239,22 @@ class HazardCurve:
         """ln of -dH/d ln x [1/year] at logarithms of levels in SI units; -inf where the rate does not fall."""
         with np.errstate(divide="ignore"):
             return np.asarray(np.log(self.slopes[self._piece(log_level)]) + self.log_rate(log_level))
+
+    def integral_above(self, log_level: np.ndarray) -> np.ndarray:
+        """The integral of the rate over ln x from logarithms of levels in SI units upwards [1/year]."""
+        piece = self._piece(log_level)
+        ends = np.append(self.knots[1:-1], np.inf)
+        level = self.slopes == 0.0  # a piece on which the rate stays the same, never the last one
+        slopes = np.where(level, 1.0, self.slopes)
+
+        def of_piece(start: np.ndarray, number: np.ndarray) -> np.ndarray:
+            length = ends[number] - start
+            share = np.where(level[number], length, -np.expm1(-slopes[number] * length) / slopes[number])
+            return np.asarray(np.exp(self.log_rate(start)) * share)
+
+        whole = of_piece(self.knots[:-1], np.arange(slopes.size))
+        beyond = np.append(np.cumsum(whole[:0:-1])[::-1], 0.0)
+        return of_piece(np.asarray(log_level, dtype=float), piece) + beyond[piece]
 
 
 #: Either of them.

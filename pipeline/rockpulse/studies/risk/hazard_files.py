@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import re
-from dataclasses import replace
+from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import NamedTuple
 
@@ -14,20 +15,18 @@ from numpy.typing import ArrayLike
 from rockpulse.config.hazard_settings import HazardSettings
 from rockpulse.errors import ConfigError
 from rockpulse.input_file import read_text
+from rockpulse.input_table import numbers, separator, table_of
 from rockpulse.studies.risk.hazard import Hazard, HazardCurve, PowerLawHazard, known_measure, unit_factor
-from rockpulse.studies.risk.hazard_table import (
-    EXPECTED,
-    coordinates,
-    named,
-    nearest_places,
-    numbers,
-    rates,
-    separator,
-    table_of,
-)
+from rockpulse.studies.risk.hazard_places import coordinates, named, nearest_places
 from rockpulse.studies.risk.site_hazards import SiteHazards, of_each
 
 __all__ = ["hazard_of", "load_hazard", "load_site_hazards", "site_hazards_of"]
+
+EXPECTED = (
+    'expected columns "pga [g],rate" (or pgv, si, sa(1.0), and "probability in 50 years"), OpenQuake\'s hazard curves '
+    '("# ... investigation_time=..., imt=...", lon,lat,depth,poe-0.005,...), return periods ("TR [years],ag [g]"), or '
+    "the grid of NTC 2008 (ID;LON;LAT;T30ag;T30F0;T30Tc;...)"
+)
 
 #: Units of OpenQuake's levels.
 OPENQUAKE = {"pga": "g", "sa": "g", "pgv": "cm/s"}
@@ -52,14 +51,37 @@ class _Sheet(NamedTuple):
 
     def curve(self, path: str, row: int, soil_factor: float, remarks: tuple[str, ...] = ()) -> HazardCurve:
         """The curve of a row in SI units, without the points at which a probability was 1 or 0."""
+        in_si = unit_factor(self.measure, self.unit, path)
+        where = path if self.places is None else f"{path}, place {named(*self.places[row])}"
         level, rate = (values[row] if values.ndim > 1 else values for values in (self.level, self.rates))
         order = np.argsort(level, kind="stable")
         kept = order[np.isfinite(rate[order]) & (rate[order] > 0.0)]
+        if kept.size < 2:
+            raise ConfigError(
+                f"{where}: expected two or more levels at which the rate is finite and not zero, found {kept.size} of "
+                f"{level.size}"
+            )
         remarks += self.remarks
         if self.rock and soil_factor == 1.0:
             remarks += ("a_g is that on rock: soil_factor brings it to other ground",)
-        in_si = unit_factor(self.measure, self.unit, path) * level[kept]
-        return HazardCurve(self.measure, in_si, rate[kept], path, self.unit, soil_factor, remarks)
+        return HazardCurve(self.measure, in_si * level[kept], rate[kept], where, self.unit, soil_factor, remarks)
+
+    def at(self, path: str, site: tuple[float, float] | None) -> tuple[int, tuple[str, ...]]:
+        """The row of a site, and how far away its place is in words; ConfigError where one cannot be chosen."""
+        if self.places is None and site is not None:
+            raise ConfigError(
+                f"{path}: one curve without a place, but a site was named; expected OpenQuake's hazard curves or the "
+                "grid of NTC 2008, or no longitude and latitude"
+            )
+        if self.places is not None and site is not None:
+            rows, distance = nearest_places(path, self.places, _checked_sites([site]))
+            return int(rows[0]), (f"{1e-3 * distance[0]:.1f} km from the site",)
+        if self.places is not None and len(self.places) > 1:
+            raise ConfigError(
+                f"{path}: curves of {len(self.places)} sites; name one by its longitude and latitude ([hazard] "
+                "longitude, latitude, or --site)"
+            )
+        return 0, () if self.places is None else ("the only place of the file",)
 
 
 def load_hazard(path: str | Path, site: tuple[float, float] | None = None, soil_factor: float = 1.0) -> HazardCurve:
@@ -88,20 +110,9 @@ def load_hazard(path: str | Path, site: tuple[float, float] | None = None, soil_
     ConfigError
         For a file that is none of these, of several sites where none was named, or of none near the one that was.
     """
-    name, sheet = str(path), _read(path)
-    row, remarks = 0, tuple[str, ...]()
-    if sheet.places is not None and site is not None:
-        rows, distance = nearest_places(name, sheet.places, np.array([site], dtype=float))
-        row = int(rows[0])
-        remarks = (f"place {named(*sheet.places[row])}, {1e-3 * distance[0]:.1f} km from the site",)
-    elif sheet.places is not None:
-        if len(sheet.places) > 1:
-            raise ConfigError(
-                f"{path}: curves of {len(sheet.places)} sites; name one by its longitude and latitude ([hazard] "
-                "longitude, latitude, or --site)"
-            )
-        remarks = (f"the only place of the file, {named(*sheet.places[0])}",)
-    return sheet.curve(name, row, soil_factor, remarks)
+    sheet = _read(path)
+    row, remarks = sheet.at(str(path), site)
+    return sheet.curve(str(path), row, soil_factor, remarks)
 
 
 def load_site_hazards(path: str | Path, sites: ArrayLike, soil_factor: ArrayLike = 1.0) -> SiteHazards:
@@ -126,10 +137,7 @@ def load_site_hazards(path: str | Path, sites: ArrayLike, soil_factor: ArrayLike
     ConfigError
         As :func:`load_hazard`; for a file without places, or sites and soil factors that do not fit.
     """
-    name, sheet = str(path), _read(path)
-    asked = np.asarray(sites, dtype=float)
-    if asked.ndim != 2 or asked.shape[1] != 2 or not np.all(np.isfinite(asked)):
-        raise ConfigError(f"sites: expected a longitude and a latitude for each body, got shape {asked.shape}")
+    name, sheet, asked = str(path), _read(path), _checked_sites(sites)
     if sheet.places is None:
         raise ConfigError(
             f"{path}: one curve without a place, but the bodies have sites; expected OpenQuake's hazard curves or the "
@@ -143,37 +151,68 @@ def load_site_hazards(path: str | Path, sites: ArrayLike, soil_factor: ArrayLike
     )
 
 
+def _checked_sites(sites: ArrayLike) -> np.ndarray:
+    """Longitude and latitude (m, 2) of one or more bodies; ConfigError for anything else."""
+    expected = "sites: expected a longitude and a latitude [degrees] for each body"
+    try:
+        found = np.asarray(sites, dtype=float)
+    except (TypeError, ValueError):
+        raise ConfigError(f"{expected}, got {sites!r:.80}") from None
+    if found.ndim != 2 or found.shape[1] != 2 or not found.size:
+        raise ConfigError(f"{expected}, got shape {found.shape}")
+    wrong = ~np.isfinite(found).all(axis=1)
+    if wrong.any():
+        row = int(np.argmax(wrong))
+        raise ConfigError(f"{expected}, got {found[row].tolist()} for body {row + 1}")
+    return found
+
+
 def hazard_of(settings: HazardSettings, folder: Path = Path()) -> Hazard:
     """The hazard that a configuration asks for, its file counted from a folder; ConfigError where there is none."""
-    if settings.k0 is not None and settings.k is not None:
-        return PowerLawHazard(
-            settings.k0, settings.k, settings.measure, settings.unit or "", soil_factor=settings.soil_factor
-        )
-    if settings.file is None:
-        raise ConfigError(
-            "[hazard]: expected a file or the power law k0, k in the configuration, or --hazard, found neither"
-        )
-    site = None if settings.longitude is None or settings.latitude is None else (settings.longitude, settings.latitude)
-    return load_hazard(folder / settings.file, site, settings.soil_factor)
+    return _of_factor(settings, folder)(settings.soil_factor)
 
 
 def site_hazards_of(
     settings: HazardSettings, sites: np.ndarray | None, soil_factor: np.ndarray | None, count: int, folder: Path
 ) -> SiteHazards:
-    """The hazards of as many bodies: by the configuration's curve or law, their own sites and their own soil factors.
+    """The hazards of so many bodies: by the configuration's curve or law, their own sites and their own soil factors.
 
-    Without `sites` all have the hazard of the configuration, without `soil_factor` its soil factor.
+    Without `sites` all have the hazard of the configuration, without `soil_factor` its soil factor. ConfigError where
+    the configuration says of all what is said of each.
     """
+    for key, told, own in (
+        ("longitude, latitude", settings.longitude is not None, sites),
+        ("soil_factor", settings.soil_factor != 1.0, soil_factor),
+    ):
+        if told and own is not None:
+            raise ConfigError(f"[hazard] {key}: the bodies have their own; expected one of the two, found both")
     factors = of_each(settings.soil_factor if soil_factor is None else soil_factor, count, "soil factor")
     if sites is None:
-        one = hazard_of(settings, folder)
-        return SiteHazards.distinct(factors[:, np.newaxis], lambda factor: replace(one, soil_factor=factor))
+        return SiteHazards.distinct(factors[:, np.newaxis], _of_factor(settings, folder))
     if settings.file is None:
         raise ConfigError(
             "[hazard] file: the bodies have sites of their own, so expected a file with the curves of many places, "
             "found none; or take longitude and latitude out of the table of bodies"
         )
     return load_site_hazards(folder / settings.file, sites, factors)
+
+
+def _of_factor(settings: HazardSettings, folder: Path) -> Callable[[float], Hazard]:
+    """The hazard of a configuration, by the soil factor."""
+    site = None if settings.longitude is None or settings.latitude is None else (settings.longitude, settings.latitude)
+    if settings.k0 is not None and settings.k is not None:
+        if site is not None:
+            raise ConfigError("[hazard] longitude, latitude: a power law has no place; take them out, or name a file")
+        law = partial(PowerLawHazard, settings.k0, settings.k, settings.measure, settings.unit or "")
+        return lambda factor: law(soil_factor=factor)
+    if settings.file is None:
+        raise ConfigError(
+            "[hazard]: expected a file or the power law k0, k in the configuration, or --hazard, found neither"
+        )
+    path = folder / settings.file
+    sheet = _read(path)
+    row, remarks = sheet.at(str(path), site)
+    return lambda factor: sheet.curve(str(path), row, factor, remarks)
 
 
 def _read(path: str | Path) -> _Sheet:
@@ -183,7 +222,7 @@ def _read(path: str | Path) -> _Sheet:
     lines = read_text(where, what="a hazard curve").splitlines()
     if lines and lines[0].startswith("#") and "investigation_time" in lines[0]:
         return _openquake(name, lines)
-    table = table_of(name, _with_one_heading([line for line in lines if not line.startswith("#")]))
+    table = table_of(name, _with_one_heading([line for line in lines if line.strip() and not line.startswith("#")]))
     heads = [str(column).strip() for column in table.columns]
     places = coordinates(name, table)
     if places is not None:
@@ -198,6 +237,14 @@ def _measure_of(path: str, told: str) -> str:
     return known_measure(f"sa_{float(found[1]):g}" if found else told.strip().lower(), path)
 
 
+def _rates(path: str, probability: np.ndarray, years: float) -> np.ndarray:
+    """Annual rates from probabilities in so many years, H = -ln(1 - probability)/years (Poisson); inf for 1."""
+    if not years > 0.0 or np.any((probability < 0.0) | (probability > 1.0)):
+        raise ConfigError(f"{path}: expected probabilities from 0 to 1 in a positive number of years")
+    with np.errstate(divide="ignore"):
+        return np.asarray(-np.log1p(-probability) / years)
+
+
 def _levels(path: str, table: pd.DataFrame, heads: list[str]) -> _Sheet:
     first = re.fullmatch(r"(.+?)\s*\[(.+?)\]", heads[0]) if heads else None
     years = re.fullmatch(r"probability in ([0-9.]+) years?", heads[1].lower()) if len(heads) == 2 else None
@@ -207,9 +254,9 @@ def _levels(path: str, table: pd.DataFrame, heads: list[str]) -> _Sheet:
         or not (years or re.fullmatch(r"rate(\s*\[1/(a|year|yr)\])?", heads[1].lower()))
     ):
         raise ConfigError(f"{path}: {EXPECTED}; found the columns {', '.join(heads) or 'none'}")
-    second = numbers(path, table, 1)
-    rate = rates(path, second, float(years[1])) if years else second
-    return _Sheet(_measure_of(path, first[1]), first[2].strip(), numbers(path, table, 0), rate)
+    second = numbers(path, table, heads[1])
+    rate = _rates(path, second, float(years[1])) if years else second
+    return _Sheet(_measure_of(path, first[1]), first[2].strip(), numbers(path, table, heads[0]), rate)
 
 
 def _return_periods(path: str, table: pd.DataFrame, heads: list[str]) -> _Sheet:
@@ -217,7 +264,7 @@ def _return_periods(path: str, table: pd.DataFrame, heads: list[str]) -> _Sheet:
     unit = re.fullmatch(r"ag\s*\[(.+?)\]", heads[named["ag"]].lower()) if "ag" in named else None
     if unit is None:
         raise ConfigError(f'{path}: expected the column "ag [g]" beside the return periods, found {", ".join(heads)}')
-    period, level = numbers(path, table, 0), numbers(path, table, named["ag"])
+    period, level = numbers(path, table, heads[0]), numbers(path, table, heads[named["ag"]])
     if np.any(period <= 0.0):
         raise ConfigError(f"{path}: expected positive return periods [years], found {period.min():g}")
     return _Sheet("pga", unit[1].strip(), level, 1.0 / period, rock=True)
@@ -250,7 +297,7 @@ def _grid(path: str, table: pd.DataFrame, heads: list[str], places: np.ndarray) 
     period = np.array([float(told[1] or told[2]) for _, told in columns])
     if np.any(period <= 0.0):
         raise ConfigError(f"{path}: expected positive return periods [years], found {period.min():g}")
-    level = np.stack([numbers(path, table, place) for place, _ in columns], axis=1)
+    level = np.stack([numbers(path, table, heads[place]) for place, _ in columns], axis=1)
     unit = units.pop()
     return _Sheet("pga", unit, level, 1.0 / period, places, (f"a_g read in {unit}",), rock=True)
 
@@ -274,5 +321,5 @@ def _openquake(path: str, lines: list[str]) -> _Sheet:
         level = np.array([float(heads[place].removeprefix("poe-")) for place in columns])
     except ValueError as error:
         raise ConfigError(f"{path}, line 2: expected a level behind poe-: {error}") from None
-    probability = np.stack([numbers(path, table, place) for place in columns], axis=1)
-    return _Sheet(measure, unit, level, rates(path, probability, years), places)
+    probability = np.stack([numbers(path, table, heads[place]) for place in columns], axis=1)
+    return _Sheet(measure, unit, level, _rates(path, probability, years), places)

@@ -20,7 +20,7 @@ from rockpulse.errors import ConfigError
 from rockpulse.storage.risk_variables import INVENTORY, RiskStatus
 from rockpulse.studies.risk.assumptions import hazard_assumed, several_events
 from rockpulse.studies.risk.bands import FEWEST_EVENTS
-from rockpulse.studies.risk.body_curves import BodyCurves, curves_in_parts, event_weights, spectra_of
+from rockpulse.studies.risk.body_curves import BodyCurves, chosen, curves_in_parts, event_weights, spectra_of
 from rockpulse.studies.risk.hazard import Hazard
 from rockpulse.studies.risk.site_hazards import SiteHazards
 
@@ -92,7 +92,7 @@ def inventory_frequency(
         raise ConfigError(f"years, confidence: expected a positive time and a share, got {years!r}, {confidence!r}")
     lanes = block if block.shape else block.lanes(1)
     count = lanes.shape[0]
-    every = hazard if isinstance(hazard, SiteHazards) else SiteHazards.distinct(np.zeros((count, 1)), lambda _: hazard)
+    every = hazard if isinstance(hazard, SiteHazards) else SiteHazards.of_all(hazard, count)
     if every.of_body.size != count:
         raise ConfigError(f"hazard: expected one for each of {count} bodies, got {every.of_body.size}")
     config = config_from_text(str(results.attrs["configuration"]))
@@ -131,22 +131,23 @@ def _of_bodies(
     curves: BodyCurves, events: np.ndarray, hazards: SiteHazards, factors: tuple[float, float], confidence: float
 ) -> dict[str, np.ndarray]:
     """The variables of (m,) bodies that the spectra stand for; `events` (k, r) are the weights of records in each."""
-    rate = hazards.log_rate(curves.at)
-    step = np.diff(rate, axis=2)
-    # P is straight between two levels in the logarithm and so is ln H: its mean over them is the logarithmic mean.
-    flat = np.abs(step) < 1e-12
-    mean = np.exp(rate[:, :, :-1]) * np.where(flat, 1.0, np.expm1(step) / np.where(flat, 1.0, step))
-    # What comes from levels above each stored one: P H there, and H over the capacities above.
-    rising = np.diff(curves.probability, axis=2) * mean
-    last = (1.0 - curves.probability[:, :, -1:]) * np.exp(rate[:, :, -1:])
-    beyond = np.cumsum(np.concatenate([last, rising[:, :, ::-1]], axis=2), axis=2)[:, :, ::-1]
-    beyond += curves.probability * np.exp(rate)
+    # P is straight between two levels in the logarithm: what it rises by counts with the mean of H between them.
+    whole_above = hazards.integral_above(curves.at)
+    slope = np.diff(curves.probability, axis=2) / curves.spacing
+    rising = slope * -np.diff(whole_above, axis=2)
+    # What P rises by above each stored level: beyond the last one it is 1.
+    last = (1.0 - curves.probability[:, :, -1:]) * np.exp(hazards.log_rate(curves.at[:, :, -1:]))
+    tail = np.cumsum(np.concatenate([last, rising[:, :, ::-1]], axis=2), axis=2)[:, :, ::-1]
 
     def above(log_level: np.ndarray) -> np.ndarray:
         """What comes from levels above some (m or 1, r or 1), but none at which the body does not move: (m, r)."""
         bound = np.maximum(log_level, curves.floor[:, np.newaxis] if hazards.measure == "pga" else -np.inf)
+        inside = np.clip(bound, curves.at[:, :, 0], curves.at[:, :, -1])
+        step, chance = curves.step_of(inside), curves.read_at(curves.probability, inside)
+        part = chosen(slope, step) * (hazards.integral_above(inside) - chosen(whole_above, step + 1))
+        found = chance * np.exp(hazards.log_rate(inside)) + part + chosen(tail, step + 1)
         top = np.exp(hazards.log_rate(np.maximum(bound, curves.at[:, :, -1])))
-        return np.where(bound > curves.at[:, :, -1], top, np.exp(curves.read_at(np.log(beyond), bound)))
+        return np.where(bound > curves.at[:, :, -1], top, found)
 
     weights = events.mean(axis=0)
     whole = above(np.full((1, 1), -np.inf))

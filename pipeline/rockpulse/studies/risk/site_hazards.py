@@ -28,11 +28,36 @@ class SiteHazards:
         The number of the hazard of each body.
     distance : (m,) ndarray
         From the site of each body to the place that its hazard was computed for [m]; NaN where that is not known.
+
+    Raises
+    ------
+    ConfigError
+        For no hazard, hazards of several measures or units, or numbers of hazards that there are not.
     """
 
     hazards: tuple[Hazard, ...]
     of_body: np.ndarray
     distance: np.ndarray
+
+    def __post_init__(self) -> None:
+        kinds = {(one.measure, one.unit) for one in self.hazards}
+        if len(kinds) != 1:
+            found = ", ".join(f"{measure} in {unit}" for measure, unit in sorted(kinds))
+            raise ConfigError(f"hazards: expected one measure in one unit, found {found or 'no hazard'}")
+        numbers, distance = np.asarray(self.of_body), np.asarray(self.distance, dtype=float)
+        known = np.issubdtype(numbers.dtype, np.integer) and numbers.ndim == 1
+        if not known or distance.shape != numbers.shape or np.any((numbers < 0) | (numbers >= len(self.hazards))):
+            raise ConfigError(
+                f"of_body, distance: expected for each body a number from 0 to {len(self.hazards) - 1} and a distance, "
+                f"got {self.of_body!r:.80}, {self.distance!r:.80}"
+            )
+        object.__setattr__(self, "of_body", numbers)
+        object.__setattr__(self, "distance", distance)
+
+    @classmethod
+    def of_all(cls, hazard: Hazard, count: int) -> SiteHazards:
+        """One hazard for so many bodies."""
+        return cls((hazard,), np.zeros(count, int), np.full(count, np.nan))
 
     @classmethod
     def distinct(
@@ -86,10 +111,19 @@ class SiteHazards:
 
     def log_rate(self, log_level: np.ndarray) -> np.ndarray:
         """ln of the annual rate of each body at logarithms (m, ...) of levels in SI units."""
+        return self._of_each(log_level, lambda one, at: one.log_rate(at))
+
+    def integral_above(self, log_level: np.ndarray) -> np.ndarray:
+        """The integral of each rate over ln x from logarithms (m, ...) of levels in SI units upwards [1/year]."""
+        return self._of_each(log_level, lambda one, at: one.integral_above(at))
+
+    def _of_each(self, log_level: np.ndarray, read: Callable[[Hazard, np.ndarray], np.ndarray]) -> np.ndarray:
+        if len(numbers := np.unique(self.of_body).tolist()) == 1:
+            return read(self.hazards[numbers[0]], log_level)
         found = np.empty(log_level.shape)
-        for number in np.unique(self.of_body).tolist():
+        for number in numbers:
             own = self.of_body == number
-            found[own] = self.hazards[number].log_rate(log_level[own])
+            found[own] = read(self.hazards[number], log_level[own])
         return found
 
     def log_ends(self) -> tuple[np.ndarray, np.ndarray]:
@@ -101,7 +135,10 @@ class SiteHazards:
 
 def of_each(values: ArrayLike, count: int, what: str) -> np.ndarray:
     """A positive number for each of so many bodies, or one for all: (count,); ConfigError for anything else."""
-    found = np.asarray(values, dtype=float)
+    try:
+        found = np.asarray(values, dtype=float)
+    except (TypeError, ValueError):
+        found = np.full(1, np.nan)
     if found.shape not in ((), (count,)) or not np.all(np.isfinite(found) & (found > 0.0)):
         raise ConfigError(
             f"{what}: expected one positive number, or one for each of {count} bodies, got {values!r:.80}"

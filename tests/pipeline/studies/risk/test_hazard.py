@@ -72,7 +72,8 @@ def test_a_site_is_chosen_among_several(tmp_path):
     near = rp.load_hazard(path, (13.0, 42.1))
     assert near.rates[0] == pytest.approx(-math.log1p(-0.2))
     # A tenth of a degree of a meridian: 6371 km pi/1800.
-    assert near.remarks == ("place 13 E 42 N, 11.1 km from the site",)
+    assert near.remarks == ("11.1 km from the site",)
+    assert near.words == f"{path}, place 13 E 42 N: 2 points of pga in g"
     settings = HazardSettings(file="curve.csv", longitude=0.1, latitude=0.1)
     assert hazard_of(settings, tmp_path).rates[0] == pytest.approx(-math.log1p(-0.1))
     # Longitude and latitude the wrong way round, or a site that the file does not hold.
@@ -89,7 +90,10 @@ def test_a_site_is_chosen_among_several(tmp_path):
         ("pgv [g],rate\n0.1,0.2\n", "expected a unit of pgv among m/s, cm/s"),
         ("sa(0.7) [g],rate\n0.1,0.2\n", "expected a measure among .* found 'sa_0.7'"),
         ("pga [g],rate\n0.1,0.2\n0.3,many\n", "row 2 of column 'rate': expected a number, found 'many'"),
-        ("pga [g],rate\n0.1,0.2\n", "two or more, found 1"),
+        ("pga [g],rate\n0.1,0.2\n", "two or more levels at which the rate is finite and not zero, found 1 of 1"),
+        ("pga [g],rate\n0.1,0.01,7\n0.3,0.02\n", r"row 1: expected 2 cells, as the heading has, found 3"),
+        ("pga [g],rate,rate\n0.1,0.01,7\n", "expected each column once, found 'rate' 2 times"),
+        ("LON,LAT,T30ag [g],T50ag [g]\n13,42,0,0\n", "place 13 E 42 N: expected positive levels that ascend"),
         ("pga [g],rate\n0.1,0.01\n0.3,0.02\n", "annual rates that do not rise"),
         ("pga [g],rate\n0.1,0.01\n0.1,0.01\n", "positive levels that ascend"),
         ("pga [g],rate\n0.1,0.01\n0.2,0.01\n", "the last two rates are alike"),
@@ -105,6 +109,25 @@ def test_a_wrong_file_says_what_was_expected(tmp_path, text, message):
     with pytest.raises(rp.ConfigError, match=message) as raised:
         rp.load_hazard(path)
     assert "curve.csv" in str(raised.value)
+
+
+def test_the_integral_of_a_rate_is_exact_between_the_bends_of_a_curve():
+    """A piece of slope 3, one that does not fall and one of slope 2: r/3 (1 - 2^-3) and so on, by hand."""
+    curve = rp.HazardCurve("pga", [1.0, 2.0, 4.0, 8.0], [8e-2, 1e-2, 1e-2, 2.5e-3])
+    last = 1e-2 / 2.0
+    flat = 1e-2 * math.log(2.0)
+    levels = np.log([1.0, 2.0, 3.0, 4.0, 5.0, 16.0, 0.5])
+    expected = [
+        8e-2 / 3.0 * (1.0 - 2.0**-3) + flat + last,
+        flat + last,
+        1e-2 * math.log(4.0 / 3.0) + last,
+        last,
+        1e-2 * (4.0 / 5.0) ** 2 / 2.0,
+        1e-2 / 16.0 / 2.0,
+        8.0 * 8e-2 / 3.0 * (1.0 - 4.0**-3) + flat + last,
+    ]
+    assert curve.integral_above(levels) == pytest.approx(expected, rel=1e-12)
+    assert rp.PowerLawHazard(1e-3, 2.0).integral_above(np.log([2.0])) == pytest.approx(1e-3 / 4.0 / 2.0)
 
 
 def test_a_file_that_is_none_is_refused(tmp_path):
@@ -136,6 +159,8 @@ def test_a_power_law_comes_from_the_section_and_the_section_survives_as_text():
     assert hazard_of(config.hazard).rate(0.01) == pytest.approx(1e-4)
     with pytest.raises(rp.ConfigError, match="found neither"):
         hazard_of(HazardSettings())
+    with pytest.raises(rp.ConfigError, match="a power law has no place"):
+        hazard_of(HazardSettings(k0=1e-4, k=2.5, longitude=13.0, latitude=42.0))
     with pytest.raises(rp.ConfigError, match="expected a unit of pgv"):
         hazard_of(HazardSettings(k0=1e-4, k=2.5, measure="pgv", unit="g"))
     # Without a unit it is that in SI of the measure.
@@ -166,7 +191,7 @@ def test_the_grid_of_the_italian_norm_has_nine_return_periods_a_node(tmp_path, a
     assert curve.level.size == 9
     assert curve.level[6] == pytest.approx(0.1 * G * 0.8 * (475 / 30) ** 0.4, rel=1e-4)
     assert curve.rate(1.2 * curve.level) == pytest.approx(1.0 / np.array(PERIODS), rel=1e-9)
-    assert "place 13.46 E 42.38 N" in curve.remarks[0]
+    assert "place 13.46 E 42.38 N" in curve.words
     assert curve.remarks[1] == "a_g read in g/10"
     assert "times the soil factor 1.2" in curve.words
     # Without a soil factor it is said that the levels are those on rock.

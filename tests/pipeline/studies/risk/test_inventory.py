@@ -13,6 +13,7 @@ import rockpulse as rp
 from rockpulse import models
 from rockpulse.calibration.design_spectrum import at_blocks
 from rockpulse.config.hazard_settings import HazardSettings
+from rockpulse.studies.risk.body_curves import curves_in_parts
 from rockpulse.studies.risk.hazard_files import site_hazards_of
 from rockpulse.studies.risk.inventory import half_widths
 
@@ -130,8 +131,16 @@ def test_sites_without_a_curve_are_refused(results, tmp_path):
     path = curves_of_places(tmp_path)
     with pytest.raises(rp.ConfigError, match=r"nearest to the site 42 E 13 N is .*expected one within 50 km"):
         rp.load_site_hazards(path, [[13.0, 42.0], [42.0, 13.0]])
-    with pytest.raises(rp.ConfigError, match="sites: expected a longitude and a latitude for each body"):
+    with pytest.raises(
+        rp.ConfigError, match=r"sites: expected a longitude and a latitude \[degrees\] for each body, got shape \(2,\)"
+    ):
         rp.load_site_hazards(path, [13.0, 42.0])
+    with pytest.raises(rp.ConfigError, match=r"got \[13.0, nan\] for body 2"):
+        rp.load_site_hazards(path, [[13.0, 42.0], [13.0, math.nan]])
+    with pytest.raises(rp.ConfigError, match=r"sites: expected a longitude and a latitude .* got shape"):
+        rp.load_site_hazards(path, np.zeros((0, 2)))
+    with pytest.raises(rp.ConfigError, match=r"sites: expected .* got \[\['a', 'b'\]\]"):
+        rp.load_site_hazards(path, [["a", "b"]])
     with pytest.raises(rp.ConfigError, match="soil factor: expected one positive number, or one for each of 1"):
         rp.load_site_hazards(path, [[13.0, 42.0]], [1.0, 1.2])
     (tmp_path / "one.csv").write_text("pgv [cm/s],rate\n10,1e-2\n40,1e-3\n")
@@ -142,6 +151,49 @@ def test_sites_without_a_curve_are_refused(results, tmp_path):
         rp.inventory_frequency(results, models.Block(width=[0.4, 0.4], height=[3.0, 3.1]), one)
     with pytest.raises(rp.ConfigError, match="expected a file with the curves of many places"):
         site_hazards_of(HazardSettings(k0=2e-3, k=2.0), np.array([[13.0, 42.0]]), None, 1, Path())
+
+
+def test_hazards_of_sites_have_one_measure_and_a_number_for_each_body():
+    distance = np.zeros(2)
+    with pytest.raises(rp.ConfigError, match=r"expected one measure in one unit, found pga in m/s2, pgv in m/s"):
+        rp.SiteHazards((LAW, CURVE), np.array([0, 1]), distance)
+    with pytest.raises(rp.ConfigError, match="found no hazard"):
+        rp.SiteHazards((), np.array([], int), np.zeros(0))
+    with pytest.raises(rp.ConfigError, match="of_body, distance: expected for each body a number from 0 to 0"):
+        rp.SiteHazards((LAW,), np.array([0, 1]), distance)
+
+
+def test_no_body_has_no_frequency(results):
+    assert rp.inventory_frequency(results, models.Block(width=np.zeros(0), height=np.zeros(0)), LAW).sizes["body"] == 0
+
+
+KINKED = rp.HazardCurve("pgv", [0.1, 0.2, 0.25, 2.0], [2e-2, 1e-2, 1e-4, 1e-6])
+STEEP = rp.HazardCurve("pga", [0.5, 1.6, 1.8, 4.0], [2e-2, 1e-2, 1e-4, 1e-6])
+
+
+@pytest.mark.parametrize("hazard", [LAW, CURVE, KINKED, STEEP])
+def test_the_sum_over_a_hazard_is_exact_between_its_bends_and_from_the_uplift_on(results, hazard):
+    """By adaptive quadrature of the same P, straight between stored levels, with the bends of both as ends."""
+    body = models.Block(width=[0.35], height=[2.6]).lanes(1)
+    spectra, summary = results["spectra"].to_dataset(), results["summary"].to_dataset()
+    ((_, curves),) = curves_in_parts(spectra, summary, body, hazard.measure)
+    floor = curves.floor[0] if hazard.measure == "pga" else -math.inf
+    of_record = []
+    for at, chance in zip(curves.at[0], curves.probability[0], strict=True):
+
+        def chance_at(u, at=at, chance=chance):
+            return float(np.interp(u, at, chance, right=1.0))
+
+        start, top = max(at[0], floor), max(at[-1], floor)
+        ends = np.unique([start, top, *at[(at > start) & (at < top)], *(k for k in hazard.knots if start < k < top)])
+        pieces = (
+            quad(lambda u: chance_at(u) * math.exp(hazard.log_density(np.array(u))), low, high, epsrel=1e-11)[0]
+            for low, high in itertools.pairwise(ends.tolist())
+        )
+        of_record.append(sum(pieces) + float(hazard.rate(math.exp(top))))
+    events = np.unique(summary["event"].values, return_inverse=True)[1]
+    expected = np.mean([np.mean(np.array(of_record)[events == one]) for one in range(events.max() + 1)])
+    assert rp.inventory_frequency(results, body, hazard)["frequency"].item() == pytest.approx(expected, rel=1e-8)
 
 
 def test_what_the_spectra_do_not_stand_for_is_nan_and_gaps_are_told(results):
