@@ -1,6 +1,8 @@
 """Four bursts of four earthquakes on three bodies: assessed, calibrated, with fragility curves, once for all tests."""
 
+import os
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -88,3 +90,12 @@ def browser(tmp_path_factory):
     driver = chromium(tmp_path_factory.mktemp("profile"))
     yield driver
     driver.quit()
+
+
+@pytest.fixture(scope="session")
+def axe():
+    """The script of axe-core, which npm brings and the repository does not; ROCKPULSE_AXE names it."""
+    script = os.environ.get("ROCKPULSE_AXE")
+    if not script:
+        pytest.skip("ROCKPULSE_AXE is not set: npm install axe-core, and set it to the path of axe.min.js")
+    return Path(script).read_text(encoding="utf-8")

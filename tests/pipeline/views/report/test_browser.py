@@ -47,7 +47,12 @@ def column(page, table, number):
 def head(page, table, title):
     """The head of a column: its place, and what is clicked."""
     heads = page.find_elements("css selector", f"#{table} thead th")
-    place = next(place for place, one in enumerate(heads) if one.text.split("\n")[0].strip(" ▲▼") == title)
+    titles = page.execute_script(  # what is written, also where it is not laid out yet
+        "return arguments[0].map((head) => Array.from(head.firstElementChild.childNodes)"
+        ".filter((one) => one.nodeType === Node.TEXT_NODE).map((one) => one.textContent).join('').trim())",
+        heads,
+    )
+    place = titles.index(title)
     return place, heads[place]
 
 
