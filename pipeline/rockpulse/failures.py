@@ -76,7 +76,8 @@ def told(group: Sequence[Failure]) -> str:
     first = group[0]
     if len(group) == 1:  # most reasons begin with the file and a line in it
         return first.reason if first.file in first.reason else f"{first.file}: {first.reason}"
-    counted = "files" if len({row.file for row in group}) == len(group) else "channels"
+    whole = len({row.file for row in group}) == len(group) and all(row.place.startswith(row.file) for row in group)
+    counted = "files" if whole else "channels"
     return f"{len(group)} {counted} ({some([row.place for row in group], _EXAMPLES)}): {first.bare}"
 
 
