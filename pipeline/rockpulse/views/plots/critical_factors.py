@@ -62,6 +62,7 @@ def overturning_map(
     block: str | None = None,
     model: str | None = None,
     ax: Axes | None = None,
+    most: int = ROWS,
 ) -> Axes:
     """Factors on the input at which blocks overturn, and the windows between them in which they stand.
 
@@ -79,6 +80,8 @@ def overturning_map(
         By default the fullest of the results.
     ax : matplotlib Axes, optional
         Where to draw; by default on a figure of its own, as high as its rows.
+    most : int
+        Rows; of more those of the smallest factors are shown.
 
     Returns
     -------
@@ -110,7 +113,7 @@ def overturning_map(
     factors, resolved = (_of_rows(summary, one, records, blocks, model) for one in (name, "factor_resolved"))
     if np.all(np.isnan(factors)):
         raise ResultsError(f"{model}: no factors in these results: {_SEARCH}")
-    kept, merged, names, note = shown_rows(summary, rows, factors)
+    kept, merged, names, note = shown_rows(summary, rows, factors, most)
     steps, inside = (_of_rows(summary, name, records, blocks, model) for name in ("search_step", "applicable"))
     outside = [body for (_, body, _), within in zip(rows, inside, strict=True) if within == 0]
     end = float(setting(tree, "search", "factor_max", SearchSettings().factor_max))

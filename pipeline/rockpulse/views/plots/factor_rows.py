@@ -29,7 +29,7 @@ NAME = 34
 
 
 def shown_rows(
-    summary: xr.Dataset, rows: Sequence[tuple[str, str, int]], factors: np.ndarray
+    summary: xr.Dataset, rows: Sequence[tuple[str, str, int]], factors: np.ndarray, most: int = ROWS
 ) -> tuple[np.ndarray, list[np.ndarray], list[str], str]:
     """The rows that are drawn, those that each of the last ones stands for, the names of all, and words on them.
 
@@ -40,10 +40,10 @@ def shown_rows(
     merged = [group for group in groups if group.size > 1]
     lone = np.setdiff1d(np.arange(len(rows)), np.concatenate([[], *merged])).astype(int)
     records = len({record for record, _, _ in rows})
-    if records > 1 or lone.size > ROWS:  # the weakest for the block on top
+    if records > 1 or lone.size > most:  # the weakest for the block on top
         lone = lone[np.argsort(factors[lone], kind="stable")]
-    note = f"The {ROWS} smallest factors of {len(rows)}. " if lone.size > ROWS else ""
-    lone = lone[:ROWS]
+    note = f"The {most} smallest factors of {len(rows)}. " if lone.size > most else ""
+    lone = lone[:most]
     every = [_row_name(summary, row, records > 1) for row in rows]
     names = [every[place] for place in lone]
     noun = "bodies" if records == 1 else "records" if records == len(rows) else "rows"

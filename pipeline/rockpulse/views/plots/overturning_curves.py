@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from rockpulse.motions.events import FEWEST_EVENTS
 from rockpulse.studies.site.statistics import weighted_quantile
 from rockpulse.views.plots.demand_marks import factors_to_demands
 from rockpulse.views.plots.selection import plain_bodies
@@ -31,9 +32,6 @@ _ROOM = 1.6
 
 #: Curves are followed down to this share of the lowest body.
 _DEEPEST = 0.1
-
-#: A median over fewer earthquakes than these says little of a site.
-FEWEST_EVENTS = 3
 
 #: The higher of the two quantiles over the records of a site.
 _UPPER = 0.84

@@ -9,9 +9,8 @@ import numpy as np
 from rocking.response import Outcome, Reason
 from rockpulse.assessment.answers import Answers, Motions
 from rockpulse.assessment.screens import sliding, worse_screens
-from rockpulse.assessment.verdict import MAY_OVERTURN, OVERTURNS, BodyVerdict
+from rockpulse.assessment.verdict import BodyVerdict
 from rockpulse.ladder import MODELS, UPPER_BOUND, is_upper_bound
-from rockpulse.motions.events import FEWEST_EVENTS
 from rockpulse.storage.hdf5_reader import flag_words
 from rockpulse.views.shared.record_marks import doubt_notes, record_cells
 from rockpulse.views.shared.table import Mark
@@ -31,7 +30,6 @@ __all__ = [
     "cautions",
     "counted",
     "noun",
-    "share_notes",
     "verdict_notes",
 ]
 
@@ -104,22 +102,6 @@ def beyond_critical(answers: Answers) -> bool:
         bool(((one["outcome"] == Outcome.ROCKS) & (one["peak_rotation_ratio"] > 1.0)).any())
         for one in answers.of_models.values()
     )
-
-
-def share_notes(answers: Answers) -> list[str]:
-    """The meaning of the words of the verdict and of the probability over earthquakes, in as few sentences."""
-    events = answers.motions.event_count
-    if answers.motions.kind == "sequence":
-        return []
-    what = "P: probability of overturning" if answers.probable else "share: share of earthquakes that overturn it"
-    first = f"{what}, mean over the motions of an earthquake, then over earthquakes (0 where it is not lifted); "
-    first += "90 %: its interval for other earthquakes like these"
-    if events < FEWEST_EVENTS:
-        first += f" ({several(events, 'earthquake')} cannot tell {MAY_OVERTURN:g}: read the verdict with its upper end)"
-    words = (
-        f"overturns: {OVERTURNS:g} or more; may overturn: {MAY_OVERTURN:g} or more; rocks: below; stays: never lifted."
-    )
-    return [f"{first}. {words}"]
 
 
 def counted(motions: Motions) -> str:
