@@ -18,7 +18,7 @@ from rockpulse.views.shared.terminal import several
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["FilesUsed", "count_files", "failure_rows", "files_used"]
+__all__ = ["FilesUsed", "count_files", "failure_rows", "files_used", "reasons_of"]
 
 #: Kinds of rows of channels that were read, and are in the results or stand for a motion that is.
 _READ = frozenset({"vertical", "structural", "duplicate", "depth"})
@@ -161,16 +161,20 @@ def _files_of(source: str, checksums: str) -> list[str]:
 
 
 def _reasons(rows: Iterable[Failure]) -> str:
-    groups = sorted(alike(rows), key=len, reverse=True)
-    said = [_reason(group) for group in groups[:_REASONS]]
-    rest = sum(map(len, groups[_REASONS:]))
+    said, rest = reasons_of(rows)
     return "; ".join([*said, *([f"{rest} more for other reasons"] if rest else [])])
 
 
-def _reason(group: list[Failure]) -> str:
+def reasons_of(rows: Iterable[Failure], most: int = _REASONS, longest: int = _LONGEST) -> tuple[list[str], int]:
+    """The most frequent reasons, each with some of its files, and how many rows have other ones."""
+    groups = sorted(alike(rows), key=len, reverse=True)
+    return [_reason(group, longest) for group in groups[:most]], sum(map(len, groups[most:]))
+
+
+def _reason(group: list[Failure], longest: int) -> str:
     """The first part of a reason, which says what was found; what to do stands in the list of failures."""
     words = " ".join(group[0].bare.split()).partition("; ")[0]
-    if len(words) > _LONGEST:
-        words = f"{words[:_LONGEST].rpartition(' ')[0]} ..."
+    if len(words) > longest:
+        words = f"{words[:longest].rpartition(' ')[0]} ..."
     names = ", ".join(last_part(row.file) for row in group[:_NAMED]) + (", ..." if len(group) > _NAMED else "")
     return f"{words} ({f'{len(group)}: ' if len(group) > _NAMED else ''}{names})"

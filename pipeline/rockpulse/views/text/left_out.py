@@ -15,7 +15,7 @@ from rockpulse.views.shared.terminal import WIDTH, paragraph
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["by_kind", "failure_list", "left_out", "left_out_in_short", "not_used", "rows_not_used", "unused"]
+__all__ = ["apart", "by_kind", "failure_list", "left_out", "left_out_in_short", "not_used", "rows_not_used", "unused"]
 
 #: Rows of a kind that is no failure in the overview, those of one reason as one.
 LISTED = 12
@@ -47,7 +47,7 @@ def left_out(tree: xr.DataTree, brief: bool = False) -> str:
     lines = []
     summary = tree["summary"].to_dataset()
     acted = int((summary["vertical_channel"] != "").sum())
-    found, beside = _apart(by_kind(tree))
+    found, beside = apart(by_kind(tree))
     for kind, rows in found.items():
         entries = _entries(kind, rows)
         title = f"vertical, acting on {acted} records" if kind == "vertical" and acted else _KINDS.get(kind, kind)
@@ -76,7 +76,7 @@ def left_out(tree: xr.DataTree, brief: bool = False) -> str:
 
 def left_out_in_short(tree: xr.DataTree) -> str:
     """How much was left out, of each kind, and what failed by its reasons; a line for a few kinds of warnings."""
-    found, beside = _apart(by_kind(tree))
+    found, beside = apart(by_kind(tree))
     summary = tree["summary"].to_dataset()
     counts = [f"{_KINDS.get(kind, kind)}: {len(rows)}" for kind, rows in found.items()]
     warned = {what: sum(map(bool, summary[name].values)) for what, name in _WARNED.items()}
@@ -106,7 +106,7 @@ def not_used(tree: xr.DataTree) -> str:
 def rows_not_used(rows: Sequence[Failure], more_in: str = " (group /failures)", listed: int = LISTED) -> str:
     """The text of :func:`not_used` for some rows; `more_in` says where those are that are not `listed`."""
     lines = []
-    found, beside = _apart(_grouped(rows))
+    found, beside = apart(_grouped(rows))
     for kind, own in found.items():
         if kind != "vertical":
             entries = _entries(kind, own)
@@ -135,7 +135,7 @@ def _entries(kind: str, rows: Sequence[Failure]) -> Sequence[Sequence[Failure]]:
     return alike(rows) if kind in _TOLD_ONCE else [[row] for row in rows]
 
 
-def _apart(found: dict[str, list[Failure]]) -> tuple[dict[str, list[Failure]], list[str]]:
+def apart(found: dict[str, list[Failure]]) -> tuple[dict[str, list[Failure]], list[str]]:
     """The files that might have been used, by kind, and the names of the files beside it that are no records."""
     beside = [row.file for row in found.get("skipped", ()) if _is_beside(row)]
     skipped = [row for row in found.get("skipped", ()) if not _is_beside(row)]
