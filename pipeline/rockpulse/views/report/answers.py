@@ -85,6 +85,21 @@ class AnswerCells:
         return int(np.argmax(np.nan_to_num(table[record])))
 
     @property
+    def columns(self) -> tuple[Heading, ...]:
+        """The headings of :meth:`of`."""
+        peak = f"θ_max/α_c, {self.words.shared(self.answers.model)}"
+        return (
+            Heading("a/a_up", note=self.words("head.over_uplift")),
+            Heading(self.words("head.peak"), note=peak),
+            *self.headings,
+        )
+
+    def of(self, record: int, lane: int) -> tuple[Cell, ...]:
+        """A body under a record in short: demand, peak, answer and factor."""
+        demand, answer = self.demand("uplift_ratio", record, lane), self.answer(record, lane)
+        return demand, answer, self.verdict(record, lane), self.factor(record, lane)
+
+    @property
     def headings(self) -> tuple[Heading, Heading]:
         """Of the columns of :meth:`verdict` and :meth:`factor`."""
         words, probable, factor = self.words, self.answers.probable, self.answers.factor
@@ -166,18 +181,13 @@ def record_table(cells: AnswerCells, record: int) -> Table:
     headings = (
         Heading(words("head.body")),
         Heading("C", note=words("head.restitution")),
-        Heading("a/a_up", note=words("head.over_uplift")),
-        Heading(words("head.peak"), note=f"θ_max/α_c, {words.shared(cells.answers.model)}"),
-        *cells.headings,
+        *cells.columns,
     )
     rows = tuple(
         (
             Cell(body.block, link=f"body-{body.place}"),
             number(body.restitution, restitution),
-            cells.demand("uplift_ratio", record, lane),
-            cells.answer(record, lane),
-            cells.verdict(record, lane),
-            cells.factor(record, lane),
+            *cells.of(record, lane),
         )
         for lane, body in enumerate(cells.answers.bodies)
     )

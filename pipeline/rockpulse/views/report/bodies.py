@@ -8,8 +8,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from rockpulse.assessment.answers import Answers, Share
-from rockpulse.assessment.verdict import BodyVerdict, Grade
-from rockpulse.views.report.records_used import record_words
+from rockpulse.assessment.verdict import OVERTURNS, BodyVerdict, Grade
+from rockpulse.views.report.records_used import record_named
 from rockpulse.views.report.statements import motions_words
 from rockpulse.views.report.wording import Words
 from rockpulse.views.shared.answer_cells import TITLES, margin_cells, unexplained
@@ -29,6 +29,9 @@ _GRADES = {
     Grade.OVERTURNS: "bad",
 }
 
+#: Between the ends of an interval, where no line breaks.
+TO = "\N{WORD JOINER}–\N{WORD JOINER}"
+
 #: Rows that need no filter.
 FEW = 8
 
@@ -37,57 +40,61 @@ def grade_cell(words: Words, one: BodyVerdict, before: str = "") -> Cell:
     """The verdict on a body in a word or two behind others, sorted from best to worst."""
     few = one.deciding is not None and one.deciding.few
     key = "no_verdict" if few else one.overall.name.lower()
-    return Cell(before + words(f"grade.{key}"), float(one.overall), grade=_GRADES[one.overall])
+    # What nothing here overturns, but half of such earthquakes might, is not to be taken for good at a glance.
+    unsure = one.overall == Grade.ROCKS and one.decides.high >= OVERTURNS
+    return Cell(before + words(f"grade.{key}"), float(one.overall), grade="fair" if unsure else _GRADES[one.overall])
 
 
 def body_table(words: Words, answers: Answers, found: Sequence[BodyVerdict]) -> Table:
     """One row per body: verdict, probability at each demand and as it is, factor, the record that it rests on."""
     motions, factor = answers.motions, words.shared(TITLES[answers.factor])
-    of = words("head.probability" if answers.probable else "head.share")
-    interval = words("head.interval")
     several = any(one.body.several for one in found)
-    sequence = motions.kind == "sequence"
-    headings = (
+    headings = [
         Heading(words("head.body")),
-        *((Heading("C"),) if several else ()),
+        *([Heading("C")] if several else []),
         Heading(words("head.verdict"), note=words.shared(answers.model)),
-        *(Heading(words("head.at", what=of, name=name), note=interval) for name in answers.demands if not sequence),
-        *(() if sequence else (Heading(words("head.as_recorded", what=of), note=interval),)),
         Heading(words("head.smallest", factor=factor)),
-        Heading(words("head.under")),
-        Heading(words("head.median", factor=factor)),
-        Heading(words("head.overturned"), note=words("head.of", total=len(motions.names))),
-        Heading(words("head.unknown")),
-        Heading(words("head.not_lifted")),
-    )
-    rows = tuple(
-        (
+    ]
+    rows = [
+        [
             Cell(one.body.block, link=f"body-{one.body.place}"),
-            *((number(one.body.restitution, restitution),) if several else ()),
+            *([number(one.body.restitution, restitution)] if several else []),
             grade_cell(words, one),
-            *(_share_cell(words, demand.share, _GRADES[demand.grade]) for demand in one.demands if not sequence),
-            *(() if sequence else (_share_cell(words, one.share),)),
-            *_margin(words, answers, one),
-            *(Cell(str(count), float(count)) for count in (one.overturned, one.share.unknown, one.at_rest)),
-        )
+            unexplained(margin_cells(one.margin)[0]),
+        ]
         for one in found
-    )
+    ]
+    if motions.kind != "sequence":  # of which there is one
+        of = words("head.probability" if answers.probable else "head.share")
+        at = [words("head.at", what=of, name=name) for name in answers.demands]
+        at.append(words("head.as_recorded", what=of))
+        place = len(headings) - 1
+        headings[place:place] = [Heading(title, note=words("head.interval")) for title in at]
+        counted = words("head.of", motions=words.several(len(motions.names), motions.kind))
+        headings += [Heading(words("head.under")), Heading(words("head.median", factor=factor))]
+        headings += [Heading(words("head.overturned"), note=counted)]
+        headings += [Heading(words(f"head.{name}")) for name in ("unknown", "not_lifted")]
+        for row, one in zip(rows, found, strict=True):
+            shares = [_share_cell(words, demand.share, _GRADES[demand.grade]) for demand in one.demands]
+            row[place:place] = [*shares, _share_cell(words, one.share)]
+            row += [_governing(words, answers, one), unexplained(margin_cells(one.margin)[1])]
+            row += [number(count, str) for count in (one.overturned, one.share.unknown, one.at_rest)]
     caption = words("caption.bodies", motions=motions_words(words, motions))
-    return Table("verdict-bodies", caption, headings, rows, searched=FEW)
+    return Table("verdict-bodies", caption, tuple(headings), tuple(map(tuple, rows)), searched=FEW)
 
 
-def _margin(words: Words, answers: Answers, one: BodyVerdict) -> tuple[Cell, Cell, Cell]:
-    """The smallest factor, the record that it is of, and the median."""
-    smallest, median = map(unexplained, margin_cells(one.margin))
+def _governing(words: Words, answers: Answers, one: BodyVerdict) -> Cell:
+    """The record that the smallest factor is of."""
     if one.governing < 0 or math.isinf(one.margin.smallest):
-        return smallest, Cell(ABSENT), median
+        return Cell(ABSENT)
     name = record_cells(answers.summary)[one.governing]
-    told = record_words(words, Known(answers.summary, record=answers.records[one.governing])) or name.text
-    return smallest, unexplained(name)._replace(text=told, link=f"record-{one.governing}"), median
+    told = record_named(words, Known(answers.summary, record=answers.records[one.governing]), name.text)
+    return unexplained(name)._replace(text=told, link=f"record-{one.governing}")
 
 
 def _share_cell(words: Words, share: Share, grade: str = "") -> Cell:
-    shown = f"{words.ratio(share.value)} ({words.between(share.low, share.high)})"
+    low, high = words.ratio(share.low), words.ratio(share.high)
+    shown = f"{words.ratio(share.value)} ({low if low == high == ABSENT else f'{low}{TO}{high}'})"
     return Cell(shown, share.value, grade=grade)
 
 

@@ -20,7 +20,7 @@ from rockpulse.views.report.parts import Part, describe_fragility, describe_site
 from rockpulse.views.report.provenance import failure_table, input_table, versions, warning_table
 from rockpulse.views.report.records_used import left_out_table, used_table
 from rockpulse.views.report.remarks import Limit, files_words, limits, remarks
-from rockpulse.views.report.statements import counted_by, legend, model_words, motions_words
+from rockpulse.views.report.statements import basis, counted_by, legend
 from rockpulse.views.report.wording import Words
 from rockpulse.views.shared.files_used import files_used
 from rockpulse.views.shared.table import Fact, Table
@@ -86,33 +86,31 @@ def gather(words: Words, tree: xr.DataTree, site: Paired | None = None, fragilit
     calibrated = None if site is None else site.tree["site"].to_dataset()
     components = str(sections.get("records", {}).get("components", ""))
     said = remarks(words, answers, found, files, calibrated, components)
-    counted = motions_words(words, motions)
-    unused = files_words(words, files)
     return Content(
-        title=str(tree.attrs.get("title", "")),
+        title=words.shared(str(tree.attrs.get("title", ""))),
         description=str(tree.attrs.get("site_description", "")),
-        history=tuple(str(tree.attrs.get("history", "")).splitlines()),
+        history=tuple(map(words.shared, str(tree.attrs.get("history", "")).splitlines())),
         motions=motions,
         found=tuple(found),
-        basis=words("basis", model=model_words(words, model), motions=counted, files=f" ({unused})" if unused else ""),
+        basis=basis(words, answers, files_words(words, files)),
         cards=tuple(cards(words, answers, found, drawn)),
         drawings=tuple(drawn),
-        limits=tuple(limits(words, said, motions)),
+        limits=tuple(limits(words, said, found, motions)),
         verdict=body_table(words, answers, found),
         legend=legend(words, answers),
         used=used_table(words, answers),
-        left_out=left_out_table(words, tree),
+        left_out=left_out_table(words, site.tree if motions.kind == "sequence" and site else tree),
         counted_by=counted_by(words, answers),
         remarks=tuple(said),
         counts=count_table(words, answers),
         answers=answer_table(cells),
         earthquakes=event_table(words, answers),
         notes=tuple(table_notes(cells, found, UncertaintySettings(**sections.get("uncertainty", {})))),
-        site=None if site is None else describe_site(site, assessed),
-        fragility=None if fragility is None else describe_fragility(fragility, assessed, model),
+        site=None if site is None else describe_site(words, site, assessed),
+        fragility=None if fragility is None else describe_fragility(words, fragility, assessed, model),
         bodies=tuple(body_pages(cells, found)),
         records=tuple(record_pages(cells)),
-        reference=REFERENCE,
+        reference=f"{REFERENCE} ({words('method.corrected')})",
         models=models_in_use(words, summary, model),
         assumptions=assumptions(words, tree),
         not_covered=not_covered(words),

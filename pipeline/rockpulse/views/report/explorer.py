@@ -9,7 +9,6 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -33,6 +32,8 @@ from rockpulse.views.report.explorer_choice import (
     steps_on,
 )
 from rockpulse.views.report.extremes import COLUMNS, Columns, packed
+from rockpulse.views.report.records_used import record_words
+from rockpulse.views.report.wording import Words
 from rockpulse.views.shared.facts import Known
 
 if TYPE_CHECKING:
@@ -47,15 +48,10 @@ MOST_BODIES = 20
 BEFORE, AFTER, NO_MOTION = 1.0, 2.0, 1e-4
 
 
-@dataclass(frozen=True)
-class Explorer:
-    """The part in data: `data` is the JSON that the script reads, `words` those of the controls.
-
-    The data are empty where the results hold nothing that a motion could be taken from.
-    """
+class Explorer(NamedTuple):
+    """The JSON that the script of the page reads, empty where nothing in the results moves, and the model in words."""
 
     data: str
-    words: Mapping[str, str]
     model: str
 
 
@@ -68,25 +64,26 @@ class _Motion(NamedTuple):
     overturning: float
 
 
-def explorer(tree: xr.DataTree, words: Mapping[str, str], file: str = "results.h5") -> Explorer | None:
+def explorer(tree: xr.DataTree, words: Words, file: str = "results.h5") -> Explorer | None:
     """The motions to explore of the results in a file.
 
     None where nothing moves in time: a design sequence, no record, or a model that follows none.
     """
-    answers = Answers(tree["summary"].to_dataset())
+    answers, told = Answers(tree["summary"].to_dataset()), words.section("explorer")
     if answers.model not in RECOMPUTED or not answers.bodies or not (answers["npts"] >= 0).any():
         return None
     if not ("records" in tree.children and any(name in tree["records"] for name in ("acceleration", "rotation"))):
-        return Explorer("", words, answers.model)
-    scenes = _Scenes(tree, answers, words)
+        return Explorer("", words.shared(answers.model))
+    scenes = _Scenes(tree, answers, words, told)
     lowest = np.fmin.reduce(known(answers[answers.factor]), axis=0)
     shown = set(np.argsort(lowest, kind="stable")[:MOST_BODIES].tolist())
     data = {
         "file": file,
         "model": answers.model,
-        "words": dict(words),
+        "words": told,
         "records": [
-            {"id": record, "words": Known(answers.summary, record=record).described} for record in answers.records
+            {"id": record, "words": record_words(words, Known(answers.summary, record=record))}
+            for record in answers.records
         ],
         "bodies": [
             {
@@ -99,14 +96,14 @@ def explorer(tree: xr.DataTree, words: Mapping[str, str], file: str = "results.h
             for lane, body in enumerate(answers.bodies)
         ],
     }
-    return Explorer(json.dumps(data, separators=(",", ":"), allow_nan=False), words, answers.model)
+    return Explorer(json.dumps(data, separators=(",", ":"), allow_nan=False), words.shared(answers.model))
 
 
 class _Scenes:
     """The scenes of the bodies of one file: a body under a record, in time, at each factor."""
 
-    def __init__(self, tree: xr.DataTree, answers: Answers, words: Mapping[str, str]) -> None:
-        self._tree, self._answers, self._words = tree, answers, words
+    def __init__(self, tree: xr.DataTree, answers: Answers, words: Words, told: Mapping[str, str]) -> None:
+        self._tree, self._answers, self._shared, self._words = tree, answers, words.shared, told
         self._plain = set(plain_bodies(answers.summary))
         self._spectra = tree["spectra"].to_dataset() if "spectra" in tree.children else None
 
@@ -152,7 +149,7 @@ class _Scenes:
             "end": round(columns.end, 4),
             "columns": columns.count,
             "whole": round(float(time[-1]), 4),
-            "remark": as_it_is.remark,
+            "remark": self._shared(as_it_is.remark),
             "ground": packed(columns.extremes(time, acceleration)),
             "curve": None if curve is None else [np.round(values, 4).tolist() for values in curve],
             "points": points,

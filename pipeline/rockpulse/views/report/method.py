@@ -16,8 +16,7 @@ __all__ = ["REFERENCE", "assumptions", "models_in_use", "not_covered"]
 
 REFERENCE = (
     "C. Casapulla, A. Maione (2017), Rocking resonance conditions of large and slender rigid blocks under the "
-    "intense phase of an earthquake, COMPDYN 2017, doi:10.7712/120117.5612.17190 (Eqs. 5 and 9 with their index "
-    "corrected)"
+    "intense phase of an earthquake, COMPDYN 2017, doi:10.7712/120117.5612.17190"
 )
 
 _ASSUMPTIONS = ("body", "impact", "motion", "uplift", "strength")

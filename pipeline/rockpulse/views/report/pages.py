@@ -12,7 +12,7 @@ from rockpulse.assessment.verdict import BodyVerdict
 from rockpulse.record.record import STANDARD_GRAVITY
 from rockpulse.views.report.answers import AnswerCells, record_table
 from rockpulse.views.report.bodies import grade_cell
-from rockpulse.views.report.records_used import record_words
+from rockpulse.views.report.records_used import record_named, record_words
 from rockpulse.views.report.statements import acceleration
 from rockpulse.views.report.wording import Words
 from rockpulse.views.shared.facts import Known
@@ -66,7 +66,9 @@ def body_pages(cells: AnswerCells, found: list[BodyVerdict]) -> list[BodyPage]:
             BodyPage(
                 key=f"body-{place}",
                 name=block,
-                verdicts=tuple(grade_cell(cells.words, found[lane], _case(answers.bodies[lane])) for lane in own),
+                verdicts=tuple(
+                    grade_cell(cells.words, found[lane], _case(cells.words, answers.bodies[lane])) for lane in own
+                ),
                 facts=_of_block(cells.words, answers, block, [answers.bodies[lane].restitution for lane in own]),
                 governing=_governing(cells, own, place),
             )
@@ -98,8 +100,8 @@ def record_pages(cells: AnswerCells) -> list[RecordPage]:
     return pages
 
 
-def _case(body: Body) -> str:
-    return f"C = {restitution(body.restitution)}: " if body.several else ""
+def _case(words: Words, body: Body) -> str:
+    return words.number(f"C = {restitution(body.restitution)}: ") if body.several else ""
 
 
 def _of_block(words: Words, answers: Answers, block: str, restitutions: list[float]) -> tuple[Fact, ...]:
@@ -108,8 +110,8 @@ def _of_block(words: Words, answers: Answers, block: str, restitutions: list[flo
     size = f"{known('width', 'm')} × {known('height', 'm')}"
     facts = {
         "size": words("fact.by_numbers") if math.isnan(one.value("width")) else size,
-        "beside": one.support,
-        "radius": one.radius,
+        "beside": words.shared(one.support),
+        "radius": words.shared(one.radius),
         "alpha_c": known("alpha_c", "rad"),
         "p": known("p", "1/s"),
         "slenderness": known("slenderness"),
@@ -131,19 +133,14 @@ def _governing(cells: AnswerCells, own: list[int], place: int) -> Table:
         Heading(words("head.record")),
         *((Heading("C", note=words("head.restitution")),) if several else ()),
         Heading("PGA [g]"),
-        Heading("a/a_up", note=words("head.over_uplift")),
-        Heading(words("head.peak"), note=f"θ_max/α_c, {words.shared(answers.model)}"),
-        *cells.headings,
+        *cells.columns,
     )
     rows = tuple(
         (
             _by_name(cells, record),
             *((number(answers.bodies[lane].restitution, restitution),) if several else ()),
             number(float(answers["pga"][record]) / STANDARD_GRAVITY),
-            cells.demand("uplift_ratio", record, lane),
-            cells.answer(record, lane),
-            cells.verdict(record, lane),
-            cells.factor(record, lane),
+            *cells.of(record, lane),
         )
         for record, lane in sorted(pairs, key=lambda at: (factor[at], -cells.standing[at]))[:GOVERNING]
     )
@@ -155,7 +152,7 @@ def _by_name(cells: AnswerCells, record: int) -> Cell:
     """A record by its earthquake, station and direction, else by its id."""
     known = Known(cells.answers.summary, record=cells.answers.records[record])
     cell = cells.record(record)
-    return cell._replace(text=record_words(cells.words, known) or cell.text)
+    return cell._replace(text=record_named(cells.words, known, cell.text))
 
 
 def _of_record(words: Words, one: Known, event: str) -> tuple[Fact, ...]:
@@ -163,15 +160,15 @@ def _of_record(words: Words, one: Known, event: str) -> tuple[Fact, ...]:
     told = {"source": own("source"), "sha256": own("source_sha256")}
     if one.value("npts") >= 0:
         start, end = (known(f"intense_{side}", "s") for side in ("start", "end"))
-        told |= {"earthquake": event}
-        told |= {name: words.number(value) for name, value in one.stated}
+        told |= {"earthquake": words.shared(event)}
+        told |= {name: words.number(words.shared(value)) for name, value in one.stated}
         told |= {
-            "component": f"{own('station')}, {own('component')} ({known('azimuth', '°')})",
+            "component": f"{own('station')}, {words.shared(own('component'))} ({known('azimuth', '°')})",
             "station_name": own("station_name"),
             "start": own("start_time"),
             "samples": words("fact.at_interval", count=one.value("npts"), interval=words.number(known("dt", "s"))),
             "pga": acceleration(words, one.value("pga")),
-            "pgv": words.number(one.peak_velocity),
+            "pgv": words.number(words.shared(one.peak_velocity)),
             "arias": words.number(known("arias_intensity", "m/s")),
             "intense": words("between", low=words.number(start), high=words.number(end)),
         }
@@ -198,4 +195,4 @@ def _sequence(words: Words, one: Known) -> str:
 def _brief(words: Words, one: Known) -> str:
     if math.isnan(one.value("pga")):
         return f"I {words.figure(one.value('main_impulse'), 'm/s')}"
-    return words.number(", ".join(one.strength))
+    return words.number(words.shared(", ".join(one.strength)))

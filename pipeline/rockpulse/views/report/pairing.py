@@ -16,6 +16,7 @@ from rockpulse.failures import some
 from rockpulse.storage.fragility_variables import FRAGILITY
 from rockpulse.storage.hdf5_reader import flag_words
 from rockpulse.storage.site_variables import SITE_KIND
+from rockpulse.views.report.wording import Words
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -56,21 +57,18 @@ class Paired:
     changed: tuple[str, ...]  # records of one id whose PGA differs
     settings: tuple[str, ...]  # settings of the motions that differ: "[conditioning] order = 2, here 4"
 
-    def other_motions(self, subject: str, assessed: int) -> list[str]:
-        """Sentences, which begin with the subject, on motions that are not in common; none for a design sequence."""
+    def other_motions(self, words: Words, subject: str, assessed: int) -> list[str]:
+        """Sentences on motions that are not in common, with those of site or curves; none for a design sequence."""
         if not assessed:
             return []
-        said = []
-        if not self.same:
-            of = f"{subject} of other ground motions than the verdict"
-            said.append(f"{of}: none of their records, as they are here, is among those assessed.")
-        if self.unchecked:
-            said.append("Their records were compared by name only: PGA is not among the measures of the file.")
-        if self.changed:
-            said.append(f"Another motion here than there, by its PGA, under the same name: {listed(self.changed)}.")
-        if self.settings:
-            said.append(f"The motions were made with other settings: {'; '.join(self.settings)}.")
-        return said
+        told = {
+            f"{subject}.other_motions": not self.same,
+            "beside.unchecked": self.unchecked,
+            "beside.changed": self.changed,
+            "beside.settings": self.settings,
+        }
+        fields = {"records": words.listed([*self.changed]), "settings": "; ".join(self.settings)}
+        return [words(key, **fields) for key, there in told.items() if there]
 
 
 def paired(results: xr.DataTree, other: xr.DataTree, kind: str, name: str) -> Paired:

@@ -7,10 +7,12 @@ from typing import TYPE_CHECKING
 
 from rockpulse.config.configuration import stored_sections
 from rockpulse.ladder import SEQUENCE_MODELS
-from rockpulse.views.report.pairing import Paired, listed
+from rockpulse.views.report.pairing import Paired
+from rockpulse.views.report.remarks import files_words
+from rockpulse.views.report.wording import Words
 from rockpulse.views.shared.files_used import files_used
 from rockpulse.views.shared.table import Cell, Heading, Table, number
-from rockpulse.views.shared.terminal import several, share
+from rockpulse.views.shared.terminal import share
 from rockpulse.views.text.fragility import median_table, records_words, shown_measure, state_words, sufficiency_tables
 from rockpulse.views.text.site import about_records, block_table, coverage, design, parameter_table, remarks
 from rockpulse.views.text.site_spectrum import design_table, sequence_table
@@ -19,12 +21,6 @@ if TYPE_CHECKING:
     import xarray as xr
 
 __all__ = ["Part", "describe_fragility", "describe_site"]
-
-_DATA = {
-    "ida": "every record scaled until it first reaches the limit state",
-    "stripes": "records scaled to given levels",
-    "cloud": "records as they are",
-}
 
 
 @dataclass(frozen=True)
@@ -41,7 +37,7 @@ class Part:
     banded: bool = True
 
 
-def describe_site(of: Paired, assessed: int) -> Part:
+def describe_site(words: Words, of: Paired, assessed: int) -> Part:
     """The section on the site; no record is assessed where its design sequence stands for them."""
     site = of.tree["site"].to_dataset()
     if site.attrs["method"] == "spectrum":
@@ -49,61 +45,55 @@ def describe_site(of: Paired, assessed: int) -> Part:
         tables = tuple(table for table in (design_table(site), sequence_table(site)) if table.rows)
     else:
         said = (design(site), coverage(site))
-        tables = (parameter_table(site), block_table(site), _events(site), _every_record(site))
+        tables = (parameter_table(site), block_table(site), _events(words, site), _every_record(words, site))
     return Part(
-        (*_files(of), *of.other_motions("The calibration and its design are", assessed), *remarks(site)),
-        (*about_records(site), *_common(of, site, assessed), *said),
+        (*_files(words, of), *of.other_motions(words, "site", assessed), *remarks(site)),
+        (*about_records(site), *_common(words, of, site, assessed), *said),
         tables,
     )
 
 
-def _files(of: Paired) -> list[str]:
+def _files(words: Words, of: Paired) -> list[str]:
     """A sentence on the files that were not used for the site or the curves; none where all were."""
-    return [sentence] if (sentence := files_used(of.tree).line) else []
+    files = files_used(of.tree)
+    counted = files_words(words, files) or words("remark.files.none")
+    return [f"{counted}: {files.reasons}."] if files.line else []
 
 
-def _common(of: Paired, site: xr.Dataset, assessed: int) -> list[str]:
+def _common(words: Words, of: Paired, site: xr.Dataset, assessed: int) -> list[str]:
     """The records and bodies that the site and the results have in common."""
-    if not assessed:
-        said = ["The verdict of this report is that of its design sequence."]
-    else:
-        said = [
-            f"{of.same} of its records are among the {assessed} assessed here. The design sequence is no part of the "
-            "verdict, which is on the records themselves."
-        ]
+    said = [words("site.common" if assessed else "site.judged", same=of.same, assessed=assessed)]
     if of.foreign:
-        said.append(
-            f"Judged on {several(site.sizes['block'], 'body')}, of which {len(of.foreign)} "
-            f"{'is' if len(of.foreign) == 1 else 'are'} not among those assessed here: {listed(of.foreign)}."
-        )
+        bodies, names = words.several(site.sizes["block"], "body"), words.listed([*of.foreign])
+        said.append(words("site.foreign", bodies=bodies, count=len(of.foreign), names=names))
     return said
 
 
-def _events(site: xr.Dataset) -> Table:
+def _events(words: Words, site: xr.Dataset) -> Table:
     headings = (
-        Heading("earthquake"),
-        Heading("records"),
-        Heading("coverage", note="by the design made without it"),
+        Heading(words("head.earthquake")),
+        Heading(words("head.records")),
+        Heading(words("site.coverage"), note=words("site.without_it")),
     )
     columns = (site[name].values.tolist() for name in ("site_event", "event_records", "event_coverage"))
     rows = tuple(
         (Cell(name), number(count, str), number(covered, share)) for name, count, covered in zip(*columns, strict=True)
     )
-    return Table("site-events", "Earthquakes of the calibration", headings, rows)
+    return Table("site-events", words("site.earthquakes"), headings, rows)
 
 
-def _every_record(site: xr.Dataset) -> Table:
+def _every_record(words: Words, site: xr.Dataset) -> Table:
     headings = (
-        *map(Heading, ("record", "earthquake", "weight", "factor")),
+        *(Heading(words(key)) for key in ("head.record", "head.earthquake", "site.weight", "site.factor")),
         Heading("PGA", "m/s2"),
         Heading("PGV", "m/s"),
         Heading("I", "m/s"),
         Heading("I_s/I"),
         Heading("dT", "s"),
-        Heading("main impulses"),
-        Heading("duration", "s"),
-        Heading("misfit", note="ln, rms"),
-        Heading("below recorded", note="share of blocks"),
+        Heading(words("site.main_impulses")),
+        Heading(words("site.duration"), "s"),
+        Heading(words("site.misfit"), note="ln, rms"),
+        Heading(words("site.below"), note=words("site.of_blocks")),
     )
     rows = []
     for place, name in enumerate(site["record"].values.tolist()):
@@ -118,22 +108,23 @@ def _every_record(site: xr.Dataset) -> Table:
                 number(float(one["unsafe_share"]), share),
             )
         )
-    caption = "Records of the calibration and the sequence of each"
-    return Table("site-records", caption, headings, tuple(rows))
+    return Table("site-records", words("site.records"), headings, tuple(rows))
 
 
-def describe_fragility(of: Paired, assessed: int, model: str) -> Part:
+def describe_fragility(words: Words, of: Paired, assessed: int, model: str) -> Part:
     """The section on fragility beside a verdict by a model; no record is assessed where a sequence stands for them."""
     tree = of.tree
     curves = tree["fragility"].to_dataset()
     own = curves.sel(measure=shown_measure(curves))
-    common = (
-        "the verdict is of a design sequence" if not assessed else f"{of.same} of them among the {assessed} assessed"
+    statement = words(
+        "fragility.from",
+        records=words.shared(records_words(tree)),
+        common=words("fragility.common" if assessed else "fragility.sequence", same=of.same, assessed=assessed),
+        data=words(f"fragility.{tree.attrs['data']}"),
     )
-    statement = f"From {records_words(tree)} ({common}); {_DATA[tree.attrs['data']]}."
-    said = _remark_table(own)
+    said = _remark_table(words, own)
     return Part(
-        (*_files(of), *_differences(of, assessed, model)),
+        (*_files(words, of), *_differences(words, of, assessed, model)),
         (statement,),
         (median_table(tree), *((said,) if said.rows else ()), *sufficiency_tables(tree["efficiency"].to_dataset())),
         tuple(own["block"].values.tolist()),
@@ -141,20 +132,18 @@ def describe_fragility(of: Paired, assessed: int, model: str) -> Part:
     )
 
 
-def _differences(of: Paired, assessed: int, model: str) -> list[str]:
+def _differences(words: Words, of: Paired, assessed: int, model: str) -> list[str]:
     """Sentences on the things in which the curves and the verdict differ."""
-    said = of.other_motions("The curves are", assessed)
+    said = of.other_motions(words, "fragility", assessed)
     equation = stored_sections(str(of.tree.attrs.get("configuration", ""))).get("fragility", {}).get("equation", model)
     if equation != model and model not in ("auto", *SEQUENCE_MODELS):
-        said.append(f"The curves are by the {equation} equation of motion, the verdict is by the {model} model.")
-    if of.missing:
-        said.append(f"Without curves, for the fragility file lacks them: {listed(of.missing)}.")
-    if of.foreign:
-        said.append(f"Left out, for they are not among the bodies assessed here: the curves of {listed(of.foreign)}.")
-    return said
+        fields = {"equation": words.shared(equation), "model": words.shared(model)}
+        said.append(words("fragility.equation", **fields))
+    named = {"missing": of.missing, "foreign": of.foreign}
+    return [*said, *(words(f"fragility.{key}", names=words.listed([*names])) for key, names in named.items() if names)]
 
 
-def _remark_table(own: xr.Dataset) -> Table:
+def _remark_table(words: Words, own: xr.Dataset) -> Table:
     """Every remark on the curves of a body, with the limit states that it is on."""
     rows = []
     for block in own["block"].values.tolist():
@@ -163,5 +152,5 @@ def _remark_table(own: xr.Dataset) -> Table:
             if said := str(own["statement"].sel(block=block, limit_state=state).item()):
                 found.setdefault(said, []).append(state_words(state))
         rows += [(Cell(block), Cell(", ".join(states)), Cell(said)) for said, states in found.items()]
-    headings = (Heading("body"), Heading("limit states"), Heading("remark"))
-    return Table("fragility-remarks", "Remarks on the curves", headings, tuple(rows))
+    headings = tuple(Heading(words(key)) for key in ("head.body", "fragility.limit_states", "fragility.remark"))
+    return Table("fragility-remarks", words("fragility.remarks"), headings, tuple(rows))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
@@ -13,13 +14,14 @@ from markupsafe import Markup
 from rockpulse.assessment.answers import Answers, answers_of, fullest_model
 from rockpulse.errors import ResultsError
 from rockpulse.views.plots.selection import plain_bodies
+from rockpulse.views.plots.words import wrapped
 from rockpulse.views.report.record_strip import strip
 from rockpulse.views.report.wording import Words
-from rockpulse.views.shared.answer_cells import NAMES
 
 if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
     from rockpulse.views.report.content import Content
     from rockpulse.views.report.pairing import Paired
@@ -31,6 +33,9 @@ IN_FULL = 20
 
 #: Records in the map of a body: those of the smallest factors.
 IN_A_MAP = 20
+
+#: What is written in a picture.
+_TEXT = re.compile(r"(?<=>)[^<>]+(?=<)")
 
 
 @dataclass(frozen=True)
@@ -50,9 +55,10 @@ class Pictures:
         self._words, self._tree = words, tree
         self._site, self._fragility = (None if other is None else other.tree for other in (site, fragility))
         self._summary = tree["summary"].to_dataset()
+        names = [str(name) for axis in ("record", "block") for name in self._summary[axis].values]
+        self._names = tuple(name for name in names if words.number(name) != name)
         stored = tree["records"].to_dataset() if "records" in tree.children else None
         self._stored = None if stored is None or "acceleration" not in stored else stored
-        self._ends = None if self._stored is None else np.cumsum(self._stored["row_size"].values)
         count = self._summary.sizes["record"]
         self._found = content.found
         governing = {one.governing for one in content.found if one.governing >= 0}
@@ -60,15 +66,20 @@ class Pictures:
 
     def strip(self, record: int) -> Picture:
         """The accelerogram of a record, small."""
-        if self._stored is None or self._ends is None:
-            return Picture(Markup(""), self._words("picture.not_stored"))
-        end = int(self._ends[record])
-        acceleration = self._stored["acceleration"].values[end - int(self._stored["row_size"].values[record]) : end]
+        acceleration = self._acceleration(record)
         if acceleration.size < 2:
             return Picture(Markup(""), self._words("picture.not_stored"))
         one = self._summary.isel(record=record)
-        drawn = strip(acceleration, float(one["dt"]), (float(one["intense_start"]), float(one["intense_end"])))
+        phase = float(one["intense_start"]), float(one["intense_end"])
+        drawn = strip(self._words, acceleration, float(one["dt"]), phase)
         return Picture(Markup(drawn), self._words("picture.strip"))
+
+    def _acceleration(self, record: int) -> np.ndarray:
+        """The stored samples of a record; none where they are not stored."""
+        if self._stored is None:
+            return np.zeros(0)
+        last = int(self._stored["row_size"].values[: record + 1].sum())
+        return np.asarray(self._stored["acceleration"].values)[last - int(self._stored["row_size"][record]) : last]
 
     def in_full(self, record: int) -> Picture | None:
         """The accelerogram with half-waves and impulses; None for a record that is shown as a strip."""
@@ -78,8 +89,8 @@ class Pictures:
         from rockpulse.views.plots.motion import stored_motion
 
         name = str(self._summary["record"].values[record])
-        return _drawn(
-            lambda: accelerogram(stored_motion(self._tree, name))[0],
+        return self._drawn(
+            lambda: _bare(accelerogram(stored_motion(self._tree, name))[0]),
             f"record{record}",
             self._words("picture.in_full"),
         )
@@ -89,21 +100,10 @@ class Pictures:
         from rockpulse.views.plots.critical_factors import overturning_map
 
         body = str(self._summary["block"].values[block])
-        answers = Answers(self._summary)
-        if not answers.probable and "overturning_intervals" not in self._tree.children:
+        if not Answers(self._summary).probable and "overturning_intervals" not in self._tree.children:
             return Picture(Markup(""), self._words("picture.no_factors"))
-        lowest = answers.by_block(np.fmin, answers[answers.factor])[:, block]
-        # The map counts the records without a factor.
-        many = np.count_nonzero(np.isfinite(lowest)) > IN_A_MAP
-        rows = np.sort(
-            np.argsort(np.where(np.isnan(lowest), np.inf, lowest), kind="stable")[: IN_A_MAP if many else None]
-        )
-        factor = self._words.shared(NAMES[answers.factor])
-        few = self._words("picture.map_few", count=rows.size, factor=factor) if rows.size < lowest.size else ""
-        return _drawn(
-            lambda: overturning_map(_of_records(self._tree, rows), block=body),
-            f"{name}{block}",
-            self._words("picture.map", few=few),
+        return self._drawn(
+            lambda: overturning_map(self._tree, block=body, most=IN_A_MAP), f"{name}{block}", self._words("picture.map")
         )
 
     def motion(self, block: int) -> Picture | None:
@@ -130,7 +130,7 @@ class Pictures:
             ax: Axes = rotation_history(found)[0]
             return ax
 
-        return _drawn(
+        return self._drawn(
             draw,
             f"motion{block}",
             self._words("picture.rotation", body=body.name, record=record, model=self._words.shared(model)),
@@ -150,7 +150,9 @@ class Pictures:
             plain = plain_bodies(self._summary)
         if spectra is not None and plain:
             draw = partial(_spectra, self._words, self._tree, spectra)
-            found.append(_drawn(draw, "spectra", self._words("picture.spectra")))
+            median = float(self._summary["restitution"].median())
+            c = float(spectra["restitution"].sel(restitution=median, method="nearest"))
+            found.append(self._drawn(draw, "spectra", self._words("picture.spectra", c=self._words.figure(c))))
         others = [one for one in self._found if one.body.block not in plain]
         if others:
             worst = max(others, key=lambda one: (one.overall, one.decides.value))
@@ -163,11 +165,27 @@ class Pictures:
 
         tree = self._site
         assert tree is not None
-        return _drawn(
-            lambda: calibration(tree).flat[0],
+        return self._drawn(
+            lambda: _bare(calibration(tree).flat[0]),
             "site",
             self._words(f"picture.site_{'spectrum' if tree['site'].attrs['method'] == 'spectrum' else 'parameters'}"),
         )
+
+    def _drawn(self, draw: Callable[[], Axes], name: str, caption: str) -> Picture:
+        """A picture of rockpulse.views.plots; what it refuses to draw is said in its place."""
+        from rockpulse.views.plots.picture import svg
+
+        try:
+            figure = draw().get_figure(root=True)
+        except ResultsError as reason:
+            return Picture(Markup(""), str(reason))
+        assert figure is not None
+        _translated(self._words, figure)
+        return Picture(Markup(_TEXT.sub(self._numbered, svg(figure, name))), caption)
+
+    def _numbered(self, text: re.Match[str]) -> str:
+        """A text of a picture with its numbers in the form of the language; a name with a number in it stays."""
+        return text[0] if any(name in text[0] for name in self._names) else self._words.number(text[0])
 
     def fragility(self, block: str) -> Picture:
         """The curves of a body; only asked for with a fragility file."""
@@ -176,7 +194,7 @@ class Pictures:
         tree = self._fragility
         assert tree is not None
         place = tree["fragility"].to_dataset().get_index("block").get_loc(block)
-        return _drawn(
+        return self._drawn(
             lambda: fragility_panels(tree, block)[0],
             f"fragility{place}",
             self._words("picture.fragility"),
@@ -190,37 +208,28 @@ def _spectra(words: Words, tree: xr.DataTree, spectra: xr.Dataset) -> Axes:
     ax = spectra_of_results(tree, spectra)
     ax.set_xlabel(words("picture.spectra_x"))
     ax.set_ylabel(words("picture.spectra_y"))
+    return _bare(ax)
+
+
+def _bare(ax: Axes) -> Axes:
+    """Axes on a figure without title and small print: the page has words of its own around it."""
     figure = ax.get_figure(root=True)
     assert figure is not None
-    figure.supxlabel("")  # the page has words of its own below it
+    figure.suptitle("")
+    figure.supxlabel("")
     return ax
 
 
-def _of_records(tree: xr.DataTree, rows: np.ndarray) -> xr.DataTree:
-    """The groups that a map of overturning takes, of some records only."""
-    summary = tree["summary"].to_dataset().isel(record=rows)
-    nodes = {"/summary": summary}
-    if "overturning_intervals" in tree.children:
-        nodes["/overturning_intervals"] = _of_rows(tree["overturning_intervals"].to_dataset(), rows)
-    found = type(tree).from_dict(nodes)
-    found.attrs = tree.attrs
-    return found
+def _translated(words: Words, figure: Figure) -> None:
+    """Put the texts of a figure into the words of the page; lines are as long as the longest one was."""
+    from matplotlib.text import Text
+    from matplotlib.ticker import FixedLocator
 
-
-def _of_rows(intervals: xr.Dataset, rows: np.ndarray) -> xr.Dataset:
-    index = intervals["record_index"]
-    kept = np.isin(index.values, rows)
-    place = index[kept].copy(data=np.searchsorted(rows, index.values[kept]))
-    return intervals.isel(interval=kept).assign(record_index=place)
-
-
-def _drawn(draw: Callable[[], Axes], name: str, words: str) -> Picture:
-    """A picture of rockpulse.views.plots; what it refuses to draw is said in its place."""
-    from rockpulse.views.plots.picture import svg
-
-    try:
-        figure = draw().get_figure(root=True)
-    except ResultsError as reason:
-        return Picture(Markup(""), str(reason))
-    assert figure is not None
-    return Picture(Markup(svg(figure, name)), words)
+    for text in figure.findobj(Text):
+        lines = text.get_text().split("\n")
+        told = words.shared(" ".join(lines))
+        text.set_text(wrapped(told, max(map(len, lines))) if len(lines) > 1 else told)
+    for ax in figure.axes:
+        for axis in (ax.xaxis, ax.yaxis):
+            if isinstance(axis.get_major_locator(), FixedLocator):
+                axis.set_ticklabels([words.shared(tick.get_text()) for tick in axis.get_ticklabels()])

@@ -56,7 +56,7 @@ def failure_table(words: Words, tree: xr.DataTree) -> Table:
     rows = tuple(
         (
             Cell(words(f"left_out.{kind}"), grade="bad" if kind == "failed" else ""),
-            Cell(group[0].stage),
+            Cell(words.shared(group[0].stage)),
             Cell(", ".join(dict.fromkeys(row.place for row in group))),
             Cell(group[0].bare),
         )
@@ -77,7 +77,7 @@ def warning_table(words: Words, summary: xr.Dataset) -> Table:
             key = f"{'body' if kind == 'block' else 'record'}-{place}"
             rows += [(Cell(str(label), link=key), Cell(line)) for line in str(text).splitlines() if line]
     headings = (Heading(words("head.of_what")), Heading(words("head.warning")))
-    return Table("warnings", words("caption.warnings"), headings, tuple(rows))
+    return Table("warnings", words("page.warnings"), headings, tuple(rows))
 
 
 def versions(tree: xr.DataTree) -> tuple[Fact, ...]:

@@ -6,6 +6,7 @@ import numpy as np
 
 from rocking.svg_lines import thinned
 from rockpulse.record.record import STANDARD_GRAVITY
+from rockpulse.views.report.wording import Words
 
 __all__ = ["strip"]
 
@@ -15,14 +16,14 @@ WIDTH, HEIGHT = 700, 110
 #: Room for the numbers below and beside it.
 LEFT, BOTTOM, TOP = 52, 20, 8
 
-_STRIP = """<svg viewBox="0 0 {width} {height}" class="strip" role="img" aria-label="accelerogram">
+_STRIP = """<svg viewBox="0 0 {width} {height}" class="strip" role="img" aria-label="{label}">
 {shade}<path class="axis" d="M{left} {middle}H{width}"/><path class="trace" d="{path}"/>
-<text x="{text}" y="{upper}" text-anchor="end">{peak} g</text>
-<text x="{text}" y="{lower}" text-anchor="end">−{peak} g</text>
-<text x="{left}" y="{foot}">0</text><text x="{width}" y="{foot}" text-anchor="end">{end:.3g} s</text></svg>"""
+<text x="{text}" y="{upper}" text-anchor="end">{peak}</text>
+<text x="{text}" y="{lower}" text-anchor="end">−{peak}</text>
+<text x="{left}" y="{foot}">0</text><text x="{width}" y="{foot}" text-anchor="end">{end}</text></svg>"""
 
 
-def strip(acceleration: np.ndarray, dt: float, intense: tuple[float, float]) -> str:
+def strip(words: Words, acceleration: np.ndarray, dt: float, intense: tuple[float, float]) -> str:
     """An element `<svg>` of the accelerogram [m/s2], the intense phase (start and end [s], or NaN) shaded.
 
     The vertical scale is that of the record's own PGA.
@@ -49,6 +50,7 @@ def strip(acceleration: np.ndarray, dt: float, intense: tuple[float, float]) -> 
         lower=TOP + high,
         foot=HEIGHT - 4,
         path="M" + "L".join(points),
-        peak=f"{peak / STANDARD_GRAVITY:.3g}",
-        end=end,
+        peak=words.figure(peak / STANDARD_GRAVITY, "g"),
+        end=words.figure(end, "s"),
+        label=words("picture.label"),
     )

@@ -3,24 +3,23 @@
 from __future__ import annotations
 
 import math
-from textwrap import shorten
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from rockpulse.assessment.answers import Answers
-from rockpulse.failures import NO_RECORD, Failure, alike, last_part
 from rockpulse.record.record import STANDARD_GRAVITY
 from rockpulse.views.report.wording import Words
 from rockpulse.views.shared.facts import Known
+from rockpulse.views.shared.files_used import reasons_of
 from rockpulse.views.shared.table import Cell, Heading, Table, number
 from rockpulse.views.shared.terminal import figure
-from rockpulse.views.text.left_out import by_kind
+from rockpulse.views.text.left_out import apart, by_kind
 
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["earthquake_words", "left_out_table", "record_words", "used_table"]
+__all__ = ["earthquake_words", "left_out_table", "record_named", "record_words", "used_table"]
 
 #: Rows of the table of records, directions that are named in a row, and reasons of one kind.
 ROWS, DIRECTIONS, REASONS = 10, 3, 2
@@ -40,7 +39,13 @@ def earthquake_words(words: Words, known: Known) -> str:
 def record_words(words: Words, known: Known) -> str:
     """Earthquake, code of the station and direction of a record; empty where the earthquake is not known."""
     event, station = earthquake_words(words, known), known.value("station") or known.place
-    return ", ".join(filter(None, (event, station, known.direction))) if event else ""
+    return ", ".join(filter(None, (event, station, words.shared(known.direction)))) if event else ""
+
+
+def record_named(words: Words, known: Known, name: str) -> str:
+    """The words of a record with its id where no station is known, or the id alone; the id may bear marks."""
+    told = record_words(words, known)
+    return told if told and known.place else ", ".join(filter(None, (told, name)))
 
 
 def used_table(words: Words, answers: Answers) -> Table:
@@ -66,12 +71,12 @@ def used_table(words: Words, answers: Answers) -> Table:
 def _used(words: Words, answers: Answers, rows: list[int]) -> tuple[Cell, ...]:
     every = [Known(answers.summary, record=answers.records[row]) for row in rows]
     first, strongest = every[0], max(rows, key=lambda row: float(answers["pga"][row]))
-    directions = [*dict.fromkeys(filter(None, (one.direction for one in every)))]
+    directions = [*dict.fromkeys(filter(None, (words.shared(one.direction) for one in every)))]
     shown = ", ".join(directions) if len(directions) <= DIRECTIONS else words("directions", count=len(directions))
     return (
         Cell(earthquake_words(words, first) or answers.records[rows[0]], link=f"record-{strongest}"),
         Cell(first.magnitude, first.real("magnitude")),
-        Cell(first.place),
+        Cell(first.place or (answers.records[rows[0]] if earthquake_words(words, first) else "")),
         Cell(shown),
         number(len(rows), str),
         number(float(answers["pga"][strongest]) / STANDARD_GRAVITY, figure),
@@ -88,37 +93,20 @@ def _worst(words: Words, answers: Answers, rows: list[int]) -> Cell:
         return Cell("")
     lane = int(np.nanargmax(np.nanmax(np.where(np.isnan(table), -math.inf, table), axis=0)))
     value = float(np.nanmax(table[:, lane]))
-    shown = f"P {words.ratio(value)}" if answers.probable else f"SF {words.ratio(-value)}"
+    shown = f"{'P' if answers.probable else words.shared('SF')}\N{NO-BREAK SPACE}{words.ratio(abs(value))}"
     return Cell(f"{answers.bodies[lane].name} ({shown})")
 
 
 def left_out_table(words: Words, tree: xr.DataTree) -> Table:
     """The files and channels that are no part of the verdict: a row for each kind, with reasons in readers' words."""
+    found, beside = apart(by_kind(tree))
     rows = []
-    for kind, every in by_kind(tree).items():
-        plain = [row for row in every if row.reason == f"{row.file}: {NO_RECORD}"]
-        rest = [row for row in every if row not in plain]
-        if rest:
-            told = _reasons(words, rest) if kind in _TOLD else words(f"left_out.why.{kind}")
-            grade = "bad" if kind == "failed" else ""
-            rows.append((Cell(words(f"left_out.{kind}"), grade=grade), number(len(rest), str), Cell(told)))
-        if plain:
-            rows.append((Cell(words("left_out.no_record")), number(len(plain), str), Cell(_names(plain))))
+    for kind, every in found.items():
+        said, rest = reasons_of(every, REASONS, LONGEST) if kind in _TOLD else ([words(f"left_out.why.{kind}")], 0)
+        told = "; ".join([*said, *([words("left_out.other", count=rest)] if rest else [])])
+        grade = "bad" if kind == "failed" else ""
+        rows.append((Cell(words(f"left_out.{kind}"), grade=grade), number(len(every), str), Cell(told)))
+    if beside:
+        rows.append((Cell(words("left_out.no_record")), number(len(beside), str), Cell(words.listed(beside))))
     headings = (Heading(words("head.kind")), Heading(words("head.count")), Heading(words("head.reason")))
     return Table("left-out", words("caption.left_out"), headings, tuple(rows))
-
-
-def _reasons(words: Words, rows: list[Failure]) -> str:
-    """The first part of the most frequent reasons, which says what was found, each with some of its files."""
-    groups = sorted(alike(rows), key=len, reverse=True)
-    said = []
-    for group in groups[:REASONS]:
-        what = shorten(group[0].bare.partition("; ")[0], LONGEST, placeholder=" ...")
-        said.append(f"{f'{len(group)}: ' if len(rows) > 1 else ''}{what} ({_names(group)})")
-    rest = sum(map(len, groups[REASONS:]))
-    return "; ".join([*said, *([words("left_out.other", count=rest)] if rest else [])])
-
-
-def _names(rows: list[Failure]) -> str:
-    shown = [last_part(row.file) for row in rows[:REASONS]]
-    return ", ".join(shown if len(rows) <= REASONS else [*shown, "..."])

@@ -63,13 +63,17 @@ def remarks(
     return sorted((one for one in said if one is not None), key=lambda one: GRADES.index(one.grade))
 
 
-def limits(words: Words, said: Sequence[Limit], motions: Motions) -> list[str]:
+def limits(words: Words, said: Sequence[Limit], found: Sequence[BodyVerdict], motions: Motions) -> list[str]:
     """What limits the verdict, in three lines at most: what decides, how few the earthquakes are, what is left out."""
     grave = [one.head for one in said if one.grade == "decides"]
     lines = [words("limits.decides", heads="; ".join(grave[:2]), more=_more(words, grave[2:]))] if grave else []
-    if motions.kind != "sequence":
-        most = words.ratio(float(share_interval(0.0, motions.event_count)[1]))
-        lines.append(words("limits.earthquakes", events=words.several(motions.event_count, "earthquake"), most=most))
+    if motions.kind == "sequence":
+        lines += [one.text for one in said if one.head == words("remark.site_confidence.head")]
+    else:
+        counts = [one.deciding.earthquakes if one.deciding else motions.event_count for one in found]
+        fewest = min(counts, default=motions.event_count)
+        most = words.ratio(float(share_interval(0.0, fewest)[1]))
+        lines.append(words("limits.earthquakes", events=words.several(fewest, "earthquake"), most=most))
     return [*lines, words("limits.not_covered")]
 
 
@@ -123,7 +127,7 @@ def files_words(words: Words, files: FilesUsed) -> str:
 
 def _confidence(words: Words, motions: Motions, site: xr.Dataset | None) -> Limit:
     if motions.kind == "sequence":
-        told = words("remark.site_confidence.ask") if site is None else coverage(site)
+        told = words("remark.site_confidence.ask") if site is None else words.shared(coverage(site))
         return _limit(words, "limits", "site_confidence", coverage=told)
     events = words.several(motions.event_count, "earthquake")
     few = words("remark.confidence.few", events=events, may=words.number(f"{MAY_OVERTURN:g}"))
@@ -167,7 +171,7 @@ def _of_sequences(words: Words, site: xr.Dataset, standing: Sequence[BodyVerdict
     """Bodies that overturn within the interval of the main impulse, and those that records of the site overturn."""
     factor = float(site["design_upper"].sel(parameter="main")) / float(site["design"].sel(parameter="main"))
     near = [one for one in standing if one.margin.smallest <= factor]
-    within = [f"{one.body.name} (SF {words.ratio(one.margin.smallest)})" for one in near]
+    within = [f"{one.body.name} ({words.shared('SF')} {words.ratio(one.margin.smallest)})" for one in near]
     overturned = np.isinf(site["rotation_ratio"].transpose("block", "record").values).sum(axis=1)
     named = zip(map(str, site["block"].values), overturned.tolist(), strict=True)
     fallen = [words("of_all", name=name, count=count, total=site.sizes["record"]) for name, count in named if count]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from rockpulse.assessment.answers import Answers, Motions
-from rockpulse.assessment.demand import FARTHEST, Demand
+from rockpulse.assessment.demand import FARTHEST
 from rockpulse.assessment.verdict import FEWEST_AT_DEMAND, MAY_OVERTURN, OVERTURNS, BodyVerdict, Grade
 from rockpulse.ladder import is_upper_bound
 from rockpulse.motions.events import CONFIDENCE, UNKNOWN
@@ -15,7 +15,7 @@ from rockpulse.views.shared.answer_cells import margin_cells
 
 __all__ = [
     "acceleration",
-    "at_demand",
+    "basis",
     "counted_by",
     "legend",
     "model_words",
@@ -40,20 +40,21 @@ def sentence(words: Words, answers: Answers, one: BodyVerdict) -> str:
         under = words("verdict.as_recorded", motions=motions_words(words, answers.motions))
     else:
         lost = words("verdict.left_out", motions=words.several(demand.left_out, "motion")) if demand.left_out else ""
-        where, events = (
-            at_demand(words, demand.name, answers.demands[demand.name]),
-            words.several(demand.earthquakes, "earthquake"),
-        )
-        under = words("verdict.at_demand", demand=where, events=events) + lost
+        events = words.several(demand.earthquakes, "earthquake")
+        under = words("verdict.at_demand", name=demand.name, events=events) + lost
         under += words("verdict.few", needed=FEWEST_AT_DEMAND) if demand.few else ""
     fields = {"what": what, "value": words.ratio(share.value), "high": words.ratio(share.high)}
     return words("verdict.probability", under=under, confidence=words.share(CONFIDENCE), **fields)
 
 
-def at_demand(words: Words, name: str, demand: Demand) -> str:
-    """A demand by its name with its strength, and the limit state where it is known."""
-    told = words.number(demand.words.replace("m/s2", "m/s²"))
-    return words("demand", name=name, strength=", ".join(filter(None, (told, demand.limit_state))))
+def basis(words: Words, answers: Answers, unused: str) -> str:
+    """The model, the motions that the verdicts rest on, the files that are not used, and how strong each demand is."""
+    model, motions = model_words(words, answers.model), motions_words(words, answers.motions)
+    said = [words("basis", model=model, motions=motions, files=f" ({unused})" if unused else "")]
+    for name, demand in answers.demands.items():
+        told = words.number(demand.words.replace("m/s2", "m/s²"))
+        said.append(words("demand", name=name, strength=", ".join(filter(None, (told, demand.limit_state)))))
+    return " ".join(said)
 
 
 def motions_words(words: Words, motions: Motions) -> str:
@@ -65,7 +66,8 @@ def motions_words(words: Words, motions: Motions) -> str:
         "events": words.several(motions.event_count, "earthquake"),
     }
     if motions.kind == "pair":
-        return words("motions.pair", directions=motions.index.shape[1], **fields)
+        key = "motions.pair_mean" if motions.any_azimuth else "motions.pair"
+        return words(key, directions=motions.index.shape[1], **fields)
     return words("motions.record", **fields)
 
 
@@ -74,9 +76,7 @@ def legend(words: Words, answers: Answers) -> str:
     if answers.motions.kind == "sequence":
         return words("legend.sequence")
     what = words("legend.probability" if answers.probable else "legend.share")
-    return words(
-        "legend.words", what=what, may=words.number(f"{MAY_OVERTURN:g}"), overturns=words.number(f"{OVERTURNS:g}")
-    )
+    return words("legend.words", what=what, factor=words(f"legend.{answers.factor}"), **_levels(words))
 
 
 def counted_by(words: Words, answers: Answers) -> str:
@@ -85,12 +85,16 @@ def counted_by(words: Words, answers: Answers) -> str:
     if answers.motions.kind == "sequence":
         return words("counted.sequence", model=model)
     what = words("counted.probability") if answers.probable else words("counted.share", model=model)
-    limits = {"overturns": words.number(f"{OVERTURNS:g}"), "may": words.number(f"{MAY_OVERTURN:g}")}
-    told = words("counted.words", what=what, **limits)
+    told = words("counted.words", what=what, **_levels(words))
     if answers.demands:
         low, high = (words.number(f"{end:g}") for end in FARTHEST)
         told += " " + words("counted.demand", low=low, high=high)
     return told
+
+
+def _levels(words: Words) -> dict[str, str]:
+    """The probabilities from which on the verdict is another one."""
+    return {"overturns": words.number(f"{OVERTURNS:g}"), "may": words.number(f"{MAY_OVERTURN:g}")}
 
 
 def of_unknown_event(words: Words, motions: Motions) -> str:

@@ -9,7 +9,7 @@ import re
 import tomllib
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, lru_cache
 from importlib.resources import files
 from typing import Any
 
@@ -25,15 +25,30 @@ _FOLDER = files("rockpulse.views.report").joinpath("words")
 #: Codes of the languages that there is a file of.
 LANGUAGES = tuple(sorted(one.name.removesuffix(".toml") for one in _FOLDER.iterdir() if one.name.endswith(".toml")))
 
+#: The end of a part of a sentence, and what may follow a part of one.
+_PART, _STOPS = re.compile(r"(?<=[.,;:])\s+"), ".,;:"
+
+#: Parts of the longest sentence that is looked up as a whole.
+_LONGEST = 12
+
+#: A field of a text in English form, as it stands in a pattern.
+_FIELD = re.compile(r"\\{(\w+)\\}")
+
+#: What fields of these names stand for.
+_FIELDS = dict.fromkeys(("count", "total"), "[0-9]+") | dict.fromkeys(("low", "high"), r"\S*[0-9]\S*(?: [%\w/]+)?")
+
+#: Fields of names, in which numbers stay as they are.
+_GIVEN = ("event", "list", "name", "names")
+
 #: The point of a number; that of an id or a version stands beside letters or a second point.
 _POINT = re.compile(r"(?<![\w.])([-−+~<>≤]?\d+)\.(\d+)(?![\w.]*\.\d)(?![A-Za-z_]*@)")
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Words:
     """The words of one language by their keys, as ``words("grade.rocks")``, with named fields filled in.
 
-    ``fixed`` has the short texts that tables share with the terminal, by their English form.
+    ``fixed`` has the texts that tables and pictures share with the terminal, by their English form with named fields.
     """
 
     language: str
@@ -49,8 +64,14 @@ class Words:
         return {key.removeprefix(f"{name}."): text for key, text in self.table.items() if key.startswith(f"{name}.")}
 
     def shared(self, english: str) -> str:
-        """A text that tables and notes have in common with the terminal; as it is where it is a name or a number."""
-        return self.fixed.get(english, english)
+        """A text that tables, notes and pictures share with the terminal; what is a name or a number stays.
+
+        Examples
+        --------
+        >>> words_of("it").shared("4 records of 3 earthquakes, data: ida. uplift: no curve: no record.")
+        '4 registrazioni di 3 terremoti, dati: ida. sollevamento: nessuna curva: nessuna registrazione.'
+        """
+        return _shared(self, english) if self.fixed and english else english
 
     def number(self, shown: str) -> str:
         """Text with numbers in English form with the decimal sign of the language."""
@@ -88,6 +109,53 @@ class Words:
         """The first of some names, and how many more there are."""
         told = ", ".join(names[:most])
         return told if len(names) <= most else self("and_more", names=told, count=len(names) - most)
+
+
+@lru_cache(16384)
+def _shared(words: Words, english: str) -> str:
+    """A text by its English form: as a whole, else the longest parts between stops that are known, one by one."""
+    if (whole := _whole(words, english)) is not None:
+        return whole
+    parts, told, first = _PART.split(english), [], 0
+    while first < len(parts):
+        for last in range(min(len(parts), first + _LONGEST), first, -1):
+            part = " ".join(parts[first:last])
+            bare = part.rstrip(_STOPS)
+            found = _whole(words, part)
+            if found is None and (found := _whole(words, bare)) is not None:
+                found += part[len(bare) :]
+            if found is not None or last == first + 1:
+                break
+        told.append(part if found is None else found)
+        first = last
+    return " ".join(told) if len(parts) > 1 else told[0]
+
+
+def _whole(words: Words, english: str) -> str | None:
+    """A text that is known as a whole, its fields filled in and its first letter as large; None for one that is not."""
+    if english in words.fixed:
+        return words.fixed[english]
+    for pattern, text in _patterns(words.language):
+        if found := pattern.fullmatch(english):
+            fields = {name: _shared(words, field) for name, field in found.groupdict().items()}
+            told = text.format(
+                **{name: field if name in _GIVEN else words.number(field) for name, field in fields.items()}
+            )
+            return told[:1].upper() + told[1:] if english[:1].isupper() and pattern.pattern[:1].islower() else told
+    return None
+
+
+@cache
+def _patterns(language: str) -> list[tuple[re.Pattern[str], str]]:
+    """What to look for in English, with its text in a language: all with fields or of several words, longest first."""
+    known = {english: text for english, text in words_of(language).fixed.items() if " " in english or "{" in english}
+    longest = sorted(known, key=lambda english: -len(_FIELD.sub("", re.escape(english))))
+    return [(re.compile(_FIELD.sub(_field, re.escape(english)), re.IGNORECASE), known[english]) for english in longest]
+
+
+def _field(name: re.Match[str]) -> str:
+    """What a field stands for, by its name: a count, an end of an interval, or anything within a part of a sentence."""
+    return f"(?P<{name[1]}>{_FIELDS.get(name[1], '(?:(?![.;:] ).)+?')})"
 
 
 @cache

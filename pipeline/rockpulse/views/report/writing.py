@@ -25,7 +25,7 @@ from rockpulse.views.report.parties import logo, parties
 from rockpulse.views.report.pictures import Pictures
 from rockpulse.views.report.printing import browser, printed
 from rockpulse.views.report.provenance import hash_of
-from rockpulse.views.report.wording import words_of
+from rockpulse.views.report.wording import Words, words_of
 from rockpulse.views.shared.table import Fact
 
 if TYPE_CHECKING:
@@ -179,10 +179,10 @@ def report_page(
         annexes=[one for one in ANNEXES if getattr(content, one, True)],
         worst_curve=_worst_curve(content),
         pictures=Pictures(words, tree, others.get(SITE_KIND), others.get(FRAGILITY), content),
-        files=tuple(Fact(kind, _described(source)) for kind, source in given.items() if source is not None),
-        explorer=explorer(
-            tree, words.section("explorer"), str(results) if isinstance(results, str | Path) else "results.h5"
+        files=tuple(
+            Fact(words.shared(kind), _described(words, source)) for kind, source in given.items() if source is not None
         ),
+        explorer=explorer(tree, words, str(results) if isinstance(results, str | Path) else "results.h5"),
         style=Markup(_text("report.css") + _text("explorer.css")),
         script=Markup(script),
         script_hash=base64.b64encode(hashlib.sha256(script.encode("utf-8")).digest()).decode("ascii"),
@@ -228,10 +228,10 @@ def _kind_by_group(tree: xr.DataTree) -> str:
     )
 
 
-def _described(source: xr.DataTree | str | Path) -> tuple[str, ...]:
+def _described(words: Words, source: xr.DataTree | str | Path) -> tuple[str, ...]:
     if isinstance(source, str | Path):
         return str(source), f"SHA-256 {hash_of(source)}"
-    return ("given in memory",)
+    return (words("page.in_memory"),)
 
 
 def _text(name: str) -> str:

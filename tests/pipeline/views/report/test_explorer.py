@@ -6,8 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from report_cases import WORDS as REPORT_WORDS
-from report_cases import probable
+from report_cases import WORDS, probable
 
 import rockpulse as rp
 from rockpulse.assessment.answers import Answers
@@ -17,7 +16,7 @@ from rockpulse.views.report.explorer_choice import chosen, laid_through, probabi
 from rockpulse.views.report.extremes import NONE, Columns, packed
 from rockpulse.views.report.writing import report_page
 
-WORDS = REPORT_WORDS.section("explorer")
+CONTROLS = WORDS.section("explorer")
 
 
 def unpacked(one):
@@ -111,21 +110,21 @@ def test_the_slider_has_the_record_as_it_is_and_the_factors_of_ten_and_fifty_per
             assert steps["as recorded"]["factor"] == 1.0
             own = summary.isel(record=scene["record"], block=place)
             for name, share in (("factor_10", 0.1), ("factor_50", 0.5)):
-                if WORDS[name] in steps:
-                    assert steps[WORDS[name]]["factor"] == pytest.approx(float(own[name]), rel=0.005)
-                    assert steps[WORDS[name]]["probability"] == pytest.approx(share, abs=1e-3)
+                if CONTROLS[name] in steps:
+                    assert steps[CONTROLS[name]]["factor"] == pytest.approx(float(own[name]), rel=0.005)
+                    assert steps[CONTROLS[name]]["probability"] == pytest.approx(share, abs=1e-3)
             assert steps["as recorded"]["probability"] == pytest.approx(float(own["overturning_probability"]), abs=1e-3)
 
 
 def test_factors_that_are_too_near_to_each_other_are_one():
     answers = Answers(probable([0.5], factor_10=[1.01]))  # f_50 is 1.313
-    steps = steps_on(answers, 0, 0, WORDS)
+    steps = steps_on(answers, 0, 0, CONTROLS)
     assert steps == {0.5: "", 0.7: "", 1.0: "as recorded", 1.31: "f_50", 2.0: ""}
 
 
 def test_the_demand_is_a_factor_of_its_own():
     answers = Answers(probable([0.0], factor_10=[np.inf], demand=2.5, at_demand=[0.07]))
-    steps = steps_on(answers, 0, 0, WORDS)
+    steps = steps_on(answers, 0, 0, CONTROLS)
     assert steps[2.5] == "demand ULS"
     assert len(steps) == 5
 

@@ -102,7 +102,7 @@ def test_curves_of_other_ground_motions_say_so(results, bursts, bodies, fragilit
     stronger = changed(results, "summary", pga=1.1)
     found = paired(stronger, fragility, "fragility", "it")
     assert (found.same, found.changed) == (3, ("burst0",))
-    assert found.other_motions("The curves are", 4) == [
+    assert found.other_motions(WORDS, "fragility", 4) == [
         "Another motion here than there, by its PGA, under the same name: burst0."
     ]
 

@@ -5,6 +5,7 @@ import html
 import numpy as np
 import pytest
 import xarray as xr
+from report_cases import WORDS
 
 from rockpulse.failures import Failure
 from rockpulse.storage.variables import failure_table
@@ -70,7 +71,7 @@ def test_a_limit_state_of_rotation_is_named_in_both_tables(fragility, curves):
     curves = curves.assign_coords(limit_state=["0.4", "overturning"])
     curves["statement"][:] = "why"
     of = Paired(with_curves(fragility, curves), (), (), 0, 0, (), ())
-    medians, said, depends = describe_fragility(of, 0, "nonlinear").tables
+    medians, said, depends = describe_fragility(WORDS, of, 0, "nonlinear").tables
     assert {row[1].text for row in medians.rows} == {"θ_max/α_c ≥ 0.4", "overturning"}
     assert {row[1].text for row in said.rows} == {"θ_max/α_c ≥ 0.4, overturning"}
     assert depends == sufficiency_tables(fragility["efficiency"].to_dataset())[0]
@@ -94,5 +95,5 @@ def test_the_files_that_curves_do_not_rest_on_are_said_before_them(fragility, cu
     tree = with_curves(fragility, curves)
     tree["failures"] = xr.DataTree(failure_table([Failure("a.asc", "read", "a.asc: no reader", "failed")]))
     files = tree["capacities"].sizes["record"]
-    first, *_ = describe_fragility(Paired(tree, (), (), 0, 0, (), ()), 0, "nonlinear").remarks
+    first, *_ = describe_fragility(WORDS, Paired(tree, (), (), 0, 0, (), ()), 0, "nonlinear").remarks
     assert first == f"{files} of {files + 1} files used, 1 not: no reader (a.asc)."

@@ -3,6 +3,7 @@
 import re
 
 import numpy as np
+from report_cases import WORDS
 
 from rockpulse.views.report.record_strip import HEIGHT, LEFT, WIDTH, strip
 
@@ -16,7 +17,7 @@ def test_long_records_keep_their_extremes_in_few_points():
     numbers = np.random.default_rng(1)
     acceleration = 0.1 * numbers.normal(size=200_000)
     acceleration[1234], acceleration[150_000] = 3.0, -2.5
-    drawn = strip(acceleration, 0.01, (10.0, 20.0))
+    drawn = strip(WORDS, acceleration, 0.01, (10.0, 20.0))
     found = points(drawn)
     assert len(drawn) < 20_000
     assert len(found) <= 2 * (WIDTH - LEFT)
@@ -28,5 +29,5 @@ def test_long_records_keep_their_extremes_in_few_points():
 
 
 def test_short_and_still_records_are_drawn():
-    assert len(points(strip(np.array([0.0, 1.0, -1.0]), 0.01, (0.0, 0.02)))) == 3
-    assert "nan" not in strip(np.zeros(50), 0.01, (np.nan, np.nan)).lower()
+    assert len(points(strip(WORDS, np.array([0.0, 1.0, -1.0]), 0.01, (0.0, 0.02)))) == 3
+    assert "nan" not in strip(WORDS, np.zeros(50), 0.01, (np.nan, np.nan)).lower()

@@ -43,9 +43,9 @@ def test_the_gravest_stand_first_and_three_lines_at_most_stand_on_the_first_page
     of = motions(3)
     said = remarks(WORDS, answers(summary, of), [verdict(summary, of)], FilesUsed(1))
     assert [one.grade for one in said] == sorted((one.grade for one in said), key=GRADES.index)
-    decides, earthquakes, not_covered = limits(WORDS, said, of)
-    assert decides.startswith("What may change a verdict: at the demand ULS there is no verdict, for 3 earthquakes")
-    assert earthquakes.startswith("The records are of 3 earthquakes")
+    decides, earthquakes, not_covered = limits(WORDS, said, [verdict(summary, of)], of)
+    assert decides.startswith("What may change a verdict: at the demand “ULS” there is no verdict, for the records")
+    assert earthquakes.startswith("The verdict rests on 3 earthquakes")
     assert not_covered.startswith("Not covered: sliding")
     assert "[" not in "".join((decides, earthquakes, not_covered))  # no key of the configuration
 
@@ -85,6 +85,14 @@ def test_what_is_not_known_of_some_motions_is_said_loudly():
     assert head not in heads(probable([0.1, 0.0, 0.9]), "record")
     unresolved = summary_of([np.nan, 2.0, 3.0], outcomes=[Outcome.UNRESOLVED, Outcome.ROCKS, Outcome.ROCKS])
     assert "The table of answers says why" in heads(unresolved, "record")[head].text
+
+
+def test_the_earthquakes_that_can_be_brought_to_the_demand_limit_the_verdict():
+    summary = probable([0.0] * 3, at_demand=[0.0] * 3, demand=0.5, to_demand=[1.0, 1.0, 5.0])
+    of = motions(3)
+    found = [verdict(summary, of)]
+    told = limits(WORDS, remarks(WORDS, answers(summary, of), found, FilesUsed(1)), found, of)
+    assert [line for line in told if line.startswith("The verdict rests on 2 earthquakes: ") and "0.78" in line]
 
 
 def test_few_earthquakes_cannot_tell_a_small_probability():

@@ -136,7 +136,7 @@ def test_a_record_is_named_by_its_earthquake_on_the_first_two_pages(known):
 def test_two_earthquakes_say_on_the_first_page_that_little_is_said_of_others(known):
     words = Page(known).text
     assert "cannot tell a probability of 0.05" in words
-    assert "The records are of 2 earthquakes: a body that none of them overturns" in known.split('id="grounds"')[0]
+    assert "The verdict rests on 2 earthquakes: a body that none of them overturns" in known.split('id="grounds"')[0]
 
 
 def test_without_factors_or_answers_a_body_is_not_called_safe(known):
