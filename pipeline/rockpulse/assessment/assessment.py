@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
-from functools import partial
+from functools import cached_property, partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -20,7 +20,7 @@ from rockpulse.assessment.record_assessment import RecordAssessment
 from rockpulse.assessment.results import registered
 from rockpulse.assessment.scene import extract, matched
 from rockpulse.assessment.senses import Senses, senses
-from rockpulse.assessment.tree import EVENT, build_tree, record_part, template
+from rockpulse.assessment.tree import EVENT, build_tree, dimension_of, nothing, record_part, template
 from rockpulse.config.bodies import Bodies, Place, gather_bodies
 from rockpulse.config.configuration import Config, given_config
 from rockpulse.failures import Failure
@@ -106,6 +106,15 @@ class Assessment(Analysis):
     def work(self) -> Work:
         """Assess all bodies."""
         return partial(assess_motion, bodies=self.bodies, config=self.config)
+
+    @cached_property
+    def nothing(self) -> Part:
+        """Every variable that grows with the motions, without a row."""
+        return nothing(self.bodies, self.config)
+
+    def dimension_of(self, name: str) -> str:
+        """The first dimension of a variable, given by its path."""
+        return dimension_of(name)
 
     @property
     def template(self) -> xr.DataTree:

@@ -27,7 +27,7 @@ from rockpulse.storage.variables import StoredVariable, failure_table
 if TYPE_CHECKING:
     from rockpulse.assessment.record_assessment import RecordAssessment
 
-__all__ = ["EVENT", "build_tree", "joined_parts", "record_part", "template"]
+__all__ = ["EVENT", "build_tree", "dimension_of", "joined_parts", "nothing", "record_part", "template"]
 
 #: The one variable that grows with the records and is in no part: a record alone does not tell it.
 EVENT = "/summary/event"
@@ -49,8 +49,7 @@ def build_tree(
     the name of each pair of channels that was swept over direction, and the ids of its directions.
     """
     variables = _variables(config)
-    empty = {path: _absent(one, 0, bodies, config) for path, one in variables.items() if one.dims[0] in GROWING}
-    arrays = joined_parts([empty, *parts])
+    arrays = joined_parts([nothing(bodies, config), *parts])
     groups: dict[str, dict[str, xr.Variable]] = defaultdict(dict)
     for path, variable in variables.items():
         group, _, name = path.rpartition("/")
@@ -75,6 +74,18 @@ def build_tree(
 def template(bodies: Bodies, config: Config) -> xr.DataTree:
     """The tree without a record: what does not depend on the records, and every other variable empty."""
     return build_tree([], bodies, config, [], {} if config.records.components == "sweep" else None)
+
+
+def nothing(bodies: Bodies, config: Config) -> dict[str, np.ndarray]:
+    """Every variable that grows with the records, without a row, by its path."""
+    growing = {path: one for path, one in _variables(config).items() if one.dims[0] in GROWING}
+    return {path: _absent(one, 0, bodies, config) for path, one in growing.items()}
+
+
+def dimension_of(path: str) -> str:
+    """The first dimension of a variable."""
+    group, _, name = path.rpartition("/")
+    return ASSESSMENT_GROUPS[group][name].dims[0]
 
 
 def joined_parts(parts: Sequence[Mapping[str, np.ndarray]], records_before: int = 0) -> dict[str, np.ndarray]:

@@ -14,11 +14,10 @@ import numpy as np
 from rockpulse.assessment.assessment import Assessment
 from rockpulse.assessment.direction_statistics import direction_statistics
 from rockpulse.assessment.tree import joined_parts
-from rockpulse.batch.journal import Journal, JournalError
+from rockpulse.batch.journal import Journal
 from rockpulse.batch.packing import unpack
 from rockpulse.errors import ResultsError
 from rockpulse.failures import Failure
-from rockpulse.foreign_text import first_line
 from rockpulse.motions.directions import swept_directions
 from rockpulse.motions.runner import Analysis, Part, Prepared
 from rockpulse.storage.hdf5_writer import TreeWriter, add_dataset
@@ -64,18 +63,7 @@ class JournalParts:
         """Unpack one part after the other."""
         for key in self.keys:
             for part in self.journal.parts(key):
-                try:
-                    arrays = unpack(part)
-                except (
-                    ValueError,
-                    TypeError,
-                    RecursionError,
-                ) as error:  # with the right checksum: somebody has made it
-                    raise JournalError(
-                        f"{self.journal.path}: the result of {key} is none of rockpulse ({first_line(error)}); remove "
-                        "the file and begin anew"
-                    ) from error
-                yield self.analysis.of_event(arrays, self.events[key])
+                yield self.analysis.of_event(unpack(part), self.events[key])
 
 
 def write_results(

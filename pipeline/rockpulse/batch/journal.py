@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import os
 import secrets
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field
 from datetime import UTC, datetime
@@ -196,12 +196,15 @@ class Journal:
             )
         return found
 
-    def drop_damaged(self) -> list[str]:
-        """Forget the tasks whose results are not as they were written, so that they are done again; their keys."""
-        damaged = sorted(key for key in self._kept if self._parts(key) is None)
-        for key in damaged:
+    def drop_damaged(self, is_result: Callable[[str, tuple[bytes, ...]], bool]) -> list[str]:
+        """Forget the tasks whose results are not as they were written, so that they are done again; their keys.
+
+        With them go those of which `is_result` says, by key and parts, that they are none: anybody can write a frame.
+        """
+        dropped = [key for key in self._kept if (found := self._parts(key)) is None or not is_result(key, found)]
+        for key in dropped:
             del self._kept[key]
-        return damaged
+        return sorted(dropped)
 
     def failures(self) -> dict[str, tuple[Failure, ...]]:
         """The failures of each finished task that has some, by key."""

@@ -53,7 +53,7 @@ def unpack(packed: bytes) -> dict[str, np.ndarray]:
     arrays = {}
     for name, kind, shape in json.loads(packed[begin:offset]):
         dtype = np.dtype(kind)
-        if dtype.kind not in KINDS:
+        if dtype.kind not in KINDS or not dtype.itemsize:
             raise ValueError(f"{name}: expected numbers or texts, found type {dtype}")
         count = math.prod(shape)
         size = count * dtype.itemsize

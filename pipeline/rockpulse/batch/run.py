@@ -19,6 +19,7 @@ from rockpulse.batch.journal import UNFINISHED, Journal, journal_path
 from rockpulse.batch.kept import finished, kept, worth
 from rockpulse.batch.located import Located
 from rockpulse.batch.options import BatchOptions
+from rockpulse.batch.packing import unpack
 from rockpulse.batch.plan import Task, digest_of, read_options, tasks_of
 from rockpulse.batch.survey import gather, survey_file
 from rockpulse.batch.tasks import carry_out
@@ -302,7 +303,13 @@ def _surveyed(
 
 def _missing(journal: Journal, tasks: Sequence[Task], analysis: Analysis, options: BatchOptions) -> list[Task]:
     """The tasks that are to be done; what was refused before is a failure to stop at like any other."""
-    damaged = journal.drop_damaged() if options.resume else []
+    own, told = set(finished(journal, tasks)), journal.failures()
+
+    def is_result(key: str, parts: Sequence[bytes]) -> bool:
+        """Whether something is kept of a task, and its parts are of this analysis; others may be of other options."""
+        return key not in own or ((bool(parts) or key in told) and all(_is_part(part, analysis) for part in parts))
+
+    damaged = journal.drop_damaged(is_result) if options.resume else []
     if damaged or journal.gaps:
         results = f"the results of {some(damaged, 5)}" if damaged else ""
         places = f"what stood in {journal.gaps} place{'s' * (journal.gaps != 1)}" if journal.gaps else ""
@@ -322,6 +329,14 @@ def _missing(journal: Journal, tasks: Sequence[Task], analysis: Analysis, option
     for key in finished(journal, tasks):
         _stop_at(rows.get(key, ()), options)
     return missing
+
+
+def _is_part(packed: bytes, analysis: Analysis) -> bool:
+    """Whether bytes of a journal are what an analysis keeps there; anybody can write others with a right checksum."""
+    try:
+        return analysis.fits(unpack(packed))
+    except (ValueError, TypeError, RecursionError):
+        return False
 
 
 def _worked(

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import logging
 from abc import ABC, abstractmethod
-from collections import Counter
+from collections import Counter, defaultdict
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass
@@ -83,6 +83,11 @@ class Analysis(ABC):
     def work(self) -> Work:
         """The work that is done on every motion; it can be pickled, and is small."""
 
+    @property
+    @abstractmethod
+    def nothing(self) -> Part:
+        """Every array of a part, and the earthquake, in its type and shape and without a row."""
+
     @abstractmethod
     def collect(self, parts: Sequence[Part], planned: Sequence[PlannedMotion], failures: list[Failure]) -> xr.DataTree:
         """The tree of results, from the parts of all motions in the order of the plan."""
@@ -106,6 +111,23 @@ class Analysis(ABC):
         planned, left_out = plan_motions(voting, self.config)
         events = {one.name: event_of[one.channels[0].id] for one in planned}
         return Prepared(planned, events, [*rows, *unread, *idle, *outvoted, *left_out])
+
+    def dimension_of(self, name: str) -> str:
+        """The dimension of an array that grows with the motions; arrays of a part that share it are equally long."""
+        return "record"
+
+    def fits(self, part: Part) -> bool:
+        """Whether arrays that somebody else may have made are a part of this analysis, whatever their values are."""
+        expected = {name: array for name, array in self.nothing.items() if name != self.event_name}
+        if part.keys() != expected.keys():
+            return False
+        lengths: dict[str, set[int]] = defaultdict(set)
+        for name, empty in expected.items():
+            found = part[name]
+            if found.ndim != empty.ndim or found.shape[1:] != empty.shape[1:] or not _is_of(found.dtype, empty.dtype):
+                return False
+            lengths[self.dimension_of(name)].add(len(found))
+        return all(len(every) == 1 for every in lengths.values())
 
     def of_event(self, part: Part, event: str) -> Part:
         """A part with the earthquake of its motion, which all records together tell, and no motion alone."""
@@ -185,6 +207,11 @@ def worked(
             yield _failure(motion.record, stage, error)
         else:
             yield part
+
+
+def _is_of(found: np.dtype, expected: np.dtype) -> bool:
+    """Whether an array is of texts as it is expected to be, or of numbers that the expected kind can hold."""
+    return (found.kind == "U") == (expected.kind == "U") and np.can_cast(found, expected, "same_kind")
 
 
 def _failure(record: Record, stage: str, error: Exception) -> Failure:

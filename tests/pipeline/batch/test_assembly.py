@@ -20,8 +20,7 @@ from rockpulse.batch import assembly
 from rockpulse.batch.assembly import JournalParts, assemble, is_assembled
 from rockpulse.batch.journal import Done, Journal
 from rockpulse.batch.packing import pack
-from rockpulse.config.block_settings import BlockSettings
-from rockpulse.config.configuration import Config, load_config
+from rockpulse.config.configuration import load_config
 from rockpulse.errors import ResultsError
 from rockpulse.failures import Failure
 from rockpulse.motions.directions import plan_motions, swept_directions
@@ -256,12 +255,3 @@ def test_parts_of_another_layout_are_refused(assessed, tmp_path):
     with pytest.raises(ValueError, match=r"/summary/pga: expected values for \(6,\) from 0 on, was given \(7,\)"):
         assemble(tmp_path / "results.h5", template(bodies, config), parts)
     assert list(tmp_path.iterdir()) == []
-
-
-@pytest.mark.parametrize("content", [b"", b"RPA1" + bytes(8), b"RPA1\x09" + bytes(7) + b'[["a",3]]'])
-def test_a_result_that_somebody_has_put_into_a_journal_is_told(tmp_path, content):
-    config = Config(blocks=(BlockSettings(name="wall", width=0.4, height=3.0),))
-    with Journal.open(tmp_path / "results.h5") as journal:
-        journal.add(Done("a", "f", (content,)))
-        with pytest.raises(ResultsError, match="the result of a is none of rockpulse"):
-            list(JournalParts(journal, Assessment(config), ["a"], {"a": ""}))

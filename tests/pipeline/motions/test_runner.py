@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from datetime import UTC, datetime
+from types import MappingProxyType
 
 import numpy as np
 import pytest
@@ -35,6 +36,7 @@ class Largest(Analysis):
     kind = "measure"
 
     work = staticmethod(largest)
+    nothing = MappingProxyType({"record": np.zeros(0, dtype=str), "event": np.zeros(0, dtype=str), "pga": np.zeros(0)})
 
     def collect(self, parts, planned, failures):
         tree = xr.DataTree()

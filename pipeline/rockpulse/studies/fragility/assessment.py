@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
-from functools import partial
+from functools import cached_property, partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -19,7 +19,7 @@ from rockpulse.motions.tables import selection_of
 from rockpulse.motions.votes import unmatched_patterns
 from rockpulse.record.record import Record
 from rockpulse.storage.fragility_variables import FRAGILITY
-from rockpulse.studies.fragility.capacity import Lanes, motion_capacity
+from rockpulse.studies.fragility.capacity import Lanes, motion_capacity, nothing
 from rockpulse.studies.fragility.results import build_fragility_tree
 
 if TYPE_CHECKING:
@@ -101,6 +101,11 @@ class FragilityAnalysis(Analysis):
     def work(self) -> Work:
         """Find the capacities of all bodies under a motion."""
         return partial(motion_capacity, lanes=self.lanes, config=self.config, selection=self.selection)
+
+    @cached_property
+    def nothing(self) -> Part:
+        """Every array of a motion's capacities, without a row."""
+        return nothing(len(self.block_names), self.config, self.selection)
 
     def collect(self, parts: Sequence[Part], planned: Sequence[PlannedMotion], failures: list[Failure]) -> xr.DataTree:
         """Fit the curves."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
-from functools import partial
+from functools import cached_property, partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -20,8 +20,8 @@ from rockpulse.motions.runner import Analysis, Blocks, Part, Prepared, Work, joi
 from rockpulse.motions.tables import read_weight_table, record_weights
 from rockpulse.record.record import Record
 from rockpulse.storage.site_variables import SITE_KIND
-from rockpulse.studies.site.record import site_record
-from rockpulse.studies.site.record_spectrum import site_spectrum_record
+from rockpulse.studies.site.record import no_site_record, site_record
+from rockpulse.studies.site.record_spectrum import no_spectrum_record, site_spectrum_record
 from rockpulse.studies.site.spectrum_tree import build_spectrum_tree
 from rockpulse.studies.site.tree import build_site_tree
 
@@ -124,6 +124,13 @@ class SiteCalibration(Analysis):
     def by_spectrum(self) -> bool:
         """Whether the site is described by the overturning spectra of its records, and not by their sequences."""
         return self.config.calibration.method == "spectrum"
+
+    @cached_property
+    def nothing(self) -> Part:
+        """Every array of a motion's spectrum or sequence, without a row."""
+        if self.lanes is None or self.by_spectrum:
+            return no_spectrum_record()
+        return no_site_record(self.lanes)
 
     def _bodies(self, blocks: Blocks) -> tuple[list[str], Block | None]:
         """Names and lanes of the bodies; a spectrum needs none."""

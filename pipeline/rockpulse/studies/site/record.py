@@ -23,10 +23,19 @@ from rockpulse.record.intensity import pgv
 from rockpulse.record.record import Record
 from rockpulse.remark import Remark, find
 from rockpulse.storage.fact_variables import facts_of
+from rockpulse.storage.site_variables import OF_RECORDS
 from rockpulse.studies.site.design import PARAMETERS
 from rockpulse.studies.site.scaling import largest_impulse, scale_factor, scaled
 
-__all__ = ["USUAL_FACTORS", "facts_of_record", "rotation_to_cover", "scaled_motion", "site_record"]
+__all__ = [
+    "USUAL_FACTORS",
+    "facts_of_record",
+    "no_facts",
+    "no_site_record",
+    "rotation_to_cover",
+    "scaled_motion",
+    "site_record",
+]
 
 #: Smaller recorded peaks do not enter a misfit: just after uplift no sequence is comparable [-].
 SMALLEST_PEAK = 0.01
@@ -84,6 +93,17 @@ def site_record(motion: Motion, watch: Watch, blocks: Block, config: Config) -> 
     return {name: np.array([values]) for name, values in found.items()}
 
 
+def no_site_record(blocks: Block) -> Part:
+    """Every array of :func:`site_record` on (m,) blocks, and "event", without a row."""
+    return {
+        **no_facts(),
+        "calibration_remarks": np.zeros(0, dtype=str),
+        **dict.fromkeys(("misfit", "unsafe_share"), np.zeros(0)),
+        **dict.fromkeys(("value", "value_lower", "value_upper"), np.zeros((0, len(PARAMETERS)))),
+        "peaks": np.zeros((0, *blocks.shape)),
+    }
+
+
 def scaled_motion(motion: Motion, config: Config) -> tuple[Record, float]:
     """The conditioned record of a motion times the factor [-] that takes it to the configured target, and that factor.
 
@@ -112,6 +132,12 @@ def facts_of_record(record: Record, factor: float, config: Config) -> dict[str, 
         "largest_impulse": largest_impulse(record, config),
         **facts_of(SimpleNamespace(record=record)),
     }
+
+
+def no_facts() -> dict[str, np.ndarray]:
+    """Every array of :func:`facts_of_record`, and "event", without a row."""
+    facts = {name: one.values([]) for name, one in OF_RECORDS.items() if name != "weight"}
+    return {"record": np.zeros(0, dtype=str), **facts}
 
 
 def _parameters(sequence: ImpulseSequence) -> list[float]:

@@ -14,9 +14,9 @@ from rockpulse.motions.directions import Motion
 from rockpulse.motions.runner import Part, Watch
 from rockpulse.record.half_wave import half_waves
 from rockpulse.storage.spectrum_variables import RESTITUTIONS
-from rockpulse.studies.site.record import facts_of_record, scaled_motion
+from rockpulse.studies.site.record import facts_of_record, no_facts, scaled_motion
 
-__all__ = ["site_spectrum_record"]
+__all__ = ["no_spectrum_record", "site_spectrum_record"]
 
 
 def site_spectrum_record(motion: Motion, watch: Watch, config: Config) -> Part:
@@ -39,3 +39,12 @@ def site_spectrum_record(motion: Motion, watch: Watch, config: Config) -> Part:
             "record_main_count": count,
         }
     return {name: np.array([values]) for name, values in found.items()}
+
+
+def no_spectrum_record() -> Part:
+    """Every array of :func:`site_spectrum_record`, and "event", without a row."""
+    return {
+        **no_facts(),
+        "spectrum": np.zeros((0, RATES.size, RESTITUTIONS.size)),
+        **dict.fromkeys(("record_ratio", "record_main_count"), np.zeros((0, RATES.size))),
+    }
