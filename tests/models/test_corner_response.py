@@ -145,6 +145,33 @@ def test_lanes_do_not_change_each_other():
     assert np.array_equal(threads.peak_rotation_ratio, np.tile(together.peak_rotation_ratio[1], 40))
 
 
+def test_a_load_beside_the_middle_moves_the_centre_of_mass_towards_it():
+    """A body of 800 kg and a point of 200 kg, 0.1 m from its first corner: by the moments of the two about it."""
+    load = Load(weight=200.0 * G, height=1.8, distance=0.1)
+    made = Block.from_corners(0.3, 0.3, 1.0, 0.6, mass=800.0, loads=[load], gravity=G)
+    near = (800.0 * 0.3 + 200.0 * 0.1) / 1000.0
+    height = (800.0 * 1.0 + 200.0 * 1.8) / 1000.0
+    inertia = 800.0 * (0.6**2 + 0.3**2 + 1.0**2) + 200.0 * (0.1**2 + 1.8**2)  # about the corner
+    assert made.alpha_c == pytest.approx(math.atan2(near, height), rel=1e-12)
+    assert made.p == pytest.approx(math.sqrt(1000.0 * G * math.hypot(near, height) / inertia), rel=1e-12)
+    assert made.alpha_2 == pytest.approx(math.atan2(0.6 - near, height), rel=1e-12)
+
+
+@pytest.mark.parametrize(("b_1", "b_2", "weaker"), [(0.2, 0.4, 0.2), (0.4, 0.2, 0.2)])
+def test_the_weaker_corner_of_a_free_body_is_the_nearer_one(b_1, b_2, weaker):
+    made = Block.from_corners(b_1, b_2, 1.0, 0.6, gravity=G).weaker
+    assert made.alpha_c == pytest.approx(math.atan2(weaker, 1.0), rel=1e-12)
+
+
+@pytest.mark.parametrize("side", [1, -1])
+@pytest.mark.parametrize(("b_1", "b_2"), [(0.2, 0.4), (0.4, 0.2)])
+def test_before_a_wall_it_is_the_corner_that_the_body_turns_about(b_1, b_2, side):
+    body = Block.from_corners(b_1, b_2, 1.0, 0.6, gravity=G, one_sided=True, rebound=0.3)
+    body = body if side == 1 else body.mirrored()
+    assert body.side == side
+    assert body.weaker.alpha_c == pytest.approx(math.atan2(b_1, 1.0), rel=1e-12)
+
+
 def test_uplift_is_where_the_motion_begins():
     motion = synthetic(seed=7, peak=1.0)
     held = {"width": 0.5, "height": 3.0, "mass": 2000.0}

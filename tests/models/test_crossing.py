@@ -64,6 +64,11 @@ def test_mean_capacity_of_a_lognormal_is_its_median(spread):
     assert mean_capacity(LEVELS, norm.cdf(np.log(LEVELS / 1.7) / spread)) == pytest.approx(1.7, rel=1e-6)
 
 
+@pytest.mark.parametrize(("probability", "mean"), [([0.0, 0.0, 1.0], 4.0), ([0.0, 1.0, 1.0], 2.0**0.5)])
+def test_mean_capacity_of_one_step_is_the_middle_of_its_levels(probability, mean):
+    assert mean_capacity(np.array([1.0, 2.0, 8.0]), np.array(probability)) == pytest.approx(mean, rel=1e-12)
+
+
 def test_mean_capacity_of_two_capacities_is_their_weighted_geometric_mean():
     """A third overturns from 0.5 on, the others from 4 on: steps at the middle of an interval between levels."""
     half = 0.5 * math.log(LEVELS[1] / LEVELS[0])

@@ -199,6 +199,8 @@ def test_many_lanes_give_what_each_alone_gives():
         (([0.5], 10.0, np.nan), "points: expected whole numbers from 2"),
         (([0.5], 10.0, 1e11), "points: expected whole numbers from 2"),
         (([0.5], 10.0, 64, 0.0), "tolerance: expected at least 1e-12"),
+        (([0.5], 10.0, 64, 1.0), "tolerance: expected at least 1e-12 and below 1"),
+        (([0.5], 10.0, 64, 1.5), "tolerance: expected at least 1e-12 and below 1"),
     ],
 )
 def test_what_is_out_of_range_is_refused(arguments, message):

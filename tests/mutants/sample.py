@@ -5,8 +5,8 @@ survive are told with their change. A test is written for a survivor, the code t
 needless, or it is named in equivalent.toml with the reason why the program does the same. The command fails on a
 survivor that is not named there, and on a name there that fits no mutant or one that dies.
 
-The tests of a module are those of its mirror, tests/.../test_<module>.py, and those that tests.toml adds. The draw
-depends on the seed and on each mutant alone, so that it stays the same where other lines change.
+The tests of a module are those of its mirror, tests/.../test_<module>.py, and those that tests.toml adds to it or to
+its folder. The draw depends on the seed and on each mutant alone, so that it stays the same where other lines change.
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ def tests_of(module: str) -> list[str]:
     below = Path(module).relative_to("models/rocking" if module.startswith("models") else "pipeline/rockpulse")
     folder = "tests/models" if module.startswith("models") else "tests/pipeline"
     mirror = Path(folder, below.parent, f"test_{below.name}").as_posix()
-    added = ADDED.get(module, [])
+    added = [test for place, tests in ADDED.items() if module.startswith(place) for test in tests]
     return [*([mirror] if (TOP / mirror).is_file() else []), *added]
 
 

@@ -380,5 +380,5 @@ def _median(values: np.ndarray) -> np.ndarray:
     ordered = np.sort(values, axis=0)  # NaN comes last
     if not len(values):
         return np.full(count.shape, np.nan)
-    middle = np.take_along_axis(ordered, np.stack([(count - 1).clip(0) // 2, count // 2]), axis=0)
+    middle = np.take_along_axis(ordered, np.stack([(count - 1) // 2, count // 2]), axis=0)
     return np.asarray(middle.sum(axis=0) / 2.0)

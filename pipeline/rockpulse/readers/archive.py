@@ -134,7 +134,7 @@ def _content(archive: zipfile.ZipFile, entry: zipfile.ZipInfo, name: str) -> byt
         raise RecordRefused(f"{name}: encrypted; unpack the archive with its password first")
     if entry.file_size > FILE_LIMIT:
         raise RecordRefused(f"{name}: {entry.file_size} bytes, the most that is read is {FILE_LIMIT}")
-    if entry.file_size > RATIO_LIMIT * max(entry.compress_size, 1):
+    if entry.file_size > RATIO_LIMIT * entry.compress_size:
         raise RecordRefused(
             f"{name}: compressed {entry.file_size / max(entry.compress_size, 1):.0f} times, the limit is "
             f"{RATIO_LIMIT}; unpack it by hand if it is a record"

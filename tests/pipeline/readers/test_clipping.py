@@ -23,6 +23,12 @@ def test_either_polarity(low, high):
     assert clipping_warning(WAVE, "counts") == []
 
 
+@pytest.mark.parametrize(("length", "warned"), [(4, False), (5, True)])
+def test_five_samples_in_a_row_at_the_edge_are_clipping(length, warned):
+    wave = np.concatenate([np.arange(0, 1000, 20), np.full(length, 1000), np.arange(980, -900, -20), [-881]])
+    assert bool(clipping_warning(wave, "counts")) is warned
+
+
 def test_both_polarities_are_named():
     assert len(clipping_warning(np.clip(WAVE, -2e5, 2e5).astype(np.int32), "counts")) == 2
 

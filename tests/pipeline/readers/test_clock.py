@@ -4,7 +4,7 @@ from datetime import UTC, datetime
 
 import pytest
 
-from rockpulse.readers.clock import written
+from rockpulse.readers.clock import instant, written
 
 
 @pytest.mark.parametrize(
@@ -26,3 +26,12 @@ def test_a_time_is_read_with_its_zone_and_whatever_else_stands_behind_it(date, b
 @pytest.mark.parametrize("zone", ["JST", "EST", "NZST", "LT", "PM"])
 def test_a_time_of_a_clock_that_is_not_known_is_left_out(zone):
     assert written(f"2009-04-06 01:32:39 {zone}") is None
+
+
+@pytest.mark.parametrize("time", [(24, 0, 0), (-1, 0, 0), (23, 60, 0), (23, -1, 0), (23, 50, 61), (23, 50, -0.1)])
+def test_a_time_that_no_day_has_is_none(time):
+    assert instant((2018, 2, 6), time) is None
+
+
+def test_a_leap_second_is_a_time():
+    assert instant((2016, 12, 31), (23, 59, 60)) == datetime(2017, 1, 1, tzinfo=UTC)

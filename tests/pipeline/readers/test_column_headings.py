@@ -171,7 +171,11 @@ def test_the_interval_of_the_header_is_held_against_the_times(write):
 
 @pytest.mark.parametrize(
     ("heading", "per_second"),
-    [("Time (min)", 1 / 60), ("t_ms", 1e3), ("time in ms", 1e3), ("Tiempo [minutes]", 1 / 60)],
+    [
+        *[(heading, 1 / 60) for heading in ("Time (min)", "Tiempo [minutes]")],
+        *[(heading, 1e3) for heading in ("t_ms", "time in ms", "t [msec]", "t [millisec]", "time (milliseconds)")],
+        ("t [us]", 1e6),
+    ],
 )
 def test_times_in_other_units(write, heading, per_second):
     table = np.column_stack([TIMES * per_second, VALUES])
@@ -360,6 +364,9 @@ def test_hostile_lines_cost_no_more_than_their_length(unit):
         ("shear wave velocity 360 m/s", [], [], [], []),
         ("Acceleration in g, dt = 0.02, N = 400", ["acceleration"], ["g"], [0.02], [400]),
         ("Beschleunigung in mm/s², 100 Hz", ["acceleration"], ["mm/s2"], [0.01], []),
+        *[(f"dt = 5 {unit}", [], [], [0.005], []) for unit in ("ms", "msec", "millisec", "milliseconds")],
+        ("dt = 500 us", [], [], [5e-4], []),
+        *[(f"dt = 2 {unit}", [], [], [120.0], []) for unit in ("min", "minutes")],
         ("500 Hz filter, 2000 samples per second", [], [], [], []),
         ("with 2 numbers", [], [], [], []),
     ],

@@ -9,6 +9,7 @@ from record_writers.cosmos import cosmos
 
 from rockpulse.errors import RecordFormatError, UnitError
 from rockpulse.readers import read
+from rockpulse.readers.cosmos_header import Header
 from rockpulse.record.record import STANDARD_GRAVITY
 
 G = STANDARD_GRAVITY
@@ -109,3 +110,21 @@ def test_the_peak_is_that_of_the_series_and_not_of_the_uncorrected_one(write):
     assert content.count(b"Uncor max =   0.300") == 1
     (record,) = read(write(content.replace(b"Uncor max =   0.300", b"Uncor max =   0.700")))
     assert record.header_peak == pytest.approx(0.3 * G, abs=1e-6)
+
+
+def test_recorders_are_told_apart_by_their_words(write):
+    one = cosmos(pulse(), number=1, recorder="Etna   s/n 1193 ( 1 Chns of   2 at Sta)")
+    other = cosmos(pulse(), number=2, recorder="Etna   s/n 1194 ( 1 Chns of   2 at Sta)")
+    for record in read(write(one + other)):
+        assert not any("the header counts" in note for note in record.warnings)
+    with pytest.raises(RecordFormatError, match="expected another channel"):
+        read(write(one + cosmos(2.0 * pulse(), number=1, recorder="Etna   s/n 1193 ( 1 Chns of   2 at Sta)")))
+    other = cosmos(pulse(), number=1, recorder="Etna   s/n 1194 ( 1 Chns of   2 at Sta)", place="Roof")
+    assert len(read(write(one + other))) == 2
+
+
+def test_the_last_number_of_a_header_is_read_and_none_beyond_it():
+    header = Header("", [], np.array([7.0, 8.0]), np.array([0.5, 1.5]), -999.0, [], 0, 0)
+    assert [header.integer(number) for number in (1, 2, 3)] == [7, 8, None]
+    assert [header.real(number) for number in (1, 2)] == [0.5, 1.5]
+    assert np.isnan(header.real(3))

@@ -129,6 +129,14 @@ def test_what_obspy_did_to_the_samples_is_taken_over(record):
     assert rp.from_trace(trace).dt == 0.02
 
 
+def test_an_interval_that_obspy_keeps_as_a_rate_is_that_of_the_record_and_a_changed_one_is_not(record):
+    trace = rp.to_trace(replace(record, dt=0.0049))
+    trace.stats.sampling_rate = 1.0 / 0.0049
+    assert rp.from_trace(trace).dt == 0.0049
+    trace.stats.delta = 0.0049 * (1.0 + 1e-9)
+    assert rp.from_trace(trace).dt == trace.stats.delta
+
+
 def test_an_integrated_trace_is_no_acceleration_unless_the_unit_is_given(record):
     trace = rp.to_trace(record)
     trace.integrate()

@@ -148,6 +148,8 @@ def test_stations_on_structures(write, station, place):
     [
         (asa(TABLE, counts=(4000, 4000, 4000)), r"test.012:509: expected 4000 rows \(header\), found 400"),
         (asa(TABLE).replace(b"/400/400/400", b"/400/x/400"), r"test.012:72: expected 'NUM. TOTAL DE MUESTRAS"),
+        (asa(TABLE).replace(b"/400/400/400", b"/400/0/400"), r"test.012:72: expected .* and 3 numbers above 0"),
+        (asa(TABLE).replace(b"/400/400/400", b"/400/1/400"), "at least 2 samples"),
         (asa(TABLE, intervals=(0.005, 0.004, 0.004)), r"test.012:47: expected intervals \[s\] that fit the rates"),
         (asa(TABLE, intervals=(0, 0, 0), rate=(1e-9, 250, 250)), r"test.012:47: expected intervals"),
         (
@@ -172,6 +174,8 @@ def test_stations_on_structures(write, station, place):
     ids=[
         "more",
         "count",
+        "no-samples",
+        "one-sample",
         "rates",
         "interval",
         "neither",

@@ -186,7 +186,8 @@ def test_an_interval_that_is_not_known(write, reals, message):
         (" Up    ", 400, "vertical", np.nan),
         ("", 402, "vertical", np.nan),
         ("Long", 600, "horizontal", np.nan),
-        ("H1", 700, "horizontal", np.nan),
+        *[("", code, "horizontal", np.nan) for code in (500, 501, 600, 601, 700, 701)],
+        *[("", code, "unknown", np.nan) for code in (502, 602, 702)],
         ("", 2000, "unknown", np.nan),
         ("340 deg", 400, "unknown", np.nan),
         ("340 deg", 160, "unknown", np.nan),
@@ -272,6 +273,13 @@ def test_another_null_and_a_null_sample(write):
 def test_headers_completed_by_hand_lose_their_columns(write):
     content = cosmos(pulse(), azimuth=90, component=" 90 deg").replace(b"      90    -999", b"     90    -999")
     assert read(write(content))[0].azimuth == 90.0
+
+
+def test_headers_whose_rows_all_lost_their_columns_are_read_at_the_blanks(write):
+    lines = cosmos(pulse(), azimuth=90, component=" 90 deg").decode().split("\r\n")
+    for at in range(14, 24):
+        lines[at] = " ".join(lines[at].split())
+    assert read(write("\r\n".join(lines).encode()))[0].azimuth == 90.0
 
 
 def test_rows_beyond_the_count_are_left_out_with_a_warning(write):

@@ -185,3 +185,10 @@ def test_recognition_by_some_of_the_keys():
     assert row.detect(b"\n".join(CONTENT.split(b"\n")[3:9]), "x") is True
     assert row.detect(b"Network : a\nOrientation : b\nTime Increment (s) : 1\n", "x") is False
     assert row.detect(b"Network : a\nOrientation : b\nPGA : 1\nProcessing Info: no\n", "x") is False
+
+
+def test_rows_read_at_the_blanks_that_end_early_are_named():
+    lines = sigma(np.abs(VALUES)).decode().split("\n")
+    rows = [row.strip() for row in lines[10:]]
+    with pytest.raises(RecordFormatError, match=r"expected 302 samples \(header\), found 295"):
+        got("\n".join([*lines[:10], *rows[:-3]]).encode())

@@ -163,6 +163,8 @@ def test_a_problem_that_the_agency_flags_is_passed_on(write, flag, warned):
     ("moment", "words"),
     [
         ((2011, 235, 17, 50, 56, 9_999_999_999), "is no start time"),
+        ((2011, 235, 17, 50, 56, -1), "is no start time"),
+        ((2011, 235, 17, 50, 56, 1000), "is no start time"),
         ((2011, 366, 17, 50, 56, 0), "is no start time"),
         ((2011, 0, 17, 50, 56, 0), "is no start time"),
         ((2011, 235, 24, 50, 56, 0), "is no start time"),
