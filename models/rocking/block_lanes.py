@@ -136,7 +136,7 @@ class BlockLanes:
         pairs = {"alpha_c": "alpha_2", "p": "p_2", "radius": "radius_2", "restitution": "restitution_2"}
         for name, opposite in (pairs | {opposite: name for name, opposite in pairs.items()}).items():
             object.__setattr__(other, name, getattr(self, opposite))
-        object.__setattr__(other, "side", -np.asarray(self.side) if self.shape else -self.side)
+        object.__setattr__(other, "side", -self.side)
         if self.restraints is not None:
             base = np.asarray(self.radius * np.sin(self.alpha_c) + self.radius_2 * np.sin(self.alpha_2))
             held = np.array(self.restraints, dtype=object)

@@ -105,3 +105,14 @@ def test_survivors_at_the_top_make_the_lanes_reach_further():
 def test_what_has_no_spectrum(acceleration, p, told):
     with pytest.raises(ValueError, match=told):
         spectrum_lanes(acceleration, DT, p)
+
+
+def test_a_wall_lets_only_the_motions_away_from_it_lift_a_block():
+    """A ground that is pushed one way only lifts a block before a wall on the one side of it, and not on the other."""
+    push = np.where(np.arange(200) < 100, 3.0, 0.0)
+    with pytest.raises(ValueError, match="lifts a block off its wall"):
+        spectrum_lanes(push, DT, P, side=1)
+    with pytest.raises(ValueError, match="lifts a block off its wall"):
+        spectrum_lanes(-push, DT, P, side=-1)
+    one, other = spectrum_lanes(-push, DT, P, side=1), spectrum_lanes(push, DT, P, side=-1)
+    np.testing.assert_array_equal(one.log_x, other.log_x)

@@ -38,6 +38,13 @@ def test_bodies_and_lanes_of_restitution_cases():
         answers["no such variable"]
 
 
+def test_the_least_factor_over_direction_and_the_row_that_has_it():
+    pairs = motions(3, rows=[[0, 1], [2, 3], [4, 5]], kind="pair")
+    found = answers(summary_of([3.0, 1.0, 2.0, NAN, NAN, NAN]), pairs).least_over_direction
+    np.testing.assert_array_equal(found[0], [[1.0], [2.0], [NAN]])
+    assert found[1].tolist() == [[1], [2], [-1]]
+
+
 def test_motions_of_a_sweep():
     summary = summary_of([1.0, 2.0, 3.0]).assign(event=("record", ["Kobe", "Maule", "Kobe"]))
     directions = xr.Dataset(

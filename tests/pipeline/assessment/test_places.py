@@ -7,6 +7,7 @@ import pytest
 
 import rockpulse as rp
 from rockpulse import models
+from rockpulse.assessment.places import floor_record
 from rockpulse.views.shared.facts import Known
 from rockpulse.views.text.details import block_details
 from rockpulse.views.text.overview import overview
@@ -207,3 +208,10 @@ def test_a_body_on_a_pedestal_is_assessed_alone_and_as_one_with_it():
         body("leaning", one_sided=True, pedestals=(part,))
     with pytest.raises(rp.ConfigError, match='two bodies have the name "statue with pedestal"'):
         rp.assess([RECORD], config(statue, body("statue with pedestal")))
+
+
+def test_a_floor_is_followed_until_it_oscillates_by_less_than_a_thousandth_of_an_uplift():
+    """Of a body of slenderness 10, which lifts at a tenth of gravity."""
+    found = floor_record(RECORD, (rp.FloorSettings(period=0.5, damping=0.01),))
+    assert found.duration > RECORD.duration + 1.0
+    assert np.abs(found.acceleration[-round(0.5 / found.dt) :]).max() < 2e-4 * 9.80665

@@ -220,6 +220,15 @@ def test_at_a_demand_the_probability_is_that_of_the_spectrum_at_its_factor():
     assert 0.0 < found["demand_probability"][0, 0] < 1.0
 
 
+@pytest.mark.parametrize(("times", "known"), [(0.249, False), (0.251, True), (3.99, True), (4.01, False)])
+@pytest.mark.parametrize("body", [WALL, CHEST], ids=["spectrum", "lanes"])
+def test_a_demand_from_which_the_record_is_far_has_no_probability(body, times, known):
+    demand = rp.DemandSettings(name="ULS", acceleration=times * record("one").pga)
+    found = told(record("one"), configured(body, demands=(demand,)))
+    assert_allclose(found["demand_factor"], times)
+    assert np.isfinite(found["demand_probability"]).all() == known
+
+
 def test_the_variables_of_the_spectrum_lie_at_its_frequency_parameters_and_are_nan_elsewhere():
     config = configured(WALL)
     one = assess_scene(prepare(record("one"), config), gather_bodies(config.blocks), config)

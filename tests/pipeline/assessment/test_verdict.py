@@ -281,3 +281,13 @@ def test_a_capacity_that_was_not_reached_names_how_far_it_was_searched():
     assert (found.margin.smallest, found.margin.limit) == (INF, 0.5)
     found = verdict(summary_of([INF, 40.0], outcomes=[Outcome.ROCKS] * 2, demand=5.0))
     assert (found.margin.limit, found.demands[0].margin.limit, found.demands[0].margin.median) == (10.0, 2.0, INF)
+
+
+def test_every_grade_has_a_word_of_its_own_from_best_to_worst():
+    assert [grade.word for grade in sorted(Grade)] == ["stays", "rocks", "may overturn", "not known", "overturns"]
+
+
+def test_no_motion_governs_a_body_that_all_leave_at_rest():
+    found = verdict(summary_of([NAN, NAN], outcomes=[Outcome.AT_REST] * 2))
+    assert (found.grade, found.governing) == (Grade.STAYS, -1)
+    assert verdict(summary_of([NAN, NAN], outcomes=[Outcome.AT_REST, Outcome.UNRESOLVED])).governing == 1

@@ -128,3 +128,11 @@ def test_the_last_number_of_a_header_is_read_and_none_beyond_it():
     assert [header.integer(number) for number in (1, 2, 3)] == [7, 8, None]
     assert [header.real(number) for number in (1, 2)] == [0.5, 1.5]
     assert np.isnan(header.real(3))
+
+
+def test_two_channels_of_one_direction_are_two(write):
+    one, other = (
+        cosmos(size * pulse(), number=number, component="Up", azimuth=400, place=place)
+        for size, number, place in ((1.0, 1, "Roof"), (2.0, 2, "Basement"))
+    )
+    assert [record.orientation for record in read(write(one + other))] == ["structural", "structural"]

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from rockpulse.config import settings as configuration
 from rockpulse.errors import ConfigError
-from rockpulse.record.conditioning import BASELINES, condition
+from rockpulse.record.conditioning import BASELINES, condition, quiet_length
 from rockpulse.record.half_wave import half_waves
 from rockpulse.record.intensity import pgv
 from rockpulse.record.record import Record
@@ -155,6 +155,11 @@ def test_pre_event_window_too_short_takes_the_mean_and_says_so():
     assert np.mean(conditioned.acceleration) == pytest.approx(0.0, abs=1e-13)
     assert "no pre-event window, the record is quiet for 0.3" in conditioned.processing[0]
     assert conditioned.processing[1].startswith("baseline: mean of all samples")
+
+
+@pytest.mark.parametrize(("samples", "length"), [([0.3] * 500, 4.99), ([0.0, 0.0, 0.0, 1.0, 0.0], 0.02)])
+def test_quiet_length_is_from_the_first_quiet_sample_to_the_last(samples, length):
+    assert quiet_length(record(np.array(samples))) == pytest.approx(length)
 
 
 def test_constant_record_is_quiet_throughout():

@@ -8,11 +8,12 @@ from datetime import UTC, datetime
 
 import numpy as np
 import pytest
+import scipy.constants
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from rockpulse.errors import RecordFormatError
-from rockpulse.record.record import Record, distinct_ids, id_matches, record_id
+from rockpulse.record.record import STANDARD_GRAVITY, Record, distinct_ids, id_matches, record_id
 
 START = datetime(2019, 7, 6, 3, 19, 53, tzinfo=UTC)
 
@@ -154,3 +155,7 @@ def test_what_a_file_says_cannot_break_out_of_the_card():
 
 def test_a_record_of_zeros_is_drawn():
     assert "<svg" in Record(acceleration=[0.0, 0.0], dt=0.01, id="a.1")._repr_html_()
+
+
+def test_gravity_is_the_standard_one():
+    assert scipy.constants.g == STANDARD_GRAVITY  # 3rd General Conference on Weights and Measures, 1901

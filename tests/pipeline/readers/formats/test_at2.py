@@ -10,6 +10,7 @@ from record_writers import at2, pulse
 
 from rockpulse.errors import RecordFormatError, UnitError
 from rockpulse.readers import read
+from rockpulse.readers.formats.at2 import is_at2
 from rockpulse.readers.source import NotAcceleration
 from rockpulse.record.record import STANDARD_GRAVITY
 
@@ -290,3 +291,16 @@ def test_words_behind_the_numbers_end_them(tmp_path):
     path.write_text(PEKNOLD + rows[:200] + "\nEnd\n")
     with pytest.raises(RecordFormatError, match="found 'End'"):
         read(path)
+
+
+@pytest.mark.parametrize(
+    ("header", "expected"),
+    [
+        (b"PEER\nEvent, Station\nACCELERATION IN UNITS OF G\nNPTS= 400, DT= .0100 SEC\n", True),
+        (b"PEER\nEvent, Sta\0tion\nACCELERATION IN UNITS OF G\nNPTS= 400, DT= .0100 SEC\n", False),
+        (b"PEER\nEvent, Station\nACCELERATION IN UNITS OF G\nNPTS= 400\n", False),
+    ],
+    ids=["both", "zero-byte", "count-alone"],
+)
+def test_count_and_interval_in_a_header_of_text_make_the_format(header, expected):
+    assert is_at2(header, "a.txt") is expected

@@ -86,6 +86,13 @@ def test_the_curve_of_a_measure_is_the_fit_of_factor_times_measure(tree):
     np.testing.assert_allclose(found["probability_high"], fit.probability(found["level"].values)[2])
 
 
+def test_the_levels_of_a_curve_reach_three_dispersions_beyond_the_medians_on_both_sides(tree):
+    found = tree["fragility"].to_dataset().sel(block="wall", measure="velocity_ratio")
+    median, beta, level = found["median"].values, found["beta"].values, found["level"].values
+    assert level[0] == pytest.approx(np.nanmin(median * np.exp(-3.0 * beta)), rel=1e-12)
+    assert level[-1] == pytest.approx(np.nanmax(median * np.exp(3.0 * beta)), rel=1e-12)
+
+
 def test_capacities_ascend_with_the_limit_state_and_uplift_is_exact(tree):
     factor = tree["capacities"]["factor"]
     assert bool((factor.diff("limit_state") > 0.0).all())

@@ -33,6 +33,12 @@ def test_every_measure_is_proportional_to_the_factor(name):
     np.testing.assert_allclose(three, 3.0 * one, rtol=1e-9)
 
 
+def test_bodies_are_put_together_in_measures_without_a_unit_only():
+    together = {name for name, measure in MEASURES.items() if measure.dimensionless}
+    assert {"velocity_ratio"} <= together
+    assert together.isdisjoint({"pga", "pgv"})
+
+
 def test_measures_against_their_definitions():
     motion = scene()
     value = dict(zip(MEASURES, record_measures(motion, BLOCKS, tuple(MEASURES)), strict=True))
