@@ -7,6 +7,7 @@ import pytest
 
 from rocking.block import STANDARD_GRAVITY, Block
 from rocking.block_limits import doubt_of_size
+from rocking.restraint import Tie
 
 G = 9.81
 
@@ -177,3 +178,28 @@ def test_warnings_are_logged_unless_that_is_declined(caplog):
         assert Block(width=600.0, height=1700.0, restitution=0.99, log=False).warnings == body.warnings
         assert Block.from_parameters(0.01, 0.2, 0.99, log=False).warnings != ()
     assert caplog.records == []
+
+
+def test_ties_are_attached_up_to_the_top_of_the_body():
+    size = {"width": 0.5, "height": 3.0, "mass": 2000.0}
+    assert Block(**size, ties=[Tie(3.0, 1e6)]).restraints.ties[0].height == 3.0
+    with pytest.raises(ValueError, match=r"expected heights up to that of the body, 3 m, got 3\.001 m"):
+        Block(**size, ties=[Tie(3.001, 1e6)])
+
+
+def test_every_lane_of_a_body_has_its_ties():
+    size = {"height": 3.0, "mass": 2000.0, "ties": [Tie(3.0, 1e6)]}
+    many = Block(width=np.array([0.5, 0.6]), **size)
+    assert [own.ties for own in many.restraints] == [Block(width=0.5, **size).restraints.ties] * 2
+
+
+def test_a_leaning_body_has_the_inertia_of_the_upright_one_about_its_centre():
+    """I about a corner is m (R_1^2 + r^2), r^2 = (b^2 + h^2)/3 of a rectangle, however it leans."""
+    lean = 0.05
+    body = Block(width=0.5, height=3.0, lean=lean, gravity=9.81)
+    near, rise = 0.25 - 1.5 * np.sin(lean), 1.5 * np.cos(lean)
+    gyration = (0.25**2 + 1.5**2) / 3.0
+    for p, alpha, base in ((body.p, body.alpha_c, near), (body.p_2, body.alpha_2, 0.5 - near)):
+        radius = np.hypot(base, rise)
+        assert alpha == pytest.approx(np.arctan2(base, rise), rel=1e-12)
+        assert p == pytest.approx(np.sqrt(9.81 * radius / (radius**2 + gyration)), rel=1e-12)

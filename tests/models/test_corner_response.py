@@ -249,6 +249,21 @@ def test_static_capacity_is_that_of_the_weight_and_of_the_tie():
     assert more == pytest.approx(expected)
 
 
+@pytest.mark.parametrize("distance", [0.0, 0.5])
+def test_static_capacity_of_an_elastic_tie_is_the_slope_of_its_energy(distance):
+    tied = Block(width=0.5, height=3.0, mass=2000.0, ties=[Tie(2.5, 1e6, distance=distance)])
+    angles = np.linspace(0.05, 0.3, 6)
+
+    def energy(angle):
+        """Of a point 2.5 m above the base and `distance` behind the corner, which the tie holds from where it was."""
+        out = -distance * np.cos(angle) + 2.5 * np.sin(angle) + distance
+        return 0.5e6 * out**2
+
+    slope = (energy(angles + 1e-6) - energy(angles - 1e-6)) / 2e-6
+    more = static_capacity(tied, angles) - static_capacity(Block(width=0.5, height=3.0), angles)
+    assert more == pytest.approx(slope / (2000.0 * tied.radius) / np.cos(tied.alpha_c - angles), rel=1e-6)
+
+
 def test_static_capacity_is_that_of_the_corner_on_the_side():
     body = Block.from_corners(0.2, 0.35, 1.1, 0.6)
     for side, base in ((1, 0.2), (-1, 0.35)):

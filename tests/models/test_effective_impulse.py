@@ -201,6 +201,8 @@ def test_record_of_zeros_leaves_the_block_at_rest():
         ([1.0, 2.0], {"longest": np.nan}, "longest"),
         ([1.0, 2.0], {"boundaries": [0.005, 0.005]}, "boundaries: .*increasing"),
         ([1.0, 2.0], {"boundaries": [0.0, 0.02]}, "boundaries: .*between 0 and 0.01"),
+        ([1.0, 2.0], {"boundaries": [0.0, 0.002, 0.02]}, "boundaries: .*between 0 and 0.01"),
+        ([1.0, 2.0], {"boundaries": [-0.001, 0.002]}, "boundaries: .*between 0 and 0.01"),
         ([1.0, 2.0], {"threads": 0}, "threads"),
     ],
 )

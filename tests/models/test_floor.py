@@ -69,3 +69,8 @@ def test_the_floor_is_followed_until_it_is_quiet(strength):
 def test_wrong_modes_are_refused(given, words):
     with pytest.raises(ValueError, match=words):
         floor_motion(np.ones(10), 0.01, **given)
+
+
+def test_the_interval_of_the_record_is_one_number():
+    with pytest.raises(ValueError, match="dt: expected a positive number in s"):
+        floor_motion(np.ones(10), [0.01, 0.02], 0.4)

@@ -4,6 +4,8 @@ import numpy as np
 import pytest
 from scipy.special import ndtr
 
+from rocking.block import Block
+from rocking.lane_march import LaneMarch
 from rocking.lane_probability import lane_bells, lane_probability, lane_sums, tail_masses
 from rocking.uncertainty import Uncertainty
 
@@ -66,3 +68,17 @@ def test_no_lane_near_a_level():
     lanes = np.array([-8.0, 8.0])
     found = estimate(lanes, np.full(2, 1.0), np.array([False, True]), -9.0, 9.0, NORMAL)
     assert np.array_equal(found, np.zeros(LEVELS.size))
+
+
+def test_the_draws_of_lanes_do_not_go_with_their_factors(monkeypatch):
+    """A lane's factor, restitution and loss of angle are three columns of one net: none tells another."""
+    drawn = []
+    varied = Block.varied
+    monkeypatch.setattr(Block, "varied", lambda self, *own: drawn.append(own) or varied(self, *own))
+    body = Block(width=np.array([0.5]), height=np.array([3.0]))
+    low, high = np.array([0.6]), np.array([0.9])
+    march = LaneMarch(body, np.array([0.0, 0.1, 0.0]), 0.01, None, Uncertainty(), low, high, 1, 1)
+    march.evenly(np.array([0]), np.array([-1.0]), np.array([1.0]), 256, 0)
+    ((loss, restitution),) = drawn
+    told = np.corrcoef([march.parts[0].log_factor[0], loss, restitution])
+    assert np.abs(told[~np.eye(3, dtype=bool)]).max() < 0.1

@@ -56,3 +56,13 @@ def test_impacts_ask_for_the_stated_ratio():
     assert impact_friction(pier) == pytest.approx(0.09, abs=5e-3)
     assert impact_friction(pier, 0.9 * pier.restitution) == pytest.approx(0.51, abs=5e-3)
     assert math.isclose(impact_friction(Block.from_corners(0.2, 0.3, 1.0, 0.6), 1.0), 0.0)
+
+
+@pytest.mark.parametrize("lift", [-2.0, 3.0])
+def test_a_steady_vertical_acceleration_is_gravity(lift):
+    motion = synthetic(seed=2, n=3000, dt=0.005, peak=3.0)
+    size = {"width": 0.5, "height": 2.5, "restitution": 0.9}
+    found = sliding_demand(Block(**size), motion, 0.005, friction=0.2, vertical=np.full(motion.size, lift))
+    heavier = sliding_demand(Block(**size, gravity=Block(**size).gravity + lift), motion, 0.005, friction=0.2)
+    assert found.required == pytest.approx(heavier.required, rel=1e-3)
+    assert found.share == pytest.approx(heavier.share, abs=5e-3)

@@ -116,3 +116,10 @@ def test_a_wall_lets_only_the_motions_away_from_it_lift_a_block():
         spectrum_lanes(-push, DT, P, side=-1)
     one, other = spectrum_lanes(-push, DT, P, side=1), spectrum_lanes(push, DT, P, side=-1)
     np.testing.assert_array_equal(one.log_x, other.log_x)
+
+
+@pytest.mark.parametrize(("side", "least", "most"), [(0, 0.675, 0.999), (1, 0.25, 0.55)])
+def test_lanes_cover_the_restitutions_of_free_blocks_and_the_rebounds_before_a_wall(side, least, most):
+    found = spectrum_lanes(MOTION, DT, P, side=side).restitution
+    assert least <= found.min() < least + 0.01
+    assert most - 0.01 < found.max() <= most

@@ -45,6 +45,13 @@ def test_the_least_factor_over_direction_and_the_row_that_has_it():
     assert found[1].tolist() == [[1], [2], [-1]]
 
 
+@pytest.mark.parametrize("count", [1, 2])
+def test_answers_to_given_sequences_are_of_no_records(count):
+    summary = summary_of([2.0] * count).assign(event=("record", ["given"] * count))
+    for npts, kind in ((-1, "sequence"), (400, "record")):
+        assert Answers(summary.assign(npts=("record", [npts] * count))).motions.kind == kind
+
+
 def test_motions_of_a_sweep():
     summary = summary_of([1.0, 2.0, 3.0]).assign(event=("record", ["Kobe", "Maule", "Kobe"]))
     directions = xr.Dataset(

@@ -5,7 +5,8 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from rockpulse.calibration.response_profile import flat_ends
+from rockpulse.calibration.response_posterior import Posterior
+from rockpulse.calibration.response_profile import correlations, flat_ends
 
 LOW, HIGH = np.array([0.1, 0.0, 0.2, 1.0]), np.array([1.0, 1.0, 2.0, 20.0])
 MIDDLE = np.array([0.5, 0.5, 1.0, 6.0])
@@ -26,3 +27,13 @@ def test_likely_values_at_a_limit_of_the_search_reach_it(column, name, inside):
         )
         expected = dict.fromkeys(("ratio", "interval", "main_count"), (False, False)) | {name: (low, high)}
         assert flat_ends(explored, 3.0) == expected
+
+
+def test_a_parameter_that_is_known_goes_with_no_other():
+    space = SimpleNamespace(spacing="end", main=lambda points: np.exp(points[:, 0]))
+    points = np.array([[-1.0, 0.5, 0.1, 3.0], [0.0, 0.5, 0.2, 3.0], [1.0, 0.5, 0.3, 3.0]])
+    found = correlations(space, Posterior(points, np.full(3, 1.0 / 3.0)))
+    assert found["main", "interval"] == pytest.approx(1.0)
+    others = {pair: value for pair, value in found.items() if pair != ("main", "interval")}
+    assert len(others) == 5
+    assert set(others.values()) == {0.0}

@@ -12,6 +12,7 @@ from record_writers.columns import columns, wrapped
 
 from rockpulse.errors import RecordFormatError, RockpulseError, UnitError
 from rockpulse.readers import read
+from rockpulse.readers.column_headings import Heading, _are_headings
 from rockpulse.readers.format import ReadOptions
 from rockpulse.readers.formats.columns import is_columns, read_columns
 from rockpulse.readers.header_words import stated_counts, stated_kinds, stated_steps, stated_units
@@ -389,3 +390,18 @@ def test_numbers_up_to_360_are_headings_that_name_directions(write, words, count
     table = columns(np.column_stack([TIMES, VALUES, VALUES[::-1]])).decode()
     records = read(write(f"{words}\n{table}".encode()), units="g")
     assert sum(record.orientation == "horizontal" for record in records) == count
+
+
+def test_words_that_say_nothing_are_headings_where_each_stands_alone():
+    one, two = Heading("alpha"), Heading("beta")
+    assert _are_headings([one, two], own=True)
+    assert not _are_headings([Heading("the first"), two], own=True)
+
+
+def test_a_column_without_a_heading_in_front_of_tabs_keeps_its_place(write):
+    table = np.column_stack([np.arange(COUNT), TIMES, VALUES])
+    (record,) = read(write(columns(table, "\tTime [s]\tAcc [m/s2]\n", "\t", field="{:.9g}")), units="m/s2")
+    assert record.acceleration == pytest.approx(VALUES)
+    assert record.dt == pytest.approx(STEP)
+    (record,) = read(write(columns(PAIR, "# Time [s], Acc [m/s2] #\n", ",")), units="m/s2")
+    assert record.acceleration == pytest.approx(VALUES)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import re
 import threading
 import warnings
@@ -13,7 +14,7 @@ from record_writers import pulse
 
 from rockpulse.errors import RecordFormatError, RecordRefused, UnitError
 from rockpulse.readers import read
-from rockpulse.readers.obspy_bridge import obspy_notes
+from rockpulse.readers.obspy_bridge import _standard_error, obspy_notes
 from rockpulse.readers.source import NotAcceleration
 from rockpulse.record.record import STANDARD_GRAVITY
 
@@ -245,6 +246,14 @@ def test_a_velocity_channel_becomes_acceleration_only_where_asked_for(tmp_path):
     expected = np.gradient(COUNTS / 2.0e5, 0.01)
     assert record.acceleration[20:-20] == pytest.approx(expected[20:-20], abs=0.02 * np.max(np.abs(expected)))
     assert any("a sensor of velocity" in warning for warning in record.warnings)
+
+
+def test_what_is_printed_meanwhile_is_taken_and_what_comes_after_it_is_not(capfd):
+    with _standard_error(wanted=True) as lines:
+        os.write(2, b"a word of the library\n")
+    os.write(2, b"a word of ours\n")
+    assert lines == ["a word of the library"]
+    assert capfd.readouterr().err == "a word of ours\n"
 
 
 def test_a_gap_is_refused(tmp_path):

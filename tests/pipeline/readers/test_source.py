@@ -112,6 +112,14 @@ def test_a_gzip_bomb_is_refused_before_it_is_unpacked(tmp_path, kind):
         read(tmp_path / "bomb.AT2.gz" if kind == "path" else io.BytesIO(bomb))
 
 
+def test_what_is_compressed_as_many_times_as_the_limit_says_is_read():
+    packed = io.BytesIO(gzip.compress(bytes(2 * source.RATIO_LIMIT)))
+    assert source._unpack("a.gz", packed, 2, 10**9) == bytes(2 * source.RATIO_LIMIT)
+    packed = io.BytesIO(gzip.compress(bytes(2 * source.RATIO_LIMIT + 1)))
+    with pytest.raises(RecordRefused, match="compressed more than"):
+        source._unpack("a.gz", packed, 2, 10**9)
+
+
 def test_a_zip_archive_given_to_read_points_to_what_reads_it(tmp_path):
     with zipfile.ZipFile(tmp_path / "a.zip", "w") as target:
         target.writestr("a.AT2", ONE)

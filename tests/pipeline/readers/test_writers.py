@@ -14,7 +14,7 @@ from record_writers import pulse
 from rockpulse.errors import RecordRefused
 from rockpulse.readers import read
 from rockpulse.readers.conversion import write
-from rockpulse.readers.writers import _channel_codes, at2_bytes, csv_bytes, miniseed_bytes, seed_codes
+from rockpulse.readers.writers import _channel_codes, _station_channel, at2_bytes, csv_bytes, miniseed_bytes, seed_codes
 from rockpulse.record.record import STANDARD_GRAVITY, Record
 
 START = datetime(2019, 7, 6, 3, 16, 8, 500001, tzinfo=UTC)
@@ -117,6 +117,14 @@ def test_at2_gives_back_event_date_station_and_direction(tmp_path, record):
     )
     unnamed = come_back(tmp_path, replace(record, event="", station_name=""), "d.AT2")
     assert (unnamed.event, unnamed.station_name) == ("", "CI.CLC")
+
+
+def test_the_station_metadata_has_the_angles_of_seed(record):
+    vertical = replace(record, orientation="vertical", azimuth=float("nan"), component="Up", channel="Up")
+    unknown = replace(record, orientation="unknown", azimuth=float("nan"), component="3", channel="3")
+    found = [_station_channel(one, "", "HNZ") for one in (vertical, record, unknown)]
+    assert [one.azimuth for one in found] == [0.0, record.azimuth, None]
+    assert [one.dip for one in found] == [-90.0, 0.0, None]
 
 
 @pytest.mark.parametrize("name", ["a.AT2", "a.csv", "a.mseed"])

@@ -166,6 +166,18 @@ def test_record_of_zeros_is_refused(method):
         intense_phase(record(np.zeros(100)), method)
 
 
+@pytest.mark.parametrize("period", [0.3, 0.5, 1.1])
+def test_spectral_acceleration_ends_with_the_record(period):
+    """A ramp that ends at its highest: against the exact answer to it at 5 % damping."""
+    ramp = record(np.arange(20.0), 0.1)
+    rate, times = 2.0 * np.pi / period, np.linspace(0.0, 1.9, 4001)
+    damped = rate * np.sqrt(1.0 - 0.05**2)
+    decay = np.exp(-0.05 * rate * times)
+    swing = decay * (0.1 / rate * np.cos(damped * times) - (1.0 - 2.0 * 0.05**2) / damped * np.sin(damped * times))
+    expected = np.abs(10.0 * (times - 0.1 / rate + swing)).max()
+    assert spectral_acceleration(ramp, period) == pytest.approx(expected, rel=5e-3)
+
+
 def test_window_is_as_given():
     assert intense_phase(sine(1.0, 60), "window", start_s=3.0, end_s=11.5) == IntensePhase(3.0, 11.5)
 

@@ -299,8 +299,16 @@ def test_words_behind_the_numbers_end_them(tmp_path):
         (b"PEER\nEvent, Station\nACCELERATION IN UNITS OF G\nNPTS= 400, DT= .0100 SEC\n", True),
         (b"PEER\nEvent, Sta\0tion\nACCELERATION IN UNITS OF G\nNPTS= 400, DT= .0100 SEC\n", False),
         (b"PEER\nEvent, Station\nACCELERATION IN UNITS OF G\nNPTS= 400\n", False),
+        (b"PEER\nEvent, Station\nACCELERATION TIME HISTORY IN UNITS OF G\n400 .0100\n", True),
+        (b"Event, Station\n400 .0100\n0.1\n0.2\n", False),
     ],
-    ids=["both", "zero-byte", "count-alone"],
+    ids=["both", "zero-byte", "count-alone", "bare", "bare-without-series"],
 )
 def test_count_and_interval_in_a_header_of_text_make_the_format(header, expected):
     assert is_at2(header, "a.txt") is expected
+
+
+def test_a_header_that_no_sample_follows_is_a_truncation(write):
+    content = at2(pulse())
+    with pytest.raises(RecordFormatError, match=r"expected 400 .*found 0"):
+        read(write(content[: content.index(b"NPTS") + content[content.index(b"NPTS") :].index(b"\n") + 1]))

@@ -215,6 +215,8 @@ def test_down_becomes_up(write):
         (10, "", True),
         (10, "Free field", False),
         (5, "", True),
+        *((site, "", True) for site in (11, 12, 13, 15, 20)),
+        *((site, "", False) for site in (1, 2, 3, 7, 8)),
         (11, "Deck, east span", True),
         (4, "Basement NW corner", True),
         (4, "Courtyard", False),

@@ -34,6 +34,18 @@ def test_sac_with_a_unit(tmp_path):
     assert record.id == "XX.ABC.00.HNE@20200102T030405"
 
 
+def test_the_peak_and_the_times_that_a_header_states_are_held_against_the_samples(tmp_path):
+    path = write_sac(tmp_path, b=10.0)
+    (record,) = read(path, units="cm/s2")
+    assert record.header_peak == pytest.approx(record.pga, rel=1e-6)
+    assert record.warnings == ()
+    content = bytearray(path.read_bytes())
+    content[20:24] = struct.pack("<f", 15.0)  # B
+    path.write_bytes(content)
+    (record,) = read(path, units="cm/s2")
+    assert "1000 samples at 0.01 s from 15 s (B) end at 24.99 s" in record.warnings[0]
+
+
 def test_sac_without_a_unit_asks_for_it(tmp_path):
     with pytest.raises(UnitError, match="does not state the unit of acceleration"):
         read(write_sac(tmp_path))

@@ -88,6 +88,15 @@ def test_direction_from_the_wording_else_from_the_integers(write, arguments, ori
     assert record.azimuth == pytest.approx(azimuth, nan_ok=True)
 
 
+@pytest.mark.parametrize(
+    ("number", "message"),
+    [(16, r"test.smc:28: expected 8 fields of 10 characters"), (17, "expected a positive number of numbers .*found 0")],
+)
+def test_a_header_without_a_number_of_comments_or_of_values_is_damaged(write, number, message):
+    with pytest.raises(RecordFormatError, match=message):
+        read(write(smc(pulse(), codes={number: -32768})))
+
+
 def test_a_time_without_milliseconds_is_the_minute_of_the_earthquake_not_of_the_record(write):
     (record,) = read(write(smc(pulse(), moment=(1987, 274, 14, 42, 0, -32768))))
     assert record.start_time is None

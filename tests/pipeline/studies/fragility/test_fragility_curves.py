@@ -15,6 +15,8 @@ from rockpulse import FragilitySettings
 from rockpulse.assessment.scene import prepare
 from rockpulse.config.configuration import Config, SearchSettings
 from rockpulse.errors import ConfigError
+from rockpulse.record.components import Pair
+from rockpulse.record.rotation import rotate
 from rockpulse.studies.fragility.limit_states import limit_state_names, reached_at, scale_capacities
 
 BLOCKS = {"wall": Block(half_width=0.3, half_height=1.5), "pier": Block(half_width=0.5, half_height=1.9365)}
@@ -91,6 +93,18 @@ def test_the_levels_of_a_curve_reach_three_dispersions_beyond_the_medians_on_bot
     median, beta, level = found["median"].values, found["beta"].values, found["level"].values
     assert level[0] == pytest.approx(np.nanmin(median * np.exp(-3.0 * beta)), rel=1e-12)
     assert level[-1] == pytest.approx(np.nanmax(median * np.exp(3.0 * beta)), rel=1e-12)
+
+
+def test_a_body_in_a_direction_of_its_own_is_shaken_in_it():
+    pair = [
+        replace(pulse(number, "Kobe"), id=f"S.{name}", network="N", station="S", channel=name, azimuth=azimuth)
+        for number, (name, azimuth) in enumerate([("HNE", 90.0), ("HNN", 0.0)])
+    ]
+    own = {"others": {}, "own": {"azimuth": 30.0}}
+    blocks = tuple(rp.BlockSettings(name=name, width=0.6, height=3.0, **known) for name, known in own.items())
+    config = replace(options(), blocks=blocks, records=rp.RecordSettings(components="azimuth", azimuth=75.0))
+    found = rp.fragility_curves(pair, config)["capacities"]["measure_value"].sel(measure="pga").isel(record=0)
+    assert found.values.tolist() == pytest.approx([rotate(Pair(*pair), azimuth).pga for azimuth in (75.0, 30.0)])
 
 
 def test_capacities_ascend_with_the_limit_state_and_uplift_is_exact(tree):
