@@ -9,6 +9,8 @@ from scipy.special import ndtr
 from rocking import Block, Outcome, critical_scale, overturning_probability, recorded_response
 from rocking.capacity import uplift_scale
 from rocking.lane_factors import LEVEL_STEP
+from rocking.lane_march import LaneMarch
+from rocking.probability_lanes import probability_lanes
 from rocking.uncertainty import Uncertainty
 
 DT = 0.01
@@ -222,3 +224,13 @@ def test_intervals_hold_their_value():
 def test_an_argument_out_of_range_is_named(change, named):
     with pytest.raises(ValueError, match=named):
         overturning_probability(WALL, PULSE, DT, **change)
+
+
+@pytest.mark.parametrize(("share", "expected"), [(0.5, True), (0.9, True), (10.0, False)])
+def test_the_lanes_of_a_body_that_stands_at_the_largest_factor_are_open(one_edge, share, expected):
+    body = Block(np.array([0.3]), np.array([1.2]))
+    ends = np.array([1.0])
+    march = LaneMarch(body, PULSE, DT, None, FACTOR_ONLY, ends, ends, 1, 1)
+    _, (found,) = probability_lanes(march, float(np.log(share * one_edge)))
+    assert found.open == expected
+    assert found.over.any() != expected

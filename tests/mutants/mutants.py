@@ -1,9 +1,10 @@
 """The mutants of a module: its text with one operator or constant changed, by the operators of cosmic-ray.
 
 What no test of behaviour can see is left out: texts of messages (formatted strings, ``raise`` statements, calls of the
-logger), annotations and what stands under TYPE_CHECKING, decorators, the guard ``strict`` of ``zip``, small pictures
-of objects and the words beside them (``_picture``, ``_facts``). So are functions under njit, and all that stands
-outside of functions in their files: numba compiles it into kernels that it finds again in its cache.
+logger), annotations and what stands under TYPE_CHECKING, decorators, the star behind which options have to be named,
+the guard ``strict`` of ``zip``, small pictures of objects and the words beside them (``_picture``, ``_facts``). So are
+functions under njit, and all that stands outside of functions in their files: numba compiles it into kernels that it
+finds again in its cache.
 """
 
 from __future__ import annotations
@@ -94,6 +95,8 @@ def mutants_of(module: str) -> Iterator[Mutant]:
 def _unseen(node, kernels: bool) -> bool:
     """Whether a change of a node is one that is left out."""
     if node.type == "if_stmt" and node.children[1].get_code().strip() == "TYPE_CHECKING":
+        return True
+    if node.type == "operator" and node.parent.type in ("parameters", "typedargslist"):
         return True
     function, child = None, node
     while (parent := child.parent) is not None:

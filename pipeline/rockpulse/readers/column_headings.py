@@ -93,7 +93,10 @@ def _splits(line: str, layout: Layout) -> Iterator[tuple[list[str], bool]]:
         if delimiter in text:
             pieces = text.split('"')
             pieces[1::2] = [piece.replace(delimiter, " ") for piece in pieces[1::2]]
-            yield split_row("".join(pieces), delimiter), delimiter == (layout.delimiter or "\t")
+            fields, own = split_row("".join(pieces), delimiter), delimiter == (layout.delimiter or "\t")
+            yield fields, own
+            if text.startswith("\t"):  # a column of row numbers may have no heading, unless all rows begin with a tab
+                yield ["", *fields], own
     words = text.split()
     if layout.width == 1:
         yield [text], len(words) == 1

@@ -48,6 +48,14 @@ def test_no_ratio_is_searched_at_which_the_block_would_touch_the_ground():
         assert not np.any(sequence_response(block_family(), sequence, table_rows=0, threads=1).ground_contact)
 
 
+def test_the_likely_region_is_filled_with_candidates():
+    data = targets(ImpulseSequence(0.3, 0.18, 0.2, np.inf, main_count=3))
+    explored = explore(data, search_space(data, None, "end"), None, 10.0, np.random.default_rng(0), threads=1)
+    deviance = 2.0 * (explored.likelihood.max() - explored.likelihood)
+    assert np.count_nonzero(deviance <= 10.0) > 500
+    assert np.count_nonzero(deviance <= 3.0) > 200
+
+
 @pytest.mark.sweep
 def test_every_candidate_is_inside_the_limits_and_the_start_is_the_first():
     given = ImpulseSequence(0.3, 0.18, 0.2, np.inf, main_count=3)

@@ -399,8 +399,8 @@ def test_words_that_say_nothing_are_headings_where_each_stands_alone():
 
 
 def test_a_column_without_a_heading_in_front_of_tabs_keeps_its_place(write):
-    table = np.column_stack([np.arange(COUNT), TIMES, VALUES])
-    (record,) = read(write(columns(table, "\tTime [s]\tAcc [m/s2]\n", "\t", field="{:.9g}")), units="m/s2")
+    table = np.column_stack([np.arange(COUNT), 1e3 * TIMES, VALUES])
+    (record,) = read(write(columns(table, "\tTime [ms]\tAcc [m/s2]\n", "\t", field="{:.9g}")), units="m/s2")
     assert record.acceleration == pytest.approx(VALUES)
     assert record.dt == pytest.approx(STEP)
     (record,) = read(write(columns(PAIR, "# Time [s], Acc [m/s2] #\n", ",")), units="m/s2")

@@ -158,6 +158,8 @@ def test_the_reals_of_a_channel():
     ]
     assert [real(BEHIND, number) for number in (12, 16, 17)] == ["", "", ""]  # unknown, zero, not there
     assert real(["words", *BEHIND], 8) == " 39.410000"
+    for damaged in ("         .", "        -.", " 3x.410000", "   39 .410"):
+        assert real([row.replace(" 39.410000", damaged) for row in BEHIND], 8) == ""
     assert real([], 3) == real(BEHIND[:7], 3) == ""
 
 

@@ -101,6 +101,8 @@ def test_a_time_without_milliseconds_is_the_minute_of_the_earthquake_not_of_the_
     (record,) = read(write(smc(pulse(), moment=(1987, 274, 14, 42, 0, -32768))))
     assert record.start_time is None
     assert record.id == "test.360"
+    (record,) = read(write(smc(pulse(), component="", moment=(1987, 274, 14, 42, 0, -32768))))
+    assert record.id == "test.1"
 
 
 @pytest.mark.parametrize(
