@@ -51,6 +51,16 @@ def test_a_hole_of_half_a_step_more_is_a_gap_too(length):
     assert long_step(np.round(times, 7)) == 0
 
 
+@pytest.mark.parametrize(
+    ("begin", "step", "count", "at", "length"),
+    [(9e-4, 0.0083, 43, 27, 5), (8e-4, 0.0123, 45, 14, 1), (6e-4, 0.0123, 22, 21, 8)],
+)
+def test_a_gap_in_coarsely_printed_times_has_the_rounding_of_its_ends(begin, step, count, at, length):
+    times = begin + step * np.arange(count)
+    times[at:] += length * step
+    assert long_step(np.round(times, 3)) == at - 1
+
+
 def test_a_trace_that_wanders_has_long_steps_but_no_gap():
     steps = np.random.default_rng(5).uniform(0.003, 0.007, 500)
     steps[[100, 300]] = 0.010

@@ -194,9 +194,16 @@ def test_a_file_that_was_tampered_with_is_an_error_in_words(verb, sound, place):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("verb", "count"), [("assess", 300), ("fragility", 120), ("calibrate", 80)])
-def test_five_hundred_files_that_were_tampered_with(verb, count, sound, place):
-    tried(sound(verb), KINDS[verb], range(1000, 1000 + count), place, each=len(KINDS[verb]))
+@pytest.mark.parametrize(
+    ("verb", "first", "last"),
+    [
+        *(("assess", first, first + 50) for first in range(1000, 1300, 50)),
+        ("fragility", 1000, 1120),
+        ("calibrate", 1000, 1080),
+    ],
+)
+def test_five_hundred_files_that_were_tampered_with(verb, first, last, sound, place):
+    tried(sound(verb), KINDS[verb], range(first, last), place, each=len(KINDS[verb]))
 
 
 @pytest.fixture
