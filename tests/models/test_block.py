@@ -90,6 +90,13 @@ def test_one_pair_of_sizes_is_expected(sizes, found):
         Block(**sizes)
 
 
+def test_mass_is_that_of_the_full_size_or_the_one_given():
+    size = {"width": 0.5, "height": 3.0}
+    assert Block(**size, density=1800.0, length=2.0).mass == pytest.approx(0.5 * 3.0 * 2.0 * 1800.0)
+    assert Block(**size, mass=700.0).mass == 700.0
+    assert np.isnan(Block(**size).mass)
+
+
 def test_bad_full_size_is_named():
     with pytest.raises(ValueError, match=r"^height: expected a positive"):
         Block(width=0.6, height=0.0)

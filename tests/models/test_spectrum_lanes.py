@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from rocking import Block, Outcome, OverturningSpectrum, recorded_response, spectrum_lanes
-from rocking.spectrum_lanes import FIRST, LEAST_RESTITUTION, MOST_RESTITUTION, RATES, SECOND, neighbours
+from rocking.spectrum_lanes import FIRST, LEAST_RESTITUTION, MOST_RESTITUTION, RATES, SECOND, _filled, neighbours
 from rockpulse.record.synthetic import synthetic_motion
 
 DT = 0.01
@@ -123,3 +123,12 @@ def test_lanes_cover_the_restitutions_of_free_blocks_and_the_rebounds_before_a_w
     found = spectrum_lanes(MOTION, DT, P, side=side).restitution
     assert least <= found.min() < least + 0.01
     assert most - 0.01 < found.max() <= most
+
+
+def test_lanes_are_laid_higher_where_the_last_ones_still_stand():
+    """Blocks that overturn from ln x = 1.2 on, above where the lanes were to end."""
+    found = _filled(
+        np.array([2.0]), np.zeros(1), np.full(1, 0.5), lambda log_x, _: np.where(log_x > 1.2, np.inf, 0.5), (0.7, 0.9)
+    )
+    assert found.top[0] > 1.2
+    assert np.max(found.log_x) > 1.2

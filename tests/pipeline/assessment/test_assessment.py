@@ -1,5 +1,6 @@
 """From records and bodies to the tree."""
 
+from dataclasses import replace
 from datetime import UTC, datetime, timedelta
 
 import numpy as np
@@ -329,3 +330,6 @@ def test_a_sequence_is_matched_to_the_record_only_where_a_model_takes_it():
     scene = prepare(Record(np.sin(0.1 * np.arange(800)), dt=0.01, id="x", processed=True), config)
     assert scene.sequence is not None
     assert matched(scene, config) is scene
+    config = replace(config, models=ModelSettings(use=("sequence",)))
+    without = replace(scene, models=config.models, sequence=None)
+    assert matched(without, config) is without

@@ -73,6 +73,8 @@ def test_margins_are_those_of_the_answers(tree):
 def test_a_demand_that_is_not_there_is_told(tree):
     with pytest.raises(ResultsError, match=r"no demand 'SLX'; did you mean \"SLV\"|no demand 'SLX'"):
         tree.rockpulse.margin("SLX")
+    with pytest.raises(ResultsError, match=r"no demand 'earthquake'.*there are: SLV"):
+        tree.rockpulse.margin("earthquake")
 
 
 def test_a_body_with_several_restitutions_has_a_row_for_each():

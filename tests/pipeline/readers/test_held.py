@@ -117,6 +117,8 @@ def test_the_integers_of_a_channel():
         ("0 Deg", 0, "horizontal", 0.0),
         ("Up", 500, "vertical", np.nan),
         ("Down", 600, "vertical", np.nan),
+        ("?", 500, "vertical", np.nan),
+        ("?", 600, "vertical", np.nan),
         ("Up", 600, "unknown", np.nan),
         ("Up", 90, "unknown", np.nan),
         ("H1", 45, "horizontal", 45.0),

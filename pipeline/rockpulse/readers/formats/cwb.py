@@ -186,11 +186,7 @@ def _moment(entry: _Entry) -> datetime | None:
 def _peak(header: dict[str, _Entry], letter: str) -> tuple[float, float]:
     """Largest absolute value that the header states for a channel, and half a unit of its last digit [file unit]."""
     stated = _PEAK.fullmatch(header.get(f"amplitudemax{letter.lower()}", _Entry()).value)
-    return (
-        max((printed_number(text.lstrip("-")) for text in stated.groups()), default=(0, 0))
-        if stated
-        else (math.nan, 0.0)
-    )
+    return max(printed_number(text.lstrip("-")) for text in stated.groups()) if stated else (math.nan, 0.0)
 
 
 def _facing(letter: str, sign: str) -> Direction:
