@@ -326,7 +326,7 @@ def test_every_variable_has_a_unit_and_a_long_name(tree):
 
 
 def test_a_sequence_is_matched_to_the_record_only_where_a_model_takes_it():
-    config = Config(models=ModelSettings(use=("nonlinear",)), sequence=SequenceSettings(method="response"))
+    config = replace(Config(models=ModelSettings(use=("nonlinear",))), sequence=SequenceSettings(method="response"))
     scene = prepare(Record(np.sin(0.1 * np.arange(800)), dt=0.01, id="x", processed=True), config)
     assert scene.sequence is not None
     assert matched(scene, config) is scene
