@@ -23,8 +23,9 @@ Result = TypeVar("Result")
 #: An address of a dask scheduler.
 ADDRESS = re.compile(r"[a-z]+://\S+:\d+|inproc://\S+")
 
-#: Items handed out per worker: one in work, one waiting, so that nobody is idle while the parent writes.
-AHEAD = 2
+#: Items handed out per worker: one in work, one waiting, so that nobody is idle while the parent writes; and on a
+#: cluster, where an item and its result take longer on their way than a short record takes in work.
+AHEAD, AHEAD_ON_CLUSTER = 2, 8
 
 
 @dataclass(frozen=True)
@@ -54,8 +55,10 @@ class Crew:
         deaths: tuple[type[Exception], ...] = (),
         tries: int = 1,
         owned: bool = True,
+        ahead: int = AHEAD,
     ) -> None:
         self._executor, self._size, self._deaths, self._tries, self._owned = executor, size, deaths, tries, owned
+        self._ahead = ahead
         self._handed_out: set[Future[Any]] = set()
 
     @classmethod
@@ -86,7 +89,7 @@ class Crew:
         from rockpulse.batch.cluster import Cluster
 
         cluster = Cluster(address, timeout)
-        return cls(cluster, cluster.size, deaths=cluster.deaths)
+        return cls(cluster, cluster.size, deaths=cluster.deaths, ahead=AHEAD_ON_CLUSTER)
 
     @classmethod
     def through(cls, executor: Executor, size: int | None = None) -> Crew:
@@ -118,9 +121,10 @@ class Crew:
     ) -> Iterator[tuple[Item, Result | WorkerLost]]:
         """Have the function called with every item: pairs of the item and its result, in order of completion.
 
-        The function is pickled, so it stands at the top level of a module (or is a ``functools.partial`` of such).
-        About two items a worker are taken ahead of the results. The result is a :class:`WorkerLost` where the worker
-        died of the item, and died again when it was tried a second time, after all others and alone.
+        The function is pickled, so it stands at the top level of a module (or is a ``functools.partial`` of such). A
+        few items a worker, two or on a cluster eight, are taken ahead of the results. The result is a
+        :class:`WorkerLost` where the worker died of the item, and died again when it was tried a second time, after all
+        others and alone.
 
         Raises
         ------
@@ -136,7 +140,7 @@ class Crew:
         running: dict[Future[Result], Item] = {}
         try:
             while True:
-                for item in islice(waiting, max(AHEAD * self.size - len(running), 0)):
+                for item in islice(waiting, max(self._ahead * self.size - len(running), 0)):
                     running[self._submit(function, item)] = item
                 if not running:
                     break
