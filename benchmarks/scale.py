@@ -65,7 +65,9 @@ def main() -> None:
     """Print the table."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--records", type=int, nargs="+", default=[1_000, 10_000, 100_000])
-    parser.add_argument("--dask", type=int, nargs="*", default=[1_000, 10_000], help="of the runs on a dask cluster")
+    parser.add_argument(
+        "--dask", type=int, nargs="*", default=[1_000, 10_000, 100_000], help="of the runs on a dask cluster"
+    )
     parser.add_argument("--seconds", type=float, default=4.0, help="length of a record")
     parser.add_argument("--workers", type=int, default=2)
     parser.add_argument("--cores", type=int, default=1000)
