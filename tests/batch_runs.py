@@ -1,4 +1,4 @@
-"""Runs of the command line on a folder of eight records."""
+"""Runs of the command line on a folder of eight records, and a smaller folder for runs in Python."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ from pathlib import Path
 
 from record_writers import at2, pulse
 
+from rockpulse import BlockSettings, CalibrationSettings, Config, ModelSettings, SearchSettings
 from rockpulse.cli import main
 
 RECORDS = 8
@@ -21,6 +22,21 @@ name = "wall"
 width = 0.4
 height = 3.0
 """
+
+CONFIG = Config(
+    models=ModelSettings(use=("sequence",)),
+    search=SearchSettings(models=()),
+    blocks=(BlockSettings(name="wall", width=0.4, height=3.0),),
+)
+SITE = Config(calibration=CalibrationSettings(method="statistics", bootstrap=100), blocks=CONFIG.blocks)
+
+
+def four_records(folder):
+    """The folder with three records that are worked on, r0 to r2, and another one."""
+    for number, name in enumerate(("r0", "r1", "r2", "other")):
+        title = f"Event {number}, 1/2/2003, Station {number}, 090"
+        (folder / f"{name}.AT2").write_bytes(at2(pulse(400, 0.25 + 0.1 * number), title=title))
+    return folder
 
 
 def write(path, peak):

@@ -8,7 +8,7 @@ import time
 import numpy as np
 import pytest
 from record_writers import pulse
-from record_writers.columns import columns, wrapped
+from record_writers.columns import columns
 
 from rockpulse.errors import RecordFormatError, RockpulseError, UnitError
 from rockpulse.readers import read
@@ -31,15 +31,6 @@ JMA = """SITE CODE= 62501,KUMAMOTO
  INITIAL TIME = 2016 04 16 01 25 00
  NS,EW,UD
 """
-
-
-@pytest.fixture
-def write(tmp_path):
-    def written(content: bytes, name: str = "record.txt"):
-        (tmp_path / name).write_bytes(content)
-        return tmp_path / name
-
-    return written
 
 
 def series(header: str, *more: np.ndarray, separator: str = " ") -> bytes:
@@ -271,50 +262,6 @@ def test_a_column_that_is_headed_as_acceleration_and_runs_like_time_is_refused(w
 def test_a_column_of_something_else_is_left_out(write):
     (record,) = read(write(series("time,acc_NS,temp\n", VALUES[::-1], separator=",")), units="g")
     assert record.warnings == ("columns left out, no acceleration: temp",)
-
-
-@pytest.mark.parametrize(
-    ("header", "per_row"),
-    [
-        ("El Centro 1940 NS component\n", 5),
-        ("Acceleration time history in units of g dt=0.005\n", 8),
-        ("Acceleration time history units of g dt=0.005\n", 8),
-        ("", 2),
-        ("Acceleration NS\n", 2),
-        ("El Centro\n", 7),
-    ],
-)
-def test_prose_above_a_wrapped_series_names_no_columns(write, header, per_row):
-    path = write(wrapped(VALUES, per_row, header))
-    with pytest.raises(RecordFormatError, match=rf"record.txt:\d+: .* one series in rows of {per_row}\. .*NPTS"):
-        read(path, dt=STEP)
-    if per_row == 2:  # one more than time, or two components
-        with pytest.raises(RecordFormatError, match=r"one series in rows of 2\. Rows of up to 4 numbers"):
-            read(path, units="g", dt=STEP)
-        return
-    (record,) = read(path, units="g", dt=STEP)
-    assert record.acceleration / record.unit_factor == pytest.approx(VALUES, abs=1e-12)
-    assert f"rows of {per_row} numbers were read as one series of {len(VALUES)}" in record.warnings[0]
-
-
-@pytest.mark.parametrize("per_row", [2, 5, 7, 8])
-@pytest.mark.parametrize("header", ["El Centro, NPTS = 1000, in g\n", "1000 points of El Centro\n", "1000 0.005\n"])
-def test_a_wrapped_series_is_read_where_the_header_states_its_length(write, header, per_row):
-    (record,) = read(write(wrapped(VALUES, per_row, header)), units="g", dt=STEP)
-    assert record.acceleration / record.unit_factor == pytest.approx(VALUES, abs=1e-12)
-
-
-@pytest.mark.parametrize("end", ["\n\n", "\n"])
-def test_a_wrapped_series_with_blank_rows(write, end):
-    content = wrapped(VALUES[:998], 5, "998 0.005\n").decode().replace("\n", f"\n{end}")
-    (record,) = read(write(content.encode()), units="m/s2")
-    assert record.acceleration == pytest.approx(VALUES[:998], abs=1e-12)
-    assert read(write(b"2 0.005\n0.1 0.2\n"), units="m/s2")[0].npts == 2
-
-
-def test_a_wrapped_series_shorter_than_the_header_states_is_a_truncation(write):
-    with pytest.raises(RecordFormatError, match=r"expected 1100 values \(header\), found 1000"):
-        read(write(wrapped(VALUES, 8, "1100 0.005\n")), units="g")
 
 
 def test_decimal_commas_below_a_first_row_of_whole_numbers(write):

@@ -12,6 +12,7 @@ from rockpulse.readers import read
 from rockpulse.readers.wrapped_series import FEWEST_ROWS, runs_on
 
 VALUES = np.round(pulse(200, peak=3.0), 6)
+LONG, STEP = np.round(pulse(1000, peak=3.0) + 0.01 * np.sin(1.5 * np.arange(1000)), 6), 0.005
 
 
 @pytest.mark.parametrize("per_row", [5, 6, 8])
@@ -62,3 +63,47 @@ def test_channels_that_move_together_are_no_series(noise, width):
     random = np.random.default_rng(width)
     common = np.convolve(random.standard_normal(430), np.hanning(31), "valid")[:, None]
     assert not runs_on(common + noise * random.standard_normal((400, width)))
+
+
+@pytest.mark.parametrize(
+    ("header", "per_row"),
+    [
+        ("El Centro 1940 NS component\n", 5),
+        ("Acceleration time history in units of g dt=0.005\n", 8),
+        ("Acceleration time history units of g dt=0.005\n", 8),
+        ("", 2),
+        ("Acceleration NS\n", 2),
+        ("El Centro\n", 7),
+    ],
+)
+def test_prose_above_a_wrapped_series_names_no_columns(write, header, per_row):
+    path = write(wrapped(LONG, per_row, header))
+    with pytest.raises(RecordFormatError, match=rf"record.txt:\d+: .* one series in rows of {per_row}\. .*NPTS"):
+        read(path, dt=STEP)
+    if per_row == 2:  # one more than time, or two components
+        with pytest.raises(RecordFormatError, match=r"one series in rows of 2\. Rows of up to 4 numbers"):
+            read(path, units="g", dt=STEP)
+        return
+    (record,) = read(path, units="g", dt=STEP)
+    assert record.acceleration / record.unit_factor == pytest.approx(LONG, abs=1e-12)
+    assert f"rows of {per_row} numbers were read as one series of {len(LONG)}" in record.warnings[0]
+
+
+@pytest.mark.parametrize("per_row", [2, 5, 7, 8])
+@pytest.mark.parametrize("header", ["El Centro, NPTS = 1000, in g\n", "1000 points of El Centro\n", "1000 0.005\n"])
+def test_a_wrapped_series_is_read_where_the_header_states_its_length(write, header, per_row):
+    (record,) = read(write(wrapped(LONG, per_row, header)), units="g", dt=STEP)
+    assert record.acceleration / record.unit_factor == pytest.approx(LONG, abs=1e-12)
+
+
+@pytest.mark.parametrize("end", ["\n\n", "\n"])
+def test_a_wrapped_series_with_blank_rows(write, end):
+    content = wrapped(LONG[:998], 5, "998 0.005\n").decode().replace("\n", f"\n{end}")
+    (record,) = read(write(content.encode()), units="m/s2")
+    assert record.acceleration == pytest.approx(LONG[:998], abs=1e-12)
+    assert read(write(b"2 0.005\n0.1 0.2\n"), units="m/s2")[0].npts == 2
+
+
+def test_a_wrapped_series_shorter_than_the_header_states_is_a_truncation(write):
+    with pytest.raises(RecordFormatError, match=r"expected 1100 values \(header\), found 1000"):
+        read(write(wrapped(LONG, 8, "1100 0.005\n")), units="g")
