@@ -182,7 +182,8 @@ def doubt_of_size(width: float, height: float) -> str:
 
 def size_remark(width: np.ndarray, height: np.ndarray, shape: str) -> str:
     """The doubt about the first doubtful size; for another shape that of the rectangle with its R and alpha."""
-    for base, rise in zip(np.ravel(width).tolist(), np.ravel(height).tolist(), strict=True):
+    sizes = (values.ravel().tolist() for values in np.broadcast_arrays(width, height))
+    for base, rise in zip(*sizes, strict=True):
         if doubt := doubt_of_size(base, rise):
             subject = "" if shape in ("rectangle", "general") else "a rectangle with its R and alpha would be "
             return f"{subject}{base:.4g} m wide and {rise:.4g} m high, {doubt}: check the numbers and their units"

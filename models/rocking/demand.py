@@ -189,9 +189,6 @@ def ground_demand(block: Block, acceleration: ArrayLike, dt: float) -> Demand:
     rates, capacity = np.asarray(block.p), block.gravity * np.tan(block.alpha_c) / block.p
     restitution = np.asarray(block.restitution)
     peak = np.max(np.abs(ground))
-    if peak == 0.0:
-        zero, none = np.zeros(rates.size), np.zeros((rates.size, LOBES))
-        return Demand(zero, none, zero, np.zeros((rates.size, LEVELS)), np.full((rates.size, LEVELS), -1), ground.size)
     place = NODES_PER_OCTAVE * np.log2(rates)
     below = np.floor(place)
     nodes = np.unique(np.concatenate([below, below + 1.0]))

@@ -163,7 +163,7 @@ def within_measured_range(block: Block, dt: float) -> np.ndarray:
     measured = {
         "p": block.p,
         "alpha": block.alpha_c,
-        "restitution": block.restitution / np.where(housner > 0.0, housner, np.inf),
+        "restitution": block.restitution / housner,
         "p_dt": block.p * dt,
     }
     # Housner's own value may come back as 1 + 1e-16 times itself.

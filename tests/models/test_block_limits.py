@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from rocking.block import STANDARD_GRAVITY, Block
-from rocking.block_limits import doubt_of_size
-from rocking.restraint import Tie
+from rocking.block_limits import RATES, doubt_of_size, restitution_of
+from rocking.restraint import Thrust, Tie
 
 G = 9.81
 
@@ -145,11 +145,14 @@ def test_housner_of_a_squat_body_is_refused_in_the_words_of_its_radius():
         ((0.6, 2.4), ""),
         ((30.0, 30.0), ""),
         ((0.05, 0.05), ""),
+        ((0.001, 2.0), ""),
+        ((1.0 + 1e-12, 1.0), ""),
         ((1.0, 30.001), "larger than 30 m"),
         ((600.0, 1.7), "larger than 30 m"),
         ((0.01, 0.0499), "less than 5 cm high"),
         ((0.0009, 2.0), "less than 1 mm wide"),
         ((2.4, 2.3), "wider than high"),
+        ((1.0 + 1e-11, 1.0), "wider than high"),
     ],
 )
 def test_sizes_that_are_doubted(size, doubt):
@@ -203,3 +206,90 @@ def test_a_leaning_body_has_the_inertia_of_the_upright_one_about_its_centre():
         radius = np.hypot(base, rise)
         assert alpha == pytest.approx(np.arctan2(base, rise), rel=1e-12)
         assert p == pytest.approx(np.sqrt(9.81 * radius / (radius**2 + gyration)), rel=1e-12)
+
+
+def test_a_radius_at_its_limit_is_refused_in_the_numbers_of_its_lane():
+    with pytest.raises(ValueError, match=r"p = 2 1/s has R = 2\.25 m: .* less than g/p\^2 = 2\.25 m"):  # p^2 R/g = 1
+        Block.from_parameters([1.5, 2.0, 1.9], 0.2, 0.9, radius=2.25, gravity=9.0)
+    assert Block.from_parameters([1.5, 2.0], 0.2, 0.9, radius=[2.25, 2.249], gravity=9.0).shape == (2,)
+
+
+def test_restitutions_from_0_to_1_are_taken_and_the_most_where_it_is_not_negative():
+    most = np.array([0.0, 0.5])
+    assert restitution_of("housner", most, own=True).tolist() == [0.0, 0.5]
+    assert restitution_of([0.0, 1.0], most, own=False).tolist() == [0.0, 1.0]
+    for own, words in ((True, "negative for this p, alpha and radius"), (False, "slenderness of 0.707")):
+        with pytest.raises(ValueError, match=words):
+            restitution_of("housner", np.array([0.5, -1e-9]), own=own)
+
+
+def test_the_restitution_furthest_above_its_bound_is_told():
+    """Bounds of 1 - 1.5 sin^2 alpha: 0.985, 0.9408 and 0.9408."""
+    (remark,) = Block.from_parameters(2.0, [0.1, 0.2, 0.2], [0.99, 0.95, 0.94]).warnings
+    assert remark.startswith("restitution 0.95 is above Housner's 0.9408 of a rectangle with this alpha; ")
+    # The corner that is met decides: the moment of inertia about it is the larger the further away it is.
+    bounds = [(0.36 + 1.21 - 0.07) / (0.36 + 1.21 + far**2) for far in (0.35, 0.2)]
+    assert [round(bound, 4) for bound in bounds] == [0.8863, 0.9317]
+    for given, above in ((0.94, bounds), (0.9, bounds[:1]), (0.88, []), ("housner", [])):
+        remarks = Block.from_corners(0.2, 0.35, 1.1, 0.6, given).warnings
+        assert [remark.split(", the bound for its corners")[0] for remark in remarks] == [
+            f"restitution {given:.4g} is above {bound:.4g}" for bound in above
+        ]
+
+
+def test_a_squat_body_before_a_wall_has_no_bound_on_its_rebound():
+    """Housner's formula is negative for it, which a rebound of nothing is not held against."""
+    for rebound in (0.0, 0.5):
+        body = Block(width=2.0, height=1.2, one_sided=True, rebound=rebound, log=False)
+        assert not any("restitution" in remark for remark in body.warnings)
+        assert body.side == 1
+
+
+def test_rates_of_spectra_are_even_in_their_logarithm():
+    assert (RATES.size, RATES[0], RATES[-1]) == (24, 0.5, 8.0)
+    assert np.diff(np.log(RATES)) == pytest.approx(np.full(23, np.log(16.0) / 23.0))
+
+
+def test_heights_of_restraints_are_those_of_the_lowest_body():
+    size = {"width": 0.5, "mass": 2000.0}
+    top = 3.0 * (1.0 + 5e-10)
+    assert Block(**size, height=[4.0, 3.0], ties=[Tie(top, 1e6)]).shape == (2,)
+    for height in (3.0 * (1.0 + 2e-9), 3.5):
+        with pytest.raises(ValueError, match="expected heights up to that of the body, 3 m"):
+            Block(**size, height=[4.0, 3.0], ties=[Tie(height, 1e6)])
+    assert Block.from_corners(0.2, 0.3, 1.0, 0.6, mass=500.0, ties=[Tie(90.0, 1e6)]).restraints.highest == 90.0
+    with pytest.raises(ValueError, match="expected it in kg"):
+        Block(width=0.5, height=3.0, ties=[Tie(1.0, 1e6)])
+
+
+@pytest.mark.parametrize("towards", [1.0, -1.0])
+def test_a_thrust_that_balances_the_weight_turns_the_body_over(towards):
+    """At a height of 1 m the force is the moment of the weight about the corner, m g R sin alpha."""
+    for place, free in enumerate((Block(width=[0.9, 0.5], height=3.0), Block.from_corners(0.3, 0.25, 1.5, 0.9))):
+        weaker = free.alpha_c if towards > 0.0 else free.alpha_2
+        radius = free.radius if towards > 0.0 else free.radius_2
+        force = towards * float(np.min(2000.0 * free.gravity * radius * np.sin(weaker)))
+
+        def made(share, place=place, force=force, **more):
+            held = {"mass": 2000.0, "thrusts": [Thrust(share * force, 1.0)], **more}
+            if place:
+                return Block.from_corners(0.3, 0.25, 1.5, 0.9, **held)
+            return Block(width=[0.9, 0.5], height=3.0, **held)
+
+        assert made(1.0 - 1e-12).shape == free.shape
+        with pytest.raises(ValueError, match="expected a body that stands at rest"):
+            made(1.0)
+        if towards < 0.0:  # a wall holds it
+            assert np.all(made(5.0, one_sided=True, **({"rebound": 0.5} if place else {})).side == 1)
+
+
+def test_a_body_by_p_alone_is_measured_as_its_rectangle_and_one_by_corners_by_its_own_sizes():
+    """R = 3 g/(4 p^2), 2 R sin and 2 R cos of alpha; of corners their distance and twice the height of the centre."""
+    radius = 3.0 * STANDARD_GRAVITY / (4.0 * 0.3**2)
+    (told,) = Block.from_parameters([4.0, 0.3], [0.2, 0.15], 0.5, log=False).warnings
+    wide, high = 2.0 * radius * np.sin(0.15), 2.0 * radius * np.cos(0.15)
+    assert f"a rectangle with its R and alpha would be {wide:.4g} m wide and {high:.4g} m high" in told
+    (own,) = Block.from_parameters(0.2, 0.1, 0.5, radius=100.0, log=False).warnings
+    assert f"{200.0 * np.sin(0.1):.4g} m wide and {200.0 * np.cos(0.1):.4g} m high, larger than 30 m" in own
+    (cut,) = Block.from_corners(0.0005, 0.0003, 0.02, 0.012, 0.5, log=False).warnings
+    assert cut.startswith("0.0008 m wide and 0.04 m high, less than 5 cm high: ")

@@ -7,6 +7,7 @@ import pytest
 from rocking import (
     Block,
     Outcome,
+    Thrust,
     critical_scale,
     impulsive_critical_scale,
     impulsive_response,
@@ -168,6 +169,70 @@ def test_search_begins_where_the_record_lifts_the_block():
             assert np.all(answer.outcome == outcome)
 
 
+def test_uplift_is_towards_the_side_that_the_record_pushes_to_first():
+    """A push of the ground to the left turns the body about its right-hand corner, which is that of alpha_c."""
+    record, up = np.array([0.0, 0.2, -0.3, 0.1]), np.array([0.1, -0.4, -0.2, 0.3])
+    bodies = [Block.from_corners(near, far, 1.1, 0.6, gravity=G) for near, far in ((0.2, 0.5), (0.5, 0.2))]
+    for body in bodies:
+        slopes = np.tan([body.alpha_c, body.alpha_2])
+        plain = G * slopes / [0.3, 0.2]
+        assert uplift_scale(body.lanes(1), record) == pytest.approx([np.min(plain)], rel=1e-14)
+        linear = G * np.array([body.alpha_c, body.alpha_2]) / [0.3, 0.2]
+        assert uplift_scale(body.lanes(1), record, "linear") == pytest.approx([np.min(linear)], rel=1e-14)
+        pushes = [np.max(-sign * record - slope * up) for sign, slope in zip((1.0, -1.0), slopes, strict=True)]
+        assert uplift_scale(body.lanes(1), record, vertical=up) == pytest.approx([np.min(G * slopes / pushes)])
+    wall = Block.from_corners(0.2, 0.5, 1.1, 0.6, gravity=G, one_sided=True, rebound=0.4)
+    some = Block.stack([wall, wall.mirrored(), *bodies])
+    expected = [G * 0.2 / 1.1 / 0.3, G * 0.2 / 1.1 / 0.2, G * 0.2 / 1.1 / 0.3, G * 0.2 / 1.1 / 0.2]
+    assert uplift_scale(some, record) == pytest.approx(expected, rel=1e-14)
+    assert uplift_scale(some, np.array([0.0, 0.4])).tolist() == [
+        np.inf,
+        *(pytest.approx(G * base / 1.1 / 0.4) for base in (0.2, 0.5, 0.2)),
+    ]
+    # A thrust adds its moment over m R cos(alpha), the height of the centre of mass, and takes it from the other side.
+    pushed = Block.from_corners(0.3, 0.3, 1.1, 0.6, gravity=G, mass=500.0, thrusts=[Thrust(200.0, 0.9)])
+    more = 200.0 * 0.9 / (500.0 * 1.1)
+    levels = np.array([G * 0.3 / 1.1 - more, G * 0.3 / 1.1 + more])
+    for motion, expected in ((record, levels / [0.3, 0.2]), (-record, levels / [0.2, 0.3])):
+        assert uplift_scale(pushed.lanes(1), motion) == pytest.approx([np.min(expected)], rel=1e-12)
+
+
+def test_the_search_begins_a_hair_below_the_factor_that_lifts():
+    """Of two factors of a scan the step is the last one over the first."""
+    lifted = critical_scale(PULSED, np.array([0.0, -G * 0.05, 0.0]), DT, "linear", factor_max=6.0, points=2)
+    assert lifted.step == pytest.approx([3.0 * (1.0 + 1e-12)], rel=1e-14, abs=0.0)
+    struck = impulsive_critical_scale(A, [1.0], [-0.5 * A.critical_impulse], factor_max=6.0, points=2)
+    assert struck.step == pytest.approx([3.0 / np.cos(A.alpha_c) * (1.0 + 1e-12)], rel=1e-14, abs=0.0)
+    some = Block.stack([A, B])
+    both = impulsive_critical_scale(some, [1.0, 2.0], [0.3, -0.2], factor_max=6.0, points=2)
+    assert both.step == pytest.approx(6.0 * 0.5 / some.critical_impulse / np.cos(some.alpha_c), rel=1e-9)
+
+
+def test_sixty_four_factors_up_to_ten_are_searched_unless_told_otherwise():
+    record = 3.0 * motion(5)
+    some = blocks(6)
+    times, impulses = np.arange(8.0) * 0.7, np.array([0.3, -0.2, 0.25, -0.4, 0.1, 0.2, -0.3, 0.15])
+
+    def by_record(**options):
+        return critical_scale(some, record, DT, **options)
+
+    def by_impulses(**options):
+        return impulsive_critical_scale(some, times, impulses, **options)
+
+    for search, told in ((by_record, {"equation": "nonlinear"}), (by_impulses, {"gain": "paper"})):
+        plain, same = search(), search(points=64, factor_max=10.0, **told)
+        assert np.array_equal(plain.step, same.step)
+        assert np.array_equal(plain.safety_factor, same.safety_factor)
+        # The step is that of 64 factors from the one that lifts to 10, both included.
+        assert np.any(plain.step != search(points=63).step)
+        assert np.any(plain.step != search(factor_max=9.0).step)
+
+
+def test_impulses_of_one_metre_per_second_altogether_are_some():
+    found = impulsive_critical_scale(A, [1.0], [1.0])
+    assert found.safety_factor == pytest.approx([A.critical_impulse], rel=1e-6)
+
+
 def test_a_record_of_zeros_lifts_nothing():
     found = critical_scale(blocks(3), np.zeros(10), DT)
     assert np.all(np.isinf(found.safety_factor))
@@ -210,7 +275,9 @@ def test_factors_do_not_depend_on_threads_or_companions():
     assert np.array_equal(together.upper, np.concatenate([one.upper for one in alone]))
 
 
-@pytest.mark.parametrize(("arguments", "message"), [({"level": 0.0}, "level"), ({"level": [1.0]}, "level")])
+@pytest.mark.parametrize(
+    ("arguments", "message"), [({"level": 0.0}, "level"), ({"level": [1.0]}, "level"), ({"level": -0.5}, "level")]
+)
 def test_a_level_that_is_none_is_refused(arguments, message):
     with pytest.raises(ValueError, match=message):
         critical_scale(A, motion(1), DT, **arguments)

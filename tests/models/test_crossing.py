@@ -48,6 +48,23 @@ def test_rows_are_fitted_each_for_itself_and_the_input_is_kept():
 def test_falls_of_rounding_are_levelled():
     found = rising(np.array([0.3, 0.3 - 1e-15, 0.6]))
     assert found.tolist() == [0.3, 0.3, 0.6]
+    assert rising(np.array([1e-12, 0.0])).tolist() == [1e-12, 1e-12]
+    assert rising(np.array([2e-12, 0.0])) == pytest.approx([1e-12, 1e-12], rel=1e-9)
+
+
+def test_mean_capacity_counts_what_lies_below_the_first_and_above_the_last_level_at_these():
+    """Half of the capacity at 2 and half between 2 and 4, or 0.0005 of it at 8, by hand."""
+    rows = np.array([[0.5, 1.0], [0.0, 0.9995]])
+    low, high = np.log([2.0, 4.0])
+    expected = np.exp([0.5 * low + 0.5 * 0.5 * (low + high), 0.9995 * 0.5 * (low + high) + 0.0005 * high])
+    assert mean_capacity(np.array([2.0, 4.0]), rows) == pytest.approx(expected, rel=1e-12)
+
+
+def test_the_crossing_is_linear_in_the_logarithm_of_each_row():
+    rows = np.array([[[0.0, 0.2, 0.8, 1.0], [0.1, 0.3, 0.35, 0.6]]])
+    level = np.array([1.0, 3.0, 5.0, 9.0])
+    expected = [3.0 * (5.0 / 3.0) ** 0.5, 5.0 * (9.0 / 5.0) ** 0.6]
+    assert factor_at(0.5, level, rows) == pytest.approx(np.array([expected]), rel=1e-12)
 
 
 @pytest.mark.parametrize("share", [0.05, 0.1, 0.5, 0.9])
@@ -104,8 +121,8 @@ def test_a_single_level():
 
 
 def test_a_capacity_beyond_the_last_level_has_no_mean():
-    rows = np.array([[0.0, 0.5, 0.99], [0.0, 0.5, 0.9995], [0.0, 0.0, 0.0]])
-    assert np.isfinite(mean_capacity(np.array([1.0, 2.0, 4.0]), rows)).tolist() == [False, True, False]
+    rows = np.array([[0.0, 0.5, 0.99], [0.0, 0.5, 0.9995], [0.0, 0.0, 0.0], [0.0, 0.5, 0.999]])
+    assert np.isfinite(mean_capacity(np.array([1.0, 2.0, 4.0]), rows)).tolist() == [False, True, False, False]
 
 
 def test_levels_of_no_gain_around_the_others_change_no_bit_of_the_mean():

@@ -1,5 +1,7 @@
 """The demand of a ground motion: the impulse that a block sees."""
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -82,13 +84,15 @@ def test_demand_of_some_blocks_is_theirs():
     found = demand(synthetic(7), p=[1.0, 2.0, 7.0])
     some = found.of(np.array([2, 0, 2]))
     assert np.array_equal(some.build_up, found.build_up[[2, 0, 2]])
-    assert np.array_equal(some.last, found.last[[2, 0, 2]])
+    for name in ("last", "largest", "lobes", "levels"):
+        assert np.array_equal(getattr(some, name), getattr(found, name)[[2, 0, 2]])
     assert (some.samples, some.settled) == (found.samples, found.settled)
 
 
 def test_a_quiet_record_asks_nothing():
-    found = demand(np.zeros(100))
-    assert found.largest[0] == found.build_up[0] == 0.0
+    found = demand(np.zeros(100), p=[2.0, 3.0])
+    assert found.largest.tolist() == found.build_up.tolist() == [0.0, 0.0]
+    assert (found.lobes.shape, found.samples) == ((2, LOBES), 100)
     assert np.all(found.last == -1)
     assert np.all(found.levels == 0.0)
 
@@ -101,8 +105,67 @@ def test_a_single_block_counts_as_one_lane():
 
 @pytest.mark.parametrize(
     ("ground", "dt", "message"),
-    [([0.0, np.nan, 1.0], 0.01, "finite samples"), ([1.0], 0.01, "at least 2"), ([0.0, 1.0], 0.0, "dt: expected")],
+    [
+        ([0.0, np.nan, 1.0], 0.01, "finite samples"),
+        ([1.0], 0.01, "at least 2"),
+        ([[0.0, 1.0], [1.0, 0.0]], 0.01, "at least 2"),
+        ([0.0, 1.0], 0.0, "dt: expected"),
+        ([0.0, 1.0], np.nan, "dt: expected"),
+    ],
 )
 def test_what_is_no_record_is_refused(ground, dt, message):
     with pytest.raises(ValueError, match=message):
         demand(ground, dt)
+
+
+def lobes_of(ground, dt, p):
+    """Largest abs(E) of each stretch of one sign, with the sample before its begin, by a sum over straight pieces."""
+    ends, weighted = [0.0], np.zeros(ground.size)
+    for i in range(ground.size - 2, -1, -1):
+        inside, weights = np.polynomial.legendre.leggauss(8)
+        t = 0.5 * dt * (inside + 1.0)
+        piece = 0.5 * dt * np.sum(weights * np.interp(t, [0.0, dt], ground[i : i + 2]) * np.exp(-p * t))
+        weighted[i] = piece + np.exp(-p * dt) * weighted[i + 1]
+        ends.append(weighted[i])
+    stretches = np.split(weighted, np.flatnonzero(weighted[1:] * weighted[:-1] < 0.0) + 1)
+    return np.sort([np.max(np.abs(part)) for part in stretches])[::-1]
+
+
+def test_lobes_are_those_of_their_definition_and_linear_in_the_logarithm_of_p_between_nodes():
+    """Nodes are powers of two of a quarter: 1.3 lies between 2^(1/4) and 2^(2/4), 5 between 2^(9/4) and 2^(10/4)."""
+    ground, dt = np.random.default_rng(4).normal(size=60), 0.05
+    ground *= 1.0 / np.max(np.abs(ground))  # a peak of 1 m/s2
+    block = Block.from_parameters([1.3, 5.0, 2.0], [0.1, 0.2, 0.15], [0.86, 0.99, 0.5])
+    found = ground_demand(block, ground, dt)
+    for lane, step in enumerate((1, 9, 4)):
+        share = 4.0 * np.log2(block.p[lane]) - step
+        assert 0.0 <= share < 1.0
+        at_nodes = [lobes_of(ground, dt, 2.0 ** ((step + more) / 4.0))[:5] for more in (0, 1)]
+        over = block.p[lane] / (block.gravity * np.tan(block.alpha_c[lane]))
+        expected = over * ((1.0 - share) * at_nodes[0] + share * at_nodes[1])
+        assert found.lobes[lane, :5] == pytest.approx(expected, rel=1e-9)
+        assert found.largest[lane] == found.lobes[lane, 0]
+        kept = (0.9 * block.restitution[lane]) ** np.arange(LOBES)
+        assert found.build_up[lane] == pytest.approx(np.sum(kept * found.lobes[lane]), rel=1e-12)
+        levels = 8.0 / 2.0 ** (step / 4.0) * 2.0 ** (-np.arange(56) / 4.0) * over
+        assert found.levels[lane] == pytest.approx(levels, rel=1e-12)
+    assert found.samples == 60
+    alone = [ground_demand(block.lane(lane), ground, dt) for lane in range(3)]
+    for name in ("largest", "lobes", "build_up", "levels", "last"):
+        assert np.array_equal(getattr(found, name), np.concatenate([getattr(one, name) for one in alone]))
+
+
+def test_what_is_left_is_that_of_the_next_larger_restitution_of_the_list():
+    steps = [0.85, 0.875, 0.9, 0.925, 0.95, 0.975, 1.0]
+    found = demand(synthetic(9, n=2000), p=[2.0] * 7, c=steps)
+    assert all(np.any(one != other) for one, other in pairwise(found.last))
+    between = demand(synthetic(9, n=2000), p=[2.0] * 7, c=[0.5, *(one + 1e-9 for one in steps[:-1])])
+    assert np.array_equal(between.last, found.last)
+    slower = demand(synthetic(9, n=2000), p=[2.0, 2.1, 2.3])  # the slower node weighs what comes later more
+    assert np.array_equal(slower.last[0], slower.last[1])
+    assert np.array_equal(slower.last[0], slower.last[2])
+    assert np.any(slower.last[0] != demand(synthetic(9, n=2000), p=[2.4]).last[0])
+
+
+def test_two_samples_are_a_record():
+    assert demand([0.0, 1.0]).samples == 2

@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from rocking.block import Block
-from rocking.effective_impulse import FORCES, effective_impulse_response
+from rocking.effective_impulse import FORCES, _bounds, _peaks, effective_impulse_response
 from rocking.impulsive import impulsive_response
 from rocking.recorded import recorded_response
 from rocking.response import Outcome, Reason
@@ -23,7 +23,8 @@ def body(restitution=0.7, slenderness=6.0, p=2.0):
 
 
 def threshold(block, gain):
-    return G / FORCES[gain](block.alpha_c)
+    alpha = block.alpha_c
+    return G * {"tangent": math.tan(alpha), "linear": alpha, "paper": alpha / math.cos(alpha)}[gain]
 
 
 def half_sine(peak, length, dt, before=0.5, after=0.5):
@@ -137,6 +138,48 @@ def test_boundaries_at_the_changes_of_sign_are_the_default():
     assert default.peak_rotation_ratio == pytest.approx(given_.peak_rotation_ratio, rel=1e-12)
 
 
+def test_half_waves_end_where_the_record_changes_its_sign_and_around_its_zeros():
+    record = np.array([0.0, 0.0, 3.0, 4.0, -1.0, -4.0, 0.0, 0.0, 0.0, 2.0, 0.0, -2.0, -2.0, 2.0])
+    expected = [0.0, 1.0, 3.8, 6.0, 8.0, 10.0, 12.5, 13.0]
+    assert _bounds(record, 0.5, None) == pytest.approx(0.5 * np.array(expected), rel=1e-14)
+    assert _bounds(-record, 0.5, None) == pytest.approx(0.5 * np.array(expected), rel=1e-14)
+    assert _bounds(record, 0.5, [0.0, 1.25, 6.5]).tolist() == [0.0, 1.25, 6.5]
+    assert _bounds(record, 0.5, [2.0, 6.5 * (1.0 + 5e-13)]).tolist() == [0.0, 2.0, 6.5]
+    assert _bounds(record, 0.5, []).tolist() == [0.0, 6.5]
+
+
+def test_the_peak_of_a_half_wave_is_at_a_sample_or_at_one_of_its_ends():
+    """Between samples the record is straight: at 0.25 s it is -0.5, at 1.75 s -4.5."""
+    record, bounds = np.array([1.0, -2.0, 3.0, -3.0, -6.0]), np.array([0.0, 0.25, 1.0, 1.75, 2.0])
+    assert _peaks(record, 0.5, bounds).tolist() == [1.0, 3.0, 4.5, 6.0]
+    assert _peaks(record, 0.5, np.array([0.0, 0.5, 2.0])).tolist() == [2.0, 6.0]
+    assert _peaks(record, 0.5, np.array([0.0, 2.0])).tolist() == [6.0]
+
+
+def test_impulses_and_centroids_of_half_waves_are_exact_for_straight_pieces():
+    """The same record at half the sampling interval, with the samples between: nothing changes but rounding."""
+    record = shaking(5)
+    fine = np.interp(np.arange(0.0, record.size - 0.5, 0.5), np.arange(record.size), record)
+    blocks = Block(0.5, np.linspace(1.6, 5.0, 7), restitution=0.5, gravity=G)
+    for scale in (0.5, 0.8):
+        one = effective_impulse_response(blocks, record, 0.01, scale=scale)
+        other = effective_impulse_response(blocks, fine, 0.005, scale=scale)
+        assert np.array_equal(one.outcome, other.outcome)
+        assert one.peak_rotation_ratio == pytest.approx(other.peak_rotation_ratio, rel=1e-6)
+
+
+def test_what_is_taken_unless_it_is_told():
+    record = shaking(8)
+    plain = effective_impulse_response(body(), record, 0.01)
+    told = effective_impulse_response(body(), record, 0.01, None, "tangent", 1.0, 0.1)
+    assert plain.outcome == Outcome.ROCKS
+    assert plain.peak_rotation_ratio == told.peak_rotation_ratio
+    for other in ({"gain": "paper"}, {"scale": 1.001}, {"longest": 0.11}):
+        assert (
+            plain.peak_rotation_ratio != effective_impulse_response(body(), record, 0.01, **other).peak_rotation_ratio
+        )
+
+
 @pytest.mark.parametrize("threads", [1, 2, 4, None])
 def test_number_of_threads_changes_no_digit(threads):
     blocks = Block(0.5, np.linspace(1.6, 5.0, 80), restitution=0.9, gravity=G)
@@ -197,6 +240,11 @@ def test_record_of_zeros_leaves_the_block_at_rest():
         ([1.0, 2.0], {"gain": "exact"}, "gain: expected one of tangent"),
         ([1.0, 2.0], {"scale": -1.0}, "scale"),
         ([1.0, 2.0], {"scale": [[1.0]]}, "scale"),
+        ([1.0, 2.0], {"scale": [1.0, np.inf]}, "scale"),
+        ([[1.0, 2.0], [3.0, 4.0]], {}, "acceleration"),
+        ([1.0, 2.0], {"boundaries": [[0.001, 0.002]]}, "boundaries"),
+        ([1.0, 2.0], {"boundaries": [0.001, np.nan]}, "boundaries"),
+        ([1.0, 2.0], {"boundaries": [0.001, 0.01 * (1.0 + 2e-12)]}, "boundaries: .*between 0 and 0.01"),
         ([1.0, 2.0], {"longest": 0.0}, "longest"),
         ([1.0, 2.0], {"longest": np.nan}, "longest"),
         ([1.0, 2.0], {"boundaries": [0.005, 0.005]}, "boundaries: .*increasing"),
@@ -211,6 +259,7 @@ def test_bad_arguments_are_named(record, options, message):
         effective_impulse_response(body(), record, 0.01, **options)
 
 
-def test_sampling_interval_is_checked():
+@pytest.mark.parametrize("dt", [0.0, -0.01, np.nan, np.inf, np.array([0.01])])
+def test_sampling_interval_is_checked(dt):
     with pytest.raises(ValueError, match="dt"):
-        effective_impulse_response(body(), [1.0, 2.0], 0.0)
+        effective_impulse_response(body(), [1.0, 2.0], dt)

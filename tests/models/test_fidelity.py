@@ -4,7 +4,15 @@ import numpy as np
 import pytest
 from recorded_cases import block_a, synthetic
 
-from rocking import Block, Outcome, Rung, choose_response, ground_demand, recorded_response
+from rocking import (
+    Block,
+    Outcome,
+    Rung,
+    choose_response,
+    ground_demand,
+    impulsive_response,
+    recorded_response,
+)
 from rocking.fidelity import MEASURED_RANGE, SAFE_BUILD_UP, within_measured_range
 
 DT = 0.01
@@ -159,6 +167,92 @@ def test_the_ends_of_the_measured_range_belong_to_it():
     assert within_measured_range(ends, 0.1 / 9.0).all()
     beyond = Block.from_parameters([0.699, 9.01], alpha, housner * [0.85, 1.0])
     assert not within_measured_range(beyond, 0.1 / 9.01).any()
+    for p, angle, share, dt in ((3.0, 0.0399, 0.9, 0.01), (3.0, 0.3201, 0.9, 0.01), (3.0, 1.2, 0.9, 0.01),
+                                (3.0, 0.1, 0.849, 0.01), (3.0, 0.1, 1.001, 0.01), (3.0, 0.1, 0.9, 0.0334)):  # fmt: skip
+        housner_of = abs(1.0 - 1.5 * np.sin(angle) ** 2)
+        one = Block.from_parameters([3.0, p], [0.1, angle], [0.9 * (1.0 - 1.5 * np.sin(0.1) ** 2), share * housner_of])
+        assert within_measured_range(one, dt).tolist() == [dt < 0.0333, False]
+
+
+def test_only_free_bodies_alike_on_both_sides_were_measured():
+    plain, unlike = Block.from_parameters(3.0, 0.2, 0.9), Block.from_corners(0.2, 0.21, 1.0, 0.6, 0.9)
+    wall = Block.from_parameters(3.0, 0.2, "housner", one_sided=True, rebound=0.9)
+    assert within_measured_range(Block.stack([plain, unlike, wall]), 0.01).tolist() == [True, False, False]
+
+
+def test_between_the_threshold_and_its_rounding_the_equation_tells():
+    for block in (block_a(), Block(width=0.5, height=3.0, one_sided=True), Block.from_corners(0.2, 0.3, 1.0, 0.6)):
+        threshold = block.gravity * np.tan(block.alpha_c)
+        for below, rung in ((2e-9, Rung.STATIC), (2e-10, Rung.NONLINEAR)):
+            record = np.array([0.0, -(1.0 - below) * threshold, 0.0])
+            response, used = choose_response(block, record, DT)
+            assert used == rung
+            assert response.outcome == Outcome.AT_REST
+
+
+def test_bodies_that_are_not_free_are_static_until_their_own_corner_lifts():
+    """Plain, before a wall, and its mirror image, which a push towards theta > 0 leaves at rest."""
+    wall = Block(width=0.5, height=3.0, one_sided=True)
+    some = Block.stack([Block(width=0.5, height=3.0), wall, wall.mirrored(), Block.from_corners(0.2, 0.3, 1.0, 0.6)])
+    record = np.zeros(100)
+    record[10:14] = -1.0
+    scale = some.gravity * np.array([0.99 / 6.0, 1.01 / 6.0, 0.199, 0.201])
+    response, used = choose_response(some, record, DT, scale=scale)
+    static = [[True] * 4, [False, False, True, True], [False, False, True, True], [False, False, True, False]]
+    assert (used == Rung.STATIC).tolist() == static
+    truth = recorded_response(some, record, DT, scale=scale)
+    assert np.array_equal(response.outcome, truth.outcome)
+    assert np.all(used[:, 1:][used[:, 1:] != Rung.STATIC] == Rung.NONLINEAR)
+    down = np.full(100, -0.5 * some.gravity)
+    halved = choose_response(some, record, DT, scale=[0.99 / 12.0 / 0.5, 1.01], vertical=down)[1]
+    assert halved.shape == (2, 4)
+
+
+@pytest.mark.parametrize("strength", [1.0, 1.8])  # of the impulses, beside the record that they are taken for
+def test_which_lanes_the_impulses_answer(strength):
+    """A build-up of 0.8 at most, or of 1.0 where no lobe is above 0.4 and 1.4 times the impulses do not overturn."""
+    ground = synthetic(12, n=2500)
+    lanes, factors = blocks(3, 400), np.linspace(0.15, 0.9, 12)
+    times, impulses = half_waves(ground)
+    impulses = strength * impulses
+    response, used = choose_response(lanes, ground, DT, times, impulses, scale=factors)
+    strongest = np.sort(np.argsort(np.abs(impulses))[-32:])
+    assert times.size > 40
+    demand = ground_demand(lanes, ground, DT)
+    measured = within_measured_range(lanes, DT)
+    seen = np.zeros(3, dtype=int)
+    for row, factor in enumerate(factors):
+        marched, raised = (
+            impulsive_response(lanes, times[strongest], impulses[strongest], scale=more * factor, gain="exact")
+            for more in (1.0, 1.4)
+        )
+        low = factor * demand.build_up <= 0.8
+        middle = ~low & (factor * demand.build_up <= 1.0) & (factor * demand.largest <= 0.4)
+        rocks, sure = marched.outcome == Outcome.ROCKS, raised.outcome == Outcome.ROCKS
+        lifted = factor * np.max(np.abs(ground)) > lanes.gravity * np.tan(lanes.alpha_c)
+        expected = lifted & measured & rocks & (low | (middle & sure))
+        assert np.array_equal(used[row] == Rung.IMPULSIVE, expected)
+        for name in ("peak_rotation_ratio", "impacts", "overturning_half_cycle"):
+            assert np.array_equal(getattr(response, name)[row, expected], getattr(marched, name)[expected])
+        seen += [np.sum(expected & low), np.sum(expected & middle), np.sum(lifted & measured & middle & ~expected)]
+    assert np.all(seen > (0, 0, -1 if strength == 1.0 else 0))
+    static = used == Rung.STATIC
+    assert np.all(response.overturning_half_cycle[static] == -1)
+    assert np.all(response.reason[static] == 0)
+    assert np.all(np.isnan(response.overturning_time[static]))
+
+
+def test_what_is_asked_unless_it_is_told():
+    """The outcome at the record's own strength; peaks to a ten-thousandth of the critical angle."""
+    ground = synthetic(13, n=2500)
+    plain, told = chosen(ground, scale=1.0), choose_response(blocks(), ground, DT, *half_waves(ground))
+    outcome = chosen(ground, scale=1.0, output="outcome")
+    for other in (told, outcome):
+        assert np.array_equal(plain[1], other[1])
+        assert np.array_equal(plain[0].peak_rotation_ratio, other[0].peak_rotation_ratio, equal_nan=True)
+    scale = np.geomspace(0.05, 1.0, 8)
+    peaks = [chosen(0.2 * ground, scale=scale, output="peak", **more)[1] for more in ({}, {"tolerance": 1e-4})]
+    assert np.array_equal(*peaks)
 
 
 def test_vertical_acceleration_is_static_only_where_its_largest_value_lifts_nothing():

@@ -62,6 +62,8 @@ def test_the_floor_is_followed_until_it_is_quiet(strength):
     [
         ({"period": 0.0}, "period"),
         ({"period": 0.4, "damping": 0.0}, "above 0 and below 1"),
+        ({"period": 0.4, "damping": [0.05, 1.0]}, "above 0 and below 1"),
+        ({"period": 0.4, "quiet": [1e-3]}, "quiet"),
         ({"period": [0.4, 0.2], "damping": [0.05, 0.05, 0.05]}, "arrays of one length"),
         ({"period": 0.4, "quiet": 0.0}, "quiet"),
     ],
@@ -74,3 +76,40 @@ def test_wrong_modes_are_refused(given, words):
 def test_the_interval_of_the_record_is_one_number():
     with pytest.raises(ValueError, match="dt: expected a positive number in s"):
         floor_motion(np.ones(10), [0.01, 0.02], 0.4)
+
+
+def test_the_floor_rings_on_as_if_the_record_went_on_with_zeros_and_ends_where_it_is_quiet():
+    ground = np.append(np.random.default_rng(3).normal(size=200), 0.0)
+    modes = [0.35, 0.8], [0.05, 0.11], [-0.7, 1.9]
+    for quiet in (1e-3, 0.3):
+        found = floor_motion(ground, 0.01, *modes, quiet=quiet)
+        longer = floor_motion(np.append(ground, np.zeros(3000)), 0.01, *modes, quiet=quiet)
+        assert found.dt == longer.dt == 0.005
+        size = found.acceleration.size
+        assert found.acceleration == pytest.approx(longer.acceleration[:size], abs=1e-12)
+        assert np.max(np.abs(longer.acceleration[size:])) <= quiet
+        assert abs(found.acceleration[-2]) > quiet >= abs(found.acceleration[-1])
+        assert found.amplification == np.max(np.abs(found.acceleration)) / np.max(np.abs(ground))
+
+
+def test_a_floor_without_damping_to_speak_of_is_followed_for_a_thousand_periods():
+    pulse = np.array([0.0, 1.0, 0.0])
+    for periods, last in ((0.04, 40.0), ([0.04, 0.05], 50.0)):
+        found = floor_motion(pulse, 0.001, periods, damping=1e-7)
+        assert found.acceleration.size == 3 + round(last / 0.001)
+
+
+def test_a_quiet_or_silent_record_is_as_long_as_it_is():
+    silent = floor_motion(np.zeros(10), 0.01, 0.4)
+    assert (silent.acceleration.tolist(), silent.amplification) == ([0.0] * 10, 1.0)
+    quiet = floor_motion(np.full(10, 1e-5), 0.01, 0.4)
+    assert quiet.acceleration.size == 10
+    assert quiet.acceleration[0] != 0.0
+    loud = floor_motion(np.full(3, -1.0), 0.01, 0.4, participation=-2.0)
+    assert loud.amplification == np.max(np.abs(loud.acceleration))
+
+
+def test_five_hundredths_of_critical_damping_and_a_thousandth_of_a_metre_are_what_is_taken():
+    ground = np.sin(np.arange(100.0) / 5.0)
+    plain, told = floor_motion(ground, 0.01, 0.4), floor_motion(ground, 0.01, 0.4, 0.05, 1.0, 1e-3)
+    assert np.array_equal(plain.acceleration, told.acceleration)
