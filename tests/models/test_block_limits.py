@@ -252,7 +252,7 @@ def test_rates_of_spectra_are_even_in_their_logarithm():
 
 def test_heights_of_restraints_are_those_of_the_lowest_body():
     size = {"width": 0.5, "mass": 2000.0}
-    top = 3.0 * (1.0 + 5e-10)
+    top = 3.0 * (1.0 + 1e-9)
     assert Block(**size, height=[4.0, 3.0], ties=[Tie(top, 1e6)]).shape == (2,)
     for height in (3.0 * (1.0 + 2e-9), 3.5):
         with pytest.raises(ValueError, match="expected heights up to that of the body, 3 m"):

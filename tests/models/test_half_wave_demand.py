@@ -9,7 +9,8 @@ from hypothesis import strategies as st
 
 from rocking import Block, OverturningSpectrum, Uncertainty, critical_scale, ground_demand
 from rocking.demand import HANDED_ON
-from rocking.half_wave_demand import BANDS, demand_of_half_waves, impulse_lobes
+from rocking.crossing import mean_capacity
+from rocking.half_wave_demand import BANDS, Lobes, _main_lobes, demand_of_half_waves, impulse_lobes, lobe_shapes
 from rocking.half_wave_lanes import half_wave_lanes
 
 G = 9.80665
@@ -109,8 +110,6 @@ def test_between_the_marches_the_answer_is_that_of_the_body_itself():
     found = demand_of_half_waves(block, *waves)
     own = OverturningSpectrum(half_wave_lanes(*waves, p=block.p)).probability([0.93])
     level = OverturningSpectrum(half_wave_lanes(*waves, p=block.p)).level
-    from rocking.crossing import mean_capacity
-
     direct = 1.0 / mean_capacity(level, own[:, 0]) / lift(block)
     assert found.march == pytest.approx(direct, rel=0.08)  # docs/decisions/012: 2 % on records
     assert np.all(found.march_10 > found.march)
@@ -123,7 +122,6 @@ def test_every_restitution_has_a_march():
     march = demand_of_half_waves(block, *waves).march
     assert march[0] == march[1] != march[2]  # the first two are below the last band, which begins at 0.066
     assert np.all(march[1:] > 0.9 * march[:-1])  # more with C, but for the scatter of the lanes
-    assert all(upper[0] / 0.9 <= lower[1] * (1.0 + 1e-9) for upper, lower in pairwise(BANDS))
 
 
 @settings(derandomize=True, deadline=None, max_examples=10)
@@ -180,3 +178,55 @@ def test_no_half_wave_asks_for_nothing():
 def test_what_makes_no_sense_is_refused(waves, words):
     with pytest.raises(ValueError, match=words):
         demand_of_half_waves(BLOCK, *waves)
+
+
+def test_the_weighted_impulse_is_taken_at_eight_points_of_each_side_of_a_triangle():
+    """E at the time t of a lobe, by quadrature over the triangles after it; times are eighths of a side."""
+    start, top, end = np.array([0.0, 1.0]), np.array([0.4, 1.2]), np.array([1.0, 1.8])
+    impulse, rate = np.array([0.3, -0.25]), 1.3
+    lobes = impulse_lobes(start, (start + top + end) / 3.0, end, impulse, rate)
+    corners = np.stack([start, top, end], 1).ravel()
+    tops = np.stack([0.0 * start, 2.0 * impulse / (end - start), 0.0 * start], 1).ravel()
+    points = np.unique(np.concatenate([np.linspace(a, b, 9) for a, b in pairwise(corners)]))
+    fine = np.linspace(0.0, 1.8, 180001)
+    ground = np.interp(fine, corners, tops)
+
+    def weighted(t):
+        return np.trapezoid(np.where(fine >= t, ground * np.exp(-rate * (fine - t)), 0.0), fine)
+
+    at_points = np.array([weighted(t) for t in points])
+    signs = np.split(np.arange(points.size), np.flatnonzero(np.diff(np.sign(np.round(at_points, 9)))) + 1)
+    expected = [part[np.argmax(np.abs(at_points[part]))] for part in signs]
+    assert lobes.times == pytest.approx(points[expected[:2]])
+    assert lobes.sizes == pytest.approx(at_points[expected[:2]], rel=1e-4)
+
+
+def test_lobes_above_half_the_largest_one_are_main_ones():
+    sizes, times = np.array([0.5, -0.2, 1.0, -0.3, 0.5, -0.6, 0.45]), np.array([0.0, 3.0, 6.0, 9.0, 13.0, 15.0, 22.0])
+    count, ratio, interval = _main_lobes(Lobes(times, sizes))
+    assert (count, interval) == (2, 3.0)
+    assert ratio == pytest.approx(np.sqrt((0.3**2 + 0.5**2) / 2.0))
+    count, ratio, interval = _main_lobes(Lobes(times, 2.0 * sizes * [1.02, 1, 1, 1, 1, 1, 1]))
+    assert (count, interval) == (3, 3.0)
+    assert ratio == pytest.approx(np.sqrt((0.2**2 + 0.3**2 + 0.5**2) / 3.0))
+    assert _main_lobes(Lobes(times[:3], np.array([0.7, -1.0, 0.8]))) == (3, 0.0, 3.0)
+    for few in (sizes[:0], sizes[:1], sizes[1:4]):
+        assert _main_lobes(Lobes(times[: few.size], few))[:2] == (1, 0.0)
+    waves = [0.0, 3.0, 6.0], [1e-6, 3.0 + 1e-6, 6.0 + 1e-6], [2e-6, 3.0 + 2e-6, 6.0 + 2e-6], [1.0, -0.2, 0.8]
+    found = lobe_shapes(*waves, [0.01, 20.0])
+    assert [column.shape for column in found] == [(2,)] * 3
+    assert [column[1] for column in found] == pytest.approx([2, 0.2, 3.0], rel=1e-4)
+    assert lobe_shapes(*waves, 20.0)[0].tolist() == [2]
+
+
+def test_a_band_of_restitutions_begins_where_the_one_below_it_ends():
+    assert len(BANDS) == 7
+    for upper, lower in pairwise(BANDS):
+        assert upper[0] / 0.9 == pytest.approx(lower[1])
+    assert [most / least for least, most in BANDS[1:]] == pytest.approx([5.0 / 3.0] * 6)
+    waves, _ = triangles(7, count=12)
+    edges = np.multiply.outer([0.75, 0.5], [1.0 - 5e-13, 1.0, 1.0 + 1e-9, 1.0 - 2e-12]).ravel()
+    march = demand_of_half_waves(Block.from_parameters(p=np.full(8, 2.0), alpha=0.1, restitution=edges), *waves).march
+    for edge in (march[:4], march[4:]):
+        assert edge[:3] == pytest.approx([edge[0]] * 3, rel=1e-7)
+        assert abs(edge[3] / edge[0] - 1.0) > 1e-6

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from rocking import Block, OverturningSpectrum, recorded_response
-from rocking.half_wave_lanes import half_wave_lanes, triangles
+from rocking.half_wave_lanes import checked_half_waves, half_wave_lanes, triangles
 from rocking.response import Outcome
 from rocking.slender_kernel import march_pieces
 
@@ -110,3 +110,40 @@ def test_a_stronger_or_mirrored_motion_is_a_shift():
 def test_zeros_are_refused():
     with pytest.raises(ValueError, match="nothing but zeros"):
         half_wave_lanes([0.0], [0.1], [0.2], [0.0])
+
+
+def test_a_triangle_has_the_ends_the_impulse_and_the_centroid_of_its_half_wave():
+    start, end, impulse = np.array([0.5, 2.0, 3.5, 4.0, 6.0]), np.array([2.0, 3.5, 4.0, 6.0, 6.0]), np.arange(1.0, 6.0)
+    top = np.array([0.8, 2.0, 4.0, 4.9, 6.0])
+    times, ground = triangles(start, (start + top + end) / 3.0, end, impulse)
+    assert times == pytest.approx(np.stack([start, top, end], 1).ravel())
+    peak = [2.0 * 1.0 / 1.5, 2.0 * 2.0 / 1.5, 2.0 * 3.0 / 0.5, 2.0 * 4.0 / 2.0, 0.0]  # none over no time
+    assert ground == pytest.approx(np.stack([np.zeros(5), peak, np.zeros(5)], 1).ravel())
+    # A centroid outside the middle third has the top at the nearer end.
+    near, _ = triangles(*(np.array(one) for one in ([0.0, 3.0], [0.5, 5.5], [3.0, 6.0], [1.0, 1.0])))
+    assert near.tolist() == [0.0, 0.0, 3.0, 3.0, 6.0, 6.0]
+
+
+def test_half_waves_follow_one_another_with_centroids_inside():
+    waves = [0.0, 1.0 - 5e-10, 2.0], [0.0, 2.0, 2.5], [1.0, 2.0, 3.0], [0.1, -0.1, 0.1]
+    assert [one.tolist() for one in checked_half_waves(*waves)] == list(waves)
+    assert [one.tolist() for one in checked_half_waves(0.5, 0.7, 1.0, 2.0)] == [[0.5], [0.7], [1.0], [2.0]]
+    for place, value, words in (
+        (0, [0.0, 1.0 - 2e-9, 2.0], "one after the other"),
+        (1, [-0.01, 2.0, 2.5], "start <= centroid <= end"),
+        (1, [0.0, 2.001, 2.5], "start <= centroid <= end"),
+        (3, [0.1, -np.inf, 0.1], "finite"),
+        (3, [0.1, 0.1], r"four \(k,\) arrays, got shapes \(3,\), \(3,\), \(3,\), \(2,\)"),
+        (3, [0.1, -1e8, 0.1], "times gravity"),
+    ):
+        with pytest.raises(ValueError, match=words):
+            checked_half_waves(*waves[:place], value, *waves[place + 1 :])
+    with pytest.raises(ValueError, match="four"):
+        checked_half_waves(*(np.ones((2, 2)),) * 4)
+
+
+def test_lanes_are_those_of_a_spectrum_unless_told_otherwise():
+    waves, _ = half_waves(7, count=8)
+    plain, told = half_wave_lanes(*waves), half_wave_lanes(*waves, np.geomspace(0.5, 8.0, 24), (0.675, 0.999))
+    for name in ("log_x", "restitution", "weight", "peak"):
+        assert np.array_equal(getattr(plain, name), getattr(told, name)), name

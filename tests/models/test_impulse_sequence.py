@@ -37,6 +37,13 @@ def test_scaling_keeps_the_ratio_and_the_counts():
         ("main_count", 1.5),
         ("intermediate_count", 3),
         ("intermediate_count", 0),
+        ("intermediate_count", 1),
+        ("intermediate_count", -2),
+        ("intermediate_count", 2.0),
+        ("main_count", [1, 0]),
+        ("main_count", [1.0, 2.0]),
+        ("main_count", [[1, 2]]),
+        ("secondary", np.nan),
         ("spacing", "late"),
     ],
 )
@@ -51,6 +58,45 @@ def test_fields_of_different_lengths_and_bad_factors_are_refused():
         ImpulseSequence([0.1, 0.2], 0.0, [0.1, 0.2, 0.3], 20.0)
     with pytest.raises(ValueError, match="factor"):
         ImpulseSequence(0.5, 0.2, 0.1, 20.0).scaled(-1.0)
+
+
+def test_the_ends_of_the_ranges_belong_to_them():
+    for main, secondary in ((0.0, 0.0), (0.5, 0.5), (0.5, 0.0)):
+        series = ImpulseSequence(main, secondary, 1e-9, 1e-9, main_count=1, intermediate_count=2)
+        assert (series.main, series.secondary, series.main_count, series.intermediate_count) == (main, secondary, 1, 2)
+    plain = ImpulseSequence(0.5, 0.2, 0.1, np.inf)
+    assert (plain.main_count, plain.intermediate_count, plain.spacing, plain.shape) == (None, None, "end", ())
+    assert type(plain.main) is float
+
+
+def test_an_interval_is_asked_for_where_it_has_a_meaning():
+    counted = ImpulseSequence(0.5, 0.2, [np.nan, 0.1], np.inf, intermediate_count=4)
+    assert np.isnan(counted.interval).tolist() == [True, False]
+    assert np.isnan(ImpulseSequence(0.5, 0.2, np.nan, np.inf, spacing="continuous").interval)
+    for spacing, value in (("continuous", 0.0), ("continuous", -np.inf), ("end", [0.1, np.nan]), ("middle", np.nan)):
+        with pytest.raises(ValueError, match="^interval: expected a positive, finite time"):
+            ImpulseSequence(0.5, 0.2, value, np.inf, spacing=spacing)
+
+
+def test_counts_of_each_sequence_are_kept_as_whole_numbers():
+    series = ImpulseSequence(0.5, [0.2, 0.3], 0.1, 20.0, main_count=np.array([2, 5], dtype=np.int8))
+    assert series.main_count.tolist() == [2, 5]
+    assert series.main_count.dtype == np.int64
+    assert ImpulseSequence(0.5, 0.2, 0.1, 20.0, main_count=[3]).main.tolist() == [0.5]
+    assert ImpulseSequence(0.5, 0.2, 0.1, 20.0, main_count=np.int64(3)).main_count == 3
+    for values in (series.main_count, series.secondary, series.duration):
+        with pytest.raises(ValueError, match="read-only"):
+            values[0] = 1
+    with pytest.raises(ValueError, match="one length"):
+        ImpulseSequence([0.5, 0.6], 0.2, 0.1, 20.0, main_count=[1, 2, 3])
+
+
+def test_a_factor_of_a_sequence_is_finite_and_not_negative():
+    series = ImpulseSequence([0.5, 0.6], 0.2, 0.1, 20.0)
+    assert series.scaled([0.0, 3.0]).main == pytest.approx([0.0, 1.8])
+    for factor in (np.inf, np.nan, [1.0, -1e-9], "two", [[1.0]]):
+        with pytest.raises(ValueError, match="^factor: "):
+            series.scaled(factor)
 
 
 def test_fields_are_broadcast_and_cannot_be_changed():
@@ -108,6 +154,21 @@ def test_without_a_last_main_impulse_the_effect_is_the_limit_of_many():
         assert limit == pytest.approx(continuous(0.3, ratio, 1000).effective_impulse(0.9), rel=1e-12)
     assert continuous(0.3, 0.4, None).effective_impulse(1.0) == np.inf
     assert continuous(0.3, 1.0, None).effective_impulse(1.0) == 0.15
+    # Without losses impulses add up, N of them; secondary ones of the same size leave half of one.
+    assert continuous(0.3, 0.0, 5).effective_impulse(1.0) == pytest.approx(1.5)
+    assert continuous(0.3, 0.25, None).effective_impulse([0.0, 0.8]) == pytest.approx(
+        [0.3 * (0.75 + 0.125), 0.3 * (0.75 / 0.2 + 0.125)]
+    )
+    assert type(continuous(0.3, 0.4, 3).effective_impulse(0.0)) is float
+
+
+def test_sequences_that_have_one_effect_may_be_nothing_or_have_no_secondary_impulses():
+    nothing = ImpulseSequence([0.0, 0.4], 0.0, 0.1, np.inf, main_count=2)
+    assert nothing.effective_impulse(0.5) == pytest.approx([0.0, 0.6])
+    with pytest.raises(ValueError, match="^spacing: "):
+        ImpulseSequence([0.5, 0.4], [0.0, 0.1], 0.1, np.inf, main_count=2).effective_impulse(0.5)
+    with pytest.raises(ValueError, match="^restitution: "):
+        nothing.effective_impulse([0.5, 1.0 + 1e-9])
 
 
 @pytest.mark.parametrize(
