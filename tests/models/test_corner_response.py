@@ -22,6 +22,7 @@ from rocking import (
 )
 from rocking.block import Block
 from rocking.capacity import uplift_scale
+from rocking.corner_response import rest_levels
 from rocking.corners import sorrentino
 
 G = 9.81
@@ -272,7 +273,47 @@ def test_static_capacity_is_that_of_the_corner_on_the_side():
         )
 
 
-@pytest.mark.parametrize(("angle", "side"), [(-0.01, 1), (math.pi / 2, 1), (0.1, 0)])
+def test_static_capacity_of_loads_and_thrusts_on_both_sides():
+    """A body 0.55 m wide: moments about either corner of weights, friction and a thrust, over m R, by hand."""
+    roof, beam = Load(800.0, 1.8, friction=0.2, distance=0.15), Load(300.0, 1.2, friction=0.4)
+    made = Block.from_corners(
+        0.2, 0.35, 1.1, 0.6, mass=900.0, gravity=G, loads=[roof, beam], thrusts=[Thrust(60.0, 1.5, 0.1)],
+        ties=[Tie(2.0, 3e4, gap=0.01, ultimate=0.35, side="negative", distance=0.05), Tie(1.9, 5e4, yield_force=700.0)],
+    )  # fmt: skip
+    angles = np.array([0.0, 0.002, 0.05, 0.1, 0.3])
+    sin, cos, versed = np.sin(angles), np.cos(angles), 1.0 - np.cos(angles)
+    for side, base, radius in ((1, 0.2, made.radius), (-1, 0.35, made.radius_2)):
+        total = 900.0 * G * radius * np.sin(math.atan2(base, 1.1) - angles)
+        for load, near in ((roof, 0.15), (beam, 0.275)):
+            xi = near if side == 1 else 0.55 - near
+            total += load.weight * (xi * cos - load.height * sin)
+            out = load.height * sin + xi * versed
+            force = np.minimum(load.friction * load.weight, load.friction * load.weight / 1e-3 * out)
+            total += force * (load.height * cos + xi * sin)
+        xi = 0.1 if side == 1 else 0.45
+        total -= side * 60.0 * (1.5 * cos + xi * sin)
+        if side == 1:
+            total += np.minimum(5e4 * 1.9 * sin, 700.0) * 1.9 * cos
+        else:
+            out = 2.0 * sin + 0.05 * versed - 0.01
+            total += np.where(out < 0.35, 3e4 * np.maximum(out, 0.0), 0.0) * (2.0 * cos + 0.05 * sin)
+        expected = total / (900.0 * radius * np.cos(math.atan2(base, 1.1) - angles))
+        assert static_capacity(made, angles, side=side) == pytest.approx(expected, rel=1e-12)
+    assert static_capacity(made, 0.1).shape == (1,)
+    plain = Block.from_corners(0.2, 0.35, 1.1, 0.6, gravity=G)
+    assert static_capacity(plain, 1.5707, side=-1).shape == (1,)
+    assert rest_levels(Block.stack([plain, made])) == pytest.approx(
+        np.array(
+            [
+                [0.0, (800.0 * 0.15 + 300.0 * 0.275 - 60.0 * 1.5) / (900.0 * G * 1.1)],
+                [0.0, (800.0 * 0.4 + 300.0 * 0.275 + 60.0 * 1.5) / (900.0 * G * 1.1)],
+            ]
+        ),
+        rel=1e-12,
+    )
+
+
+@pytest.mark.parametrize(("angle", "side"), [(-0.01, 1), (math.pi / 2, 1), (0.1, 0), (0.1, 2), (-1e-9, -1)])
 def test_static_capacity_outside_a_quarter_turn_is_refused(angle, side):
     with pytest.raises(ValueError, match="expected angles from 0 to pi/2 and 1 or -1"):
         static_capacity(Block(width=0.5, height=3.0), [0.0, angle], side=side)
@@ -335,6 +376,13 @@ def test_what_a_march_cannot_do_is_refused():
         recorded_response(wall, motion, 0.01, initial_rotation=-0.01)
     with pytest.raises(ValueError, match="a one-sided body has a wall behind it"):
         recorded_response(wall, motion, 0.01, initial_velocity=-0.01)
+    with pytest.raises(ValueError, match="got 0.01 rad and 0 rad/s"):
+        recorded_response(wall.mirrored(), motion, 0.01, initial_rotation=0.01)
+    with pytest.raises(ValueError, match="got 0 rad and 0.02 rad/s"):
+        recorded_response(Block.stack([wall, wall.mirrored()]), motion, 0.01, initial_velocity=0.02)
+    for held in (wall, wall.mirrored()):  # away from the wall, and towards it from where it has room
+        recorded_response(held, motion, 0.01, initial_rotation=0.01 * held.side, initial_velocity=-0.01 * held.side)
+        recorded_response(held, motion, 0.01, initial_velocity=0.01 * held.side)
     with pytest.raises(ValueError, match="expected 'nonlinear' for a body with ties"):
         recorded_response(tied, motion, 0.01, "linear")
     with pytest.raises(ValueError, match="two unlike corners"):

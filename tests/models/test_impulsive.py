@@ -208,6 +208,37 @@ def test_history_starts_with_an_impulse_before_time_zero():
     assert impulsive_response(body, [0.5], [0.1], history_dt=0.25).time.tolist() == [0.0, 0.25, 0.5]
 
 
+def test_a_history_has_its_last_sample_and_ends_with_the_input():
+    body = block()
+    for train, duration, step, time in (
+        (([0.0], [0.1]), 0.3, 0.1, [0.0, 0.1, 0.2, 0.3]),  # 0.3/0.1 is less than 3 by a bit
+        (([0.2, 0.7], [0.1, 0.1]), None, 0.3, [0.0, 0.3, 0.6]),
+        (([0.2, 0.7], [0.1, 0.1]), 0.4, 0.3, [0.0, 0.3]),
+        (([-2.0, -1.0], [0.1, 0.1]), None, 0.8, [-2.0, -1.2, -0.4]),
+        (([-0.5], [0.1]), 1.0, 0.5, [-0.5, 0.0, 0.5, 1.0]),
+        (([], []), None, 0.5, [0.0]),
+        (([], []), 1.2, 0.5, [0.0, 0.5, 1.0]),
+    ):
+        found = impulsive_response(body, *train, duration, history_dt=step)
+        assert found.time == pytest.approx(time, abs=1e-12)
+        assert found.rotation.shape == found.velocity.shape == (len(time),)
+    assert impulsive_response(body, [0.0], [0.1]).time is None
+
+
+def test_the_gain_of_the_paper_and_the_impulses_themselves_are_taken_unless_told_otherwise():
+    body, train = block(), ([0.0, 0.5], [0.2, -0.1])
+    plain = impulsive_response(body, *train).peak_rotation_ratio
+    assert plain == impulsive_response(body, *train, None, "paper", 1.0, None, 1.0).peak_rotation_ratio
+    for other in ({"gain": "linear"}, {"scale": 1.01}, {"block_scale": 1.01}):
+        assert plain != impulsive_response(body, *train, **other).peak_rotation_ratio
+
+
+def test_impulses_at_one_time_add_up():
+    body = block()
+    once, twice = impulsive_response(body, [0.5], [0.3]), impulsive_response(body, [0.5, 0.5], [0.1, 0.2])
+    assert twice.peak_rotation_ratio == pytest.approx(once.peak_rotation_ratio, rel=1e-12)
+
+
 def test_passing_the_critical_angle_is_not_overturning():
     body = block()
     unit = body.critical_impulse
@@ -390,6 +421,14 @@ def test_narrow_half_waves_tend_to_impulses(gain, equation, slenderness):  # F9
         ([0.0], [0.1], {"history_dt": 0.0}, "history_dt"),
         ([0.0], [0.1], {"scale": np.nan}, "scale"),
         ([0.0], [0.1], {"scale": [[1.0]]}, "scale"),
+        ([0.0], [0.1], {"history_dt": -1.0}, "history_dt"),
+        ([0.0], [0.1], {"history_dt": np.inf}, "history_dt"),
+        ([0.0], [0.1], {"duration": np.nan}, "duration"),
+        ([0.0], [0.1], {"block_scale": [1.0]}, "block_scale: expected a factor, or one for each"),
+        ([0.0], [0.1], {"block_scale": np.inf}, "block_scale: expected a finite factor"),
+        ([[0.0]], [[0.1]], {}, "expected two"),
+        ([0.0, 3.0, 2.0, 1.0], [0.1] * 4, {}, r"got 3\.0 s before 2\.0 s at index 1"),
+        ([np.nan, 0.0, np.nan], [0.1] * 3, {}, "times: .*index 0"),
     ],
 )
 def test_bad_arguments_are_named(times, impulses, options, message):
