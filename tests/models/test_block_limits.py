@@ -7,7 +7,7 @@ import pytest
 
 from rocking.block import STANDARD_GRAVITY, Block
 from rocking.block_limits import RATES, doubt_of_size, restitution_of
-from rocking.restraint import Thrust, Tie
+from rocking.restraint import Load, Thrust, Tie
 
 G = 9.81
 
@@ -218,6 +218,9 @@ def test_restitutions_from_0_to_1_are_taken_and_the_most_where_it_is_not_negativ
     most = np.array([0.0, 0.5])
     assert restitution_of("housner", most, own=True).tolist() == [0.0, 0.5]
     assert restitution_of([0.0, 1.0], most, own=False).tolist() == [0.0, 1.0]
+    for given in ([0.5, 1.0 + 1e-9], [-1e-9, 0.5], [0.5, np.nan], "elastic"):
+        with pytest.raises(ValueError, match=r"^restitution: "):
+            restitution_of(given, most, own=True)
     for own, words in ((True, "negative for this p, alpha and radius"), (False, "slenderness of 0.707")):
         with pytest.raises(ValueError, match=words):
             restitution_of("housner", np.array([0.5, -1e-9]), own=own)
@@ -281,6 +284,22 @@ def test_a_thrust_that_balances_the_weight_turns_the_body_over(towards):
             made(1.0)
         if towards < 0.0:  # a wall holds it
             assert np.all(made(5.0, one_sided=True, **({"rebound": 0.5} if place else {})).side == 1)
+
+
+@pytest.mark.parametrize("towards", [1.0, -1.0])
+def test_what_rests_on_a_body_holds_it_against_a_thrust_on_both_sides(towards):
+    """A load 0.15 m behind the right-hand corner and one on the middle of a base of 0.55 m, by their moments."""
+    loads = [Load(800.0, 1.8, friction=0.2, distance=0.15), Load(300.0, 1.2, friction=0.4)]
+    base, near = (0.2, 0.15) if towards > 0.0 else (0.35, 0.4)
+    moment = 900.0 * G * base + 800.0 * near + 300.0 * 0.275
+
+    def made(share):
+        thrust = Thrust(towards * share * moment / 1.5, 1.5)
+        return Block.from_corners(0.2, 0.35, 1.1, 0.6, mass=900.0, gravity=G, loads=loads, thrusts=[thrust])
+
+    assert made(1.0 - 1e-9).restraints.loads == tuple(loads)
+    with pytest.raises(ValueError, match="expected a body that stands at rest"):
+        made(1.0 + 1e-9)
 
 
 def test_a_body_by_p_alone_is_measured_as_its_rectangle_and_one_by_corners_by_its_own_sizes():

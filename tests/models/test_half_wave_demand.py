@@ -8,8 +8,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from rocking import Block, OverturningSpectrum, Uncertainty, critical_scale, ground_demand
-from rocking.demand import HANDED_ON
 from rocking.crossing import mean_capacity
+from rocking.demand import HANDED_ON
 from rocking.half_wave_demand import BANDS, Lobes, _main_lobes, demand_of_half_waves, impulse_lobes, lobe_shapes
 from rocking.half_wave_lanes import half_wave_lanes
 

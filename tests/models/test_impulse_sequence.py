@@ -74,7 +74,7 @@ def test_an_interval_is_asked_for_where_it_has_a_meaning():
     assert np.isnan(counted.interval).tolist() == [True, False]
     assert np.isnan(ImpulseSequence(0.5, 0.2, np.nan, np.inf, spacing="continuous").interval)
     for spacing, value in (("continuous", 0.0), ("continuous", -np.inf), ("end", [0.1, np.nan]), ("middle", np.nan)):
-        with pytest.raises(ValueError, match="^interval: expected a positive, finite time"):
+        with pytest.raises(ValueError, match=r"^interval: expected a positive, finite time"):
             ImpulseSequence(0.5, 0.2, value, np.inf, spacing=spacing)
 
 
@@ -95,7 +95,7 @@ def test_a_factor_of_a_sequence_is_finite_and_not_negative():
     series = ImpulseSequence([0.5, 0.6], 0.2, 0.1, 20.0)
     assert series.scaled([0.0, 3.0]).main == pytest.approx([0.0, 1.8])
     for factor in (np.inf, np.nan, [1.0, -1e-9], "two", [[1.0]]):
-        with pytest.raises(ValueError, match="^factor: "):
+        with pytest.raises(ValueError, match=r"^factor: "):
             series.scaled(factor)
 
 
@@ -165,9 +165,9 @@ def test_without_a_last_main_impulse_the_effect_is_the_limit_of_many():
 def test_sequences_that_have_one_effect_may_be_nothing_or_have_no_secondary_impulses():
     nothing = ImpulseSequence([0.0, 0.4], 0.0, 0.1, np.inf, main_count=2)
     assert nothing.effective_impulse(0.5) == pytest.approx([0.0, 0.6])
-    with pytest.raises(ValueError, match="^spacing: "):
+    with pytest.raises(ValueError, match=r"^spacing: "):
         ImpulseSequence([0.5, 0.4], [0.0, 0.1], 0.1, np.inf, main_count=2).effective_impulse(0.5)
-    with pytest.raises(ValueError, match="^restitution: "):
+    with pytest.raises(ValueError, match=r"^restitution: "):
         nothing.effective_impulse([0.5, 1.0 + 1e-9])
 
 
