@@ -83,6 +83,12 @@ def test_rebounds_are_numbers_from_0_to_1_or_that_of_slender_rectangles():
             rebound_of(given, slender, rectangle)
 
 
+@pytest.mark.parametrize("restitution", ["elastic", 0.9, [0.5, 0.6], None])
+def test_a_wall_has_no_restitution_of_impacts_on_the_base(restitution):
+    with pytest.raises(ValueError, match="a one-sided body returns to its wall, give a rebound in its place; got"):
+        Block(width=0.5, height=3.0, one_sided=True, restitution=restitution)
+
+
 def test_a_wall_asks_for_the_rebound_of_bodies_that_are_no_rectangles():
     with pytest.raises(ValueError, match="'sorrentino' is stated for rectangles"):
         Block.from_corners(0.2, 0.3, 1.0, 0.6, one_sided=True)
