@@ -45,8 +45,12 @@ def test_gain_of_the_paper_is_that_of_its_geometry():  # F1: Eq. (3) with (4) is
     assert gain * body.critical_impulse == pytest.approx(body.p * body.alpha_c, rel=1e-13)
 
 
-def test_gravity_of_a_block_is_standard_unless_given():
+def test_gravity_of_a_block_is_standard_unless_given_and_one_number():
     assert Block(0.5, 2.0).gravity == STANDARD_GRAVITY == 9.80665
+    assert Block(0.5, 2.0).side == 0
+    for make, numbers in ((Block, (0.5, 2.0)), (Block.from_parameters, (2.0, 0.2)), (Block.from_corners, [0.3] * 4)):
+        with pytest.raises(ValueError, match=r"^gravity: .*not an array"):
+            make(*numbers, 0.9, [9.81])
 
 
 def test_fields_broadcast_to_the_lanes():
@@ -95,6 +99,9 @@ def test_mass_is_that_of_the_full_size_or_the_one_given():
     assert Block(**size, density=1800.0, length=2.0).mass == pytest.approx(0.5 * 3.0 * 2.0 * 1800.0)
     assert Block(**size, mass=700.0).mass == 700.0
     assert np.isnan(Block(**size).mass)
+    for given in ({"density": 1800.0}, {"length": 2.0}, {"length": 2.0, "mass": 700.0}):
+        with pytest.raises(ValueError, match=r"^mass: expected mass in kg, or density in kg/m3 and length in m"):
+            Block(**size, **given)
 
 
 def test_bad_full_size_is_named():
@@ -203,7 +210,10 @@ def test_bad_fields_are_named(fields, message):
         Block(**{"half_width": 0.5, "half_height": 2.0, **fields})
 
 
-@pytest.mark.parametrize(("p", "alpha", "message"), [(0.0, 0.2, "p: "), (1.0, 0.0, "alpha: "), (1.0, 14.0, "radians")])
+@pytest.mark.parametrize(
+    ("p", "alpha", "message"),
+    [(0.0, 0.2, "p: "), (1.0, 0.0, "alpha: "), (1.0, 0.5 * np.pi, "radians"), (1.0, 1.6, "radians")],
+)
 def test_bad_parameters_are_named(p, alpha, message):
     with pytest.raises(ValueError, match=message):
         Block.from_parameters(p=p, alpha=alpha, restitution=0.9)

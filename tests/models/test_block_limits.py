@@ -180,7 +180,11 @@ def test_warnings_are_logged_unless_that_is_declined(caplog):
         caplog.clear()
         assert Block(width=600.0, height=1700.0, restitution=0.99, log=False).warnings == body.warnings
         assert Block.from_parameters(0.01, 0.2, 0.99, log=False).warnings != ()
-    assert caplog.records == []
+        assert Block.from_corners(30.0, 30.0, 90.0, 40.0, 0.5, log=False).warnings != ()
+        assert caplog.records == []
+        made = Block.from_parameters(0.01, 0.2, 0.99), Block.from_corners(30.0, 30.0, 90.0, 40.0, 0.5)
+    told = [f"block: {text}" for body in made for text in body.warnings]
+    assert [record.getMessage() for record in caplog.records] == told
 
 
 def test_ties_are_attached_up_to_the_top_of_the_body():

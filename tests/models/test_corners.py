@@ -41,6 +41,9 @@ def test_loads_that_are_carried_are_points_of_the_body():
     block = Block.from_corners(near, far, height, gyration, mass=own, loads=loads, gravity=G)
     assert block.p.tolist() == first.p.tolist()
     assert [held.loads for held in block.restraints] == [(loads[2],)] * 2
+    carrying = Block(width=0.5, height=3.0, mass=500.0, loads=loads[:1], gravity=G)
+    assert (carrying.mass, carrying.restraints) == (pytest.approx(700.0), None)
+    assert math.tan(carrying.alpha_c) == pytest.approx((500.0 * 0.25 + 200.0 * 0.1) / (500.0 * 1.5 + 200.0 * 1.8))
     assert [held.loads for held in Block(width=0.5, height=3.0, mass=500.0, loads=loads[2:]).lanes(1).restraints] == [
         (loads[2],)
     ]

@@ -168,6 +168,17 @@ def test_impulses_and_centroids_of_half_waves_are_exact_for_straight_pieces():
         assert one.peak_rotation_ratio == pytest.approx(other.peak_rotation_ratio, rel=1e-6)
 
 
+def test_a_block_that_falls_is_brought_back_by_the_next_half_wave():  # V13 and V14
+    """At w/p = 4 a half sine overturns from 2.79 g alpha on; from 4.85 to 5.24 the second half saves the block."""
+    block = Block.from_parameters(p=2.0, alpha=0.1, restitution=0.9, gravity=G)
+    sine = 5.05 * G * 0.1 * np.sin(2.0 * np.pi * np.arange(401) / 400.0)
+    sine[[200, 400]] = 0.0
+    dt = 0.25 * np.pi / 400.0
+    for record, outcome in ((sine, Outcome.ROCKS), (sine[:201], Outcome.OVERTURNS)):
+        assert recorded_response(block, record, dt, "linear").outcome == outcome
+        assert effective_impulse_response(block, record, dt, gain="linear", longest=0.01).outcome == outcome
+
+
 def test_what_is_taken_unless_it_is_told():
     record = shaking(8)
     plain = effective_impulse_response(body(), record, 0.01)

@@ -427,7 +427,7 @@ def test_narrow_half_waves_tend_to_impulses(gain, equation, slenderness):  # F9
         ([0.0], [0.1], {"block_scale": [1.0]}, "block_scale: expected a factor, or one for each"),
         ([0.0], [0.1], {"block_scale": np.inf}, "block_scale: expected a finite factor"),
         ([[0.0]], [[0.1]], {}, "expected two"),
-        ([0.0, 3.0, 2.0, 1.0], [0.1] * 4, {}, r"got 3\.0 s before 2\.0 s at index 1"),
+        ([0.0, 0.0, 3.0, 2.0, 1.0], [0.1] * 5, {}, r"got 3\.0 s before 2\.0 s at index 2"),
         ([np.nan, 0.0, np.nan], [0.1] * 3, {}, "times: .*index 0"),
     ],
 )
