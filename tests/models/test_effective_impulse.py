@@ -179,6 +179,17 @@ def test_a_block_that_falls_is_brought_back_by_the_next_half_wave():  # V13 and 
         assert effective_impulse_response(block, record, dt, gain="linear", longest=0.01).outcome == outcome
 
 
+def test_overturning_is_certain_where_no_later_half_wave_can_prevent_it():
+    """After a wave of 0.3 s and ten times the threshold the growing mode is above what waves of a tenth can take."""
+    block, dt = body(), 0.01
+    wave = 10.0 * threshold(block, "tangent") * np.sin(np.pi * np.arange(31) / 30.0)
+    wave[30] = 0.0
+    for after in (np.zeros(0), -0.1 * wave[1:], np.concatenate([-0.1 * wave[1:], 0.1 * wave[1:]])):
+        found = effective_impulse_response(block, np.append(wave, after), dt)
+        assert found.outcome == Outcome.OVERTURNS
+        assert found.overturning_time <= 0.3 + 1e-12
+
+
 def test_what_is_taken_unless_it_is_told():
     record = shaking(8)
     plain = effective_impulse_response(body(), record, 0.01)
