@@ -9,7 +9,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 
 import numpy as np
 
@@ -141,7 +141,7 @@ def overturning_probability(
     first = math.floor(min(float(np.min(bottom)) - reach, 0.0) / LEVEL_STEP)
     places = np.arange(first, max(math.floor(highest / LEVEL_STEP + ROUNDING), 0) + 1)
     return OverturningProbability(
-        **{name: np.array([row.found[name] for row in rows]) for name in rows[0].found},
+        **{one.name: np.array([row.found[one.name] for row in rows]) for one in fields(OverturningFactors)},
         level=np.exp(LEVEL_STEP * places),
         probability=np.array([row.at(places) for row in rows]),
         unresolved=np.array([0.0 if one is None else float(np.mean(one.unresolved)) for one in lanes]),

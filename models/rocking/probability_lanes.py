@@ -59,7 +59,7 @@ def probability_lanes(
         Of each body; None where no draw lifts off by the largest factor.
     """
     block, ground = march.block, march.acceleration
-    weakest = block.varied(REACH * march.uncertainty.geometry, 0.0)
+    weakest = block.varied(REACH * march.uncertainty.geometry, block.restitution)
     bottom = np.log(uplift_scale(weakest, ground, vertical=march.vertical))
     some = np.flatnonzero(bottom < log_max)
     found: list[BodyLanes | None] = [None] * bottom.size

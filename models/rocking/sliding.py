@@ -84,10 +84,11 @@ def sliding_demand(
     given = np.broadcast_to(np.asarray(friction, dtype=float), bodies.shape)
     if np.any(given <= 0.0):
         raise ValueError(f"friction: expected coefficients above 0, got {friction!r}")
-    side = np.where(theta < 0.0, -1.0, 1.0)
+    left = theta < 0.0
+    side = np.where(left, -1.0, 1.0)
 
     def by_side(first: Any, second: Any) -> np.ndarray:
-        return np.where(side > 0.0, np.asarray(first)[:, np.newaxis], np.asarray(second)[:, np.newaxis])
+        return np.where(left, np.asarray(second)[:, np.newaxis], np.asarray(first)[:, np.newaxis])
 
     angle = by_side(bodies.alpha_c, bodies.alpha_2) - np.abs(theta)
     rate, radius = by_side(bodies.p, bodies.p_2), by_side(bodies.radius, bodies.radius_2)

@@ -234,3 +234,56 @@ def test_the_lanes_of_a_body_that_stands_at_the_largest_factor_are_open(one_edge
     _, (found,) = probability_lanes(march, float(np.log(share * one_edge)))
     assert found.open == expected
     assert found.over.any() != expected
+
+
+def test_levels_are_those_from_uplift_to_the_largest_factor():
+    """From four deviations of the factor below the uplift of a body that lost exp(-0.2) of its angle, or from 1."""
+    uplift = np.log(9.80665 * np.tan(np.arctan(0.25) * np.exp(-0.2)))
+    weak, strong = overturning_probability(WALL, PULSE, DT), overturning_probability(WALL, 5.0 * PULSE, DT)
+    assert weak.level[0] == 1.0
+    assert np.log(strong.level[0]) / 0.04 == pytest.approx(np.floor((uplift - np.log(5.0) - 0.4) / 0.04))
+    # The largest factor is a level where it is one within rounding; 10 is none.
+    assert np.log(weak.level[-1]) / 0.04 == pytest.approx(np.floor(np.log(10.0) / 0.04))
+    least = overturning_probability(WALL, PULSE, DT, factor_max=np.exp(0.04 * 55) * (1.0 - 1e-11))
+    assert np.log(least.level[-1]) / 0.04 == pytest.approx(55)
+    # One is asked for, too, where the largest factor lies below it.
+    assert overturning_probability(WALL, 5.0 * PULSE, DT, factor_max=0.5).level[-1] == 1.0
+
+
+def test_probabilities_between_levels_are_linear_in_the_logarithm_of_the_factor():
+    blocks = Block([0.3, 0.2], [1.2, 1.2])
+    found = overturning_probability(blocks, 2.0 * TRAIN, DT, factor_max=30.0)
+    k = int(np.argmax(found.probability[1] > 0.3))
+    low, high = np.log(found.level[k : k + 2])
+    asked = np.exp([[low, 0.75 * low + 0.25 * high, high, 9.0], [low, 0.5 * low + 0.5 * high, high, -9.0]])
+    read = found.overturning(asked)
+    for row, share in ((0, 0.25), (1, 0.5)):
+        one, two = found.probability[row, k : k + 2]
+        assert read[row, :3] == pytest.approx([one, (1.0 - share) * one + share * two, two], rel=1e-9, abs=1e-12)
+    assert read[0, 3] == found.probability[0, -1]
+    assert read[1, 3] == 0.0
+
+
+def test_the_range_of_restitution_may_end_at_zero_at_one_and_at_one_value():
+    for least, most in ((0.0, 0.1), (0.5, 0.5), (0.9, 1.0 + 5e-10)):
+        assert overturning_probability(WALL, PULSE, DT, least=least, most=most).at_one.shape == (1,)
+    for least, most in ((-1e-12, 0.1), (0.9, 1.0 + 2e-9)):
+        with pytest.raises(ValueError, match="least <= most"):
+            overturning_probability(WALL, PULSE, DT, least=least, most=most)
+
+
+def test_draws_are_those_of_seed_0_unless_another_one_is_given():
+    by_default = overturning_probability(WALL, TRAIN, DT, factor_max=30.0)
+    assert np.array_equal(values(by_default), values(overturning_probability(WALL, TRAIN, DT, factor_max=30.0, seed=0)))
+    for seed in (1.5, True, "0"):
+        with pytest.raises(ValueError, match="seed: expected a whole number"):
+            overturning_probability(WALL, TRAIN, DT, seed=seed)
+
+
+def test_the_share_of_lanes_in_free_flight():
+    """A vertical of 2 g at its last sample but one: above a factor of 0.5 there is no answer, below it the body rests."""
+    up = np.append(np.zeros(99), [-2.0 * WALL.gravity, 0.0])
+    found = overturning_probability(
+        Block([0.3, 2.4], [1.2, 1.2]), 0.3 * TRAIN[150:251], DT, vertical=up, factor_max=3.0
+    )
+    assert np.all((found.unresolved > 0.0) & (found.unresolved <= 1.0))

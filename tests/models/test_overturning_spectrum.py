@@ -6,9 +6,18 @@ import numpy as np
 import pytest
 from scipy.special import ndtr
 
-from rocking import Block, OverturningSpectrum, Uncertainty, critical_scale, spectrum_lanes
-from rocking.lane_probability import lane_bells, tail_masses
-from rocking.overturning_spectrum import INTERPOLATION, TWO_SIDED, covered_range, slender_within
+from rocking import Block, OverturningSpectrum, Tie, Uncertainty, critical_scale, spectrum_lanes
+from rocking.crossing import factor_at, mean_capacity, rising
+from rocking.lane_probability import NO_LANE, lane_bells, tail_masses
+from rocking.overturning_spectrum import (
+    INTERPOLATION,
+    TWO_SIDED,
+    OverturningFactors,
+    covered,
+    covered_range,
+    slender_within,
+)
+from rocking.spectrum_lanes import SpectrumLanes
 from rockpulse.record.synthetic import synthetic_motion
 
 DT = 0.01
@@ -192,3 +201,179 @@ def test_restitution_outside_the_lanes(spectrum, restitution):
 def test_rotation_must_be_positive(spectrum):
     with pytest.raises(ValueError, match="rotation"):
         spectrum.probability([0.9], rotation=0.0)
+
+
+#: Uncertainty of the spectrum of the lanes made by hand.
+KNOWN = Uncertainty(factor=0.08, restitution=(0.85, 0.95), geometry=0.06)
+
+
+@pytest.fixture(scope="module")
+def by_hand():
+    """Few lanes of uneven weight at three frequency parameters, each from and to an x of its own."""
+    rng = np.random.default_rng(8)
+    p, bottom, top = np.array([1.0, 1.3, 2.0]), np.array([-1.01, -0.83, -0.41]), np.array([1.02, 0.77, 1.31])
+    restitution = np.sort(rng.uniform(0.675, 1.0, (3, 60)), axis=1)
+    restitution[0, 20], restitution[2, 50] = 0.85 * 0.93, 0.95 * 0.93
+    log_x = bottom[:, np.newaxis] + (top - bottom)[:, np.newaxis] * rng.random((3, 60))
+    weight = (top - bottom)[:, np.newaxis] / 60 * rng.uniform(0.5, 2.0, (3, 60))
+    over = rng.random((3, 60)) < ndtr((log_x - np.array([[-0.2], [-0.1], [0.4]])) / 0.3)
+    peak = np.where(over, np.inf, rng.uniform(0.1, 1.2, (3, 60)))
+    peak[1, np.flatnonzero(~over[1])[7]] = 0.7
+    lanes = SpectrumLanes(p, log_x, np.sort(restitution, axis=1), weight, peak, bottom, top, (0.675, 1.0))
+    return OverturningSpectrum(lanes, KNOWN)
+
+
+def lane_by_lane(spectrum, place, least, most, rotation=np.inf):
+    """P and its variance at the levels, (k,) each, from the lanes of one p with a restitution from least to most."""
+    lanes, known, found = spectrum.lanes, spectrum.uncertainty, []
+    columns = (lanes.log_x, lanes.weight, lanes.restitution, lanes.peak)
+    rows = zip(*(one[place] for one in columns), strict=True)
+    own = [(t, w, peak >= rotation) for t, w, c, peak in rows if least <= c <= most]
+    for level in np.log(spectrum.level):
+        heights = known.density(np.array([t - level for t, _, _ in own])).tolist()
+        counts = [(w * height, over) for height, (_, w, over) in zip(heights, own, strict=True)]
+        whole = sum(b for b, _ in counts)
+        seen = whole > NO_LANE
+        share = sum(b for b, over in counts if over) / whole if seen else 0.0
+        variance = sum((b * (over - share)) ** 2 for b, over in counts) / whole**2 if seen else 0.0
+        below, above = (
+            float(known.below(lanes.bottom[place] - level)),
+            1.0 - float(known.below(lanes.top[place] - level)),
+        )
+        inside = 1.0 - below - above
+        found.append((inside * share + above, inside**2 * variance))
+    return np.array(found).T
+
+
+#: Of the blocks: at the ends of the p of the lanes and one rounding outside, at one between and among them.
+BLOCKS = Block.from_parameters(
+    p=[1.0, 1.15, 1.3, 1.9, 2.0, 2.0 * (1.0 + 5e-10)],
+    alpha=[0.2, 0.1, 0.15, 0.2, 0.25, 0.05],
+    restitution=[0.93, 0.92, 0.9, 0.87, 0.95, 0.97],
+    log=False,
+)
+
+
+def interpolated(spectrum, p, least, most):
+    """P (k,) of one block and its standard error: linear in ln p between the two frequency parameters beside it."""
+    above = 1 if p <= 1.3 else 2
+    ends = spectrum.p[above - 1 : above + 1]
+    share = min(math.log(p / ends[0]) / math.log(ends[1] / ends[0]), 1.0)
+    low, high = (lane_by_lane(spectrum, place, least, most) for place in (above - 1, above))
+    return (1.0 - share) * low[0] + share * high[0], np.sqrt((1.0 - share) ** 2 * low[1] + share**2 * high[1])
+
+
+def test_the_factors_of_a_block_are_those_of_its_lanes_added_one_by_one(by_hand):
+    found, own = by_hand.factors(BLOCKS), by_hand.factors(BLOCKS, least=np.full(6, 0.77), most=np.full(6, 0.9))
+    levels = np.log(by_hand.level)
+    step = levels[1] - levels[0]
+    alike = np.exp(-(np.subtract.outer(levels, levels) ** 2) / (2.0 * by_hand.uncertainty.spread) ** 2)
+    asked = np.exp(np.linspace(-4.0, 4.0, 33))
+    overturning = by_hand.overturning(BLOCKS, np.outer(np.ones(6), asked))
+    for place in range(6):
+        block = BLOCKS.lane(place)
+        speed = block.gravity * math.tan(block.alpha_c) / block.p
+        shares = 0.85 * block.restitution, 0.95 * block.restitution
+        for read, ends in ((found, shares), (own, (0.77, 0.9))):
+            probability, error = interpolated(by_hand, block.p, *ends)
+            upper = np.maximum.accumulate(np.minimum(probability + 1.6448536 * error, 1.0))
+            lower = np.minimum.accumulate(np.maximum(probability - 1.6448536 * error, 0.0)[::-1])[::-1]
+            fitted = rising(probability)
+            ones = [np.interp(-math.log(speed), levels, one) for one in (fitted, lower, upper)]
+            expected = dict(zip(("at_one", "at_one_low", "at_one_high"), ones, strict=True))
+            of_mean = step * math.sqrt(error @ alike @ error)
+            mean = float(mean_capacity(by_hand.level, probability)) * speed
+            widths = {"capacity_mean": (mean, 1.6448536 * of_mean, 1.6448536 * of_mean)}
+            for name, share in (("factor_10", 0.1), ("factor_50", 0.5)):
+                value, early, late = (float(factor_at(share, by_hand.level, one)) for one in (fitted, upper, lower))
+                widths[name] = value * speed, math.log(value / early), math.log(late / value)
+            for name, (value, below, above) in widths.items():
+                expected[name] = value
+                expected[f"{name}_low"] = value * math.exp(-math.hypot(below, 1.6448536 * 0.02))
+                expected[f"{name}_high"] = value * math.exp(math.hypot(above, 1.6448536 * 0.02))
+            assert {name: values[place] for name, values in vars(read).items()} == pytest.approx(expected, rel=1e-6)
+        fitted = rising(interpolated(by_hand, block.p, *shares)[0])
+        assert overturning[place] == pytest.approx(np.interp(np.log(asked / speed), levels, fitted), abs=1e-7)
+
+
+@pytest.mark.parametrize("rotation", [0.3, 0.7, np.inf])
+def test_the_probability_of_a_limit_state_is_that_of_its_lanes_added_one_by_one(by_hand, rotation):
+    nominal = np.array([0.93, 0.97])
+    found = by_hand.probability(nominal, rotation)
+    for place in range(3):
+        for row, one in enumerate(nominal):
+            expected, _ = lane_by_lane(by_hand, place, 0.85 * one, 0.95 * one, rotation)
+            assert found[place, row] == pytest.approx(rising(expected), abs=1e-7)
+    assert by_hand.spectrum(nominal, rotation) == pytest.approx(1.0 / mean_capacity(by_hand.level, found))
+    assert by_hand.spectrum(0.93, rotation)[:, 0].tolist() == by_hand.spectrum(nominal, rotation)[:, 0].tolist()
+
+
+def test_levels_reach_from_where_nothing_to_where_all_overturns(by_hand):
+    """Six deviations below the lowest lanes and above the highest ones, at whole multiples of 0.05 of ln x."""
+    reach, places = 6.0 * KNOWN.spread, np.log(by_hand.level) / 0.05
+    assert places == pytest.approx(np.arange(round(places[0]), round(places[-1]) + 1), abs=1e-9)
+    assert places[0] <= (-1.01 - reach) / 0.05 < places[0] + 1.0
+    assert places[-1] - 1.0 < (1.31 + reach) / 0.05 <= places[-1]
+
+
+def test_a_spectrum_of_one_frequency_parameter_stands_for_it_alone(by_hand):
+    lanes = by_hand.lanes
+    columns = (lanes.p, lanes.log_x, lanes.restitution, lanes.weight, lanes.peak, lanes.bottom, lanes.top)
+    one = OverturningSpectrum(SpectrumLanes(*(values[1:2] for values in columns), lanes.between), KNOWN)
+    blocks = BLOCKS.chosen(np.array([2, 3]))
+    assert one.covers(blocks, 0.85 * blocks.restitution, 0.95 * blocks.restitution).tolist() == [True, False]
+    alone, among = vars(one.factors(blocks.lane(0).lanes(1))), vars(by_hand.factors(blocks.lane(0).lanes(1)))
+    assert {name: values[0] for name, values in alone.items()} == pytest.approx(
+        {name: values[0] for name, values in among.items()}, rel=1e-6
+    )
+
+
+def test_only_factors_above_the_largest_one_are_not_reached():
+    """Of two blocks: the largest factor asked for is just reached by what equals it."""
+    names = ("at_one", "factor_10", "factor_50", "capacity_mean")
+    values = {name: np.array([0.2, 3.0]) + 2.0 * k for k, name in enumerate(names)}
+    both = OverturningFactors(
+        **values,
+        **{f"{name}_low": 0.5 * one for name, one in values.items()},
+        **{f"{name}_high": 2.0 * one for name, one in values.items()},
+    )
+    found = both.up_to(5.0)
+    for name in ("at_one", "at_one_low", "at_one_high"):
+        assert getattr(found, name).tolist() == getattr(both, name).tolist()
+    assert (found.factor_10.tolist(), found.factor_50.tolist()) == ([2.2, 5.0], [4.2, np.inf])
+    assert found.capacity_mean.tolist() == [np.inf, np.inf]
+    assert found.factor_10_low.tolist() == [1.1, 2.5]
+    assert (found.factor_50_low.tolist(), found.capacity_mean_low.tolist()) == ([2.1, 3.5], [3.1, 4.5])
+    assert (found.factor_10_high.tolist(), both.up_to(10.0).factor_10_high.tolist()) == ([4.4, np.inf], [4.4, 10.0])
+
+
+def test_only_free_bodies_alike_on_both_sides_or_those_before_a_wall_are_covered():
+    """Of a restitution of 0.9, but for a rebound of 0.4."""
+    free, wide = (Block(0.3, a, restitution=0.9, log=False).lanes(1) for a in (1.5, 0.9))
+    leaning = Block(0.3, 1.5, restitution=0.9, offset=0.02, log=False).lanes(1)
+    tied = Block(0.3, 1.5, restitution=0.9, mass=1000.0, ties=[Tie(height=1.0, stiffness=1e5)], log=False).lanes(1)
+    wall = Block(0.3, 1.5, rebound=0.4, one_sided=True, log=False).lanes(1)
+    skewed = Block(0.3, 1.5, rebound=0.4, one_sided=True, offset=0.02, log=False).lanes(1)
+    ends = np.array([0.8]), np.array([0.9])
+    assert [covered(one, *ends).tolist() for one in (free, wide, leaning, tied, wall)] == [
+        [True], [False], [False], [False], [False]
+    ]  # fmt: skip
+    ends, between = (np.array([0.3]), np.array([0.5])), (0.25, 0.55)
+    for one, side, expected in (
+        (wall, 1, True),
+        (skewed, 1, True),
+        (wall, -1, False),
+        (free, 1, False),
+        (wall, 0, False),
+    ):
+        assert covered(one, *ends, between=between, side=side).tolist() == [expected]
+
+
+def test_the_narrowest_range_covered_is_a_share_of_that_of_the_lanes():
+    """0.09 of it, within rounding; the ends count where they are met."""
+    between = (0.25, 0.55)
+    assert covered_range(np.array([0.3, 0.3]), np.array([0.3271, 0.3269]), between).tolist() == [True, False]
+    edge = np.array([0.25 * (1.0 - 1e-9), 0.5]), np.array([0.4, 0.55 * (1.0 + 1e-9)])
+    assert covered_range(*edge, between).tolist() == [True, True]
+    narrowest = 0.09 * (1.0 - 0.0) * (1.0 - 1e-9)
+    assert covered_range(np.zeros(1), np.array([narrowest]), (0.0, 1.0)).tolist() == [True]

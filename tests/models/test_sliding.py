@@ -66,3 +66,72 @@ def test_a_steady_vertical_acceleration_is_gravity(lift):
     heavier = sliding_demand(Block(**size, gravity=Block(**size).gravity + lift), motion, 0.005, friction=0.2)
     assert found.required == pytest.approx(heavier.required, rel=1e-3)
     assert found.share == pytest.approx(heavier.share, abs=5e-3)
+
+
+def test_of_unlike_corners_under_both_components_sample_by_sample():
+    """Newton and Euler for the centre of mass at r from the corner: a = theta'' (r_z, -r_x) - theta'^2 r.
+
+    One lane rocks, one overturns, one stays at rest; the motion is that of the solver.
+    """
+    motion, up = (synthetic(seed=one, n=2500, peak=peak) for one, peak in ((2, 2.4), (7, 1.5)))
+    bodies = Block.stack([Block.from_corners(0.2, 0.3, 1.0, 0.6), Block(width=0.22, height=2.5), Block(1.0, 1.0)])
+    friction = np.array([0.25, 0.2, np.nan])
+    found = sliding_demand(bodies, motion, 0.01, friction=friction, vertical=up, scale=1.25)
+    response = recorded_response(bodies, 1.25 * motion, 0.01, vertical=1.25 * up, history=True)
+    assert not np.isfinite(response.rotation[1]).all()
+    assert response.peak_rotation_ratio[0] > 0.0 == response.peak_rotation_ratio[2]
+    for place in range(3):
+        one, g, asked = bodies.lane(place), bodies.gravity, []
+        rows = zip(response.rotation[place], response.velocity[place], 1.25 * motion, 1.25 * up, strict=True)
+        for theta, speed, across, lift in rows:
+            if not math.isfinite(theta):
+                continue
+            s, alpha, p, radius = (
+                (1, one.alpha_c, one.p, one.radius) if theta >= 0.0 else (-1, one.alpha_2, one.p_2, one.radius_2)
+            )
+            x, z = -s * radius * math.sin(alpha - abs(theta)), radius * math.cos(alpha - abs(theta))
+            turning = p**2 / (g * radius) * ((g + lift) * x - across * z) if theta or speed else 0.0
+            normal = g + lift - turning * x - speed**2 * z
+            asked.append(abs(across + turning * z - speed**2 * x) / normal)
+        assert found.required[place] == pytest.approx(max(asked), rel=1e-9)
+        if place < 2:
+            assert found.share[place] == pytest.approx(np.mean(np.array(asked) > friction[place]), abs=1e-12)
+    assert 0.0 < found.share[0] < 1.0
+    assert np.isnan(found.share[2])
+    assert not found.loses_contact.any()
+
+
+@pytest.mark.parametrize(("lift", "lost"), [(-9.80665, True), (-9.8, False)])
+def test_a_body_loses_contact_where_the_ground_falls_as_fast(lift, lost):
+    """At the last sample, on a body that the ground does not turn."""
+    motion, up = np.full(50, 0.001), np.append(np.zeros(49), lift)
+    found = sliding_demand(Block(width=1.0, height=1.0), motion, 0.01, friction=0.01, vertical=up)
+    assert found.loses_contact.tolist() == [lost]
+    assert found.required.tolist() == [np.inf if lost else pytest.approx(0.001 / 0.00665)]
+    assert found.share.tolist() == [1 / 50]
+
+
+def test_a_coefficient_that_is_just_there_is_enough():
+    motion = np.full(20, 0.5)
+    body = Block(width=1.0, height=1.0)
+    assert sliding_demand(body, motion, 0.01, friction=0.5 / body.gravity).share.tolist() == [0.0]
+
+
+def test_nothing_is_lost_by_walls_and_ties():
+    """Though the ground falls as fast as a free body that stands beside them."""
+    up = np.append(np.zeros(49), -9.80665)
+    bodies = [Block(width=1.0, height=1.0), Block(width=1.0, height=1.0, one_sided=True)]
+    bodies.append(Block(width=1.0, height=1.0, mass=100.0, ties=[Tie(0.5, 1e4)]))
+    found = sliding_demand(Block.stack(bodies), np.full(50, 0.001), 0.01, friction=0.3, vertical=up)
+    assert found.loses_contact.tolist() == [True, False, False]
+    assert np.isnan(found.share).tolist() == [False, True, True]
+
+
+def test_an_impact_of_unlike_corners_asks_for_the_stated_ratio():
+    """h (1 - C)/(b_1 + C b_2), the right-hand corner 0.3 and the left-hand one 0.2 beside the centre, 0.6 above."""
+    body = Block.from_corners(0.3, 0.2, 1.0, 0.6)
+    height, right = body.radius * math.cos(body.alpha_c), body.radius * math.sin(body.alpha_c)
+    left = body.radius_2 * math.sin(body.alpha_2)
+    assert impact_friction(body, 0.7) == pytest.approx(height * 0.3 / (right + 0.7 * left))
+    assert impact_friction(body) == pytest.approx(height * (1 - body.restitution) / (right + body.restitution * left))
+    assert right != pytest.approx(left)
