@@ -111,5 +111,5 @@ def _where_verdicts_differ(lanes: BodyLanes) -> tuple[np.ndarray, np.ndarray]:
     """A grid (g,) of ln f, and the density of the second part on it, in a unit of its own."""
     grid = np.linspace(lanes.bottom, lanes.top, POINTS)
     near = np.exp(-0.5 * ((lanes.log_factor - grid[:, np.newaxis]) / NEIGHBOURS) ** 2) * lanes.weight
-    share = np.clip(np.sum(near * lanes.over, axis=1) / np.maximum(np.sum(near, axis=1), 1e-300), 0.0, 1.0)
+    share = np.sum(near * lanes.over, axis=1) / np.sum(near, axis=1)
     return grid, np.sqrt(share * (1.0 - share)) + FLOOR * 0.5

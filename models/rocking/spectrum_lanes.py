@@ -295,7 +295,7 @@ def _where_verdicts_differ(
     """
     grid = np.linspace(lowest, highest, POINTS)
     near = np.exp(-0.5 * ((level - grid[:, np.newaxis]) / NEIGHBOURS) ** 2)
-    share = np.clip(np.sum(near * over, axis=1) / np.maximum(np.sum(near, axis=1), 1e-300), 0.0, 1.0)
+    share = np.sum(near * over, axis=1) / np.sum(near, axis=1)
     wanted = np.sqrt(share * (1.0 - share)) + FLOOR * 0.5
     step = grid[1] - grid[0]
     filled = np.append(0.0, np.cumsum(0.5 * (wanted[1:] + wanted[:-1]))) * step

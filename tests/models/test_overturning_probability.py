@@ -145,6 +145,7 @@ def test_a_record_of_zeros_leaves_the_body_at_rest():
         assert getattr(found, name).tolist() == [np.inf]
         assert getattr(found, f"{name}_low").tolist() == [10.0]
     assert np.all(found.probability == 0.0)
+    assert found.unresolved.tolist() == [0.0]
 
 
 def test_a_body_that_no_draw_lifts_stays():
@@ -278,12 +279,3 @@ def test_draws_are_those_of_seed_0_unless_another_one_is_given():
     for seed in (1.5, True, "0"):
         with pytest.raises(ValueError, match="seed: expected a whole number"):
             overturning_probability(WALL, TRAIN, DT, seed=seed)
-
-
-def test_the_share_of_lanes_in_free_flight():
-    """A vertical of 2 g at its last sample but one: above a factor of 0.5 there is no answer, below it the body rests."""
-    up = np.append(np.zeros(99), [-2.0 * WALL.gravity, 0.0])
-    found = overturning_probability(
-        Block([0.3, 2.4], [1.2, 1.2]), 0.3 * TRAIN[150:251], DT, vertical=up, factor_max=3.0
-    )
-    assert np.all((found.unresolved > 0.0) & (found.unresolved <= 1.0))

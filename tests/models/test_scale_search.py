@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from rocking import exceedance_intervals
-from rocking.scale_search import CASES_AT_ONCE
+from rocking.scale_search import CASES_AT_ONCE, ScaleIntervals
 
 
 def bands(*edges):
@@ -29,10 +29,11 @@ def test_every_edge_is_found_to_its_tolerance():
     assert found.step == pytest.approx(100.0 ** (1.0 / 63.0))
 
 
-@pytest.mark.parametrize("tolerance", [1e-2, 1e-4, 1e-9])
+@pytest.mark.parametrize("tolerance", [1e-2, 1e-4, 1e-9, 1e-12])
 def test_a_bracket_is_as_narrow_as_asked_for(tolerance):
     found = exceedance_intervals(bands((np.e, 99.0)), [0.1], 10.0, 16, tolerance)
     assert found.safety_factor[0] / found.safe_up_to[0] - 1.0 <= tolerance * 1.001
+    assert found.safety_factor[0] / found.safe_up_to[0] - 1.0 > tolerance * 0.47
     assert found.safe_up_to[0] < np.e <= found.safety_factor[0]
 
 
@@ -150,7 +151,7 @@ def test_a_band_found_low_spares_the_steps_above_it():
 
 def test_the_scan_of_a_lane_far_from_its_limit_stays_as_it_is():
     _, asked = asked_for(lambda lanes, factors: 0.0015 * factors**2, [0.1], 64)
-    assert asked.size == 64 + 1
+    assert asked == pytest.approx(np.sort(np.append(np.geomspace(0.1, 10.0, 64), 1.0)), rel=1e-12)
 
 
 def test_a_scan_does_not_depend_on_companions_with_more_factors():
@@ -206,3 +207,103 @@ def test_many_lanes_give_what_each_alone_gives():
 def test_what_is_out_of_range_is_refused(arguments, message):
     with pytest.raises(ValueError, match=message):
         exceedance_intervals(bands((1.0, 2.0)), *arguments)
+
+
+def step_by_step(reach, start, points):
+    """One lane of the search up to 10, as its notes tell it: all factors asked for, and the edges found."""
+    grid = [start * (10.0 / start) ** (k / (points - 1)) for k in range(points - 1)] + [10.0]
+    rows = [(x, reach(x), 0) for x in sorted({*grid, min(max(1.0, start), 10.0)})]
+    while True:
+        first = min((x for x, one, _ in rows if one >= 1.0), default=np.inf)
+        near, last = [min(one, 1.0) for _, one, _ in rows], len(rows) - 1
+        bend = [abs(near[k + 1] - 2.0 * near[k] + near[k - 1]) if 0 < k < last else 0.0 for k in range(last + 1)]
+        due = [
+            k
+            for k in range(last)
+            if rows[k][0] < first
+            and max(near[k : k + 2]) + max(bend[k : k + 2]) >= (0.2, 0.45, 0.7, 0.95, 1.2, 1.45, np.inf)[rows[k][2]]
+        ]
+        if not due:
+            break
+        for k in reversed([k for place, k in enumerate(due) if place < max(4, len(due) / 2)]):
+            (low, one, times), middle = rows[k], (rows[k][0] * rows[k + 1][0]) ** 0.5
+            rows[k : k + 1] = [(low, one, times + 1), (middle, reach(middle), times + 1)]
+    asked = [x for x, _, _ in rows]
+    over, edges = [one >= 1.0 for _, one, _ in rows], []
+    for k in range(1, len(rows)):
+        if over[k] != over[k - 1]:
+            low, high = asked[k - 1 : k + 1]
+            while high - low > 1e-6 * high:
+                middle = 0.5 * (low + high)
+                asked.append(middle)
+                low, high = (low, middle) if (reach(middle) >= 1.0) == over[k] else (middle, high)
+            edges.append(high if over[k] else low)
+    return np.unique(asked), edges
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_the_search_is_the_one_that_its_notes_tell(seed):
+    """Four lanes whose reach has several peaks, against the search of each alone and step by step."""
+    rng = np.random.default_rng(seed)
+    at, height = rng.uniform(np.log(0.2), np.log(12.0), (4, 5)), rng.uniform(0.1, 1.15, (4, 5))
+    height[3] *= 0.8
+    start, points = np.array([0.1, 0.35, 1.2, 0.1]), np.array([40, 9, 24, 33])
+
+    def reach(lane, factor):
+        return np.max(height[lane] * np.exp(-(((np.log(factor) - at[lane]) / 0.08) ** 2)))
+
+    asked = [[] for _ in start]
+
+    def ask(lanes, factors):
+        for column, lane in enumerate(lanes):
+            asked[lane].extend(factors[:, column])
+        return np.array([[reach(lane, one) for lane, one in zip(lanes, row, strict=True)] for row in factors])
+
+    found = exceedance_intervals(ask, start, 10.0, points)
+    for lane in range(4):
+        expected, edges = step_by_step(lambda factor, lane=lane: reach(lane, factor), start[lane], points[lane])
+        assert np.unique(np.round(asked[lane], 9)) == pytest.approx(np.unique(np.round(expected, 9)))
+        mine = np.sort(np.concatenate([found.lower[found.lane == lane], found.upper[found.lane == lane]]))
+        assert mine[mine < 10.0] == pytest.approx(edges, rel=1e-9)
+
+
+def test_scans_of_many_lanes_are_asked_for_in_parts():
+    """So many lanes at once that their factors are no more than 16384, and one lane where its own are more."""
+    sizes = []
+
+    def ask(lanes, factors):
+        sizes.append(factors.shape)
+        return np.zeros(factors.shape, dtype=bool)
+
+    exceedance_intervals(ask, np.full(700, 0.5), 10.0, 48)
+    assert sizes == [(49, 341), (49, 341), (49, 18)]
+    sizes.clear()
+    exceedance_intervals(ask, np.full(2, 0.5), 10.0, 20000)
+    assert sizes == [(20001, 1), (20001, 1)]
+    sizes.clear()
+    exceedance_intervals(ask, np.full(2, 0.5), 10.0, [3, 8192])
+    assert sizes == [(8193, 2)]
+
+
+def test_a_search_that_starts_at_its_end_looks_there():
+    found = exceedance_intervals(bands((5.0, 20.0)), [10.0, 10.1], 10.0, 64)
+    assert found.safety_factor.tolist() == [10.0, np.inf]
+    assert found.safe_up_to.tolist() == [10.0, 10.0]
+    assert (found.lane.tolist(), found.open.tolist()) == ([0], [True])
+    assert found.step.tolist() == [1.0, 1.0]
+
+
+def test_lanes_that_were_not_searched_stand_among_the_others():
+    some = exceedance_intervals(bands((1.0, 2.0), (4.0, 5.0)), [0.1, 20.0], 10.0, 64)
+    whole = some.among(np.array([False, True, False, True]))
+    for name in ("safety_factor", "safe_up_to", "step"):
+        values = getattr(whole, name)
+        assert values[[1, 3]].tolist() == getattr(some, name).tolist()
+        assert np.isnan(values[[0, 2]]).all()
+    assert whole.lane.tolist() == [1, 1]
+    assert whole.count.tolist() == [0, 2, 0, 0]
+    assert (whole.lower.tolist(), whole.upper.tolist()) == (some.lower.tolist(), some.upper.tolist())
+    unknown = ScaleIntervals.unknown((3,))
+    assert unknown.count.tolist() == [0, 0, 0]
+    assert np.isnan([unknown.safety_factor, unknown.safe_up_to, unknown.step]).all()
+    assert [getattr(unknown, name).size for name in ("lower", "upper", "open", "resolved")] == [0, 0, 0, 0]
