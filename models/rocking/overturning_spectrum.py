@@ -289,8 +289,8 @@ class OverturningSpectrum:
 
     def _between(self, p: np.ndarray, least: np.ndarray, most: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """P (m, k) of blocks, linear in ln p between the frequency parameters, and its standard error."""
-        above = np.minimum(np.maximum(np.searchsorted(self.p, p), 1), self.p.size - 1)
-        below = np.maximum(above - 1, 0)
+        above = np.minimum(np.searchsorted(self.p, p), self.p.size - 1)
+        below = above - 1  # of the first one it is the last, which has no share
         step = np.log(self.p[above] / self.p[below])
         share = np.clip(np.divide(np.log(p / self.p[below]), step, out=np.ones(p.size), where=step > 0.0), 0.0, 1.0)
         probability, variance = np.zeros((p.size, self.level.size)), np.zeros((p.size, self.level.size))

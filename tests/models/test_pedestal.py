@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from rocking import Tie
 from rocking.block import Block
 from rocking.pedestal import with_pedestal
 
@@ -59,3 +60,37 @@ def test_what_cannot_stand_is_refused(change, message):
     given = {"block": Block(width=0.5, height=1.8, mass=600.0), "width": 0.9, "height": 1.2, "mass": 2300.0} | change
     with pytest.raises(ValueError, match=message):
         with_pedestal(**given)
+
+
+def test_a_body_without_symmetry_stands_with_the_middle_of_its_base_on_that_of_the_pedestal():
+    """Steiner about the corners of the whole, both of them; at another gravity and with a restitution of its own."""
+    statue = Block.from_corners(0.2, 0.3, 1.0, 0.6, gravity=9.0, mass=600.0)
+    found = with_pedestal(statue.lanes(1), 0.9, 1.2, 2300.0, restitution=0.8)
+    # The centre of the statue is 0.05 to the right of the middle of its base, and of that of the pedestal.
+    x, z = 600.0 * 0.05 / 2900.0, (600.0 * 2.2 + 2300.0 * 0.6) / 2900.0
+    for corner, alpha, p in ((0.45, found.alpha_c, found.p), (-0.45, found.alpha_2, found.p_2)):
+        inertia = 600.0 * (0.6**2 + (0.05 - corner) ** 2 + 2.2**2)
+        inertia += 2300.0 * ((0.9**2 + 1.2**2) / 12.0 + corner**2 + 0.6**2)
+        radius = np.hypot(corner - x, z)
+        assert float(alpha) == pytest.approx(np.arctan(abs(corner - x) / z), rel=1e-12)
+        assert float(p) == pytest.approx(np.sqrt(2900.0 * 9.0 * radius / inertia), rel=1e-12)
+    assert (float(found.mass), found.gravity) == (2900.0, 9.0)
+    assert float(found.restitution) == float(found.restitution_2) == 0.8
+
+
+@pytest.mark.parametrize("name", ["width", "height", "mass"])
+def test_sizes_and_mass_of_a_pedestal_are_above_zero(name):
+    given = {"width": 0.9, "height": 1.2, "mass": 2300.0}
+    for value in (0.0, -1.0, np.nan, [1.0]):
+        with pytest.raises(ValueError, match=f"pedestal {name}"):
+            with_pedestal(Block(width=0.5, height=1.8, mass=600.0), **given | {name: value})
+    assert (
+        with_pedestal(Block(width=1e-3, height=1e-2, mass=1e-3, log=False), **given | {name: 0.1}, restitution=0.8).mass
+        > 0.0
+    )
+
+
+def test_a_tied_body_has_no_pedestal():
+    tied = Block(width=0.5, height=1.8, mass=600.0, ties=[Tie(1.0, 1e5)])
+    with pytest.raises(ValueError, match="expected a free one"):
+        with_pedestal(tied, 0.9, 1.2, 2300.0)

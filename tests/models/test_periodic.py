@@ -79,3 +79,39 @@ def test_lanes_are_every_sequence_on_every_block():
 def test_other_spacings_are_refused():
     with pytest.raises(ValueError, match="spacing"):
         steady_state(block(0.6), ImpulseSequence(0.3, 0.1, 0.1, 20.0))
+
+
+def test_two_sequences_on_two_blocks_have_the_closed_form_of_each_pair():
+    """u* = u_1 (1 - C s)/(1 - C), v* = u* - u_1 s/2, x* = 1 - sqrt(1 - v*^2), 2 atanh(v*)/p."""
+    bodies = Block([0.5, 0.4], [2.0, 3.0], restitution=[0.6, 0.7], gravity=9.81)
+    main, secondary = np.array([0.2, 0.35]), np.array([0.05, 0.2])
+    steady = steady_state(bodies, ImpulseSequence(main, secondary, np.nan, np.inf, spacing="continuous"))
+    for q, m in np.ndindex(2, 2):
+        c, p, u1 = bodies.restitution[m], bodies.p[m], main[q] / bodies.critical_impulse[m]
+        s = secondary[q] / main[q]
+        start = u1 * (1.0 - c * s) / (1.0 - c)
+        effective = start - u1 * s / 2.0
+        assert effective < 1.0
+        expected = (start, effective, 1.0 - np.sqrt(1.0 - effective**2), 2.0 * np.arctanh(effective) / p)
+        names = ("start_velocity", "effective_velocity", "peak", "half_period")
+        assert [getattr(steady, name)[q, m] for name in names] == pytest.approx(expected, rel=1e-9)
+    assert steady.stable.all()
+
+
+def test_a_spacing_does_not_matter_without_secondary_impulses():
+    body, impulse = block(0.6), 0.3 * block(0.6).critical_impulse
+    for spacing in ("end", "continuous"):
+        series = ImpulseSequence(impulse, 0.0, 0.1, np.inf, spacing=spacing)
+        assert steady_state(body, series).start_velocity == pytest.approx(0.75)
+    with pytest.raises(ValueError, match="spacing"):
+        steady_state(body, ImpulseSequence([impulse, impulse], [0.0, 1e-9], 0.1, np.inf))
+
+
+def test_without_losses_a_motion_without_gain_keeps_its_velocity_lane_by_lane():
+    bodies = Block.from_parameters(2.0, 0.2, [1.0, 0.6, 1.0], log=False)
+    impulse = 0.4 * bodies.critical_impulse[0]
+    steady = steady_state(bodies, ImpulseSequence(impulse, impulse, np.nan, np.inf, spacing="continuous"))
+    assert steady.start_velocity == pytest.approx([0.4, 0.4, 0.4])
+    assert steady.effective_velocity == pytest.approx([0.2, 0.2, 0.2])
+    grows = steady_state(bodies, ImpulseSequence(impulse, 0.5 * impulse, np.nan, np.inf, spacing="continuous"))
+    assert grows.start_velocity == pytest.approx([np.inf, 0.7, np.inf])

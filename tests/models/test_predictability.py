@@ -2,6 +2,7 @@
 
 import os
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -126,3 +127,58 @@ def test_records_have_lanes_of_both_kinds():
 
     marks = predictable(respond(lanes, np.array([1.0])), respond, lanes, np.array([1.0]), tolerance=1e-6)
     assert {0, 1} <= set(marks.ravel())
+
+
+def told(shape, peak=0.5):
+    """An answer of lanes of which all rock to one peak."""
+    return SimpleNamespace(peak_rotation_ratio=np.full(shape, peak), outcome=np.full(shape, int(Outcome.ROCKS)))
+
+
+@pytest.mark.parametrize("name", ["peak_rotation_ratio", "outcome"])
+@pytest.mark.parametrize(("run", "places"), [(0, (2, 6)), (1, (4, 3))])
+def test_each_of_the_four_runs_is_compared_lane_by_lane(run, places, name):
+    """Two factors on three blocks: restitutions down and up side by side, factors down and up one below the other."""
+    blocks, factors = Block.from_parameters([1.0, 2.0, 3.0], 0.2, [0.5, 0.6, 0.7], log=False), np.array([0.4, 2.0])
+    for place in np.ndindex(*places):
+        asked = []
+
+        def respond(block, scale, place=place, asked=asked):
+            asked.append((np.array(block.restitution), scale))
+            answer = told((scale.size, block.shape[0]))
+            if len(asked) == run + 1:
+                getattr(answer, name)[place] += 1
+            return answer
+
+        marks = predictable(told((2, 3)), respond, blocks, factors, perturbation=0.01)
+        expected = np.ones((2, 3))
+        expected[place[0] % 2, place[1] % 3] = 0
+        assert marks.tolist() == expected.tolist()
+        (bounced, as_given), (as_they_are, scaled) = asked
+        assert bounced == pytest.approx([0.495, 0.594, 0.693, 0.505, 0.606, 0.707])
+        assert as_given.tolist() == [0.4, 2.0]
+        assert as_they_are.tolist() == [0.5, 0.6, 0.7]
+        assert scaled == pytest.approx([0.396, 1.98, 0.404, 2.02])
+
+
+def test_a_spread_of_the_tolerance_is_the_same_and_overturned_peaks_are_none():
+    block = Block.from_parameters([1.0], 0.2, 0.9, log=False)
+
+    def marks_of(peak, answer, **options):
+        return predictable(answer, lambda one, scale: told((scale.size, one.shape[0]), peak), block, [1.0], **options)
+
+    assert marks_of(0.75, told((1, 1)), tolerance=0.25).tolist() == [[1]]
+    assert marks_of(0.75, told((1, 1)), tolerance=0.2499).tolist() == [[0]]
+    assert marks_of(0.5 + 9.9e-5, told((1, 1))).tolist() == [[1]]
+    assert marks_of(0.5 + 1.01e-4, told((1, 1))).tolist() == [[0]]
+    assert marks_of(np.inf, told((1, 1), np.inf)).tolist() == [[1]]
+    assert marks_of(np.nan, told((1, 1), np.nan)).dtype == np.int8
+
+
+def test_the_largest_perturbation_is_a_tenth():
+    block = Block.from_parameters([1.0], 0.2, 0.9, log=False)
+    answers = predictable(
+        told((1, 1)), lambda one, scale: told((scale.size, one.shape[0])), block, [1.0], perturbation=0.1
+    )
+    assert answers.tolist() == [[1]]
+    with pytest.raises(ValueError, match="perturbation"):
+        predictable(told((1, 1)), None, block, [1.0], perturbation=0.1001)

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 from recorded_cases import EQUATIONS, G, block_a, block_b, synthetic
 
-from rocking import Block, Outcome, Reason, recorded_response
+from rocking import Block, Outcome, Reason, ground_demand, recorded_response
 
 
 def first_crossing(response):
@@ -317,3 +317,91 @@ def test_samples_are_as_long_as_the_slowness_of_the_block_allows():
     assert recorded_response(slow, np.zeros(3), 1.9e4).outcome == Outcome.AT_REST
     with pytest.raises(ValueError, match="dt: expected p dt of at most 10000"):
         recorded_response(slow, np.zeros(3), 2.1e4)
+
+
+@pytest.mark.parametrize(
+    ("name", "kept", "refused"),
+    [
+        ("step", 0.3, 0.3001),
+        ("last_term", 1e-17, 0.9e-17),
+        ("last_term", np.inf, -1.0),
+        ("dt", 0.9999e4 / 2.0, 1.0001e4 / 2.0),
+        ("dt", 1e-9, 0.0),
+        ("initial_velocity", 0.9999e3 * 2.0, 1.0001e3 * 2.0),
+        ("initial_velocity", -0.9999e3 * 2.0, -1.0001e3 * 2.0),
+        ("acceleration", [0.0, 0.9999e7 * 9.80665], [0.0, 1.0001e7 * 9.80665]),
+        ("acceleration", [0.0, -0.9999e7 * 9.80665], [0.0, -1.0001e7 * 9.80665]),
+        ("vertical", [0.0, 0.9999e7 * 9.80665], [0.0, 1.0001e7 * 9.80665]),
+        ("vertical", [0.0, -0.9999e7 * 9.80665], [0.0, -1.0001e7 * 9.80665]),
+        ("scale", [0.0, 0.9999e7 * 9.80665 / 3.0], [0.0, 1.0001e7 * 9.80665 / 3.0]),
+        ("block_scale", 0.9999e7 * 9.80665 / 3.0, 1.0001e7 * 9.80665 / 3.0),
+        ("scale", 0.0, -1e-12),
+        ("block_scale", 0.0, -1e-12),
+    ],
+)
+def test_arguments_are_taken_up_to_their_limits(name, kept, refused):
+    """Of a body of p = 2, of the ground up to 10^7 g with its factors, of a sample up to p dt = 10^4."""
+    given = {"block": Block.from_parameters(2.0, 0.2, 0.5, log=False), "acceleration": [0.0, 3.0], "dt": 0.01}
+    assert np.isin(recorded_response(**given | {name: kept}).outcome, list(Outcome)).all()
+    with pytest.raises(ValueError, match=f"{name}: |acceleration, scale: expected at most 1e\\+07 times gravity"):
+        recorded_response(**given | {name: refused})
+
+
+def test_a_factor_of_a_block_below_one_leaves_the_limit_of_the_record():
+    """The record itself has to be one of a ground: 10^7 g times a thousandth are refused, too."""
+    body = Block.from_parameters(2.0, 0.2, 0.5, log=False)
+    with pytest.raises(ValueError, match="acceleration, scale"):
+        recorded_response(body, [0.0, 1.0001e7 * 9.80665], 0.01, block_scale=1e-3)
+
+
+def test_a_verdict_is_that_of_this_record_on_these_free_blocks_at_rest():
+    record = synthetic(4, peak=3.0)
+    blocks = Block.from_parameters([1.5, 3.0, 5.0], 0.2, 0.9, log=False)
+    demand = ground_demand(blocks, record, 0.01)
+    early, whole = (
+        recorded_response(blocks, record, 0.01, block_scale=[0.5, 1.0, 4.0], verdict=one) for one in (demand, None)
+    )
+    assert early.outcome.tolist() == whole.outcome.tolist()
+    assert len(set(whole.outcome.tolist())) > 1
+    wall = Block.stack([blocks.lane(0), blocks.lane(1), Block(width=0.5, height=2.0, one_sided=True)])
+    for change, message in (
+        ({"acceleration": record[:-1]}, "demand of this record on these blocks"),
+        ({"block": blocks.chosen(np.array([0, 1]))}, "demand of this record on these blocks"),
+        ({"block": wall}, "free-standing symmetric blocks"),
+        ({"vertical": 0.0 * record}, "without vertical acceleration and history"),
+        ({"history": True}, "without vertical acceleration and history"),
+        ({"equation": "linear"}, "without vertical acceleration and history"),
+        ({"initial_rotation": [0.0, 0.0, 0.01]}, "at rest"),
+        ({"initial_velocity": [0.0, 0.0, 0.01]}, "at rest"),
+        ({"verdict": 3.0}, "expected a rocking.Demand"),
+    ):
+        given = {"block": blocks, "acceleration": record, "dt": 0.01, "verdict": demand}
+        with pytest.raises(ValueError, match=message):
+            recorded_response(**given | change)
+
+
+def test_a_tangent_gain_wants_corners_that_are_alike():
+    motion, unlike = synthetic(4, peak=3.0), Block.from_corners(0.2, 0.3, 1.0, 0.6)
+    assert recorded_response(unlike, motion, 0.01, equation="linear").outcome in list(Outcome)
+    both = Block.stack([Block(width=0.5, height=2.0), unlike])
+    for bodies in (unlike, both):
+        with pytest.raises(ValueError, match="two unlike corners"):
+            recorded_response(bodies, motion, 0.01, equation="linear", gain="tangent")
+
+
+def test_kinds_of_bodies_in_one_call_answer_as_each_alone():
+    """Free ones, unlike corners and walls, in an order that mixes them, under two factors and with their histories."""
+    motion = synthetic(4, n=800, peak=4.0)
+    bodies = [
+        Block.from_corners(0.2, 0.3, 1.0, 0.6),
+        Block(width=0.5, height=2.0),
+        Block(width=0.4, height=2.2, one_sided=True),
+        Block(width=0.3, height=1.8),
+    ]
+    own = np.array([1.0, 0.7, 1.3, 1.6])
+    found = recorded_response(Block.stack(bodies), motion, 0.01, scale=[0.8, 1.4], block_scale=own, history=True)
+    for place, body in enumerate(bodies):
+        alone = recorded_response(body, motion, 0.01, scale=[0.8, 1.4], block_scale=float(own[place]), history=True)
+        for name in ("peak_rotation_ratio", "outcome", "impacts", "active_samples", "rotation", "velocity"):
+            assert np.array_equal(getattr(found, name)[:, place], getattr(alone, name), equal_nan=True), name
+    assert found.time.tolist() == pytest.approx((0.01 * np.arange(800)).tolist())

@@ -220,3 +220,67 @@ def test_pairs_have_the_factors_of_each_block_under_its_own_sequence():
     for block, wrong in ((blocks.lane(0), pairs), (blocks, no_count), (blocks, ends)):
         with pytest.raises(ValueError, match=r"^sequence: "):
             sequence_critical_scale(block, wrong, paired=True)
+
+
+def test_a_search_begins_at_resonance_or_at_a_thousandth_of_what_overturns_at_once(monkeypatch):
+    """Without losses and without end any impulse overturns, so that there is no bound but that thousandth."""
+    asked = []
+
+    def record(exceeds, start, factor_max, points):
+        asked.append((start.tolist(), points.tolist()))
+        return exceedance_intervals(exceeds, start, factor_max, points)
+
+    monkeypatch.setattr("rocking.sequence_safety.exceedance_intervals", record)
+    bodies = Block.from_parameters([2.0, 4.0], 0.2, [0.6, 1.0], log=False)
+    sequence = ImpulseSequence(main=0.3, secondary=0.1, interval=0.3, duration=2.0, spacing="end")
+    found = sequence_critical_scale(bodies, sequence, factor_max=5.0, step=1.1)
+    critical = bodies.critical_impulse
+    start = [0.4 * critical[0] / 0.3, 1e-3 * critical[1] / 0.3]
+    ((told, points),) = asked
+    assert told == pytest.approx(start)
+    assert points == [1 + int(np.ceil(np.log(5.0 / one) / np.log(1.1))) for one in start]
+    assert found.step == pytest.approx([(5.0 / one) ** (1.0 / (n - 1)) for one, n in zip(start, points, strict=True)])
+    assert np.all(found.step <= 1.1)
+
+
+@pytest.mark.parametrize("factor", [0.0, -1.0, np.nan, np.inf])
+def test_the_largest_factor_is_a_positive_number(factor):
+    sequence = ImpulseSequence(0.2, 0.1, 0.3, 15.0)
+    for search in (sequence_critical_scale, resonance_critical_scale):
+        with pytest.raises(ValueError, match="factor_max"):
+            search(BLOCKS, sequence, factor)
+    with pytest.raises(ValueError, match="step"):
+        sequence_critical_scale(BLOCKS, sequence, step=np.inf)
+
+
+def test_bands_that_touch_are_one_and_end_at_the_largest_factor():
+    """Two half-cycles, the second of which starts before the end for every factor below that of the first."""
+    block = Block.from_parameters(p=2.0, alpha=0.1, restitution=0.9, log=False)
+    main = 0.2 * block.critical_impulse
+    sequence = ImpulseSequence(main, 0.0, np.nan, np.inf, 2, spacing="continuous")
+    found = resonance_critical_scale(block, sequence, 5.0)
+    assert found.lower == pytest.approx([5.0 / 1.9])
+    assert found.upper.tolist() == [5.0]
+    assert found.open.tolist() == [True]
+    # The factor at which the band begins counts, and one below it does not.
+    edge = float(found.lower[0])
+    assert resonance_critical_scale(block, sequence, edge).count.tolist() == [1]
+    nothing = resonance_critical_scale(block, sequence, edge * (1.0 - 1e-12))
+    assert (nothing.count.tolist(), nothing.safety_factor.tolist()) == ([0], [np.inf])
+    assert nothing.safe_up_to.tolist() == [edge * (1.0 - 1e-12)]
+
+
+def test_closed_forms_of_several_blocks_are_those_of_each_alone():
+    """Bands by lane, some lanes without any, with a duration that leaves windows between them."""
+    blocks = Block.from_parameters(p=[2.0, 0.5, 3.0, 6.0], alpha=0.1, restitution=[0.9, 0.5, 0.8, 0.95], log=False)
+    sequence = ImpulseSequence(0.12, 0.03, np.nan, 1.1, spacing="continuous")
+    found = sequence_critical_scale(blocks, sequence, 6.0)
+    assert set(found.count.tolist()) >= {0, 2}
+    for place in range(4):
+        alone, mine = sequence_critical_scale(blocks.lane(place), sequence, 6.0), found.lane == place
+        for name in ("lower", "upper", "open"):
+            assert getattr(found, name)[mine].tolist() == getattr(alone, name).tolist()
+        assert found.safety_factor[place] == alone.safety_factor[0]
+        assert found.safe_up_to[place] == alone.safe_up_to[0]
+    assert found.step.tolist() == [1.0] * 4
+    assert found.resolved.all()

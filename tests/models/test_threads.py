@@ -104,3 +104,35 @@ def test_answers_do_not_depend_on_threads_or_neighbours(equation):
     for lane in range(0, lanes, 40):
         alone = recorded_response(block.lane(lane), motion, 0.01, equation)
         assert alone.peak_rotation_ratio == one.peak_rotation_ratio[lane]
+
+
+@pytest.mark.parametrize(
+    ("lanes", "threads", "smallest", "slices"),
+    [
+        (1000, 2, 8, 16),  # eight slices for each thread
+        (1003, 3, 8, 24),
+        (60, 2, 20, 3),  # of no fewer lanes than the smallest slice
+        (59, 2, 20, 2),
+        (40, 2, 20, 2),
+        (39, 2, 20, 1),
+        (1000, 1, 8, 1),
+    ],
+)
+def test_slices_are_alike_and_no_smaller_than_told(lanes, threads, smallest, slices):
+    found = []
+    split_lanes(lambda first, last: found.append((first, last)), lanes, threads, smallest)
+    assert sorted(found) == [(lanes * k // slices, lanes * (k + 1) // slices) for k in range(slices)]
+
+
+@pytest.mark.parametrize(("lanes", "slices"), [(127, 1), (128, 2)])
+def test_the_smallest_slice_is_64_lanes(lanes, slices):
+    found = []
+    split_lanes(lambda first, last: found.append((first, last)), lanes, 4)
+    assert len(found) == slices
+
+
+@pytest.mark.parametrize(("told", "expected"), [(6, 6), (None, 1)])
+def test_without_an_affinity_all_cores_are_available(told, expected, monkeypatch):
+    monkeypatch.delattr("os.sched_getaffinity", raising=False)
+    monkeypatch.setattr("os.cpu_count", lambda: told)
+    assert available_cores() == expected

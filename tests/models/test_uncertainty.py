@@ -92,3 +92,27 @@ def test_a_value_out_of_range_is_named(name, value):
 
 def test_a_range_of_one_restitution_is_one():
     assert Uncertainty(restitution=(1.0, 1.0)).restitution == (1.0, 1.0)
+
+
+@pytest.mark.parametrize(("name", "least", "most"), [("factor", 0.02, 1.0), ("geometry", 0.0, 1.0)])
+def test_the_ends_of_a_range_belong_to_it(name, least, most):
+    for value in (least, most):
+        assert getattr(Uncertainty(**{name: value}), name) == value
+    for value in (least - 1e-6, most + 1e-6):
+        with pytest.raises(ValueError, match=name):
+            Uncertainty(**{name: value})
+
+
+def test_by_default_a_factor_of_10_percent_a_tenth_of_the_restitution_and_5_percent_of_the_angle():
+    known = Uncertainty()
+    assert (known.factor, known.restitution, known.geometry) == (0.1, (0.9, 1.0), 0.05)
+    assert Uncertainty(restitution=(1e-6, 1e-6)).restitution == (1e-6, 1e-6)
+
+
+def test_beyond_eight_scales_the_density_is_zero():
+    """One scale is the hypotenuse of both spreads, 0.5."""
+    known = Uncertainty(factor=0.3, geometry=0.4)
+    inside, outside = known.density(np.array([[-3.99, 3.99], [1.0, -1.0]])), known.density([-4.0, 4.0, 9.0])
+    assert inside.shape == (2, 2)
+    assert inside[0, 1] == pytest.approx(2.0 / 0.5 * norm.pdf(7.98) * norm.cdf(4.0 / 3.0 * 7.98))
+    assert outside.tolist() == [0.0, 0.0, 0.0]
