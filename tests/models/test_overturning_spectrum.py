@@ -377,3 +377,12 @@ def test_the_narrowest_range_covered_is_a_share_of_that_of_the_lanes():
     assert covered_range(*edge, between).tolist() == [True, True]
     narrowest = 0.09 * (1.0 - 0.0) * (1.0 - 1e-9)
     assert covered_range(np.zeros(1), np.array([narrowest]), (0.0, 1.0)).tolist() == [True]
+
+
+def test_a_wide_loss_of_angle_leaves_every_error_finite(by_hand):
+    """The shift hardly goes below zero then: at the highest levels no mass of it is left inside the lanes."""
+    wide = OverturningSpectrum(by_hand.lanes, Uncertainty(factor=0.02, restitution=(0.85, 0.95), geometry=0.3))
+    found = wide.factors(BLOCKS)
+    for name in ("at_one", "factor_10", "factor_50", "capacity_mean"):
+        low, value, high = (getattr(found, f"{name}{end}") for end in ("_low", "", "_high"))
+        assert np.all((low <= value) & (value <= high) & (high < np.inf))
