@@ -131,12 +131,14 @@ def _at_one(lanes: BodyLanes, probability: np.ndarray, first: int, shift: Shift)
         return _interval("at_one", np.zeros(RESAMPLES + 1))
     place = min(-first, probability.shape[1] - 1)
     found = _interval("at_one", probability[:, place])
-    bells, (below, above) = lanes.sums(np.zeros(1), shift)
-    inside = float(1.0 - below[0] - above[0])
+    bells, tails = lanes.sums(np.zeros(1), shift)
+    bells, (below, above) = bells.ravel(), (float(mass.item()) for mass in tails)
+    inside = 1.0 - below - above
     if np.sum(bells) > 0.0:
         least = LOW ** (np.sum(bells**2) / np.sum(bells) ** 2)
-        if not lanes.over[bells[:, 0] > NEAR * np.max(bells)].any():
-            found["at_one_high"] = max(found["at_one_high"], inside * (1.0 - least) + float(above[0]))
-        if lanes.over[bells[:, 0] > NEAR * np.max(bells)].all():
-            found["at_one_low"] = min(found["at_one_low"], inside * least + float(above[0]))
+        near = lanes.over[bells > NEAR * np.max(bells)]
+        if not near.any():
+            found["at_one_high"] = max(found["at_one_high"], inside * (1.0 - least) + above)
+        if near.all():
+            found["at_one_low"] = min(found["at_one_low"], inside * least + above)
     return found

@@ -361,5 +361,5 @@ def _crossings(
     first: int, level: np.ndarray, probability: np.ndarray, speed: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """P at a factor of one, and the factors of 10 and 50 %, from rising P(x) and the speeds g tan(alpha)/p."""
-    at_one = _read(first, probability, -np.log(speed)[:, np.newaxis])[:, 0]
+    at_one = _read(first, probability, -np.log(speed)[:, np.newaxis]).ravel()
     return at_one, factor_at(0.1, level, probability) * speed, factor_at(0.5, level, probability) * speed

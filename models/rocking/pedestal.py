@@ -57,7 +57,7 @@ def with_pedestal(block: Block, width: float, height: float, mass: float, restit
     own = float(one.mass)
     if one.side or one.restraints is not None:
         raise ValueError("block: expected a free one on the pedestal, got one with a wall or with restraints")
-    if not own > 0.0:
+    if math.isnan(own):
         raise ValueError("block: one body with its pedestal needs the mass of both; give mass, or density and length")
     right, left = float(one.radius * np.sin(one.alpha_c)), float(one.radius_2 * np.sin(one.alpha_2))
     if right + left > width:

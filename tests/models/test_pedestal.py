@@ -94,3 +94,17 @@ def test_a_tied_body_has_no_pedestal():
     tied = Block(width=0.5, height=1.8, mass=600.0, ties=[Tie(1.0, 1e5)])
     with pytest.raises(ValueError, match="expected a free one"):
         with_pedestal(tied, 0.9, 1.2, 2300.0)
+
+
+def test_two_bodies_on_one_pedestal_are_refused():
+    with pytest.raises(ValueError, match="2"):
+        with_pedestal(Block(width=[0.5, 0.6], height=1.8, mass=600.0), 0.9, 1.2, 2300.0)
+
+
+def test_of_the_whole_nothing_is_logged(caplog):
+    """It is wider than high, of which its warnings tell."""
+    statue = Block(width=0.5, height=1.8, mass=600.0)
+    caplog.clear()
+    whole = with_pedestal(statue, 3.9, 0.2, 9000.0, restitution=0.5)
+    assert whole.warnings
+    assert not caplog.records

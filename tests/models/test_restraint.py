@@ -85,7 +85,7 @@ GIVEN[Thrust] = {"force": 1e3, "height": 1.0}
 )
 def test_what_has_to_be_above_zero(kind, name):
     assert getattr(kind(**GIVEN[kind] | {name: 1e-9}), name) == 1e-9
-    for value in (0.0, -1e-9, math.nan, "much", *(() if name in ("yield_force", "ultimate") else (math.inf,))):
+    for value in (0.0, -1e-9, math.nan, "much", [1.0], *(() if name in ("yield_force", "ultimate") else (math.inf,))):
         with pytest.raises(ValueError, match=f"{kind.__name__.lower()} {name}: expected a number above 0"):
             kind(**GIVEN[kind] | {name: value})
 
