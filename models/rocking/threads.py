@@ -7,6 +7,7 @@ import threading
 from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
+from itertools import pairwise
 
 import numpy as np
 
@@ -68,7 +69,7 @@ def split_lanes(kernel_call: Callable[[int, int], None], lanes: int, threads: in
         return
     edges = [lanes * i // slices for i in range(slices + 1)]
     with ThreadPoolExecutor(threads) as pool:
-        for running in [pool.submit(kernel_call, edges[i], edges[i + 1]) for i in range(slices)]:
+        for running in [pool.submit(kernel_call, *ends) for ends in pairwise(edges)]:
             running.result()
 
 

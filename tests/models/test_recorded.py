@@ -347,6 +347,13 @@ def test_arguments_are_taken_up_to_their_limits(name, kept, refused):
         recorded_response(**given | {name: refused})
 
 
+def test_a_weak_record_may_have_a_large_factor():
+    """A thousandth of 1 m/s2 times 10^9, with a vertical of as much or without."""
+    body = Block.from_parameters(2.0, 0.2, 0.5, log=False)
+    for up in (None, [0.0, 1e-3], [0.0, -1e-3]):
+        assert recorded_response(body, [0.0, 1e-3], 0.01, scale=1e9, vertical=up).outcome in list(Outcome)
+
+
 def test_a_factor_of_a_block_below_one_leaves_the_limit_of_the_record():
     """The record itself has to be one of a ground: 10^7 g times a thousandth are refused, too."""
     body = Block.from_parameters(2.0, 0.2, 0.5, log=False)
