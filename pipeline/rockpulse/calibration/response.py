@@ -168,9 +168,9 @@ def envelope(fit: ResponseCalibration, share: float, threads: int | None = None)
         form="enveloping",
         sequence=sequence,
         parameters={**fit.parameters, "main": float(sequence.main)},
-        misfit=float(fit.targets.misfit(peaks)[0]),
-        unsafe_share=float(fit.targets.short_of(peaks)[0]),
-        peaks=peaks[0],
+        misfit=fit.targets.misfit(peaks).item(),
+        unsafe_share=fit.targets.short_of(peaks).item(),
+        peaks=peaks.ravel(),
         remarks=(*fit.remarks, said),
     )
 
@@ -189,7 +189,7 @@ def _fit(
     threshold = deviance_threshold(int(np.count_nonzero(targets.number)), confidence)
     explored = explore(targets, space, point, 4.0 * threshold, rng, threads)
     likeliest = explored.points[np.argmax(explored.likelihood)]
-    independent, correlation = independent_share(targets, explored.peaks(likeliest[np.newaxis])[0])
+    independent, correlation = independent_share(targets, explored.peaks(likeliest[np.newaxis]).ravel())
     posterior = sample_posterior(explored, rng, independent)
     limits = intervals(space, posterior, confidence)
     ends = flat_ends(explored, threshold, independent)
@@ -197,27 +197,27 @@ def _fit(
     flat = tuple(name for name, (low, high) in ends.items() if low and high and np.all(curves[name][1] <= threshold))
     best = explored.best(limits, parameter_values(space, explored.points))
     sequence = space.sequence(explored.points[best])
-    values = parameter_values(space, explored.points[best : best + 1])
+    values = parameter_values(space, explored.points[[best]])
     peaks = _peaks(targets, sequence, threads)
     of_start = None if start is None else _peaks(targets, start, threads)
     calibration = ResponseCalibration(
         record_id=name,
         form="fit",
         sequence=sequence,
-        parameters={name: float(values[name][0]) for name in PARAMETERS},
+        parameters={name: values[name].item() for name in PARAMETERS},
         intervals=limits,
         main_counts=main_counts(posterior),
         profiles=curves,
         flat=flat,
         correlations=correlations(space, posterior),
-        misfit=float(targets.misfit(peaks)[0]),
-        unsafe_share=float(targets.short_of(peaks)[0]),
+        misfit=targets.misfit(peaks).item(),
+        unsafe_share=targets.short_of(peaks).item(),
         spread=float(explored.spread[best]),
         targets=targets,
-        peaks=peaks[0],
+        peaks=peaks.ravel(),
         start=start,
-        start_misfit=np.nan if of_start is None else float(targets.misfit(of_start)[0]),
-        start_unsafe_share=np.nan if of_start is None else float(targets.short_of(of_start)[0]),
+        start_misfit=np.nan if of_start is None else targets.misfit(of_start).item(),
+        start_unsafe_share=np.nan if of_start is None else targets.short_of(of_start).item(),
         confidence=confidence,
         effective_samples=posterior.effective,
         candidates=len(explored.likelihood),

@@ -40,16 +40,44 @@ def test_with_censoring_the_spread_is_that_of_a_plain_maximisation(seed):
         return -norm(scale=spread).logpdf(residuals).sum() - norm.logcdf(margins / spread).sum()
 
     best = minimize_scalar(negative, bounds=(-3.0, 3.0), method="bounded", options={"xatol": 1e-10})
-    found, spread = log_likelihood(peaks, data)
+    found, spread = log_likelihood(np.concatenate([peaks, peaks[:, ::-1]]), data)  # each sequence has its own spread
     assert found[0] == pytest.approx(-best.fun, abs=1e-8)
     assert spread[0] == pytest.approx(np.exp(best.x), rel=1e-4)
 
 
-def test_a_perfect_fit_stops_at_the_smallest_spread():
+@pytest.mark.parametrize(("noise", "reached"), [(0.02, 0.97), (0.002, 0.985), (0.02, 0.02), (0.0, 0.05)])
+def test_a_spread_far_from_that_of_the_numbers_alone_is_found(noise, reached):
+    """Blocks that should overturn reach less than 1, be it by little or by far."""
     numbers = np.linspace(0.1, 0.8, 8)
-    found, spread = log_likelihood(np.append(numbers, np.inf)[np.newaxis], targets(numbers, overturned=1))
-    assert spread[0] == SMALLEST_SPREAD
+    signs = noise * np.where(np.arange(8) % 2, 1.0, -1.0)
+    data = targets(numbers, overturned=2, small=1)
+    peaks = np.concatenate([numbers * np.exp(signs), [reached, reached, 0.01]])[np.newaxis]
+
+    def negative(logarithm):
+        spread = np.exp(logarithm)
+        parts = norm.logcdf(np.array([np.log(reached), np.log(reached), np.log(5.0)]) / spread)
+        return -norm(scale=spread).logpdf(signs).sum() - parts.sum()
+
+    best = minimize_scalar(negative, bounds=(np.log(0.01), 3.0), method="bounded", options={"xatol": 1e-12})
+    found, spread = log_likelihood(peaks, data)
+    assert found[0] == pytest.approx(-best.fun, abs=1e-6)
+    assert spread[0] == pytest.approx(np.exp(best.x), rel=1e-4)
+
+
+@pytest.mark.parametrize("overturned", [0, 1])
+def test_a_perfect_fit_stops_at_the_smallest_spread(overturned):
+    numbers = np.linspace(0.1, 0.8, 8)
+    peaks = np.append(numbers, [np.inf] * overturned)[np.newaxis]
+    found, spread = log_likelihood(peaks, targets(numbers, overturned))
+    assert spread[0] == SMALLEST_SPREAD == 0.01  # one per cent of a peak
+    assert found[0] == pytest.approx(8.0 * norm(scale=0.01).logpdf(0.0))
+
+
+def test_a_sequence_that_moves_no_block_has_a_likelihood_all_the_same():
+    numbers = np.linspace(0.1, 0.8, 8)
+    found, spread = log_likelihood(np.zeros((1, 11)), targets(numbers, overturned=2, small=1))
     assert np.isfinite(found[0])
+    assert spread[0] > 1.0
 
 
 def test_an_overturned_target_likes_larger_peaks_and_is_indifferent_once_certain():

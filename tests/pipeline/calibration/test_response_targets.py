@@ -41,6 +41,26 @@ def test_residuals_by_hand():
     assert found[1, 6:8] == pytest.approx([0.0, np.log(0.05)])
     assert found[2, 7] == 0.0
     assert np.all(np.isnan(found[:, 8:]))
+    peaks[0], peaks[1] = 1.3, 0.0
+    found = FOUR.residuals(peaks)
+    # Beyond alpha_c and back, a block has reached 1 as well.
+    assert found[0, :6] == pytest.approx(np.log(np.array(NUMBERS) / 1.3))
+    assert found[0, 6:8] == pytest.approx([0.0, np.log(0.05)])
+    assert np.all(np.isfinite(found[1, :8]))
+    assert np.all(found[1, :7] > 600.0)
+    assert found[1, 7] == 0.0
+
+
+def test_the_misfit_is_the_rms_residual_of_those_that_speak():
+    peaks = np.full((2, 10), 0.2)
+    peaks[1] = 0.4
+    squares = [
+        *(np.log(np.array(NUMBERS) / 0.2) ** 2).tolist(),
+        np.log(0.2) ** 2,
+        np.log(0.05 / 0.2) ** 2,
+    ]
+    doubled = [*(np.log(np.array(NUMBERS) / 0.4) ** 2).tolist(), np.log(0.4) ** 2, np.log(0.05 / 0.4) ** 2]
+    assert FOUR.misfit(peaks) == pytest.approx([np.sqrt(np.sum(squares) / 8.0), np.sqrt(np.sum(doubled) / 8.0)])
 
 
 def test_a_target_beyond_alpha_c_that_comes_back_is_met_by_overturning():
@@ -52,6 +72,18 @@ def test_the_unsafe_side_is_below_the_target_and_silent_blocks_do_not_count():
     peaks = np.array([[0.1, 0.1, 0.4, 0.4, 0.4, 0.6, 0.9, 0.02, 5.0, 5.0]])
     # 0.1 < 0.2, 0.4 < 0.5 and 0.9 where the block overturns.
     assert FOUR.short_of(peaks) == pytest.approx([3.0 / 8.0])
+    # The target itself is reached; a small one is short of 0.02, and what overturns is not.
+    peaks = np.array([[*NUMBERS, np.inf, 0.019, 0.0, 0.0], [0.1, 0.2, 0.3, 0.4, 0.5, 0.59, 1.5, 0.02, 0.0, 0.0]])
+    assert FOUR.short_of(peaks) == pytest.approx([1.0 / 8.0, 2.0 / 8.0])
+
+
+def test_a_peak_of_just_the_smallest_one_is_a_number_and_the_arrays_are_closed():
+    found = targets([0.25, 0.2499, 0.7], [Outcome.ROCKS] * 3, smallest=0.25)
+    assert found.number.tolist() == [False, False, True, True, True, True, True, False, True]
+    assert found.small.tolist() == [True, True, False, False, False, False, False, True, False]
+    for array in (found.peaks, found.outcomes):
+        with pytest.raises(ValueError, match="read-only"):
+            array[0] = 1
 
 
 def test_too_few_numbers_are_refused_with_the_counts():
@@ -66,6 +98,9 @@ def test_too_few_numbers_are_refused_with_the_counts():
     ("peaks", "outcomes", "options", "message"),
     [
         ([0.1], [], {}, "shapes"),
+        ([], [Outcome.ROCKS], {}, "shapes"),
+        ([np.inf], [Outcome.ROCKS], {}, "finite peak"),
+        ([], [], {"smallest": 1.0}, "smallest"),
         ([np.nan], [Outcome.ROCKS], {}, "finite peak"),
         ([0.0], [Outcome.ROCKS], {}, "positive"),
         ([], [], {"smallest": 0.0}, "smallest"),
@@ -74,6 +109,28 @@ def test_too_few_numbers_are_refused_with_the_counts():
 def test_targets_that_make_no_sense_are_refused(peaks, outcomes, options, message):
     with pytest.raises(ConfigError, match=message):
         targets(peaks, outcomes, **options)
+
+
+def test_one_block_without_lanes_is_refused():
+    with pytest.raises(ConfigError, match=r"shapes \(\), \(\) and \(\)"):
+        ResponseTargets(Block.from_parameters(2.0, 0.2, 0.9), 0.3, Outcome.ROCKS)
+
+
+@pytest.mark.parametrize(
+    ("others", "weak"),
+    [
+        ([0.02], True),  # five of six move
+        ([], False),  # five blocks are too few, whatever the motion
+        ([np.inf, 0.0, 0.0, 0.0, 0.0, 0.0], False),  # six of eleven move, if one to overturn
+        ([0.02, 0.0, 0.0, 0.0, 0.0, 0.0], True),
+    ],
+)
+def test_a_motion_is_too_weak_where_five_of_enough_blocks_move(others, weak):
+    peaks = np.array([*NUMBERS[:5], *others])
+    outcomes = np.where(np.isinf(peaks), Outcome.OVERTURNS, np.where(peaks > 0.0, Outcome.ROCKS, Outcome.AT_REST))
+    with pytest.raises(RecordRefused) as refusal:
+        ResponseTargets(Block.from_parameters(np.full(peaks.size, 2.0), 0.2, 0.9), peaks, outcomes)
+    assert isinstance(refusal.value, TooWeak) is weak
 
 
 def test_the_family_has_a_hundred_slender_blocks_below_housners_restitution():

@@ -275,12 +275,12 @@ def standardised(values: np.ndarray) -> tuple[np.ndarray, float, float]:
 
 
 def half_width(estimates: np.ndarray, confidence: float) -> np.ndarray:
-    """Half the width of the confidence interval of k estimates (1 + K, k): of all data, then without each event."""
+    """Half the width (...) of confidence intervals of estimates (1 + K, ...): of all data, then without each event."""
     return np.asarray(stdtrit(estimates.shape[0] - 2, 0.5 + 0.5 * confidence) * jackknife_error(estimates))
 
 
 def jackknife_error(estimates: np.ndarray) -> np.ndarray:
-    """Standard error of each of k estimates (1 + K, k): of all data, then without each of K events."""
+    """Standard errors (...) of estimates (1 + K, ...): of all data, then without each of K events."""
     events = estimates.shape[0] - 1
     return np.asarray(np.sqrt((events - 1) / events * np.sum((estimates[1:] - estimates[0]) ** 2, axis=0)))
 

@@ -36,9 +36,9 @@ def dispersion_ratio(curve: Curve, reference: Curve) -> tuple[float, float, floa
     NaN where one of the curves has no beta, limits also where one has no band. Both are jackknifed over the same
     events, so that the scatter they have in common cancels.
     """
-    difference = (curve.log_beta - reference.log_beta)[:, None]
-    half = np.full(1, np.nan) if curve.events < FEWEST_EVENTS else half_width(difference, curve.confidence)
-    ratio, low, high = np.exp(difference[0, 0] + np.array([0.0, -half[0], half[0]]))
+    difference = curve.log_beta - reference.log_beta
+    half = np.nan if curve.events < FEWEST_EVENTS else half_width(difference, curve.confidence)
+    ratio, low, high = np.exp(difference[0] + np.array([0.0, -half, half]))
     return float(ratio), float(low), float(high)
 
 
@@ -54,17 +54,17 @@ def sufficiency(rows: Observations, column: int, model: str = "lognormal") -> Su
         if missing(rows) != Status.FITTED:
             return nothing
     u = np.log(rows.qualities[:, column])
-    if np.ptp(u) == 0.0 or np.ptp(rows.level) == 0.0:
+    if np.ptp(u) == 0.0:
         return nothing
     x, _, spread = standardised(np.log(rows.level))
     quality, _, quality_spread = standardised(u)
     design = np.stack([np.ones(x.size), x, quality], axis=1)
     theta = maximise(FAMILIES[model], design, rows.kind, rows.without_each_event())
-    slopes = (-theta[:, 2] / theta[:, 1] * spread / quality_spread)[:, None]
+    slopes = -theta[:, 2] / theta[:, 1] * spread / quality_spread
     if not theta[0, 1] > 0.0:
         return nothing
     events = len(rows.events)
     if events < FEWEST_EVENTS or not np.all(theta[:, 1] > 0.0):
-        return Sufficiency(float(slopes[0, 0]), np.nan)
-    statistic = abs(slopes[0, 0]) / jackknife_error(slopes)[0]
-    return Sufficiency(float(slopes[0, 0]), float(2.0 * stdtr(events - 1, -statistic)))
+        return Sufficiency(float(slopes[0]), np.nan)
+    statistic = abs(slopes[0]) / jackknife_error(slopes)
+    return Sufficiency(float(slopes[0]), float(2.0 * stdtr(events - 1, -statistic)))

@@ -2,10 +2,12 @@
 
 import numpy as np
 import pytest
+from scipy.special import ndtr
+from scipy.stats import t
 
 from rockpulse.studies.fragility.curves import fit_curve
 from rockpulse.studies.fragility.efficiency import dispersion_ratio, sufficiency
-from rockpulse.studies.fragility.observations import ABOVE, EXACT, Observations
+from rockpulse.studies.fragility.observations import ABOVE, EXACT, NOT_ABOVE, Observations
 
 EVENT = np.repeat([f"event {k:02d}" for k in range(12)], 4)
 RNG = np.random.default_rng(7)
@@ -24,6 +26,25 @@ def test_the_slope_is_that_of_least_squares_where_all_capacities_are_known():
     assert sufficiency(rows(capacity), 0).slope == pytest.approx(slope, rel=1e-6)
 
 
+def jackknifed(estimate, events):
+    """An estimate from a mask of rows, and its standard error over the events, by leaving each of them out."""
+    whole, names = estimate(np.ones(events.size, dtype=bool)), np.unique(events)
+    without = np.array([estimate(events != name) for name in names])
+    return whole, np.sqrt((names.size - 1) / names.size * np.sum((without - whole) ** 2)), names.size - 1
+
+
+@pytest.mark.parametrize("events", [3, 12])
+def test_the_p_value_is_that_of_the_jackknifed_least_squares_slope(events):
+    kept = slice(0, 4 * events)
+    event, quality, capacity = EVENT[kept], QUALITY[kept], SCATTER[kept] * QUALITY[kept] ** 0.2
+    rows = Observations.of(capacity, np.full(event.size, EXACT), event, qualities=quality[:, None])
+    slope, error, free = jackknifed(lambda own: np.polyfit(np.log(quality[own]), np.log(capacity[own]), 1)[0], event)
+    found = sufficiency(rows, 0)
+    assert found.slope == pytest.approx(slope, rel=1e-6)
+    assert found.p_value == pytest.approx(2.0 * t(free).sf(abs(slope) / error), rel=1e-5)
+    assert 0.001 < found.p_value < 0.9
+
+
 @pytest.mark.parametrize("limit", [np.inf, 1.5])
 def test_a_measure_that_leaves_a_quality_out_is_not_sufficient(limit):
     found = sufficiency(rows(SCATTER * QUALITY**0.5, limit), 0)
@@ -36,6 +57,34 @@ def test_a_quality_that_all_records_share_says_nothing():
     capacity = Observations.of(SCATTER, np.full(SCATTER.size, EXACT), EVENT, qualities=np.ones((SCATTER.size, 1)))
     found = sufficiency(capacity, 0)
     assert np.isnan(found.slope)
+    assert np.isnan(found.p_value)
+
+
+def probit(level, quality, share, events):
+    """Rows of stripes, 40 of each level and quality, of which this share reached the limit state."""
+    reached = np.concatenate([np.arange(40) < np.rint(40.0 * one) for one in share])
+    columns = [np.repeat(values, 40) for values in (level, events, quality)]
+    return Observations.of(columns[0], np.where(reached, NOT_ABOVE, ABOVE), columns[1], qualities=columns[2][:, None])
+
+
+def test_a_measure_that_falls_with_capacity_once_the_quality_is_known_is_no_test():
+    """The quality rises with the level, and the share that reached with the quality alone."""
+    x, u = np.array([-0.6, -0.1, 0.0, 0.4, 0.7]), np.array([-0.6, 0.0, -0.1, 0.6, 0.4])
+    rows = probit(np.exp(x), np.exp(u), ndtr(3.0 * u - x), list("abcde"))
+    assert fit_curve(rows).median > 0.0
+    found = sufficiency(rows, 0)
+    assert np.isnan(found.slope)
+    assert np.isnan(found.p_value)
+
+
+@pytest.mark.parametrize("place", ["first", "last"])
+def test_a_slope_that_rests_on_one_event_has_no_p_value(place):
+    """Among the others the share falls with the level, which no curve does."""
+    x, u = np.tile([-0.5, 0.0, 0.5], 4), np.tile([0.3, -0.6, 0.3], 4) + np.repeat([-0.1, 0.0, 0.1, 0.0], 3)
+    slope = np.repeat([-0.2, -0.2, -0.2, 2.0], 3)
+    names = np.repeat(["b", "c", "d", "a" if place == "first" else "e"], 3)
+    found = sufficiency(probit(np.exp(x), np.exp(u), ndtr(slope * x + 0.3 * u), names), 0)
+    assert np.isfinite(found.slope)
     assert np.isnan(found.p_value)
 
 
@@ -108,3 +157,22 @@ def test_the_ratio_of_dispersions_is_sharper_than_the_dispersions():
     assert low < ratio < high
     assert np.log(high / low) < np.log(reference.beta_high / reference.beta_low)
     assert dispersion_ratio(reference, reference) == (1.0, 1.0, 1.0)
+
+
+@pytest.mark.parametrize("events", [2, 3, 12])
+def test_the_band_of_the_ratio_is_jackknifed_over_the_events_of_both(events):
+    """Where all capacities are known ln beta is the logarithm of their standard deviation."""
+    kept = slice(0, 4 * events)
+    event, first = EVENT[kept], SCATTER[kept]
+    second = first * QUALITY[kept] ** 0.3
+    curves = [
+        fit_curve(Observations.of(one, np.full(event.size, EXACT), event), confidence=0.8) for one in (second, first)
+    ]
+    value, error, free = jackknifed(lambda own: np.log(np.std(np.log(second[own])) / np.std(np.log(first[own]))), event)
+    ratio, low, high = dispersion_ratio(*curves)
+    assert ratio == pytest.approx(np.exp(value), rel=1e-6)
+    if events < 3:
+        assert np.isnan([low, high]).all()
+    else:
+        half = t(free).ppf(0.9) * error
+        assert (low, high) == pytest.approx((np.exp(value - half), np.exp(value + half)), rel=1e-5)
