@@ -54,8 +54,7 @@ class Posterior:
         """Weighted quantiles of a quantity with one value for each sample: (l,) for (k,) values and (l,) levels."""
         order = np.argsort(values, kind="stable")
         reached = np.cumsum(self.weights[order])
-        places = np.minimum(np.searchsorted(reached, np.asarray(levels) * reached[-1]), values.size - 1)
-        return np.asarray(values[order][places])
+        return np.asarray(values[order][np.searchsorted(reached, np.asarray(levels) * reached[-1])])
 
 
 class _Kernels:

@@ -44,8 +44,8 @@ SURVEY, CANDIDATES, ROUNDS = 512, 256, 20
 #: Parents of the first round: points less likely than the best by this deviance; it falls in equal ratios to the last.
 WIDEST = 300.0
 
-#: Cells of the space in which the best candidate is kept as a parent: of offset, I_s/I and dT, for each main count.
-CELLS = (1.0, 16.0, 12.0, 0.0)
+#: Cells of the space in which the best candidate is kept as a parent: of I_s/I and dT, for each main count.
+CELLS = (16.0, 12.0)
 
 #: Steps of a candidate from its parent, as shares of the difference of two other points and of the likely range.
 STEPS = (0.1, 0.3, 1.0)
@@ -98,8 +98,8 @@ class SearchSpace:
 
     def point(self, main: float, ratio: float, interval: float, main_count: int) -> np.ndarray:
         """The (4,) point of a sequence."""
-        point = np.array([0.0, ratio, np.log(interval), main_count], dtype=float)
-        point[OFFSET] = np.log(main / self.asked_for(point[np.newaxis])[0])
+        point = np.array([np.nan, ratio, np.log(interval), main_count])
+        point[OFFSET] = np.log(main / self.asked_for(point[np.newaxis]).item())
         return point
 
 
@@ -243,8 +243,8 @@ def _offspring(explored: Explored, cut: float, rng: np.random.Generator) -> np.n
     points = points[order]
     # The best of every cell of the space, and as many of all that are likely: the whole likely region has parents.
     width = np.where(space.high > space.low, space.high - space.low, 1.0) * (1.0 + 1e-12)
-    cells = np.floor((points - space.low) / width * CELLS)
-    cells[:, MAIN_COUNT] = points[:, MAIN_COUNT]
+    places = ((points - space.low) / width)[:, [RATIO, INTERVAL]]
+    cells = np.column_stack([np.floor(places * CELLS), points[:, MAIN_COUNT]])
     _, firsts = np.unique(cells, axis=0, return_index=True)
     parents = np.concatenate([rng.choice(firsts, CANDIDATES // 2), rng.integers(len(points), size=CANDIDATES // 2)])
     one, other = rng.integers(len(points), size=(2, CANDIDATES))

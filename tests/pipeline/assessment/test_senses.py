@@ -133,3 +133,12 @@ def test_fragility_takes_both_senses_of_an_earthquake():
     assert len(ids) == 6
     assert sum(name.endswith("reversed") for name in ids) == 3
     assert len(set(tree["capacities"]["event"].values.tolist())) == 1
+    turned = rp.fragility_curves(
+        [record(sign=-1.0, name="pulse 0")], replace(config(settings()), models=rp.ModelSettings())
+    )
+    one, other = (found["capacities"].to_dataset() for found in (tree, turned))
+    assert not np.array_equal(one["reached"].sel(record="pulse 0"), one["reached"].sel(record="pulse 0 reversed"))
+    for name in ("pulse 0", "pulse 0 reversed"):
+        back = "pulse 0" if name.endswith("reversed") else "pulse 0 reversed"
+        for variable in ("factor", "reached", "measure_value", "weight", "duration"):
+            assert np.array_equal(one[variable].sel(record=name), other[variable].sel(record=back)), (name, variable)

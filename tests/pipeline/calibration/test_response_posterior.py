@@ -172,10 +172,14 @@ def test_rounds_are_added_until_two_hundred_samples_are_effective_and_no_more_th
     monkeypatch.setattr(
         response_posterior._Kernels, "log_density", lambda kernels, points: np.zeros(len(points), dtype=float)
     )
+    monkeypatch.setattr(response_posterior, "_Kernels", Recorded)
     calls = []
     for wild in (1.0, 2.0, 50.0):
         made = Made(lambda points, wild=wild: wild * norm.ppf(np.modf(1e4 * np.abs(points[:, 0]) + 1e-9)[0]))
+        Recorded.rounds = []
         found = sample_posterior(made, np.random.default_rng(2))
         assert (found.effective >= 200.0) == (made.calls < 18)
+        for points, weights, _ in Recorded.rounds[3:]:
+            assert np.log(weights) == pytest.approx(made.made(points) - logsumexp(made.made(points)), abs=1e-8)
         calls.append(made.calls)
     assert calls[0] == 6 < calls[1] < calls[2] == 18

@@ -5,10 +5,14 @@ import re
 
 import numpy as np
 import pytest
+from scipy.stats import norm, t
 
 from rockpulse.errors import ConfigError
 from rockpulse.storage.fragility_variables import Band, Extrapolated, Status
-from rockpulse.studies.fragility.curves import fit_capacities, fit_stripes, half_width
+from rockpulse.studies.fragility import curves
+from rockpulse.studies.fragility.curves import fit_capacities, fit_curve, fit_stripes, half_width
+from rockpulse.studies.fragility.observations import ABOVE, EXACT, NOT_ABOVE, Observations
+from rockpulse.studies.fragility.statements import missing
 
 EVENTS = np.repeat([f"event {k}" for k in range(6)], 3)
 CAPACITIES = np.exp(np.random.default_rng(5).normal(0.3, 0.5, EVENTS.size))
@@ -33,6 +37,45 @@ def test_with_one_record_an_event_the_band_of_the_median_is_that_of_a_mean():
     np.testing.assert_allclose(
         np.log([curve.median_low, curve.median_high]), [np.mean(x) - half, np.mean(x) + half], rtol=1e-6
     )
+
+
+@pytest.mark.parametrize("confidence", [0.9, 0.5])
+def test_the_bands_are_the_jackknife_over_events_of_the_logarithms(confidence):
+    """Of known capacities mean and deviation of the logarithms are the estimates, and z is (x - mean)/deviation."""
+    x, levels = np.log(CAPACITIES), np.log([0.7, 1.5, 3.0])
+
+    def estimates(own):
+        mean, deviation = np.mean(x[own]), np.std(x[own])
+        return np.concatenate([[mean, np.log(deviation)], (levels - mean) / deviation])
+
+    every = [estimates(EVENTS == EVENTS), *(estimates(name != EVENTS) for name in np.unique(EVENTS))]
+    whole, half = every[0], np.sqrt(5.0 / 6.0 * np.sum((np.array(every[1:]) - every[0]) ** 2, axis=0))
+    half *= t(5).ppf(0.5 + 0.5 * confidence)
+    curve = fit_capacities(CAPACITIES, EVENTS, confidence=confidence)
+    assert (curve.median, curve.beta) == pytest.approx((np.exp(whole[0]), np.exp(whole[1])), rel=1e-8)
+    low, high = np.exp(whole - half), np.exp(whole + half)
+    assert (curve.median_low, curve.median_high) == pytest.approx((low[0], high[0]), rel=1e-7)
+    assert (curve.beta_low, curve.beta_high) == pytest.approx((low[1], high[1]), rel=1e-7)
+    for found, z in zip(
+        curve.probability(np.exp(levels)), (whole[2:], (whole - half)[2:], (whole + half)[2:]), strict=True
+    ):
+        np.testing.assert_allclose(found, norm.cdf(z), rtol=1e-7)
+    assert curve.log_beta == pytest.approx([one[1] for one in every], abs=1e-8)
+    assert curve.confidence == confidence
+    assert (curve.records, curve.events, curve.observations, curve.reached) == (18, 6, 18, 18)
+
+
+def test_without_a_word_the_confidence_is_nine_tenths_and_the_distribution_lognormal():
+    one = Observations.of(CAPACITIES, np.full(CAPACITIES.size, EXACT), EVENTS)
+    stripes = (np.tile([1.0, 2.0, 3.0], 6), np.tile([0, 1, 0, 0, 1, 1], 3), EVENTS)
+    named = {"model": "lognormal", "confidence": 0.9}
+    for plain, said in (
+        (fit_curve(one), fit_curve(one, **named)),
+        (fit_capacities(CAPACITIES, EVENTS), fit_capacities(CAPACITIES, EVENTS, **named)),
+        (fit_stripes(*stripes), fit_stripes(*stripes, **named)),
+    ):
+        assert plain.band == Band.GIVEN
+        assert numbers(plain) == numbers(said)
 
 
 def test_symmetric_stripes_have_the_median_in_the_middle_and_the_slope_of_their_quantiles():
@@ -60,6 +103,7 @@ def test_censoring_far_above_the_capacities_changes_nothing_and_within_them_litt
     beyond = np.greater(CAPACITIES, limit)
     cut = fit_capacities(np.where(beyond, np.inf, CAPACITIES), EVENTS, np.full(CAPACITIES.size, limit))
     assert cut.reached == cut.observations - np.count_nonzero(beyond) < cut.observations
+    assert (cut.records, cut.events) == (18, 6)
     assert cut.median == pytest.approx(full.median, rel=0.1)
     assert cut.beta == pytest.approx(full.beta, rel=0.3)
 
@@ -194,6 +238,9 @@ def test_equal_capacities_are_a_step_without_a_band():
     assert (curve.median, curve.beta) == (pytest.approx(2.0), 0.0)
     assert curve.statement == "a step at 2: all capacities that are known are the same, there is no dispersion"
     assert curve.probability([1.9, 2.1])[0].tolist() == [0.0, 1.0]
+    assert curve.probability([curve.median])[0].tolist() == [1.0]  # reached at the very level
+    assert np.isnan(curve.probability([1.9, 2.1])[1:]).all()
+    assert (curve.extrapolated, curve.reached) == (Extrapolated.NO, 2)
     assert math.isnan(curve.median_low)
 
 
@@ -212,6 +259,104 @@ def test_a_curve_that_rests_on_one_event_has_no_band():
     assert curve.status == Status.FITTED
     assert curve.band == Band.RESTS_ON_ONE_EVENT
     assert curve.statement == "no band: without the event odd there would be no curve"
+    assert curve.reached == 4
+    assert curve.probability([1.0, 3.0])[0] == pytest.approx(
+        norm.cdf(np.log(np.array([1.0, 3.0]) / curve.median) / curve.beta)
+    )
+    assert np.isnan(curve.probability([1.0, 3.0])[1:]).all()
+
+
+def test_a_likelihood_of_which_no_maximum_is_found_makes_no_curve(monkeypatch):
+    monkeypatch.setattr(curves, "maximise", lambda family, design, kind, weights: np.full((len(weights), 2), np.nan))
+    curve = fit_capacities(CAPACITIES, EVENTS)
+    assert (curve.status, curve.band) == (Status.NO_MAXIMUM, Band.NO_CURVE)
+    assert curve.statement == "no curve: the likelihood has no maximum that could be found"
+
+
+@pytest.mark.parametrize(
+    ("known", "others", "status"),
+    [
+        ([2.0, 2.0 * (1.0 + 9e-10)], [], Status.STEP),  # a billionth apart, but for rounding
+        ([2.0, 2.0 * (1.0 + 1.1e-9)], [], Status.FITTED),
+        ([2.0, 2.0], [(1.9, ABOVE), (2.0, ABOVE), (2.0, NOT_ABOVE), (2.1, NOT_ABOVE)], Status.STEP),
+        ([2.0, 2.0], [(2.1, ABOVE)], Status.FITTED),
+        ([2.0, 2.0], [(1.9, NOT_ABOVE)], Status.FITTED),
+        ([2.0, 2.0], [(1.9, ABOVE), (1.9, NOT_ABOVE)], Status.FITTED),
+        ([2.0], [(1.0, ABOVE)], Status.ONE_REACHED),
+        ([2.0], [(1.0, NOT_ABOVE)], Status.FITTED),
+        ([], [(1.0, NOT_ABOVE), (2.0, NOT_ABOVE)], Status.EVERYTHING_REACHED),
+        ([], [(1.0, NOT_ABOVE), (2.0, ABOVE), (3.0, NOT_ABOVE)], Status.FITTED),
+        ([], [(1.0, ABOVE), (2.0, NOT_ABOVE), (3.0, NOT_ABOVE)], Status.SEPARATED),
+    ],
+)
+def test_what_a_curve_lacks_is_seen_before_any_fit(known, others, status):
+    levels = [*known, *(level for level, _ in others)]
+    assert missing(Observations.of(levels, [*[EXACT] * len(known), *(kind for _, kind in others)])) == status
+
+
+def test_a_median_at_the_last_level_is_no_extrapolation():
+    rows = Observations.of([2.0, 1.0, 3.0], [EXACT, ABOVE, ABOVE])
+    sides = [curves.extrapolated(median, rows) for median in (0.999, 1.0, 2.0, 3.0, 3.001, math.nan)]
+    assert sides == [Extrapolated.BELOW, *[Extrapolated.NO] * 3, Extrapolated.ABOVE, Extrapolated.NO]
+    said = curves.extrapolation_statement(3.5, rows)
+    assert said == (
+        "extrapolated: the median, 3.5, lies above every level looked at, up to 3; 1 record of 3 reached the limit "
+        "state"
+    )
+    nothing = Observations.of([], [])
+    assert [curves.extrapolated(median, nothing) for median in (1.0, math.nan)] == [Extrapolated.ABOVE, Extrapolated.NO]
+
+
+def test_the_first_of_the_events_without_which_there_is_no_curve_is_named():
+    rows = Observations.of([1.0, 2.0, 3.0], [EXACT, EXACT, EXACT], ["a", "b", "c"])
+    slopes = np.array([-1.0, 0.5, 0.0, np.nan])
+    said = curves.band_statement(Band.RESTS_ON_ONE_EVENT, rows, slopes)
+    assert said == "no band: without the event b there would be no curve"
+    said = curves.band_statement(Band.RESTS_ON_ONE_EVENT, rows, np.array([1.0, 0.5, 0.2, -0.1]))
+    assert said == "no band: without the event c there would be no curve"
+    two = Observations.of([1.0, 2.0], [EXACT, EXACT], ["a", "b"])
+    said = curves.band_statement(Band.FEW_EVENTS, two, slopes[:3])
+    assert said == "no band: the records come from 2 events, it needs 3"
+
+
+@pytest.mark.parametrize(("high", "words"), [(2.0019, "at 2"), (2.0021, "at 2 to 2")])
+def test_levels_that_differ_by_a_thousandth_are_one(high, words):
+    curve = fit_stripes([2.0, high, 1.0], [1, 1, 0], records=["a", "a", "b"])
+    assert f"only reached the limit state, {words}, of 2;" in curve.statement
+
+
+def test_rows_ascend_whatever_their_order_and_keep_what_belongs_to_them():
+    level, kind = [3.0, 1.0, 2.0, 1.0], [EXACT, NOT_ABOVE, ABOVE, ABOVE]
+    qualities = np.array([[30.0, 1.0], [11.0, np.nan], [20.0, 0.0], [10.0, -1.0]])
+    rows = Observations.of(level, kind, ["b", "a", "b", "c"], ["r", "r", "s", "q"], qualities, [4.0, 1.0, 2.0, 1.0])
+    assert rows.level.tolist() == [1.0, 1.0, 2.0, 3.0]
+    assert rows.kind.tolist() == [ABOVE, NOT_ABOVE, ABOVE, EXACT]
+    assert rows.events == ("a", "b", "c")
+    assert rows.cluster.tolist() == [2, 0, 1, 1]
+    assert rows.record.tolist() == [0, 1, 2, 1]
+    assert rows.records == 3
+    assert rows.qualities[:, 0].tolist() == [10.0, 11.0, 20.0, 30.0]
+    assert rows.weight.tolist() == [0.5, 0.5, 1.0, 2.0]
+    assert [rows.having(column).tolist() for column in (0, 1)] == [[True] * 4, [False, False, False, True]]
+    assert rows.without_each_event().tolist() == [
+        [0.5, 0.5, 1.0, 2.0],
+        [0.5, 0.0, 1.0, 2.0],
+        [0.5, 0.5, 0.0, 0.0],
+        [0.0, 0.5, 1.0, 2.0],
+    ]
+    kept = rows.only(np.array([True, False, False, True]))
+    assert (kept.level.tolist(), kept.kind.tolist()) == ([1.0, 3.0], [ABOVE, EXACT])
+    assert (kept.events, kept.cluster.tolist(), kept.record.tolist()) == (("b", "c"), [1, 0], [0, 1])
+    assert kept.weight.tolist() == [0.4, 1.6]
+    assert kept.qualities[:, 0].tolist() == [10.0, 30.0]
+
+
+def test_without_labels_every_row_is_an_event_of_its_own_in_the_order_that_is_given():
+    rows = Observations.of(np.arange(1.0, 13.0), np.full(12, EXACT))
+    assert rows.cluster.tolist() == rows.record.tolist() == list(range(12))
+    assert rows.weight.tolist() == [1.0] * 12
+    assert rows.qualities.shape == (12, 0)
+    assert Observations.of([], [], weight=[]).weight.size == 0
 
 
 @pytest.mark.parametrize(
@@ -223,6 +368,12 @@ def test_a_curve_that_rests_on_one_event_has_no_band():
         (lambda: fit_capacities([1.0, 2.0], ["a"]), "one level, kind, event and record a row"),
         (lambda: fit_capacities([1.0, 2.0], model="normal"), "expected one of lognormal, logistic"),
         (lambda: fit_capacities([1.0, 2.0], confidence=90.0), "between 0 and 1"),
+        (lambda: fit_capacities([1.0, 2.0], confidence=1.0), "between 0 and 1"),
+        (lambda: fit_capacities([1.0, 2.0], confidence=0.0), "between 0 and 1"),
+        (lambda: fit_capacities([1.0, 0.0]), "positive, finite levels"),
+        (lambda: fit_capacities([[1.0, 2.0]]), "positive, finite levels"),
+        (lambda: fit_capacities([1.0, 2.0], records=["a"]), "got 2, 2, 2 and 1"),
+        (lambda: fit_stripes([1.0, 2.0], [1]), "got 2, 1, 2 and 2"),
     ],
 )
 def test_bad_arguments_are_refused(call, message):

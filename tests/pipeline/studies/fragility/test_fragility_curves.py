@@ -11,13 +11,18 @@ from nominal import ida
 
 import rockpulse as rp
 from rocking.block import Block
+from rocking.recorded import recorded_response
 from rockpulse import FragilitySettings
 from rockpulse.assessment.scene import prepare
 from rockpulse.config.configuration import Config, SearchSettings
 from rockpulse.errors import ConfigError
 from rockpulse.record.components import Pair
 from rockpulse.record.rotation import rotate
+from rockpulse.studies.fragility.curves import fit_capacities
+from rockpulse.studies.fragility.ensemble import Ensemble, Fits
 from rockpulse.studies.fragility.limit_states import limit_state_names, reached_at, scale_capacities
+from rockpulse.studies.fragility.observations import ABOVE, EXACT, NOT_ABOVE
+from rockpulse.studies.fragility.results import _grid
 
 BLOCKS = {"wall": Block(half_width=0.3, half_height=1.5), "pier": Block(half_width=0.5, half_height=1.9365)}
 STATES = ("uplift", 0.4, "overturning")
@@ -241,6 +246,220 @@ def test_all_bodies_together_are_clustered_by_event(tree):
         (fit.median_low, fit.median_high)
     )
     assert np.isnan(tree["efficiency"]["pooled_beta"].sel(measure="pga")).all()  # no common scale
+
+
+def test_the_acceleration_that_lifts_a_body_is_told_where_the_ground_does_it_alone(tree, records):
+    capacity = [block.gravity * np.tan(block.alpha_c) for block in BLOCKS.values()]
+    assert tree["fragility"]["uplift_acceleration"].values == pytest.approx(capacity, rel=1e-12)
+    floors = {"ground": (), "aloft": (rp.FloorSettings(period=0.5),)}
+    bodies = tuple(rp.BlockSettings(name=name, width=0.6, height=3.0, floors=own) for name, own in floors.items())
+    few = options(limit_states=["uplift"], measures=["pga"])
+    for vertical, known in ((False, [True, False]), (True, [False, False])):
+        config = replace(few, blocks=bodies, records=rp.RecordSettings(include_vertical=vertical))
+        found = rp.fragility_curves(records[:2], config)["fragility"]["uplift_acceleration"].values
+        assert np.isfinite(found).tolist() == known
+
+
+def test_a_tree_of_no_motion_has_every_variable_and_no_row():
+    shapes = {}
+    for data in ("ida", "stripes", "cloud"):
+        config = options(data=data, stripe_levels=(0.4, 0.7))
+        silent = rp.Record(np.zeros(100), dt=0.02, id="silent", processed=True)
+        found = rp.fragility_curves([silent], config, BLOCKS)
+        table = found["capacities"].to_dataset()
+        assert table.sizes["record"] == 0
+        shapes[data] = dict(table.sizes)
+        assert set(found["fragility"]["statement"].values.ravel()) == {"no curve: no record"}
+    usual = {"record": 0, "block": 2, "measure": 2, "limit_state": 3}
+    assert shapes == {"ida": usual, "stripes": usual | {"stripe": 2}, "cloud": usual | {"stripe": 1}}
+
+
+def of_two(number):
+    """A record of a peak of 2 m/s2."""
+    one = pulse(number, f"event {number}")
+    return replace(one, acceleration=2.0 * one.acceleration / one.pga)
+
+
+def test_a_record_is_scaled_within_the_factors_and_both_ends_belong_to_them():
+    chosen = {"limit_states": ["uplift", 0.2], "measures": ["pga"], "factors": (0.5, 2.0), "pga_min": 2.0}
+    stripes = {"stripe_measure": "pga", "stripe_levels": (0.99, 1.0, 3.0, 4.0, 4.01)}
+    weaker = replace(of_two(1), acceleration=0.999 * of_two(1).acceleration, id="weaker")
+    found = rp.fragility_curves([of_two(0), weaker], options(data="stripes", **chosen, **stripes), BLOCKS)
+    table = found["capacities"].to_dataset()
+    assert table["record"].values.tolist() == ["packet.0"]  # as strong as pga_min
+    assert table["factor"].sel(block="wall").values.ravel() == pytest.approx([0.495, 0.5, 1.5, 2.0, 2.005])
+    reached = table["reached"].sel(block="wall").isel(record=0).transpose("limit_state", "stripe").values
+    assert (reached != -1).tolist() == [[False, True, True, True, False]] * 2
+    lifting = BLOCKS["wall"].gravity * np.tan(BLOCKS["wall"].alpha_c)
+    assert reached[0, 1:4].tolist() == [int(level > lifting) for level in (1.0, 3.0, 4.0)]
+    # A cloud takes each record as it is, whatever the factors are.
+    cloud = rp.fragility_curves([of_two(0)], options(data="cloud", **chosen | {"factors": (3.0, 5.0)}), BLOCKS)
+    table = cloud["capacities"].to_dataset()
+    assert np.all(table["reached"].values != -1)
+    assert np.all(table["factor"].values == 1.0)
+    assert table["weight"].values.tolist() == [[1.0]]
+    # An incremental analysis ends at the factor or at the search, whichever is less.
+    for end, most in ((1.5, 30.0), (20.0, 1.5)):
+        config = options(**chosen | {"factors": (0.5, end)})
+        config = replace(config, search=SearchSettings(factor_max=most, points=32))
+        table = rp.fragility_curves([of_two(0)], config, BLOCKS)["capacities"].to_dataset()
+        start = table["factor"].sel(block="wall", limit_state="uplift").item()
+        assert start == pytest.approx(lifting / 2.0)
+        assert table["search_step"].sel(block="wall").item() == pytest.approx((1.5 / start) ** (1 / 31))
+
+
+def test_uplift_at_the_very_factor_is_none_and_a_peak_of_the_very_state_is_one(records):
+    block, motion = Block.stack(list(BLOCKS.values())), prepare(records[0], Config())
+    lifting = block.gravity * np.tan(block.alpha_c) / motion.record.pga
+    lifted = scale_capacities(motion, block, ["uplift"], "nonlinear", 1e6, 8).factors[0]
+    assert lifted == pytest.approx(lifting, rel=1e-12)
+    assert reached_at(motion, block, ["uplift"], "nonlinear", lifted[np.newaxis])[0].tolist() == [[0, 0]]
+    peaks = recorded_response(block, motion.record.acceleration, motion.record.dt, block_scale=1.5).peak_rotation_ratio
+    states = [float(peaks[0]), float(peaks[1])]
+    reached = reached_at(motion, block, states, "nonlinear", np.full((1, 2), 1.5))
+    assert reached[:, 0].tolist() == [[int(peak >= state) for peak in peaks] for state in states]
+    assert reached[0, 0, 0] == reached[1, 0, 1] == 1
+
+
+def test_the_vertical_acceleration_belongs_to_the_nonlinear_equation(records):
+    block, motion = Block.stack(list(BLOCKS.values())), prepare(records[0], Config())
+    shaken = replace(motion, vertical=np.full(motion.record.npts, -3.0))  # all is lighter by 3 m/s2
+    for equation, same in (("nonlinear", False), ("linear", True)):
+        one, other = (scale_capacities(scene, block, STATES, equation, 30.0, 32).factors for scene in (motion, shaken))
+        assert np.array_equal(one, other) is same
+        one, other = (
+            reached_at(scene, block, STATES, equation, np.array([[0.9, 0.9], [1.4, 1.4]])) for scene in (motion, shaken)
+        )
+        assert np.array_equal(one, other) is same
+
+
+def by_hand(kind, **known):
+    """Capacities of three records and two lanes, in two measures, for two limit states."""
+    facts = {name: np.full(3, np.nan) for name in ("magnitude", "epicentral_distance", "vs30")}
+    facts["magnitude"] = np.array([6.0, np.nan, 7.0])
+    facts["vs30"] = np.array([300.0, 0.0, 500.0])
+    measures = np.array([[[2.0, 3.0], [20.0, 30.0]], [[4.0, 5.0], [40.0, 50.0]], [[6.0, 7.0], [60.0, 70.0]]])
+    qualities = np.array([[1.0, 2.0, 3.0], [4.0, 5.0, 6.0], [7.0, 8.0, np.nan]])
+    step, reached, weight = np.full((3, 2), 1.1), None, None
+    return Ensemble(
+        **{
+            "ids": ["a", "b", "c"],
+            "clusters": ["x", "y", "x"],
+            "sources": ["", "", ""],
+            "measures": measures,
+            "qualities": qualities,
+            "facts": facts,
+            "step": step,
+            "reached": reached,
+            "weight": weight,
+            "config": options(data=kind, factors=(0.5, 8.0)),
+        }
+        | known
+    )
+
+
+def rows_of(found):
+    kinds = {EXACT: "=", ABOVE: ">", NOT_ABOVE: "<"}
+    return {
+        (found.events[cluster], record, round(level, 9)): kinds[kind]
+        for level, kind, cluster, record in zip(found.level, found.kind, found.cluster, found.record, strict=True)
+    }
+
+
+def test_rows_of_an_incremental_analysis_end_with_the_search():
+    """Below the least factor a capacity is not above it, and what is not reached is above the largest."""
+    factors = np.array([[[0.5, 9.0], [2.0, 3.0]], [[0.4, 1.0], [5.0, 6.0]], [[np.inf, 7.0], [8.0, np.inf]]])
+    ensemble = by_hand("ida", factors=factors)
+    found = ensemble.observations(0, 0, [0])
+    assert rows_of(found) == {("x", 0, 1.0): "=", ("y", 1, 2.0): "<", ("x", 2, 48.0): ">"}
+    assert found.weight.tolist() == [1.0] * 3
+    found = ensemble.observations(1, 1, [1, 0])
+    assert rows_of(found) == {
+        ("x", 0, 40.0): "=",
+        ("x", 0, 90.0): "=",
+        ("y", 1, 200.0): "=",
+        ("y", 1, 300.0): "=",
+        ("x", 2, 480.0): "=",
+        ("x", 2, 560.0): ">",
+    }
+    # Qualities, the measure of the record as it is, and what the files state, a magnitude as its exponential.
+    first = found.qualities[found.level.tolist().index(40.0)]
+    assert first.tolist() == pytest.approx([1.0, 2.0, 3.0, 20.0, np.exp(6.0), np.nan, 300.0], nan_ok=True)
+    last = found.qualities[-1]
+    assert last.tolist() == pytest.approx([7.0, 8.0, np.nan, 70.0, np.exp(7.0), np.nan, 500.0], nan_ok=True)
+    assert ensemble.told_by() == ([3, 3, 2, 3, 2, 0, 2], [2, 2, 2, 2, 1, 0, 1])
+    assert ensemble.observations(0, 0, []).level.size == 0
+    short = replace(ensemble, config=replace(ensemble.config, search=SearchSettings(factor_max=6.0)))
+    assert rows_of(short.observations(0, 0, [0]))["x", 2, 36.0] == ">"
+
+
+def test_rows_of_stripes_are_those_that_were_looked_at():
+    factors = np.array([[[1.0, 2.0], [3.0, 4.0]], [[1.5, 2.5], [0.0, 4.5]], [[1.2, 2.2], [np.nan, 4.2]]])
+    reached = np.zeros((3, 2, 2, 2), dtype=int)
+    reached[0, 0, 1, 0], reached[1, 0, 0, 0], reached[0, 1, 0, 1], reached[2, 0, 0, 0] = 1, -1, 1, 1
+    weight = np.array([[1.0, 3.0], [1.0, 1.0], [2.0, 0.0]])
+    ensemble = by_hand("stripes", factors=factors, reached=reached, weight=weight, step=None)
+    found = ensemble.observations(0, 0, [0])
+    # Records are numbered as they have rows; an event of none is none.
+    assert found.events == ("x",)
+    assert rows_of(found) == {("x", 0, 2.0): ">", ("x", 0, 6.0): "<", ("x", 1, 7.2): "<"}
+    assert found.weight.tolist() == [0.5, 1.5, 1.0]
+    assert rows_of(ensemble.observations(1, 1, [1])) == {
+        ("x", 0, 60.0): "<",
+        ("x", 0, 120.0): ">",
+        ("y", 1, 125.0): ">",
+        ("y", 1, 225.0): ">",
+        ("x", 2, 154.0): ">",
+        ("x", 2, 294.0): ">",
+    }
+
+
+def test_common_levels_reach_beyond_the_medians_of_all_states_and_stay_numbers():
+    rng = np.random.default_rng(2)
+    events = np.repeat(list("abcd"), 3)
+    narrow, wide = (
+        fit_capacities(np.exp(rng.normal(mean, beta, 12)), events) for mean, beta in ((1.0, 0.2), (0.0, 0.5))
+    )
+    flat, none = fit_capacities(np.exp(rng.normal(0.0, 300.0, 12)), events), fit_capacities([])
+    table = np.array([[[narrow, none], [none, none], [wide, flat]]], dtype=object)
+    level, (probability, low, high) = _grid(Fits(table, None, None))
+    assert level.shape == (1, 2, 41)
+    assert probability.shape == low.shape == high.shape == (1, 3, 2, 41)
+    ends = [np.log(one.median) + side * 3.0 * one.beta for one in (narrow, wide) for side in (-1, 1)]
+    assert np.log(level[0, 0]) == pytest.approx(np.linspace(min(ends), max(ends), 41))
+    for state, one in ((0, narrow), (2, wide)):
+        for found, expected in zip((probability, low, high), one.probability(level[0, 0]), strict=True):
+            assert np.array_equal(found[0, state, 0], expected)
+    assert np.isnan(probability[0, 1]).all()
+    assert np.isfinite(low[0, 2, 0]).all()
+    assert np.log(level[0, 1][[0, -1]]) == pytest.approx([-600.0, 600.0])
+    assert np.isfinite(probability[0, 2, 1]).all()
+
+
+def test_dispersions_are_compared_with_that_of_the_velocity_ratio(tree):
+    curves = tree["fragility"].to_dataset()
+    found = tree["efficiency"].to_dataset()
+    ratio = found["beta_ratio"].transpose(*curves["beta"].dims)
+    own = {"limit_state": "0.4"}
+    expected = curves["beta"].sel(own) / curves["beta"].sel(own | {"measure": "velocity_ratio"})
+    np.testing.assert_allclose(ratio.sel(own).values, expected.values, rtol=1e-9)
+    one = found.sel(own | {"block": "pier"})
+    assert float(one["beta_ratio_low"].sel(measure="pga")) < float(one["beta_ratio"].sel(measure="pga"))
+    for name in ("beta_ratio", "beta_ratio_low", "beta_ratio_high"):
+        assert float(one[name].sel(measure="velocity_ratio")) == 1.0
+        assert np.isnan(
+            found[name].sel(limit_state="uplift", measure="pga")
+        ).all()  # a step has no dispersion to divide
+    for block in BLOCKS:
+        for state in ("0.4", "overturning"):
+            beta = curves["beta"].sel(block=block, limit_state=state)
+            best = str(beta["measure"].values[np.argmin(beta.values)])
+            assert str(found["most_efficient"].sel(block=block, limit_state=state).values) == best
+    assert {name: tree.attrs[name] for name in ("kind", "data", "confidence")} == {
+        "kind": "fragility",
+        "data": "ida",
+        "confidence": 0.9,
+    }
 
 
 def test_weak_records_and_bad_ones_are_left_out_and_told(records):

@@ -39,8 +39,34 @@ def test_derivatives_are_those_of_the_log_likelihood(model):
 
 
 @pytest.mark.parametrize("model", FAMILIES)
-def test_the_maximum_is_that_of_a_direct_search(model):
-    x, kind = mixed_rows()
+def test_scores_are_those_of_each_data_set_and_of_every_column(model):
+    x, kind = mixed_rows(4)
+    design = np.stack([np.ones(x.size), x, np.cos(x)], axis=1)
+    theta = np.array([[0.3, 1.2, 0.0], [-0.2, 0.5, 0.7], [0.0, 2.0, -0.4]])
+    value, slope, bend = scores(FAMILIES[model], design, kind, theta)
+    family = DISTRIBUTION[model]
+    for row, (a, b, c) in enumerate(theta):
+        z = a + b * x + c * np.cos(x)
+        parts = [family.logpdf(z) + np.log(b), family.logsf(z)]
+        np.testing.assert_allclose(
+            value[row], np.select([kind == EXACT, kind == ABOVE], parts, family.logcdf(z)), rtol=1e-10
+        )
+        alone = scores(FAMILIES[model], design, kind, theta[row : row + 1])
+        np.testing.assert_allclose(alone[1][0], slope[row])
+        np.testing.assert_allclose(alone[2][0], bend[row])
+    # Of an exact row with a curve that falls nothing is known; it is as unlikely as a number can say.
+    assert np.all(scores(FAMILIES[model], design, kind, np.array([[0.3, -1.0, 0.0]]))[0][0, kind == EXACT] < -600.0)
+
+
+@pytest.mark.parametrize("seed", [1, 6, 21, 41, 42])
+@pytest.mark.parametrize("model", FAMILIES)
+def test_the_maximum_is_that_of_a_direct_search(model, seed):
+    """Also where the rows lie far apart, so that a whole step of Newton goes too far."""
+    x, kind = mixed_rows(seed)
+    x *= {1: 1.0, 6: 3.0, 21: 8.0, 41: 8.0, 42: 0.1}[seed]
+    if seed == 41:
+        kind[kind == EXACT] = NOT_ABOVE
+        kind[x > 0.0] = np.where(np.arange(np.count_nonzero(x > 0.0)) % 5, NOT_ABOVE, ABOVE)
     family = DISTRIBUTION[model]
 
     def minus(parameters):
@@ -50,9 +76,10 @@ def test_the_maximum_is_that_of_a_direct_search(model):
         )
         return -np.sum(parts)
 
-    direct = minimize(minus, [0.0, 0.0], method="Nelder-Mead", options={"xatol": 1e-9, "fatol": 1e-12, "maxiter": 4000})
+    options = {"xatol": 1e-9, "fatol": 1e-12, "maxiter": 4000}
+    direct = minimize(minus, [0.0, -np.log(np.std(x))], method="Nelder-Mead", options=options)
     a, b = maximise(FAMILIES[model], np.stack([np.ones(x.size), x], axis=1), kind, np.ones((1, x.size)))[0]
-    np.testing.assert_allclose([a, b], [direct.x[0], np.exp(direct.x[1])], rtol=1e-6)
+    np.testing.assert_allclose([a, b], [direct.x[0], np.exp(direct.x[1])], rtol=1e-6, atol=1e-7)
 
 
 def test_a_truncated_analysis_is_the_censored_fit_of_scipy():
@@ -76,6 +103,32 @@ def test_weights_count_rows_as_often():
     np.testing.assert_allclose(weighted, repeated[0], rtol=1e-10)
 
 
+@pytest.mark.parametrize("model", FAMILIES)
+def test_data_sets_without_a_maximum_leave_the_others_alone(model):
+    """Of four weightings the first and the third separate."""
+    x, kind = mixed_rows(3)
+    known = kind == EXACT
+    weights = np.ones((5, x.size))
+    weights[0] = kind == ABOVE
+    weights[1] = np.where(known, 0.5, 2.0)
+    weights[2, known] = 0.0
+    weights[2, ~known] = (x < 0.0)[~known] == (kind == ABOVE)[~known]
+    weights[3, known] = 0.0
+    weights[4] = np.random.default_rng(0).random(x.size)
+    design = np.stack([np.ones(x.size), x, np.sin(3.0 * x)], axis=1)
+    found = maximise(FAMILIES[model], design, kind, weights)
+    assert np.isnan(found).all(axis=1).tolist() == [True, False, True, False, False]
+    assert np.isfinite(found).all(axis=1).tolist() == [False, True, False, True, True]
+    for row in (1, 3, 4):
+        alone = maximise(FAMILIES[model], design, kind, weights[row : row + 1])[0]
+        np.testing.assert_allclose(found[row], alone, rtol=1e-9)
+        # Of a maximum every derivative is zero.
+        _, slope, _ = scores(FAMILIES[model], design, kind, found[row : row + 1])
+        gradient = (weights[row] * slope[0]) @ design
+        gradient[1] += np.sum(weights[row] * known) / found[row, 1]
+        np.testing.assert_allclose(gradient, 0.0, atol=1e-6)
+
+
 @pytest.mark.parametrize(("apart", "there"), [(1e-6, True), (1e-7, False)])
 def test_two_columns_that_are_nearly_one_have_no_maximum(apart, there):
     """Columns x and x + e y, x and y of variance 1, have a condition of about 4/e^2; beyond 1e14 it is refused."""
@@ -97,10 +150,23 @@ def test_two_columns_that_are_nearly_one_have_no_maximum(apart, there):
         ([1.0, 1.0], [EXACT, EXACT], False),
         ([1.0, 2.0], [EXACT, ABOVE], True),
         ([2.0, 1.0], [EXACT, ABOVE], False),
+        ([2.0, 2.0], [EXACT, ABOVE], False),
+        ([2.0, 3.0], [EXACT, NOT_ABOVE], False),
+        ([2.0, 2.0], [EXACT, NOT_ABOVE], False),
+        ([2.0, 1.0], [EXACT, NOT_ABOVE], True),
+        ([1.0, 2.0, 2.0, 3.0], [ABOVE, ABOVE, NOT_ABOVE, NOT_ABOVE], False),  # a level of both kinds, no overlap
+        ([1.0, 2.0, 2.0, 3.0], [NOT_ABOVE, NOT_ABOVE, ABOVE, ABOVE], False),
+        ([1.0, 2.0, 1.5], [ABOVE, ABOVE, NOT_ABOVE], True),
+        ([1.0, 2.0, 1.5], [NOT_ABOVE, NOT_ABOVE, ABOVE], True),
     ],
 )
 def test_a_maximum_exists_where_the_data_overlap(x, kind, there):
     x, kind = np.array(x), np.array(kind)
     assert has_maximum(x, kind, np.ones((1, x.size)))[0] == there
+    # Rows that weigh nothing are not there, in whichever data set.
+    more, kinds = np.append(x, [0.5, 0.6, 9.0, 9.1]), np.append(kind, [EXACT, NOT_ABOVE, ABOVE, EXACT])
+    weights = np.ones((3, more.size))
+    weights[1, x.size :], weights[1, : x.size] = 0.0, 0.3
+    assert has_maximum(more, kinds, weights).tolist() == [True, there, True]
     centred = np.stack([np.ones(x.size), x - x.mean()], axis=1)
     assert np.all(np.isfinite(maximise(FAMILIES["lognormal"], centred, kind, np.ones((1, x.size))))) == there

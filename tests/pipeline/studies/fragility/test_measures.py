@@ -1,14 +1,18 @@
 """The table of intensity measures."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
 import rockpulse as rp
 from rocking.block import Block
+from rocking.demand import ground_demand
 from rockpulse.assessment.scene import prepare
 from rockpulse.config.configuration import Config
 from rockpulse.config.fragility_settings import MEASURES as WORDS
 from rockpulse.record.half_wave import half_waves
+from rockpulse.record.intensity import fajfar_index, largest_change, pgv, spectral_acceleration, spectrum_intensity
 from rockpulse.studies.fragility.capacity import _reversed
 from rockpulse.studies.fragility.measures import MEASURES, record_measures, record_qualities
 
@@ -47,6 +51,26 @@ def test_measures_against_their_definitions():
     np.testing.assert_allclose(value["velocity_ratio"], BLOCKS.p * value["pgv"] / capacity)
     np.testing.assert_allclose(value["impulse"], np.max(np.abs(motion.waves.impulse)))
     np.testing.assert_allclose(value["impulse_ratio"], value["impulse"] / BLOCKS.critical_impulse)
+    record = motion.record
+    for name, expected in {
+        "pga": record.pga,
+        "pgv": pgv(record),
+        "si": spectrum_intensity(record),
+        "fajfar": fajfar_index(record),
+        "sa_0.5": spectral_acceleration(record, 0.5),
+        "sa_1": spectral_acceleration(record, 1.0),
+        "sa_2": spectral_acceleration(record, 2.0),
+        "si_ratio": BLOCKS.p * spectrum_intensity(record) / capacity,
+        "change_ratio": BLOCKS.p * [largest_change(record, 2.0 / p) for p in BLOCKS.p] / capacity,
+    }.items():
+        np.testing.assert_allclose(value[name], np.broadcast_to(expected, 2), err_msg=name)
+    demand = ground_demand(BLOCKS, record.acceleration, record.dt)
+    assert np.all(demand.lobes[:, 6] > 0.0)  # more than six of them
+    np.testing.assert_allclose(value["demand_largest"], demand.lobes[:, 0])
+    np.testing.assert_allclose(value["demand_rms"], np.sqrt(np.sum(demand.lobes[:, :6] ** 2, axis=1) / 6.0))
+    np.testing.assert_allclose(value["demand_cubic"] ** 3, np.sum(demand.lobes**3, axis=1))
+    shares = (0.9 * BLOCKS.restitution[:, np.newaxis]) ** np.arange(demand.lobes.shape[1])
+    np.testing.assert_allclose(value["demand_build_up"], np.sum(shares * demand.lobes, axis=1))
     # The norms of the lobes lie in the order of norms: mean of six below the largest, sums above it.
     assert np.all(value["demand_rms"] < value["demand_largest"])
     assert np.all(value["demand_largest"] < value["demand_cubic"])
@@ -68,6 +92,18 @@ def test_qualities_of_a_sine():
     assert found["duration"] == pytest.approx(9.0, abs=0.5)
     assert found["period"] == pytest.approx(4.0, rel=0.01)  # the velocity of a sine from rest is (1 - cos)/pi
     assert found["strong_half_waves"] == 10
+
+
+def test_strong_half_waves_are_those_above_half_the_largest_of_the_intense_phase():
+    motion = scene()
+    sizes = [9.0, 1.0, -2.0, 1.0001, 1.9, 0.5, 9.0]
+    waves = SimpleNamespace(between=lambda start, end: SimpleNamespace(impulse=np.array(sizes[int(start) : int(end)])))
+    known = SimpleNamespace(record=motion.record, waves=waves)
+    for start, end, count in ((1, 6, 3), (0, 6, 1), (1, 2, 1), (1, 1, 0)):
+        known.phase = SimpleNamespace(start=start, end=end, duration=end - start)
+        found = record_qualities(known)
+        assert (found["strong_half_waves"], found["duration"]) == (count, end - start)
+        assert found["period"] == pytest.approx(2.0 * np.pi * pgv(motion.record) / motion.record.pga)
 
 
 def test_the_reverse_of_a_motion_has_the_half_waves_of_its_record():
