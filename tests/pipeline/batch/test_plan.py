@@ -244,18 +244,19 @@ def test_a_body_is_the_same_whether_its_size_was_confirmed_or_not():
 def test_the_program_is_known_by_its_sources(monkeypatch, tmp_path, package):
     from rockpulse.batch import plan as module
 
-    for name in ("rocking/kernels/march.py", "rockpulse/batch/plan.py", "rocking/__init__.py"):
+    for name in ("rocking/kernels/march.py", "rockpulse/batch/plan.py", "rocking/__init__.py", "rockpulse/__init__.py"):
         (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
         (tmp_path / name).write_text("x = 1\n")
     monkeypatch.setattr(module.rocking, "__file__", str(tmp_path / "rocking" / "__init__.py"))
     monkeypatch.setattr(module, "__file__", str(tmp_path / "rockpulse" / "batch" / "plan.py"))
     digest = module.program_digest.__wrapped__
     seen = {digest()}
-    changed = next((tmp_path / package).glob("*/*.py"))
-    for text in ("x = 2\n", "x = 3\n"):
-        changed.write_text(text)
+    for changed in ((tmp_path / package).glob("*/*.py"), (tmp_path / package).glob("*.py")):
+        next(changed).write_text("x = 2\n")
         seen.add(digest())
-    assert len(seen) == 3
+    (tmp_path / package / "__init__.py").rename(tmp_path / package / "other.py")
+    seen.add(digest())
+    assert len(seen) == 4
 
 
 def test_a_fingerprint_changes_with_the_configuration(samples):

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from rocking.sequence_safety import sequence_critical_scale
-from rockpulse.calibration.design_spectrum import DesignSpectrum
+from rockpulse.calibration.design_spectrum import DesignSpectrum, at_blocks, within
 from rockpulse.models import Block, Outcome, sequence_response
 
 P, C = np.geomspace(0.5, 8.0, 7), np.linspace(0.75, 1.0, 4)
@@ -84,3 +84,50 @@ def test_what_it_covers(p, slenderness, restitution, inside):
     if not inside:
         with pytest.raises(ValueError, match=r"not for 1 of 1, the first one at place 0"):
             DESIGN.sequence(block)
+
+
+def test_the_first_block_that_is_not_covered_is_named():
+    blocks = Block.from_parameters(p=[2.0, 9.0, 2.0, 0.1], alpha=0.1, restitution=0.9, log=False)
+    assert DESIGN.covers(blocks).tolist() == [True, False, True, False]
+    with pytest.raises(ValueError, match=r"p from 0.5 to 8 1/s and C from 0.75 to 1, not for 2 of 4, .* at place 1"):
+        DESIGN.factor(blocks)
+
+
+@pytest.mark.parametrize(
+    ("restitution", "inside"),
+    [
+        (0.8 * (1.0 - 5e-10), True),
+        (0.8 * (1.0 - 2e-9), False),
+        (0.9 * (1.0 + 5e-10), True),
+        (0.9 * (1.0 + 2e-9), False),
+    ],
+)
+def test_rounding_takes_no_block_out(restitution, inside):
+    block = Block.from_parameters(p=[2.0], alpha=0.1, restitution=restitution, log=False)
+    assert within(block, np.array([1.0, 4.0]), np.array([0.8, 0.9])).tolist() == [inside]
+
+
+def test_the_nearest_p_is_that_in_equal_ratios():
+    free = Block.from_parameters(p=2.0, alpha=0.1, restitution=0.9, log=False)
+    assert DESIGN.covers(free).tolist() == [True]
+    two = DesignSpectrum(np.array([1.0, 4.0]), C, DESIGN.spectrum[:2], DESIGN.ratio[:2], DESIGN.main_count[:2])
+    assert two.nearest(free).tolist() == [0]  # 2 lies in the middle of 1 and 4, and the first is taken
+    blocks = Block.from_parameters(p=[1.9, 2.1, 3.0], alpha=0.1, restitution=0.9, log=False)
+    assert two.nearest(blocks).tolist() == [0, 1, 1]
+
+
+def test_values_are_linear_in_ln_p_and_in_restitution_and_end_with_the_axes():
+    blocks = Block.from_parameters(
+        p=[1.0, 2.0, 4.0, 0.9, 9.0], alpha=0.1, restitution=[0.8, 0.85, 0.9, 0.7, 1.0], log=False
+    )
+    p, restitution = np.array([1.0, 4.0]), np.array([0.8, 0.9])
+    values = np.array([[[1.0, 10.0], [2.0, 30.0]], [[5.0, 50.0], [8.0, 90.0]]])  # (a, c, k)
+    expected = [[1.0, 10.0], [4.0, 45.0], [8.0, 90.0], [1.0, 10.0], [8.0, 90.0]]
+    assert at_blocks(blocks, p, restitution, values) == pytest.approx(np.array(expected))
+    assert at_blocks(blocks, p, restitution, values[..., 0]) == pytest.approx(np.array(expected)[:, 0])
+    # An axis of one value stands for all.
+    one_p = at_blocks(blocks, p[:1], restitution, values[:1])
+    assert one_p == pytest.approx(np.array([[1.0, 10.0], [1.5, 20.0], [2.0, 30.0], [1.0, 10.0], [2.0, 30.0]]))
+    one_c = at_blocks(blocks, p, restitution[:1], values[:, :1, 0])
+    assert one_c == pytest.approx([1.0, 3.0, 5.0, 1.0, 5.0])
+    assert at_blocks(blocks, p[:1], restitution[:1], values[:1, :1]).tolist() == [[1.0, 10.0]] * 5

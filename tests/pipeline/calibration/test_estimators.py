@@ -58,6 +58,9 @@ def test_estimators_are_those_of_the_configuration(table, words):
     [
         ({"main": "largest"}, 5.0, [1.0, 2.0, 3.0, 4.0]),
         ({"main": "mean-largest", "m": 3}, 4.0, [1.0, 2.0]),
+        ({"main": "mean-largest"}, 4.0, [1.0, 2.0]),
+        ({"main": "quantile"}, 4.8, [1.0, 2.0, 3.0, 4.0]),  # at 0.95
+        ({}, 5.0, [1.0, 2.0, 3.0, 4.0]),
         ({"main": "mean-largest", "m": 1}, 5.0, [1.0, 2.0, 3.0, 4.0]),
         ({"main": "mean-largest", "m": 4}, 3.5, [1.0]),
         ({"main": "quantile", "quantile": 0.7}, 3.8, [1.0, 2.0, 3.0]),
@@ -106,6 +109,21 @@ def test_phase_selects_half_waves_by_their_centroid_and_gives_the_duration():
 
 def test_duration_is_from_the_first_to_the_last_wave_without_a_phase():
     assert calibrate(FIVE).duration == 5.0
+
+
+def test_without_a_word_it_is_the_largest_the_rms_and_the_median():
+    named = {
+        "main": "largest",
+        "secondary": "rms",
+        "interval": "median",
+        "main_count": "half-largest",
+        "spacing": "end",
+    }
+    plain, said = calibrate(FIVE), calibrate(FIVE, **named)
+    for name in ("main", "secondary", "interval", "duration", "main_count", "spacing"):
+        assert getattr(plain, name) == getattr(said, name)
+    assert calibrate(FIVE, duration_s=0.5).duration == 0.5
+    assert calibrate(waves([1.0, 2.0, 3.0], [3.2, 4.3, 6.1])).duration == 4.0  # from 3 s to 7 s
 
 
 @pytest.mark.parametrize("phase", [None, IntensePhase(0.0, 5.0)])
@@ -188,6 +206,9 @@ def test_mean_of_all_half_waves_leaves_none_for_the_secondary_impulse():
         ({"main_count": 2.0}, "main_count: expected"),
         ({"duration_s": 0.0}, "duration_s: expected a positive duration"),
         ({"duration_s": math.nan}, "duration_s: expected a positive duration"),
+        ({"duration_s": math.inf}, "duration_s: expected a positive duration"),
+        ({"duration_s": -0.5}, "duration_s: expected a positive duration"),
+        ({"quantile": -0.1}, "quantile: expected a level from 0 to 1"),
         ({"m": 0}, "m: expected a whole number from 1"),
         ({"quantile": 1.1}, "quantile: expected a level from 0 to 1"),
         ({"quantile": math.nan}, "quantile: expected a level from 0 to 1"),

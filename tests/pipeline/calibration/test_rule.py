@@ -10,7 +10,8 @@ from nominal import Config
 import rockpulse as rp
 from rocking import OverturningSpectrum
 from rocking.half_wave_demand import HalfWaveDemand, demand_of_half_waves
-from rockpulse.calibration.rule import POINTS, Rule, load_rule, sequence_of_demand
+from rocking.half_wave_lanes import half_wave_lanes
+from rockpulse.calibration.rule import POINTS, Rule, load_rule, sequence_of_demand, traits
 from rockpulse.errors import ConfigError
 from rockpulse.models import Block, Outcome, sequence_response
 from rockpulse.record.synthetic import synthetic_motion
@@ -122,11 +123,20 @@ def test_the_spectrum_of_the_rule_is_its_demand():
         ("balanced = 1", r"\[balanced\] factor"),
         ("[balanced]\nfactor = 'one'", r"\[balanced\] factor"),
         ("[balanced]\nfactor = -1.0", "positive"),
+        ("[balanced]\nfactor = 0.0", "positive"),
+        ("[balanced]\nfactor = inf", "positive"),
+        ("[balanced]\nfactor = true", r"\[balanced\] factor"),
         ("[balanced", "not valid TOML"),
         ("[conservative]\nfactor = 1.0", r"\[balanced\] factor"),
         ("[balanced]\nfactor = 1.0", r"\[range\]"),
         ("[range]\np = [2.0, 1.0]\n[balanced]\nfactor = 1.0", r"\[range\] p"),
         ("[range]\nq = [1.0, 2.0]\n[balanced]\nfactor = 1.0", "slenderness"),
+        ("range = 1\n[balanced]\nfactor = 1.0", "slenderness"),
+        ("[range]\n[balanced]\nfactor = 1.0", "slenderness"),
+        ("[range]\np = 1.0\n[balanced]\nfactor = 1.0", r"\[range\] p: expected \[least, most\], got 1.0"),
+        ("[range]\np = '12'\n[balanced]\nfactor = 1.0", r"\[range\] p"),
+        ("[range]\np = [1.0]\n[balanced]\nfactor = 1.0", r"\[range\] p"),
+        ("[range]\np = [1, 2.0]\n[balanced]\nfactor = 1.0", r"\[range\] p"),
     ],
 )
 def test_a_file_that_holds_no_rule_is_refused(tmp_path, text, words):
@@ -157,6 +167,88 @@ def test_the_range_is_that_of_the_bodies_of_the_fit():
         assert rule.applicable(Block.from_parameters(**usual | other)).tolist() == [inside], other
     assert rule.applicable(Block(0.5, 0.3, restitution=0.5)).tolist() == [False]  # no Housner's C
     assert Rule("balanced", 1.0).applicable(Block(0.5, 0.6)).tolist() == [True]
+
+
+def test_a_file_of_whole_numbers_and_of_one_value_is_a_rule(tmp_path):
+    path = tmp_path / "rule.toml"
+    path.write_text("[range]\np = [1, 2]\nradius = [1.5, 1.5]\n[balanced]\nfactor = 1\n")
+    assert load_rule("balanced", path) == Rule("balanced", 1.0, {"p": (1.0, 2.0), "radius": (1.5, 1.5)})
+
+
+@pytest.mark.parametrize(
+    ("p", "inside"),
+    [(1.97, False), (1.9801, True), (2.0, True), (3.0, True), (3.0299, True), (3.031, False)],
+)
+def test_a_hundredth_beyond_the_range_is_inside(p, inside):
+    rule = Rule("balanced", 1.0, {"p": (2.0, 3.0), "slenderness": (1.0, 99.0)})
+    assert rule.applicable(Block.from_parameters(p=[p, 2.5], alpha=0.1, restitution=0.9)).tolist() == [inside, True]
+
+
+def test_traits_are_those_of_the_rectangle_of_the_same_p_and_alpha():
+    block = Block.from_parameters(p=[2.0, 3.0, 2.0], alpha=[0.1, 0.2, 1.0], restitution=[0.9, 0.8, 0.5])
+    found = traits(block)
+    assert found["p"].tolist() == [2.0, 3.0, 2.0]
+    assert found["radius"] == pytest.approx(0.75 * 9.80665 / np.array([4.0, 9.0, 4.0]))  # p^2 = 3 g/(4 R)
+    assert found["slenderness"] == pytest.approx(1.0 / np.tan([0.1, 0.2, 1.0]))
+    ratio = np.array([0.9, 0.8]) / (1.0 - 1.5 * np.sin([0.1, 0.2]) ** 2)
+    assert found["restitution_ratio"] == pytest.approx([*ratio, np.inf])  # a stocky one has no Housner's C
+
+
+def test_every_factor_from_the_safety_factor_on_overturns_up_to_the_largest_that_is_asked_for():
+    block, wave = bodies(), waves()
+    factor = RULE.safety_factor(wave, block)
+    largest = float(np.sort(factor)[2])  # the very safety factor of one of them
+    found = RULE.intervals(wave, block, largest)
+    inside = factor <= largest
+    assert np.count_nonzero(inside) == 3
+    assert found.safety_factor.tolist() == np.where(inside, factor, np.inf).tolist()
+    assert found.safe_up_to.tolist() == np.where(inside, factor, largest).tolist()
+    assert found.lane.tolist() == np.flatnonzero(inside).tolist()
+    assert found.lower.tolist() == factor[inside].tolist()
+    assert found.upper.tolist() == [largest] * 3
+    assert found.open.tolist() == found.resolved.tolist() == [True] * 3
+    assert found.step.tolist() == [1.0] * 5
+
+
+def test_a_factor_on_the_march_moves_the_lanes_of_the_spectrum():
+    """x is the impulse at which a lane overturns, so the factor divides it; no lane overturns before it is lifted."""
+    wave = waves()
+    p = np.array([0.8, 2.0, 5.0])
+    plain = half_wave_lanes(wave.start, wave.centroid, wave.end, wave.impulse, p)
+    lifted = np.log(p / np.max(np.abs(wave.peak)))
+    for factor in (1.0, 1.6):
+        found = Rule("balanced", factor).spectrum_lanes(wave, p)
+        assert found.log_x == pytest.approx(plain.log_x - np.log(factor), rel=1e-12)
+        assert found.bottom == pytest.approx(np.maximum(plain.bottom - np.log(factor), lifted), rel=1e-12)
+        assert found.top == pytest.approx(np.maximum(plain.top - np.log(factor), found.bottom), rel=1e-12)
+        early = found.log_x <= found.bottom[:, np.newaxis]
+        assert np.array_equal(found.weight, np.where(early, 0.0, plain.weight))
+    assert np.any(early)
+    assert not np.all(early)
+
+
+def test_a_sequence_has_number_ratio_and_interval_of_the_half_waves():
+    block = Block.from_parameters(p=[2.0, 3.0, 4.0], alpha=0.1, restitution=0.9)
+    nothing = np.full(3, np.nan)
+    of_waves = HalfWaveDemand(
+        nothing, nothing, np.array([1, 3, 2]), np.array([0.4, 0.2, 0.0]), np.array([0.3, 0.5, 0.7])
+    )
+    found = sequence_of_demand(np.array([0.5, 0.8, 1.2]), of_waves, block, np.array([True, True, False]))
+    # The bracket: 1 - 0.2; 0.8 (1 + 0.9 + 0.81) + 0.1.
+    main = np.array([0.5 / 0.8, 0.8 / (0.8 * 2.71 + 0.1), 0.0]) * block.critical_impulse
+    assert found.main == pytest.approx(main)
+    assert found.secondary == pytest.approx(main * [0.4, 0.2, 0.0])
+    assert found.interval.tolist() == [0.3, 0.5, 0.7]
+    assert found.main_count.tolist() == [1, 3, 2]
+    assert np.all(np.isinf(found.duration))
+    assert found.spacing == "continuous"
+
+
+def test_a_record_that_just_does_not_lift_a_body_has_no_impulse():
+    wave = waves()
+    alpha = np.arctan(np.max(np.abs(wave.peak)) / 9.80665 * np.array([1.0 - 1e-9, 1.0 + 1e-9]))
+    block = Block.from_parameters(p=2.0, alpha=alpha, restitution=0.9)
+    assert (RULE.sequence(wave, block).main > 0.0).tolist() == [True, False]
 
 
 def test_the_range_in_words_names_housners_restitution():

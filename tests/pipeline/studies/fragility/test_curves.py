@@ -266,6 +266,20 @@ def test_a_curve_that_rests_on_one_event_has_no_band():
     assert np.isnan(curve.probability([1.0, 3.0])[1:]).all()
 
 
+@pytest.mark.parametrize("place", ["a", "z"])
+def test_a_curve_that_falls_without_one_event_rests_on_it(place):
+    """Of forty motions a level and event fewer reach the state at the higher level, but for one event."""
+    level, event = np.tile([1.0, 2.0], 4), np.repeat(["m", "n", "o", place], 2)
+    share = [21, 19, 21, 19, 21, 19, 4, 36]
+    exceeded = np.concatenate([np.arange(40) < reached for reached in share])
+    curve = fit_stripes(np.repeat(level, 40), exceeded, np.repeat(event, 40))
+    assert curve.median > 0.0
+    assert (curve.band, curve.statement) == (
+        Band.RESTS_ON_ONE_EVENT,
+        f"no band: without the event {place} there would be no curve",
+    )
+
+
 def test_a_likelihood_of_which_no_maximum_is_found_makes_no_curve(monkeypatch):
     monkeypatch.setattr(curves, "maximise", lambda family, design, kind, weights: np.full((len(weights), 2), np.nan))
     curve = fit_capacities(CAPACITIES, EVENTS)

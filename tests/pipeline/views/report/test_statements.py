@@ -10,7 +10,16 @@ from rocking.response import Outcome
 from rockpulse.assessment.verdict import Grade
 from rockpulse.motions.events import UNKNOWN
 from rockpulse.views.report.bodies import TO, body_table, grade_cell
-from rockpulse.views.report.statements import counted_by, of_unknown_event, sentence
+from rockpulse.views.report.statements import (
+    acceleration,
+    basis,
+    counted_by,
+    legend,
+    model_words,
+    motions_words,
+    of_unknown_event,
+    sentence,
+)
 
 
 @pytest.mark.parametrize(
@@ -135,3 +144,64 @@ def test_a_body_that_nothing_lifts_stays_and_nothing_is_said_of_stronger_motions
     told = sentence(WORDS, answers(summary), verdict(summary))
     assert told == "Not one of 2 records of 2 earthquakes lifts it; they say nothing of stronger ones."
     assert grade_cell(WORDS, verdict(summary)).text == "stays"
+
+
+def test_a_sequence_that_overturns_is_said_to_and_an_unknown_factor_is_not_told():
+    of = motions(1, kind="sequence")
+    for factors, outcome, words in (
+        ([0.9], Outcome.OVERTURNS, "The design sequence, or a weaker one, overturns it; smallest factor on its main"),
+        ([math.nan], Outcome.OVERTURNS, "The design sequence, or a weaker one, overturns it."),
+        ([math.nan], Outcome.ROCKS, "Neither the design sequence nor a weaker one overturns it."),
+    ):
+        summary = summary_of(factors, outcomes=[outcome])
+        assert sentence(WORDS, answers(summary, of), verdict(summary, of)).startswith(words)
+
+
+def test_the_motions_are_counted_by_their_kind():
+    known = {"events": ["A", "B", "A"]}
+    assert motions_words(WORDS, motions(3, **known)) == "3 records of 2 earthquakes"
+    pairs = {"rows": [[0, 1, 2], [3, 4, 5], [6, 7, 8]], "kind": "pair"}
+    worst, mean = (motions_words(WORDS, motions(9, any_azimuth=any_, **known, **pairs)) for any_ in (False, True))
+    assert worst == "3 pairs of channels of 2 earthquakes, each in the worst of 3 directions"
+    assert mean == "3 pairs of channels of 2 earthquakes, each over 3 directions that count alike"
+    sequence = motions_words(WORDS, motions(1, kind="sequence"))
+    assert sequence == "one design sequence, which stands for the records of its site calibration"
+
+
+def test_what_the_verdicts_rest_on_names_model_motions_files_and_demands():
+    summary = probable([0.1, 0.2], demand=2.0)
+    plain = basis(WORDS, answers(summary), "")
+    assert plain.startswith("By the nonlinear model, under 2 records of 2 earthquakes. The demand “ULS”: ")
+    assert plain.count("m/s²") == 1
+    assert basis(WORDS, answers(summary), "one file unused") == plain.replace(
+        "earthquakes.", "earthquakes (one file unused).", 1
+    )
+    stated = summary.assign(limit_state=(("demand",), ["collapse"]))
+    assert basis(WORDS, answers(stated), "") == plain.removesuffix(".") + ", collapse."
+    assert (
+        basis(WORDS, answers(probable([0.1, 0.2])), "") == "By the nonlinear model, under 2 records of 2 earthquakes."
+    )
+
+
+def test_the_figures_of_the_table_are_explained_as_they_are_counted():
+    assert legend(WORDS, answers(probable([0.1]))).startswith("P: probability that a motion overturns the body")
+    share = legend(WORDS, answers(summary_of([2.0])))
+    assert share.startswith("Share: of the earthquakes")
+    assert "Overturns: 0.5 or more; may overturn: 0.05 or more" in share
+    of = motions(1, kind="sequence")
+    assert legend(WORDS, answers(summary_of([2.0]), of)).startswith("SF: smallest factor on the main impulse")
+    assert counted_by(WORDS, answers(probable([0.1]))).startswith("P is the probability that a motion overturns")
+    assert "brought to the demand" not in counted_by(WORDS, answers(probable([0.1])))
+
+
+def test_nothing_is_said_of_earthquakes_that_are_all_known():
+    assert of_unknown_event(WORDS, motions(3)) == ""
+
+
+def test_a_model_that_bounds_from_above_is_named_as_that():
+    assert model_words(WORDS, "nonlinear") == "nonlinear model"
+    assert model_words(WORDS, "resonance") not in ("resonance model", "")
+
+
+def test_an_acceleration_is_told_in_both_units():
+    assert acceleration(WORDS, 9.80665 / 4.0) == "2.45 m/s² (0.25 g)"
