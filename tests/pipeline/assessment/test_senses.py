@@ -133,6 +133,7 @@ def test_fragility_takes_both_senses_of_an_earthquake():
     assert len(ids) == 6
     assert sum(name.endswith("reversed") for name in ids) == 3
     assert len(set(tree["capacities"]["event"].values.tolist())) == 1
+    assert tree["fragility"]["uplift_acceleration"].item() == pytest.approx(9.80665 * 0.5 / 5.0)  # whichever way
     turned = rp.fragility_curves(
         [record(sign=-1.0, name="pulse 0")], replace(config(settings()), models=rp.ModelSettings())
     )

@@ -294,6 +294,7 @@ def test_a_likelihood_of_which_no_maximum_is_found_makes_no_curve(monkeypatch):
         ([2.0, 2.0 * (1.0 + 1.1e-9)], [], Status.FITTED),
         ([2.0, 2.0], [(1.9, ABOVE), (2.0, ABOVE), (2.0, NOT_ABOVE), (2.1, NOT_ABOVE)], Status.STEP),
         ([2.0, 2.0], [(2.1, ABOVE)], Status.FITTED),
+        ([2.0, 2.0 * (1.0 + 9e-10)], [(2.0 * (1.0 + 5e-10), ABOVE)], Status.STEP),
         ([2.0, 2.0], [(1.9, NOT_ABOVE)], Status.FITTED),
         ([2.0, 2.0], [(1.9, ABOVE), (1.9, NOT_ABOVE)], Status.FITTED),
         ([2.0], [(1.0, ABOVE)], Status.ONE_REACHED),

@@ -19,7 +19,7 @@ from rockpulse.errors import ConfigError
 from rockpulse.record.components import Pair
 from rockpulse.record.rotation import rotate
 from rockpulse.studies.fragility.curves import fit_capacities
-from rockpulse.studies.fragility.ensemble import Ensemble, Fits
+from rockpulse.studies.fragility.ensemble import Ensemble, Fits, fit_ensemble, stored_ensemble
 from rockpulse.studies.fragility.limit_states import limit_state_names, reached_at, scale_capacities
 from rockpulse.studies.fragility.observations import ABOVE, EXACT, NOT_ABOVE
 from rockpulse.studies.fragility.results import _grid
@@ -421,10 +421,12 @@ def test_common_levels_reach_beyond_the_medians_of_all_states_and_stay_numbers()
         fit_capacities(np.exp(rng.normal(mean, beta, 12)), events) for mean, beta in ((1.0, 0.2), (0.0, 0.5))
     )
     flat, none = fit_capacities(np.exp(rng.normal(0.0, 300.0, 12)), events), fit_capacities([])
-    table = np.array([[[narrow, none], [none, none], [wide, flat]]], dtype=object)
+    table = np.array([[[none, narrow, none], [none, none, none], [none, wide, flat]]], dtype=object)
     level, (probability, low, high) = _grid(Fits(table, None, None))
-    assert level.shape == (1, 2, 41)
-    assert probability.shape == low.shape == high.shape == (1, 3, 2, 41)
+    assert level.shape == (1, 3, 41)
+    assert probability.shape == low.shape == high.shape == (1, 3, 3, 41)
+    assert np.isnan(level[0, 0]).all()
+    level, probability, low, high = level[:, 1:], probability[:, :, 1:], low[:, :, 1:], high[:, :, 1:]
     ends = [np.log(one.median) + side * 3.0 * one.beta for one in (narrow, wide) for side in (-1, 1)]
     assert np.log(level[0, 0]) == pytest.approx(np.linspace(min(ends), max(ends), 41))
     for state, one in ((0, narrow), (2, wide)):
@@ -460,6 +462,24 @@ def test_dispersions_are_compared_with_that_of_the_velocity_ratio(tree):
         "data": "ida",
         "confidence": 0.9,
     }
+
+
+@pytest.mark.parametrize("data", ["ida", "stripes"])
+def test_the_curves_come_again_from_the_capacities_of_a_file(records, data):
+    settings = options(data=data, stripe_levels=(0.4, 0.7, 1.2), measures=["pga", "velocity_ratio", "pgv"])
+    found = rp.fragility_curves(records, settings, BLOCKS)
+    stored = stored_ensemble(found)
+    again = fit_ensemble(stored, [[0], [1]])
+    for name in ("median", "beta_high"):
+        expected = found["fragility"][name].transpose("block", "limit_state", "measure").values
+        np.testing.assert_array_equal(again.of(name).astype(float), expected)
+    slope = found["efficiency"]["slope"].transpose("block", "limit_state", "measure", "quality").values
+    np.testing.assert_array_equal(again.slope, slope)
+    assert stored.sources == [record.source for record in records]
+    if data == "stripes":
+        before = found.copy()
+        before["capacities"] = xr.DataTree(found["capacities"].to_dataset().drop_vars("weight"))
+        assert stored_ensemble(before).weight.tolist() == [[1.0] * 3] * 6
 
 
 def test_weak_records_and_bad_ones_are_left_out_and_told(records):

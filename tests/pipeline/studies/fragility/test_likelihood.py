@@ -104,6 +104,14 @@ def test_weights_count_rows_as_often():
 
 
 @pytest.mark.parametrize("model", FAMILIES)
+def test_without_known_capacities_a_curve_may_fall(model):
+    """Two levels of which 3 and then 1 of 4 motions reached the state: F is 3/4 and 1/4 there."""
+    x, kind = np.repeat([-1.0, 1.0], 4), np.array([*[NOT_ABOVE] * 3, ABOVE, *[ABOVE] * 3, NOT_ABOVE])
+    a, b = maximise(FAMILIES[model], np.stack([np.ones(8), x], axis=1), kind, np.ones((1, 8)))[0]
+    assert (a, b) == pytest.approx((0.0, -DISTRIBUTION[model].ppf(0.75)), abs=1e-9)
+
+
+@pytest.mark.parametrize("model", FAMILIES)
 def test_data_sets_without_a_maximum_leave_the_others_alone(model):
     """Of four weightings the first and the third separate."""
     x, kind = mixed_rows(3)
