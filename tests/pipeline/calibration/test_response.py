@@ -3,8 +3,11 @@
 import numpy as np
 import pytest
 
+from rockpulse.calibration import response as module
+from rockpulse.calibration import response_posterior, response_search
 from rockpulse.calibration.response import calibrate_response, envelope, fit_sequence
 from rockpulse.calibration.response_family import motion_family
+from rockpulse.calibration.response_profile import deviance_threshold
 from rockpulse.calibration.response_targets import block_family
 from rockpulse.errors import ConfigError, RecordRefused
 from rockpulse.models import Block, ImpulseSequence, Outcome, sequence_response
@@ -199,7 +202,9 @@ def test_the_envelope_is_the_smallest_impulse_that_covers_the_share(fit):
         ({"form": "best"}, "form"),
         ({"spacing": "even"}, "spacing"),
         ({"share": 0.0}, "share"),
+        ({"share": 1.01}, "share"),
         ({"confidence": 1.0}, "confidence"),
+        ({"confidence": 0.0}, "confidence"),
         ({"smallest": 2.0}, "smallest"),
     ],
 )
@@ -212,3 +217,95 @@ def test_a_motion_that_moves_no_block_is_refused():
     weak = Record(0.05 * np.sin(np.arange(400.0)), dt=0.01, id="weak")
     with pytest.raises(RecordRefused, match="weak: the motion moves none of 400 blocks"):
         calibrate_response(weak, threads=1)
+
+
+PEAKS = np.linspace(0.1, 0.8, 12)
+TWELVE = Block.from_parameters(np.linspace(1.0, 3.0, 12), 0.2, 0.9)
+ROCK = np.full(12, Outcome.ROCKS)
+
+
+@pytest.fixture
+def short(monkeypatch):
+    """A search of few candidates, and two rounds of samples."""
+    for name, value in (("GENERATIONS", 1), ("SURVEY", 64), ("ROUNDS", 1)):
+        monkeypatch.setattr(response_search, name, value)
+    for name, value in (("TEMPERED", (0.5, 1.0)), ("ADDED", 0)):
+        monkeypatch.setattr(response_posterior, name, value)
+
+
+def test_without_a_word_the_seed_is_zero_and_the_level_nine_tenths(short):
+    plain = fit_sequence(TWELVE, PEAKS, ROCK, threads=1)
+    said = fit_sequence(TWELVE, PEAKS, ROCK, seed=0, confidence=0.9, smallest=0.05, spacing="end", name="", threads=1)
+    other = fit_sequence(TWELVE, PEAKS, ROCK, seed=1, confidence=0.5, name="one", threads=1)
+    assert plain.parameters == said.parameters
+    assert plain.intervals == said.intervals
+    assert (plain.confidence, plain.targets.smallest, plain.sequence.spacing, plain.record_id) == (0.9, 0.05, "end", "")
+    assert plain.intervals != other.intervals
+    assert (other.confidence, other.record_id, other.form) == (0.5, "one", "fit")
+    assert np.isnan([plain.start_misfit, plain.start_unsafe_share]).all()
+    assert plain.start is None
+    for fit in (plain, other):
+        peaks = response(TWELVE, fit.sequence).peak_rotation_ratio
+        assert fit.peaks.tolist() == peaks.tolist()
+        assert fit.misfit == pytest.approx(np.sqrt(np.mean(fit.targets.residuals(peaks[np.newaxis]) ** 2)))
+        assert fit.unsafe_share == np.mean(peaks < PEAKS)
+
+
+@pytest.mark.parametrize("confidence", [0.9, 0.6])
+def test_the_search_looks_as_far_as_four_thresholds_and_a_parameter_is_flat_up_to_one(monkeypatch, short, confidence):
+    threshold = deviance_threshold(12, confidence)
+    seen, explore = {}, module.explore
+
+    def spied(targets, space, point, enough, rng, threads):
+        seen.update(point=point, enough=enough)
+        return explore(targets, space, point, enough, rng, threads)
+
+    ends = {"ratio": (True, True), "interval": (True, True), "main_count": (True, False)}
+    just = {"ratio": threshold, "interval": threshold * 1.001, "main_count": 0.0, "main": 0.0}
+    monkeypatch.setattr(module, "explore", spied)
+    monkeypatch.setattr(module, "flat_ends", lambda *_: ends)
+    monkeypatch.setattr(
+        module, "profiles", lambda *_: {name: (np.arange(2.0), np.array([0.0, end])) for name, end in just.items()}
+    )
+    still = ImpulseSequence(0.0, 0.0, 0.2, 9.0, main_count=3)
+    for start, there in ((None, False), (still, False), (ImpulseSequence(0.5, 0.2, 0.2, 9.0, main_count=3), True)):
+        fit = fit_sequence(TWELVE, PEAKS, ROCK, start=start, confidence=confidence, threads=1)
+        assert fit.flat == ("ratio",)
+        assert seen["enough"] == pytest.approx(4.0 * threshold)
+        assert (seen["point"] is not None) is there
+        assert np.isfinite(fit.start_misfit) == np.isfinite(fit.start_unsafe_share) == (start is not None)
+    assert fit.start_unsafe_share == np.mean(response(TWELVE, start).peak_rotation_ratio < PEAKS)
+
+
+def test_the_family_of_a_record_is_named_where_none_is_given_and_the_envelope_is_asked_for_by_its_form(
+    monkeypatch, short, strong
+):
+    asked = []
+    monkeypatch.setattr(module, "recorded_family", lambda record, threads, vertical: THIRD)
+    monkeypatch.setattr(module, "envelope", lambda fit, share, threads: asked.append(share) or fit)
+    given, own = calibrate_response(strong, THIRD, threads=1), calibrate_response(strong, threads=1)
+    assert own.remarks[0].startswith(f"{THIRD.shape[0]} blocks chosen about the edge of overturning")
+    assert own.remarks[1:] == given.remarks
+    assert own.intervals == given.intervals
+    assert asked == []
+    calibrate_response(strong, THIRD, form="enveloping", threads=1)
+    calibrate_response(strong, THIRD, form="enveloping", share=1.0, threads=1)
+    assert asked == [0.84, 1.0]
+    seeded = [calibrate_response(strong, THIRD, seed=seed, threads=1).intervals for seed in (0, 1)]
+    assert seeded[0] == given.intervals != seeded[1]
+
+
+def test_the_envelope_says_its_factor_and_whether_cover_is_monotonic(monkeypatch, fit):
+    over = envelope(fit, 0.84, threads=1)
+    factor = over.sequence.main / fit.sequence.main
+    assert over.remarks[-1] == (
+        f"the enveloping main impulse is {factor:.3g} times the fitted one and covers 84% of the blocks"
+    )
+    peaks = response(THIRD, over.sequence).peak_rotation_ratio
+    assert over.peaks.tolist() == peaks.tolist()
+    assert over.misfit == fit.targets.misfit(peaks[np.newaxis])[0]
+    assert over.parameters == fit.parameters | {"main": float(over.sequence.main)}
+    monkeypatch.setattr(module, "enveloping_main", lambda *_: (1.5, True))
+    again = envelope(fit, 0.84, threads=1)
+    assert again.sequence.main == pytest.approx(1.5 * fit.sequence.main)
+    assert again.remarks[-1].endswith("cover is not monotonic in the impulse")
