@@ -61,13 +61,10 @@ def band_statement(band: Band, rows: Observations, slopes: np.ndarray) -> str:
 
 
 def extrapolated(median: float, rows: Observations) -> Extrapolated:
-    """Whether the median of a curve, in the unit of the measure, lies above or below every level looked at.
-
-    Without a curve the median is NaN, which does neither.
-    """
-    if median > np.max(rows.level, initial=0.0):
+    """Whether the median of a curve, in the unit of the measure, lies above or below every level looked at."""
+    if median > np.max(rows.level):
         return Extrapolated.ABOVE
-    if median < np.min(rows.level, initial=np.inf):
+    if median < np.min(rows.level):
         return Extrapolated.BELOW
     return Extrapolated.NO
 

@@ -152,8 +152,11 @@ def test_a_capacity_above_the_search_is_not_known(records):
 
 def test_the_file_says_how_the_capacities_were_searched(records):
     few = options(limit_states=["uplift", "overturning"], measures=["pga"]).fragility
-    coarse = Config(fragility=few, search=SearchSettings(factor_max=25.0, points=9))
-    capacities = rp.fragility_curves(records[:2], coarse, BLOCKS)["capacities"].to_dataset()
+    site = rp.SiteSettings(name="Tower", description="A tower.")
+    coarse = Config(site=site, fragility=few, search=SearchSettings(factor_max=25.0, points=9))
+    found = rp.fragility_curves(records[:2], coarse, BLOCKS)
+    assert (found.attrs["title"], found.attrs["site_description"]) == ("Tower", "A tower.")
+    capacities = found["capacities"].to_dataset()
     assert (capacities.attrs["points"], capacities.attrs["factor_max"]) == (9, 25.0)
     start = capacities["factor"].sel(limit_state="uplift")
     np.testing.assert_allclose(capacities["search_step"], (25.0 / start) ** (1 / 8), rtol=1e-9)
@@ -270,6 +273,8 @@ def test_a_tree_of_no_motion_has_every_variable_and_no_row():
         assert table.sizes["record"] == 0
         shapes[data] = dict(table.sizes)
         assert set(found["fragility"]["statement"].values.ravel()) == {"no curve: no record"}
+        assert set(found["efficiency"]["most_efficient"].values.ravel()) == {""}
+        assert found.attrs["title"] == "Fragility of rigid blocks under recorded ground motions"
     usual = {"record": 0, "block": 2, "measure": 2, "limit_state": 3}
     assert shapes == {"ida": usual, "stripes": usual | {"stripe": 2}, "cloud": usual | {"stripe": 1}}
 
