@@ -16,6 +16,13 @@ def test_the_words_of_the_configuration_are_the_names_of_the_table():
     assert tuple(FAMILIES) == MODELS
 
 
+@pytest.mark.parametrize("model", FAMILIES)
+def test_a_family_knows_its_distribution_and_deviation(model):
+    z = np.array([-2.0, 0.3, 1.5])
+    assert FAMILIES[model].cdf(z) == pytest.approx(DISTRIBUTION[model].cdf(z))
+    assert FAMILIES[model].deviation == pytest.approx(DISTRIBUTION[model].std())
+
+
 def mixed_rows(seed=1):
     rng = np.random.default_rng(seed)
     x = rng.standard_normal(40)

@@ -96,7 +96,7 @@ def test_qualities_of_a_sine():
 
 def test_strong_half_waves_are_those_above_half_the_largest_of_the_intense_phase():
     motion = scene()
-    sizes = [9.0, 1.0, -2.0, 1.0001, 1.9, 0.5, 9.0]
+    sizes = [0.9, 0.1, -0.2, 0.10001, 0.19, 0.05, 0.9]
     waves = SimpleNamespace(between=lambda start, end: SimpleNamespace(impulse=np.array(sizes[int(start) : int(end)])))
     known = SimpleNamespace(record=motion.record, waves=waves)
     for start, end, count in ((1, 6, 3), (0, 6, 1), (1, 2, 1), (1, 1, 0)):
