@@ -45,7 +45,7 @@ def number_lines(name: str, lines: Sequence[str], layout: Layout, timed: bool) -
     if layout.width == 2 and row + 1 < len(lines):
         fields, following = (split_row(lines[index][:LINE_LIMIT], layout.delimiter) for index in (row, row + 1))
         two_numbers = len(following) == 2 and all(NUMBER.fullmatch(field) for field in following)
-        if two_numbers and as_float(following[0]) <= as_float(fields[0]) and as_float(fields[0]) > 0.0:
+        if two_numbers and as_float(following[0]) <= as_float(fields[0]):
             count, step = _count_and_step(fields)
             if count and step:
                 return Numbered(row + 1, count, step, row + 1)
@@ -74,7 +74,7 @@ def _first_values(name: str, lines: Sequence[str], layout: Layout) -> Numbered |
     texts = [split_row(lines[index][:LINE_LIMIT], layout.delimiter)[0] for index in rows[:_LOOK_AT]]
     for used in (2, 1):
         count, step = _count_and_step(texts[:used])
-        if count and count == len(rows) - used and (used == 1) == (step is None):
+        if count and count == len(rows) - used:
             return Numbered(rows[used], count, step, rows[0] + 1)
     count, _ = _count_and_step(texts[:1])
     if count >= len(rows) > 2 and all("." in text or "," in text for text in texts[1:]):

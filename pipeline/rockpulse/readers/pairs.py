@@ -67,7 +67,7 @@ def declared_points(line: str, where: str) -> int:
 def pair_unit(line: str, where: str) -> str:
     """The key of `UNITS` in a header line ``Units are sec and g/10``; UnitError, with `where`, if there is none."""
     match = _UNIT.search(line)
-    return canonical_unit((match[1] if match else line)[:60].strip(), where)
+    return canonical_unit(match[1] if match else line.strip(), where)
 
 
 def surplus(

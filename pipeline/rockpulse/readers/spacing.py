@@ -51,12 +51,13 @@ def _beyond(times: np.ndarray) -> np.ndarray:
 
 
 def _fitted_step(times: np.ndarray, rounding: float) -> float | None:
+    """The interval of times that begin at 0, see `even_step`, each of them off by at most its rounding."""
     steps = np.arange(times.size)
-    mean = float(times[-1] - times[0]) / (times.size - 1)
+    mean = float(times[-1]) / (times.size - 1)
     tolerance = min(rounding, ROUNDING_SHARE * mean) + 0.01 * mean
     rate = 1.0 / mean
     for step in (float(f"{mean:.2g}"), 1.0 / round(rate) if rate >= 1.0 else mean, float(f"{mean:.4g}"), mean):
-        if np.max(np.abs(times - times[0] - step * steps)) <= tolerance:
+        if np.max(np.abs(times - step * steps)) <= tolerance:
             return step
     return None
 

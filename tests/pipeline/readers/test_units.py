@@ -35,14 +35,28 @@ def test_the_nearest_unit_is_named():
         canonical_unit("gg", "option --units")
 
 
+def test_of_units_as_near_one_is_named():
+    with pytest.raises(UnitError, match=r"'mm/s' \(velocity\); did you mean \"mm/s2\"\?; expected"):
+        canonical_unit("mm/s", "option units")
+
+
 def test_every_unit_reads_as_itself():
     assert [canonical_unit(unit, "") for unit in UNITS] == list(UNITS)
+    assert UNITS["gal"] == UNITS["cm/s2"]
 
 
 def test_other_readings_are_ordinary_accelerations():
     assert other_readings(300.0) == "0.306 g if it were cm/s2 or 0.0306 g if it were mm/s2"
+    assert (
+        other_readings(20.0, "cm/s2") == "2.04 g if it were m/s2 or 0.00204 g if it were mm/s2 or 2 g if it were g/10"
+    )
     assert other_readings(1e9) == "1.02e+05 g if it were mm/s2, no ordinary acceleration either"
     assert other_readings(1e-4, "g") == "1.02e-05 g if it were m/s2, no ordinary acceleration either"
+
+
+@pytest.mark.parametrize(("share", "ordinary"), [(0.0009, False), (0.001, True), (3.0, True), (3.5, False)])
+def test_an_ordinary_acceleration_is_from_a_thousandth_of_gravity_to_three_times_it(share, ordinary):
+    assert other_readings(share * UNITS["g"]).startswith(f"{share:g} g if it were m/s2") is ordinary
 
 
 @pytest.mark.parametrize(
@@ -83,3 +97,8 @@ def test_units_in_running_text(text, units):
         for quantity, wording, _ in mentioned_units(text)
     ]
     assert found == units
+
+
+def test_units_in_running_text_as_they_are_written_and_where():
+    assert list(mentioned_units("Acc. (Gal), vel_cm_s")) == [("acceleration", "Gal", 6), ("velocity", "cm_s", 16)]
+    assert list(mentioned_units("Größe in M·s⁻²")) == [("acceleration", "m·s-2", 9)]

@@ -9,7 +9,7 @@ from record_writers.columns import wrapped
 
 from rockpulse.errors import RecordFormatError
 from rockpulse.readers import read
-from rockpulse.readers.wrapped_series import FEWEST_ROWS, runs_on
+from rockpulse.readers.wrapped_series import runs_on
 
 VALUES = np.round(pulse(200, peak=3.0), 6)
 LONG, STEP = np.round(pulse(1000, peak=3.0) + 0.01 * np.sin(1.5 * np.arange(1000)), 6), 0.005
@@ -48,12 +48,47 @@ def test_a_short_last_row_of_narrow_rows_that_run_on_is_the_end_of_a_series(writ
         read(write(wrapped(VALUES, 4)), units="m/s2", dt=0.01)
 
 
+@pytest.mark.filterwarnings("error")
 def test_runs_on_asks_for_enough_rows_and_for_motion():
     rows = VALUES.reshape(-1, 5)
     assert runs_on(rows)
-    assert not runs_on(rows[: FEWEST_ROWS - 1])
+    assert runs_on(rows[:20])
+    assert not runs_on(rows[:19])
+    assert not runs_on(VALUES[:, None])
     assert not runs_on(0.0 * rows)
     assert not runs_on(np.full((30, 5), 1e300) * np.arange(5))
+
+
+def stepped(inside, behind):
+    """Rows (n, columns) of one series: its steps in each row (n, columns - 1), and that from each row to the next."""
+    steps = np.column_stack([inside, [*behind, 0.0]]).ravel()[:-1]
+    return np.append(0.0, np.cumsum(steps)).reshape(len(inside), -1)
+
+
+@pytest.mark.parametrize(
+    ("inside", "behind", "series"),
+    [
+        # Ratios of the mean squares 1.69, 1.82 and just 1.8 = 9/5, either way.
+        ([2.0] * 21, [2.6] * 20, True),
+        ([2.0] * 21, [2.7] * 20, False),
+        ([2.6] * 21, [2.0] * 20, True),
+        ([2.7] * 21, [2.0] * 20, False),
+        ([3.0] * 21, [1.0, 3.0] * 10, False),
+        ([1.0, 3.0] * 11, [3.0] * 21, False),
+        # The step behind a row turns back in so many of 20: down a column four times that share to one.
+        ([3.0] * 21, [3.0] * 11 + [-3.0] * 9, True),
+        ([3.0] * 21, [3.0] * 10 + [-3.0] * 10, False),
+    ],
+)
+def test_the_limits_of_what_is_a_series_in_rows_of_two(inside, behind, series):
+    assert runs_on(stepped(np.array(inside)[:, None], behind)) is series
+    assert runs_on(0.125 * stepped(np.array(inside)[:, None], behind)) is series
+
+
+@pytest.mark.parametrize(("middle", "series"), [(1.2, True), (1.5, False)])
+def test_of_longer_rows_the_usual_step_counts(middle, series):
+    """Steps of 1, `middle` and 30 in rows of four, of 1 behind them: as climbing series, and smooth by the long step."""
+    assert runs_on(stepped(np.tile([1.0, middle, 30.0], (20, 1)), [1.0] * 19)) is series
 
 
 @pytest.mark.parametrize("noise", [0.0, 0.01, 0.1, 1.0])
