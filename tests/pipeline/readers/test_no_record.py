@@ -2,7 +2,8 @@
 
 import pytest
 
-from rockpulse.readers.no_record import advice, may_be_record
+from rockpulse.errors import RecordFormatError
+from rockpulse.readers.no_record import advice, is_quiet, may_be_record
 from rockpulse.readers.source import HEAD, SourceFile
 
 VALUES = [-300.12, -299.87, 0.1132, -4821.02, 12.5, -0.5] * 20
@@ -97,6 +98,48 @@ def test_texts_tables_and_pictures_are_no_records(name, content):
 def test_ten_rows_of_numbers_in_a_row_may_be_a_record_among_words(count, known):
     content = PROSE * 40 + "".join(f"{0.01 * k:.2f} {a:.2f}\n" for k, a in enumerate(VALUES[:count])) + PROSE * 40
     assert may_be_record(opened("a.txt", content)) is known
+
+
+def test_forty_groups_of_digits_are_no_mere_handful():
+    assert may_be_record(opened("a.txt", "0.5\n" * 20))
+    assert not may_be_record(opened("a.txt", "0.5\n" * 19 + "7\n"))
+
+
+def test_rows_of_numbers_that_are_half_of_all_may_be_a_record():
+    half = "0.1234 0.5678 0.9\nsome words here about it\n" * 9
+    assert may_be_record(opened("a.txt", half))
+    assert not may_be_record(opened("a.txt", half + "some words here about it\n"))
+
+
+def test_rows_of_as_many_digits_as_there_are_letters_may_be_a_record():
+    content = ("0.123456789 " * 11 + "\n") * 2 + ("a" * 44 + "\n") * 5
+    assert may_be_record(opened("a.txt", content))
+    assert not may_be_record(opened("a.txt", content + "b"))
+
+
+@pytest.mark.parametrize(("channels", "known"), [(4, True), (5, False)])
+def test_rows_of_up_to_four_channels_in_turn_may_be_a_record(channels, known):
+    codes = ["HNE", "HNN", "HNZ", "HNX", "HNY"][:channels]
+    assert may_be_record(opened("a.txt", "".join(f"{code} 0.1234567 0.7654321\n" for code in codes) * 5)) is known
+
+
+def test_what_is_passed_over_without_a_row():
+    def xml(content):
+        return lambda: opened("a.xml", content)
+
+    def failing(error):
+        def fail():
+            raise error
+
+        return fail
+
+    assert is_quiet("sub/notes.MD", failing(AssertionError))
+    assert is_quiet("a.zip!plot.png", failing(AssertionError))
+    assert not is_quiet("a.AT2", failing(AssertionError))
+    assert is_quiet("a.XML", xml("<?xml version='1.0'?>\n<FDSNStationXML>\n"))
+    assert not is_quiet("a.xml", xml("<samples>\n"))
+    assert not is_quiet("a.xml", failing(RecordFormatError("damaged")))
+    assert not is_quiet("a.xml", failing(FileNotFoundError("gone")))
 
 
 @pytest.mark.parametrize("name", ["readme.v2", "notes.AT2", "a.xls", "a.XLSX", "a.ods"])

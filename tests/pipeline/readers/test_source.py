@@ -9,6 +9,7 @@ import tarfile
 import zipfile
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -113,11 +114,11 @@ def test_a_gzip_bomb_is_refused_before_it_is_unpacked(tmp_path, kind):
 
 
 def test_what_is_compressed_as_many_times_as_the_limit_says_is_read():
-    packed = io.BytesIO(gzip.compress(bytes(2 * source.RATIO_LIMIT)))
-    assert source._unpack("a.gz", packed, 2, 10**9) == bytes(2 * source.RATIO_LIMIT)
-    packed = io.BytesIO(gzip.compress(bytes(2 * source.RATIO_LIMIT + 1)))
-    with pytest.raises(RecordRefused, match="compressed more than"):
-        source._unpack("a.gz", packed, 2, 10**9)
+    for size, content in ((2, bytes(1000)), (0, bytes(500))):
+        assert source._unpack("a.gz", io.BytesIO(gzip.compress(content)), size, 10**9) == content
+        with pytest.raises(RecordRefused, match="compressed more than 500 times, the limit"):
+            source._unpack("a.gz", io.BytesIO(gzip.compress(content + b"1")), size, 10**9)
+    assert source._unpack("a.gz", io.BytesIO(gzip.compress(bytes(1000))), 2, 7) == bytes(7)
 
 
 def test_a_zip_archive_given_to_read_points_to_what_reads_it(tmp_path):
@@ -168,3 +169,86 @@ def test_a_series_without_words_that_repeats_itself_is_no_copy():
     assert half(b"1.0 2.0 3.0\n" * 2) is None
     assert half(b"Acceleration\n1.0 2.0 3.0\n" * 2).content == b"Acceleration\n1.0 2.0 3.0\n"
     assert half(b"Acceleration\n1.0 2.0 3.0\nAcceleration\n1.0 2.0 3.1\n") is None
+
+
+@pytest.mark.parametrize(("begin", "copy"), [(0, True), (997, True), (998, False)])
+def test_a_word_among_the_first_thousand_bytes_tells_a_header(begin, copy):
+    half = b"1" * begin + b"abc" + b" 2" * 800
+    found = source.SourceFile("x.txt", half[:10], lambda: 2 * half).first_half()
+    assert (None if found is None else (found.head, found.content)) == ((half, half) if copy else None)
+
+
+def test_a_copy_is_one_to_the_last_byte():
+    half = b"Acceleration\n" + b"1.0 2.0 3.0\n" * 6000  # more than the head of a file
+
+    def found(content):
+        return source.SourceFile("x.txt", content[: source.HEAD], lambda: content).first_half()
+
+    assert (found(2 * half).content, found(2 * half).head) == (half, half[: source.HEAD])
+    assert found(half + half[:-2] + b"1\n") is None
+    assert found(2 * half + b"\n") is None
+    assert found(half + b"a" + half[1:]) is None
+
+
+def pipe(content, name="stream"):
+    """A stream that gives three bytes at a time, as a pipe may."""
+    rest = io.BytesIO(content)
+    return SimpleNamespace(name=name, read=lambda count: rest.read(min(count, 3)))
+
+
+def test_the_largest_file_is_read_and_a_larger_one_is_refused(tmp_path, monkeypatch):
+    monkeypatch.setattr(source, "FILE_LIMIT", 40)
+    whole, larger = b"Acceleration" + b" 1" * 14, b"Acceleration" + b" 1" * 14 + b"2"
+    for content, change in ((whole, bytes), (whole, gzip.compress)):
+        (tmp_path / "a.txt").write_bytes(change(content))
+        assert source.open_source(tmp_path / "a.txt").content == content
+        assert source.open_stream(io.BytesIO(change(content))).content == content
+    assert source.open_stream(pipe(whole)).content == whole
+    for content in (larger, gzip.compress(larger, 0)):
+        (tmp_path / "b.txt").write_bytes(content)
+        for refused in (
+            lambda: source.open_source(tmp_path / "b.txt").content,
+            lambda content=content: source.open_stream(io.BytesIO(content)),
+            lambda content=content: source.open_stream(pipe(content)),
+        ):
+            with pytest.raises(RecordRefused, match="larger than 40 bytes, the most that is read"):
+                refused()
+    for number, content in enumerate((whole, larger)):
+        (tmp_path / f"{number}.xml").write_bytes(content)
+    (tmp_path / "folder.xml").mkdir()
+    assert source.folder_station_files(tmp_path) == [(str(tmp_path / "0.xml"), whole)]
+    beside = source.open_source(tmp_path / "a.txt").beside
+    assert [beside(name) for name in ("0.xml", "1.xml", "none.xml", "folder.xml")] == [whole, None, None, None]
+
+
+def test_a_file_of_300_mb_is_too_large_and_one_of_2_mb_is_not(tmp_path):
+    (tmp_path / "a.txt").write_bytes(b"1 2\n")
+    beside = source.open_source(tmp_path / "a.txt").beside
+    for name, size in (("large", 300 * 1024**2), ("small", 2 * 1024**2)):
+        with (tmp_path / name).open("wb") as file:
+            file.truncate(size)  # without a block on the disk
+    assert beside("large") is None
+    assert beside("small") == bytes(2 * 1024**2)
+
+
+def test_office_documents_are_no_archives():
+    def packed(name):
+        content = io.BytesIO()
+        with zipfile.ZipFile(content, "w") as target:
+            target.writestr(name, "text")
+        return content.getvalue()
+
+    assert source.archive_kind(packed("mimetype")) == source.archive_kind(packed("[Content_Types].xml")) == ""
+    assert source.archive_kind(packed("a.AT2")) == "a zip archive"
+
+
+def test_the_path_of_a_file_is_its_last_part_without_gz():
+    def path(name):
+        return str(source.SourceFile(name, b"", bytes).path)
+
+    assert [path("a.zip!b\\c.AT2.GZ"), path("b/c.AT2"), path(".gz"), path("c.gz")] == ["b/c.AT2", "b/c.AT2", ".gz", "c"]
+
+
+def test_binary_data_that_begin_like_a_text_of_utf_16_stay_as_they_are():
+    for content in (b"\xff\xfe\x00\xd8\x00\x00", b"\xff\xfea\x00\x00\x00"):
+        assert source.SourceFile("x", content, lambda content=content: content).content == content

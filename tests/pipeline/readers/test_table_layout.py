@@ -9,7 +9,7 @@ from record_writers.columns import columns, wrapped
 
 from rockpulse.errors import RecordFormatError, UnitError
 from rockpulse.readers import read
-from rockpulse.readers.table_layout import find_layout, row_width, split_row
+from rockpulse.readers.table_layout import Layout, end_of_numbers, find_layout, row_width, split_row
 
 VALUES = np.round(pulse(200, peak=3.0), 6)
 TABLE = columns(np.column_stack([0.01 * np.arange(200), VALUES])).decode()
@@ -99,3 +99,35 @@ def test_a_table_begins_where_the_row_and_the_five_behind_it_have_one_width():
 def test_a_line_of_more_than_ten_thousand_characters_is_no_row():
     assert (row_width("1" * 10_000, None), row_width("1" * 10_001, None)) == (1, 0)
     assert find_layout(["1" * 10_001, "1" * 10_000]).start == 1
+
+
+@pytest.mark.parametrize(
+    ("rows", "expected"),
+    [
+        (["1,2", "3,4"], (",", ".", 2)),
+        (["1, 2", "3, 4"], (",", ".", 2)),
+        (["0,1 0,2", "0,3 0,4"], (None, ",", 2)),
+        (["0,1 2", "3 4"], (None, ",", 2)),
+        (["0,1 x", "3 4"], None),
+        (["0,1;2", "3;4"], (";", ",", 2)),
+        (["1 2", "3 4"], (None, ".", 2)),
+        (["1.5;2", "3;4"], (";", ".", 2)),
+        (["1"], (None, ".", 1)),
+        ([""], None),
+        ([], None),
+    ],
+)
+def test_separator_and_decimal_mark(rows, expected):
+    found = find_layout(["words", *rows])
+    assert found == (None if expected is None else Layout(1, *expected)) or (rows[1:] == ["3 4"] and found.start == 2)
+
+
+def test_the_numbers_begin_in_one_of_the_first_sixty_lines():
+    assert find_layout(["words"] * 59 + ["1 2"]) == Layout(59, None, ".", 2)
+    assert find_layout(["words"] * 60 + ["1 2"]) is None
+
+
+def test_the_numbers_end_at_the_first_line_of_words_behind_their_begin():
+    lines = ["ab", "1 2", "1x", "nan", "", "-- End", "of"]
+    assert [end_of_numbers(lines, start) for start in (0, 1, 5, 6, 7)] == [0, 5, 5, 6, 7]
+    assert end_of_numbers(lines[:5], 1) == 5

@@ -9,6 +9,9 @@ from record_writers.columns import table
 
 from rockpulse.errors import RecordFormatError
 from rockpulse.readers import read
+from rockpulse.readers.column_headings import Heading
+from rockpulse.readers.format import ReadOptions
+from rockpulse.readers.time_column import agreed_step, climbs, counts_rows, time_column_step
 
 VALUES = np.round(pulse(200, peak=3.0), 6)
 TIMES = np.arange(200) * 0.01
@@ -141,3 +144,90 @@ def test_a_missing_row_among_times_from_1970_is_seen(write):
     rows = [f"{1562383159.01 + 0.01 * index:.3f},{value:.6f}\n" for index, value in enumerate(VALUES)]
     with pytest.raises(RecordFormatError, match="rows are missing"):
         read(write("time,acc (g)\n" + "".join(rows[:50] + rows[51:])), units="g")
+
+
+def step_of(times, *others, headings=(), declared=None):
+    columns = others or (VALUES[: len(times)],)
+    return time_column_step("x.txt", np.column_stack([times, *columns]), headings, 4, declared)
+
+
+@pytest.mark.parametrize(
+    ("unit", "seconds"),
+    [
+        *(("", 1.0), ("s", 1.0), ("sec", 1.0)),
+        *(("ms", 1e-3), ("MSec", 1e-3), ("millis", 1e-3), ("us", 1e-6), ("\u00b5s", 1e-6)),
+        *(("min", 60.0), ("Minuten", 60.0)),
+    ],
+)
+def test_times_are_in_the_unit_of_their_heading(unit, seconds):
+    found = step_of(2.0 * np.arange(30), headings=[Heading("t", "time", unit)])
+    assert found == pytest.approx(2.0 * seconds, rel=1e-12)
+    with pytest.raises(RecordFormatError, match="expected a column of times in s, ms or min, found 't' in 's2'"):
+        step_of(2.0 * np.arange(30), headings=[Heading("t", "time", "s2")])
+    assert step_of(2.0 * np.arange(30), headings=[Heading("a", "acceleration", "s2")]) == 2.0
+
+
+@pytest.mark.parametrize("still", [0, 3])
+def test_a_column_that_falls_at_a_twentieth_of_its_changes_is_no_time(still):
+    for changes in (20, 21):
+        times = np.append(np.arange(changes + 1.0), np.full(still, changes))
+        times[10] = 8.5
+        if changes == 20:
+            assert step_of(times) is None
+            continue
+        with pytest.raises(
+            RecordFormatError, match=r"^x.txt:15: expected increasing times in the first column, .* 8.5"
+        ):
+            step_of(times)
+    with pytest.raises(RecordFormatError, match="in the column 't'"):
+        step_of(times[:15], headings=[Heading("t", "time")])
+    assert step_of(0.0 * times) is None
+
+
+def test_a_table_of_one_column_or_one_row_has_no_times():
+    headings = [Heading("t", "time")]
+    assert time_column_step("x.txt", TIMES[:, None], headings, 4, None) is None
+    assert step_of(TIMES[:1], headings=headings) is None
+    assert step_of(TIMES[:2], headings=headings) == 0.01
+    assert step_of(TIMES[:2]) == 0.01
+
+
+def test_another_column_that_runs_like_time_is_named():
+    with pytest.raises(RecordFormatError, match=r"^x.txt:5: .* columns 1 and 3 both run like time"):
+        step_of(TIMES, VALUES, 3.0 * TIMES)
+
+
+def test_the_step_that_differs_most_is_named_though_it_is_short():
+    times = TIMES.copy()
+    times[10:] -= 0.006
+    with pytest.raises(
+        RecordFormatError, match=r"^x.txt:15: expected equally .* a step of 0.004 s among steps of 0.01"
+    ):
+        step_of(times)
+    with pytest.raises(RecordFormatError, match=r"^x.txt:15: .* at the declared interval of 0.01 s, found a step of"):
+        step_of(times, declared=0.01)
+
+
+def test_a_column_counts_the_rows_from_zero_or_one():
+    for begin, counts in ((-1.0, False), (0.0, True), (1.0, True), (2.0, False)):
+        rows = np.column_stack([begin + np.arange(5.0), VALUES[:5]])
+        assert counts_rows(rows, []) is counts_rows(rows, [Heading("No")]) is counts
+        assert not counts_rows(rows, [Heading("t", "time")])
+    assert not counts_rows(np.column_stack([[0.0, 1.0, 3.0], VALUES[:3]]), [])
+
+
+def test_twenty_equal_steps_upwards_are_no_acceleration():
+    assert climbs(0.5 * np.arange(20.0))
+    assert not climbs(0.5 * np.arange(19.0))
+    assert not climbs(np.arange(30.0) ** 2)
+    assert not climbs(np.append(np.arange(30.0), 29.0))
+
+
+def test_all_sources_agree_on_one_positive_interval():
+    assert agreed_step("x.txt", {"time column": None, "header": 0.02}, ReadOptions(dt=0.02)) == 0.02
+    assert agreed_step("x.txt", {"header": 0.01}, ReadOptions()) == 0.01
+    for step in (0.0, -0.01, np.inf, np.nan):
+        with pytest.raises(RecordFormatError, match=rf"^x.txt: expected a positive .* in s, found {step!r} \(header\)"):
+            agreed_step("x.txt", {"time column": 0.01, "header": step}, ReadOptions())
+    with pytest.raises(RecordFormatError, match=r"disagree: 0.01 s \(a\), 0.02 s \(header\); correct the wrong one$"):
+        agreed_step("x.txt", {"a": 0.01, "header": 0.02}, ReadOptions())

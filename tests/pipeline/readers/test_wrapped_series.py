@@ -87,7 +87,7 @@ def test_the_limits_of_what_is_a_series_in_rows_of_two(inside, behind, series):
 
 @pytest.mark.parametrize(("middle", "series"), [(1.2, True), (1.5, False)])
 def test_of_longer_rows_the_usual_step_counts(middle, series):
-    """Steps of 1, `middle` and 30 in rows of four, of 1 behind them: as climbing series, and smooth by the long step."""
+    """Steps of 1, `middle` and 30 in rows of four, of 1 behind them."""
     assert runs_on(stepped(np.tile([1.0, middle, 30.0], (20, 1)), [1.0] * 19)) is series
 
 
