@@ -93,7 +93,7 @@ def _numbers(rows: Sequence[str], layout: Layout) -> np.ndarray | None:
     if not text or text.endswith("\n") or not text.isascii():
         return None
     codes = np.frombuffer(text.encode(), dtype=np.uint8)
-    starts = np.append(0, np.flatnonzero(codes == ord("\n")) + 1)
+    starts = np.append(0, np.flatnonzero(codes == ord("\n")))  # a row with the break before it
     if layout.delimiter:
         separators = np.add.reduceat(codes == ord(layout.delimiter), starts, dtype=np.intp)
         if np.any(separators != layout.width - 1):

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from obspy.core.inventory.response import InstrumentSensitivity, PolynomialResponseStage, Response
@@ -9,7 +11,7 @@ from scipy.signal import lsim
 
 from rockpulse.errors import RecordFormatError, RecordRefused
 from rockpulse.readers import read
-from rockpulse.readers.instrument import pass_band, without_response
+from rockpulse.readers.instrument import _disagreement, _gain, pass_band, without_response
 from rockpulse.readers.source import NotAcceleration
 from rockpulse.record.record import STANDARD_GRAVITY
 
@@ -151,6 +153,107 @@ def test_the_pass_band_follows_sensor_and_record():
     assert pass_band(accelerometer, DT, COUNT)[0] < 0.0
     # This one falls to a hundredth at 10 Hz.
     assert pass_band(accelerometer, DT, COUNT)[2:] == pytest.approx((8.0, 9.5), rel=0.03)
+
+
+def answering(answer, **sensitivity):
+    """A response with a given answer at each frequency."""
+    return SimpleNamespace(
+        get_evalresp_response_for_frequencies=answer,
+        instrument_sensitivity=SimpleNamespace(**sensitivity) if sensitivity else None,
+    )
+
+
+@pytest.mark.parametrize("largest", [1.0, 8.0])
+def test_the_pass_band_ends_where_the_answer_falls_below_a_hundredth(largest):
+    def within(frequency, output):
+        assert output == "DEF"
+        return largest * np.where((frequency >= 0.5) & (frequency <= 20.0), -1.0, 0.009)
+
+    first, second, third, fourth = pass_band(answering(within), DT, COUNT)
+    grid = 20000.0 ** (1.0 / 399.0)  # from a tenth of a cycle in 40 s to 50 Hz
+    assert 0.5 <= second <= 0.5 * grid
+    assert 20.0 / grid <= third / 0.8 <= 20.0
+    assert (first, fourth) == pytest.approx((0.5 * second, third * 0.95 / 0.8), rel=1e-12)
+    # A hundredth is an answer, also at zero frequency.
+    flat = answering(lambda frequency, output: largest * np.where(frequency >= 0.5, 1.0, 0.01))
+    assert pass_band(flat, DT, COUNT) == pytest.approx((-2.0, -1.0, 40.0, 47.5), rel=1e-12)
+
+
+@pytest.mark.parametrize(("dt", "count"), [(0.01, 4000), (0.01, 4), (0.005, 300)])
+def test_a_sensor_without_an_answer_at_zero_frequency_keeps_one_cycle_in_the_record(dt, count):
+    def answer(frequency, output):
+        return np.where(frequency == 0.0, np.nan, 3.0j)
+
+    cycle, nyquist = 1.0 / (count * dt), 0.5 / dt
+    expected = (0.5 * cycle, cycle, 0.8 * nyquist, 0.95 * nyquist)
+    assert pass_band(answering(answer), dt, count) == pytest.approx(expected, rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("begin", "sensitivity", "at", "stated"),
+    [
+        (-1.0, {"frequency": 0.0, "value": 2.0}, 0.0, True),
+        (-1.0, {"frequency": None, "value": 2.0}, 0.0, True),
+        (-1.0, {"frequency": 40.0, "value": 2.0}, 40.0, True),
+        (-1.0, {"frequency": 40.1, "value": 2.0}, 4.0, False),  # between 1 % of the end of the band and the end
+        (0.1, {"frequency": 0.1, "value": 2.0}, 0.1, True),
+        (0.1, {"frequency": 0.09, "value": 2.0}, 4.0, False),
+        (0.1, {"frequency": None, "value": 2.0}, 4.0, False),
+        (1.6, {}, 8.0, False),
+        (1.6, {"frequency": 5.0, "value": 0.0}, 8.0, False),
+    ],
+)
+def test_the_gain_is_that_at_the_frequency_of_the_sensitivity_where_the_pass_band_holds_it(
+    begin, sensitivity, at, stated
+):
+    response = answering(
+        lambda frequency, output: -1j * (frequency + {"ACC": 0.0, "DEF": 1000.0}[output]), **sensitivity
+    )
+    gain, size = _gain(response, (0.5 * begin, begin, 40.0, 47.5))
+    assert gain == pytest.approx(at, rel=1e-12)
+    assert size == pytest.approx(1000.0 + at if stated else np.nan, rel=1e-12, nan_ok=True)
+
+
+@pytest.mark.parametrize(
+    ("size", "scale", "value", "unit", "notes"),
+    [
+        (104.0, 1.0, 100.0, "M/S**2", []),
+        (96.0, 1.0, 100.0, "M/S**2", []),
+        (106.0, 1.0, 100.0, "M/S**2", ["the stages of the response differ from its sensitivity by 6 %"]),
+        (94.0, 1.0, 100.0, "M/S**2", ["the stages of the response differ from its sensitivity by -6 %"]),
+        (1.06, 0.01, 100.0, "M/S**2", ["the stages of the response differ from its sensitivity by 6 %"]),
+        (106.0, 1.0, 1.0, "CM/S**2", ["the stages of the response differ from its sensitivity by 6 %"]),
+        (1.0, 0.01, 100.0, "M/S**2", []),
+        (5.0, 0.01, 5.0, None, []),
+        (106.0, 1.0, 100.0, "M/S", ["the sensitivity is stated for velocity, the stages of the response begin with "]),
+        (100.0, 1.0, -100.0, "M/S**2", ["the sensitivity is negative, -100: a sign is turned"]),
+        (110.0, 1.0, -100.0, "M/S**2", ["the sensitivity is negative, -100: a sign is turned", "the stages of the "]),
+        (np.nan, 1.0, -100.0, "M/S", []),
+    ],
+)
+def test_the_stages_against_the_stated_sensitivity(size, scale, value, unit, notes):
+    response = answering(None, value=value, input_units=unit)
+    found = _disagreement("test", response, size, "acceleration", scale)
+    assert len(found) == len(notes)
+    assert all(one.startswith(note) for one, note in zip(found, notes, strict=True))
+
+
+def test_a_seismometer_of_long_periods_damps_no_pulse():
+    corner = 2.0 * np.pi * 0.001
+    poles = [corner * (-DAMPING + sign * 1j * np.sqrt(1.0 - DAMPING**2)) for sign in (1.0, -1.0)]
+    removed = without_response("test", 1e4 * wavelet(TIME, 2.0, 15.0), DT, paz([0.0, 0.0], poles, "M/S"))
+    assert "pass band from 0.025 Hz (nothing below 0.0125 Hz) to 40 Hz (nothing above 47.5 Hz)" in removed.note
+    assert removed.warnings == ("a sensor of velocity, differentiated: check that it was not driven to its limit",)
+
+
+def test_a_pass_band_that_begins_above_a_twentieth_of_a_hertz_is_told():
+    corner = 2.0 * np.pi * 0.001
+    poles = [corner * (-DAMPING + sign * 1j * np.sqrt(1.0 - DAMPING**2)) for sign in (1.0, -1.0)]
+    counts = 1e4 * wavelet(TIME[:1500], 2.0, 7.0)
+    removed = without_response("test", counts, DT, paz([0.0, 0.0], poles, "M/S"))
+    assert removed.warnings[1].startswith(
+        "the pass band begins at 0.0667 Hz: impulses longer than about 3 s are damped"
+    )
 
 
 def test_a_response_that_does_not_serve_is_refused():

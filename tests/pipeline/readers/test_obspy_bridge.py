@@ -1,9 +1,17 @@
 """The direction of a channel by its SEED code and the angles of its station metadata."""
 
+import os
+import sys
+import warnings
+from datetime import UTC, datetime
+
 import numpy as np
+import obspy
 import pytest
 
-from rockpulse.readers.obspy_bridge import seed_direction
+from rockpulse.errors import RecordFormatError
+from rockpulse.readers.obspy_bridge import obspy_notes, obspy_stream, seed_direction, utc_time
+from rockpulse.readers.source import SourceFile
 
 
 @pytest.mark.parametrize(
@@ -46,3 +54,68 @@ def test_an_azimuth_far_from_the_axis_that_the_code_names_is_used_and_said():
     assert "the channel code says 'HNE', the azimuth is 0 degrees" in facing.note
     assert not seed_direction("HNE", 270.0, 0.0).note
     assert not seed_direction("HNN", 359.0, 0.0).note
+
+
+@pytest.mark.parametrize(
+    ("dip", "lies", "sign"),
+    [
+        *((dip, "vertical", -1.0) for dip in (60.0, 89.5, 90.0)),
+        *((dip, "vertical", 1.0) for dip in (-60.0, -90.0)),
+        *((dip, "horizontal", 1.0) for dip in (0.0, 30.0, -30.0)),
+        *((dip, "unknown", 1.0) for dip in (30.5, -45.0, 59.5, 90.5, -90.5)),
+    ],
+)
+def test_a_dip_of_up_to_30_degrees_is_horizontal_and_one_of_60_or_more_vertical(dip, lies, sign):
+    facing = seed_direction("HN3", 400.0, dip)
+    assert (facing.orientation, facing.sign, bool(facing.note)) == (lies, sign, lies == "unknown")
+    assert facing.azimuth == pytest.approx(40.0 if lies == "horizontal" else np.nan, nan_ok=True)
+
+
+@pytest.mark.parametrize(("code", "axis"), [("HNN", 0.0), ("HNE", 90.0)])
+@pytest.mark.parametrize(
+    ("off", "told"), [(45.0, False), (-45.0, False), (135.0, False), (46.0, True), (-46.0, True), (134.0, True)]
+)
+def test_an_azimuth_more_than_45_degrees_off_the_axis_of_the_code_is_told(code, axis, off, told):
+    facing = seed_direction(code, axis + off, None)
+    assert facing.azimuth == (axis + off) % 360.0
+    assert bool(facing.note) is told
+
+
+def test_angles_that_contradict_the_code():
+    for code, dip in (("HNE", -90.0), ("HNZ", 45.0)):
+        facing = seed_direction(code, 30.0, dip)
+        assert (facing.orientation, np.isnan(facing.azimuth)) == ("unknown", True)
+        assert facing.note.startswith(
+            f"the direction is unknown: the channel code says '{code}', the dip is {dip:g} deg"
+        )
+
+
+def test_the_warnings_in_a_block_are_told_once_each_and_those_about_obspy_itself_are_not():
+    with warnings.catch_warnings(record=True) as outside:
+        warnings.simplefilter("always")
+        with obspy_notes() as notes:
+            for category in (UserWarning, DeprecationWarning, FutureWarning, ResourceWarning, UserWarning):
+                warnings.warn(f"a  word\nof {category.__name__}", category, stacklevel=1)
+            before = sys.unraisablehook
+            sys.unraisablehook(type("Lost", (), {"exc_value": ValueError("an odd letter")}))
+            os.write(2, b"a line on the terminal\n")
+        assert sys.unraisablehook is not before
+    assert outside == []
+    assert notes == ["obspy: a word of UserWarning", "obspy: a message of its C library is lost (an odd letter)"]
+
+
+def opened(content):
+    return SourceFile("x.mseed", content, lambda: content)
+
+
+def test_times_beyond_the_calendar_are_named():
+    assert utc_time(opened(b""), obspy.UTCDateTime(5.25)) == datetime(1970, 1, 1, 0, 0, 5, 250_000, tzinfo=UTC)
+    with pytest.raises(
+        RecordFormatError, match=r"x.mseed: expected a start time in the years 1 to 9999, found 1000000000000.0 s"
+    ):
+        utc_time(opened(b""), obspy.UTCDateTime(ns=10**21))
+
+
+def test_a_stream_of_nothing_is_named():
+    with pytest.raises(RecordFormatError, match=r"x.mseed: obspy cannot read it as MSEED"):
+        obspy_stream(opened(b"x"), "MSEED")

@@ -133,8 +133,9 @@ def test_an_interval_that_obspy_keeps_as_a_rate_is_that_of_the_record_and_a_chan
     trace = rp.to_trace(replace(record, dt=0.0049))
     trace.stats.sampling_rate = 1.0 / 0.0049
     assert rp.from_trace(trace).dt == 0.0049
-    trace.stats.delta = 0.0049 * (1.0 + 1e-9)
-    assert rp.from_trace(trace).dt == trace.stats.delta
+    for off in (1e-9, -1e-9, 5e-12):
+        trace.stats.delta = 0.0049 * (1.0 + off)
+        assert rp.from_trace(trace).dt == trace.stats.delta
 
 
 def test_an_integrated_trace_is_no_acceleration_unless_the_unit_is_given(record):
@@ -190,6 +191,19 @@ def test_a_new_station_code_makes_a_new_id_and_keeps_the_direction():
     back = rp.from_trace(trace)
     assert (back.id, back.azimuth, back.component) == ("CI.ABC..HNE@20200102T030405", 90.0, "90 Deg")
     assert "the codes were CI.CLC..HNE" in back.warnings[-1]
+
+
+def test_a_trace_that_lost_its_codes_has_an_id_of_its_name(record):
+    trace = rp.to_trace(replace(record, station_name="Town Hall"))
+    trace.stats.channel = ""
+    assert rp.from_trace(trace).id == "Town_Hall.1"
+    trace = rp.to_trace(replace(record, station_name="Town Hall", source="a.zip!b/c.AT2"))
+    trace.stats.channel = ""
+    assert rp.from_trace(trace).id == "c.1"
+    del trace.stats.rockpulse["codes"]
+    back = rp.from_trace(trace, azimuth=370.0)
+    assert back.warnings[-1] == "the codes were unknown when the trace was made; the id was made anew"
+    assert (back.azimuth, back.orientation, back.component) == (10.0, "horizontal", "")
 
 
 def test_a_channel_on_a_structure_stays_on_it():

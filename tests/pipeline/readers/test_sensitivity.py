@@ -104,4 +104,5 @@ def test_a_sensitivity_against_the_gains_of_the_stages(value, unit, gains, first
 
 def test_the_first_stage_is_that_of_the_lowest_number():
     assert first_stage(response(1.0, gains=(7.0, 8.0, 9.0))).stage_gain == 7.0
+    assert turned(SimpleNamespace(value=-0.5)) == ["the sensitivity is negative, -0.5: a sign is turned"]
     assert turned(SimpleNamespace(value=0.0)) == turned(SimpleNamespace(value=3.0)) == []

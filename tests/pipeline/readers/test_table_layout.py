@@ -131,3 +131,7 @@ def test_the_numbers_end_at_the_first_line_of_words_behind_their_begin():
     lines = ["ab", "1 2", "1x", "nan", "", "-- End", "of"]
     assert [end_of_numbers(lines, start) for start in (0, 1, 5, 6, 7)] == [0, 5, 5, 6, 7]
     assert end_of_numbers(lines[:5], 1) == 5
+
+
+def test_numbers_that_are_not_finite_are_numbers_in_any_letters_and_digits_of_other_scripts_are_none():
+    assert [row_width(row, None) for row in ("NaN -INF", "nan +inf 1D5", "\u0661 \u0662", "1 x")] == [2, 3, 0, 0]

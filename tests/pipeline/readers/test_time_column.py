@@ -219,6 +219,8 @@ def test_a_column_counts_the_rows_from_zero_or_one():
 def test_twenty_equal_steps_upwards_are_no_acceleration():
     assert climbs(0.5 * np.arange(20.0))
     assert not climbs(0.5 * np.arange(19.0))
+    assert not climbs(np.ones(20))
+    assert not climbs(-0.01 * np.arange(20.0))
     assert not climbs(np.arange(30.0) ** 2)
     assert not climbs(np.append(np.arange(30.0), 29.0))
 

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import io
 from dataclasses import replace
 from datetime import UTC, datetime
 
 import numpy as np
+import obspy
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -258,3 +260,91 @@ def test_the_names_in_a_miniseed_file(record):
 def test_a_channel_within_five_degrees_of_north_or_east_has_the_letter_of_it(azimuth, codes):
     record = Record(np.zeros(3), dt=0.01, id="x", azimuth=azimuth, orientation="horizontal")
     assert _channel_codes(record) == codes
+
+
+@pytest.mark.parametrize(
+    ("rate", "band"),
+    [
+        *((rate, "C") for rate in (250.0, 500.0)),
+        *((rate, "H") for rate in (249.5, 80.0)),
+        *((rate, "B") for rate in (79.5, 10.0)),
+        *((rate, "M") for rate in (9.5, 1.0)),
+        *((rate, "L") for rate in (0.75, 0.5)),
+    ],
+)
+def test_the_band_of_a_channel_is_that_of_its_rate(rate, band):
+    record = Record(np.zeros(3), dt=1.0 / rate, id="x", orientation="vertical")
+    assert _channel_codes(record) == [f"{band}NZ"]
+
+
+def test_codes_as_long_as_seed_has_room_for_and_longer_ones(record):
+    assert seed_codes([replace(record, network="abc", station="a-bcdef", location="001")]) == [("", "ABCDE", "", "HNE")]
+    assert seed_codes([replace(record, network="a-b", station="abcde", location="01")]) == [
+        ("AB", "ABCDE", "01", "HNE")
+    ]
+    assert seed_codes([replace(record, station="", id="@")]) == [("CI", "NONE", "", "HNE")]
+
+
+def test_the_location_counts_up_to_99_beside_the_one_of_the_record(record):
+    oblique = replace(record, azimuth=120.0, channel="120", location="07")
+    codes = seed_codes([oblique] * 101)
+    assert [code[2:] for code in codes[:4]] == [("07", "HN1"), ("07", "HN2"), ("00", "HN1"), ("01", "HN1")]
+    assert codes[-1] == ("CI", "CLC", "99", "HN1")
+    assert len(set(codes)) == 101
+    with pytest.raises(RecordRefused, match=r"more than 100 records share the codes CI.CLC..HN1"):
+        seed_codes([oblique] * 102)
+
+
+def test_the_station_metadata_of_a_channel(record):
+    channel = _station_channel(record, "00", "HNE")
+    assert (channel.code, channel.location_code, channel.sample_rate, channel.depth) == ("HNE", "00", 100.0, 0.0)
+    assert (channel.latitude, channel.longitude, channel.elevation) == (0.0, 0.0, 0.0)
+    assert channel.start_date.datetime.replace(tzinfo=UTC) == START
+    assert channel.end_date - channel.start_date == pytest.approx(record.duration + 1.0, abs=1e-6)
+    whole = channel.response.instrument_sensitivity
+    assert (whole.value, whole.frequency, whole.input_units, whole.output_units) == (1.0, 1.0, "M/S**2", "COUNTS")
+    undated = _station_channel(replace(record, start_time=None, azimuth=NAN, sensor_depth=12.5), "00", "HNE")
+    assert (undated.start_date, undated.end_date, undated.azimuth, undated.depth) == (None, None, None, 12.5)
+    for latitude, longitude in ((35.5, NAN), (NAN, -117.5)):
+        half = _station_channel(replace(record, station_latitude=latitude, station_longitude=longitude), "00", "HNE")
+        assert (half.latitude, half.longitude) == (0.0, 0.0)
+
+
+def test_the_channels_of_a_station_stand_in_one_of_it(record):
+    north = replace(record, azimuth=0.0, channel="HNN")
+    other = replace(record, station="WCS", station_name="", location="10")
+    abroad = replace(record, network="TU", station_name="D\u00fc\x07zce")
+    content, metadata, names = miniseed_bytes([record, north, other, abroad])
+    inventory = obspy.read_inventory(io.BytesIO(metadata))
+    assert inventory.get_contents()["channels"] == names
+    sites = {f"{net.code}.{place.code}": place.site.name for net in inventory for place in net}
+    assert sites == {"CI.CLC": record.station_name, "CI.WCS": "WCS", "TU.CLC": "D\u00fc zce"}
+    assert [trace.id for trace in obspy.read(io.BytesIO(content))] == names
+    undated = obspy.read(io.BytesIO(miniseed_bytes([replace(record, start_time=None)])[0]))
+    assert undated[0].stats.starttime == obspy.UTCDateTime(0)
+
+
+def test_values_that_no_field_of_at2_has_room_for_are_zero(record):
+    small = STANDARD_GRAVITY * np.array([1e-99, 9.9e-100, -9.9e-100, -2e-99, 1e-98, 1.5])
+    values = at2_bytes(replace(record, acceleration=small)).decode().split("SEC,\n")[1].split()
+    assert [float(value) for value in values] == [1e-99, 0.0, 0.0, -2e-99, 1e-98, 1.5]
+
+
+def test_the_title_of_an_at2_file_without_a_date_or_an_event(record):
+    def title(**changes):
+        return at2_bytes(replace(record, **changes)).decode().splitlines()[1]
+
+    assert title(event="") == ", China Lake, G2 Tower Rd., 090"
+    assert title(start_time=None) == "Ridgecrest, China Lake, G2 Tower Rd., 090"
+    assert title(event="A, 1/2/1999", azimuth=NAN, component="N, S") == "A, 1/2/1999, China Lake, G2 Tower Rd., N; S"
+    assert title(orientation="vertical", azimuth=NAN).endswith(", UP")
+    assert title(azimuth=5.25).endswith(", 005.25")
+
+
+def test_the_heading_of_a_csv_file_tells_whole_degrees(record):
+    def heading(**changes):
+        return csv_bytes(replace(record, **changes)).decode().splitlines()[0]
+
+    assert heading(azimuth=5.0) == "time [s],acceleration 005 deg [m/s2]"
+    assert heading(azimuth=5.5) == heading(azimuth=NAN) == "time [s],acceleration [m/s2]"
+    assert heading(orientation="vertical", azimuth=NAN) == "time [s],acceleration up [m/s2]"
