@@ -125,6 +125,12 @@ def test_a_sensitivity_in_another_unit_than_the_stages_is_compared_in_the_same()
     assert warning == "the sensitivity is stated for velocity, the stages of the response begin with acceleration"
 
 
+def test_a_first_stage_without_a_unit_has_that_of_the_sensitivity():
+    response = paz([], POLES, "CM/S**2", 0.2)
+    response.response_stages[0].input_units = None
+    assert "CM/S**2 to m/s2" in without_response("test", 1e4 * wavelet(TIME, 1.0, 20.0), DT, response).note
+
+
 def test_the_response_that_was_given_stays_as_it_is():
     response = paz([], POLES, "MM/S**2", 0.2)
     without_response("test", 1e4 * wavelet(TIME, 1.0, 20.0), DT, response)

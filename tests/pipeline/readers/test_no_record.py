@@ -96,7 +96,9 @@ def test_texts_tables_and_pictures_are_no_records(name, content):
 
 @pytest.mark.parametrize(("count", "known"), [(9, False), (10, True)])
 def test_ten_rows_of_numbers_in_a_row_may_be_a_record_among_words(count, known):
-    content = PROSE * 40 + "".join(f"{0.01 * k:.2f} {a:.2f}\n" for k, a in enumerate(VALUES[:count])) + PROSE * 40
+    content = (
+        PROSE * 40 + "".join(f"{0.01 * k:.2f} {a:.2f} {a:.3f}\n" for k, a in enumerate(VALUES[:count])) + PROSE * 40
+    )
     assert may_be_record(opened("a.txt", content)) is known
 
 

@@ -119,3 +119,17 @@ def test_times_beyond_the_calendar_are_named():
 def test_a_stream_of_nothing_is_named():
     with pytest.raises(RecordFormatError, match=r"x.mseed: obspy cannot read it as MSEED"):
         obspy_stream(opened(b"x"), "MSEED")
+
+
+def test_an_azimuth_is_held_against_the_axis_that_a_number_names():
+    assert not seed_direction("060", 60.0, None).note
+    assert not seed_direction("060", 255.0, None).note
+    assert seed_direction("060", 120.0, None).note
+
+
+def test_a_file_without_a_waveform_or_of_times_that_cannot_be_printed_is_named(monkeypatch):
+    late = obspy.Trace(np.zeros(3), {"starttime": obspy.UTCDateTime(ns=10**21)})
+    for traces, words in (([], "no waveform in the file"), ([late], "expected a start time in the years 1 to 9999")):
+        monkeypatch.setattr(obspy, "read", lambda *_, traces=traces, **__: obspy.Stream(traces))
+        with pytest.raises(RecordFormatError, match=f"x.mseed: {words}"):
+            obspy_stream(opened(b"1"), "MSEED")

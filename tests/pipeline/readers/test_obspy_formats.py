@@ -16,6 +16,7 @@ from rockpulse.errors import RecordFormatError, RecordRefused, UnitError
 from rockpulse.readers import read
 from rockpulse.readers.obspy_bridge import _standard_error, obspy_notes
 from rockpulse.readers.source import NotAcceleration
+from rockpulse.readers.station_xml import PROCESSED, told_otherwise
 from rockpulse.record.record import STANDARD_GRAVITY
 
 COUNTS = np.round(pulse(1000, peak=500_000.0)).astype(np.int32)
@@ -222,6 +223,48 @@ def test_station_files_that_tell_different_things_are_refused_unless_one_has_the
     write_station_xml(tmp_path, epoch(azimuth=60.0), name="record.xml")
     (record,) = read(path)
     assert (record.azimuth, record.unit_factor) == (60.0, 1.0 / 2.0e5)
+
+
+def test_the_station_file_with_the_name_of_the_record_counts_wherever_it_stands(tmp_path):
+    for name, value in (("a.xml", 3.0), ("record.xml", 2.0e5), ("z.xml", 4.0)):
+        write_station_xml(tmp_path, epoch(value=value), name=name)
+    assert read(write_miniseed(tmp_path, trace()))[0].unit_factor == 1.0 / 2.0e5
+
+
+def test_of_several_contradictions_the_first_is_told(tmp_path):
+    write_station_xml(tmp_path, epoch(), epoch(value=3.0), epoch(azimuth=0.0))
+    with pytest.raises(RecordRefused, match=r"has 3 different sensitivities .* \(200000.0 per M/S\*\*2; 3.0 per M/S"):
+        read(write_miniseed(tmp_path, trace()))
+
+
+def test_a_station_file_that_rockpulse_wrote_serves_the_record_of_its_name_only(tmp_path):
+    path = write_miniseed(tmp_path, trace())
+    metadata = tmp_path / "XX.ABC.xml"
+    write_station_xml(tmp_path, epoch(last="2019-06-01"))
+    with pytest.raises(RecordRefused, match=r"\(looked in \S*XX.ABC.xml\); put the station's StationXML"):
+        read(path)
+    write_station_xml(tmp_path, epoch())
+    described = re.sub("(<Channel.*?>)", rf"\1<Description>{next(iter(PROCESSED))}</Description>", metadata.read_text())
+    metadata.write_text(described)
+    with pytest.raises(RecordRefused, match=r"XX.ABC.xml, which serves the miniSEED file of its own name only\); put"):
+        read(path)
+    metadata.rename(tmp_path / "record.xml")
+    assert read(path)[0].processed is True
+
+
+def test_station_metadata_contradict_a_channel_by_what_it_tells_at_its_time(tmp_path):
+    import obspy
+
+    for name, corner in (("a.xml", 300.0), ("b.xml", 900.0)):
+        write_stages(tmp_path, [corner * (-1.0 + 1.0j), corner * (-1.0 - 1.0j)], name=name)
+    files = [("a.xml", (tmp_path / "a.xml").read_bytes())]
+    channel = obspy.read_inventory(str(tmp_path / "b.xml"))[0][0][0]
+    assert not told_otherwise(files, "XX", "ABC", channel)  # other stages of the same sensitivity
+    channel.azimuth = 0.0
+    assert told_otherwise(files, "XX", "ABC", channel)
+    assert not told_otherwise(files, "XX", "DEF", channel)
+    channel.start_date, channel.end_date = obspy.UTCDateTime("2031-01-01"), None
+    assert not told_otherwise(files, "XX", "ABC", channel)
 
 
 def test_a_station_file_of_the_same_name_but_another_time_leaves_it_to_the_others(tmp_path):

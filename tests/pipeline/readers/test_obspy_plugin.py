@@ -18,7 +18,7 @@ from record_writers import at2, csmip_equal, pulse
 import rockpulse as rp
 from rockpulse.errors import RecordFormatError, UnitError
 from rockpulse.readers import FORMATS
-from rockpulse.readers.obspy_plugin import PLUGINS
+from rockpulse.readers.obspy_plugin import PLUGINS, _head
 
 GROUP = "obspy.plugin.waveform"
 INSTALLED = {name: distribution("rockpulse").entry_points.select(group=f"{GROUP}.{name}") for name in PLUGINS}
@@ -97,6 +97,15 @@ def test_paths_open_files_and_bytes_give_the_same(path):
         assert trace.stats.rockpulse.azimuth == 90.0
         assert trace.stats.rockpulse.event == "Somewhere, 1/2/2003"
         assert rp.from_trace(trace).source_sha256 == record.source_sha256
+
+
+def test_a_plugin_reads_the_samples_and_knows_an_open_file_by_its_name(path):
+    (trace,) = PLUGINS["AT2"].read_format(str(path))
+    assert trace.data.size == 300
+    content = path.read_bytes()
+    with path.open("rb") as stream:
+        assert _head(stream) == _head(str(path)) == (content, str(path))
+    assert _head(io.BytesIO(content)) == (content, "stream")
 
 
 def test_metadata_of_several_channels(samples):

@@ -206,6 +206,13 @@ def test_a_trace_that_lost_its_codes_has_an_id_of_its_name(record):
     assert (back.azimuth, back.orientation, back.component) == (10.0, "horizontal", "")
 
 
+def test_a_trace_that_does_not_say_whether_its_start_time_is_known_has_it():
+    start = datetime(2020, 1, 2, 3, 4, 5, tzinfo=UTC)
+    trace = rp.to_trace(replace(EAST, start_time=start))
+    del trace.stats.rockpulse["start_time_known"]
+    assert rp.from_trace(trace).start_time == start
+
+
 def test_a_channel_on_a_structure_stays_on_it():
     trace = rp.to_trace(replace(EAST, orientation="structural"))
     trace.stats.channel = "HNT"
@@ -215,7 +222,8 @@ def test_a_channel_on_a_structure_stays_on_it():
 
 
 def test_an_azimuth_of_the_caller_is_that_of_the_record():
-    assert rp.from_trace(rp.to_trace(EAST), azimuth=90.0).component == "90 Deg"
+    for azimuth in (90.0, 450.0):
+        assert rp.from_trace(rp.to_trace(EAST), azimuth=azimuth).component == "90 Deg"
     assert rp.from_trace(rp.to_trace(EAST), azimuth=93.0).azimuth == 93.0
     record = rp.from_trace(plain(), units="g", azimuth=450.0)
     assert (record.orientation, record.azimuth) == ("horizontal", 90.0)
@@ -246,7 +254,9 @@ def test_a_trace_of_others_needs_a_unit():
     assert record.pga == 2.0 * STANDARD_GRAVITY
     assert (record.id, record.azimuth, record.dt) == ("XX.ABC..HNE@20200102T030405", 90.0, 0.01)
     assert (record.source, record.source_sha256, record.format, record.processed) == ("", "", "obspy", None)
-    assert rp.from_trace(plain(starttime=obspy.UTCDateTime(0)), units="g").start_time is None
+    undated = rp.from_trace(plain(starttime=obspy.UTCDateTime(0)), units="g")
+    assert (undated.start_time, undated.warnings) == (None, ())
+    assert rp.from_trace(obspy.Trace(np.array([0.0, 1.0])), units="g").id.endswith(".1")
 
 
 def sensitivity(value=200.0, unit="M/S**2"):

@@ -67,8 +67,14 @@ def test_the_list_is_found_in_archives_and_beside_open_files(tmp_path):
 
 @pytest.mark.parametrize(
     "content",
-    [b"", b"no list at all", table(*ROWS, heads="Result ID, Year"), table(ROWS[0].rpartition(",")[0])],
-    ids=["empty", "text", "other headings", "a row cut short"],
+    [
+        b"",
+        b"no list at all",
+        table(*ROWS, heads="Result ID, Year"),
+        table(ROWS[0].rpartition(",")[0]),
+        table(ROWS[1]) + ROWS[0].encode(),
+    ],
+    ids=["empty", "text", "other headings", "a row cut short", "behind the table"],
 )
 def test_a_list_without_the_file_tells_nothing(tmp_path, content):
     (tmp_path / "_SearchResults.csv").write_bytes(content)

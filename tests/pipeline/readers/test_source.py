@@ -197,21 +197,21 @@ def pipe(content, name="stream"):
 
 
 def test_the_largest_file_is_read_and_a_larger_one_is_refused(tmp_path, monkeypatch):
-    monkeypatch.setattr(source, "FILE_LIMIT", 40)
-    whole, larger = b"Acceleration" + b" 1" * 14, b"Acceleration" + b" 1" * 14 + b"2"
+    monkeypatch.setattr(source, "FILE_LIMIT", 42)
+    whole, larger = b"Acceleration" + b" 1" * 15, b"Acceleration" + b" 1" * 15 + b"2"
     for content, change in ((whole, bytes), (whole, gzip.compress)):
         (tmp_path / "a.txt").write_bytes(change(content))
         assert source.open_source(tmp_path / "a.txt").content == content
         assert source.open_stream(io.BytesIO(change(content))).content == content
     assert source.open_stream(pipe(whole)).content == whole
-    for content in (larger, gzip.compress(larger, 0)):
+    for content in (larger, gzip.compress(larger, 0), gzip.compress(larger)):
         (tmp_path / "b.txt").write_bytes(content)
         for refused in (
             lambda: source.open_source(tmp_path / "b.txt").content,
             lambda content=content: source.open_stream(io.BytesIO(content)),
             lambda content=content: source.open_stream(pipe(content)),
         ):
-            with pytest.raises(RecordRefused, match="larger than 40 bytes, the most that is read"):
+            with pytest.raises(RecordRefused, match="larger than 42 bytes, the most that is read"):
                 refused()
     for number, content in enumerate((whole, larger)):
         (tmp_path / f"{number}.xml").write_bytes(content)
@@ -252,3 +252,15 @@ def test_the_path_of_a_file_is_its_last_part_without_gz():
 def test_binary_data_that_begin_like_a_text_of_utf_16_stay_as_they_are():
     for content in (b"\xff\xfe\x00\xd8\x00\x00", b"\xff\xfea\x00\x00\x00"):
         assert source.SourceFile("x", content, lambda content=content: content).content == content
+
+
+def test_a_symbolic_link_is_followed_and_one_that_points_nowhere_is_named(tmp_path):
+    (tmp_path / "a.AT2").write_bytes(ONE)
+    for name in ("a", "none"):
+        (tmp_path / f"{name}.link").symlink_to(tmp_path / f"{name}.AT2")
+    assert source.open_source(tmp_path / "a.link").content == ONE
+    assert not source.open_source(tmp_path / "a.AT2").chosen
+    with pytest.raises(
+        FileNotFoundError, match=r"none.link: the symbolic link points nowhere, .*none.AT2 does not exist"
+    ):
+        source.open_source(tmp_path / "none.link")

@@ -16,7 +16,15 @@ from record_writers import pulse
 from rockpulse.errors import RecordRefused
 from rockpulse.readers import read
 from rockpulse.readers.conversion import write
-from rockpulse.readers.writers import _channel_codes, _station_channel, at2_bytes, csv_bytes, miniseed_bytes, seed_codes
+from rockpulse.readers.writers import (
+    _channel_codes,
+    _station_channel,
+    at2_bytes,
+    azimuth_of,
+    csv_bytes,
+    miniseed_bytes,
+    seed_codes,
+)
 from rockpulse.record.record import STANDARD_GRAVITY, Record
 
 START = datetime(2019, 7, 6, 3, 16, 8, 500001, tzinfo=UTC)
@@ -151,6 +159,7 @@ def test_azimuths_are_turned_into_one_round(tmp_path, record, name, azimuth):
     turned = replace(record, azimuth=azimuth, orientation="unknown")
     back = come_back(tmp_path, turned, name, units="m/s2")
     assert (back.azimuth, back.orientation) == (azimuth % 360.0 % 360.0, "horizontal")
+    assert 0.0 <= azimuth_of(turned) < 360.0
 
 
 @pytest.mark.parametrize("name", ["a.AT2", "a.csv", "a.mseed"])
