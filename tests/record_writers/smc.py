@@ -26,6 +26,7 @@ def smc(
     count: int | None = None,
     moment: Sequence[int] = (2011, 235, 17, 50, 56, 250),
     codes: Mapping[int, int] = {},
+    facts: Mapping[int, float] = {},
     event: str = "2011  08  23    1751 TEST EARTHQUAKE",
     end: str = "\n",
     note: str = "written by a test",
@@ -44,6 +45,8 @@ def smc(
     times = np.arange(len(values)) / rate if rate is not None else values[::2]
     for number, at in ((28, int(np.argmax(accelerations))), (30, int(np.argmin(accelerations)))):
         reals[number : number + 2] = times[at], accelerations[at]
+    for number, fact in facts.items():
+        reals[number - 1] = fact
     lines = [
         kind,
         "*",

@@ -165,14 +165,13 @@ def _held_extremes(reals: np.ndarray, block: Block) -> list[str]:
     for number, values, what in ((29, block.values, "largest"), (31, -block.values, "least")):
         time, stated, found = reals[number - 1], reals[number], float(np.max(values))
         stated = stated if what == "largest" else -stated
-        if not np.isnan(stated) and abs(stated - found) > PEAK_TOLERANCE * block.peak:
+        if abs(stated - found) > PEAK_TOLERANCE * block.peak:  # NaN, a value that is not stated, is not
             sign = 1.0 if what == "largest" else -1.0
             notes.append(
                 f"real {number + 1} of the header states {sign * stated:g} cm/s2 as the {what} value, the samples have "
                 f"{sign * found:g}"
             )
-        if not np.isnan(time) and found > 0.0:
-            notes += held_peak_time(f"{time:.6g}", block.times, np.maximum(values, 0.0))
+        notes += held_peak_time(f"{time:.6g}", block.times, np.maximum(values, 0.0))
     return notes
 
 

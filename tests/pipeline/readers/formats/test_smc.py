@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import time
 from datetime import UTC, datetime
 
@@ -11,6 +12,7 @@ from record_writers import pulse, smc
 
 from rockpulse.errors import RecordFormatError
 from rockpulse.readers import read
+from rockpulse.readers.formats.smc import is_smc
 from rockpulse.readers.source import NotAcceleration
 from rockpulse.record.record import STANDARD_GRAVITY
 
@@ -49,12 +51,15 @@ def test_a_corrected_accelerogram(write, end):
 
 
 def test_raw_pairs_are_made_equal_in_step(write):
-    times = np.array([0.0, 0.004, 0.0105, 0.015, 0.021, 0.025])
+    times = np.array([0.0, 0.004, 0.0105, 0.015, 0.021, 0.025, 0.031])
     values = np.column_stack([times, 1000.0 * times]).ravel()
     (record,) = read(write(smc(values, kind="1 UNCORRECTED ACCELEROGRAM", rate=None)))
     assert record.processed is False
     assert record.acceleration == pytest.approx(10.0 * record.time, rel=1e-3)
     assert "resampled" in record.warnings[0]
+    values[8] = 0.01  # the fifth pair is the first of the second row
+    with pytest.raises(RecordFormatError, match=r"test.smc:31: expected increasing times, found 0.01 s after 0.015 s"):
+        read(write(smc(values, kind="1 UNCORRECTED ACCELEROGRAM", rate=None)))
 
 
 def test_raw_equal_steps(write):
@@ -79,6 +84,13 @@ def test_other_series_are_refused(write, kind):
         ({"component": "?", "azimuth": 75}, "horizontal", 75.0),
         ({"component": "?", "azimuth": -32768, "vertical": 0}, "vertical", np.nan),
         ({"component": "?", "azimuth": -32768}, "unknown", np.nan),
+        ({"component": "down", "azimuth": -32768, "vertical": 180}, "vertical", np.nan),
+        ({"component": "up", "azimuth": -32768, "vertical": 180}, "unknown", np.nan),
+        ({"component": "?", "azimuth": 75, "vertical": 90}, "horizontal", 75.0),
+        ({"component": "?", "azimuth": 0}, "horizontal", 0.0),
+        ({"component": "?", "azimuth": 360}, "horizontal", 0.0),
+        ({"component": "?", "azimuth": 361}, "unknown", np.nan),
+        ({"component": "?", "azimuth": -1}, "unknown", np.nan),
         ({"station": "CA: Alhambra, 12th Fl"}, "structural", 0.0),
     ],
 )
@@ -88,13 +100,134 @@ def test_direction_from_the_wording_else_from_the_integers(write, arguments, ori
     assert record.azimuth == pytest.approx(azimuth, nan_ok=True)
 
 
+@pytest.mark.parametrize(("angle", "sign"), [(0, 1.0), (180, -1.0)])
+def test_an_angle_from_the_vertical_turns_the_sign(write, angle, sign):
+    (record,) = read(write(smc([1.0, -7.0, 3.0], component="?", azimuth=-32768, vertical=angle)))
+    assert record.acceleration == pytest.approx(sign * np.array([0.01, -0.07, 0.03]), rel=1e-12)
+
+
+def test_wording_and_integers_that_contradict_are_named(write):
+    (record,) = read(write(smc(pulse(), component="up", azimuth=45)))
+    assert "the text says 'up', integers 13 and 14 of the header none and 45: the direction" in record.warnings[-1]
+
+
 @pytest.mark.parametrize(
-    ("number", "message"),
-    [(16, r"test.smc:28: expected 8 fields of 10 characters"), (17, "expected a positive number of numbers .*found 0")],
+    ("number", "code", "message"),
+    [
+        (16, -32768, r"test.smc:28: expected 8 fields of 10 characters"),
+        (16, -1, r"test.smc:13: expected a number of comment lines \(integer 16\), found -1"),
+        (17, -32768, "expected a positive number of numbers .*found 0"),
+    ],
 )
-def test_a_header_without_a_number_of_comments_or_of_values_is_damaged(write, number, message):
+def test_a_header_without_a_number_of_comments_or_of_values_is_damaged(write, number, code, message):
     with pytest.raises(RecordFormatError, match=message):
-        read(write(smc(pulse(), codes={number: -32768})))
+        read(write(smc(pulse(), codes={number: code})))
+
+
+@pytest.mark.parametrize("rate", [0.5, 10_000.0])
+def test_rates_that_can_be(write, rate):
+    assert read(write(smc([1.0, -2.0, 1.0], rate=rate)))[0].dt == 1.0 / rate
+
+
+#: The largest is at 0.04 s, the least at 0.1 s.
+UNEVEN = [1.0, 5.0, 50.0, 7.0, -3.0, -20.0, -2.0, 0.5, 0.0, 3.0, 1.0, -1.0, 0.0, 2.0, 0.0, 1.0, 0.0]
+
+
+@pytest.mark.parametrize(
+    ("facts", "told"),
+    [
+        ({}, []),
+        ({30: 51.0, 32: -21.0}, []),  # two hundredths of the peak away
+        ({30: 51.5}, ["real 30 of the header states 51.5 cm/s2 as the largest value, the samples have 50"]),
+        ({30: 48.5}, ["real 30 of the header states 48.5 cm/s2 as the largest value, the samples have 50"]),
+        ({32: -21.5}, ["real 32 of the header states -21.5 cm/s2 as the least value, the samples have -20"]),
+        ({30: 0.0}, ["real 30 of the header states 0 cm/s2 as the largest value, the samples have 50"]),
+        ({32: 0.0}, ["real 32 of the header states 0 cm/s2 as the least value, the samples have -20"]),
+        ({29: 0.28}, ["the header states the peak at 0.28 s, .* the samples have it at 0.04 s"]),
+        ({31: 0.3}, ["the header states the peak at 0.3 s, .* the samples have it at 0.1 s"]),
+        ({29: 0.0, 30: 0.0, 31: 9.0, 32: 0.0}, []),  # nobody has filled them in
+        ({29: 1.7e38, 30: 1.7e38, 31: 1.7e38, 32: 1.7e38}, []),
+    ],
+)
+def test_the_largest_and_the_least_value_are_held_against_the_samples(write, facts, told):
+    (record,) = read(write(smc(UNEVEN, rate=50.0, facts=facts)))
+    assert len(record.warnings) == len(told)
+    assert all(re.match(words, warning) for words, warning in zip(told, record.warnings, strict=True))
+
+
+@pytest.mark.parametrize(("at", "told"), [(0.14, 0), (0.3, 1)])
+def test_the_time_of_the_largest_value_is_not_that_of_the_peak(write, at, told):
+    values = np.minimum(UNEVEN, 0.0)
+    values[7] = 0.5
+    assert len(read(write(smc(values, rate=50.0, facts={29: at})))[0].warnings) == told
+
+
+@pytest.mark.parametrize(("peak", "told"), [("5.09E+01", 0), ("5.12E+01", 1), ("4.91E+01", 0), ("4.88E+01", 1)])
+def test_the_peak_in_the_text_may_be_off_by_two_hundredths(write, peak, told):
+    content = smc(UNEVEN, rate=50.0)
+    assert b"5.00E+01" in content
+    (record,) = read(write(content.replace(b"5.00E+01", peak.encode())))
+    assert record.header_peak == pytest.approx(0.01 * float(peak), rel=1e-12)
+    assert len(record.warnings) == told
+
+
+@pytest.mark.parametrize(
+    ("sizes", "magnitude"),
+    [
+        ({6: 5.8, 7: 5.6, 8: 5.5, 9: 5.4}, (5.8, "Mw")),
+        ({7: 5.6, 8: 5.5, 9: 5.4}, (5.6, "Ms")),
+        ({8: 5.5, 9: 5.4}, (5.5, "ML")),
+        ({9: 5.4}, (5.4, "")),
+    ],
+)
+def test_the_facts_of_the_header(write, sizes, magnitude):
+    facts = {3: 37.9, 4: -77.9, 5: 6.5, 11: 38.9, 12: -77.3, 17: 121.4, **sizes}
+    (record,) = read(write(smc(UNEVEN, rate=50.0, facts=facts, note="eventid: us2011abc")))
+    assert (record.magnitude, record.magnitude_type) == magnitude
+    assert (record.hypocentre_latitude, record.hypocentre_longitude, record.hypocentre_depth) == (37.9, -77.9, 6500.0)
+    assert (record.station_latitude, record.station_longitude) == (38.9, -77.3)
+    assert record.epicentral_distance == 121_400.0
+    assert record.origin_time == datetime(2011, 8, 23, 17, 51, tzinfo=UTC)
+    assert (record.event_id, record.event) == ("us2011abc", "TEST EARTHQUAKE")
+
+
+def test_without_a_line_of_the_earthquake_the_start_stands(write):
+    (record,) = read(write(smc(pulse(), event="unknown", note="EventID: \u00e9", moment=(2011, 235, 17, 50, 56, 999))))
+    assert record.start_time == datetime(2011, 8, 23, 17, 50, 56, 999_000, tzinfo=UTC)
+    assert (record.event, record.event_id, record.origin_time, record.warnings) == ("", "", None, ())
+
+
+@pytest.mark.parametrize(
+    ("count", "addition", "told"),
+    [
+        (16, b"", []),
+        (16, b"\n  9.0", ["line 32: 1 rows beyond"]),
+        (17, b"", []),
+        (17, b" 9.0", ["line 32: numbers beyond"]),
+        (17, b"\n  9.0\n  9.0", ["line 33: 2 rows beyond"]),
+        (24, b"\n  9.0", ["line 33: 1 rows beyond"]),
+    ],
+)
+def test_values_behind_the_declared_count_are_left_out(write, count, addition, told):
+    (record,) = read(write(smc([*UNEVEN, *UNEVEN][:count], rate=50.0).rstrip() + addition))
+    assert record.npts == count
+    assert [warning[: len(words)] for words, warning in zip(told, record.warnings, strict=True)] == told
+
+
+@pytest.mark.parametrize(
+    ("content", "known"),
+    [
+        (b"", False),
+        (b"2 corrected accelerogram\n", True),
+        (b"2 CORRECTED ACCELEROGRAM\n" + 9 * b"*\n" + b"*", True),
+        (b"2 CORRECTED ACCELEROGRAM\n" + 10 * b"*\n" + b"    -32768         7", True),
+        (b"2 CORRECTED ACCELEROGRAM\n" + 10 * b"*\n" + b"words", False),
+        (b"7 CORRECTED ACCELEROGRAM\n", False),
+        (b"7 CORRECTED ACCELEROGRAM\n" + 10 * b"*\n" + b"    -32768         7", False),
+    ],
+)
+def test_the_format_is_known_by_its_title_and_integers(content, known):
+    assert is_smc(content, "test.smc") is known
 
 
 def test_a_time_without_milliseconds_is_the_minute_of_the_earthquake_not_of_the_record(write):
@@ -111,6 +244,11 @@ def test_a_time_without_milliseconds_is_the_minute_of_the_earthquake_not_of_the_
         (smc(pulse(400), count=4000), "expected 4000 numbers .* found 400"),
         (smc(pulse(400), count=-5), "expected a positive number"),
         (smc(pulse(400), rate=-100.0), "expected a sampling rate"),
+        (smc(pulse(400), facts={2: 0.0}), r"test.smc:18: expected a sampling rate .* found 0"),
+        (smc(pulse(400), rate=10_000.5), "expected a sampling rate .* found 10000.5"),
+        (smc(pulse(400)).replace(b"       360    -32", b"       36O    -32"), r"test.smc:13: expected a finite"),
+        (smc(pulse(400)).replace(b" 1.0000000E+02", b" 1.0000000X+02"), r"test.smc:18: expected a finite"),
+        (smc([7.0, *pulse(400)]).replace(b" 7.0000E+0", b" 7.0000X+0"), r"test.smc:30: expected a finite"),
         (smc(pulse(400), rate=None), "expected a sampling rate .* found none"),
         (smc(pulse(401), kind="1 UNCORRECTED ACCELEROGRAM", rate=None), "expected an even number"),
         (smc(pulse(400))[:900], "expected|header lines"),
@@ -121,7 +259,22 @@ def test_a_time_without_milliseconds_is_the_minute_of_the_earthquake_not_of_the_
         ),
         (smc([1.0]), "at least 2 samples, found 1"),
     ],
-    ids=["truncated", "negative", "rate", "no-rate", "odd", "cut", "comment", "letter", "one"],
+    ids=[
+        "truncated",
+        "negative",
+        "rate",
+        "still",
+        "fast",
+        "integer",
+        "real",
+        "value",
+        "no-rate",
+        "odd",
+        "cut",
+        "comment",
+        "letter",
+        "one",
+    ],
 )
 def test_damage_is_named(write, content, message):
     with pytest.raises(RecordFormatError, match=message):
@@ -148,6 +301,9 @@ def test_real_files(records_folder, name):
     ("codes", "structural"),
     [
         ({}, False),
+        ({19: 0}, False),
+        ({19: 5}, False),
+        ({19: 2, 27: 1}, True),
         ({19: 1}, True),
         ({19: 1, 25: 12}, True),
         ({25: 12}, True),
