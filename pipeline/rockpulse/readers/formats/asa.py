@@ -103,7 +103,7 @@ def _consonants(text: str) -> str:
 
 def is_asa(head: bytes, name: str) -> bool:
     """Whether ``ARCHIVO ESTANDAR DE ACELERACION`` stands near the beginning."""
-    return bool(_TITLE.match(head[:4000]))
+    return bool(_TITLE.match(head))
 
 
 def read_asa(file: SourceFile, options: ReadOptions) -> list[Record]:
@@ -181,7 +181,7 @@ def _header(name: str, lines: Sequence[str]) -> tuple[_Header, list[int], list[s
             f"{name}:{at + 2}: expected the directions of {len(numbers)} channels as in line {listed.line}, "
             f"{listed.value!r}, found {' '.join(words)[:60]!r}; the header is damaged: download the file again"
         )
-    first = at + 3 if lines[at + 2].startswith("-" * 5) else at + 2
+    first = at + 3 if lines[at + 2].startswith("-----") else at + 2
     return header, numbers, [said or word for said, word in zip(stated, words, strict=True)], first
 
 

@@ -191,7 +191,7 @@ def _unit(name: str, header: Sequence[str], station: str, given: str | None) -> 
             return canonical_unit(unit[1], f"{name}:{index + 1}")
         behind = _WITHOUT_WORD.match(line, series.end()) if series else None
         if behind:
-            return canonical_unit(behind[behind.lastgroup or 0], f"{name}:{index + 1}")
+            return canonical_unit(next(filter(None, behind.groups())), f"{name}:{index + 1}")
     if given is None:
         raise UnitError(
             f"{name}: expected a header line 'ACCELERATION TIME SERIES IN UNITS OF G', found none; give the unit with "
@@ -242,7 +242,7 @@ def _by_width(name: str, block: Sequence[str], first: int, count: int) -> np.nda
         if length < width or length % width or -(-count // (length // width)) != len(block):
             continue
         try:
-            return fixed_width(block, first + 1, width, length // width, count, name)
+            return fixed_width(block, first, width, length // width, count, name)
         except RecordFormatError:
             continue  # another width may fit; if none does, the caller reports the first fault
     return None

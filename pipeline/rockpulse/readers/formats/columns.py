@@ -249,7 +249,7 @@ def _titled(columns: _Columns) -> bool:
     """
     kinds = [heading.kind for heading in columns.headings]
     at = kinds.index("time") if "time" in kinds else 0
-    return at > 0 and climbs(columns.table[:, 0]) and not climbs(columns.table[:, at])
+    return climbs(columns.table[:, 0]) and not climbs(columns.table[:, at])
 
 
 def _time_first(columns: _Columns) -> _Columns:

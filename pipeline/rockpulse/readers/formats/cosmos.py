@@ -47,7 +47,7 @@ _SERIES = re.compile(
 _END = re.compile(r"\s*(?:end-of-data|/&)", re.IGNORECASE)
 #: Units that only this format has [m/s2].
 _UNITS = UNITS | {"in/s2": 0.0254, "mg": 1e-3 * STANDARD_GRAVITY, "ug": 1e-6 * STANDARD_GRAVITY, "counts": 1.0}
-_CODES = {2: "g", 4: "cm/s2", 7: "in/s2", 10: "gal", 11: "mg", 12: "ug", 50: "counts"}
+_CODES: dict[int | None, str] = {2: "g", 4: "cm/s2", 7: "in/s2", 10: "gal", 11: "mg", 12: "ug", 50: "counts"}
 _FACTORS = {
     22: "microvolts per count",
     42: "sensor sensitivity, V/g",
@@ -218,7 +218,7 @@ def _unit(series: _Series, where: str) -> str:
     named = "" if not word else word if word in _UNITS else canonical_unit(series.unit, where)
     if series.code is None and named:
         return named
-    coded = _CODES.get(series.code or 0)
+    coded = _CODES.get(series.code)
     if coded is None or (named and (_UNITS[named] != _UNITS[coded] or (named == "counts") != (coded == "counts"))):
         known = ", ".join(f"{unit} ({code:02d})" for code, unit in _CODES.items())
         raise UnitError(
@@ -234,8 +234,9 @@ def _peak(header: Header, factor: float) -> tuple[float, float, list[str]]:
     Real 64 has the unit of the samples; the text has its own, and counts where the two contradict each other.
     """
     coded, (number, unit) = header.real(64) * factor, header.peak()
-    own = _UNITS.get(re.sub(r"sec\b|sec(?=\d)", "s", unit.lower()).replace("/s/s", "/s2"))
-    if own is None or own == _UNITS["counts"] or not number:
+    word = re.sub(r"sec\b|sec(?=\d)", "s", unit.lower()).replace("/s/s", "/s2")
+    own = _UNITS.get(word)
+    if own is None or word == "counts" or not number:
         return coded, 0.0, []
     value, rounding = printed_number(number)
     gap = abs(abs(value * own) - abs(coded))

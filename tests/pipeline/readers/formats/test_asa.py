@@ -92,6 +92,7 @@ def test_local_time_and_a_wrong_clock_are_no_start_time(write):
         ("V;-", "vertical", np.nan, -1.0, True),
         ("L", "horizontal", np.nan, 1.0, False),
         ("N00E;?", "horizontal", 0.0, 1.0, True),
+        ("N90W;-", "horizontal", 90.0, 1.0, True),
         ("C-5", "unknown", np.nan, 1.0, False),
     ],
 )
@@ -116,8 +117,13 @@ def test_more_than_six_channels(write):
 def test_channels_of_different_lengths(write):
     records = read(write(asa(TABLE, counts=(250, 400, 320))))
     assert [record.npts for record in records] == [250, 400, 320]
-    assert records[2].acceleration == pytest.approx(0.01 * TABLE[:320, 2], abs=1e-12)
+    for record, column in zip(records, TABLE.T, strict=True):
+        assert record.acceleration == pytest.approx(0.01 * column[: record.npts], abs=1e-12)
     assert "different lengths, 250, 400, 320" in records[0].warnings[0]
+    content = asa(TABLE, counts=(250, 400, 320)).splitlines()
+    content[113] = content[113][:29] + b"x"
+    with pytest.raises(RecordFormatError, match=r"test.012:114: expected a finite number"):
+        read(write(b"\n".join(content)))
 
 
 def test_rows_beyond_the_count_are_kept_with_a_warning(write):
@@ -136,6 +142,121 @@ def test_touching_fields(write):
 
 
 @pytest.mark.parametrize(
+    ("before", "after"),
+    [
+        (b"CANAL-", b"canal-"),
+        (b"3F10.3", b"3f10.3"),
+        (b": 3F10.3", b":"),
+        (b"ORIENTACION C1-C6", b"O"),
+        (b"DATOS DE ACELERACION:\r\n" + b"---------+" * 8 + b"\r\n", b"DATOS DE ACELERACION:\r\n"),
+        (b"   CANAL-1", b"-----\r\n   CANAL-1"),
+        (b"N00E\r\n" + b"---------+" * 8 + b"\r\n", b"N00E\r\n"),
+        (b"DATOS DE ACELERACION:", b"DATOS DE ACELERACION, CANAL 1 A 3:"),
+        (b"=" * 80 + b"\r\nDATOS DE ACELERACION:", b"CANAL-2 SIN RUIDO\r\nDATOS DE ACELERACION:"),
+        (b"/0.004/0.004/0.004", b"/0/0/0"),
+        (b"/250/250/250", b"/252/251/248"),
+        (b"NUMERO DE CANALES                      : 3", b"NUMERO DE CANALES                      : x"),
+    ],
+    ids=str,
+)
+def test_spellings_of_the_header(write, before, after):
+    content = asa(TABLE)
+    assert before in content
+    for record, column, word in zip(
+        read(write(content.replace(before, after))), TABLE.T, "V N90E N00E".split(), strict=True
+    ):
+        assert record.acceleration == pytest.approx(0.01 * column, abs=1e-12)
+        assert (record.dt, record.component, record.warnings) == (0.004, word, ())
+
+
+def test_fields_of_another_width(write):
+    records = read(write(asa(TABLE, layout="3F12.3", field="{:12.3f}")))
+    assert records[1].acceleration == pytest.approx(0.01 * TABLE[:, 1], abs=1e-12)
+
+
+def test_a_rate_below_one(write):
+    assert read(write(asa(TABLE, intervals=(0, 0, 0), rate=(0.5, 0.5, 0.5))))[0].dt == 2.0
+
+
+def test_the_facts_of_the_header(write):
+    content = asa(TABLE).split(b"\r\n")
+    soil = next(index for index, line in enumerate(content) if line.startswith(b"TIPO DE SUELO"))
+    content[soil + 1 : soil + 3] = [b" : CON", b" : GRIETAS", b" : Y MAS"]
+    for record in read(write(b"\r\n".join(content))):
+        assert record.origin_time == datetime(2004, 1, 1, 23, 58, 2, 700_000, tzinfo=UTC)
+        assert (record.magnitude, record.magnitude_type) == (5.8, "Ms")
+        assert (record.hypocentre_latitude, record.hypocentre_longitude) == (17.3, -101.36)
+        assert (record.station_latitude, record.station_longitude) == (19.33024, -99.181076)
+        assert (record.hypocentre_depth, record.site_class) == (14_000.0, "ROCA BASALTICA CON GRIETAS")
+
+
+@pytest.mark.parametrize(
+    ("before", "after"),
+    [
+        (b"HORA EPICENTRO (GMT)", b"HORA EPICENTRO (LOC)"),
+        (b"FECHA DEL SISMO [GMT]", b"FECHA DEL SISMO [LOC]"),
+        (b"23:58:02.7", b"tarde"),
+        (b"2004/01/01", b"enero"),
+    ],
+)
+def test_an_origin_that_is_not_known_to_be_utc_is_left_out(write, before, after):
+    assert read(write(asa(TABLE).replace(before, after)))[0].origin_time is None
+
+
+@pytest.mark.parametrize(("line", "orientation"), [(4, "structural"), (5, "vertical")])
+def test_the_place_runs_over_four_lines_more(write, line, orientation):
+    content = asa(TABLE).split(b"\r\n")
+    place = next(index for index, text in enumerate(content) if text.startswith(b"LOCALIZACION"))
+    content.insert(place + line, b" : piso 12")
+    assert read(write(b"\r\n".join(content)))[0].orientation == orientation
+
+
+@pytest.mark.parametrize(
+    ("line", "text", "told"),
+    [
+        (1, b"Registro incompleto", "quality of the record (header): Registro incompleto"),
+        (
+            7,
+            b"incompleto",
+            "quality of the record (header): Registro digital completo con tiempo absoluto correcto COMENTARIOS: inc",
+        ),
+        (8, b"incompleto", ""),
+    ],
+)
+def test_the_words_about_quality_stand_in_seven_lines_or_up_to_the_rule(write, line, text, told):
+    content = asa(TABLE).split(b"\r\n")
+    title = content.index(b"CALIDAD DEL ACELEROGRAMA:")
+    assert content[title + 4].startswith(b"===")
+    content[title + 6] = b"incompleto"  # a comment below the rule
+    assert read(write(b"\r\n".join(content)))[0].warnings == ()
+    content[title + 4], content[title + 6] = b"", b""
+    content[title + line] = text
+    assert "".join(read(write(b"\r\n".join(content)))[0].warnings).startswith(told)
+    assert bool(told) is bool(read(write(b"\r\n".join(content)))[0].warnings)
+
+
+SPIKE = np.zeros((100, 3))
+SPIKE[50] = 7.0, -5.0, 3.0
+
+
+@pytest.mark.parametrize(("sample", "told"), [(51, 0), (53, 0), (54, 1), (49, 0), (48, 1)])
+def test_the_number_of_the_largest_sample_is_held_against_the_samples(write, sample, told):
+    content = asa(SPIKE).replace(b"/51/51/51", b"/51/%d/51" % sample)
+    assert [len(record.warnings) for record in read(write(content))] == [0, told, 0]
+
+
+def test_the_peak_may_be_off_by_its_rounding_or_two_hundredths(write):
+    assert [len(record.warnings) for record in read(write(asa(SPIKE, peaks=(7.2, -5.05, 3.0))))] == [1, 0, 0]
+    small = read(write(asa(np.round(0.01 * SPIKE + 0.004, 3), peaks=(0.07, -0.05, 0.01))))
+    assert [len(record.warnings) for record in small] == [0, 0, 1]
+
+
+def test_another_number_of_channels_is_told(write):
+    content = asa(TABLE).replace(b"CANALES                      : 3", b"CANALES                      : 6")
+    assert read(write(content))[2].warnings == ("the header states 6 channels, the file has 3 columns",)
+
+
+@pytest.mark.parametrize(
     ("station", "place"), [("EDIFICIO A AZOTEA", ""), ("X", "Sótano del edificio"), ("X", "piso 12")]
 )
 def test_stations_on_structures(write, station, place):
@@ -149,7 +270,14 @@ def test_stations_on_structures(write, station, place):
         (asa(TABLE, counts=(4000, 4000, 4000)), r"test.012:509: expected 4000 rows \(header\), found 400"),
         (asa(TABLE).replace(b"/400/400/400", b"/400/x/400"), r"test.012:72: expected 'NUM. TOTAL DE MUESTRAS"),
         (asa(TABLE).replace(b"/400/400/400", b"/400/0/400"), r"test.012:72: expected .* and 3 numbers above 0"),
-        (asa(TABLE).replace(b"/400/400/400", b"/400/1/400"), "at least 2 samples"),
+        (asa(TABLE).replace(b"/400/400/400", b"/400/1/400"), "channel 2: expected at least 2 samples"),
+        (asa(TABLE, intervals=(0.004, 0.004, 0.004), rate=(250, 250, 253)), r"test.012:47: expected intervals"),
+        (asa(TABLE, layout="FREE"), r"test.012:80: expected the format 3F10.3"),
+        (asa(TABLE).replace(b"CANAL-3", b"CANAL-4"), "expected 'NUM. TOTAL DE MUESTRAS"),
+        (asa(TABLE).replace(b"CANAL-3", b"CANAL-0"), "expected 'NUM. TOTAL DE MUESTRAS"),
+        (asa(TABLE).replace(b"CANAL-1", b"%s\r\n" % (b"-" * 80) * 2 + b"CANAL-1"), "expected 'DATOS DE ACELERACION:'"),
+        (b"\n".join(asa(TABLE).splitlines()[:109]), "expected 400 rows .* found 0"),
+        (b"\n".join(asa(TABLE).splitlines()[:108]), "expected 'DATOS DE ACELERACION:'"),
         (asa(TABLE, intervals=(0.005, 0.004, 0.004)), r"test.012:47: expected intervals \[s\] that fit the rates"),
         (asa(TABLE, intervals=(0, 0, 0), rate=(1e-9, 250, 250)), r"test.012:47: expected intervals"),
         (
@@ -176,6 +304,13 @@ def test_stations_on_structures(write, station, place):
         "count",
         "no-samples",
         "one-sample",
+        "near-rates",
+        "words",
+        "beyond",
+        "below",
+        "channels",
+        "values",
+        "dashes",
         "rates",
         "interval",
         "neither",

@@ -10,10 +10,12 @@ from make_format_samples import source_channels
 from record_writers import pulse
 from record_writers.cosmos import cosmos, counts, samples, series
 
-from rockpulse.errors import RecordFormatError, RecordRefused
+from rockpulse.errors import RecordFormatError, RecordRefused, UnitError
 from rockpulse.readers import read
 from rockpulse.readers.folders import read_all
-from rockpulse.readers.source import NotAcceleration
+from rockpulse.readers.format import ReadOptions
+from rockpulse.readers.formats.cosmos import read_cosmos
+from rockpulse.readers.source import NotAcceleration, SourceFile
 from rockpulse.record.record import STANDARD_GRAVITY
 
 G = STANDARD_GRAVITY
@@ -104,6 +106,7 @@ def test_a_heading_of_velocity_under_a_title_of_acceleration(write):
         ("ug", "(12)", 1e-6 * G),
         ("", "(04)", 0.01),
         ("mm/sec2", "", 0.001),
+        ("GAL", "", 0.01),
     ],
 )
 def test_units_by_name_and_by_code(write, unit, code, factor):
@@ -126,6 +129,7 @@ def test_counts_with_every_factor_of_the_gain(write):
         ({42: -999, 47: -999}, r"lacks real 42 \(sensor sensitivity, V/g\), 47 \(sensor gain\)"),
         ({47: 0.0}, r"lacks real 47"),
         ({42: 0.625}, r"counts without a sure gain: .* is 0.625 V/g, .* give 1.25 V/g"),
+        ({42: 10.0, 43: 23.0}, r"counts without a sure gain: .* is 10 V/g, .* give 11.5 V/g"),
         ({47: 4.0, 43: -999}, r"counts without a sure gain: .* is 5 V/g, .* give nan V/g"),
     ],
 )
@@ -135,15 +139,163 @@ def test_counts_without_a_gain_are_refused(write, reals, message):
     assert not isinstance(refusal.value, NotAcceleration)
 
 
-@pytest.mark.parametrize("reals", [{43: -999}, {44: 0}, {42: 0.3125, 47: 4.0}, {42: 1.2553, 43: 2.5106}])
+def test_a_gain_may_be_a_tenth_off_the_nominal_one(write):
+    (record,) = read(write(counts(np.arange(100), reals={42: 10.0, 43: 22.0})))
+    assert record.unit_factor == pytest.approx(0.298024e-7 * G, rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    "reals",
+    [{43: -999}, {44: 0}, {42: 0.3125, 47: 4.0}, {42: 0.3125, 47: 4.0, 43: 0.625, 44: 0.5}, {42: 1.2553, 43: 2.5106}],
+)
 def test_gains_that_the_header_confirms_or_does_not_question(write, reals):
     (record,) = read(write(counts(np.arange(100), reals=reals)))
     assert record.unit_factor == pytest.approx(0.298024e-6 / 1.25 * G, rel=0.01)
 
 
-def test_counts_of_a_velocity_sensor(write):
+@pytest.mark.parametrize("code", [1001, 1201, 1999])
+def test_counts_of_a_velocity_sensor(write, code):
     with pytest.raises(NotAcceleration, match="counts of a velocity sensor"):
-        read(write(counts(np.arange(100), integers={52: 1201})))
+        read(write(counts(np.arange(100), integers={52: code})))
+
+
+@pytest.mark.parametrize("code", [1000, 2000])
+def test_counts_of_another_sensor(write, code):
+    assert read(write(counts(np.arange(100), integers={52: code})))[0].npts == 100
+
+
+@pytest.mark.parametrize(
+    ("code", "quantity"), [(2, "velocity"), (3, "displacement"), (10, "angular acceleration"), (11, "angular velocity")]
+)
+def test_a_code_of_another_quantity_contradicts_the_title(write, code, quantity):
+    with pytest.raises(RecordFormatError, match=f"integer header 2 says {code}, {quantity}"):
+        read(write(cosmos(pulse(), integers={2: code})))
+    with pytest.raises(NotAcceleration, match="found 'Corrected velocity'"):
+        read(write(cosmos(pulse(), kind="Corrected velocity", integers={2: code})))
+
+
+@pytest.mark.parametrize("code", [1, 4, 9, 12])
+def test_a_code_of_no_other_quantity(write, code):
+    assert read(write(cosmos(pulse(), integers={2: code})))[0].warnings == ()
+
+
+@pytest.mark.parametrize(("lines", "closed"), [(0, True), (2, True), (3, False)])
+def test_the_closing_line_is_one_of_the_last_three(write, lines, closed):
+    (record,) = read(write(cosmos(pulse()) + b"printed 2018\r\n" * lines))
+    assert bool(record.warnings) is not closed
+
+
+def test_a_file_whose_first_line_is_another(write):
+    for content in (b"x", b"words\n" + cosmos(pulse())):
+        with pytest.raises(RecordFormatError, match=r"a:1: expected '\(Format v01.20 with 13 text lines\)', found"):
+            read_cosmos(SourceFile("a", content, lambda content=content: content), ReadOptions())
+
+
+def test_the_words_of_a_heading_are_read_in_any_case(write):
+    content = cosmos(pulse())
+    heading = content.splitlines()[44]
+    (record,) = read(write(content.replace(heading, heading.upper())))
+    assert (record.npts, record.warnings) == (400, ())
+
+
+@pytest.mark.parametrize(
+    ("arguments", "channel"),
+    [
+        ({"component": "", "azimuth": 75}, "1"),
+        ({"number": 7}, "360"),
+        ({"number": 7, "site": 10}, "7"),
+        ({"number": 7, "place": "Courtyard"}, "7"),
+    ],
+)
+def test_a_channel_without_a_code_of_seed(write, arguments, channel):
+    (record,) = read(write(cosmos(pulse(), comments=["none"], **arguments)))
+    assert record.channel == channel
+    assert record.id == f"CE.23837..{channel}@20180829T023307"
+
+
+def test_the_name_of_the_station_begins_at_its_column(write):
+    content = cosmos(pulse())
+    assert content.count(b"CGS  Pomona") == 1
+    (record,) = read(write(content.replace(b"CGS  Pomona", b"CGS-APomona")))
+    assert record.station_name == "Pomona - Orange Grove & Fairplex"
+
+
+@pytest.mark.parametrize(
+    ("content", "message"),
+    [
+        (cosmos(pulse(), sections=[["j" * 70, *series(pulse())]]), rf"V1C:45: expected a line .* found '{'j' * 60}';"),
+        (cosmos(pulse())[: cosmos(pulse()).index(b"     400 accel")], r"V1C:45: .*, found the end of the channel"),
+        (cosmos(pulse())[: cosmos(pulse()).index(b"(8f9.6)") + 7], r"V1C:45: expected 400 samples .*, found 0"),
+        (
+            cosmos(pulse(), sections=[series(pulse()), series(2.0 * pulse())]),
+            r"V1C:96: expected one series of acceleration in the channel, found another than that of line 45",
+        ),
+    ],
+)
+def test_a_series_that_is_not_where_it_belongs(write, content, message):
+    with pytest.raises(RecordFormatError, match=message):
+        read(write(content))
+
+
+def test_a_series_that_stands_twice_is_read_once(write):
+    velocity = series(pulse(), what="velocity", unit="cm/sec", code="(05)")
+    (record,) = read(write(cosmos(pulse(), sections=[series(pulse()), series(pulse()), velocity])))
+    assert (record.npts, len(record.warnings)) == (400, 1)
+
+
+def test_an_angular_acceleration_is_none_along_a_line(write):
+    with pytest.raises(NotAcceleration, match=r"V1C:45: expected acceleration, found 'angular acceleration'"):
+        read(write(cosmos(pulse(), what="angular acceleration")))
+
+
+def test_counts_are_no_unit_of_the_same_size(write):
+    with pytest.raises(UnitError, match=r"the unit is named 'm/sec2' and coded 50"):
+        read(write(cosmos(pulse(), unit="m/sec2", code="(50)")))
+
+
+@pytest.mark.parametrize(("at", "told"), [(26, False), (27, True), (60, True)])
+def test_numbers_behind_the_last_sample_of_its_row_are_told(write, at, told):
+    lines = cosmos(pulse(403)).splitlines()
+    assert lines[95][27:].strip() == b""
+    lines[95] = lines[95][:at] + b"5" + lines[95][at + 1 :]
+    (record,) = read(write(b"\n".join(lines)))
+    assert record.warnings == (("line 96: numbers beyond the declared count were left out",) if told else ())
+
+
+@pytest.mark.parametrize(
+    ("peak", "real", "told"),
+    [
+        (0.3, 0.306, ""),
+        (0.3, 0.3064, "the header states peaks of 0.3 g (text) and 0.3064 g (real 64)"),
+        (0.3, 0.2936, "the header states peaks of 0.3 g (text) and 0.2936 g (real 64)"),
+        (0.004, 0.00449, ""),
+        (0.004, 0.00456, "the header states peaks of 0.004 g (text) and 0.00456 g (real 64)"),
+        (0.0044, -999, ""),  # for which the text has 0.004
+    ],
+)
+def test_the_peaks_of_the_text_and_of_the_reals(write, peak, real, told):
+    (record,) = read(write(cosmos(pulse(peak=peak), reals={64: real})))
+    assert "".join(record.warnings[:1]).startswith(told)
+    assert [warning for warning in record.warnings if "(real 64)" in warning] == ([told] if told else [])
+    if real == -999:
+        assert record.header_peak == pytest.approx(0.004 * G, rel=1e-12)
+        assert record.warnings == ()
+
+
+def test_a_peak_that_the_whole_header_states_is_held_against_the_samples(write):
+    content = cosmos(pulse(), reals={64: 0.33}).replace(b"max =   0.300", b"max =   0.330")
+    (record,) = read(write(content.replace(b"Max =    0.300", b"Max =    0.330")))
+    assert [warning for warning in record.warnings if "0.33 g" in warning]
+    number = np.round(pulse(400, 100_000.0)).astype(int)
+    assert read(write(counts(number, reals={64: 101_000.0})))[0].warnings == ()
+    assert len(read(write(counts(number, reals={64: 110_000.0})))[0].warnings) == 1
+
+
+def test_a_peak_in_m_s2_is_no_peak_in_counts(write):
+    content = cosmos(pulse(peak=3.0), unit="mm/sec2", code="", reals={64: 3.0})
+    content = content.replace(b"0.003 mm/sec2", b"0.003 m/sec2 ").replace(b"3.000 mm/sec2", b"0.006 m/sec2 ")
+    (record,) = read(write(content))
+    assert "the header states peaks of 0.0006118 g (text) and 0.0003059 g (real 64)" in record.warnings
 
 
 @pytest.mark.parametrize(
@@ -156,6 +308,14 @@ def test_counts_of_a_velocity_sensor(write):
         ({62: -999, 63: -999}, 0.005, False),
         ({34: 0.007813, 63: 3.125}, 0.0078125, False),
         ({63: 4.0}, 0.005, True),
+        ({63: 2.017}, 0.005, False),
+        ({63: 2.018}, 0.005, True),
+        ({63: 1.983}, 0.005, False),
+        ({63: 1.982}, 0.005, True),
+        ({62: 0.0, 63: -999}, 0.005, False),
+        ({62: -1.0, 63: -999}, 0.005, False),
+        ({34: 0.010009}, 0.01, False),
+        ({34: 0.007813, 63: 9.0}, 0.0078125, True),
     ],
 )
 def test_the_interval_is_that_of_the_series_not_of_the_raw_record(write, reals, dt, warned):
@@ -170,6 +330,7 @@ def test_the_interval_is_that_of_the_series_not_of_the_raw_record(write, reals, 
         ({34: -999, 62: -999}, "expected a sampling interval above 0"),
         ({34: 0.005, 62: 10.0, 63: 60.0}, "sampling intervals of 0.005 and 0.01 s, .* fits not just one"),
         ({34: 0.005, 62: 10.0, 63: -999}, "fits not just one"),
+        ({34: 0.005006}, "sampling intervals of 0.005006 and 0.005 s, .* fits not just one"),
     ],
 )
 def test_an_interval_that_is_not_known(write, reals, message):
