@@ -7,6 +7,7 @@ import re
 import threading
 import warnings
 from datetime import UTC, datetime
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -14,6 +15,7 @@ from record_writers import pulse
 
 from rockpulse.errors import RecordFormatError, RecordRefused, UnitError
 from rockpulse.readers import read
+from rockpulse.readers.formats.miniseed import _held_rate, is_miniseed
 from rockpulse.readers.obspy_bridge import _standard_error, obspy_notes
 from rockpulse.readers.source import NotAcceleration
 from rockpulse.readers.station_xml import PROCESSED, told_otherwise
@@ -74,6 +76,31 @@ def write_station_xml(folder, *epochs, name="XX.ABC.xml"):
 
 def epoch(code="HNE", value=2.0e5, unit="M/S**2", azimuth=90.0, dip=0.0, first="2019-01-01", last="2030-01-01"):
     return (code, value, unit, azimuth, dip, first, last)
+
+
+@pytest.mark.parametrize(
+    ("head", "known"),
+    [
+        (b"000001D " + 40 * b"x", True),
+        (b"000001D " + 39 * b"x", False),
+        (b" 0\x00123M\x00" + 40 * b"x", True),
+        (b"00000XD " + 40 * b"x", False),
+        (b"X00001D " + 40 * b"x", False),
+        (b"000001X " + 40 * b"x", False),
+        (b"000001Dx" + 40 * b"x", False),
+    ],
+)
+def test_a_data_record_is_known_by_its_first_letters(head, known):
+    assert is_miniseed(head, "x") is known
+
+
+@pytest.mark.parametrize(
+    ("told", "noted"), [(None, False), (1001.0, False), (1002.0, True), (999.0, False), (998.0, True)]
+)
+def test_the_rate_of_the_station_xml_may_be_off_by_a_thousandth(told, noted):
+    note = f"the StationXML states {told} samples per s, the data 1000; the interval is that of the data"
+    found = _held_rate(1000.0, SimpleNamespace(sample_rate=told))
+    assert found == ([note.replace(".0 ", " ")] if noted else [])
 
 
 def test_counts_are_divided_by_the_sensitivity(tmp_path):

@@ -136,8 +136,9 @@ def _acceleration(name: str, lines: Sequence[str], start: int, end: int) -> tupl
     for heading, behind in zip(found, ends, strict=True):
         per_row = heading.layout[0] if heading.layout else 8
         rows = -(-heading.count // per_row) if per_row else 0
-        if behind - heading.at - 1 < rows:
-            check_count(f"{name}:{behind}", rows, behind - heading.at - 1, f"rows of {heading.kind}")
+        available = behind - heading.at - 1
+        if available < rows:
+            check_count(f"{name}:{behind}", rows, available, f"rows of {heading.kind}")
     accelerations = [pair for pair in zip(found, ends, strict=True) if pair[0].kind == "acceleration"]
     blocks, copies = distinct_sections(lines, [(heading.at, behind) for heading, behind in accelerations], "block")
     if copies and len(blocks) == 1:

@@ -176,8 +176,7 @@ def _event(head: Sequence[str]) -> str:
         match = _ORIGIN.match(line[:200])
         if match:
             moment = _origin(match)
-            name = head[index + 1].strip() if index + 1 < len(head) else ""
-            parts = [name, f"{moment:%Y-%m-%d %H:%M:%S} UTC" if moment else ""]
+            parts = [head[index + 1].strip(), f"{moment:%Y-%m-%d %H:%M:%S} UTC" if moment else ""]
             break
     magnitude = _first(head, _MAGNITUDE)
     return " ".join(part for part in [*parts, f"M {magnitude}" if magnitude else ""] if part)

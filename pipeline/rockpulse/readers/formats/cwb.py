@@ -52,7 +52,7 @@ class _Entry:
 
 def is_cwb(head: bytes, name: str) -> bool:
     """Whether the lines begin with ``#`` and one of them is ``#AmplitudeUnit:``."""
-    return bool(_UNIT_LINE.match(head[:4000]))
+    return bool(_UNIT_LINE.match(head))
 
 
 def read_cwb(file: SourceFile, options: ReadOptions) -> list[Record]:
@@ -194,11 +194,9 @@ def _facing(letter: str, sign: str) -> Direction:
     facing = direction(letter)
     if sign == "+":
         return facing
-    return (
-        replace(facing, sign=-1.0)
-        if facing.orientation == "vertical"
-        else replace(facing, azimuth=(facing.azimuth + 180.0) % 360.0)
-    )
+    if facing.orientation == "vertical":
+        return replace(facing, sign=-1.0)
+    return replace(facing, azimuth=facing.azimuth + 180.0)  # of N or E
 
 
 FORMATS = (

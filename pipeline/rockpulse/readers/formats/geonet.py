@@ -170,7 +170,7 @@ def _counts(name: str, lines: Sequence[str], first: int, integers: np.ndarray) -
 def _step(where: str, line: str, step: float) -> float:
     """Sampling interval [s], real 26 of the header; the text, with fewer digits, must agree."""
     match = _STEP.search(line)
-    stated, rounding = printed_number(match[1]) if match else (0.0, 0.0)
+    stated, rounding = printed_number(match[1]) if match else (np.nan, np.nan)
     if not (step > 0.0 and abs(step - stated) <= 1.01 * rounding):
         raise RecordFormatError(
             f"{where}: expected an interval of {step:g} s (real 26 of the header), found {line.strip()!r}; "

@@ -43,18 +43,20 @@ def is_nsmn(head: bytes, name: str) -> bool:
 def read_nsmn(file: SourceFile, options: ReadOptions) -> list[Record]:
     """Read the three channels; the options are not used, because the format states everything."""
     lines = text_lines(file.content)
-    first = next((i + 1 for i, line in enumerate(lines[:_LONGEST_HEADER]) if _COLUMNS.match(line[:_LONGEST_LINE])), 0)
-    columns = _COLUMNS.match(lines[first - 1][:_LONGEST_LINE]) if first else None
-    if not columns:
+    head = [line[:_LONGEST_LINE] for line in lines[:_LONGEST_HEADER]]
+    found = next(((at, columns) for at, line in enumerate(head) if (columns := _COLUMNS.match(line))), None)
+    if found is None:
         raise RecordFormatError(
             f"{file.name}:{min(len(lines), _LONGEST_HEADER)}: expected a line 'N-S  E-W  U-D' above the values, found "
             "none; the file is damaged or cut off: download it again"
         )
+    at, columns = found
+    first = at + 1
     entries: dict[str, tuple[str, str, int]] = {}
-    for index, line in enumerate(lines[: first - 1]):
-        entry = _KEY.match(line[:_LONGEST_LINE])
+    for number, line in enumerate(head[:at], start=1):
+        entry = _KEY.match(line)
         if entry:
-            entries[entry[1].upper()] = (entry[3].strip(), entry[2] or "", index + 1)
+            entries[entry[1].upper()] = (entry[3].strip(), entry[2] or "", number)
     count, step = (_number(file.name, entries, key, first) for key in ("NUMBER OF DATA", "SAMPLING INTERVAL"))
     check_count(f"{file.name}:{len(lines)}", int(count), len(lines) - first, "rows")
     end = first + int(count)

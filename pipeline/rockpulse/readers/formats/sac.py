@@ -71,7 +71,7 @@ def read_sac(file: SourceFile, options: ReadOptions) -> list[Record]:
             f"{file.name}: expected an equally spaced time series (IFTYPE 1, LEVEN true), found IFTYPE "
             f"{header.get('iftype')}, LEVEN {header.get('leven')}; export the record again"
         )
-    series = _SERIES.get(int(header.get("idep", 5)))
+    series = _SERIES.get(header.get("idep"))
     if series:
         raise NotAcceleration(f"{file.name}: expected an acceleration, the header (IDEP) says {series}")
     if options.units is None:

@@ -182,7 +182,8 @@ def _samples(name: str, lines: Sequence[str], first: int, count: int) -> tuple[n
     """
     rows = [line.rstrip() for line in lines[first : first + _LOOK_AT]]
     check_count(f"{name}:{len(lines)}", count, count if rows else 0)
-    length = Counter(map(len, rows)).most_common(1)[0][0]
+    lengths = Counter(map(len, rows))
+    length = max(lengths, key=lengths.__getitem__)
     if length and length % _WIDTH == 0:
         per_row = length // _WIDTH
         samples = fixed_width(lines[first:], first + 1, _WIDTH, per_row, count, name)

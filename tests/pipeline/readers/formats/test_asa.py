@@ -163,7 +163,7 @@ def test_spellings_of_the_header(write, before, after):
     content = asa(TABLE)
     assert before in content
     for record, column, word in zip(
-        read(write(content.replace(before, after))), TABLE.T, "V N90E N00E".split(), strict=True
+        read(write(content.replace(before, after))), TABLE.T, ["V", "N90E", "N00E"], strict=True
     ):
         assert record.acceleration == pytest.approx(0.01 * column, abs=1e-12)
         assert (record.dt, record.component, record.warnings) == (0.004, word, ())

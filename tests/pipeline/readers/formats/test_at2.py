@@ -10,8 +10,9 @@ from record_writers import at2, pulse
 
 from rockpulse.errors import RecordFormatError, UnitError
 from rockpulse.readers import read
-from rockpulse.readers.formats.at2 import is_at2
-from rockpulse.readers.source import NotAcceleration
+from rockpulse.readers.format import ReadOptions
+from rockpulse.readers.formats.at2 import is_at2, read_at2
+from rockpulse.readers.source import NotAcceleration, SourceFile
 from rockpulse.record.record import STANDARD_GRAVITY
 
 
@@ -46,6 +47,11 @@ def write(tmp_path):
         "{n}, .010, NPTS,DT",
         "NPTS= {n}, DT(s)= 0.01",
         "{n}    0.01000 NPTS, DT\n(5E15.7)",
+        "dt= {dt}, npts= {n}",
+        "{n} .01 npts, dt",
+        "npts, dt = {n}, .01",
+        "{n}, .01 sec",
+        "NPTS= {n}, DT= .01 SEC" + "\nwords" * 9,
     ],
 )
 @pytest.mark.parametrize("end", ["\n", "\r\n"])
@@ -64,10 +70,22 @@ def test_spellings_of_the_unit(write, series):
 
 @pytest.mark.parametrize(
     ("field", "per_row", "digits"),
-    [("{:15.7E}", 5, 1e-8), ("{:10.5f}", 8, 1e-5), (" {:.8f}", 1, 1e-8), ("{:8.5f}", 10, 1e-5), ("{:16.8E}", 5, 1e-8)],
+    [
+        ("{:15.7E}", 5, 1e-8),
+        ("{:10.5f}", 8, 1e-5),
+        (" {:.8f}", 1, 1e-8),
+        ("{:16.8E}", 5, 1e-8),
+        # Fields that touch: "-0.12345" fills 8 characters.
+        ("{:8.5f}", 10, 1e-5),
+        ("{:10.7f}", 8, 1e-7),
+        ("{:12.9f}", 6, 1e-9),
+        ("{:15.8E}", 5, 1e-9),
+        ("{:16.9E}", 5, 1e-9),
+    ],
 )
-def test_number_layouts_touching_or_not(write, field, per_row, digits):
-    values = -np.abs(pulse(167)) - 0.00001  # "-0.12345" fills 8 characters: the fields touch
+@pytest.mark.parametrize("count", [5, 167])
+def test_number_layouts_touching_or_not(write, field, per_row, digits, count):
+    values = -np.abs(pulse(count)) - 0.00001
     (record,) = read(write(at2(values, field=field, per_row=per_row)))
     assert record.acceleration == pytest.approx(values * STANDARD_GRAVITY, abs=digits * STANDARD_GRAVITY)
 
@@ -77,6 +95,57 @@ def test_the_fields_of_the_title(write):
     assert (record.event, record.station_name) == ("Loma Prieta, 10/18/1989", "Gilroy - Gavilan Coll.")
     assert (record.component, record.azimuth, record.orientation) == ("67", 67.0, "horizontal")
     assert (record.id, record.processed, record.start_time) == ("RSN1.67", True, None)
+
+
+@pytest.mark.parametrize(
+    ("title", "event", "station", "channel"),
+    [
+        ("El Centro", "El Centro", "", "1"),
+        ("Event, 90", "Event", "", "090"),
+        ("Event, Station One, 90", "Event", "Station One", "090"),
+        ("Event, 1/2/2003, 90", "Event, 1/2/2003", "", "090"),
+        ("Event, 1/2/2003, One, 3/4/2003, 90", "Event, 1/2/2003", "One, 3/4/2003", "090"),
+        ("1/2/2003, Station, 90", "1/2/2003", "Station", "090"),
+    ],
+)
+def test_titles_with_and_without_a_date(write, title, event, station, channel):
+    (record,) = read(write(at2(pulse(), title=title)))
+    assert (record.event, record.station_name, record.id) == (event, station, f"RSN1.{channel.lstrip('0')}")
+
+
+def test_a_header_without_a_title(write):
+    rows = at2(pulse()).split(b"\n")[4:]
+    (record,) = read(write(b"\n".join([b"ACCELERATION IN UNITS OF G, X, 90", b"NPTS= 400, DT= .01", *rows])))
+    assert (record.event, record.station_name, record.channel) == ("", "", "1")
+    (record,) = read(write(b"\n".join([b"UNITS: G", b"Event, Station, 90", b"NPTS= 400, DT= .01", *rows])))
+    assert (record.event, record.station_name, record.channel) == ("Event", "Station", "90")
+
+
+def test_a_line_that_only_the_count_is_in(write):
+    content = b"PEER\nEvent, Station, 90\nACCELERATION IN UNITS OF G\nNPTS= 2\n0.1\n0.2\n"
+    with pytest.raises(RecordFormatError, match=r"a: expected NPTS and DT in one of the first 10 lines, found none"):
+        read_at2(SourceFile("a", content, lambda: content), ReadOptions())
+
+
+@pytest.mark.parametrize(
+    ("first_line", "orientation"),
+    [
+        ("CORRECTED RECORD ON A STRUCTURE, WRITTEN BY ROCKPULSE", "structural"),
+        ("CORRECTED RECORD, WRITTEN BY ROCKPULSE", "horizontal"),
+    ],
+)
+def test_a_record_on_a_structure_that_rockpulse_has_written(write, first_line, orientation):
+    assert read(write(at2(pulse(), first_line=first_line)))[0].orientation == orientation
+
+
+def test_a_surplus_is_measured_by_the_first_row(write):
+    header = b"PEER\nEvent, Station, 90\nACCELERATION IN UNITS OF G\nNPTS= 9, DT= .01\n"
+    rows = [b"0.1 0.2 0.3", b"0.4 0.5 0.1 0.2 0.3", b"0.1 0.2 0.1 0.2 0.3"]
+    with pytest.raises(RecordFormatError, match="found 13, more than a row too many"):
+        read(write(header + b"\n".join(rows)))
+    assert read(write(header + b"\n".join(rows[1:])))[0].warnings == (
+        "1 values beyond the NPTS= 9 of the header were left out",
+    )
 
 
 @pytest.mark.parametrize(
@@ -301,8 +370,24 @@ def test_words_behind_the_numbers_end_them(tmp_path):
         (b"PEER\nEvent, Station\nACCELERATION IN UNITS OF G\nNPTS= 400\n", False),
         (b"PEER\nEvent, Station\nACCELERATION TIME HISTORY IN UNITS OF G\n400 .0100\n", True),
         (b"Event, Station\n400 .0100\n0.1\n0.2\n", False),
+        (b"Event, Station\nACCELERATION TIME HISTORY\n400 .0100\n0.1\n0.2\n", False),
+        (b"Event, Station\nUNITS ARE G\n400 .0100\n0.1\n0.2\n", False),
+        (b"ACCELERATION TIME HISTORY IN UNITS OF G\n400 .0100\n", True),
+        (b"words\n" * 9 + b"NPTS= 400, DT= .0100 SEC\n", True),
+        (b"words\n" * 10 + b"NPTS= 400, DT= .0100 SEC\n", False),
     ],
-    ids=["both", "zero-byte", "count-alone", "bare", "bare-without-series"],
+    ids=[
+        "both",
+        "zero-byte",
+        "count-alone",
+        "bare",
+        "bare-without-series",
+        "no-unit",
+        "no-series",
+        "two",
+        "ten",
+        "late",
+    ],
 )
 def test_count_and_interval_in_a_header_of_text_make_the_format(header, expected):
     assert is_at2(header, "a.txt") is expected

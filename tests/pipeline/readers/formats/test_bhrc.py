@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+from datetime import UTC, datetime
 
 import numpy as np
 import pytest
@@ -72,6 +73,8 @@ def test_numbers_of_thirteen_characters_touch():
         ("Azimuth L 0     T 90", (0.0, 90.0)),
         ("Azimuth L       T   ", (np.nan, np.nan)),
         ("Azimuth L 999   T 82", (np.nan, 82.0)),
+        ("Azimuth L 360   T 90", (0.0, 90.0)),
+        ("Azimuth L 361   T 90", (np.nan, 90.0)),
         ("", (np.nan, np.nan)),
     ],
 )
@@ -98,14 +101,82 @@ def test_rows_beyond_the_declared_count_are_reported():
         (bhrc(THREE, rate=-200.0), RecordFormatError, r"stream:22: .* found -200"),
         (bhrc(THREE, unit="UNITS ARE SECONDS AND FURLONG"), UnitError, "stream:12: unknown unit"),
         (bhrc(THREE).replace(b"COMP V2", b"COMP X2"), RecordFormatError, r"stream:76: expected 'COMP L1'"),
-        (bhrc(THREE).replace(b"E-01", b"X-01", 2), RecordFormatError, r"stream:\d+: expected a finite number"),
+        (
+            bhrc(THREE).replace(b"E-01", b"X-01").replace(b"X-01", b"E-01", 2),
+            RecordFormatError,
+            "stream:38: expected a finite",
+        ),
+        (
+            bhrc(THREE).replace(b"DURATION", b"D").replace(b" .200000E+03", b" .000000E+00"),
+            RecordFormatError,
+            "stream:22: .* in an unknown number of s, found 0",
+        ),
+        (
+            bhrc(THREE).replace(b"DURATION =   2.015", b"DURATION =   2.026"),
+            RecordFormatError,
+            "stream:22: .* in 2.026 s",
+        ),
         (bhrc(THREE) + b"more\n", RecordFormatError, r"expected '\* VOL1DS FILE:' \(channel 4\), found 'more'"),
     ],
-    ids=["truncated", "cut-header", "huge", "rate", "negative", "unit", "component", "letter", "trailing"],
+    ids=[
+        "truncated",
+        "cut-header",
+        "huge",
+        "rate",
+        "negative",
+        "unit",
+        "component",
+        "letter",
+        "no-rate",
+        "duration",
+        "trailing",
+    ],
 )
 def test_damage_is_named(content, error, message):
     with pytest.raises(error, match=message):
         got(content)
+
+
+@pytest.mark.parametrize(("duration", "count"), [(b"2.025", 403), (b"2.005", 403)])
+def test_a_duration_may_be_off_by_two_steps(duration, count):
+    records = got(bhrc(THREE).replace(b"DURATION =   2.015", b"DURATION =   " + duration))
+    assert [(record.npts, record.warnings) for record in records] == [(count, ())] * 3
+
+
+def test_less_than_one_sample_in_a_second():
+    assert got(bhrc(THREE, dt=2.0))[0].dt == 2.0
+
+
+@pytest.mark.parametrize(("azimuth", "told"), [(85, False), (86, True), (79, False), (78, True), (262, False)])
+def test_l_and_t_are_at_right_angles(azimuth, told):
+    for record in got(bhrc(THREE, azimuths=f"Azimuth L 352   T {azimuth} ")):
+        words = f"the azimuths of L and T, 352 and {azimuth} degrees, are not at right angles"
+        assert record.warnings == ((words,) if told else ())
+
+
+@pytest.mark.parametrize(("number", "line"), [(0, 68), (1, 137)])
+@pytest.mark.parametrize(("column", "told"), [(38, False), (39, True)])
+def test_numbers_behind_the_last_sample_of_its_row_are_told(number, line, column, told):
+    lines = bhrc(THREE).split(b"\r\n")
+    assert len(lines[line - 1]) == 39  # the last three of 403 values
+    lines[line - 1] = lines[line - 1][:column] + b"5"
+    records = got(b"\n".join(lines))
+    words = (f"line {line}: numbers beyond the declared count were left out",)
+    assert [record.warnings for record in records] == [words if told and at == number else () for at in range(3)]
+
+
+def test_the_facts_of_the_header():
+    for record in got(bhrc(THREE)):
+        assert record.origin_time == datetime(2012, 8, 11, 12, 23, 16, tzinfo=UTC)
+        assert (record.magnitude, record.magnitude_type, record.hypocentre_depth) == (6.1, "Mw", 12_000.0)
+        assert (record.hypocentre_latitude, record.hypocentre_longitude) == (38.52, 46.86)
+        assert (record.station_latitude, record.station_longitude) == (38.474, 47.059)
+
+
+@pytest.mark.parametrize(("letter", "told"), [(b"T", True), (b"l", False), (b"X", False)])
+def test_the_letter_of_the_component(letter, told):
+    record = got(bhrc(THREE).replace(b"\r\nL\r\n", b"\r\n" + letter + b"\r\n"))[0]
+    assert record.warnings == (("the header names the component T and L; one of them is wrong",) if told else ())
 
 
 def test_a_file_that_ends_before_its_third_channel_says_so():

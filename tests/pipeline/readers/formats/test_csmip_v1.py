@@ -376,3 +376,54 @@ def test_a_length_that_contradicts_the_heading_is_reported(write):
         "the header states 4 s, 400 samples at 0.005 s last 2 s",
         "the header states the peak at 0.12 s, at the interval of 0.005 s the samples have it at 0.06 s",
     )
+
+
+@pytest.mark.parametrize(("rate", "told"), [("100.1", False), ("99.91", False), ("100.2", True), ("99.8", True)])
+def test_the_rate_in_the_text_may_be_off_by_a_thousandth(write, rate, told):
+    content = csmip_equal(np.round(pulse(400), 6)).replace(b"4.000 SEC", f"4.000 SEC   AT {rate} SAMPLES/SEC".encode())
+    if told:
+        with pytest.raises(RecordFormatError, match=f"expected {rate} samples/sec .* found a heading with 100"):
+            read(write(content))
+    else:
+        assert read(write(content))[0].dt == 0.01
+
+
+@pytest.mark.parametrize(("rate", "told"), [("33", False), ("34", True)])
+def test_the_rate_in_the_text_may_be_off_by_its_rounding(write, rate, told):
+    content = csmip_equal(np.round(pulse(400), 6), dt=1 / 33.4).replace(b"at 100 pts", b"at 33.4 pts")
+    content = content.replace(b" SEC\r\n", f" SEC   AT {rate} SAMPLES/SEC\r\n".encode(), 1)
+    if told:
+        with pytest.raises(RecordFormatError, match=r"expected 34 samples/sec .* found a heading with 33.4"):
+            read(write(content))
+    else:
+        assert read(write(content))[0].dt == pytest.approx(1 / 33.4, rel=1e-12)
+
+
+@pytest.mark.parametrize(("length", "told"), [(b"4.040", False), (b"4.042", True), (b"3.960", False), (b"3.958", True)])
+@pytest.mark.parametrize("place", [b"LENGTH =  ", b".000     "])
+def test_the_length_may_be_off_by_two_steps_and_five_thousandths(write, length, told, place):
+    content = csmip_equal(np.round(pulse(400), 6))
+    assert content.count(place + b"4.000") == 1
+    assert bool(read(write(content.replace(place + b"4.000", place + length)))[0].warnings) is told
+
+
+def test_a_small_peak_is_told_where_it_is_a_tenth_off(write):
+    (record,) = read(write(csmip_equal(pulse(peak=0.03), peak_g=0.033)))
+    assert "a peak of 0.033 g" in " ".join(record.warnings)
+
+
+@pytest.mark.parametrize(
+    ("line", "old", "new", "told"),
+    [
+        (13, b"  400", b"  399", "integer 28 of the header states 399 points, the text 400"),
+        (20, b"0.300     ", b"0.400     ", "real 7 of the header states a peak of"),
+        (20, b"     0.120", b"     1.120", "the header states the peak at 1.12 s"),
+        (11, b"AND G.  ", b"AND G/10", "the units of one file differ: g (line 28), g/10 (line 12)"),
+    ],
+)
+def test_what_the_header_states_twice(write, line, old, new, told):
+    lines = csmip_equal(np.round(pulse(400), 6)).split(b"\r\n")
+    at = line + 1 if line == 13 else line
+    assert old in lines[at]
+    lines[at] = lines[at].replace(old, new)
+    assert any(note.startswith(told) for note in read(write(b"\n".join(lines)))[0].warnings)

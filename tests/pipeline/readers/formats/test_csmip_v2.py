@@ -175,6 +175,104 @@ def test_a_file_without_acceleration_is_refused(write, blocks, found):
         read(write(csmip_v2(MOTION, blocks=blocks)))
 
 
+def test_the_first_channel_without_acceleration_is_named(write):
+    content = csmip_v2(MOTION, number=1, blocks="vd") + csmip_v2(MOTION, number=2, blocks="d")
+    with pytest.raises(NotAcceleration, match=r"TEST.V2:46: expected points of acceleration, found velocity"):
+        read(write(content))
+
+
+def with_real(content: bytes, number: int, text: str) -> bytes:
+    """The content with another text in one of the reals, which follow 25 lines of text and 7 rows of integers."""
+    lines = content.split(b"\n")
+    at, place = 32 + (number - 1) // 8, 10 * ((number - 1) % 8)
+    lines[at] = lines[at][:place] + text.rjust(10).encode() + lines[at][place + 10 :]
+    return b"\n".join(lines)
+
+
+@pytest.mark.parametrize(
+    ("number", "text", "told"),
+    [
+        (60, "4.070", ""),  # two steps, its rounding and five thousandths of the length away
+        (60, "4.073", "the header states 4.073 s, 403 samples at 0.01 s last 4.03 s"),
+        (61, ".000", ""),
+        (61, ".020", "real 61 of the header states an interval of 0.02 s, the heading 0.01 s"),
+        (65, "3.120", "the header states the peak at 3.12 s"),
+        (66, "260.000", "real 66 of the header states a peak of"),
+    ],
+)
+def test_the_reals_are_held_against_the_samples(write, number, text, told):
+    content = csmip_v2(MOTION, end="\n")
+    assert with_real(content, number, text) != content
+    (record,) = read(write(with_real(content, number, text)))
+    assert len(record.warnings) == bool(told)
+    assert "".join(record.warnings).startswith(told)
+
+
+@pytest.mark.parametrize(("length", "told"), [("4.070", False), ("4.073", True)])
+def test_the_length_in_the_text_is_held_against_the_samples(write, length, told):
+    content = csmip_v2(MOTION)
+    assert content.count(b"RECORD LENGTH =  4.020") == 1
+    (record,) = read(write(content.replace(b"LENGTH =  4.020", f"LENGTH =  {length}".encode())))
+    assert bool(record.warnings) is told
+
+
+def test_an_interval_may_be_off_by_the_rounding_of_the_text(write):
+    content = csmip_v2(MOTION, end="\n")
+    for wrong, told in ((".010", 0), (".011", 1)):
+        near = with_real(content, 61, wrong).replace(
+            b"accel data equally spaced at  .010", b"accel data equally spaced at .0104"
+        )
+        near = near.replace(b"4.020 SEC", b"4.191 SEC")
+        (record,) = read(
+            write(with_real(with_real(near, 60, "4.191"), 65, ".125").replace(b"AT     .120 ", b"AT     .125 "))
+        )
+        assert record.dt == 0.0104
+        assert len(record.warnings) == told
+    with pytest.raises(RecordFormatError, match=r"expected an interval of 0.01 s .* found a heading with 0.0106 s"):
+        read(write(content.replace(b"accel data equally spaced at  .010", b"accel data equally spaced at .0106")))
+
+
+@pytest.mark.parametrize(("stated", "told"), [("2.520", False), ("2.700", True)])
+def test_a_small_peak_is_held_to_its_own_rounding(write, stated, told):
+    content = csmip_v2(0.01 * MOTION)
+    before = b"ACCELERATION =     2.500"
+    assert content.count(before) == 1
+    (record,) = read(write(content.replace(before, f"ACCELERATION =     {stated}".encode())))
+    assert bool(record.warnings) is told
+
+
+def test_a_block_that_stands_twice_is_read_once(write):
+    lines = csmip_v2(MOTION, end="\n").split(b"\n")
+    heading, velocity = 45, 45 + 1 + 51
+    assert b"veloc" in lines[velocity]
+    (record,) = read(write(b"\n".join([*lines[:velocity], *lines[heading:]])))
+    assert record.npts == 403
+    assert "line 98: the block of line 46 stands in the file again" in record.warnings[0]
+    (record,) = read(write(b"\n".join([*lines[: heading + 1], *lines[heading:]])))
+    assert record.npts == 403
+    assert "line 46: the line is repeated up to line 47" in record.warnings[0]
+    with pytest.raises(RecordFormatError, match=r"TEST.V2:98: .* found a second block"):
+        read(write(b"\n".join([*lines[:velocity], lines[heading].replace(b".010", b".020"), *lines[heading + 1 :]])))
+
+
+@pytest.mark.parametrize("line", [0, 23])
+def test_a_component_that_another_line_contradicts_is_unknown(write, line):
+    lines = csmip_v2(MOTION, end="\n").split(b"\n")
+    assert b" 90 DEG" in lines[line]
+    (record,) = read(
+        write(b"\n".join([*lines[:line], lines[line].replace(b" 90 DEG", b"180 DEG"), *lines[line + 1 :]]))
+    )
+    assert np.isnan(record.azimuth)
+    assert "another line of the header '180 DEG'" in record.warnings[0]
+
+
+def test_the_azimuth_of_the_integers_is_held_against_the_words(write):
+    lines = csmip_v2(MOTION, end="\n").split(b"\n")
+    assert lines[26][50:55] == b"   90"
+    lines[26] = lines[26][:50] + b"  180" + lines[26][55:]
+    assert np.isnan(read(write(b"\n".join(lines)))[0].azimuth)
+
+
 def test_a_channel_without_acceleration_is_left_out_with_a_warning_on_the_others(write):
     content = csmip_v2(MOTION, number=1) + csmip_v2(MOTION, number=2, blocks="vd") + csmip_v2(MOTION, number=3)
     for record in read(write(content)):
@@ -212,6 +310,16 @@ DAMAGE = {
         r"TEST.V2:60: expected 51 rows of acceleration .*, found 14; .* truncated",
     ),
     "velocity": (lambda c: cut(c, 120), RecordFormatError, "TEST.V2:120: expected 51 rows of velocity .* found 22"),
+    "one-row": (
+        lambda c: b"\n".join([*c.split(b"\n")[:96], *c.split(b"\n")[97:]]),
+        RecordFormatError,
+        r"TEST.V2:96: expected 51 rows of acceleration .*, found 50",
+    ),
+    "old": (
+        lambda c: cut(csmip_v2(MOTION, 0.005, OLD, 3, end="\n"), 60),
+        RecordFormatError,
+        r"TEST.V2:60: expected 51 rows of acceleration .*, found 14",
+    ),
     "huge": (
         lambda c: c.replace(b"   403 points of accel", b"999999999999 points of accel"),
         RecordFormatError,

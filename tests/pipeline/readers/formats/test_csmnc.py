@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from datetime import UTC, datetime
+
 import numpy as np
 import pytest
 from make_format_samples import source_channels
@@ -75,6 +77,7 @@ def test_the_component_is_that_of_the_header_else_of_the_name(write, component, 
     assert record.orientation == orientation
     assert record.azimuth == pytest.approx(azimuth, nan_ok=True)
     assert bool(record.warnings) is noted
+    assert record.channel == (record.component or "1")
 
 
 @pytest.mark.parametrize(
@@ -83,6 +86,47 @@ def test_the_component_is_that_of_the_header_else_of_the_name(write, component, 
 def test_the_observing_point(write, point, structural):
     (record,) = read(write(csmnc(VALUES, point=point)))
     assert (record.orientation == "structural") is structural
+
+
+def test_rows_behind_a_last_row_that_is_short(write):
+    lines = csmnc(VALUES[:161]).split(b"\r\n")
+    (record,) = read(write(b"\n".join([*lines[:37], *lines[16:20]])))
+    assert record.npts == 161
+    assert record.warnings == ("line 38: 4 rows beyond the declared count were left out",)
+
+
+@pytest.mark.parametrize(("count", "told"), [(398, False), (396, True)])
+def test_a_duration_in_whole_seconds_may_be_cut_off(write, count, told):
+    content = csmnc(VALUES[:count]).replace(b"DURATION:   2 SEC", b"DURATION:   3 SEC")
+    assert bool(read(write(content))[0].warnings) is told
+
+
+@pytest.mark.parametrize(("peak", "told"), [(96.5, False), (99.0, True)])
+def test_a_small_peak_is_held_to_its_own_rounding(write, peak, told):
+    assert bool(read(write(csmnc(0.1 * VALUES, peak=-peak)))[0].warnings) is told
+
+
+@pytest.mark.parametrize(("more", "known"), [(5, True), (6, False)])
+def test_the_numbers_begin_within_ten_lines(write, more, known):
+    lines = csmnc(VALUES).split(b"\r\n")
+    content = b"\n".join([*lines[:13], *[b"words"] * more, *lines[13:]])
+    if known:
+        assert read(write(content))[0].npts == 403
+    else:
+        with pytest.raises(RecordFormatError, match=r"expected 403 samples \(header\), found 0"):
+            read(write(content))
+
+
+def test_the_facts_of_the_header(write):
+    lines = csmnc(VALUES).split(b"\r\n")
+    for more in (0, 4, 5):
+        (record,) = read(write(b"\n".join([lines[0], *[b"words"] * more, *lines[1:]])))
+        origin = datetime(2013, 4, 20, 0, 2, 46, tzinfo=UTC) if more < 5 else None
+        assert record.origin_time == origin
+        assert record.event.startswith("TEST EARTHQUAKE 2013-04-20") is (more < 5)
+        assert (record.magnitude, record.magnitude_type, record.hypocentre_depth) == (7.0, "Ms", 13_000.0)
+        assert (record.hypocentre_latitude, record.hypocentre_longitude) == (30.3, 103.0)
+        assert (record.station_latitude, record.station_longitude, record.site_class) == (30.4, 102.8, "ROCK")
 
 
 def test_rows_beyond_the_count_are_left_out_with_a_warning(write):
@@ -104,14 +148,15 @@ def test_rows_beyond_the_count_are_left_out_with_a_warning(write):
         (csmnc(VALUES)[:440], r"expected 403 samples \(header\), found 0"),
         (csmnc(VALUES).replace(b"UNCORRECTED", b"UNCORECTED"), "expected a line such as 'UNCORRECTED ACCELERATION"),
         (csmnc(VALUES).replace(b"NO. OF POINTS:", b"POINTS"), "expected a line such as 'NO. OF POINTS:  12000'"),
+        (b"\n".join([*csmnc(VALUES).split(b"\r\n")[:18], b" 1.0 2.0"]), r"expected 403 samples .*, found 24"),
         (
-            csmnc(VALUES).replace(b"E0 ", b"E0  1.0 ", 1),
-            r"test.dat:18: expected a row of 9|test.dat:\d+: expected a row of 8",
+            b"\n".join([*(lines := csmnc(VALUES).split(b"\r\n"))[:18], b" 1.0 2.0", *lines[19:]]),
+            "test.dat:19: expected a row of 8, found '1.0 2.0'",
         ),
         (csmnc(VALUES).replace(b"E2 \r\n", b"F2 \r\n", 1), r"test.dat:\d+: expected a finite number, found '.*F2'"),
         (csmnc([1.0]), "at least 2 samples"),
     ],
-    ids=["more", "none", "last", "dt", "cut", "header", "kind", "count", "row", "letter", "one"],
+    ids=["more", "none", "last", "dt", "cut", "header", "kind", "count", "rows", "row", "letter", "one"],
 )
 def test_damage_is_named(write, content, message):
     with pytest.raises(RecordFormatError, match=message):

@@ -69,6 +69,7 @@ def test_fields_of_ten_characters_touch():
     [
         ("Time U(+); N(+); E(+)", [("vertical", np.nan), ("horizontal", 0.0), ("horizontal", 90.0)]),
         ("Time E(+); N(-); U(+)", [("horizontal", 90.0), ("horizontal", 180.0), ("vertical", np.nan)]),
+        ("time e(-); n(+); z(+)", [("horizontal", 270.0), ("horizontal", 0.0), ("vertical", np.nan)]),
     ],
 )
 def test_the_header_tells_the_order_and_the_sign_of_the_columns(sequence, expected):
@@ -115,6 +116,31 @@ def test_more_rows_than_the_header_states_are_reported():
     assert "the header states 4 s at 50 samples per s, the file has 400 rows" in record.warnings[0]
 
 
+@pytest.mark.parametrize(("length", "told"), [("7.98", 0), ("7.96", 1), ("0.01", 1)])
+def test_the_length_may_be_off_by_its_rounding_and_a_step(length, told):
+    assert [len(record.warnings) for record in got(cwb(THREE, length=length))] == [told] * 3
+
+
+@pytest.mark.parametrize(("peak", "told"), [("7.400", 1), ("7.200", 0)])
+def test_the_peak_is_held_against_the_samples(peak, told):
+    content = cwb(THREE)
+    assert content.count(b"MAX. U:    7.100~") == 1
+    records = got(content.replace(b"MAX. U:    7.100~", f"MAX. U:    {peak}~".encode()))
+    assert [len(record.warnings) for record in records] == [told, 0, 0]
+
+
+def test_less_than_one_sample_in_a_second():
+    assert got(cwb(THREE, rate=0.5, start=""))[0].dt == 2.0
+
+
+def test_the_facts_of_the_header():
+    for record in got(cwb(THREE)):
+        assert record.origin_time == datetime(2018, 2, 6, 15, 50, 42, tzinfo=UTC)
+        assert (record.magnitude, record.magnitude_type) == (6.0, "ML")
+        assert (record.hypocentre_latitude, record.hypocentre_longitude) == (24.14, 121.69)
+        assert (record.hypocentre_depth, record.station_latitude, record.station_longitude) == (10e3, 23.685, 121.483)
+
+
 def without_row(content: bytes, row: int) -> bytes:
     lines = content.split(b"\r\n")
     return b"\r\n".join(lines[: 22 + row] + lines[23 + row :])
@@ -138,12 +164,16 @@ def without_row(content: bytes, row: int) -> bytes:
             "stream:24: expected 0.025 s .* found 0.02 s",
         ),
         (cwb(THREE).replace(b"Rate(Hz): 50", b"Rate(Hz): 0"), RecordFormatError, r"stream:16: expected .*above 0"),
-        (cwb(THREE).replace(b"#SampleRate", b"#Sample"), RecordFormatError, "expected a line '#SampleRate"),
+        (cwb(THREE).replace(b"#SampleRate", b"#Sample"), RecordFormatError, "stream:1: expected a line '#SampleRate"),
+        (cwb(THREE, sequence="Time"), RecordFormatError, "stream:21: expected '#DataSequence: Time U"),
+        (cwb(THREE, sequence="U(+); N(+); E(+)"), RecordFormatError, "stream:21: expected '#DataSequence: Time U"),
+        (cwb(THREE, layout="FREE"), RecordFormatError, "stream:22: expected '#Data: 4F10.3'"),
+        (cwb([one[:1] for one in THREE], length="0.01"), RecordFormatError, "expected at least 2 samples, found 1"),
         (cwb(THREE, unit="stone. DC"), UnitError, "stream:17: unknown unit of acceleration 'stone'"),
         (cwb(THREE, sequence="U N E"), RecordFormatError, "stream:21: expected '#DataSequence: Time U"),
         (cwb(THREE, layout="3F10.3"), RecordFormatError, "stream:22: expected '#Data: 4F10.3'"),
         (cwb(THREE, layout="4F0.3"), RecordFormatError, "expected fields of at least 1 character"),
-        (cwb(THREE).replace(b"     7.100", b"     7.1x0"), RecordFormatError, r"stream:\d+: expected a finite number"),
+        (cwb(THREE).replace(b"     7.100", b"     7.1x0"), RecordFormatError, "stream:29: expected a finite number"),
     ],
     ids=[
         "cut",
@@ -154,6 +184,10 @@ def without_row(content: bytes, row: int) -> bytes:
         "rate",
         "zero",
         "no-rate",
+        "no-channels",
+        "no-time",
+        "no-layout",
+        "one",
         "unit",
         "order",
         "columns",

@@ -212,7 +212,7 @@ def test_lines_beyond_the_declared_count_are_reported():
         (dyna(VALUES, UNITS="furlong"), UnitError, "stream:33: unknown unit of acceleration 'furlong'"),
         (dyna(VALUES, UNITS=""), UnitError, "stream:33: unknown unit of acceleration ''"),
         (dyna(VALUES).replace(b"\n98.0000", b"\n98.0x00"), RecordFormatError, r"stream:\d+: expected a finite number"),
-        (dyna(VALUES).replace(b"\n98.0000", b"\n98.0 00"), RecordFormatError, r"stream:\d+: expected one number on"),
+        (dyna(VALUES).replace(b"\n98.0000", b"\n98.0 00"), RecordFormatError, "stream:77: expected one number on"),
         (dyna(VALUES).replace(b"STREAM:", b"STREAM "), RecordFormatError, "stream:31: expected 'DATA_TYPE"),
     ],
     ids=["cut", "huge", "negative", "zero", "digits", "dt", "no-dt", "no-type", "unit", "no-unit", "x", "two", "key"],
@@ -296,6 +296,81 @@ def test_a_key_with_two_values_that_decides_is_refused(key, other):
         RecordFormatError, match=rf":\d+: expected one value of {key}, found .* and '{re.escape(other)}'"
     ):
         got(content[:at] + line + f"{key}: {other}\n".encode() + content[at + len(line) :])
+
+
+@pytest.mark.parametrize(
+    ("low", "high", "processing"),
+    [
+        ("0.1", "0.5", ("file: filtered, 0.1-0.5 Hz",)),
+        ("0.1", "0", ("file: filtered, above 0.1 Hz",)),
+        ("0", "0.5", ("file: filtered, below 0.5 Hz",)),
+        ("0", "0", ()),
+        ("-1", "", ()),
+        ("", "-1", ()),
+    ],
+)
+def test_the_corners_that_count(low, high, processing):
+    corners = {"LOW_CUT_FREQUENCY_HZ": low, "HIGH_CUT_FREQUENCY_HZ": high, "FILTER_TYPE": ""}
+    assert got(dyna(VALUES, **CORRECTED | corners)).processing == processing
+
+
+def test_the_facts_of_the_header():
+    facts = {"VS30_M/S": "450", "SITE_CLASSIFICATION_EC8": "B", "MAGNITUDE_W": "4.7"}
+    record = got(dyna(VALUES, **facts))
+    assert (record.event_id, record.event) == ("EMSC-20190728_0000106", "GREECE")
+    assert record.origin_time == datetime(2019, 7, 28, 16, 9, 8, tzinfo=UTC)
+    assert (record.magnitude, record.magnitude_type) == (4.7, "Mw")
+    assert (got(dyna(VALUES)).magnitude, got(dyna(VALUES)).magnitude_type) == (4.6, "ML")
+    assert (record.hypocentre_latitude, record.hypocentre_longitude, record.hypocentre_depth) == (38.1, 23.54, 9000.0)
+    assert (record.station_latitude, record.station_longitude) == (37.6349, 22.7293)
+    assert (record.epicentral_distance, record.vs30, record.site_class) == (88_100.0, 450.0, "B")
+
+
+@pytest.mark.parametrize("stated", ["3/7/2019 04:09:08", "2019/7/3 04:09:08", "20190703 040908"])
+def test_the_day_and_the_month_are_told_apart(stated):
+    day, _, time = stated.partition(" ")
+    record = got(dyna(VALUES, EVENT_DATE_YYYYMMDD=day, EVENT_TIME_HHMMSS=time, **{START: ""}))
+    assert record.origin_time == datetime(2019, 7, 3, 4, 9, 8, tzinfo=UTC)
+
+
+@pytest.mark.parametrize(
+    ("name", "azimuth"),
+    [
+        ("HI.ARS1..HNE.D.20190728.ASC", 90.0),
+        ("HI.ARS1..HNN.D.20190728.ASC", None),
+        ("20190728_3104_ap_RawAcc_E.asc", 90.0),
+        ("20190728_3104_ap_Acc_N.asc", None),
+        ("record.asc", 90.0),
+    ],
+)
+def test_the_name_of_the_file_has_the_component_too(tmp_path, name, azimuth):
+    (tmp_path / name).write_bytes(dyna(VALUES))
+    (record,) = read(tmp_path / name)
+    assert record.azimuth == pytest.approx(np.nan if azimuth is None else azimuth, nan_ok=True)
+    word = "HNN" if "HNN" in name else "N"
+    note = f"the header says HNE, the file name {word}: the direction is unknown"
+    assert record.warnings == ((note,) if azimuth is None else ())
+
+
+def test_a_place_in_the_line_of_the_location():
+    record = got(dyna(VALUES, LOCATION="OLD_TOWN", STATION_NAME="", STREAM=""))
+    assert (record.location, record.station_name, record.event, record.channel) == ("", "OLD_TOWN", "GREECE", "1")
+    assert got(dyna(VALUES, LOCATION="OLD_TOWN")).station_name == "Town Hall,Argos,Argolis,Peloponnese"
+    portal = got(TADAS.encode() + dyna(VALUES, LOCATION="OLD_TOWN", STATION_NAME=""))
+    assert (portal.station_name, portal.event) == ("", "OLD TOWN")
+    assert got(dyna(VALUES, LOCATION="--")).location == ""
+
+
+def test_how_much_of_a_header_makes_the_format():
+    (row,) = FORMATS
+    keys = b"STATION_CODE: A\nNDATA: 2\nUNITS: g\n"
+    title = b"EVENT_NAME: GREECE\n"
+    assert row.detect(b"title\n" + title + keys + b"1.0\n", "x.txt") is True
+    assert row.detect(b"title\n" + title + keys[keys.index(b"N") :] + b"1.0\n", "x.txt") is False
+    for words, known in ((2, True), (3, False)):  # a number among the three lines behind
+        assert row.detect(b"title\n" + title + keys + b"words\n" * words + b"1.0\n", "x.txt") is known
+    for before, known in ((199, True), (200, False)):
+        assert row.detect(b"title\n" * before + title + keys + b"1.0\n", "x.txt") is known
 
 
 def test_a_key_with_two_values_that_tells_of_the_event_is_a_warning():

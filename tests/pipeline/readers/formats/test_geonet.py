@@ -110,6 +110,10 @@ def test_a_start_far_from_the_earthquake_is_left_out(hours, kept):
     assert any("h from the earthquake of 2016-11-13 11:02:56" in note for note in record.warnings) is not kept
 
 
+#: The first value of the second component is no number.
+LETTER = geonet((THREE[0], np.concatenate([[-5.0], THREE[1]]), THREE[2])).replace(b"    -5.0", b"      5x", 1)
+
+
 @pytest.mark.parametrize(
     ("content", "error", "message"),
     [
@@ -122,9 +126,54 @@ def test_a_start_far_from_the_earthquake_is_left_out(hours, kept):
         (geonet(THREE).replace(b"of 1.00 mm/s/s", b"of 1.00 furlong"), UnitError, "stream:11: unknown unit"),
         (geonet(THREE, corrected=True).replace(b"mm/s/s", b"stone "), UnitError, "stream:14: unknown unit"),
         (geonet(THREE).replace(b"    82.0\n", b"    8x.0\n"), RecordFormatError, r"stream:\d+: expected a finite"),
+        (
+            geonet(THREE).replace(b"      10       0     140", b"      1o       0     140"),
+            RecordFormatError,
+            "stream:113:",
+        ),
+        (
+            geonet(THREE).replace(b"  9806.6", b"  98o6.6", 2).replace(b"o", b"0", 0),
+            RecordFormatError,
+            "stream:23: expected a",
+        ),
+        (LETTER, RecordFormatError, r"stream:74: expected a finite number, found '5x'"),
+        (geonet(THREE).replace(b" at intervals of 0.005 s", b""), RecordFormatError, "stream:11: .* of 0.005 s"),
+        (
+            geonet(THREE).replace(b" 0.005 s", b" 0.000 s").replace(b"  0.0050  0.0050", b"  0.0050  0.0000"),
+            RecordFormatError,
+            "stream:11: expected an interval of 0 s",
+        ),
+        (
+            geonet(THREE).replace(b"  0.0050  0.0050", b"  0.0050  0.0056"),
+            RecordFormatError,
+            "stream:11: .* of 0.0056 s",
+        ),
+        (
+            geonet(THREE).replace(b"     203       0", b"     203      -1"),
+            RecordFormatError,
+            r"stream:20: .* found \[203, -1, 0\]",
+        ),
         (geonet(THREE) + b"more\n", RecordFormatError, "expected the title of component 4"),
     ],
-    ids=["header", "rows", "displacement", "text", "huge", "step", "unit", "unit-2", "letter", "trailing"],
+    ids=[
+        "header",
+        "rows",
+        "displacement",
+        "text",
+        "huge",
+        "step",
+        "unit",
+        "unit-2",
+        "letter",
+        "integer",
+        "real",
+        "value",
+        "no-step",
+        "step-0",
+        "other-step",
+        "negative",
+        "trailing",
+    ],
 )
 def test_damage_is_named(content, error, message):
     with pytest.raises(error, match=message):
@@ -150,6 +199,84 @@ def test_an_azimuth_that_text_and_integer_do_not_agree_on(coded, azimuth):
 def test_an_azimuth_that_only_the_integer_states():
     content = geonet([THREE[0]], ["X1"]).replace(b"      10       0     140", b"      10      45     140")
     assert got(content)[0].azimuth == 45.0
+
+
+@pytest.mark.parametrize(("code", "azimuth"), [(0, np.nan), (1, 1.0), (360, 0.0), (361, np.nan)])
+def test_the_azimuths_that_the_integer_may_state(code, azimuth):
+    content = geonet([THREE[0]], ["X1"]).replace(b"      10       0     140", f"      10{code:8d}     140".encode())
+    (record,) = got(content)
+    assert record.azimuth == pytest.approx(azimuth, nan_ok=True)
+    assert record.orientation == ("unknown" if np.isnan(azimuth) else "horizontal")
+
+
+def test_an_interval_with_more_digits_than_the_text(tmp_path):
+    content = geonet(THREE).replace(b"  0.0050  0.0050", b"  0.0050  0.0054")
+    assert [record.dt for record in got(content)] == [0.0054] * 3
+
+
+def test_the_facts_of_the_header():
+    origin = datetime(2016, 11, 13, 11, 2, 47, tzinfo=UTC)
+    for record in got(geonet(THREE, origin=origin).replace(b"     470 ", b"     473 ")):
+        assert record.origin_time == datetime(2016, 11, 13, 11, 2, 47, 300_000, tzinfo=UTC)
+        assert (record.magnitude, record.magnitude_type) == (7.82, "Mw")
+        assert record.hypocentre_latitude == pytest.approx(-(42 + 41 / 60 + 33 / 3600), abs=1e-6)
+        assert record.hypocentre_longitude == pytest.approx(173 + 1 / 60 + 19 / 3600, abs=1e-6)
+        assert record.station_latitude == pytest.approx(-(42 + 31 / 60 + 24 / 3600), abs=1e-6)
+        assert record.station_longitude == pytest.approx(172 + 49 / 60 + 50 / 3600, abs=1e-6)
+        assert (record.hypocentre_depth, record.epicentral_distance) == (15_000.0, 25_000.0)
+        assert (record.station, record.location) == ("HSES", "20")
+        assert (record.station_name, record.event) == ("Hanmer Springs Emergency Centre", "5 km south-west of Waiau")
+
+
+def test_a_place_on_a_structure():
+    assert got(geonet(THREE, place="Town Hall, roof"))[0].orientation == "structural"
+
+
+@pytest.mark.parametrize(("number", "at"), [(0, 47), (1, 94)])
+@pytest.mark.parametrize(("column", "told"), [(23, False), (24, True), (40, True)])
+def test_numbers_behind_the_last_sample_of_its_row_are_told(number, at, column, told):
+    lines = geonet(THREE).decode().split("\n")
+    assert len(lines[at - 1]) == 24  # the last three of 203 values
+    lines[at - 1] = f"{lines[at - 1]:<{column}}"[:column] + "5"
+    records = got("\n".join(lines).encode())
+    words = f"line {at}: numbers beyond the declared count were left out"
+    assert [record.warnings for record in records] == [
+        ((words,) if told and at == number * 47 + 47 else ())[: index == number] for index in range(3)
+    ]
+
+
+@pytest.mark.parametrize(("padding", "told"), [("  0.0000", 0), ("  0.1500", 1)])
+def test_the_time_of_the_peak_does_not_count_what_the_processing_put_before(padding, told):
+    content = geonet(THREE)
+    times = 0.005 * np.arange(203)
+    (record, *_) = got(
+        content.replace(b"    1.01    0.00    0.00    1.01", f"    1.01{padding}    0.00    1.01".encode())
+    )
+    assert len(record.warnings) == told
+    if told:
+        peak = times[int(np.argmax(np.abs(THREE[0])))]
+        assert f"the samples have it at {peak - 0.15:g} s" in record.warnings[0]
+
+
+def test_components_without_a_name_are_counted():
+    content = geonet(THREE)
+    for component in (b"N10E", b"N80W", b"Up"):
+        content = content.replace(b"Component " + component, b"Component ")
+    content = content.replace(b"1.00 mm/s/s", b"1.00 cm/s/s", 2).replace(b"1.00 cm/s/s", b"1.00 mm/s/s", 1)
+    records = got(content)
+    assert [record.channel for record in records] == ["1", "2", "3"]
+    assert all(
+        "the units of one file differ: mm/s2 (1), cm/s2 (2), mm/s2 (3)" in " ".join(record.warnings)
+        for record in records
+    )
+
+
+def test_components_that_stand_twice_are_read_once():
+    one = geonet(THREE, corrected=True)
+    records = got(one + b"\n \n" + one)
+    assert [record.npts for record in records] == [203] * 3
+    assert [len(record.warnings) for record in records] == [3] * 3
+    assert "line 270: the component of line 1 stands" in records[0].warnings[0]
 
 
 def test_a_file_that_ends_before_its_third_component_says_so():

@@ -105,18 +105,42 @@ def test_clipping_is_reported(write):
         (b"\n".join(knet(COUNTS).split(b"\n")[:9]), "expected 17 header lines"),
         (knet(COUNTS, scale="2000/8388608"), ":14: expected 'Scale Factor'"),
         (knet(COUNTS, scale="2000(gal)/0"), ":14: expected 'Scale Factor'"),
+        (knet(COUNTS, scale="0(gal)/8388608"), ":14: expected 'Scale Factor'"),
+        (
+            knet(COUNTS).replace(b"Time(s)  5", b"Time(s)  0"),
+            ":11: expected a sampling frequency and a duration that fit",
+        ),
+        (knet(COUNTS).replace(b"Time(s)  5", b"Time(s)  9999"), ":11: expected a sampling frequency and a duration"),
         (knet(COUNTS).replace(b"-18000", b"-18x00", 1), r":18: expected a finite number, found '-18x00'"),
         (knet(COUNTS).replace(b"Station Code", b"Station Cake"), "obspy cannot read it as KNET"),
         (knet(COUNTS).replace(b"100Hz", b"0Hz  "), "expected|obspy cannot read"),
     ],
-    ids=["truncated", "cut", "scale", "zero", "letter", "name", "rate"],
+    ids=["truncated", "cut", "scale", "zero", "no-scale", "no-duration", "long", "letter", "name", "rate"],
 )
 def test_damage_is_named(write, content, message):
     with pytest.raises(RecordFormatError, match=message):
         read(write(content))
 
 
-@pytest.mark.parametrize(("surplus", "refused"), [(0, False), (99, False), (101, True), (443, True)])
+def test_the_facts_of_the_header(write):
+    (record,) = read(write(knet(COUNTS, peak_gal=11.0)))
+    assert record.origin_time == datetime(1996, 8, 10, 18, 12, tzinfo=UTC)
+    assert (record.magnitude, record.magnitude_type, record.hypocentre_depth) == (5.9, "", 7000.0)
+    assert (record.hypocentre_latitude, record.hypocentre_longitude) == (38.92, 140.63)
+    assert (record.station_latitude, record.station_longitude) == (39.6069, 140.3213)
+    assert record.event == "1996-08-10 18:12:00 UTC M5.9"
+
+
+@pytest.mark.parametrize(("stated", "told"), [("11", False), ("12", True)])
+def test_the_peak_is_held_to_its_own_rounding(write, stated, told):
+    gal = (COUNTS - COUNTS.mean()) * 2000 / 8388608
+    scale = f"{2000 * 11.4 / np.max(np.abs(gal)):.6f}(gal)/8388608"  # the peak is 11.4 gal
+    (record,) = read(write(knet(COUNTS, scale=scale).replace(b"(gal)   0.000", b"(gal)   " + stated.encode())))
+    assert record.pga == pytest.approx(0.114, rel=1e-4)
+    assert bool(record.warnings) is told
+
+
+@pytest.mark.parametrize(("surplus", "refused"), [(0, False), (99, False), (100, False), (101, True), (443, True)])
 def test_more_samples_than_the_duration_are_another_record(write, surplus, refused):
     content = knet(np.append(COUNTS, COUNTS[:surplus])).replace(f"  {(500 + surplus) / 100:g}\n".encode(), b"  5\n")
     if not refused:

@@ -143,7 +143,7 @@ def test_two_parts_are_joined(tmp_path, trigger):
         assert record.acceleration == pytest.approx(values * TENTH, rel=1e-12)
         assert record.dt == 0.01
         assert record.processing == ("parts 1, 2 joined",)
-        assert "is dead" in record.warnings[-1]
+        assert record.warnings[-1] == "channel 4 (INTC) is dead, all samples are zero; it was left out"
         assert not any("cut into files" in note for note in record.warnings)
         assert record.header_peak == pytest.approx(record.pga, abs=0.005)
         assert record.source == f"{tmp_path}/curicoparte1.v1; {tmp_path}/curicoparte2.v1"
@@ -171,6 +171,18 @@ def test_parts_whose_times_begin_anew_are_joined_by_their_clocks(tmp_path):
     )
     records, _ = read_all(tmp_path)
     assert [(record.id, record.npts) for record in records] == [("a.EW", 400), ("a.NS", 400), ("a.V", 400)]
+
+
+@pytest.mark.parametrize(("begin", "count"), [(2.002, 3), (1.998, 3), (2.003, 6), (1.997, 6)])
+def test_printed_times_of_parts_may_be_off_by_a_quarter_of_a_step(tmp_path, begin, count):
+    put(tmp_path, a_parte1=part(0, 200), a_parte2=part(200, 400, first=begin))
+    assert len(read_all(tmp_path)[0]) == count
+
+
+def test_a_part_without_a_clock_is_joined_by_its_times(tmp_path):
+    for first, second in ((NEVER_SET, "2/27/2010 3:55:14.000 GMT"), ("2/27/2010 3:55:14.000 GMT", NEVER_SET)):
+        put(tmp_path, a_parte1=part(0, 200, trigger=first), a_parte2=part(200, 400, trigger=second))
+        assert [record.npts for record in read_all(tmp_path)[0]] == [400] * 3
 
 
 def test_parts_are_joined_from_files_a_glob_an_archive_and_different_folders(tmp_path):
@@ -217,6 +229,7 @@ def test_parts_of_different_stations_are_no_matter_of_each_other(tmp_path):
     records, _ = read_all(tmp_path)
     assert [record.npts for record in records] == [200] * 6
     assert not any("not joined" in note for record in records for note in record.warnings)
+    assert all(isinstance(record, Part) for record in records)
 
 
 def test_a_part_alone_starts_at_its_first_time(tmp_path):

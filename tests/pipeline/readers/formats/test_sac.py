@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import struct
+from datetime import timedelta
 
 import numpy as np
 import pytest
@@ -10,6 +11,7 @@ from record_writers import pulse
 
 from rockpulse.errors import RecordFormatError, UnitError
 from rockpulse.readers import read
+from rockpulse.readers.formats.sac import is_sac
 from rockpulse.readers.source import NotAcceleration
 
 COUNTS = np.round(pulse(1000, peak=500_000.0)).astype(np.int32)
@@ -80,19 +82,87 @@ def test_sac_whose_angles_contradict_its_channel_code_has_no_direction(tmp_path,
 
 def test_truncated_sac(tmp_path):
     path = write_sac(tmp_path)
-    path.write_bytes(path.read_bytes()[:-100])
-    with pytest.raises(RecordFormatError, match=r"expected 1000 samples \(header NPTS\), found room for 975"):
+    path.write_bytes(path.read_bytes()[:-99])
+    with pytest.raises(RecordFormatError, match=r"expected 1000 samples \(header NPTS\), found room for 975;"):
         read(path, units="g")
 
 
-@pytest.mark.parametrize(("name", "word"), [("STLO", 32), ("EVLO", 36)])
-def test_sac_with_a_longitude_that_is_none_is_refused_at_once(tmp_path, name, word):
-    path = write_sac(tmp_path)
+def changed(path, word: int, value: float, kind: str = "f"):
+    """The file with another value in a word of its header, counted from 0."""
     content = bytearray(path.read_bytes())
-    struct.pack_into("<f", content, 4 * word, 1e20)
+    struct.pack_into(f"<{kind}", content, 4 * word, value)
     path.write_bytes(content)
-    with pytest.raises(RecordFormatError, match=f"header word {name}, found 1e\\+20"):
-        read(path, units="g")
+    return path
+
+
+@pytest.mark.parametrize(("name", "word"), [("STLA", 31), ("STLO", 32), ("EVLA", 35), ("EVLO", 36)])
+def test_sac_with_a_longitude_that_is_none_is_refused_at_once(tmp_path, name, word):
+    for value in (1e20, 360.5, -361.0):
+        with pytest.raises(RecordFormatError, match=f"header word {name}, found {value:g}".replace("+", r"\+")):
+            read(changed(write_sac(tmp_path), word, value), units="g")
+
+
+@pytest.mark.parametrize("word", [32, 36])
+def test_sac_with_a_longitude_of_a_whole_turn(tmp_path, word):
+    assert read(changed(write_sac(tmp_path), word, 360.0), units="g")[0].npts == 1000
+
+
+@pytest.mark.parametrize(
+    ("start", "end", "told"),
+    [
+        (10.0, 20.009, False),
+        (10.0, 19.971, False),
+        (10.0, 20.011, True),
+        (10.0, 19.969, True),
+        (5000.0, 5010.014, False),
+        (5000.0, 5010.017, True),
+    ],
+)
+def test_the_last_sample_may_be_off_by_two_steps_and_a_millionth(tmp_path, start, end, told):
+    (record,) = read(changed(write_sac(tmp_path, b=start), 6, end), units="cm/s2")
+    assert bool(record.warnings) is told
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_the_stated_peak_is_the_larger_of_both_extremes(tmp_path, sign):
+    values = sign * np.array([0.0, 7.0, -3.0, 1.0])
+    assert read(write_sac(tmp_path, values), units="cm/s2")[0].header_peak == pytest.approx(0.07, rel=1e-6)
+    for word in (1, 2):
+        assert np.isnan(read(changed(write_sac(tmp_path, values), word, -12345.0), units="cm/s2")[0].header_peak)
+
+
+def test_the_facts_of_the_header(tmp_path):
+    told = {"mag": 5.1, "evla": 35.5, "evlo": -117.25, "evdp": 8.0, "dist": 21.5, "stla": 35.75, "stlo": -117.5}
+    (record,) = read(write_sac(tmp_path, channel="", b=10.0, o=4.5, kevnm="RIDGE", **told), units="g")
+    assert record.origin_time == record.start_time - timedelta(seconds=5.5)
+    assert (record.magnitude, record.hypocentre_depth, record.epicentral_distance) == (5.1, 8000.0, 21_500.0)
+    assert (record.hypocentre_latitude, record.hypocentre_longitude) == (35.5, -117.25)
+    assert (record.station_latitude, record.station_longitude) == (35.75, -117.5)
+    assert (record.event, record.channel, record.id) == ("RIDGE", "1", "XX.ABC.00.1@20200102T030405")
+    assert read(write_sac(tmp_path, b=10.0, o=10.0), units="g")[0].origin_time is None
+
+
+def test_a_scale_is_told_and_words_that_are_not_set_are_not(tmp_path):
+    assert read(write_sac(tmp_path, scale=3.0), units="cm/s2")[0].warnings == (
+        "the header word SCALE = 3 is not applied",
+    )
+    assert read(changed(write_sac(tmp_path), 3, -12345.0), units="cm/s2")[0].warnings == ()
+    assert read(changed(write_sac(tmp_path), 85, -12345, "i"), units="cm/s2")[0].warnings == ()
+
+
+@pytest.mark.parametrize(("word", "value"), [(85, 4), (105, 0)])
+def test_unequal_steps_and_other_kinds_of_files_are_refused(tmp_path, word, value):
+    with pytest.raises(RecordFormatError, match="expected an equally spaced time series"):
+        read(changed(write_sac(tmp_path), word, value, "i"), units="g")
+
+
+@pytest.mark.parametrize(("version", "known"), [(5, False), (6, True), (7, True), (8, False)])
+@pytest.mark.parametrize("order", ["<", ">"])
+def test_the_version_of_the_header_tells_the_format(order, version, known):
+    head = bytearray(632)
+    struct.pack_into(f"{order}i", head, 4 * 76, version)
+    assert is_sac(bytes(head), "x") is known
+    assert not is_sac(bytes(head[:631]), "x")
 
 
 def test_sac_with_nan(tmp_path):

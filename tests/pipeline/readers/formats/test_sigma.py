@@ -89,7 +89,7 @@ def test_a_damaged_number_in_rows_read_at_the_blanks_is_named_with_its_line():
 )
 def test_directions(words, orientation, azimuth):
     record = got(sigma(VALUES, orientation=words))
-    assert (record.orientation, record.component) == (orientation, words)
+    assert (record.orientation, record.component, record.channel) == (orientation, words, words or "1")
     assert record.azimuth == pytest.approx(azimuth, nan_ok=True)
 
 
@@ -145,7 +145,7 @@ DAMAGE = {
     "step-in-ms": (changed("Increment (s)", "Increment (ms)"), r"stream:7: .*\(ms\)"),
     "two-counts": (changed("PGA (m/s/s)  ", "Number of Data : 300\nPGA (m/s/s)"), "stream:9: expected one value of"),
     "no-series": (changed("Accelaration time series", "Samples"), "stream:40: expected the line 'Acceleration time"),
-    "no-samples": (CONTENT[: CONTENT.index(b"m/s/s\n") + 6], "expected 302 samples|expected 302 numbers"),
+    "no-samples": (CONTENT[: CONTENT.index(b"m/s/s\n") + 6], r"expected 302 samples \(header\), found 0"),
     "letters": (CONTENT[:-40] + b"x" + CONTENT[-39:], r"stream:70: expected a finite number|stream:71"),
     "short-row": (CONTENT[:-60] + CONTENT[-59:], "stream:70: expected 5 fields of 14 characters"),
 }
@@ -160,6 +160,9 @@ def test_damage_is_named_with_file_and_line(content, message):
 def test_a_count_below_the_numbers_of_the_file_is_reported():
     for count, told in ((301, "line 71: 1 numbers beyond"), (300, "line 71: 1 rows beyond the declared count")):
         assert told in got(sigma(VALUES, count=count)).warnings[0]
+        lines = sigma(np.abs(VALUES), count=count).decode().split("\n")
+        (note,) = got("\n".join([*lines[:10], *(row.strip() for row in lines[10:])]).encode()).warnings
+        assert told in note
 
 
 @pytest.mark.parametrize("moment", ["6 April 2009", "2009-13-06 01:32", "2009-04-06"])
@@ -174,6 +177,21 @@ def test_a_peak_that_is_no_number_is_told():
     assert np.isnan(record.header_peak)
 
 
+@pytest.mark.parametrize(("peak", "told"), [("197", 0), ("194", 1)])
+def test_the_peak_has_a_unit_and_a_rounding_of_its_own(peak, told):
+    content = CONTENT.replace(b"PGA (m/s/s) ", b"PGA (cm/s/s)").replace(b": 2.0000000E+00", f": {peak}".encode())
+    record = got(content)
+    assert record.header_peak == pytest.approx(0.01 * float(peak), rel=1e-12)
+    assert len(record.warnings) == told
+
+
+def test_lines_of_the_header_that_are_none_of_its_keys_are_passed_over():
+    lines = CONTENT.split(b"\n")
+    assert got(b"\n".join([b"a title", *lines[:5], b"----", *lines[5:]])).dt == 0.01
+    with pytest.raises(RecordFormatError, match=r"stream:10: expected one value of 'Orientation', .* line 4, 'WE'"):
+        got(b"\n".join([*lines[:9], b"Orientation : NS", *lines[9:]]))
+
+
 def test_another_record_in_the_file_is_refused():
     with pytest.raises(RecordFormatError, match="the beginning of another record"):
         got(CONTENT + sigma(0.5 * VALUES, orientation="NS"))
@@ -185,6 +203,11 @@ def test_recognition_by_some_of_the_keys():
     assert row.detect(b"\n".join(CONTENT.split(b"\n")[3:9]), "x") is True
     assert row.detect(b"Network : a\nOrientation : b\nTime Increment (s) : 1\n", "x") is False
     assert row.detect(b"Network : a\nOrientation : b\nPGA : 1\nProcessing Info: no\n", "x") is False
+    three = b"Network : a\nOrientation : b\nProcessing Info : no\n"
+    for key, known in ((b"Time Increment", True), (b"Number of Data", True), (b"Filter Cut-off Frequency", False)):
+        assert row.detect(three + key + b" : 1\n", "x") is known
+        assert row.detect(b"words\n" * 36 + three + key + b" : 1\n", "x") is known
+        assert row.detect(b"words\n" * 37 + three + key + b" : 1\n", "x") is False
 
 
 def test_rows_read_at_the_blanks_that_end_early_are_named():

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from datetime import UTC, datetime
+
 import numpy as np
 import pytest
 from record_writers import pulse
@@ -131,6 +133,89 @@ def rewritten(number: int, change) -> bytes:
     lines = usc_v1(TIMES, MOTION, end="\n").split(b"\n")
     lines[number - 1] = change(lines[number - 1])
     return b"\n".join(lines)
+
+
+def test_the_words_of_a_line_end_at_its_column_72(write):
+    station = "S" * 71 + "T"
+    content = usc_v1(TIMES, MOTION, station=station)
+    assert (station + "72").encode() in content
+    assert read(write(content))[0].station_name == station
+
+
+def test_the_facts_of_both_volumes(write):
+    place = (34 + 6 / 60 + 52 / 3600, -(118 + 22 / 60 + 47 / 3600))
+    hypocentre = (34 + 12 / 60 + 48 / 3600, -(118 + 32 / 60 + 13 / 3600))
+    reals = b"".join(b"%10.1f" % real for real in (9.5, 10.5, 121.5, 5.5, 13.5, 11.5, 15.5, 16.5))
+    first = rewritten(22, lambda line: reals)
+    for content, event in (
+        (first, "TEST EARTHQUAKE JAN 17, 1994 -1230 GMT"),
+        (
+            first.replace(b"TEST EARTHQUAKE   JAN", b"                  JAN").replace(
+                b"   JAN 17, 1994 -1230 GMT", b" " * 25
+            ),
+            "TEST EARTHQUAKE",
+        ),
+    ):
+        (record,) = read(write(content))
+        assert (record.event, record.station, record.magnitude) == (event, "0017", 5.5)
+        assert (record.epicentral_distance, record.hypocentre_depth) == (121_500.0, 11_500.0)
+    (record,) = read(write(first))
+    (second,) = read(write(usc_v2(MOTION, moment="DEC 31, 1994 -1230 GMT")))
+    assert record.origin_time == datetime(1994, 1, 17, 12, 30, tzinfo=UTC)
+    assert second.origin_time == datetime(1994, 12, 31, 12, 30, tzinfo=UTC)
+    assert (second.magnitude, second.epicentral_distance) == (5.9, 44_150.0)
+    for one in (record, second):
+        assert (one.station_latitude, one.station_longitude) == pytest.approx(place, abs=1e-6)
+        assert (one.hypocentre_latitude, one.hypocentre_longitude) == pytest.approx(hypocentre, abs=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("line", "old", "new", "told"),
+    [
+        (11, b"   1.010 SEC", b"   1.025 SEC", ""),
+        (11, b"   1.010 SEC", b"   1.990 SEC", "the header states 1.99 s, 203 samples at 0.005 s last 1.015 s"),
+        (21, b"     1.010", b"     1.990", "the header states 1.99 s"),
+        (15, b"  203", b"  204", "integer 28 of the header states 204 points, the text 203"),
+    ],
+)
+def test_count_and_length_are_held_against_the_pairs(write, line, old, new, told):
+    content = rewritten(line, lambda text: text.replace(old, new))
+    assert content != usc_v1(TIMES, MOTION, end="\n")
+    (record,) = read(write(content))
+    assert len(record.warnings) == bool(told)
+    assert "".join(record.warnings).startswith(told)
+
+
+def ones(count: int) -> np.ndarray:
+    """(203,) values whose mean square is `count` millionths over 203."""
+    return 0.001 * np.where(np.arange(203) < count, (-1.0) ** np.arange(203), 0.0)
+
+
+@pytest.mark.parametrize(
+    ("values", "square", "told"),
+    [
+        (1000.0 * ones(203), "1.199", False),
+        (1000.0 * ones(203), "1.202", True),
+        (1000.0 * ones(203), " .834", False),
+        (1000.0 * ones(203), " .832", True),
+        # Of small ones the rounding counts: 0.0005, 0.0003, 0.0004 and 0.0007.
+        (ones(51), " .001", False),
+        (ones(18), " .001", True),
+        (ones(32), " .000", False),
+        (ones(100), " .000", True),
+    ],
+)
+def test_the_root_of_the_mean_square_holds_the_unit(write, values, square, told):
+    content = usc_v1(TIMES, values, end="\n").split(b"\n")
+    assert b"RECORD =" in content[12]
+    content[12] = content[12][:32] + square.encode().rjust(8) + content[12][40:]
+    (record,) = read(write(b"\n".join(content)))
+    notes = [note for note in record.warnings if "root of the mean square" in note]
+    assert bool(notes) is told
+    if square == "1.202":
+        assert notes == [
+            "the header states 0.12 g as the root of the mean square, the samples have 0.1 g; check the unit"
+        ]
 
 
 @pytest.mark.parametrize(
