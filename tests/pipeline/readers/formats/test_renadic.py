@@ -179,6 +179,13 @@ def test_printed_times_of_parts_may_be_off_by_a_quarter_of_a_step(tmp_path, begi
     assert len(read_all(tmp_path)[0]) == count
 
 
+def test_parts_of_one_channel_are_joined(tmp_path):
+    one, two = (renadic([THREE[0][at]], ["NS"], first=0.01 * at.start) for at in (slice(0, 150), slice(150, 400)))
+    put(tmp_path, a_parte1=one, a_parte2=two)
+    ((record,), _) = read_all(tmp_path)
+    assert record.acceleration == pytest.approx(THREE[0] * TENTH, rel=1e-12)
+
+
 def test_a_part_without_a_clock_is_joined_by_its_times(tmp_path):
     for first, second in ((NEVER_SET, "2/27/2010 3:55:14.000 GMT"), ("2/27/2010 3:55:14.000 GMT", NEVER_SET)):
         put(tmp_path, a_parte1=part(0, 200, trigger=first), a_parte2=part(200, 400, trigger=second))
