@@ -179,7 +179,7 @@ def _moment(entry: _Entry) -> datetime | None:
     moment, zone = _MOMENT.fullmatch(entry.value), _ZONE.search(entry.aside)
     if not moment or not zone:
         return None
-    day, time = [int(part) for part in moment.groups()[:3]], (int(moment[4]), int(moment[5]), float(moment[6]))
+    day, time = (int(moment[1]), int(moment[2]), int(moment[3])), (int(moment[4]), int(moment[5]), float(moment[6]))
     return instant(day, time, float(zone[1].replace(" ", "")))
 
 

@@ -184,6 +184,51 @@ def test_accelerations_that_run_like_time_are_named_by_their_own_heading(write):
         read(write(table(TIMES, VALUES, header="acc (g)  wind (m)\n")), units="g")
 
 
+@pytest.mark.parametrize("count", [50, 51])
+def test_a_spectrum_that_falls_is_refused_and_a_column_that_goes_up_and_down_is_left_out(write, count):
+    steps = np.arange(count)
+    with pytest.raises(NotAcceleration, match=r"found columns over 'period \(s\)', a spectrum"):
+        read(write(table(6.0 - 0.1 * steps, VALUES[:count], header="period (s)  acc (g)\n")), units="g")
+    (record,) = read(
+        write(table(0.1 * (steps % 7), VALUES[:count], header="frequency (Hz)  acc (g)\n")), units="g", dt=0.01
+    )
+    assert record.acceleration == pytest.approx(VALUES[:count] * STANDARD_GRAVITY, rel=1e-12)
+    assert record.warnings == ("columns left out, no acceleration: frequency (Hz)",)
+
+
+@pytest.mark.parametrize(
+    ("header", "behind", "told"),
+    [
+        ("", "end\n", "line 201: the numbers stop at 'end', and the header does not state how many there are"),
+        ("NPTS = 200\n", "end\n", ""),
+        ("NPTS = 200\n", "end\n1.0 2.0\n3.0 4.0\n", "line 202: the numbers stop at 'end'; 2 rows of numbers behind"),
+        (
+            "",
+            "velocity\n1.0 2.0\n",
+            "line 201: the numbers stop at 'velocity'; 1 rows of numbers behind it were left out",
+        ),
+        ("", "\n \n", ""),
+    ],
+)
+def test_words_behind_the_numbers(write, header, behind, told):
+    (record,) = read(write(table(TIMES, VALUES, header=header) + behind), units="g")
+    assert record.npts == 200
+    assert len(record.warnings) == bool(told)
+    assert "".join(record.warnings).startswith(told)
+
+
+def test_one_column_that_counts_is_no_acceleration(write):
+    for header in ("", "acc (g)\n"):
+        with pytest.raises(RecordFormatError, match="runs like time"):
+            read(write(table(np.arange(50.0), header=header)), units="g", dt=0.01)
+
+
+def test_half_of_the_rows_make_a_table():
+    rows = b"1.0 2.0\n" * 10
+    assert is_columns(rows + b"1.0 2.0 3.0\n" * 10, "x.txt")
+    assert not is_columns(rows + b"1.0 2.0 3.0\n" * 11, "x.txt")
+
+
 def test_columns_over_frequencies_are_no_accelerations_whatever_stands_beside_them(write):
     with pytest.raises(NotAcceleration, match=r"found columns over 'frequency \(Hz\)', a spectrum"):
         read(write(table(0.1 + TIMES, VALUES, header="frequency (Hz)  acc (g)\n")), units="g")

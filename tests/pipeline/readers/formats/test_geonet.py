@@ -258,6 +258,14 @@ def test_the_time_of_the_peak_does_not_count_what_the_processing_put_before(padd
         assert f"the samples have it at {peak - 0.15:g} s" in record.warnings[0]
 
 
+def test_a_peak_without_a_time():
+    content = geonet([THREE[0]], ["N10E"]).replace(b" at   0.12 s ", b"             ")
+    assert content != geonet([THREE[0]], ["N10E"])
+    (record,) = got(content)
+    assert record.header_peak == pytest.approx(record.pga, rel=1e-9)
+    assert len(record.warnings) == 1  # of the components that are not there
+
+
 def test_components_without_a_name_are_counted():
     content = geonet(THREE)
     for component in (b"N10E", b"N80W", b"Up"):
