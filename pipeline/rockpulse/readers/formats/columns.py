@@ -301,8 +301,8 @@ def _check_apart(where: str, columns: _Columns, timed: bool, lacking: Sequence[s
 def _integrates(rate: np.ndarray, series: np.ndarray) -> bool:
     """Whether one series is the integral of another, sample by sample."""
     with np.errstate(all="ignore"):
-        growth, mean = np.diff(series), rate[1:] / 2.0 + rate[:-1] / 2.0
-        return bool(growth.size > 2 and abs(np.corrcoef(growth, mean)[0, 1]) > _INTEGRAL)
+        growth, sums = np.diff(series), rate[1:] + rate[:-1]
+        return bool(growth.size > 2 and abs(np.corrcoef(growth, sums)[0, 1]) > _INTEGRAL)
 
 
 def _accelerations(name: str, columns: _Columns, prose: Sequence[str]) -> _Columns:
