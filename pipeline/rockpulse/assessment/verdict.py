@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from enum import IntEnum
+from enum import IntEnum, auto
 
 import numpy as np
 
@@ -50,20 +50,20 @@ NEVER_LIFTED = 1e-3
 class Standing(IntEnum):
     """The answer of a model for a body under one record, from best to worst."""
 
-    STANDS = 0  #: neither the record nor, where it was searched, a weaker copy overturns it
-    UNKNOWN = 1  #: the model cannot say, or not reliably
-    WEAKER_OVERTURNS = 2  #: it survives the record as it is, a weaker copy overturns it
-    OVERTURNS = 3  #: the record overturns it
+    STANDS = auto()  #: neither the record nor, where it was searched, a weaker copy overturns it
+    UNKNOWN = auto()  #: the model cannot say, or not reliably
+    WEAKER_OVERTURNS = auto()  #: it survives the record as it is, a weaker copy overturns it
+    OVERTURNS = auto()  #: the record overturns it
 
 
 class Grade(IntEnum):
     """The verdict on a body under all motions, from best to worst."""
 
-    STAYS = 0  #: no motion lifts it
-    ROCKS = 1  #: the probability of overturning is below 0.05
-    MAY_OVERTURN = 2  #: from 0.05 to 0.5; the worst that an upper-bound type input can show
-    NOT_KNOWN = 3  #: the motions that are not known decide
-    OVERTURNS = 4  #: 0.5 or more
+    STAYS = auto()  #: no motion lifts it
+    ROCKS = auto()  #: the probability of overturning is below 0.05
+    MAY_OVERTURN = auto()  #: from 0.05 to 0.5; the worst that an upper-bound type input can show
+    NOT_KNOWN = auto()  #: the motions that are not known decide
+    OVERTURNS = auto()  #: 0.5 or more
 
     @property
     def word(self) -> str:

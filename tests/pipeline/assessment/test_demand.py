@@ -5,11 +5,12 @@ from datetime import UTC, datetime, timedelta
 
 import numpy as np
 import pytest
+import xarray as xr
 
 import rockpulse as rp
 from rocking import Block
 from rockpulse.assessment.answers import answers_of
-from rockpulse.assessment.demand import demand_factors
+from rockpulse.assessment.demand import demand_factors, stored_demands
 from rockpulse.assessment.verdict import verdicts
 from rockpulse.config.settings import DEMANDS, DemandSettings
 from rockpulse.record.intensity import pgv, spectral_acceleration, spectrum_intensity
@@ -61,6 +62,37 @@ def test_a_pair_has_one_factor_from_the_geometric_mean_of_its_channels(demand, m
     assert measured(scaled) == pytest.approx(asked.strength, rel=1e-9)
 
 
+def test_every_demand_has_a_column_of_its_own():
+    asked = [DemandSettings(name=str(value), value=value) for value in (3.0, 4.5, 1.0)]
+    found = demand_factors(RECORDS[2:3], LANES, asked)
+    assert found == pytest.approx(np.array([[3.0, 4.5, 1.0]] * 2) / RECORDS[2].pga)
+
+
+def test_the_demands_of_a_file_are_told_with_their_measure_and_unit():
+    columns = {
+        "demand_acceleration": [3.0, np.nan, np.nan, np.nan],
+        "demand_value": [3.0, 0.41239, 5.0, 0.6],
+        "demand_measure": ["pga", "pgv", "sa", "velocity_ratio"],
+        "demand_period": [np.nan, np.nan, 0.7, np.nan],
+        "demand_units": ["m s-2", "m s-1", "m s-2", "1"],
+        "limit_state": ["SLV", "", "SLC", ""],
+    }
+    summary = xr.Dataset(
+        {name: ("demand", own) for name, own in columns.items()}
+        | {"demand_factor": (("record", "demand"), [[1.0, 2.0, 3.0, 4.0]])},
+        {"demand": ["a", "b", "c", "d"]},
+    )
+    assert stored_demands(summary) == {
+        "a": (3.0, "SLV", "PGA 3 m/s2"),
+        "b": (0.41239, "", "PGV 0.4124 m/s"),
+        "c": (5.0, "SLC", "Sa(0.7 s) 5 m/s2"),
+        "d": (0.6, "", "p PGV/(g tan alpha_c) 0.6"),
+    }
+    # Files of before schema 1.4 know the acceleration alone, and files without demands none.
+    assert stored_demands(summary[["demand_acceleration"]].isel(demand=[0])) == {"a": (3.0, "", "PGA 3 m/s2")}
+    assert stored_demands(summary[["limit_state"]]) == {}
+
+
 def test_a_velocity_ratio_asks_each_body_for_its_own_factor():
     found = demand_factors(RECORDS[:1], LANES, [DemandSettings(name="ULS", measure="velocity_ratio", value=0.8)])
     expected = 0.8 * LANES.gravity * np.tan(LANES.alpha_c) / (LANES.p * pgv(RECORDS[0]))
@@ -102,6 +134,14 @@ def test_motions_of_a_body_itself_are_brought_to_the_demand_as_well():
     assert tree["summary"]["probability_source"].item() == 2
     assert 0.02 < expected < 0.98
     assert tree["summary"]["demand_probability"].item() == pytest.approx(expected, abs=0.06)
+
+
+def test_from_a_quarter_to_four_times_the_record_there_is_a_probability():
+    record = dataclasses.replace(RECORDS[0], acceleration=RECORDS[0].acceleration / RECORDS[0].pga)
+    asked = tuple(DemandSettings(name=str(value), value=value) for value in (0.249, 0.25, 4.0, 4.01))
+    tree = rp.assess([record], rp.Config(models=rp.ModelSettings(use=["nonlinear"]), demands=asked), BODIES)
+    known = np.isfinite(tree["summary"]["demand_probability"].isel(record=0).transpose("block", "demand").values)
+    assert known.tolist() == [[False, True, True, False]] * 2
 
 
 def test_beyond_a_factor_of_four_there_is_no_probability_and_a_lone_channel_says_so():

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 import xarray as xr
-from report_cases import motions, probable, summary_of, verdict
+from report_cases import answers, motions, probable, summary_of, verdict
 from scipy.stats import beta, binom
 
 from rocking.response import Outcome, Reason
@@ -36,6 +36,8 @@ def one(**answers):
         ({"safety_factor": None}, Standing.STANDS),
         ({"safety_factor": 0.9}, Standing.WEAKER_OVERTURNS),
         ({"safety_factor": 0.9, "factor_resolved": 0}, Standing.UNKNOWN),
+        ({"safety_factor": 0.9, "factor_resolved": None}, Standing.WEAKER_OVERTURNS),
+        ({"safety_factor": 1.0, "factor_resolved": 0}, Standing.STANDS),
         ({"safety_factor": 2.0, "factor_resolved": 0}, Standing.STANDS),
         ({"outcome": Outcome.OVERTURNS, "safety_factor": 0.5}, Standing.OVERTURNS),
         ({"outcome": Outcome.OVERTURNS, "predictable": 0, "applicable": 0}, Standing.OVERTURNS),
@@ -135,6 +137,11 @@ def test_a_body_stays_only_where_no_motion_lifts_any_of_its_draws():
     assert verdict(probable([0.0, 0.0], uplift=np.array([0.0, 1e-3]), outcomes=rest)).grade == Grade.ROCKS
     assert verdict(probable([0.0, 0.0], uplift=np.array([0.0, NAN]), outcomes=rest)).grade == Grade.ROCKS
     assert verdict(probable([0.0, 0.0], uplift=0.0, outcomes=rest)).at_rest == 2
+    # A direction that was not assessed may lift it.
+    of = motions(4, rows=[[0, 1], [2, 3]], missing=[True, False], kind="pair")
+    for summary in (probable([0.0] * 4, uplift=0.0, outcomes=rest * 2), summary_of([INF] * 4, outcomes=rest * 2)):
+        assert verdict(summary).grade == Grade.STAYS
+        assert (verdict(summary, of).grade == Grade.STAYS, verdict(summary, of).at_rest) == (False, 1)
 
 
 def test_what_is_not_known_decides_nothing_where_it_makes_no_difference():
@@ -164,7 +171,10 @@ def test_a_pair_of_channels_has_the_probability_of_its_worst_direction_or_the_me
 def test_the_record_of_the_smallest_factor_governs():
     found = verdict(probable([0.0, 0.3, 0.1], factor_10=[3.0, 0.7, 1.0]))
     assert (found.margin.smallest, found.margin.median, found.governing) == (0.7, 1.0, 1)
+    assert verdict(probable([0.0, 0.3, 0.1], factor_10=[NAN, INF, 2.0])).governing == 2
     assert verdict(probable([0.9, 0.0], factor_10=[INF, INF])).governing == 0  # the first that overturns it
+    outcomes = [Outcome.ROCKS, Outcome.UNRESOLVED, Outcome.OVERTURNS, Outcome.OVERTURNS]
+    assert verdict(summary_of([INF] * 4, outcomes=outcomes)).governing == 2
 
 
 def test_the_cases_of_a_body_have_verdicts_of_their_own():
@@ -198,7 +208,7 @@ def test_at_a_demand_the_probability_over_earthquakes_decides(at_demand, grade):
 
 def test_motions_far_from_the_demand_are_left_out():
     """Of two motions of one earthquake one is left out, and an earthquake whose motions are all left out is none."""
-    scale = [0.2, 1.0, 2.0, 3.0, 4.0, 1.0, 4.1]
+    scale = [0.249, 1.0, 0.25, 3.0, 4.0, 1.0, 4.001]
     at_demand = [NAN, 0.5, 0.1, 0.1, 0.1, 0.1, NAN]
     summary = probable([0.0] * 7, at_demand=at_demand, demand=1.0, to_demand=scale)
     found = verdict(summary, motions(7, events=["a", "a", "b", "c", "d", "e", "f"]))
@@ -271,6 +281,50 @@ def test_a_smallest_factor_that_may_be_larger_is_marked():
 def test_a_demand_by_safety_factors(factors, resolved, grade):
     found = verdict(summary_of(factors, outcomes=[Outcome.ROCKS] * len(factors), demand=2.0, resolved=resolved))
     assert found.demands[0].grade == grade
+
+
+@pytest.mark.parametrize(
+    ("flags", "grade"),
+    [
+        ({}, Grade.ROCKS),
+        ({"applicable": 0}, Grade.NOT_KNOWN),
+        ({"predictable": 0}, Grade.NOT_KNOWN),
+        ({"predictable": 1}, Grade.ROCKS),
+        ({"predictable": -1}, Grade.ROCKS),
+    ],
+)
+def test_at_a_demand_answers_that_cannot_be_relied_on_are_not_known(flags, grade):
+    summary = summary_of([4.0] * 5, demand=2.0)
+    assert (
+        verdict(summary.assign({name: (OF, np.full((5, 1, 1), flag)) for name, flag in flags.items()})).overall == grade
+    )
+
+
+@pytest.mark.parametrize(("up_to", "grade"), [(2.0, Grade.ROCKS), (1.999, Grade.NOT_KNOWN), (3.9, Grade.ROCKS)])
+def test_a_search_that_reached_the_demand_has_shown_that_the_body_stands(up_to, grade):
+    assert verdict(summary_of([INF] * 5, demand=2.0, up_to=up_to)).overall == grade
+
+
+def test_the_verdict_rests_on_the_likelier_of_two_demands_of_one_grade():
+    summary = probable([0.0] * 5, at_demand=[0.1] * 5, demand=1.0)
+    both = xr.concat([summary, summary.assign_coords(demand=["SLC"])], "demand", data_vars="minimal", coords="minimal")
+    for share, name in ((0.2, "SLC"), (0.07, "ULS")):
+        both["demand_probability"][..., 1] = share
+        found = verdict(both)
+        assert (found.deciding.name, found.decides.value) == (name, pytest.approx(max(share, 0.1)))
+
+
+def test_every_body_has_the_verdict_of_its_own_answers():
+    summary = xr.concat(
+        [probable(own, uplift=lifted, outcomes=[Outcome.AT_REST] * 3).assign_coords(block=[name])
+         for name, own, lifted in (("a", [0.0] * 3, 0.0), ("b", [0.2, 0.3, 0.1], 1.0), ("c", [0.9] * 3, 1.0))],
+        "block",
+        data_vars="minimal",
+        coords="minimal",
+    )  # fmt: skip
+    found = verdicts(answers(summary))
+    assert [one.grade for one in found] == [Grade.STAYS, Grade.MAY_OVERTURN, Grade.OVERTURNS]
+    assert [round(one.share.value, 9) for one in found] == [0.0, 0.2, 0.9]
 
 
 def test_a_capacity_that_was_not_reached_names_how_far_it_was_searched():
