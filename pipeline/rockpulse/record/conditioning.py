@@ -225,7 +225,7 @@ def _pre_event(record: Record, pre_event: float | None) -> Record:
     if pre_event is None and length < QUIET_LENGTH:
         conditioned = BASELINES["mean"](record, None)
         note = (
-            f"baseline: no pre-event window, the record is quiet for {max(length, 0.0):.4g} s only "
+            f"baseline: no pre-event window, the record is quiet for {length:.4g} s only "
             f"(needed: {QUIET_LENGTH:g} s): mean of all samples instead"
         )
         return replace(conditioned, processing=(*record.processing, note, conditioned.processing[-1]))
@@ -237,10 +237,11 @@ def _pre_event(record: Record, pre_event: float | None) -> Record:
 
 def quiet_length(record: Record) -> float:
     """Length of the pre-event window that is found in a record [s]; below `QUIET_LENGTH` it is not used."""
-    return max(_quiet_samples(record) - 1, 0) * record.dt
+    return (_quiet_samples(record) - 1) * record.dt
 
 
 def _quiet_samples(record: Record) -> int:
+    """Number of samples of the pre-event window, of which the first is always one."""
     # From the first sample, not from zero: an offset would drown the energy of the noise.
     shifted = record.acceleration - record.acceleration[0]
     number = np.arange(1, record.npts + 1)
@@ -326,7 +327,7 @@ def _resample(record: Record, interval: float) -> Record:
 
     ratio = Fraction(record.dt / interval).limit_denominator(RESAMPLING_LIMIT)
     up, down = ratio.numerator, ratio.denominator
-    if up == 0 or up > RESAMPLING_LIMIT or not math.isclose(up / down, record.dt / interval, rel_tol=1e-9):
+    if up > RESAMPLING_LIMIT or not math.isclose(up / down, record.dt / interval, rel_tol=1e-9):
         raise ConfigError(
             f"condition: resample_s: {interval!r} s is in no ratio of whole numbers up to {RESAMPLING_LIMIT} to the "
             f"{record.dt!r} s of {record.id}; choose a simpler interval"

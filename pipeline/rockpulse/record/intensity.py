@@ -225,11 +225,11 @@ def _nonzero_energy(record: Record) -> np.ndarray:
 
 def _time_of(record: Record, energy: np.ndarray, level: float) -> float:
     """First time at which the integral reaches a level between 0 and its last value [s]."""
-    after = int(np.clip(np.searchsorted(energy, level, side="left"), 1, energy.size - 1))
+    after = max(int(np.searchsorted(energy, level)), 1)
     before = after - 1
     left, right = record.acceleration[before : after + 1].tolist()
     scale = max(abs(left), abs(right))
-    missing = max(level - energy[before], 0.0)
+    missing = level - energy[before]
     if missing == 0.0:
         return before * record.dt
     # In units of the larger end the value reached is b = cbrt(a^3 + 3 s E), s the slope; (b - a)/s = 3 E/(a^2 + a b +

@@ -9,6 +9,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, fields, replace
 from datetime import datetime
 from fnmatch import fnmatchcase
+from itertools import chain, count
 from typing import Any, Literal
 from unicodedata import normalize
 
@@ -293,11 +294,8 @@ def distinct_ids(records: Sequence[Record]) -> list[Record]:
     result = []
     for record in records:
         plain = re.sub(r"~\d+$", "", record.id)
-        name = plain
-        for number in range(2, len(records) + 2):
-            if name not in taken:
-                break
-            name = f"{plain}~{number}"
+        names = chain([plain], (f"{plain}~{number}" for number in count(2)))
+        name = next(one for one in names if one not in taken)
         taken.add(name)
         result.append(record if name == record.id else replace(record, id=name))
     return result

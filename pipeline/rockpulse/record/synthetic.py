@@ -102,8 +102,6 @@ def _frozen_stream(seed: int) -> np.random.RandomState:
 def _balanced(whole: np.ndarray) -> np.ndarray:
     """Whole numbers that sum to zero: what rounding left over is taken from small samples, evenly spread."""
     rest = int(whole.sum())
-    if rest == 0:
-        return whole
     inner = np.arange(1, whole.size - 1)
     small = inner[np.abs(whole[inner]) <= np.median(np.abs(whole))]
     chosen = small[np.linspace(0, small.size - 1, abs(rest)).astype(np.int64)]

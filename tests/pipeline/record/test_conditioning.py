@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 
 from rockpulse.config import settings as configuration
 from rockpulse.errors import ConfigError
+from rockpulse.record import conditioning
 from rockpulse.record.conditioning import BASELINES, condition, quiet_length
 from rockpulse.record.half_wave import half_waves
 from rockpulse.record.intensity import pgv
@@ -162,6 +163,38 @@ def test_quiet_length_is_from_the_first_quiet_sample_to_the_last(samples, length
     assert quiet_length(record(np.array(samples))) == pytest.approx(length)
 
 
+@pytest.mark.parametrize("seed", range(3))
+def test_the_window_ends_where_the_energy_reaches_a_millionth(seed):
+    """The energy of the first samples about their own mean is their number times their variance."""
+    values = 4.0 + np.random.default_rng(seed).normal(size=400) * np.exp(0.05 * np.arange(400))
+    energy = [count * np.var(values[:count]) for count in range(1, 401)]
+    quiet = next(count for count in range(1, 401) if energy[count - 1] > 1e-6 * energy[-1]) - 1
+    assert 10 < quiet < 390
+    assert quiet_length(record(values)) == pytest.approx(0.01 * (quiet - 1))
+
+
+@pytest.mark.parametrize(
+    ("quiet", "note"), [(101, "pre-event window 0 to 1 s (found)"), (100, "quiet for 0.99 s only")]
+)
+def test_a_window_of_one_second_is_long_enough(quiet, note):
+    values = np.append(np.zeros(quiet), sine(5.0).acceleration)
+    assert note in condition(record(values), "pre-event").processing[0]
+
+
+def test_a_line_is_told_by_its_ends():
+    values = 2.0 + 3.0 * np.arange(101.0) / 100.0
+    assert condition(record(values), "linear").processing == (
+        "baseline: line of all samples, 2 m/s2 at the start, 5 at the end, subtracted",
+    )
+
+
+def test_drift_is_the_velocity_at_the_last_sample():
+    """By trapezoids: 0.1 s x (2/2 + 1 + 5/2) m/s2, which is the PGV too."""
+    (warning,) = condition(record([2.0, 1.0, 5.0], 0.1), "none").warnings
+    assert "ends at 0.45 m/s" in warning
+    assert condition(record(np.zeros(9)), "none").warnings == ()
+
+
 def test_constant_record_is_quiet_throughout():
     conditioned = condition(record(np.full(500, 0.3)))
     assert conditioned.acceleration == pytest.approx(np.zeros(500), abs=1e-15)
@@ -173,6 +206,9 @@ def test_given_pre_event_window_is_taken():
     conditioned = condition(record(values), pre_event_s=1.0)
     assert conditioned.acceleration[[0, -1]].tolist() == [0.0, 3.0]
     assert conditioned.processing == ("baseline: mean of the pre-event window 0 to 1 s (given), 2 m/s2, subtracted",)
+    # 0.29/0.01 is a little below 29 in the computer.
+    note = condition(record(np.append(np.full(29, 3.0), [6.0] * 99)), pre_event_s=0.29).processing[0]
+    assert "window 0 to 0.29 s (given), 3.1 m/s2" in note
 
 
 @pytest.mark.parametrize("order", [1, 2, 4])
@@ -236,14 +272,25 @@ def test_half_of_an_impulse_at_the_first_sample_is_cut_off_with_the_pad(corner, 
 
 def test_taper_is_a_cosine_that_leaves_the_middle_alone():
     tapered = condition(record(np.ones(1001)), "none", taper_s=2.0).acceleration
+    notes = [condition(record(own), "none", taper_s=2.0).processing[0] for own in (np.ones(1001), np.zeros(1001))]
+    # Of 4 s of 10 s 3/8 are left.
+    assert [note.partition("took ")[2] for note in notes] == ["25 % of the energy", "0 % of the energy"]
     assert tapered[[0, 50, 100, 150, 200, 500, 800, 900, 1000]] == pytest.approx(
         [0.0, 0.5 - 0.125**0.5, 0.5, 0.5 + 0.125**0.5, 1.0, 1.0, 1.0, 0.5, 0.0]
     )
 
 
-@pytest.mark.parametrize(("highpass", "length"), [(0.1, "2 s"), (1.0, "1 s")])
-def test_default_taper_is_one_period_of_the_corner_or_five_percent(highpass, length):
-    note = condition(sine(2.0), "none", highpass_hz=highpass).processing[0]
+@pytest.mark.parametrize(
+    ("corners", "length"),
+    [
+        ({"highpass_hz": 0.1}, "2 s"),
+        ({"highpass_hz": 1.0}, "1 s"),
+        ({"lowpass_hz": 8.0}, "0.125 s"),
+        ({"highpass_hz": 1.0, "lowpass_hz": 8.0}, "1 s"),
+    ],
+)
+def test_default_taper_is_one_period_of_the_corner_or_five_percent(corners, length):
+    note = condition(sine(2.0), "none", **corners).processing[0]
     assert note.startswith(f"taper: cosine, {length} at each end")
 
 
@@ -265,9 +312,37 @@ def test_coarser_record_has_no_aliases():
     assert np.max(np.abs(resampled.acceleration[middle])) < 1e-4
 
 
-def test_offset_makes_no_steps_at_the_ends_when_resampled():
-    resampled = condition(record(np.full(500, 7.0)), "none", resample_s=0.005)
-    assert resampled.acceleration == pytest.approx(np.full(999, 7.0), abs=1e-12)
+@pytest.mark.parametrize(
+    ("new", "count", "words"),
+    [(0.005, 999, "2/1, passes up to 40 Hz"), (0.004, 1248, "5/2"), (0.02, 250, "1/2, passes up to 20 Hz")],
+)
+def test_a_line_makes_no_steps_at_the_ends_when_resampled(new, count, words):
+    resampled = condition(record(7.0 + 0.02 * np.arange(500)), "none", resample_s=new)
+    assert resampled.acceleration == pytest.approx(7.0 + 2.0 * new * np.arange(count), abs=1e-11)
+    assert f"(polyphase {words}" in resampled.processing[0]
+
+
+@pytest.mark.parametrize("times", [2, 3])
+def test_finer_samples_are_those_of_a_kaiser_low_pass_of_a_hundred_decibels(times):
+    """Length and shape of the window by the formulas of Kaiser (1974), of a pass band up to 0.8 of 50 Hz."""
+    motion = record([0.0] * 300 + [1.0] + [0.0] * 300)
+    taps = math.ceil((100.0 - 7.95) / (2.285 * math.pi * 0.2 / times) + 1.0) | 1
+    place = np.arange(taps) - taps // 2
+    kernel = np.sinc(0.9 * place / times) * np.kaiser(taps, 0.1102 * (100.0 - 8.7))
+    found = condition(motion, "none", resample_s=0.01 / times).acceleration
+    around = found[300 * times - taps // 2 : 300 * times + taps // 2 + 1]
+    assert around == pytest.approx(times * kernel / kernel.sum(), abs=1e-12)
+    assert np.abs(found).sum() == pytest.approx(np.abs(around).sum())
+
+
+@pytest.mark.parametrize(("new", "taken"), [(1e-5, True), (0.01 / 1001, False), (10.0, True), (10.01, False)])
+def test_intervals_in_a_ratio_of_a_thousand_are_taken(new, taken):
+    motion = record(np.zeros(11 if new < 0.01 else 2001))
+    if taken:
+        assert condition(motion, "none", resample_s=new).dt == new
+    else:
+        with pytest.raises(ConfigError, match="in no ratio of whole numbers"):
+            condition(motion, "none", resample_s=new)
 
 
 def test_resampling_there_and_back_keeps_a_smooth_record():
@@ -334,6 +409,23 @@ def test_wrong_arguments_are_named(wrong, message):
         condition(event(), **wrong)
 
 
+@pytest.mark.parametrize(
+    "options",
+    [
+        {"order": 1, "lowpass_hz": 5.0},
+        {"order": 10, "lowpass_hz": 5.0},
+        {"taper_s": 0.1},
+        {"baseline": "none", "resample_s": 0.2},
+        {"pre_event_s": 0.01},
+        {"baseline": "pre-event", "pre_event_s": 0.2},
+        {"highpass_hz": 0.5, "lowpass_hz": 49.9},
+    ],
+    ids=str,
+)
+def test_options_at_their_limits_are_taken(options):
+    assert condition(record(noise(21)), **options).processing
+
+
 def test_two_samples_can_be_conditioned():
     conditioned = condition(record([1.0, 3.0]), "quadratic", highpass_hz=1.0, taper_s=0.0)
     assert conditioned.acceleration == pytest.approx([0.0, 0.0], abs=1e-12)
@@ -342,3 +434,13 @@ def test_two_samples_can_be_conditioned():
 def test_corner_far_below_the_record_is_refused_before_its_pads_are_made():
     with pytest.raises(ConfigError, match=r"pads of 3e\+14 samples, expected at most 1e\+07"):
         condition(sine(1.0), "none", highpass_hz=1e-12)
+
+
+def test_pads_of_the_longest_length_are_made(monkeypatch):
+    for longest, fits in ((30, True), (29, False)):
+        monkeypatch.setattr(conditioning, "LONGEST_PAD", longest)
+        if fits:
+            assert "pads of 0.3 s" in condition(sine(1.0), "none", highpass_hz=10.0).processing[-1]
+        else:
+            with pytest.raises(ConfigError, match="pads of 30 samples, expected at most 29"):
+                condition(sine(1.0), "none", highpass_hz=10.0)

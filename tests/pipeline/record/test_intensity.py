@@ -180,6 +180,7 @@ def test_spectral_acceleration_ends_with_the_record(period):
 
 def test_window_is_as_given():
     assert intense_phase(sine(1.0, 60), "window", start_s=3.0, end_s=11.5) == IntensePhase(3.0, 11.5)
+    assert intense_phase(sine(1.0, 60), "window", start_s=0.0, end_s=0.5) == IntensePhase(0.0, 0.5)
 
 
 def test_window_of_twenty_seconds_begins_where_it_is_told():
@@ -219,6 +220,26 @@ def test_first_of_equal_windows_is_taken():
 
 def test_record_shorter_than_the_window_is_all_intense():
     assert intense_phase(sine(1.0, 10), "window") == IntensePhase(0.0, pytest.approx(10.0))
+    assert intense_phase(record(np.arange(21.0)), "window") == IntensePhase(0.0, 20.0)
+    # One interval longer: the strong last sample is inside the second of two windows.
+    assert intense_phase(record(np.arange(22.0)), "window") == IntensePhase(1.0, 21.0)
+
+
+def test_a_level_that_lies_on_a_sample_is_reached_there():
+    """Energy 1 in each of twenty intervals: 5 % are reached after one of them, 95 % after nineteen."""
+    phase = intense_phase(record([1.0] * 21, 0.5))
+    assert (phase.start, phase.end) == (pytest.approx(0.5, rel=1e-12), pytest.approx(9.5, rel=1e-12))
+    # A record whose energy begins after a rest: the first 5 % are in the second of the intervals.
+    assert intense_phase(record([0.0, 0.0, 3.0, 3.0, 3.0])).start == pytest.approx(1.0 + (0.05 * 7.0) ** (1 / 3))
+    # 5 % of the smallest number is zero, which is reached at once.
+    assert intense_phase(record([0.0, 0.0, 2e-162, 2e-162])).start == 0.0
+
+
+def test_the_change_of_velocity_is_over_the_nearest_number_of_samples():
+    ramp = record(np.arange(11.0), dt=0.1)
+    velocity = 5.0 * ramp.time**2
+    for within, steps in ((0.26, 3), (0.24, 2), (0.04, 1), (0.99, 10), (5.0, 10)):
+        assert largest_change(ramp, within) == pytest.approx(velocity[-1] - velocity[-1 - steps])
 
 
 def test_window_after_the_record_is_refused():
@@ -237,7 +258,9 @@ def test_window_after_the_record_is_refused():
         ({"method": "bracketed", "level": 0.0}, "level: expected a positive acceleration"),
         ({"method": "bracketed", "level": math.nan}, "level: expected a positive acceleration"),
         ({"method": "window", "end_s": 3.0}, "end_s needs start_s"),
-        ({"method": "window", "start_s": -1.0}, "expected 0 <= start_s < end_s"),
+        ({"method": "window", "start_s": -0.001}, "expected 0 <= start_s < end_s"),
+        ({"method": "window", "start_s": 3.0, "end_s": math.inf}, "expected 0 <= start_s < end_s"),
+        ({"method": "bracketed", "level": math.inf}, "level: expected a positive acceleration"),
         ({"method": "window", "start_s": 3.0, "end_s": 3.0}, "expected 0 <= start_s < end_s"),
         ({"method": "window", "start_s": math.nan}, "expected 0 <= start_s < end_s"),
     ],
@@ -276,6 +299,21 @@ def test_housners_intensity_of_an_impulse_is_its_velocity_but_for_damping():
     assert spectrum_intensity(push) == pytest.approx(left, rel=2e-3)
     mean = np.mean([spectral_acceleration(push, period) * period / (2.0 * np.pi) for period in PERIODS])
     assert spectrum_intensity(push) == pytest.approx(mean, rel=1e-2)
+
+
+def test_housners_intensity_is_over_periods_of_a_tenth_to_two_and_a_half_seconds():
+    motion = sine(0.7, 4)
+    periods = 0.1 + 0.05 * np.arange(49)
+    velocities = [spectral_acceleration(motion, period) * period / (2.0 * np.pi) for period in periods]
+    area = 0.05 * (sum(velocities) - 0.5 * (velocities[0] + velocities[-1]))
+    assert spectrum_intensity(motion) == pytest.approx(area / 2.4, rel=1e-9)
+
+
+def test_a_period_with_fewer_than_sixteen_samples_is_looked_at_between_them():
+    motion = refined(np.sin(2.3 * np.arange(40)), 1)
+    halves = refined(motion.acceleration, 2)
+    assert spectral_acceleration(motion, 15.5) == pytest.approx(spectral_acceleration(halves, 15.5), rel=1e-12)
+    assert spectral_acceleration(motion, 16.1) != pytest.approx(spectral_acceleration(halves, 16.1), rel=1e-9)
 
 
 def test_the_change_of_velocity_is_that_of_a_pulse():

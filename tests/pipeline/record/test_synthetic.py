@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from rockpulse.errors import ConfigError
-from rockpulse.record.synthetic import synthetic_lanes, synthetic_motion
+from rockpulse.record.synthetic import _balanced, synthetic_lanes, synthetic_motion
 
 SOME = settings(derandomize=True, deadline=None, max_examples=30)
 SEEDS = st.integers(0, 2**32 - 1)
@@ -77,11 +77,58 @@ def test_lanes_are_in_their_ranges_and_those_of_a_longer_call(seed, count):
 
 
 @pytest.mark.parametrize(
-    "options", [{"duration": 0.5}, {"dt": 0.0}, {"dt": 0.5}, {"pga": 0.0}, {"pga": float("nan")}, {"seed": -1}]
+    ("name", "inside", "outside"),
+    [
+        ("duration", (1.0, 1e5), (0.999, 100000.1)),
+        ("dt", (1e-4, 0.1), (0.999e-4, 0.1001)),
+        ("pga", (1e-3, 1e3), (0.999e-3, 1000.1)),
+        ("seed", (0, 2**32 - 1), (-1, 2**32)),
+    ],
 )
-def test_values_out_of_range_are_refused_by_name(options):
-    with pytest.raises(ConfigError, match=next(iter(options))):
-        synthetic_motion(**({"seed": 1} | options))
+def test_values_out_of_range_are_refused_by_name(name, inside, outside):
+    others = {"seed": 1, "duration": 1.0, "dt": 0.1}
+    for value in inside:
+        assert np.all(np.isfinite(synthetic_motion(**(others | {name: value}))))
+    for value in (*outside, float("nan")):
+        with pytest.raises(ConfigError, match=name):
+            synthetic_motion(**(others | {name: value}))
+
+
+def test_a_motion_is_written_out_by_its_formula():
+    """Spectrum, envelope and peak worked out again; the last digits are those of what is left to balance."""
+    seed, duration, dt, pga = 7, 30.0, 0.02, 2.5
+    draw = np.random.RandomState(seed)
+    ground, damping = 0.5 * 10.0 ** draw.uniform(), 0.3 + 0.4 * draw.uniform()
+    rise, strong = 0.03 + 0.12 * draw.uniform(), 0.03 + 0.32 * draw.uniform()
+    left = 10.0 ** (-6.0 + 4.5 * draw.uniform())
+    noise = draw.standard_normal(1501)
+    f = np.fft.rfftfreq(1501, dt)
+    r, q = f / ground, f / (0.1 * ground)
+    shape = (1 + (2 * damping * r) ** 2) / ((1 - r**2) ** 2 + (2 * damping * r) ** 2)
+    shape *= q**4 / ((1 - q**2) ** 2 + (2 * 0.6 * q) ** 2)
+    t = np.linspace(0.0, 1.0, 1501)
+    envelope = np.interp(t, [0.0, rise, 1.0], [0.0, 1.0, 1.0]) ** 2
+    envelope[t > rise + strong] = left ** ((t[t > rise + strong] - rise - strong) / (1.0 - rise - strong))
+    envelope[-1] = 0.0
+    motion = envelope * np.fft.irfft(np.sqrt(shape) * np.fft.rfft(noise), 1501)
+    motion -= envelope * motion.sum() / envelope.sum()
+    found = synthetic_motion(seed, duration, dt, pga)
+    assert found == pytest.approx(motion * pga / np.abs(motion).max(), abs=2.1e-6)
+
+
+@pytest.mark.parametrize("sign", [1, -1])
+@pytest.mark.parametrize(
+    ("whole", "taken"),
+    [
+        ([0, 3, -3, 0], [0, 0, 0, 0]),
+        ([0, 1, 3, -3, 0], [0, 1, 0, 0, 0]),
+        ([0, 1, -5, 1, -1, 1, -1, 1, 5, 0], [0, 1, 0, 0, 0, 0, 0, 1, 0, 0]),  # of six the first and the last
+        ([0, 9, 1, 2, -8, 1, 2, -1, -2, 7, 0], [0, 0, 2, 2, 0, 2, 2, 2, 1, 0, 0]),  # 11 of six up to their median, 2
+    ],
+)
+def test_what_rounding_left_is_taken_from_small_samples_evenly_spread(whole, taken, sign):
+    whole = sign * np.array(whole)
+    assert (whole - _balanced(whole.copy())).tolist() == [sign * one for one in taken]
 
 
 @pytest.mark.parametrize(("seed", "count", "name"), [(0, 0, "count"), (2**32, 3, "seed")])
