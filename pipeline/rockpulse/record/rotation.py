@@ -139,7 +139,7 @@ def strongest_azimuth(
     found: dict[float, float] = {}
 
     def impulse(azimuth: float) -> float:
-        azimuth = round(azimuth % 180.0, 6) % 180.0
+        azimuth = round(azimuth % 180.0, 6)
         if azimuth not in found:
             one, other = _weights(first.azimuth, second.azimuth, azimuth)
             turned = Record(one * first.acceleration + other * second.acceleration, first.dt, id=first.id)

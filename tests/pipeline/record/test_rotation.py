@@ -90,7 +90,7 @@ def test_two_orthogonal_directions_have_the_same_energy_whichever_they_are():
         assert sum(arias_intensity(one) for one in both) == pytest.approx(total, rel=1e-12)
 
 
-@pytest.mark.parametrize("second", [0.0, 180.0, 5.0, 171.0, 360.0])
+@pytest.mark.parametrize("second", [0.0, 180.0, 5.0, 9.78, 171.0, 360.0, np.nan])
 def test_channels_that_are_almost_parallel_are_refused(second):
     pair = Pair(channel(noise(0), 0.0), channel(noise(1), second))
     for use in (lambda: rotate(pair, 30.0), lambda: condition_pair(pair), lambda: strongest_azimuth(pair)):
@@ -98,14 +98,38 @@ def test_channels_that_are_almost_parallel_are_refused(second):
             use()
 
 
+@pytest.mark.parametrize("other", [{"dt": 0.02}, {"acceleration": np.ones(999)}])
+def test_channels_with_other_samples_are_no_pair_to_rotate(other):
+    with pytest.raises(RecordRefused, match="expected the same samples in both"):
+        rotate(Pair(channel(noise(0), 90.0), replace(channel(noise(1), 0.0), **other)), 30.0)
+    almost = channel(noise(1), 0.0, dt=DT * (1.0 + 1e-10))
+    assert rotate(Pair(channel(noise(0), 90.0), almost), 30.0).dt == DT
+
+
+@pytest.mark.parametrize(
+    ("unit", "factor", "expected"),
+    [("cm/s2", 0.01, ("cm/s2", 0.01)), ("cm/s2", 0.02, ("", np.nan)), ("g", 0.01, ("", np.nan))],
+)
+def test_the_unit_is_told_where_both_channels_have_it(unit, factor, expected):
+    one = channel(noise(0), 90.0, source_unit="cm/s2", unit_factor=0.01)
+    turned = rotate(Pair(one, channel(noise(1), 0.0, source_unit=unit, unit_factor=factor)), 30.0)
+    assert (turned.source_unit, turned.unit_factor) == pytest.approx(expected, nan_ok=True)
+
+
+def test_a_direction_of_a_structure_stays_one():
+    pair = Pair(*(replace(channel(noise(k), 90.0 * k), orientation="structural") for k in (0, 1)))
+    assert rotate(pair, 30.0).orientation == "structural"
+
+
 def test_a_rotated_record_says_what_it_is_made_of():
     one = channel(noise(0), 90.0, warnings=("clipped", "of both"), processing=("mean",))
-    two = channel(noise(1), 0.0, warnings=("of both",), source="n.v1", source_sha256="1" * 64, processing=("mean",))
+    known = {"warnings": ("of both", "late"), "source": "n.v1", "source_sha256": "1" * 64, "processing": ("mean",)}
+    two = channel(noise(1), 0.0, **known)
     turned = rotate(Pair(one, two), 30.0)
     assert turned.id == "CI.CCC..H030@20190706T031953"
     assert (turned.azimuth, turned.orientation, turned.channel) == (30.0, "horizontal", "H030")
     assert (turned.source, turned.source_sha256) == ("a.v1; n.v1", f"{'0' * 64}; {'1' * 64}")
-    assert turned.warnings == ("90: clipped", "of both")
+    assert turned.warnings == ("90: clipped", "of both", "0: late")
     assert turned.processing[0] == "mean"
     assert "0.5 x CI.CCC..90@20190706T031953 (90 degrees) +0.866025 x CI.CCC..0@" in turned.processing[1]
     assert np.isnan(turned.header_peak)
@@ -146,10 +170,37 @@ def test_a_fraction_of_a_sample_is_bridged_along_the_line_between_the_samples(fr
     late = START + timedelta(seconds=fraction * DT)
     pair = Pair(channel(ramp, 90.0), channel(ramp, 0.0, start_time=late))
     first, second = condition_pair(pair, baseline="none").channels
-    assert first.npts == second.npts >= 998
-    assert first.start_time == second.start_time
+    late = fraction > 0.0
+    assert first.npts == second.npts == 999
+    assert np.array_equal(first.acceleration, ramp[1:] if late else ramp[:-1])
+    assert first.start_time == second.start_time == START + late * timedelta(seconds=DT)
     assert first.acceleration - second.acceleration == pytest.approx(0.01 * fraction, abs=1e-3 * 0.01)
     assert any("linear between its samples" in note for note in second.processing) == (abs(fraction) < 0.99)
+
+
+@pytest.mark.parametrize("late", [True, False])
+def test_what_is_cut_at_one_end_is_told_of_that_end(late):
+    ramp = 0.01 * np.arange(1000.0)
+    other = channel(ramp[50:], 0.0, start_time=START + timedelta(seconds=0.5)) if late else channel(ramp[:900], 0.0)
+    first, second = condition_pair(Pair(channel(ramp, 90.0), other), baseline="none").channels
+    assert np.array_equal(first.acceleration, second.acceleration)
+    told = "0.5 s at its start left out" if late else "1 s at its end left out"
+    assert first.warnings[0] == f"cut to the time in common with {other.id}: {told}"
+
+
+@pytest.mark.parametrize(
+    ("fraction", "begin", "count"), [(0.5, 1, 1998), (-0.3, 0, 1999), (-0.75, 0, 1999), (0.25, 1, 1998)]
+)
+def test_finer_samples_are_aligned_to_those_of_the_first(fraction, begin, count):
+    """Of a longer second channel nothing is kept beyond the first one."""
+    late = START + timedelta(seconds=fraction * DT)
+    ramp, longer = 0.01 * np.arange(1000.0), 0.01 * np.arange(1100.0)
+    pair = Pair(channel(ramp, 90.0), channel(longer, 0.0, start_time=late))
+    first, second = condition_pair(pair, baseline="none", resample_s=DT / 2).channels
+    assert first.npts == second.npts == count
+    assert first.start_time == second.start_time == START + begin * timedelta(seconds=DT / 2)
+    assert first.acceleration == pytest.approx(0.005 * (begin + np.arange(count)), abs=1e-9)
+    assert second.acceleration == pytest.approx(first.acceleration - 0.01 * fraction, abs=1e-9)
 
 
 def test_clocks_that_differ_by_less_than_a_thousandth_of_a_sample_agree():
@@ -159,9 +210,14 @@ def test_clocks_that_differ_by_less_than_a_thousandth_of_a_sample_agree():
 
 
 def test_one_shared_interval_is_no_overlap():
-    late = START + timedelta(seconds=DT * 998.9)
-    with pytest.raises(RecordRefused, match="two samples or more in the time that both have, found 1"):
-        condition_pair(Pair(channel(noise(0), 90.0), channel(noise(1), 0.0, start_time=late)))
+    def shifted(samples):
+        late = START + timedelta(seconds=DT * samples)
+        return Pair(channel(noise(0), 90.0), channel(noise(1), 0.0, start_time=late))
+
+    for samples, found in ((998.9, 1), (999, 1), (1000, 0), (1200, 0)):
+        with pytest.raises(RecordRefused, match=f"two samples or more in the time that both have, found {found}"):
+            condition_pair(shifted(samples))
+    assert condition_pair(shifted(998)).first.npts == 2
 
 
 def test_other_intervals_are_refused_until_one_is_asked_for():
@@ -182,6 +238,12 @@ def test_a_raw_and_a_corrected_channel_are_no_pair():
 def test_files_without_times_are_told_to_start_together():
     pair = Pair(*(channel(noise(k), 90.0 * k, source=f"{k}.AT2", start_time=None) for k in (0, 1)))
     assert any("taken to start together" in warning for warning in rotate(condition_pair(pair), 10.0).warnings)
+    one_known = Pair(pair.first, replace(pair.second, start_time=START))
+    of_one_file = Pair(*(replace(one, source="both.AT2") for one in pair.channels))
+    assert [
+        any("taken to start together" in warning for one in condition_pair(each).channels for warning in one.warnings)
+        for each in (one_known, of_one_file)
+    ] == [True, False]
 
 
 OPTIONS = [
@@ -209,6 +271,19 @@ def test_conditioned_and_rotated_is_rotated_and_conditioned(options, processed):
     assert found.acceleration == pytest.approx(expected.acceleration, abs=1e-11)
     if window:
         assert any("0 to 1.99 s" in note for note in found.processing)
+
+
+@pytest.mark.parametrize(
+    ("quiet", "words"), [(101, "window of both channels: 0 to 1 s"), (100, "0.99 s only (needed: 1 s)")]
+)
+def test_a_common_window_of_one_second_is_long_enough(quiet, words):
+    shaking = np.tile([100.0, -100.0], 250)
+    pair = Pair(*(channel(np.append(np.zeros(more), shaking), 90.0 * k, processed=False, source=f"{k}")
+                  for k, more in enumerate((quiet, quiet + 30))))  # fmt: skip
+    for options in ({}, {"baseline": "pre-event"}):
+        assert any(words in note for note in condition_pair(pair, **options).first.processing)
+    given = condition_pair(pair, pre_event_s=0.5).first.processing
+    assert not any("of both channels" in note for note in given)
 
 
 def test_without_a_common_pre_event_window_both_lose_the_mean():
@@ -272,6 +347,59 @@ def test_the_fifth_of_the_maxima_of_the_whole_degrees_may_be_the_highest():
     assert found == pytest.approx(154.4)
     own = np.max(np.abs(half_waves(channel(strengths[-1] * pulse, 0.0)).impulse))
     assert impulse == pytest.approx(own, rel=1e-9)
+
+
+def joined_within(low, high, azimuth, base, others):
+    """A motion whose strongest pulse is whole between two directions only.
+
+    Pulses of 1 stand in the directions of `others` and one of `base` at 100 degrees. Two of 0.55 face the `azimuth`;
+    the two faint samples between them are not negative from `low` to `high`: there both pulses are one of 1.1.
+    """
+    pulse, gap = np.array([0.0, 1.0, 1.0, 0.0]), np.zeros(2)
+    parts = [(size * pulse, way) for size, way in [(base, 100.0), *((1.0, way) for way in others)]]
+    parts += [
+        (0.55 * pulse[:3], azimuth),
+        ([1e-4], low + 90.0),
+        ([1e-4], high - 90.0),
+        (0.55 * pulse[1:], azimuth),
+        (gap, 0.0),
+    ]
+    return (
+        np.concatenate([np.multiply(size, turn(np.radians(way))) for size, way in parts]) for turn in (np.cos, np.sin)
+    )
+
+
+OTHERS = [10.0, 40.0, 70.0, 130.0, 160.0]
+
+
+@pytest.mark.parametrize(
+    ("low", "high", "azimuth", "base", "others", "expected"),
+    [
+        (100.3, 100.7, 100.5, 0.99, [30.0], 100.5),
+        (100.85, 100.95, 100.9, 0.99, [30.0], 100.9),
+        (99.05, 99.15, 99.1, 0.99, [30.0], 99.1),
+        (100.75, 100.895, 101.5, 0.99, [30.0], 100.89),
+        (99.105, 99.25, 98.5, 0.99, [30.0], 99.11),
+        (100.3, 100.7, 100.5, 0.85, [30.0], 30.0),  # below 0.9 of the highest
+        (100.3, 100.7, 100.5, 0.99, OTHERS[1:], 100.5),
+        (100.3, 100.7, 100.5, 0.99, OTHERS, 10.0),  # the sixth of the maxima
+    ],
+)
+def test_the_surroundings_of_five_maxima_are_looked_into(low, high, azimuth, base, others, expected):
+    """Around one maximum the impulse jumps to 1.1 between whole degrees; on the slopes of another it is higher."""
+    north, east = joined_within(low, high, azimuth, base, others)
+    found, impulse = strongest_azimuth(facing(north, east, 0.0, 90.0))
+    assert found == pytest.approx(expected)
+    size = 1.0 if expected in others else 1.1 * np.cos(np.radians(expected - azimuth))
+    assert impulse == pytest.approx(0.02 * size, rel=1e-4)
+
+
+def test_the_highest_of_seven_maxima_is_looked_into():
+    azimuths = np.radians([0.0, 25.0, 51.0, 77.4, 103.0, 129.0, 155.0])
+    strengths = np.array([0.96, 0.97, 0.98, 1.0, 0.98, 0.97, 0.96])
+    pulse = np.array([0.0, 1.0, 1.0, 0.0])
+    north, east = (np.kron(strengths * way(azimuths), pulse) for way in (np.cos, np.sin))
+    assert strongest_azimuth(facing(north, east, 0.0, 90.0))[0] == pytest.approx(77.4)
 
 
 @pytest.mark.parametrize("beyond", [0.31, 1.34, 2.36, 30.0])
