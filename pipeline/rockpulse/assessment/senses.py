@@ -55,7 +55,7 @@ class Senses:
             return found
         places = self._chosen(-np.where(np.isnan(found.safety_factor), np.inf, found.safety_factor))
         kept = np.isin(found.lane, places)
-        lane = np.full(self.block.shape[0], -1)
+        lane = np.empty(self.block.shape, dtype=int)
         lane[places] = np.arange(places.size)
         order = np.argsort(lane[found.lane[kept]], kind="stable")
         rows = {name: getattr(found, name)[kept][order] for name in ("lower", "upper", "open", "resolved")}

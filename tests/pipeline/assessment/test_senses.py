@@ -1,16 +1,20 @@
 """Bodies before a wall, with corners and with restraints, through an assessment."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 import rockpulse as rp
+from rocking import Block
+from rocking.scale_search import ScaleIntervals
 from rockpulse import models
-from rockpulse.assessment.senses import senses
+from rockpulse.assessment.senses import Senses, acting, senses
 from rockpulse.config.bodies import gather_bodies
 from rockpulse.views.shared.facts import Known
 
+INF, NAN = np.inf, np.nan
 T = np.arange(0.0, 8.0, 0.01)
 ONE_WAY = np.where(T < 0.8, 1.6 * np.sin(np.pi * T / 0.8), 0.0) - 0.8 * np.exp(-(((T - 2.0) / 0.5) ** 2))
 
@@ -143,3 +147,92 @@ def test_fragility_takes_both_senses_of_an_earthquake():
         back = "pulse 0" if name.endswith("reversed") else "pulse 0 reversed"
         for variable in ("factor", "reached", "measure_value", "weight", "duration"):
             assert np.array_equal(one[variable].sel(record=name), other[variable].sel(record=back)), (name, variable)
+
+
+@pytest.mark.parametrize(
+    ("azimuth", "facing", "expected"),
+    [
+        (50.0, 50.0, (1,)),
+        (30.0, 0.0, (1,)),
+        (0.0, 30.0, (1,)),
+        (30.1, 0.0, (1, -1)),
+        (120.0, 0.0, (1, -1)),
+        (149.9, 0.0, (1, -1)),
+        (0.0, 150.0, (-1,)),
+        (225.0, 45.0, (-1,)),
+        (350.0, 15.0, (1,)),
+        (np.nan, 0.0, (1, -1)),
+        (0.0, np.nan, (1, -1)),
+    ],
+)
+def test_a_record_within_thirty_degrees_of_the_fall_tells_the_sense(azimuth, facing, expected):
+    assert acting(azimuth, facing) == expected
+
+
+def test_only_bodies_before_a_wall_have_two_senses():
+    free = rp.BlockSettings(name="free", width=0.5, height=5.0, restitution=(0.9, 0.8))
+    bodies = gather_bodies(
+        [free, replace(settings(), rebound=(0.3, 0.4)), replace(settings(facing=90.0), name="known")]
+    )
+    found = senses(bodies, record(280.0))
+    assert (found.count, found.both.tolist()) == (6, [2, 3])
+    assert np.asarray(found.block.side).tolist() == [0, 0, 1, 1, -1, -1, -1, -1]
+    each = senses(bodies, record(280.0), step=2)
+    assert (each.count, each.both.tolist()) == (3, [1])
+    assert np.asarray(each.block.side).tolist() == [0, 1, -1, -1]
+
+
+def lanes_of(both):
+    """Three lanes, some of them with a second sense behind them."""
+    return Senses(
+        Block.from_parameters(p=np.ones(3 + len(both)), alpha=0.1, restitution=0.9), np.array(both, dtype=int)
+    )
+
+
+@pytest.mark.parametrize(
+    ("outcomes", "peaks", "places"),
+    [
+        ([1, 1, 1, 1, 1], [0.5, 0.1, 0.3, 0.7, 0.2], [3, 1, 2]),
+        ([1, 1, 1, 1, 1], [0.5, 0.1, 0.3, 0.5, 0.3], [0, 1, 2]),  # of two alike the first
+        ([1, 0, 2, 3, 3], [0.5, 0.0, INF, NAN, NAN], [3, 1, 2]),
+        ([2, 0, 3, 2, 2], [INF, 0.0, NAN, INF, INF], [0, 1, 4]),
+        ([3, 2, 1, 1, 0], [NAN, INF, 0.3, 9.0, 0.0], [0, 1, 2]),
+    ],
+)
+def test_overturning_is_worse_than_no_answer_and_that_than_rocking(outcomes, peaks, places):
+    response = SimpleNamespace(outcome=np.array(outcomes), peak_rotation_ratio=np.array(peaks))
+    assert lanes_of([0, 2]).worst(response).tolist() == places
+
+
+def test_the_likelier_sense_is_that_of_the_smaller_factor_where_both_are_alike():
+    both = lanes_of([0, 2])
+    factor = np.array([2.0, 1.0, 3.0, 1.5, 3.5])
+    assert both.likelier(np.array([0.2, 0.9, 0.1, 0.1, 0.3]), factor).tolist() == [0, 1, 4]
+    assert both.likelier(np.zeros(5), factor).tolist() == [3, 1, 2]
+
+
+def test_the_intervals_of_the_smaller_factor_are_kept_in_the_order_of_the_lanes():
+    lane = np.array([0, 1, 1, 2, 3, 3, 4])
+    number = np.arange(7.0)
+    found = ScaleIntervals(
+        safety_factor=np.array([2.0, 3.0, NAN, 1.5, 2.5]),
+        safe_up_to=np.array([1.9, 2.9, NAN, 1.4, 2.4]),
+        lane=lane,
+        lower=number,
+        upper=number + 0.5,
+        open=lane == 4,
+        step=np.array([1.0, 1.1, 1.2, 1.3, 1.4]),
+        resolved=lane != 3,
+    )
+    smaller = lanes_of([0, 2]).smaller(found)
+    assert smaller.lane.tolist() == [0, 0, 1, 1, 2]
+    assert smaller.lower.tolist() == [4.0, 5.0, 1.0, 2.0, 6.0]
+    assert smaller.upper.tolist() == [4.5, 5.5, 1.5, 2.5, 6.5]
+    assert smaller.open.tolist() == [False, False, False, False, True]
+    assert smaller.resolved.tolist() == [False, False, True, True, True]
+    assert smaller.safety_factor.tolist() == [1.5, 3.0, 2.5]
+    assert smaller.safe_up_to.tolist() == [1.4, 2.9, 2.4]
+    assert smaller.step.tolist() == [1.3, 1.1, 1.4]
+    one = lanes_of([1])  # of the first and the last lane there is one sense
+    two = replace(found, lane=np.array([0, 1, 1, 2, 3, 3, 3]))
+    assert one.smaller(replace(two, safety_factor=found.safety_factor[:4])).lower.tolist() == [0.0, 4.0, 5.0, 6.0, 3.0]

@@ -65,7 +65,7 @@ def test_fewer_than_two_samples_or_a_table_are_refused(values):
 def test_a_sample_that_is_not_finite_is_named_by_its_index(bad):
     with pytest.raises(RecordFormatError, match=r"file.txt: 1 of 4 samples are NaN or infinite, the first at index 2"):
         record(values=[0.0, 1.0, bad, 2.0], source="file.txt")
-    with pytest.raises(RecordFormatError, match="file.txt: 2 of 3 samples are NaN or infinite, the first at index 0"):
+    with pytest.raises(RecordFormatError, match=r"file.txt: 2 of 3 samples are NaN or infinite, the first at index 0"):
         record(values=[bad, 1.0, bad], source="file.txt")
 
 
