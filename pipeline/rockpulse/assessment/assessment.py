@@ -159,6 +159,7 @@ def assess_scene(
     for part in parts:
         for remark in part.record.warnings:
             record = record if remark in record.warnings else record.with_warning(remark)
+    steps = [round(record.dt / part.record.dt) for part in parts]
     lanes = [(one[1][:, np.newaxis] * bodies.cases + np.arange(bodies.cases)).reshape(-1) for one in places]
 
     def at_lanes(tables: Sequence[dict[str, np.ndarray]]) -> dict[str, np.ndarray]:
@@ -175,7 +176,7 @@ def assess_scene(
         bodies=bodies,
         config=config,
         responses={
-            name: joined_responses([part.responses[name] for part in parts], lanes, scene.record.npts)
+            name: joined_responses([part.responses[name] for part in parts], lanes, record.npts, steps)
             for name in parts[0].responses
         },
         scales={name: joined_intervals([part.scales[name] for part in parts], lanes) for name in parts[0].scales},

@@ -84,20 +84,27 @@ def floor_record(record: Record, floors: Sequence[FloorSettings]) -> Record:
     return replace(record, acceleration=found.acceleration, dt=found.dt)
 
 
-def joined_responses(parts: Sequence[Response], lanes: Sequence[np.ndarray], samples: int) -> Response:
-    """Responses of some lanes each, at their places, as one; histories at the (n,) samples of the ground."""
+def joined_responses(
+    parts: Sequence[Response], lanes: Sequence[np.ndarray], samples: int, steps: Sequence[int]
+) -> Response:
+    """Responses of some lanes each, at their places, as one; histories at the (n,) samples of the ground.
+
+    `steps` are the samples of the motion of each part in one interval of the ground's; it may last longer.
+    """
     count = sum(places.size for places in lanes)
     found: dict[str, Any] = {}
     for item in fields(Response):
         values = [getattr(part, item.name) for part in parts]
         if item.name == "time" or any(value is None for value in values):
             continue
-        if isinstance(values[0], HalfCycles):
+        first, *_ = values
+        if isinstance(first, HalfCycles):
             found[item.name] = _joined_cycles(values, lanes, count)
             continue
         if item.name in ("rotation", "velocity"):
-            values = [value[:, :: max(1, (value.shape[1] - 1) // (samples - 1))][:, :samples] for value in values]
-        whole = np.empty((count, *np.shape(values[0])[1:]), dtype=np.asarray(values[0]).dtype)
+            values = [value[:, ::step][:, :samples] for value, step in zip(values, steps, strict=True)]
+            first, *_ = values
+        whole = np.empty((count, *np.shape(first)[1:]), dtype=np.asarray(first).dtype)
         for places, value in zip(lanes, values, strict=True):
             whole[places] = value
         found[item.name] = whole
@@ -105,13 +112,13 @@ def joined_responses(parts: Sequence[Response], lanes: Sequence[np.ndarray], sam
 
 
 def _joined_cycles(parts: Sequence[HalfCycles], lanes: Sequence[np.ndarray], count: int) -> HalfCycles:
-    longest = max(part.start_velocity.shape[0] for part in parts)
+    longest = max(len(part.start_velocity) for part in parts)
     found = {}
     for item in fields(HalfCycles):
-        values = [getattr(part, item.name) for part in parts]
-        whole = np.full((longest, count), -1 if item.name == "impulse_count" else np.nan, dtype=values[0].dtype)
+        first, *_ = values = [getattr(part, item.name) for part in parts]
+        whole = np.full((longest, count), -1 if item.name == "impulse_count" else np.nan, dtype=first.dtype)
         for places, value in zip(lanes, values, strict=True):
-            whole[: value.shape[0], places] = value
+            whole[: len(value), places] = value
         found[item.name] = whole
     return HalfCycles(**found)
 

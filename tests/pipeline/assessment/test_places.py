@@ -6,8 +6,13 @@ import numpy as np
 import pytest
 
 import rockpulse as rp
+from rocking.response import HalfCycles, Response
+from rocking.scale_search import ScaleIntervals
 from rockpulse import models
-from rockpulse.assessment.places import floor_record
+from rockpulse.assessment.places import aloft, floor_record, joined_intervals, joined_responses, places_of
+from rockpulse.assessment.scene import extract
+from rockpulse.config.bodies import Place, gather_bodies
+from rockpulse.record.components import Pair
 from rockpulse.views.shared.facts import Known
 from rockpulse.views.text.details import block_details
 from rockpulse.views.text.overview import overview
@@ -46,6 +51,110 @@ def test_a_body_aloft_is_shaken_by_its_floor_and_the_others_by_the_ground():
     history = {one.model: one for one in rp.plots.histories(tree, "burst", "aloft", ["nonlinear"])}["nonlinear"]
     known = np.abs(history.rotation[np.isfinite(history.rotation)])
     assert np.max(known) <= history.peak + 1e-12
+
+
+def test_histories_aloft_are_at_the_times_of_the_ground_however_long_the_floor_swings():
+    """A floor of little damping swings for many times the length of the record."""
+    floor = rp.FloorSettings(period=0.5, participation=1.3, damping=0.01)
+    tree = rp.assess([RECORD], replace(config(body("aloft", floors=(floor,))), search=rp.SearchSettings()))
+    shaken = floor_record(RECORD, (floor,))
+    assert (
+        shaken.npts == models.floor_motion(GROUND, 0.01, 0.5, 0.01, 1.3, quiet=1e-4 * 9.80665).acceleration.size > 3000
+    )
+    expected = models.recorded_response(body("one").block(), shaken.acceleration, shaken.dt, history=True)
+    (stored,) = rp.plots.histories(tree, "burst", "aloft", ["nonlinear"])
+    angle = body("one").block().alpha_c
+    np.testing.assert_allclose(angle * stored.rotation, expected.rotation[: RECORD.npts], atol=1e-12)
+
+
+def response(number, lanes, samples, cycles, **others):
+    """Some lanes whose values tell the part, the lane, and the sample or half-cycle."""
+    lane = 10.0 * number + np.arange(lanes)
+    series = lane[:, np.newaxis] + 0.01 * np.arange(samples)
+    table = lane + 0.01 * np.arange(cycles)[:, np.newaxis]
+    whole = lane.astype(int)
+    halves = HalfCycles(
+        table, table + 100.0, table + 200.0, whole + 100 * np.arange(cycles)[:, np.newaxis], table, table
+    )
+    return Response(
+        *(lane, whole % 4, whole, lane, whole, whole),
+        time=np.arange(samples),
+        rotation=series,
+        velocity=-series,
+        half_cycles=halves,
+        **others,
+    )
+
+
+def test_responses_are_joined_at_the_places_of_their_lanes():
+    """The ground has five samples; a floor two in each interval and swings on, another is only longer."""
+    lanes = [np.array([3, 0]), np.array([1]), np.array([2, 4])]
+    moved = [np.array([True, False]), np.array([True]), np.array([False, True])]
+    parts = [
+        response(
+            number, own.size, samples, cycles, active_samples=10 * number + np.arange(own.size), ground_contact=told
+        )
+        for (number, own), samples, cycles, told in zip(enumerate(lanes), (5, 12, 17), (1, 3, 2), moved, strict=True)
+    ]
+    whole = joined_responses(parts, lanes, 5, [1, 2, 1])
+    assert whole.time is None
+    assert whole.peak_rotation_ratio.tolist() == [1.0, 10.0, 20.0, 0.0, 21.0]
+    assert whole.impacts.tolist() == whole.active_samples.tolist() == [1, 10, 20, 0, 21]
+    assert whole.outcome.tolist() == [1, 2, 0, 0, 1]
+    assert whole.ground_contact.tolist() == [False, True, False, True, True]
+    at = np.array([[0.0, 0.01, 0.02, 0.03, 0.04]] * 5)
+    at[1] *= 2.0
+    np.testing.assert_allclose(whole.rotation, whole.peak_rotation_ratio[:, np.newaxis] + at)
+    np.testing.assert_allclose(whole.velocity, -whole.rotation)
+    there = np.arange(3)[:, np.newaxis] < np.array([1, 3, 2, 1, 2])
+    expected = np.where(there, whole.peak_rotation_ratio + 0.01 * np.arange(3)[:, np.newaxis], np.nan)
+    np.testing.assert_allclose(whole.half_cycles.start_velocity, expected)
+    np.testing.assert_allclose(whole.half_cycles.duration, expected + 200.0)
+    counts = np.where(there, whole.impacts + 100 * np.arange(3)[:, np.newaxis], -1)
+    assert whole.half_cycles.impulse_count.tolist() == counts.tolist()
+    # Where one part has no histories the whole has none, and one part is itself.
+    parts[2] = replace(parts[2], rotation=None)
+    assert joined_responses(parts, lanes, 5, [1, 2, 1]).rotation is None
+    assert joined_responses(parts[1:2], [np.array([0])], 5, [2]).rotation.tolist() == whole.rotation[1:2].tolist()
+
+
+def test_intervals_are_joined_in_the_order_of_the_lanes():
+    def part(lane, first, count):
+        number = first + np.arange(float(len(lane)))
+        own = first + np.arange(float(count))
+        return ScaleIntervals(
+            own, own + 0.1, np.array(lane, int), number, number + 0.5, number > 22.0, own + 0.2, number < 12.0
+        )
+
+    whole = joined_intervals([part([0, 1, 1], 10.0, 2), part([0, 0, 1], 20.0, 2)], [np.array([3, 0]), np.array([1, 2])])
+    assert whole.lane.tolist() == [0, 0, 1, 1, 2, 3]
+    assert whole.lower.tolist() == [11.0, 12.0, 20.0, 21.0, 22.0, 10.0]
+    assert whole.upper.tolist() == [11.5, 12.5, 20.5, 21.5, 22.5, 10.5]
+    assert whole.open.tolist() == [False] * 6
+    assert whole.resolved.tolist() == [True, False, False, False, False, True]
+    assert whole.safety_factor.tolist() == [11.0, 20.0, 21.0, 10.0]
+    assert whole.safe_up_to.tolist() == [11.1, 20.1, 21.1, 10.1]
+    assert whole.step.tolist() == [11.2, 20.2, 21.2, 10.2]
+
+
+def test_the_vertical_of_a_floor_is_that_of_the_ground_and_ends_with_it():
+    asked = config(body("one"))
+    ground = replace(extract(RECORD, asked), vertical=1.0 + RECORD.time)
+    there = aloft(ground, Place(None, (FLOOR,)), asked)
+    times = there.record.time
+    inside = times <= RECORD.duration + 1e-9
+    assert not inside.all()
+    assert there.vertical == pytest.approx(np.where(inside, 1.0 + times, 0.0))
+    assert aloft(replace(ground, vertical=None), Place(None, (FLOOR,)), asked).vertical is None
+
+
+def test_a_body_has_a_direction_of_its_own_where_it_differs_from_the_record():
+    pair = Pair(*PAIR)
+    asked = replace(config(), records=rp.RecordSettings(components="azimuth", azimuth=30.0))
+    bodies = gather_bodies([body("others"), body("own", azimuth=30.0)], asked.records)
+    for azimuth, count in ((30.0, 1), (30.0 + 5e-7, 1), (30.0001, 2), (30.9, 2)):
+        found = places_of(bodies, replace(RECORD, azimuth=azimuth), pair, asked)
+        assert [place.azimuth for place, _ in found] == [None, 30.0][:count]
 
 
 def test_a_body_is_answered_alike_alone_and_among_others():
