@@ -85,7 +85,7 @@ def demand_factors(channels: Sequence[Record], blocks: Block, demands: Sequence[
     >>> demand_factors(pair, body, [DemandSettings(name="ULS", value=3.0)]).tolist()  # geometric mean 2 m/s2
     [[1.5]]
     """
-    found = np.empty((blocks.shape[0], len(demands)))
+    found = np.empty((*blocks.shape, len(demands)))
     for place, demand in enumerate(demands):
         strength = math.exp(np.mean([math.log(_STRENGTH[demand.measure](one, demand)) for one in channels]))
         own = blocks.p / (blocks.gravity * np.tan(blocks.alpha_c)) if demand.measure == "velocity_ratio" else 1.0

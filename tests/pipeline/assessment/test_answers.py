@@ -5,11 +5,12 @@ import math
 import numpy as np
 import pytest
 import xarray as xr
-from report_cases import answers, motions, summary_of
+from report_cases import answers, motions, probable, summary_of
 from results_tree import results_tree
 
 from rocking.response import Outcome
-from rockpulse.assessment.answers import Answers, answers_of, bodies_of
+from rockpulse.assessment.answers import Answers, answers_of, bodies_of, searched_up_to
+from rockpulse.storage.probability_variables import MEAN
 from rockpulse.views.shared.verdict_notes import counted
 
 INF, NAN = math.inf, math.nan
@@ -125,3 +126,191 @@ def test_a_pair_overturns_a_body_in_one_of_its_directions():
     of = motions(4, rows=[[0, 1], [2, 3]], kind="pair")
     found = answers(summary_of([0.5, 2.0, 3.0, 4.0], outcomes=outcomes), of)
     assert (found.overturnings(), found.unresolved, found.counts) == ([1], [1], [1, 1, 1, 1])
+
+
+def test_every_model_has_answers_under_the_same_motions():
+    summary = results_tree()["summary"].to_dataset()
+    of = motions(3, events=["a", "a", "b"])
+    found = answers(summary, of, "sequence")
+    assert list(found.of_models) == ["resonance", "sequence", "nonlinear"]
+    assert found.of_models["sequence"] is found
+    for name, one in found.of_models.items():
+        assert one.motions is of
+        np.testing.assert_array_equal(one["outcome"], summary["outcome"].sel(model=name))
+
+
+@pytest.mark.parametrize(
+    ("models", "fullest"),
+    [(["nonlinear", "auto"], "nonlinear"), (["resonance", "sequence", "linear"], "linear"), (["sequence"], "sequence")],
+)
+def test_the_fullest_model_answers(models, fullest):
+    each = [summary_of([1.0 + k]).assign_coords(model=[name]) for k, name in enumerate(models)]
+    summary = xr.concat(each, "model", data_vars="minimal", coords="minimal")
+    found = Answers(summary)
+    assert (found.model, found["safety_factor"].tolist()) == (fullest, [[1.0 + models.index(fullest)]])
+
+
+def test_results_that_lack_variables_count_as_not_computed_and_not_marked():
+    summary = summary_of([2.0, 3.0])[["outcome", "restitution", "pga"]]
+    found = Answers(summary)
+    for name in (
+        "capacity_pga",
+        "safety_factor",
+        "safe_up_to",
+        "search_step",
+        "overturning_probability",
+        "factor_10_low",
+    ):
+        assert np.isnan(found[name]).all()
+        assert found[name].shape == (2, 1)
+    whole = {"factor_resolved": -1, "interval_count": -1, "model_used": -1, "predictable": -1, "applicable": 1}
+    whole |= {"reason": 0, "probability_source": 0}
+    for name, value in whole.items():
+        assert found[name].tolist() == [[value]] * 2, name
+    of_records = {"npts": 0, "pgv_drift": 0, "warning_codes": ""}
+    assert {name: found[name].tolist() for name in of_records} == {name: [one] * 2 for name, one in of_records.items()}
+    assert (found.motions.kind, found.motions.event_count) == ("record", 1)
+    assert (found.searched, found.told, found.probable, found.factor) == (False, False, False, "safety_factor")
+    assert found.used.tolist() == [[""]] * 2
+    assert found.source.tolist() == [["none"]] * 2
+    assert found.demands == {}
+
+
+def test_models_and_sources_are_told_in_words():
+    flags = {"flag_values": np.array([0, 1]), "flag_meanings": "static nonlinear"}
+    summary = summary_of([2.0, 3.0, 4.0])
+    summary["model_used"] = (summary["outcome"].dims, np.reshape([1, -1, 0], (3, 1, 1)), flags)
+    summary["probability_source"] = (("record", "block"), [[2], [0], [1]])
+    found = Answers(summary)
+    assert found.used.tolist() == [["nonlinear"], [""], ["static"]]
+    assert found.source.tolist() == [["own_lanes"], ["none"], ["spectrum"]]
+
+
+def two_demands(summary, other):
+    """The same with a second demand, whose variables are other multiples of those of the first."""
+    second = summary.assign({name: times * summary[name] for name, times in other.items()}).assign_coords(
+        demand=["SLC"]
+    )
+    return xr.concat([summary, second], "demand", data_vars="minimal", coords="minimal")
+
+
+def test_factors_are_taken_over_what_brings_a_record_to_each_demand():
+    times = {"demand_acceleration": 3.0, "demand_factor": 3.0, "capacity_ratio": 1.0 / 3.0}
+    found = answers(two_demands(summary_of([3.0, INF], demand=2.0, to_demand=[2.0, 0.5]), times))
+    assert [one.value for one in found.demands.values()] == [2.0, 6.0]
+    assert found.to_demand("ULS").tolist() == [[2.0], [0.5]]
+    assert found.to_demand("SLC").tolist() == [[6.0], [1.5]]
+    assert found.ratios().tolist() == [[3.0], [INF]]
+    assert found.ratios("SLC").tolist() == [[0.5], [INF]]  # the capacity_ratio of the results
+    assert found.proven().tolist() == [[3.0], [10.0]]
+    assert found.proven("SLC") == pytest.approx(np.array([[0.5], [10.0 / 1.5]]))
+    assert np.isnan(found.at_demand("SLC")).all()
+    assert found.at_demand("SLC").shape == (2, 1)
+    likely = probable([0.2, 0.1], factor_10=[0.7, INF], low=8.0, demand=2.0, to_demand=[2.0, 0.5], at_demand=[0.4, 0.3])
+    found = answers(two_demands(likely, {"demand_factor": 3.0, "demand_probability": 0.5}))
+    assert found.at_demand("ULS").tolist() == [[0.4], [0.3]]
+    assert found.at_demand("SLC").tolist() == [[0.2], [0.15]]
+    assert found.ratios("ULS") == pytest.approx(np.array([[0.35], [INF]]))
+    assert found.proven("ULS") == pytest.approx(np.array([[0.35], [16.0]]))
+    assert (found.probable, found.factor, found.told, found.searched) == (True, "factor_10", True, False)
+
+
+def test_results_of_before_have_a_demand_in_the_peak_acceleration():
+    summary = (
+        results_tree()["summary"]
+        .to_dataset()
+        .assign(demand_acceleration=("demand", [2.0]))
+        .assign_coords(demand=["ULS"])
+    )
+    expected = 2.0 / np.repeat(summary["pga"].values[:, np.newaxis], 3, axis=1)
+    assert Answers(summary).to_demand("ULS") == pytest.approx(expected)
+
+
+def test_a_bound_is_where_the_model_cannot_answer():
+    found = answers(summary_of([2.0, 3.0, 4.0], resolved=[0, 1, -1]))
+    assert found.bound.tolist() == [[True], [False], [False]]
+    assert (found.searched, found.told) == (True, True)
+    likely = probable([0.1, 0.2], resolved=[0, 1])
+    assert answers(likely).bound.tolist() == [[False], [False]]
+    assert answers(likely.assign_coords(model=["linear"]), model="linear").probable is False
+    assert answers(probable([NAN, 0.2])).probable is True
+    assert answers(probable([NAN, NAN])).probable is False
+
+
+def test_a_variable_is_read_whatever_the_order_of_its_dimensions():
+    summary = results_tree(cases=2)["summary"].to_dataset()
+    summary["more"] = summary["safety_factor"] * xr.DataArray([1.0, 10.0], dims="demand")
+    for order in (("record", "block", "case", "demand", "model"), ("model", "demand", "case", "block", "record")):
+        values = Answers(summary.transpose(*order, missing_dims="ignore"), model="sequence")["more"]
+        assert values.shape == (3, 5, 2)
+        cell = summary["more"].sel(block="column", model="sequence")
+        for record in range(3):
+            expected = cell.isel(record=record, case=1).transpose("demand").values
+            np.testing.assert_array_equal(values[record, 2], expected)
+
+
+def test_directions_that_were_not_assessed_tell_no_earthquake():
+    summary = summary_of([1.0, 2.0, 3.0]).assign(event=("record", ["Kobe", "Maule", "Napa"]))
+    index = np.array([[-1, -1], [-1, 2], [1, 0]])
+    directions = xr.Dataset({"record_index": (("direction", "pair"), index.T)}, {"pair": ["a", "b", "c"]})
+    for any_azimuth in (False, True):
+        if any_azimuth:
+            directions[MEAN] = ("pair", [0.0] * 3)
+        found = answers_of(xr.DataTree.from_dict({"/summary": summary, "/directions": directions})).motions
+        assert (found.names, found.events, found.any_azimuth) == (["b", "c"], ["Napa", "Maule"], any_azimuth)
+        assert found.index.tolist() == index[1:].tolist()
+    first = xr.Dataset({"record_index": (("pair", "direction"), [[0, -1]])}, {"pair": ["a"]})
+    assert answers_of(xr.DataTree.from_dict({"/summary": summary, "/directions": first})).motions.events == ["Kobe"]
+
+
+def test_records_without_number_of_samples_are_records():
+    summary = summary_of([2.0] * 3)
+    for npts, kind in (([-1, -1, -1], "sequence"), ([-1, 0, -1], "record"), ([0, 0, 0], "record")):
+        assert Answers(summary.assign(npts=("record", npts))).motions.kind == kind
+    assert Answers(summary_of([])).motions.kind == "record"
+    assert Answers(summary).motions.index.tolist() == [[0], [1], [2]]
+
+
+def test_motions_too_weak_to_tell_are_left_out_of_a_margin():
+    (margin,) = answers(summary_of([INF, 3.0, 5.0], up_to=0.99)).margins()
+    assert (margin.smallest, margin.median, margin.weak, margin.unknown, margin.place) == (3.0, 4.0, 1, 0, 1)
+    assert math.isnan(margin.limit)
+    (margin,) = answers(summary_of([INF, 3.0, 5.0], up_to=1.0)).margins()
+    assert (margin.smallest, margin.median, margin.weak, margin.limit) == (3.0, 5.0, 0, 1.0)
+    (margin,) = answers(summary_of([INF, INF, NAN], up_to=0.5)).margins()
+    assert (margin.smallest, margin.weak, margin.unknown, margin.limit, margin.place) == (INF, 2, 1, 0.5, 0)
+    searched = summary_of([INF, INF, 2.0])
+    searched["safe_up_to"][:, 0, 0] = [9.0, 6.0, 2.0]
+    (margin,) = answers(searched).margins()
+    assert (margin.limit, margin.median, margin.open) == (6.0, INF, False)
+
+
+def test_a_margin_is_open_where_a_direction_of_its_motion_is_not_known():
+    of = motions(4, rows=[[0, 1], [2, 3]], missing=[True, False], kind="pair")
+    (margin,) = answers(summary_of([2.5, NAN, 2.0, 3.0]), of).margins()
+    assert (margin.smallest, margin.open, margin.partial, margin.place) == (2.0, False, 1, 1)
+
+
+def test_every_body_and_direction_has_the_least_factor_of_its_own():
+    summary = results_tree()["summary"].to_dataset()
+    summary["safety_factor"].loc[{"model": "sequence"}] = [[3.0, INF, NAN], [2.0, INF, 4.0], [1.0, INF, INF]]
+    of = motions(3, rows=[[0, 1], [2, 2]], kind="pair")
+    least, row = answers(summary, of, "sequence").least_over_direction
+    np.testing.assert_array_equal(least, [[2.0, INF, 4.0], [1.0, INF, INF]])
+    assert row.tolist() == [[1, -1, 1], [2, -1, -1]]
+
+
+def test_outcomes_are_counted_over_records_and_over_motions():
+    outcomes = [2, 1, 3, 3, 0, 3, 2]
+    found = answers(summary_of([1.0] * 7, outcomes=outcomes))
+    assert found.counts == [1, 1, 2, 3]
+    of = motions(7, rows=[[0, 6], [2, 3], [4, 5]], kind="pair")
+    found = answers(summary_of([1.0] * 7, outcomes=outcomes), of)
+    assert (found.overturnings(), found.unresolved) == ([1], [2])
+    whole = Answers(results_tree()["summary"].to_dataset(), model="nonlinear")
+    assert (whole.overturnings(), whole.unresolved, whole.overturnings("motion")) == ([1, 0, 0], [0, 0, 1], [1, 0, 0])
+
+
+def test_how_far_was_searched_is_the_smallest_of_those_without_a_factor():
+    assert searched_up_to(np.array([INF, 1.3, INF]), np.array([8.0, 1.3, 6.0])) == 6.0
+    assert math.isnan(searched_up_to(np.array([1.3, NAN]), np.array([1.3, NAN])))
