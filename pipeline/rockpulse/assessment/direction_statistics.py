@@ -102,7 +102,7 @@ def largest_over(values: np.ndarray, first: np.ndarray | None = None) -> tuple[n
     """
     endless = np.isposinf(values)
     largest = np.where(endless.any(axis=1), np.inf, values.max(axis=1))
-    key = np.where(endless, 0.0, np.inf) if first is None else np.where(endless, first, np.inf)
+    key = np.where(endless, np.zeros_like(values) if first is None else first, np.inf)
     among = np.argmax(endless & (key == key.min(axis=1, keepdims=True)), axis=1)
     place = np.where(endless.any(axis=1), among, np.argmax(values, axis=1))
     return largest, np.where(np.isnan(largest), -1, place)

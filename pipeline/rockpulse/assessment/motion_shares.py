@@ -59,7 +59,7 @@ class Motions:
 
     def over(self, values: np.ndarray, missing: Any) -> np.ndarray:
         """Values (records, ...) as (motions, directions, ...), with `missing` in a direction that was not assessed."""
-        return np.concatenate([values, np.full_like(values[:1], missing, shape=(1, *values.shape[1:]))])[self.index]
+        return np.concatenate([values, np.full_like(values, missing, shape=(1, *values.shape[1:]))])[self.index]
 
     def anywhere(self, so: np.ndarray, missing: bool = False) -> np.ndarray:
         """(motions, ...) where something (records, ...) is so in one of the directions, or in a missing one."""
