@@ -153,7 +153,7 @@ def assess_scene(
     for place, numbers in places:
         below = turned(scene, place, pair, config)
         there = aloft(below, place, config)
-        stronger = there.record.pga / below.record.pga if below.record.pga > 0.0 else 1.0
+        stronger = there.record.pga / below.record.pga
         there = there if there is scene else matched(there, config)
         parts.append(_assess_at(there, bodies.chosen(numbers), config, channels or [record], stronger))
     for part in parts:

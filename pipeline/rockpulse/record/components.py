@@ -100,8 +100,8 @@ class Neighbours:
         else:
             start = record.start_time.timestamp()
             # One sampling interval for the rounding of the stamps.
-            first = bisect_left(self._timed, (start - self._longest - record.dt, 0))
-            last = bisect_left(self._timed, (start + record.duration + record.dt, 0))
+            first = bisect_left(self._timed, (start - self._longest - record.dt,))
+            last = bisect_left(self._timed, (start + record.duration + record.dt,))
             places = {place for _, place in self._timed[first:last]}
         places.update(self._of_source.get(record.source, ()))
         return [self._records[place] for place in sorted(places)]
@@ -173,13 +173,13 @@ def find_pairs(horizontal: Sequence[Record]) -> tuple[list[Pair], list[Failure]]
     taken: set[int] = set()
     for record in horizontal:
         found = partners[id(record)] if known[id(record)] else []
-        mutual = len(found) == 1 and [record] == partners[id(found[0])]
+        mutual = [partners[id(one)] for one in found] == [[record]]
         if not mutual:
             reason = f"{record.id}: {_no_pair(record, found, partners)}; {_INSTEAD}"
             failures.append(Failure(record.source, "pair", reason, "failed"))
         elif id(record) not in taken:
-            pairs.append(Pair(record, found[0]))
-            taken |= {id(record), id(found[0])}
+            pairs.append(Pair(record, *found))
+            taken |= {id(record), *map(id, found)}
     return pairs, failures
 
 
@@ -271,7 +271,7 @@ def _no_pair(record: Record, found: Sequence[Record], partners: dict[int, list[R
         how = f" (files of columns tell neither station nor time: {_BOTH_IN_ONE})" if record.format == "columns" else ""
         return f"no second horizontal channel with a known azimuth was recorded together with it{how}"
     if len(found) == 1:
-        rivals = [other for other in partners[id(found[0])] if other is not record]
+        rivals = [other for one in found for other in partners[id(one)] if other is not record]
         return f"{found[0].id} was recorded together with it, but also with {_listed(rivals)}: which two are a pair?"
     return f"expected one other horizontal channel recorded together with it, found {len(found)}: {_listed(found)}"
 

@@ -8,7 +8,14 @@ import xarray as xr
 
 import rockpulse as rp
 from rocking import Block, OverturningSpectrum, spectrum_lanes
-from rockpulse.assessment.overturning import overturning_factors, overturning_spectrum
+from rockpulse.assessment.overturning import (
+    LANES,
+    overturning_curve,
+    overturning_factors,
+    overturning_spectrum,
+    spectrum_values,
+)
+from rockpulse.record.half_wave import half_waves
 from rockpulse.record.synthetic import synthetic_motion
 from rockpulse.storage.spectrum_variables import LEVELS, ROTATIONS
 
@@ -58,6 +65,44 @@ def test_capacity_is_the_speed_over_the_spectrum(spectrum):
     speed = BODIES.gravity * np.tan(BODIES.alpha_c) / BODIES.p
     own = [spectrum["spectrum"].sel(p=p, restitution=c).item() for p, c in zip(P, BODIES.restitution, strict=True)]
     assert read["capacity_mean"] == pytest.approx(speed / own)
+
+
+def test_restitutions_that_the_lanes_do_not_reach_are_gaps(spectrum):
+    lanes = OverturningSpectrum(spectrum_lanes(RECORD.acceleration, RECORD.dt, P), rp.models.Uncertainty())
+    found = spectrum_values(lanes, np.array([0.5, C[0], 0.6, C[1]]))
+    assert set(found) == set(spectrum.data_vars)
+    for name, values in found.items():
+        axis = spectrum[name].dims.index("restitution")
+        np.testing.assert_array_equal(np.take(values, [1, 3], axis=axis), spectrum[name].values)
+        assert np.isnan(np.take(values, [0, 2], axis=axis)).all()
+    none = spectrum_values(lanes, np.array([0.5]))
+    assert {name: values.shape for name, values in none.items()} == {
+        "spectrum": (3, 1),
+        "spectrum_low": (3, 1),
+        "spectrum_high": (3, 1),
+        "rotation_spectrum": (ROTATIONS.size, 3, 1),
+        "probability": (3, 1, LEVELS.size),
+    }
+    assert all(np.isnan(values).all() for values in none.values())
+
+
+def test_the_curve_of_a_body_is_that_of_its_factors(spectrum):
+    block = Block.from_parameters(p=1.7, alpha=0.2, restitution=0.95, log=False)
+    factors, probability = overturning_curve(spectrum, block)
+    read = overturning_factors(spectrum, block)
+    assert factors == pytest.approx(read["capacity_mean"][0] * LEVELS)
+    assert probability == pytest.approx(spectrum["probability"].sel(p=1.7, restitution=0.95).values)
+    assert np.interp(read["factor_50"][0], factors, probability) == pytest.approx(0.5, abs=0.01)
+    assert np.interp(read["factor_10"][0], factors, probability) == pytest.approx(0.1, abs=0.01)
+    assert np.interp(0.0, np.log(factors), probability) == pytest.approx(read["overturning_probability"][0])
+
+
+def test_the_rule_takes_half_waves_that_are_there_already():
+    waves = half_waves(rp.Record(2.0 * RECORD.acceleration, dt=0.01, id="twice", processed=True))
+    given, own = LANES["rule"](RECORD, P, None, waves), LANES["rule"](RECORD, P)
+    twice = overturning_spectrum(rp.Record(2.0 * RECORD.acceleration, dt=0.01, id="r", processed=True), P, C, "rule")
+    np.testing.assert_array_equal(spectrum_values(OverturningSpectrum(given, None), C)["spectrum"], twice["spectrum"])
+    assert not np.array_equal(spectrum_values(OverturningSpectrum(own, None), C)["spectrum"], twice["spectrum"])
 
 
 def test_between_the_axes_the_logarithm_is_linear():

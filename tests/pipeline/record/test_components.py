@@ -8,7 +8,18 @@ import pytest
 
 from rockpulse.readers.folders import read_all
 from rockpulse.record import components
-from rockpulse.record.components import Neighbours, align, find_pairs, matching_vertical, select_horizontal, uncovered
+from rockpulse.record.components import (
+    Neighbours,
+    align,
+    concurrent,
+    find_pairs,
+    matching_vertical,
+    offset,
+    place_on_structure,
+    select_horizontal,
+    sensor_level,
+    uncovered,
+)
 from rockpulse.record.record import Record
 
 START = datetime(2019, 7, 6, 3, 19, 53, tzinfo=UTC)
@@ -282,6 +293,93 @@ def test_channels_at_two_places_of_a_structure_are_no_pair():
     ]
     assert not pairs_of(*channels[:2])[0]
     assert pairs_of(*channels)[0] == [("90 DEG (ROOF)", "0 DEG (roof)")]
+
+
+@pytest.mark.parametrize(
+    ("depth", "channel", "level"),
+    [(0.0, "HNE", 0.0), (3.0, "HNE", 0.0), (3.1, "HNE", 3.1), (100.0, "EW2", 100.0), (2.0, "EW1", 0.0)]
+    + [(np.nan, name, level) for name, level in (("EW1", np.inf), ("NS2", 0.0), ("EW11", 0.0), ("", 0.0))],
+)
+def test_a_sensor_deeper_than_a_cellar_is_in_a_borehole(depth, channel, level):
+    assert sensor_level(replace(record("horizontal"), sensor_depth=depth, channel=channel)) == level
+
+
+def test_sensors_at_other_depths_are_no_pair_and_have_no_vertical_in_common():
+    east, north = (
+        horizontal(azimuth, source=f"{azimuth}", sensor_depth=depth) for azimuth, depth in ((90.0, 2.0), (0.0, 30.0))
+    )
+    assert not pairs_of(east, north)[0]
+    assert len(pairs_of(east, replace(north, sensor_depth=3.0))[0]) == 1
+    assert matching_vertical(east, [replace(record("vertical"), sensor_depth=30.0)]) is None
+    assert matching_vertical(north, [replace(record("vertical"), sensor_depth=30.0)]) is not None
+
+
+@pytest.mark.parametrize(
+    ("component", "place"), [("90 Deg (roof )", "ROOF"), ("UP", ""), ("N (2nd floor) x", "2ND FLOOR")]
+)
+def test_the_place_on_a_structure_stands_behind_the_direction(component, place):
+    assert place_on_structure(replace(record("structural"), component=component)) == place
+
+
+@pytest.mark.parametrize("places", [("", ""), ("(ROOF)", "(ROOF)")])
+def test_on_a_structure_the_file_stands_for_a_place_that_is_not_told(places):
+    channels = [
+        replace(horizontal(azimuth, source=source), component=component, orientation="structural")
+        for azimuth, source, component in zip((90.0, 0.0), ("a.v1", "b.v1"), places, strict=True)
+    ]
+    assert len(pairs_of(*channels)[0]) == (places[0] != "")
+    assert len(pairs_of(*(replace(one, source="a.v1") for one in channels))[0]) == 1
+
+
+@pytest.mark.parametrize(("wait", "paired"), [(0.49, True), (0.495, True), (0.5, False), (-0.49, True), (-0.5, False)])
+def test_half_of_the_shorter_channel_is_enough_in_common(wait, paired):
+    """Channels of 0.99 s; the longer one of the pair does not count."""
+    late = START + timedelta(seconds=wait)
+    one, other = horizontal(90.0, source="e"), horizontal(0.0, source="n", start_time=late)
+    assert concurrent(one, other) is concurrent(other, one) is paired
+    longer = replace(one, acceleration=np.arange(300.0), start_time=START - timedelta(seconds=2.0))
+    assert concurrent(longer, other) is (wait <= 0.495)
+    assert len(pairs_of(one, other)[0]) == paired
+
+
+def test_channels_that_touch_have_nothing_in_common():
+    one = record("horizontal", n=101)
+    after = [record("vertical", START + timedelta(seconds=wait), name=str(wait)) for wait in (1.0, 0.99)]
+    assert matching_vertical(one, after[:1]) is None
+    assert matching_vertical(one, after).id == "0.99"
+    assert offset(one, after[0]) == 1.0
+    assert offset(after[0], one) == -1.0
+    assert offset(one, record("vertical", None)) == offset(record("vertical", None), one) == 0.0
+
+
+def test_files_without_times_need_the_event_and_a_name_and_one_interval():
+    for change in ({"dt": 0.02}, {"source": "y/b.AT2"}, {"event": ""}, {"station_name": ""}):
+        assert not pairs_of(peer(67.0, "x/a.AT2"), replace(peer(337.0, "x/b.AT2"), **change))[0]
+    coded = [replace(peer(azimuth, f"x/{azimuth}.AT2"), station="GIL", station_name="") for azimuth in (67.0, 337.0)]
+    assert len(pairs_of(*coded)[0]) == 1
+    assert not pairs_of(*(replace(one, station="", station_name="") for one in coded))[0]
+    # A time of one of two files keeps them apart, however alike they are.
+    assert not pairs_of(peer(67.0, "x/a.AT2"), peer(337.0, "x/b.AT2", start_time=START))[0]
+
+
+def test_of_many_partners_four_are_named():
+    channels = [horizontal(10.0 * k, id=f"c{k}", channel=f"{k}") for k in range(7)]
+    _, failures = pairs_of(*channels)
+    assert "found 6: c1, c2, c3, c4" in failures[0].reason
+    assert "c5" not in failures[0].reason
+    assert "2 " in failures[0].reason.partition("c4")[2]
+
+
+def test_a_channel_in_an_unknown_direction_is_taken_with_a_remark():
+    unknown, known, up = (record(one, name=one) for one in ("unknown", "horizontal", "vertical"))
+    for structural in (False, True):
+        chosen, failures = select_horizontal([unknown, known, up], structural=structural)
+        assert [one.id for one in chosen] == ["unknown", "horizontal"]
+        assert [one.code for one in chosen[0].warnings] == ["orientation_unknown"]
+        assert chosen[1].warnings == ()
+        assert [(one.kind, one.reason) for one in failures] == [
+            ("vertical", "vertical: vertical channel: read, not assessed as horizontal")
+        ]
 
 
 def test_windows_that_hardly_overlap_are_no_pair():

@@ -268,6 +268,53 @@ def test_merger_that_puts_the_centroid_outside_is_refused():
     assert half_waves(record(values), threshold=0.1).impulse == pytest.approx([0.1, -9.0, 33.0])
 
 
+def test_merger_that_keeps_just_half_of_the_impulses_is_made():
+    assert half_waves(triangles(1.5, -1.0, 1.5), threshold=0.8).impulse == pytest.approx([2.0])
+
+
+@pytest.mark.parametrize("dt", [1.0, 0.01])
+@pytest.mark.parametrize("size", [1.0, 0.1])
+def test_mergers_do_not_depend_on_the_units(dt, size):
+    """What is merged, and what is refused: by its sign on either side, its centroid, or the share that it keeps."""
+
+    def lobes(*values, **options):
+        return half_waves(record(np.multiply(size, values), dt), **options).lobes.tolist()
+
+    assert lobes(0, 4, 0, -1, 0, 4, 0, threshold=0.5) == [3]
+    assert lobes(0, 4, 0, 0, 1, 0, 0, 4, 0, threshold=0.5) == [1, 1, 1]
+    assert lobes(0, 40, 0, -1, 0, 0, -0.5, 0, threshold=0.5) == [1, 1, 1]
+    assert lobes(0, -4, 0, 1, 0, -4, 0, threshold=0.5) == [3]
+    assert lobes(0, -0.5, 0, 0, -1, 0, 40, 0, threshold=0.5) == [1, 1, 1]
+    far = [0, 0.1, 0, *[-1] * 9, 0, 33, 0]
+    assert lobes(*far, threshold=0.1) == lobes(*far[::-1], threshold=0.1) == [1, 1, 1]
+    near = [0, 3, 0, *[-1] * 2, 0, 33, 0]
+    assert lobes(*near, threshold=0.1) == lobes(*near[::-1], threshold=0.1) == [3]
+    assert lobes(0, 4, 0, -1, 0, 4, 0, min_duration_s=2.5 * dt) == [3]
+    assert lobes(0, 4, 0, -1, -1, 0, 4, 0, min_duration_s=2.0 * dt) == [1, 1, 1]
+
+
+def test_limits_at_the_ends_of_their_ranges_are_taken():
+    assert len(half_waves(triangles(4.0, -3.9, 4.0), threshold=1.0)) == 3
+    assert half_waves(triangles(4.0, -1.0, 4.0), threshold=1.0).lobes.tolist() == [3]
+    assert half_waves(triangles(4.0, -1.0, 4.0), min_duration_s=2.1).lobes.tolist() == [3]
+    assert half_waves(triangles(4.0, -1.0, 4.0)).lobes.tolist() == [1, 1, 1]
+
+
+def test_the_peak_of_a_merged_wave_is_the_higher_of_its_sign():
+    for peaks in ((4.0, -1.0, 6.0), (6.0, -1.0, 4.0), (-4.0, 1.0, -6.0)):
+        assert half_waves(triangles(*peaks), threshold=0.5).peak.tolist() == [max(peaks, key=abs)]
+
+
+def test_three_mergers_in_a_row_keep_their_sums():
+    """The lobes of 0.5 go into the waves beside them, whose neighbours are then those of the merged ones."""
+    waves = half_waves(triangles(-8.0, 4.0, -0.5, 4.0, -0.5, 4.0, -8.0, 0.4, -8.0), threshold=0.2)
+    assert waves.lobes.tolist() == [1, 5, 3]
+    assert waves.impulse == pytest.approx([-8.0, 11.0, -15.6])
+    assert waves.start.tolist() == [0.0, 2.0, 12.0]
+    assert waves.end.tolist() == [2.0, 12.0, 18.0]
+    assert waves.centroid[1:] == pytest.approx([(4 * 3 - 0.5 * 5 + 4 * 7 - 0.5 * 9 + 4 * 11) / 11.0, 15.0])
+
+
 def test_smallest_impulse_is_merged_first():
     # In order of time -1.5 would go into the 9 and leave the lobes as 3 + 1.
     assert half_waves(triangles(9.0, -1.5, 1.0, -1.5), threshold=0.5).lobes.tolist() == [1, 3]
@@ -335,7 +382,10 @@ def test_impulses_of_a_real_record_keep_its_velocity_and_displacement(ccc, chose
 
 
 def test_half_waves_are_told_in_a_line_and_drawn():
-    waves = half_waves(Record([0.0, 3.0, -3.0, 0.0, 1.0, 0.0], dt=0.1, id="three triangles"))
+    samples = [0.0, 3.0, -3.0, 0.0, 1.0, 0.0]
+    fainter = half_waves(Record([*samples, -0.02, 0.0, 0.03, 0.0], dt=0.1, id="five"))._repr_html_()
+    assert fainter.count("M") == 4  # below a hundredth of the largest a wave is not drawn
+    waves = half_waves(Record(samples, dt=0.1, id="three triangles"))
     assert repr(waves) == "<HalfWaves of three triangles, waves 3, largest impulse 0.225 m/s, from 0 to 0.5 s>"
     card = waves._repr_html_()
     assert card.count('stroke="#D55E00"') == 1  # the two strong ones, as one path

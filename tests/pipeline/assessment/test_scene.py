@@ -1,0 +1,82 @@
+"""A record made ready for the models: the vertical beside it, and the sequence that it is assessed by."""
+
+from dataclasses import replace
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+import rockpulse as rp
+from rockpulse.assessment.scene import extract, matched, prepare
+from rockpulse.calibration import response
+from rockpulse.errors import RecordRefused
+
+T = np.arange(0.0, 6.0, 0.01)
+RECORD = rp.Record(3.0 * np.sin(9.0 * T) * np.exp(-(((T - 3.0) / 1.5) ** 2)), dt=0.01, id="burst", processed=True)
+CONFIG = rp.Config(models=rp.ModelSettings(use=("sequence", "nonlinear")))
+
+
+def codes(record):
+    return [getattr(warning, "code", "") for warning in record.warnings]
+
+
+@pytest.mark.parametrize(("samples", "short"), [(600, False), (599, False), (598, True), (300, True)])
+def test_a_vertical_that_ends_more_than_a_sample_early_is_told(samples, short):
+    up = rp.Record(np.cos(T[:samples]), dt=0.01, id="up", processed=True, warnings=("clipped",))
+    scene = extract(RECORD, CONFIG, up)
+    np.testing.assert_allclose(scene.vertical, np.where(np.arange(600) < samples, np.cos(T), 0.0), atol=1e-12)
+    assert codes(scene.record) == ["of_vertical/plain"] + ["vertical_short"] * short
+    assert [getattr(note, "code", "") for note in scene.record.processing] == ["vertical_acceleration"]
+
+
+def test_without_a_vertical_nothing_is_told_and_both_are_conditioned_alike():
+    assert (extract(RECORD, CONFIG).vertical, extract(RECORD, CONFIG).record.warnings) == (None, ())
+    linear = replace(CONFIG, conditioning={"baseline": "mean"})
+    up = rp.Record(1.0 + np.cos(T), dt=0.01, id="up", processed=True)
+    scene = prepare(rp.Record(RECORD.acceleration + 0.2, dt=0.01, id="burst"), linear, up)
+    assert abs(scene.record.acceleration.mean()) < 1e-12
+    assert scene.vertical == pytest.approx(np.cos(T) - np.cos(T).mean())
+    assert prepare(RECORD, linear).vertical is None
+
+
+def test_a_record_with_too_few_half_waves_has_no_sequence():
+    push = rp.Record(np.append([0.0, 1.0, 2.0, 1.0], np.zeros(50)), dt=0.1, id="push", processed=True)
+    scene = extract(push, CONFIG)
+    assert scene.sequence is None
+    assert "no_sequence" in codes(scene.record)
+    assert extract(RECORD, CONFIG).sequence is not None
+
+
+def test_a_sequence_is_matched_to_the_record_where_that_is_asked_for(monkeypatch):
+    asked = replace(CONFIG, sequence=replace(CONFIG.sequence, method="response"), run=replace(CONFIG.run, seed=7))
+    scene = extract(RECORD, asked)
+    given = {}
+
+    def calibrated(record, **options):
+        given.update(options, record=record)
+        return SimpleNamespace(remarks=("one", "two"), sequence="matched")
+
+    monkeypatch.setattr(response, "calibrate_response", calibrated)
+    found = matched(scene, asked)
+    assert (found.sequence, found.record.processing[-2:]) == ("matched", ("one", "two"))
+    assert given == {
+        "record": scene.record, "vertical": None, "start": scene.sequence, "spacing": asked.sequence.spacing, "seed": 7
+    }  # fmt: skip
+    # Nothing is searched by another method, without a sequence to begin with, or for models that take none.
+    assert matched(scene, CONFIG) is scene
+    for other in (replace(scene, sequence=None), replace(scene, models=rp.ModelSettings(use=("nonlinear",)))):
+        assert matched(other, asked) is other
+
+    def refused(record, **options):
+        raise RecordRefused("too few bodies move")
+
+    monkeypatch.setattr(response, "calibrate_response", refused)
+    found = matched(scene, asked)
+    assert (found.sequence, codes(found.record)) == (None, ["no_sequence"])
+    assert "too few bodies move" in found.record.warnings[0]
+
+
+@pytest.mark.parametrize(("method", "rule"), [("rule", "conservative"), ("statistics", "")])
+def test_the_rule_of_a_sequence_is_named(method, rule):
+    asked = replace(CONFIG, sequence=replace(CONFIG.sequence, method=method))
+    assert extract(RECORD, asked).rule == rule
