@@ -15,7 +15,6 @@ from rockpulse.readers import read
 from rockpulse.readers.column_headings import Heading, _are_headings
 from rockpulse.readers.format import ReadOptions
 from rockpulse.readers.formats.columns import is_columns, read_columns
-from rockpulse.readers.header_words import stated_counts, stated_kinds, stated_steps, stated_units
 from rockpulse.readers.source import NotAcceleration, SourceFile
 
 COUNT, STEP = 1000, 0.005
@@ -302,28 +301,6 @@ def test_hostile_lines_cost_no_more_than_their_length(unit):
         with contextlib.suppress(RockpulseError):
             read_columns(SourceFile("a.txt", content[:65536], lambda content=content: content), ReadOptions("g", 0.005))
         assert time.process_time() - began < 2.0
-
-
-@pytest.mark.parametrize(
-    ("line", "kinds", "units", "steps", "counts"),
-    [
-        ("# velocity (cm/s)", ["velocity"], [], [], []),
-        ("accelerogram of the main shock, spectrally matched", [], [], [], []),
-        ("shear wave velocity 360 m/s", [], [], [], []),
-        ("Acceleration in g, dt = 0.02, N = 400", ["acceleration"], ["g"], [0.02], [400]),
-        ("Beschleunigung in mm/s², 100 Hz", ["acceleration"], ["mm/s2"], [0.01], []),
-        *[(f"dt = 5 {unit}", [], [], [0.005], []) for unit in ("ms", "msec", "millisec", "milliseconds")],
-        ("dt = 500 us", [], [], [5e-4], []),
-        *[(f"dt = 2 {unit}", [], [], [120.0], []) for unit in ("min", "minutes")],
-        ("500 Hz filter, 2000 samples per second", [], [], [], []),
-        ("with 2 numbers", [], [], [], []),
-    ],
-)
-def test_words_of_a_header(line, kinds, units, steps, counts):
-    assert list(stated_kinds([line])) == kinds
-    assert sorted({unit.wording for unit in stated_units([line])}) == units
-    assert [step.value for step in stated_steps([line])] == pytest.approx(steps)
-    assert [count.value for count in stated_counts([line])] == counts
 
 
 def test_four_columns_beside_the_times_need_headings(write):
