@@ -61,7 +61,7 @@ def held_peak_time(text: str, times: np.ndarray, values: np.ndarray) -> list[str
     stated, rounding = printed_number(text)
     peak, step = float(np.max(np.abs(values))), float(np.median(np.diff(times)))
     near = np.abs(times - stated) <= (_BESIDE_PEAK + 0.5) * step + rounding
-    if peak == 0.0 or np.max(np.abs(values), where=near, initial=0.0) >= _PEAK_SHARE * peak:
+    if np.max(np.abs(values), where=near, initial=0.0) >= _PEAK_SHARE * peak:
         return []
     found = float(times[np.argmax(np.abs(values))])
     return [

@@ -7,7 +7,14 @@ import pytest
 from record_writers import csmip_equal, pulse
 
 from rockpulse.readers import read
-from rockpulse.readers.facing import direction, heading_direction, on_structure
+from rockpulse.readers.facing import (
+    Direction,
+    direction,
+    heading_direction,
+    means_vertical,
+    on_structure,
+    vertical_if_so,
+)
 
 
 @pytest.mark.parametrize(
@@ -16,6 +23,8 @@ from rockpulse.readers.facing import direction, heading_direction, on_structure
 )
 def test_vertical(wording):
     assert direction(wording).orientation == "vertical"
+    assert direction(wording).sign == 1.0
+    assert bool(direction(wording).note) is wording.startswith("-")
 
 
 @pytest.mark.parametrize(
@@ -30,6 +39,12 @@ def test_vertical(wording):
         ("BHE", 90.0),
         ("HNN", 0.0),
         ("S05W", 185.0),
+        ("N30E", 30.0),
+        ("N 30 W", 330.0),
+        ("S30E", 150.0),
+        ("N90E", 90.0),
+        ("N0W", 0.0),
+        ("10", 10.0),
     ],
 )
 def test_azimuths(wording, azimuth):
@@ -49,7 +64,7 @@ def test_words_of_the_compass(wordings, azimuth):
     assert [direction(word).azimuth for word in wordings] == [azimuth] * len(wordings)
 
 
-@pytest.mark.parametrize("wording", ["1", "2", "9", "0", "", "INTC", "NNE", "WNW", "361", "S95W"])
+@pytest.mark.parametrize("wording", ["1", "2", "9", "0", "", "INTC", "NNE", "WNW", "360.5", "S90.5W", "XUP", "HN3"])
 def test_what_is_no_direction_stays_unknown(wording):
     assert direction(wording).orientation == "unknown"
     assert np.isnan(direction(wording).azimuth)
@@ -66,6 +81,10 @@ def test_what_is_no_direction_stays_unknown(wording):
         ("HNZ", "vertical", np.nan),
         ("acc VRT", "vertical", np.nan),
         ("V", "vertical", np.nan),
+        ("acc EW", "horizontal", 90.0),
+        ("acc e", "horizontal", 90.0),
+        ("acc T", "unknown", np.nan),
+        ("acc N E", "unknown", np.nan),
         ("v", "unknown", np.nan),
         ("acc 12.5 deg", "horizontal", 12.5),
         ("acc 12.5°", "horizontal", 12.5),
@@ -131,3 +150,31 @@ def test_places_on_structures(place, expected):
 )
 def test_places_of_instrumented_structures(place, expected):
     assert on_structure(place, stated=True) is expected
+
+
+@pytest.mark.parametrize("wording", ["Down", "DN", "downwards"])
+def test_a_channel_that_is_positive_downwards(wording):
+    assert direction(wording) == Direction("vertical", direction(wording).azimuth, sign=-1.0)
+    assert direction(f"- {wording}").sign == 1.0
+    assert "does not tell whether upwards is positive" in direction(f"+{wording}").note
+
+
+@pytest.mark.parametrize("wording", ["HN1", "HN2", "L", "Long", "Transverse"])
+def test_a_horizontal_direction_without_an_azimuth(wording):
+    assert (direction(wording).orientation, np.isnan(direction(wording).azimuth)) == ("horizontal", True)
+
+
+def test_the_letter_of_seed_for_a_vertical_channel():
+    assert [means_vertical(code) for code in (" hnz ", "HNN", "HN1", "Z")] == [True, False, False, False]
+
+
+def test_a_code_of_seed_makes_a_horizontal_direction_vertical():
+    north, unknown = Direction("horizontal", 0.0), Direction()
+    assert vertical_if_so(north, "HNN") is north
+    assert vertical_if_so(unknown, "HNZ") is unknown
+    for facing, told in ((north, "an azimuth of 0 degrees"), (Direction("horizontal"), "a horizontal direction")):
+        upright = vertical_if_so(facing, " HNZ ")
+        assert (upright.orientation, upright.sign) == ("vertical", 1.0)
+        assert np.isnan(upright.azimuth)
+        assert upright.note.startswith("the channel code HNZ says vertical, the header ")
+        assert told in upright.note

@@ -43,13 +43,25 @@ def test_facts_are_fields_of_a_record_with_the_same_defaults():
         ({"magnitude": ("0.00", "ML")}, {}),
         ({"magnitude": (-999.0, "Mw")}, {}),
         ({"magnitude": ("10.1", "")}, {}),
+        ({"magnitude": (10.0, "")}, {"magnitude": 10.0}),
+        ({"magnitude": (-1.0, "ML")}, {"magnitude": -1.0, "magnitude_type": "ML"}),
+        ({"magnitude": (-1.1, "ML")}, {}),
+        ({"magnitude": (1.0, " mb ")}, {"magnitude": 1.0, "magnitude_type": "mb"}),
         ({"magnitude": ("unknown", "Mw")}, {}),
         ({"hypocentre": ("37.288", "37.043")}, {"hypocentre_latitude": 37.288, "hypocentre_longitude": 37.043}),
         ({"hypocentre": (37.0, 200.0)}, {"hypocentre_latitude": 37.0, "hypocentre_longitude": -160.0}),
         ({"hypocentre": (37.0, -359.5)}, {"hypocentre_latitude": 37.0, "hypocentre_longitude": 0.5}),
         ({"hypocentre": (37.0, 360.0)}, {"hypocentre_latitude": 37.0, "hypocentre_longitude": 0.0}),
         ({"hypocentre": (37.0, 180.0)}, {"hypocentre_latitude": 37.0, "hypocentre_longitude": 180.0}),
+        ({"hypocentre": (37.0, 180.5)}, {"hypocentre_latitude": 37.0, "hypocentre_longitude": -179.5}),
+        ({"hypocentre": (37.0, -180.0)}, {"hypocentre_latitude": 37.0, "hypocentre_longitude": -180.0}),
+        ({"hypocentre": (37.0, -360.0)}, {"hypocentre_latitude": 37.0, "hypocentre_longitude": 0.0}),
         ({"hypocentre": (37.0, 360.5)}, {}),
+        ({"hypocentre": (37.0, -360.5)}, {}),
+        ({"hypocentre": (90.0, 0.0)}, {"hypocentre_latitude": 90.0, "hypocentre_longitude": 0.0}),
+        ({"hypocentre": (90.5, 20.0)}, {}),
+        ({"hypocentre": (-90.5, 20.0)}, {}),
+        ({"hypocentre": (1.0, 1.0)}, {"hypocentre_latitude": 1.0, "hypocentre_longitude": 1.0}),
         ({"hypocentre": (-90.0, 20.0)}, {"hypocentre_latitude": -90.0, "hypocentre_longitude": 20.0}),
         ({"hypocentre": ("91", "37"), "depth_km": "5"}, {"hypocentre_depth": 5000.0}),
         ({"hypocentre": (-999.0, -999.0)}, {}),
@@ -59,7 +71,15 @@ def test_facts_are_fields_of_a_record_with_the_same_defaults():
             {"hypocentre_latitude": 37.0, "hypocentre_longitude": 37.0, "hypocentre_depth": 0.0},
         ),
         ({"depth_km": "-3"}, {}),
-        ({"depth_km": 801.0}, {}),
+        ({"depth_km": 800.5}, {}),
+        ({"depth_km": 800.0}, {"hypocentre_depth": 800_000.0}),
+        ({"depth_km": 0.5}, {"hypocentre_depth": 500.0}),
+        ({"depth_km": -0.5}, {}),
+        ({"distance_km": 0.5}, {"epicentral_distance": 500.0}),
+        ({"distance_km": 1.0}, {"epicentral_distance": 1000.0}),
+        ({"distance_km": -0.5}, {}),
+        ({"distance_km": 20_040.0}, {"epicentral_distance": 20_040_000.0}),
+        ({"distance_km": 20_040.5}, {}),
         ({"distance_km": "120.12"}, {"epicentral_distance": 120120.0}),
         ({"distance_km": "0."}, {}),
         ({"distance_km": -999.0}, {}),
@@ -67,6 +87,10 @@ def test_facts_are_fields_of_a_record_with_the_same_defaults():
         ({"station": (0.0, 9.5)}, {"station_latitude": 0.0, "station_longitude": 9.5}),
         ({"vs30": "391"}, {"vs30": 391.0}),
         ({"vs30": "0"}, {}),
+        ({"vs30": 30.0}, {"vs30": 30.0}),
+        ({"vs30": 29.5}, {}),
+        ({"vs30": "5000"}, {"vs30": 5000.0}),
+        ({"vs30": 5000.5}, {}),
         ({"vs30": "1e999"}, {}),
         ({"site_class": " B "}, {"site_class": "B"}),
         ({"site_class": "N/A", "event_id": "---"}, {}),
@@ -98,6 +122,9 @@ def test_nothing_stated_is_nothing_known():
         ("Site HSES      42 31 24S  172 49 50E     Basalt file:  20161113", (-42.523333, 172.830556)),
         ("Hypocenter:  To be determined.               ML:  To be determined.", (NAN, NAN)),
         ("12.5 NEAR 13.5 WEST", (NAN, NAN)),
+        ("33.5n 118.25w, 40.0S 100.0E", (33.5, -118.25)),
+        ("34 03 36s, 118 04 30e, 12 00 00N", (-34.06, 118.075)),
+        ("33.5N", (33.5, NAN)),
     ],
 )
 def test_places_in_headers(text, place):
@@ -123,6 +150,10 @@ def test_magnitudes_in_headers(text, found):
 def test_one_magnitude_of_several():
     assert preferred([("6.5", "ML"), ("-999", "Mw"), ("6.6", "Ms")]) == (6.6, "Ms")
     assert preferred([("5.0", "Md"), ("5.1", "Mc")]) == (5.0, "Md")
+    order = [("5.3", "Md"), ("5.4", "mb"), ("5.5", "ML"), ("5.6", "Ms"), ("5.7", "Mw")]
+    for count in range(1, 6):
+        assert preferred(order[:count]) == (float(order[count - 1][0]), order[count - 1][1])
+    assert preferred([("5.0", "m"), ("0.0", "Mw")]) == (5.0, "")
     np.testing.assert_equal(preferred([]), (NAN, ""))
 
 

@@ -7,7 +7,14 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from rockpulse.readers.csmip_numbers import channel_count, direction_code, held_count, one_direction, real
+from rockpulse.readers.csmip_numbers import (
+    channel_count,
+    direction_code,
+    held_count,
+    held_peak_real,
+    one_direction,
+    real,
+)
 from rockpulse.readers.facing import Direction, direction
 from rockpulse.readers.held import (
     held_direction,
@@ -18,6 +25,7 @@ from rockpulse.readers.held import (
     left_in_row,
 )
 from rockpulse.readers.sensitivity import sensitivity_notes
+from rockpulse.record.record import STANDARD_GRAVITY
 
 TIMES = 0.01 * np.arange(1000)
 PEAK = 4.0 * np.exp(-(((TIMES - 5.0) / 0.02) ** 2)) - 1.0 * np.exp(-(((TIMES - 8.0) / 0.02) ** 2))
@@ -29,10 +37,14 @@ PEAK = 4.0 * np.exp(-(((TIMES - 5.0) / 0.02) ** 2)) - 1.0 * np.exp(-(((TIMES - 8
         ("10.00", 0.0, False),
         ("9.99", 0.0, False),  # of the steps between the samples
         ("10.02", 0.0, False),
+        ("10.020000000000", 0.0, False),
+        ("10.03", 0.0, True),
         ("10.04", 0.0, True),
+        ("9.96", 0.0, True),
         ("10.04", 0.02, False),
         ("10", 0.0, False),
         ("11", 0.0, True),
+        ("10.1", 0.0, True),  # of half a unit of the last digit
         ("", 0.0, False),
         ("none", 0.0, False),
         ("1e400", 0.0, False),
@@ -40,24 +52,41 @@ PEAK = 4.0 * np.exp(-(((TIMES - 5.0) / 0.02) ** 2)) - 1.0 * np.exp(-(((TIMES - 8
 )
 def test_a_length_may_be_off_by_two_steps_and_its_rounding(text, spare, told):
     assert bool(held_length(text, 1000, 0.01, spare)) is told
+    assert bool(held_length(text, 1000, 0.01)) is (told or spare > 0.0)
+    assert held_length("11", 1050, 0.01) == []
 
 
 @pytest.mark.parametrize(
     ("text", "told"),
-    [("5.00", False), ("5.02", False), ("4.97", True), ("5.0", False), ("8.00", True), ("99", True), ("-5", True)],
+    [
+        ("5.00", False),
+        ("5.025", False),
+        ("5.026", True),
+        ("4.97", True),
+        ("5.0", False),
+        ("8.00", True),
+        ("99", True),
+        ("-5", True),
+    ],
 )
 def test_the_time_of_the_peak_is_where_nine_tenths_of_it_are(text, told):
     assert bool(held_peak_time(text, TIMES, PEAK)) is told
+    assert bool(held_peak_time(text, TIMES, -0.25 * PEAK)) is told
     assert held_peak_time(text, TIMES, np.zeros(1000)) == []
 
 
 def test_two_peaks_that_are_nearly_equal_are_both_right():
     both = PEAK + np.roll(PEAK, 200) * 0.95
     assert held_peak_time("7.00", TIMES, both) == held_peak_time("5.00", TIMES, both) == []
+    tenths = [0.0, 0.0, 0.0, 10.0, 0.0, 0.0, 0.0, 9.0]  # nine tenths are enough
+    assert held_peak_time("7.0", np.arange(8.0), np.array(tenths)) == []
 
 
 def test_a_peak_that_is_stated_in_no_number_or_of_one_sample_tells_nothing():
     assert held_peak_time("soon", TIMES, PEAK) == held_peak_time("0", TIMES[:1], PEAK[:1]) == []
+    assert held_peak_time("0.9", TIMES[:2], np.array([0.5, 2.0])) == [
+        "the header states the peak at 0.9 s, at the interval of 0.01 s the samples have it at 0.01 s"
+    ]
 
 
 def test_one_unit_under_two_names_is_one():
@@ -69,6 +98,13 @@ def test_units_without_a_length_are_held_against_nothing():
     assert held_lengths_of_units(["g", "cm/s", "cm"]) == held_lengths_of_units(["gal"]) == []
 
 
+def test_one_length_in_several_spellings_is_one():
+    assert held_lengths_of_units(["CMS/SEC/SEC", "cm/s", "cm"]) == []
+    assert held_lengths_of_units(["mm/s/s", "CM/s"]) == [
+        "the header states mm/s/s beside CM/s: units of two lengths; one of them is wrong"
+    ]
+
+
 @pytest.mark.parametrize(
     ("said", "told", "found"),
     [
@@ -76,6 +112,12 @@ def test_units_without_a_length_are_held_against_nothing():
         ("N90E", "91", ("horizontal", 90.0, False)),
         ("N90E", "92", ("horizontal", np.nan, True)),
         ("N", "359.5", ("horizontal", 0.0, False)),
+        ("N", "359", ("horizontal", 0.0, False)),
+        ("N", "358.5", ("horizontal", np.nan, True)),
+        ("358.5", "N", ("horizontal", np.nan, True)),
+        ("E", "W", ("horizontal", np.nan, True)),
+        ("H1", "?", ("horizontal", np.nan, False)),
+        ("H1", "H2", ("horizontal", np.nan, False)),
         ("UP", "90", ("unknown", np.nan, True)),
         ("UP", "DOWN", ("unknown", np.nan, True)),
         ("?", "45", ("horizontal", 45.0, False)),
@@ -107,6 +149,7 @@ def test_the_integers_of_a_channel():
     assert (channel_count(ROWS[1:]), direction_code(["words", *ROWS])) == (8, 90)
     assert (channel_count([]), direction_code(ROWS[:1]), direction_code([])) == (0, 0, 0)
     assert direction_code([ROWS[0], ROWS[1].replace("   90", " 1100")]) == 0  # a sensor without an azimuth
+    assert direction_code([ROWS[0], ROWS[1].replace("   90", "1  90")]) == 0  # damaged
 
 
 @pytest.mark.parametrize(
@@ -115,6 +158,9 @@ def test_the_integers_of_a_channel():
         ("90 Deg", 90, "horizontal", 90.0),
         ("360 Deg", 360, "horizontal", 0.0),
         ("0 Deg", 0, "horizontal", 0.0),
+        ("?", 1, "horizontal", 1.0),
+        ("?", 361, "unknown", np.nan),
+        ("?", 0, "unknown", np.nan),
         ("Up", 500, "vertical", np.nan),
         ("Down", 600, "vertical", np.nan),
         ("?", 500, "vertical", np.nan),
@@ -134,7 +180,13 @@ def test_a_direction_in_words_and_as_an_integer(component, code, orientation, az
     assert bool(facing.note) is ((np.isnan(azimuth) and code in (45, 90)) or (component, code) == ("Up", 600))
 
 
+def test_an_integer_tells_whether_upwards_is_positive():
+    assert [one_direction("?", code).sign for code in (500, 600)] == [1.0, -1.0]
+
+
 def test_a_direction_that_another_line_repeats():
+    twice = one_direction("90 Deg", 90, ("S00E", "90 DEG", "45"))
+    assert twice.note.endswith("another line of the header 'S00E': the direction is unknown")
     assert one_direction("90 Deg", 90, ("90 DEG", "S00E")).note.endswith(
         "another line of the header 'S00E': the direction is unknown"
     )
@@ -166,9 +218,44 @@ def test_the_reals_of_a_channel():
 
 
 def test_the_count_in_the_integers():
-    assert held_count(BEHIND, 35430) == held_count([], 35430) == held_count(["    0" * 16] * 7, 35430) == []
+    assert (
+        held_count(BEHIND, 35430)
+        == held_count([], 35430)
+        == held_count(ROWS[:1], 5)
+        == held_count(["    0" * 16] * 7, 35430)
+        == []
+    )
     assert held_count(BEHIND, 35429) == ["integer 28 of the header states 35430 points, the text 35429"]
-    assert held_count(BEHIND, 135_430) == []  # for which there is no room
+    assert held_count(BEHIND, 100_000) == []  # for which there is no room
+    assert held_count(BEHIND, 99_999) == ["integer 28 of the header states 35430 points, the text 99999"]
+    assert held_count([ROWS[0], ROWS[1].replace("35430", "    1")], 2) != []
+
+
+@pytest.mark.parametrize(
+    ("peak", "per_unit", "told"),
+    [
+        (2.00 * STANDARD_GRAVITY, STANDARD_GRAVITY / 100.0, False),
+        (1.97 * STANDARD_GRAVITY, STANDARD_GRAVITY / 100.0, False),
+        (2.03 * STANDARD_GRAVITY, STANDARD_GRAVITY / 100.0, False),
+        (1.95 * STANDARD_GRAVITY, STANDARD_GRAVITY / 100.0, True),
+        (2.05 * STANDARD_GRAVITY, STANDARD_GRAVITY / 100.0, True),
+        (2.0, 0.01, False),
+        (20.0, 0.01, True),
+    ],
+)
+@pytest.mark.parametrize(("unit", "factor"), [("m/s2", 1.0), ("cm/s2", 0.01), ("g", STANDARD_GRAVITY)])
+def test_the_peak_among_the_reals(peak, per_unit, told, unit, factor):
+    block = SimpleNamespace(peak=peak / factor, unit=unit)
+    assert bool(held_peak_real(BEHIND, 9, block, per_unit)) is told
+    negative = [row.replace(" 200.00000", "-200.00000") for row in BEHIND]
+    assert bool(held_peak_real(negative, 9, block, per_unit)) is told
+    assert held_peak_real(BEHIND, 12, block, per_unit) == []  # unknown
+
+
+@pytest.mark.parametrize(("peak", "told"), [(0.243, True), (0.245, False), (0.356, False), (0.358, True)])
+def test_the_rounding_of_the_peak_among_the_reals_counts(peak, told):
+    rows = [row.replace(" 200.00000", "        3.") for row in BEHIND]  # 0.25 to 0.35 m/s2, and 2 % more
+    assert bool(held_peak_real(rows, 9, SimpleNamespace(peak=peak, unit="m/s2"), 0.1)) is told
 
 
 @pytest.mark.parametrize(
