@@ -4,15 +4,16 @@ from __future__ import annotations
 
 import re
 import time
+from datetime import UTC, datetime
 
 import numpy as np
 import pytest
 from record_writers import pulse
 
-from rockpulse.errors import RecordFormatError
-from rockpulse.readers.channel import build_record
+from rockpulse.errors import RecordFormatError, RecordRefused
+from rockpulse.readers.channel import build_record, odd_peak, usable_channels
 from rockpulse.readers.facing import Direction
-from rockpulse.readers.source import SourceFile
+from rockpulse.readers.source import NotAcceleration, SourceFile
 from rockpulse.record.record import STANDARD_GRAVITY as G
 from rockpulse.remark import code_of
 
@@ -29,6 +30,8 @@ def record(peak=0.3, unit="g", samples=None, **known):
     [
         (50.0, "g", r"peak 50 g in the unit g; the values would be 0.051 g if it were cm/s2"),
         (6000.0, "cm/s2", r"peak 6.12 g in the unit cm/s2; the values would be 0.612 g if it were mm/s2"),
+        (5.01, "g", r"peak 5.01 g in the unit g; the values would be 0.511 g if it were m/s2"),
+        (9.9e-7, "g", r"peak 9.9e-07 g in the unit g; "),
         (5e-7, "g", r"peak 5e-07 g in the unit g; the values would be 5.1e-08 g if it were m/s2, no ordinary"),
         (5e-3, "mm/s2", r"peak 5.1e-07 g in the unit mm/s2; .*0.005 g if it were g"),
     ],
@@ -38,7 +41,7 @@ def test_a_peak_beyond_belief_is_printed_in_both_units(peak, unit, words):
     assert re.search(words, warning)
 
 
-@pytest.mark.parametrize("peak", [1.01e-6, 1e-3, 4.99])
+@pytest.mark.parametrize("peak", [1e-6, 1e-3, 1.0 / G, 5.0])
 def test_an_ordinary_peak_is_no_news(peak):
     assert record(peak).warnings == ()
 
@@ -69,6 +72,35 @@ def test_only_a_peak_one_and_a_half_times_that_of_the_header_is_doubted(stated, 
 
 
 @pytest.mark.parametrize(
+    ("stated", "rounding", "codes"),
+    [(3.0, 0.0, ["header_peak"]), (2.5, 0.0, ["header_peak_near"]), (2.5, 0.5, []), (2.5, 0.25, ["header_peak_near"])],
+)
+def test_a_peak_may_be_off_by_its_rounding(stated, rounding, codes):
+    told = record(samples=np.array([0.0, 2.0, -1.0]), unit="m/s2", header_peak=stated, peak_rounding=rounding)
+    assert [code_of(warning) for warning in told.warnings] == codes
+    assert told.header_peak == stated
+
+
+def test_a_peak_may_be_off_by_two_per_cent():
+    assert record(samples=np.array([0.0, 49.0, -1.0]), unit="m/s2", header_peak=-50.0).warnings == ()
+
+
+def test_the_header_describes_the_peak_before_resampling():
+    samples = np.array([0.0, 2.0, -1.0])
+    assert record(samples=samples, unit="m/s2", header_peak=3.0, original_peak=3.0).warnings == ()
+    (warning,) = record(samples=samples, unit="m/s2", header_peak=2.0, original_peak=3.0).warnings
+    assert "a peak of 0.2039 g, the data have 0.3059 g" in warning
+
+
+def test_the_unit_of_an_odd_peak():
+    assert "peak 10 g in the unit m/s2;" in odd_peak(10.0 * G, "", 7.0)
+    # 200 G counts, which are 2 G m/s2 if a count is a cm/s2
+    assert "peak 100 g in the unit counts x 0.5 m/s2; the values would be 2 g if it were cm/s2" in odd_peak(
+        100.0 * G, "counts", -0.5
+    )
+
+
+@pytest.mark.parametrize(
     ("known", "orientation", "told"),
     [
         ({"channel": "BNZ", "component": "0 Deg"}, "vertical", "an azimuth of 0 degrees"),
@@ -95,7 +127,8 @@ def test_a_dead_channel_is_called_one():
 
 
 @pytest.mark.parametrize(
-    ("samples", "dt"), [(np.zeros(1), 0.01), (np.zeros(0), 0.01), (pulse(), 0.0), (pulse(), np.nan), (pulse(), np.inf)]
+    ("samples", "dt"),
+    [(pulse(), -0.01), (np.zeros(1), 0.01), (np.zeros(0), 0.01), (pulse(), 0.0), (pulse(), np.nan), (pulse(), np.inf)],
 )
 def test_what_is_no_series_is_refused(samples, dt):
     with pytest.raises(RecordFormatError, match=r"a.V1: channel 1: expected (at least 2 samples|a positive sampling)"):
@@ -115,7 +148,76 @@ def test_the_channel_is_the_component_without_its_unit(component):
 
 
 @pytest.mark.parametrize(
-    ("stated", "kept"), [(0.0, 0.0), (260.0, 260.0), (-9999.0, np.nan), (-1.0, np.nan), (99999.0, np.nan)]
+    ("stated", "kept"),
+    [
+        (0.0, 0.0),
+        (260.0, 260.0),
+        (-9999.0, np.nan),
+        (-0.5, np.nan),
+        (0.5, 0.5),
+        (3.0, 3.0),
+        (3.25, 3.25),
+        (10e3, 10e3),
+        (10_000.5, np.nan),
+    ],
 )
 def test_a_depth_of_the_sensor_that_cannot_be_is_left_out(stated, kept):
-    np.testing.assert_equal(record(sensor_depth=stated).sensor_depth, kept)
+    built = record(sensor_depth=stated)
+    np.testing.assert_equal(built.sensor_depth, kept)
+    assert bool(built.warnings) == (kept > 3.0)
+
+
+@pytest.mark.parametrize(("dt", "told"), [(0.1, False), (0.11, True)])
+def test_a_long_interval_is_told(dt, told):
+    built = build_record(FILE, 3, pulse(), dt, "g", format="test", processed=None)
+    assert [code_of(warning) for warning in built.warnings] == ["long_interval"] * told
+    assert built.channel == "3"
+
+
+def test_two_samples_are_a_series():
+    assert record(samples=np.array([0.25, -0.5])).npts == 2
+
+
+def test_a_time_of_a_clock_that_was_never_set_is_left_out():
+    built = record(start_time=datetime(1980, 1, 1, tzinfo=UTC))
+    assert built.start_time is None
+    assert len(built.warnings) == 1
+    start = datetime(2011, 3, 11, tzinfo=UTC)
+    assert (record(start_time=start).start_time, record(start_time=start).warnings) == (start, ())
+
+
+def test_a_channel_that_is_positive_downwards_is_turned():
+    built = record(component="Down")
+    assert np.array_equal(built.acceleration, -record(component="Up").acceleration)
+    assert (built.unit_factor, [code_of(warning) for warning in built.warnings]) == (-G, ["positive_downwards"])
+    assert record(component="Up").warnings == ()
+
+
+def test_clipping_is_told_once_and_not_of_corrected_records():
+    clipped = np.minimum(pulse(peak=0.3), 0.2)
+    (note,) = record(samples=clipped).warnings
+    assert "the record may be clipped" in note
+    assert record(samples=clipped, warnings=("first", note)).warnings == ("first", note)
+    assert build_record(FILE, 1, clipped, 0.01, "g", format="test", processed=True).warnings == ()
+
+
+def test_counts_have_a_factor_of_their_own():
+    built = record(samples=np.array([0.0, 4.0, -8.0]), unit="counts", factor=0.25, component="90 Deg")
+    assert list(built.acceleration) == [0.0, 1.0, -2.0]
+    assert (built.unit_factor, built.source_unit, built.azimuth) == (0.25, "counts", 90.0)
+
+
+def test_the_usable_channels_of_a_file_are_kept():
+    def refuse(fault):
+        raise fault
+
+    velocity, gap, other = NotAcceleration("velocity"), RecordRefused("a gap"), RecordRefused("another gap")
+    built = record(warnings=("own",))
+    assert usable_channels([lambda: built, lambda: built]) == [built, built]
+    (kept,) = usable_channels([lambda: refuse(velocity), lambda: built, lambda: refuse(gap)], ["of all"])
+    left_out = [f"another channel of the file is left out: {reason}" for reason in ("velocity", "a gap")]
+    assert kept.warnings == ("own", "of all", *left_out)
+    for faults, raised in (([velocity, gap, other], gap), ([gap, velocity], gap), ([velocity], velocity)):
+        with pytest.raises(RecordRefused) as told:
+            usable_channels([lambda fault=fault: refuse(fault) for fault in faults])
+        assert told.value is raised

@@ -39,6 +39,42 @@ def test_an_offset_does_not_matter(offset):
     assert not clipping_warning(WAVE + offset, "g")
 
 
+@pytest.mark.parametrize(("top", "warned"), [(200, True), (199, False)])
+def test_the_extremes_are_two_hundred_of_the_smallest_steps_apart(top, warned):
+    wave = np.r_[0, 1, 50, 100, np.full(5, top), 100, 50]
+    assert bool(clipping_warning(wave)) is bool(clipping_warning(3.0 - 7.0 * wave, "g")) is warned
+
+
+@pytest.mark.parametrize(("left", "right", "warned"), [(9, 9, False), (10, 9, True), (9, 10, True)])
+@pytest.mark.parametrize("length", [5, 6, 7])
+def test_half_a_run_beside_it_the_trace_has_fallen_by_ten_steps(left, right, warned, length):
+    near = [3, 4, 5][: length // 2]
+    crest = np.r_[20, left, near[::-1], np.zeros(length), near, right, 20]
+    notes = clipping_warning(1000.0 - np.r_[1000, 999, 500, crest, 300])
+    assert notes == ([f"{length} samples in a row at the largest value: the record may be clipped"] if warned else [])
+
+
+@pytest.mark.parametrize(("outside", "warned"), [([], False), ([20], True), ([9], False)])
+def test_half_a_run_beside_it_may_lie_beyond_the_record(outside, warned):
+    wave = 1000.0 - np.r_[outside, np.zeros(5), 3, 4, 9, 20, 500, 999, 1000]
+    assert bool(clipping_warning(wave)) is bool(clipping_warning(wave[::-1])) is warned
+
+
+@pytest.mark.parametrize("lengths", [(7, 4, 5), (4, 7, 5), (4, 5, 7)])
+def test_the_longest_run_is_told(lengths):
+    runs = [np.r_[20, 10, 3, 3, 3, np.zeros(length), 3, 3, 3, 9, 20] for length in lengths]
+    notes = clipping_warning(1000.0 - np.concatenate([[1000, 999], *runs]))
+    assert notes == ["7 samples in a row at the largest value: the record may be clipped"]
+
+
+def test_one_end_does_not_hide_the_other():
+    spread = np.r_[np.tile([1000, 0], 5), np.arange(0, 500, 10), 1]
+    (note,) = clipping_warning(np.r_[spread, np.full(6, -300), 0])
+    assert note == "6 samples in a row at the smallest value: the record may be clipped"
+    (note,) = clipping_warning(-np.r_[spread, np.full(6, -300), 0])
+    assert note == "6 samples in a row at the largest value: the record may be clipped"
+
+
 @pytest.mark.parametrize("amplitude", [20, 150, 1000, 30_000])
 @pytest.mark.parametrize("period", [50, 500, 5000])
 def test_a_smooth_crest_that_rounding_made_flat_is_no_clipping(amplitude, period):
@@ -57,7 +93,10 @@ def test_a_record_that_begins_or_ends_clipped():
         assert clipping_warning(trace, "counts")
 
 
-@pytest.mark.parametrize(("peak", "expected"), [(8_368_524, 1), (8_388_608, 1), (8_200_000, 0), (16_000_000, 0)])
+@pytest.mark.parametrize(
+    ("peak", "expected"),
+    [(8_368_524, 1), (8_388_608, 1), (8_388_609, 0), (0.99 * 2**23, 1), (8_304_721, 0), (16_000_000, 0)],
+)
 def test_counts_at_the_end_of_24_bits(peak, expected):
     trace = np.r_[np.arange(100.0), -float(peak), np.arange(50.0)]
     assert len(clipping_warning(trace, "counts")) == expected

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from rockpulse.errors import RecordFormatError
-from rockpulse.readers.fields import check_count, fixed_width, free_numbers, printed_number, text_lines
+from rockpulse.readers.fields import check_count, fixed_width, free_numbers, free_rows, printed_number, text_lines
 
 
 @pytest.mark.parametrize("end", [b"\n", b"\r\n", b"\r", b"\r\r\n"])
@@ -34,7 +34,14 @@ def test_any_byte_is_a_character():
 
 @pytest.mark.parametrize(
     ("text", "value", "half"),
-    [("3.91E+1", 39.1, 0.05), (" -.344 ", -0.344, 5e-4), ("12", 12.0, 0.5), ("1D-2", 0.01, 5e-3)],
+    [
+        ("7.25e-100", 7.25e-100, 5e-103),
+        (" 2.E+100", 2e100, 5e99),
+        ("3.91E+1", 39.1, 0.05),
+        (" -.344 ", -0.344, 5e-4),
+        ("12", 12.0, 0.5),
+        ("1D-2", 0.01, 5e-3),
+    ],
 )
 def test_printed_numbers_know_their_rounding(text, value, half):
     assert printed_number(text) == (pytest.approx(value, rel=1e-12), pytest.approx(half, rel=1e-12))
@@ -42,6 +49,7 @@ def test_printed_numbers_know_their_rounding(text, value, half):
 
 def test_a_count_is_held_against_what_is_there():
     check_count("a.V1:3", 5, 5)
+    check_count("a.V1:3", 1, 2)
     with pytest.raises(RecordFormatError, match=r"a.V1:3: expected 6 samples \(header\), found 5"):
         check_count("a.V1:3", 6, 5)
     with pytest.raises(RecordFormatError, match="expected a positive number of rows in the header, found -6"):
@@ -91,6 +99,37 @@ def test_a_layout_that_is_none_is_refused(width, per_row, count):
         fixed_width(["   1   2   3"], 1, width, per_row, count, "a")
 
 
+def test_fields_of_one_character_and_rows_of_one_field():
+    assert list(fixed_width(["123", "4"], 1, 1, 3, 4, "a")) == [1.0, 2.0, 3.0, 4.0]
+    assert list(fixed_width(["1.5", "2.5"], 1, 3, 1, 2, "a")) == [1.5, 2.5]
+    assert list(fixed_width([" 7"], 1, 2, 3, 1, "a")) == [7.0]
+
+
+@pytest.mark.parametrize(
+    ("rows", "count", "message"),
+    [
+        ([], 4, "a:7: expected 4 numbers .*found 0"),
+        (["   1   2   3"], 4, "a:8: expected 4 numbers .*found 3"),
+        (["   1   2   3", "   4   5"], 6, "a:9: expected 6 numbers .*found 5"),
+        (["   1   2   3", "   4   5 6"], 6, "a:8: expected 3 fields of 4 characters, found a row of 10"),
+        (["   1   2   3", "   4   5   6   7"], 5, "a:8: expected 2 fields of 4 characters, found a row of 16"),
+        (["   1   2   3", "   4   5   6"], 9, "a:9: expected 9 numbers .*found 6"),
+        (["   1   2   3   4"], 2, "a:7: expected 2 fields of 4 characters, found a row of 16"),
+    ],
+)
+def test_the_row_that_ends_too_early_or_too_late_is_named(rows, count, message):
+    with pytest.raises(RecordFormatError, match=message):
+        fixed_width(rows, 7, 4, 3, count, "a")
+
+
+def test_rows_of_numbers_between_blanks():
+    assert np.array_equal(free_rows(["1 2 3", " 4  5 6"], 1, 3, "a"), [[1.0, 2.0, 3.0], [4.0, 5.0, 6.0]])
+    with pytest.raises(RecordFormatError, match="a:6: expected a row of 2, found '3'; the line is damaged"):
+        free_rows(["1 2", "3", "4"], 5, 2, "a")
+    with pytest.raises(RecordFormatError, match="a:6: expected a finite number, found 'x'"):
+        free_rows(["1 2", "3 x"], 5, 2, "a")
+
+
 @pytest.mark.parametrize("count", [10**9, 10**18])
 def test_a_huge_count_allocates_nothing(count):
     with pytest.raises(RecordFormatError, match="found 3"):
@@ -118,7 +157,7 @@ def test_random_numbers_come_back_to_the_last_bit():
     assert np.array_equal(free_numbers(rows, 1, "a"), values)
 
 
-@pytest.mark.parametrize("text", ["1E" + "1" * 5000, "1E999", "1" * 5000, "1E-" + "1" * 5000])
+@pytest.mark.parametrize("text", ["1E" + "1" * 5000, "1E999", "1" * 5000, "1E-" + "1" * 5000, "1E+0001"])
 def test_a_number_beyond_all_numbers_is_none(text):
     value, half = printed_number(text)
     assert np.isnan(value)
