@@ -14,6 +14,7 @@ from record_writers import pulse
 
 import rockpulse as rp
 from rockpulse.errors import ConfigError, RecordRefused
+from rockpulse.readers.conversion import _wrong, check_output
 from rockpulse.record.record import Record
 
 EAST = Record(pulse(300, 2.0), 0.01, "CI.CLC..90", "CI", "CLC", channel="90", orientation="horizontal", azimuth=90.0)
@@ -38,6 +39,29 @@ def test_several_records_have_their_channels_in_the_names(tmp_path):
 def test_records_of_several_stations_have_their_ids_in_the_names(tmp_path):
     rp.write([EAST, replace(EAST, id=".X..90")], tmp_path / "out.csv")
     assert names(tmp_path) == ["out.CI.CLC..90.csv", "out.X..90.csv"]
+
+
+@pytest.mark.parametrize(
+    ("channels", "labels"),
+    [
+        (("90", "Up"), ["90", "Up"]),
+        (("hne", "HNE"), ["CI.CLC..90", "CI.CLC..Up"]),
+        (("90", ""), ["CI.CLC..90", "CI.CLC..Up"]),
+        (("9 0 (x)", "~a-B_/1"), ["9_0_x_", "~a-B__1"]),
+    ],
+)
+def test_channels_tell_files_apart_where_they_are_distinct(tmp_path, channels, labels):
+    records = [replace(record, channel=channel) for record, channel in zip((EAST, UP), channels, strict=True)]
+    written = rp.write(records, tmp_path / "out.csv")
+    assert [one.path.name for one in written] == [f"out.{label}.csv" for label in labels]
+    assert [one.records for one in written] == [((record.id, ""),) for record in records]
+
+
+def test_the_writer_of_a_path(tmp_path):
+    assert [check_output(tmp_path / f"a.{end}").suffix for end in ("at2", "CSV", "ms", "MiniSeed")] == [
+        *(".AT2", ".csv", ".mseed", ".mseed")
+    ]
+    assert check_output(tmp_path, "csv").suffix == ".csv"
 
 
 def test_a_folder_is_filled_with_the_ids(tmp_path):
@@ -327,3 +351,101 @@ def test_the_samples_are_written_as_they_are(tmp_path):
     table = np.loadtxt(tmp_path / "out.csv", delimiter=",", skiprows=1)
     assert np.array_equal(table[:, 1], EAST.acceleration)
     assert table[:, 0] == pytest.approx(EAST.time, abs=1e-12)
+
+
+@pytest.mark.parametrize("end", ["csv", "mseed"])
+def test_formats_that_cannot_tell_of_a_structure_say_so(tmp_path, caplog, end):
+    (written,) = rp.write(replace(EAST, orientation="structural"), tmp_path / f"out.{end}")
+    assert len(written.records) == 1
+    assert [f"on a structure, which .{end} files cannot say" in message for message in caplog.messages] == [True]
+
+
+def test_csv_may_lose_a_direction_and_a_state_but_not_tell_another(tmp_path):
+    odd = replace(EAST, azimuth=90.25, processed=True)
+    rp.write(odd, tmp_path / "out.csv")
+    (back,) = rp.read(tmp_path / "out.csv", units="m/s2")
+    assert (np.isnan(back.azimuth), back.processed) == (True, None)
+    assert np.array_equal(back.acceleration, odd.acceleration)
+
+
+def changed(format, monkeypatch, change):
+    """Have a format write the content of a changed record."""
+    from rockpulse.readers import conversion
+
+    writer = conversion.WRITERS[format]
+    monkeypatch.setitem(conversion.WRITERS, format, replace(writer, one=lambda record: change(writer.one, record)))
+
+
+@pytest.mark.parametrize(
+    ("format", "share", "kept"), [("at2", 1e-8, True), ("at2", 2e-7, False), ("csv", 1e-12, False)]
+)
+def test_the_digits_of_a_format_tell_how_far_samples_may_be_off(tmp_path, monkeypatch, format, share, kept):
+    changed(
+        format, monkeypatch, lambda one, record: one(replace(record, acceleration=record.acceleration * (1.0 + share)))
+    )
+    if kept:
+        rp.write(EAST, tmp_path / f"out.{format}")
+        return
+    with pytest.raises(RecordRefused, match="do not come back as written; nothing was kept"):
+        rp.write(EAST, tmp_path / f"out.{format}")
+
+
+@pytest.mark.parametrize(("share", "kept"), [(5e-8, True), (-5e-8, True), (2e-7, False), (-2e-7, False), (0.5, False)])
+def test_an_interval_comes_back_to_seven_digits(tmp_path, monkeypatch, share, kept):
+    changed("at2", monkeypatch, lambda one, record: one(replace(record, dt=record.dt * (1.0 + share))))
+    if kept:
+        rp.write(EAST, tmp_path / "out.AT2")
+        return
+    with pytest.raises(RecordRefused, match=r"the interval of CI\.CLC\.\.90, 0\.01 s, comes back as"):
+        rp.write(EAST, tmp_path / "out.AT2")
+
+
+def test_samples_and_records_come_back_in_their_number(tmp_path, monkeypatch):
+    changed("csv", monkeypatch, lambda one, record: one(replace(record, acceleration=record.acceleration[:-1])))
+    with pytest.raises(RecordRefused, match="do not come back as written"):
+        rp.write(EAST, tmp_path / "out.csv")
+    monkeypatch.undo()
+    rows = "".join(f"{0.01 * k:.2f},{k % 7},{k % 5}\n" for k in range(300)).encode()
+    changed("csv", monkeypatch, lambda one, record: b"time,acc_E,acc_N\n" + rows)
+    with pytest.raises(RecordRefused, match="1 records were written, 2 come back; nothing was kept"):
+        rp.write(EAST, tmp_path / "out.csv")
+    assert names(tmp_path) == []
+
+
+NORTH = replace(EAST, azimuth=0.0)
+NO_AZIMUTH = replace(EAST, azimuth=float("nan"))
+
+
+@pytest.mark.parametrize(
+    ("record", "again", "whole", "partly"),
+    [
+        (EAST, EAST, "", ""),
+        (EAST, replace(EAST, azimuth=90.00005), "", ""),
+        (EAST, replace(EAST, azimuth=89.99995), "", ""),
+        (EAST, replace(EAST, azimuth=90.0002), "azimuth", "azimuth"),
+        (EAST, replace(EAST, azimuth=90.5), "azimuth", "azimuth"),
+        (NORTH, replace(EAST, azimuth=359.99995), "", ""),
+        (NORTH, replace(EAST, azimuth=359.5), "azimuth", "azimuth"),
+        (NORTH, replace(EAST, azimuth=1.0), "azimuth", "azimuth"),
+        (NORTH, replace(EAST, azimuth=359.0), "azimuth", "azimuth"),
+        (NORTH, replace(EAST, azimuth=180.0), "azimuth", "azimuth"),
+        (EAST, NO_AZIMUTH, "azimuth", ""),
+        (NO_AZIMUTH, NO_AZIMUTH, "", ""),
+        (NO_AZIMUTH, EAST, "azimuth", "azimuth"),
+        (EAST, replace(EAST, orientation="unknown"), "", ""),
+        (EAST, UP, "orientation", "orientation"),
+        (UP, UP, "", ""),
+        (UP, EAST, "orientation", "orientation"),
+        (replace(UP, azimuth=90.0), UP, "", ""),
+        (replace(EAST, orientation="structural"), EAST, "", ""),
+        (replace(EAST, orientation="structural"), replace(EAST, orientation="structural"), "", ""),
+        (replace(EAST, processed=True), EAST, "processed", ""),
+        (EAST, replace(EAST, processed=True), "processed", "processed"),
+        (replace(EAST, processed=False), replace(EAST, processed=True), "processed", "processed"),
+    ],
+)
+def test_properties_may_be_missing_only_where_a_format_has_no_place_for_them(record, again, whole, partly):
+    for everything, word in ((True, whole), (False, partly)):
+        told = _wrong(record, again, everything)
+        assert bool(told) is bool(word)
+        assert f"{word} comes back as" in told or not word
