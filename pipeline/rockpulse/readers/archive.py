@@ -147,8 +147,7 @@ def _content(archive: zipfile.ZipFile, entry: zipfile.ZipInfo, name: str) -> byt
         zipfile.BadZipFile,
         zlib.error,
         EOFError,
-        NotImplementedError,
-        RuntimeError,
+        RuntimeError,  # NotImplementedError among them
         ValueError,
         lzma.LZMAError,
     ) as fault:

@@ -152,7 +152,7 @@ def _is_label(text: str) -> bool:
 
 def _are_headings(headings: Sequence[Heading], own: bool) -> bool:
     """Whether the pieces of a line are headings rather than prose; `own` tells that they are split as the rows are."""
-    if any(heading.name.isdecimal() and int(heading.name[:9]) > _LARGEST_AZIMUTH for heading in headings):
+    if any(heading.name.isdecimal() and int(heading.name) > _LARGEST_AZIMUTH for heading in headings):
         return False
     names = [heading.name for heading in headings]
     if own:

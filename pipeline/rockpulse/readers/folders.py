@@ -278,13 +278,13 @@ def open_files(found: Found, station_files: Callable[[Path], list[tuple[str, byt
         if not is_archive(path):
             yield Opened(str(path), open_source(path, partial(station_files, path.parent)))
             return
-        count = 0
+        empty = True
         with Archive(path) as archive:
             for number, name in enumerate(archive.names):
                 if not is_quiet(name, partial(archive.member, number)):
-                    count += 1
+                    empty = False
                     yield Opened(name, _member(archive, number), number)
-        if not count:
+        if empty:
             raise RecordFormatError(f"{path}: no file to read in the archive; check it")
     except (RockpulseError, OSError) as fault:
         yield Opened(str(path), fault)

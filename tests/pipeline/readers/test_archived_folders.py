@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from source_files import ONE, TWO, VELOCITY, ids, make_zip
 
+from rockpulse.errors import RecordFormatError, RecordRefused
 from rockpulse.readers import archive, source
 from rockpulse.readers.folders import read_all
 
@@ -152,7 +153,7 @@ def test_an_encrypted_member_is_refused(tmp_path):
     flagged[central + 8] |= 1
     path.write_bytes(flagged)
     _, (failure,) = read_all(path)
-    assert "encrypted" in failure.reason
+    assert "encrypted; unpack the archive with its password first" in failure.reason
 
 
 def test_any_damage_to_an_archive_is_a_row(tmp_path):
@@ -175,3 +176,125 @@ def test_miniseed_in_an_archive_finds_its_station_file(tmp_path, records_folder)
     (record,), failures = read_all(tmp_path / "all.zip")
     assert record.unit_factor == 1.0 / 213757.0
     assert failures == []
+
+
+def entry(name="a.AT2", offset=0, packed=10, size=10):
+    """A row of the directory of an archive."""
+    row = zipfile.ZipInfo(name)
+    row.header_offset, row.compress_size, row.file_size = offset, packed, size
+    return row
+
+
+@pytest.mark.parametrize(
+    ("entries", "message"),
+    [
+        ([entry(), entry("b", 40), entry("c", 90)], ""),
+        ([entry(), entry("c", 79), entry("b", 40)], "the members b and c overlap"),
+        ([entry(), entry("b", 39)], "the members a.AT2 and b overlap"),
+        ([entry(size=2**31 - 5), entry("b", 40, size=5)], ""),
+        ([entry(size=2**31 - 5), entry("b", 40, size=6)], "members of 2147483649 bytes, the most that is read"),
+        ([entry()] * 100_000, "overlap"),
+        ([entry()] * 100_001, "100001 members, the most that is read"),
+    ],
+)
+def test_the_directory_of_an_archive_is_looked_at_before_its_members(entries, message):
+    if not message:
+        archive._check_entries("a.zip", entries)
+        return
+    with pytest.raises(RecordRefused, match=f"a.zip: .*{message}"):
+        archive._check_entries("a.zip", entries)
+
+
+def test_an_archive_is_known_by_its_name_or_its_first_bytes(tmp_path):
+    packed = make_zip(tmp_path / "a.bin", **{"a.AT2": ONE})
+    for name in ("b.ZIP", "b.txt"):
+        (tmp_path / name).write_bytes(ONE)
+    assert [archive.is_archive(path) for path in (packed, tmp_path / "b.ZIP", tmp_path / "b.txt")] == [
+        True,
+        True,
+        False,
+    ]
+
+
+def test_the_members_of_an_archive_come_sorted_and_without_hidden_ones(tmp_path):
+    path = tmp_path / "all.zip"
+    with zipfile.ZipFile(path, "w") as target:
+        target.mkdir("sub")
+        for name in ("z.AT2", "sub/b.AT2", "__MACOSX/a.AT2", ".git/a.AT2", "sub\\.x\\a.AT2", "a.AT2", "a.b/..c/d.AT2"):
+            target.writestr(name, ONE)
+    with archive.Archive(path) as opened:
+        assert opened.names == [f"{path}!{name}" for name in ("a.AT2", "sub/b.AT2", "z.AT2")]
+        assert opened.member(2).content == ONE
+    assert [name for name, file in archive.members(path) if file.content == ONE] == opened.names
+    with pytest.raises(RecordFormatError, match=r"all.zip!a.AT2: damaged member"):
+        opened.member(0)  # of an archive that is closed
+
+
+def test_what_stands_beside_a_member_in_its_folder(tmp_path):
+    files = {"a__one.AT2": ONE, "a__S.XML": b"<a/>", "a__t.txt": b"t", "b__s.xml": b"<b/>", "s.xml": b"<c/>"}
+    path = make_zip(tmp_path / "all.zip", **files)
+    with archive.Archive(path) as opened:
+        member = opened.member(opened.names.index(f"{path}!a/one.AT2"))
+        assert member.station_files() == [(f"{path}!a/S.XML", b"<a/>")]
+        assert (member.beside("t.txt"), member.beside("s.xml")) == (b"t", None)
+        top = opened.member(opened.names.index(f"{path}!s.xml"))
+        assert (top.station_files(), top.beside("s.xml")) == ([(f"{path}!s.xml", b"<c/>")], b"<c/>")
+
+
+def test_a_member_of_the_largest_size_and_ratio_is_read(tmp_path, monkeypatch):
+    monkeypatch.setattr(archive, "FILE_LIMIT", len(ONE))
+    monkeypatch.setattr(archive, "RATIO_LIMIT", 1)
+    path = tmp_path / "all.zip"
+    with zipfile.ZipFile(path, "w") as target:
+        target.writestr("a.AT2", ONE)
+    assert [file.content for _, file in archive.members(path)] == [ONE]
+
+
+def changed(path, kind, content):
+    """An archive of two members, of which the second is damaged in one of many ways."""
+    packing = {"lzma": zipfile.ZIP_LZMA, "bytes": zipfile.ZIP_DEFLATED}.get(kind, zipfile.ZIP_STORED)
+    with zipfile.ZipFile(path, "w") as target:
+        target.writestr("good.AT2", TWO)
+        target.writestr("z.AT2", content, packing)
+    whole = bytearray(path.read_bytes())
+    local, central = whole.rindex(b"PK\x03\x04"), whole.rindex(b"PK\x01\x02")
+    if kind == "checksum":
+        whole[central + 16] ^= 1
+    elif kind == "method":
+        whole[central + 10] = whole[local + 8] = 99
+    elif kind == "name":
+        whole[central + 9] |= 8  # names are UTF-8
+        whole[local + 30] = 0xFF
+    elif kind == "end":
+        more = (len(content) + 100_000).to_bytes(4, "little")
+        whole[central + 20 : central + 28] = more + more
+    else:
+        whole[local + 60 : local + 90] = bytes(30)
+    path.write_bytes(whole)
+
+
+@pytest.mark.parametrize("kind", ["checksum", "method", "name", "end", "lzma", "bytes"])
+def test_every_damage_of_a_member_is_its_own_row(tmp_path, kind):
+    changed(tmp_path / "all.zip", kind, ONE)
+    records, (failure,) = read_all(tmp_path / "all.zip")
+    assert ids(records) == ["good.090"]
+    assert failure.file.endswith("all.zip!z.AT2")
+    assert "z.AT2: damaged member, or one packed in an unknown way" in failure.reason
+
+
+def test_an_empty_member_is_a_row(tmp_path):
+    path = make_zip(tmp_path / "all.zip", **{"a.AT2": b"", "b.AT2": TWO})
+    records, (failure,) = read_all(path)
+    assert (ids(records), failure.reason) == (["b.090"], f"{path}!a.AT2: the file is empty; download the archive again")
+
+
+@pytest.mark.parametrize(("at", "value"), [(6, 99), (46, 0xFF)])
+def test_a_directory_of_an_unknown_kind_is_damage(tmp_path, at, value):
+    path = make_zip(tmp_path / "all.zip", **{"a.AT2": ONE})
+    whole = bytearray(path.read_bytes())
+    central = whole.rindex(b"PK\x01\x02")
+    whole[central + 9] |= 8  # names are UTF-8
+    whole[central + at] = value  # the version that is needed, the name
+    path.write_bytes(whole)
+    with pytest.raises(RecordFormatError, match=r"all\.zip: damaged zip archive"):
+        archive.Archive(path)

@@ -12,10 +12,11 @@ from record_writers.columns import columns
 
 from rockpulse.errors import RecordFormatError, RockpulseError, UnitError
 from rockpulse.readers import read
-from rockpulse.readers.column_headings import Heading, _are_headings
+from rockpulse.readers.column_headings import Heading, _are_headings, column_headings
 from rockpulse.readers.format import ReadOptions
 from rockpulse.readers.formats.columns import is_columns, read_columns
 from rockpulse.readers.source import NotAcceleration, SourceFile
+from rockpulse.readers.table_layout import Layout
 
 COUNT, STEP = 1000, 0.005
 TIMES = np.arange(COUNT) * STEP
@@ -329,3 +330,126 @@ def test_a_column_without_a_heading_in_front_of_tabs_keeps_its_place(write):
     assert record.dt == pytest.approx(STEP)
     (record,) = read(write(columns(PAIR, "# Time [s], Acc [m/s2] #\n", ",")), units="m/s2")
     assert record.acceleration == pytest.approx(VALUES)
+
+
+A, V, D, T = "acceleration", "velocity", "displacement", "time"
+
+
+@pytest.mark.parametrize(
+    ("header", "delimiter", "width", "found", "above"),
+    [
+        # letters that are motions, and letters that are directions
+        (["t a v d"], None, 4, [("t", T, ""), ("a", A, ""), ("v", V, ""), ("d", D, "")], 0),
+        (["prose of a kind", "t v u"], None, 3, [("t", T, ""), ("v", V, ""), ("u", D, "")], 1),
+        (["t,x,d"], ",", 3, [("t", T, ""), ("x", "", ""), ("d", "", "")], 0),
+        (["t,a,n,v"], ",", 4, [("t", T, ""), ("a", "", ""), ("n", "", ""), ("v", "", "")], 0),
+        (["e,v"], ",", 2, [("e", "", ""), ("v", "", "")], 0),
+        (["time,acc,V"], ",", 3, [("time", T, ""), ("acc", A, ""), ("V", V, "")], 0),
+        (["v"], None, 1, [("v", "", "")], 0),
+        # units in a row of their own, in brackets, in words
+        (["x", "t,a", "[s],(g)"], ",", 2, [("t", T, "s"), ("a", A, "g")], 1),
+        (["What is known of it", "s, g"], ",", 2, [("", T, "s"), ("", A, "g")], 1),
+        (["t,a", "s,s"], ",", 2, [("s", "", ""), ("s", "", "")], 1),
+        (["t,a", "s,g,g"], ",", 2, [], 2),
+        (
+            ["t [ms],a (x1) [g],v (furlong) (x1)"],
+            ",",
+            3,
+            [("t [ms]", T, "ms"), ("a (x1) [g]", A, "g"), ("v (furlong) (x1)", V, "x1")],
+            0,
+        ),
+        (
+            ["t,a (main shock),a (12),a (up)"],
+            ",",
+            4,
+            [("t", T, ""), *((f"a ({x})", A, "") for x in ("main shock", "12", "up"))],
+            0,
+        ),
+        (
+            ["t,a (of main),a (volt),a (raw)"],
+            ",",
+            4,
+            [("t", T, ""), *((f"a ({x})", A, x) for x in ("of main", "volt", "raw"))],
+            0,
+        ),
+        (
+            ["t_us,acc_cm_s2,acc g,ch g,x [Hz]"],
+            ",",
+            5,
+            [
+                ("t_us", T, "us"),
+                ("acc_cm_s2", A, "cm_s2"),
+                ("acc g", A, "g"),
+                ("ch g", "", ""),
+                ("x [Hz]", "spectrum", "Hz"),
+            ],
+            0,
+        ),
+        # ways to split a line
+        (['time,"acc, NS","acc, EW"'], ",", 3, [("time", T, ""), ("acc  NS", A, ""), ("acc  EW", A, "")], 0),
+        (["Time (s) Acc NS (g)"], None, 2, [("Time (s)", T, "s"), ("Acc NS (g)", A, "g")], 0),
+        (
+            ["t acc (m / s2) vel (cm/s)"],
+            None,
+            3,
+            [("t", T, ""), ("acc (m / s2)", A, "m / s2"), ("vel (cm/s)", V, "cm/s")],
+            0,
+        ),
+        (["Time of it  Acc of it"], None, 2, [("Time of it", T, ""), ("Acc of it", A, "")], 0),
+        (["\tTime\tAcc"], "\t", 2, [("Time", T, ""), ("Acc", A, "")], 0),
+        (["\tTime\tAcc"], "\t", 3, [("", "", ""), ("Time", T, ""), ("Acc", A, "")], 0),
+        (["# Time;Acc"], None, 2, [("Time", T, ""), ("Acc", A, "")], 0),
+        # prose
+        (["acc NS (g)"], None, 1, [("acc NS (g)", A, "g")], 0),
+        (["acc of NS"], None, 1, [("acc of NS", A, "")], 0),
+        (["acc of main NS"], None, 1, [], 1),
+        (["motion [g]"], None, 1, [("motion [g]", A, "g")], 0),
+        (["motion [cm/s]"], None, 1, [], 1),
+        (["acc: NS"], None, 1, [], 1),
+        (["dt=0.01"], None, 1, [], 1),
+        (["NPTS=5,acc"], ",", 2, [("NPTS=5", "", ""), ("acc", A, "")], 0),
+        (["time NPTS=5"], None, 2, [], 1),
+        (["time a1 b2 c3 d4 e5 f6 ; x"], ",", 2, [], 1),
+        (["acc time"], None, 2, [("acc", A, ""), ("time", T, "")], 0),
+        (["acc nothing"], None, 2, [], 1),
+        (["nothing time"], None, 2, [], 1),
+        (["time nothing"], None, 2, [("time", T, ""), ("nothing", "", "")], 0),
+        (["ch 1  ch 2"], None, 2, [("ch 1", "", ""), ("ch 2", "", "")], 0),
+        (["time of one or more days  acc"], None, 2, [("time of one or more days", T, ""), ("acc", A, "")], 0),
+        (["time of one or even more days  acc"], None, 2, [], 1),
+        (["t a", "12 13", "-----"], None, 2, [("t", T, ""), ("a", A, "")], 0),
+        (["12 13", "----"], None, 2, [], 2),
+        ([], None, 2, [], 0),
+    ],
+)
+def test_the_headings_of_columns(header, delimiter, width, found, above):
+    headings, lines = column_headings(header, Layout(len(header), delimiter, ".", width))
+    assert [(heading.name, heading.kind, heading.unit) for heading in headings] == found
+    assert lines == above
+
+
+@pytest.mark.parametrize(("length", "count"), [(10_000, 2), (10_001, 0)])
+def test_a_line_of_headings_is_no_longer_than_a_row_may_be(length, count):
+    line = "time" + " " * (length - 7) + "acc"
+    assert len(column_headings([line], Layout(1, None, ".", 2))[0]) == count
+
+
+def test_a_heading_is_looked_at_up_to_its_eightieth_letter():
+    (_, one), _ = column_headings(["t," + "x" * 77 + " acc"], Layout(1, ",", ".", 2))
+    assert (len(one.name), one.kind) == (80, "")
+    (_, one), _ = column_headings(["t," + "x" * 76 + " acc"], Layout(1, ",", ".", 2))
+    assert (len(one.name), one.kind) == (80, "acceleration")
+
+
+@pytest.mark.parametrize(
+    ("heading", "known"),
+    [
+        *[(Heading(name), True) for name in ("one two N", "ch 3", "x1234", "station_2", "h")],
+        *[(Heading(name), False) for name in ("one two three N", "one", "x12345", "")],
+        (Heading("one", "time"), True),
+        (Heading("one", unit="g"), True),
+        (Heading("one", unit="furlong"), False),
+    ],
+)
+def test_what_is_known_of_a_heading(heading, known):
+    assert heading.known is known

@@ -10,6 +10,7 @@ from record_writers.cosmos import cosmos
 from rockpulse.errors import RecordFormatError, UnitError
 from rockpulse.readers import read
 from rockpulse.readers.cosmos_header import Header
+from rockpulse.readers.cosmos_held import held_series
 from rockpulse.record.record import STANDARD_GRAVITY
 
 G = STANDARD_GRAVITY
@@ -136,3 +137,42 @@ def test_two_channels_of_one_direction_are_two(write):
         for size, number, place in ((1.0, 1, "Roof"), (2.0, 2, "Basement"))
     )
     assert [record.orientation for record in read(write(one + other))] == ["structural", "structural"]
+
+
+STRONGEST = np.where(np.arange(1000) == 500, -2.0, 0.5)  # 10 s, the peak at 5 s
+LENGTH = "Raw record length ={:8.3f} sec, Uncor max = 0.3 g, at {:8.3f} sec."
+PEAK = "Processed: CGS . Max = 0.3 g at {:8.3f} sec"
+
+
+@pytest.mark.parametrize(
+    ("about", "length", "uncorrected", "peak", "real", "raw", "corrected"),
+    [
+        ("10", 10.0, 5.0, 5.0, 5.0, 0, 0),
+        ("10.1", 10.06, 5.02, 4.98, 5.01, 0, 0),
+        ("10.5", 10.0, 5.0, 5.0, 5.0, 1, 1),
+        ("11", 10.0, 5.0, 5.0, 5.0, 1, 1),
+        ("9", 10.0, 5.0, 5.0, np.nan, 1, 1),
+        ("10", 10.5, 5.0, 5.0, 5.0, 1, 0),
+        ("10", 10.0, 8.0, 5.0, 5.0, 1, 0),
+        ("10", 10.0, 5.0, 8.0, 5.0, 1, 1),
+        ("10", 10.0, 5.0, 5.0, 8.0, 1, 1),
+        ("10", 10.0, 5.0, 8.0, 8.0, 1, 1),  # told once
+        ("10", 10.0, 5.0, 7.0, 8.0, 2, 2),
+        ("11", 10.5, 7.0, 8.0, 9.0, 5, 3),
+    ],
+)
+def test_length_and_peak_of_a_series(about, length, uncorrected, peak, real, raw, corrected):
+    text = ["words"] * 8 + [PEAK.format(1.0), LENGTH.format(length, uncorrected), PEAK.format(peak), PEAK.format(1.0)]
+    reals = np.full(100, 1.0)
+    reals[64] = real
+    for kind, count in (("Raw acceleration", raw), ("Uncorrected", raw), ("CORRECTED acceleration", corrected)):
+        header = Header(kind, text, np.full(100, np.nan), reals, -999.0, [], 0, 0)
+        notes = held_series(header, f"1000 acceleration pts, approx {about} secs, units=g", 0.01, STRONGEST)
+        assert len(notes) == count
+
+
+@pytest.mark.parametrize(("letters", "told"), [(200, 1), (201, 0)])
+def test_of_a_heading_two_hundred_letters_are_looked_at(letters, told):
+    header = Header("Raw", ["words"] * 12, np.full(100, np.nan), np.full(100, np.nan), -999.0, [], 0, 0)
+    heading = "1000 pts, approx".ljust(letters - 6) + "12 sec"
+    assert len(held_series(header, heading, 0.01, STRONGEST)) == told

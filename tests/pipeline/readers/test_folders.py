@@ -6,6 +6,9 @@ import gzip
 import hashlib
 import os
 import zipfile
+from dataclasses import replace
+from datetime import UTC, datetime
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -13,10 +16,13 @@ from record_writers import csmip_equal, pulse
 from record_writers.renadic import renadic
 from source_files import ONE, TWO, VELOCITY, ids, kinds, make_zip
 
-from rockpulse.errors import UnitError
+from rockpulse.errors import RecordFormatError, UnitError
 from rockpulse.failures import Failure
-from rockpulse.readers.folders import find_files, read_all
+from rockpulse.readers.folders import Found, find_files, in_order, read_all, read_failure, sample_digest, settled
+from rockpulse.readers.source import NoRecord, NotAcceleration
 from rockpulse.record.components import select_horizontal
+from rockpulse.record.record import Record
+from rockpulse.remark import Remark
 
 
 @pytest.fixture
@@ -382,3 +388,95 @@ def test_an_empty_path_is_not_the_current_folder(tmp_path, monkeypatch):
     assert records == []
     assert [(failure.kind, failure.stage) for failure in failures] == [("failed", "find")]
     assert "empty path" in failures[0].reason
+
+
+PLAIN = Record([0.0, 1.0, 0.0], 0.01, "a.1", source="m", channel="1", component="x")
+TIME = datetime(2011, 3, 11, tzinfo=UTC)
+
+
+@pytest.mark.parametrize(
+    "known",
+    [
+        [{}, {"event": "Kobe"}, {"start_time": TIME}, {"orientation": "horizontal"}],
+        [{"event": "Kobe"}, {"start_time": TIME, "event": "Kobe"}],
+        [{"start_time": TIME, "event": "Kobe"}, {"orientation": "vertical"}],
+        [{"orientation": "vertical"}, {"orientation": "vertical", "event": "Kobe"}],
+    ],
+)
+def test_of_equal_motions_the_one_stays_that_knows_most(known):
+    """In order: the direction, the time, the event; the first of those that know as much."""
+    records = [replace(PLAIN, source=f"f{place}", **facts) for place, facts in enumerate(known)]
+    for order in (records, records[::-1]):
+        ((kept, pieces),), rows = settled(order, lambda record: "same")
+        assert (kept, pieces) == (records[-1], (records[-1],))
+        assert [row.file for row in rows] == [record.source for record in records[:-1]]
+        assert all(row.reason.endswith(f"same samples and interval as a.1 of {kept.source}") for row in rows)
+    again = [replace(record, source=f"{record.source}b") for record in records[-1:]]
+    assert settled([*again, records[-1]], lambda record: "same")[0][0][0] == records[-1]
+
+
+@pytest.mark.parametrize(
+    ("one", "other", "kept"),
+    [
+        ({}, {}, 1),
+        ({}, {"source": "m"}, 1),
+        ({}, {"component": "y"}, 1),
+        ({}, {"component": "y", "source": "m"}, 2),
+        ({}, {"component": "y", "orientation": "horizontal", "azimuth": 90.0}, 1),
+        ({"orientation": "vertical"}, {"component": "y", "orientation": "vertical"}, 1),
+        ({"orientation": "vertical"}, {"component": "y", "orientation": "horizontal"}, 2),
+        ({"orientation": "horizontal"}, {"component": "y", "orientation": "horizontal"}, 1),
+        ({"orientation": "horizontal"}, {"component": "y", "orientation": "horizontal", "azimuth": 0.0}, 2),
+        *[
+            (
+                {"orientation": "horizontal", "azimuth": 90.0},
+                {"component": "y", "orientation": "horizontal", "azimuth": a},
+                k,
+            )
+            for a, k in ((90.0, 1), (0.0, 2))
+        ],
+        ({"warnings": (Remark("dead_channel"),)}, {"component": "y"}, 2),
+        ({}, {"component": "y", "warnings": (Remark("dead_channel"),)}, 2),
+    ],
+)
+def test_one_motion_under_two_names(one, other, kept):
+    records = [replace(PLAIN, **one), replace(PLAIN, **{"source": "n"} | other)]
+    found, rows = settled(records, lambda record: "same")
+    assert (len(found), len(rows)) == (kept, 2 - kept)
+    assert len(settled(records, lambda record: str(id(record)))[0]) == 2
+
+
+def test_records_are_sorted_by_path_and_channel_and_have_ids_of_their_own():
+    places = [("n", "1"), ("m", "2"), ("m", "1")]
+    records = [replace(PLAIN, source=source, channel=channel) for source, channel in places]
+    found, rows = settled(records, lambda record: str(id(record)))
+    assert [(record.source, record.channel, record.id) for record, _ in found] == [
+        *(("m", "1", "a.1"), ("m", "2", "a.1~2"), ("n", "1", "a.1~3"))
+    ]
+    assert [pieces for _, pieces in found] == [(records[2],), (records[1],), (records[0],)]
+    assert rows == []
+
+
+def test_a_digest_is_that_of_samples_and_interval():
+    same = replace(PLAIN, source="n", id="other")
+    others = [replace(PLAIN, dt=0.02), replace(PLAIN, acceleration=np.array([0.0, 1.0, 0.5]))]
+    assert sample_digest(PLAIN) == sample_digest(same)
+    assert len({sample_digest(one) for one in (PLAIN, *others)}) == 3
+
+
+@pytest.mark.parametrize(
+    ("fault", "name", "named", "kind", "reason"),
+    [
+        (NoRecord("a: odd"), "a", True, "failed", "a: odd"),
+        (NoRecord("a: odd"), "a", False, "skipped", "a: no record"),
+        (NoRecord("a!b: odd"), "a!b", True, "skipped", "a!b: no record"),
+        (NotAcceleration("a: speed"), "a", True, "failed", "a: speed"),
+        (NotAcceleration("a: speed"), "a", False, "skipped", "a: speed"),
+        (RecordFormatError("torn"), "x", False, "failed", "x: torn"),
+        (OSError("gone"), "a!b", True, "failed", "a!b: gone"),
+    ],
+)
+def test_the_row_of_a_file_that_gave_no_record(fault, name, named, kind, reason):
+    row = read_failure(Found(Path("a"), named), name, fault)
+    assert (row.file, row.stage, row.kind, row.reason) == (name, "read", kind, reason)
+    assert in_order(row) == (name, reason)
