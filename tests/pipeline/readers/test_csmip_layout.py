@@ -190,6 +190,7 @@ def test_the_words_of_a_header():
     fewer = read_header(text_of(**lines | {"line4": "ci12.CE.23837.--.x", "line6": "Pomona S/N 12 S/N 13"}))
     assert (fewer.facts.event_id, fewer.location, fewer.station_name) == ("", "", "Pomona")
     assert (fewer.start_time, fewer.warnings) == (None, ())
+    assert read_header(text_of(line9="H= 18 km")).facts.hypocentre_depth == 18000.0
     fewer = read_header(text_of(**lines | {"line4": "", "line3": "", "line9": ""}))
     assert (fewer.network, fewer.station, fewer.location) == ("", "14403", "")
     assert (fewer.facts.event_id, fewer.facts.origin_time) == ("", None)
