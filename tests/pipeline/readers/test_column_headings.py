@@ -352,10 +352,10 @@ A, V, D, T = "acceleration", "velocity", "displacement", "time"
         (["t,a", "s,s"], ",", 2, [("s", "", ""), ("s", "", "")], 1),
         (["t,a", "s,g,g"], ",", 2, [], 2),
         (
-            ["t [ms],a (x1) [g],v (furlong) (x1)"],
+            ["t [ms],a (x1) [g],v (furlong) (x1) (y2)"],
             ",",
             3,
-            [("t [ms]", T, "ms"), ("a (x1) [g]", A, "g"), ("v (furlong) (x1)", V, "x1")],
+            [("t [ms]", T, "ms"), ("a (x1) [g]", A, "g"), ("v (furlong) (x1) (y2)", V, "x1")],
             0,
         ),
         (

@@ -301,3 +301,12 @@ def test_a_row_that_lost_its_columns_is_read_at_its_blanks(row):
     assert np.array_equal(
         read_header("a", lines, 0, len(lines)).integers, read_header("a", lines_of(), 0, 45).integers, equal_nan=True
     )
+
+
+@pytest.mark.parametrize("row", [14, 17, 23, 25, 40])
+def test_a_damaged_number_of_a_header_is_named_with_its_line(row):
+    lines = lines_of()
+    lines[row] = lines[row].replace("-999", "-9x9", 1)
+    assert lines != lines_of()
+    with pytest.raises(RecordFormatError, match=rf"a:{row + 4}: expected a finite number, found '-9x9"):
+        read_header("a", [*["before"] * 3, *lines], 3, 3 + len(lines))
