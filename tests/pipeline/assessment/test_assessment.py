@@ -17,9 +17,11 @@ from rockpulse import (
     RecordSettings,
     SearchSettings,
     SequenceSettings,
+    SiteSettings,
 )
 from rockpulse.assessment.assessment import assess
 from rockpulse.assessment.scene import matched, prepare
+from rockpulse.assessment.tree import dimension_of, joined_parts
 from rockpulse.calibration.estimators import INTERVAL, MAIN, MAIN_COUNT, SECONDARY
 from rockpulse.errors import ConfigError
 from rockpulse.failures import Failure
@@ -51,6 +53,38 @@ def test_answers_are_those_of_the_model_called_directly(tree):
     cell = tree["summary"].sel(record="one", block="wall", model="nonlinear")
     assert cell["peak_rotation_ratio"].item() == direct.peak_rotation_ratio
     assert cell["impacts"].item() == direct.impacts
+
+
+def test_parts_are_joined_with_the_records_counted_on():
+    """Parts of two, one and three records; a column of theirs counts them."""
+    parts = [
+        {"/summary/record": np.array(list(names)), "/half_cycles/record_index": np.arange(len(names))}
+        for names in ("ab", "c", "def")
+    ]
+    for before in (0, 7):
+        whole = joined_parts(parts, before)
+        assert "".join(whole["/summary/record"]) == "abcdef"
+        assert whole["/half_cycles/record_index"].tolist() == [before + number for number in range(6)]
+
+
+@pytest.mark.parametrize(
+    ("path", "dimension"),
+    [("/summary/outcome", "record"), ("/summary/p", "block"), ("/half_cycles/peak", "row")],
+)
+def test_the_dimension_along_which_a_variable_grows_is_its_first(path, dimension):
+    assert dimension_of(path) == dimension
+
+
+def test_results_are_named_after_the_site(tree):
+    assert tree.attrs["title"] == "Rocking response of rigid blocks to recorded ground motions"
+    named = Config(blocks=(WALL,), models=ModelSettings(use=("linear",)), site=SiteSettings(name="Borgo"))
+    assert assess([record("one")], named).attrs["title"] == "Borgo"
+
+
+def test_bodies_that_do_not_touch_the_ground_are_no_remark(tree):
+    assert not any("touch the ground" in text for text in tree["summary"]["warnings"].values)
+    sequence_alone = Config(blocks=(WALL,), models=ModelSettings(use=("sequence", "linear")))
+    assert "touch the ground" not in assess([record("one")], sequence_alone)["summary"]["warnings"].item()
 
 
 def test_demand_ratios_follow_their_definitions(tree):
@@ -177,6 +211,17 @@ def test_histories_are_kept_where_asked_for():
     assert list(kept["history_row_size"].values) == [1200, 1200]
     direct = recorded_response(Block(0.2, 1.5), motion(1, 1.5), DT, history=True)
     assert np.array_equal(kept["rotation"].values[:1200], direct.rotation, equal_nan=True)
+
+
+def test_histories_of_several_restitutions_stand_at_their_lanes():
+    several = BlockSettings(name="wall", width=0.4, height=3.0, restitution=[0.6, 0.9])
+    config = Config(models=ModelSettings(use=("nonlinear",), histories=True))
+    kept = assess([record("two", 1, 1.5)], config, [several, TOWER])["records"]
+    assert kept["history_lane_index"].values.tolist() == [0, 1, 2, 3]
+    for place, restitution in enumerate((0.6, 0.9)):
+        direct = recorded_response(Block(0.2, 1.5, restitution), motion(1, 1.5), DT, history=True)
+        own = kept["rotation"].values[1200 * place : 1200 * (place + 1)]
+        assert np.array_equal(own, direct.rotation, equal_nan=True)
 
 
 def test_restitution_list_adds_a_dimension():

@@ -72,6 +72,13 @@ def test_models_that_need_a_record_are_left_out_in_words(tree):
     assert all(model in warnings for model in ("impulsive", "linear", "nonlinear"))
     quiet = rp.assess_sequence(SEQUENCE, Config(models=ModelSettings(use=["sequence"])), BLOCKS)
     assert quiet["summary"]["warnings"].values.tolist() == [""]
+    assert quiet.attrs["title"] == "Rocking response of rigid blocks to a sequence of impulses"
+    config = Config(models=ModelSettings(use=["sequence", "linear"]), site=rp.SiteSettings(name="Borgo"))
+    one = rp.assess_sequence(SEQUENCE, config, BLOCKS)
+    assert one["summary"]["warnings"].values.tolist() == [
+        "a sequence, not a record: linear cannot answer it and is left out"
+    ]
+    assert one.attrs["title"] == "Borgo"
 
 
 def test_a_configuration_without_a_sequence_model_is_refused():

@@ -9,10 +9,13 @@ import rockpulse as rp
 from rocking.response import HalfCycles, Response
 from rocking.scale_search import ScaleIntervals
 from rockpulse import models
+from rockpulse.assessment import assessment
+from rockpulse.assessment.assessment import assess_scene
 from rockpulse.assessment.places import aloft, floor_record, joined_intervals, joined_responses, places_of
 from rockpulse.assessment.scene import extract
 from rockpulse.config.bodies import Place, gather_bodies
 from rockpulse.record.components import Pair
+from rockpulse.record.intensity import pgv
 from rockpulse.views.shared.facts import Known
 from rockpulse.views.text.details import block_details
 from rockpulse.views.text.overview import overview
@@ -45,6 +48,8 @@ def test_a_body_aloft_is_shaken_by_its_floor_and_the_others_by_the_ground():
     assert summary["floor_amplification"].values.tolist() == pytest.approx([1.0, floor.amplification, 1.0])
     ratio = summary["uplift_ratio"].values
     assert ratio[1] == pytest.approx(ratio[0] * floor.amplification)
+    speed = block.p * pgv(RECORD) / (block.gravity * np.tan(block.alpha_c))
+    assert summary["velocity_ratio"].values[0] == pytest.approx(speed)
     asked = summary["friction_required"].values
     assert np.isnan(asked[:2]).all()
     assert asked[2] == pytest.approx(models.sliding_demand(block, GROUND, 0.01).required[0])
@@ -157,8 +162,48 @@ def test_a_body_has_a_direction_of_its_own_where_it_differs_from_the_record():
         assert [place.azimuth for place, _ in found] == [None, 30.0][:count]
 
 
-def test_a_body_is_answered_alike_alone_and_among_others():
-    blocks = body("ground"), body("aloft", floors=(FLOOR,))
+def test_the_spectrum_of_the_results_is_that_of_the_ground():
+    for blocks, known in (
+        ((body("aloft", floors=(FLOOR,)), body("ground")), True),
+        ((body("aloft", floors=(FLOOR,)),), False),
+    ):
+        asked = config(*blocks)
+        scene, bodies = extract(RECORD, asked), gather_bodies(asked.blocks)
+        spectrum = assess_scene(scene, bodies, asked).spectrum
+        assert (spectrum is not None) is known
+        if known:
+            alone = assess_scene(scene, gather_bodies(blocks[1:]), config(*blocks[1:])).spectrum
+            assert np.array_equal(spectrum.p, alone.p)
+            assert np.array_equal(spectrum.probability(np.array([0.9])), alone.probability(np.array([0.9])))
+
+
+def test_aloft_the_strength_of_the_ground_is_brought_to_a_demand():
+    demand = rp.DemandSettings(name="ULS", value=3.0)
+    tree = rp.assess([RECORD], replace(config(body("ground"), body("aloft", floors=(FLOOR,))), demands=(demand,)))
+    assert tree["summary"]["demand_factor"].values.ravel() == pytest.approx([3.0 / RECORD.pga] * 2)
+
+
+def test_what_is_told_of_a_floor_is_a_remark_of_the_record_once():
+    asked = rp.Config(models=rp.ModelSettings(use=("balanced",)))
+    squat = [rp.BlockSettings(name=f"{number}", width=1.0, height=1.0, floors=floors)
+             for number, floors in enumerate(((FLOOR,), (rp.FloorSettings(period=0.3),), ()))]  # fmt: skip
+    for blocks in (squat[:2], squat):
+        told = rp.assess([RECORD], replace(asked, blocks=tuple(blocks)))["summary"]["warnings"].item()
+        assert told.count("1 of 1 bodies lie outside the range") == 1
+
+
+def test_the_sequence_of_a_floor_is_matched_to_its_motion(monkeypatch):
+    asked = config(body("ground"), body("aloft", floors=(FLOOR,)))
+    scene, seen = extract(RECORD, asked), []
+    monkeypatch.setattr(assessment, "matched", lambda there, _: seen.append(there.record) or there)
+    assess_scene(scene, gather_bodies(asked.blocks), asked)
+    assert [one is scene.record for one in seen] == [False]
+    assert np.array_equal(seen[0].acceleration, floor_record(RECORD, (FLOOR,)).acceleration)
+
+
+@pytest.mark.parametrize("restitution", ["housner", (0.9, 0.8)])
+def test_a_body_is_answered_alike_alone_and_among_others(restitution):
+    blocks = body("ground", restitution=restitution), body("aloft", floors=(FLOOR,), restitution=restitution)
     together = rp.assess([RECORD], config(*blocks))["summary"].isel(record=0)
     for block in blocks:
         alone = rp.assess([RECORD], config(block))["summary"].isel(record=0, block=0)

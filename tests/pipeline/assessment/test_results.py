@@ -70,6 +70,13 @@ def test_margins_are_those_of_the_answers(tree):
     assert of_demand["smallest"]["wall"] != table["smallest"]["wall"]
 
 
+def test_no_record_is_named_where_none_counts():
+    """All leave the body at rest, and the model tells no factor."""
+    found = Results(xr.DataTree.from_dict({"/summary": summary_of([np.nan] * 2, outcomes=[0, 0])}))
+    assert found.verdicts()["worst"].tolist() == [""]
+    assert found.margin()["motion"].tolist() == [""]
+
+
 def test_a_demand_that_is_not_there_is_told(tree):
     with pytest.raises(ResultsError, match=r"no demand 'SLX'; did you mean \"SLV\"|no demand 'SLX'"):
         tree.rockpulse.margin("SLX")
@@ -85,6 +92,9 @@ def test_a_body_with_several_restitutions_has_a_row_for_each():
 
 def test_results_are_told_in_a_line_and_drawn(tree):
     assert repr(tree.rockpulse) == "<Results 2 records, 2 bodies, model nonlinear, no verdict 2>"
+    alone = xr.DataTree.from_dict({"/summary": summary_of([2.0])})
+    assert repr(Results(alone)) == "<Results 1 record, 1 body, model nonlinear, rocks 1>"
+    assert repr(Results(xr.DataTree())) == "<Results kind unknown, groups>"
     card = Results(results_tree())._repr_html_()
     assert card.count("<circle") == 3
     assert "boundary wall" in card
@@ -100,6 +110,9 @@ def test_many_bodies_are_drawn_in_part():
 def test_a_tree_that_is_no_assessment_says_so():
     other = xr.DataTree.from_dict({"/figure4": xr.Dataset()})
     other.attrs["kind"] = "study"
+    named = xr.DataTree.from_dict({"/summary": xr.Dataset()})
+    named.attrs["kind"] = "study"
+    assert repr(Results(named)) == "<Results kind study, groups summary>"
     assert repr(Results(other)) == "<Results kind study, groups figure4>"
     assert "<svg" not in Results(other)._repr_html_()
     for ask in (Results(other).verdicts, Results(other).margin):

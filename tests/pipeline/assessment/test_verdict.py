@@ -274,6 +274,7 @@ def test_a_smallest_factor_that_may_be_larger_is_marked():
         ([1.9, 4.0, 4.0, 4.0, 4.0], None, Grade.MAY_OVERTURN),
         ([1.9, 4.0, 4.0, 4.0, 4.0], [0, 1, 1, 1, 1], Grade.NOT_KNOWN),
         ([INF, 4.0, 4.0, 4.0, 4.0], None, Grade.ROCKS),
+        ([2.0, 2.0, 4.0, 4.0, 4.0], [0, 1, 1, 1, 1], Grade.ROCKS),
         ([1.9, 1.8, 1.7, 4.0, 4.0], None, Grade.OVERTURNS),
         ([3.0, 4.0], None, Grade.NOT_KNOWN),
     ],
