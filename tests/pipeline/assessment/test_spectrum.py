@@ -50,6 +50,11 @@ def test_blocks_rest_where_the_record_is_too_weak_to_lift_them():
     assert rest.tolist() == [False, False, False, True]
 
 
+def test_a_spectrum_of_one_cell_is_that_cell():
+    whole = rocking_spectrum(SINE, P, ALPHA).sel(p=[2.0], alpha_c=[0.25])
+    assert whole.identical(rocking_spectrum(SINE, [2.0], [0.25]))
+
+
 def test_a_factor_on_the_record_scales_it():
     twice = Record(2.0 * SINE.acceleration, dt=SINE.dt, id=SINE.id)
     found, expected = rocking_spectrum(SINE, P, ALPHA, scale=2.0), rocking_spectrum(twice, P, ALPHA)
