@@ -30,8 +30,7 @@ _REAL = re.compile(r" *-?\d{0,8}\.\d{0,8}", re.ASCII)
 
 def channel_count(behind: Sequence[str]) -> int:
     """Channels of the recorder, from the lines behind the text; 0 where none of them is a row of integers."""
-    at = _first_row(behind)
-    row = _FIRST_ROW.match(behind[at]) if at < len(behind) else None
+    row = next(filter(None, map(_integers, behind)), None)
     return int(row[1]) if row else 0
 
 
@@ -64,16 +63,22 @@ def real(behind: Sequence[str], number: int) -> str:
 def held_peak_real(behind: Sequence[str], number: int, block: Block, per_unit: float) -> list[str]:
     """A warning where a real, a peak in units of `per_unit` m/s2, is not the peak of the samples."""
     text = real(behind, number)
-    peak, rounding = printed_number(text) if text else (float("nan"), 0.0)
+    if not text:
+        return []
+    peak, rounding = printed_number(text)
     stated, found = abs(peak) * per_unit / STANDARD_GRAVITY, block.peak * UNITS[block.unit] / STANDARD_GRAVITY
     if abs(stated - found) > PEAK_TOLERANCE * max(stated, found) + rounding * per_unit / STANDARD_GRAVITY:
         return [f"real {number} of the header states a peak of {stated:.4g} g, the samples have {found:.4g} g"]
     return []
 
 
+def _integers(line: str) -> re.Match[str] | None:
+    """The line as the first row of integers; None for any other line."""
+    return _FIRST_ROW.match(line[:_LONGEST_LINE].rstrip())
+
+
 def _first_row(behind: Sequence[str]) -> int:
-    rows = (at for at, line in enumerate(behind) if _FIRST_ROW.match(line[:_LONGEST_LINE].rstrip()))
-    return next(rows, len(behind))
+    return next((at for at, line in enumerate(behind) if _integers(line)), len(behind))
 
 
 def one_direction(component: str, code: int, repeated: Sequence[str] = ()) -> Direction:

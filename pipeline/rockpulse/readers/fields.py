@@ -69,7 +69,7 @@ def check_count(where: str, declared: int, available: int, unit: str = "samples"
 def _to_float(fields: Sequence[bytes] | np.ndarray, where: str, located: Iterator[tuple[int, str]]) -> np.ndarray:
     """Convert all fields at once, and look for the damaged one only if that fails."""
     try:
-        values = np.asarray(fields).astype(float) if isinstance(fields, np.ndarray) else np.array(fields, dtype=float)
+        values = np.array(fields, dtype=float)
     except ValueError:
         values = np.array([np.nan])
     if np.all(np.isfinite(values)):
@@ -100,11 +100,8 @@ def fixed_width(lines: Sequence[str], first: int, width: int, per_row: int, coun
             f"line {first} on; the header is damaged: download the file again"
         )
     rows = max(-(-count // per_row), 0)
-    full, last = width * per_row, count - (rows - 1) * per_row
-    block = list(lines[:rows])
-    if not block or len(block) < rows or set(map(len, block[:-1])) - {full} or len(block[-1].rstrip()) != last * width:
-        block = [row.rstrip() for row in block]
-        _check_rows(block, first, width, per_row, count, where)
+    block = [row.rstrip() for row in lines[:rows]]
+    _check_rows(block, first, width, per_row, count, where)
     text = "".join(block)[: count * width]
     joined = _plain_ascii(text)
     located = ((first + index // per_row, text[index * width : (index + 1) * width]) for index in range(count))

@@ -93,7 +93,7 @@ def test_the_header_describes_the_peak_before_resampling():
 
 
 def test_the_unit_of_an_odd_peak():
-    assert "peak 10 g in the unit m/s2;" in odd_peak(10.0 * G, "", 7.0)
+    assert "peak 10 g in the unit m/s2; the values would be 0.1 g if it were cm/s2" in odd_peak(10.0 * G, "", 7.0)
     # 200 G counts, which are 2 G m/s2 if a count is a cm/s2
     assert "peak 100 g in the unit counts x 0.5 m/s2; the values would be 2 g if it were cm/s2" in odd_peak(
         100.0 * G, "counts", -0.5

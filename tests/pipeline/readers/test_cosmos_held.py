@@ -163,12 +163,13 @@ PEAK = "Processed: CGS . Max = 0.3 g at {:8.3f} sec"
 )
 def test_length_and_peak_of_a_series(about, length, uncorrected, peak, real, raw, corrected):
     text = ["words"] * 8 + [PEAK.format(1.0), LENGTH.format(length, uncorrected), PEAK.format(peak), PEAK.format(1.0)]
-    reals = np.full(100, 1.0)
+    reals = np.full(100, np.nan)
     reals[64] = real
     for kind, count in (("Raw acceleration", raw), ("Uncorrected", raw), ("CORRECTED acceleration", corrected)):
         header = Header(kind, text, np.full(100, np.nan), reals, -999.0, [], 0, 0)
-        notes = held_series(header, f"1000 acceleration pts, approx {about} secs, units=g", 0.01, STRONGEST)
-        assert len(notes) == count
+        heading = f"1000 acceleration pts, approx {about} secs, units=g"
+        for words in (heading, heading.upper()):
+            assert len(held_series(header, words, 0.01, STRONGEST)) == count
 
 
 @pytest.mark.parametrize(("letters", "told"), [(200, 1), (201, 0)])

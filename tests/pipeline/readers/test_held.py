@@ -83,7 +83,7 @@ def test_two_peaks_that_are_nearly_equal_are_both_right():
 
 
 def test_a_peak_that_is_stated_in_no_number_or_of_one_sample_tells_nothing():
-    assert held_peak_time("soon", TIMES, PEAK) == held_peak_time("0", TIMES[:1], PEAK[:1]) == []
+    assert held_peak_time("soon", TIMES, PEAK) == held_peak_time("3", TIMES[:1], np.array([2.0])) == []
     assert held_peak_time("0.9", TIMES[:2], np.array([0.5, 2.0])) == [
         "the header states the peak at 0.9 s, at the interval of 0.01 s the samples have it at 0.01 s"
     ]
@@ -150,6 +150,9 @@ def test_the_integers_of_a_channel():
     assert (channel_count([]), direction_code(ROWS[:1]), direction_code([])) == (0, 0, 0)
     assert direction_code([ROWS[0], ROWS[1].replace("   90", " 1100")]) == 0  # a sensor without an azimuth
     assert direction_code([ROWS[0], ROWS[1].replace("   90", "1  90")]) == 0  # damaged
+    # Blanks may follow; of a line 200 letters are looked at.
+    assert channel_count([ROWS[0] + "  "]) == 3
+    assert [channel_count([ROWS[0].ljust(blank) + "x"]) for blank in (199, 200)] == [0, 3]
 
 
 @pytest.mark.parametrize(
@@ -159,6 +162,8 @@ def test_the_integers_of_a_channel():
         ("360 Deg", 360, "horizontal", 0.0),
         ("0 Deg", 0, "horizontal", 0.0),
         ("?", 1, "horizontal", 1.0),
+        ("?", 359, "horizontal", 359.0),
+        ("?", 360, "horizontal", 0.0),
         ("?", 361, "unknown", np.nan),
         ("?", 0, "unknown", np.nan),
         ("Up", 500, "vertical", np.nan),
