@@ -220,7 +220,7 @@ def check_patterns(found: Sequence[Found], files: Sequence[FileSettings]) -> Non
     """
     names = [str(item.path) for item in found]
     missed = [row for row in files if not any(map(row.chooses, names))]
-    if missed and names:
+    if missed:
         names += [name for item in found for name in _member_names(item.path)]
         missed = [row for row in missed if not any(map(row.chooses, names))]
     if missed and names:
@@ -262,8 +262,7 @@ def _walk(folder: Path) -> tuple[list[Found], list[Failure]]:
 
 
 def _quiet_file(path: Path) -> bool:
-    readable = path.suffix.lower() != ".xml" or path.is_file()  # to open a pipe would wait for its writer
-    return readable and is_quiet(str(path), partial(open_source, path))
+    return is_quiet(str(path), partial(open_source, path))
 
 
 def open_files(found: Found, station_files: Callable[[Path], list[tuple[str, bytes]]]) -> Iterator[Opened]:

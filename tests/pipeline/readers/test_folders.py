@@ -16,9 +16,19 @@ from record_writers import csmip_equal, pulse
 from record_writers.renadic import renadic
 from source_files import ONE, TWO, VELOCITY, ids, kinds, make_zip
 
-from rockpulse.errors import RecordFormatError, UnitError
+from rockpulse.errors import ConfigError, RecordFormatError, UnitError
 from rockpulse.failures import Failure
-from rockpulse.readers.folders import Found, find_files, in_order, read_all, read_failure, sample_digest, settled
+from rockpulse.readers import FileSettings, folders
+from rockpulse.readers.folders import (
+    Found,
+    check_patterns,
+    find_files,
+    in_order,
+    read_all,
+    read_failure,
+    sample_digest,
+    settled,
+)
 from rockpulse.readers.source import NoRecord, NotAcceleration
 from rockpulse.record.components import select_horizontal
 from rockpulse.record.record import Record
@@ -128,6 +138,22 @@ def test_a_file_without_accelerations_tells_whose_they_would_be(tmp_path, sample
     velocity, spectra = read_all(tmp_path)[1]
     assert "expected an acceleration series of station Station One, found" in velocity.reason
     assert "expected an accelerogram of station 89146, Willow Creek, found response" in spectra.reason
+
+
+def test_what_is_not_there_does_not_hide_what_comes_behind_it(folder):
+    found, failures = find_files(["", folder / "none", str(folder / "*.none"), folder / "sub" / "a.AT2"])
+    assert [item.path.name for item in found] == ["a.AT2"]
+    assert [failure.reason.rpartition(": ")[2][:16] for failure in failures] == [
+        *("an empty path wa", "no such file or ", "the pattern matc")
+    ]
+
+
+def test_patterns_are_not_held_against_the_inside_of_a_pipe(tmp_path, monkeypatch):
+    os.mkfifo(tmp_path / "pipe")
+    monkeypatch.setattr(folders, "is_archive", lambda path: pytest.fail("to open it would wait for its writer"))
+    with pytest.raises(ConfigError, match="found none among 1 files"):
+        check_patterns([Found(tmp_path / "pipe", True)], [FileSettings(match="x", units="g")])
+    check_patterns([], [FileSettings(match="x", units="g")])
 
 
 def test_the_order_of_paths_does_not_matter(folder):
