@@ -412,6 +412,25 @@ def test_samples_and_records_come_back_in_their_number(tmp_path, monkeypatch):
     assert names(tmp_path) == []
 
 
+@pytest.mark.parametrize(("format", "kept"), [("at2", True), ("csv", False)])
+def test_what_a_format_of_few_digits_may_lose_near_zero(tmp_path, monkeypatch, format, kept):
+    tiny = replace(EAST, acceleration=np.where(np.arange(300) == 7, 1e-98, EAST.acceleration))
+    lost = np.where(np.arange(300) == 7, 0.0, EAST.acceleration)
+    changed(format, monkeypatch, lambda one, record: one(replace(record, acceleration=lost)))
+    if kept:
+        rp.write(tiny, tmp_path / f"out.{format}")
+        return
+    with pytest.raises(RecordRefused, match="do not come back as written"):
+        rp.write(tiny, tmp_path / f"out.{format}")
+
+
+def test_a_file_that_would_not_be_read_again_is_not_kept(tmp_path, monkeypatch):
+    changed("csv", monkeypatch, lambda one, record: b"no table")
+    with pytest.raises(RecordRefused, match=r"out\.csv: would not be read again .*; nothing was kept"):
+        rp.write(EAST, tmp_path / "out.csv")
+    assert names(tmp_path) == []
+
+
 NORTH = replace(EAST, azimuth=0.0)
 NO_AZIMUTH = replace(EAST, azimuth=float("nan"))
 
