@@ -36,6 +36,7 @@ def spans_of(*lines):
         (["Title", "x", "/&", "", "/&", "Title 2"], [(0, 2), (5, 6)], ["line 3: the line is repeated up to line 5"]),
         (["Title 1", "x", "/&", "Title 1", "x", "/&"], [(0, 2)], ["line 4: the channel of line 1 stands in the file"]),
         (["Title 1"], [(0, 1)], []),
+        (["Title 1", "Title 2", "x", "/&", "", "Title 3", "/&", "Title 4"], [(0, 1), (1, 3), (5, 6), (7, 8)], []),
     ],
 )
 def test_the_channels_of_a_file(lines, spans, notes):
