@@ -236,6 +236,10 @@ def test_the_record_of_a_channel():
     assert len(header.record(file, 2, block, **how, peak=(0.85 * G, 0.11 * G)).warnings) == 3
     assert len(header.record(file, 2, block, **how, peak=(0.85 * G, 0.09 * G)).warnings) == 4
     assert Header("Up").record(file, 2, block, **how).component == "Up"
+    orientations = [
+        Header("Up", structural=inside).record(file, 2, block, **how).orientation for inside in (False, True)
+    ]
+    assert [record.orientation, *orientations] == ["horizontal", "vertical", "structural"]
     turned = Header("90 Deg", code=270, repeated=("45",)).record(file, 2, block, **how)
     assert np.isnan(turned.azimuth)
     assert np.isnan(Header("90 Deg", repeated=("45",)).record(file, 2, block, **how).azimuth)
