@@ -349,6 +349,9 @@ A, V, D, T = "acceleration", "velocity", "displacement", "time"
         # units in a row of their own, in brackets, in words
         (["x", "t,a", "[s],(g)"], ",", 2, [("t", T, "s"), ("a", A, "g")], 1),
         (["What is known of it", "s, g"], ",", 2, [("", T, "s"), ("", A, "g")], 1),
+        (["t\ta", "s\tg"], None, 2, [("t", T, "s"), ("a", A, "g")], 0),
+        (["t,vel of acc"], ",", 2, [("t", T, ""), ("vel of acc", V, "")], 0),
+        (["x, acc"], None, 1, [("x, acc", A, "")], 0),
         (["t,a", "s,s"], ",", 2, [("s", "", ""), ("s", "", "")], 1),
         (["t,a", "s,g,g"], ",", 2, [], 2),
         (
