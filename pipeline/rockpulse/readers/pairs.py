@@ -21,7 +21,7 @@ from rockpulse.record.record import STANDARD_GRAVITY
 __all__ = ["PAIRS_PER_ROW", "Block", "declared_points", "pair_block", "pair_unit", "surplus"]
 
 PAIRS_PER_ROW = 5
-#: Characters of a line that may hold a title.
+#: Characters of a line that may hold a title, or of what stands for a unit.
 _LONGEST_LINE = 400
 _POINTS = re.compile(r"no\. of points\s*=\s*(\d{1,15})\b", re.IGNORECASE)
 _UNIT = re.compile(r"units (?:of uncor (?:accel|data) )?(?:is|are)\s+(?:sec(?:onds)?\s+and\s+)?(\S+)", re.IGNORECASE)
@@ -67,7 +67,7 @@ def declared_points(line: str, where: str) -> int:
 def pair_unit(line: str, where: str) -> str:
     """The key of `UNITS` in a header line ``Units are sec and g/10``; UnitError, with `where`, if there is none."""
     match = _UNIT.search(line)
-    return canonical_unit(match[1] if match else line.strip(), where)
+    return canonical_unit((match[1] if match else line.strip())[:_LONGEST_LINE], where)
 
 
 def surplus(
