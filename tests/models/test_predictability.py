@@ -182,3 +182,14 @@ def test_the_largest_perturbation_is_a_tenth():
     assert answers.tolist() == [[1]]
     with pytest.raises(ValueError, match="perturbation"):
         predictable(told((1, 1)), None, block, [1.0], perturbation=0.1001)
+
+
+def test_the_record_as_it_is_is_looked_at_where_no_factor_is_given():
+    scales = []
+
+    def respond(one, scale):
+        scales.append(scale.tolist())
+        return told((scale.size, one.shape[0]))
+
+    predictable(told((1, 1)), respond, Block.from_parameters([1.0], 0.2, 0.9, log=False))
+    assert scales == [[1.0], [1.0 - 1e-9, 1.0 + 1e-9]]

@@ -56,13 +56,13 @@ def limit_of(tests: tuple[str, ...]) -> float:
     return max(SHORTEST, TIMES * seconds)
 
 
-def drawn(seed: int, count: int, only: str) -> list[Mutant]:
-    """The sample: the mutants whose digests come first."""
+def shuffled(seed: int, only: str) -> list[Mutant]:
+    """Every mutant, in the order of their digests: the first of them are the sample."""
     paths = {path for pattern in MODULES for path in TOP.glob(pattern) if not any(map(path.match, PICTURES))}
     modules = sorted(path.relative_to(TOP).as_posix() for path in paths)
     every = [one for module in modules if only in module for one in mutants_of(module)]
     print(f"{len(every)} mutants in {len(modules)} modules")
-    return sorted(every, key=lambda one: hashlib.sha256(f"{seed} {one.key}".encode()).digest())[:count]
+    return sorted(every, key=lambda one: hashlib.sha256(f"{seed} {one.key}".encode()).digest())
 
 
 def main() -> int:
@@ -77,8 +77,12 @@ def main() -> int:
         (one["module"], one["line"], one["operator"], one["occurrence"]): one["reason"]
         for one in tomllib.loads((HERE / "equivalent.toml").read_text())["mutant"]
     }
-    counts, wrong = Counter[str](), 0
-    for number, one in enumerate(drawn(given.seed, given.count, given.only)[given.skip :], given.skip + 1):
+    every = shuffled(given.seed, given.only)
+    stale = {key for key in listed if given.only in key[0]} - {one.key for one in every}
+    for key in sorted(stale):
+        print(f"equivalent.toml names what is no mutant: {', '.join(map(str, key))}")
+    counts, wrong = Counter[str](), len(stale)
+    for number, one in enumerate(every[given.skip : given.count], given.skip + 1):
         tests = tests_of(one.module)
         fate = "untested"
         if tests:
