@@ -28,9 +28,13 @@ def address(whole_page, tmp_path_factory):
 @pytest.fixture
 def page(browser, address):
     """The browser with the page freshly open."""
+    from selenium.webdriver.support.ui import WebDriverWait
+
+    browser.get("about:blank")  # else the page of the test before may be taken for this one on a busy machine
     browser.get_log("browser")
     browser.get_log("performance")
     browser.get(address)
+    WebDriverWait(browser, 60).until(lambda page: page.execute_script("return document.readyState") == "complete")
     return browser
 
 
@@ -52,6 +56,7 @@ def head(page, table, title):
         ".filter((one) => one.nodeType === Node.TEXT_NODE).map((one) => one.textContent).join('').trim())",
         heads,
     )
+    assert title in titles
     place = titles.index(title)
     return place, heads[place]
 
