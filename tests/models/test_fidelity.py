@@ -288,6 +288,8 @@ def test_threads_do_not_change_the_answer():
 def test_all_zero_record_and_no_factor_at_all():
     _, used = choose_response(blocks(), np.zeros(50), DT, scale=FACTORS)
     assert np.all(used == Rung.STATIC)
+    _, used = choose_response(blocks(), synthetic(1), DT, scale=0.0)
+    assert np.all(used == Rung.STATIC)
     response, used = choose_response(blocks(), synthetic(1), DT, scale=np.array([]))
     assert response.outcome.shape == used.shape == (0, 120)
 

@@ -112,6 +112,13 @@ def test_critical_impulse_overturns_in_its_half_cycle_and_no_smaller_one_does(ha
     assert resonance(body, critical * (1.0 - 1e-9), half_cycle).outcome == Outcome.ROCKS
 
 
+def test_the_ratio_of_critical_impulses_has_the_shape_of_the_restitution():
+    one = critical_impulse_ratio(0.8, 2)
+    assert isinstance(one, float)
+    assert one == pytest.approx(1.0 / 1.8)  # (1 - C)/(1 - C^2)
+    assert critical_impulse_ratio(np.array([0.8, 0.6]), 2) == pytest.approx(1.0 / np.array([1.8, 1.6]))
+
+
 def test_stabilised_motion_of_v7():  # V7 (D)
     body = block(2.0, 0.6)
     response = resonance(body, 0.3 * body.critical_impulse, 200)

@@ -88,6 +88,16 @@ def test_most_points_are_ten_million():
         exceedance_intervals(bands((1.0, 2.0)), [20.0], 10.0, 10**7 + 1)
 
 
+def test_a_lane_may_be_the_first_that_exceeds():
+    def exceeds(lanes, factors):
+        return np.where((lanes == 1) & (factors > 2.0), 2.0, 0.5)
+
+    found = exceedance_intervals(exceeds, [0.1, 0.1, 0.1], 10.0, 64)
+    assert list(found.lane) == [1]
+    assert found.safety_factor == pytest.approx([np.inf, 2.0, np.inf], rel=1e-6)
+    assert found.safe_up_to == pytest.approx([10.0, 2.0, 10.0], rel=1e-6)
+
+
 def test_no_lane_has_no_interval():
     found = exceedance_intervals(bands((1.0, 2.0)), [], 10.0, 64)
     assert found.safety_factor.size == found.lane.size == found.count.size == 0

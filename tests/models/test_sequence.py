@@ -320,6 +320,18 @@ def test_train_without_end_is_refused():
         impulse_train(Block(0.5, [2.0, 3.0], gravity=9.81), sequence(body, 0.3, 0.5))
 
 
+def test_a_train_has_the_most_impulses_and_no_more(monkeypatch):
+    body = block(2.0, 0.6)
+    table = sequence_response(body, sequence(body, 0.3, 0.5, main_count=1000, duration=np.inf)).half_cycles
+    left, each = 7, 1 + table.impulse_count[-1]  # half-cycles after those of the table, and impulses of each
+    monkeypatch.setattr("rocking.sequence._TRAIN_LIMIT", left * each)
+    most = table.duration.size + left
+    times, _ = impulse_train(body, sequence(body, 0.3, 0.5, main_count=most, duration=np.inf))
+    assert times.size == np.sum(table.impulse_count + 1) + left * each
+    with pytest.raises(ValueError, match=f"more than {left * each} impulses"):
+        impulse_train(body, sequence(body, 0.3, 0.5, main_count=most + 1, duration=np.inf))
+
+
 def test_march_through_the_ground_is_reported(caplog):
     body = block()
     with caplog.at_level("WARNING", logger="rockpulse"):
@@ -343,6 +355,10 @@ def test_interval_that_cannot_be_told_from_the_limit_is_refused():
         impulse_train(body, close)
     with pytest.raises(ValueError, match=r"intermediate_count.*continuous"):
         sequence_response(body, sequence(body, 0.3, 0.5, intermediate_count=2_000_000))
+    one = Block.from_parameters(p=1.0, alpha=0.2, restitution=0.9)
+    assert one.p == 1.0
+    assert sequence_response(one, sequence(one, 0.3, 0.5, interval=1e-4)).reason != Reason.SHORT_INTERVAL
+    assert sequence_response(one, sequence(one, 0.3, 0.5, interval=0.99e-4)).reason == Reason.SHORT_INTERVAL
 
 
 @pytest.mark.sweep

@@ -257,6 +257,8 @@ def test_the_program_is_known_by_its_sources(monkeypatch, tmp_path, package):
     (tmp_path / package / "__init__.py").rename(tmp_path / package / "other.py")
     seen.add(digest())
     assert len(seen) == 4
+    (tmp_path / "other.py").write_text("x = 3\n")
+    assert digest() in seen
 
 
 def test_a_fingerprint_changes_with_the_configuration(samples):

@@ -183,3 +183,11 @@ def test_rounds_are_added_until_two_hundred_samples_are_effective_and_no_more_th
             assert np.log(weights) == pytest.approx(made.made(points) - logsumexp(made.made(points)), abs=1e-8)
         calls.append(made.calls)
     assert calls[0] == 6 < calls[1] < calls[2] == 18
+
+
+@pytest.mark.parametrize(("effective", "rounds"), [(200.0, 6), (199.9, 18)])
+def test_two_hundred_effective_samples_are_enough(monkeypatch, effective, rounds):
+    monkeypatch.setattr(response_posterior.Posterior, "effective", property(lambda posterior: effective))
+    made = Made(lambda points: np.zeros(len(points)))
+    sample_posterior(made, np.random.default_rng(2))
+    assert made.calls == rounds

@@ -261,6 +261,12 @@ def test_a_header_that_ends_too_early(end, message):
         read_header("a", [*["before"] * 5, *lines_of()], 5, 5 + end)
 
 
+def test_of_a_damaged_heading_sixty_letters_are_told():
+    lines = [*lines_of()[:13], "z" * 61]
+    with pytest.raises(RecordFormatError, match=f"found '{'z' * 60}';"):
+        read_header("a", lines, 0, len(lines))
+
+
 def test_comments_begin_with_a_bar():
     lines = lines_of(comments=("one", "two", "three"))
     assert read_header("a", lines, 0, 45).end == 45  # where the channel ends before its comments

@@ -121,6 +121,12 @@ def test_the_length_may_be_off_by_its_rounding_and_a_step(length, told):
     assert [len(record.warnings) for record in got(cwb(THREE, length=length))] == [told] * 3
 
 
+@pytest.mark.parametrize(("count", "told"), [(376, 0), (377, 1)])
+def test_a_length_in_whole_seconds_may_be_off_by_half_of_one_and_a_step(count, told):
+    columns = [channel[:count] for channel in THREE]
+    assert [len(record.warnings) for record in got(cwb(columns, length="7"))] == [told] * 3
+
+
 @pytest.mark.parametrize(("peak", "told"), [("7.400", 1), ("7.200", 0)])
 def test_the_peak_is_held_against_the_samples(peak, told):
     content = cwb(THREE)

@@ -78,6 +78,11 @@ def test_a_peak_that_is_printed_with_few_digits(write, peak, told):
     assert [len(record.warnings) for record in read(write(content))] == [told, 0, 0]
 
 
+def test_peaks_are_found_in_small_letters(write):
+    content = nsmn(TABLE, peaks=(13.0, 24.0, 9.0)).replace(b"(N-S)", b"(n-s)").replace(b"(E-W)", b"(e-w)")
+    assert [bool(record.warnings) for record in read(write(content))] == [False, True, False]
+
+
 def test_the_facts_of_the_header(write):
     for record in read(write(nsmn(TABLE))):
         assert record.origin_time == datetime(2017, 7, 20, 22, 31, 9, tzinfo=UTC)
