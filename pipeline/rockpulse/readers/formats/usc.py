@@ -97,7 +97,8 @@ def _held(lines: Sequence[str], points: int, block: Block) -> list[str]:
     number, rounding = printed_number(square[1])
     per_unit = UNITS[square[2].lower()]
     stated, half = number * per_unit, rounding * per_unit
-    found = float(np.sqrt(np.mean(block.samples**2))) * UNITS[block.unit]
+    peak = float(np.max(np.abs(block.samples))) or 1.0  # the square of a damaged sample may be no number
+    found = peak * float(np.sqrt(np.mean((block.samples / peak) ** 2))) * UNITS[block.unit]
     if stated <= _MEAN_SQUARE_FACTOR * found + half and found <= _MEAN_SQUARE_FACTOR * (stated + half):
         return notes
     said, has = stated / UNITS["g"], found / UNITS["g"]

@@ -248,6 +248,13 @@ def test_damage_of_a_volume_1(write, content, error, message):
         read(write(content))
 
 
+@pytest.mark.filterwarnings("error")
+def test_a_sample_whose_square_is_no_number_is_refused_in_words_alone(write):
+    content = rewritten(40, lambda line: line[:-7] + b"  1E200")
+    with pytest.raises(RecordFormatError, match=r"sample \d+ is 9.81e\+199 m/s2, no ground motion"):
+        read(write(content))
+
+
 def test_only_one_reader_claims_each_volume():
     for content, name in ((usc_v1(TIMES, MOTION), "usc_v1"), (usc_v2(MOTION), "usc_v2")):
         claimed = [row.name for row in FORMATS if row.name != "columns" and row.detect(content, "x.dat")]
