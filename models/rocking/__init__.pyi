@@ -4,7 +4,6 @@ from .capacity import impulsive_critical_scale as impulsive_critical_scale
 from .corner_response import static_capacity as static_capacity
 from .demand import Demand as Demand
 from .demand import ground_demand as ground_demand
-from .effective_impulse import effective_impulse_response as effective_impulse_response
 from .fidelity import Rung as Rung
 from .fidelity import choose_response as choose_response
 from .floor import FloorMotion as FloorMotion
