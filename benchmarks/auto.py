@@ -18,9 +18,9 @@ from typing import Any
 
 import numpy as np
 
-from rocking.block import Block
+from rocking.body.block import Block
 from rocking.fidelity import Rung, choose_response
-from rocking.recorded import recorded_response
+from rocking.march.recorded import recorded_response
 from rocking.response import Outcome, Response
 from rockpulse.readers.folders import read_all
 from rockpulse.record.conditioning import condition

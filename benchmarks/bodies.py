@@ -14,7 +14,7 @@ import time
 import numpy as np
 
 from rocking import recorded_response
-from rocking.block import Block
+from rocking.body.block import Block
 from rockpulse.studies.accuracy.bodies import PLAIN, SLENDERNESS, kinds
 
 #: Peaks of the ground over the acceleration that lifts the plain block.

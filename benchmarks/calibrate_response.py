@@ -17,7 +17,7 @@ from pathlib import Path
 import numpy as np
 from scipy.optimize import differential_evolution
 
-from rocking.sequence import ImpulseSequence, sequence_response
+from rocking.impulses.sequence import ImpulseSequence, sequence_response
 from rockpulse.calibration.response import ResponseCalibration, calibrate_response
 from rockpulse.calibration.response_likelihood import log_likelihood
 from rockpulse.calibration.response_search import search_space

@@ -21,7 +21,7 @@ from typing import NamedTuple
 import numpy as np
 from precise_rocking import BITS, LONGEST_STEP, ONE, TERM, Real, respond
 
-from rocking.block import Block
+from rocking.body.block import Block
 from rockpulse.config.configuration import load_config
 from rockpulse.readers import read
 from rockpulse.record.conditioning import condition

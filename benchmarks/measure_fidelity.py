@@ -22,10 +22,10 @@ from typing import NamedTuple
 import numpy as np
 
 from rocking import fidelity
-from rocking.block import Block
-from rocking.demand import SETTLED, ground_demand
-from rocking.impulsive import impulsive_response
-from rocking.recorded import recorded_response
+from rocking.body.block import Block
+from rocking.impulses.impulsive import impulsive_response
+from rocking.march.demand import SETTLED, ground_demand
+from rocking.march.recorded import recorded_response
 from rocking.response import Outcome
 from rockpulse.readers.folders import read_all
 from rockpulse.record.conditioning import condition

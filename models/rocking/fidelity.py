@@ -12,14 +12,13 @@ from enum import IntEnum
 
 import numpy as np
 
-from rocking.arguments import numbers
-from rocking.block import Block
-from rocking.capacity import uplift_scale
-from rocking.demand import Demand, ground_demand
-from rocking.impulsive import impulsive_response
-from rocking.quantities import ArrayLike, Integers
-from rocking.recorded import recorded_response
+from rocking.arguments import ArrayLike, Integers, numbers
+from rocking.body.block import Block
+from rocking.impulses.impulsive import impulsive_response
+from rocking.march.demand import Demand, ground_demand
+from rocking.march.recorded import recorded_response
 from rocking.response import Outcome, Response, drop_axes, squeezed
+from rocking.search.capacity import uplift_scale
 
 __all__ = ["MEASURED_RANGE", "Rung", "choose_response", "within_measured_range"]
 

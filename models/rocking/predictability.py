@@ -6,9 +6,8 @@ from collections.abc import Callable
 
 import numpy as np
 
-from rocking.arguments import numbers
-from rocking.block import Block
-from rocking.quantities import ArrayLike, Integers
+from rocking.arguments import ArrayLike, Integers, numbers
+from rocking.body.block import Block
 from rocking.response import Outcome, Response, squeezed
 
 __all__ = ["NOT_CHECKED", "NOT_PREDICTABLE", "PREDICTABLE", "predictable"]

@@ -7,7 +7,7 @@ import pytest
 from body_cases import KINDS, drawn
 from body_reference import reference
 
-from rocking.recorded import recorded_response
+from rocking.march.recorded import recorded_response
 from rocking.response import Outcome
 
 AGREES = 1e-9

@@ -12,7 +12,7 @@ import pytest
 import rocking_reference
 from rocking_reference import block_of, reference, shaking
 
-from rocking.recorded import recorded_response
+from rocking.march.recorded import recorded_response
 from rocking.response import Outcome
 from rockpulse.readers import read
 

@@ -29,9 +29,9 @@ MODULES = (
     "pipeline/rockpulse/studies/fragility/*.py",
     "pipeline/rockpulse/views/report/statements.py",
     "pipeline/rockpulse/batch/plan.py",
-    "models/rocking/*.py",
+    "models/rocking/**/*.py",
 )
-PICTURES = ("models/rocking/*_picture.py", "models/rocking/svg_lines.py")
+PICTURES = ("models/rocking/pictures.py",)
 ADDED = tomllib.loads((HERE / "tests.toml").read_text())
 
 #: Time that a mutant gets: this, or as many times the time that the tests take without it, and what these may take [s].

@@ -14,11 +14,11 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 
-from rocking.capacity import uplift_scale
-from rocking.overturning_probability import overturning_probability
-from rocking.overturning_spectrum import OverturningFactors, OverturningSpectrum, covered
-from rocking.spectrum_lanes import LEAST_RESTITUTION, RATES, REBOUNDS, neighbours, spectrum_lanes
-from rocking.uncertainty import Uncertainty
+from rocking.search.capacity import uplift_scale
+from rocking.spectrum.body_probability import overturning_probability
+from rocking.spectrum.lanes import LEAST_RESTITUTION, RATES, REBOUNDS, neighbours, spectrum_lanes
+from rocking.spectrum.overturning import OverturningFactors, OverturningSpectrum, covered
+from rocking.spectrum.probability import Uncertainty
 from rockpulse.assessment.demand import FARTHEST, demand_factors
 from rockpulse.assessment.senses import senses
 from rockpulse.config.bodies import Bodies

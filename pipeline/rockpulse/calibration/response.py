@@ -12,9 +12,9 @@ from typing import Any
 
 import numpy as np
 
-from rocking.block import Block
-from rocking.quantities import ArrayLike
-from rocking.sequence import SPACINGS, ImpulseSequence, sequence_response
+from rocking.arguments import ArrayLike
+from rocking.body.block import Block
+from rocking.impulses.sequence import SPACINGS, ImpulseSequence, sequence_response
 from rockpulse.calibration.estimators import calibrate
 from rockpulse.calibration.response_envelope import enveloping_main
 from rockpulse.calibration.response_family import describe_family, recorded_family

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from rocking.sequence import ImpulseSequence, sequence_response
+from rocking.impulses.sequence import ImpulseSequence, sequence_response
 from rockpulse.calibration.response_targets import ResponseTargets
 
 __all__ = ["enveloping_main"]

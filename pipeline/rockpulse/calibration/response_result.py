@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rocking.sequence import ImpulseSequence
+from rocking.impulses.sequence import ImpulseSequence
 from rockpulse.calibration.response_targets import ResponseTargets
 
 __all__ = ["ResponseCalibration"]

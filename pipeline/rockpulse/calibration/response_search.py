@@ -14,7 +14,7 @@ import numpy as np
 from scipy.optimize import differential_evolution
 from scipy.stats import qmc
 
-from rocking.sequence import ImpulseSequence, sequence_response
+from rocking.impulses.sequence import ImpulseSequence, sequence_response
 from rockpulse.calibration.response_likelihood import log_likelihood
 from rockpulse.calibration.response_targets import ResponseTargets
 

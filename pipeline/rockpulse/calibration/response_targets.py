@@ -21,9 +21,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rocking.block import Block
-from rocking.quantities import ArrayLike
-from rocking.recorded import recorded_response
+from rocking.arguments import ArrayLike
+from rocking.body.block import Block
+from rocking.march.recorded import recorded_response
 from rocking.response import Outcome
 from rockpulse.errors import ConfigError, RecordRefused, TooWeak
 from rockpulse.record.record import Record

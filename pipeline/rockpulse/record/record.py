@@ -15,7 +15,7 @@ from unicodedata import normalize
 
 import numpy as np
 
-from rocking.svg_lines import BLUE, GREY, RED, Picture, Shown, thinned
+from rocking.pictures import BLUE, GREY, RED, Picture, Shown, thinned
 from rockpulse.errors import RecordFormatError
 
 __all__ = ["BETWEEN", "STANDARD_GRAVITY", "Orientation", "Record", "distinct_ids", "id_matches", "record_id"]

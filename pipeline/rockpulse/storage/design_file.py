@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from rocking.sequence import ImpulseSequence
+from rocking.impulses.sequence import ImpulseSequence
 from rockpulse.calibration.design_spectrum import DesignSpectrum
 from rockpulse.errors import ResultsError
 from rockpulse.storage.save_load import ASSESSMENT, load, named

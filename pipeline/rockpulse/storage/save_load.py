@@ -189,8 +189,8 @@ def _spacing(
     The spacing is that of the configuration, unless the half-cycles of the first sequence say otherwise: a design
     sequence has its own. It is not known where the configuration or the half-cycles cannot be asked.
     """
-    from rocking.block import Block
-    from rocking.sequence import ImpulseSequence, sequence_response
+    from rocking.body.block import Block
+    from rocking.impulses.sequence import ImpulseSequence, sequence_response
 
     try:
         configured = stored_sections(str(configuration)).get("sequence", {}).get("spacing", SequenceSettings().spacing)

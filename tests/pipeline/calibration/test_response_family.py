@@ -6,7 +6,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from rocking.recorded import recorded_response
+from rocking.march.recorded import recorded_response
 from rockpulse.calibration.response_family import describe_family, motion_family, recorded_family
 from rockpulse.errors import RecordRefused
 from rockpulse.models import ImpulseSequence, Outcome, sequence_response

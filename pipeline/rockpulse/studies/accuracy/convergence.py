@@ -13,8 +13,8 @@ from collections.abc import Sequence
 import numpy as np
 import pandas as pd
 
-from rocking.block import Block
-from rocking.recorded import recorded_response
+from rocking.body.block import Block
+from rocking.march.recorded import recorded_response
 from rocking.response import Response
 from rockpulse.record.synthetic import synthetic_motion
 from rockpulse.studies.accuracy.statistics import observed_order

@@ -15,7 +15,7 @@ import numpy as np
 import pandas as pd
 from scipy.stats import mannwhitneyu
 
-from rocking.block import Block
+from rocking.body.block import Block
 from rocking.response import Outcome
 from rockpulse.assessment.scene import prepare
 from rockpulse.config.configuration import Config

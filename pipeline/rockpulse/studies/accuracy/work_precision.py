@@ -17,8 +17,8 @@ from typing import Any, NamedTuple
 import numpy as np
 import pandas as pd
 
-from rocking.block import Block
-from rocking.recorded import recorded_response
+from rocking.body.block import Block
+from rocking.march.recorded import recorded_response
 from rocking.response import Outcome
 from rockpulse.studies.accuracy.baseline import response as by_solve_ivp
 from rockpulse.studies.accuracy.statistics import answer_errors, error_statistics, reference_under_perturbation

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from rocking.capacity import uplift_scale
+from rocking.search.capacity import uplift_scale
 from rockpulse.config.bodies import gather_bodies
 from rockpulse.config.configuration import Config, given_config
 from rockpulse.failures import Failure, some

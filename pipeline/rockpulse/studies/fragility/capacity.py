@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from rocking.block import Block
+from rocking.body.block import Block
 from rockpulse.assessment.places import aloft, places_of, turned
 from rockpulse.assessment.scene import extract
 from rockpulse.config.bodies import Bodies

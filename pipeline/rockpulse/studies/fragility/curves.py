@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from scipy.special import stdtrit
 
-from rocking.quantities import ArrayLike
+from rocking.arguments import ArrayLike
 from rockpulse.errors import ConfigError
 from rockpulse.studies.fragility.likelihood import FAMILIES, Family, maximise
 from rockpulse.studies.fragility.observations import ABOVE, EXACT, NOT_ABOVE, Observations

@@ -8,10 +8,10 @@ from typing import Literal, cast
 
 import numpy as np
 
-from rocking.block import Block
-from rocking.capacity import critical_scale, uplift_scale
-from rocking.recorded import recorded_response
+from rocking.body.block import Block
+from rocking.march.recorded import recorded_response
 from rocking.response import Outcome
+from rocking.search.capacity import critical_scale, uplift_scale
 from rockpulse.config.fragility_settings import OVERTURNING, UPLIFT
 from rockpulse.ladder import Scene
 

@@ -12,8 +12,8 @@ from functools import partial
 
 import numpy as np
 
-from rocking.block import Block
-from rocking.demand import Demand, ground_demand
+from rocking.body.block import Block
+from rocking.march.demand import Demand, ground_demand
 from rockpulse.ladder import Scene
 from rockpulse.record.intensity import fajfar_index, largest_change, pgv, spectral_acceleration, spectrum_intensity
 from rockpulse.storage.fragility_variables import STATED, STRENGTH
@@ -70,7 +70,7 @@ def _change(scene: Scene, block: Block) -> np.ndarray:
     return np.asarray(block.p * largest / _capacity(block))
 
 
-#: Every measure by its name. E is the exponentially weighted impulse of :mod:`rocking.demand`; its lobes are
+#: Every measure by its name. E is the exponentially weighted impulse of :mod:`rocking.march.demand`; its lobes are
 #: the largest abs(E) between two changes of sign, up to 16 of them.
 MEASURES: dict[str, Measure] = {
     "pga": Measure("m s-2", "PGA", lambda scene, block: scene.record.pga),

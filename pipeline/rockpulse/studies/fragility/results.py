@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from rocking.block import Block
+from rocking.body.block import Block
 from rockpulse.config.configuration import Config
 from rockpulse.failures import Failure
 from rockpulse.motions.runner import Part

@@ -11,7 +11,7 @@ import math
 import numpy as np
 from scipy.special import ellipkinc, ellipkm1
 
-from rocking.block import Block
+from rocking.body.block import Block
 
 __all__ = ["critical_double_impulse"]
 

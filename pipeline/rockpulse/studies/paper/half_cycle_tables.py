@@ -8,12 +8,12 @@ from dataclasses import fields
 import numpy as np
 import xarray as xr
 
-from rocking.block import Block
-from rocking.main_sequence import critical_impulse_at
-from rocking.motion import hop
+from rocking.body.block import Block
+from rocking.impulses.main import critical_impulse_at
+from rocking.impulses.motion import hop
+from rocking.impulses.sequence import ImpulseSequence, sequence_response
+from rocking.impulses.sequence_kernel import HALF_CYCLE_LIMIT
 from rocking.response import HalfCycles, Response
-from rocking.sequence import ImpulseSequence, sequence_response
-from rocking.sequence_kernel import HALF_CYCLE_LIMIT
 from rockpulse.storage.study_variables import FIGURE5, described_set, no_motion
 from rockpulse.studies.paper.double_impulse import critical_double_impulse
 from rockpulse.studies.paper.paper_blocks import RADII, half_cycle_counts, paper_block

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from rocking.block import Block
+from rocking.body.block import Block
 from rocking.response import Outcome, Response
 
 __all__ = ["DURATION", "GRAVITY", "RADII", "RESTITUTIONS", "WIDTH", "half_cycle_counts", "paper_block"]

@@ -13,10 +13,10 @@ from collections.abc import Sequence
 import numpy as np
 import xarray as xr
 
-from rocking.block import Block
+from rocking.body.block import Block
+from rocking.impulses.sequence import SPACINGS, ImpulseSequence, sequence_response
+from rocking.impulses.sequence_kernel import HALF_CYCLE_LIMIT
 from rocking.response import Response
-from rocking.sequence import SPACINGS, ImpulseSequence, sequence_response
-from rocking.sequence_kernel import HALF_CYCLE_LIMIT
 from rockpulse.storage.study_variables import FIGURE4, STUDY, described_set, no_motion
 from rockpulse.studies.paper.analysis_statements import ANALYSIS_STATEMENTS, ROUNDING
 from rockpulse.studies.paper.finding import examine, statement_table

@@ -12,7 +12,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 import xarray as xr
 
-from rocking.impulse_sequence import SPACINGS
+from rocking.impulses.impulse_sequence import SPACINGS
 from rockpulse.errors import ConfigError
 from rockpulse.storage.study_variables import FIGURE5, INTERVALS, STUDY, described_set
 from rockpulse.studies.paper.finding import Finding, Statement, examine, interval_ranges, statement_table
@@ -84,7 +84,7 @@ def figure5(
 
     Notes
     -----
-    The half-cycles are those of :func:`~rocking.sequence.sequence_response`; between the impulses the motion
+    The half-cycles are those of :func:`~rocking.impulses.sequence.sequence_response`; between the impulses the motion
     is Eq. (2).
 
     Examples

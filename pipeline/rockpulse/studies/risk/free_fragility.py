@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from scipy.special import ndtr
 
-from rocking.block import Block
+from rocking.body.block import Block
 from rockpulse.errors import ConfigError
 from rockpulse.storage.risk_variables import FREE_FRAGILITY
 from rockpulse.studies.risk.body_curves import curves_in_parts, event_weights, spectra_of

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy.special import stdtrit
 
-from rocking.block import Block
+from rocking.body.block import Block
 from rockpulse.config.configuration import config_from_text
 from rockpulse.errors import ConfigError
 from rockpulse.storage.risk_variables import INVENTORY, RiskStatus

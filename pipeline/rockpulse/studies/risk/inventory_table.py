@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from rocking.block import Block
+from rocking.body.block import Block
 from rockpulse.errors import ConfigError
 from rockpulse.input_file import read_text
 from rockpulse.input_table import numbers, table_of

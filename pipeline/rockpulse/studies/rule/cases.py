@@ -16,9 +16,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pandas as pd
 
-from rocking.half_wave_demand import demand_of_half_waves
-from rocking.recorded import recorded_response
+from rocking.march.recorded import recorded_response
 from rocking.response import Outcome
+from rocking.spectrum.half_waves import demand_of_half_waves
 from rockpulse.calibration.rule import traits
 from rockpulse.config.settings import RecordSettings
 from rockpulse.errors import ConfigError, RockpulseError

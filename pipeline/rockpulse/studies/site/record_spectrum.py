@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from rocking.half_wave_demand import lobe_shapes
-from rocking.overturning_spectrum import OverturningSpectrum
-from rocking.spectrum_lanes import RATES
+from rocking.spectrum.half_waves import lobe_shapes
+from rocking.spectrum.lanes import RATES
+from rocking.spectrum.overturning import OverturningSpectrum
 from rockpulse.assessment.overturning import LANES
 from rockpulse.config.configuration import Config
 from rockpulse.errors import RecordRefused

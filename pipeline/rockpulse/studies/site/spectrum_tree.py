@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from rocking.block import Block
-from rocking.spectrum_lanes import RATES
+from rocking.body.block import Block
+from rocking.spectrum.lanes import RATES
 from rockpulse.calibration.design_spectrum import DesignSpectrum
 from rockpulse.config.configuration import Config
 from rockpulse.failures import Failure

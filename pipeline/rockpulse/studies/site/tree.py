@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from rocking.block import Block
-from rocking.sequence import ImpulseSequence, sequence_response
+from rocking.body.block import Block
+from rocking.impulses.sequence import ImpulseSequence, sequence_response
 from rockpulse.config.configuration import Config
 from rockpulse.failures import Failure
 from rockpulse.storage.site_variables import COORDINATES, PARAMETER, SITE_KIND, VARIABLES

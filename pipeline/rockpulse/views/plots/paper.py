@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from rocking.pictures import thinned
 from rocking.response import Outcome
-from rocking.svg_lines import thinned
 from rockpulse.errors import ResultsError
 from rockpulse.option import hint
 from rockpulse.views.plots.style import (

@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from rocking.block import Block
-from rocking.impulsive import impulsive_response
-from rocking.recorded import recorded_response
+from rocking.body.block import Block
+from rocking.impulses.impulsive import impulsive_response
+from rocking.march.recorded import recorded_response
 from rocking.response import Response
 from rockpulse.assessment.places import floor_record
 from rockpulse.assessment.senses import acting

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from rocking.recorded import recorded_response
+from rocking.march.recorded import recorded_response
 from rockpulse.record.synthetic import synthetic_motion
 from rockpulse.studies.accuracy.bodies import DT, PLAIN, SCALES, bodies_table, kinds
 

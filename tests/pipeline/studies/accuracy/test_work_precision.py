@@ -7,9 +7,9 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from rocking.block import Block
-from rocking.polynomial import ORDER
-from rocking.recorded import recorded_response
+from rocking.body.block import Block
+from rocking.march.polynomial import ORDER
+from rocking.march.recorded import recorded_response
 from rocking.response import Outcome
 from rockpulse.record.synthetic import synthetic_motion
 from rockpulse.studies.accuracy import baseline, work_precision

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from rocking.block import Block
-from rocking.restraint import Tie
+from rocking.body.block import Block
+from rocking.body.restraint import Tie
 from rockpulse.studies.check.kinematic import kinematic_check
 
 

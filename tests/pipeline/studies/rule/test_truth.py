@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from rocking import Block, Uncertainty, critical_scale
-from rocking.overturning_probability import overturning_probability
+from rocking.spectrum.body_probability import overturning_probability
 from rockpulse.record.synthetic import synthetic_motion
 from rockpulse.studies.rule.truth import FACTOR_MAX, nonlinear_capacity
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import rockpulse as rp
-from rocking.spectrum_lanes import RATES
+from rocking.spectrum.lanes import RATES
 from rockpulse import CalibrationSettings
 from rockpulse.assessment.overturning import LANES
 from rockpulse.config.settings import SPECTRA
