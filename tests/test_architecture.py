@@ -25,7 +25,7 @@ rockpulse.input_table
 rockpulse.record
 rockpulse.readers
 rockpulse.calibration
-rockpulse.ladder
+rockpulse.model_table
 rockpulse.config
 rockpulse.motions
 rockpulse.storage

@@ -24,7 +24,7 @@ from rockpulse.assessment.tree import EVENT, build_tree, dimension_of, nothing, 
 from rockpulse.config.bodies import Bodies, Place, gather_bodies
 from rockpulse.config.configuration import Config, given_config
 from rockpulse.failures import Failure
-from rockpulse.ladder import MODELS, USED, Scene, auto_response, critical_scales
+from rockpulse.model_table import MODELS, USED, Scene, auto_response, critical_scales
 from rockpulse.motions.directions import Motion, PlannedMotion, swept_directions
 from rockpulse.motions.runner import Analysis, Blocks, Part, Watch, Work, run
 from rockpulse.record.components import Pair

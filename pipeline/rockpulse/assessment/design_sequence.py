@@ -17,7 +17,7 @@ from rockpulse.config.bodies import gather_bodies, refuse_aloft
 from rockpulse.config.configuration import Config, given_config
 from rockpulse.config.given_bodies import Blocks
 from rockpulse.errors import ConfigError
-from rockpulse.ladder import SEQUENCE_MODELS, Scene
+from rockpulse.model_table import SEQUENCE_MODELS, Scene
 from rockpulse.record.half_wave import HalfWaves
 from rockpulse.record.intensity import IntensePhase
 from rockpulse.record.record import Record

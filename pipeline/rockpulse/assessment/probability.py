@@ -23,7 +23,7 @@ from rockpulse.assessment.demand import FARTHEST, demand_factors
 from rockpulse.assessment.senses import senses
 from rockpulse.config.bodies import Bodies
 from rockpulse.config.configuration import Config
-from rockpulse.ladder import Scene
+from rockpulse.model_table import Scene
 from rockpulse.record.record import Record
 from rockpulse.storage.probability_variables import AT_DEMAND, PROBABILITY, READ, SOURCES
 

@@ -7,7 +7,7 @@ from dataclasses import replace
 from rockpulse.calibration.estimators import calibrate
 from rockpulse.config.configuration import Config
 from rockpulse.errors import RecordRefused
-from rockpulse.ladder import Scene
+from rockpulse.model_table import Scene
 from rockpulse.record.components import align, uncovered
 from rockpulse.record.conditioning import condition
 from rockpulse.record.half_wave import half_waves

@@ -17,7 +17,7 @@ import numpy as np
 from rocking.response import Outcome, Reason
 from rockpulse.assessment.answers import Answers, Body, Margin, Share
 from rockpulse.assessment.demand import FARTHEST
-from rockpulse.ladder import is_upper_bound
+from rockpulse.model_table import is_upper_bound
 
 __all__ = [
     "FEWEST_AT_DEMAND",

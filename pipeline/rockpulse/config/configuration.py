@@ -34,7 +34,7 @@ from rockpulse.config.settings import (
 from rockpulse.config.uncertainty_settings import UncertaintySettings
 from rockpulse.errors import ConfigError, ResultsError
 from rockpulse.input_file import TOML_LIMIT, parse_toml, read_text
-from rockpulse.ladder import ModelSettings, SearchSettings
+from rockpulse.model_table import ModelSettings, SearchSettings
 from rockpulse.option import Section, hint
 
 __all__ = ["Config", "config_from_text", "given_config", "load_config", "located", "stored_sections"]

@@ -16,7 +16,7 @@ from rocking.response import Outcome, Reason
 from rockpulse.config.bodies import Bodies
 from rockpulse.config.configuration import Config
 from rockpulse.config.settings import SPACINGS
-from rockpulse.ladder import USED
+from rockpulse.model_table import USED
 from rockpulse.record.intensity import arias_intensity, pgv
 from rockpulse.remark import find, with_codes
 from rockpulse.storage.body_variables import BLOCK, CASE

@@ -9,7 +9,7 @@ import numpy as np
 
 from rockpulse.assessment.answers import PROBABLE, complete, fullest_model
 from rockpulse.errors import ResultsError
-from rockpulse.ladder import SEQUENCE_MODELS, UPPER_BOUND, SearchSettings, is_upper_bound
+from rockpulse.model_table import SEQUENCE_MODELS, UPPER_BOUND, SearchSettings, is_upper_bound
 from rockpulse.views.plots.demand_marks import demand_ticks, factors_to_demands, least, tick_notes
 from rockpulse.views.plots.factor_rows import ROW, ROWS, asked_of, factor_axis, legend_once, shown_rows
 from rockpulse.views.plots.probability_bars import HALF, bar, none_up_to, probability_bars, whiskers

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from rocking.svg_lines import thinned
-from rockpulse.ladder import SEQUENCE_MODELS
+from rockpulse.model_table import SEQUENCE_MODELS
 from rockpulse.views.plots.model_histories import History
 from rockpulse.views.plots.style import (
     BLACK,

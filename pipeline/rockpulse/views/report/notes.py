@@ -11,7 +11,7 @@ from rocking.response import Outcome
 from rockpulse.assessment.answers import Answers, searched_up_to
 from rockpulse.assessment.verdict import BodyVerdict
 from rockpulse.config.uncertainty_settings import UncertaintySettings
-from rockpulse.ladder import is_upper_bound
+from rockpulse.model_table import is_upper_bound
 from rockpulse.views.report.answers import AnswerCells
 from rockpulse.views.report.wording import Words
 from rockpulse.views.shared.answer_cells import AT_MOST, factor_cell, margin_cells, marks_of

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from rockpulse.config.configuration import stored_sections
-from rockpulse.ladder import SEQUENCE_MODELS
+from rockpulse.model_table import SEQUENCE_MODELS
 from rockpulse.views.report.pairing import Paired
 from rockpulse.views.report.remarks import files_words
 from rockpulse.views.report.wording import Words

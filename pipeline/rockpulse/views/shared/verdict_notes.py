@@ -10,7 +10,7 @@ from rocking.response import Outcome, Reason
 from rockpulse.assessment.answers import Answers, Motions
 from rockpulse.assessment.screens import sliding, worse_screens
 from rockpulse.assessment.verdict import BodyVerdict
-from rockpulse.ladder import MODELS, UPPER_BOUND, is_upper_bound
+from rockpulse.model_table import MODELS, UPPER_BOUND, is_upper_bound
 from rockpulse.storage.hdf5_reader import flag_words
 from rockpulse.views.shared.record_marks import doubt_notes, record_cells
 from rockpulse.views.shared.table import Mark
