@@ -60,7 +60,7 @@ def record_probability(
 ) -> RecordProbability:
     """The probability of overturning of bodies under a record that was made ready, as it is and brought to each demand.
 
-    It is that of the nonlinear model: without ``nonlinear`` or ``auto`` among the models, and where the configuration
+    It is that of the nonlinear model: without ``nonlinear`` among the models, and where the configuration
     switches it off, every probability is NaN and the source "none". All restitutions of a body have the same.
 
     `channels` are those whose strengths are brought to the demands; without them it is the record. At a factor beyond
