@@ -23,7 +23,6 @@ rocking.body
 rocking.march
 rocking.impulses
 rocking.search
-rocking.fidelity rocking.predictability
 rocking.spectrum
 rocking
 rockpulse.version rockpulse.failures rockpulse.remark
@@ -33,7 +32,7 @@ rockpulse.input_table
 rockpulse.record
 rockpulse.readers
 rockpulse.calibration
-rockpulse.ladder
+rockpulse.model_table
 rockpulse.config
 rockpulse.motions
 rockpulse.storage

@@ -5,8 +5,6 @@ from .body.restraint import Tie as Tie
 from .body.supports import FloorMotion as FloorMotion
 from .body.supports import floor_motion as floor_motion
 from .body.supports import with_pedestal as with_pedestal
-from .fidelity import Rung as Rung
-from .fidelity import choose_response as choose_response
 from .impulses.impulsive import impulsive_response as impulsive_response
 from .impulses.main import critical_impulse_at as critical_impulse_at
 from .impulses.main import resonance as resonance
@@ -23,7 +21,6 @@ from .march.recorded import recorded_response as recorded_response
 from .march.sliding import SlidingDemand as SlidingDemand
 from .march.sliding import impact_friction as impact_friction
 from .march.sliding import sliding_demand as sliding_demand
-from .predictability import predictable as predictable
 from .response import HalfCycles as HalfCycles
 from .response import Outcome as Outcome
 from .response import Reason as Reason

@@ -23,8 +23,7 @@ import numpy as np
 from scipy.special import ndtri
 
 from rocking.body.block import Block
-from rocking.fidelity import within_measured_range
-from rocking.march.demand import ground_demand
+from rocking.march.demand import ground_demand, within_measured_range
 from rocking.march.recorded import recorded_response
 from rocking.response import Outcome
 from rocking.search.capacity import uplift_scale

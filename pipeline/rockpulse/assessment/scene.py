@@ -7,7 +7,7 @@ from dataclasses import replace
 from rockpulse.calibration.estimators import calibrate
 from rockpulse.config.configuration import Config
 from rockpulse.errors import RecordRefused
-from rockpulse.ladder import Scene
+from rockpulse.model_table import MODELS, RULE_POINT, Scene
 from rockpulse.record.components import align, uncovered
 from rockpulse.record.conditioning import condition
 from rockpulse.record.half_wave import half_waves
@@ -46,7 +46,7 @@ def extract(conditioned: Record, config: Config, up: Record | None = None) -> Sc
     except RecordRefused as error:
         sequence = None
         conditioned = conditioned.with_warning(Remark("no_sequence", reason=str(error)))
-    rule = "conservative" if config.sequence.method == "rule" else ""
+    rule = RULE_POINT if config.sequence.method == "rule" else ""
     return Scene(conditioned, lift, waves, phase, sequence, config.models, config.search, rule)
 
 
@@ -55,7 +55,8 @@ def matched(scene: Scene, config: Config) -> Scene:
 
     A record that moves too few bodies for that has no sequence, and a warning that says so.
     """
-    if config.sequence.method != "response" or scene.sequence is None or "sequence" not in scene.models.use:
+    wanted = config.sequence.method == "response" and any(MODELS[name].paired for name in scene.models.use)
+    if not wanted or scene.sequence is None:
         return scene
     from rockpulse.calibration.response import calibrate_response  # a second, and rarely asked for
 

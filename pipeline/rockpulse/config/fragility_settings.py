@@ -7,9 +7,10 @@ from itertools import pairwise
 from typing import Any
 
 from rockpulse.errors import ConfigError
+from rockpulse.model_table import EQUATIONS
 from rockpulse.option import KeyType, Section, choice, choices, is_number, key, number, text
 
-__all__ = ["DATA", "EQUATIONS", "MEASURES", "MODELS", "OVERTURNING", "UPLIFT", "FragilitySettings"]
+__all__ = ["DATA", "MEASURES", "MODELS", "OVERTURNING", "UPLIFT", "FragilitySettings"]
 
 #: Limit states that are no rotation.
 UPLIFT, OVERTURNING = "uplift", "overturning"
@@ -35,7 +36,6 @@ MEASURES = (
 )
 DATA = ("stripes", "ida", "cloud")
 MODELS = ("lognormal", "logistic")
-EQUATIONS = ("nonlinear", "linear")
 
 
 def _is_limit_states(value: Any) -> bool:
@@ -103,7 +103,7 @@ class FragilitySettings(Section):
     model: str = choice("lognormal", MODELS)
     overturning_model: str = choice("logistic", MODELS)
     confidence: float = number(0.9, low=0.5, high=0.999)
-    equation: str = choice("nonlinear", EQUATIONS)
+    equation: str = choice(EQUATIONS[0], EQUATIONS)
 
     def __post_init__(self) -> None:
         super().__post_init__()

@@ -8,9 +8,8 @@ from scipy.special import ndtr
 
 from rocking import Block, Outcome, critical_scale, recorded_response
 from rocking.search.capacity import uplift_scale
-from rocking.spectrum import body_probability as overturning_probability
 from rocking.spectrum.body_lanes import LaneMarch, probability_lanes
-from rocking.spectrum.body_probability import LEVEL_STEP
+from rocking.spectrum.body_probability import LEVEL_STEP, overturning_probability
 from rocking.spectrum.probability import Uncertainty
 
 DT = 0.01

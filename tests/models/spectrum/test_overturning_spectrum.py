@@ -7,8 +7,7 @@ import pytest
 from scipy.special import ndtr
 
 from rocking import Block, OverturningSpectrum, Tie, Uncertainty, critical_scale
-from rocking.spectrum import lanes as spectrum_lanes
-from rocking.spectrum.lanes import SpectrumLanes
+from rocking.spectrum.lanes import SpectrumLanes, spectrum_lanes
 from rocking.spectrum.overturning import (
     INTERPOLATION,
     TWO_SIDED,

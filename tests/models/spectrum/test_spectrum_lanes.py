@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 from rocking import Block, Outcome, OverturningSpectrum, recorded_response
-from rocking.spectrum import lanes as spectrum_lanes
 from rocking.spectrum.lanes import (
     FIRST,
     LEAST_RESTITUTION,
@@ -20,6 +19,7 @@ from rocking.spectrum.lanes import (
     check_strength,
     neighbours,
     piece_lanes,
+    spectrum_lanes,
 )
 from rockpulse.record.synthetic import synthetic_motion
 

@@ -11,7 +11,7 @@ import rockpulse as rp
 from rockpulse import ModelSettings
 from rockpulse.config.configuration import Config
 from rockpulse.errors import ConfigError
-from rockpulse.ladder import ALL_MODELS
+from rockpulse.model_table import ALL_MODELS
 from rockpulse.models import Block, ImpulseSequence, resonance, resonance_safety, sequence_response
 from rockpulse.storage.design_file import design_of
 

@@ -19,7 +19,7 @@ from rocking.body.block import Block
 from rocking.response import Outcome
 from rockpulse.assessment.scene import prepare
 from rockpulse.config.configuration import Config
-from rockpulse.ladder import ALL_MODELS, MODELS, Scene
+from rockpulse.model_table import ALL_MODELS, MODELS, Scene
 from rockpulse.record.intensity import pgv
 from rockpulse.record.record import Record
 from rockpulse.record.synthetic import synthetic_motion

@@ -14,7 +14,7 @@ import numpy as np
 
 from rocking.body.block import Block
 from rocking.march.demand import Demand, ground_demand
-from rockpulse.ladder import Scene
+from rockpulse.model_table import Scene
 from rockpulse.record.intensity import fajfar_index, largest_change, pgv, spectral_acceleration, spectrum_intensity
 from rockpulse.storage.fragility_variables import STATED, STRENGTH
 

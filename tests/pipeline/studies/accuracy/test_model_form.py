@@ -7,7 +7,7 @@ import pytest
 from rocking.response import Outcome
 from rockpulse.assessment.scene import prepare
 from rockpulse.config.configuration import Config
-from rockpulse.ladder import MODELS
+from rockpulse.model_table import MODELS
 from rockpulse.studies.accuracy.model_form import (
     COMPARED,
     JUDGE,

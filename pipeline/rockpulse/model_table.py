@@ -1,12 +1,13 @@
-"""The ladder of models, from the cheapest to the dearest: one row a model, with all that the program knows of it.
+"""Table of models, from the cheapest to the full equation of motion: one row a model, with all that is known of it.
 
-A model is added here and nowhere else: its functions, and a row of :data:`MODELS` that names them. The solvers are
-loaded when a function is called, for the configuration takes the names of the models from here.
+A model is added here and nowhere else: its functions, and a row of :data:`MODELS`. Whatever asks what a model can do
+asks its row; a test finds the name of a model outside this table. The solvers are loaded when a function is called, for
+the configuration takes the names of the models from here.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from functools import partial
 from typing import TYPE_CHECKING, Any, Literal
@@ -23,58 +24,41 @@ from rockpulse.record.record import Record
 if TYPE_CHECKING:
     from rockpulse.calibration.rule import Rule
 
-__all__ = [
-    "ALL_MODELS",
-    "DEFAULT_MODELS",
-    "MODELS",
-    "NAMES",
-    "SEQUENCE_MODELS",
-    "UPPER_BOUND",
-    "USED",
-    "Model",
-    "ModelSettings",
-    "Scene",
-    "SearchSettings",
-    "auto_response",
-    "critical_scales",
-    "is_upper_bound",
-]
-
 #: What a model with an upper bound for its input is called, wherever it is shown.
 UPPER_BOUND = "upper-bound type input"
 
-
-def _no_sequence(block: rocking.Block) -> rocking.Response:
-    return unresolved(block.shape, rocking.Reason.NO_SEQUENCE)
-
-
-def _not_searched(block: rocking.Block) -> rocking.ScaleIntervals:
-    return rocking.ScaleIntervals.unknown(block.shape)
+#: The equations of motion under an accelerogram, by the words of :func:`rocking.recorded_response`.
+Equation = Literal["linear", "nonlinear"]
 
 
 def _resonance(block: rocking.Block, scene: Scene) -> rocking.Response:
     one = scene.sequence
-    return _no_sequence(block) if one is None else rocking.resonance(block, one.main, one.main_count, one.duration)
+    if one is None:
+        return unresolved(block.shape, rocking.Reason.NO_SEQUENCE)
+    return rocking.resonance(block, one.main, one.main_count, one.duration)
 
 
 def _search_resonance(block: rocking.Block, scene: Scene) -> rocking.ScaleIntervals:
-    one, most = scene.sequence, scene.search.factor_max
-    return _not_searched(block) if one is None else rocking.resonance_critical_scale(block, one, most)
+    if scene.sequence is None:
+        return rocking.ScaleIntervals.unknown(block.shape)
+    return rocking.resonance_critical_scale(block, scene.sequence, scene.search.factor_max)
 
 
 def _sequence(block: rocking.Block, scene: Scene) -> rocking.Response:
-    one = scene.sequence
     if scene.rule:
         return _rule(block, scene, point=scene.rule)
-    return _no_sequence(block) if one is None else rocking.sequence_response(block, one, paired=one.shape != ())
+    one = scene.sequence
+    if one is None:
+        return unresolved(block.shape, rocking.Reason.NO_SEQUENCE)
+    return rocking.sequence_response(block, one, paired=one.shape != ())
 
 
 def _search_sequence(block: rocking.Block, scene: Scene) -> rocking.ScaleIntervals:
-    one, search = scene.sequence, scene.search
     if scene.rule:
         return _search_rule(block, scene, point=scene.rule)
+    one, search = scene.sequence, scene.search
     if one is None:
-        return _not_searched(block)
+        return rocking.ScaleIntervals.unknown(block.shape)
     return rocking.sequence_critical_scale(block, one, search.factor_max, search.step, paired=one.shape != ())
 
 
@@ -92,10 +76,15 @@ def _loaded(point: str) -> Rule:
     return load_rule(point)
 
 
-def _impulsive(block: rocking.Block, scene: Scene, scale: Any = 1.0) -> rocking.Response:
-    waves, gain = scene.waves, scene.models.gain
+def _impulsive(block: rocking.Block, scene: Scene, scale: Any = None) -> rocking.Response:
     return rocking.impulsive_response(
-        block, waves.centroid, waves.impulse, duration=scene.record.duration, gain=gain, scale=scale
+        block,
+        scene.waves.centroid,
+        scene.waves.impulse,
+        duration=scene.record.duration,
+        gain=scene.models.gain,
+        scale=1.0 if scale is None else scale,
+        history_dt=None if scale is None else scene.record.dt,
     )
 
 
@@ -106,58 +95,33 @@ def _search_impulsive(block: rocking.Block, scene: Scene) -> rocking.ScaleInterv
     )
 
 
-def _recorded(
-    block: rocking.Block, scene: Scene, scale: Any = None, *, equation: Literal["linear", "nonlinear"]
-) -> rocking.Response:
+def _recorded(block: rocking.Block, scene: Scene, scale: Any = None, *, equation: Equation) -> rocking.Response:
     return rocking.recorded_response(
         block,
         scene.record.acceleration,
         scene.record.dt,
         equation=equation,
-        vertical=scene.vertical if equation == "nonlinear" else None,
+        vertical=MODELS[equation].vertical_of(scene),
         scale=1.0 if scale is None else scale,
-        history=scene.models.histories and scale is None,
+        history=scene.models.histories if scale is None else True,
     )
 
 
-def _search_recorded(
-    block: rocking.Block, scene: Scene, *, equation: Literal["linear", "nonlinear"]
-) -> rocking.ScaleIntervals:
+def _search_recorded(block: rocking.Block, scene: Scene, *, equation: Equation) -> rocking.ScaleIntervals:
     return rocking.critical_scale(
         block,
         scene.record.acceleration,
         scene.record.dt,
         equation,
-        vertical=scene.vertical if equation == "nonlinear" else None,
+        vertical=MODELS[equation].vertical_of(scene),
         factor_max=scene.search.factor_max,
         points=scene.search.points,
     )
 
 
-def auto_response(block: rocking.Block, scene: Scene, scale: Any = 1.0) -> tuple[rocking.Response, np.ndarray]:
-    """The cheapest model that answers (m,) or (q, m) lanes, and which it was, as its place in :data:`USED`."""
-    record, settings = scene.record, scene.models
-    response, rungs = rocking.choose_response(
-        block,
-        record.acceleration,
-        record.dt,
-        scene.waves.centroid,
-        scene.waves.impulse,
-        scale=scale,
-        vertical=scene.vertical,
-        output=settings.output,
-        tolerance=settings.tolerance,
-    )
-    return response, np.array([USED.index(rung.name.lower()) for rung in rocking.Rung], dtype=np.int8)[rungs]
-
-
-def _auto(block: rocking.Block, scene: Scene, scale: Any = 1.0) -> rocking.Response:
-    return auto_response(block, scene, scale)[0]
-
-
 @dataclass(frozen=True)
 class Model:
-    """A row of the table of models."""
+    """A row of the table of models: functions, capabilities and words of one model."""
 
     name: str
     #: What the legend of a picture calls it, and what a report says of it.
@@ -168,30 +132,54 @@ class Model:
     search: Callable[[rocking.Block, Scene], rocking.ScaleIntervals]
     #: How it is drawn: a colour of the palette of the pictures, a line and a marker as matplotlib takes them.
     look: tuple[str, str | tuple[float, tuple[float, ...]], str]
+    #: The input: the calibrated sequence, with a time of its own and without any record; the half-waves of the record;
+    #: or its accelerogram.
+    takes: Literal["sequence", "half-waves", "accelerogram"]
+    #: Whether `respond` also takes (q,) factors on the record, and then gives the motion in time under each.
+    follows: bool = False
+    #: The impulses inside the half-cycles that results hold, from which the motion in time is drawn; empty for none.
+    cycles: Literal["", "main", "main and secondary"] = ""
+    #: The equation of motion of :func:`rocking.recorded_response`; None for a model of impulses.
+    equation: Equation | None = None
+    #: Whether it is the full equation of motion: other models are judged by it, and where it is in use results hold its
+    #: probability of overturning.
+    full: bool = False
+    #: Whether it answers unless other models are asked for.
+    default: bool = False
+    #: Whether the vertical acceleration acts.
+    vertical: bool = False
     #: Whether it is stated for slender blocks only, a slenderness of at least 3 (the linear motion of Eqs. 1-2).
     slender: bool = True
+    #: What it knows of bodies beside free-standing symmetric ones: some of :data:`rocking.body.block_lanes.FEATURES`.
+    knows: tuple[str, ...] = ()
     #: Whether it is the working point of that name of the rule.
     fitted: bool = False
-    #: Whether its input is the calibrated sequence, with a time of its own and without any record; else the record.
-    of_sequence: bool = False
-    #: Whether `respond` takes factors on the record as well, with which predictability is checked.
-    checkable: bool = False
-    #: Whether its factors are searched for by hundreds of runs, which `[search] intervals` asks for; those of the other
-    #: models cost as good as nothing and are always told.
-    searched: bool = False
-    #: What it knows of bodies beside free-standing symmetric ones, as :meth:`rocking.Block.known_to` has it.
-    knows: str = ""
+    #: Whether its sequence is that of `[sequence] method`, and may be another one for each body.
+    paired: bool = False
+    #: Whether its sequence has to end, by a number of main impulses or a duration.
+    needs_end: bool = False
+    #: The key of [search] that sets how finely factors are tried; empty where the factor is known at once.
+    grid: Literal["", "step", "points"] = ""
     #: How its input is an upper bound, so that its overturning says no more than that a body may be unsafe.
     upper_bound: str = ""
 
+    @property
+    def searched(self) -> bool:
+        """Whether its factors are found by hundreds of runs, which `[search] intervals` asks for."""
+        return self.grid == "points"
+
     def rule(self, scene: Scene) -> Rule | None:
         """The working point of the rule by which the model answers; None where it does not."""
-        point = self.name if self.fitted else scene.rule if self.name == "sequence" else ""
+        point = self.name if self.fitted else scene.rule if self.paired else ""
         return _loaded(point) if point else None
+
+    def vertical_of(self, scene: Scene) -> np.ndarray | None:
+        """The vertical acceleration that acts by this model."""
+        return scene.vertical if self.vertical else None
 
     def answers(self, block: rocking.Block, scene: Scene) -> np.ndarray:
         """True for those of (m,) blocks of which the model knows everything that they have."""
-        return np.asarray(block.known_to("" if self.rule(scene) else self.knows))
+        return np.asarray(block.known_to(() if self.rule(scene) else self.knows))
 
     def applicable(self, block: rocking.Block, scene: Scene) -> np.ndarray:
         """True for those of (m,) blocks that lie in the range of the model; a rule holds for those like its fit's."""
@@ -199,24 +187,29 @@ class Model:
         rule = self.rule(scene)
         return within if rule is None else within & rule.applicable(block).reshape(block.shape)
 
-    def response(self, block: rocking.Block, scene: Scene, scale: Any = None) -> rocking.Response:
+    def response(self, block: rocking.Block, scene: Scene) -> rocking.Response:
         """The answer for (m,) blocks; UNRESOLVED for those of which the model does not know everything."""
-        more = {} if scale is None else {"scale": scale}
         known = self.answers(block, scene)
         if np.all(known):
-            return self.respond(block, scene, **more)
+            return self.respond(block, scene)
         if not np.any(known):
-            return unresolved((*np.shape(scale), *block.shape), rocking.Reason.NOT_MODELLED)
-        return spread(self.respond(block.chosen(known), scene, **more), known, rocking.Reason.NOT_MODELLED)
+            return unresolved(block.shape, rocking.Reason.NOT_MODELLED)
+        return spread(self.respond(block.chosen(known), scene), known, rocking.Reason.NOT_MODELLED)
 
     def intervals(self, block: rocking.Block, scene: Scene) -> rocking.ScaleIntervals:
-        """The factors at which (m,) blocks overturn; NaN for those of which the model does not know everything."""
-        known = self.answers(block, scene)
+        """The factors on the input at which (m,) blocks overturn, where [search] asks for them.
+
+        NaN without a search, and for those blocks of which the model does not know everything. A factor at which the
+        model stops answering is a lower bound.
+        """
+        asked = self.name in scene.search.models and (scene.search.intervals or not self.searched)
+        known = self.answers(block, scene) & asked
         if not np.any(known):
-            return _not_searched(block)
+            return rocking.ScaleIntervals.unknown(block.shape)
         return self.search(block if np.all(known) else block.chosen(known), scene).among(known)
 
 
+#: The order is that of results, and the rank: of the models that results hold, the verdict counts the last one.
 _ROWS = (
     Model(
         name="resonance",
@@ -226,8 +219,10 @@ _ROWS = (
         respond=_resonance,
         search=_search_resonance,
         look=("purple", (0, (1, 1.2)), "v"),
-        of_sequence=True,
-        knows="wall",
+        takes="sequence",
+        cycles="main",
+        needs_end=True,
+        knows=("wall",),
         upper_bound="every main impulse at the worst moment",
     ),
     Model(
@@ -239,8 +234,12 @@ _ROWS = (
         respond=_sequence,
         search=_search_sequence,
         look=("orange", (0, (6, 1.5, 1, 1.5)), "s"),
-        of_sequence=True,
-        knows="wall",
+        takes="sequence",
+        cycles="main and secondary",
+        default=True,
+        paired=True,
+        grid="step",
+        knows=("wall",),
     ),
     Model(
         name="balanced",
@@ -250,6 +249,7 @@ _ROWS = (
         respond=partial(_rule, point="balanced"),
         search=partial(_search_rule, point="balanced"),
         look=("sky", (0, (3, 1, 1, 1, 1, 1)), "<"),
+        takes="half-waves",
         fitted=True,
     ),
     Model(
@@ -259,6 +259,7 @@ _ROWS = (
         respond=partial(_rule, point="conservative"),
         search=partial(_search_rule, point="conservative"),
         look=("grey", (0, (8, 2)), ">"),
+        takes="half-waves",
         fitted=True,
     ),
     Model(
@@ -269,8 +270,9 @@ _ROWS = (
         respond=_impulsive,
         search=_search_impulsive,
         look=("green", (0, (2, 1)), "^"),
-        checkable=True,
-        searched=True,
+        takes="half-waves",
+        follows=True,
+        grid="points",
     ),
     Model(
         name="linear",
@@ -279,9 +281,11 @@ _ROWS = (
         respond=partial(_recorded, equation="linear"),
         search=partial(_search_recorded, equation="linear"),
         look=("red", (0, (4, 1.2)), "D"),
-        knows="linear",
-        checkable=True,
-        searched=True,
+        takes="accelerogram",
+        equation="linear",
+        knows=("corners", "wall"),
+        follows=True,
+        grid="points",
     ),
     Model(
         name="nonlinear",
@@ -291,41 +295,37 @@ _ROWS = (
         respond=partial(_recorded, equation="nonlinear"),
         search=partial(_search_recorded, equation="nonlinear"),
         look=("blue", "-", "o"),
-        knows="all",
+        takes="accelerogram",
+        equation="nonlinear",
+        full=True,
+        default=True,
+        vertical=True,
         slender=False,
-        checkable=True,
-        searched=True,
-    ),
-    Model(
-        name="auto",
-        label="auto",
-        words="the cheapest model whose verdict is that of the nonlinear one. Peaks written ~0.06 are estimates from "
-        "impulses, those written >0.12 the peak so far when the verdict was certain.",
-        respond=_auto,
-        search=partial(_search_recorded, equation="nonlinear"),
-        look=("black", "-", "P"),
-        knows="all",
-        slender=False,
-        checkable=True,
-        searched=True,
+        knows=("corners", "wall", "restraints"),
+        follows=True,
+        grid="points",
     ),
 )
 
-#: The models that answer unless others are asked for, and those that stand side by side where all are.
-DEFAULT_MODELS = ("sequence", "nonlinear")
-ALL_MODELS = ("resonance", "sequence", "impulsive", "linear", "nonlinear")
-
-#: Every model by its name.
+#: Every model by its name, and their names.
 MODELS = {row.name: row for row in _ROWS}
+NAMES = tuple(MODELS)
 
-#: The models that [models] use and [search] models may name; `auto` has a key of its own.
-NAMES = tuple(name for name in MODELS if name != "auto")
+#: The models that answer unless others are asked for, and those that stand side by side where all are.
+DEFAULT_MODELS = tuple(row.name for row in _ROWS if row.default)
+ALL_MODELS = tuple(row.name for row in _ROWS if not row.fitted)
+
+#: The working point of the rule by which the paired models answer with `[sequence] method = "rule"`.
+RULE_POINT = "conservative"
 
 #: The models whose input is a sequence; the others need the accelerogram or its half-waves.
-SEQUENCE_MODELS = tuple(row.name for row in _ROWS if row.of_sequence)
+SEQUENCE_MODELS = tuple(row.name for row in _ROWS if row.takes == "sequence")
 
-#: What may have given an answer: the models, and what only `auto` knows.
-USED = (*NAMES, "static", "settled")
+#: The fullest first: those with a motion in time, those that follow the record to a factor on it, and those that are an
+#: equation of motion under the accelerogram.
+DRAWN = tuple(row.name for row in reversed(_ROWS) if row.follows or row.cycles)
+FOLLOWING = tuple(row.name for row in reversed(_ROWS) if row.follows)
+EQUATIONS = tuple(row.name for row in reversed(_ROWS) if row.equation)
 
 
 def is_upper_bound(name: str) -> bool:
@@ -333,23 +333,24 @@ def is_upper_bound(name: str) -> bool:
     return name in MODELS and MODELS[name].upper_bound != ""
 
 
+def is_full(name: str) -> bool:
+    """Whether a model is the full equation of motion."""
+    return name in MODELS and MODELS[name].full
+
+
+def fullest(names: Iterable[str]) -> str:
+    """The model nearest to the full equation of motion; names that are not in the table come before all others."""
+    return max(names, key=lambda name: NAMES.index(name) if name in MODELS else -1)
+
+
 @dataclass(frozen=True)
 class ModelSettings(Section):
-    """The models that answer, and their exactness."""
+    """The models that answer, and their options."""
 
     heading = "[models]"
     use: tuple[str, ...] = choices(DEFAULT_MODELS, NAMES)
-    auto: bool = boolean(False)
-    output: str = choice("outcome", ("outcome", "peak"))
-    tolerance: float = number(1e-4, low=0.0, above=True)
-    predictability: bool = boolean(False)
     gain: str = choice("paper", ("paper", "linear", "exact"))
     histories: bool = boolean(False)
-
-    @property
-    def answering(self) -> tuple[str, ...]:
-        """The models of the results: those in use, and `auto` where it is asked for."""
-        return (*self.use, "auto") if self.auto else self.use
 
 
 @dataclass(frozen=True)
@@ -368,10 +369,10 @@ class SearchSettings(Section):
 class Scene:
     """A conditioned record made ready for the models: what was extracted from it, and the options of the models.
 
-    `vertical` is the vertical ground acceleration on the samples of the record, (n,) [m/s2], for the nonlinear model,
-    `phase` the stretch that the sequence is calibrated on. The sequence is None where the phase holds too few
-    half-waves; by a design spectrum it is (m,), one a block, for the sequence model alone. `rule` is the working point
-    of the rule by which it answers; empty where that is the sequence.
+    `vertical` is the vertical ground acceleration on the samples of the record, (n,) [m/s2], for the models in which it
+    acts, `phase` the stretch that the sequence is calibrated on. The sequence is None where the phase holds too few
+    half-waves; by a design spectrum it is (m,), one a block, for the paired models alone. `rule` is the working point
+    of the rule by which these answer; empty where they take the sequence.
     """
 
     record: Record
@@ -382,19 +383,3 @@ class Scene:
     models: ModelSettings
     search: SearchSettings
     rule: str = ""
-
-
-def critical_scales(block: rocking.Block, scene: Scene) -> dict[str, rocking.ScaleIntervals]:
-    """Factors on the input at which each of (m,) blocks overturns, by model; NaN without a search.
-
-    `auto` has those of the nonlinear model, whose outcomes are its own; where a model stops answering is a lower bound.
-    """
-    found: dict[str, rocking.ScaleIntervals] = {}
-    for model in scene.models.answering:
-        searched = "nonlinear" if model == "auto" else model
-        asked = searched in scene.search.models and (scene.search.intervals or not MODELS[model].searched)
-        if searched in found:
-            found[model] = found[searched]
-        else:
-            found[model] = MODELS[model].intervals(block, scene) if asked else _not_searched(block)
-    return found

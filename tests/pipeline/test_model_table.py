@@ -10,7 +10,7 @@ from nominal import Config
 from rockpulse import DemandSettings, ModelSettings, RecordSettings, SearchSettings
 from rockpulse.assessment.assessment import assess
 from rockpulse.assessment.scene import prepare
-from rockpulse.ladder import MODELS, NAMES, USED, critical_scales
+from rockpulse.model_table import MODELS, NAMES, USED, critical_scales
 from rockpulse.models import (
     Block,
     Outcome,
