@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 
 import rocking
-from rocking.response import spread, unresolved
+from rocking.response import Response
 from rockpulse.option import Section, boolean, choice, choices, count, number
 from rockpulse.record.half_wave import HalfWaves
 from rockpulse.record.intensity import IntensePhase
@@ -34,7 +34,7 @@ Equation = Literal["linear", "nonlinear"]
 def _resonance(block: rocking.Block, scene: Scene) -> rocking.Response:
     one = scene.sequence
     if one is None:
-        return unresolved(block.shape, rocking.Reason.NO_SEQUENCE)
+        return Response.unresolved(block.shape, rocking.Reason.NO_SEQUENCE)
     return rocking.resonance(block, one.main, one.main_count, one.duration)
 
 
@@ -49,7 +49,7 @@ def _sequence(block: rocking.Block, scene: Scene) -> rocking.Response:
         return _rule(block, scene, point=scene.rule)
     one = scene.sequence
     if one is None:
-        return unresolved(block.shape, rocking.Reason.NO_SEQUENCE)
+        return Response.unresolved(block.shape, rocking.Reason.NO_SEQUENCE)
     return rocking.sequence_response(block, one, paired=one.shape != ())
 
 
@@ -193,8 +193,8 @@ class Model:
         if np.all(known):
             return self.respond(block, scene)
         if not np.any(known):
-            return unresolved(block.shape, rocking.Reason.NOT_MODELLED)
-        return spread(self.respond(block.chosen(known), scene), known, rocking.Reason.NOT_MODELLED)
+            return Response.unresolved(block.shape, rocking.Reason.NOT_MODELLED)
+        return self.respond(block.take(known), scene).among(known, rocking.Reason.NOT_MODELLED)
 
     def intervals(self, block: rocking.Block, scene: Scene) -> rocking.ScaleIntervals:
         """The factors on the input at which (m,) blocks overturn, where [search] asks for them.
@@ -206,7 +206,7 @@ class Model:
         known = self.answers(block, scene) & asked
         if not np.any(known):
             return rocking.ScaleIntervals.unknown(block.shape)
-        return self.search(block if np.all(known) else block.chosen(known), scene).among(known)
+        return self.search(block if np.all(known) else block.take(known), scene).among(known)
 
 
 #: The order is that of results, and the rank: of the models that results hold, the verdict counts the last one.

@@ -6,18 +6,15 @@
    a restitution for each of its corners; one that leans on a wall turns about one of them only.
 """
 
-from __future__ import annotations
-
 import logging
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 
-from rocking.arguments import ArrayLike, Floats, Integers, numbers, positive, together
-from rocking.body.block_lanes import SLENDERNESS_RANGE
+from rocking.arguments import ArrayLike, numbers, positive, together
+from rocking.body.block_lanes import SLENDERNESS_RANGE, STANDARD_GRAVITY, BlockLanes
 from rocking.body.corners import Corner, both_corners
 from rocking.body.limits import (
     check_restraints,
@@ -26,18 +23,12 @@ from rocking.body.limits import (
     remarks_on,
     restitutions_of,
 )
-from rocking.body.outline import BlockPicture
 from rocking.body.restraint import Load, Restraints, Thrust, Tie, carried
-
-__all__ = ["SLENDERNESS_RANGE", "STANDARD_GRAVITY", "Block"]
-
-STANDARD_GRAVITY = 9.80665
 
 logger = logging.getLogger("rockpulse")
 
 
-@dataclass(frozen=True, eq=False, init=False, repr=False)
-class Block(BlockPicture):
+class Block(BlockLanes):
     """A rigid block, or an array of them, by its half sizes or by its full ones.
 
     The fields broadcast to one shape (m,), or () for a single block.
@@ -126,25 +117,6 @@ class Block(BlockPicture):
     (0.125, 1.1, 0.25, 2.2)
     """
 
-    half_width: Floats
-    half_height: Floats
-    restitution: Floats
-    gravity: float = STANDARD_GRAVITY
-
-    alpha_c: Floats = field(init=False)
-    p: Floats = field(init=False)
-    radius: Floats = field(init=False)
-    slenderness: Floats = field(init=False)
-    critical_impulse: Floats = field(init=False)
-    alpha_2: Floats = field(init=False)
-    p_2: Floats = field(init=False)
-    radius_2: Floats = field(init=False)
-    restitution_2: Floats = field(init=False)
-    side: Integers = field(init=False)
-    mass: Floats = field(init=False)
-    restraints: Restraints | np.ndarray | None = field(init=False)
-    warnings: tuple[str, ...] = field(init=False)
-
     def __init__(
         self,
         half_width: ArrayLike | None = None,
@@ -208,7 +180,7 @@ class Block(BlockPicture):
         one_sided: bool = False,
         rebound: ArrayLike | None = None,
         log: bool = True,
-    ) -> Block:
+    ) -> Self:
         """A symmetric body that is no rectangle, by its frequency parameter and critical angle.
 
         Parameters
@@ -286,7 +258,7 @@ class Block(BlockPicture):
         thrusts: Sequence[Thrust] = (),
         mass: ArrayLike | None = None,
         log: bool = True,
-    ) -> Block:
+    ) -> Self:
         """A body without symmetry, by its corners and its centre of mass.
 
         Parameters
@@ -369,23 +341,22 @@ class Block(BlockPicture):
             "mass": known,
         }
         for name, value in values.items():
-            value = np.array(np.broadcast_to(value, lanes), dtype=np.int64 if name == "side" else float)
+            values[name] = value = np.array(np.broadcast_to(value, lanes), dtype=np.int64 if name == "side" else float)
             value.setflags(write=False)
-            object.__setattr__(self, name, value.item() if value.ndim == 0 else value)
-        object.__setattr__(self, "gravity", gravity)
-        object.__setattr__(self, "restraints", None)
+        one = {name: value.item() if value.ndim == 0 else value for name, value in values.items()}
+        vars(self).update(one | {"gravity": gravity, "restraints": None})
         if restraints:
             check_restraints(restraints, first, second, self)
             whole = np.empty(lanes, dtype=object)
             whole[...] = restraints
-            object.__setattr__(self, "restraints", whole if lanes else restraints)
+            vars(self)["restraints"] = whole if lanes else restraints
         remarks = remarks_on(half, (first, second), ratios, shape, one_sided=wall[0])
         if not np.all(self.slender):
             remarks.append(
                 f"slenderness {np.min(values['slenderness']):.3g} is below {SLENDERNESS_RANGE:g}: "
                 "the models with linear motion (resonance, sequence, impulsive, linear) are outside their range"
             )
-        object.__setattr__(self, "warnings", tuple(remarks))
+        vars(self)["warnings"] = tuple(remarks)
         if log:
             for warning in self.warnings:
                 logger.warning("block: %s", warning)

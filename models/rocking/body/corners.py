@@ -6,8 +6,6 @@
    cos(alpha_1 + alpha_2)) theta'_before, and R_1 R_2 cos(alpha_1 + alpha_2) = h^2 - b_1 b_2.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 
@@ -15,8 +13,6 @@ import numpy as np
 
 from rocking.arguments import ArrayLike, numbers, positive, together
 from rocking.body.restraint import Load, carried
-
-__all__ = ["Corner", "both_corners", "corner", "rebound_of", "sorrentino"]
 
 #: Slenderness above which the convention of the rebound from a wall holds: 1 - 1.5 cos^2 alpha is negative there.
 LEAST_SLENDERNESS = np.sqrt(2.0)

@@ -6,8 +6,6 @@
    Housner's 1 - 1.5 sin^2 alpha, and below 1 for any body, for I_0 = I_G + M R^2.
 """
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np
@@ -15,20 +13,6 @@ import numpy as np
 from rocking.arguments import ArrayLike, numbers
 from rocking.body.corners import Corner, rebound_of
 from rocking.body.restraint import Restraints
-
-__all__ = [
-    "LARGEST_SIZE",
-    "RATES",
-    "check_restraints",
-    "doubt_of_size",
-    "most_restitution",
-    "radius_of_rectangle",
-    "remarks_on",
-    "restitution_of",
-    "restitution_remark",
-    "restitutions_of",
-    "size_remark",
-]
 
 #: Full sizes [m] outside which a body is doubted: a number in another unit is likelier than such a body.
 LARGEST_SIZE, LEAST_HEIGHT, LEAST_WIDTH = 30.0, 0.05, 0.001

@@ -5,19 +5,15 @@
    cos(phi) + xi sin(phi). Forces are horizontal, as of a tie that is long against x.
 """
 
-from __future__ import annotations
-
 import json
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, fields
-from typing import Any, Literal
+from typing import Any, Literal, Self
 
 import numpy as np
 
 from rocking.arguments import numbers
-
-__all__ = ["COLUMNS", "Load", "Restraints", "Thrust", "Tie", "carried"]
 
 #: Displacement at which the friction of a load is fully there [m]: before it is as that of a spring.
 SLIP = 1e-3
@@ -203,17 +199,17 @@ class Restraints:
         return json.dumps({one.name: [vars(part) for part in getattr(self, one.name)] for one in fields(self)})
 
     @classmethod
-    def from_text(cls, told: str) -> Restraints | None:
+    def from_text(cls, told: str) -> Self | None:
         """Restraints from :meth:`as_text`; None from an empty text."""
         if not told:
             return None
         parts, makers = json.loads(told), {"ties": Tie, "loads": Load, "thrusts": Thrust}
         return cls(**{name: tuple(make(**one) for one in parts[name]) for name, make in makers.items()})
 
-    def mirrored(self, base: float) -> Restraints:
+    def mirrored(self, base: float) -> Self:
         """The same seen from behind, on a body with a base [m]: theta > 0 has become theta < 0."""
         other = {"positive": "negative", "negative": "positive", "both": "both"}
-        return Restraints(
+        return type(self)(
             tuple(Tie(**{**vars(tie), "side": other[tie.side]}) for tie in self.ties),
             tuple(Load(**{**vars(one), "distance": base - _bearing(one, base)}) for one in self.loads),
             tuple(Thrust(-one.force, one.height, base - one.distance) for one in self.thrusts),

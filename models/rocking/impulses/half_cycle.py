@@ -20,27 +20,12 @@ The two marches through a half-cycle with intermediate impulses (Casapulla & Mai
 .. note:: Units of alpha_c and 1/p; the velocity changes by -a, +a, -a, ... as in :mod:`rocking.impulses.half_cycle`.
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np
 from numba import njit
 
 from rocking.impulses.motion import CRITICAL_TOLERANCE, return_time, rise_time, state, top
-
-__all__ = [
-    "CONTINUOUS",
-    "END",
-    "MIDDLE",
-    "OPEN",
-    "START",
-    "corrected_duration",
-    "first_return",
-    "impact_speed_after",
-    "peak_and_lowest",
-    "stays_bounded",
-]
 
 END, MIDDLE, START, OPEN, CONTINUOUS = range(5)
 

@@ -9,12 +9,10 @@ The limit accelerogram: a main sequence at the impacts, a secondary one between 
    secondary impulses acts at equal intervals with alternate signs; the first one opposes the main impulse before it.
 """
 
-from __future__ import annotations
-
 import math
 import operator
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 
@@ -22,12 +20,6 @@ from rocking.arguments import ArrayLike, Floats, Integers
 from rocking.impulses.half_cycle import CONTINUOUS, END, MIDDLE, OPEN, START
 from rocking.impulses.main import effective_amplification
 from rocking.pictures import BLUE, GREY, RED, Picture, Shown, brief
-
-__all__ = [
-    "SPACINGS",
-    "ImpulseSequence",
-    "SequencePicture",
-]
 
 #: Number of intermediate impulses in a half-cycle of the picture, and the most of them.
 SHOWN, MOST = 4, 12
@@ -200,7 +192,7 @@ class ImpulseSequence(SequencePicture):
         """Shape of the lanes: () for one sequence, (q,) for several."""
         return np.shape(self.main)
 
-    def scaled(self, factor: ArrayLike) -> ImpulseSequence:
+    def scaled(self, factor: ArrayLike) -> Self:
         """The same sequence with both impulses multiplied; I_s/I, times and counts are kept.
 
         Parameters

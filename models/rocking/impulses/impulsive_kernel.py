@@ -5,8 +5,6 @@
    x' by -side gain I/(p alpha_c).
 """
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple
 
@@ -22,19 +20,6 @@ from rocking.impulses.motion import (
     state,
 )
 from rocking.response import IMPACT_CUTOFF, Outcome, Reason
-
-__all__ = [
-    "COINCIDENCE",
-    "EXACT",
-    "IMPACT_LIMIT",
-    "LINEAR",
-    "PAPER",
-    "TANGENT",
-    "History",
-    "Lanes",
-    "Train",
-    "impulsive_lanes",
-]
 
 PAPER, LINEAR, EXACT, TANGENT = range(4)
 

@@ -9,8 +9,6 @@ The main sequence in closed form (Casapulla & Maione 2017, Eqs. 3-10): resonance
 Resonance is the input that suits the block worst, an upper-bound type input and not a prediction.
 """
 
-from __future__ import annotations
-
 import math
 import operator
 from typing import Any, NamedTuple
@@ -23,23 +21,8 @@ from rocking.body.block import Block
 from rocking.impulses.half_cycle import stays_bounded
 from rocking.impulses.motion import CRITICAL_TOLERANCE, hop, impacts_above
 from rocking.impulses.sequence_kernel import TABLE_ROWS, UNLIMITED, combined, repetitions, tabulated_response
-from rocking.lanes import split_lanes
-from rocking.response import IMPACT_CUTOFF, Outcome, Reason, Response, squeezed
-
-__all__ = [
-    "Lanes",
-    "amplification",
-    "critical_impulse_at",
-    "critical_impulse_ratio",
-    "effective_amplification",
-    "last_half_cycle",
-    "overturning_half_cycle",
-    "resonance",
-    "resonance_lanes",
-    "resonance_safety",
-    "safety_lanes",
-    "start_of_half_cycle",
-]
+from rocking.lanes import split_lanes, squeezed
+from rocking.response import IMPACT_CUTOFF, Outcome, Reason, Response
 
 #: Half-cycles whose durations are added up before a lane is UNRESOLVED.
 _HALF_CYCLE_LIMIT = 10_000_000

@@ -9,25 +9,10 @@ Every formula is written so that it keeps its digits for hops that are tiny (x' 
 overturning.
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np
 from numba import njit
-
-__all__ = [
-    "CRITICAL_TOLERANCE",
-    "free_decay_time",
-    "hop",
-    "impact_speed",
-    "impacts_above",
-    "return_growth",
-    "return_time",
-    "rise_time",
-    "state",
-    "top",
-]
 
 #: A velocity within this of the critical one counts as critical [-]: some hundred rounding errors, far below any datum.
 CRITICAL_TOLERANCE = 1e-13

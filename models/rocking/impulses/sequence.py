@@ -7,8 +7,6 @@
 The periodic motion to which an endless sequence tends (Casapulla & Maione 2017, Eq. 10 and section 4).
 """
 
-from __future__ import annotations
-
 import logging
 from dataclasses import dataclass, replace
 from typing import Any
@@ -30,18 +28,8 @@ from rocking.impulses.sequence_kernel import (
     sequence_lanes,
     tabulated_response,
 )
-from rocking.lanes import split_lanes
-from rocking.response import HalfCycles, Outcome, Reason, Response, empty_results, squeezed
-
-__all__ = [
-    "SPACINGS",
-    "ImpulseSequence",
-    "SteadyState",
-    "impulse_train",
-    "scaled_outcomes",
-    "sequence_response",
-    "steady_state",
-]
+from rocking.lanes import LaneValues, lane_field, split_lanes
+from rocking.response import HalfCycles, Outcome, Reason, Response, empty_results
 
 #: Shorter trial intervals, times p [-], cannot be told from the continuous limit.
 _SHORTEST_INTERVAL = 1e-4
@@ -288,7 +276,7 @@ def _secondary(sequence: ImpulseSequence, table: HalfCycles, row: int) -> tuple[
 
 
 @dataclass(frozen=True, eq=False)
-class SteadyState:
+class SteadyState(LaneValues):
     """Limit of the half-cycles of an endless sequence; arrays (q, m), or scalars for one lane.
 
     Attributes
@@ -306,11 +294,11 @@ class SteadyState:
         Whether the motion stabilises, v* <= 1 (at v* = 1 the limit is never reached).
     """
 
-    start_velocity: Floats
-    effective_velocity: Floats
-    peak: Floats
-    half_period: Floats
-    stable: Booleans
+    start_velocity: Floats = lane_field()
+    effective_velocity: Floats = lane_field()
+    peak: Floats = lane_field()
+    half_period: Floats = lane_field()
+    stable: Booleans = lane_field()
 
 
 def steady_state(block: Block, sequence: ImpulseSequence) -> SteadyState:
@@ -362,4 +350,4 @@ def steady_state(block: Block, sequence: ImpulseSequence) -> SteadyState:
     hops = np.array([hop(velocity) for velocity in np.where(stable, np.minimum(effective, 1.0), np.inf)]).reshape(-1, 2)
     peak = np.where(stable & (effective >= 1.0), 1.0, hops[:, 0])
     values = (limit, effective, peak, hops[:, 1] / p, stable)
-    return SteadyState(*(squeezed(value.reshape(shape), drop) for value in values))
+    return SteadyState(*(value.reshape(shape) for value in values)).squeezed(drop)

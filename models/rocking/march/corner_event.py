@@ -6,8 +6,6 @@
    at (1 + a_v/g) THRESHOLD + EXTRA.
 """
 
-from __future__ import annotations
-
 import math
 
 from numba import njit
@@ -33,8 +31,6 @@ from rocking.march.ground import BLOCK, FALL, LARGEST, STEEPEST
 from rocking.march.slots import FLOAT_ROWS, GROUP, INT_ROWS, LANE, WIDTH
 from rocking.march.steps import IMPACTS_PER_SAMPLE
 from rocking.response import IMPACT_CUTOFF
-
-__all__ = ["CORNER_ROWS", "after_return", "close_corner_ranks", "free_motion", "turn_over", "wake_corner"]
 
 (
     OTHER_ALPHA,

@@ -5,8 +5,6 @@
    once without them.
 """
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple
 
@@ -53,8 +51,6 @@ from rocking.march.steps import (
     finish_steps,
     keep_history,
 )
-
-__all__ = ["CornerLanes", "corner_slots", "march_corners"]
 
 
 class CornerLanes(NamedTuple):

@@ -10,8 +10,6 @@ The nonlinear equation of the rocking block under a sampled accelerogram (Housne
    lift = 1 + a_v/g, ground = s a_g/g, both linear in tau inside a sample.
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np
@@ -19,16 +17,6 @@ from numba import njit
 
 from rocking.march import slots as row
 from rocking.march.steps import keep_step, speed_of, value_of
-
-__all__ = [
-    "flight_time",
-    "hyperbolic",
-    "linear_after",
-    "linear_steps",
-    "nonlinear_after",
-    "nonlinear_rates",
-    "nonlinear_steps",
-]
 
 # Coefficients of cosh and sinh.
 H2, H4, H6, H8, H10, H12 = (1.0 / math.factorial(k) for k in range(2, 14, 2))

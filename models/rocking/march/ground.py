@@ -3,25 +3,10 @@
 Extremes are kept for blocks of BLOCK samples, so that rest is passed over quickly at 1/8 of the memory of the record.
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np
 from numba import njit
-
-__all__ = [
-    "BLOCK",
-    "BLOCK_BITS",
-    "FALL",
-    "LARGEST",
-    "LEFT",
-    "STEEPEST",
-    "Accelerogram",
-    "extremes",
-    "largest_left",
-    "next_exceedance",
-]
 
 #: Samples in a block, a power of two.
 BLOCK_BITS = 5

@@ -6,8 +6,6 @@
    next uplift at once, so that every step is one of a moving block.
 """
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple
 
@@ -43,8 +41,6 @@ from rocking.march.steps import (
     keep_history,
 )
 from rocking.response import Outcome, Reason
-
-__all__ = ["Lanes", "Options", "march_lanes"]
 
 AT_REST, ROCKS, OVERTURNS, UNRESOLVED = (int(outcome) for outcome in Outcome)
 NO_REASON, IMPACT_LIMIT, FREE_FLIGHT = int(Reason.NONE), int(Reason.IMPACT_LIMIT), int(Reason.FREE_FLIGHT)

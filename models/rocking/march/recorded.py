@@ -4,24 +4,19 @@
    the last one. The kernel is :mod:`rocking.march.kernel`.
 """
 
-from __future__ import annotations
-
 from typing import Any, Literal
 
 import numpy as np
 
 from rocking.arguments import ArrayLike, numbers, read_only, record_samples
 from rocking.body.block import Block
-from rocking.lanes import split_lanes
-from rocking.march.corner_response import Marched, march_bodies, together_again
+from rocking.march.corner_response import march_bodies, run
 from rocking.march.demand import Demand
 from rocking.march.event import LINEAR, NONLINEAR
 from rocking.march.ground import Accelerogram, extremes
 from rocking.march.kernel import Lanes, Options, march_lanes
 from rocking.march.slots import empty_slots
-from rocking.response import Response, empty_results, response_of, with_history
-
-__all__ = ["recorded_response"]
+from rocking.response import Response
 
 #: Largest acceleration over gravity that is taken for a record [-].
 STRONGEST = 1e7
@@ -222,34 +217,30 @@ def recorded_response(
     rows = factors.reshape(-1) / float(block.gravity)
     settled = 0.0 if verdict is None else float(verdict.settled)
     options = Options(EQUATIONS[equation], step, float(last_term), settled)
-    shape, drop = (factors.size, alpha.size), (factors.ndim == 0, lanes == ())
     samples = record.size if history else 0
 
-    def march_free(some: Any) -> Marched:
+    def march_free(some: Any) -> Response:
         angle, rate, ratio, theta, speed = (
             read_only(values[some]) for values in (alpha, p, restitution, rotation, spin)
         )
         blocks = Lanes(rows, gains[some], angle, rate, ratio, theta, speed, levels, above)
-        total = rows.size * blocks.alpha.size
-        marched = Marched(empty_results(total, codes=np.int8), np.empty(total, np.int64), np.zeros((total, samples, 2)))
 
-        def march(first: int, last: int) -> None:
-            march_lanes(first, last, ground, blocks, options, empty_slots(), *marched)
+        def march(first: int, last: int, *found: Any) -> None:
+            march_lanes(first, last, ground, blocks, options, empty_slots(), *found)
 
-        split_lanes(march, total, threads)
-        return marched
+        return run(march, (rows.size, angle.size), samples, threads)
 
-    def march_others(some: Any) -> Marched:
+    def march_others(some: Any) -> Response:
         start = read_only(rotation[some]), read_only(spin[some])
-        chosen = (block if block.shape == (alpha.size,) else block.lanes(alpha.size)).chosen(some)
+        chosen = (block if block.shape == (alpha.size,) else block.lanes(alpha.size)).take(some)
         return march_bodies(chosen, ground, rows, gains[some], start, options, samples, threads)
 
     if np.all(free):
-        marched = march_free(slice(None))
+        response = march_free(slice(None))
     else:
         restrained = np.broadcast_to(block.restrained, lanes).reshape(-1)
         kinds = ((free, march_free), (~free & ~restrained, march_others), (restrained, march_others))
-        parts = [(np.flatnonzero(kind), kernel) for kind, kernel in kinds if np.any(kind)]
-        marched = together_again([(places, kernel(places)) for places, kernel in parts], shape)
-    response = response_of(marched.results, shape, drop, active_samples=marched.active.reshape(shape))
-    return with_history(response, shape, drop, dt * np.arange(samples), marched.motion) if history else response
+        parts = [(np.flatnonzero(kind), march) for kind, march in kinds if np.any(kind)]
+        response = Response.join([march(own) for own, march in parts], [own for own, _ in parts], alpha.size)
+    time = dt * np.arange(samples) if history else None
+    return response.changed(time=time).squeezed((factors.ndim == 0, lanes == ()))

@@ -8,8 +8,6 @@
    range (FLOOR, CEILING) of the function, or where a body turns back under a tie that yields or a load that slides.
 """
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple
 
@@ -19,8 +17,6 @@ from numba import njit
 from rocking.body.restraint import FRICTION, GAP, HEIGHT, KIND, NEAR, SIDE, STIFFNESS, ULTIMATE, YIELD_FORCE
 from rocking.march import corner_event as more
 from rocking.march import slots as row
-
-__all__ = ["Held", "act", "begin_held", "change", "land", "rest_levels"]
 
 # What an element does: a tie is slack, holds as a spring, yields, or is broken; a load holds as a spring, or slides
 # towards theta > 0 or theta < 0.

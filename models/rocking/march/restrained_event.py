@@ -3,8 +3,6 @@
 The events inside a step of a body under ties, loads and thrusts, and its motion after the record.
 """
 
-from __future__ import annotations
-
 import math
 
 from numba import njit
@@ -16,12 +14,6 @@ from rocking.march.event import SHORTEST
 from rocking.march.polynomial import ORDER, PULL, SPEED, acceleration, bracketed_root, first_impact, value, velocity
 from rocking.march.restrained import act, change, land
 from rocking.march.steps import HALVED, IMPACT, LOOK_CLOSER, NOTHING, OVER, finish_steps, keep_step, speed_of, value_of
-
-__all__ = [
-    "finish_held",
-    "motion_after",
-    "restrained_steps",
-]
 
 
 @njit(inline="always")

@@ -5,8 +5,6 @@
    coefficient mu = abs(a_g + x'')/(g + a_v + z''), at rest abs(a_g)/(g + a_v).
 """
 
-from __future__ import annotations
-
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -14,8 +12,6 @@ import numpy as np
 from rocking.arguments import ArrayLike, Floats, numbers, record_samples
 from rocking.body.block import Block
 from rocking.march.recorded import recorded_response
-
-__all__ = ["SlidingDemand", "impact_friction", "sliding_demand"]
 
 
 class SlidingDemand(NamedTuple):
@@ -73,7 +69,7 @@ def sliding_demand(
     >>> sliding_demand(block, sine, 0.01, friction=0.2).required.round(2).tolist()
     [0.26]
     """
-    bodies = block if block.shape else block.lanes(1)
+    bodies = block.lanes()
     ground = float(scale) * record_samples("acceleration", acceleration)
     up = np.zeros(ground.size) if vertical is None else float(scale) * record_samples("vertical", vertical)
     response = recorded_response(bodies, ground, dt, vertical=None if vertical is None else up, history=True)

@@ -8,16 +8,12 @@ instructions; each slot is at its own sample of its own lane, so none waits for 
    rad per unit of tau, accelerations over gravity.
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np
 from numba import njit
 
 from rocking.march.polynomial import ORDER
-
-__all__ = ["FLOAT_ROWS", "GROUP", "INT_ROWS", "WIDTH", "Slots", "close_ranks", "empty_slots"]  # and the rows
 
 #: Slots: four registers of the widest vector unit, so that the latency of one is hidden behind the others.
 WIDTH = 32

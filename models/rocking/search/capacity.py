@@ -1,7 +1,5 @@
 """Factors on a ground motion at which a block overturns, by the models that follow the motion itself."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import replace
 from typing import Literal
@@ -15,8 +13,6 @@ from rocking.march.corner_response import rest_levels
 from rocking.march.recorded import recorded_response
 from rocking.response import Outcome, Response
 from rocking.search.factors import ScaleIntervals, exceedance_intervals
-
-__all__ = ["POINTS", "critical_scale", "impulsive_critical_scale"]
 
 #: Factors of the scan of one block.
 POINTS = 64
@@ -94,7 +90,7 @@ def critical_scale(
         reached = float(numbers("level", level, "a positive theta_max/alpha_c", lanes=False))
         if reached <= 0.0:
             raise ValueError(f"level: expected a positive theta_max/alpha_c, got {level!r}")
-    blocks = block if block.shape else block.lanes(1)
+    blocks = block.lanes()
     # A record at factor zero lifts nothing: this has the arguments checked before anything is made of them.
     recorded_response(blocks, acceleration, dt, equation, scale=0.0, vertical=vertical, threads=threads)
     ground = np.ascontiguousarray(acceleration, dtype=float)
@@ -148,7 +144,7 @@ def impulsive_critical_scale(
     >>> found.safety_factor.round(5)
     array([2.])
     """
-    blocks = block if block.shape else block.lanes(1)
+    blocks = block.lanes()
     impulsive_response(blocks, times, impulses, gain=gain, scale=0.0, threads=threads)
     total = float(np.sum(np.abs(impulses)))
     if total == 0.0:
@@ -192,7 +188,7 @@ def _search(
     points: int,
 ) -> ScaleIntervals:
     def answers(lanes: np.ndarray, factors: np.ndarray) -> Response:
-        return respond(blocks.chosen(lanes), factors)
+        return respond(blocks.take(lanes), factors)
 
     unresolved = False
 

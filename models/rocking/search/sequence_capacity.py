@@ -3,8 +3,6 @@
 .. note:: u = theta'/(p alpha_c), u_1 = I/I_1c, sigma = I_s/I. The factor is on both impulses: sigma and counts stay.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 
@@ -18,8 +16,6 @@ from rocking.impulses.sequence import scaled_outcomes
 from rocking.impulses.sequence_kernel import UNLIMITED
 from rocking.response import Outcome
 from rocking.search.factors import ScaleIntervals, exceedance_intervals
-
-__all__ = ["STEP", "resonance_critical_scale", "sequence_critical_scale"]
 
 #: Ratio of neighbouring factors where a search is needed.
 STEP = 1.005
@@ -59,7 +55,7 @@ def resonance_critical_scale(block: Block, sequence: ImpulseSequence, factor_max
     array([1.052632])
     """
     _check(sequence, factor_max)
-    return _bands(block if block.shape else block.lanes(1), replace(sequence, secondary=0.0), factor_max)
+    return _bands(block.lanes(), replace(sequence, secondary=0.0), factor_max)
 
 
 def sequence_critical_scale(
@@ -128,7 +124,7 @@ def sequence_critical_scale(
     >>> sequence_critical_scale(block, sequence).safety_factor.round(6)  # 2/((1 - 0.4) (1 + C) + 0.4/2)
     array([1.492537])
     """
-    blocks = block if block.shape else block.lanes(1)
+    blocks = block.lanes()
     _check(sequence, factor_max, blocks.shape if paired else ())
     if not (math.isfinite(step) and step > 1.0):
         raise ValueError(f"step: expected a ratio above 1, got {step!r}")

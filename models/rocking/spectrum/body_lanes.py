@@ -13,8 +13,6 @@ Where the lanes of a body's own lie under a record: about its capacity, and wher
    kernel in ln f afterwards (:mod:`rocking.spectrum.probability`) and is not drawn.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass, field
 from itertools import count
@@ -28,14 +26,6 @@ from rocking.march.recorded import recorded_response
 from rocking.response import Outcome
 from rocking.search.capacity import uplift_scale
 from rocking.spectrum.probability import Shift, Uncertainty, lane_bells, tail_masses
-
-__all__ = [
-    "REACH",
-    "BodyLanes",
-    "LaneMarch",
-    "LanePart",
-    "probability_lanes",
-]
 
 #: Standard deviations that are drawn: no shift of the factor and no loss of the angle beyond them is looked at.
 REACH = 4.0
@@ -149,7 +139,7 @@ class LaneMarch:
         chance = 0.5 + 0.5 * math.erf(REACH / math.sqrt(2.0)) * place[:, 2]
         loss = self.uncertainty.geometry * ndtri(chance)
         drawn = np.tile(loss, body.size), (least + (most - least) * place[:, 1]).reshape(-1)
-        lanes = self.block.chosen(np.repeat(body, number)).varied(*drawn)
+        lanes = self.block.take(np.repeat(body, number)).varied(*drawn)
         outcome = self._outcome(lanes, np.exp(log_factor).reshape(-1)).reshape(log_factor.shape)
         unresolved = outcome == Outcome.UNRESOLVED
         over = (outcome == Outcome.OVERTURNS) | unresolved
@@ -180,7 +170,7 @@ class LaneMarch:
             places = np.flatnonzero(early == settled)
             if places.size == 0:
                 continue
-            some = lanes.chosen(places)
+            some = lanes.take(places)
             outcome[places] = recorded_response(
                 some,
                 self.acceleration,

@@ -13,8 +13,6 @@ The probability of overturning of any body under a record, by nonlinear marches 
    replacement and as if they were independent; lanes of a Sobol set scatter less than that.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass, fields
 from functools import cache
@@ -35,14 +33,6 @@ from rocking.spectrum.probability import (
     mean_capacity,
     rising,
 )
-
-__all__ = [
-    "LEVEL_STEP",
-    "LaneFactors",
-    "OverturningProbability",
-    "lane_factors",
-    "overturning_probability",
-]
 
 #: Levels are exp(LEVEL_STEP k), k whole: 1 is one of them, and all bodies have the same.
 LEVEL_STEP = 0.04
@@ -257,7 +247,7 @@ def overturning_probability(
     ([2.7], [3.1])
     """
     uncertainty = uncertainty or Uncertainty()
-    blocks = block if block.shape else block.lanes(1)
+    blocks = block.lanes()
     # A record at factor zero lifts nothing: this has the arguments checked before anything is made of them.
     recorded_response(blocks, acceleration, dt, scale=0.0, vertical=vertical, threads=threads)
     ground = np.ascontiguousarray(acceleration, dtype=float)

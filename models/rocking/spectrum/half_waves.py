@@ -17,8 +17,6 @@ The demand of the half-waves of a record on a block: on the block's own time sca
    which the mean logarithm and the factor of 10 % probability are taken.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 
@@ -36,17 +34,6 @@ from rocking.spectrum.lanes import (
 )
 from rocking.spectrum.overturning import OverturningSpectrum
 from rocking.spectrum.slender import lobe_tops, weighted_impulse
-
-__all__ = [
-    "HalfWaveDemand",
-    "Lobes",
-    "checked_half_waves",
-    "demand_of_half_waves",
-    "half_wave_lanes",
-    "impulse_lobes",
-    "lobe_shapes",
-    "triangles",
-]
 
 
 def triangles(start: np.ndarray, centroid: np.ndarray, end: np.ndarray, impulse: np.ndarray) -> np.ndarray:
@@ -250,7 +237,7 @@ def demand_of_half_waves(
     (array([2.]), array([2]))
     """
     first, centre, last, impulses = checked_half_waves(start, centroid, end, impulse)
-    block = block if block.shape else block.lanes(1)
+    block = block.lanes()
     over = np.asarray(block.p) / (block.gravity * np.tan(block.alpha_c))
     nodes, of_body = np.unique(np.rint(_step_number(block.p)), return_inverse=True)
     count, ratio, interval = (

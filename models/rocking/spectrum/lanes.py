@@ -13,8 +13,6 @@
    density.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -26,8 +24,6 @@ from rocking.body.block import STANDARD_GRAVITY
 from rocking.body.limits import RATES
 from rocking.lanes import split_lanes
 from rocking.spectrum.slender import march_pieces, weighted_impulse
-
-__all__ = ["RATES", "SpectrumLanes", "check_strength", "neighbours", "piece_lanes", "spectrum_lanes"]
 
 #: Largest acceleration over gravity that is taken for a ground motion [-].
 STRONGEST = 1e6

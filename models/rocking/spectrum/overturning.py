@@ -15,8 +15,6 @@
    (:mod:`rocking.spectrum.probability`). Between two frequency parameters P is linear in ln p.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, fields
 from functools import cached_property
 
@@ -36,8 +34,6 @@ from rocking.spectrum.probability import (
     rising,
     tail_masses,
 )
-
-__all__ = ["LEVEL_STEP", "OverturningFactors", "OverturningSpectrum", "covered", "covered_range", "slender_within"]
 
 #: Levels of x are exp(LEVEL_STEP k), k whole: those of two records are the same numbers.
 LEVEL_STEP = 0.05
@@ -89,7 +85,7 @@ class OverturningFactors:
     capacity_mean_low: np.ndarray
     capacity_mean_high: np.ndarray
 
-    def up_to(self, factor_max: float) -> OverturningFactors:
+    def up_to(self, factor_max: float) -> "OverturningFactors":
         """The same, with every factor above the largest one asked for inf, and its `_low` at most that one."""
         found = {one.name: getattr(self, one.name) for one in fields(self)}
         for name in ("factor_10", "factor_50", "capacity_mean"):

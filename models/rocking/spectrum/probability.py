@@ -25,8 +25,6 @@ The probability of overturning over the factor on a record, from lanes that each
    there is known and is not estimated.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from typing import Any, Protocol
@@ -37,18 +35,6 @@ from scipy.optimize import isotonic_regression
 from scipy.special import ndtr, owens_t
 
 from rocking.arguments import ArrayLike, numbers
-
-__all__ = [
-    "Shift",
-    "Uncertainty",
-    "factor_at",
-    "lane_bells",
-    "lane_probability",
-    "lane_sums",
-    "mean_capacity",
-    "rising",
-    "tail_masses",
-]
 
 #: Least spread of the factor on the record [-]: lanes on a finite number of levels cannot show a narrower one.
 LEAST_SPREAD = 0.02

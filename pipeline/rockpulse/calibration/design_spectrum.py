@@ -59,7 +59,7 @@ class DesignSpectrum:
 
         They are free-standing and symmetric, of a slenderness of at least 3.5, p and C within those of the spectrum.
         """
-        one = block if block.shape else block.lanes(1)
+        one = block.lanes()
         return within(one, self.p, self.restitution)
 
     def effective_impulse(self, block: Block) -> np.ndarray:
@@ -70,7 +70,7 @@ class DesignSpectrum:
         ValueError
             For blocks that the spectrum does not cover (:meth:`covers`).
         """
-        one = block if block.shape else block.lanes(1)
+        one = block.lanes()
         outside = np.flatnonzero(~self.covers(one))
         if outside.size:
             raise ValueError(
@@ -85,7 +85,7 @@ class DesignSpectrum:
 
         Raises ValueError as :meth:`effective_impulse`.
         """
-        one = block if block.shape else block.lanes(1)
+        one = block.lanes()
         return np.asarray(one.gravity * np.tan(one.alpha_c) / one.p / self.effective_impulse(one))
 
     def nearest(self, block: Block) -> np.ndarray:
@@ -98,7 +98,7 @@ class DesignSpectrum:
         I_s/I and the number of main impulses are those at the nearest p. To be used with ``sequence_response(...,
         paired=True)``. Raises ValueError as :meth:`effective_impulse`.
         """
-        one = block if block.shape else block.lanes(1)
+        one = block.lanes()
         demand = 1.0 / self.factor(one)
         nearest = self.nearest(one)
         ratio, count = self.ratio[nearest], self.main_count[nearest]

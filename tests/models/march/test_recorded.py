@@ -373,7 +373,7 @@ def test_a_verdict_is_that_of_this_record_on_these_free_blocks_at_rest():
     wall = Block.stack([blocks.lane(0), blocks.lane(1), Block(width=0.5, height=2.0, one_sided=True)])
     for change, message in (
         ({"acceleration": record[:-1]}, "demand of this record on these blocks"),
-        ({"block": blocks.chosen(np.array([0, 1]))}, "demand of this record on these blocks"),
+        ({"block": blocks.take(np.array([0, 1]))}, "demand of this record on these blocks"),
         ({"block": wall}, "free-standing symmetric blocks"),
         ({"vertical": 0.0 * record}, "without vertical acceleration and history"),
         ({"history": True}, "without vertical acceleration and history"),

@@ -319,7 +319,7 @@ def test_a_spectrum_of_one_frequency_parameter_stands_for_it_alone(by_hand):
     lanes = by_hand.lanes
     columns = (lanes.p, lanes.log_x, lanes.restitution, lanes.weight, lanes.peak, lanes.bottom, lanes.top)
     one = OverturningSpectrum(SpectrumLanes(*(values[1:2] for values in columns), lanes.between), KNOWN)
-    blocks = BLOCKS.chosen(np.array([2, 3]))
+    blocks = BLOCKS.take(np.array([2, 3]))
     assert one.covers(blocks, 0.85 * blocks.restitution, 0.95 * blocks.restitution).tolist() == [True, False]
     alone, among = vars(one.factors(blocks.lane(0).lanes(1))), vars(by_hand.factors(blocks.lane(0).lanes(1)))
     assert {name: values[0] for name, values in alone.items()} == pytest.approx(

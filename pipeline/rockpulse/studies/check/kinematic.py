@@ -87,7 +87,7 @@ def kinematic_check(
         )
     settings = CheckSettings(q=behaviour, confidence_factor=confidence_factor)
     demand = _Given(spectrum, ground)
-    lanes = block if block.shape else block.lanes(1)
+    lanes = block.lanes()
     found = [
         worst([circolare_2009(sense, demand, (), settings) for sense in senses_of(lanes.lane(place))])
         for place in range(lanes.shape[0])

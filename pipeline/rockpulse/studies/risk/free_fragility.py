@@ -71,7 +71,7 @@ def free_body_fragility(results: xr.DataTree, block: Block, levels: Any, measure
     spectra, summary = spectra_of(results, measure)
     if at.ndim != 1 or not np.all(np.isfinite(at) & (at > 0.0)):
         raise ConfigError(f"levels: expected positive numbers, got {levels!r:.80}")
-    lanes = block if block.shape else block.lanes(1)
+    lanes = block.lanes()
     weights = event_weights([str(event) for event in summary["event"].values]).mean(axis=0)
     found = {
         name: np.full((lanes.shape[0], *([at.size] if "level" in one.dims else [])), np.nan)

@@ -90,7 +90,7 @@ def inventory_frequency(
     spectra, summary = spectra_of(results, hazard.measure)
     if not (math.isfinite(years) and years > 0.0) or not 0.0 < confidence < 1.0:
         raise ConfigError(f"years, confidence: expected a positive time and a share, got {years!r}, {confidence!r}")
-    lanes = block if block.shape else block.lanes(1)
+    lanes = block.lanes()
     count = lanes.shape[0]
     every = hazard if isinstance(hazard, SiteHazards) else SiteHazards.of_all(hazard, count)
     if every.of_body.size != count:
@@ -101,7 +101,7 @@ def inventory_frequency(
     found["status"] = np.full(count, RiskStatus.NOT_COVERED)
     found["hazard_distance"] = every.distance
     for places, curves in curves_in_parts(spectra, summary, lanes, hazard.measure):
-        values = _of_bodies(curves, events, every.chosen(places), config.fragility.factors, confidence)
+        values = _of_bodies(curves, events, every.take(places), config.fragility.factors, confidence)
         for name, part in values.items():
             found[name][places] = part
     found["probability"] = -np.expm1(-found["frequency"] * years)
