@@ -20,7 +20,7 @@ from typing import Any
 
 import numpy as np
 
-from rocking.search.sequence_capacity import sequence_critical_scale
+from rocking.search.capacity import sequence_critical_scale
 from rockpulse.models import Block, ImpulseSequence, impulsive_response, recorded_response, sequence_response
 from rockpulse.record.half_wave import half_waves
 from rockpulse.record.record import Record

@@ -24,7 +24,7 @@ from scipy.stats import norm, qmc
 
 import rockpulse as rp
 from rocking import Block, OverturningSpectrum, Uncertainty, recorded_response
-from rocking.body.corners import sorrentino
+from rocking.body.limits import sorrentino
 from rocking.spectrum.half_waves import half_wave_lanes
 from rocking.spectrum.lanes import RATES, spectrum_lanes
 from rocking.spectrum.probability import factor_at, mean_capacity, rising

@@ -15,8 +15,9 @@ import numpy as np
 
 from rocking.arguments import ArrayLike, numbers, positive, together
 from rocking.body.block_lanes import SLENDERNESS_RANGE, STANDARD_GRAVITY, BlockLanes
-from rocking.body.corners import Corner, both_corners
 from rocking.body.limits import (
+    Corner,
+    both_corners,
     check_restraints,
     most_restitution,
     radius_of_rectangle,
@@ -55,7 +56,7 @@ class Block(BlockLanes):
         Whether the body leans on a wall and turns towards theta > 0 only, away from it.
     rebound : "sorrentino", float or (m,) array_like, optional
         Of a one-sided body, in place of the restitution: e = -theta'(after)/theta'(before) of a return to the wall [-].
-        "sorrentino", which stands for :func:`rocking.body.corners.sorrentino`, without.
+        "sorrentino", which stands for :func:`rocking.body.limits.sorrentino`, without.
     ties, loads, thrusts : sequence of Tie, Load, Thrust
         What holds and pushes the body beside its weight, the same for all lanes.
     mass : float or (m,) array_like, optional

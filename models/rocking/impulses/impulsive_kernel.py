@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 
-from rocking.impulses.motion import (
+from rocking.impulses.half_cycle import (
     CRITICAL_TOLERANCE,
     free_decay_time,
     impact_speed,

@@ -1,23 +1,19 @@
-"""Response to a main and a secondary sequence of impulses, and its train (Casapulla & Maione 2017, section 3.2).
+"""Response to a main and a secondary sequence of impulses, its train and its limit (Casapulla & Maione 2017).
 
 .. note:: Rotations of the half-cycle table are in units of alpha_c and velocities u = theta'/(p alpha_c), both
    positive away from the ground. In :func:`impulse_train` the first main impulse is positive: the ground is pushed to
    the right, the block starts to rock about its left-hand corner (theta < 0), and the main impulses alternate.
-
-The periodic motion to which an endless sequence tends (Casapulla & Maione 2017, Eq. 10 and section 4).
 """
 
 import logging
-from dataclasses import dataclass, replace
-from typing import Any
+from dataclasses import dataclass
 
 import numpy as np
 
 from rocking.arguments import Booleans, Floats
 from rocking.body.block import Block
-from rocking.impulses.half_cycle import stays_bounded
+from rocking.impulses.half_cycle import hop, stays_bounded
 from rocking.impulses.impulse_sequence import SPACINGS, ImpulseSequence
-from rocking.impulses.motion import hop
 from rocking.impulses.sequence_kernel import (
     HALF_CYCLE_LIMIT,
     TABLE_ROWS,
@@ -166,21 +162,14 @@ def _lanes(sequence: ImpulseSequence, flat: list[np.ndarray]) -> tuple[Lanes, np
 
 def _unresolved(response: Response, short: np.ndarray) -> Response:
     """The response with the lanes marked whose secondary impulses are too close together."""
-    if not np.any(short):
-        return response
     short = short.reshape(np.shape(response.outcome))
-
-    def marked(values: Any, value: Any) -> Any:
-        filled = np.where(short, value, values)
-        return filled.item() if filled.ndim == 0 else filled
-
-    return replace(
-        response,
-        peak_rotation_ratio=marked(response.peak_rotation_ratio, np.nan),
-        outcome=marked(response.outcome, int(Outcome.UNRESOLVED)),
-        reason=marked(response.reason, int(Reason.SHORT_INTERVAL)),
-        impacts=marked(response.impacts, -1),
-    )
+    marks = {"peak_rotation_ratio": np.nan, "outcome": int(Outcome.UNRESOLVED), "impacts": -1}
+    found = {
+        name: np.where(short, mark, getattr(response, name))
+        for name, mark in (marks | {"reason": int(Reason.SHORT_INTERVAL)}).items()
+    }
+    found = {name: values.item() if values.ndim == 0 else values for name, values in found.items()}
+    return response.changed(**found) if np.any(short) else response
 
 
 def impulse_train(block: Block, sequence: ImpulseSequence) -> tuple[np.ndarray, np.ndarray]:

@@ -12,14 +12,16 @@ from numba import njit
 
 from rocking.impulses.half_cycle import (
     CONTINUOUS,
+    CRITICAL_TOLERANCE,
     OPEN,
     corrected_duration,
     first_return,
+    hop,
     impact_speed_after,
+    impacts_above,
     peak_and_lowest,
     stays_bounded,
 )
-from rocking.impulses.motion import CRITICAL_TOLERANCE, hop, impacts_above
 from rocking.lanes import split_lanes
 from rocking.response import IMPACT_CUTOFF, HalfCycles, Outcome, Reason, Response, empty_results, response_of
 

@@ -27,8 +27,7 @@ from rocking.march.event import (
     impacts_above_cutoff,
     is_gone,
 )
-from rocking.march.ground import BLOCK, FALL, LARGEST, STEEPEST
-from rocking.march.slots import FLOAT_ROWS, GROUP, INT_ROWS, LANE, WIDTH
+from rocking.march.slots import BLOCK, FALL, FLOAT_ROWS, GROUP, INT_ROWS, LANE, LARGEST, STEEPEST, WIDTH
 from rocking.march.steps import IMPACTS_PER_SAMPLE
 from rocking.response import IMPACT_CUTOFF
 

@@ -25,7 +25,6 @@ from rocking.march.event import (
     enter_sample,
     resolve_step,
 )
-from rocking.march.ground import LEFT
 from rocking.march.kernel import (
     AT_REST,
     FREE_FLIGHT,
@@ -40,7 +39,7 @@ from rocking.march.kernel import (
 from rocking.march.polynomial import ORDER
 from rocking.march.restrained import begin_held, land, rest_levels
 from rocking.march.restrained_event import finish_held, motion_after, restrained_steps
-from rocking.march.slots import Slots
+from rocking.march.slots import LEFT, Slots
 from rocking.march.steps import (
     IMPACT,
     LOOK_CLOSER,

@@ -24,9 +24,9 @@ from rocking.body.restraint import (
 from rocking.lanes import split_lanes
 from rocking.march.corner_kernel import CornerLanes, corner_slots, march_corners
 from rocking.march.event import LINEAR
-from rocking.march.ground import Accelerogram
 from rocking.march.kernel import Options
 from rocking.march.restrained import Held
+from rocking.march.slots import Accelerogram
 from rocking.response import Response, empty_results, response_of
 
 

@@ -10,8 +10,8 @@ import math
 from numba import njit
 
 from rocking.march import slots as row
-from rocking.march.ground import BLOCK, LARGEST, LEFT, STEEPEST, largest_left, next_exceedance
 from rocking.march.polynomial import ORDER, ROTATION, bracketed_root, first_impact, value, velocity
+from rocking.march.slots import BLOCK, LARGEST, LEFT, STEEPEST, largest_left, next_exceedance
 from rocking.march.steps import HALVED, IMPACT, IMPACTS_PER_SAMPLE, NOTHING, OVER, REMNANT, enter_vertical
 from rocking.response import IMPACT_CUTOFF
 

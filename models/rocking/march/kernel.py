@@ -29,7 +29,7 @@ from rocking.march.event import (
     resolve_step,
     wake,
 )
-from rocking.march.ground import LEFT
+from rocking.march.slots import LEFT
 from rocking.march.steps import (
     IMPACT,
     LOOK_CLOSER,

@@ -11,7 +11,7 @@ import math
 from numba import njit
 
 from rocking.march import slots as row
-from rocking.march.ground import BLOCK_BITS
+from rocking.march.slots import BLOCK_BITS
 from rocking.response import IMPACT_CUTOFF
 
 # What happened in a step. From LOOK_CLOSER on the slot stays where it is: HALVED is to be tried again with half the

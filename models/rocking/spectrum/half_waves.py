@@ -1,15 +1,11 @@
-"""Lanes of an overturning spectrum from the half-waves of a record alone.
+"""The half-waves of a record alone: lanes of an overturning spectrum, and the demand on a block.
 
-.. note:: A half-wave is taken as the triangle that has its ends, its impulse and its centroid: two straight pieces,
-   where a record has one from sample to sample (:mod:`rocking.spectrum.lanes`).
-
-The demand of the half-waves of a record on a block: on the block's own time scale, and by marching through them.
-
-.. note:: A half-wave is taken as the triangle that has its ends, its impulse and its centroid. While a block rocks on
-   the side s, the growing mode y = s theta/alpha - 1 + s theta'/(p alpha) of the linear equation obeys y' = p y - s p
-   a_g/(g alpha) (see demand.py): a later impulse counts exp(-p (t - t0)) of an earlier one, E(t0) = sum over
-   the half-waves after t0 of I_k exp(-p (t_k - t0)) for short ones, and here exact for triangles. A block that lifts
-   off at t0 overturns without an impact iff p abs(E(t0)) exceeds g alpha. The lobes of E tell how many impulses act.
+.. note:: A half-wave is taken as the triangle that has its ends, its impulse and its centroid: two straight pieces of
+   ground. While a block rocks on the side s, the growing mode y = s theta/alpha - 1 + s theta'/(p alpha) of the linear
+   equation obeys y' = p y - s p a_g/(g alpha) (demand.py): a later impulse counts exp(-p (t - t0)) of an earlier one,
+   E(t0) = sum over the half-waves after t0 of I_k exp(-p (t_k - t0)) for short ones, and here exact for triangles. A
+   block that lifts off at t0 overturns without an impact iff p abs(E(t0)) exceeds g alpha. The lobes of E tell how many
+   impulses act.
 
    The *march* is 1 over the factor at which the linear equation (Eqs. 1-2), lifted at g tan(alpha), overturns under
    the half-waves in their own order. One march is chaotic; with the stated uncertainty of the body and of the strength
@@ -35,6 +31,19 @@ from rocking.spectrum.lanes import (
 from rocking.spectrum.overturning import OverturningSpectrum
 from rocking.spectrum.slender import lobe_tops, weighted_impulse
 
+#: Points of each side of a triangle on which E is computed.
+POINTS = 8
+
+#: Lobes of E above this share of the largest one are main impulses.
+MAIN_SHARE = 0.5
+
+#: Frequency parameters of the marches are RATES[0] STEP^k, k whole: those of the default spectrum and beyond.
+STEP = (RATES[-1] / RATES[0]) ** (1.0 / (RATES.size - 1))
+
+#: Restitutions of the marches: a band of each, from the share 0.9 of the lowest nominal C in it to the highest one. A
+#: body of a lower C than the last holds is taken as if it had that: an impact leaves next to nothing of its speed.
+BANDS = ((LEAST_RESTITUTION, MOST_RESTITUTION), *((0.45 / 1.5**k, 0.75 / 1.5**k) for k in range(6)))
+
 
 def triangles(start: np.ndarray, centroid: np.ndarray, end: np.ndarray, impulse: np.ndarray) -> np.ndarray:
     """Times [s] and ground accelerations [m/s2] of the corners of half-waves as triangles, (2, 3 k).
@@ -58,29 +67,7 @@ def half_wave_lanes(
     between: tuple[float, float] = (LEAST_RESTITUTION, MOST_RESTITUTION),
     threads: int | None = None,
 ) -> SpectrumLanes:
-    """March the lanes of an overturning spectrum through half-waves.
-
-    Parameters
-    ----------
-    start, centroid, end : (k,) array_like
-        Times of the half-waves [s], in order, centroids inside.
-    impulse : (k,) array_like
-        Their signed impulses [m/s], not all zero.
-    p : (a,) array_like
-        Frequency parameters [1/s], ascending.
-    between : (float, float)
-        Least and most of the restitution of the lanes [-].
-    threads : int, optional
-        Threads that share the lanes; None for all available cores. The answer does not depend on it.
-
-    Returns
-    -------
-    SpectrumLanes
-
-    Raises
-    ------
-    ValueError
-        For arrays that are not finite, not of one length or out of order, and as :func:`piece_lanes`.
+    """March the lanes of an overturning spectrum through half-waves, as :func:`piece_lanes`.
 
     Examples
     --------
@@ -90,8 +77,7 @@ def half_wave_lanes(
     >>> OverturningSpectrum(lanes).spectrum([0.9]).round(2).tolist()  # m/s, at each p
     [[0.19], [0.19]]
     """
-    times, ground = triangles(*checked_half_waves(start, centroid, end, impulse))
-    return piece_lanes(times, ground, p, between, threads)
+    return piece_lanes(*triangles(*checked_half_waves(start, centroid, end, impulse)), p, between, threads)
 
 
 def checked_half_waves(
@@ -111,20 +97,6 @@ def checked_half_waves(
         raise ValueError("half-waves: expected start <= centroid <= end, one after the other")
     check_strength(triangles(first, middle, last, impulses)[1])
     return first, middle, last, impulses
-
-
-#: Points of each side of a triangle on which E is computed.
-POINTS = 8
-
-#: Lobes of E above this share of the largest one are main impulses.
-MAIN_SHARE = 0.5
-
-#: Frequency parameters of the marches are RATES[0] STEP^k, k whole: those of the default spectrum and beyond.
-STEP = (RATES[-1] / RATES[0]) ** (1.0 / (RATES.size - 1))
-
-#: Restitutions of the marches: a band of each, from the share 0.9 of the lowest nominal C in it to the highest one. A
-#: body of a lower C than the last holds is taken as if it had that: an impact leaves next to nothing of its speed.
-BANDS = ((LEAST_RESTITUTION, MOST_RESTITUTION), *((0.45 / 1.5**k, 0.75 / 1.5**k) for k in range(6)))
 
 
 @dataclass(frozen=True, eq=False)

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from rocking.march.sliding import sliding_demand
+from rocking.march.recorded import sliding_demand
 from rocking.search.capacity import uplift_scale
 from rocking.search.factors import ScaleIntervals
 from rockpulse.assessment.places import aloft, joined_responses, places_of, turned

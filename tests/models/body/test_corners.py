@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from rocking import Block, Load
-from rocking.body.corners import both_corners, corner, rebound_of, sorrentino
+from rocking.body.limits import both_corners, corner, rebound_of, sorrentino
 
 G = 9.7
 

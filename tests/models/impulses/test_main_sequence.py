@@ -6,6 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from rocking.body.block import Block
+from rocking.impulses.half_cycle import hop
 from rocking.impulses.main import (
     critical_impulse_at,
     critical_impulse_ratio,
@@ -13,7 +14,6 @@ from rocking.impulses.main import (
     resonance,
     resonance_safety,
 )
-from rocking.impulses.motion import hop
 from rocking.response import IMPACT_CUTOFF, Outcome, Reason
 
 PROPERTY = settings(derandomize=True, deadline=None, max_examples=60)

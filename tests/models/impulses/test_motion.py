@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from rocking.impulses import motion
+from rocking.impulses import half_cycle as motion
 
 PROPERTY = settings(derandomize=True, deadline=None, max_examples=200)
 HOUSNER_A = 0.90625  # VALIDATION V1, block A

@@ -17,7 +17,7 @@ from rocking import (
     static_capacity,
 )
 from rocking.body.block import Block
-from rocking.body.corners import sorrentino
+from rocking.body.limits import sorrentino
 from rocking.march.corner_response import rest_levels
 from rocking.search.capacity import uplift_scale
 from rocking.spectrum.body_probability import overturning_probability

@@ -24,8 +24,8 @@ from rocking import (
     resonance,
     sequence_response,
 )
+from rocking.impulses.half_cycle import CRITICAL_TOLERANCE
 from rocking.impulses.main import critical_impulse_at
-from rocking.impulses.motion import CRITICAL_TOLERANCE
 from rocking.march.event import SLOW_IMPACTS
 
 ROUNDING = 1e-12

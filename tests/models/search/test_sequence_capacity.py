@@ -230,7 +230,7 @@ def test_a_search_begins_at_resonance_or_at_a_thousandth_of_what_overturns_at_on
         asked.append((start.tolist(), points.tolist()))
         return exceedance_intervals(exceeds, start, factor_max, points)
 
-    monkeypatch.setattr("rocking.search.sequence_capacity.exceedance_intervals", record)
+    monkeypatch.setattr("rocking.search.capacity.exceedance_intervals", record)
     bodies = Block.from_parameters([2.0, 4.0], 0.2, [0.6, 1.0], log=False)
     sequence = ImpulseSequence(main=0.3, secondary=0.1, interval=0.3, duration=2.0, spacing="end")
     found = sequence_critical_scale(bodies, sequence, factor_max=5.0, step=1.1)

@@ -9,8 +9,8 @@ import numpy as np
 import xarray as xr
 
 from rocking.body.block import Block
+from rocking.impulses.half_cycle import hop
 from rocking.impulses.main import critical_impulse_at
-from rocking.impulses.motion import hop
 from rocking.impulses.sequence import ImpulseSequence, sequence_response
 from rocking.impulses.sequence_kernel import HALF_CYCLE_LIMIT
 from rocking.response import HalfCycles, Response

@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from rocking.impulses.motion import CRITICAL_TOLERANCE, state
+from rocking.impulses.half_cycle import CRITICAL_TOLERANCE, state
 
 __all__ = ["HalfCycle", "rotation_history", "secondary_impulses"]
 
