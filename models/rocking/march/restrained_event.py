@@ -10,10 +10,11 @@ from numba import njit
 from rocking.march import corner_event as more
 from rocking.march import slots as row
 from rocking.march.equations import sine_and_cosine
-from rocking.march.event import SHORTEST
+from rocking.march.event import SHORTEST, impacts_above_cutoff
 from rocking.march.polynomial import ORDER, PULL, SPEED, acceleration, bracketed_root, first_impact, value, velocity
 from rocking.march.restrained import act, change, land
 from rocking.march.steps import HALVED, IMPACT, LOOK_CLOSER, NOTHING, OVER, finish_steps, keep_step, speed_of, value_of
+from rocking.response import IMPACT_CUTOFF
 
 
 @njit(inline="always")
@@ -286,8 +287,8 @@ def motion_after(f, i, j, c, lanes, held, g):
             more.turn_over(w, 0)
             w[row.PASSED] = 0.0
             land(w, 0, block, lane, held)
-            impacts += 1 if last >= more.IMPACT_CUTOFF else 0
-            if tops >= 3 or w[row.SPEED] <= more.IMPACT_CUTOFF * w[row.ALPHA]:
+            impacts += 1 if last >= IMPACT_CUTOFF else 0
+            if tops >= 3 or w[row.SPEED] <= IMPACT_CUTOFF * w[row.ALPHA]:
                 arrival = last
                 break
         if turns >= MOST_TURNS:
@@ -303,5 +304,5 @@ def motion_after(f, i, j, c, lanes, held, g):
     second = w[row.SPEED] * own * w[row.P] / (w[more.OTHER_P] * w[more.OTHER_ALPHA])
     if w[more.ONE_SIDED] == 1.0:
         second = own * first
-    odd, even = more.impacts_above_cutoff(first, own * other), more.impacts_above_cutoff(second, own * other)
+    odd, even = impacts_above_cutoff(first, own * other), impacts_above_cutoff(second, own * other)
     return peak, math.nan, 0, -1 if odd < 0 or even < 0 else impacts + odd + even
