@@ -182,7 +182,7 @@ class Block(BlockLanes):
         rebound: ArrayLike | None = None,
         log: bool = True,
     ) -> Self:
-        """A symmetric body that is no rectangle, by its frequency parameter and critical angle.
+        """A symmetric body that is no rectangle, by its frequency parameter and critical angle; its sizes are NaN.
 
         Parameters
         ----------
@@ -203,11 +203,6 @@ class Block(BlockLanes):
             As for :class:`Block`; the rebound is a number.
         log : bool
             Whether the warnings are logged too, by the logger "rockpulse".
-
-        Returns
-        -------
-        Block
-            With `half_width`, `half_height`, `width` and `height` NaN: they are not known.
 
         Raises
         ------
@@ -260,7 +255,7 @@ class Block(BlockLanes):
         mass: ArrayLike | None = None,
         log: bool = True,
     ) -> Self:
-        """A body without symmetry, by its corners and its centre of mass.
+        """A body without symmetry, by its corners and its centre of mass; the base is its width, its height is NaN.
 
         Parameters
         ----------
@@ -277,16 +272,6 @@ class Block(BlockLanes):
             Acceleration of gravity [m/s2].
         one_sided, rebound, ties, loads, thrusts, mass, log
             As for :class:`Block`; the rebound is a number.
-
-        Returns
-        -------
-        Block
-            With the base as `width`; `height` and `half_height` are NaN.
-
-        Raises
-        ------
-        ValueError
-            As for :class:`Block`.
 
         Examples
         --------

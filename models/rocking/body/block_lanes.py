@@ -82,13 +82,7 @@ class BlockLanes(LaneValues, Shown):
 
     @classmethod
     def stack(cls, blocks: Sequence[Self]) -> Self:
-        """Several blocks in the same gravity as the lanes of one, in their order.
-
-        Raises
-        ------
-        ValueError
-            Without any block, or in different gravity.
-        """
+        """Several blocks in the same gravity as the lanes of one, in their order."""
         gravities = {block.gravity for block in blocks}
         if len(gravities) != 1:
             raise ValueError(f"blocks: expected one gravity for all blocks of a stack, found {sorted(gravities)}")

@@ -53,12 +53,6 @@ class Tie:
         xi, of its attachment behind the corner of that rotation [m]: 0 for a plate on the outer face, the width of the
         body for one on the inner face.
 
-    Raises
-    ------
-    ValueError
-        For a height, stiffness, yield force or ultimate elongation that is not positive, a negative gap or distance,
-        and another side.
-
     Examples
     --------
     A steel bar of 20 mm and 10 m, 200 GPa and 235 MPa:
@@ -109,11 +103,6 @@ class Load:
         directions, by at most friction times weight. None: its mass is carried along by the body.
     distance : float or None
         Of its bearing behind the corner of theta > 0 [m]; None for the middle of the base.
-
-    Raises
-    ------
-    ValueError
-        For a weight or height that is not positive, a friction that is not, or a negative distance.
     """
 
     weight: float
@@ -140,11 +129,6 @@ class Thrust:
         z of its line of action above the base [m].
     distance : float
         xi, of its point of action behind the corner of theta > 0 [m].
-
-    Raises
-    ------
-    ValueError
-        For a force that is no finite number, a height that is not positive or a negative distance.
     """
 
     force: float

@@ -57,11 +57,6 @@ class ImpulseSequence(Shown):
     shape : tuple of int
         Shape of the lanes: () or (q,).
 
-    Raises
-    ------
-    ValueError
-        For a field outside its range, naming the field.
-
     References
     ----------
     Casapulla, C., Maione, A. (2017), COMPDYN 2017, section 3.2, doi:10.7712/120117.5612.17190.

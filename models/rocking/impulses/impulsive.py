@@ -78,10 +78,6 @@ def impulsive_response(
     one that drives the block into the ground acts after the impact ("right after the impact", section 2), one that
     opposes the motion before it.
 
-    References
-    ----------
-    Casapulla, C., Maione, A. (2017), COMPDYN 2017, doi:10.7712/120117.5612.17190.
-
     Examples
     --------
     >>> block = Block(half_width=0.5, half_height=1.936492, restitution=0.9, gravity=9.81)

@@ -258,10 +258,6 @@ def resonance(
     -----
     Eq. (3) gives u_1 = I/I_1c, the erratum u_i, Eqs. (6) and (7) peak and duration of a half-cycle. u = 1 overturns.
 
-    References
-    ----------
-    Casapulla, C., Maione, A. (2017), COMPDYN 2017, doi:10.7712/120117.5612.17190.
-
     Examples
     --------
     >>> block = Block(half_width=0.5, half_height=1.936492, restitution=0.9, gravity=9.81)

@@ -87,10 +87,6 @@ def sequence_response(
     corrected march may pass through the ground inside a half-cycle; the closed form knows its end only and is kept,
     with a logged warning.
 
-    References
-    ----------
-    Casapulla, C., Maione, A. (2017), COMPDYN 2017, doi:10.7712/120117.5612.17190.
-
     Examples
     --------
     >>> block = Block(half_width=0.5, half_height=1.936492, restitution=0.9, gravity=9.81)

@@ -136,11 +136,6 @@ def static_capacity(block: Block, rotation: ArrayLike, side: int = 1) -> np.ndar
     (k,) ndarray
         Acceleration of the ground against the rotation [m/s2]: g tan(alpha - theta) where nothing but its weight acts.
 
-    Raises
-    ------
-    ValueError
-        For a rotation outside 0 to pi/2 or another side.
-
     Examples
     --------
     >>> from rocking import Tie

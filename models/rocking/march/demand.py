@@ -145,15 +145,6 @@ def ground_demand(block: Block, acceleration: ArrayLike, dt: float) -> Demand:
     dt : float
         Sampling interval [s].
 
-    Returns
-    -------
-    Demand
-
-    Raises
-    ------
-    ValueError
-        For samples that are not finite or fewer than two, or dt <= 0.
-
     Notes
     -----
     E is computed at p = 2^(k/4) 1/s for the nodes that enclose the given p, and interpolated linearly in log p: a pass
@@ -161,7 +152,6 @@ def ground_demand(block: Block, acceleration: ArrayLike, dt: float) -> Demand:
 
     Examples
     --------
-    >>> import numpy as np
     >>> block = Block.from_parameters(p=[2.0], alpha=[0.1], restitution=0.9)
     >>> pulse = np.full(51, 3.0)                      # half a second
     >>> demand = ground_demand(block, pulse, 0.01)

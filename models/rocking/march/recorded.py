@@ -128,7 +128,6 @@ def recorded_response(
 
     Examples
     --------
-    >>> import numpy as np
     >>> from rockpulse import models
     >>> block = models.Block(half_width=0.5, half_height=1.9365)
     >>> sine = 3.0 * np.sin(2.0 * np.pi * np.arange(0.0, 1.005, 0.01))
@@ -294,11 +293,6 @@ def sliding_demand(
         NaN, and False, for bodies before a wall and for those with ties, loads or thrusts, whose forces on the base
         this does not know. Impacts ask for more, see :func:`impact_friction`.
 
-    Raises
-    ------
-    ValueError
-        What :func:`~rocking.recorded_response` refuses.
-
     Examples
     --------
     >>> block = Block(half_width=0.3, half_height=1.2)
@@ -345,14 +339,7 @@ def impact_friction(block: Block, restitution: ArrayLike | None = None) -> Float
     """Ratio of the impulses across and up of an impact that ends the rotation about the right-hand corner [-].
 
     h (1 - C)/(b_1 + C b_2), of a body whose centre of mass lies h above its corners: what an impact asks of friction if
-    it does not slide. Information, no verdict: it lasts an instant.
-
-    Parameters
-    ----------
-    block : Block
-        Bodies.
-    restitution : float or (m,) array_like, optional
-        C; that of the body without.
+    it does not slide. Information, no verdict: it lasts an instant. C is that of the body unless it is given.
 
     Examples
     --------

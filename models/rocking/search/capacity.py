@@ -301,10 +301,6 @@ def sequence_critical_scale(
     the resonance sequence, whose critical factor without a limit of duration is where the search begins. A factor at
     which the model cannot answer (UNRESOLVED) counts as overturning.
 
-    References
-    ----------
-    Casapulla, C., Maione, A. (2017), COMPDYN 2017, sections 3.1 and 3.2, doi:10.7712/120117.5612.17190.
-
     Examples
     --------
     >>> block = Block(half_width=0.5, half_height=1.936492, restitution=0.9, gravity=9.81)

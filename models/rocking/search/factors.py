@@ -129,15 +129,6 @@ def exceedance_intervals(
     tolerance : float
         Relative width of the bracket that each edge ends with, at least 1e-12.
 
-    Returns
-    -------
-    ScaleIntervals
-
-    Raises
-    ------
-    ValueError
-        For a start, an end, a number of points or a tolerance outside its range.
-
     Notes
     -----
     The scan has the step (factor_max/start)^(1/(points - 1)), and the factor one besides. Below the first exceedance of

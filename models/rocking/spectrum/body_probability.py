@@ -211,12 +211,6 @@ def overturning_probability(
         Of (m,) bodies. A factor that is not reached by `factor_max` is inf with a `_low` of `factor_max`, or, of
         `capacity_mean`, of what it is at least.
 
-    Raises
-    ------
-    ValueError
-        For a range of C outside 0 to 1, a guess or a factor_max that is not positive, a negative seed, and what
-        :func:`~rocking.recorded_response` refuses.
-
     Examples
     --------
     >>> block = Block(half_width=0.3, half_height=1.2)

@@ -71,7 +71,6 @@ def half_wave_lanes(
 
     Examples
     --------
-    >>> import numpy as np
     >>> from rocking import OverturningSpectrum
     >>> lanes = half_wave_lanes([0.0, 0.5], [0.25, 0.7], [0.5, 1.0], [0.4, -0.3], p=[1.8, 2.0])
     >>> OverturningSpectrum(lanes).spectrum([0.9]).round(2).tolist()  # m/s, at each p
@@ -138,17 +137,10 @@ def impulse_lobes(start: ArrayLike, centroid: ArrayLike, end: ArrayLike, impulse
 
     Parameters
     ----------
-    start, centroid, end : (k,) array_like
-        Times of the half-waves [s], in order, centroids inside.
-    impulse : (k,) array_like
-        Their signed impulses [m/s].
+    start, centroid, end, impulse : (k,) array_like
+        Half-waves, as for :func:`demand_of_half_waves`; none give no lobes.
     rate : float
         p of the block [1/s].
-
-    Returns
-    -------
-    Lobes
-        Empty without half-waves.
 
     Examples
     --------
@@ -188,11 +180,6 @@ def demand_of_half_waves(
     HalfWaveDemand
         Of (m,) lanes. Without half-waves the measures are 0 and the main count 1.
 
-    Raises
-    ------
-    ValueError
-        For arrays that are not finite, not of one length or out of order.
-
     Notes
     -----
     With the linear equation the march sees nothing of a block but p, C and x = f p/(g tan alpha). It is made at
@@ -201,7 +188,6 @@ def demand_of_half_waves(
 
     Examples
     --------
-    >>> import numpy as np
     >>> block = Block.from_parameters(p=[2.0], alpha=[0.1], restitution=0.9)
     >>> once = demand_of_half_waves(block, [0.0, 0.5], [0.25, 0.7], [0.5, 1.0], [0.4, -0.3])
     >>> twice = demand_of_half_waves(block, [0.0, 0.5], [0.25, 0.7], [0.5, 1.0], [0.8, -0.6])

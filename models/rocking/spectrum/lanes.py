@@ -130,10 +130,6 @@ def spectrum_lanes(
     side : int
         1 or -1 for the lanes of blocks before a wall, that turn towards theta > 0 or theta < 0 only.
 
-    Returns
-    -------
-    SpectrumLanes
-
     Raises
     ------
     ValueError

@@ -196,15 +196,6 @@ class OverturningSpectrum:
             C between which that of a draw is uniform [-]; the shares of the nominal one of the uncertainty without.
         factor_max : float
             Largest factor that is asked for [-]; above it factors are inf.
-
-        Returns
-        -------
-        OverturningFactors
-
-        Raises
-        ------
-        ValueError
-            For blocks that the spectrum does not cover.
         """
         probability, error, speed = self._of_blocks(block, least, most)
         # A higher probability is a lower factor; an end of an interval is the outermost crossing of its band.

@@ -58,11 +58,6 @@ class Uncertainty:
     geometry : float
         Loss of the angle alpha [-]: alpha exp(-geometry abs(N)), N standard normal, at fixed R and p; 0 to 1.
 
-    Raises
-    ------
-    ValueError
-        For a value outside its range.
-
     Examples
     --------
     >>> known = Uncertainty(geometry=0.0)
