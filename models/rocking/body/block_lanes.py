@@ -5,7 +5,7 @@
 """
 
 from collections.abc import Callable, Collection, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, Self
 
 import numpy as np
@@ -48,7 +48,7 @@ class BlockLanes(LaneValues, Shown):
     side: Integers = lane_field(0, init=False)
     mass: Floats = lane_field(init=False)
     restraints: Restraints | np.ndarray | None = lane_field(None, init=False)
-    warnings: tuple[str, ...] = ()
+    warnings: tuple[str, ...] = field(init=False)
 
     @property
     def width(self) -> Floats:

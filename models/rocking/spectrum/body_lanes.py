@@ -162,7 +162,7 @@ class LaneMarch:
         if self.vertical is None and self.acceleration.any():
             early = within_measured_range(lanes, self.dt)
         outcome = np.empty(factor.size, dtype=np.int64)
-        for settled in np.unique(early):
+        for settled in np.unique(early)[::-1]:
             places = np.flatnonzero(early == settled)
             some = lanes.take(places)
             outcome[places] = recorded_response(

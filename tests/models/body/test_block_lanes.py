@@ -168,12 +168,6 @@ def test_chosen_lanes_keep_gravity_remarks_and_what_holds_them():
     assert type(TIED.mirrored().mirrored().mass) is float
 
 
-def test_full_sizes_and_slenderness_of_lanes():
-    some = Block([0.25, 0.3], [1.5, 0.8])
-    assert (some.width.tolist(), some.height.tolist()) == ([0.5, 0.6], [3.0, 1.6])
-    assert some.slender.tolist() == [True, False]
-
-
 def test_a_body_is_restored_with_what_holds_it():
     values = {"alpha_c": 0.2, "p": 1.7, "half_width": 0.4}
     body, held = Block.restored(G, **values), Block.restored(G, TIED.restraints, **values)

@@ -152,11 +152,6 @@ def test_bad_counts_are_named(count):
         resonance(bodies(), 0.3, count)
 
 
-def test_counts_and_impulses_of_different_lengths_are_refused():
-    with pytest.raises(ValueError, match="main_count: expected numbers or arrays of one length"):
-        ImpulseSequence([0.3, 0.3], 0.1, 0.2, 20.0, main_count=[1, 2, 3])
-
-
 @pytest.mark.parametrize("spacing", ["end", "continuous"])
 def test_pairs_answer_as_one_by_one(spacing):
     blocks, many = bodies(40), sequences(40, spacing=spacing)

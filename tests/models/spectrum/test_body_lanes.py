@@ -118,13 +118,6 @@ def test_the_lowest_lanes_are_those_of_the_lowest_fifth(low, pieces):
     assert [part.log_factor.shape[1] for part in march.parts] == [64, *[32] * (pieces - 1), 192]
 
 
-@pytest.mark.parametrize(("high", "pieces"), [(2.7, 2), (2.55, 1)])
-def test_the_highest_lanes_are_those_of_the_highest_fifth(high, pieces):
-    march = march_of((high, 9.0), block=BODIES.take(np.array([0])))
-    probability_lanes(march, 5.0, np.exp([2.0]))
-    assert [part.log_factor.shape[1] for part in march.parts] == [64, *[32] * (pieces - 1), 192]
-
-
 def test_a_guess_is_not_looked_for_below_uplift_or_above_the_largest_factor():
     march = march_of((1.5, 9.0))
     bottom, _ = probability_lanes(march, 3.0, np.array([1e-3, 1e6]))
