@@ -294,6 +294,7 @@ def reference(block, acceleration, dt, *, equation="nonlinear", vertical=None, r
                     if not body.elements:
                         impacts += decay(body, side, speed)
                     return Answer(peak, Outcome.ROCKS, math.nan, impacts, history, lost)
+                resting = speed == 0.0
                 if speed < CHATTER * p * alpha:
                     push = max(body.excess(one, *ground(t)) for one in (1, -1) for t in (tau, dt))
                     least = -push / body.inertia(side)
