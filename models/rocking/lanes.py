@@ -19,6 +19,10 @@ _limits: list[int] = []
 _changing = threading.Lock()
 
 
+#: What :func:`lane_field` declares of a field without a fill of its own.
+OF_LANES = {"fill": np.nan, "axis": -1}
+
+
 def lane_field(fill: Any = np.nan, axis: int = -1, **options: Any) -> Any:
     """A field with one value for each lane along an axis; `fill` stands for that of a lane without an answer."""
     return field(metadata={"fill": fill, "axis": axis}, **options)
@@ -69,7 +73,8 @@ class LaneValues:
                 longest = np.max([value.shape[:-1] for value in moved], axis=0, initial=0).tolist()
                 whole = np.full((*longest, count), fills.get(name, fill), dtype=moved[0].dtype)
                 for where, value in zip(places, moved, strict=True):
-                    whole[(*map(slice, value.shape[:-1]), where)] = value
+                    own: tuple[Any, ...] = (*map(slice, value.shape[:-1]), where)
+                    whole[own] = value
                 found[name] = np.ascontiguousarray(np.moveaxis(whole, -1, axis))
         return parts[0].changed(**found)
 

@@ -78,7 +78,7 @@ class BlockLanes(LaneValues, Shown):
     def take(self, places: Any) -> Self:
         """Some lanes of an array of blocks: by their places, a mask or a slice."""
         some = super().take(places)
-        return some if some.restraints is None or some.restraints.any() else some.changed(restraints=None)
+        return some if some.restraints is None or np.asarray(some.restraints).any() else some.changed(restraints=None)
 
     @classmethod
     def stack(cls, blocks: Sequence[Self]) -> Self:

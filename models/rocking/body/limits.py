@@ -40,12 +40,9 @@ def corner(near: np.ndarray, far: np.ndarray, height: np.ndarray, gyration: np.n
     The centre of mass is at `height` [m], the radius of gyration about it `gyration` [m].
     """
     square = near**2 + height**2
-    return Corner(
-        radius=np.sqrt(square),
-        alpha=np.arctan2(near, height),
-        p=np.sqrt(gravity * np.sqrt(square) / (gyration**2 + square)),
-        most=(gyration**2 + height**2 - near * far) / (gyration**2 + height**2 + far**2),
-    )
+    most = (gyration**2 + height**2 - near * far) / (gyration**2 + height**2 + far**2)
+    p = np.sqrt(gravity * np.sqrt(square) / (gyration**2 + square))
+    return Corner(np.sqrt(square), np.arctan2(near, height), p, most)
 
 
 def sorrentino(alpha: Any) -> Any:
@@ -154,11 +151,9 @@ def restitution_of(given: ArrayLike, most: np.ndarray, own: bool) -> np.ndarray:
         if given != "housner":
             raise ValueError(f"restitution: expected a number in [0, 1] or 'housner', got {given!r}")
         if np.any(most < 0.0):
-            why = (
-                "1 - 2 (p^2 R/g) sin^2(alpha) is negative for this p, alpha and radius"
-                if own
-                else "Housner's formula is negative below a slenderness of 0.707"
-            )
+            why = "Housner's formula is negative below a slenderness of 0.707"
+            if own:
+                why = "1 - 2 (p^2 R/g) sin^2(alpha) is negative for this p, alpha and radius"
             raise ValueError(f"restitution: {why}; give a number in [0, 1]")
         return most
     restitution = numbers("restitution", given, "the velocity ratio C in [0, 1] or 'housner'")

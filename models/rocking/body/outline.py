@@ -70,24 +70,19 @@ class Outline:
         right = float(block.radius * math.sin(block.alpha_c))
         left = float(block.radius_2 * math.sin(block.alpha_2))
         held = block.restraints or Restraints()
-        return cls(
-            left,
-            right,
-            float(block.radius * math.cos(block.alpha_c)),
-            float(block.height),
-            int(block.side),
-            tuple(
-                TieLine(sign * (corner - tie.distance), -sign * far, -sign, tie.height)
-                for tie in held.ties
-                for sign, corner, far, name in ((1.0, right, left, "positive"), (-1.0, left, right, "negative"))
-                if tie.side in ("both", name)
-            ),
-            tuple(
-                (0.5 * (right - left) if load.distance is None else right - load.distance, load.height)
-                for load in held.loads
-            ),
-            tuple((right - one.distance, one.height, one.force) for one in held.thrusts),
-        )
+        sides = ((1.0, right, left, "positive"), (-1.0, left, right, "negative"))
+        ties = [
+            TieLine(sign * (corner - tie.distance), -sign * far, -sign, tie.height)
+            for tie in held.ties
+            for sign, corner, far, name in sides
+            if tie.side in ("both", name)
+        ]
+        bearings = [0.5 * (right - left) if load.distance is None else right - load.distance for load in held.loads]
+        loads = zip(bearings, [load.height for load in held.loads], strict=True)
+        thrusts = [(right - one.distance, one.height, one.force) for one in held.thrusts]
+        centre = float(block.radius * math.cos(block.alpha_c))
+        own = left, right, centre, float(block.height), int(block.side)
+        return cls(*own, tuple(ties), tuple(loads), tuple(thrusts))
 
     @property
     def width(self) -> float:

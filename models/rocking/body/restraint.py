@@ -72,18 +72,9 @@ class Tie:
     distance: float = 0.0
 
     def __post_init__(self) -> None:
-        _checked(
-            "tie",
-            self,
-            {
-                "height": (0.0, False, "m"),
-                "stiffness": (0.0, False, "N/m"),
-                "gap": (0.0, True, "m"),
-                "yield_force": (0.0, False, "N"),
-                "ultimate": (0.0, False, "m"),
-                "distance": (0.0, True, "m"),
-            },
-        )
+        limits = {"height": (0.0, False, "m"), "stiffness": (0.0, False, "N/m"), "gap": (0.0, True, "m")}
+        limits |= {"yield_force": (0.0, False, "N"), "ultimate": (0.0, False, "m"), "distance": (0.0, True, "m")}
+        _checked("tie", self, limits)
         if self.side not in ("positive", "negative", "both"):
             raise ValueError(f"tie side: expected 'positive', 'negative' or 'both', got {self.side!r}")
 

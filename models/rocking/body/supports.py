@@ -75,16 +75,9 @@ def with_pedestal(block: Block, width: float, height: float, mass: float, restit
     inertia = own * float(one.gravity * one.radius / one.p**2 - one.radius**2)
     inertia += own * ((x - centre_x) ** 2 + (z - centre_z) ** 2)
     inertia += mass * ((width**2 + height**2) / 12.0 + centre_x**2 + (0.5 * height - centre_z) ** 2)
-    return Block.from_corners(
-        0.5 * width - centre_x,
-        0.5 * width + centre_x,
-        centre_z,
-        math.sqrt(inertia / whole),
-        restitution=restitution,
-        gravity=float(block.gravity),
-        mass=whole,
-        log=False,
-    )
+    near, far = 0.5 * width - centre_x, 0.5 * width + centre_x
+    body = near, far, centre_z, math.sqrt(inertia / whole), restitution, float(block.gravity)
+    return Block.from_corners(*body, mass=whole, log=False)
 
 
 #: Samples of the floor's motion in the shortest period.
@@ -162,14 +155,10 @@ def floor_motion(
     """
     ground = record_samples("acceleration", acceleration)
     step = float(positive("dt", dt, "s", lanes=False))
-    periods, dampings, shares = (
-        np.atleast_1d(values)
-        for values in together(
-            period=positive("period", period, "s"),
-            damping=numbers("damping", damping, "a share of critical damping"),
-            participation=numbers("participation", participation, "Gamma phi of each mode"),
-        )
-    )
+    given = {"period": positive("period", period, "s")}
+    given["damping"] = numbers("damping", damping, "a share of critical damping")
+    given["participation"] = numbers("participation", participation, "Gamma phi of each mode")
+    periods, dampings, shares = (np.atleast_1d(values) for values in together(**given))
     if not np.all((dampings > 0.0) & (dampings < 1.0)):
         raise ValueError(f"damping: expected shares of critical damping above 0 and below 1, got {damping!r}")
     quiet = float(positive("quiet", quiet, "m/s2", lanes=False))

@@ -5,6 +5,8 @@
    - s alpha_c), s = sgn theta.
 """
 
+from typing import Any
+
 import numpy as np
 
 from rocking.arguments import ArrayLike, numbers
@@ -111,7 +113,7 @@ def impulsive_response(
         impulsive_lanes(first, last, train, lanes, np.empty((3, times.size)), results, history)
 
     split_lanes(kernel_call, factors.size, threads)
-    motion = {} if history_dt is None else {"motion": history.motion, "time": grid}
+    motion: dict[str, Any] = {} if history_dt is None else {"motion": history.motion, "time": grid}
     return response_of(results, factors.shape, **motion).squeezed((scale.ndim == 0, block.shape == ()))
 
 

@@ -1,4 +1,4 @@
-"""Natural motion of a block between impulses of the ground, lane by lane, on bare arrays (units of motion.py).
+"""Natural motion of a block between impulses of the ground, lane by lane, on bare arrays (units of half_cycle.py).
 
 .. note:: `side` is +1 while the block rocks about its right-hand corner (theta > 0) and -1 on the left; x and x' are
    positive away from the ground. An impulse I of the ground changes theta'/(p alpha_c) by -gain I/(p alpha_c), that is

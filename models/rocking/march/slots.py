@@ -125,7 +125,7 @@ GROUP = 8
     END_PULL,
     STRONGEST,  # a bound of abs(phi'') in it
     MARKED,  # 1.0 where it must be looked at closely whatever happens
-    EVENT,  # see finish.py
+    EVENT,  # see steps.py
     ARRIVAL,  # abs(phi') at the impact
     RATE_2,  # (k - 1)-th Taylor coefficients of the speed, k = 2 ... 10
     RATE_3,

@@ -192,7 +192,7 @@ def uplift_scale(
 
 def _search(
     blocks: Block,
-    respond: Callable[[Block, np.ndarray], Response],
+    respond: Callable[..., Response],
     start: np.ndarray,
     level: float | None,
     factor_max: float,

@@ -2,13 +2,13 @@
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, Self
 
 import numpy as np
 
 from rocking.arguments import ArrayLike
-from rocking.lanes import LaneValues, lane_field
+from rocking.lanes import OF_LANES, LaneValues
 
 #: Below the first exceedance, where the safety factor is read, a step of the scan is halved for the k-th time where the
 #: lane may come this near the limit in it (docs/decisions/011).
@@ -16,6 +16,9 @@ NEAR = (0.2, 0.45, 0.7, 0.95, 1.2, 1.45)
 
 #: Steps of a lane that are halved together, from the lowest on: half of all that are due, at least these.
 TOGETHER = 4
+
+#: Tells of lanes (n,) and factors (q, n) which exceed a limit.
+Exceeds = Callable[[np.ndarray, np.ndarray], np.ndarray]
 
 #: Factors times lanes of one call of the scan: it bounds the memory of a call.
 CASES_AT_ONCE = 16384
@@ -52,13 +55,13 @@ class ScaleIntervals(LaneValues):
         False where the limit counts as exceeded at `lower` because the model cannot answer there.
     """
 
-    safety_factor: np.ndarray = lane_field()
-    safe_up_to: np.ndarray = lane_field()
+    safety_factor: np.ndarray = field(metadata=OF_LANES)
+    safe_up_to: np.ndarray = field(metadata=OF_LANES)
     lane: np.ndarray
     lower: np.ndarray
     upper: np.ndarray
     open: np.ndarray
-    step: np.ndarray = lane_field()
+    step: np.ndarray = field(metadata=OF_LANES)
     resolved: np.ndarray
 
     @classmethod
@@ -105,11 +108,7 @@ class ScaleIntervals(LaneValues):
 
 
 def exceedance_intervals(
-    exceeds: Callable[[np.ndarray, np.ndarray], np.ndarray],
-    start: np.ndarray,
-    factor_max: float,
-    points: ArrayLike,
-    tolerance: float = 1e-6,
+    exceeds: Exceeds, start: np.ndarray, factor_max: float, points: ArrayLike, tolerance: float = 1e-6
 ) -> ScaleIntervals:
     """Intervals of the factor in which each lane exceeds a limit: a scan on a log grid, and every edge refined.
 
@@ -161,7 +160,8 @@ def exceedance_intervals(
         _scan(exceeds, searched[first : first + at_once], start, factor_max, counts)
         for first in range(0, searched.size, at_once)
     ]
-    lane, factor, over = (np.concatenate(column) for column in zip(*parts, strict=True)) if parts else _nothing()
+    parts.append((np.empty(0, dtype=np.int64), np.empty(0), np.empty(0, dtype=bool)))
+    lane, factor, over = (np.concatenate(column) for column in zip(*parts, strict=True))
     same = lane[1:] == lane[:-1]
     rise, fall = over.copy(), over.copy()
     rise[1:] &= ~(over[:-1] & same)
@@ -181,24 +181,14 @@ def exceedance_intervals(
     return ScaleIntervals(safety, safe, lane, lower, upper, above[count:] == np.inf, step, np.ones(count, dtype=bool))
 
 
-def _nothing() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    return np.empty(0, dtype=np.int64), np.empty(0), np.empty(0, dtype=bool)
-
-
-def _reach(
-    exceeds: Callable[[np.ndarray, np.ndarray], np.ndarray], lanes: np.ndarray, factors: np.ndarray
-) -> np.ndarray:
+def _reach(exceeds: Exceeds, lanes: np.ndarray, factors: np.ndarray) -> np.ndarray:
     """The answers of `exceeds` as numbers; inf where it has none."""
     reach = np.asarray(exceeds(lanes, factors), dtype=float)
     return np.where(np.isnan(reach), np.inf, reach)
 
 
 def _scan(
-    exceeds: Callable[[np.ndarray, np.ndarray], np.ndarray],
-    lanes: np.ndarray,
-    start: np.ndarray,
-    factor_max: float,
-    counts: np.ndarray,
+    exceeds: Exceeds, lanes: np.ndarray, start: np.ndarray, factor_max: float, counts: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Lane, factor, and whether it exceeds the limit, by lane and upwards."""
     points = int(np.max(counts[lanes]))
@@ -215,7 +205,7 @@ def _scan(
 
 
 def _denser(
-    exceeds: Callable[[np.ndarray, np.ndarray], np.ndarray], lane: np.ndarray, factor: np.ndarray, reach: np.ndarray
+    exceeds: Exceeds, lane: np.ndarray, factor: np.ndarray, reach: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """The scan with those steps halved, once or more, that may hide an exceedance below the first one of their lane.
 
@@ -250,12 +240,7 @@ def _denser(
 
 
 def _bisect(
-    exceeds: Callable[[np.ndarray, np.ndarray], np.ndarray],
-    lane: np.ndarray,
-    below: np.ndarray,
-    above: np.ndarray,
-    rises: np.ndarray,
-    tolerance: float,
+    exceeds: Exceeds, lane: np.ndarray, below: np.ndarray, above: np.ndarray, rises: np.ndarray, tolerance: float
 ) -> None:
     """Narrow the brackets (below, above) of all edges of all lanes in the same rounds, in place."""
     while True:

@@ -14,6 +14,7 @@ kernel in ln f afterwards (:mod:`rocking.spectrum.probability`) and is not drawn
 import math
 from dataclasses import dataclass, field
 from itertools import count
+from typing import Any
 
 import numpy as np
 from scipy.special import ndtri
@@ -165,15 +166,10 @@ class LaneMarch:
         for settled in np.unique(early)[::-1]:
             places = np.flatnonzero(early == settled)
             some = lanes.take(places)
-            outcome[places] = recorded_response(
-                some,
-                self.acceleration,
-                self.dt,
-                vertical=self.vertical,
-                block_scale=factor[places],
-                verdict=ground_demand(some, self.acceleration, self.dt) if settled else None,
-                threads=self.threads,
-            ).outcome
+            ground = some, self.acceleration, self.dt
+            verdict = ground_demand(*ground) if settled else None
+            how: dict[str, Any] = {"vertical": self.vertical, "block_scale": factor[places], "threads": self.threads}
+            outcome[places] = recorded_response(*ground, verdict=verdict, **how).outcome
         return outcome
 
 

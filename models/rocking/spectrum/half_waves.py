@@ -76,7 +76,8 @@ def half_wave_lanes(
     >>> OverturningSpectrum(lanes).spectrum([0.9]).round(2).tolist()  # m/s, at each p
     [[0.19], [0.19]]
     """
-    return piece_lanes(*triangles(*checked_half_waves(start, centroid, end, impulse)), p, between, threads)
+    times, ground = triangles(*checked_half_waves(start, centroid, end, impulse))
+    return piece_lanes(times, ground, p, between, threads)
 
 
 def checked_half_waves(

@@ -205,7 +205,7 @@ def _filled(
     rates: np.ndarray,
     bottom: np.ndarray,
     top: np.ndarray,
-    march: Callable[[np.ndarray, np.ndarray], np.ndarray],
+    march: Callable[..., np.ndarray],
     between: tuple[float, float],
 ) -> SpectrumLanes:
     """Lanes at frequency parameters (a,), placed from uplift at `bottom` to `top` (a,) in ln x, and marched.
@@ -222,16 +222,9 @@ def _filled(
         if not np.any(standing):
             break
         top = np.where(standing, top + LEAST_SPAN, top)
-    placed = [
-        _where_verdicts_differ(*one)
-        for one in zip(
-            _level(log_x, restitution),
-            np.isinf(peak),
-            _level(bottom, between[0]),
-            _level(top, between[1]),
-            strict=True,
-        )
-    ]
+    lowest, highest = _level(bottom, between[0]), _level(top, between[1])
+    rows = zip(_level(log_x, restitution), np.isinf(peak), lowest, highest, strict=True)
+    placed = [_where_verdicts_differ(*one) for one in rows]
     places, grid, density = (np.stack(column) for column in zip(*placed, strict=True))
     more = np.tile(_restitutions(SECOND, 0.25, between), (rates.size, 1))
     above = places - SLOPE * (more - MIDDLE)

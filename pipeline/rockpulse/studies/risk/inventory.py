@@ -101,7 +101,7 @@ def inventory_frequency(
     found["status"] = np.full(count, RiskStatus.NOT_COVERED)
     found["hazard_distance"] = every.distance
     for places, curves in curves_in_parts(spectra, summary, lanes, hazard.measure):
-        values = _of_bodies(curves, events, every.take(places), config.fragility.factors, confidence)
+        values = _of_bodies(curves, events, every.chosen(places), config.fragility.factors, confidence)
         for name, part in values.items():
             found[name][places] = part
     found["probability"] = -np.expm1(-found["frequency"] * years)
