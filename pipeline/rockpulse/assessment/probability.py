@@ -71,7 +71,7 @@ def record_probability(
     values |= {name: np.full((count, len(config.demands)), np.nan) for name in AT_DEMAND}
     if config.demands:
         blocks = bodies.lanes.chosen(slice(None, None, bodies.cases)).weaker
-        values["demand_factor"] = demand_factors(channels or [scene.record], blocks, config.demands)
+        values["demand_factor"] = demand_factors(channels or [scene.record], blocks, config)
     values["probability_source"] = np.full(count, SOURCES.index("none"))
     spectrum = None
     if config.has_probability:

@@ -12,13 +12,13 @@ from rockpulse.config.configuration import Config, config_from_text
 from rockpulse.config.fragility_settings import OVERTURNING
 from rockpulse.motions.runner import Part, joined
 from rockpulse.motions.tables import Selection
+from rockpulse.record.measures import MEASURES
 from rockpulse.storage.fact_variables import FACTS
-from rockpulse.storage.fragility_variables import STATED, Status
+from rockpulse.storage.fragility_variables import QUALITIES, STATED, TESTED, Status
 from rockpulse.studies.fragility.capacity import nothing
 from rockpulse.studies.fragility.curves import fit_curve
 from rockpulse.studies.fragility.efficiency import sufficiency
 from rockpulse.studies.fragility.limit_states import NOT_KNOWN
-from rockpulse.studies.fragility.measures import MEASURES, QUALITIES, TESTED
 from rockpulse.studies.fragility.observations import ABOVE, EXACT, NOT_ABOVE, Observations
 
 if TYPE_CHECKING:
@@ -156,7 +156,7 @@ def fit_ensemble(ensemble: Ensemble, groups: Sequence[Sequence[int]]) -> Fits:
     slope, p_value = (np.full((*shape, len(TESTED)), np.nan) for _ in range(2))
     for place in np.ndindex(shape):
         group, state, measure = place
-        common = len(groups[group]) == 1 or MEASURES[settings.measures[measure]].dimensionless
+        common = len(groups[group]) == 1 or MEASURES[settings.measures[measure]].unit == "1"
         rows = ensemble.observations(state, measure, groups[group] if common else [])
         model = settings.overturning_model if settings.limit_states[state] == OVERTURNING else settings.model
         curve = curves[place] = fit_curve(rows, model, settings.confidence)

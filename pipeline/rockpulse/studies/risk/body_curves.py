@@ -11,14 +11,12 @@ import numpy as np
 from rocking.block import Block
 from rockpulse.calibration.design_spectrum import at_blocks, within
 from rockpulse.errors import ConfigError, ResultsError
+from rockpulse.record.measures import STORED_LEVELS
 
 if TYPE_CHECKING:
     import xarray as xr
 
 __all__ = ["BodyCurves", "chosen", "curves_in_parts", "event_weights", "spectra_of"]
-
-#: Measures that every results file holds of its records.
-MEASURED = ("pga", "pgv")
 
 #: Pairs of a body and a record that are worked on at once.
 AT_ONCE = 30_000
@@ -93,8 +91,9 @@ def spectra_of(results: xr.DataTree, measure: str) -> tuple[xr.Dataset, xr.Datas
 
     ConfigError for a measure that results do not hold, ResultsError without spectra.
     """
-    if measure not in MEASURED:
-        raise ConfigError(f"measure: expected one of {' or '.join(MEASURED)}, which results hold, got {measure}")
+    measured = [one.name for one in STORED_LEVELS]
+    if measure not in measured:
+        raise ConfigError(f"measure: expected one of {' or '.join(measured)}, which results hold, got {measure}")
     if "spectra" not in results.children:
         raise ResultsError("results: expected those of rockpulse assess with overturning spectra, found none")
     spectra = results["spectra"].to_dataset()

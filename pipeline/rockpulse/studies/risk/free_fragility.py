@@ -15,6 +15,7 @@ from scipy.special import ndtr
 
 from rocking.block import Block
 from rockpulse.errors import ConfigError
+from rockpulse.record.measures import PGA
 from rockpulse.storage.risk_variables import FREE_FRAGILITY
 from rockpulse.studies.risk.body_curves import curves_in_parts, event_weights, spectra_of
 
@@ -24,7 +25,7 @@ if TYPE_CHECKING:
 __all__ = ["free_body_fragility"]
 
 
-def free_body_fragility(results: xr.DataTree, block: Block, levels: Any, measure: str = "pga") -> xr.Dataset:
+def free_body_fragility(results: xr.DataTree, block: Block, levels: Any, measure: str = PGA) -> xr.Dataset:
     """The probability of overturning of free bodies at levels of an intensity measure.
 
     Parameters
@@ -79,7 +80,7 @@ def free_body_fragility(results: xr.DataTree, block: Block, levels: Any, measure
     }
     for places, curves in curves_in_parts(spectra, summary, lanes, measure):
         middle, deviation = curves.scatter(weights)
-        moves = np.log(at) > curves.floor[:, np.newaxis] if measure == "pga" else np.ones((places.size, at.size))
+        moves = np.log(at) > curves.floor[:, np.newaxis] if measure == PGA else np.ones((places.size, at.size))
         over = (np.log(at) - middle[:, np.newaxis]) / deviation[:, np.newaxis]
         of_records = [curves.read_at(curves.probability, np.full((1, 1), one)) @ weights for one in np.log(at)]
         found["lognormal"][places] = moves * ndtr(over)

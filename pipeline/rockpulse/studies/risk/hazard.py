@@ -13,20 +13,15 @@ from typing import TypeAlias
 
 import numpy as np
 
-from rockpulse.config.hazard_settings import HAZARD_MEASURES
 from rockpulse.errors import ConfigError
-from rockpulse.record.record import STANDARD_GRAVITY
+from rockpulse.record.measures import HAZARD, MEASURES, PGA
 
 __all__ = ["Hazard", "HazardCurve", "PowerLawHazard", "known_measure", "unit_factor"]
-
-#: Units of the levels, by the kind of the measure, as factors to SI.
-ACCELERATIONS = {"m/s2": 1.0, "g": STANDARD_GRAVITY, "g/10": 0.1 * STANDARD_GRAVITY, "cm/s2": 0.01, "gal": 0.01}
-VELOCITIES = {"m/s": 1.0, "cm/s": 0.01}
 
 
 def unit_factor(measure: str, unit: str, where: str) -> float:
     """A unit of a measure in SI units; ConfigError for a unit of something else."""
-    known = VELOCITIES if measure in ("pgv", "si") else ACCELERATIONS
+    known = MEASURES[measure].known_units
     if unit not in known:
         raise ConfigError(f"{where}: expected a unit of {measure} among {', '.join(known)}, found {unit!r}")
     return known[unit]
@@ -34,15 +29,15 @@ def unit_factor(measure: str, unit: str, where: str) -> float:
 
 def known_measure(measure: str, where: str) -> str:
     """The measure itself; ConfigError where hazards are not given in it."""
-    if measure not in HAZARD_MEASURES:
-        raise ConfigError(f"{where}: expected a measure among {', '.join(HAZARD_MEASURES)}, found {measure!r}")
+    if measure not in HAZARD:
+        raise ConfigError(f"{where}: expected a measure among {', '.join(HAZARD)}, found {measure!r}")
     return measure
 
 
 def _checked_unit(measure: str, unit: str, where: str) -> str:
     """The unit, that in SI where it is empty; ConfigError for an unknown measure or a unit that it does not have."""
     known_measure(measure, f"{where} measure")
-    unit = unit or ("m/s" if measure in ("pgv", "si") else "m/s2")
+    unit = unit or MEASURES[measure].shown_unit
     unit_factor(measure, unit, f"{where} unit")
     return unit
 
@@ -68,9 +63,9 @@ class PowerLawHazard:
     k : float
         Slope in the logarithms [-].
     measure : str
-        Intensity measure, of those that fragility knows: pga, pgv, si, sa_0.5, sa_1, sa_2.
+        Intensity measure, of those that serve hazards in :data:`rockpulse.record.measures.MEASURES`, such as "pga".
     unit : str
-        Of the level at which k0 is meant: "m/s2", "g", "cm/s2", or "m/s", "cm/s" of pgv and si; that in SI without.
+        Of the level at which k0 is meant: "m/s2", "g", "cm/s2", or "m/s", "cm/s" of a velocity; that in SI without.
     soil_factor : float
         Levels at the ground of the site over those that k0 and k are meant for [-].
     remarks : tuple of str
@@ -90,7 +85,7 @@ class PowerLawHazard:
 
     k0: float
     k: float
-    measure: str = "pga"
+    measure: str = PGA
     unit: str = ""
     soil_factor: float = 1.0
     remarks: tuple[str, ...] = ()

@@ -16,6 +16,7 @@ from rockpulse.config.hazard_settings import HazardSettings
 from rockpulse.errors import ConfigError
 from rockpulse.input_file import read_text
 from rockpulse.input_table import numbers, separator, table_of
+from rockpulse.record.measures import MEASURES, PGA, ROWS
 from rockpulse.studies.risk.hazard import Hazard, HazardCurve, PowerLawHazard, known_measure, unit_factor
 from rockpulse.studies.risk.hazard_places import coordinates, named, nearest_places
 from rockpulse.studies.risk.site_hazards import SiteHazards, of_each
@@ -27,9 +28,6 @@ EXPECTED = (
     '("# ... investigation_time=..., imt=...", lon,lat,depth,poe-0.005,...), return periods ("TR [years],ag [g]"), or '
     "the grid of NTC 2008 (ID;LON;LAT;T30ag;T30F0;T30Tc;...)"
 )
-
-#: Units of OpenQuake's levels.
-OPENQUAKE = {"pga": "g", "sa": "g", "pgv": "cm/s"}
 
 #: Unit of a_g in the grid of NTC 2008 (annex B), where the heading names none.
 ANNEX = "g/10"
@@ -233,8 +231,8 @@ def _read(path: str | Path) -> _Sheet:
 
 
 def _measure_of(path: str, told: str) -> str:
-    found = re.fullmatch(r"sa\s*\(\s*([0-9.]+)\s*(?:s)?\s*\)", told.strip().lower())
-    return known_measure(f"sa_{float(found[1]):g}" if found else told.strip().lower(), path)
+    found = re.fullmatch(r"(\w+)\s*\(\s*([0-9.]+)\s*s?\s*\)", told.strip().lower())
+    return known_measure(f"{found[1]}_{float(found[2]):g}" if found else told.strip().lower(), path)
 
 
 def _rates(path: str, probability: np.ndarray, years: float) -> np.ndarray:
@@ -267,7 +265,7 @@ def _return_periods(path: str, table: pd.DataFrame, heads: list[str]) -> _Sheet:
     period, level = numbers(path, table, heads[0]), numbers(path, table, heads[named["ag"]])
     if np.any(period <= 0.0):
         raise ConfigError(f"{path}: expected positive return periods [years], found {period.min():g}")
-    return _Sheet("pga", unit[1].strip(), level, 1.0 / period, rock=True)
+    return _Sheet(PGA, unit[1].strip(), level, 1.0 / period, rock=True)
 
 
 def _with_one_heading(lines: list[str]) -> str:
@@ -299,7 +297,7 @@ def _grid(path: str, table: pd.DataFrame, heads: list[str], places: np.ndarray) 
         raise ConfigError(f"{path}: expected positive return periods [years], found {period.min():g}")
     level = np.stack([numbers(path, table, heads[place]) for place, _ in columns], axis=1)
     unit = units.pop()
-    return _Sheet("pga", unit, level, 1.0 / period, places, (f"a_g read in {unit}",), rock=True)
+    return _Sheet(PGA, unit, level, 1.0 / period, places, (f"a_g read in {unit}",), rock=True)
 
 
 def _openquake(path: str, lines: list[str]) -> _Sheet:
@@ -309,9 +307,10 @@ def _openquake(path: str, lines: list[str]) -> _Sheet:
         raise ConfigError(f"{path}, line 1: expected investigation_time=... and imt=..., found {lines[0]!r:.120}")
     years = float(told["investigation_time"].strip("'\""))
     measure = _measure_of(path, told["imt"].strip("'\""))
-    unit = OPENQUAKE.get(measure.partition("_")[0], "")
+    unit = MEASURES[measure].openquake
     if not unit:
-        raise ConfigError(f"{path}, line 1: expected imt among PGA, PGV and SA(...), found {told['imt']}")
+        known = [name.upper() + "(...)" * bool(row.periods) for name, row in ROWS.items() if row.openquake]
+        raise ConfigError(f"{path}, line 1: expected imt among {', '.join(known)}, found {told['imt']}")
     table = table_of(path, "\n".join(lines[1:]))
     heads = [str(name) for name in table.columns]
     columns, places = [place for place, name in enumerate(heads) if name.startswith("poe-")], coordinates(path, table)

@@ -17,6 +17,7 @@ from scipy.special import stdtrit
 from rocking.block import Block
 from rockpulse.config.configuration import config_from_text
 from rockpulse.errors import ConfigError
+from rockpulse.record.measures import PGA
 from rockpulse.storage.risk_variables import INVENTORY, RiskStatus
 from rockpulse.studies.risk.assumptions import hazard_assumed, several_events
 from rockpulse.studies.risk.bands import FEWEST_EVENTS
@@ -141,7 +142,7 @@ def _of_bodies(
 
     def above(log_level: np.ndarray) -> np.ndarray:
         """What comes from levels above some (m or 1, r or 1), but none at which the body does not move: (m, r)."""
-        bound = np.maximum(log_level, curves.floor[:, np.newaxis] if hazards.measure == "pga" else -np.inf)
+        bound = np.maximum(log_level, curves.floor[:, np.newaxis] if hazards.measure == PGA else -np.inf)
         inside = np.clip(bound, curves.at[:, :, 0], curves.at[:, :, -1])
         step, chance = curves.step_of(inside), curves.read_at(curves.probability, inside)
         part = chosen(slope, step) * (hazards.integral_above(inside) - chosen(whole_above, step + 1))

@@ -19,13 +19,13 @@ from rockpulse.errors import RecordRefused, TooWeak
 from rockpulse.ladder import Scene
 from rockpulse.motions.directions import Motion
 from rockpulse.motions.runner import Part, Watch
-from rockpulse.record.intensity import pgv
+from rockpulse.record.measures import IMPULSE, MEASURES, STORED_LEVELS
 from rockpulse.record.record import Record
 from rockpulse.remark import Remark, find
 from rockpulse.storage.fact_variables import facts_of
 from rockpulse.storage.site_variables import OF_RECORDS
 from rockpulse.studies.site.design import PARAMETERS
-from rockpulse.studies.site.scaling import largest_impulse, scale_factor, scaled
+from rockpulse.studies.site.scaling import measured, scale_factor, scaled
 
 __all__ = [
     "USUAL_FACTORS",
@@ -109,11 +109,11 @@ def scaled_motion(motion: Motion, config: Config) -> tuple[Record, float]:
 
     A RecordRefused where it cannot be scaled.
     """
-    conditioned, factor = motion.record, scale_factor(motion.record, config)
+    conditioned, factor, scale_to = motion.record, scale_factor(motion.record, config), config.calibration.scale_to
     if not USUAL_FACTORS[0] <= factor <= USUAL_FACTORS[1]:
         low, high = USUAL_FACTORS
         conditioned = conditioned.with_warning(Remark("scaled_far", factor=factor, low=low, high=high))
-    if config.calibration.scale_to == "pgv" and find(conditioned.warnings, "baseline_drift"):
+    if scale_to != "none" and MEASURES[scale_to].drifts and find(conditioned.warnings, "baseline_drift"):
         conditioned = conditioned.with_warning(Remark("scaled_to_drift"))
     return scaled(conditioned, factor), factor
 
@@ -127,9 +127,8 @@ def facts_of_record(record: Record, factor: float, config: Config) -> dict[str, 
         "warnings": "\n".join(record.warnings),
         "processing": "\n".join(record.processing),
         "scale_factor": factor,
-        "pga": record.pga,
-        "pgv": pgv(record),
-        "largest_impulse": largest_impulse(record, config),
+        **{one.name: measured(one.name, record, config) for one in STORED_LEVELS},
+        "largest_impulse": measured(IMPULSE, record, config),
         **facts_of(SimpleNamespace(record=record)),
     }
 

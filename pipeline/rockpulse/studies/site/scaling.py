@@ -3,32 +3,21 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import replace
-
-import numpy as np
+from functools import partial
 
 from rockpulse.config.configuration import Config
 from rockpulse.errors import RecordRefused
 from rockpulse.record.half_wave import half_waves
-from rockpulse.record.intensity import pgv
+from rockpulse.record.measures import MEASURES, RecordOnBodies
 from rockpulse.record.record import Record
 
-__all__ = ["MEASURE", "largest_impulse", "scale_factor", "scaled"]
+__all__ = ["measured", "scale_factor", "scaled"]
 
 
-def largest_impulse(record: Record, config: Config) -> float:
-    """Largest half-wave impulse of a conditioned record [m/s], wherever in the record it is."""
-    impulses = half_waves(record, **config.half_waves).impulse
-    return float(np.max(np.abs(impulses), initial=0.0))
-
-
-#: Measure of a conditioned record by the word of ``[calibration] scale_to``; all are proportional to the record.
-MEASURE: dict[str, Callable[[Record, Config], float]] = {
-    "pga": lambda record, config: record.pga,
-    "pgv": lambda record, config: pgv(record),
-    "impulse": largest_impulse,
-}
+def measured(name: str, record: Record, config: Config) -> float:
+    """A measure of a conditioned record."""
+    return float(MEASURES[name].value(RecordOnBodies(record, partial(half_waves, record, **config.half_waves))))
 
 
 def scale_factor(record: Record, config: Config) -> float:
@@ -44,7 +33,7 @@ def scale_factor(record: Record, config: Config) -> float:
     settings = config.calibration
     if settings.scale_to == "none" or settings.target is None:
         return 1.0
-    measure = MEASURE[settings.scale_to](record, config)
+    measure = measured(settings.scale_to, record, config)
     if not (math.isfinite(measure) and measure > 0.0):
         raise RecordRefused(f"{record.id}: its {settings.scale_to} is {measure:g}: it cannot be scaled to a target")
     return settings.target / measure
